@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Camera: a calibration that can project. Immutable; safe to share between threads.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/core/calibration.hpp"
+
+namespace calvin {
+
+struct CameraFunctions;
+
+class Camera {
+ public:
+  // Checks everything that a file can get wrong: unknown model, missing, extra or non-finite
+  // parameters, focal lengths that are not positive, an empty image.
+  static Result<Camera> make(const Calibration& calibration);
+  // The same from bare numbers in the model's order (fx fy cx cy d0 ...), with an optional skew.
+  static Result<Camera> make(std::string_view model, ImageSize size,
+                             const std::vector<double>& parameters, double skew = 0);
+
+  [[nodiscard]] std::string_view model() const noexcept;
+  [[nodiscard]] ImageSize image_size() const noexcept { return size_; }
+  // fx fy cx cy d0 d1 ...
+  [[nodiscard]] const std::vector<double>& parameters() const noexcept { return parameters_; }
+  [[nodiscard]] double fx() const noexcept { return parameters_[0]; }
+  [[nodiscard]] double fy() const noexcept { return parameters_[1]; }
+  [[nodiscard]] double cx() const noexcept { return parameters_[2]; }
+  [[nodiscard]] double cy() const noexcept { return parameters_[3]; }
+  [[nodiscard]] double skew() const noexcept { return skew_; }
+
+  // Point in the camera frame (x right, y down, z forward, any unit) -> px. Absent where the model
+  // is not valid: behind a perspective lens, or where the distortion folds back. The result may
+  // lie outside the image.
+  [[nodiscard]] std::optional<Pixel> project(const Eigen::Vector3d& point) const noexcept;
+
+  // px -> unit ray in the camera frame; the inverse of project(). Absent where no valid ray leads
+  // to that pixel.
+  [[nodiscard]] std::optional<Eigen::Vector3d> unproject(Pixel pixel) const noexcept;
+
+  // The camera whose image is this one's, scaled to another size / cut to a part of it that
+  // starts at (x, y) px.
+  [[nodiscard]] Camera scaled(ImageSize size) const;
+  [[nodiscard]] Camera cropped(double x, double y, ImageSize size) const;
+
+  // Model, size and parameters as data; skew is listed only where it is not zero.
+  [[nodiscard]] Calibration to_calibration() const;
+
+ private:
+  Camera() = default;
+
+  const CameraFunctions* functions_ = nullptr;
+  ImageSize size_;
+  std::vector<double> parameters_;
+  double skew_ = 0;
+  double limit_ = 0;  // see camera/distortion.hpp
+};
+
+// "pinhole, brown4, ...": the models that this version knows, and the parameter names of one of
+// them (fx fy cx cy k1 ...; empty for an unknown one).
+[[nodiscard]] const std::vector<std::string_view>& model_names();
+[[nodiscard]] std::vector<std::string_view> parameter_names(std::string_view model);
+
+}  // namespace calvin

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What every lens model gives, and the helpers that several of them share.
+//
+// A lens model is a struct with static members only:
+//   kName, kCount, kNames       its name, the number of its coefficients and their names
+//   distort(d, p, xy, jp, jd)   point in the camera frame -> distorted normalised plane;
+//                               jp: 2x3 derivatives by the point, jd: 2xkCount derivatives by the
+//                               coefficients, both row-major, nullptr where not wanted.
+//                               False where the formula has no value (behind a pinhole).
+//   limit(d)                    the largest ideal radius at which the model is valid: beyond it
+//                               the image folds back. tan(angle) for perspective models, the
+//                               angle in rad for fisheye ones; may be infinite.
+//   radius(p)                   the ideal radius of a point in the same measure
+//   undistort(d, limit, xy)     the inverse of distort(): a unit ray, absent outside the valid
+//   image
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include <Eigen/Core>
+
+namespace calvin::lens {
+
+// The x in [0, limit] with f(x) = target, for an f that grows there from f(0) = 0: Newton kept
+// inside a bracket. `f` returns {value, slope}. Absent where the target is out of reach.
+template <typename F>
+std::optional<double> invert_growing(F f, double target, double limit) {
+  double low = 0;
+  double high = std::isfinite(limit) ? limit : std::max(1.0, 2 * target);
+  for (int i = 0; f(high).first < target; ++i) {
+    // A last step over the limit by rounding is still the limit.
+    if (std::isfinite(limit)) {
+      if (f(high).first < target * (1 - 1e-12)) return std::nullopt;
+      return limit;
+    }
+    if (i == 64) return std::nullopt;
+    high *= 2;
+  }
+  double x = std::min(target, high);
+  for (int i = 0; i < 100; ++i) {
+    const auto [value, slope] = f(x);
+    (value < target ? low : high) = x;
+    double next = x - (value - target) / slope;
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    if (std::abs(next - x) <= 1e-16 * (1 + x)) return next;
+    x = next;
+  }
+  return x;
+}
+
+}  // namespace calvin::lens

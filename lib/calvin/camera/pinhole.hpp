@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// A lens without distortion: x_d = X/Z, y_d = Y/Z.
+#pragma once
+
+#include <limits>
+
+#include "calvin/camera/distortion.hpp"
+
+namespace calvin::lens {
+
+struct Pinhole {
+  static constexpr std::string_view kName = "pinhole";
+  static constexpr int kCount = 0;
+  static constexpr std::array<std::string_view, 0> kNames = {};
+
+  static bool distort(const double* /*d*/, const Eigen::Vector3d& p, double* xy, double* jp,
+                      double* /*jd*/) {
+    if (!(p[2] > 1e-9 * (std::abs(p[0]) + std::abs(p[1])))) return false;
+    const double iz = 1 / p[2];
+    xy[0] = p[0] * iz;
+    xy[1] = p[1] * iz;
+    if (jp != nullptr) {
+      jp[0] = iz;
+      jp[1] = 0;
+      jp[2] = -xy[0] * iz;
+      jp[3] = 0;
+      jp[4] = iz;
+      jp[5] = -xy[1] * iz;
+    }
+    return true;
+  }
+
+  static double limit(const double* /*d*/) { return std::numeric_limits<double>::infinity(); }
+
+  static double radius(const Eigen::Vector3d& p) { return std::hypot(p[0], p[1]) / p[2]; }
+
+  static std::optional<Eigen::Vector3d> undistort(const double* /*d*/, double /*limit*/,
+                                                  const double* xy) {
+    return Eigen::Vector3d(xy[0], xy[1], 1).normalized();
+  }
+};
+
+}  // namespace calvin::lens

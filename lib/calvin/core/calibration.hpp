@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Calibration: what is known of one camera. Data only: camera/ makes a model of it, io/ files.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calvin/core/image.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/core/result.hpp"
+
+namespace calvin {
+
+// A rigid motion as plain numbers: Rodrigues vector (rad) and translation (m).
+struct Pose {
+  std::array<double, 3> rotation{};
+  std::array<double, 3> translation{};
+};
+
+// One intrinsic parameter, named as in docs/conventions.md. `sigma` is absent where the parameter
+// was not estimated.
+struct Parameter {
+  std::string name;
+  double value = 0;
+  std::optional<double> sigma;
+};
+
+// A view that took part in the solve, or was held out of it.
+struct ViewRecord {
+  std::uint64_t timestamp = kNoTimestamp;  // ns
+  double rms = 0;                          // px
+  int points = 0;
+  bool held_out = false;
+  Pose camera_from_board;
+};
+
+// z = kx (1 - x^2) + ky (1 - y^2) in m, with x and y in -1..1 over the board.
+struct BoardWarp {
+  double kx = 0;
+  double ky = 0;
+};
+
+// A part of the calibrated image, in its px.
+struct Rectangle {
+  double x = 0;
+  double y = 0;
+  double width = 0;
+  double height = 0;
+};
+
+struct Calibration {
+  std::string camera;
+  ImageSize image_size;
+  std::string model;                  // "brown5", ...
+  std::vector<Parameter> parameters;  // in the model's order, fx fy cx cy first
+
+  // Row-major, over the parameters that have a sigma, in the order of `parameters`; may be empty.
+  std::vector<double> covariance;
+
+  std::optional<double> rms;           // px, see docs/conventions.md
+  std::optional<double> held_out_rms;  // px
+  std::optional<double> chi;
+  std::optional<double> expected_error;  // px, 1 sigma
+  std::vector<Pixel> covered;            // convex polygon that the corners covered, px
+  std::string board;                     // board text
+  std::optional<BoardWarp> warp;
+  std::vector<ViewRecord> views;
+  std::optional<Rectangle> sensor_crop;  // the part of the calibrated image that frames show
+  std::optional<double> focus;
+  std::optional<double> zoom;
+  std::string created;  // ISO 8601, UTC
+
+  // The value of a parameter, or nullptr.
+  [[nodiscard]] const Parameter* find(std::string_view name) const noexcept;
+};
+
+}  // namespace calvin

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Observation: what was seen of one board in one frame.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "calvin/core/image.hpp"
+
+namespace calvin {
+
+inline constexpr std::uint64_t kNoTimestamp = std::numeric_limits<std::uint64_t>::max();
+
+// The control points of one board that were found in one frame. Structure of arrays: ids, uv and
+// sigma have the same length. A board that was not found has none.
+struct Observation {
+  std::string camera;                      // a name; empty where there is one camera only
+  std::string board;                       // the board text, e.g. "checkerboard:9x6:25mm"
+  std::uint64_t timestamp = kNoTimestamp;  // ns, of the frame it was found on
+  ImageSize image_size;                    // of the frame that `uv` refers to
+  std::vector<int> ids;                    // index of the control point in Board::points()
+  std::vector<Pixel> uv;                   // px
+  std::vector<double> sigma;               // px, 1 sigma per coordinate of each point
+
+  // The labellings that are as good as the given one ("rotate180", ...): empty where the board
+  // tells its own orientation.
+  std::vector<std::string> ambiguous;
+
+  [[nodiscard]] bool found() const noexcept { return !ids.empty(); }
+};
+
+}  // namespace calvin

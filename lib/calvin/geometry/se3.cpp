@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/geometry/se3.hpp"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+
+namespace calvin {
+
+Eigen::Matrix3d exp_so3(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  if (angle < 1e-300) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
+}
+
+Eigen::Vector3d log_so3(const Eigen::Matrix3d& rotation) {
+  // By way of the quaternion: exact to rounding at 0 and at pi alike.
+  const Eigen::Quaterniond q(rotation);
+  const Eigen::Vector3d axis = q.w() < 0 ? Eigen::Vector3d(-q.vec()) : Eigen::Vector3d(q.vec());
+  const double sine = axis.norm();
+  if (sine < 1e-300) return Eigen::Vector3d::Zero();
+  return axis * (2 * std::atan2(sine, std::abs(q.w())) / sine);
+}
+
+Eigen::Matrix3d closest_rotation(const Eigen::Matrix3d& m) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d sign = Eigen::Vector3d::Ones();
+  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
+  return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+}
+
+SE3 to_se3(const Pose& pose) {
+  return {exp_so3(Eigen::Vector3d(pose.rotation.data())), Eigen::Vector3d(pose.translation.data())};
+}
+
+Pose to_pose(const SE3& motion) {
+  const Eigen::Vector3d w = log_so3(motion.rotation);
+  const Eigen::Vector3d& t = motion.translation;
+  return {{w[0], w[1], w[2]}, {t[0], t[1], t[2]}};
+}
+
+}  // namespace calvin

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Rigid motions of space. Named a_from_b: it takes coordinates in frame b to frame a.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "calvin/core/calibration.hpp"
+
+namespace calvin {
+
+struct SE3 {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+
+  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
+    return rotation * point + translation;
+  }
+  [[nodiscard]] SE3 operator*(const SE3& other) const {
+    return {rotation * other.rotation, rotation * other.translation + translation};
+  }
+  [[nodiscard]] SE3 inverse() const {
+    return {rotation.transpose(), -(rotation.transpose() * translation)};
+  }
+};
+
+// Rotation by |w| rad about w (Rodrigues), and its inverse with |w| in 0..pi.
+[[nodiscard]] Eigen::Matrix3d exp_so3(const Eigen::Vector3d& w);
+[[nodiscard]] Eigen::Vector3d log_so3(const Eigen::Matrix3d& rotation);
+
+// The rotation closest to `m` in the Frobenius norm (Umeyama's sign: determinant +1).
+[[nodiscard]] Eigen::Matrix3d closest_rotation(const Eigen::Matrix3d& m);
+
+// Rigid motion as plain numbers (a file, a message) and back.
+[[nodiscard]] SE3 to_se3(const Pose& pose);
+[[nodiscard]] Pose to_pose(const SE3& motion);
+
+}  // namespace calvin

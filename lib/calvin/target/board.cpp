@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/target/board.hpp"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+
+namespace calvin {
+
+namespace {
+
+constexpr int kMaxSide = 200;
+constexpr std::string_view kExample =
+    "A right text is 'checkerboard:9x6:25mm': 9 by 6 inner corners, squares of 25 mm.";
+
+struct Unit {
+  std::string_view name;
+  double metres;
+};
+constexpr std::array<Unit, 5> kUnits = {
+    {{"mm", 1e-3}, {"cm", 1e-2}, {"um", 1e-6}, {"in", 0.0254}, {"m", 1}}};
+
+// Kinds of the board text that this version does not know yet.
+constexpr std::array<std::string_view, 6> kOtherKinds = {"circles",   "acircles", "charuco",
+                                                         "aprilgrid", "points",   "dot"};
+
+tl::unexpected<Error> wrong(std::string_view text, std::string_view why) {
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("The board text '{}' is wrong: {}. {}", text, why, kExample));
+}
+
+}  // namespace
+
+std::string Board::text() const {
+  return fmt::format("checkerboard:{}x{}:{}mm", cols, rows, std::round(size * 1e9) / 1e6);
+}
+
+std::vector<Eigen::Vector3d> Board::points() const {
+  std::vector<Eigen::Vector3d> all;
+  all.reserve(static_cast<std::size_t>(point_count()));
+  for (int row = 0; row < rows; ++row) {
+    for (int col = 0; col < cols; ++col) all.emplace_back(col * size, row * size, 0);
+  }
+  return all;
+}
+
+std::vector<std::string> Board::symmetries() const {
+  if ((cols + rows) % 2 != 0) return {};
+  if (cols == rows && cols % 2 == 0) return {"rotate90", "rotate180", "rotate270"};
+  return {"rotate180"};
+}
+
+Result<double> parse_length(std::string_view text) {
+  for (const Unit& unit : kUnits) {
+    if (!text.ends_with(unit.name)) continue;
+    const auto number = parse_double(trim(text.substr(0, text.size() - unit.name.size())));
+    if (!number) break;
+    if (!(*number > 0)) {
+      return fail(ErrorCode::kInvalidArgument, fmt::format("'{}' is not a positive length", text));
+    }
+    return *number * unit.metres;
+  }
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("'{}' is not a length with a unit (mm, cm, m, in, um), like 25mm", text));
+}
+
+Result<Board> parse_board(std::string_view text) {
+  const auto fields = split(text, ':');
+  for (const std::string_view kind : kOtherKinds) {
+    if (fields[0] == kind) {
+      return wrong(text,
+                   fmt::format("boards of the kind '{}' are not known to this version", kind));
+    }
+  }
+  if (fields[0] != "checkerboard") {
+    return wrong(text, fmt::format("there is no kind of board called '{}'", fields[0]));
+  }
+  if (fields.size() != 3) return wrong(text, "it needs a kind, a size in corners and a length");
+
+  const auto sides = split(fields[1], 'x');
+  const auto cols = parse_int(sides[0]);
+  const auto rows = sides.size() == 2 ? parse_int(sides[1]) : std::nullopt;
+  if (!cols || !rows) {
+    return wrong(text, fmt::format("'{}' is not COLSxROWS", fields[1]));
+  }
+  if (*cols < 2 || *rows < 2 || *cols > kMaxSide || *rows > kMaxSide || *cols * *rows < 6) {
+    return wrong(text, fmt::format("{}x{} inner corners is out of range (3x2 to {}x{})", *cols,
+                                   *rows, kMaxSide, kMaxSide));
+  }
+  const auto size = parse_length(fields[2]);
+  if (!size) return wrong(text, size.error().message);
+  if (*size < 1e-6 || *size > 1000) {
+    return wrong(text, fmt::format("squares of {} are out of range (1um to 1000m)", fields[2]));
+  }
+  return Board{BoardKind::kCheckerboard, *cols, *rows, *size};
+}
+
+}  // namespace calvin

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// One test for every camera model: Jacobians against numeric ones, round trips, validity.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/camera/models.hpp"
+
+namespace calvin {
+namespace {
+
+// Lenses to try each model with: mild, strong, and with everything at once.
+template <typename Lens>
+std::vector<std::vector<double>> coefficients();
+template <>
+std::vector<std::vector<double>> coefficients<lens::Pinhole>() {
+  return {{}};
+}
+template <>
+std::vector<std::vector<double>> coefficients<lens::Brown4>() {
+  return {{0, 0, 0, 0}, {-0.28, 0.09, 5e-4, -7e-4}, {0.3, -0.2, -2e-3, 1e-3}};
+}
+template <>
+std::vector<std::vector<double>> coefficients<lens::Brown5>() {
+  return {{-0.28, 0.09, 5e-4, -7e-4, 0.01}, {-0.4, 0.2, 2e-3, -1e-3, -0.06}};
+}
+template <>
+std::vector<std::vector<double>> coefficients<lens::Fisheye>() {
+  return {{0, 0, 0, 0}, {-0.02, 0.005, -0.003, 0.0005}, {0.036, -0.042, 0.016, -0.0021}};
+}
+
+// The widest angle from the axis to try, rad.
+template <typename Lens>
+constexpr double kWidest = 1.3;
+template <>
+constexpr double kWidest<lens::Fisheye> = 2.6;
+
+Eigen::Vector3d ray(double angle, double direction) {
+  return {std::sin(angle) * std::cos(direction), std::sin(angle) * std::sin(direction),
+          std::cos(angle)};
+}
+
+template <typename Lens>
+class CameraModel : public ::testing::Test {
+ protected:
+  static constexpr ImageSize kSize = {640, 480};
+
+  static std::vector<double> parameters(const std::vector<double>& lens) {
+    std::vector<double> all = {520, 518, 325, 236};
+    all.insert(all.end(), lens.begin(), lens.end());
+    return all;
+  }
+};
+
+using Lenses = ::testing::Types<lens::Pinhole, lens::Brown4, lens::Brown5, lens::Fisheye>;
+static_assert(std::tuple_size_v<AllLenses> == 4, "add the new model to Lenses above");
+TYPED_TEST_SUITE(CameraModel, Lenses);
+
+TYPED_TEST(CameraModel, JacobiansEqualNumericOnes) {
+  using M = Model<TypeParam>;
+  constexpr double kSkew = 0.7;
+  for (const auto& lens : coefficients<TypeParam>()) {
+    std::vector<double> p = this->parameters(lens);
+    for (double angle = 0; angle < kWidest<TypeParam>; angle += 0.0973) {
+      Eigen::Vector3d point = 1.7 * ray(angle, 9 * angle);
+      double uv[2];
+      double jp[6];
+      double jq[2 * M::kCount];
+      ASSERT_TRUE(M::project(p.data(), kSkew, point, uv, jp, jq));
+      const auto numeric = [&](double& x, int row) {
+        const double keep = x;
+        const double h = 1e-6 * std::max(1.0, std::abs(keep));
+        double plus[2];
+        double minus[2];
+        x = keep + h;
+        EXPECT_TRUE(M::project(p.data(), kSkew, point, plus, nullptr, nullptr));
+        x = keep - h;
+        EXPECT_TRUE(M::project(p.data(), kSkew, point, minus, nullptr, nullptr));
+        x = keep;
+        return (plus[row] - minus[row]) / (2 * h);
+      };
+      for (int row = 0; row < 2; ++row) {
+        for (int i = 0; i < 3; ++i) {
+          const double expected = numeric(point[i], row);
+          EXPECT_NEAR(jp[3 * row + i], expected, 1e-5 * (1 + std::abs(expected)))
+              << "d/dpoint " << i << " at " << angle;
+        }
+        for (int i = 0; i < M::kCount; ++i) {
+          const double expected = numeric(p[static_cast<std::size_t>(i)], row);
+          EXPECT_NEAR(jq[M::kCount * row + i], expected, 1e-5 * (1 + std::abs(expected)))
+              << "d/d" << M::names()[static_cast<std::size_t>(i)] << " at " << angle;
+        }
+      }
+    }
+  }
+}
+
+TYPED_TEST(CameraModel, ProjectAndUnprojectInvertEachOther) {
+  for (const auto& lens : coefficients<TypeParam>()) {
+    const auto camera = Camera::make(TypeParam::kName, this->kSize, this->parameters(lens), 0.3);
+    ASSERT_TRUE(camera.has_value()) << camera.error().message;
+    int valid = 0;
+    for (double angle = 0; angle < kWidest<TypeParam>; angle += 0.0173) {
+      for (double direction = 0; direction < 6.28; direction += 0.37) {
+        const Eigen::Vector3d expected = ray(angle, direction);
+        const auto pixel = camera->project(3.3 * expected);
+        if (!pixel) continue;
+        const auto found = camera->unproject(*pixel);
+        ASSERT_TRUE(found.has_value()) << "angle " << angle << " direction " << direction;
+        EXPECT_LT((*found - expected).norm(), 1e-10) << "angle " << angle;
+        ++valid;
+      }
+    }
+    EXPECT_GT(valid, 300);
+    for (int v = 0; v < 480; v += 13) {
+      for (int u = 0; u < 640; u += 17) {
+        const Pixel expected = {static_cast<double>(u), static_cast<double>(v)};
+        const auto direction = camera->unproject(expected);
+        if (!direction) continue;
+        EXPECT_NEAR(direction->norm(), 1, 1e-12);
+        const auto pixel = camera->project(*direction);
+        ASSERT_TRUE(pixel.has_value()) << u << ", " << v;
+        EXPECT_NEAR(pixel->u, expected.u, 1e-10 * 640);
+        EXPECT_NEAR(pixel->v, expected.v, 1e-10 * 640);
+      }
+    }
+  }
+}
+
+TYPED_TEST(CameraModel, ScalingAndCroppingFollowThePixelConvention) {
+  for (const auto& lens : coefficients<TypeParam>()) {
+    const auto camera = Camera::make(TypeParam::kName, this->kSize, this->parameters(lens));
+    ASSERT_TRUE(camera.has_value());
+    const Eigen::Vector3d point(0.2, -0.15, 1);
+    const auto at = camera->project(point);
+    const auto half = camera->scaled({320, 240}).project(point);
+    const auto part = camera->cropped(100, 50, {300, 300}).project(point);
+    ASSERT_TRUE(at && half && part);
+    EXPECT_NEAR(half->u, (at->u + 0.5) / 2 - 0.5, 1e-9);
+    EXPECT_NEAR(half->v, (at->v + 0.5) / 2 - 0.5, 1e-9);
+    EXPECT_NEAR(part->u, at->u - 100, 1e-9);
+    EXPECT_NEAR(part->v, at->v - 50, 1e-9);
+  }
+}
+
+TYPED_TEST(CameraModel, RefusesBrokenParameters) {
+  auto p = this->parameters(coefficients<TypeParam>().front());
+  const auto refused = [&](std::size_t i, double value) {
+    auto broken = p;
+    broken[i] = value;
+    const auto camera = Camera::make(TypeParam::kName, this->kSize, broken);
+    return !camera.has_value() && camera.error().code == ErrorCode::kMalformed &&
+           !camera.error().message.empty();
+  };
+  EXPECT_TRUE(refused(0, -520));
+  EXPECT_TRUE(refused(1, 0));
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    EXPECT_TRUE(refused(i, std::numeric_limits<double>::quiet_NaN()));
+    EXPECT_TRUE(refused(i, std::numeric_limits<double>::infinity()));
+  }
+  EXPECT_FALSE(Camera::make(TypeParam::kName, {0, 480}, p).has_value());
+  p.push_back(0);
+  EXPECT_FALSE(Camera::make(TypeParam::kName, this->kSize, p).has_value());
+}
+
+TEST(PerspectiveModel, IsNotValidBehindTheCamera) {
+  const auto camera = Camera::make("brown5", {640, 480}, {520, 518, 325, 236, -.3, .1, 0, 0, 0});
+  ASSERT_TRUE(camera.has_value());
+  EXPECT_FALSE(camera->project({0.1, 0.1, -1}).has_value());
+  EXPECT_FALSE(camera->project({1, 0, 0}).has_value());
+  EXPECT_FALSE(camera->project({0, 0, 0}).has_value());
+}
+
+TEST(PerspectiveModel, IsNotValidWhereTheDistortionFoldsBack) {
+  // x (1 - 0.3 x^2) has its maximum at x = 1/sqrt(0.9).
+  const auto camera = Camera::make("brown4", {640, 480}, {500, 500, 320, 240, -0.3, 0, 0, 0});
+  ASSERT_TRUE(camera.has_value());
+  const double fold = 1 / std::sqrt(0.9);
+  const double rim = fold * (1 - 0.3 * fold * fold);
+  EXPECT_TRUE(camera->project({fold * 0.999, 0, 1}).has_value());
+  EXPECT_FALSE(camera->project({fold * 1.001, 0, 1}).has_value());
+  EXPECT_TRUE(camera->unproject({320 + 500 * rim * 0.999, 240}).has_value());
+  EXPECT_FALSE(camera->unproject({320 + 500 * rim * 1.001, 240}).has_value());
+}
+
+TEST(FisheyeModel, SeesPast90DegreesAndSaysWhereItEnds) {
+  const auto camera = Camera::make("fisheye", {640, 480}, {200, 200, 320, 240, 0, 0, 0, 0});
+  ASSERT_TRUE(camera.has_value());
+  const auto pixel = camera->project(ray(1.9, 0));
+  ASSERT_TRUE(pixel.has_value());
+  EXPECT_NEAR(pixel->u, 320 + 200 * 1.9, 1e-9);
+  EXPECT_LT(camera->unproject(*pixel)->z(), -0.3);
+  EXPECT_FALSE(camera->project({0, 0, -1}).has_value());
+  EXPECT_FALSE(camera->unproject({320 + 200 * 3.2, 240}).has_value());
+}
+
+TEST(CameraFromCalibration, NamesWhatIsWrong) {
+  Calibration c;
+  c.image_size = {640, 480};
+  c.model = "brown4";
+  c.parameters = {{"fx", 500, {}}, {"fy", 500, {}}, {"cx", 320, {}}, {"cy", 240, {}},
+                  {"k1", 0, {}},   {"k2", 0, {}},   {"p1", 0, {}},   {"p2", 0, {}}};
+  EXPECT_TRUE(Camera::make(c).has_value());
+  Calibration missing = c;
+  missing.parameters.pop_back();
+  EXPECT_NE(Camera::make(missing).error().message.find("'p2'"), std::string::npos);
+  Calibration extra = c;
+  extra.parameters.push_back({"k9", 0, {}});
+  EXPECT_NE(Camera::make(extra).error().message.find("'k9'"), std::string::npos);
+  Calibration unknown = c;
+  unknown.model = "brown99";
+  EXPECT_NE(Camera::make(unknown).error().message.find("brown5"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace calvin

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Rigid motions, homographies, polynomial roots.
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include "calvin/geometry/homography.hpp"
+#include "calvin/geometry/polynomial.hpp"
+#include "calvin/geometry/se3.hpp"
+
+namespace calvin {
+namespace {
+
+TEST(So3, LogInvertsExpFromTinyAnglesToPi) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (const double angle : {0.0, 1e-12, 1e-6, 0.3, 3.0, std::numbers::pi - 1e-9}) {
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector3d axis =
+          Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+      const Eigen::Vector3d w = axis * angle;
+      EXPECT_LT((log_so3(exp_so3(w)) - w).norm(), 1e-8 * (1 + angle)) << "angle " << angle;
+    }
+  }
+}
+
+TEST(Se3, InverseAndPoseRoundTrip) {
+  const SE3 a = to_se3({{0.1, -0.4, 1.2}, {0.3, 0.2, -0.5}});
+  const Eigen::Vector3d p(1, 2, 3);
+  EXPECT_LT((a.inverse() * (a * p) - p).norm(), 1e-14);
+  const Pose pose = to_pose(a);
+  EXPECT_NEAR(pose.rotation[1], -0.4, 1e-14);
+  EXPECT_NEAR(pose.translation[2], -0.5, 1e-14);
+}
+
+TEST(So3, ClosestRotationIsProper) {
+  const Eigen::Matrix3d r = closest_rotation(-Eigen::Matrix3d::Identity());
+  EXPECT_NEAR(r.determinant(), 1, 1e-12);
+}
+
+TEST(Homography, FindsTheMapOfExactPoints) {
+  Eigen::Matrix3d h;
+  h << 600, 20, 320, -15, 580, 240, 0.2, -0.1, 1;
+  std::vector<Pixel> xy;
+  std::vector<Pixel> uv;
+  for (int i = 0; i < 12; ++i) {
+    xy.push_back({0.03 * (i % 4), 0.03 * (i / 4)});
+    uv.push_back(transform(h, xy.back()));
+  }
+  const auto found = fit_homography(xy, uv);
+  ASSERT_TRUE(found.has_value()) << found.error().message;
+  EXPECT_LT((*found - h).norm(), 1e-6 * h.norm());
+}
+
+TEST(Homography, RefusesPointsOnALine) {
+  std::vector<Pixel> xy;
+  std::vector<Pixel> uv;
+  for (int i = 0; i < 6; ++i) {
+    xy.push_back({0.1 * i, 0.2 * i});
+    uv.push_back({10.0 * i, 5.0 * i});
+  }
+  const auto found = fit_homography(xy, uv);
+  ASSERT_FALSE(found.has_value());
+  EXPECT_EQ(found.error().code, ErrorCode::kDegenerate);
+}
+
+TEST(Polynomial, SmallestPositiveRoot) {
+  EXPECT_NEAR(smallest_positive_root(std::vector<double>{6, -5, 1}), 2, 1e-12);
+  EXPECT_NEAR(smallest_positive_root(std::vector<double>{1, -0.9, 0, 0}), 1 / 0.9, 1e-12);
+  EXPECT_TRUE(std::isinf(smallest_positive_root(std::vector<double>{1, 1, 1})));
+  EXPECT_TRUE(std::isinf(smallest_positive_root(std::vector<double>{1, 0, 0})));
+}
+
+}  // namespace
+}  // namespace calvin
