@@ -30,8 +30,8 @@ constexpr std::array<std::string_view, 6> kOtherKinds = {"circles",   "acircles"
                                                          "aprilgrid", "points",   "dot"};
 
 tl::unexpected<Error> wrong(std::string_view text, std::string_view why) {
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("The board text '{}' is wrong: {}. {}", text, why, kExample));
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("The board text '{}' is wrong: {}. {}", text, why, kExample));
 }
 
 }  // namespace
@@ -61,12 +61,14 @@ Result<double> parse_length(std::string_view text) {
     const auto number = parse_double(trim(text.substr(0, text.size() - unit.name.size())));
     if (!number) break;
     if (!(*number > 0)) {
-      return fail(ErrorCode::kInvalidArgument, fmt::format("'{}' is not a positive length", text));
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("'{}' is not a positive length", text));
     }
     return *number * unit.metres;
   }
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("'{}' is not a length with a unit (mm, cm, m, in, um), like 25mm", text));
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("'{}' is not a length with a unit (mm, cm, m, in, um), like 25mm", text));
 }
 
 Result<Board> parse_board(std::string_view text) {
