@@ -30,11 +30,6 @@ constexpr std::array<Unit, 5> kUnits = {
 constexpr std::array<std::string_view, 6> kOtherKinds = {"circles",   "acircles", "charuco",
                                                          "aprilgrid", "points",   "dot"};
 
-<<<<<<< HEAD
-tl::unexpected<Error> wrong(std::string_view text, std::string_view why) {
-  return make_error(ErrorCode::kInvalidArgument,
-                    fmt::format("The board text '{}' is wrong: {}. {}", text, why, kExample));
-=======
 constexpr std::size_t kLongest = 100;
 
 // What a user typed, fit for one line of a log.
@@ -49,16 +44,15 @@ std::string one_line(std::string text) {
 std::string_view without_stop(std::string_view phrase) {
   if (phrase.ends_with('.')) phrase.remove_suffix(1);
   return phrase;
->>>>>>> draw
 }
 
 }  // namespace
 
 tl::unexpected<Error> wrong_board_text(std::string_view text, std::string_view why,
                                        ErrorCode code) {
-  return fail(code,
-              one_line(fmt::format("The board text '{}' is wrong: {}. {}",
-                                   text.substr(0, 2 * kLongest), without_stop(why), kExample)));
+  return make_error(
+      code, one_line(fmt::format("The board text '{}' is wrong: {}. {}",
+                                 text.substr(0, 2 * kLongest), without_stop(why), kExample)));
 }
 
 std::string Board::text() const {
