@@ -239,9 +239,10 @@ Observation true_observation(const Camera& camera, const Board& board,
 
 Camera default_camera(ImageSize size, double field_of_view) {
   constexpr double kDegree = std::numbers::pi / 180;
-  const double angle = std::clamp(field_of_view, 10 * kDegree, 110 * kDegree) / 2;
-  const std::array<double, 5> lens = {-0.25, 0.08, 6e-4, -4e-4, -0.01};
-  const double r = std::tan(angle);
+  const double r = std::tan(std::clamp(field_of_view, 10 * kDegree, 110 * kDegree) / 2);
+  // Beyond 70 degrees the distortion at the border grows no further: the image would fold back.
+  const double s = std::min(1.0, 0.5 / (r * r));
+  const std::array<double, 5> lens = {-0.25 * s, 0.08 * s * s, 6e-4, -4e-4, -0.01 * s * s * s};
   const double edge = r * (1 + r * r * (lens[0] + r * r * (lens[1] + r * r * lens[4])));
   const int width = std::clamp(size.width, 1, 65536);
   const int height = std::clamp(size.height, 1, 65536);
