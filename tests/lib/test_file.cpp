@@ -5,15 +5,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "calvin/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace calvin {
 namespace {
@@ -22,19 +20,9 @@ namespace fs = std::filesystem;
 
 class File : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "calvin-file-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  [[nodiscard]] std::string path(const char* name) const { return (folder_ / name).string(); }
-  [[nodiscard]] std::size_t entries() const {
-    return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-  }
+  [[nodiscard]] std::string path(const char* name) const { return folder_.path(name); }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(File, WhatIsWrittenIsRead) {
@@ -44,7 +32,7 @@ TEST_F(File, WhatIsWrittenIsRead) {
   const auto read = read_file(path("a.bin"));
   ASSERT_TRUE(read.has_value()) << read.error().message;
   EXPECT_EQ(*read, bytes);
-  EXPECT_EQ(entries(), 1u) << "a temporary file stayed behind";
+  EXPECT_EQ(folder_.entries(), 1u) << "a temporary file stayed behind";
 }
 
 TEST_F(File, KeepsModeAndLink) {
@@ -71,7 +59,7 @@ TEST_F(File, NewFilesFollowTheUmask) {
 TEST_F(File, ReadErrorsSayWhich) {
   EXPECT_EQ(read_file(path("none")).error().code, ErrorCode::kNotFound);
   EXPECT_NE(read_file(path("none")).error().message.find(path("none")), std::string::npos);
-  EXPECT_EQ(read_file(folder_.string()).error().code, ErrorCode::kIo);
+  EXPECT_EQ(read_file(folder_.path()).error().code, ErrorCode::kIo);
   ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
   EXPECT_EQ(read_file(path("pipe")).error().code, ErrorCode::kIo);
   ASSERT_TRUE(write_file(path("big"), std::string(1001, 'x')).has_value());
@@ -81,15 +69,15 @@ TEST_F(File, ReadErrorsSayWhich) {
 
 TEST_F(File, WriteErrorsLeaveNothing) {
   for (const std::string& wrong :
-       {std::string(), path("none/a.json"), folder_.string(), folder_.string() + "/"}) {
+       {std::string(), path("none/a.json"), folder_.path(), folder_.path() + "/"}) {
     const auto written = write_file(wrong, "x");
     ASSERT_FALSE(written.has_value()) << wrong;
     EXPECT_EQ(written.error().code, ErrorCode::kIo) << wrong;
     EXPECT_FALSE(check_writable(wrong).has_value()) << wrong;
   }
-  EXPECT_EQ(entries(), 0u);
+  EXPECT_EQ(folder_.entries(), 0u);
   EXPECT_TRUE(check_writable(path("a.json")).has_value());
-  EXPECT_EQ(entries(), 0u) << "check_writable() touched the folder";
+  EXPECT_EQ(folder_.entries(), 0u) << "check_writable() touched the folder";
 }
 
 TEST_F(File, DevicesAreWrittenNotReplaced) {
