@@ -5,3 +5,6 @@
 #pragma once
 
 #include <gst/gst.h>
+GST_ELEMENT_REGISTER_DECLARE(calibdetect)
+GST_ELEMENT_REGISTER_DECLARE(calibrate)
+GST_ELEMENT_REGISTER_DECLARE(calibsolve)

@@ -11,8 +11,10 @@
 
 static gboolean plugin_init(GstPlugin* plugin) {
   calvin::gst::register_metas();
-  gboolean any = TRUE;
-  (void)plugin;
+  gboolean any = FALSE;
+  any |= GST_ELEMENT_REGISTER(calibdetect, plugin);
+  any |= GST_ELEMENT_REGISTER(calibsolve, plugin);
+  any |= GST_ELEMENT_REGISTER(calibrate, plugin);
   return any;
 }
 

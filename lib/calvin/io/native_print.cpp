@@ -111,7 +111,7 @@ bool all_finite(const Json& json) {
 
 Result<std::string> print_native(const Calibration& calibration) {
   if (calibration.image_size.width < 1 || calibration.image_size.height < 1) {
-    return fail(ErrorCode::kInvalidArgument,
+    return make_error(ErrorCode::kInvalidArgument,
                 "The calibration does not say its image size, which a calibration file must hold.");
   }
   Json json = {{"format", "calvin-calibration"}, {"version", kNativeVersion}};
@@ -131,7 +131,7 @@ Result<std::string> print_native(const Calibration& calibration) {
   put(json, "expected_error", calibration.expected_error);
   put_rest(json, calibration);
   if (!all_finite(json)) {
-    return fail(ErrorCode::kInvalidArgument,
+    return make_error(ErrorCode::kInvalidArgument,
                 "The calibration holds a number that is not finite and cannot be written.");
   }
   return print_lines(json);

@@ -82,7 +82,7 @@ Result<Placement> place(const View& view) {
   p.top_nearer = nearer(distance(corner[0], corner[1]), distance(corner[3], corner[2]));
   for (const double value : {p.x, p.y, p.size, p.skew, p.left_nearer, p.top_nearer}) {
     if (!std::isfinite(value)) {
-      return fail(ErrorCode::kDegenerate, "The board is seen edge on.");
+      return make_error(ErrorCode::kDegenerate, "The board is seen edge on.");
     }
   }
   return p;

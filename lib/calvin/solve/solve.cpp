@@ -20,7 +20,7 @@ constexpr double kMargin = 0.05;
 
 Status check_size(ImageSize size) {
   if (size.width < 1 || size.height < 1 || size.width > 65536 || size.height > 65536) {
-    return fail(ErrorCode::kInvalidArgument,
+    return make_error(ErrorCode::kInvalidArgument,
                 fmt::format("An image of {}x{} px cannot be calibrated; give the size of the "
                             "frames that the board was seen in.",
                             size.width, size.height));
@@ -38,7 +38,7 @@ bool within(Pixel p, ImageSize size) {
 Status check_board(const Board& board) {
   if (board.cols < 1 || board.rows < 1 || board.cols > 10000 || board.rows > 10000 ||
       !std::isfinite(board.size) || !(board.size > 0)) {
-    return fail(ErrorCode::kInvalidArgument,
+    return make_error(ErrorCode::kInvalidArgument,
                 fmt::format("A board of {}x{} corners {} m apart does not exist.", board.cols,
                             board.rows, board.size));
   }
@@ -63,7 +63,7 @@ Result<Gathered> gather(std::span<const View> views, ImageSize size) {
       continue;
     }
     if (const Status status = check(views[i], size); !status) {
-      return fail(status.error().code, fmt::format("View {}: {}", i, status.error().message));
+      return make_error(status.error().code, fmt::format("View {}: {}", i, status.error().message));
     }
     PointSet points = to_points(views[i].board, seen);
     points.index = i;
@@ -97,7 +97,7 @@ Status check(const View& view, ImageSize image_size) {
   if (const Status status = check_board(view.board); !status) return status;
   const Observation& seen = view.observation;
   const auto refuse = [](std::string message) {
-    return fail(ErrorCode::kInvalidArgument, std::move(message));
+    return make_error(ErrorCode::kInvalidArgument, std::move(message));
   };
   if (seen.ids.size() != seen.uv.size()) {
     return refuse(fmt::format("{} ids and {} corners were given; each corner needs its id.",
