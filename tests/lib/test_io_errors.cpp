@@ -19,6 +19,7 @@
 #include "calvin/io/settings.hpp"
 #include "calvin_config.h"
 #include "io_samples.hpp"
+#include "temporary_folder.hpp"
 
 namespace calvin {
 namespace {
@@ -360,19 +361,10 @@ TEST(KeyList, WrongTextsShowARightOne) {
 
 class Folder : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "calvin-io-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  std::size_t entries() const { return temporary_.entries(); }
 
-  std::size_t entries() const {
-    return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-  }
-
-  fs::path folder_;
+  TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(Folder, SettingInItsOrder) {
