@@ -48,7 +48,7 @@ bool is_control(char c) {
 }
 
 Result<Node> parse_document(std::string_view content) {
-  if (content.starts_with('{')) return io::parse_json(content);
+  if (content.starts_with('{') || content.starts_with('[')) return io::parse_json(content);
   if (content.starts_with('<')) return io::parse_xml(content);
   return io::parse_yaml(content);
 }
