@@ -11,8 +11,8 @@
 
 static gboolean plugin_init(GstPlugin* plugin) {
   calvin::gst::register_metas();
-  gboolean any = TRUE;
-  (void)plugin;
+  gboolean any = FALSE;
+  any |= GST_ELEMENT_REGISTER(caliboverlay, plugin);
   return any;
 }
 
