@@ -40,13 +40,13 @@ void rounded_box(cairo_t* cr, double width, double height, double radius) {
   cairo_close_path(cr);
 }
 
-// A tile of this size in the middle of the frame's lower edge.
+// A tile of this size in the middle of the frame's lower edge, at multiples of 4 as all tiles.
 OverlayTile placed(ImageSize frame, const Sizes& sizes, int width, int height) {
   OverlayTile tile;
   tile.width = std::min(width, frame.width);
   tile.height = std::min(height, frame.height);
-  tile.x = (frame.width - tile.width) / 2;
-  tile.y = std::max(0, frame.height - tile.height - static_cast<int>(sizes.margin));
+  tile.x = (frame.width - tile.width) / 2 / 4 * 4;
+  tile.y = std::max(0, frame.height - tile.height - static_cast<int>(sizes.margin)) / 4 * 4;
   tile.pixels.resize(4 * static_cast<std::size_t>(tile.width) *
                      static_cast<std::size_t>(tile.height));
   return tile;
