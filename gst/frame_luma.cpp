@@ -34,10 +34,11 @@ Status LumaReader::set_format(const GstVideoInfo& info) {
   converter_.reset(gst_video_converter_new(&from, &gray_info_, nullptr));
   gray_.reset(gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&gray_info_), nullptr));
   if (!converter_ || !gray_) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("No grey picture can be made of the format {}: insert videoconvert "
-                            "before this element.",
-                            GST_VIDEO_INFO_NAME(&info)));
+    return make_error(
+        ErrorCode::kUnsupported,
+        fmt::format("No grey picture can be made of the format {}: insert videoconvert "
+                    "before this element.",
+                    GST_VIDEO_INFO_NAME(&info)));
   }
   return {};
 }

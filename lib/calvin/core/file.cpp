@@ -45,7 +45,7 @@ class Descriptor {
 
 tl::unexpected<Error> refused(std::string_view verb, const std::string& path, int error) {
   const ErrorCode code = error == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
-  return fail(
+  return make_error(
       code, fmt::format("Cannot {} '{}': {}.", verb, path, std::generic_category().message(error)));
 }
 
@@ -121,9 +121,10 @@ Result<std::string> read_all(int fd, const std::string& path, std::size_t max_by
     if (n == 0) return bytes;
     bytes.append(block.data(), static_cast<std::size_t>(n));
     if (bytes.size() > max_bytes) {
-      return fail(ErrorCode::kIo, fmt::format("'{}' is larger than the {} bytes that such a file "
-                                              "may have: is it the right file?",
-                                              path, max_bytes));
+      return make_error(ErrorCode::kIo,
+                        fmt::format("'{}' is larger than the {} bytes that such a file "
+                                    "may have: is it the right file?",
+                                    path, max_bytes));
     }
   }
 }
@@ -138,7 +139,8 @@ Result<std::string> read_file(const std::string& path, std::size_t max_bytes) {
   if (::fstat(file.get(), &info) != 0) return refused("read", path, errno);
   if (S_ISDIR(info.st_mode)) return refused("read", path, EISDIR);
   if (!S_ISREG(info.st_mode)) {
-    return fail(ErrorCode::kIo, fmt::format("Cannot read '{}': it is not a regular file.", path));
+    return make_error(ErrorCode::kIo,
+                      fmt::format("Cannot read '{}': it is not a regular file.", path));
   }
   return read_all(file.get(), path, max_bytes);
 }

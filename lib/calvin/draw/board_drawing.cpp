@@ -159,17 +159,18 @@ void draw_page(const Canvas& canvas, const Board& board, const BoardLayout& page
 
 Status check_pixels(const BoardLayout& page, double dpi) {
   if (!(dpi >= 20 && dpi <= 2400)) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} dpi is out of range (20 to 2400).", dpi));
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("{} dpi is out of range (20 to 2400).", dpi));
   }
   const double most = std::min(std::sqrt(kMostPixels / (page.width * page.height)),
                                kLongestSide / std::max(page.width, page.height)) *
                       kInch;
   if (dpi <= most) return {};
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("At {} dpi the page would have too many pixels; take at most {:.0f} dpi, "
-                          "or PDF or SVG, which have none.",
-                          dpi, std::floor(most)));
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("At {} dpi the page would have too many pixels; take at most {:.0f} dpi, "
+                  "or PDF or SVG, which have none.",
+                  dpi, std::floor(most)));
 }
 
 Result<std::string> draw(const Board& board, const DrawingOptions& options) {
@@ -195,8 +196,8 @@ Result<std::string> draw(const Board& board, const DrawingOptions& options) {
   cairo_surface_finish(surface);
   if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface);
   if (status != CAIRO_STATUS_SUCCESS) {
-    return fail(ErrorCode::kIo, fmt::format("Cairo cannot draw the board {}: {}.", board.text(),
-                                            cairo_status_to_string(status)));
+    return make_error(ErrorCode::kIo, fmt::format("Cairo cannot draw the board {}: {}.",
+                                                  board.text(), cairo_status_to_string(status)));
   }
   if (png) set_png_resolution(bytes, options.dpi / kInch);
   return bytes;
@@ -208,7 +209,7 @@ Result<std::string> draw_board(const Board& board, const DrawingOptions& options
   try {
     return draw(board, options);
   } catch (const std::exception& error) {
-    return fail(ErrorCode::kIo, fmt::format("The board cannot be drawn: {}.", error.what()));
+    return make_error(ErrorCode::kIo, fmt::format("The board cannot be drawn: {}.", error.what()));
   }
 }
 
@@ -219,7 +220,7 @@ Result<std::string> draw_board(const Board& board, const DrawingOptions& options
 namespace calvin {
 
 Result<std::string> draw_board(const Board& /*board*/, const DrawingOptions& /*options*/) {
-  return fail(
+  return make_error(
       ErrorCode::kUnsupported,
       "This build draws no boards: it was made without Cairo. Build it with -Ddraw=enabled.");
 }

@@ -109,10 +109,11 @@ tl::unexpected<Error> does_not_fit(const Board& board, const Paper& paper) {
                           std::round(size * 1e4) / 10, board.cols, board.rows,
                           std::round(size * 1e4) / 10);
   }
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("{} needs {} with its white border and does not fit on {} ({}): {}.",
-                          board.text(), in_mm(page_for(board)), paper.name,
-                          in_mm({paper.width, paper.height}), advice));
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{} needs {} with its white border and does not fit on {} ({}): {}.",
+                  board.text(), in_mm(page_for(board)), paper.name,
+                  in_mm({paper.width, paper.height}), advice));
 }
 
 BoardLayout centred(const Board& board, const Extent& page) {
@@ -125,10 +126,11 @@ Result<BoardLayout> made_to_measure(const Board& board) {
   Extent page = page_for(board);
   page.width = std::max(page.width, kNarrowestPage);
   if (std::max(page.width, page.height) > kLargestPage) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} needs a page of {}, more than the {} m that a drawing may have; "
-                            "take smaller squares.",
-                            board.text(), in_mm(page), kLargestPage));
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} needs a page of {}, more than the {} m that a drawing may have; "
+                    "take smaller squares.",
+                    board.text(), in_mm(page), kLargestPage));
   }
   return centred(board, page);
 }
@@ -144,9 +146,9 @@ Result<BoardLayout> lay_out_board(const Board& board, std::string_view paper) {
     if (name != "auto") return does_not_fit(board, candidate);
   }
   if (name == "auto") return made_to_measure(board);
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("There is no paper called '{}'; use auto, fit or one of {}.", paper,
-                          fmt::join(paper_names(), ", ")));
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("There is no paper called '{}'; use auto, fit or one of {}.", paper,
+                                fmt::join(paper_names(), ", ")));
 }
 
 std::vector<std::string> paper_names() {
@@ -164,7 +166,7 @@ Result<DrawingFormat> drawing_format(std::string_view path) {
   for (const auto& [extension, format] : kFormats) {
     if (name.size() > extension.size() && name.ends_with(extension)) return format;
   }
-  return fail(
+  return make_error(
       ErrorCode::kInvalidArgument,
       fmt::format("'{}' tells no format: a drawing's name ends in .pdf, .svg or .png.", path));
 }

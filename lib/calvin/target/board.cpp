@@ -50,9 +50,9 @@ std::string_view without_stop(std::string_view phrase) {
 
 tl::unexpected<Error> wrong_board_text(std::string_view text, std::string_view why,
                                        ErrorCode code) {
-  return fail(code,
-              one_line(fmt::format("The board text '{}' is wrong: {}. {}",
-                                   text.substr(0, 2 * kLongest), without_stop(why), kExample)));
+  return make_error(
+      code, one_line(fmt::format("The board text '{}' is wrong: {}. {}",
+                                 text.substr(0, 2 * kLongest), without_stop(why), kExample)));
 }
 
 std::string Board::text() const {
@@ -80,12 +80,14 @@ Result<double> parse_length(std::string_view text) {
     const auto number = parse_double(trim(text.substr(0, text.size() - unit.name.size())));
     if (!number) break;
     if (!(*number > 0)) {
-      return fail(ErrorCode::kInvalidArgument, fmt::format("'{}' is not a positive length", text));
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("'{}' is not a positive length", text));
     }
     return *number * unit.metres;
   }
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("'{}' is not a length with a unit (mm, cm, m, in, um), like 25mm", text));
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("'{}' is not a length with a unit (mm, cm, m, in, um), like 25mm", text));
 }
 
 Result<Board> parse_board(std::string_view text) {

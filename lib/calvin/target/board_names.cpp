@@ -26,9 +26,9 @@ constexpr std::string_view kExampleFile =
     R"({"format": "calvin-boards", "version": 1, "boards": {"floor": "checkerboard:9x6:25mm"}})";
 
 tl::unexpected<Error> broken(const std::string& path, std::string_view why) {
-  return fail(ErrorCode::kMalformed,
-              fmt::format("'{}' is not a file of board names: {}. A right one is {}.", path, why,
-                          kExampleFile));
+  return make_error(ErrorCode::kMalformed,
+                    fmt::format("'{}' is not a file of board names: {}. A right one is {}.", path,
+                                why, kExampleFile));
 }
 
 // Anything that nlohmann throws ends here; the others of this file may let it pass.
@@ -53,9 +53,10 @@ Result<ordered_json> read_names(const std::string& path) {
     return broken(path, "it has no version");
   }
   if (json["version"] != 1) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("'{}' has version {} of its format; this library reads version 1.",
-                            path, json["version"].dump()));
+    return make_error(
+        ErrorCode::kUnsupported,
+        fmt::format("'{}' has version {} of its format; this library reads version 1.", path,
+                    json["version"].dump()));
   }
   if (!json.contains("boards") || !json["boards"].is_object()) {
     return broken(path, "it has no boards");
@@ -116,11 +117,12 @@ Status check_name(std::string_view name) {
     return c == '#' || c == ';' || (c >= 0 && c < ' ') || c == 127;
   });
   if (!name.empty() && name.size() <= kMaxName && !control && trim(name) == name) return {};
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("The board name '{}' is wrong: it needs 1 to {} characters without '#' "
-                          "and ';' and without a space at its ends, like 'floor' for "
-                          "checkerboard:9x6:25mm.",
-                          name, kMaxName));
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("The board name '{}' is wrong: it needs 1 to {} characters without '#' "
+                  "and ';' and without a space at its ends, like 'floor' for "
+                  "checkerboard:9x6:25mm.",
+                  name, kMaxName));
 }
 
 Status add(const std::string& path, std::string_view name, const Board& board) {

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Renders boards through any camera, with exact ground truth.
+//
+// Intensities are linear: grey level = exposure * reflectance, without gamma, lens shading or
+// glare. A pixel is the mean of the scene over its square, to the accuracy of a straight edge
+// within one pixel; edges lie where the camera's project() puts them to better than 0.002 px.
+// Around the pattern runs a light margin of one square, around that a constant background, which
+// also stands where the camera model is not valid. From behind a board is a blank light card.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/core/image.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/geometry/se3.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+
+struct RenderOptions {
+  double noise = 0;        // grey levels, 1 sigma, Gaussian, independent from pixel to pixel
+  double blur = 0;         // px, 1 sigma, Gaussian, on top of the pixel's own square; up to 50
+  std::uint64_t seed = 0;  // of the noise alone
+  double exposure = 1;     // factor on the grey levels below; the result is cut off at 255
+  double dark = 30;        // grey levels of the scene
+  double light = 220;
+  double background = 128;
+};
+
+// Renders many views through one camera: what depends on the camera alone is computed once.
+// Immutable; safe to share between threads.
+class BoardRenderer {
+ public:
+  explicit BoardRenderer(const Camera& camera);
+
+  // The image is the same for the same arguments on every machine, but for a grey level in rare
+  // pixels where the processor's rounding decides.
+  [[nodiscard]] GrayImage render(const Board& board, const SE3& camera_from_board,
+                                 const RenderOptions& options = {}) const;
+
+ private:
+  ImageSize size_;
+  // Rays of the pixels' corners, (width + 1) * (height + 1), x y z; zero where not valid.
+  std::vector<float> rays_;
+};
+
+// One view; BoardRenderer is quicker for several.
+[[nodiscard]] GrayImage render_board(const Camera& camera, const Board& board,
+                                     const SE3& camera_from_board,
+                                     const RenderOptions& options = {});
+
+// Every control point whose image is valid and inside the image, with sigma 0. Empty where the
+// board turns its back.
+[[nodiscard]] Observation true_observation(const Camera& camera, const Board& board,
+                                           const SE3& camera_from_board);
+
+// A plausible camera for images of any size: brown5 with mild barrel distortion, pixels not quite
+// square and a principal point off the centre. `field_of_view` in rad is that of the longer side,
+// kept within 10 to 110 degrees.
+[[nodiscard]] Camera default_camera(ImageSize size, double field_of_view = 1.2217304763960306);
+
+}  // namespace calvin
