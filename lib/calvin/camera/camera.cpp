@@ -48,9 +48,10 @@ const CameraFunctions* find_model(std::string_view name) {
 }
 
 tl::unexpected<Error> unknown_model(std::string_view name) {
-  return fail(ErrorCode::kUnsupported,
-              fmt::format("The camera model '{}' is not known to this version. Known models: {}.",
-                          name, fmt::join(model_names(), ", ")));
+  return make_error(
+      ErrorCode::kUnsupported,
+      fmt::format("The camera model '{}' is not known to this version. Known models: {}.", name,
+                  fmt::join(model_names(), ", ")));
 }
 
 }  // namespace
@@ -76,9 +77,9 @@ Result<Camera> Camera::make(const Calibration& calibration) {
   for (const std::string_view name : f->parameters) {
     const Parameter* p = calibration.find(name);
     if (p == nullptr) {
-      return fail(ErrorCode::kMalformed,
-                  fmt::format("The calibration has no '{}', which the model {} needs ({}).", name,
-                              f->name, fmt::join(f->parameters, " ")));
+      return make_error(ErrorCode::kMalformed,
+                        fmt::format("The calibration has no '{}', which the model {} needs ({}).",
+                                    name, f->name, fmt::join(f->parameters, " ")));
     }
     values.push_back(p->value);
   }
@@ -88,9 +89,10 @@ Result<Camera> Camera::make(const Calibration& calibration) {
       skew = p.value;
     } else if (std::find(f->parameters.begin(), f->parameters.end(), p.name) ==
                f->parameters.end()) {
-      return fail(ErrorCode::kMalformed,
-                  fmt::format("The calibration has a '{}', which the model {} does not know ({}).",
-                              p.name, f->name, fmt::join(f->parameters, " ")));
+      return make_error(
+          ErrorCode::kMalformed,
+          fmt::format("The calibration has a '{}', which the model {} does not know ({}).", p.name,
+                      f->name, fmt::join(f->parameters, " ")));
     }
   }
   return make(calibration.model, calibration.image_size, values, skew);
@@ -103,30 +105,33 @@ Result<Camera> Camera::make(std::string_view model, ImageSize size,
   if (camera.functions_ == nullptr) return unknown_model(model);
   const auto& names = camera.functions_->parameters;
   if (size.width < 1 || size.height < 1 || size.width > 65536 || size.height > 65536) {
-    return fail(ErrorCode::kMalformed,
-                fmt::format("The calibration is for an image of {}x{} px; a size from 1x1 to "
-                            "65536x65536 is needed.",
-                            size.width, size.height));
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("The calibration is for an image of {}x{} px; a size from 1x1 to "
+                                  "65536x65536 is needed.",
+                                  size.width, size.height));
   }
   if (parameters.size() != names.size()) {
-    return fail(ErrorCode::kMalformed,
-                fmt::format("The model {} has {} parameters ({}), not {}.", model, names.size(),
-                            fmt::join(names, " "), parameters.size()));
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("The model {} has {} parameters ({}), not {}.", model,
+                                  names.size(), fmt::join(names, " "), parameters.size()));
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (!std::isfinite(parameters[i]) || std::abs(parameters[i]) > 1e12) {
-      return fail(ErrorCode::kMalformed,
-                  fmt::format("The parameter {} of the calibration is {}, not a usable number.",
-                              names[i], parameters[i]));
+      return make_error(
+          ErrorCode::kMalformed,
+          fmt::format("The parameter {} of the calibration is {}, not a usable number.", names[i],
+                      parameters[i]));
     }
   }
   if (!std::isfinite(skew)) {
-    return fail(ErrorCode::kMalformed, "The parameter skew of the calibration is not a number.");
+    return make_error(ErrorCode::kMalformed,
+                      "The parameter skew of the calibration is not a number.");
   }
   if (!(parameters[0] > 0) || !(parameters[1] > 0)) {
-    return fail(ErrorCode::kMalformed,
-                fmt::format("The focal lengths of a calibration must be positive; fx is {}, fy {}.",
-                            parameters[0], parameters[1]));
+    return make_error(
+        ErrorCode::kMalformed,
+        fmt::format("The focal lengths of a calibration must be positive; fx is {}, fy {}.",
+                    parameters[0], parameters[1]));
   }
   camera.size_ = size;
   camera.parameters_ = parameters;

@@ -31,8 +31,8 @@ template <typename T>
 using Result = tl::expected<T, Error>;
 using Status = Result<void>;
 
-// `return fail(ErrorCode::kMalformed, "...");` from a function that returns any Result<T>.
-[[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
+// `return make_error(ErrorCode::kMalformed, "...");` from a function that returns any Result<T>.
+[[nodiscard]] inline tl::unexpected<Error> make_error(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
 

@@ -38,12 +38,12 @@ Pixel transform(const Eigen::Matrix3d& h, Pixel point) noexcept {
 
 Result<Eigen::Matrix3d> fit_homography(std::span<const Pixel> xy, std::span<const Pixel> uv) {
   if (xy.size() != uv.size() || xy.size() < 4) {
-    return fail(ErrorCode::kDegenerate, "A homography needs at least 4 point pairs.");
+    return make_error(ErrorCode::kDegenerate, "A homography needs at least 4 point pairs.");
   }
   const Eigen::Matrix3d from = normalisation(xy);
   const Eigen::Matrix3d to = normalisation(uv);
   if (!from.allFinite() || !to.allFinite()) {
-    return fail(ErrorCode::kDegenerate, "All points of the view fall together.");
+    return make_error(ErrorCode::kDegenerate, "All points of the view fall together.");
   }
 
   Eigen::Matrix<double, 9, 9> m = Eigen::Matrix<double, 9, 9>::Zero();
@@ -60,14 +60,14 @@ Result<Eigen::Matrix3d> fit_homography(std::span<const Pixel> xy, std::span<cons
   // Collinear points leave more than one direction without support.
   if (eigen.info() != Eigen::Success ||
       !(eigen.eigenvalues()[1] > 1e-10 * eigen.eigenvalues()[8])) {
-    return fail(ErrorCode::kDegenerate, "The points of the view lie on one line.");
+    return make_error(ErrorCode::kDegenerate, "The points of the view lie on one line.");
   }
   const Eigen::Matrix<double, 9, 1> h = eigen.eigenvectors().col(0);
   Eigen::Matrix3d normalised;
   normalised << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
   Eigen::Matrix3d result = to.inverse() * normalised * from;
   if (std::abs(result(2, 2)) > 1e-12 * result.norm()) result /= result(2, 2);
-  if (!result.allFinite()) return fail(ErrorCode::kDegenerate, "The view has no homography.");
+  if (!result.allFinite()) return make_error(ErrorCode::kDegenerate, "The view has no homography.");
   return result;
 }
 

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Boards from the command line: draw one to true scale, give it a name, list the names of a file.
+#include <cstdio>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "calvin/core/file.hpp"
+#include "calvin/core/text.hpp"
+#include "calvin/draw/board_drawing.hpp"
+#include "calvin/target/board_names.hpp"
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+constexpr std::string_view kUsage = R"(Usage:
+  board draw BOARD FILE.(pdf|svg|png) [--paper PAPER] [--dpi DPI]
+  board add FILE.json NAME BOARD
+  board list FILE.json
+
+BOARD is a text like checkerboard:9x6:25mm (inner corners, side of a square), or FILE.json#NAME.
+PAPER is {}, auto (the smallest of A4 to A0) or fit (as large as the board needs).
+DPI is the resolution of a PNG, {} if not given.
+)";
+
+std::string usage() {
+  return fmt::format(fmt::runtime(kUsage), fmt::join(calvin::paper_names(), ", "),
+                     calvin::kDefaultDpi);
+}
+
+int failed(const calvin::Error& error) {
+  fmt::print(stderr, "board: {}\n", error.message);
+  return kFailed;
+}
+
+int wrong_usage(std::string_view why) {
+  fmt::print(stderr, "board: {}\n{}", why, usage());
+  return kWrongUsage;
+}
+
+int draw(std::span<char*> arguments) {
+  if (arguments.size() < 2 || arguments.size() % 2 != 0) {
+    return wrong_usage("draw needs a board and a file.");
+  }
+  calvin::DrawingOptions options;
+  for (std::size_t i = 2; i < arguments.size(); i += 2) {
+    const std::string_view name = arguments[i];
+    const std::string_view value = arguments[i + 1];
+    const auto number = calvin::parse_double(value);
+    if (name == "--paper") {
+      options.paper = value;
+    } else if (name == "--dpi" && number) {
+      options.dpi = *number;
+    } else {
+      return wrong_usage(fmt::format("'{} {}' is not an option.", name, value));
+    }
+  }
+  const std::string file = arguments[1];
+  const auto boards = calvin::parse_boards(arguments[0]);
+  if (!boards) return failed(boards.error());
+  if (boards->size() != 1) return wrong_usage("one drawing holds one board.");
+  const auto format = calvin::drawing_format(file);
+  if (!format) return failed(format.error());
+  options.format = *format;
+  const auto bytes = calvin::draw_board(boards->front(), options);
+  if (!bytes) return failed(bytes.error());
+  if (const auto written = calvin::write_file(file, *bytes); !written) {
+    return failed(written.error());
+  }
+  const auto page = calvin::lay_out_board(boards->front(), options.paper);
+  fmt::print("{}: {} on a page of {:.1f} x {:.1f} mm\n", file, boards->front().text(),
+             page->width * 1e3, page->height * 1e3);
+  return 0;
+}
+
+int add(std::span<char*> arguments) {
+  if (arguments.size() != 3) return wrong_usage("add needs a file, a name and a board.");
+  const auto added = calvin::add_board(arguments[0], arguments[1], arguments[2]);
+  if (!added) return failed(added.error());
+  fmt::print("Use it as board={}#{}\n", arguments[0], arguments[1]);
+  return 0;
+}
+
+int list(std::span<char*> arguments) {
+  if (arguments.size() != 1) return wrong_usage("list needs a file.");
+  const auto boards = calvin::list_boards(arguments[0]);
+  if (!boards) return failed(boards.error());
+  int status = 0;
+  for (const calvin::NamedBoard& board : *boards) {
+    fmt::print("{}\t{}\n", board.name, board.text);
+    if (const auto right = calvin::parse_board(board.text); !right) status = failed(right.error());
+  }
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::span<char*> arguments(argv, static_cast<std::size_t>(argc));
+  if (arguments.size() < 2) return wrong_usage("what shall it do?");
+  const std::string_view command = arguments[1];
+  if (command == "draw") return draw(arguments.subspan(2));
+  if (command == "add") return add(arguments.subspan(2));
+  if (command == "list") return list(arguments.subspan(2));
+  if (command == "--help" || command == "-h") {
+    fmt::print("{}", usage());
+    return 0;
+  }
+  return wrong_usage(fmt::format("there is no command '{}'.", command));
+}

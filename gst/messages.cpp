@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Element messages on the bus.
+
+#include "messages.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+struct GstCode {
+  GQuark domain;
+  int code;
+};
+
+GstCode gst_code(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kNotFound:
+      return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_NOT_FOUND};
+    case ErrorCode::kIo:
+      return {GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_OPEN_READ_WRITE};
+    case ErrorCode::kMalformed:
+      return {GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT};
+    case ErrorCode::kUnsupported:
+      return {GST_CORE_ERROR, GST_CORE_ERROR_MISSING_PLUGIN};
+    case ErrorCode::kDegenerate:
+      return {GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED};
+    case ErrorCode::kInvalidArgument:
+    case ErrorCode::kCancelled:
+      break;
+  }
+  return {GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS};
+}
+
+void post(GstElement* element, GstMessageType type, const Error& error) {
+  const GstCode code = gst_code(error.code);
+  gst_element_message_full(element, type, code.domain, code.code, g_strdup(error.message.c_str()),
+                           nullptr, __FILE__, GST_FUNCTION, __LINE__);
+}
+
+}  // namespace
+
+FrameTimes frame_times(const GstSegment* segment, GstBuffer* buffer) {
+  FrameTimes times;
+  times.timestamp = GST_BUFFER_PTS(buffer);
+  times.duration = GST_BUFFER_DURATION(buffer);
+  if (segment->format == GST_FORMAT_TIME && GST_CLOCK_TIME_IS_VALID(times.timestamp)) {
+    times.stream_time = gst_segment_to_stream_time(segment, GST_FORMAT_TIME, times.timestamp);
+    times.running_time = gst_segment_to_running_time(segment, GST_FORMAT_TIME, times.timestamp);
+  }
+  return times;
+}
+
+GstStructure* new_message(const char* name, const FrameTimes& times, const std::string& camera) {
+  return gst_structure_new(name, "timestamp", G_TYPE_UINT64, times.timestamp, "stream-time",
+                           G_TYPE_UINT64, times.stream_time, "running-time", G_TYPE_UINT64,
+                           times.running_time, "duration", G_TYPE_UINT64, times.duration, "camera",
+                           G_TYPE_STRING, camera.c_str(), nullptr);
+}
+
+void post_message(GstElement* element, GstStructure* structure) {
+  gst_element_post_message(element, gst_message_new_element(GST_OBJECT(element), structure));
+}
+
+void post_error(GstElement* element, const Error& error) {
+  post(element, GST_MESSAGE_ERROR, error);
+}
+
+void post_warning(GstElement* element, const Error& error) {
+  post(element, GST_MESSAGE_WARNING, error);
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Element messages on the bus, and what they all carry.
+#pragma once
+
+#include <string>
+
+#include <gst/gst.h>
+
+#include "calvin/core/result.hpp"
+
+namespace calvin::gst {
+
+// The times of one frame, ns; GST_CLOCK_TIME_NONE where unknown.
+struct FrameTimes {
+  GstClockTime timestamp = GST_CLOCK_TIME_NONE;
+  GstClockTime stream_time = GST_CLOCK_TIME_NONE;
+  GstClockTime running_time = GST_CLOCK_TIME_NONE;
+  GstClockTime duration = GST_CLOCK_TIME_NONE;
+};
+
+// Computed on the streaming thread: the segment may change before a worker is done.
+[[nodiscard]] FrameTimes frame_times(const GstSegment* segment, GstBuffer* buffer);
+
+// {name: timestamp, stream-time, running-time, duration, camera}; the caller adds the payload.
+[[nodiscard]] GstStructure* new_message(const char* name, const FrameTimes& times,
+                                        const std::string& camera);
+
+// Posts it as an element message; takes the structure. Any thread.
+void post_message(GstElement* element, GstStructure* structure);
+
+// A library error as an ERROR or WARNING of the element, in the matching GStreamer domain.
+void post_error(GstElement* element, const Error& error);
+void post_warning(GstElement* element, const Error& error);
+
+}  // namespace calvin::gst

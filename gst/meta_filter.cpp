@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// A filter that is always passthrough for pixels and yet may attach metas.
+
+#include "meta_filter.hpp"
+
+#include <gst/video/video.h>
+
+namespace calvin::gst {
+
+GstFlowReturn share_input_buffer(GstBaseTransform* /*trans*/, GstBuffer* in, GstBuffer** out) {
+  *out = gst_buffer_is_writable(in) ? in : gst_buffer_copy(in);
+  return GST_FLOW_OK;
+}
+
+void configure_meta_filter(GstBaseTransform* trans) {
+  gst_base_transform_set_in_place(trans, TRUE);
+  gst_base_transform_set_passthrough(trans, TRUE);
+  gst_base_transform_set_qos_enabled(trans, FALSE);
+}
+
+void add_raw_video_pads(GstElementClass* element_class) {
+  g_autoptr(GstCaps) caps = gst_caps_from_string(GST_VIDEO_CAPS_MAKE(GST_VIDEO_FORMATS_ALL));
+  gst_element_class_add_pad_template(
+      element_class, gst_pad_template_new("sink", GST_PAD_SINK, GST_PAD_ALWAYS, caps));
+  gst_element_class_add_pad_template(
+      element_class, gst_pad_template_new("src", GST_PAD_SRC, GST_PAD_ALWAYS, caps));
+}
+
+bool upstream_is_live(GstBaseTransform* trans) {
+  g_autoptr(GstQuery) query = gst_query_new_latency();
+  gboolean live = FALSE;
+  if (gst_pad_peer_query(GST_BASE_TRANSFORM_SINK_PAD(trans), query)) {
+    gst_query_parse_latency(query, &live, nullptr, nullptr);
+  }
+  return live != FALSE;
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The custom metas that travel on buffers, and their structures.
+//
+// calvin-observation   camera, width, height, observations: array of {board, found, timestamp,
+//                      ids, uv, sigma, ambiguous}. The same structure, as a serialized event,
+//                      carries a result that no buffer can take any more.
+// calvin-guidance      hint, coverage, x, y, size, skew, expected-error, rms, views, captured
+// calvin-ground-truth  camera, width, height, calibration (JSON), boards: array of {board, ids,
+//                      uv, rotation, translation}: what calibtestsrc rendered
+//
+// All are tagged video, size and orientation and have a transform: an element then either scales
+// them correctly or drops them, and nothing keeps stale coordinates.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gst/gst.h>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/observation.hpp"
+
+namespace calvin::gst {
+
+inline constexpr char kObservationName[] = "calvin-observation";
+inline constexpr char kGuidanceName[] = "calvin-guidance";
+inline constexpr char kGroundTruthName[] = "calvin-ground-truth";
+
+// Makes the metas known; idempotent. Called when the plugin is loaded.
+void register_metas();
+
+// One observation per board of one frame; boards that were not found are listed too.
+[[nodiscard]] GstStructure* observations_to_structure(std::span<const Observation> observations);
+[[nodiscard]] std::vector<Observation> observations_from_structure(const GstStructure* structure);
+
+// `buffer` must be writable. A meta that is there already is replaced.
+void attach_observations(GstBuffer* buffer, std::span<const Observation> observations);
+[[nodiscard]] std::vector<Observation> read_observations(GstBuffer* buffer);
+
+struct Guidance {
+  std::string hint;
+  double coverage = 0;  // 0..1, as x, y, size and skew
+  double x = 0;
+  double y = 0;
+  double size = 0;
+  double skew = 0;
+  std::optional<double> expected_error;  // px, 1 sigma
+  std::optional<double> rms;             // px
+  int views = 0;
+  bool captured = false;  // a view was taken from this very frame
+};
+
+void attach_guidance(GstBuffer* buffer, const Guidance& guidance);
+[[nodiscard]] std::optional<Guidance> read_guidance(GstBuffer* buffer);
+
+struct TrueBoard {
+  Observation observation;
+  Pose camera_from_board;
+};
+
+struct GroundTruth {
+  std::string calibration;  // native JSON of the camera
+  std::vector<TrueBoard> boards;
+};
+
+void attach_ground_truth(GstBuffer* buffer, const GroundTruth& truth);
+[[nodiscard]] std::optional<GroundTruth> read_ground_truth(GstBuffer* buffer);
+
+}  // namespace calvin::gst

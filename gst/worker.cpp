@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// One thread beside the streaming thread.
+
+#include "worker.hpp"
+
+#include <utility>
+
+namespace calvin::gst {
+
+void Worker::start() {
+  stop();
+  const std::lock_guard guard(lock_);
+  quit_ = false;
+  cancelled_ = false;
+  thread_ = std::thread([this] { run(); });
+}
+
+bool Worker::offer(Job job) {
+  const std::lock_guard guard(lock_);
+  if (cancelled_) return false;
+  waiting_ = std::move(job);
+  changed_.notify_all();
+  return true;
+}
+
+bool Worker::drain() {
+  std::unique_lock guard(lock_);
+  changed_.wait(guard, [this] { return cancelled_ || (!busy_ && !waiting_); });
+  return !cancelled_;
+}
+
+void Worker::cancel() {
+  const std::lock_guard guard(lock_);
+  cancelled_ = true;
+  waiting_ = nullptr;
+  running_.request_stop();
+  changed_.notify_all();
+}
+
+void Worker::resume() {
+  const std::lock_guard guard(lock_);
+  cancelled_ = quit_;
+}
+
+void Worker::stop() {
+  cancel();
+  {
+    const std::lock_guard guard(lock_);
+    quit_ = true;
+    changed_.notify_all();
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+void Worker::run() {
+  std::unique_lock guard(lock_);
+  for (;;) {
+    changed_.wait(guard, [this] { return quit_ || waiting_; });
+    if (quit_) return;
+    const Job job = std::exchange(waiting_, nullptr);
+    running_ = std::stop_source();
+    busy_ = true;
+    guard.unlock();
+    job(running_.get_token());
+    guard.lock();
+    busy_ = false;
+    changed_.notify_all();
+  }
+}
+
+}  // namespace calvin::gst

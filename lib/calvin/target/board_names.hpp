@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Boards by name, and several at once: "checkerboard:9x6:25mm;boards.json#floor".
+//
+// A file of names is JSON, in UTF-8; keys that are not known here are kept as they are:
+//   {"format": "calvin-boards", "version": 1, "boards": {"floor": "checkerboard:9x6:25mm"}}
+// A name stands for one board text, never for another name. It has 1 to 64 characters and neither
+// '#', ';', control characters nor a space at its ends.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calvin/core/result.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+
+inline constexpr int kMaxBoards = 16;
+
+// The boards of a `board` property: board texts and FILE.json#NAME, separated by ';'. At least one,
+// at most kMaxBoards, no board twice. Every error shows a right text; kNotFound where a file or a
+// name is missing.
+[[nodiscard]] Result<std::vector<Board>> parse_boards(std::string_view text);
+
+struct NamedBoard {
+  std::string name;
+  std::string text;  // as the file has it: parse_board() tells whether it is right
+};
+
+// The boards of a file, in its order.
+[[nodiscard]] Result<std::vector<NamedBoard>> list_boards(const std::string& path);
+
+// Adds a board to a file, or replaces the one of that name in place; the file is created where
+// there is none and replaced atomically. `text` must be one right board text; its canonical form is
+// stored. A file that is not one of board names is left alone and is an error.
+[[nodiscard]] Status add_board(const std::string& path, std::string_view name,
+                               std::string_view text);
+
+}  // namespace calvin

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The metas keep their content, scale with the picture, and are dropped rather than left stale.
+
+// Ours first: check.h defines the macro `fail`.
+#include "metas.hpp"
+#include "values.hpp"
+
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+
+using namespace calvin;
+
+static Observation example() {
+  Observation o;
+  o.camera = "left";
+  o.board = "checkerboard:3x2:25mm";
+  o.timestamp = 42;
+  o.image_size = {320, 240};
+  o.ids = {0, 5};
+  o.uv = {{10, 20}, {30.5, 40.25}};
+  o.sigma = {0.1, 0.2};
+  o.ambiguous = {"rotate180"};
+  return o;
+}
+
+GST_START_TEST(test_observation_round_trip) {
+  g_autoptr(GstBuffer) buffer = gst_buffer_new();
+  gst::attach_observations(buffer, std::vector{example(), Observation{}});
+  g_autoptr(GstBuffer) copy = gst_buffer_copy(buffer);
+  const auto all = gst::read_observations(copy);
+  fail_unless_equals_int(all.size(), 2);
+  fail_unless_equals_string(all[0].camera.c_str(), "left");
+  fail_unless_equals_string(all[0].board.c_str(), "checkerboard:3x2:25mm");
+  fail_unless_equals_uint64(all[0].timestamp, 42);
+  fail_unless_equals_int(all[0].ids[1], 5);
+  fail_unless_equals_float(all[0].uv[1].u, 30.5);
+  fail_unless_equals_float(all[0].uv[1].v, 40.25);
+  fail_unless_equals_float(all[0].sigma[1], 0.2);
+  fail_unless_equals_string(all[0].ambiguous.at(0).c_str(), "rotate180");
+  fail_unless(all[0].found() && !all[1].found());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_lists_of_different_lengths_are_no_observation) {
+  g_autoptr(GstStructure) s = gst::observations_to_structure(std::vector{example()});
+  GstStructure* item = gst_structure_copy(gst::get_structures(s, "observations")[0]);
+  gst::set_ints(item, "ids", std::vector<int>{1, 2, 3});
+  gst::take_structures(s, "observations", std::vector{item});
+  fail_unless(gst::observations_from_structure(s).empty());
+}
+GST_END_TEST;
+
+// Pushes one 320x240 frame with the meta through an element; the buffer that comes out.
+static GstBuffer* through(const char* launch, const char* out_caps) {
+  GstHarness* h = gst_harness_new_parse(launch);
+  gst_harness_set_caps_str(h, "video/x-raw,format=GRAY8,width=320,height=240,framerate=30/1",
+                           out_caps);
+  GstBuffer* buffer = gst_harness_create_buffer(h, 320 * 240);
+  gst::attach_observations(buffer, std::vector{example()});
+  GstBuffer* out = gst_harness_push_and_pull(h, buffer);
+  gst_harness_teardown(h);
+  return out;
+}
+
+GST_START_TEST(test_scaling_scales_the_corners) {
+  g_autoptr(GstBuffer) out =
+      through("videoscale", "video/x-raw,format=GRAY8,width=160,height=480,framerate=30/1");
+  const auto all = gst::read_observations(out);
+  fail_unless_equals_int(all.size(), 1);
+  fail_unless_equals_int(all[0].image_size.width, 160);
+  fail_unless_equals_int(all[0].image_size.height, 480);
+  fail_unless_equals_float(all[0].uv[0].u, 0.5 * 10.5 - 0.5);
+  fail_unless_equals_float(all[0].uv[0].v, 2 * 20.5 - 0.5);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_cropping_drops_the_corners) {
+  g_autoptr(GstBuffer) out =
+      through("videocrop left=100", "video/x-raw,format=GRAY8,width=220,height=240,framerate=30/1");
+  fail_unless(gst::read_observations(out).empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
+  g_autoptr(GstBuffer) buffer = gst_buffer_new();
+  gst::Guidance guidance;
+  guidance.hint = "tilt it";
+  guidance.views = 7;
+  guidance.expected_error = 0.25;
+  gst::attach_guidance(buffer, guidance);
+  gst::GroundTruth truth;
+  truth.calibration = "{}";
+  truth.boards.push_back({example(), {{0.1, 0.2, 0.3}, {1, 2, 3}}});
+  gst::attach_ground_truth(buffer, truth);
+
+  const auto g = gst::read_guidance(buffer);
+  fail_unless(g.has_value());
+  fail_unless_equals_string(g->hint.c_str(), "tilt it");
+  fail_unless_equals_int(g->views, 7);
+  fail_unless(g->expected_error == 0.25 && !g->rms);
+  const auto t = gst::read_ground_truth(buffer);
+  fail_unless(t.has_value() && t->boards.size() == 1);
+  fail_unless_equals_float(t->boards[0].camera_from_board.translation[2], 3);
+  fail_unless_equals_float(t->boards[0].observation.uv[0].v, 20);
+  g_autoptr(GstBuffer) bare = gst_buffer_new();
+  fail_if(gst::read_guidance(bare).has_value());
+}
+GST_END_TEST;
+
+static Suite* metas_suite() {
+  Suite* suite = suite_create("metas");
+  TCase* tc = tcase_create("general");
+  tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
+  tcase_add_test(tc, test_observation_round_trip);
+  tcase_add_test(tc, test_lists_of_different_lengths_are_no_observation);
+  tcase_add_test(tc, test_scaling_scales_the_corners);
+  tcase_add_test(tc, test_cropping_drops_the_corners);
+  tcase_add_test(tc, test_guidance_and_ground_truth_round_trip);
+  suite_add_tcase(suite, tc);
+  return suite;
+}
+
+GST_CHECK_MAIN(metas)

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The worker: newest job only, a drain that waits, a cancel that does not.
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include <gst/check/gstcheck.h>
+
+#include "worker.hpp"
+
+using calvin::gst::Worker;
+
+// Waits for the stop request, at the most ten seconds.
+static void busy_until_stopped(std::stop_token stop) {
+  for (int i = 0; i < 10000 && !stop.stop_requested(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+GST_START_TEST(test_drain_waits_for_the_job) {
+  Worker worker;
+  worker.start();
+  std::atomic<bool> done = false;
+  fail_unless(worker.offer([&](std::stop_token) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    done = true;
+  }));
+  fail_unless(worker.drain());
+  fail_unless(done);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_only_the_newest_waiting_job_runs) {
+  Worker worker;
+  worker.start();
+  std::atomic<bool> go = false;
+  std::atomic<bool> begun = false;
+  std::atomic<int> ran = 0;
+  worker.offer([&](std::stop_token) {
+    begun = true;
+    while (!go) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  while (!begun) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (int i = 1; i <= 5; ++i) worker.offer([&ran, i](std::stop_token) { ran = 10 * ran + i; });
+  go = true;
+  fail_unless(worker.drain());
+  fail_unless_equals_int(ran, 5);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_cancel_wakes_a_drain_and_refuses_jobs) {
+  Worker worker;
+  worker.start();
+  worker.offer(busy_until_stopped);
+  std::thread canceller([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    worker.cancel();
+  });
+  fail_if(worker.drain());
+  canceller.join();
+  fail_if(worker.offer([](std::stop_token) {}));
+  worker.resume();
+  fail_unless(worker.offer([](std::stop_token) {}));
+  fail_unless(worker.drain());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_stop_joins_a_busy_worker_and_start_works_again) {
+  Worker worker;
+  for (int i = 0; i < 20; ++i) {
+    worker.start();
+    worker.offer(busy_until_stopped);
+    worker.stop();
+    fail_if(worker.offer([](std::stop_token) {}));
+  }
+}
+GST_END_TEST;
+
+static Suite* worker_suite() {
+  Suite* suite = suite_create("worker");
+  TCase* tc = tcase_create("general");
+  tcase_add_test(tc, test_drain_waits_for_the_job);
+  tcase_add_test(tc, test_only_the_newest_waiting_job_runs);
+  tcase_add_test(tc, test_cancel_wakes_a_drain_and_refuses_jobs);
+  tcase_add_test(tc, test_stop_joins_a_busy_worker_and_start_works_again);
+  suite_add_tcase(suite, tc);
+  return suite;
+}
+
+GST_CHECK_MAIN(worker)

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Drawn boards, read back and measured.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calvin/draw/board_drawing.hpp"
+#include "calvin_config.h"
+
+#if CALVIN_HAVE_CAIRO
+#include <cairo.h>
+#endif
+#if CALVIN_HAVE_OPENCV
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#endif
+
+#include "calvin/core/file.hpp"
+#include "calvin/core/image.hpp"
+#include "temporary_folder.hpp"
+
+namespace calvin {
+namespace {
+
+Board board_of(std::string_view text) { return parse_board(text).value(); }
+
+TEST(BoardLayout, TheDefaultBoardFitsOnA4Lying) {
+  const auto page = lay_out_board(board_of(kDefaultBoard), "auto");
+  ASSERT_TRUE(page.has_value()) << page.error().message;
+  EXPECT_DOUBLE_EQ(page->width, 0.297);
+  EXPECT_DOUBLE_EQ(page->height, 0.210);
+  EXPECT_TRUE(lay_out_board(board_of(kDefaultBoard), "letter").has_value());
+}
+
+TEST(BoardLayout, TheBorderIsAtLeastHalfASquare) {
+  for (const char* text : {"checkerboard:9x6:25mm", "checkerboard:6x9:25mm", "checkerboard:4x3:8mm",
+                           "checkerboard:20x14:1in", "checkerboard:3x2:100mm"}) {
+    for (const char* paper : {"auto", "fit", "A0"}) {
+      const Board board = board_of(text);
+      const auto page = lay_out_board(board, paper);
+      ASSERT_TRUE(page.has_value()) << page.error().message;
+      const double border = std::max(board.size / 2, 0.005) - 1e-9;
+      EXPECT_GE(page->x - board.size, border) << text << " on " << paper;
+      EXPECT_GE(page->y - board.size, border);
+      EXPECT_GE(page->width - (page->x + board.cols * board.size), border);
+      EXPECT_GE(page->height - (page->y + board.rows * board.size), border);
+      EXPECT_EQ(page->width > page->height, board.cols > board.rows) << text << " on " << paper;
+    }
+  }
+}
+
+TEST(BoardLayout, ABoardThatDoesNotFitIsToldWhatWould) {
+  const auto page = lay_out_board(board_of("checkerboard:9x6:40mm"), "a4");
+  ASSERT_FALSE(page.has_value());
+  EXPECT_NE(page.error().message.find("'a2'"), std::string::npos) << page.error().message;
+  EXPECT_NE(page.error().message.find("checkerboard:9x6:25mm"), std::string::npos);
+  EXPECT_TRUE(lay_out_board(board_of("checkerboard:9x6:40mm"), "a2").has_value());
+  EXPECT_FALSE(lay_out_board(board_of("checkerboard:9x6:25.1mm"), "a4").has_value());
+  EXPECT_TRUE(lay_out_board(board_of("checkerboard:9x6:25mm"), "a4").has_value());
+}
+
+TEST(BoardLayout, PapersAndBoardsOutOfRange) {
+  const auto unknown = lay_out_board(board_of(kDefaultBoard), "a4x");
+  ASSERT_FALSE(unknown.has_value());
+  for (const std::string& name : paper_names()) {
+    EXPECT_NE(unknown.error().message.find(name), std::string::npos) << name;
+  }
+  EXPECT_FALSE(lay_out_board(board_of("checkerboard:9x6:1000m"), "auto").has_value());
+}
+
+TEST(Drawing, TheFormatIsTheExtension) {
+  EXPECT_EQ(*drawing_format("a.b/board.SVG"), DrawingFormat::kSvg);
+  EXPECT_EQ(*drawing_format("board.pdf"), DrawingFormat::kPdf);
+  EXPECT_EQ(*drawing_format("board.Png"), DrawingFormat::kPng);
+  for (const char* wrong : {"", "board", "pdf", ".pdf", "board.jpg", "board.pdf.gz"}) {
+    EXPECT_FALSE(drawing_format(wrong).has_value()) << wrong;
+  }
+}
+
+#if CALVIN_HAVE_CAIRO
+
+// Mean darkness 0..1 of the pixels whose row (or column) is near the middle of a square, as the
+// extent and the centre of the dark run between two places: where the ink really is.
+struct Run {
+  double length = 0;  // px
+  double centre = 0;  // px, the centre of the first pixel is 0
+};
+
+Run dark_run(const GrayImage& image, bool along_x, double across, double from, double to) {
+  double sum = 0;
+  double moment = 0;
+  for (int i = static_cast<int>(std::lround(from)); i <= static_cast<int>(std::lround(to)); ++i) {
+    const int other = static_cast<int>(std::lround(across));
+    const double dark = 1 - image.view().at(along_x ? i : other, along_x ? other : i) / 255.0;
+    sum += dark;
+    moment += i * dark;
+  }
+  return {sum, moment / sum};
+}
+
+// Every dark square's extent and centre, and the colour of every square, at `scale` px per m.
+void expect_true_to_scale(const GrayImage& image, const Board& board, const BoardLayout& page,
+                          double scale, double tolerance) {
+  const double side = board.size * scale;
+  for (int j = 0; j <= board.rows; ++j) {
+    for (int i = 0; i <= board.cols; ++i) {
+      const double u = (page.x + (i - 0.5) * board.size) * scale - 0.5;
+      const double v = (page.y + (j - 0.5) * board.size) * scale - 0.5;
+      const int grey =
+          image.view().at(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v)));
+      ASSERT_EQ(grey, (i + j) % 2 == 0 ? 0 : 255) << "square " << i << ", " << j;
+      if (grey != 0) continue;
+      const Run x = dark_run(image, true, v, u - 0.9 * side, u + 0.9 * side);
+      const Run y = dark_run(image, false, u, v - 0.9 * side, v + 0.9 * side);
+      EXPECT_NEAR(x.length, side, tolerance) << "square " << i << ", " << j;
+      EXPECT_NEAR(y.length, side, tolerance) << "square " << i << ", " << j;
+      EXPECT_NEAR(x.centre, u, tolerance) << "square " << i << ", " << j;
+      EXPECT_NEAR(y.centre, v, tolerance) << "square " << i << ", " << j;
+    }
+  }
+}
+
+struct Reader {
+  std::string_view bytes;
+};
+
+cairo_status_t read_bytes(void* closure, unsigned char* data, unsigned int length) {
+  auto* reader = static_cast<Reader*>(closure);
+  if (reader->bytes.size() < length) return CAIRO_STATUS_READ_ERROR;
+  std::copy_n(reader->bytes.begin(), length, data);
+  reader->bytes.remove_prefix(length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+GrayImage decode_png(const std::string& png) {
+  Reader reader{png};
+  cairo_surface_t* surface = cairo_image_surface_create_from_png_stream(read_bytes, &reader);
+  EXPECT_EQ(cairo_surface_status(surface), CAIRO_STATUS_SUCCESS);
+  GrayImage image(cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface));
+  const unsigned char* data = cairo_image_surface_get_data(surface);
+  const int stride = cairo_image_surface_get_stride(surface);
+  const int step = cairo_image_surface_get_format(surface) == CAIRO_FORMAT_A8 ? 1 : 4;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) image.row(y)[x] = data[y * stride + x * step];
+  }
+  cairo_surface_destroy(surface);
+  return image;
+}
+
+std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+TEST(Drawing, PngIsTrueToScale) {
+  struct Case {
+    const char* board;
+    const char* paper;
+    double dpi;
+  };
+  for (const Case& c :
+       {Case{"checkerboard:9x6:25mm", "a4", 300}, Case{"checkerboard:9x6:25mm", "letter", 97},
+        Case{"checkerboard:4x7:13.7mm", "fit", 150}}) {
+    const Board board = board_of(c.board);
+    const auto png = draw_board(board, {DrawingFormat::kPng, c.paper, c.dpi});
+    ASSERT_TRUE(png.has_value()) << png.error().message;
+    const GrayImage image = decode_png(*png);
+    const BoardLayout page = lay_out_board(board, c.paper).value();
+    EXPECT_NEAR(image.width, page.width / 0.0254 * c.dpi, 1) << c.board;
+    EXPECT_NEAR(image.height, page.height / 0.0254 * c.dpi, 1) << c.board;
+    expect_true_to_scale(image, board, page, c.dpi / 0.0254, 0.1);
+  }
+}
+
+TEST(Drawing, PngTellsItsResolution) {
+  const auto png = draw_board(board_of("checkerboard:4x3:10mm"), {DrawingFormat::kPng, "fit", 300});
+  ASSERT_TRUE(png.has_value()) << png.error().message;
+  const auto at = png->find("pHYs");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_LT(at, png->find("IDAT"));
+  EXPECT_EQ(big_endian(*png, at - 4), 9u);
+  EXPECT_EQ(big_endian(*png, at + 4), 11811u) << "300 dpi, as other programs write it";
+  EXPECT_EQ(big_endian(*png, at + 8), 11811u);
+  EXPECT_EQ((*png)[at + 12], 1) << "the unit is the metre";
+  EXPECT_EQ(big_endian(*png, at + 13), 0x78a53f76u) << "the CRC of these 13 bytes, from zlib";
+}
+
+#if CALVIN_HAVE_OPENCV
+TEST(Drawing, TheDetectorFindsTheCornersWhereTheyAre) {
+  const Board board = board_of("checkerboard:9x6:25mm");
+  const double dpi = 100;
+  const auto png = draw_board(board, {DrawingFormat::kPng, "a4", dpi});
+  ASSERT_TRUE(png.has_value()) << png.error().message;
+  GrayImage image = decode_png(*png);
+  const BoardLayout page = lay_out_board(board, "a4").value();
+  std::vector<cv::Point2f> corners;
+  const cv::Mat view(image.height, image.width, CV_8U, image.pixels.data());
+  ASSERT_TRUE(cv::findChessboardCornersSB(view, {board.cols, board.rows}, corners));
+  if (corners.front().y > corners.back().y) std::reverse(corners.begin(), corners.end());
+  const auto points = board.points();
+  ASSERT_EQ(corners.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(corners[i].x, (page.x + points[i].x()) * dpi / 0.0254 - 0.5, 0.15) << i;
+    EXPECT_NEAR(corners[i].y, (page.y + points[i].y()) * dpi / 0.0254 - 0.5, 0.15) << i;
+  }
+}
+#endif
+
+// The numbers of an SVG path, letters skipped.
+std::vector<double> numbers_of(std::string_view path) {
+  std::vector<double> numbers;
+  for (const char* p = path.data(); p < path.data() + path.size();) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(p, path.data() + path.size(), value);
+    if (error == std::errc()) numbers.push_back(value);
+    p = error == std::errc() ? end : p + 1;
+  }
+  return numbers;
+}
+
+TEST(Drawing, SvgIsInMillimetres) {
+  const Board board = board_of("checkerboard:9x6:25mm");
+  const auto svg = draw_board(board, {DrawingFormat::kSvg, "a4"});
+  ASSERT_TRUE(svg.has_value()) << svg.error().message;
+  EXPECT_NE(svg->find("width=\"297mm\" height=\"210mm\""), std::string::npos);
+  EXPECT_NE(svg->find("viewBox=\"0 0 297 210\""), std::string::npos);
+
+  const BoardLayout page = lay_out_board(board, "a4").value();
+  const auto fill = svg->find("d=\"M", svg->find("fill:rgb(0%,0%,0%)"));
+  ASSERT_NE(fill, std::string::npos);
+  const auto numbers =
+      numbers_of(std::string_view(*svg).substr(fill, svg->find('"', fill + 3) - fill));
+  const std::size_t squares = 35;
+  ASSERT_GE(numbers.size(), 8 * squares);
+  std::size_t square = 0;
+  for (int j = 0; j <= board.rows; ++j) {
+    for (int i = j % 2; i <= board.cols; i += 2, ++square) {
+      EXPECT_NEAR(numbers[square * (numbers.size() / squares)], page.x * 1e3 + (i - 1) * 25, 0.005);
+      EXPECT_NEAR(numbers[square * (numbers.size() / squares) + 1], page.y * 1e3 + (j - 1) * 25,
+                  0.005);
+    }
+  }
+  EXPECT_EQ(square, squares);
+}
+
+// The grey levels of a binary PGM file.
+GrayImage decode_pgm(const std::string& pgm) {
+  int width = 0;
+  int height = 0;
+  int used = 0;
+  if (std::sscanf(pgm.c_str(), "P5 %d %d 255%n", &width, &height, &used) != 2) return {};
+  GrayImage image(width, height);
+  const auto start = static_cast<std::size_t>(used) + 1;
+  if (pgm.size() < start + image.pixels.size()) return {};
+  std::copy_n(pgm.begin() + static_cast<std::ptrdiff_t>(start), image.pixels.size(),
+              image.pixels.begin());
+  return image;
+}
+
+TEST(Drawing, PdfIsTrueToScale) {
+  const Board board = board_of("checkerboard:9x6:25mm");
+  const auto pdf = draw_board(board, {DrawingFormat::kPdf, "a4"});
+  ASSERT_TRUE(pdf.has_value()) << pdf.error().message;
+  const auto box = pdf->find("/MediaBox");
+  ASSERT_NE(box, std::string::npos);
+  const auto numbers = numbers_of(std::string_view(*pdf).substr(box, pdf->find(']', box) - box));
+  ASSERT_EQ(numbers.size(), 4u);
+  EXPECT_NEAR(numbers[2], 297 / 25.4 * 72, 0.01);
+  EXPECT_NEAR(numbers[3], 210 / 25.4 * 72, 0.01);
+
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file(folder.path("board.pdf"), *pdf).has_value());
+  const double dpi = 200;
+  const std::string command =
+      "cd '" + folder.path() + "' && pdftoppm -r 200 -gray -singlefile board.pdf board 2>/dev/null";
+  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "pdftoppm is not installed";
+  const auto pgm = read_file(folder.path("board.pgm"));
+  ASSERT_TRUE(pgm.has_value()) << pgm.error().message;
+  const GrayImage image = decode_pgm(*pgm);
+  ASSERT_GT(image.width, 0);
+  // The renderer draws whole pixels: half a pixel at either edge.
+  expect_true_to_scale(image, board, lay_out_board(board, "a4").value(), dpi / 0.0254, 1.01);
+}
+
+TEST(Drawing, TooManyPixelsAreRefused) {
+  const Board board = board_of("checkerboard:9x6:100mm");
+  const auto png = draw_board(board, {DrawingFormat::kPng, "fit", 2400});
+  ASSERT_FALSE(png.has_value());
+  EXPECT_EQ(png.error().code, ErrorCode::kInvalidArgument);
+  for (const double dpi : {0.0, -300.0, 1e9, std::nan("")}) {
+    EXPECT_FALSE(draw_board(board, {DrawingFormat::kPng, "fit", dpi}).has_value()) << dpi;
+  }
+}
+
+#else
+
+TEST(Drawing, SaysThatThisBuildCannot) {
+  const auto drawing = draw_board(board_of(kDefaultBoard), {});
+  ASSERT_FALSE(drawing.has_value());
+  EXPECT_EQ(drawing.error().code, ErrorCode::kUnsupported);
+}
+
+#endif
+
+}  // namespace
+}  // namespace calvin

@@ -1,0 +1,67 @@
+#!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# SPDX-FileCopyrightText: 2026 The gst-calvin authors
+#
+# The example program `board` as users type it. Arguments: the program, "draw" where the library
+# can draw.
+set -eu
+board=$(realpath "$1")
+can_draw=${2-}
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+fail() {
+  echo "FAIL: $*" >&2
+  exit 1
+}
+
+# expect STATUS WORDS COMMAND...: the exit status, and words among what it prints.
+expect() {
+  status=$1
+  words=$2
+  shift 2
+  got=0
+  "$@" >out 2>&1 || got=$?
+  [ "$got" = "$status" ] || fail "$* left with $got, not $status: $(cat out)"
+  grep -q -- "$words" out || fail "$* did not say '$words': $(cat out)"
+}
+
+expect 0 'boards.json#floor' "$board" add boards.json floor checkerboard:9x6:2.5cm
+expect 0 'boards.json#wall' "$board" add boards.json wall checkerboard:7x5:30mm
+expect 0 'checkerboard:9x6:25mm' "$board" list boards.json
+[ "$("$board" list boards.json | cut -f 1 | tr '\n' ' ')" = 'floor wall ' ] || fail 'the order'
+
+expect 1 'checkerboard:9x6:25mm' "$board" add boards.json door checkerboard:9x6
+expect 1 'checkerboard:9x6:25mm' "$board" draw boards.json#door door.pdf
+expect 1 'none.json' "$board" list none.json
+expect 2 'Usage' "$board"
+expect 2 'Usage' "$board" draw checkerboard:9x6:25mm
+expect 2 'Usage' "$board" draw checkerboard:9x6:25mm board.pdf --paper
+expect 2 'Usage' "$board" draw checkerboard:9x6:25mm board.png --dpi many
+expect 2 'no command' "$board" print
+expect 0 'Usage' "$board" --help
+
+if [ "$can_draw" != draw ]; then
+  expect 1 'without Cairo' "$board" draw checkerboard:9x6:25mm board.pdf
+  exit 0
+fi
+
+# first_bytes FILE N: as hexadecimal digits.
+first_bytes() {
+  od -An -tx1 -N "$2" "$1" | tr -d ' \n'
+}
+
+expect 0 '297.0 x 210.0 mm' "$board" draw boards.json#floor board.pdf
+[ "$(first_bytes board.pdf 5)" = 255044462d ] || fail 'board.pdf is no PDF'
+expect 0 '279.4 x 215.9 mm' "$board" draw boards.json#floor board.svg --paper letter
+grep -q 'width="279.4mm"' board.svg || fail 'board.svg is not in mm'
+expect 0 '297.0 x 210.0 mm' "$board" draw boards.json#floor board.png --dpi 50 --paper a4
+[ "$(first_bytes board.png 8)" = 89504e470d0a1a0a ] || fail 'board.png is no PNG'
+
+expect 1 "paper 'a2' holds it" "$board" draw checkerboard:9x6:40mm big.pdf --paper a4
+expect 1 'no paper called' "$board" draw checkerboard:9x6:40mm big.pdf --paper b7
+expect 1 '.pdf, .svg or .png' "$board" draw checkerboard:9x6:25mm board.jpg
+expect 1 'dpi' "$board" draw checkerboard:9x6:25mm board2.png --dpi 100000
+expect 1 'Cannot write' "$board" draw checkerboard:9x6:25mm none/board.pdf
+[ ! -e big.pdf ] && [ ! -e board2.png ] || fail 'an error left a file behind'
