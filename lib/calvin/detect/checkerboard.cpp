@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <numeric>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -20,7 +21,6 @@ namespace {
 constexpr int kSearchWidth = 960;    // px; the board is searched for at no more than this
 constexpr int kLeastSide = 16;       // px; no board is in a smaller image
 constexpr double kLeastSpacing = 4;  // px between grid lines
-constexpr double kSigma = 0.1;       // px; what a good view of a real board leaves
 
 class CheckerboardDetector final : public Detector {
  public:
@@ -52,12 +52,16 @@ class CheckerboardDetector final : public Detector {
       return result;
     }
     result.reason = label(image, board_, grid, result.observation.ambiguous);
-    if (result.reason == Reason::kAccepted && !(refine(luma, grid) && is_smooth(grid))) {
+    if (result.reason == Reason::kAccepted && !(refine(luma, grid, result.observation.sigma) &&
+                                                is_smooth(grid) && has_corners(image, grid))) {
       result.reason = Reason::kNotFound;
     }
     if (result.reason == Reason::kAccepted) {
-      fill(grid, result.observation);
+      result.observation.uv = grid.points;
+      result.observation.ids.resize(grid.points.size());
+      std::iota(result.observation.ids.begin(), result.observation.ids.end(), 0);
     } else {
+      result.observation.sigma.clear();
       result.observation.ambiguous.clear();
     }
     return result;
@@ -98,14 +102,6 @@ class CheckerboardDetector final : public Detector {
       grid.points.push_back(uv);
     }
     return true;
-  }
-
-  static void fill(const Grid& grid, Observation& observation) {
-    observation.uv = grid.points;
-    observation.sigma.assign(grid.points.size(), kSigma);
-    for (std::size_t i = 0; i < grid.points.size(); ++i) {
-      observation.ids.push_back(static_cast<int>(i));
-    }
   }
 
   Board board_;

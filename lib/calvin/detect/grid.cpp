@@ -34,10 +34,11 @@ std::optional<double> grey(const ImageView& image, Pixel at) {
 
 // How much darker the squares inside and outside of a corner (by the axes' directions) are than
 // the other two; twice the contrast between the squares at a corner of the board, about once at a
-// point of its outer edge.
-std::optional<double> saddle(const ImageView& image, Pixel at, const Axes& axes) {
-  const Pixel a = 0.5 * (axes.along + axes.down);
-  const Pixel b = 0.5 * (axes.along - axes.down);
+// point of its outer edge. `share`: how far into the squares to look, 0.5 for their middle.
+std::optional<double> saddle(const ImageView& image, Pixel at, const Axes& axes,
+                             double share = 0.5) {
+  const Pixel a = share * (axes.along + axes.down);
+  const Pixel b = share * (axes.along - axes.down);
   const auto inside = grey(image, at + a);
   const auto outside = grey(image, at - a);
   const auto right = grey(image, at + b);
@@ -119,8 +120,27 @@ Axes axes_at(const Grid& grid, int col, int row) {
 
 double spacing_at(const Grid& grid, int col, int row) {
   const Axes axes = axes_at(grid, col, row);
-  const double side = std::max(length(axes.along), length(axes.down));
-  return side > 0 ? std::abs(cross(axes.along, axes.down)) / side : 0;
+  const double area = std::abs(cross(axes.along, axes.down));
+  // The steps away from the corner on either side; beyond the border of the grid, where a further
+  // square lies, they shrink on as they did before.
+  const auto least_step = [&](int at, int count, int dcol, int drow) {
+    const auto step = [&](int from) {
+      const int c = dcol * from + (1 - dcol) * col;
+      const int r = drow * from + (1 - drow) * row;
+      return length(grid.at(c + dcol, r + drow) - grid.at(c, r));
+    };
+    const auto beyond = [](double last, double before) {
+      return std::clamp(2 * last - before, 0.5 * last, last);
+    };
+    if (at == 0) return std::min(step(0), beyond(step(0), step(1)));
+    if (at == count - 1) return std::min(step(at - 1), beyond(step(at - 1), step(at - 2)));
+    return std::min(step(at - 1), step(at));
+  };
+  const double along = length(axes.along);
+  const double down = length(axes.down);
+  if (!(along > 0) || !(down > 0)) return 0;
+  const double sine = area / (along * down);
+  return sine * std::min(least_step(col, grid.cols, 1, 0), least_step(row, grid.rows, 0, 1));
 }
 
 double least_spacing(const Grid& grid) {
@@ -163,6 +183,27 @@ bool is_smooth(const Grid& grid) {
     }
   }
   return true;
+}
+
+bool has_corners(const ImageView& image, const Grid& grid) {
+  constexpr double kNear = 3;  // px
+  std::vector<double> ratios;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int col = 0; col < grid.cols; ++col) {
+      const Axes axes = axes_at(grid, col, row);
+      const auto wide = saddle(image, grid.at(col, row), axes);
+      const double side = std::min(length(axes.along), length(axes.down));
+      const double share = std::clamp(kNear / side, 0.1, 0.25);
+      const auto narrow = saddle(image, grid.at(col, row), axes, share);
+      if (wide && narrow) ratios.push_back(*narrow / *wide);
+    }
+  }
+  if (ratios.empty()) return true;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  const double usual = *middle;
+  return std::all_of(ratios.begin(), ratios.end(),
+                     [usual](double ratio) { return ratio > 0.5 * usual; });
 }
 
 Reason label(const ImageView& image, const Board& board, Grid& grid,

@@ -31,12 +31,15 @@ struct Axes {
 };
 [[nodiscard]] Axes axes_at(const Grid& grid, int col, int row);
 
-// The least distance between two neighbouring grid lines around a corner, px.
+// The least distance from a corner to the grid lines around it, px. At least 3 x 3 corners.
 [[nodiscard]] double spacing_at(const Grid& grid, int col, int row);
 [[nodiscard]] double least_spacing(const Grid& grid);
 
 // Every corner lies where its neighbours let it expect.
 [[nodiscard]] bool is_smooth(const Grid& grid);
+
+// The four squares meet at each corner of the grid: near it the colours are those of their middles.
+[[nodiscard]] bool has_corners(const ImageView& image, const Grid& grid);
 
 // Turns the grid so that control point 0 comes first, by the colours of the squares in `image`.
 // kAccepted, or why the grid is not the board: a corner without the colours of a checkerboard

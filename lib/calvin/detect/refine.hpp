@@ -4,15 +4,17 @@
 // Corners to a fraction of a pixel.
 #pragma once
 
+#include <vector>
+
 #include <opencv2/core.hpp>
 
 #include "calvin/detect/grid.hpp"
 
 namespace calvin::detect {
 
-// Moves the corners of a grid to where the edges meet in the 8-bit image. False where many of them
-// do not stay near their first place: then they were no corners. A single one that runs away keeps
-// its first place. May throw cv::Exception.
-[[nodiscard]] bool refine(const cv::Mat& image, Grid& grid);
+// Moves the corners of a grid to where the edges meet in the 8-bit image, and tells their 1 sigma
+// in px. False where many of them do not stay near their first place: then they were no corners. A
+// single one that runs away keeps its first place. May throw cv::Exception.
+[[nodiscard]] bool refine(const cv::Mat& sharp, Grid& grid, std::vector<double>& sigma);
 
 }  // namespace calvin::detect
