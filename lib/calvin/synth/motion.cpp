@@ -4,8 +4,8 @@
 #include "calvin/synth/motion.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
+constexpr double kGrazing = 0.2;  // sine of the least angle between a line of sight and the board
 
 // Turns the optical axis to the direction `ray` by the shortest way.
 Eigen::Matrix3d turn_axis_to(const Eigen::Vector3d& ray) {
@@ -25,8 +26,8 @@ Eigen::Matrix3d turn_axis_to(const Eigen::Vector3d& ray) {
 }
 
 // The board's outline in the board frame, the outer squares included.
-std::array<Eigen::Vector3d, 16> outline(const Board& board) {
-  std::array<Eigen::Vector3d, 16> points;
+std::vector<Eigen::Vector3d> outline(const Board& board) {
+  std::vector<Eigen::Vector3d> points(16);
   const double width = (board.cols + 1) * board.size;
   const double height = (board.rows + 1) * board.size;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -36,6 +37,13 @@ std::array<Eigen::Vector3d, 16> outline(const Board& board) {
     points[8 + i] = {(1 - s) * width, height, 0};
     points[12 + i] = {0, (1 - s) * height, 0};
   }
+  for (auto& p : points) p -= Eigen::Vector3d(board.size, board.size, 0);
+  return points;
+}
+
+// All corners of all squares, in the board frame.
+std::vector<Eigen::Vector3d> lattice(const Board& board) {
+  auto points = Board{board.kind, board.cols + 2, board.rows + 2, board.size}.points();
   for (auto& p : points) p -= Eigen::Vector3d(board.size, board.size, 0);
   return points;
 }
@@ -64,7 +72,12 @@ double wander(double seconds, std::uint64_t seed, std::uint64_t stream) {
 }  // namespace
 
 Motion::Motion(MotionKind kind, const Camera& camera, const Board& board, std::uint64_t seed)
-    : kind_(kind), camera_(camera), board_(board), seed_(seed) {
+    : kind_(kind),
+      camera_(camera),
+      board_(board),
+      seed_(seed),
+      outline_(outline(board)),
+      lattice_(lattice(board)) {
   const ImageSize size = camera.image_size();
   centre_ = {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
   if (!camera.unproject(centre_)) centre_ = {camera.cx(), camera.cy()};
@@ -100,16 +113,18 @@ bool Motion::place(const Placement& p, SE3& camera_from_board) const {
   return true;
 }
 
-// The larger of the shares that the board's outline takes of the image's width and height;
-// infinite where a part of it is not in the image.
-double Motion::fill(const SE3& camera_from_board) const {
+// The larger of the shares that the points take of the image's width and height; infinite where
+// one of them is not in the image, or hardly to be seen.
+double Motion::fill(const std::vector<Eigen::Vector3d>& points,
+                    const SE3& camera_from_board) const {
   const ImageSize size = camera_.image_size();
   Pixel low = {1e9, 1e9};
   Pixel high = {-1e9, -1e9};
-  for (const Eigen::Vector3d& point : outline(board_)) {
+  for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d in_camera = camera_from_board * point;
     const auto uv = camera_.project(in_camera);
-    const bool in_front = camera_from_board.rotation.col(2).dot(in_camera) > 0;
+    const bool in_front =
+        camera_from_board.rotation.col(2).dot(in_camera) > kGrazing * in_camera.norm();
     if (!uv || !in_front || !(uv->u >= 0) || !(uv->v >= 0) || !(uv->u <= size.width - 1) ||
         !(uv->v <= size.height - 1)) {
       return std::numeric_limits<double>::infinity();
@@ -128,12 +143,13 @@ bool Motion::fit(Placement& p, double fill_wanted, SE3& camera_from_board) const
   p.distance = unit_distance_;
   for (int i = 0; i < 24; ++i) {
     if (!place(p, camera_from_board)) return false;
-    (fill(camera_from_board) > fill_wanted ? near : far) = p.distance;
+    (fill(outline_, camera_from_board) > fill_wanted ? near : far) = p.distance;
     p.distance = far == 0 ? 2 * near : near == 0 ? far / 2 : (near + far) / 2;
   }
   if (far == 0) return false;
   p.distance = far;
-  return place(p, camera_from_board) && fill(camera_from_board) > 0.8 * fill_wanted;
+  return place(p, camera_from_board) && fill(outline_, camera_from_board) > 0.8 * fill_wanted &&
+         std::isfinite(fill(lattice_, camera_from_board));
 }
 
 SE3 Motion::random_pose(std::uint64_t number) const {

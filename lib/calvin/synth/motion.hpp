@@ -4,8 +4,8 @@
 // Motion: where the board is, at any time, for a camera that does not exist.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/geometry/se3.hpp"
@@ -42,7 +42,8 @@ class Motion {
   };
 
   [[nodiscard]] bool place(const Placement& placement, SE3& camera_from_board) const;
-  [[nodiscard]] double fill(const SE3& camera_from_board) const;
+  [[nodiscard]] double fill(const std::vector<Eigen::Vector3d>& points,
+                            const SE3& camera_from_board) const;
   [[nodiscard]] bool fit(Placement& placement, double fill_wanted, SE3& camera_from_board) const;
   [[nodiscard]] SE3 random_pose(std::uint64_t number) const;
   [[nodiscard]] SE3 hand_pose(double seconds) const;
@@ -53,6 +54,8 @@ class Motion {
   Camera camera_;
   Board board_;
   std::uint64_t seed_;
+  std::vector<Eigen::Vector3d> outline_;  // some points of the border, m
+  std::vector<Eigen::Vector3d> lattice_;  // all corners of all squares, m
   Pixel centre_;              // of the image, or the principal point where that sees nothing
   double unit_distance_ = 1;  // m, at which the board's circle fills the shorter side
 };

@@ -17,10 +17,12 @@ namespace calvin {
 
 namespace {
 
-// A pixel's corner: its place in the pixel and what it shows of the board plane, in squares.
+// A pixel's corner: its place in the pixel, and what it shows of the board plane in homogeneous
+// coordinates, (x/w, y/w) in squares. These change over a pixel as the ray does, which is nearly
+// linear for any lens, where x/w is not.
 struct Vertex {
   float u, v;
-  double x, y;
+  double x, y, w;
 };
 
 // A polygon small enough to stay on the stack; convex but for the lens's distortion in one pixel.
@@ -42,7 +44,7 @@ struct Polygon {
   }
 };
 
-// Cuts `all` along coordinate = at (Sutherland and Hodgman): the part below it and the rest.
+// Cuts `all` along coordinate / w = at (Sutherland and Hodgman): the part below it and the rest.
 void cut(const Polygon& all, double Vertex::*coordinate, double at, Polygon& below,
          Polygon& above) {
   below.count = 0;
@@ -50,14 +52,14 @@ void cut(const Polygon& all, double Vertex::*coordinate, double at, Polygon& bel
   for (std::size_t i = 0; i < all.count; ++i) {
     const Vertex& a = all.vertices[i];
     const Vertex& b = all.vertices[i + 1 < all.count ? i + 1 : 0];
-    const double da = a.*coordinate - at;
-    const double db = b.*coordinate - at;
+    const double da = a.*coordinate - at * a.w;
+    const double db = b.*coordinate - at * b.w;
     (da < 0 ? below : above).push(a);
     if ((da < 0) == (db < 0)) continue;
     const double t = da / (da - db);
     const auto tf = static_cast<float>(t);
     const Vertex crossing = {a.u + tf * (b.u - a.u), a.v + tf * (b.v - a.v), a.x + t * (b.x - a.x),
-                             a.y + t * (b.y - a.y)};
+                             a.y + t * (b.y - a.y), a.w + t * (b.w - a.w)};
     below.push(crossing);
     above.push(crossing);
   }
@@ -133,27 +135,21 @@ class Scene {
 
 // Where a row of the rays meets the board plane.
 struct NodeRow {
-  std::vector<double> x, y;  // in squares
+  std::vector<Eigen::Vector3d> at;  // (x, y, w) as in Vertex
   std::vector<Square> squares;
 
-  explicit NodeRow(std::size_t count) : x(count), y(count), squares(count) {}
+  explicit NodeRow(std::size_t count) : at(count), squares(count) {}
 
   // plane_from_ray takes a ray to (x, y, 1) / distance.
   void fill(const float* rays, const Eigen::Matrix3d& plane_from_ray, const Scene& scene) {
-    const Eigen::Matrix3d& m = plane_from_ray;
-    for (std::size_t i = 0; i < x.size(); ++i, rays += 3) {
-      const double a = rays[0];
-      const double b = rays[1];
-      const double c = rays[2];
-      const double w = m(2, 0) * a + m(2, 1) * b + m(2, 2) * c;
-      if (!(w > 0)) {
-        squares[i] = {kNothing, kNothing};
-        continue;
-      }
-      x[i] = (m(0, 0) * a + m(0, 1) * b + m(0, 2) * c) / w;
-      y[i] = (m(1, 0) * a + m(1, 1) * b + m(1, 2) * c) / w;
-      squares[i] = scene.square_at(x[i], y[i]);
+    for (std::size_t i = 0; i < at.size(); ++i, rays += 3) {
+      at[i] = plane_from_ray * Eigen::Map<const Eigen::Vector3f>(rays).cast<double>();
+      squares[i] = at[i].z() > 0 ? scene.square_at(at[i].x() / at[i].z(), at[i].y() / at[i].z())
+                                 : Square{kNothing, kNothing};
     }
+  }
+  [[nodiscard]] Vertex vertex(std::size_t i, float u, float v) const {
+    return {u, v, at[i].x(), at[i].y(), at[i].z()};
   }
 };
 
@@ -167,10 +163,10 @@ void render_row(const Scene& scene, const NodeRow& upper, const NodeRow& lower, 
       continue;
     }
     Polygon pixel;
-    pixel.push({0, 0, upper.x[i], upper.y[i]});
-    pixel.push({1, 0, upper.x[i + 1], upper.y[i + 1]});
-    pixel.push({1, 1, lower.x[i + 1], lower.y[i + 1]});
-    pixel.push({0, 1, lower.x[i], lower.y[i]});
+    pixel.push(upper.vertex(i, 0, 0));
+    pixel.push(upper.vertex(i + 1, 1, 0));
+    pixel.push(lower.vertex(i + 1, 1, 1));
+    pixel.push(lower.vertex(i, 0, 1));
     out[i] = static_cast<float>(scene.mean(pixel, seen));
   }
 }
@@ -239,9 +235,10 @@ Observation true_observation(const Camera& camera, const Board& board,
 
 Camera default_camera(ImageSize size, double field_of_view) {
   constexpr double kDegree = std::numbers::pi / 180;
-  const double angle = std::clamp(field_of_view, 10 * kDegree, 110 * kDegree) / 2;
-  const std::array<double, 5> lens = {-0.25, 0.08, 6e-4, -4e-4, -0.01};
-  const double r = std::tan(angle);
+  const double r = std::tan(std::clamp(field_of_view, 10 * kDegree, 110 * kDegree) / 2);
+  // Beyond 70 degrees the distortion at the border grows no further: the image would fold back.
+  const double s = std::min(1.0, 0.5 / (r * r));
+  const std::array<double, 5> lens = {-0.25 * s, 0.08 * s * s, 6e-4, -4e-4, -0.01 * s * s * s};
   const double edge = r * (1 + r * r * (lens[0] + r * r * (lens[1] + r * r * lens[4])));
   const int width = std::clamp(size.width, 1, 65536);
   const int height = std::clamp(size.height, 1, 65536);

@@ -1,0 +1,45 @@
+#!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Installs the Debian packages that are missing, and says nothing when none is.
+#   install-packages.sh [build] [test]
+set -eu
+
+build="g++ meson ninja-build pkg-config
+  libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev
+  gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good
+  libeigen3-dev libfmt-dev nlohmann-json3-dev libexpected-dev
+  libopencv-dev libcairo2-dev libpango1.0-dev libyaml-cpp-dev libpugixml-dev"
+test="libgtest-dev libjpeg-dev locales python3 python3-gi gir1.2-gstreamer-1.0
+  gir1.2-gst-plugins-base-1.0 fonts-dejavu-core"
+
+wanted=""
+for set in "${@:-build}"; do
+  case "$set" in
+    build) wanted="$wanted $build" ;;
+    test) wanted="$wanted $test" ;;
+    *) echo "$0: there is no set of packages called '$set' (build, test)" >&2; exit 2 ;;
+  esac
+done
+
+missing=""
+for package in $wanted; do
+  case "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" in
+    installed) ;;
+    *) missing="$missing $package" ;;
+  esac
+done
+[ -n "$missing" ] || exit 0
+
+as_root=""
+if [ "$(id -u)" -ne 0 ]; then
+  as_root="sudo"
+  command -v sudo >/dev/null || {
+    echo "These packages are missing; install them as root:$missing" >&2
+    exit 1
+  }
+fi
+echo "Installing:$missing"
+export DEBIAN_FRONTEND=noninteractive
+$as_root apt-get update -q
+# shellcheck disable=SC2086 # one word per package
+$as_root apt-get install -y -q --no-install-recommends $missing

@@ -1,0 +1,93 @@
+#!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Installs what is missing, builds, and calibrates a camera.
+#   quickstart.sh                          a camera that does not exist, beside its ground truth
+#   quickstart.sh --images [DIR [BOARD]]   a folder of pictures (none: those of Debian's opencv-doc)
+#   quickstart.sh --camera [DEVICE [BOARD]]  a camera, live, until Ctrl-C
+# Files are left in the folder calvin-quickstart, or the one that CALVIN_OUTPUT names.
+set -eu
+
+source=$(cd "$(dirname "$0")/.." && pwd)
+build=${CALVIN_BUILD:-$source/build}
+output=${CALVIN_OUTPUT:-$PWD/calvin-quickstart}
+
+usage() {
+  sed -n '4,7s/^# *//p' "$0" >&2
+  exit 2
+}
+
+prepare() {
+  "$source/examples/install-packages.sh" build
+  [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dtests=false
+  ninja -C "$build" >"$build/quickstart.log" || { cat "$build/quickstart.log" >&2; exit 1; }
+  export GST_PLUGIN_PATH_1_0="$build/gst${GST_PLUGIN_PATH_1_0:+:$GST_PLUGIN_PATH_1_0}"
+  mkdir -p "$output"
+  cd "$output"
+}
+
+# One picture of the synthetic camera as it is, and one undistorted.
+draw_pair() {
+  for name in before after; do
+    undistort=""
+    [ "$name" = before ] || undistort="! calibundistort calibration=camera.json"
+    # shellcheck disable=SC2086 # several words
+    gst-launch-1.0 -q calibtestsrc num-buffers=1 $undistort ! videoconvert ! pngenc ! \
+      filesink location="$name.png"
+  done
+}
+
+run_synthetic() {
+  gst-launch-1.0 -q calibtestsrc num-buffers=60 ground-truth=truth.json ! \
+    calibrate location=camera.json export=ros:camera_info.yaml,opencv-yaml:camera.yml ! fakesink
+  draw_pair
+  "$build/examples/show" camera.json truth.json
+  echo
+  echo "In $output:"
+  ls -1
+}
+
+# The pictures of the Debian package opencv-doc, taken out of it without installing it.
+fetch_pictures() {
+  pictures=$output/opencv-doc
+  if [ ! -d "$pictures" ]; then
+    mkdir -p "$output/package"
+    (cd "$output/package" && { apt-get download -q opencv-doc || {
+      apt-get update -q && apt-get download -q opencv-doc; }; })
+    dpkg-deb --extract "$output"/package/opencv-doc_*.deb "$output/package"
+    mkdir -p "$pictures.new"
+    find "$output/package" -name 'left[0-9]*.jpg' -exec cp {} "$pictures.new" \;
+    mv "$pictures.new" "$pictures"
+    rm -r "$output/package"
+  fi
+}
+
+run_images() {
+  board=${2:-checkerboard:9x6:25mm}
+  if [ -n "${1:-}" ]; then
+    case "$1" in /*) pictures=$1 ;; *) pictures=$start/$1 ;; esac
+  else
+    fetch_pictures
+    board=checkerboard:9x6:30mm
+  fi
+  "$build/examples/calibrate-images" --board "$board" --output "$output" "$pictures"
+}
+
+run_camera() {
+  device=${1:-/dev/video0}
+  board=${2:-checkerboard:9x6:25mm}
+  sink="videoconvert ! autovideosink"
+  [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || sink="fakesink sync=true"
+  echo "Show the board ($board) to $device; Ctrl-C ends. The result goes to $output/camera.json."
+  # shellcheck disable=SC2086 # several words
+  gst-launch-1.0 -e -m v4l2src device="$device" ! decodebin ! \
+    calibrate board="$board" location=camera.json ! $sink
+  "$build/examples/show" camera.json
+}
+
+start=$PWD
+case "${1:-}" in
+  "") [ $# -eq 0 ] || usage; prepare; run_synthetic ;;
+  --images) [ $# -le 3 ] || usage; shift; prepare; run_images "$@" ;;
+  --camera) [ $# -le 3 ] || usage; shift; prepare; run_camera "$@" ;;
+  *) usage ;;
+esac

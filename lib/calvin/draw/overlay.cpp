@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/draw/overlay.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "calvin/draw/overlay_shapes.hpp"
+#include "calvin/target/board.hpp"
+#include "calvin_config.h"
+
+namespace calvin {
+
+namespace {
+
+#if CALVIN_HAVE_CAIRO
+
+using Kind = Shape::Kind;
+
+constexpr int kSmallestFrame = 16;    // px: nothing can be read on less
+constexpr int kLargestFrame = 32767;  // px, Cairo's limit
+constexpr double kDarkest = 0.3;      // of a channel: pure blue is hard to see on black
+constexpr Colour kWhite{1, 1, 1, 1};
+constexpr Colour kGreen{0.2, 0.9, 0.35, 1};
+constexpr Colour kPanel{0, 0, 0, 0.5};
+constexpr Colour kTrack{1, 1, 1, 0.25};
+
+// The size of everything: 1 px of a frame 480 px high.
+double unit_of(ImageSize frame) {
+  return std::max(0.5, std::min(frame.width, frame.height) / 480.0);
+}
+
+// Red at 0, over yellow, green and blue to violet at 1.
+Colour rainbow(double t) {
+  const double hue = std::clamp(t, 0.0, 1.0) * 4.8;
+  const auto channel = [hue](double peak) {
+    return std::clamp(2 - std::abs(hue - peak), kDarkest, 1.0);
+  };
+  return {std::max(channel(0), std::clamp(hue - 4, kDarkest, 1.0)), channel(2), channel(4), 1};
+}
+
+// Red at 0, amber half way, green at 1.
+Colour traffic_light(double t) {
+  return {std::clamp(2 - 1.8 * t, 0.2, 0.95), std::clamp(0.3 + 1.1 * t, 0.3, 0.85), 0.25, 1};
+}
+
+struct Corner {
+  int id = 0;
+  Pixel at;
+};
+
+// In the order of their ids, in px of the frame, those that no sensible camera saw left out.
+std::vector<Corner> corners_on(ImageSize frame, const Observation& observation) {
+  const ImageSize size = observation.image_size.width > 0 && observation.image_size.height > 0
+                             ? observation.image_size
+                             : frame;
+  const double sx = static_cast<double>(frame.width) / size.width;
+  const double sy = static_cast<double>(frame.height) / size.height;
+  std::vector<Corner> corners;
+  const std::size_t count = std::min(observation.ids.size(), observation.uv.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Pixel at{sx * (observation.uv[i].u + 0.5) - 0.5, sy * (observation.uv[i].v + 0.5) - 0.5};
+    const bool near = std::abs(at.u) < 2 * frame.width && std::abs(at.v) < 2 * frame.height;
+    if (near && observation.ids[i] >= 0) corners.push_back({observation.ids[i], at});
+  }
+  std::sort(corners.begin(), corners.end(),
+            [](const Corner& a, const Corner& b) { return a.id < b.id; });
+  return corners;
+}
+
+bool same_row(const Corner& a, const Corner& b, int columns) {
+  return b.id == a.id + 1 && a.id / columns == b.id / columns;
+}
+
+// A quarter of the smallest distance in a row, so that marks do not run into each other.
+double mark_radius(const std::vector<Corner>& corners, int columns, double unit) {
+  double closest = 1e9;
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    if (!same_row(corners[i - 1], corners[i], columns)) continue;
+    closest = std::min(closest, std::hypot(corners[i].at.u - corners[i - 1].at.u,
+                                           corners[i].at.v - corners[i - 1].at.v));
+  }
+  return std::clamp(closest / 4, 1.5 * unit, 4.5 * unit);
+}
+
+// From circle to circle: the corners themselves stay in sight.
+void add_link(std::vector<Shape>& shapes, Pixel from, Pixel to, double radius, Shape line) {
+  const double length = std::hypot(to.u - from.u, to.v - from.v);
+  if (length <= 2 * radius) return;
+  const double t = radius / length;
+  line.from = {std::lerp(from.u, to.u, t), std::lerp(from.v, to.v, t)};
+  line.to = {std::lerp(from.u, to.u, 1 - t), std::lerp(from.v, to.v, 1 - t)};
+  shapes.push_back(line);
+}
+
+void add_observation(std::vector<Shape>& shapes, ImageSize frame, const Observation& observation) {
+  const std::vector<Corner> corners = corners_on(frame, observation);
+  if (corners.empty()) return;
+  const double unit = unit_of(frame);
+  const auto board = parse_board(observation.board);
+  const int columns = board ? board->cols : corners.back().id + 1;
+  const double last = std::max(1, board ? board->point_count() - 1 : corners.back().id);
+  const double radius = mark_radius(corners, columns, unit);
+  const double pen = std::max(1.0, 1.3 * unit);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Colour colour = rainbow(corners[i].id / last);
+    if (i > 0 && same_row(corners[i - 1], corners[i], columns)) {
+      add_link(shapes, corners[i - 1].at, corners[i].at, radius,
+               {Kind::kLine, {}, {}, 0, pen, colour, unit});
+    }
+    shapes.push_back({Kind::kCircle, corners[i].at, {}, radius, pen, colour, unit});
+  }
+  if (corners.front().id != 0) return;
+  const Kind mark = observation.ambiguous.empty() ? Kind::kDisc : Kind::kCircle;
+  shapes.push_back({mark, corners[0].at, {}, 1.3 * radius, 1.5 * pen, rainbow(0), unit});
+  shapes.push_back({Kind::kCircle, corners[0].at, {}, 1.9 * radius, 1.2 * pen, kWhite, unit});
+}
+
+// One stroke of an icon, in a square of side 1.
+struct Stroke {
+  double x0, y0, x1, y1;
+};
+
+constexpr std::array kCoverageIcon = {Stroke{0, 0.1, 1, 0.1}, Stroke{1, 0.1, 1, 0.9},
+                                      Stroke{1, 0.9, 0, 0.9}, Stroke{0, 0.9, 0, 0.1},
+                                      Stroke{0, 0.5, 1, 0.5}, Stroke{0.5, 0.1, 0.5, 0.9}};
+constexpr std::array kAcrossIcon = {Stroke{0, 0.5, 1, 0.5}, Stroke{0, 0.5, 0.25, 0.25},
+                                    Stroke{0, 0.5, 0.25, 0.75}, Stroke{1, 0.5, 0.75, 0.25},
+                                    Stroke{1, 0.5, 0.75, 0.75}};
+constexpr std::array kDownIcon = {Stroke{0.5, 0, 0.5, 1}, Stroke{0.5, 0, 0.25, 0.25},
+                                  Stroke{0.5, 0, 0.75, 0.25}, Stroke{0.5, 1, 0.25, 0.75},
+                                  Stroke{0.5, 1, 0.75, 0.75}};
+constexpr std::array kSizeIcon = {Stroke{0, 0, 1, 0},       Stroke{1, 0, 1, 1},
+                                  Stroke{1, 1, 0, 1},       Stroke{0, 1, 0, 0},
+                                  Stroke{0, 0.5, 0.5, 0.5}, Stroke{0.5, 0.5, 0.5, 1}};
+constexpr std::array kSkewIcon = {Stroke{0.05, 0, 0.95, 0.25}, Stroke{0.95, 0.25, 0.95, 0.75},
+                                  Stroke{0.95, 0.75, 0.05, 1}, Stroke{0.05, 1, 0.05, 0}};
+
+struct Bar {
+  double OverlayProgress::*value;
+  std::span<const Stroke> icon;
+};
+constexpr std::array kBars = {
+    Bar{&OverlayProgress::coverage, kCoverageIcon}, Bar{&OverlayProgress::x, kAcrossIcon},
+    Bar{&OverlayProgress::y, kDownIcon}, Bar{&OverlayProgress::size, kSizeIcon},
+    Bar{&OverlayProgress::skew, kSkewIcon}};
+
+void add_box(std::vector<Shape>& shapes, double x, double y, double width, double height,
+             const Colour& colour) {
+  // Boxes are given by their edges; a pixel's edge lies half a pixel from its centre.
+  shapes.push_back(
+      {Kind::kBox, {x - 0.5, y - 0.5}, {x + width - 0.5, y + height - 0.5}, 0, 0, colour, 0});
+}
+
+void add_bars(std::vector<Shape>& shapes, ImageSize frame, const OverlayProgress& progress) {
+  const double unit = unit_of(frame);
+  const double icon = 9 * unit;
+  const double pitch = 14 * unit;
+  const double length = 72 * unit;
+  const double margin = 10 * unit;
+  const double padding = 6 * unit;
+  add_box(shapes, margin, margin, 3 * padding + icon + length,
+          2 * padding + (kBars.size() - 1) * pitch + icon, kPanel);
+  const double x = margin + padding;
+  double y = margin + padding;
+  for (const Bar& bar : kBars) {
+    for (const Stroke& s : bar.icon) {
+      shapes.push_back({Kind::kLine,
+                        {x + s.x0 * icon, y + s.y0 * icon},
+                        {x + s.x1 * icon, y + s.y1 * icon},
+                        0,
+                        std::max(1.0, unit),
+                        kWhite,
+                        0});
+    }
+    const double raw = progress.*bar.value;
+    const double value = std::isfinite(raw) ? std::clamp(raw, 0.0, 1.0) : 0;
+    const double left = x + icon + padding;
+    add_box(shapes, left, y + 0.2 * icon, length, 0.6 * icon, kTrack);
+    if (value > 0) {
+      add_box(shapes, left, y + 0.2 * icon, value * length, 0.6 * icon, traffic_light(value));
+    }
+    y += pitch;
+  }
+}
+
+void add_border(std::vector<Shape>& shapes, ImageSize frame) {
+  const double pen = 4 * unit_of(frame);
+  add_box(shapes, 0, 0, frame.width, pen, kGreen);
+  add_box(shapes, 0, frame.height - pen, frame.width, pen, kGreen);
+  add_box(shapes, 0, pen, pen, frame.height - 2 * pen, kGreen);
+  add_box(shapes, frame.width - pen, pen, pen, frame.height - 2 * pen, kGreen);
+}
+
+bool drawable(ImageSize frame) {
+  return std::min(frame.width, frame.height) >= kSmallestFrame &&
+         std::max(frame.width, frame.height) <= kLargestFrame;
+}
+
+std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> observations,
+                             const std::optional<OverlayProgress>& progress) {
+  std::vector<Shape> shapes;
+  if (!drawable(frame)) return shapes;
+  if (progress && progress->captured) add_border(shapes, frame);
+  for (const Observation& observation : observations) add_observation(shapes, frame, observation);
+  if (progress) add_bars(shapes, frame, *progress);
+  return shapes;
+}
+
+#endif
+
+}  // namespace
+
+Result<std::vector<OverlayTile>> draw_overlay(
+    [[maybe_unused]] ImageSize frame, [[maybe_unused]] std::span<const Observation> observations,
+    [[maybe_unused]] const std::optional<OverlayProgress>& progress) {
+#if CALVIN_HAVE_CAIRO
+  try {
+    const std::vector<Shape> shapes = shapes_of(frame, observations, progress);
+    if (shapes.empty()) return std::vector<OverlayTile>();
+    return rasterise(frame, shapes);
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::kIo, fmt::format("The overlay cannot be drawn: {}.", error.what()));
+  }
+#else
+  return fail(ErrorCode::kUnsupported,
+              "This build draws nothing on the video: it was made without Cairo. Build it with "
+              "-Ddraw=enabled.");
+#endif
+}
+
+std::string overlay_caption(const OverlayProgress& progress) {
+  std::string text;
+  if (progress.views > 0) {
+    text = fmt::format("{} view{}", progress.views, progress.views == 1 ? "" : "s");
+    if (progress.expected_error && std::isfinite(*progress.expected_error)) {
+      text += fmt::format(", accurate to {:.2f} px", 2 * *progress.expected_error);
+    } else if (progress.rms && std::isfinite(*progress.rms)) {
+      text += fmt::format(", rms {:.2f} px", *progress.rms);
+    }
+  }
+  if (text.empty() || progress.hint.empty()) return text + progress.hint;
+  return text + ": " + progress.hint;
+}
+
+}  // namespace calvin

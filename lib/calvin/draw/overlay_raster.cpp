@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Shapes to tiles, with Cairo.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "calvin/draw/cairo.hpp"
+#include "calvin/draw/overlay_shapes.hpp"
+
+namespace calvin {
+
+namespace {
+
+constexpr Colour kHalo{0, 0, 0, 0.5};
+
+// Whole pixels, right and bottom excluded.
+struct Box {
+  int left = 0;
+  int top = 0;
+  int right = 0;
+  int bottom = 0;
+  [[nodiscard]] bool empty() const noexcept { return left >= right || top >= bottom; }
+};
+
+Box clipped(const Extent& extent, const Box& bounds) {
+  const auto clamp = [](double value, int low, int high) {
+    return static_cast<int>(std::clamp(value, double{0} + low, double{0} + high));
+  };
+  return {clamp(std::floor(extent.left), bounds.left, bounds.right),
+          clamp(std::floor(extent.top), bounds.top, bounds.bottom),
+          clamp(std::ceil(extent.right) + 1, bounds.left, bounds.right),
+          clamp(std::ceil(extent.bottom) + 1, bounds.top, bounds.bottom)};
+}
+
+Box united(const Box& a, const Box& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
+          std::max(a.bottom, b.bottom)};
+}
+
+// The frame in square cells; each knows the shapes that touch it.
+class Grid {
+ public:
+  explicit Grid(ImageSize frame)
+      : frame_{0, 0, frame.width, frame.height},
+        cell_(std::clamp(std::min(frame.width, frame.height) / 24 / 8 * 8, 16, 64)),
+        columns_((frame.width + cell_ - 1) / cell_),
+        rows_((frame.height + cell_ - 1) / cell_),
+        touched_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+
+  [[nodiscard]] int columns() const noexcept { return columns_; }
+  [[nodiscard]] int rows() const noexcept { return rows_; }
+  [[nodiscard]] const std::vector<std::size_t>& touching(int column, int row) const {
+    return touched_[index(column, row)];
+  }
+  [[nodiscard]] Box cells(int first_column, int last_column, int row) const noexcept {
+    return {first_column * cell_, row * cell_, std::min((last_column + 1) * cell_, frame_.right),
+            std::min((row + 1) * cell_, frame_.bottom)};
+  }
+
+  // A line is cut into pieces of a cell's length, so that a diagonal does not touch its whole
+  // bounding box.
+  void add(const Shape& shape, std::size_t number) {
+    const double length =
+        std::max(std::abs(shape.to.u - shape.from.u), std::abs(shape.to.v - shape.from.v));
+    const int pieces =
+        shape.kind == Shape::Kind::kLine ? static_cast<int>(std::ceil(length / cell_)) : 1;
+    for (int i = 0; i < pieces || i == 0; ++i) {
+      Shape piece = shape;
+      if (pieces > 1) {
+        piece.from = between(shape, static_cast<double>(i) / pieces);
+        piece.to = between(shape, static_cast<double>(i + 1) / pieces);
+      }
+      touch(clipped(extent_of(piece), frame_), number);
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t index(int column, int row) const noexcept {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(column);
+  }
+
+  [[nodiscard]] static Pixel between(const Shape& shape, double t) noexcept {
+    return {std::lerp(shape.from.u, shape.to.u, t), std::lerp(shape.from.v, shape.to.v, t)};
+  }
+
+  void touch(const Box& box, std::size_t number) {
+    if (box.empty()) return;
+    for (int row = box.top / cell_; row <= (box.bottom - 1) / cell_; ++row) {
+      for (int column = box.left / cell_; column <= (box.right - 1) / cell_; ++column) {
+        auto& shapes = touched_[index(column, row)];
+        if (shapes.empty() || shapes.back() != number) shapes.push_back(number);
+      }
+    }
+  }
+
+  Box frame_;
+  int cell_;  // px, even: then no chroma sample lies in two tiles
+  int columns_;
+  int rows_;
+  std::vector<std::vector<std::size_t>> touched_;
+};
+
+void paint(cairo_t* cr, const Shape& shape, const Colour& colour, double grow) {
+  cairo_set_source_rgba(cr, colour.red, colour.green, colour.blue, colour.alpha);
+  cairo_set_line_width(cr, shape.width + 2 * grow);
+  switch (shape.kind) {
+    case Shape::Kind::kLine:
+      cairo_move_to(cr, shape.from.u, shape.from.v);
+      cairo_line_to(cr, shape.to.u, shape.to.v);
+      cairo_stroke(cr);
+      return;
+    case Shape::Kind::kCircle:
+      cairo_arc(cr, shape.from.u, shape.from.v, shape.radius, 0, 2 * std::numbers::pi);
+      cairo_stroke(cr);
+      return;
+    case Shape::Kind::kDisc:
+      cairo_arc(cr, shape.from.u, shape.from.v, shape.radius + grow, 0, 2 * std::numbers::pi);
+      cairo_fill(cr);
+      return;
+    case Shape::Kind::kBox:
+      cairo_rectangle(cr, shape.from.u - grow, shape.from.v - grow,
+                      shape.to.u - shape.from.u + 2 * grow, shape.to.v - shape.from.v + 2 * grow);
+      cairo_fill(cr);
+      return;
+  }
+}
+
+OverlayTile painted(const Box& box, const std::vector<Shape>& shapes,
+                    const std::vector<std::size_t>& numbers) {
+  OverlayTile tile{box.left, box.top, box.right - box.left, box.bottom - box.top, {}};
+  const int stride = 4 * tile.width;
+  tile.pixels.resize(static_cast<std::size_t>(stride) * static_cast<std::size_t>(tile.height));
+  const CairoSurface surface(cairo_image_surface_create_for_data(
+      tile.pixels.data(), CAIRO_FORMAT_ARGB32, tile.width, tile.height, stride));
+  const CairoContext context(cairo_create(surface.get()));
+  cairo_t* cr = context.get();
+  // Cairo's pixels have their centres at halves.
+  cairo_translate(cr, 0.5 - tile.x, 0.5 - tile.y);
+  cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
+  cairo_set_antialias(cr, CAIRO_ANTIALIAS_FAST);
+  for (const std::size_t number : numbers) {
+    if (shapes[number].halo > 0) paint(cr, shapes[number], kHalo, shapes[number].halo);
+  }
+  for (const std::size_t number : numbers) paint(cr, shapes[number], shapes[number].colour, 0);
+  cairo_surface_finish(surface.get());
+  return tile;
+}
+
+// The tile of a run of touched cells; `last` is the run's last column.
+OverlayTile tile_of(const Grid& grid, int first, int last, int row,
+                    const std::vector<Shape>& shapes) {
+  std::vector<std::size_t> numbers;
+  Box box;
+  for (int column = first; column <= last; ++column) {
+    for (const std::size_t number : grid.touching(column, row)) {
+      numbers.push_back(number);
+      box = united(box, clipped(extent_of(shapes[number]), grid.cells(column, column, row)));
+    }
+  }
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return painted(box, shapes, numbers);
+}
+
+}  // namespace
+
+Extent extent_of(const Shape& shape) noexcept {
+  const Pixel to = shape.radius > 0 ? shape.from : shape.to;
+  const double reach = shape.radius + shape.width / 2 + shape.halo + 0.5;
+  return {std::min(shape.from.u, to.u) - reach, std::min(shape.from.v, to.v) - reach,
+          std::max(shape.from.u, to.u) + reach, std::max(shape.from.v, to.v) + reach};
+}
+
+std::vector<OverlayTile> rasterise(ImageSize frame, const std::vector<Shape>& shapes) {
+  Grid grid(frame);
+  for (std::size_t i = 0; i < shapes.size(); ++i) grid.add(shapes[i], i);
+  std::vector<OverlayTile> tiles;
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      if (grid.touching(column, row).empty()) continue;
+      const int first = column;
+      while (column + 1 < grid.columns() && !grid.touching(column + 1, row).empty()) ++column;
+      tiles.push_back(tile_of(grid, first, column, row, shapes));
+    }
+  }
+  return tiles;
+}
+
+}  // namespace calvin

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The few shapes that an overlay is made of, and their raster. Private to draw/.
+#pragma once
+
+#include <vector>
+
+#include "calvin/core/image.hpp"
+#include "calvin/draw/overlay.hpp"
+
+namespace calvin {
+
+struct Colour {
+  double red = 0;
+  double green = 0;
+  double blue = 0;
+  double alpha = 1;
+};
+
+// Positions in px of the frame, the centre of the first pixel at (0, 0).
+struct Shape {
+  enum class Kind { kLine, kCircle, kDisc, kBox };
+  Kind kind = Kind::kLine;
+  Pixel from;         // an end, the centre, a corner
+  Pixel to;           // the other end or corner
+  double radius = 0;  // of a circle or disc, px
+  double width = 0;   // of the pen, px
+  Colour colour;
+  double halo = 0;  // px of dark around it, so that it shows on any ground
+};
+
+struct Extent {
+  double left = 0;
+  double top = 0;
+  double right = 0;
+  double bottom = 0;
+};
+
+// The pixels that a shape can touch.
+[[nodiscard]] Extent extent_of(const Shape& shape) noexcept;
+
+// Tiles of the cells that shapes touch: neighbours in a row are one tile, cut to the shapes'
+// extent. Later shapes lie over earlier ones, every halo under every shape.
+[[nodiscard]] std::vector<OverlayTile> rasterise(ImageSize frame, const std::vector<Shape>& shapes);
+
+}  // namespace calvin

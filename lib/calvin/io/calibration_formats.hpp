@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The formats of a calibration file, one source file each. Readers take a Document that they
+// recognised; none of them checks the camera itself, which calibration_io does for all.
+#pragma once
+
+#include <string>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/io/document.hpp"
+
+namespace calvin::io {
+
+// The version of the native format that is written, and the newest that is read.
+inline constexpr int kNativeVersion = 1;
+
+[[nodiscard]] bool is_native(const Node& root);
+[[nodiscard]] Result<Calibration> read_native(const Node& root);
+[[nodiscard]] Result<std::string> print_native(const Calibration& calibration);
+
+// OpenCV's FileStorage in any of its three syntaxes.
+[[nodiscard]] bool is_opencv(const Node& root);
+[[nodiscard]] Result<Calibration> read_opencv(const Node& root);
+[[nodiscard]] Result<std::string> print_opencv_yaml(const Calibration& calibration);
+[[nodiscard]] Result<std::string> print_opencv_xml(const Calibration& calibration);
+[[nodiscard]] Result<std::string> print_opencv_json(const Calibration& calibration);
+
+// The YAML of ROS's camera_info_manager and camera_calibration_parsers.
+[[nodiscard]] bool is_ros(const Node& root);
+[[nodiscard]] Result<Calibration> read_ros(const Node& root);
+[[nodiscard]] Result<std::string> print_ros(const Calibration& calibration);
+
+}  // namespace calvin::io

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/io/calibration_io.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/core/text.hpp"
+#include "calvin/io/calibration_formats.hpp"
+#include "calvin/io/utf8.hpp"
+
+namespace calvin {
+
+namespace {
+
+using io::Node;
+
+struct Reader {
+  bool (*claims)(const Node&);
+  Result<Calibration> (*read)(const Node&);
+};
+// In this order: the first that claims a document reads it.
+constexpr std::array<Reader, 3> kReaders = {{{io::is_native, io::read_native},
+                                             {io::is_ros, io::read_ros},
+                                             {io::is_opencv, io::read_opencv}}};
+
+struct Writer {
+  std::string_view format;
+  Result<std::string> (*print)(const Calibration&);
+};
+constexpr std::array<Writer, 5> kWriters = {{{"calvin", io::print_native},
+                                             {"opencv-yaml", io::print_opencv_yaml},
+                                             {"opencv-xml", io::print_opencv_xml},
+                                             {"opencv-json", io::print_opencv_json},
+                                             {"ros", io::print_ros}}};
+
+constexpr std::string_view kKnown =
+    "Give a calibration in the native JSON, OpenCV's YAML, XML or JSON or ROS's camera_info, or "
+    "calibrate again.";
+
+bool is_control(char c) {
+  return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f';
+}
+
+Result<Node> parse_document(std::string_view content) {
+  if (content.starts_with('{')) return io::parse_json(content);
+  if (content.starts_with('<')) return io::parse_xml(content);
+  return io::parse_yaml(content);
+}
+
+// Everything but the image size, which an OpenCV file need not have.
+Status check(Calibration calibration) {
+  if (calibration.image_size == ImageSize{}) calibration.image_size = {1, 1};
+  const auto camera = Camera::make(calibration);
+  if (!camera) return tl::unexpected(camera.error());
+  return {};
+}
+
+Result<Calibration> parse_text(std::string_view content) {
+  if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
+  if (const auto control = std::find_if(content.begin(), content.end(), is_control);
+      control != content.end()) {
+    return fail(ErrorCode::kMalformed, fmt::format("it is not text: there is a byte {} in it",
+                                                   static_cast<int>(*control)));
+  }
+  const std::string text = io::valid_utf8(trim(content));
+  if (text.empty()) return fail(ErrorCode::kMalformed, "it is empty");
+  const auto root = parse_document(text);
+  if (!root) return tl::unexpected(root.error());
+  const auto reader = std::find_if(kReaders.begin(), kReaders.end(),
+                                   [&](const Reader& r) { return r.claims(*root); });
+  if (reader == kReaders.end()) {
+    return fail(ErrorCode::kMalformed, "it has none of the fields of a calibration");
+  }
+  auto calibration = reader->read(*root);
+  if (!calibration) return calibration;
+  if (const auto status = check(*calibration); !status) return tl::unexpected(status.error());
+  return calibration;
+}
+
+// The reasons of parsers are clauses, those of Camera::make() whole sentences.
+std::string explain(std::string_view name, std::string_view why) {
+  const std::string reason = io::shortened(why, 400);
+  const std::string file = name.empty() ? std::string("The calibration text")
+                                        : fmt::format("'{}'", io::shortened(name, 400));
+  return fmt::format("{} cannot be used as a calibration: {}{} {}", file, reason,
+                     reason.ends_with('.') ? "" : ".", kKnown);
+}
+
+tl::unexpected<Error> not_writable(Error error) {
+  error.message += " Choose a place in a folder that exists and may be written to.";
+  return tl::unexpected(std::move(error));
+}
+
+}  // namespace
+
+Result<Calibration> parse_calibration(std::string_view content, std::string_view name) {
+  Result<Calibration> result;
+  try {
+    result = parse_text(content);
+  } catch (const std::exception& exception) {  // out of memory, or a parser's own surprise
+    result = fail(ErrorCode::kMalformed, exception.what());
+  }
+  if (!result) result.error().message = explain(name, result.error().message);
+  return result;
+}
+
+Result<Calibration> read_calibration(const std::filesystem::path& path) {
+  auto content = read_file(path.string());
+  if (content) return parse_calibration(*content, path.string());
+  Error error = std::move(content.error());
+  error.message = io::shortened(error.message, 400) + " " + std::string(kKnown);
+  return tl::unexpected(std::move(error));
+}
+
+Result<std::string> print_calibration(const Calibration& calibration, std::string_view format) {
+  const auto writer = std::find_if(kWriters.begin(), kWriters.end(),
+                                   [&](const Writer& w) { return w.format == format; });
+  if (writer == kWriters.end()) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("There is no calibration format '{}'. Known formats: {}.", format,
+                            fmt::join(calibration_formats(), ", ")));
+  }
+  if (const auto status = check(calibration); !status) return tl::unexpected(status.error());
+  try {
+    return writer->print(calibration);
+  } catch (const std::exception& exception) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("The calibration cannot be written as {}: {}.", format, exception.what()));
+  }
+}
+
+Status write_calibration(const std::filesystem::path& path, const Calibration& calibration,
+                         std::string_view format) {
+  const auto text = print_calibration(calibration, format);
+  if (!text) return tl::unexpected(text.error());
+  if (auto status = write_file(path.string(), *text); !status) return not_writable(status.error());
+  return {};
+}
+
+Status can_write(const std::filesystem::path& path) {
+  if (auto status = check_writable(path.string()); !status) return not_writable(status.error());
+  return {};
+}
+
+std::vector<std::string_view> calibration_formats() {
+  std::vector<std::string_view> formats;
+  for (const Writer& writer : kWriters) formats.push_back(writer.format);
+  return formats;
+}
+
+}  // namespace calvin

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Calibration files: the native one (JSON), OpenCV's (YAML, XML, JSON) and ROS's camera_info. A
+// file is known by its content, never by its name. Formats: docs/formats.md.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/file.hpp"
+
+namespace calvin {
+
+// Any known format. What comes back makes a Camera: Camera::make() has checked it. One thing may
+// be missing: OpenCV's files need not say their image size, which is then 0x0, and the caller's
+// images tell it. An OpenCV file of a stereo pair gives its first camera.
+// kMalformed for broken content, kUnsupported for what this version or build cannot read. The
+// message names `name` (a path, or empty) and says what is wrong and what to do.
+[[nodiscard]] Result<Calibration> parse_calibration(std::string_view content,
+                                                    std::string_view name = "");
+
+// parse_calibration() of a file of at most kMaxFileBytes. kNotFound where there is none, kIo where
+// the system refuses or the path is a folder or a device.
+[[nodiscard]] Result<Calibration> read_calibration(const std::filesystem::path& path);
+
+// The inverse, in one of calibration_formats(). Numbers read back as the same; only the native
+// format holds everything. kInvalidArgument for an unknown format or a calibration without an image
+// size where the format needs one, kUnsupported where the format has no such camera model.
+[[nodiscard]] Result<std::string> print_calibration(const Calibration& calibration,
+                                                    std::string_view format = "calvin");
+
+// print_calibration(), then write_file() (core/file.hpp): a reader sees the old file or the new.
+[[nodiscard]] Status write_calibration(const std::filesystem::path& path,
+                                       const Calibration& calibration,
+                                       std::string_view format = "calvin");
+
+// Whether write_calibration() can work there, found without writing: for the warning at start.
+[[nodiscard]] Status can_write(const std::filesystem::path& path);
+
+// "calvin", "opencv-yaml", "opencv-xml", "opencv-json", "ros".
+[[nodiscard]] std::vector<std::string_view> calibration_formats();
+
+}  // namespace calvin

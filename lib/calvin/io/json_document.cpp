@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// JSON text -> Document.
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "calvin/core/text.hpp"
+#include "calvin/io/document.hpp"
+
+namespace calvin::io {
+
+namespace {
+
+// The parser is not recursive and stops when a call answers false, so depth costs no stack.
+class Handler final : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  bool null() override { return builder.scalar(Node::Kind::kNull, {}); }
+  bool boolean(bool value) override {
+    return builder.scalar(Node::Kind::kPlain, value ? "true" : "false");
+  }
+  bool number_integer(number_integer_t value) override {
+    return builder.scalar(Node::Kind::kPlain, fmt::format("{}", value));
+  }
+  bool number_unsigned(number_unsigned_t value) override {
+    return builder.scalar(Node::Kind::kPlain, fmt::format("{}", value));
+  }
+  // Not `text`: the parser has put the decimal point of the locale into it.
+  bool number_float(number_float_t value, const string_t& /*text*/) override {
+    return builder.scalar(Node::Kind::kPlain, format_double(value));
+  }
+  bool string(string_t& value) override {
+    return builder.scalar(Node::Kind::kString, std::move(value));
+  }
+  bool binary(binary_t& /*value*/) override { return false; }
+  bool start_object(std::size_t /*size*/) override { return builder.begin(Node::Kind::kMap); }
+  bool key(string_t& value) override { return builder.key(std::move(value)); }
+  bool end_object() override { return builder.end(); }
+  bool start_array(std::size_t /*size*/) override { return builder.begin(Node::Kind::kList); }
+  bool end_array() override { return builder.end(); }
+  bool parse_error(std::size_t position, const std::string& /*token*/,
+                   const nlohmann::detail::exception& /*error*/) override {
+    broken_at = position;
+    return false;
+  }
+
+  DocumentBuilder builder;
+  std::optional<std::size_t> broken_at;  // in bytes, counted from 1
+};
+
+}  // namespace
+
+Result<Node> parse_json(std::string_view content) {
+  Handler handler;
+  nlohmann::json::sax_parse(content.begin(), content.end(), &handler);
+  if (!handler.broken_at) return handler.builder.take();
+  const std::size_t offset = *handler.broken_at > 0 ? *handler.broken_at - 1 : 0;
+  return fail(ErrorCode::kMalformed, fmt::format("the JSON is broken {}", place(content, offset)));
+}
+
+}  // namespace calvin::io

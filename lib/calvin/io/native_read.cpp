@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The native calibration file (JSON) -> Calibration.
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/io/calibration_formats.hpp"
+
+namespace calvin::io {
+
+namespace {
+
+constexpr std::string_view kFormat = "calvin-calibration";
+
+using Problem = std::optional<Error>;
+
+void read_head(Fields& fields) {
+  const std::string format = fields.string("format");
+  if (!fields.failed() && format != kFormat) {
+    fields.complain("format",
+                    fmt::format("is '{}'; the file of a camera says '{}'", format, kFormat));
+  }
+  const int version = fields.integer("version");
+  if (version > kNativeVersion) {
+    fields.complain("version",
+                    fmt::format("is {}: a newer version of this software wrote the file, and this "
+                                "one reads up to {}",
+                                version, kNativeVersion),
+                    ErrorCode::kUnsupported);
+  }
+  if (version < 1) fields.complain("version", "is not 1");
+}
+
+std::vector<Parameter> read_parameters(Fields& fields) {
+  std::vector<Parameter> parameters;
+  Fields values = fields.map("parameters");
+  for (const std::string& name : values.keys()) {
+    parameters.push_back({name, values.number(name), {}});
+  }
+  if (fields.find("sigma") == nullptr) return parameters;
+  Fields sigmas = fields.map("sigma");
+  for (Parameter& p : parameters) {
+    p.sigma = sigmas.optional_number(p.name);
+    if (p.sigma.value_or(0) < 0) sigmas.complain(p.name, "is negative");
+  }
+  return parameters;
+}
+
+// Row-major. `size`: the number of parameters that have a sigma.
+std::vector<double> read_covariance(Fields& fields, std::size_t size) {
+  std::vector<double> all;
+  const auto rows = fields.rows("covariance", size);
+  if (!rows.empty() && rows.size() != size) {
+    fields.complain("covariance",
+                    fmt::format("has {} rows, but {} parameters have a sigma", rows.size(), size));
+  }
+  for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
+  return all;
+}
+
+Pose read_pose(Fields fields) {
+  Pose pose;
+  const auto rotation = fields.numbers("rotation", 3);
+  const auto translation = fields.numbers("translation", 3);
+  std::copy(rotation.begin(), rotation.end(), pose.rotation.begin());
+  std::copy(translation.begin(), translation.end(), pose.translation.begin());
+  return pose;
+}
+
+std::vector<ViewRecord> read_views(Fields& fields, Problem& problem) {
+  std::vector<ViewRecord> views;
+  const auto& list = fields.list("views");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].kind != Node::Kind::kMap) fields.complain("views", "is not a list of groups");
+    Fields one(list[i], fmt::format("views[{}].", i), problem);
+    ViewRecord view;
+    view.timestamp = one.optional_time("timestamp").value_or(kNoTimestamp);
+    view.rms = one.optional_number("rms").value_or(0);
+    view.points = one.find("points") != nullptr ? one.integer("points") : 0;
+    view.held_out = one.flag("held_out");
+    if (one.find("camera_from_board") != nullptr) {
+      view.camera_from_board = read_pose(one.map("camera_from_board"));
+    }
+    views.push_back(view);
+  }
+  return views;
+}
+
+// The file's order may be any; ours is the model's. The covariance follows.
+void sort_parameters(Calibration& calibration) {
+  const auto names = parameter_names(calibration.model);
+  const auto rank = [&](const Parameter& p) {
+    return std::find(names.begin(), names.end(), p.name) - names.begin();
+  };
+  auto& parameters = calibration.parameters;
+  std::vector<std::size_t> order(parameters.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return rank(parameters[a]) < rank(parameters[b]);
+  });
+  std::vector<std::size_t> row_of(parameters.size());
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].sigma) row_of[i] = size++;
+  }
+  std::vector<Parameter> sorted;
+  std::vector<std::size_t> rows;
+  for (const std::size_t i : order) {
+    sorted.push_back(parameters[i]);
+    if (parameters[i].sigma) rows.push_back(row_of[i]);
+  }
+  parameters = std::move(sorted);
+  if (calibration.covariance.empty()) return;
+  std::vector<double> covariance;
+  for (const std::size_t r : rows) {
+    for (const std::size_t c : rows) covariance.push_back(calibration.covariance[r * size + c]);
+  }
+  calibration.covariance = std::move(covariance);
+}
+
+void read_quality(Fields& fields, Calibration& calibration) {
+  calibration.rms = fields.optional_number("rms");
+  calibration.held_out_rms = fields.optional_number("held_out_rms");
+  calibration.chi = fields.optional_number("chi");
+  calibration.expected_error = fields.optional_number("expected_error");
+  calibration.focus = fields.optional_number("focus");
+  calibration.zoom = fields.optional_number("zoom");
+  if (fields.find("warp") != nullptr) {
+    Fields warp = fields.map("warp");
+    calibration.warp = BoardWarp{warp.number("kx"), warp.number("ky")};
+  }
+  if (fields.find("sensor_crop") != nullptr) {
+    const auto r = fields.numbers("sensor_crop", 4);
+    calibration.sensor_crop = Rectangle{r[0], r[1], r[2], r[3]};
+    if (!(r[2] > 0) || !(r[3] > 0)) fields.complain("sensor_crop", "is empty");
+  }
+}
+
+}  // namespace
+
+bool is_native(const Node& root) {
+  return root.find("format") != nullptr ||
+         (root.find("model") != nullptr && root.find("parameters") != nullptr);
+}
+
+Result<Calibration> read_native(const Node& root) {
+  Problem problem;
+  Fields fields(root, "", problem);
+  Calibration calibration;
+  read_head(fields);
+  if (problem) return tl::unexpected(*problem);
+  calibration.camera = fields.optional_string("camera");
+  const auto size = fields.numbers("image_size", 2);
+  for (const double side : size) {
+    if (!(side >= 1 && side <= 65536 && side == static_cast<int>(side))) {
+      fields.complain("image_size", "is not [width, height] in whole pixels");
+    }
+  }
+  if (problem) return tl::unexpected(*problem);
+  calibration.image_size = {static_cast<int>(size[0]), static_cast<int>(size[1])};
+  calibration.model = fields.string("model");
+  calibration.parameters = read_parameters(fields);
+  const auto estimated = std::count_if(calibration.parameters.begin(), calibration.parameters.end(),
+                                       [](const Parameter& p) { return p.sigma.has_value(); });
+  calibration.covariance = read_covariance(fields, static_cast<std::size_t>(estimated));
+  read_quality(fields, calibration);
+  for (const auto& uv : fields.rows("covered", 2)) calibration.covered.push_back({uv[0], uv[1]});
+  calibration.board = fields.optional_string("board");
+  calibration.views = read_views(fields, problem);
+  calibration.created = fields.optional_string("created");
+  if (problem) return tl::unexpected(*problem);
+  sort_parameters(calibration);
+  return calibration;
+}
+
+}  // namespace calvin::io

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/io/opencv_camera.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace calvin::io {
+
+namespace {
+
+constexpr std::array<std::string_view, 14> kBrownOrder = {
+    "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "taux", "tauy"};
+constexpr std::array<std::string_view, 4> kFisheyeOrder = {"k1", "k2", "k3", "k4"};
+
+struct Row {
+  std::string_view model;
+  std::size_t count;
+};
+// By size: a file's coefficients take the first model that fits.
+constexpr std::array<Row, 6> kBrownFamily = {{{"pinhole", 0},
+                                              {"brown4", 4},
+                                              {"brown5", 5},
+                                              {"rational8", 8},
+                                              {"thinprism12", 12},
+                                              {"tilted14", 14}}};
+
+Result<std::string_view> model_for(const OpenCvCamera& camera) {
+  const auto& d = camera.distortion;
+  if (camera.fisheye) {
+    if (d.size() == kFisheyeOrder.size()) return "fisheye";
+    return fail(ErrorCode::kMalformed,
+                fmt::format("a fisheye camera has 4 distortion coefficients, not {}", d.size()));
+  }
+  if (std::none_of(kBrownFamily.begin(), kBrownFamily.end(),
+                   [&](const Row& row) { return row.count == d.size(); })) {
+    return fail(
+        ErrorCode::kMalformed,
+        fmt::format("there are {} distortion coefficients; 4, 5, 8, 12 or 14 are right", d.size()));
+  }
+  std::size_t used = d.size();
+  while (used > 5 && d[used - 1] == 0) --used;
+  return std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
+                      [&](const Row& row) { return row.count >= used; })
+      ->model;
+}
+
+}  // namespace
+
+std::vector<std::string_view> coefficient_names(bool fisheye, std::size_t count) {
+  if (fisheye) return {kFisheyeOrder.begin(), kFisheyeOrder.end()};
+  return {kBrownOrder.begin(),
+          kBrownOrder.begin() + static_cast<std::ptrdiff_t>(std::min(count, kBrownOrder.size()))};
+}
+
+Result<Calibration> from_opencv(const OpenCvCamera& camera, ImageSize size) {
+  const auto& k = camera.k;
+  if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
+    return fail(ErrorCode::kMalformed,
+                "the camera matrix has not the form fx 0 cx, 0 fy cy, 0 0 1");
+  }
+  const auto model = model_for(camera);
+  if (!model) return tl::unexpected(model.error());
+  Calibration calibration;
+  calibration.image_size = size;
+  calibration.model = *model;
+  calibration.parameters = {{"fx", k[0], {}}, {"fy", k[4], {}}, {"cx", k[2], {}}, {"cy", k[5], {}}};
+  const auto row = std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
+                                [&](const Row& r) { return r.model == *model; });
+  const auto names =
+      coefficient_names(camera.fisheye, camera.fisheye ? kFisheyeOrder.size() : row->count);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    calibration.parameters.push_back({std::string(names[i]), camera.distortion[i], {}});
+  }
+  if (k[1] != 0) calibration.parameters.push_back({"skew", k[1], {}});
+  return calibration;
+}
+
+Result<OpenCvCamera> to_opencv(const Calibration& calibration) {
+  const auto value = [&](std::string_view name) {
+    const Parameter* p = calibration.find(name);
+    return p == nullptr ? 0.0 : p->value;
+  };
+  OpenCvCamera camera;
+  camera.fisheye = calibration.model == "fisheye";
+  const auto row = std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
+                                [&](const Row& r) { return r.model == calibration.model; });
+  if (!camera.fisheye && row == kBrownFamily.end()) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("OpenCV and ROS have no camera model like {}; write the format calvin, "
+                            "or calibrate with the model brown5 or fisheye.",
+                            calibration.model));
+  }
+  camera.k = {value("fx"), value("skew"), value("cx"), 0, value("fy"), value("cy"), 0, 0, 1};
+  const std::size_t count =
+      camera.fisheye ? kFisheyeOrder.size() : std::max<std::size_t>(row->count, 4);
+  for (const std::string_view name : coefficient_names(camera.fisheye, count)) {
+    camera.distortion.push_back(value(name));
+  }
+  return camera;
+}
+
+}  // namespace calvin::io

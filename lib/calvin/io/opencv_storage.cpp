@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/io/opencv_storage.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+#include "calvin/io/calibration_formats.hpp"
+#include "calvin/io/opencv_camera.hpp"
+
+namespace calvin::io {
+
+namespace {
+
+// There is no schema: these are the names that OpenCV's samples and tools, and the files found in
+// the wild, use. Compared without case and underscores, which vary most.
+using Names = std::vector<std::string_view>;
+const Names kCameraMatrix = {"cameramatrix", "intrinsicmatrix", "k", "m1", "cameramatrix1"};
+const Names kDistortion = {"distortioncoefficients",
+                           "distcoeffs",
+                           "distortioncoeffs",
+                           "distortion",
+                           "d",
+                           "d1",
+                           "distcoeffs1"};
+const Names kWidth = {"imagewidth", "imgwidth", "width"};
+const Names kHeight = {"imageheight", "imgheight", "height"};
+const Names kSize = {"cameraresolution", "imagesize", "resolution"};
+const Names kFisheye = {"fisheyemodel", "fisheye"};
+const Names kRms = {"avgreprojectionerror"};
+const Names kMatrixSigma = {"cameramatrixstddev"};
+const Names kDistortionSigma = {"distcoeffsstddev"};
+
+std::string plain(std::string_view key) {
+  std::string name;
+  for (const char c : key) {
+    if (c != '_') name += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return name;
+}
+
+// The key of the file that is one of `names`; empty where there is none.
+std::string find_key(const Node& map, const Names& names) {
+  for (const std::string_view name : names) {
+    for (const std::string& key : map.keys) {
+      if (plain(key) == name) return key;
+    }
+  }
+  return {};
+}
+
+// XML has a root element around everything.
+const Node& content_of(const Node& root) {
+  const Node* storage = root.find("opencv_storage");
+  return storage == nullptr ? root : *storage;
+}
+
+ImageSize read_size(Fields& fields, const Node& map) {
+  const std::string width = find_key(map, kWidth);
+  const std::string height = find_key(map, kHeight);
+  ImageSize size;
+  if (!width.empty() && !height.empty()) {
+    size = {fields.integer(width), fields.integer(height)};
+  } else if (const std::string key = find_key(map, kSize); !key.empty()) {
+    const auto both = fields.numbers(key);
+    const auto whole = [](double v) { return v >= 1 && v <= 65536 && v == std::floor(v); };
+    if (both.size() != 2 || !whole(both[0]) || !whole(both[1])) {
+      fields.complain(key, "is not a width and a height in whole pixels");
+      return {};
+    }
+    return {static_cast<int>(both[0]), static_cast<int>(both[1])};
+  } else {
+    return {};
+  }
+  if (size.width < 1) fields.complain(width, "is not a width in pixels");
+  if (size.height < 1) fields.complain(height, "is not a height in pixels");
+  return size;
+}
+
+bool read_fisheye(Fields& fields, const Node& map) {
+  const std::string key = find_key(map, kFisheye);
+  if (key.empty()) return false;
+  const std::string word = fields.word(key);
+  if (word == "1" || word == "true") return true;
+  if (word != "0" && word != "false") fields.complain(key, "is neither 0 nor 1");
+  return false;
+}
+
+// OpenCV writes 0 for what it did not estimate.
+void read_sigmas(Fields& fields, const Node& map, bool fisheye, Calibration& calibration) {
+  const auto take = [&](const Names& names, const std::vector<std::string_view>& parameters) {
+    const std::string key = find_key(map, names);
+    if (key.empty()) return;
+    const Matrix sigmas = read_matrix(fields, key);
+    for (Parameter& p : calibration.parameters) {
+      const auto it = std::find(parameters.begin(), parameters.end(), p.name);
+      const auto i = static_cast<std::size_t>(it - parameters.begin());
+      if (it != parameters.end() && i < sigmas.data.size() && sigmas.data[i] > 0) {
+        p.sigma = sigmas.data[i];
+      }
+    }
+  };
+  take(kMatrixSigma, {"fx", "fy", "cx", "cy"});
+  take(kDistortionSigma, coefficient_names(fisheye, 14));
+}
+
+Matrix sigma_matrix(const Calibration& calibration, const std::vector<std::string_view>& names) {
+  Matrix matrix{static_cast<int>(names.size()), 1, {}};
+  for (const std::string_view name : names) {
+    const Parameter* p = calibration.find(name);
+    matrix.data.push_back(p == nullptr ? 0 : p->sigma.value_or(0));
+  }
+  return matrix;
+}
+
+}  // namespace
+
+Matrix read_matrix(Fields& fields, std::string_view key) {
+  Fields matrix = fields.map(key);
+  const std::string dt = matrix.word("dt");
+  if (!dt.empty() && dt != "d" && dt != "f" && dt != "i") {
+    matrix.complain("dt", fmt::format("is '{}'; d, f and i are read", dt.substr(0, 8)));
+  }
+  const Node* data = matrix.find("data");
+  if (data != nullptr && data->text.starts_with("$base64$")) {
+    matrix.complain("data", "is in base64; write the file as plain text", ErrorCode::kUnsupported);
+  }
+  Matrix result{matrix.integer("rows"), matrix.integer("cols"), {}};
+  if (matrix.failed()) return {};
+  result.data = matrix.numbers("data");
+  if (result.rows < 1 || result.cols < 1 || result.rows > 1'000'000 || result.cols > 1000 ||
+      result.data.size() != static_cast<std::size_t>(result.rows) * result.cols) {
+    matrix.complain("data", fmt::format("has {} numbers, but rows and cols are {} and {}",
+                                        result.data.size(), result.rows, result.cols));
+  }
+  return result;
+}
+
+bool is_opencv(const Node& root) {
+  return root.find("opencv_storage") != nullptr || !find_key(root, kCameraMatrix).empty();
+}
+
+Result<Calibration> read_opencv(const Node& root) {
+  const Node& map = content_of(root);
+  std::optional<Error> problem;
+  Fields fields(map, "", problem);
+  const std::string k_key = find_key(map, kCameraMatrix);
+  const std::string d_key = find_key(map, kDistortion);
+  if (k_key.empty() || d_key.empty()) {
+    fields.complain(k_key.empty() ? "camera_matrix" : "distortion_coefficients", "is missing");
+    return tl::unexpected(*problem);
+  }
+  OpenCvCamera camera;
+  const Matrix k = read_matrix(fields, k_key);
+  if (k.rows != 3 || k.cols != 3) fields.complain(k_key, "is not a matrix of 3x3");
+  camera.distortion = read_matrix(fields, d_key).data;
+  camera.fisheye = read_fisheye(fields, map);
+  const ImageSize size = read_size(fields, map);
+  if (problem) return tl::unexpected(*problem);
+  std::copy(k.data.begin(), k.data.end(), camera.k.begin());
+  auto calibration = from_opencv(camera, size);
+  if (!calibration) return calibration;
+  read_sigmas(fields, map, camera.fisheye, *calibration);
+  if (const std::string key = find_key(map, kRms); !key.empty()) {
+    calibration->rms = fields.optional_number(key);
+  }
+  if (problem) return tl::unexpected(*problem);
+  return calibration;
+}
+
+Result<Storage> to_storage(const Calibration& calibration) {
+  const auto camera = to_opencv(calibration);
+  if (!camera) return tl::unexpected(camera.error());
+  Storage storage;
+  if (calibration.image_size.width > 0) {
+    storage.emplace_back("image_width", calibration.image_size.width);
+    storage.emplace_back("image_height", calibration.image_size.height);
+  }
+  if (camera->fisheye) storage.emplace_back("fisheye_model", 1);
+  storage.emplace_back("camera_matrix", Matrix{3, 3, {camera->k.begin(), camera->k.end()}});
+  const int count = static_cast<int>(camera->distortion.size());
+  storage.emplace_back("distortion_coefficients", Matrix{count, 1, camera->distortion});
+  if (std::any_of(calibration.parameters.begin(), calibration.parameters.end(),
+                  [](const Parameter& p) { return p.sigma.has_value(); })) {
+    storage.emplace_back("cameraMatrix_std_dev",
+                         sigma_matrix(calibration, {"fx", "fy", "cx", "cy"}));
+    storage.emplace_back(
+        "dist_coeffs_std_dev",
+        sigma_matrix(calibration, coefficient_names(camera->fisheye, camera->distortion.size())));
+  }
+  if (calibration.rms) storage.emplace_back("avg_reprojection_error", *calibration.rms);
+  return storage;
+}
+
+std::string format_real(double value) {
+  std::string text = format_double(value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string join_reals(const std::vector<double>& values, std::string_view separator) {
+  std::string text;
+  for (const double value : values) {
+    if (!text.empty()) text += separator;
+    text += format_real(value);
+  }
+  return text;
+}
+
+}  // namespace calvin::io

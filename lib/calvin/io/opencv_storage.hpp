@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What an OpenCV calibration file holds, whatever its syntax.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/io/document.hpp"
+
+namespace calvin::io {
+
+struct Matrix {
+  int rows = 0;
+  int cols = 0;
+  std::vector<double> data;  // row-major
+};
+
+using StorageValue = std::variant<int, double, Matrix>;
+using Storage = std::vector<std::pair<std::string_view, StorageValue>>;
+
+// The fields to write, under the names of OpenCV's own calibration sample.
+[[nodiscard]] Result<Storage> to_storage(const Calibration& calibration);
+
+// A number that OpenCV and a JSON parser take for a real one: "520.0".
+[[nodiscard]] std::string format_real(double value);
+[[nodiscard]] std::string join_reals(const std::vector<double>& values, std::string_view separator);
+
+// rows, cols, data of a matrix field; only finite numbers, and as many as rows and cols say.
+[[nodiscard]] Matrix read_matrix(Fields& fields, std::string_view key);
+
+}  // namespace calvin::io

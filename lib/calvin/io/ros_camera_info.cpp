@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// ROS camera_info as YAML: the names and the nesting of camera_calibration_parsers, exactly.
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "calvin/io/calibration_formats.hpp"
+#include "calvin/io/opencv_camera.hpp"
+#include "calvin/io/opencv_storage.hpp"
+
+namespace calvin::io {
+
+namespace {
+
+struct Row {
+  std::string_view name;
+  bool fisheye;
+  std::size_t most;  // coefficients
+};
+// The first that holds the coefficients is written; `fisheye` is a name that some tools write.
+constexpr std::array<Row, 4> kDistortionModels = {{{"plumb_bob", false, 5},
+                                                   {"rational_polynomial", false, 8},
+                                                   {"equidistant", true, 4},
+                                                   {"fisheye", true, 4}}};
+
+const Row* find_model(std::string_view name) {
+  const auto it = std::find_if(kDistortionModels.begin(), kDistortionModels.end(),
+                               [&](const Row& row) { return row.name == name; });
+  return it == kDistortionModels.end() ? nullptr : &*it;
+}
+
+// A name with any character in it is as good YAML as it is JSON.
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string print_matrix(std::string_view name, const Matrix& matrix) {
+  return fmt::format("{}:\n  rows: {}\n  cols: {}\n  data: [{}]\n", name, matrix.rows, matrix.cols,
+                     join_reals(matrix.data, ", "));
+}
+
+}  // namespace
+
+bool is_ros(const Node& root) { return root.find("distortion_model") != nullptr; }
+
+Result<Calibration> read_ros(const Node& root) {
+  std::optional<Error> problem;
+  Fields fields(root, "", problem);
+  const ImageSize size = {fields.integer("image_width"), fields.integer("image_height")};
+  const std::string name = fields.word("distortion_model");
+  const Row* model = find_model(name);
+  if (model == nullptr) {
+    fields.complain("distortion_model",
+                    fmt::format("is '{}'; plumb_bob, rational_polynomial and equidistant are read",
+                                name.substr(0, 40)),
+                    ErrorCode::kUnsupported);
+  }
+  const Matrix k = read_matrix(fields, "camera_matrix");
+  if (k.data.size() != 9) fields.complain("camera_matrix", "is not a matrix of 3x3");
+  const Matrix d = read_matrix(fields, "distortion_coefficients");
+  if (problem) return tl::unexpected(*problem);
+  if (size.width < 1 || size.height < 1) {
+    return fail(ErrorCode::kMalformed, "'image_width' or 'image_height' is not positive");
+  }
+  if (d.data.size() > model->most) {
+    return fail(ErrorCode::kMalformed,
+                fmt::format("'distortion_coefficients' are {}, but {} has {}", d.data.size(), name,
+                            model->most));
+  }
+  OpenCvCamera camera{{}, d.data, model->fisheye};
+  std::copy(k.data.begin(), k.data.end(), camera.k.begin());
+  auto calibration = from_opencv(camera, size);
+  if (calibration) calibration->camera = fields.word("camera_name");
+  return calibration;
+}
+
+Result<std::string> print_ros(const Calibration& calibration) {
+  if (calibration.image_size.width < 1 || calibration.image_size.height < 1) {
+    return fail(ErrorCode::kInvalidArgument,
+                "The calibration does not say its image size, which a ROS file must hold.");
+  }
+  auto camera = to_opencv(calibration);
+  if (!camera) return tl::unexpected(camera.error());
+  auto& d = camera->distortion;
+  const auto model = std::find_if(
+      kDistortionModels.begin(), kDistortionModels.end(),
+      [&](const Row& row) { return row.fisheye == camera->fisheye && row.most >= d.size(); });
+  if (model == kDistortionModels.end()) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("ROS has no camera model like {}; write the format calvin or "
+                            "opencv-yaml, or calibrate with the model brown5 or fisheye.",
+                            calibration.model));
+  }
+  d.resize(model->most);
+  const auto& k = camera->k;
+  std::string text = fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n",
+                                 calibration.image_size.width, calibration.image_size.height,
+                                 quoted(calibration.camera));
+  text += print_matrix("camera_matrix", {3, 3, {k.begin(), k.end()}});
+  text += fmt::format("distortion_model: {}\n", model->name);
+  text += print_matrix("distortion_coefficients", {1, static_cast<int>(d.size()), d});
+  text += print_matrix("rectification_matrix", {3, 3, {1, 0, 0, 0, 1, 0, 0, 0, 1}});
+  text += print_matrix("projection_matrix",
+                       {3, 4, {k[0], k[1], k[2], 0, 0, k[4], k[5], 0, 0, 0, 1, 0}});
+  return text;
+}
+
+}  // namespace calvin::io

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The text of an element's property `calibration`: a file, or a calibration in itself.
+#pragma once
+
+#include <string_view>
+
+#include "calvin/core/calibration.hpp"
+
+namespace calvin {
+
+// In this order: text that starts with `{` is JSON, with `<` or `%YAML` OpenCV's XML or YAML (the
+// settings of the GStreamer element cameraundistort are), an existing file is read, text with `=`
+// is a key list (io/key_list.hpp). Anything else is a path that does not exist yet: kNotFound, and
+// the caller may wait for it. Other errors as of parse_calibration() and read_calibration().
+[[nodiscard]] Result<Calibration> parse_calibration_setting(std::string_view text);
+
+// Whether the text is (or will be) the path of a file, rather than a calibration in itself: then it
+// may be worth looking again for a newer one.
+[[nodiscard]] bool is_calibration_path(std::string_view text);
+
+}  // namespace calvin

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Session: which views to keep, what to show next, when it is enough.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calvin/core/observation.hpp"
+#include "calvin/core/reason.hpp"
+#include "calvin/session/spread.hpp"
+#include "calvin/solve/solve.hpp"
+
+namespace calvin {
+
+enum class CaptureMode {
+  kAll,     // every usable view
+  kAuto,    // usable views that are nearly still, large enough and new
+  kManual,  // the next usable view after each capture_next()
+};
+
+struct SessionOptions {
+  CaptureMode mode = CaptureMode::kAuto;
+  int min_views = 10;  // fewer are never complete
+  int max_views = 0;   // no more are kept; 0: no limit
+};
+
+struct Progress {
+  int views = 0;
+  double coverage = 0;  // part of the image that boards covered, 0..1
+
+  // How much of the useful range the kept views span, 0..1: position, size and tilt of the board.
+  double x = 0;
+  double y = 0;
+  double size = 0;
+  double skew = 0;
+
+  std::string hint;  // what to show next, a sentence for the user
+};
+
+// Not thread-safe.
+//
+// A view is usable with at least 6 corners that check() accepts, of the image size of the views
+// kept so far. In kAuto it must also
+//   - be still: the corners shared with the observation of its board offered before it have moved
+//   by no more
+//     than 0.3 % of the image diagonal on average; so the first one after a gap never is;
+//   - be large: the corners' hull covers at least 1 % of the image;
+//   - be new, compared with every kept view of the same board: its centre lies at least 8 % of the
+//     image diagonal away, or the corners about their centre have moved by at least 1.5 % of it on
+//     average (nearer, farther, turned, tilted).
+class Session {
+ public:
+  explicit Session(SessionOptions options = {}) : options_(options) {}
+
+  // Keeps the view when it returns kAccepted. kTooSimilar also for a view beyond max_views, and in
+  // kManual for one that was not asked for.
+  Reason offer(const View& view);
+
+  // The next usable view is kept whatever else it is, in every mode.
+  void capture_next() { asked_ = true; }
+
+  // Forgets all views; the next one may have another image size.
+  void reset();
+
+  // False where there is no such view.
+  bool remove_view(std::size_t index);
+
+  [[nodiscard]] const std::vector<View>& views() const noexcept { return views_; }
+  [[nodiscard]] Progress progress() const;
+
+  // At least min_views, and max_views reached or, in kAuto, the ranges of Progress spanned; without
+  // guidance (kAll, kManual) min_views is enough.
+  [[nodiscard]] bool complete() const;
+
+ private:
+  [[nodiscard]] Reason usable(const View& view) const;
+  [[nodiscard]] Reason worth_keeping(const View& view,
+                                     const std::optional<Observation>& before) const;
+  [[nodiscard]] bool is_new(const View& view) const;
+  [[nodiscard]] bool full() const noexcept;
+  [[nodiscard]] std::optional<Observation> take_previous(const std::string& board);
+  void keep(const View& view);
+
+  SessionOptions options_;
+  std::vector<View> views_;
+  Spread spread_;
+  std::vector<Observation> previous_;  // the last of each board, unless it was not usable
+  bool asked_ = false;
+};
+
+}  // namespace calvin

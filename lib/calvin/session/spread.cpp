@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/session/spread.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "calvin/geometry/convex_hull.hpp"
+#include "calvin/geometry/homography.hpp"
+
+namespace calvin {
+
+namespace {
+
+// A span of this much counts as the whole range: the board need not reach every border.
+constexpr double kRangeX = 0.7;
+constexpr double kRangeY = 0.7;
+constexpr double kRangeSize = 0.4;
+constexpr double kRangeSkew = 0.5;
+
+// Beyond this ratio of opposite edges the board counts as tilted to that side.
+constexpr double kTilted = 0.06;
+
+double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
+
+double range_of(const std::vector<Placement>& placements, double Placement::*value, double whole) {
+  if (placements.empty()) return 0;
+  const auto [low, high] = std::minmax_element(
+      placements.begin(), placements.end(),
+      [value](const Placement& a, const Placement& b) { return a.*value < b.*value; });
+  return std::clamp(((*high).*value - (*low).*value) / whole, 0.0, 1.0);
+}
+
+double largest(const std::vector<Placement>& placements, double Placement::*value, double whole) {
+  double most = 0;
+  for (const Placement& p : placements) most = std::max(most, p.*value);
+  return std::clamp(most / whole, 0.0, 1.0);
+}
+
+// Degrees of freedom of the centre: a large board has little room to move.
+double within_room(double center, double extent, double length) {
+  const double room = length - extent;
+  return room > 0 ? std::clamp((center - extent / 2) / room, 0.0, 1.0) : 0.5;
+}
+
+}  // namespace
+
+Result<Placement> place(const View& view) {
+  const Observation& seen = view.observation;
+  const auto points = view.board.points();
+  std::vector<Pixel> xy;
+  for (const int id : seen.ids) {
+    const Eigen::Vector3d& p = points[static_cast<std::size_t>(id)];
+    xy.push_back({p.x(), p.y()});
+  }
+  const auto h = fit_homography(xy, seen.uv);
+  if (!h) return tl::unexpected<Error>(h.error());
+  const double right = view.board.size * (view.board.cols - 1);
+  const double bottom = view.board.size * (view.board.rows - 1);
+  const std::vector<Pixel> corner = {transform(*h, {0, 0}), transform(*h, {right, 0}),
+                                     transform(*h, {right, bottom}), transform(*h, {0, bottom})};
+  const double area = std::abs(polygon_area(corner));
+  const double width = seen.image_size.width;
+  const double height = seen.image_size.height;
+  const Pixel ab = {corner[0].u - corner[1].u, corner[0].v - corner[1].v};
+  const Pixel cb = {corner[2].u - corner[1].u, corner[2].v - corner[1].v};
+  const double angle = std::atan2(std::abs(ab.u * cb.v - ab.v * cb.u), ab.u * cb.u + ab.v * cb.v);
+
+  Placement p;
+  for (const Pixel& uv : seen.uv) {
+    p.x += uv.u / static_cast<double>(seen.uv.size());
+    p.y += uv.v / static_cast<double>(seen.uv.size());
+  }
+  p.x = within_room(p.x, std::sqrt(area), width);
+  p.y = within_room(p.y, std::sqrt(area), height);
+  p.size = std::clamp(std::sqrt(area / (width * height)), 0.0, 1.0);
+  p.skew = std::min(1.0, 2 * std::abs(std::numbers::pi / 2 - angle));
+  const auto nearer = [](double one, double other) { return (one - other) / (one + other); };
+  p.left_nearer = nearer(distance(corner[0], corner[3]), distance(corner[1], corner[2]));
+  p.top_nearer = nearer(distance(corner[0], corner[1]), distance(corner[3], corner[2]));
+  for (const double value : {p.x, p.y, p.size, p.skew, p.left_nearer, p.top_nearer}) {
+    if (!std::isfinite(value)) {
+      return fail(ErrorCode::kDegenerate, "The board is seen edge on.");
+    }
+  }
+  return p;
+}
+
+void Spread::add(const View& view) {
+  const auto placement = place(view);
+  if (!placement) return;
+  placements_.push_back(*placement);
+  const auto hull = convex_hull(view.observation.uv);
+  const ImageSize size = view.observation.image_size;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const Pixel center = {(column + 0.5) * size.width / kColumns - 0.5,
+                            (row + 0.5) * size.height / kRows - 0.5};
+      if (contains(hull, center))
+        covered_[static_cast<std::size_t>(row * kColumns + column)] = true;
+    }
+  }
+}
+
+double Spread::coverage() const {
+  return static_cast<double>(std::count(covered_.begin(), covered_.end(), true)) /
+         static_cast<double>(covered_.size());
+}
+
+double Spread::x() const { return range_of(placements_, &Placement::x, kRangeX); }
+double Spread::y() const { return range_of(placements_, &Placement::y, kRangeY); }
+double Spread::size() const { return largest(placements_, &Placement::size, kRangeSize); }
+double Spread::skew() const { return largest(placements_, &Placement::skew, kRangeSkew); }
+
+bool Spread::spans_all() const { return std::min({x(), y(), size(), skew()}) >= 1; }
+
+std::string Spread::hint() const {
+  if (placements_.empty()) return "Show the whole board to the camera.";
+  double left = 1;
+  double right = 0;
+  double top = 1;
+  double bottom = 0;
+  std::array<bool, 4> tilts{};
+  for (const Placement& p : placements_) {
+    left = std::min(left, p.x);
+    right = std::max(right, p.x);
+    top = std::min(top, p.y);
+    bottom = std::max(bottom, p.y);
+    tilts[0] |= p.left_nearer > kTilted;
+    tilts[1] |= p.left_nearer < -kTilted;
+    tilts[2] |= p.top_nearer > kTilted;
+    tilts[3] |= p.top_nearer < -kTilted;
+  }
+  constexpr std::array<const char*, 4> kTilts = {
+      "Tilt the board: its left edge nearer to the camera.",
+      "Tilt the board: its right edge nearer to the camera.",
+      "Tilt the board: its top edge nearer to the camera.",
+      "Tilt the board: its bottom edge nearer to the camera."};
+
+  if (size() < 1) return "Come closer with the board.";
+  for (std::size_t i = 0; i < tilts.size(); ++i) {
+    if (!tilts[i]) return kTilts[i];
+  }
+  if (x() < 1) {
+    return left > 1 - right ? "Move the board to the left side of the image."
+                            : "Move the board to the right side of the image.";
+  }
+  if (y() < 1) {
+    return top > 1 - bottom ? "Move the board to the top of the image."
+                            : "Move the board to the bottom of the image.";
+  }
+  if (skew() < 1) return "Tilt the board more, and turn it a little.";
+  return "Keep showing the board, tilted differently, in every part of the image.";
+}
+
+}  // namespace calvin

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/solve/pose.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calvin/solve/pose_fit.hpp"
+
+namespace calvin {
+
+Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observation& observation,
+                       PoseQuality* quality) {
+  const ImageSize size = camera.image_size();
+  if (observation.image_size.width > 0 && observation.image_size != size) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("The board was seen in an image of {}x{} px, the camera's is {}x{}. "
+                            "Scale the camera to the image first.",
+                            observation.image_size.width, observation.image_size.height, size.width,
+                            size.height));
+  }
+  if (const Status status = check({observation, board}, size); !status) {
+    return tl::unexpected<Error>(status.error());
+  }
+  std::vector<PointSet> view = {to_points(board, observation)};
+  normalise_weights(view);
+  std::optional<PoseFit> fit;
+  visit_model(camera.model(), [&]<typename M>() {
+    const auto rays = rays_of<M>(view[0], camera.parameters().data(), camera.skew());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (rays[i].isZero()) view[0].weight[i] = 0;
+    }
+    if (spans_plane(view[0])) {
+      fit = fit_pose<M>(view[0], camera.parameters().data(), camera.skew(), Loss{});
+    }
+  });
+  if (!fit) {
+    return fail(ErrorCode::kDegenerate,
+                "The corners do not determine the pose of the board: at least 4 that the camera "
+                "can see and that do not lie on one line are needed.");
+  }
+  if (quality != nullptr) {
+    const auto n = static_cast<double>(view[0].used());
+    *quality = {std::sqrt(fit->cost / n), std::sqrt(fit->other_cost / n)};
+  }
+  return fit->camera_from_board;
+}
+
+}  // namespace calvin

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The pose of one board before a known camera.
+#pragma once
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/geometry/se3.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+
+struct PoseQuality {
+  double rms = 0;  // px, as in docs/conventions.md
+  double other_rms =
+      0;  // px, of the mirrored tilt; a board seen small or far fits both nearly alike
+};
+
+// camera_from_board, m: closed form on the rays of the corners, then least squares on their
+// reprojection. A plane has two poses that look nearly alike, tilted to either side of the line of
+// sight (T. Collins, A. Bartoli, Infinitesimal Plane-Based Pose Estimation, IJCV 109(3), 2014);
+// both are refined and the better one is returned. Corners that no ray of the camera leads to are
+// left out. kInvalidArgument for a broken observation, kDegenerate where fewer than 4 corners are
+// left or all lie on one line.
+[[nodiscard]] Result<SE3> solve_pose(const Camera& camera, const Board& board,
+                                     const Observation& observation,
+                                     PoseQuality* quality = nullptr);
+
+}  // namespace calvin

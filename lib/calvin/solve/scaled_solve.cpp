@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/solve/scaled_solve.hpp"
+
+#include <Eigen/Cholesky>
+
+namespace calvin {
+
+std::optional<Eigen::MatrixXd> scaled_solve(const Eigen::MatrixXd& m, const Eigen::MatrixXd& right,
+                                            double least_pivot) {
+  const Eigen::VectorXd diagonal = m.diagonal();
+  if (!(diagonal.minCoeff() > 0) || !diagonal.allFinite()) return std::nullopt;
+  const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(scaled);
+  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > least_pivot)) {
+    return std::nullopt;
+  }
+  Eigen::MatrixXd x = ldlt.solve(scale.asDiagonal() * right);
+  x = scale.asDiagonal() * x;
+  if (!x.allFinite()) return std::nullopt;
+  return x;
+}
+
+}  // namespace calvin

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Small symmetric systems in parameters of very different sizes. Internal.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+namespace calvin {
+
+// The X with m X = right for a positive definite m, factorised after scaling to a unit diagonal, so
+// that px and powers of a radius weigh alike. Absent where a pivot of the scaled matrix is not
+// above `least_pivot`.
+[[nodiscard]] std::optional<Eigen::MatrixXd> scaled_solve(const Eigen::MatrixXd& m,
+                                                          const Eigen::MatrixXd& right,
+                                                          double least_pivot);
+
+}  // namespace calvin

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/solve/solve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "calvin/solve/points.hpp"
+
+namespace calvin {
+
+namespace {
+
+// Corners may lie this far beyond the border, in parts of the image size.
+constexpr double kMargin = 0.05;
+
+Status check_size(ImageSize size) {
+  if (size.width < 1 || size.height < 1 || size.width > 65536 || size.height > 65536) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("An image of {}x{} px cannot be calibrated; give the size of the "
+                            "frames that the board was seen in.",
+                            size.width, size.height));
+  }
+  return {};
+}
+
+bool within(Pixel p, ImageSize size) {
+  const double du = kMargin * size.width;
+  const double dv = kMargin * size.height;
+  return p.u >= -0.5 - du && p.u <= size.width - 0.5 + du && p.v >= -0.5 - dv &&
+         p.v <= size.height - 0.5 + dv;
+}
+
+Status check_board(const Board& board) {
+  if (board.cols < 1 || board.rows < 1 || board.cols > 10000 || board.rows > 10000 ||
+      !std::isfinite(board.size) || !(board.size > 0)) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("A board of {}x{} corners {} m apart does not exist.", board.cols,
+                            board.rows, board.size));
+  }
+  return {};
+}
+
+struct Gathered {
+  std::vector<PointSet> views;
+  std::vector<RejectedView> rejected;
+};
+
+Result<Gathered> gather(std::span<const View> views, ImageSize size) {
+  Gathered gathered;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Observation& seen = views[i].observation;
+    if (!seen.found()) {
+      gathered.rejected.push_back({i, Reason::kNotFound});
+      continue;
+    }
+    if (seen.image_size.width > 0 && seen.image_size != size) {
+      gathered.rejected.push_back({i, Reason::kOffSize});
+      continue;
+    }
+    if (const Status status = check(views[i], size); !status) {
+      return fail(status.error().code, fmt::format("View {}: {}", i, status.error().message));
+    }
+    PointSet points = to_points(views[i].board, seen);
+    points.index = i;
+    if (!spans_plane(points)) {
+      gathered.rejected.push_back({i, Reason::kTooFewPoints});
+      continue;
+    }
+    gathered.views.push_back(std::move(points));
+  }
+  return gathered;
+}
+
+// The boards of the views used, each once, in the order of their first view.
+std::string board_text(std::span<const View> views, const std::vector<RejectedView>& rejected) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto is_this = [i](const RejectedView& r) { return r.index == i; };
+    if (std::any_of(rejected.begin(), rejected.end(), is_this)) continue;
+    std::string text = views[i].board.text();
+    if (std::find(texts.begin(), texts.end(), text) == texts.end()) {
+      texts.push_back(std::move(text));
+    }
+  }
+  return fmt::format("{}", fmt::join(texts, ";"));
+}
+
+}  // namespace
+
+Status check(const View& view, ImageSize image_size) {
+  if (const Status status = check_size(image_size); !status) return status;
+  if (const Status status = check_board(view.board); !status) return status;
+  const Observation& seen = view.observation;
+  const auto refuse = [](std::string message) {
+    return fail(ErrorCode::kInvalidArgument, std::move(message));
+  };
+  if (seen.ids.size() != seen.uv.size()) {
+    return refuse(fmt::format("{} ids and {} corners were given; each corner needs its id.",
+                              seen.ids.size(), seen.uv.size()));
+  }
+  std::vector<bool> known(static_cast<std::size_t>(view.board.point_count()), false);
+  for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+    const int id = seen.ids[i];
+    if (id < 0 || id >= view.board.point_count()) {
+      return refuse(
+          fmt::format("The corner id {} is not on the board {}, which has {} corners. "
+                      "Is this the board that was seen?",
+                      id, view.board.text(), view.board.point_count()));
+    }
+    if (known[static_cast<std::size_t>(id)]) {
+      return refuse(fmt::format("The corner id {} is given twice.", id));
+    }
+    known[static_cast<std::size_t>(id)] = true;
+    if (!within(seen.uv[i], image_size)) {
+      return refuse(fmt::format("The corner {} at ({}, {}) is outside the image of {}x{} px.", id,
+                                seen.uv[i].u, seen.uv[i].v, image_size.width, image_size.height));
+    }
+  }
+  return {};
+}
+
+Result<Solution> solve(std::span<const View> views, ImageSize image_size,
+                       const SolveOptions& options, std::stop_token stop) {
+  if (const Status status = check_size(image_size); !status) {
+    return tl::unexpected<Error>(status.error());
+  }
+  auto gathered = gather(views, image_size);
+  if (!gathered) return tl::unexpected<Error>(gathered.error());
+  auto solution = solve_points(std::move(gathered->views), image_size, options, stop);
+  if (!solution) return solution;
+  auto& rejected = solution->rejected;
+  rejected.insert(rejected.end(), gathered->rejected.begin(), gathered->rejected.end());
+  std::sort(rejected.begin(), rejected.end(),
+            [](const RejectedView& a, const RejectedView& b) { return a.index < b.index; });
+  solution->calibration.camera =
+      options.camera.empty() ? views.front().observation.camera : options.camera;
+  solution->calibration.board = board_text(views, rejected);
+  return solution;
+}
+
+}  // namespace calvin

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Views of a board -> Calibration, by least squares on the reprojection error.
+//
+// Start: Zhang's closed form (A Flexible New Technique for Camera Calibration, PAMI 22(11), 2000)
+// with tests of its signs, or several focal lengths tried where that form does not apply. Then
+// Levenberg-Marquardt over the camera and all board poses at once, each pose eliminated by its
+// 6x6 block. Gross corners and wholly wrong views are found by a robust solve, left out and named.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/core/reason.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+
+// One board as seen in one frame. A corner counts by 1 / sigma^2; a sigma that is missing or not
+// positive counts as 1 px. A factor common to all sigmas changes nothing.
+struct View {
+  Observation observation;
+  Board board;
+};
+
+struct SolveOptions {
+  std::string model = "brown5";  // one of model_names()
+  std::string camera;            // name for the result; empty: that of the first view
+  int max_iterations = 100;      // of each least-squares solve
+  bool reject_outliers = true;   // false: plain least squares over all corners
+
+  // What is not estimated: the name of a distortion coefficient ("k3": held at 0), "center" or
+  // "cx", "cy" (held at the centre of the image), "aspect" (fx = fy).
+  std::vector<std::string> fix;
+};
+
+struct RejectedView {
+  std::size_t index = 0;  // in the views given
+  Reason reason = Reason::kOutlier;
+};
+
+struct RejectedCorner {
+  std::size_t view = 0;  // index in the views given
+  int id = 0;
+};
+
+struct Solution {
+  // `created` is left empty. `views` lists the views used, in the order given; `covered` is the
+  // convex hull of the corners used; `board` the boards of the views used, joined by ';'.
+  Calibration calibration;
+  std::vector<RejectedView> rejected;
+  std::vector<RejectedCorner> rejected_corners;  // of views that are otherwise used
+  int iterations = 0;                            // of all least-squares solves together
+};
+
+// Whether a view can be fed to solve(): ids within the board and none twice, as many corners as
+// ids, all finite and within the image (5 % of its size beyond the border are tolerated).
+// kInvalidArgument otherwise. Says nothing of whether the corners are enough.
+[[nodiscard]] Status check(const View& view, ImageSize image_size);
+
+// kInvalidArgument: a broken view, option or image size. kUnsupported: unknown model.
+// kDegenerate: too little or too uniform data to determine the camera. kCancelled: `stop` was
+// requested, which is looked at in every iteration. The result is finite whenever there is one.
+// Thread-safe; keeps nothing.
+[[nodiscard]] Result<Solution> solve(std::span<const View> views, ImageSize image_size,
+                                     const SolveOptions& options = {}, std::stop_token stop = {});
+
+}  // namespace calvin

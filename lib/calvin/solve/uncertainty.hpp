@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a calibration's covariance means in the image.
+#pragma once
+
+#include <optional>
+
+#include "calvin/core/calibration.hpp"
+
+namespace calvin {
+
+// The expected error of projection, px, 1 sigma: the largest over a grid of pixels that reaches
+// the border of the image, for points at infinity. At each pixel the derivative of its projection
+// by the parameters, less what the best rotation common to all pixels explains (a camera that is
+// merely turned a little is as good), times the covariance; the standard deviation along the worse
+// direction. Pixels that no ray leads to are left out. After mrcal's projection uncertainty.
+// Absent without a usable covariance.
+[[nodiscard]] std::optional<double> expected_error(const Calibration& calibration);
+
+}  // namespace calvin

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibdetect: finds the board on the frame itself or on a worker, and never touches a pixel.
+
+#include "support.hpp"
+#include "values.hpp"
+
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+
+using namespace calvin;
+
+struct Fixture {
+  explicit Fixture(const char* launch = "calibdetect mode=sync", const char* format = "GRAY8")
+      : h(gst_harness_new_parse(launch)), bus(h->element) {
+    gst_harness_set_src_caps(h, check::caps_of(format, scene.size));
+  }
+  ~Fixture() {
+    bus.detach();
+    gst_harness_teardown(h);
+  }
+  check::Scene scene;
+  GstHarness* h;
+  check::Bus bus;
+};
+
+// Corners of all boards within `tolerance` px of the truth, every one of them there.
+static void assert_corners(const std::vector<Observation>& found, const Observation& truth,
+                           double tolerance) {
+  fail_unless_equals_int(found.size(), 1);
+  fail_unless_equals_int(found[0].ids.size(), truth.ids.size());
+  for (std::size_t i = 0; i < truth.ids.size(); ++i) {
+    fail_unless_equals_int(found[0].ids[i], truth.ids[i]);
+    const double du = found[0].uv[i].u - truth.uv[i].u;
+    const double dv = found[0].uv[i].v - truth.uv[i].v;
+    fail_unless(std::hypot(du, dv) < tolerance, "corner %d is off by %f, %f", truth.ids[i], du, dv);
+  }
+}
+
+static const char* const kFormats[] = {"GRAY8", "I420", "NV12",     "YUY2",       "BGRx",
+                                       "RGB",   "UYVY", "GRAY16_LE", "I420_10LE"};
+
+GST_START_TEST(test_finds_the_board_in_every_format) {
+  Fixture f("calibdetect mode=sync", kFormats[__i__]);
+  GstBuffer* in = check::frame_of(f.scene.picture(3), kFormats[__i__], 7);
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
+  const auto found = gst::read_observations(out);
+  assert_corners(found, f.scene.truth(3), 0.25);
+  fail_unless_equals_string(found[0].board.c_str(), "checkerboard:9x6:25mm");
+  fail_unless_equals_string(found[0].camera.c_str(), "cam0");
+  fail_unless_equals_uint64(found[0].timestamp, GST_BUFFER_PTS(out));
+  fail_unless_equals_int(found[0].image_size.width, 640);
+  fail_unless(found[0].ambiguous.empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_shares_the_memory_of_a_buffer_that_others_hold) {
+  Fixture f;
+  GstBuffer* in = check::frame_of(f.scene.picture(0), "GRAY8", 0);
+  g_autoptr(GstBuffer) kept = gst_buffer_ref(in);
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
+  fail_unless(out != kept);
+  fail_unless(gst_buffer_peek_memory(out, 0) == gst_buffer_peek_memory(kept, 0));
+  fail_unless(gst::read_observations(kept).empty());
+  fail_unless_equals_int(gst::read_observations(out).size(), 1);
+
+  GstBuffer* own = check::frame_of(f.scene.picture(0), "GRAY8", 1);
+  g_autoptr(GstBuffer) same = gst_harness_push_and_pull(f.h, own);
+  fail_unless(same == own);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_no_board_is_said) {
+  Fixture f("calibdetect mode=sync post-messages=true camera=left");
+  g_autoptr(GstBuffer) out =
+      gst_harness_push_and_pull(f.h, check::frame_of(GrayImage(640, 480, 90), "GRAY8", 2));
+  const auto found = gst::read_observations(out);
+  fail_unless_equals_int(found.size(), 1);
+  fail_if(found[0].found());
+  const auto messages = f.bus.named("calib-detection");
+  fail_unless_equals_int(messages.size(), 1);
+  fail_unless_equals_string(gst_structure_get_string(messages[0], "reason"), "not-found");
+  fail_unless_equals_string(gst_structure_get_string(messages[0], "camera"), "left");
+  gboolean is_found = TRUE;
+  int total = 0;
+  guint64 time = 0;
+  fail_unless(gst_structure_get(messages[0], "found", G_TYPE_BOOLEAN, &is_found, "total",
+                                G_TYPE_INT, &total, "timestamp", G_TYPE_UINT64, &time, nullptr));
+  fail_if(is_found);
+  fail_unless_equals_int(total, 54);
+  fail_unless_equals_uint64(time, GST_BUFFER_PTS(out));
+  for (const char* field : {"stream-time", "running-time", "duration", "latency-us"}) {
+    fail_unless(gst_structure_has_field_typed(messages[0], field, G_TYPE_UINT64), "%s", field);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_several_boards_are_listed_each) {
+  Fixture f("calibdetect mode=sync board=checkerboard:9x6:25mm;checkerboard:5x4:10mm");
+  g_autoptr(GstBuffer) out =
+      gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 0));
+  const auto found = gst::read_observations(out);
+  fail_unless_equals_int(found.size(), 2);
+  fail_unless(found[0].found());
+  fail_unless_equals_string(found[1].board.c_str(), "checkerboard:5x4:10mm");
+}
+GST_END_TEST;
+
+// Async: the streaming thread hands the frame over and goes on; at EOS every result has arrived.
+GST_START_TEST(test_async_results_ride_on_later_buffers_and_are_complete_at_eos) {
+  Fixture f("calibdetect mode=async post-messages=true");
+  gst_harness_push(f.h, check::frame_of(f.scene.picture(5), "GRAY8", 0));
+  gst_harness_push_event(f.h, gst_event_new_eos());
+  g_autoptr(GstBuffer) first = gst_harness_pull(f.h);
+  fail_unless(gst::read_observations(first).empty());
+
+  std::vector<Observation> late;
+  bool eos = false;
+  while (GstEvent* event = gst_harness_try_pull_event(f.h)) {
+    if (gst_event_has_name(event, gst::kObservationName)) {
+      fail_if(eos, "the result came after EOS");
+      late = gst::observations_from_structure(gst_event_get_structure(event));
+    }
+    eos |= GST_EVENT_TYPE(event) == GST_EVENT_EOS;
+    gst_event_unref(event);
+  }
+  fail_unless(eos);
+  assert_corners(late, f.scene.truth(5), 0.25);
+  fail_unless_equals_int(f.bus.named("calib-detection").size(), 1);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_max_rate_skips_frames) {
+  Fixture f("calibdetect mode=sync max-rate=10");
+  for (int n = 0; n < 30; ++n) {
+    gst_harness_push(f.h, check::frame_of(GrayImage(640, 480, 90), "GRAY8", n));
+  }
+  g_autoptr(GstStructure) stats = nullptr;
+  g_object_get(f.h->element, "stats", &stats, nullptr);
+  guint64 frames = 0;
+  guint64 detections = 0;
+  gst_structure_get(stats, "frames", G_TYPE_UINT64, &frames, "detections", G_TYPE_UINT64,
+                    &detections, nullptr);
+  fail_unless_equals_uint64(frames, 30);
+  fail_unless(detections >= 9 && detections <= 11, "%" G_GUINT64_FORMAT, detections);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_wrong_board_text_is_an_error_that_shows_a_right_one) {
+  static const char* const kWrong[] = {"checkers:9x6:25mm", "checkerboard:9x6", "", "9x6",
+                                       "checkerboard:9x6:25", "checkerboard:-1x6:25mm",
+                                       "missing.json#floor"};
+  for (const char* text : kWrong) {
+    GstElement* element = gst_check_setup_element("calibdetect");
+    check::Bus bus(element);
+    g_object_set(element, "board", text, nullptr);
+    fail_unless_equals_int(gst_element_set_state(element, GST_STATE_PAUSED),
+                           GST_STATE_CHANGE_FAILURE);
+    fail_unless(bus.says(GST_MESSAGE_ERROR, "checkerboard:9x6:25mm"), "for '%s'", text);
+    bus.detach();
+    gst_element_set_state(element, GST_STATE_NULL);
+    gst_check_teardown_element(element);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_wrong_board_text_while_running_keeps_the_old_board) {
+  Fixture f;
+  g_object_set(f.h->element, "board", "nonsense", nullptr);
+  g_autoptr(GstBuffer) out =
+      gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 0));
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "checkerboard:9x6:25mm"));
+  assert_corners(gst::read_observations(out), f.scene.truth(1), 0.25);
+  g_object_set(f.h->element, "board", "checkerboard:5x4:1cm", nullptr);
+  g_autoptr(GstBuffer) next =
+      gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 1));
+  fail_unless_equals_string(gst::read_observations(next)[0].board.c_str(), "checkerboard:5x4:10mm");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_flush_caps_change_and_state_cycles) {
+  Fixture f("calibdetect mode=async");
+  for (int round = 0; round < 3; ++round) {
+    gst_harness_push(f.h, check::frame_of(f.scene.picture(round), "GRAY8", round));
+    gst_harness_push_event(f.h, gst_event_new_flush_start());
+    gst_harness_push_event(f.h, gst_event_new_flush_stop(TRUE));
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    gst_harness_push_event(f.h, gst_event_new_segment(&segment));
+    gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", {320 + 2 * round, 240}));
+    fail_unless_equals_int(
+        gst_harness_push(f.h, check::frame_of(GrayImage(320 + 2 * round, 240), "GRAY8", 9)),
+        GST_FLOW_OK);
+    gst_element_set_state(f.h->element, GST_STATE_READY);
+    gst_element_set_state(f.h->element, GST_STATE_PLAYING);
+    gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
+  }
+}
+GST_END_TEST;
+
+static Suite* calibdetect_suite() {
+  Suite* suite = suite_create("calibdetect");
+  TCase* tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
+  tcase_add_loop_test(tc, test_finds_the_board_in_every_format, 0, G_N_ELEMENTS(kFormats));
+  tcase_add_test(tc, test_shares_the_memory_of_a_buffer_that_others_hold);
+  tcase_add_test(tc, test_no_board_is_said);
+  tcase_add_test(tc, test_several_boards_are_listed_each);
+  tcase_add_test(tc, test_async_results_ride_on_later_buffers_and_are_complete_at_eos);
+  tcase_add_test(tc, test_max_rate_skips_frames);
+  tcase_add_test(tc, test_a_wrong_board_text_is_an_error_that_shows_a_right_one);
+  tcase_add_test(tc, test_a_wrong_board_text_while_running_keeps_the_old_board);
+  tcase_add_test(tc, test_flush_caps_change_and_state_cycles);
+  return suite;
+}
+
+GST_CHECK_MAIN(calibdetect)

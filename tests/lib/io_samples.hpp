@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Calibrations to write and files to read, for the tests of io/.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+
+namespace calvin::test {
+
+// 640x480, f about 520, with the model's own typical lens; awkward digits on purpose.
+inline Calibration sample(const std::string& model) {
+  Calibration calibration;
+  calibration.camera = "cam0";
+  calibration.image_size = {640, 480};
+  calibration.model = model;
+  calibration.parameters = {{"fx", 520.1234567890123, {}},
+                            {"fy", 518.0 + 1.0 / 3, {}},
+                            {"cx", 325, {}},
+                            {"cy", 236.00000000000003, {}}};
+  const auto add = [&](const char* name, double value) {
+    calibration.parameters.push_back({name, value, {}});
+  };
+  if (model == "fisheye") {
+    for (auto& p : calibration.parameters) p.value *= p.name[0] == 'f' ? 0.5 : 1;
+    add("k1", -0.02), add("k2", 0.005), add("k3", -0.003), add("k4", 5e-4);
+  } else if (model != "pinhole") {
+    add("k1", -0.28), add("k2", 0.09), add("p1", 5e-4), add("p2", -7e-05);
+    if (model == "brown5") add("k3", 1e-3 / 7);
+  }
+  return calibration;
+}
+
+// One camera in the files of other software.
+inline constexpr const char* kRosFile = R"(image_width: 640
+image_height: 480
+camera_name: narrow_stereo
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [520, 0, 325, 0, 518, 236, 0, 0, 1]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [-0.28, 0.09, 0.0005, -0.0007, 0]
+rectification_matrix:
+  rows: 3
+  cols: 3
+  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]
+projection_matrix:
+  rows: 3
+  cols: 4
+  data: [480, 0, 326, 0, 0, 488, 235, 0, 0, 0, 1, 0]
+)";
+
+inline constexpr const char* kOpenCvYamlFile = R"(%YAML:1.0
+---
+calibration_time: "Sat Nov 21 05:10:00 2026"
+image_width: 640
+image_height: 480
+flags: 0
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 520., 0., 325., 0., 518., 236., 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ -0.28, 0.09, 5e-04, -7e-04, 0. ]
+avg_reprojection_error: 0.097
+)";
+
+inline constexpr const char* kOpenCvXmlFile = R"(<?xml version="1.0"?>
+<opencv_storage>
+<cameraMatrix type_id="opencv-matrix">
+  <rows>3</rows>
+  <cols>3</cols>
+  <dt>d</dt>
+  <data>
+    520. 0. 325. 0. 518. 236. 0. 0. 1.</data></cameraMatrix>
+<distCoeffs type_id="opencv-matrix">
+  <rows>1</rows>
+  <cols>5</cols>
+  <dt>d</dt>
+  <data>
+    -0.28 0.09 5e-04 -7e-04 0.</data></distCoeffs>
+</opencv_storage>
+)";
+
+inline constexpr const char* kOpenCvJsonFile = R"({
+    "cameraResolution": [ 640, 480 ],
+    "cameraMatrix": { "type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d",
+        "data": [ 520.0, 0.0, 325.0, 0.0, 518.0, 236.0, 0.0, 0.0, 1.0 ] },
+    "dist_coeffs": { "type_id": "opencv-matrix", "rows": 1, "cols": 5, "dt": "d",
+        "data": [ -0.28, 0.09, 0.0005, -0.0007, 0.0 ] }
+})";
+
+inline constexpr const char* kNativeFile =
+    R"({"format": "calvin-calibration", "version": 1, "camera": "cam0", "image_size": [640, 480],
+"model": "brown5", "future": {"unknown": [1, {"deep": null}]},
+"parameters": {"fx": 520, "fy": 518, "cx": 325, "cy": 236, "k1": -0.28, "k2": 0.09, "p1": 0.0005,
+"p2": -7E-4, "k3": 0}, "device": {}, "created": "2026-11-21T10:00:00Z"})";
+
+inline const std::vector<std::string>& sample_files() {
+  static const std::vector<std::string> kFiles = {kRosFile, kOpenCvYamlFile, kOpenCvXmlFile,
+                                                  kOpenCvJsonFile, kNativeFile};
+  return kFiles;
+}
+
+}  // namespace calvin::test

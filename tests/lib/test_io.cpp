@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Calibration files: every format with every model, there and back, judged by projected points;
+// OpenCV's own reader and writer as the independent judge of OpenCV's formats.
+#include <clocale>
+#include <locale>
+
+#include <gtest/gtest.h>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/io/key_list.hpp"
+#include "calvin_config.h"
+#include "io_samples.hpp"
+
+#if CALVIN_HAVE_OPENCV
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#endif
+
+namespace calvin {
+namespace {
+
+std::vector<Eigen::Vector3d> grid() {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = -4; i <= 4; ++i) {
+    for (int j = -3; j <= 3; ++j) points.emplace_back(0.14 * i, 0.14 * j, 1 + 0.05 * i);
+  }
+  return points;
+}
+
+// The largest distance between two cameras' images of the same points, px.
+double difference(const Calibration& a, const Calibration& b) {
+  Calibration sized = b;
+  if (sized.image_size == ImageSize{}) sized.image_size = a.image_size;
+  const auto camera_a = Camera::make(a);
+  const auto camera_b = Camera::make(sized);
+  EXPECT_TRUE(camera_a && camera_b);
+  if (!camera_a || !camera_b) return 1e9;
+  double largest = 0;
+  for (const auto& point : grid()) {
+    const auto uv_a = camera_a->project(point);
+    const auto uv_b = camera_b->project(point);
+    EXPECT_TRUE(uv_a && uv_b);
+    if (!uv_a || !uv_b) return 1e9;
+    largest = std::max(largest, std::hypot(uv_a->u - uv_b->u, uv_a->v - uv_b->v));
+  }
+  return largest;
+}
+
+// The camera of the sample files, in the textbook's own words (x right, z = 1).
+Pixel textbook(double x, double y) {
+  const double r2 = x * x + y * y;
+  const double radial = 1 - 0.28 * r2 + 0.09 * r2 * r2;
+  return {520 * (x * radial + 2 * 0.0005 * x * y - 0.0007 * (r2 + 2 * x * x)) + 325,
+          518 * (y * radial + 0.0005 * (r2 + 2 * y * y) - 2 * 0.0007 * x * y) + 236};
+}
+
+bool readable(std::string_view format) {
+  return CALVIN_HAVE_FORMATS || format == "calvin" || format == "opencv-json";
+}
+
+TEST(CalibrationFile, EveryFormatHoldsEveryModel) {
+  for (const std::string_view format : calibration_formats()) {
+    if (!readable(format)) continue;
+    for (const std::string_view model : model_names()) {
+      SCOPED_TRACE(std::string(format) + " " + std::string(model));
+      Calibration calibration = test::sample(std::string(model));
+      for (const double skew : {0.0, 0.7}) {
+        if (skew != 0) calibration.parameters.push_back({"skew", skew, {}});
+        const auto text = print_calibration(calibration, format);
+        ASSERT_TRUE(text) << text.error().message;
+        const auto back = parse_calibration(*text);
+        ASSERT_TRUE(back) << back.error().message << "\n" << *text;
+        EXPECT_EQ(back->image_size, calibration.image_size);
+        EXPECT_LT(difference(calibration, *back), 1e-6);
+        for (const Parameter& p : calibration.parameters) {
+          ASSERT_NE(back->find(p.name), nullptr) << p.name;
+          EXPECT_EQ(back->find(p.name)->value, p.value) << p.name;
+        }
+      }
+    }
+  }
+}
+
+TEST(CalibrationFile, FilesOfOtherSoftware) {
+  for (const std::string& file : test::sample_files()) {
+    if (!CALVIN_HAVE_FORMATS && file[0] != '{') continue;
+    SCOPED_TRACE(file.substr(0, 40));
+    auto calibration = parse_calibration(file);
+    ASSERT_TRUE(calibration) << calibration.error().message;
+    if (calibration->image_size == ImageSize{}) calibration->image_size = {640, 480};
+    EXPECT_EQ(calibration->model, "brown5");
+    const auto camera = Camera::make(*calibration);
+    ASSERT_TRUE(camera);
+    for (const auto& point : grid()) {
+      const Pixel truth = textbook(point.x() / point.z(), point.y() / point.z());
+      const auto uv = camera->project(point);
+      ASSERT_TRUE(uv);
+      EXPECT_NEAR(uv->u, truth.u, 1e-9);
+      EXPECT_NEAR(uv->v, truth.v, 1e-9);
+    }
+  }
+}
+
+TEST(CalibrationFile, WindowsLineEndsAndByteOrderMark) {
+  for (const std::string& file : test::sample_files()) {
+    if (!CALVIN_HAVE_FORMATS && file[0] != '{') continue;
+    std::string text = "\xEF\xBB\xBF";
+    for (const char c : file) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
+    const auto calibration = parse_calibration(text);
+    ASSERT_TRUE(calibration) << calibration.error().message << "\n" << text;
+    EXPECT_EQ(difference(*parse_calibration(test::kNativeFile), *calibration), 0);
+  }
+}
+
+TEST(CalibrationFile, NativeHoldsEverything) {
+  Calibration c = test::sample("brown4");
+  c.camera = "left \"\xC3\xA4\"";
+  c.parameters[0].sigma = 0.4;
+  c.parameters[3].sigma = 1.0 / 3;
+  c.covariance = {0.16, 0.01, 0.01, 1.0 / 9};
+  c.rms = 0.19;
+  c.held_out_rms = 0.2;
+  c.chi = 1.02;
+  c.expected_error = 0.08;
+  c.covered = {{10, 10}, {630.5, 10}, {630.5, 470}};
+  c.board = "checkerboard:9x6:30mm";
+  c.warp = BoardWarp{1e-4, -2e-5};
+  c.views = {{18446744073709551614U, 0.18, 54, false, {{0.1, -0.2, 1e-300}, {0, 0.01, 0.5}}},
+             {kNoTimestamp, 0.21, 50, true, {{0, 0, 3}, {-0.1, 0, 0.7}}}};
+  c.sensor_crop = Rectangle{160, 120, 320.5, 240};
+  c.focus = 200;
+  c.zoom = 0;
+  c.created = "2026-11-21T10:00:00Z";
+  const auto text = print_calibration(c);
+  ASSERT_TRUE(text);
+  const auto back = parse_calibration(*text);
+  ASSERT_TRUE(back) << back.error().message << *text;
+  EXPECT_EQ(back->camera, c.camera);
+  EXPECT_EQ(back->parameters[0].sigma, c.parameters[0].sigma);
+  EXPECT_EQ(back->parameters[1].sigma, std::nullopt);
+  EXPECT_EQ(back->covariance, c.covariance);
+  EXPECT_EQ(back->rms, c.rms);
+  EXPECT_EQ(back->held_out_rms, c.held_out_rms);
+  EXPECT_EQ(back->chi, c.chi);
+  EXPECT_EQ(back->expected_error, c.expected_error);
+  ASSERT_EQ(back->covered.size(), 3U);
+  EXPECT_EQ(back->covered[1].u, 630.5);
+  EXPECT_EQ(back->board, c.board);
+  ASSERT_TRUE(back->warp);
+  EXPECT_EQ(back->warp->ky, -2e-5);
+  ASSERT_EQ(back->views.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(back->views[i].timestamp, c.views[i].timestamp);
+    EXPECT_EQ(back->views[i].rms, c.views[i].rms);
+    EXPECT_EQ(back->views[i].points, c.views[i].points);
+    EXPECT_EQ(back->views[i].held_out, c.views[i].held_out);
+    EXPECT_EQ(back->views[i].camera_from_board.rotation, c.views[i].camera_from_board.rotation);
+    EXPECT_EQ(back->views[i].camera_from_board.translation,
+              c.views[i].camera_from_board.translation);
+  }
+  ASSERT_TRUE(back->sensor_crop);
+  EXPECT_EQ(back->sensor_crop->width, 320.5);
+  EXPECT_EQ(back->focus, 200);
+  EXPECT_EQ(back->zoom, 0);
+  EXPECT_EQ(back->created, c.created);
+  EXPECT_EQ(*print_calibration(*back), *text);
+}
+
+TEST(CalibrationFile, NativeIsWhatTheDocumentationShows) {
+  Calibration c = test::sample("pinhole");
+  c.parameters[0].value = 520.5;
+  c.parameters[1].value = 518;
+  c.parameters[3].value = 236;
+  c.views = {{7, 0.25, 54, false, {}}};
+  EXPECT_EQ(*print_calibration(c), R"({
+  "format": "calvin-calibration",
+  "version": 1,
+  "camera": "cam0",
+  "image_size": [640, 480],
+  "model": "pinhole",
+  "parameters": {"fx": 520.5, "fy": 518, "cx": 325, "cy": 236},
+  "views": [
+    {"timestamp": 7, "rms": 0.25, "points": 54, "held_out": false, "camera_from_board": {"rotation": [0, 0, 0], "translation": [0, 0, 0]}}
+  ]
+}
+)");
+}
+
+// The parameters of the file may stand in any order; the covariance is in that of the file.
+TEST(CalibrationFile, ParametersInAnotherOrder) {
+  const auto c = parse_calibration(
+      R"({"format": "calvin-calibration", "version": 1, "image_size": [640, 480], "model": "pinhole",
+      "parameters": {"cy": 236, "skew": 0.5, "cx": 325, "fy": 518, "fx": 520},
+      "sigma": {"fx": 2, "cy": 3, "skew": 5}, "covariance": [[9, 1, 2], [1, 25, 3], [2, 3, 4]]})");
+  ASSERT_TRUE(c) << c.error().message;
+  const std::vector<std::string> names = {"fx", "fy", "cx", "cy", "skew"};
+  for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(c->parameters[i].name, names[i]);
+  // fx cy skew
+  EXPECT_EQ(c->covariance, (std::vector<double>{4, 2, 3, 2, 9, 1, 3, 1, 25}));
+}
+
+TEST(CalibrationFile, NoNumberThatIsNotFiniteIsWritten) {
+  Calibration c = test::sample("brown5");
+  c.rms = std::nan("");
+  ASSERT_TRUE(print_calibration(c));
+  EXPECT_EQ(print_calibration(c)->find("rms"), std::string::npos);
+  c.views = {{0, 0.1, 54, false, {{0, std::nan(""), 0}, {}}}};
+  EXPECT_FALSE(print_calibration(c));
+  c = test::sample("brown5");
+  c.parameters[5].value = INFINITY;
+  for (const auto format : calibration_formats()) EXPECT_FALSE(print_calibration(c, format));
+}
+
+TEST(CalibrationFile, FormatsThatCannotHoldIt) {
+  EXPECT_FALSE(print_calibration(test::sample("brown5"), "kalibre"));
+  Calibration c = test::sample("brown5");
+  c.image_size = {};
+  EXPECT_FALSE(print_calibration(c, "calvin"));
+  EXPECT_FALSE(print_calibration(c, "ros"));
+  const auto text = print_calibration(c, "opencv-json");
+  ASSERT_TRUE(text);
+  const auto back = parse_calibration(*text);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->image_size, ImageSize{});
+}
+
+// A decimal comma: of the C library (if the system has one), and of C++ streams in any case.
+class Comma : public std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+void expect_same_numbers() {
+  for (const std::string_view format : calibration_formats()) {
+    if (!readable(format)) continue;
+    const auto text = print_calibration(test::sample("brown5"), format);
+    ASSERT_TRUE(text);
+    EXPECT_NE(text->find("520.1234567890123"), std::string::npos) << *text;
+    const auto back = parse_calibration(*text);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->find("fy")->value, 518.0 + 1.0 / 3);
+  }
+  const auto list = parse_key_list("fx=520.5,fy=518,cx=325,cy=236");
+  ASSERT_TRUE(list);
+  EXPECT_EQ(list->find("fx")->value, 520.5);
+}
+
+TEST(CalibrationFile, StreamsWithADecimalComma) {
+  const std::locale before = std::locale::global(std::locale(std::locale(), new Comma));
+  expect_same_numbers();
+  std::locale::global(before);
+}
+
+TEST(CalibrationFile, LocaleWithADecimalComma) {
+  if (std::setlocale(LC_ALL, "de_DE.UTF-8") == nullptr) {
+    GTEST_SKIP() << "the locale de_DE.UTF-8 is not installed";
+  }
+  expect_same_numbers();
+  std::setlocale(LC_ALL, "C");
+}
+
+#if CALVIN_HAVE_OPENCV
+
+constexpr struct {
+  const char* format;
+  const char* extension;
+} kOpenCvFormats[] = {{"opencv-yaml", ".yml"}, {"opencv-xml", ".xml"}, {"opencv-json", ".json"}};
+
+void expect_projects_like(const Camera& camera, const cv::Mat& k, const cv::Mat& d) {
+  std::vector<cv::Point3d> points;
+  for (const auto& p : grid()) points.emplace_back(p.x(), p.y(), p.z());
+  std::vector<cv::Point2d> uv;
+  const cv::Vec3d zero(0, 0, 0);
+  if (camera.model() == "fisheye") {
+    cv::fisheye::projectPoints(points, uv, zero, zero, k, d);
+  } else {
+    cv::projectPoints(points, zero, zero, k, d, uv);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto ours = camera.project({points[i].x, points[i].y, points[i].z});
+    ASSERT_TRUE(ours);
+    EXPECT_NEAR(ours->u, uv[i].x, 1e-6);
+    EXPECT_NEAR(ours->v, uv[i].y, 1e-6);
+  }
+}
+
+TEST(OpenCvFile, OpenCvReadsOurs) {
+  for (const auto& [format, extension] : kOpenCvFormats) {
+    for (const std::string_view model : model_names()) {
+      SCOPED_TRACE(std::string(format) + " " + std::string(model));
+      Calibration calibration = test::sample(std::string(model));
+      calibration.rms = 1;
+      calibration.parameters[0].sigma = 0.25;
+      const auto text = print_calibration(calibration, format);
+      ASSERT_TRUE(text);
+      const cv::FileStorage file(*text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+      cv::Mat k;
+      cv::Mat d;
+      cv::Mat sigma;
+      file["camera_matrix"] >> k;
+      file["distortion_coefficients"] >> d;
+      file["cameraMatrix_std_dev"] >> sigma;
+      EXPECT_EQ(static_cast<int>(file["image_width"]), 640);
+      EXPECT_EQ(static_cast<double>(file["avg_reprojection_error"]), 1) << *text;
+      ASSERT_EQ(sigma.total(), 4U);
+      EXPECT_EQ(sigma.at<double>(0), 0.25);
+      expect_projects_like(*Camera::make(calibration), k, d);
+    }
+  }
+}
+
+std::string written_by_opencv(const char* extension, const cv::Mat& k, const cv::Mat& d,
+                              bool fisheye) {
+  cv::FileStorage file(extension, cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  file << "calibration_time"
+       << "Sat Nov 21 05:10:00 2026";
+  file << "image_width" << 640 << "image_height" << 480;
+  file << "board_size" << cv::Size(9, 6) << "aspectRatio" << 1.0;
+  file << "fisheye_model" << static_cast<int>(fisheye);
+  file << "camera_matrix" << k << "distortion_coefficients" << d;
+  file << "avg_reprojection_error" << 0.1925;
+  file << "per_view_reprojection_errors" << cv::Mat(13, 1, CV_32F, cv::Scalar(0.2));
+  file << "images"
+       << "["
+       << "a b.png"
+       << "c.png"
+       << "]";
+  file << "nested"
+       << "{"
+       << "inner"
+       << "["
+       << "{"
+       << "x" << 1 << "}"
+       << "]"
+       << "}";
+  return file.releaseAndGetString();
+}
+
+TEST(OpenCvFile, WeReadOpenCvs) {
+  if (!CALVIN_HAVE_FORMATS) GTEST_SKIP() << "built without formats";
+  const cv::Mat k = (cv::Mat_<double>(3, 3) << 520.125, 0, 325, 0, 518, 236.75, 0, 0, 1);
+  const cv::Mat lens = (cv::Mat_<double>(1, 5) << -0.28, 0.09, 5e-4, -7e-4, 1e-3);
+  for (const auto& [format, extension] : kOpenCvFormats) {
+    for (const int type : {CV_64F, CV_32F}) {
+      for (const int count : {4, 5, 8, 12, 14}) {
+        SCOPED_TRACE(std::string(extension) + " " + std::to_string(count));
+        cv::Mat d = cv::Mat::zeros(1, count, CV_64F);
+        lens.colRange(0, std::min(count, 5)).copyTo(d.colRange(0, std::min(count, 5)));
+        cv::Mat k_typed;
+        cv::Mat d_typed;
+        k.convertTo(k_typed, type);
+        d.convertTo(d_typed, type);
+        const auto text = written_by_opencv(extension, k_typed, d_typed.t(), false);
+        const auto ours = parse_calibration(text);
+        ASSERT_TRUE(ours) << ours.error().message << "\n" << text;
+        EXPECT_EQ(ours->model, count == 4 ? "brown4" : "brown5");
+        EXPECT_EQ(ours->image_size, (ImageSize{640, 480}));
+        EXPECT_EQ(ours->rms, 0.1925);
+        k_typed.convertTo(k_typed, CV_64F);
+        d_typed.convertTo(d_typed, CV_64F);
+        // OpenCV prints a float with 8 digits.
+        expect_projects_like(*Camera::make(*ours), k, d);
+      }
+    }
+  }
+}
+
+TEST(OpenCvFile, WeReadOpenCvsFisheye) {
+  const cv::Mat k = (cv::Mat_<double>(3, 3) << 260, 0, 325, 0, 261, 236, 0, 0, 1);
+  const cv::Mat d = (cv::Mat_<double>(4, 1) << -0.02, 0.005, -0.003, 0.0005);
+  for (const auto& [format, extension] : kOpenCvFormats) {
+    if (!readable(format)) continue;
+    const auto ours = parse_calibration(written_by_opencv(extension, k, d, true));
+    ASSERT_TRUE(ours) << ours.error().message;
+    EXPECT_EQ(ours->model, "fisheye");
+    expect_projects_like(*Camera::make(*ours), k, d);
+  }
+}
+
+#endif
+
+}  // namespace
+}  // namespace calvin

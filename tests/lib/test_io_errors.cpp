@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What io/ does with bad input: a message that tells what to do; never a crash, never a number that
+// is not finite. Also key lists, the text of the property, and files that cannot be read or
+// written.
+#include <sys/stat.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/io/key_list.hpp"
+#include "calvin/io/settings.hpp"
+#include "calvin_config.h"
+#include "io_samples.hpp"
+
+namespace calvin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Whatever comes back is either an error with a message, or a camera of finite numbers.
+void expect_sound(const Result<Calibration>& result, const std::string& input) {
+  if (!result) {
+    EXPECT_GT(result.error().message.size(), 40U);
+    EXPECT_LT(result.error().message.size(), 1500U);
+    return;
+  }
+  Calibration c = *result;
+  for (const Parameter& p : c.parameters) {
+    EXPECT_TRUE(std::isfinite(p.value)) << input;
+    EXPECT_TRUE(!p.sigma || std::isfinite(*p.sigma)) << input;
+  }
+  EXPECT_TRUE(!c.rms || std::isfinite(*c.rms)) << input;
+  if (c.image_size == ImageSize{}) c.image_size = {640, 480};
+  EXPECT_TRUE(Camera::make(c)) << input;
+}
+
+std::string native(std::string_view change, std::string_view with) {
+  std::string text = test::kNativeFile;
+  const auto at = text.find(change);
+  EXPECT_NE(at, std::string::npos) << change;
+  return text.replace(at, change.size(), with);
+}
+
+std::string in(const char* file, std::string_view change, std::string_view with) {
+  std::string text = file;
+  const auto at = text.find(change);
+  EXPECT_NE(at, std::string::npos) << change;
+  return text.replace(at, change.size(), with);
+}
+
+std::string repeated(std::string_view text, std::size_t count) {
+  std::string all;
+  for (std::size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+struct Bad {
+  std::string text;
+  std::string says;  // the message must hold this; empty: any
+};
+
+void expect_refused(const Bad& bad) {
+  const auto result = parse_calibration(bad.text, "cam.json");
+  ASSERT_FALSE(result) << bad.text.substr(0, 2000);
+  const std::string& message = result.error().message;
+  EXPECT_NE(message.find("'cam.json' cannot be used as a calibration: "), std::string::npos)
+      << message;
+  EXPECT_NE(message.find("Give a calibration"), std::string::npos) << message;
+  EXPECT_NE(message.find(bad.says), std::string::npos)
+      << message << "\nshould hold: " << bad.says << "\nfor " << bad.text.substr(0, 2000);
+  EXPECT_LT(message.size(), 1500U);
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST(BadContent, NotACalibration) {
+  const std::vector<Bad> table = {
+      {"", "empty"},
+      {" \n\t ", "empty"},
+      {"\xEF\xBB\xBF", "empty"},
+      {std::string("\x7f"
+                   "ELF\x02\x01\x01\0\0\0",
+                   10),
+       "not text"},
+      {std::string("\x89PNG\r\n\x1a\n", 8), "not text"},
+      {std::string(4096, '\0'), "not text"},
+      {"\xFF\xFE{\x01", "not text"},
+      {"\xFF\xD8\xFF\xE1 jpeg", ""},
+      {"hello", ""},
+      {"42", ""},
+      {"[]", ""},
+      {"{}", "none of the fields"},
+      {"{\"a\": 1}", "none of the fields"},
+      {"{\"a\": 1} trailing", "line 1"},
+      {"<html></html>", ""},
+      {"<opencv_storage></opencv_storage>", ""},
+      {"<opencv_storage>", ""},
+      {"%YAML:1.0\n---\n", ""},
+      {"a: *b", ""},
+      {"a: &b [1]\nc: *b\ncamera_matrix: *b", ""},
+      {"{\"format\": \"calvin-rig\", \"version\": 1}", "calvin-rig"},
+      {"{\"format\": 5, \"version\": 1}", "format"},
+      {repeated("[", 100), ""},
+      {"{\"format\": " + repeated("[", 100) + repeated("]", 100) + "}", "deep"},
+      {"{\"format\": " + repeated("{\"a\":", 100) + "1" + repeated("}", 101), "deep"},
+      {repeated("<a>", 100) + repeated("</a>", 100), ""},
+      {repeated("[", 10'000'000), ""},
+      {repeated("{", 10'000'000), ""},
+      {repeated("- ", 1'000'000), ""},
+      {repeated("{\"a\":", 2'000'000), ""},
+      {repeated("<a>", 1'000'000), ""},
+      {"%YAML:1.0\n---\n" + repeated("[", 1'000'000), ""},
+      {"{\"format\": [" + repeated("1,", 3'000'000) + "1]}", "values"},
+      {std::string(1'000'000, 'a'), ""},
+      {"\"" + std::string(1'000'000, 'a'), ""},
+      {repeated("? ", 100'000), ""},
+  };
+  for (const Bad& bad : table) {
+    if (!CALVIN_HAVE_FORMATS && bad.text[0] != '{') continue;
+    expect_refused(bad);
+  }
+}
+
+TEST(BadContent, Native) {
+  const std::vector<Bad> table = {
+      {native("\"fx\": 520", "\"fx\": NaN"), "line 3"},
+      {native("\"fx\": 520", "\"fx\": nan"), "line 3"},
+      {native("\"fx\": 520", "\"fx\": Infinity"), "line 3"},
+      {native("\"fx\": 520", "\"fx\": 1e999"), "line 3"},
+      {native("\"fx\": 520", "\"fx\": null"), "'parameters.fx' is not a finite number"},
+      {native("\"fx\": 520", "\"fx\": \"520\""), "'parameters.fx'"},
+      {native("\"fx\": 520", "\"fx\": [520]"), "'parameters.fx'"},
+      {native("\"fx\": 520", "\"fx\": true"), "'parameters.fx'"},
+      {native("\"fx\": 520", "\"fx\": -520"), "positive"},
+      {native("\"fx\": 520", "\"fx\": 0"), "positive"},
+      {native("\"fy\": 518", "\"fy\": -1e-9"), "positive"},
+      {native("\"cx\": 325", "\"cx\": 1e300"), "cx"},
+      {native("\"fx\": 520, ", ""), "no 'fx'"},
+      {native("\"k3\": 0", "\"k3\": 0, \"k4\": 0"), "k4"},
+      {native("\"k3\": 0", "\"k3\": 0, \"k3\": 0"), "twice"},
+      {native("\"k3\": 0", "\"k3\": 0,"), "line 4"},
+      {native("\"brown5\"", "\"rational9\""), "rational9"},
+      {native("\"brown5\"", "5"), "'model'"},
+      {native("\"brown5\"", "\"" + std::string(100'000, 'x') + "\""), "xxx"},
+      {native("\"model\": \"brown5\",", ""), "'model' is missing"},
+      {native("[640, 480]", "[640]"), "image_size"},
+      {native("[640, 480]", "[640, 480, 3]"), "image_size"},
+      {native("[640, 480]", "[0, 0]"), "image_size"},
+      {native("[640, 480]", "[640.5, 480]"), "image_size"},
+      {native("[640, 480]", "[-640, 480]"), "image_size"},
+      {native("[640, 480]", "[1e9, 480]"), "image_size"},
+      {native("[640, 480]", "\"640x480\""), "image_size"},
+      {native("[640, 480]", "[null, 480]"), "image_size"},
+      {native("\"version\": 1", "\"version\": 2"), "newer version"},
+      {native("\"version\": 1", "\"version\": 0"), "version"},
+      {native("\"version\": 1", "\"version\": \"1\""), "version"},
+      {native("\"version\": 1,", ""), "'version' is missing"},
+      {native("calvin-calibration", "calvin-observations"), "calvin-observations"},
+      {native("\"cam0\"", "7"), "'camera'"},
+      {native("\"device\": {}", "\"rms\": null"), "'rms'"},
+      {native("\"device\": {}", "\"sigma\": {\"fx\": -1}"), "'sigma.fx'"},
+      {native("\"device\": {}", "\"sigma\": [1]"), "'sigma'"},
+      {native("\"device\": {}", "\"covariance\": [[1]]"), "'covariance'"},
+      {native("\"device\": {}", "\"sigma\": {\"fx\": 1}, \"covariance\": [[1, 2]]"),
+       "'covariance'"},
+      {native("\"device\": {}", "\"sigma\": {\"fx\": 1}, \"covariance\": [[null]]"),
+       "'covariance'"},
+      {native("\"device\": {}", "\"covered\": [[1, 2, 3]]"), "'covered'"},
+      {native("\"device\": {}", "\"covered\": 5"), "'covered'"},
+      {native("\"device\": {}", "\"views\": [5]"), "'views'"},
+      {native("\"device\": {}", "\"views\": [{\"rms\": \"0\"}]"), "'views[0].rms'"},
+      {native("\"device\": {}", "\"views\": [{\"timestamp\": -1}]"), "'views[0].timestamp'"},
+      {native("\"device\": {}", "\"views\": [{\"held_out\": 1}]"), "'views[0].held_out'"},
+      {native("\"device\": {}", "\"views\": [{\"camera_from_board\": {\"rotation\": [0, 0]}}]"),
+       "'views[0].camera_from_board.rotation'"},
+      {native("\"device\": {}", "\"warp\": {\"kx\": 1}"), "'warp.ky' is missing"},
+      {native("\"device\": {}", "\"sensor_crop\": [0, 0, 0, 480]"), "'sensor_crop'"},
+  };
+  for (const Bad& bad : table) expect_refused(bad);
+}
+
+TEST(BadContent, OtherFormats) {
+  if (!CALVIN_HAVE_FORMATS) GTEST_SKIP() << "built without formats";
+  const char* ros = test::kRosFile;
+  const char* yaml = test::kOpenCvYamlFile;
+  const char* xml = test::kOpenCvXmlFile;
+  const char* json = test::kOpenCvJsonFile;
+  const std::vector<Bad> table = {
+      {in(ros, "[520,", "[.nan,"), "'camera_matrix.data' is not a finite number"},
+      {in(ros, "[520,", "[nan,"), "'camera_matrix.data'"},
+      {in(ros, "[520,", "[.inf,"), "'camera_matrix.data'"},
+      {in(ros, "[520,", "[-520,"), "positive"},
+      {in(ros, "[520,", "[520,5,"), "'camera_matrix.data'"},
+      {in(ros, "[520, 0,", "[520, 0, 0,"), "'camera_matrix.data'"},
+      {in(ros, "0, 0, 1]", "0, 0, 2]"), "camera matrix"},
+      {in(ros, "rows: 3", "rows: 2"), "'camera_matrix.data'"},
+      {in(ros, "rows: 3", "rows: -3"), "'camera_matrix.data'"},
+      {in(ros, "rows: 3", "rows: many"), "'camera_matrix.rows'"},
+      {in(ros, "plumb_bob", "kannala_x"), "kannala_x"},
+      {in(ros, "plumb_bob", "equidistant"), "'distortion_coefficients' are 5"},
+      {in(ros, "plumb_bob", "[1]"), "distortion_model"},
+      {in(ros, "image_width: 640\n", ""), "'image_width' is missing"},
+      {in(ros, "640", "-640"), "not positive"},
+      {in(ros, "640", "640.5"), "'image_width'"},
+      {in(ros, "640", "70000"), "65536"},
+      {in(ros, "camera_matrix:", "camera:"), "'camera_matrix' is missing"},
+      {in(ros, "  cols: 5\n", "  cols: 5\n  cols: 5\n"), "twice"},
+      {in(ros, "-0.28, 0.09", "-0.28 0.09"), "'distortion_coefficients.data'"},
+      {in(yaml, "520.", ".Nan"), "'camera_matrix.data'"},
+      {in(yaml, "520.", "-.Inf"), "'camera_matrix.data'"},
+      {in(yaml, "520.", "520,"), ""},
+      {in(yaml, "dt: d", "dt: \"2d\""), "'camera_matrix.dt'"},
+      {in(yaml, "rows: 5", "rows: 6"), "'distortion_coefficients.data'"},
+      {in(yaml, "image_width: 640", "image_width: 0"), "image_width"},
+      {in(yaml, "flags: 0", "fisheye_model: 1"), "fisheye"},
+      {in(yaml, "flags: 0", "fisheye_model: 7"), "fisheye_model"},
+      {in(yaml, "0.097", ".Nan"), "'avg_reprojection_error'"},
+      {in(yaml, "distortion_coefficients", "distortions"), "'distortion_coefficients' is missing"},
+      {in(yaml, "[ 520.", "\"$base64$AAAA\" #"), "base64"},
+      {in(xml, "520.", "NaN"), "'cameraMatrix.data'"},
+      {in(xml, "520.", "0x10"), "'cameraMatrix.data'"},
+      {in(xml, "520.", "&fx;"), "'cameraMatrix.data'"},
+      {in(xml, "520. 0.", "520."), "'cameraMatrix.data'"},
+      {in(xml, "<rows>1</rows>", ""), "'distCoeffs.rows' is missing"},
+      {in(xml, "</cameraMatrix>", ""), "broken"},
+      {in(json, "520.0", "null"), "'cameraMatrix.data'"},
+      {in(json, "[ 640, 480 ]", "[ 640 ]"), "cameraResolution"},
+      {in(json, "\"cols\": 5", "\"cols\": 1e30"), "'dist_coeffs.cols'"},
+      {in(json, "\"cols\": 5", "\"cols\": 0"), "'dist_coeffs.data'"},
+      {in(json, "0.0005, -0.0007, 0.0 ]", "0.0005 ]"), "'dist_coeffs.data'"},
+  };
+  for (const Bad& bad : table) expect_refused(bad);
+}
+
+// Models that are not there yet are named, as soon as a coefficient says that they are meant.
+TEST(BadContent, LensesOfLaterVersions) {
+  const auto calibration =
+      parse_calibration(in(in(test::kOpenCvJsonFile, "\"cols\": 5", "\"cols\": 8").c_str(),
+                           "-0.0007, 0.0 ]", "-0.0007, 0.0, 0.1, 0, 0 ]"));
+  if (parameter_names("rational8").empty()) {
+    ASSERT_FALSE(calibration);
+    EXPECT_EQ(calibration.error().code, ErrorCode::kUnsupported);
+    EXPECT_NE(calibration.error().message.find("rational8"), std::string::npos);
+  } else {
+    ASSERT_TRUE(calibration);
+    EXPECT_EQ(calibration->find("k4")->value, 0.1);
+  }
+}
+
+TEST(BadContent, BuildWithoutFormats) {
+  if (CALVIN_HAVE_FORMATS) GTEST_SKIP() << "built with formats";
+  for (const char* file : {test::kRosFile, test::kOpenCvYamlFile, test::kOpenCvXmlFile}) {
+    const auto calibration = parse_calibration(file);
+    ASSERT_FALSE(calibration);
+    EXPECT_EQ(calibration.error().code, ErrorCode::kUnsupported);
+    EXPECT_NE(calibration.error().message.find("formats"), std::string::npos);
+  }
+}
+
+// Cut off anywhere: an error, or the whole camera where what is missing says nothing of it.
+TEST(BadContent, Truncated) {
+  for (const std::string& file : test::sample_files()) {
+    for (std::size_t length = 0; length < file.size(); ++length) {
+      const auto result = parse_calibration(std::string_view(file).substr(0, length));
+      expect_sound(result, file.substr(0, length));
+      if (result) {
+        EXPECT_EQ(result->find("k2")->value, 0.09) << file.substr(0, length);
+        EXPECT_EQ(result->find("p2")->value, -0.0007) << file.substr(0, length);
+      }
+    }
+  }
+}
+
+TEST(BadContent, FlippedBitsAndBytes) {
+  std::mt19937 random(7);
+  const int count = std::getenv("CALVIN_FULL") != nullptr ? 20000 : 1500;
+  for (const std::string& file : test::sample_files()) {
+    for (int i = 0; i < count; ++i) {
+      std::string text = file;
+      for (unsigned flips = 1 + random() % 3; flips > 0; --flips) {
+        char& c = text[random() % text.size()];
+        c = random() % 2 != 0 ? static_cast<char>(c ^ (1 << random() % 8))
+                              : "-.:,[]{}<>\"&*!%#\n \te0"[random() % 22];
+      }
+      expect_sound(parse_calibration(text), text);
+    }
+  }
+}
+
+TEST(KeyList, GuessesTheModel) {
+  const auto model = [](const std::string& more) {
+    const auto c = parse_key_list("fx=520,fy=518,cx=325,cy=236" + more);
+    return c ? c->model : c.error().message;
+  };
+  EXPECT_EQ(model(""), "pinhole");
+  EXPECT_EQ(model(",skew=0.1"), "pinhole");
+  EXPECT_EQ(model(", k1 = -0.28"), "brown4");
+  EXPECT_EQ(model(",p2=1e-3"), "brown4");
+  EXPECT_EQ(model(",k3=0"), "brown5");
+  EXPECT_EQ(model(",k1=-0.02,k4=0.1,model=fisheye"), "fisheye");
+  EXPECT_EQ(model(",k1=-0.02,model=brown5"), "brown5");
+}
+
+TEST(KeyList, Values) {
+  const auto c =
+      parse_key_list("width=640,height=480,k2=0.09,k1=-0.28,fx=520,fy=518,cx=325,cy=236");
+  ASSERT_TRUE(c) << c.error().message;
+  EXPECT_EQ(c->image_size, (ImageSize{640, 480}));
+  const std::vector<double> expected = {520, 518, 325, 236, -0.28, 0.09, 0, 0};
+  EXPECT_EQ(Camera::make(*c)->parameters(), expected);
+  EXPECT_EQ(parse_key_list("fx=520,fy=518,cx=325,cy=236")->image_size, ImageSize{});
+}
+
+TEST(KeyList, WrongTextsShowARightOne) {
+  const std::string good = "fx=520,fy=518,cx=325,cy=236";
+  for (const std::string& text :
+       std::vector<std::string>{"=",
+                                "fx",
+                                "fx=520",
+                                "fx=520,fy=518,cx=325",
+                                good + ",",
+                                good + ",fx=520",
+                                good + ",k7=1",
+                                good + ",k4=1",
+                                good + ",K1=1",
+                                good + ",k1=",
+                                good + ",k1=abc",
+                                good + ",k1=nan",
+                                good + ",k1=inf",
+                                good + ",k1=1e999",
+                                good + ",k1=0,1",
+                                good + ",width=640",
+                                good + ",width=640,height=0",
+                                good + ",width=640,height=a",
+                                good + ",width=70000,height=2",
+                                good + ",model=brown",
+                                good + ",model=pinhole,k1=0",
+                                good + ",k1=1=2",
+                                "fx=-520,fy=518,cx=325,cy=236",
+                                "fx=0,fy=518,cx=325,cy=236",
+                                std::string(100000, '='),
+                                good + "," + std::string(100000, 'k') + "=1"}) {
+    const auto c = parse_key_list(text);
+    ASSERT_FALSE(c) << text;
+    const auto at = c.error().message.find("A right text is '");
+    ASSERT_NE(at, std::string::npos) << c.error().message;
+    EXPECT_LT(c.error().message.size(), 1000U);
+    // And the right one is right.
+    const std::string right = c.error().message.substr(at + 17);
+    EXPECT_TRUE(parse_key_list(right.substr(0, right.find('\''))));
+  }
+}
+
+class Folder : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "calvin-io-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::size_t entries() const {
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Folder, SettingInItsOrder) {
+  const auto code = [](const std::string& text) {
+    const auto c = parse_calibration_setting(text);
+    return c ? -1 : static_cast<int>(c.error().code);
+  };
+  EXPECT_EQ(code(test::kNativeFile), -1);
+  EXPECT_EQ(code("  \n" + std::string(test::kOpenCvJsonFile)), -1);
+  EXPECT_EQ(code("fx=520,fy=518,cx=325,cy=236"), -1);
+  if (CALVIN_HAVE_FORMATS) {
+    EXPECT_EQ(code(test::kOpenCvXmlFile), -1);
+    EXPECT_EQ(code(test::kOpenCvYamlFile), -1);
+  }
+  const std::string missing = (folder_ / "later.json").string();
+  EXPECT_EQ(code(missing), static_cast<int>(ErrorCode::kNotFound));
+  EXPECT_TRUE(is_calibration_path(missing));
+  ASSERT_TRUE(write_calibration(missing, test::sample("brown5")));
+  EXPECT_EQ(code(missing), -1);
+  EXPECT_EQ(code(""), static_cast<int>(ErrorCode::kMalformed));
+  EXPECT_EQ(code(folder_.string()), static_cast<int>(ErrorCode::kIo));
+  EXPECT_EQ(code("{"), static_cast<int>(ErrorCode::kMalformed));
+  EXPECT_NE(code(std::string(100000, 'x')), -1);
+  EXPECT_FALSE(is_calibration_path("fx=520"));
+  EXPECT_FALSE(is_calibration_path(" {}"));
+
+  // A file whose name has an equals sign is a file.
+  const std::string odd = (folder_ / "fx=1.json").string();
+  ASSERT_TRUE(write_calibration(odd, test::sample("fisheye")));
+  ASSERT_TRUE(is_calibration_path(odd));
+  EXPECT_EQ(parse_calibration_setting(odd)->model, "fisheye");
+}
+
+TEST_F(Folder, TheContentCountsNotTheName) {
+  const fs::path path = folder_ / "camera.yaml";
+  ASSERT_TRUE(write_calibration(path, test::sample("brown4"), "opencv-json"));
+  const auto c = read_calibration(path);
+  ASSERT_TRUE(c) << c.error().message;
+  EXPECT_EQ(c->model, "brown4");
+}
+
+TEST_F(Folder, UnreadableFiles) {
+  const auto error = [](const fs::path& path) {
+    const auto c = read_calibration(path);
+    EXPECT_FALSE(c);
+    EXPECT_NE(c.error().message.find(path.string()), std::string::npos) << c.error().message;
+    EXPECT_NE(c.error().message.find("Give a calibration"), std::string::npos);
+    return c.error().code;
+  };
+  EXPECT_EQ(error(folder_ / "none.json"), ErrorCode::kNotFound);
+  EXPECT_EQ(error(folder_), ErrorCode::kIo);
+  EXPECT_EQ(error("/dev/zero"), ErrorCode::kIo);
+  const fs::path fifo = folder_ / "fifo";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_EQ(error(fifo), ErrorCode::kIo);
+  const fs::path huge = folder_ / "huge.json";
+  std::ofstream(huge) << "{";
+  fs::resize_file(huge, std::uintmax_t{1} << 40);
+  EXPECT_EQ(error(huge), ErrorCode::kIo);
+}
+
+TEST_F(Folder, UnwritablePlaces) {
+  const auto c = test::sample("brown5");
+  fs::create_directory(folder_ / "folder");
+  for (const fs::path& path : {folder_ / "no" / "such" / "cam.json", folder_ / "folder",
+                               fs::path("/proc/calvin.json"), fs::path()}) {
+    const auto status = write_calibration(path, c);
+    ASSERT_FALSE(status) << path;
+    EXPECT_EQ(status.error().code, ErrorCode::kIo);
+    EXPECT_NE(status.error().message.find(path.string()), std::string::npos);
+    EXPECT_NE(status.error().message.find("Choose a place"), std::string::npos);
+    EXPECT_EQ(entries(), 1U) << "a temporary file is left";
+  }
+  EXPECT_FALSE(can_write(folder_ / "no" / "cam.json"));
+  EXPECT_FALSE(can_write(folder_ / "folder"));
+  EXPECT_TRUE(can_write(folder_ / "cam.json"));
+  EXPECT_EQ(entries(), 1U) << "can_write() wrote";
+  if (fs::exists("/dev/full")) {
+    const auto status = write_calibration("/dev/full", c);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::kIo);
+  }
+}
+
+TEST_F(Folder, WritesReplaceWhole) {
+  const auto c = test::sample("brown5");
+  const fs::path path = folder_ / "cam.json";
+  const mode_t before = ::umask(027);
+  ASSERT_TRUE(write_calibration(path, c));
+  ::umask(before);
+  struct stat info {};
+  ASSERT_EQ(::stat(path.c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777U, 0640U);
+  const auto inode = info.st_ino;
+
+  // A reader of the old file keeps it: replaced, not overwritten.
+  const fs::path link = folder_ / "link.json";
+  fs::create_symlink("cam.json", link);
+  std::ifstream old(path);
+  ASSERT_TRUE(write_calibration(link, test::sample("fisheye")));
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(read_calibration(path)->model, "fisheye");
+  ASSERT_EQ(::stat(path.c_str(), &info), 0);
+  EXPECT_NE(info.st_ino, inode);
+  const std::string kept{std::istreambuf_iterator<char>(old), {}};
+  EXPECT_EQ(parse_calibration(kept)->model, "brown5");
+  EXPECT_EQ(entries(), 2U);
+}
+
+}  // namespace
+}  // namespace calvin

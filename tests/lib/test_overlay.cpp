@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The overlay's tiles: where they are, what they show, what they cost.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calvin/draw/overlay.hpp"
+#include "calvin/target/board.hpp"
+#include "calvin_config.h"
+
+namespace calvin {
+namespace {
+
+TEST(OverlayCaption, SaysWhatIsKnown) {
+  OverlayProgress progress;
+  EXPECT_EQ(overlay_caption(progress), "");
+  progress.hint = "show the board";
+  EXPECT_EQ(overlay_caption(progress), "show the board");
+  progress.views = 1;
+  EXPECT_EQ(overlay_caption(progress), "1 view: show the board");
+  progress.views = 12;
+  progress.rms = 0.184;
+  EXPECT_EQ(overlay_caption(progress), "12 views, rms 0.18 px: show the board");
+  progress.expected_error = 0.18;
+  EXPECT_EQ(overlay_caption(progress), "12 views, accurate to 0.36 px: show the board");
+  progress.hint.clear();
+  progress.expected_error = std::nan("");
+  EXPECT_EQ(overlay_caption(progress), "12 views, rms 0.18 px");
+}
+
+#if CALVIN_HAVE_CAIRO
+
+// A board parallel to the image, its control point 0 at (u, v), `pitch` px from point to point.
+Observation flat_board(ImageSize size, double u, double v, double pitch) {
+  Observation o;
+  o.board = "checkerboard:9x6:25mm";
+  o.image_size = size;
+  for (int id = 0; id < 54; ++id) {
+    o.ids.push_back(id);
+    o.uv.push_back({u + pitch * (id % 9), v + pitch * (id / 9)});
+    o.sigma.push_back(0.1);
+  }
+  return o;
+}
+
+// The tiles on a transparent frame. Counts how often a pixel is covered, which must be once.
+struct Picture {
+  explicit Picture(ImageSize s)
+      : size(s), pixels(static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height)) {}
+
+  void place(const OverlayTile& tile) {
+    ASSERT_GT(tile.width, 0);
+    ASSERT_GT(tile.height, 0);
+    ASSERT_GE(tile.x, 0);
+    ASSERT_GE(tile.y, 0);
+    ASSERT_LE(tile.x + tile.width, size.width);
+    ASSERT_LE(tile.y + tile.height, size.height);
+    ASSERT_EQ(tile.pixels.size(), static_cast<std::size_t>(4 * tile.width * tile.height));
+    for (int y = 0; y < tile.height; ++y) {
+      for (int x = 0; x < tile.width; ++x) {
+        Argb& pixel = at(tile.x + x, tile.y + y);
+        ASSERT_FALSE(pixel.covered) << "two tiles at " << tile.x + x << ", " << tile.y + y;
+        const auto* p = &tile.pixels[static_cast<std::size_t>(4 * (y * tile.width + x))];
+        std::uint32_t value = 0;
+        std::copy_n(p, 4, reinterpret_cast<std::uint8_t*>(&value));
+        pixel = {value >> 24, value >> 16 & 255, value >> 8 & 255, value & 255, true};
+        ASSERT_LE(std::max({pixel.red, pixel.green, pixel.blue}), pixel.alpha) << "premultiplied";
+        ++covered;
+      }
+    }
+  }
+
+  struct Argb {
+    unsigned alpha = 0;
+    unsigned red = 0;
+    unsigned green = 0;
+    unsigned blue = 0;
+    bool covered = false;
+  };
+  Argb& at(int x, int y) {
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
+                  static_cast<std::size_t>(x)];
+  }
+  Argb& near(double u, double v) {
+    return at(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v)));
+  }
+
+  ImageSize size;
+  std::vector<Argb> pixels;
+  std::size_t covered = 0;
+};
+
+Picture drawn(ImageSize size, const std::vector<Observation>& observations,
+              const std::optional<OverlayProgress>& progress = {}) {
+  Picture picture(size);
+  const auto tiles = draw_overlay(size, observations, progress);
+  EXPECT_TRUE(tiles.has_value());
+  for (const OverlayTile& tile : *tiles) picture.place(tile);
+  return picture;
+}
+
+TEST(Overlay, NothingToDrawIsNoTile) {
+  EXPECT_TRUE(draw_overlay({640, 480}, {}, {})->empty());
+  EXPECT_TRUE(draw_overlay({640, 480}, std::vector<Observation>(3), {})->empty());
+}
+
+TEST(Overlay, MarksEveryCornerAndJoinsTheRows) {
+  const ImageSize size{641, 479};
+  const Observation board = flat_board(size, 100, 100, 40);
+  Picture picture = drawn(size, {board});
+  for (int id = 1; id < 54; ++id) {
+    const Pixel at = board.uv[static_cast<std::size_t>(id)];
+    double most = 0;
+    for (const double r : {3.0, 4.0, 4.5, 5.0}) {
+      most = std::max(most, double{0} + picture.near(at.u, at.v - r).alpha);
+    }
+    EXPECT_GT(most, 150) << "no circle around corner " << id;
+    EXPECT_EQ(picture.near(at.u + 20, at.v).alpha > 150, id % 9 != 8) << "right of corner " << id;
+    EXPECT_EQ(picture.near(at.u, at.v + 20).alpha, 0u) << "below corner " << id;
+  }
+}
+
+TEST(Overlay, ColoursFollowTheOrder) {
+  const ImageSize size{640, 480};
+  const Observation board = flat_board(size, 100, 100, 40);
+  Picture picture = drawn(size, {board});
+  const auto first = picture.near(120, 100);
+  const auto middle = picture.near(100 + 6.5 * 40, 100 + 2 * 40);
+  const auto last = picture.near(100 + 7.5 * 40, 100 + 5 * 40);
+  EXPECT_GT(first.red, 2 * first.blue);
+  EXPECT_GT(middle.green, 2 * middle.red);
+  EXPECT_GT(last.blue, 2 * last.green);
+}
+
+TEST(Overlay, CornerZeroTellsWhetherItIsCertain) {
+  const ImageSize size{640, 480};
+  Observation board = flat_board(size, 100, 100, 40);
+  EXPECT_EQ(drawn(size, {board}).at(100, 100).alpha, 255u);
+  EXPECT_EQ(drawn(size, {board}).at(140, 100).alpha, 0u) << "the corner itself stays visible";
+  board.ambiguous = {"rotate180"};
+  EXPECT_EQ(drawn(size, {board}).at(100, 100).alpha, 0u);
+}
+
+TEST(Overlay, CornersScaleWithTheFrame) {
+  Observation board = flat_board({1280, 960}, 200, 200, 80);
+  Picture picture = drawn({640, 480}, {board});
+  EXPECT_EQ(picture.near(0.5 * 200.5 - 0.5, 0.5 * 200.5 - 0.5).alpha, 255u);
+  EXPECT_EQ(picture.near(200, 200).alpha, 0u);
+}
+
+TEST(Overlay, TheCostIsBounded) {
+  const ImageSize size{1920, 1080};
+  const double pixels = 1920.0 * 1080.0;
+  OverlayProgress progress;
+  EXPECT_LT(drawn(size, {flat_board(size, 200, 200, 80)}, progress).covered, 0.15 * pixels);
+  progress.captured = true;
+  EXPECT_LT(drawn(size, {flat_board(size, 100, 100, 180)}, progress).covered, 0.25 * pixels);
+}
+
+TEST(Overlay, BarsAreAsLongAsTheirValues) {
+  const ImageSize size{640, 480};
+  const auto bright = [&](double value) {
+    OverlayProgress progress;
+    progress.x = value;
+    Picture picture = drawn(size, {}, progress);
+    const auto opaque = [](const Picture::Argb& p) { return p.alpha > 250 && p.blue < 100; };
+    return std::count_if(picture.pixels.begin(), picture.pixels.end(), opaque);
+  };
+  EXPECT_EQ(bright(0), 0);
+  EXPECT_EQ(bright(std::nan("")), 0);
+  EXPECT_EQ(bright(-3), 0);
+  const auto full = static_cast<double>(bright(1));
+  EXPECT_GT(full, 200);
+  EXPECT_NEAR(static_cast<double>(bright(0.5)), full / 2, 0.05 * full);
+  EXPECT_EQ(static_cast<double>(bright(7)), full);
+}
+
+TEST(Overlay, ATakenViewFlashesTheBorder) {
+  const ImageSize size{640, 480};
+  OverlayProgress progress;
+  EXPECT_EQ(drawn(size, {}, progress).at(320, 1).alpha, 0u);
+  progress.captured = true;
+  Picture picture = drawn(size, {}, progress);
+  for (const auto& [x, y] : std::vector<std::array<int, 2>>{
+           {0, 0}, {639, 0}, {0, 479}, {639, 479}, {320, 1}, {320, 478}, {1, 240}, {638, 240}}) {
+    EXPECT_EQ(picture.at(x, y).alpha, 255u) << x << ", " << y;
+    EXPECT_GT(picture.at(x, y).green, picture.at(x, y).red) << x << ", " << y;
+  }
+  EXPECT_EQ(picture.at(320, 240).alpha, 0u);
+}
+
+TEST(Overlay, StrangeInputDrawsNothingStrange) {
+  const double inf = std::numeric_limits<double>::infinity();
+  Observation wild = flat_board({640, 480}, 100, 100, 40);
+  wild.uv[3] = {std::nan(""), 5};
+  wild.uv[4] = {inf, -inf};
+  wild.uv[5] = {1e300, 1e300};
+  wild.uv[6] = {-30, -40};
+  wild.ids[7] = std::numeric_limits<int>::min();
+  wild.ids[8] = std::numeric_limits<int>::max();
+  wild.ids.resize(20);
+  OverlayProgress progress;
+  progress.captured = true;
+  for (const ImageSize size : {ImageSize{640, 480}, ImageSize{16, 16}, ImageSize{17, 2000},
+                               ImageSize{1, 1}, ImageSize{0, 0}, ImageSize{-5, 480}}) {
+    for (const char* board : {"checkerboard:9x6:25mm", "", "checkerboard:2x200:1mm", "nonsense"}) {
+      wild.board = board;
+      const auto tiles = draw_overlay(size, std::vector{wild}, progress);
+      ASSERT_TRUE(tiles.has_value());
+      Picture picture({std::max(size.width, 0), std::max(size.height, 0)});
+      for (const OverlayTile& tile : *tiles) picture.place(tile);
+    }
+  }
+}
+
+#else
+
+TEST(Overlay, SaysThatThisBuildCannot) {
+  EXPECT_EQ(draw_overlay({640, 480}, {}, {}).error().code, ErrorCode::kUnsupported);
+}
+
+#endif
+
+}  // namespace
+}  // namespace calvin

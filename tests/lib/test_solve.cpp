@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The solve: honest covariance, plain least squares, outliers, data that determine nothing.
+#include <limits>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "calvin/solve/solve.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::kBoard;
+using scenes::kSize;
+using scenes::Random;
+
+constexpr double kNoise = 0.1;  // px
+
+std::vector<View> make_views(const Camera& camera, Random& random, int count,
+                             double max_tilt = std::numbers::pi / 4) {
+  return scenes::observe_all(camera, kBoard,
+                             scenes::random_poses(camera, kBoard, random, count, max_tilt), kNoise,
+                             random);
+}
+
+SolveOptions with_model(std::string_view model) {
+  SolveOptions options;
+  options.model = model;
+  return options;
+}
+
+class EveryModel : public ::testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(Solve, EveryModel, ::testing::ValuesIn(model_names()),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST_P(EveryModel, CovarianceTellsTheErrorAgainstTheTruth) {
+  Random random(1);
+  const int trials = scenes::full_count() ? 500 : 20;
+  double sum = 0;
+  double scale = 0;
+  for (int i = 0; i < trials; ++i) {
+    const Camera camera = scenes::random_camera(GetParam(), random);
+    const auto views = make_views(camera, random, 25);
+    const auto solution = solve(views, kSize, with_model(GetParam()));
+    ASSERT_TRUE(solution.has_value()) << "trial " << i << ": " << solution.error().message;
+    EXPECT_TRUE(solution->rejected.empty()) << "trial " << i;
+    const double error = scenes::normalised_error(solution->calibration, camera);
+    EXPECT_LT(error, 8) << "trial " << i;
+    sum += error / trials;
+    scale += *solution->calibration.rms / (kNoise * std::sqrt(2.0)) / trials;
+  }
+  const double tolerance = scenes::full_count() ? 0.1 : 0.4;
+  EXPECT_NEAR(sum, 1, tolerance + (scenes::full_count() ? 0 : 0.2 * (sum > 1)));
+  // 1350 corners and at most 159 unknowns.
+  EXPECT_NEAR(scale, std::sqrt(1 - 159 / 2700.0), 0.01);
+}
+
+TEST_P(EveryModel, ExactCornersGiveTheExactCamera) {
+  Random random(2);
+  const Camera camera = scenes::random_camera(GetParam(), random);
+  const auto poses = scenes::random_poses(camera, kBoard, random, 8);
+  const auto views = scenes::observe_all(camera, kBoard, poses, 0, random);
+  const auto solution = solve(views, kSize, with_model(GetParam()));
+  ASSERT_TRUE(solution.has_value()) << solution.error().message;
+  for (std::size_t i = 0; i < camera.parameters().size(); ++i) {
+    const double truth = camera.parameters()[i];
+    EXPECT_NEAR(solution->calibration.parameters[i].value, truth, 1e-7 * (1 + std::abs(truth)));
+  }
+  for (std::size_t v = 0; v < poses.size(); ++v) {
+    const SE3 found = to_se3(solution->calibration.views[v].camera_from_board);
+    EXPECT_LT((found.translation - poses[v].translation).norm(), 1e-8);
+    EXPECT_LT((found.rotation - poses[v].rotation).norm(), 1e-8);
+  }
+}
+
+TEST_P(EveryModel, FewAndFlatViewsFindTheSameMinimumAsAStartFromTheTruth) {
+  // The truth itself cannot be the start, but a minimum in the wrong valley is far above the noise.
+  Random random(3);
+  for (const auto& [count, tilt] : std::vector<std::pair<int, double>>{{3, 0.8}, {5, 0.35}}) {
+    for (int i = 0; i < 10; ++i) {
+      const Camera camera = scenes::random_camera(GetParam(), random);
+      const auto views = make_views(camera, random, count, tilt);
+      const auto solution = solve(views, kSize, with_model(GetParam()));
+      if (!solution) {
+        EXPECT_EQ(solution.error().code, ErrorCode::kDegenerate);
+        EXPECT_NE(solution.error().message.find("+-"), std::string::npos)
+            << solution.error().message;
+        continue;
+      }
+      EXPECT_LT(*solution->calibration.rms, 1.2 * kNoise * std::sqrt(2.0)) << count << ", " << i;
+      EXPECT_TRUE(solution->rejected.empty());
+    }
+  }
+}
+
+class Solve : public ::testing::Test {
+ protected:
+  Random random_{7};
+  Camera camera_ = scenes::random_camera("brown5", random_);
+
+  void expect_within(const Calibration& c, double sigmas) const {
+    for (std::size_t i = 0; i < camera_.parameters().size(); ++i) {
+      const Parameter& p = c.parameters[i];
+      ASSERT_TRUE(p.sigma.has_value());
+      EXPECT_LT(std::abs(p.value - camera_.parameters()[i]), sigmas * *p.sigma) << p.name;
+    }
+  }
+};
+
+TEST_F(Solve, DescribesWhatItUsed) {
+  auto views = make_views(camera_, random_, 12);
+  views[0].observation.camera = "left";
+  const auto solution = solve(views, kSize);
+  ASSERT_TRUE(solution.has_value()) << solution.error().message;
+  const Calibration& c = solution->calibration;
+  EXPECT_EQ(c.camera, "left");
+  EXPECT_EQ(c.model, "brown5");
+  EXPECT_EQ(c.board, "checkerboard:9x6:25mm");
+  EXPECT_TRUE(c.created.empty());
+  EXPECT_FALSE(c.held_out_rms || c.chi);
+  ASSERT_EQ(c.views.size(), 12u);
+  EXPECT_EQ(c.views[3].timestamp, 4000u);
+  EXPECT_EQ(c.views[3].points, 54);
+  EXPECT_EQ(c.covariance.size(), 81u);
+  EXPECT_NEAR(std::sqrt(c.covariance[10]), *c.parameters[1].sigma, 1e-12);
+  EXPECT_GE(c.covered.size(), 4u);
+  EXPECT_TRUE(c.expected_error && *c.expected_error > 0 && *c.expected_error < 1);
+  double squares = 0;
+  for (const ViewRecord& view : c.views) squares += view.rms * view.rms * view.points;
+  EXPECT_NEAR(std::sqrt(squares / (12 * 54)), *c.rms, 1e-12);
+}
+
+TEST_F(Solve, OneSigmaForAllIsPlainLeastSquares) {
+  auto views = make_views(camera_, random_, 12);
+  const auto with = [&](double sigma) {
+    for (View& view : views) std::fill_n(view.observation.sigma.begin(), 54, sigma);
+    return solve(views, kSize).value().calibration;
+  };
+  const Calibration one = with(1);
+  for (const double sigma : {0.01, 30.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    const Calibration other = with(sigma);
+    for (std::size_t i = 0; i < 9; ++i) {
+      EXPECT_NEAR(other.parameters[i].value, one.parameters[i].value,
+                  1e-3 * *one.parameters[i].sigma);
+      EXPECT_NEAR(*other.parameters[i].sigma, *one.parameters[i].sigma,
+                  1e-5 * *one.parameters[i].sigma);
+    }
+  }
+}
+
+TEST_F(Solve, SigmasWeighTheCornersAndTheCovarianceStaysHonest) {
+  double plain = 0;
+  double weighted = 0;
+  constexpr int kTrials = 20;
+  for (int i = 0; i < kTrials; ++i) {
+    auto views = make_views(camera_, random_, 15);
+    // Every second view is five times as noisy.
+    std::normal_distribution<double> noise(0, std::sqrt(24.0) * kNoise);
+    for (std::size_t v = 0; v < views.size(); v += 2) {
+      for (Pixel& p : views[v].observation.uv) {
+        p = {p.u + noise(random_), p.v + noise(random_)};
+      }
+      for (double& s : views[v].observation.sigma) s = 5 * kNoise;
+    }
+    SolveOptions options;
+    options.reject_outliers = false;
+    const auto good = solve(views, kSize, options);
+    for (View& view : views) view.observation.sigma.clear();
+    const auto bad = solve(views, kSize, options);
+    ASSERT_TRUE(good && bad);
+    weighted += scenes::normalised_error(good->calibration, camera_) / kTrials;
+    plain += *bad->calibration.find("fx")->sigma / *good->calibration.find("fx")->sigma / kTrials;
+  }
+  EXPECT_GT(weighted, 0.6);
+  EXPECT_LT(weighted, 1.6);
+  EXPECT_GT(plain, 1.5);
+}
+
+TEST_F(Solve, GrossCornersAndAWrongViewAreFoundAndNamed) {
+  for (int trial = 0; trial < 5; ++trial) {
+    auto views = make_views(camera_, random_, 20);
+    std::size_t gross = 0;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      if (v == 11) continue;
+      for (Pixel& p : views[v].observation.uv) {
+        if (scenes::uniform(random_, 0, 1) > 0.02) continue;
+        const double angle = scenes::uniform(random_, 0, 6.28);
+        const double far = scenes::uniform(random_, 5, 60);
+        p.u = std::clamp(p.u + far * std::cos(angle), 0.0, kSize.width - 1.0);
+        p.v = std::clamp(p.v + far * std::sin(angle), 0.0, kSize.height - 1.0);
+        ++gross;
+      }
+    }
+    // Rows and columns exchanged: no pose explains it.
+    auto& wrong = views[11].observation;
+    for (int& id : wrong.ids) id = (id % 6) * 9 + (id / 6) % 9;
+    const auto solution = solve(views, kSize);
+    ASSERT_TRUE(solution.has_value()) << solution.error().message;
+    ASSERT_EQ(solution->rejected.size(), 1u);
+    EXPECT_EQ(solution->rejected[0].index, 11u);
+    EXPECT_EQ(solution->rejected[0].reason, Reason::kOutlier);
+    EXPECT_GE(solution->rejected_corners.size(), gross * 9 / 10);
+    EXPECT_LE(solution->rejected_corners.size(), gross);
+    expect_within(solution->calibration, 4);
+  }
+}
+
+TEST_F(Solve, GoodCornersAreNotRejected) {
+  std::size_t lost = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto solution = solve(make_views(camera_, random_, 25), kSize);
+    ASSERT_TRUE(solution.has_value());
+    lost += solution->rejected.size() + solution->rejected_corners.size();
+  }
+  EXPECT_EQ(lost, 0u);
+}
+
+TEST_F(Solve, FixHoldsParameters) {
+  SolveOptions options;
+  options.fix = {"k3", "center", "aspect", "p1", "p2"};
+  const auto views = make_views(camera_, random_, 10);
+  const auto solution = solve(views, kSize, options);
+  ASSERT_TRUE(solution.has_value()) << solution.error().message;
+  const Calibration& c = solution->calibration;
+  EXPECT_EQ(c.find("k3")->value, 0);
+  EXPECT_EQ(c.find("cx")->value, (kSize.width - 1) / 2.0);
+  EXPECT_EQ(c.find("fx")->value, c.find("fy")->value);
+  EXPECT_EQ(c.find("fx")->sigma, c.find("fy")->sigma);
+  EXPECT_FALSE(c.find("cy")->sigma || c.find("p1")->sigma);
+  EXPECT_TRUE(c.find("k2")->sigma.has_value());
+  EXPECT_EQ(c.covariance.size(), 16u);
+  EXPECT_TRUE(c.expected_error.has_value());
+
+  options.fix = {"k4"};
+  const auto unknown = solve(views, kSize, options);
+  ASSERT_FALSE(unknown.has_value());
+  EXPECT_NE(unknown.error().message.find("aspect"), std::string::npos);
+}
+
+TEST_F(Solve, StopsWhenAsked) {
+  std::stop_source source;
+  source.request_stop();
+  const auto solution = solve(make_views(camera_, random_, 10), kSize, {}, source.get_token());
+  ASSERT_FALSE(solution.has_value());
+  EXPECT_EQ(solution.error().code, ErrorCode::kCancelled);
+}
+
+// --- Data that cannot be solved: what is wrong, and which word the message must contain.
+
+struct BadInput {
+  const char* name;
+  void (*spoil)(std::vector<View>&, ImageSize&, SolveOptions&);
+  ErrorCode code;
+  const char* word;
+};
+
+void keep_first_corners(std::vector<View>& views, std::size_t count) {
+  for (View& view : views) {
+    view.observation.ids.resize(count);
+    view.observation.uv.resize(count);
+    view.observation.sigma.resize(count);
+  }
+}
+
+const BadInput kBadInputs[] = {
+    {"NoViews", [](auto& views, auto&, auto&) { views.clear(); }, ErrorCode::kDegenerate,
+     "no view"},
+    {"NothingFound", [](auto& views, auto&, auto&) { keep_first_corners(views, 0); },
+     ErrorCode::kDegenerate, "no view"},
+    {"OneView", [](auto& views, auto&, auto&) { views.resize(1); }, ErrorCode::kDegenerate,
+     "at least 3 views"},
+    {"SameViewTenTimes", [](auto& views, auto&, auto&) { views.assign(10, views[0]); },
+     ErrorCode::kDegenerate, "tilted"},
+    {"Collinear", [](auto& views, auto&, auto&) { keep_first_corners(views, 9); },
+     ErrorCode::kDegenerate, "one line"},
+    {"ThreeCorners", [](auto& views, auto&, auto&) { keep_first_corners(views, 3); },
+     ErrorCode::kDegenerate, "4 corners"},
+    {"FewerEquationsThanUnknowns",
+     [](auto& views, auto&, auto&) {
+       views.resize(3);
+       for (View& view : views) {
+         view.observation.ids = {0, 8, 45, 53};
+         auto& uv = view.observation.uv;
+         uv = {uv[0], uv[8], uv[45], uv[53]};
+       }
+     },
+     ErrorCode::kDegenerate, "unknowns"},
+    {"NanCorner",
+     [](auto& views, auto&, auto&) {
+       views[3].observation.uv[5].u = std::numeric_limits<double>::quiet_NaN();
+     },
+     ErrorCode::kInvalidArgument, "View 3"},
+    {"InfiniteCorner",
+     [](auto& views, auto&, auto&) {
+       views[3].observation.uv[5].v = -std::numeric_limits<double>::infinity();
+     },
+     ErrorCode::kInvalidArgument, "outside"},
+    {"FarCorner", [](auto& views, auto&, auto&) { views[3].observation.uv[5].u = 1e300; },
+     ErrorCode::kInvalidArgument, "outside"},
+    {"RepeatedId", [](auto& views, auto&, auto&) { views[2].observation.ids[7] = 8; },
+     ErrorCode::kInvalidArgument, "twice"},
+    {"IdBeyondTheBoard", [](auto& views, auto&, auto&) { views[2].observation.ids[7] = 54; },
+     ErrorCode::kInvalidArgument, "not on the board"},
+    {"NegativeId", [](auto& views, auto&, auto&) { views[2].observation.ids[7] = -1; },
+     ErrorCode::kInvalidArgument, "not on the board"},
+    {"MoreIdsThanCorners", [](auto& views, auto&, auto&) { views[2].observation.uv.pop_back(); },
+     ErrorCode::kInvalidArgument, "needs its id"},
+    {"NoBoard", [](auto& views, auto&, auto&) { views[2].board = Board{}; },
+     ErrorCode::kInvalidArgument, "board"},
+    {"NanBoard",
+     [](auto& views, auto&, auto&) {
+       views[2].board.size = std::numeric_limits<double>::quiet_NaN();
+     },
+     ErrorCode::kInvalidArgument, "board"},
+    {"NoImage",
+     [](auto&, auto& size, auto&) {
+       size = {0, 0};
+     },
+     ErrorCode::kInvalidArgument, "0x0"},
+    {"AllOffSize",
+     [](auto&, auto& size, auto&) {
+       size = {640, 480};
+     },
+     ErrorCode::kDegenerate, "no view"},
+    {"UnknownModel", [](auto&, auto&, auto& options) { options.model = "brown99"; },
+     ErrorCode::kUnsupported, "brown5"},
+    {"NoIterations", [](auto&, auto&, auto& options) { options.max_iterations = 0; },
+     ErrorCode::kDegenerate, "converge"},
+    {"AllCornersInOnePlace",
+     [](auto& views, auto&, auto&) {
+       for (View& view : views) std::fill_n(view.observation.uv.begin(), 54, Pixel{300, 300});
+     },
+     ErrorCode::kDegenerate, "views"},
+    {"RandomCorners",
+     [](auto& views, auto&, auto&) {
+       Random random(5);
+       for (View& view : views) {
+         for (Pixel& p : view.observation.uv) {
+           p = {scenes::uniform(random, 0, 1279), scenes::uniform(random, 0, 959)};
+         }
+       }
+     },
+     ErrorCode::kDegenerate, "views"},
+};
+
+class BadInputs : public ::testing::TestWithParam<BadInput> {};
+INSTANTIATE_TEST_SUITE_P(Solve, BadInputs, ::testing::ValuesIn(kBadInputs),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(BadInputs, AreRefusedWithAReason) {
+  Random random(9);
+  const Camera camera = scenes::random_camera("brown5", random);
+  auto views = make_views(camera, random, 10);
+  ImageSize size = kSize;
+  SolveOptions options;
+  GetParam().spoil(views, size, options);
+  const auto solution = solve(views, size, options);
+  ASSERT_FALSE(solution.has_value());
+  EXPECT_EQ(solution.error().code, GetParam().code) << solution.error().message;
+  EXPECT_NE(solution.error().message.find(GetParam().word), std::string::npos)
+      << solution.error().message;
+}
+
+TEST_P(EveryModel, ParallelViewsAreRefused) {
+  if (GetParam() == "fisheye") GTEST_SKIP() << "the angles of a fisheye lens tell its focal length";
+  for (const double tilt : {0.0, 0.4}) {
+    Random random(11);
+    const Camera camera = scenes::random_camera(GetParam(), random);
+    std::vector<SE3> poses;
+    while (poses.size() < 12) {
+      const SE3 pose = {exp_so3({tilt, 0, 0}),
+                        {scenes::uniform(random, -0.3, 0.1), scenes::uniform(random, -0.2, 0.1),
+                         scenes::uniform(random, 0.3, 0.6)}};
+      if (scenes::sees_all(camera, kBoard, pose)) poses.push_back(pose);
+    }
+    const auto views = scenes::observe_all(camera, kBoard, poses, kNoise, random);
+    const auto solution = solve(views, kSize, with_model(GetParam()));
+    if (solution) {
+      // Distortion tells something of the camera; then the sigmas must own up to how little.
+      EXPECT_LT(scenes::normalised_error(solution->calibration, camera), 5);
+      continue;
+    }
+    EXPECT_EQ(solution.error().code, ErrorCode::kDegenerate);
+    EXPECT_NE(solution.error().message.find("tilted"), std::string::npos);
+  }
+}
+
+TEST_F(Solve, UselessViewsAreLeftOutAndNamed) {
+  auto views = make_views(camera_, random_, 12);
+  views[1].observation.ids.clear();
+  views[1].observation.uv.clear();
+  views[4].observation.image_size = {640, 480};
+  keep_first_corners(views, 54);
+  views[6].observation.ids.resize(9);
+  views[6].observation.uv.resize(9);
+  views[1].observation.ids.clear();
+  views[1].observation.uv.clear();
+  const auto solution = solve(views, kSize);
+  ASSERT_TRUE(solution.has_value()) << solution.error().message;
+  ASSERT_EQ(solution->rejected.size(), 3u);
+  EXPECT_EQ(solution->rejected[0].reason, Reason::kNotFound);
+  EXPECT_EQ(solution->rejected[1].reason, Reason::kOffSize);
+  EXPECT_EQ(solution->rejected[2].reason, Reason::kTooFewPoints);
+  EXPECT_EQ(solution->rejected[2].index, 6u);
+  EXPECT_EQ(solution->calibration.views.size(), 9u);
+}
+
+}  // namespace
+}  // namespace calvin

@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The renderer against brute force and against analytic edges; noise, blur and the motions.
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "calvin/synth/motion.hpp"
+#include "calvin/synth/render.hpp"
+
+namespace calvin {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDegree = std::numbers::pi / 180;
+
+Board board(const char* text = "checkerboard:9x6:25mm") { return parse_board(text).value(); }
+
+Camera camera_of(std::string_view model, const std::vector<double>& parameters,
+                 ImageSize size = {640, 480}) {
+  return Camera::make(model, size, parameters).value();
+}
+Camera brown() { return camera_of("brown5", {520, 518, 325, 236, -0.28, 0.09, 5e-4, -7e-4, 0.01}); }
+Camera fisheye() { return camera_of("fisheye", {180, 181, 322, 238, 0.01, -0.004, 0.001, -2e-4}); }
+
+// The scene as the header describes it, point by point, by another way than the renderer's: the ray
+// is cut with the plane in the camera frame.
+double scene_at(const Camera& camera, const Board& b, const SE3& pose, const RenderOptions& o,
+                Pixel pixel) {
+  const auto ray = camera.unproject(pixel);
+  if (!ray) return o.background;
+  const Eigen::Vector3d normal = pose.rotation.col(2);
+  const double distance = normal.dot(pose.translation) / normal.dot(*ray);
+  if (!(distance > 0)) return o.background;
+  const Eigen::Vector3d on_board = pose.inverse() * (distance * *ray);
+  const double x = on_board.x() / b.size;
+  const double y = on_board.y() / b.size;
+  if (x < -2 || y < -2 || x >= b.cols + 1 || y >= b.rows + 1) return o.background;
+  if (x < -1 || y < -1 || x >= b.cols || y >= b.rows) return o.light;
+  const bool same = (static_cast<int>(x + 2) + static_cast<int>(y + 2)) % 2 == 0;
+  return same ? o.dark : o.light;
+}
+
+// One sample at random in each of 32 x 32 cells of a pixel: an edge leaves less than 0.5 grey
+// levels, 1 sigma, of uncertainty.
+double brute_force(const Camera& camera, const Board& b, const SE3& pose, const RenderOptions& o,
+                   int u, int v) {
+  constexpr int kSub = 32;
+  static std::mt19937 random(17);
+  const auto jitter = [] { return static_cast<double>(random()) / 4294967296.0; };
+  double sum = 0;
+  for (int j = 0; j < kSub; ++j) {
+    for (int i = 0; i < kSub; ++i) {
+      sum += scene_at(camera, b, pose, o,
+                      {u - 0.5 + (i + jitter()) / kSub, v - 0.5 + (j + jitter()) / kSub});
+    }
+  }
+  return sum / (kSub * kSub);
+}
+
+class RenderedBy : public ::testing::TestWithParam<int> {
+ protected:
+  static Camera camera() {
+    switch (GetParam()) {
+      case 0:
+        return brown();
+      case 1:
+        return fisheye();
+      default:
+        return camera_of("pinhole", {300, 310, 150, 130}, {321, 243});
+    }
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Lenses, RenderedBy, ::testing::Range(0, 3));
+
+TEST_P(RenderedBy, EqualsBruteForce) {
+  const Camera cam = camera();
+  const BoardRenderer renderer(cam);
+  const Board b = board();
+  const RenderOptions options;
+  const Motion motion(MotionKind::kRandom, cam, b, 3);
+  std::mt19937 random(5);
+  double sum = 0;
+  int edges = 0;
+  for (int k = 0; k < 8; ++k) {
+    const SE3 pose = motion.camera_from_board(k);
+    const GrayImage image = renderer.render(b, pose, options);
+    // Random pixels, and pixels around the control points, where the edges are.
+    std::vector<std::pair<int, int>> pixels;
+    const auto integer = [&random](int n) { return static_cast<int>(random() % unsigned(n)); };
+    for (int i = 0; i < 60; ++i) pixels.emplace_back(integer(image.width), integer(image.height));
+    for (const Pixel& uv : true_observation(cam, b, pose).uv) {
+      const int u = static_cast<int>(std::lround(uv.u));
+      const int v = static_cast<int>(std::lround(uv.v));
+      pixels.emplace_back(u, v);
+      pixels.emplace_back(std::clamp(u + integer(9) - 4, 0, image.width - 1), v);
+    }
+    for (const auto& [u, v] : pixels) {
+      const double expected = brute_force(cam, b, pose, options, u, v);
+      const double error = image.view().at(u, v) - expected;
+      ASSERT_NEAR(error, 0, 2.5) << u << ", " << v << " of view " << k;
+      sum += error;
+      edges += expected != 30 && expected != 220 && expected != 128;
+    }
+  }
+  EXPECT_GT(edges, 150);
+  EXPECT_NEAR(sum / edges, 0, 0.1);
+}
+
+// u of the edge x = column squares at the image row v: the sum of `u` along the projected line.
+double edge_at(const Camera& cam, const Board& b, const SE3& pose, int column, double v) {
+  double low = -0.5 * b.size;
+  double high = 0.5 * b.size;
+  Pixel at;
+  for (int i = 0; i < 50; ++i) {
+    const double y = (low + high) / 2;
+    at = cam.project(pose * Eigen::Vector3d(column * b.size, y, 0)).value();
+    (at.v < v ? low : high) = y;
+  }
+  return at.u;
+}
+
+TEST_P(RenderedBy, PutsEdgesWhereTheCameraProjectsThem) {
+  const Camera cam = camera();
+  const BoardRenderer renderer(cam);
+  const Board b = board("checkerboard:2x6:300mm");
+  double sum = 0;
+  double squares = 0;
+  int count = 0;
+  for (int k = 0; k < 40; ++k) {
+    // The edge between the first two squares, a few degrees off the vertical, anywhere.
+    SE3 pose;
+    pose.rotation = exp_so3({0.2, 0.3 * std::sin(k), 0.03 + 0.002 * k});
+    pose.translation = 0.5 * *cam.unproject({0.2 * cam.image_size().width + 4.13 * k,
+                                             0.3 * cam.image_size().height + 2.7 * k});
+    const GrayImage image = renderer.render(b, pose, {});
+    const Pixel corner = cam.project(pose.translation).value();
+    for (int row = 12; row < 19; ++row) {
+      const int v = static_cast<int>(corner.v) + row;
+      double expected = 0;
+      for (int i = 0; i < 16; ++i) {
+        expected += edge_at(cam, b, pose, 0, v - 0.5 + (i + 0.5) / 16) / 16;
+      }
+      // Light left of the edge, dark right of it: the light area is where the edge is.
+      const int left = static_cast<int>(expected) - 6;
+      double light = 0;
+      for (int u = left; u < left + 13; ++u) light += (image.view().at(u, v) - 30) / 190.0;
+      const double error = left - 0.5 + light - expected;
+      ASSERT_LT(std::abs(error), 0.01) << "view " << k;
+      sum += error;
+      squares += error * error;
+      ++count;
+    }
+  }
+  EXPECT_NEAR(sum / count, 0, 5e-4);
+  EXPECT_LT(std::sqrt(squares / count), 0.004);  // 8 bits leave 0.0015 to 0.003
+}
+
+TEST(Renderer, ShowsDarkSquareOutsideControlPointZero) {
+  const Camera cam = camera_of("pinhole", {500, 500, 320, 240});
+  const SE3 pose = {Eigen::Matrix3d::Identity(), {-0.1, -0.06, 0.5}};
+  const GrayImage image = render_board(cam, board(), pose);
+  const Pixel p = true_observation(cam, board(), pose).uv[0];
+  const auto at = [&](int du, int dv) {
+    return image.view().at(static_cast<int>(p.u) + du, static_cast<int>(p.v) + dv);
+  };
+  EXPECT_EQ(at(-5, -5), 30);
+  EXPECT_EQ(at(5, 5), 30);
+  EXPECT_EQ(at(5, -5), 220);
+  EXPECT_EQ(at(-40, -40), 220);
+  EXPECT_EQ(at(-60, -60), 128);
+}
+
+TEST(Renderer, SeesPast90Degrees) {
+  const Camera cam = fisheye();
+  const Board b = board();
+  SE3 pose;  // straight to the right and a little behind
+  pose.rotation = exp_so3({0, 100 * kDegree, 0});
+  pose.translation = pose.rotation * Eigen::Vector3d(-0.1, -0.0625, 0.25);
+  const Observation truth = true_observation(cam, b, pose);
+  std::size_t behind = 0;
+  for (std::size_t i = 0; i < truth.ids.size(); ++i) {
+    behind += cam.unproject(truth.uv[i])->z() < 0;
+  }
+  EXPECT_GT(behind, 10U);
+  const GrayImage image = render_board(cam, b, pose);
+  for (const Pixel& uv : truth.uv) {
+    const int u = static_cast<int>(std::lround(uv.u));
+    const int v = static_cast<int>(std::lround(uv.v));
+    EXPECT_NEAR(image.view().at(u, v), brute_force(cam, b, pose, {}, u, v), 2.5);
+  }
+  // A perspective lens sees nothing of it.
+  EXPECT_FALSE(true_observation(brown(), b, pose).found());
+  for (const std::uint8_t pixel : render_board(brown(), b, pose).pixels) ASSERT_EQ(pixel, 128);
+}
+
+TEST(Renderer, ShowsTheBackAsABlankCard) {
+  const Camera cam = brown();
+  SE3 pose = {exp_so3({0, 180 * kDegree, 0}), {0.1, -0.06, 0.6}};
+  EXPECT_FALSE(true_observation(cam, board(), pose).found());
+  std::set<std::uint8_t> values;
+  for (const std::uint8_t pixel : render_board(cam, board(), pose).pixels) values.insert(pixel);
+  EXPECT_EQ(*values.begin(), 128);
+  EXPECT_EQ(*values.rbegin(), 220);
+}
+
+TEST(Renderer, AddsGaussianNoise) {
+  const Camera cam = default_camera({640, 480});
+  const BoardRenderer renderer(cam);
+  const SE3 away = {Eigen::Matrix3d::Identity(), {0, 0, -1}};
+  for (const double sigma : {1.0, 2.0, 8.0}) {
+    const GrayImage image = renderer.render(board(), away, {.noise = sigma, .seed = 7});
+    const auto n = static_cast<double>(image.pixels.size());
+    double mean = 0, square = 0, fourth = 0, right = 0, below = 0;
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+      const double x = image.pixels[i] - 128.0;
+      mean += x / n;
+      square += x * x / n;
+      fourth += x * x * x * x / n;
+      if (i > 0) right += x * (image.pixels[i - 1] - 128.0) / n;
+      if (i >= 640) below += x * (image.pixels[i - 640] - 128.0) / n;
+    }
+    const double variance = sigma * sigma + 1.0 / 12;  // of the rounding
+    EXPECT_NEAR(mean, 0, 5 * sigma / std::sqrt(n));
+    EXPECT_NEAR(square / variance, 1, 5 * std::sqrt(2 / n));
+    EXPECT_NEAR(fourth / (square * square), 3, 0.06);
+    EXPECT_NEAR(right / variance, 0, 5 / std::sqrt(n));
+    EXPECT_NEAR(below / variance, 0, 5 / std::sqrt(n));
+    EXPECT_EQ(image.pixels, renderer.render(board(), away, {.noise = sigma, .seed = 7}).pixels);
+    EXPECT_NE(image.pixels, renderer.render(board(), away, {.noise = sigma, .seed = 8}).pixels);
+  }
+}
+
+TEST(Renderer, BlursByTheSigmaAskedFor) {
+  // An edge on the border of two pixels: the differences along a row are the blur's own kernel.
+  const Camera cam = camera_of("pinhole", {500, 500, 319.5, 240});
+  const SE3 pose = {Eigen::Matrix3d::Identity(), {0, -0.1, 0.5}};
+  const Board b = board("checkerboard:9x6:60mm");
+  for (const double sigma : {0.3, 0.7, 1.5, 3.0}) {
+    const GrayImage image = render_board(cam, b, pose, {.blur = sigma, .dark = 0, .light = 255});
+    double sum = 0, first = 0, second = 0;
+    for (int u = 295; u < 345; ++u) {
+      const double step = image.view().at(u, 150) - image.view().at(u - 1, 150);
+      sum += step;
+      first += step * (u - 0.5);
+      second += step * (u - 0.5) * (u - 0.5);
+    }
+    EXPECT_NEAR(first / sum, 319.5, 0.01);
+    EXPECT_NEAR(second / sum - std::pow(first / sum, 2), sigma * sigma, 0.015 + 0.03 * sigma);
+  }
+}
+
+TEST(Renderer, ExposureScalesAndClips) {
+  const Camera cam = camera_of("pinhole", {500, 500, 320, 240});
+  const SE3 pose = {Eigen::Matrix3d::Identity(), {-0.1, -0.06, 0.5}};
+  const GrayImage image = render_board(cam, board(), pose, {.exposure = 1.5});
+  EXPECT_EQ(image.view().at(0, 0), 192);
+  std::set<std::uint8_t> values(image.pixels.begin(), image.pixels.end());
+  EXPECT_EQ(*values.begin(), 45);
+  EXPECT_EQ(*values.rbegin(), 255);
+}
+
+TEST(Renderer, BearsBadInput) {
+  const Camera cam = default_camera({33, 17});
+  const SE3 good = Motion(MotionKind::kStatic, cam, board(), 0).camera_from_board(0);
+  SE3 bad = good;
+  bad.translation.setConstant(kNaN);
+  EXPECT_FALSE(true_observation(cam, board(), bad).found());
+  for (const SE3& pose : {good, bad, SE3{}, SE3{Eigen::Matrix3d::Zero(), {0, 0, 1e300}}}) {
+    for (const double x : {kNaN, -1.0, 0.0, 1e300}) {
+      EXPECT_EQ(render_board(cam, board(), pose, {.noise = x}).pixels.size(), 33U * 17U);
+      EXPECT_EQ(render_board(cam, board(), pose, {.exposure = x}).pixels.size(), 33U * 17U);
+    }
+    EXPECT_EQ(render_board(cam, board(), pose, {.blur = kNaN}).pixels.size(), 33U * 17U);
+  }
+}
+
+TEST(DefaultCamera, IsAsWideAsAskedAndValidEverywhere) {
+  for (const ImageSize size : {ImageSize{640, 480}, {1920, 1080}, {480, 640}, {17, 16}}) {
+    for (const double degrees : {40.0, 70.0, 100.0}) {
+      const Camera cam = default_camera(size, degrees * kDegree);
+      EXPECT_EQ(cam.image_size(), size);
+      EXPECT_EQ(cam.model(), "brown5");
+      EXPECT_NE(cam.fx(), cam.fy());
+      const bool wide = size.width > size.height;
+      const auto first = cam.unproject(wide ? Pixel{-0.5, cam.cy()} : Pixel{cam.cx(), -0.5});
+      const auto last = cam.unproject(wide ? Pixel{size.width - 0.5, cam.cy()}
+                                           : Pixel{cam.cx(), size.height - 0.5});
+      ASSERT_TRUE(first && last);
+      EXPECT_NEAR(std::acos(first->dot(*last)) / kDegree, degrees, 0.5);
+      for (const Pixel corner : {Pixel{-0.5, -0.5},
+                                 {size.width - 0.5, -0.5},
+                                 {-0.5, size.height - 0.5},
+                                 {size.width - 0.5, size.height - 0.5}}) {
+        EXPECT_TRUE(cam.unproject(corner).has_value()) << size.width << " " << degrees;
+      }
+    }
+  }
+}
+
+class MotionOf : public ::testing::TestWithParam<int> {
+ protected:
+  static Camera camera() {
+    switch (GetParam()) {
+      case 0:
+        return default_camera({640, 480});
+      case 1:
+        return fisheye();
+      case 2:
+        return default_camera({480, 853});
+      default:  // an image circle well inside the image
+        return camera_of("fisheye", {90, 90, 310, 230, 0, 0, 0, 0});
+    }
+  }
+  // All points are seen, with the outer squares inside the image.
+  static bool whole(const Camera& cam, const Board& b, const SE3& pose) {
+    const Board larger = {b.kind, b.cols + 2, b.rows + 2, b.size};
+    const SE3 shifted = {pose.rotation, pose * Eigen::Vector3d(-b.size, -b.size, 0)};
+    return true_observation(cam, larger, shifted).ids.size() ==
+           static_cast<std::size_t>(larger.point_count());
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Cameras, MotionOf, ::testing::Range(0, 4));
+
+TEST_P(MotionOf, RandomKeepsTheBoardInsideAndCoversTheImage) {
+  const Camera cam = camera();
+  const Motion motion(MotionKind::kRandom, cam, board(), 11);
+  constexpr int kCells = 8;
+  std::set<int> covered;
+  double widest = 0;
+  for (int i = 0; i < 400; ++i) {
+    const SE3 pose = motion.camera_from_board(i);
+    ASSERT_TRUE(whole(cam, board(), pose)) << "pose " << i;
+    const double facing = pose.rotation.col(2).dot(pose.translation.normalized());
+    ASSERT_GT(facing, 0.1);
+    for (const Pixel& uv : true_observation(cam, board(), pose).uv) {
+      covered.insert(static_cast<int>(uv.u * kCells / cam.image_size().width) * kCells +
+                     static_cast<int>(uv.v * kCells / cam.image_size().height));
+      widest = std::max(widest, std::acos(cam.unproject(uv)->z()));
+    }
+  }
+  if (GetParam() != 3) {
+    EXPECT_EQ(covered.size(), static_cast<std::size_t>(kCells * kCells));
+  }
+  if (cam.model() == "fisheye") {
+    EXPECT_GT(widest, 100 * kDegree);
+  }
+}
+
+TEST_P(MotionOf, SmoothKindsAreSmoothAndInside) {
+  const Camera cam = camera();
+  const double width = cam.image_size().width;
+  for (const MotionKind kind : {MotionKind::kOrbit, MotionKind::kHand}) {
+    const Motion motion(kind, cam, board(), 4);
+    const Motion other(kind, cam, board(), 5);
+    const SE3 first = motion.camera_from_board(0);
+    EXPECT_FALSE(first.translation.isApprox(other.camera_from_board(0).translation, 1e-6));
+    int inside = 0;
+    double path = 0;
+    for (int i = 1; i <= 600; ++i) {
+      const SE3 before = motion.camera_from_board((i - 1) / 30.0);
+      const SE3 pose = motion.camera_from_board(i / 30.0);
+      inside += whole(cam, board(), pose);
+      const auto a = cam.project(before.translation);
+      const auto b = cam.project(pose.translation);
+      ASSERT_TRUE(a && b);
+      const double step = std::hypot(a->u - b->u, a->v - b->v);
+      EXPECT_LT(step, 0.04 * width);
+      path += step;
+    }
+    EXPECT_GT(inside, 570) << static_cast<int>(kind);
+    EXPECT_GT(path, 0.5 * width);
+  }
+}
+
+TEST(MotionKinds, AreRepeatable) {
+  const Camera cam = default_camera({640, 480});
+  for (const MotionKind kind :
+       {MotionKind::kRandom, MotionKind::kOrbit, MotionKind::kHand, MotionKind::kStatic}) {
+    const Motion a(kind, cam, board(), 9);
+    const Motion b(kind, cam, board(), 9);
+    EXPECT_EQ(a.camera_from_board(17).translation, b.camera_from_board(17).translation);
+    EXPECT_EQ(a.camera_from_board(-3).translation, a.camera_from_board(0).translation);
+    EXPECT_EQ(a.camera_from_board(kNaN).translation, a.camera_from_board(0).translation);
+    const bool moves = a.camera_from_board(17).translation != a.camera_from_board(0).translation;
+    EXPECT_EQ(moves, kind != MotionKind::kStatic);
+  }
+}
+
+}  // namespace
+}  // namespace calvin

@@ -1,0 +1,97 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Compares the property table of each page in docs/elements with the introspected element.
+
+    element_docs.py DOCS_DIR           compares every page
+    element_docs.py --print ELEMENT    prints the table as it should be
+"""
+
+import pathlib
+import sys
+
+import gi
+
+gi.require_version("Gst", "1.0")
+from gi.repository import GObject, Gst  # noqa: E402
+
+HEAD = "| property | type | default | changes | what it does |"
+MUTABLE = {
+    1 << (GObject.PARAM_USER_SHIFT + 2): "READY",
+    1 << (GObject.PARAM_USER_SHIFT + 3): "PAUSED",
+    1 << (GObject.PARAM_USER_SHIFT + 4): "PLAYING",
+}
+CONTROLLABLE = 1 << (GObject.PARAM_USER_SHIFT + 1)
+
+
+def type_and_default(spec):
+    """The type of a property as a reader knows it, and its default."""
+    default = spec.get_default_value()
+    if isinstance(spec, GObject.ParamSpecEnum):
+        values = [v.value_nick for v in spec.enum_class.__enum_values__.values()]
+        return " ".join(values), default.value_nick
+    if isinstance(spec, GObject.ParamSpecBoolean):
+        return "boolean", "true" if default else "false"
+    if isinstance(spec, GObject.ParamSpecString):
+        return "string", default if default is not None else ""
+    if hasattr(spec, "minimum"):
+        name = spec.value_type.name.removeprefix("g")
+        return f"{name} {spec.minimum:g}..{spec.maximum:g}", f"{default:g}"
+    return "structure", ""
+
+
+def row(spec):
+    """One row of the table."""
+    kind, default = type_and_default(spec)
+    if spec.flags & GObject.ParamFlags.WRITABLE:
+        changes = next((s for bit, s in MUTABLE.items() if spec.flags & bit), "any time")
+        if spec.flags & CONTROLLABLE:
+            changes += ", controllable"
+    else:
+        changes = "read only"
+    default = f"`{default}`" if default else ""
+    return f"| `{spec.name}` | {kind} | {default} | {changes} | {spec.blurb} |"
+
+
+def table(name):
+    """The rows for the properties that the element itself has."""
+    element = Gst.ElementFactory.make(name)
+    if element is None:
+        sys.exit(f"there is no element '{name}'")
+    specs = [s for s in element.list_properties() if s.owner_type == element.__gtype__]
+    return [HEAD, "|---|---|---|---|---|"] + [row(s) for s in specs]
+
+
+def compare(page):
+    """Prints what differs between a page and its element; whether nothing does."""
+    expected = table(page.stem)
+    lines = page.read_text().splitlines()
+    found = []
+    if HEAD in lines:
+        for line in lines[lines.index(HEAD):]:
+            if not line.startswith("|"):
+                break
+            found.append(line)
+    for line in expected:
+        if line not in found:
+            print(f"{page.name}: missing: {line}")
+    for line in found:
+        if line not in expected:
+            print(f"{page.name}: wrong: {line}")
+    return found == expected
+
+
+def main():
+    Gst.init(None)
+    if len(sys.argv) == 3 and sys.argv[1] == "--print":
+        print("\n".join(table(sys.argv[2])))
+        return 0
+    pages = sorted(pathlib.Path(sys.argv[1]).glob("*.md"))
+    features = Gst.Registry.get().get_feature_list_by_plugin("calvin")
+    missing = {f.get_name() for f in features} - {p.stem for p in pages}
+    for name in sorted(missing):
+        print(f"no page for {name}")
+    return 0 if not missing and pages and all([compare(p) for p in pages]) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

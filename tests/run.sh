@@ -1,0 +1,46 @@
+#!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Installs what is missing, builds, and runs every test.
+#   run.sh           every claim at a reduced count
+#   run.sh --full    the counts that docs and issues name
+# Real pictures are taken from the folder that CALVIN_DATA names, ../shared/data where it is there.
+set -eu
+
+source=$(cd "$(dirname "$0")/.." && pwd)
+build=${CALVIN_BUILD:-$source/build-tests}
+case "${1:-}" in
+  "") ;;
+  --full) export CALVIN_FULL=1 ;;
+  *) sed -n '3,6s/^# *//p' "$0" >&2; exit 2 ;;
+esac
+
+"$source/examples/install-packages.sh" build test
+if [ -z "${CALVIN_DATA:-}" ] && [ -d "$source/../shared/data" ]; then
+  CALVIN_DATA=$(cd "$source/../shared/data" && pwd)
+fi
+export CALVIN_DATA="${CALVIN_DATA:-}"
+
+[ -f "$build/build.ninja" ] || meson setup "$build" "$source"
+ninja -C "$build"
+
+# A language whose numbers have commas, without touching the system.
+if [ ! -d "$build/locale/de_DE.UTF-8" ]; then
+  mkdir -p "$build/locale"
+  localedef -i de_DE -f UTF-8 "$build/locale/de_DE.UTF-8"
+fi
+export LOCPATH="$build/locale"
+
+status=0
+meson test -C "$build" --no-rebuild --print-errorlogs || status=$?
+
+# The closing line, counted from meson's own list.
+python3 - "$build/meson-logs/testlog.json" <<'END'
+import json
+import sys
+
+with open(sys.argv[1]) as log:
+    results = [json.loads(line)["result"] for line in log if line.strip()]
+failed = [r for r in results if r not in ("OK", "SKIP")]
+print(f"{results.count('OK')} passed, {len(failed)} failed, {results.count('SKIP')} skipped")
+END
+exit "$status"
