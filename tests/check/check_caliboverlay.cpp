@@ -45,6 +45,7 @@ struct Harness {
   GstVideoInfo info{};
 };
 
+#if CALVIN_HAVE_CAIRO
 // Four corners in two rows, the first at (u, v), `pitch` px apart.
 Observation board_at(const GstVideoInfo& info, double u, double v, double pitch) {
   Observation o;
@@ -55,6 +56,7 @@ Observation board_at(const GstVideoInfo& info, double u, double v, double pitch)
   o.sigma = {0.1, 0.1, 0.1, 0.1};
   return o;
 }
+#endif
 
 struct Box {
   int left, top, right, bottom;
