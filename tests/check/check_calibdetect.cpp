@@ -172,7 +172,8 @@ GST_START_TEST(test_a_wrong_board_text_while_running_keeps_the_old_board) {
   g_object_set(f.h->element, "board", "checkerboard:5x4:1cm", nullptr);
   g_autoptr(GstBuffer) next =
       gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 1));
-  fail_unless_equals_string(gst::read_observations(next)[0].board.c_str(), "checkerboard:5x4:10mm");
+  const auto found = gst::read_observations(next);
+  fail_unless_equals_string(found.at(0).board.c_str(), "checkerboard:5x4:10mm");
 }
 GST_END_TEST;
 

@@ -18,8 +18,9 @@ using namespace calvin;
 
 // An element that is fed with exact observations plus noise of 0.1 px; the pixels do not matter.
 struct Fixture {
+  // A harness says that it is live; these tests want every view.
   explicit Fixture(const std::string& properties = "")
-      : element(check::make_element("calibsolve " + properties)),
+      : element(check::make_element("calibsolve capture-mode=all " + properties)),
         bus(element),
         h(gst_harness_new_with_element(element, "sink", "src")) {
     gst_harness_set_src_caps(h, check::caps_of("GRAY8", scene.size));
