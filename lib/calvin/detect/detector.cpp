@@ -14,14 +14,14 @@ Result<std::unique_ptr<Detector>> make_detector(const Board& board) {
 #if CALVIN_HAVE_OPENCV
   // OpenCV's limit.
   if (board.cols < 3 || board.rows < 3) {
-    return fail(ErrorCode::kUnsupported,
+    return make_error(ErrorCode::kUnsupported,
                 fmt::format("The board {} cannot be detected: at least 3x3 inner corners are "
                             "needed.",
                             board.text()));
   }
   return detect::make_checkerboard_detector(board);
 #else
-  return fail(ErrorCode::kUnsupported,
+  return make_error(ErrorCode::kUnsupported,
               fmt::format("The board {} cannot be detected: this build of gst-calvin is without "
                           "OpenCV. Rebuild it with -Dopencv=enabled.",
                           board.text()));
