@@ -28,6 +28,19 @@ struct CalibSolver::Job {
   bool final = false;
 };
 
+namespace {
+
+SolveOptions solve_options(const SolverSettings& settings, const std::string& camera) {
+  SolveOptions options;
+  options.model = settings.model;
+  options.camera = settings.camera.empty() ? camera : settings.camera;
+  if (settings.fix.empty()) return options;
+  for (const std::string_view name : split(settings.fix, ',')) options.fix.emplace_back(name);
+  return options;
+}
+
+}  // namespace
+
 SolverSettings CalibSolver::settings() {
   const std::lock_guard guard(lock_);
   return settings_;
@@ -35,6 +48,7 @@ SolverSettings CalibSolver::settings() {
 
 Status CalibSolver::start() {
   const SolverSettings now = settings();
+  if (Status usable = check(solve_options(now, "")); !usable) return usable;
   auto files = parse_calibration_files(now.location, now.exports);
   if (!files) return make_error(files.error().code, files.error().message);
   if (const Status writable = can_write_all(*files); !writable) {
@@ -141,13 +155,7 @@ void CalibSolver::request(bool final) {
   job->location = settings_.location;
   job->times = times_;
   job->final = final;
-  job->options.model = settings_.model;
-  job->options.camera = settings_.camera.empty() ? camera_ : settings_.camera;
-  if (!settings_.fix.empty()) {
-    for (const std::string_view name : split(settings_.fix, ',')) {
-      job->options.fix.emplace_back(name);
-    }
-  }
+  job->options = solve_options(settings_, camera_);
   worker_.offer([this, job](std::stop_token stop) { run(*job, stop); });
 }
 

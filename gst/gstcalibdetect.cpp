@@ -65,7 +65,7 @@ using Detectors = std::shared_ptr<const std::vector<BoardDetector>>;
 
 // What one detection needs: whoever runs it, streaming thread or worker.
 struct Job {
-  FrameTimes times;
+  gst::FrameTimes times;
   Settings settings;
   Detectors detectors;
 };
@@ -261,7 +261,7 @@ static void gst_calib_detect_choose_mode(GstCalibDetect* self, int mode) {
   GST_INFO_OBJECT(self, "detecting %s", async ? "on the worker" : "on the streaming thread");
 }
 
-static bool gst_calib_detect_is_due(State* state, const FrameTimes& times, double max_rate) {
+static bool gst_calib_detect_is_due(State* state, const gst::FrameTimes& times, double max_rate) {
   if (max_rate <= 0 || !GST_CLOCK_TIME_IS_VALID(times.running_time)) return true;
   const auto interval = static_cast<GstClockTime>(GST_SECOND / max_rate);
   if (GST_CLOCK_TIME_IS_VALID(state->last_detection) &&

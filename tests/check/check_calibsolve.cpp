@@ -142,8 +142,7 @@ GST_START_TEST(test_the_event_precedes_eos_and_is_sticky) {
   f.push_views(10);
   f.eos();
   g_autoptr(GstPad) src = gst_element_get_static_pad(f.h->element, "src");
-  g_autoptr(GstEvent) sticky =
-      gst_pad_get_sticky_event(src, GST_EVENT_CUSTOM_DOWNSTREAM_STICKY, 0);
+  g_autoptr(GstEvent) sticky = gst_pad_get_sticky_event(src, GST_EVENT_CUSTOM_DOWNSTREAM_STICKY, 0);
   fail_unless(sticky != nullptr);
   const auto event = gst::parse_calibration_event(sticky);
   fail_unless(event.has_value());

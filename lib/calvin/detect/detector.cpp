@@ -15,16 +15,17 @@ Result<std::unique_ptr<Detector>> make_detector(const Board& board) {
   // OpenCV's limit.
   if (board.cols < 3 || board.rows < 3) {
     return make_error(ErrorCode::kUnsupported,
-                fmt::format("The board {} cannot be detected: at least 3x3 inner corners are "
-                            "needed.",
-                            board.text()));
+                      fmt::format("The board {} cannot be detected: at least 3x3 inner corners are "
+                                  "needed.",
+                                  board.text()));
   }
   return detect::make_checkerboard_detector(board);
 #else
-  return make_error(ErrorCode::kUnsupported,
-              fmt::format("The board {} cannot be detected: this build of gst-calvin is without "
-                          "OpenCV. Rebuild it with -Dopencv=enabled.",
-                          board.text()));
+  return make_error(
+      ErrorCode::kUnsupported,
+      fmt::format("The board {} cannot be detected: this build of gst-calvin is without "
+                  "OpenCV. Rebuild it with -Dopencv=enabled.",
+                  board.text()));
 #endif
 }
 

@@ -48,7 +48,7 @@ bool is_control(char c) {
 }
 
 Result<Node> parse_document(std::string_view content) {
-  if (content.starts_with('{')) return io::parse_json(content);
+  if (content.starts_with('{') || content.starts_with('[')) return io::parse_json(content);
   if (content.starts_with('<')) return io::parse_xml(content);
   return io::parse_yaml(content);
 }
@@ -66,7 +66,7 @@ Result<Calibration> parse_text(std::string_view content) {
   if (const auto control = std::find_if(content.begin(), content.end(), is_control);
       control != content.end()) {
     return make_error(ErrorCode::kMalformed, fmt::format("it is not text: there is a byte {} in it",
-                                                   static_cast<int>(*control)));
+                                                         static_cast<int>(*control)));
   }
   const std::string text = io::valid_utf8(trim(content));
   if (text.empty()) return make_error(ErrorCode::kMalformed, "it is empty");
@@ -123,8 +123,8 @@ Result<std::string> print_calibration(const Calibration& calibration, std::strin
                                    [&](const Writer& w) { return w.format == format; });
   if (writer == kWriters.end()) {
     return make_error(ErrorCode::kInvalidArgument,
-                fmt::format("There is no calibration format '{}'. Known formats: {}.", format,
-                            fmt::join(calibration_formats(), ", ")));
+                      fmt::format("There is no calibration format '{}'. Known formats: {}.", format,
+                                  fmt::join(calibration_formats(), ", ")));
   }
   if (const auto status = check(calibration); !status) return tl::unexpected(status.error());
   try {

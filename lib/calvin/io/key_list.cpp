@@ -27,8 +27,8 @@ constexpr std::array<std::string_view, 3> kGuesses = {"pinhole", "brown4", "brow
 using Keys = std::map<std::string_view, std::string_view>;
 
 tl::unexpected<Error> wrong(std::string_view why, ErrorCode code = ErrorCode::kInvalidArgument) {
-  return make_error(code, fmt::format("The calibration text is wrong: {}. {}", io::shortened(why, 300),
-                                kExample));
+  return make_error(code, fmt::format("The calibration text is wrong: {}. {}",
+                                      io::shortened(why, 300), kExample));
 }
 
 Result<Keys> split_keys(std::string_view text) {

@@ -68,8 +68,8 @@ Result<Calibration> read_ros(const Node& root) {
   }
   if (d.data.size() > model->most) {
     return make_error(ErrorCode::kMalformed,
-                fmt::format("'distortion_coefficients' are {}, but {} has {}", d.data.size(), name,
-                            model->most));
+                      fmt::format("'distortion_coefficients' are {}, but {} has {}", d.data.size(),
+                                  name, model->most));
   }
   OpenCvCamera camera{{}, d.data, model->fisheye};
   std::copy(k.data.begin(), k.data.end(), camera.k.begin());
@@ -81,7 +81,7 @@ Result<Calibration> read_ros(const Node& root) {
 Result<std::string> print_ros(const Calibration& calibration) {
   if (calibration.image_size.width < 1 || calibration.image_size.height < 1) {
     return make_error(ErrorCode::kInvalidArgument,
-                "The calibration does not say its image size, which a ROS file must hold.");
+                      "The calibration does not say its image size, which a ROS file must hold.");
   }
   auto camera = to_opencv(calibration);
   if (!camera) return tl::unexpected(camera.error());
@@ -91,9 +91,9 @@ Result<std::string> print_ros(const Calibration& calibration) {
       [&](const Row& row) { return row.fisheye == camera->fisheye && row.most >= d.size(); });
   if (model == kDistortionModels.end()) {
     return make_error(ErrorCode::kUnsupported,
-                fmt::format("ROS has no camera model like {}; write the format calvin or "
-                            "opencv-yaml, or calibrate with the model brown5 or fisheye.",
-                            calibration.model));
+                      fmt::format("ROS has no camera model like {}; write the format calvin or "
+                                  "opencv-yaml, or calibrate with the model brown5 or fisheye.",
+                                  calibration.model));
   }
   d.resize(model->most);
   const auto& k = camera->k;

@@ -84,7 +84,7 @@ Result<Node> parse_xml(std::string_view content) {
   DocumentBuilder builder;
   if (!add_element(builder, document)) {
     return make_error(ErrorCode::kMalformed,
-                fmt::format("the XML cannot be read: {}", builder.take().error().message));
+                      fmt::format("the XML cannot be read: {}", builder.take().error().message));
   }
   return builder.take();
 }
@@ -92,7 +92,8 @@ Result<Node> parse_xml(std::string_view content) {
 #else
 
 Result<Node> parse_xml(std::string_view /*content*/) {
-  return make_error(ErrorCode::kUnsupported, "this build cannot read XML: it was made without 'formats'");
+  return make_error(ErrorCode::kUnsupported,
+                    "this build cannot read XML: it was made without 'formats'");
 }
 
 #endif

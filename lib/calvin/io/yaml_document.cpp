@@ -70,7 +70,7 @@ class Handler final : public YAML::EventHandler {
 
 tl::unexpected<Error> broken(int line, std::string_view why) {
   return make_error(ErrorCode::kMalformed,
-              fmt::format("the YAML is broken in line {}: {}", line + 1, why));
+                    fmt::format("the YAML is broken in line {}: {}", line + 1, why));
 }
 
 }  // namespace
@@ -100,7 +100,7 @@ Result<Node> parse_yaml(std::string_view content) {
 
 Result<Node> parse_yaml(std::string_view /*content*/) {
   return make_error(ErrorCode::kUnsupported,
-              "this build cannot read YAML: it was made without 'formats'");
+                    "this build cannot read YAML: it was made without 'formats'");
 }
 
 #endif

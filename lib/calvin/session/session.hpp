@@ -50,8 +50,8 @@ struct Progress {
 //     is;
 //   - be large: the corners' hull covers at least 1 % of the image;
 //   - be new, compared with every kept view of the same board: its centre lies at least 8 % of the
-//     image diagonal away, or the corners about their centre have moved by at least 1.5 % of it on
-//     average (nearer, farther, turned, tilted).
+//     image diagonal away, or the corners have moved about their centre by at least 2.5 % of the
+//     board's size in the image on average (nearer, farther, turned, tilted).
 class Session {
  public:
   explicit Session(SessionOptions options = {}) : options_(options) {}

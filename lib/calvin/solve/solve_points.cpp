@@ -200,9 +200,10 @@ Result<Solution> solve_points(std::vector<PointSet> views, ImageSize image_size,
                               const SolveOptions& options, const std::stop_token& stop) {
   const auto names = parameter_names(options.model);
   if (names.empty()) {
-    return make_error(ErrorCode::kUnsupported,
-                fmt::format("The camera model '{}' is not known to this version. Known models: {}.",
-                            options.model, fmt::join(model_names(), ", ")));
+    return make_error(
+        ErrorCode::kUnsupported,
+        fmt::format("The camera model '{}' is not known to this version. Known models: {}.",
+                    options.model, fmt::join(model_names(), ", ")));
   }
   const auto freedom = make_freedom(names, options.fix);
   if (!freedom) return tl::unexpected<Error>(freedom.error());

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The pixels of an undistorted picture against a reference in double precision.
+#include <cstdlib>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "calvin/remap/undistorter.hpp"
+#include "remap_reference.hpp"
+
+namespace calvin {
+namespace {
+
+using reference::Lens;
+
+const std::vector<Lens> kLenses = {
+    {"pinhole", "pinhole", {}},
+    {"brown4 barrel", "brown4", {-0.28, 0.09, 5e-4, -7e-4}},
+    {"brown4 pincushion", "brown4", {0.12, -0.02, -1e-3, 1e-3}},
+    {"brown5", "brown5", {-0.3, 0.12, 1e-3, -5e-4, -0.02}},
+    {"fisheye", "fisheye", {-0.02, 0.005, -0.003, 0.0005}},
+};
+
+struct NamedLayout {
+  const char* name;
+  PlaneLayout layout;
+};
+const std::vector<NamedLayout> kLayouts = {
+    {"GRAY8", {{}, 1, 1, 1, {16}}},
+    {"I420 chroma, MPEG-2 siting", {{1, 1, true, false}, 1, 1, 1, {128}}},
+    {"I420 chroma, JPEG siting", {{1, 1, false, false}, 1, 1, 1, {128}}},
+    {"NV12 chroma", {{1, 1, true, false}, 2, 2, 1, {128, 127}}},
+    {"YUY2 luma", {{}, 1, 2, 1, {16}}},
+    {"YUY2 chroma", {{1, 0, true, false}, 2, 4, 2, {128, 126}}},
+    {"RGB", {{}, 3, 3, 1, {1, 2, 3}}},
+    {"BGRx", {{}, 4, 4, 1, {10, 20, 30, 255}}},
+};
+
+// A plane with padding between the rows; every byte holds something to lose.
+struct Plane {
+  Plane(ImageSize samples, const PlaneLayout& layout)
+      : stride(samples.width * layout.pixel_step + 13),
+        bytes(static_cast<std::size_t>(stride * samples.height), 0xA5) {}
+
+  std::ptrdiff_t stride;
+  std::vector<std::uint8_t> bytes;
+};
+
+// Half smooth like a photograph, half as sharp as a picture can be.
+std::uint8_t scene(int x, int y, int c, int width, std::mt19937& random) {
+  if (x > width / 2) return (random() & 1) != 0 ? 255 : 0;
+  const double v = 127 + 60 * std::sin(0.11 * x + c) + 60 * std::cos(0.07 * y - 0.02 * x + c);
+  return static_cast<std::uint8_t>(std::lround(v));
+}
+
+ImageSize plane_size(ImageSize frame, const Subsampling& s) {
+  return {(frame.width + (1 << s.x_shift) - 1) >> s.x_shift,
+          (frame.height + (1 << s.y_shift) - 1) >> s.y_shift};
+}
+
+Plane make_scene(ImageSize samples, const PlaneLayout& layout) {
+  Plane plane(samples, layout);
+  std::mt19937 random(7);
+  for (int y = 0; y < samples.height; ++y) {
+    for (int x = 0; x < samples.width; ++x) {
+      for (int c = 0; c < layout.components; ++c) {
+        plane.bytes[y * plane.stride + x * layout.pixel_step + c * layout.component_step] =
+            scene(x, y, c, samples.width, random);
+      }
+    }
+  }
+  return plane;
+}
+
+struct Planes {
+  Plane input;
+  Plane output;
+};
+
+struct Comparison {
+  int worst = 0;         // grey levels
+  int valid = 0;         // samples compared
+  int wrong_fill = 0;    // samples that should be filled, or should not
+  int filled = 0;        // samples that are rightly filled
+  int bytes_harmed = 0;  // of padding and of other components
+};
+
+// Every row where the counts are asked for; a third of them is as telling.
+const int kRowStep = std::getenv("CALVIN_FULL") != nullptr ? 1 : 3;
+
+// Compares what undistorting `input` gave with the reference.
+Comparison compare(const Lens& lens, const Undistorter& undistorter, const PlaneLayout& layout,
+                   const Planes& planes) {
+  const auto& [input, output] = planes;
+  const ImageSize frame = undistorter.output().image_size();
+  const Subsampling& s = layout.subsampling;
+  const auto xs = reference::sites(frame.width, s.x_shift, s.x_cosited);
+  const auto ys = reference::sites(frame.height, s.y_shift, s.y_cosited);
+  const int width = static_cast<int>(xs.size());
+  const int height = static_cast<int>(ys.size());
+  const double fold = reference::fold(lens);
+  std::vector<bool> ours(output.bytes.size());
+  Comparison result;
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      const auto [at, radius] =
+          reference::source_place(lens, undistorter.source(), undistorter.output(), xs[i], ys[j]);
+      // How far inside the source, px; the sign decides, the neighbourhood of zero does not.
+      const double inside =
+          radius > fold ? -1.0
+                        : std::min({at.u, at.v, frame.width - 1 - at.u, frame.height - 1 - at.v});
+      const bool looked_at = j % kRowStep == 0 || j + 1 == height;
+      const bool certain =
+          looked_at && std::abs(inside) > 2e-3 && !(std::abs(radius - fold) < 2e-3);
+      for (int c = 0; c < layout.components; ++c) {
+        const auto offset = j * output.stride + i * layout.pixel_step + c * layout.component_step;
+        ours[static_cast<std::size_t>(offset)] = true;
+        if (!certain) continue;
+        const int got = output.bytes[static_cast<std::size_t>(offset)];
+        if (inside < 0) {
+          ++(got == layout.fill[c] ? result.filled : result.wrong_fill);
+          continue;
+        }
+        const auto read = [&](int x, int y) {
+          return input.bytes[static_cast<std::size_t>(y * input.stride + x * layout.pixel_step +
+                                                      c * layout.component_step)];
+        };
+        const double exact = reference::bilinear(
+            read, width, height, reference::sample_at(xs, at.u), reference::sample_at(ys, at.v));
+        ++result.valid;
+        result.worst = std::max(result.worst, std::abs(got - static_cast<int>(std::lround(exact))));
+      }
+    }
+  }
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (!ours[i] && output.bytes[i] != 0xA5) ++result.bytes_harmed;
+  }
+  return result;
+}
+
+Planes undistort(const Undistorter& undistorter, std::size_t layout) {
+  const PlaneLayout& l = kLayouts[layout].layout;
+  const ImageSize samples = plane_size(undistorter.output().image_size(), l.subsampling);
+  Planes planes{make_scene(samples, l), Plane(samples, l)};
+  undistorter.apply(layout, {planes.input.bytes.data(), planes.input.stride},
+                    {planes.output.bytes.data(), planes.output.stride});
+  return planes;
+}
+
+// Undistorts all of kLayouts.
+Undistorter undistorter_for(const Camera& source, double alpha) {
+  std::vector<PlaneLayout> layouts;
+  for (const NamedLayout& l : kLayouts) layouts.push_back(l.layout);
+  return Undistorter::make(source, {alpha, {}}, layouts).value();
+}
+
+class RemapPlane : public ::testing::TestWithParam<ImageSize> {};
+
+TEST_P(RemapPlane, EqualsBilinearInDoublePrecisionWithinOneGreyLevel) {
+  const ImageSize size = GetParam();
+  for (const Lens& lens : kLenses) {
+    const double focal = lens.model == "fisheye" ? 0.42 * size.width : 0.75 * size.width;
+    const Camera source =
+        reference::camera(lens, size, focal, 0.51 * size.width, 0.485 * size.height);
+    for (const double alpha : {0.0, 1.0}) {
+      const Undistorter undistorter = undistorter_for(source, alpha);
+      for (std::size_t i = 0; i < kLayouts.size(); ++i) {
+        const auto& [name, layout] = kLayouts[i];
+        SCOPED_TRACE(lens.name + ", " + name + ", alpha " + std::to_string(alpha));
+        const Planes planes = undistort(undistorter, i);
+        const Comparison result = compare(lens, undistorter, layout, planes);
+        EXPECT_LE(result.worst, 1);
+        EXPECT_EQ(result.wrong_fill, 0);
+        EXPECT_EQ(result.bytes_harmed, 0);
+        EXPECT_GT(result.valid, size.width * size.height / 30);
+        EXPECT_EQ(result.filled > 0, alpha == 1 && !lens.k.empty());
+      }
+    }
+  }
+}
+
+TEST_P(RemapPlane, AnIdentityCalibrationGivesIdenticalPixels) {
+  const ImageSize size = GetParam();
+  const std::vector<Lens> identities = {{"pinhole", "pinhole", {}},
+                                        {"brown5", "brown5", {0, 0, 0, 0, 0}}};
+  for (const Lens& lens : identities) {
+    const Camera source = reference::camera(lens, size, 503.7, 300.2, 251.9);
+    for (const double alpha : {0.0, 0.37, 1.0}) {
+      const Undistorter undistorter = undistorter_for(source, alpha);
+      for (std::size_t i = 0; i < kLayouts.size(); ++i) {
+        SCOPED_TRACE(lens.name + ", " + kLayouts[i].name + ", alpha " + std::to_string(alpha));
+        const Planes planes = undistort(undistorter, i);
+        EXPECT_EQ(planes.input.bytes, planes.output.bytes);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, RemapPlane,
+                         ::testing::Values(ImageSize{641, 479}, ImageSize{322, 242}),
+                         [](const auto& size) { return std::to_string(size.param.width); });
+
+TEST(RemapMap, StaysInsideThePlaneForExtremeCalibrations) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> exponent(-3, 6);
+  std::uniform_real_distribution<double> sign(-1, 1);
+  const auto number = [&] { return (sign(random) < 0 ? -1 : 1) * std::pow(10, exponent(random)); };
+  const ImageSize size = {50, 38};
+  int made = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Lens& shape = kLenses[static_cast<std::size_t>(i) % kLenses.size()];
+    std::vector<double> p = {std::abs(number()), std::abs(number()), number(), number()};
+    for (std::size_t k = 0; k < shape.k.size(); ++k) p.push_back(number());
+    const auto source = Camera::make(shape.model, size, p);
+    ASSERT_TRUE(source.has_value());
+    for (const double alpha : {0.0, 0.5, 1.0}) {
+      const auto output = output_camera(*source, {alpha, {}});
+      if (!output) {
+        EXPECT_FALSE(output.error().message.empty());
+        continue;
+      }
+      ++made;
+      for (const double value : output->parameters()) ASSERT_TRUE(std::isfinite(value));
+      const auto map = RemapMap::build(*source, *output, {1, 1, false, false});
+      ASSERT_TRUE(map.has_value());
+      for (int y = 0; y < map->size().height; ++y) {
+        for (const MapEntry& e : map->row(y)) {
+          if (!e.valid()) continue;
+          ASSERT_LE(e.x, (map->size().width - 1) * RemapMap::kOne);
+          ASSERT_TRUE(e.y >= 0 && e.y <= (map->size().height - 1) * RemapMap::kOne);
+        }
+      }
+    }
+  }
+  EXPECT_GT(made, 20);
+}
+
+TEST(RemapMap, ATinyPictureIsRefusedOrMapped) {
+  for (const ImageSize size :
+       {ImageSize{1, 1}, ImageSize{2, 1}, ImageSize{1, 5}, ImageSize{2, 2}, ImageSize{3, 3}}) {
+    const Camera source = Camera::make("pinhole", size, {5, 5, 0.5, 0.5}).value();
+    const auto undistorter = Undistorter::make(source, {}, {kLayouts[2].layout});
+    EXPECT_EQ(undistorter.has_value(), size.width > 1 && size.height > 1) << size.width;
+  }
+}
+
+TEST(RemapMap, StopsWhenAsked) {
+  const Camera source = reference::camera(kLenses[1], {640, 480}, 480, 320, 240);
+  std::stop_source stop;
+  stop.request_stop();
+  const auto undistorter = Undistorter::make(source, {}, {kLayouts[0].layout}, stop.get_token());
+  ASSERT_FALSE(undistorter.has_value());
+  EXPECT_EQ(undistorter.error().code, ErrorCode::kCancelled);
+}
+
+TEST(Undistorter, PointsFollowThePixels) {
+  const Lens& lens = kLenses[1];
+  const Camera source = reference::camera(lens, {640, 480}, 480, 327, 233);
+  const Undistorter undistorter = Undistorter::make(source, {0, {}}, {kLayouts[0].layout}).value();
+  Observation seen;
+  for (int i = 0; i < 7; ++i) {
+    const Pixel ideal = {80.0 * i + 60, 60.0 * i + 50};
+    const auto place =
+        reference::source_place(lens, source, undistorter.output(), ideal.u, ideal.v).pixel;
+    seen.ids.push_back(i);
+    seen.uv.push_back(place);
+    seen.sigma.push_back(0.1);
+    const auto back = undistorter.to_source(ideal);
+    ASSERT_TRUE(back.has_value());
+    EXPECT_NEAR(back->u, place.u, 1e-9);
+    EXPECT_NEAR(back->v, place.v, 1e-9);
+  }
+  // A corner of the source that the view at alpha 0 cuts off.
+  seen.ids.push_back(7);
+  seen.uv.push_back({0, 0});
+  seen.sigma.push_back(0.1);
+  const Observation mapped = undistorter.to_output(seen);
+  ASSERT_EQ(mapped.ids.size(), 7u);
+  for (int i = 0; i < 7; ++i) {
+    EXPECT_EQ(mapped.ids[i], i);
+    EXPECT_NEAR(mapped.uv[i].u, 80.0 * i + 60, 1e-7);
+    EXPECT_NEAR(mapped.uv[i].v, 60.0 * i + 50, 1e-7);
+  }
+  // In the middle the picture is scaled by the ratio of the focal lengths.
+  EXPECT_NEAR(mapped.sigma[3], 0.1 * undistorter.output().fx() / source.fx(), 2e-3);
+}
+
+}  // namespace
+}  // namespace calvin
