@@ -15,6 +15,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
   any |= GST_ELEMENT_REGISTER(calibdetect, plugin);
   any |= GST_ELEMENT_REGISTER(calibsolve, plugin);
   any |= GST_ELEMENT_REGISTER(calibrate, plugin);
+  any |= GST_ELEMENT_REGISTER(calibtestsrc, plugin);
   any |= GST_ELEMENT_REGISTER(caliboverlay, plugin);
   return any;
 }
