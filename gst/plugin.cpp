@@ -11,9 +11,7 @@
 
 static gboolean plugin_init(GstPlugin* plugin) {
   calvin::gst::register_metas();
-  gboolean any = TRUE;
-  (void)plugin;
-  return any;
+  return GST_ELEMENT_REGISTER(calibundistort, plugin);
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, calvin,
