@@ -63,9 +63,8 @@ std::vector<Picture> find_pictures(const fs::path& folder) {
 void keep_one_size(std::vector<Picture>& pictures) {
   std::map<std::pair<int, int>, int> count;
   for (const Picture& p : pictures) ++count[{p.size.width, p.size.height}];
-  const auto most =
-      std::max_element(count.begin(), count.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most = std::max_element(
+      count.begin(), count.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   std::erase_if(pictures, [&](const Picture& p) {
     const bool other = std::pair(p.size.width, p.size.height) != most->first;
     if (other) {
@@ -146,10 +145,9 @@ bool run(GstElement* pipeline, const std::vector<Picture>& pictures) {
 // The first picture as it is and undistorted, as PNG.
 bool draw_pair(const Options& options, const Picture& picture) {
   for (const bool undistort : {false, true}) {
-    const std::string element =
-        undistort ? fmt::format("! calibundistort calibration=\"{}\" ",
-                                (options.output / "camera.json").string())
-                  : "";
+    const std::string element = undistort ? fmt::format("! calibundistort calibration=\"{}\" ",
+                                                        (options.output / "camera.json").string())
+                                          : "";
     const std::string name = undistort ? "after.png" : "before.png";
     const std::string text = fmt::format(
         "filesrc location=\"{}\" ! decodebin ! videoconvert ! video/x-raw,format=GRAY8 {}! "

@@ -11,7 +11,13 @@
 
 static gboolean plugin_init(GstPlugin* plugin) {
   calvin::gst::register_metas();
-  return GST_ELEMENT_REGISTER(calibundistort, plugin);
+  gboolean any = FALSE;
+  any |= GST_ELEMENT_REGISTER(calibdetect, plugin);
+  any |= GST_ELEMENT_REGISTER(calibsolve, plugin);
+  any |= GST_ELEMENT_REGISTER(calibrate, plugin);
+  any |= GST_ELEMENT_REGISTER(caliboverlay, plugin);
+  any |= GST_ELEMENT_REGISTER(calibundistort, plugin);
+  return any;
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, calvin,

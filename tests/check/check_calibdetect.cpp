@@ -38,7 +38,7 @@ static void assert_corners(const std::vector<Observation>& found, const Observat
   }
 }
 
-static const char* const kFormats[] = {"GRAY8", "I420", "NV12",     "YUY2",       "BGRx",
+static const char* const kFormats[] = {"GRAY8", "I420", "NV12",      "YUY2",     "BGRx",
                                        "RGB",   "UYVY", "GRAY16_LE", "I420_10LE"};
 
 GST_START_TEST(test_finds_the_board_in_every_format) {
@@ -148,9 +148,9 @@ GST_START_TEST(test_max_rate_skips_frames) {
 GST_END_TEST;
 
 GST_START_TEST(test_a_wrong_board_text_is_an_error_that_shows_a_right_one) {
-  static const char* const kWrong[] = {"checkers:9x6:25mm", "checkerboard:9x6", "", "9x6",
-                                       "checkerboard:9x6:25", "checkerboard:-1x6:25mm",
-                                       "missing.json#floor"};
+  static const char* const kWrong[] = {
+      "checkers:9x6:25mm",      "checkerboard:9x6",  "", "9x6", "checkerboard:9x6:25",
+      "checkerboard:-1x6:25mm", "missing.json#floor"};
   for (const char* text : kWrong) {
     GstElement* element = gst_check_setup_element("calibdetect");
     check::Bus bus(element);

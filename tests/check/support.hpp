@@ -84,9 +84,7 @@ struct Scene {
   Motion motion{MotionKind::kRandom, camera, board, 1};
 
   [[nodiscard]] SE3 pose(int n) const { return motion.camera_from_board(n); }
-  [[nodiscard]] Observation truth(int n) const {
-    return true_observation(camera, board, pose(n));
-  }
+  [[nodiscard]] Observation truth(int n) const { return true_observation(camera, board, pose(n)); }
   [[nodiscard]] GrayImage picture(int n, double noise = 1) const {
     RenderOptions options;
     options.noise = noise;

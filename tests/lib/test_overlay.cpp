@@ -62,6 +62,8 @@ struct Picture {
     ASSERT_GT(tile.height, 0);
     ASSERT_GE(tile.x, 0);
     ASSERT_GE(tile.y, 0);
+    ASSERT_EQ(tile.x % 4, 0);
+    ASSERT_EQ(tile.y % 4, 0);
     ASSERT_LE(tile.x + tile.width, size.width);
     ASSERT_LE(tile.y + tile.height, size.height);
     ASSERT_EQ(tile.pixels.size(), static_cast<std::size_t>(4 * tile.width * tile.height));

@@ -35,8 +35,5 @@ using Status = Result<void>;
 [[nodiscard]] inline tl::unexpected<Error> make_error(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
-[[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
-  return make_error(code, std::move(message));
-}
 
 }  // namespace calvin

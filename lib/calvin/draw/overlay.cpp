@@ -225,12 +225,14 @@ Result<std::vector<OverlayTile>> draw_overlay(
     if (shapes.empty()) return std::vector<OverlayTile>();
     return rasterise(frame, shapes);
   } catch (const std::exception& error) {
-    return fail(ErrorCode::kIo, fmt::format("The overlay cannot be drawn: {}.", error.what()));
+    return make_error(ErrorCode::kIo,
+                      fmt::format("The overlay cannot be drawn: {}.", error.what()));
   }
 #else
-  return fail(ErrorCode::kUnsupported,
-              "This build draws nothing on the video: it was made without Cairo. Build it with "
-              "-Ddraw=enabled.");
+  return make_error(
+      ErrorCode::kUnsupported,
+      "This build draws nothing on the video: it was made without Cairo. Build it with "
+      "-Ddraw=enabled.");
 #endif
 }
 

@@ -35,7 +35,8 @@ struct OverlayProgress {
 };
 
 // A part of the drawing. `pixels` are 32-bit ARGB in the machine's byte order (B G R A in memory on
-// little-endian ones), premultiplied, width * height, row by row. It lies inside the frame.
+// little-endian ones), premultiplied, width * height, row by row. It lies inside the frame;
+// x and y are multiples of 4, so that no chroma sample of a video frame lies in two tiles.
 struct OverlayTile {
   int x = 0;
   int y = 0;

@@ -100,7 +100,7 @@ class Grid {
   }
 
   Box frame_;
-  int cell_;  // px, even: then no chroma sample lies in two tiles
+  int cell_;  // px, a multiple of 8
   int columns_;
   int rows_;
   std::vector<std::vector<std::size_t>> touched_;
@@ -152,6 +152,12 @@ OverlayTile painted(const Box& box, const std::vector<Shape>& shapes,
   return tile;
 }
 
+// Grown to multiples of four: then no chroma sample of any format lies in two tiles.
+Box aligned(const Box& box, const Box& bounds) {
+  return {box.left / 4 * 4, box.top / 4 * 4, std::min((box.right + 3) / 4 * 4, bounds.right),
+          std::min((box.bottom + 3) / 4 * 4, bounds.bottom)};
+}
+
 // The tile of a run of touched cells; `last` is the run's last column.
 OverlayTile tile_of(const Grid& grid, int first, int last, int row,
                     const std::vector<Shape>& shapes) {
@@ -165,7 +171,7 @@ OverlayTile tile_of(const Grid& grid, int first, int last, int row,
   }
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  return painted(box, shapes, numbers);
+  return painted(aligned(box, grid.cells(first, last, row)), shapes, numbers);
 }
 
 }  // namespace

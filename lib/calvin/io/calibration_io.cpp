@@ -48,7 +48,7 @@ bool is_control(char c) {
 }
 
 Result<Node> parse_document(std::string_view content) {
-  if (content.starts_with('{')) return io::parse_json(content);
+  if (content.starts_with('{') || content.starts_with('[')) return io::parse_json(content);
   if (content.starts_with('<')) return io::parse_xml(content);
   return io::parse_yaml(content);
 }
@@ -65,17 +65,17 @@ Result<Calibration> parse_text(std::string_view content) {
   if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
   if (const auto control = std::find_if(content.begin(), content.end(), is_control);
       control != content.end()) {
-    return fail(ErrorCode::kMalformed, fmt::format("it is not text: there is a byte {} in it",
-                                                   static_cast<int>(*control)));
+    return make_error(ErrorCode::kMalformed, fmt::format("it is not text: there is a byte {} in it",
+                                                         static_cast<int>(*control)));
   }
   const std::string text = io::valid_utf8(trim(content));
-  if (text.empty()) return fail(ErrorCode::kMalformed, "it is empty");
+  if (text.empty()) return make_error(ErrorCode::kMalformed, "it is empty");
   const auto root = parse_document(text);
   if (!root) return tl::unexpected(root.error());
   const auto reader = std::find_if(kReaders.begin(), kReaders.end(),
                                    [&](const Reader& r) { return r.claims(*root); });
   if (reader == kReaders.end()) {
-    return fail(ErrorCode::kMalformed, "it has none of the fields of a calibration");
+    return make_error(ErrorCode::kMalformed, "it has none of the fields of a calibration");
   }
   auto calibration = reader->read(*root);
   if (!calibration) return calibration;
@@ -104,7 +104,7 @@ Result<Calibration> parse_calibration(std::string_view content, std::string_view
   try {
     result = parse_text(content);
   } catch (const std::exception& exception) {  // out of memory, or a parser's own surprise
-    result = fail(ErrorCode::kMalformed, exception.what());
+    result = make_error(ErrorCode::kMalformed, exception.what());
   }
   if (!result) result.error().message = explain(name, result.error().message);
   return result;
@@ -122,15 +122,15 @@ Result<std::string> print_calibration(const Calibration& calibration, std::strin
   const auto writer = std::find_if(kWriters.begin(), kWriters.end(),
                                    [&](const Writer& w) { return w.format == format; });
   if (writer == kWriters.end()) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("There is no calibration format '{}'. Known formats: {}.", format,
-                            fmt::join(calibration_formats(), ", ")));
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("There is no calibration format '{}'. Known formats: {}.", format,
+                                  fmt::join(calibration_formats(), ", ")));
   }
   if (const auto status = check(calibration); !status) return tl::unexpected(status.error());
   try {
     return writer->print(calibration);
   } catch (const std::exception& exception) {
-    return fail(
+    return make_error(
         ErrorCode::kInvalidArgument,
         fmt::format("The calibration cannot be written as {}: {}.", format, exception.what()));
   }

@@ -90,8 +90,8 @@ bool DocumentBuilder::end() {
 }
 
 Result<Node> DocumentBuilder::take() {
-  if (!refusal_.empty()) return fail(ErrorCode::kMalformed, refusal_);
-  if (!open_.empty() || !root_) return fail(ErrorCode::kMalformed, "the text ends too early");
+  if (!refusal_.empty()) return make_error(ErrorCode::kMalformed, refusal_);
+  if (!open_.empty() || !root_) return make_error(ErrorCode::kMalformed, "the text ends too early");
   return std::move(*root_);
 }
 

@@ -56,7 +56,8 @@ Result<Node> parse_json(std::string_view content) {
   nlohmann::json::sax_parse(content.begin(), content.end(), &handler);
   if (!handler.broken_at) return handler.builder.take();
   const std::size_t offset = *handler.broken_at > 0 ? *handler.broken_at - 1 : 0;
-  return fail(ErrorCode::kMalformed, fmt::format("the JSON is broken {}", place(content, offset)));
+  return make_error(ErrorCode::kMalformed,
+                    fmt::format("the JSON is broken {}", place(content, offset)));
 }
 
 }  // namespace calvin::io

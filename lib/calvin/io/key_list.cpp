@@ -27,8 +27,8 @@ constexpr std::array<std::string_view, 3> kGuesses = {"pinhole", "brown4", "brow
 using Keys = std::map<std::string_view, std::string_view>;
 
 tl::unexpected<Error> wrong(std::string_view why, ErrorCode code = ErrorCode::kInvalidArgument) {
-  return fail(code, fmt::format("The calibration text is wrong: {}. {}", io::shortened(why, 300),
-                                kExample));
+  return make_error(code, fmt::format("The calibration text is wrong: {}. {}",
+                                      io::shortened(why, 300), kExample));
 }
 
 Result<Keys> split_keys(std::string_view text) {
@@ -140,7 +140,7 @@ Result<Calibration> parse_key_list(std::string_view text) {
   Calibration sized = calibration;
   if (sized.image_size == ImageSize{}) sized.image_size = {1, 1};
   if (const auto camera = Camera::make(sized); !camera) {
-    return fail(camera.error().code, fmt::format("{} {}", camera.error().message, kExample));
+    return make_error(camera.error().code, fmt::format("{} {}", camera.error().message, kExample));
   }
   return calibration;
 }

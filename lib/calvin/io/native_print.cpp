@@ -111,8 +111,9 @@ bool all_finite(const Json& json) {
 
 Result<std::string> print_native(const Calibration& calibration) {
   if (calibration.image_size.width < 1 || calibration.image_size.height < 1) {
-    return fail(ErrorCode::kInvalidArgument,
-                "The calibration does not say its image size, which a calibration file must hold.");
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        "The calibration does not say its image size, which a calibration file must hold.");
   }
   Json json = {{"format", "calvin-calibration"}, {"version", kNativeVersion}};
   put(json, "camera", calibration.camera);
@@ -131,8 +132,8 @@ Result<std::string> print_native(const Calibration& calibration) {
   put(json, "expected_error", calibration.expected_error);
   put_rest(json, calibration);
   if (!all_finite(json)) {
-    return fail(ErrorCode::kInvalidArgument,
-                "The calibration holds a number that is not finite and cannot be written.");
+    return make_error(ErrorCode::kInvalidArgument,
+                      "The calibration holds a number that is not finite and cannot be written.");
   }
   return print_lines(json);
 }

@@ -31,12 +31,13 @@ Result<std::string_view> model_for(const OpenCvCamera& camera) {
   const auto& d = camera.distortion;
   if (camera.fisheye) {
     if (d.size() == kFisheyeOrder.size()) return "fisheye";
-    return fail(ErrorCode::kMalformed,
-                fmt::format("a fisheye camera has 4 distortion coefficients, not {}", d.size()));
+    return make_error(
+        ErrorCode::kMalformed,
+        fmt::format("a fisheye camera has 4 distortion coefficients, not {}", d.size()));
   }
   if (std::none_of(kBrownFamily.begin(), kBrownFamily.end(),
                    [&](const Row& row) { return row.count == d.size(); })) {
-    return fail(
+    return make_error(
         ErrorCode::kMalformed,
         fmt::format("there are {} distortion coefficients; 4, 5, 8, 12 or 14 are right", d.size()));
   }
@@ -58,8 +59,8 @@ std::vector<std::string_view> coefficient_names(bool fisheye, std::size_t count)
 Result<Calibration> from_opencv(const OpenCvCamera& camera, ImageSize size) {
   const auto& k = camera.k;
   if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
-    return fail(ErrorCode::kMalformed,
-                "the camera matrix has not the form fx 0 cx, 0 fy cy, 0 0 1");
+    return make_error(ErrorCode::kMalformed,
+                      "the camera matrix has not the form fx 0 cx, 0 fy cy, 0 0 1");
   }
   const auto model = model_for(camera);
   if (!model) return tl::unexpected(model.error());
@@ -88,10 +89,11 @@ Result<OpenCvCamera> to_opencv(const Calibration& calibration) {
   const auto row = std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
                                 [&](const Row& r) { return r.model == calibration.model; });
   if (!camera.fisheye && row == kBrownFamily.end()) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("OpenCV and ROS have no camera model like {}; write the format calvin, "
-                            "or calibrate with the model brown5 or fisheye.",
-                            calibration.model));
+    return make_error(
+        ErrorCode::kUnsupported,
+        fmt::format("OpenCV and ROS have no camera model like {}; write the format calvin, "
+                    "or calibrate with the model brown5 or fisheye.",
+                    calibration.model));
   }
   camera.k = {value("fx"), value("skew"), value("cx"), 0, value("fy"), value("cy"), 0, 0, 1};
   const std::size_t count =

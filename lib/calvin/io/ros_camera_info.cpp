@@ -64,12 +64,12 @@ Result<Calibration> read_ros(const Node& root) {
   const Matrix d = read_matrix(fields, "distortion_coefficients");
   if (problem) return tl::unexpected(*problem);
   if (size.width < 1 || size.height < 1) {
-    return fail(ErrorCode::kMalformed, "'image_width' or 'image_height' is not positive");
+    return make_error(ErrorCode::kMalformed, "'image_width' or 'image_height' is not positive");
   }
   if (d.data.size() > model->most) {
-    return fail(ErrorCode::kMalformed,
-                fmt::format("'distortion_coefficients' are {}, but {} has {}", d.data.size(), name,
-                            model->most));
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("'distortion_coefficients' are {}, but {} has {}", d.data.size(),
+                                  name, model->most));
   }
   OpenCvCamera camera{{}, d.data, model->fisheye};
   std::copy(k.data.begin(), k.data.end(), camera.k.begin());
@@ -80,8 +80,8 @@ Result<Calibration> read_ros(const Node& root) {
 
 Result<std::string> print_ros(const Calibration& calibration) {
   if (calibration.image_size.width < 1 || calibration.image_size.height < 1) {
-    return fail(ErrorCode::kInvalidArgument,
-                "The calibration does not say its image size, which a ROS file must hold.");
+    return make_error(ErrorCode::kInvalidArgument,
+                      "The calibration does not say its image size, which a ROS file must hold.");
   }
   auto camera = to_opencv(calibration);
   if (!camera) return tl::unexpected(camera.error());
@@ -90,10 +90,10 @@ Result<std::string> print_ros(const Calibration& calibration) {
       kDistortionModels.begin(), kDistortionModels.end(),
       [&](const Row& row) { return row.fisheye == camera->fisheye && row.most >= d.size(); });
   if (model == kDistortionModels.end()) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("ROS has no camera model like {}; write the format calvin or "
-                            "opencv-yaml, or calibrate with the model brown5 or fisheye.",
-                            calibration.model));
+    return make_error(ErrorCode::kUnsupported,
+                      fmt::format("ROS has no camera model like {}; write the format calvin or "
+                                  "opencv-yaml, or calibrate with the model brown5 or fisheye.",
+                                  calibration.model));
   }
   d.resize(model->most);
   const auto& k = camera->k;

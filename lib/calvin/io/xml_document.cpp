@@ -76,15 +76,15 @@ Result<Node> parse_xml(std::string_view content) {
   const pugi::xml_parse_result result = document.load_buffer(
       content.data(), content.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!result) {
-    return fail(
+    return make_error(
         ErrorCode::kMalformed,
         fmt::format("the XML is broken {}: {}",
                     place(content, static_cast<std::size_t>(result.offset)), result.description()));
   }
   DocumentBuilder builder;
   if (!add_element(builder, document)) {
-    return fail(ErrorCode::kMalformed,
-                fmt::format("the XML cannot be read: {}", builder.take().error().message));
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("the XML cannot be read: {}", builder.take().error().message));
   }
   return builder.take();
 }
@@ -92,7 +92,8 @@ Result<Node> parse_xml(std::string_view content) {
 #else
 
 Result<Node> parse_xml(std::string_view /*content*/) {
-  return fail(ErrorCode::kUnsupported, "this build cannot read XML: it was made without 'formats'");
+  return make_error(ErrorCode::kUnsupported,
+                    "this build cannot read XML: it was made without 'formats'");
 }
 
 #endif

@@ -69,8 +69,8 @@ class Handler final : public YAML::EventHandler {
 };
 
 tl::unexpected<Error> broken(int line, std::string_view why) {
-  return fail(ErrorCode::kMalformed,
-              fmt::format("the YAML is broken in line {}: {}", line + 1, why));
+  return make_error(ErrorCode::kMalformed,
+                    fmt::format("the YAML is broken in line {}: {}", line + 1, why));
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ Result<Node> parse_yaml(std::string_view content) {
   try {
     YAML::Parser parser(stream);
     if (!parser.HandleNextDocument(handler)) {
-      return fail(ErrorCode::kMalformed, "the YAML has no content");
+      return make_error(ErrorCode::kMalformed, "the YAML has no content");
     }
   } catch (const Stop&) {
     if (handler.alias) return broken(handler.line, "anchors and aliases are not read");
@@ -99,8 +99,8 @@ Result<Node> parse_yaml(std::string_view content) {
 #else
 
 Result<Node> parse_yaml(std::string_view /*content*/) {
-  return fail(ErrorCode::kUnsupported,
-              "this build cannot read YAML: it was made without 'formats'");
+  return make_error(ErrorCode::kUnsupported,
+                    "this build cannot read YAML: it was made without 'formats'");
 }
 
 #endif

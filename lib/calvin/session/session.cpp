@@ -17,7 +17,7 @@ constexpr std::size_t kFewestCorners = 6;
 constexpr double kStill = 0.003;       // of the image diagonal
 constexpr double kSmallest = 0.01;     // of the image's area
 constexpr double kNewPosition = 0.08;  // of the image diagonal
-constexpr double kNewShape = 0.015;    // of the image diagonal
+constexpr double kNewShape = 0.025;    // of the board's size in the image
 
 // How the corners that two observations share have moved, px.
 struct Motion {
@@ -53,6 +53,8 @@ Motion motion(const Observation& from, const Observation& to) {
 
 double diagonal(ImageSize size) { return std::hypot(size.width, size.height); }
 
+double hull_area(const Observation& seen) { return polygon_area(convex_hull(seen.uv)); }
+
 }  // namespace
 
 Reason Session::offer(const View& view) {
@@ -86,8 +88,7 @@ Reason Session::worth_keeping(const View& view, const std::optional<Observation>
   if (options_.mode == CaptureMode::kManual) return Reason::kTooSimilar;
   const Observation& seen = view.observation;
   const ImageSize size = seen.image_size;
-  const double area = std::abs(polygon_area(convex_hull(seen.uv)));
-  if (area < kSmallest * size.width * size.height) return Reason::kTooSmall;
+  if (hull_area(seen) < kSmallest * size.width * size.height) return Reason::kTooSmall;
   if (!before || before->image_size != size) return Reason::kMoving;
   const Motion moved = motion(*before, seen);
   if (moved.shared < kFewestCorners || moved.all > kStill * diagonal(size)) return Reason::kMoving;
@@ -105,11 +106,12 @@ std::optional<Observation> Session::take_previous(const std::string& board) {
 
 bool Session::is_new(const View& view) const {
   const double scale = diagonal(view.observation.image_size);
+  const double extent = std::sqrt(hull_area(view.observation));
   return std::all_of(views_.begin(), views_.end(), [&](const View& kept) {
     if (kept.observation.board != view.observation.board) return true;
     const Motion m = motion(kept.observation, view.observation);
     return m.shared < kFewestCorners || m.center > kNewPosition * scale ||
-           m.about_center > kNewShape * scale;
+           m.about_center > kNewShape * extent;
   });
 }
 

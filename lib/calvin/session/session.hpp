@@ -46,12 +46,12 @@ struct Progress {
 // A view is usable with at least 6 corners that check() accepts, of the image size of the views
 // kept so far. In kAuto it must also
 //   - be still: the corners shared with the observation of its board offered before it have moved
-//   by no more
-//     than 0.3 % of the image diagonal on average; so the first one after a gap never is;
+//     by no more than 0.3 % of the image diagonal on average; so the first one after a gap never
+//     is;
 //   - be large: the corners' hull covers at least 1 % of the image;
 //   - be new, compared with every kept view of the same board: its centre lies at least 8 % of the
-//     image diagonal away, or the corners about their centre have moved by at least 1.5 % of it on
-//     average (nearer, farther, turned, tilted).
+//     image diagonal away, or the corners have moved about their centre by at least 2.5 % of the
+//     board's size in the image on average (nearer, farther, turned, tilted).
 class Session {
  public:
   explicit Session(SessionOptions options = {}) : options_(options) {}
@@ -59,6 +59,10 @@ class Session {
   // Keeps the view when it returns kAccepted. kTooSimilar also for a view beyond max_views, and in
   // kManual for one that was not asked for.
   Reason offer(const View& view);
+
+  // Takes effect with the next view; those kept stay.
+  void set_options(const SessionOptions& options) { options_ = options; }
+  [[nodiscard]] const SessionOptions& options() const noexcept { return options_; }
 
   // The next usable view is kept whatever else it is, in every mode.
   void capture_next() { asked_ = true; }

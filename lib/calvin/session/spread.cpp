@@ -39,7 +39,20 @@ double largest(const std::vector<Placement>& placements, double Placement::*valu
   return std::clamp(most / whole, 0.0, 1.0);
 }
 
-// Degrees of freedom of the centre: a large board has little room to move.
+// The largest difference of an angle of the quadrangle from a right one, rad.
+double farthest_from_square(const std::vector<Pixel>& corner) {
+  double most = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Pixel at = corner[i];
+    const Pixel a = {corner[(i + 1) % 4].u - at.u, corner[(i + 1) % 4].v - at.v};
+    const Pixel b = {corner[(i + 3) % 4].u - at.u, corner[(i + 3) % 4].v - at.v};
+    const double angle = std::atan2(std::abs(a.u * b.v - a.v * b.u), a.u * b.u + a.v * b.v);
+    most = std::max(most, std::abs(std::numbers::pi / 2 - angle));
+  }
+  return most;
+}
+
+// Where the centre is in the room it has to move in: a large board has little room to move.
 double within_room(double center, double extent, double length) {
   const double room = length - extent;
   return room > 0 ? std::clamp((center - extent / 2) / room, 0.0, 1.0) : 0.5;
@@ -64,10 +77,6 @@ Result<Placement> place(const View& view) {
   const double area = std::abs(polygon_area(corner));
   const double width = seen.image_size.width;
   const double height = seen.image_size.height;
-  const Pixel ab = {corner[0].u - corner[1].u, corner[0].v - corner[1].v};
-  const Pixel cb = {corner[2].u - corner[1].u, corner[2].v - corner[1].v};
-  const double angle = std::atan2(std::abs(ab.u * cb.v - ab.v * cb.u), ab.u * cb.u + ab.v * cb.v);
-
   Placement p;
   for (const Pixel& uv : seen.uv) {
     p.x += uv.u / static_cast<double>(seen.uv.size());
@@ -76,13 +85,13 @@ Result<Placement> place(const View& view) {
   p.x = within_room(p.x, std::sqrt(area), width);
   p.y = within_room(p.y, std::sqrt(area), height);
   p.size = std::clamp(std::sqrt(area / (width * height)), 0.0, 1.0);
-  p.skew = std::min(1.0, 2 * std::abs(std::numbers::pi / 2 - angle));
+  p.skew = std::min(1.0, 2 * farthest_from_square(corner));
   const auto nearer = [](double one, double other) { return (one - other) / (one + other); };
   p.left_nearer = nearer(distance(corner[0], corner[3]), distance(corner[1], corner[2]));
   p.top_nearer = nearer(distance(corner[0], corner[1]), distance(corner[3], corner[2]));
   for (const double value : {p.x, p.y, p.size, p.skew, p.left_nearer, p.top_nearer}) {
     if (!std::isfinite(value)) {
-      return fail(ErrorCode::kDegenerate, "The board is seen edge on.");
+      return make_error(ErrorCode::kDegenerate, "The board is seen edge on.");
     }
   }
   return p;

@@ -32,9 +32,10 @@ Result<Freedom> make_freedom(std::span<const std::string_view> names,
     } else if (at != names.end() && at - names.begin() >= 4) {
       freedom.estimated[static_cast<std::size_t>(at - names.begin())] = false;
     } else {
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("'{}' cannot be fixed. What can: aspect, center, cx, cy{}{}.", word,
-                              names.size() > 4 ? ", " : "", fmt::join(names.subspan(4), ", ")));
+      return make_error(
+          ErrorCode::kInvalidArgument,
+          fmt::format("'{}' cannot be fixed. What can: aspect, center, cx, cy{}{}.", word,
+                      names.size() > 4 ? ", " : "", fmt::join(names.subspan(4), ", ")));
     }
   }
   freedom.estimated[2] = !freedom.center_x;

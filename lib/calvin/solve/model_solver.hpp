@@ -90,10 +90,11 @@ class ModelSolver {
     const bool sure = !guesses.empty() && sample.size() >= kFewViews;
     const auto grid = focal_grid(size_, is_perspective());
     if (!sure) guesses.insert(guesses.end(), grid.begin(), grid.end());
-    Candidate best = best_of(guesses, sample);
+    Candidate best = best_of(guesses, sample, sure ? 1 : kTrials);
     // A start that far off is in the wrong valley.
-    if (sure && !(best.scale < 2e-3 * size_.width)) {
-      Candidate other = best_of(grid, sample);
+    if (sure && !(best.scale < 1e-3 * size_.width)) {
+      guesses.insert(guesses.end(), grid.begin(), grid.end());
+      Candidate other = best_of(guesses, sample, kTrials);
       if (other.scale < best.scale) best = std::move(other);
     }
     if (!std::isfinite(best.scale)) return false;
@@ -127,7 +128,8 @@ class ModelSolver {
     return poses;
   }
 
-  Candidate best_of(const std::vector<Guess>& guesses, const std::vector<PointSet>& sample) {
+  Candidate best_of(const std::vector<Guess>& guesses, const std::vector<PointSet>& sample,
+                    std::size_t trials) {
     std::vector<Candidate> candidates;
     for (const Guess& guess : guesses) {
       Candidate c;
@@ -138,7 +140,7 @@ class ModelSolver {
     }
     std::sort(candidates.begin(), candidates.end(),
               [](const Candidate& a, const Candidate& b) { return a.scale < b.scale; });
-    if (candidates.size() > kTrials) candidates.resize(kTrials);
+    if (candidates.size() > trials) candidates.resize(trials);
     Candidate best;
     Basis focal = Basis::Zero(M::kCount, 1);
     focal(0, 0) = focal(1, 0) = 1;

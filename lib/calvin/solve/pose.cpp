@@ -15,11 +15,12 @@ Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observati
                        PoseQuality* quality) {
   const ImageSize size = camera.image_size();
   if (observation.image_size.width > 0 && observation.image_size != size) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("The board was seen in an image of {}x{} px, the camera's is {}x{}. "
-                            "Scale the camera to the image first.",
-                            observation.image_size.width, observation.image_size.height, size.width,
-                            size.height));
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("The board was seen in an image of {}x{} px, the camera's is {}x{}. "
+                    "Scale the camera to the image first.",
+                    observation.image_size.width, observation.image_size.height, size.width,
+                    size.height));
   }
   if (const Status status = check({observation, board}, size); !status) {
     return tl::unexpected<Error>(status.error());
@@ -37,9 +38,10 @@ Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observati
     }
   });
   if (!fit) {
-    return fail(ErrorCode::kDegenerate,
-                "The corners do not determine the pose of the board: at least 4 that the camera "
-                "can see and that do not lie on one line are needed.");
+    return make_error(
+        ErrorCode::kDegenerate,
+        "The corners do not determine the pose of the board: at least 4 that the camera "
+        "can see and that do not lie on one line are needed.");
   }
   if (quality != nullptr) {
     const auto n = static_cast<double>(view[0].used());

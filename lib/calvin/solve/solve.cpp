@@ -8,7 +8,10 @@
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "calvin/camera/camera.hpp"
+#include "calvin/solve/freedom.hpp"
 #include "calvin/solve/points.hpp"
 
 namespace calvin {
@@ -20,10 +23,10 @@ constexpr double kMargin = 0.05;
 
 Status check_size(ImageSize size) {
   if (size.width < 1 || size.height < 1 || size.width > 65536 || size.height > 65536) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("An image of {}x{} px cannot be calibrated; give the size of the "
-                            "frames that the board was seen in.",
-                            size.width, size.height));
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("An image of {}x{} px cannot be calibrated; give the size of the "
+                                  "frames that the board was seen in.",
+                                  size.width, size.height));
   }
   return {};
 }
@@ -38,9 +41,9 @@ bool within(Pixel p, ImageSize size) {
 Status check_board(const Board& board) {
   if (board.cols < 1 || board.rows < 1 || board.cols > 10000 || board.rows > 10000 ||
       !std::isfinite(board.size) || !(board.size > 0)) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("A board of {}x{} corners {} m apart does not exist.", board.cols,
-                            board.rows, board.size));
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("A board of {}x{} corners {} m apart does not exist.", board.cols,
+                                  board.rows, board.size));
   }
   return {};
 }
@@ -63,7 +66,7 @@ Result<Gathered> gather(std::span<const View> views, ImageSize size) {
       continue;
     }
     if (const Status status = check(views[i], size); !status) {
-      return fail(status.error().code, fmt::format("View {}: {}", i, status.error().message));
+      return make_error(status.error().code, fmt::format("View {}: {}", i, status.error().message));
     }
     PointSet points = to_points(views[i].board, seen);
     points.index = i;
@@ -97,7 +100,7 @@ Status check(const View& view, ImageSize image_size) {
   if (const Status status = check_board(view.board); !status) return status;
   const Observation& seen = view.observation;
   const auto refuse = [](std::string message) {
-    return fail(ErrorCode::kInvalidArgument, std::move(message));
+    return make_error(ErrorCode::kInvalidArgument, std::move(message));
   };
   if (seen.ids.size() != seen.uv.size()) {
     return refuse(fmt::format("{} ids and {} corners were given; each corner needs its id.",
@@ -120,6 +123,20 @@ Status check(const View& view, ImageSize image_size) {
       return refuse(fmt::format("The corner {} at ({}, {}) is outside the image of {}x{} px.", id,
                                 seen.uv[i].u, seen.uv[i].v, image_size.width, image_size.height));
     }
+  }
+  return {};
+}
+
+Status check(const SolveOptions& options) {
+  const auto names = parameter_names(options.model);
+  if (names.empty()) {
+    return make_error(ErrorCode::kUnsupported,
+                      fmt::format("The camera model '{}' is not known to this version. Known "
+                                  "models: {}.",
+                                  options.model, fmt::join(model_names(), ", ")));
+  }
+  if (const auto freedom = make_freedom(names, options.fix); !freedom) {
+    return tl::unexpected<Error>(freedom.error());
   }
   return {};
 }

@@ -65,6 +65,9 @@ struct Solution {
 // kInvalidArgument otherwise. Says nothing of whether the corners are enough.
 [[nodiscard]] Status check(const View& view, ImageSize image_size);
 
+// Whether solve() knows the model and what is to be fixed.
+[[nodiscard]] Status check(const SolveOptions& options);
+
 // kInvalidArgument: a broken view, option or image size. kUnsupported: unknown model.
 // kDegenerate: too little or too uniform data to determine the camera. kCancelled: `stop` was
 // requested, which is looked at in every iteration. The result is finite whenever there is one.

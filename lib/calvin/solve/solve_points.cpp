@@ -32,7 +32,7 @@ constexpr const char* kAdvice =
     "right, up and down).";
 
 tl::unexpected<Error> degenerate(std::string what) {
-  return fail(ErrorCode::kDegenerate, fmt::format("{} {}", what, kAdvice));
+  return make_error(ErrorCode::kDegenerate, fmt::format("{} {}", what, kAdvice));
 }
 
 Status enough(const std::vector<PointSet>& views, const std::vector<bool>& used,
@@ -177,7 +177,7 @@ Solution describe(const Fit& fit, const Camera& camera, const Eigen::MatrixXd& c
 
 Result<Solution> conclude(const Fit& fit, std::string_view model, ImageSize size,
                           const Freedom& freedom) {
-  if (fit.cancelled) return fail(ErrorCode::kCancelled, "The solve was stopped.");
+  if (fit.cancelled) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   if (const Status status = enough(fit.views, fit.used, freedom, model); !status) {
     return tl::unexpected<Error>(status.error());
   }
@@ -200,9 +200,10 @@ Result<Solution> solve_points(std::vector<PointSet> views, ImageSize image_size,
                               const SolveOptions& options, const std::stop_token& stop) {
   const auto names = parameter_names(options.model);
   if (names.empty()) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("The camera model '{}' is not known to this version. Known models: {}.",
-                            options.model, fmt::join(model_names(), ", ")));
+    return make_error(
+        ErrorCode::kUnsupported,
+        fmt::format("The camera model '{}' is not known to this version. Known models: {}.",
+                    options.model, fmt::join(model_names(), ", ")));
   }
   const auto freedom = make_freedom(names, options.fix);
   if (!freedom) return tl::unexpected<Error>(freedom.error());

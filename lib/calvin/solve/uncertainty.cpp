@@ -116,6 +116,7 @@ std::optional<double> expected_error(const Calibration& calibration) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Eigen::MatrixXd covariance =
       Eigen::Map<const RowMajor>(calibration.covariance.data(), n, n);
+  if (!covariance.allFinite()) return std::nullopt;
   std::vector<Cell> cells;
   visit_model(calibration.model, [&]<typename M>() { cells = grid_of<M>(*camera, *columns); });
   if (cells.size() < 3) return std::nullopt;

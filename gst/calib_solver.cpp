@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The session behind calibsolve.
+
+#include "calib_solver.hpp"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/target/board.hpp"
+#include "solve_messages.hpp"
+
+namespace calvin::gst {
+
+struct CalibSolver::Job {
+  std::vector<View> views;
+  ImageSize size;
+  SolveOptions options;
+  std::vector<CalibrationFile> files;
+  std::string location;
+  FrameTimes times;
+  bool final = false;
+};
+
+namespace {
+
+SolveOptions solve_options(const SolverSettings& settings, const std::string& camera) {
+  SolveOptions options;
+  options.model = settings.model;
+  options.camera = settings.camera.empty() ? camera : settings.camera;
+  if (settings.fix.empty()) return options;
+  for (const std::string_view name : split(settings.fix, ',')) options.fix.emplace_back(name);
+  return options;
+}
+
+}  // namespace
+
+SolverSettings CalibSolver::settings() {
+  const std::lock_guard guard(lock_);
+  return settings_;
+}
+
+Status CalibSolver::start() {
+  const SolverSettings now = settings();
+  if (Status usable = check(solve_options(now, "")); !usable) return usable;
+  auto files = parse_calibration_files(now.location, now.exports);
+  if (!files) return make_error(files.error().code, files.error().message);
+  if (const Status writable = can_write_all(*files); !writable) {
+    post_warning(element_, writable.error());
+  }
+  {
+    const std::lock_guard guard(lock_);
+    files_ = std::move(*files);
+  }
+  reset();
+  worker_.start();
+  return {};
+}
+
+void CalibSolver::set_size(ImageSize size) {
+  const std::lock_guard guard(lock_);
+  if (std::exchange(size_, size) == size || session_.views().empty()) return;
+  forget();
+}
+
+void CalibSolver::choose_capture_mode(bool live) {
+  const std::lock_guard guard(lock_);
+  CaptureMode mode = live ? CaptureMode::kAuto : CaptureMode::kAll;
+  if (settings_.capture_mode == kCaptureAll) mode = CaptureMode::kAll;
+  if (settings_.capture_mode == kCaptureAuto) mode = CaptureMode::kAuto;
+  if (settings_.capture_mode == kCaptureManual) mode = CaptureMode::kManual;
+  session_.set_options({mode, settings_.min_views, settings_.max_views});
+}
+
+// ---- Collecting: on the streaming thread --------------------------------------------------------
+
+bool CalibSolver::offer(std::span<const Observation> observations, const FrameTimes& times) {
+  bool captured = false;
+  for (const Observation& observation : observations) {
+    if (observation.found()) captured |= offer_one(observation, times);
+  }
+  const std::lock_guard guard(lock_);
+  if (finished_ || settings_.target_error <= 0 || !calibration_) return captured;
+  if (calibration_->expected_error.value_or(HUGE_VAL) <= settings_.target_error) {
+    finished_ = true;
+    request(true);
+  }
+  return captured;
+}
+
+bool CalibSolver::offer_one(const Observation& observation, const FrameTimes& times) {
+  const auto board = parse_board(observation.board);
+  if (!board) return false;
+  Reason reason;
+  Guidance now;
+  std::string camera;
+  {
+    const std::lock_guard guard(lock_);
+    if (finished_ || observation.image_size != size_) return false;
+    camera_ = observation.camera;
+    camera = settings_.camera.empty() ? camera_ : settings_.camera;
+    times_ = times;
+    reason = session_.offer({observation, *board});
+    now = make_guidance(session_.progress(), calibration_);
+    if (reason == Reason::kAccepted) consider();
+    // A rejection is news only when its reason is.
+    if (reason != Reason::kAccepted && std::exchange(last_reason_, reason) == reason) return false;
+    last_reason_ = reason;
+  }
+  post_message(element_, view_message(times, camera, reason, now));
+  if (reason != Reason::kAccepted) return false;
+  post_message(element_, progress_message(times, camera, now));
+  return true;
+}
+
+Guidance CalibSolver::guidance() {
+  const std::lock_guard guard(lock_);
+  return make_guidance(session_.progress(), calibration_);
+}
+
+std::optional<CalibrationEvent> CalibSolver::take_event() {
+  const std::lock_guard guard(lock_);
+  if (!std::exchange(announce_, false) || !calibration_) return std::nullopt;
+  const auto json = print_calibration(*calibration_);
+  if (!json) return std::nullopt;
+  return CalibrationEvent{calibration_->camera, *json};
+}
+
+void CalibSolver::consider() {
+  const std::size_t views = session_.views().size();
+  if (views < static_cast<std::size_t>(settings_.min_views)) return;
+  if (settings_.max_views > 0 && views >= static_cast<std::size_t>(settings_.max_views)) {
+    finished_ = true;
+    request(true);
+  } else if (views >= next_solve_) {
+    // When every frame is a view, each solve waits for a quarter more of them.
+    next_solve_ = session_.options().mode == CaptureMode::kAll ? views + views / 4 + 1 : views + 1;
+    request(false);
+  }
+}
+
+// ---- Solving: on the worker ---------------------------------------------------------------------
+
+void CalibSolver::request(bool final) {
+  auto job = std::make_shared<Job>();
+  job->views = session_.views();
+  job->size = size_;
+  job->files = files_;
+  job->location = settings_.location;
+  job->times = times_;
+  job->final = final;
+  job->options = solve_options(settings_, camera_);
+  worker_.offer([this, job](std::stop_token stop) { run(*job, stop); });
+}
+
+void CalibSolver::run(const Job& job, const std::stop_token& stop) {
+  auto solution = solve(job.views, job.size, job.options, stop);
+  if (stop.stop_requested()) return;
+  if (!solution) {
+    GST_INFO_OBJECT(element_, "no solution from %" G_GSIZE_FORMAT " views: %s", job.views.size(),
+                    solution.error().message.c_str());
+    const std::lock_guard guard(lock_);
+    solve_error_ = solution.error().message;
+    return;
+  }
+  g_autoptr(GDateTime) now = g_date_time_new_now_utc();
+  g_autofree char* created = g_date_time_format(now, "%Y-%m-%dT%H:%M:%SZ");
+  solution->calibration.created = created;
+  publish(job, solution->calibration);
+}
+
+void CalibSolver::publish(const Job& job, const Calibration& calibration) {
+  Guidance now;
+  bool better = false;
+  {
+    const std::lock_guard guard(lock_);
+    calibration_ = calibration;
+    solve_error_.clear();
+    now = make_guidance(session_.progress(), calibration_);
+    better = job.final || !anything_written_ ||
+             calibration.expected_error.value_or(HUGE_VAL) < written_error_.value_or(HUGE_VAL);
+    announce_ |= better;
+  }
+  if (better) {
+    const Status written = write_all(job.files, calibration);
+    const std::lock_guard guard(lock_);
+    written_ = written;
+    anything_written_ = true;
+    written_error_ = calibration.expected_error;
+  }
+  const auto json = print_calibration(calibration);
+  post_message(element_, progress_message(job.times, calibration.camera, now));
+  post_message(element_, result_message(job.times, calibration, job.location,
+                                        job.final && json ? json->c_str() : nullptr));
+  g_object_notify(G_OBJECT(element_), "calibration");
+}
+
+// ---- The end of the stream ----------------------------------------------------------------------
+
+void CalibSolver::post_solve_progress(GstProgressType type, const std::string& text) {
+  gst_element_post_message(
+      element_, gst_message_new_progress(GST_OBJECT(element_), type, "calibrate", text.c_str()));
+}
+
+Status CalibSolver::verdict() const {
+  if (calibration_) return written_;
+  const std::size_t views = session_.views().size();
+  if (views >= static_cast<std::size_t>(settings_.min_views)) {
+    return make_error(ErrorCode::kDegenerate, "No calibration: " + solve_error_);
+  }
+  return make_error(
+      ErrorCode::kDegenerate,
+      fmt::format(
+          "No calibration: {} taken, at least {} are needed. Show the whole board, flat and "
+          "sharp, in different places and tilts, and check that the property `board` tells "
+          "its inner corners.",
+          views == 0   ? "no view of the board was"
+          : views == 1 ? "only one view of the board was"
+                       : fmt::format("only {} views of the board were", views),
+          settings_.min_views));
+}
+
+void CalibSolver::finish() {
+  if (!worker_.drain()) return;
+  bool solving = false;
+  {
+    const std::lock_guard guard(lock_);
+    solving =
+        !finished_ && session_.views().size() >= static_cast<std::size_t>(settings_.min_views);
+    if (solving) request(true);
+  }
+  // A START outside PLAYING would make applications wait for it during preroll.
+  const bool announce = solving && GST_STATE(element_) == GST_STATE_PLAYING;
+  if (announce) post_solve_progress(GST_PROGRESS_TYPE_START, "Solving the camera");
+  if (solving && !worker_.drain()) {
+    if (announce) post_solve_progress(GST_PROGRESS_TYPE_CANCELED, "The solve was cancelled");
+    return;
+  }
+  Status status;
+  bool wanted = false;
+  {
+    const std::lock_guard guard(lock_);
+    status = verdict();
+    wanted = !files_.empty();
+  }
+  if (announce && status) post_solve_progress(GST_PROGRESS_TYPE_COMPLETE, "The camera is solved");
+  if (announce && !status) post_solve_progress(GST_PROGRESS_TYPE_ERROR, status.error().message);
+  if (!status && wanted) post_error(element_, status.error());
+  if (!status && !wanted) post_warning(element_, status.error());
+}
+
+// ---- Commands -----------------------------------------------------------------------------------
+
+void CalibSolver::capture_view() {
+  const std::lock_guard guard(lock_);
+  session_.capture_next();
+}
+
+void CalibSolver::solve_now() {
+  const std::lock_guard guard(lock_);
+  if (!session_.views().empty()) request(true);
+}
+
+void CalibSolver::reset() {
+  const std::lock_guard guard(lock_);
+  forget();
+}
+
+void CalibSolver::forget() {
+  session_.reset();
+  calibration_.reset();
+  anything_written_ = finished_ = announce_ = false;
+  written_ = {};
+  solve_error_.clear();
+  next_solve_ = 0;
+}
+
+bool CalibSolver::remove_view(unsigned index) {
+  const std::lock_guard guard(lock_);
+  if (!session_.remove_view(index)) return false;
+  request(false);
+  return true;
+}
+
+std::string CalibSolver::calibration_json() {
+  const std::lock_guard guard(lock_);
+  if (!calibration_) return {};
+  return print_calibration(*calibration_).value_or(std::string());
+}
+
+GstStructure* CalibSolver::stats() {
+  const std::lock_guard guard(lock_);
+  GstStructure* s =
+      gst_structure_new("stats", "views", G_TYPE_INT, static_cast<int>(session_.views().size()),
+                        "coverage", G_TYPE_DOUBLE, session_.progress().coverage, nullptr);
+  if (!calibration_) return s;
+  if (calibration_->rms) gst_structure_set(s, "rms", G_TYPE_DOUBLE, *calibration_->rms, nullptr);
+  if (calibration_->expected_error) {
+    gst_structure_set(s, "expected-error", G_TYPE_DOUBLE, *calibration_->expected_error, nullptr);
+  }
+  return s;
+}
+
+}  // namespace calvin::gst

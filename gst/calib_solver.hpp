@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The session behind calibsolve: takes observations on the streaming thread, solves on a worker,
+// writes the files and posts what happens in the name of the element.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gst/gst.h>
+
+#include "calibration_event.hpp"
+#include "calibration_files.hpp"
+#include "calvin/core/calibration.hpp"
+#include "calvin/session/session.hpp"
+#include "calvin/solve/solve.hpp"
+#include "messages.hpp"
+#include "metas.hpp"
+#include "worker.hpp"
+
+namespace calvin::gst {
+
+enum CaptureChoice { kCaptureDefault, kCaptureAll, kCaptureAuto, kCaptureManual };
+
+struct SolverSettings {
+  std::string location;
+  std::string exports;
+  std::string camera;  // empty: the name that the observations carry
+  std::string model = "brown5";
+  std::string fix;
+  int capture_mode = kCaptureDefault;
+  int min_views = 3;
+  int max_views = 0;        // 0: no limit
+  double target_error = 0;  // px of expected error; 0: none
+};
+
+// Every function may be called from any thread and returns at once, but for finish() and stop().
+class CalibSolver {
+ public:
+  explicit CalibSolver(GstElement* element) : element_(element) {}
+
+  template <typename F>
+  void change_settings(F f) {
+    const std::lock_guard guard(lock_);
+    f(settings_);
+  }
+  [[nodiscard]] SolverSettings settings();
+
+  // An error for settings that cannot work; a file that cannot be written now is only a warning
+  // on the bus.
+  [[nodiscard]] Status start();
+  void cancel() { worker_.cancel(); }
+  void resume() { worker_.resume(); }
+  void stop() { worker_.stop(); }
+
+  // A new size begins a new session.
+  void set_size(ImageSize size);
+  void choose_capture_mode(bool live);
+
+  // What was found on one frame; true when a view was taken.
+  bool offer(std::span<const Observation> observations, const FrameTimes& times);
+  [[nodiscard]] Guidance guidance();
+
+  // The newest calibration that has not been announced downstream.
+  [[nodiscard]] std::optional<CalibrationEvent> take_event();
+
+  // The end of the stream: solves all views, waits for it, posts the final result or what is
+  // missing. Returns early when cancelled.
+  void finish();
+
+  void capture_view();
+  void solve_now();
+  void reset();
+  bool remove_view(unsigned index);
+
+  // Native JSON of the newest solution, empty before the first one.
+  [[nodiscard]] std::string calibration_json();
+  [[nodiscard]] GstStructure* stats();
+
+ private:
+  struct Job;
+
+  bool offer_one(const Observation& observation, const FrameTimes& times);
+  // These four with the lock held.
+  void forget();
+  void consider();
+  void request(bool final);
+  [[nodiscard]] Status verdict() const;
+  // These two on the worker.
+  void run(const Job& job, const std::stop_token& stop);
+  void publish(const Job& job, const Calibration& calibration);
+  void post_solve_progress(GstProgressType type, const std::string& text);
+
+  GstElement* element_;
+
+  std::mutex lock_;  // of everything below, down to worker_
+  SolverSettings settings_;
+  Session session_{SessionOptions{}};
+  ImageSize size_;
+  std::string camera_;  // as the newest observation names it
+  std::vector<CalibrationFile> files_;
+  std::optional<Calibration> calibration_;  // newest solution
+  std::optional<double> written_error_;     // expected error of what the files hold
+  bool anything_written_ = false;
+  bool announce_ = false;  // calibration_ waits to be announced
+  std::string solve_error_;
+  Status written_;
+  Reason last_reason_ = Reason::kAccepted;
+  FrameTimes times_;            // of the newest frame with a board
+  std::size_t next_solve_ = 0;  // number of views
+  bool finished_ = false;       // good enough: nothing more is captured
+
+  Worker worker_;
+};
+
+}  // namespace calvin::gst

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The files that calibsolve keeps up to date.
+
+#include "calibration_files.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calvin/core/text.hpp"
+#include "calvin/io/calibration_io.hpp"
+
+namespace calvin::gst {
+
+Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& location,
+                                                             const std::string& exports) {
+  std::vector<CalibrationFile> files;
+  if (!location.empty()) files.push_back({"calvin", location});
+  if (trim(exports).empty()) return files;
+  const auto formats = calibration_formats();
+  for (const std::string_view item : split(exports, ',')) {
+    const auto colon = item.find(':');
+    const std::string_view format = item.substr(0, colon);
+    const bool known = std::find(formats.begin(), formats.end(), format) != formats.end();
+    if (!known || colon == std::string_view::npos || colon + 1 == item.size()) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("The export '{}' is wrong. A right text is "
+                                    "'ros:camera.yaml', several separated by commas; the formats "
+                                    "are {}.",
+                                    item, fmt::join(formats, ", ")));
+    }
+    files.push_back({std::string(format), std::string(item.substr(colon + 1))});
+  }
+  return files;
+}
+
+Status can_write_all(const std::vector<CalibrationFile>& files) {
+  for (const CalibrationFile& file : files) {
+    if (Status status = can_write(file.path); !status) return status;
+  }
+  return {};
+}
+
+Status write_all(const std::vector<CalibrationFile>& files, const Calibration& calibration) {
+  Status first;
+  for (const CalibrationFile& file : files) {
+    Status status = write_calibration(file.path, calibration, file.format);
+    if (!status && first) first = status;
+  }
+  return first;
+}
+
+}  // namespace calvin::gst

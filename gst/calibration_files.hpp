@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The files that calibsolve keeps up to date: `location` and `export`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/result.hpp"
+
+namespace calvin::gst {
+
+struct CalibrationFile {
+  std::string format;  // a name of calibration_formats()
+  std::string path;
+};
+
+// `location` is native JSON; `exports` is "FORMAT:PATH,FORMAT:PATH". Both may be empty.
+[[nodiscard]] Result<std::vector<CalibrationFile>> parse_calibration_files(
+    const std::string& location, const std::string& exports);
+
+// The first file that could not be written now.
+[[nodiscard]] Status can_write_all(const std::vector<CalibrationFile>& files);
+
+// Writes all of them, also behind one that fails; the first error.
+[[nodiscard]] Status write_all(const std::vector<CalibrationFile>& files,
+                               const Calibration& calibration);
+
+}  // namespace calvin::gst

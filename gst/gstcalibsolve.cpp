@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibsolve: keeps good views of the boards that were found upstream and solves the camera.
+
+/**
+ * SECTION:element-calibsolve
+ * @title: calibsolve
+ *
+ * Collects the observations that calibdetect attached, solves the camera on a thread of its own,
+ * posts progress and results, writes files and pushes the sticky event `calvin-calibration`.
+ *
+ * ## Example launch line
+ * |[
+ * gst-launch-1.0 -m calibtestsrc num-buffers=60 ! calibdetect ! calibsolve location=cam.json !
+ * fakesink
+ * ]|
+ */
+
+#include <string>
+
+#include <gst/base/gstbasetransform.h>
+#include <gst/video/video.h>
+
+#include "calib_solver.hpp"
+#include "calvin/camera/camera.hpp"
+#include "elements.hpp"
+#include "messages.hpp"
+#include "meta_filter.hpp"
+#include "metas.hpp"
+#include "properties.hpp"
+
+GST_DEBUG_CATEGORY_STATIC(calibsolve_debug);
+#define GST_CAT_DEFAULT calibsolve_debug
+
+G_DECLARE_FINAL_TYPE(GstCalibSolve, gst_calib_solve, GST, CALIB_SOLVE, GstBaseTransform)
+
+namespace {
+
+using namespace calvin;
+
+struct State {
+  explicit State(GstElement* element) : solver(element) {}
+
+  gst::CalibSolver solver;
+  bool mode_known = false;  // streaming thread
+};
+
+}  // namespace
+
+struct _GstCalibSolve {
+  GstBaseTransform parent;
+  State* state;
+};
+
+G_DEFINE_FINAL_TYPE(GstCalibSolve, gst_calib_solve, GST_TYPE_BASE_TRANSFORM)
+GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibsolve, "calibsolve", GST_RANK_NONE,
+                                      gst_calib_solve_get_type(),
+                                      GST_DEBUG_CATEGORY_INIT(calibsolve_debug, "calibsolve", 0,
+                                                              "camera calibration solver"))
+
+enum {
+  PROP_0,
+  PROP_LOCATION,
+  PROP_EXPORT,
+  PROP_CAMERA,
+  PROP_MODEL,
+  PROP_FIX,
+  PROP_CAPTURE_MODE,
+  PROP_MIN_VIEWS,
+  PROP_MAX_VIEWS,
+  PROP_TARGET_ERROR,
+  PROP_CALIBRATION,
+  PROP_STATS,
+};
+
+enum { SIGNAL_CAPTURE_VIEW, SIGNAL_SOLVE, SIGNAL_RESET, SIGNAL_REMOVE_VIEW, LAST_SIGNAL };
+static guint gst_calib_solve_signals[LAST_SIGNAL];
+
+static GType gst_calib_solve_capture_mode_get_type() {
+  static const GEnumValue kValues[] = {
+      {gst::kCaptureDefault, "All when the source is not live, auto when it is", "default"},
+      {gst::kCaptureAll, "Every view with a board; only outliers are dropped", "all"},
+      {gst::kCaptureAuto, "Views that are still, large and unlike those before", "auto"},
+      {gst::kCaptureManual, "Only on the signal capture-view", "manual"},
+      {0, nullptr, nullptr}};
+  static const GType kType = g_enum_register_static("GstCalibSolveCaptureMode", kValues);
+  return kType;
+}
+
+static void gst_calib_solve_set_property(GObject* object, guint id, const GValue* value,
+                                         GParamSpec* spec) {
+  GST_CALIB_SOLVE(object)->state->solver.change_settings([&](gst::SolverSettings& settings) {
+    switch (id) {
+      case PROP_LOCATION:
+        settings.location = gst::string_of(value);
+        break;
+      case PROP_EXPORT:
+        settings.exports = gst::string_of(value);
+        break;
+      case PROP_CAMERA:
+        settings.camera = gst::string_of(value);
+        break;
+      case PROP_MODEL:
+        settings.model = gst::string_of(value);
+        break;
+      case PROP_FIX:
+        settings.fix = gst::string_of(value);
+        break;
+      case PROP_CAPTURE_MODE:
+        settings.capture_mode = g_value_get_enum(value);
+        break;
+      case PROP_MIN_VIEWS:
+        settings.min_views = g_value_get_int(value);
+        break;
+      case PROP_MAX_VIEWS:
+        settings.max_views = g_value_get_int(value);
+        break;
+      case PROP_TARGET_ERROR:
+        settings.target_error = g_value_get_double(value);
+        break;
+      default:
+        G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+    }
+  });
+}
+
+static void gst_calib_solve_get_property(GObject* object, guint id, GValue* value,
+                                         GParamSpec* spec) {
+  gst::CalibSolver& solver = GST_CALIB_SOLVE(object)->state->solver;
+  const gst::SolverSettings settings = solver.settings();
+  switch (id) {
+    case PROP_LOCATION:
+      gst::set_string(value, settings.location);
+      break;
+    case PROP_EXPORT:
+      gst::set_string(value, settings.exports);
+      break;
+    case PROP_CAMERA:
+      gst::set_string(value, settings.camera);
+      break;
+    case PROP_MODEL:
+      gst::set_string(value, settings.model);
+      break;
+    case PROP_FIX:
+      gst::set_string(value, settings.fix);
+      break;
+    case PROP_CAPTURE_MODE:
+      g_value_set_enum(value, settings.capture_mode);
+      break;
+    case PROP_MIN_VIEWS:
+      g_value_set_int(value, settings.min_views);
+      break;
+    case PROP_MAX_VIEWS:
+      g_value_set_int(value, settings.max_views);
+      break;
+    case PROP_TARGET_ERROR:
+      g_value_set_double(value, settings.target_error);
+      break;
+    case PROP_CALIBRATION:
+      gst::set_string(value, solver.calibration_json());
+      break;
+    case PROP_STATS:
+      g_value_take_boxed(value, solver.stats());
+      break;
+    default:
+      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+  }
+}
+
+// ---- Action signals: any thread -----------------------------------------------------------------
+
+static void gst_calib_solve_capture_view(GstCalibSolve* self) {
+  self->state->solver.capture_view();
+}
+
+static void gst_calib_solve_solve(GstCalibSolve* self) { self->state->solver.solve_now(); }
+
+static void gst_calib_solve_reset(GstCalibSolve* self) { self->state->solver.reset(); }
+
+static gboolean gst_calib_solve_remove_view(GstCalibSolve* self, guint index) {
+  return self->state->solver.remove_view(index);
+}
+
+// ---- Streaming ----------------------------------------------------------------------------------
+
+static void gst_calib_solve_push_calibration(GstCalibSolve* self) {
+  if (const auto event = self->state->solver.take_event()) {
+    gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self), gst::new_calibration_event(*event));
+  }
+}
+
+static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
+  GstCalibSolve* self = GST_CALIB_SOLVE(trans);
+  gst::CalibSolver& solver = self->state->solver;
+  // Asked once after each CAPS: only then does a live source know that it is one.
+  if (!std::exchange(self->state->mode_known, true)) {
+    solver.choose_capture_mode(gst::upstream_is_live(trans));
+  }
+  const bool captured =
+      solver.offer(gst::read_observations(buffer), gst::frame_times(&trans->segment, buffer));
+  gst_calib_solve_push_calibration(self);
+  gst::Guidance guidance = solver.guidance();
+  guidance.captured = captured;
+  gst::attach_guidance(buffer, guidance);
+  return GST_FLOW_OK;
+}
+
+static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
+                                         GstCaps* /*out_caps*/) {
+  GstCalibSolve* self = GST_CALIB_SOLVE(trans);
+  GstVideoInfo info;
+  if (!gst_video_info_from_caps(&info, caps)) return FALSE;
+  self->state->mode_known = false;
+  self->state->solver.set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
+  return TRUE;
+}
+
+static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* event) {
+  GstCalibSolve* self = GST_CALIB_SOLVE(trans);
+  gst::CalibSolver& solver = self->state->solver;
+  switch (GST_EVENT_TYPE(event)) {
+    case GST_EVENT_EOS:
+      solver.finish();
+      gst_calib_solve_push_calibration(self);
+      break;
+    case GST_EVENT_CUSTOM_DOWNSTREAM:
+      // An observation that no buffer could take.
+      if (gst_event_has_name(event, gst::kObservationName)) {
+        solver.offer(gst::observations_from_structure(gst_event_get_structure(event)), {});
+      }
+      break;
+    case GST_EVENT_FLUSH_START:
+      solver.cancel();
+      break;
+    case GST_EVENT_FLUSH_STOP:
+      solver.resume();
+      break;
+    default:
+      break;
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_solve_parent_class)->sink_event(trans, event);
+}
+
+static gboolean gst_calib_solve_start(GstBaseTransform* trans) {
+  const Status started = GST_CALIB_SOLVE(trans)->state->solver.start();
+  if (!started) gst::post_error(GST_ELEMENT(trans), started.error());
+  return started.has_value();
+}
+
+static gboolean gst_calib_solve_stop(GstBaseTransform* trans) {
+  GST_CALIB_SOLVE(trans)->state->solver.stop();
+  return TRUE;
+}
+
+static GstStateChangeReturn gst_calib_solve_change_state(GstElement* element,
+                                                         GstStateChange change) {
+  // Before the pads are deactivated: that waits for the streaming thread, which may be draining.
+  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) GST_CALIB_SOLVE(element)->state->solver.cancel();
+  return GST_ELEMENT_CLASS(gst_calib_solve_parent_class)->change_state(element, change);
+}
+
+static void gst_calib_solve_finalize(GObject* object) {
+  delete GST_CALIB_SOLVE(object)->state;
+  G_OBJECT_CLASS(gst_calib_solve_parent_class)->finalize(object);
+}
+
+static void gst_calib_solve_init(GstCalibSolve* self) {
+  self->state = new State(GST_ELEMENT(self));
+  gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
+}
+
+// ---- Class --------------------------------------------------------------------------------------
+
+static void gst_calib_solve_install_properties(GObjectClass* object_class) {
+  const auto text = [object_class](guint id, const char* name, const char* nick, const char* blurb,
+                                   const char* value, GParamFlags flags) {
+    g_object_class_install_property(object_class, id,
+                                    g_param_spec_string(name, nick, blurb, value, flags));
+  };
+  text(PROP_LOCATION, "location", "Location",
+       "File for the calibration (native JSON), written at the first solve and whenever it got "
+       "better",
+       nullptr, gst::kMutableReady);
+  text(PROP_EXPORT, "export", "Export",
+       "Further files in other formats, FORMAT:PATH,FORMAT:PATH with the formats calvin, ros, "
+       "opencv-yaml, opencv-xml, opencv-json",
+       nullptr, gst::kMutableReady);
+  text(PROP_CAMERA, "camera", "Camera",
+       "Name of the camera in messages and files (unset = the one that the observations carry)",
+       nullptr, gst::kMutablePlaying);
+  text(PROP_MODEL, "model", "Model", "Camera model: pinhole, brown4, brown5 or fisheye", "brown5",
+       gst::kMutablePlaying);
+  text(PROP_FIX, "fix", "Fix",
+       "What not to estimate, separated by commas: a distortion coefficient (held at 0), center "
+       "(the middle of the picture), aspect (fx = fy)",
+       nullptr, gst::kMutablePlaying);
+  g_object_class_install_property(
+      object_class, PROP_CAPTURE_MODE,
+      g_param_spec_enum("capture-mode", "Capture mode", "Which views of the board are kept",
+                        gst_calib_solve_capture_mode_get_type(), gst::kCaptureDefault,
+                        gst::kMutableReady));
+  g_object_class_install_property(
+      object_class, PROP_MIN_VIEWS,
+      g_param_spec_int("min-views", "Minimum views", "Views that a calibration needs at least", 3,
+                       1000, 3, gst::kMutableReady));
+  g_object_class_install_property(
+      object_class, PROP_MAX_VIEWS,
+      g_param_spec_int("max-views", "Maximum views",
+                       "Views after which nothing more is captured and the final result is posted "
+                       "(0 = no limit)",
+                       0, 100000, 0, gst::kMutableReady));
+  g_object_class_install_property(
+      object_class, PROP_TARGET_ERROR,
+      g_param_spec_double("target-error", "Target error",
+                          "Expected error in px (1 sigma, anywhere in the picture) at which "
+                          "nothing more is captured and the final result is posted (0 = never)",
+                          0, 100, 0, gst::kMutablePlaying));
+  text(PROP_CALIBRATION, "calibration", "Calibration",
+       "The newest calibration as native JSON (unset before the first solve)", nullptr,
+       gst::kReadOnly);
+  g_object_class_install_property(
+      object_class, PROP_STATS,
+      g_param_spec_boxed("stats", "Statistics",
+                         "State of the session: views, coverage 0..1, rms px, expected-error px",
+                         GST_TYPE_STRUCTURE, gst::kReadOnly));
+  gst_type_mark_as_plugin_api(gst_calib_solve_capture_mode_get_type(),
+                              static_cast<GstPluginAPIFlags>(0));
+}
+
+static void gst_calib_solve_install_signals(GType type) {
+  constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
+  const auto action = [type](const char* name, void (*handler)(GstCalibSolve*)) {
+    return g_signal_new_class_handler(name, type, kAction, G_CALLBACK(handler), nullptr, nullptr,
+                                      nullptr, G_TYPE_NONE, 0);
+  };
+  guint* signals = gst_calib_solve_signals;
+  /**
+   * GstCalibSolve::capture-view:
+   *
+   * Keeps the next view of the board, whatever the capture mode.
+   */
+  signals[SIGNAL_CAPTURE_VIEW] = action("capture-view", gst_calib_solve_capture_view);
+  /**
+   * GstCalibSolve::solve:
+   *
+   * Solves all views now and posts the result as a final one; capturing goes on.
+   */
+  signals[SIGNAL_SOLVE] = action("solve", gst_calib_solve_solve);
+  /**
+   * GstCalibSolve::reset:
+   *
+   * Forgets all views and the calibration; files stay as they are.
+   */
+  signals[SIGNAL_RESET] = action("reset", gst_calib_solve_reset);
+  /**
+   * GstCalibSolve::remove-view:
+   * @index: of the view, from 0
+   *
+   * Forgets one view and solves again. Returns: whether there was such a view.
+   */
+  signals[SIGNAL_REMOVE_VIEW] = g_signal_new_class_handler(
+      "remove-view", type, kAction, G_CALLBACK(gst_calib_solve_remove_view), nullptr, nullptr,
+      nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_UINT);
+}
+
+static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
+  auto* object_class = G_OBJECT_CLASS(klass);
+  auto* element_class = GST_ELEMENT_CLASS(klass);
+  auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
+  object_class->set_property = gst_calib_solve_set_property;
+  object_class->get_property = gst_calib_solve_get_property;
+  object_class->finalize = gst_calib_solve_finalize;
+  element_class->change_state = gst_calib_solve_change_state;
+  trans_class->start = gst_calib_solve_start;
+  trans_class->stop = gst_calib_solve_stop;
+  trans_class->set_caps = gst_calib_solve_set_caps;
+  trans_class->sink_event = gst_calib_solve_sink_event;
+  trans_class->prepare_output_buffer = gst::share_input_buffer;
+  trans_class->transform_ip = gst_calib_solve_transform_ip;
+  trans_class->transform_ip_on_passthrough = TRUE;
+  gst_calib_solve_install_properties(object_class);
+  gst_calib_solve_install_signals(G_TYPE_FROM_CLASS(klass));
+  gst::add_raw_video_pads(element_class);
+  gst_element_class_set_static_metadata(
+      element_class, "Camera calibration solver", "Filter/Analyzer/Video",
+      "Solves the camera from the boards that were found upstream", "The gst-calvin authors");
+}

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// GStreamer 1.22's video-blend.h forgets to say that this function is C. The first declaration
+// decides, so this one comes before any of GStreamer's headers.
+struct _GstVideoFrame;
+extern "C" int gst_video_blend(_GstVideoFrame* dest, _GstVideoFrame* src, int x, int y,
+                               float global_alpha);
+
+#include "overlay_blend.hpp"
+
+#include <gst/video/video-overlay-composition.h>
+
+namespace calvin::gst {
+
+namespace {
+
+// Chroma is shared by up to this many luma samples in any format with simple pixels.
+constexpr int kAlignment = 4;
+
+bool has_simple_pixels(const GstVideoFormatInfo* format) {
+  return !GST_VIDEO_FORMAT_INFO_IS_COMPLEX(format) && !GST_VIDEO_FORMAT_INFO_IS_TILED(format) &&
+         !GST_VIDEO_FORMAT_INFO_HAS_PALETTE(format);
+}
+
+// The part of a mapped frame that a tile covers, as a frame: gst_video_blend() converts whole
+// lines, and lines of the tile's length are much cheaper. Borrows the map.
+GstVideoFrame part_of(const GstVideoFrame& frame, const OverlayTile& tile) {
+  GstVideoFrame part = frame;
+  const GstVideoFormatInfo* format = frame.info.finfo;
+  part.info.width = tile.width;
+  part.info.height = tile.height;
+  for (guint plane = 0; plane < GST_VIDEO_FRAME_N_PLANES(&frame); ++plane) {
+    gint components[GST_VIDEO_MAX_COMPONENTS];
+    gst_video_format_info_component(format, plane, components);
+    const gint c = components[0];
+    const int x = tile.x >> GST_VIDEO_FORMAT_INFO_W_SUB(format, c);
+    const int y = tile.y >> GST_VIDEO_FORMAT_INFO_H_SUB(format, c);
+    part.data[plane] = static_cast<guint8*>(frame.data[plane]) +
+                       static_cast<gssize>(y) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane) +
+                       static_cast<gssize>(x) * GST_VIDEO_FORMAT_INFO_PSTRIDE(format, c);
+  }
+  return part;
+}
+
+}  // namespace
+
+bool blend_tile(GstVideoFrame* frame, const OverlayTile& tile) {
+  GstVideoInfo info;
+  gst_video_info_set_format(&info, GST_VIDEO_OVERLAY_COMPOSITION_FORMAT_RGB,
+                            static_cast<guint>(tile.width), static_cast<guint>(tile.height));
+  info.flags = static_cast<GstVideoFlags>(info.flags | GST_VIDEO_FLAG_PREMULTIPLIED_ALPHA);
+  g_autoptr(GstBuffer) pixels = gst_buffer_new_wrapped_full(
+      GST_MEMORY_FLAG_READONLY, const_cast<std::uint8_t*>(tile.pixels.data()), tile.pixels.size(),
+      0, tile.pixels.size(), nullptr, nullptr);
+  GstVideoFrame source;
+  if (!gst_video_frame_map(&source, &info, pixels, GST_MAP_READ)) return false;
+  gboolean blended = FALSE;
+  if (has_simple_pixels(frame->info.finfo) && tile.x % kAlignment == 0 &&
+      tile.y % kAlignment == 0) {
+    GstVideoFrame part = part_of(*frame, tile);
+    blended = gst_video_blend(&part, &source, 0, 0, 1);
+  } else {
+    blended = gst_video_blend(frame, &source, tile.x, tile.y, 1);
+  }
+  gst_video_frame_unmap(&source);
+  return blended != FALSE;
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Detector: image -> Observation. One interface for every kind of board.
+#pragma once
+
+#include <memory>
+#include <stop_token>
+
+#include "calvin/core/image.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/core/reason.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+
+// What was seen of the board. `observation` has no points unless the whole board was found;
+// `reason` is then kAccepted, and otherwise says why not: kNotFound, kTooSmall (corners too close
+// to each other to be told apart) or kWrongBoard (a checkerboard, but larger than this one or with
+// its colours exchanged). `timestamp` and `camera` of the observation are left to the caller.
+struct Detection {
+  Observation observation;
+  Reason reason = Reason::kNotFound;
+};
+
+// Finds one board. Control point 0 is always the same corner of the board, see target/board.hpp;
+// where the board looks the same after a turn, it is the candidate nearest to the top left of the
+// image, and Observation::ambiguous lists the other labellings. Keeps memory from one image to the
+// next; not to be shared between threads.
+class Detector {
+ public:
+  Detector() = default;
+  Detector(const Detector&) = delete;
+  Detector& operator=(const Detector&) = delete;
+  virtual ~Detector() = default;
+
+  // Any image will do, an empty one too. A stop that was requested is seen between the steps of
+  // the work; the result is then kNotFound.
+  virtual Detection detect(const ImageView& image, std::stop_token stop = {}) noexcept = 0;
+};
+
+// kUnsupported where this build has no detector for the board, with a message that says why.
+[[nodiscard]] Result<std::unique_ptr<Detector>> make_detector(const Board& board);
+
+}  // namespace calvin

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// caliboverlay draws where the metas say, nowhere else, and never into a buffer of somebody else.
+
+// Ours first: check.h defines the macro `fail`.
+#include "calvin_config.h"
+#include "metas.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+#include <gst/video/video.h>
+
+using namespace calvin;
+
+namespace {
+
+constexpr std::uint8_t kGround = 100;
+constexpr const char* kSmall = "GRAY8, width=320, height=240";
+
+struct Harness {
+  explicit Harness(const std::string& format_and_size) {
+    const std::string caps =
+        "video/x-raw, framerate=30/1, interlace-mode=progressive, format=" + format_and_size;
+    h = gst_harness_new("caliboverlay");
+    gst_harness_set_src_caps_str(h, caps.c_str());
+    g_autoptr(GstCaps) parsed = gst_caps_from_string(caps.c_str());
+    fail_unless(gst_video_info_from_caps(&info, parsed));
+  }
+  ~Harness() { gst_harness_teardown(h); }
+
+  [[nodiscard]] GstBuffer* frame(GstClockTime pts = 0) const {
+    GstBuffer* buffer = gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr);
+    gst_buffer_memset(buffer, 0, kGround, GST_VIDEO_INFO_SIZE(&info));
+    GST_BUFFER_PTS(buffer) = pts;
+    return buffer;
+  }
+
+  GstHarness* h = nullptr;
+  GstVideoInfo info{};
+};
+
+// Four corners in two rows, the first at (u, v), `pitch` px apart.
+Observation board_at(const GstVideoInfo& info, double u, double v, double pitch) {
+  Observation o;
+  o.board = "checkerboard:3x2:25mm";
+  o.image_size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  o.ids = {0, 1, 3, 4};
+  o.uv = {{u, v}, {u + pitch, v}, {u, v + pitch}, {u + pitch, v + pitch}};
+  o.sigma = {0.1, 0.1, 0.1, 0.1};
+  return o;
+}
+
+struct Box {
+  int left, top, right, bottom;
+  [[nodiscard]] bool holds(int x, int y) const {
+    return x >= left && x <= right && y >= top && y <= bottom;
+  }
+};
+
+// How many samples of the buffer's components differ from the ground, inside and outside the box.
+struct Changes {
+  int inside = 0;
+  int outside = 0;
+};
+
+Changes changes(const GstVideoInfo& info, GstBuffer* buffer, const Box& box) {
+  Changes result;
+  GstVideoFrame frame;
+  fail_unless(gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ));
+  for (guint c = 0; c < GST_VIDEO_FRAME_N_COMPONENTS(&frame); ++c) {
+    const auto* data = GST_VIDEO_FRAME_COMP_DATA(&frame, c);
+    const int dx = 1 << GST_VIDEO_FORMAT_INFO_W_SUB(frame.info.finfo, c);
+    const int dy = 1 << GST_VIDEO_FORMAT_INFO_H_SUB(frame.info.finfo, c);
+    for (int y = 0; y < GST_VIDEO_FRAME_COMP_HEIGHT(&frame, c); ++y) {
+      for (int x = 0; x < GST_VIDEO_FRAME_COMP_WIDTH(&frame, c); ++x) {
+        const auto* line =
+            static_cast<const std::uint8_t*>(data) + y * GST_VIDEO_FRAME_COMP_STRIDE(&frame, c);
+        if (line[x * GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, c)] == kGround) continue;
+        ++(box.holds(x * dx, y * dy) ? result.inside : result.outside);
+      }
+    }
+  }
+  gst_video_frame_unmap(&frame);
+  return result;
+}
+
+}  // namespace
+
+GST_START_TEST(test_without_metas_the_buffer_itself_passes) {
+  Harness harness(kSmall);
+  GstBuffer* in = gst_buffer_ref(harness.frame());
+  GstBuffer* out = gst_harness_push_and_pull(harness.h, in);
+  fail_unless(out == in);
+  fail_unless_equals_int(changes(harness.info, out, {}).outside, 0);
+  gst_buffer_unref(out);
+  gst_buffer_unref(in);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_board_that_was_not_found_draws_nothing) {
+  Harness harness(kSmall);
+  GstBuffer* in = harness.frame();
+  gst::attach_observations(in, std::vector{Observation{}});
+  gst_buffer_ref(in);
+  GstBuffer* out = gst_harness_push_and_pull(harness.h, in);
+  fail_unless(out == in);
+  gst_buffer_unref(out);
+  gst_buffer_unref(in);
+}
+GST_END_TEST;
+
+#if CALVIN_HAVE_CAIRO
+
+static const char* const kFormats[] = {
+    "I420, width=320, height=240",  "NV12, width=320, height=240",  "YUY2, width=320, height=240",
+    "BGRx, width=320, height=240",  "GRAY8, width=320, height=240", "I420, width=321, height=239",
+    "NV12, width=319, height=241",  "YUY2, width=321, height=239",  "GRAY8, width=323, height=241",
+    "UYVY, width=320, height=240",  "RGB, width=319, height=240",   "Y42B, width=320, height=240",
+    "NV21, width=1281, height=719", "YV12, width=320, height=240"};
+
+GST_START_TEST(test_draws_near_the_corners_only) {
+  Harness harness(kFormats[__i__]);
+  GstBuffer* in = harness.frame();
+  gst::attach_observations(in, std::vector{board_at(harness.info, 101, 81, 41)});
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(harness.h, in);
+  const Changes all = changes(harness.info, out, {80, 60, 165, 145});
+  fail_unless(all.inside > 100, "%s: %d samples drawn", kFormats[__i__], all.inside);
+  fail_unless_equals_int(all.outside, 0);
+  const Changes first = changes(harness.info, out, {96, 76, 106, 86});
+  fail_unless(first.inside > 20, "%s: nothing at corner 0", kFormats[__i__]);
+  const Changes middle = changes(harness.info, out, {114, 92, 130, 112});
+  fail_unless_equals_int(middle.inside, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_somebody_elses_buffer_stays_as_it_is) {
+  Harness harness("NV12, width=320, height=240");
+  GstBuffer* in = harness.frame();
+  gst::attach_observations(in, std::vector{board_at(harness.info, 100, 80, 40)});
+  gst_buffer_ref(in);
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(harness.h, in);
+  fail_unless(out != in);
+  fail_unless_equals_int(changes(harness.info, in, {}).outside, 0);
+  fail_unless(changes(harness.info, out, {}).outside > 100);
+  fail_unless_equals_uint64(GST_BUFFER_PTS(out), GST_BUFFER_PTS(in));
+  fail_unless_equals_int(gst::read_observations(out).size(), 1);
+  gst_buffer_unref(in);
+}
+GST_END_TEST;
+
+// A buffer that is ours over memory that is not, as behind a tee.
+GST_START_TEST(test_shared_memory_stays_as_it_is) {
+  Harness harness(kSmall);
+  GstBuffer* original = harness.frame();
+  GstBuffer* in = gst_buffer_copy(original);
+  gst::attach_observations(in, std::vector{board_at(harness.info, 100, 80, 40)});
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(harness.h, in);
+  fail_unless_equals_int(changes(harness.info, original, {}).outside, 0);
+  fail_unless(changes(harness.info, out, {}).outside > 100);
+  gst_buffer_unref(original);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_guidance_draws_bars_and_words) {
+  Harness harness("I420, width=640, height=480");
+  GstBuffer* in = harness.frame();
+  gst::Guidance guidance;
+  guidance.hint = "tilt the board left";
+  guidance.views = 12;
+  guidance.x = 0.5;
+  gst::attach_guidance(in, guidance);
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(harness.h, in);
+  fail_unless(changes(harness.info, out, {0, 0, 150, 110}).inside > 1000);
+  const Changes bottom = changes(harness.info, out, {100, 440, 540, 479});
+#if CALVIN_HAVE_PANGO
+  fail_unless(bottom.inside > 1000);
+#else
+  fail_unless_equals_int(bottom.inside, 0);
+#endif
+  fail_unless_equals_int(changes(harness.info, out, {160, 120, 639, 430}).inside, 0);
+}
+GST_END_TEST;
+
+// 100 ms after the observation its marks are still there, 400 ms after no more; a new observation
+// replaces it at once, a flush forgets it.
+GST_START_TEST(test_marks_are_held_for_a_moment) {
+  Harness harness(kSmall);
+  const auto drawn = [&](GstClockTime pts, const Observation* observation) {
+    GstBuffer* in = harness.frame(pts);
+    if (observation != nullptr) gst::attach_observations(in, std::vector{*observation});
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(harness.h, in);
+    return changes(harness.info, out, {}).outside > 0;
+  };
+  const Observation board = board_at(harness.info, 100, 80, 40);
+  const Observation none;
+  fail_unless(drawn(0, &board));
+  fail_unless(drawn(100 * GST_MSECOND, nullptr));
+  fail_if(drawn(400 * GST_MSECOND, nullptr));
+  fail_unless(drawn(500 * GST_MSECOND, &board));
+  fail_if(drawn(550 * GST_MSECOND, &none));
+  fail_unless(drawn(600 * GST_MSECOND, &board));
+  fail_unless(gst_harness_push_event(harness.h, gst_event_new_flush_start()));
+  fail_unless(gst_harness_push_event(harness.h, gst_event_new_flush_stop(TRUE)));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  fail_unless(gst_harness_push_event(harness.h, gst_event_new_segment(&segment)));
+  fail_if(drawn(610 * GST_MSECOND, nullptr));
+  fail_unless(drawn(GST_CLOCK_TIME_NONE, &board));
+  fail_if(drawn(GST_CLOCK_TIME_NONE, nullptr));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_new_size_forgets_the_marks) {
+  Harness harness(kSmall);
+  GstBuffer* in = harness.frame();
+  gst::attach_observations(in, std::vector{board_at(harness.info, 100, 80, 40)});
+  gst_buffer_unref(gst_harness_push_and_pull(harness.h, in));
+  const char* caps = "video/x-raw, format=GRAY8, width=160, height=120, framerate=30/1";
+  gst_harness_set_src_caps_str(harness.h, caps);
+  g_autoptr(GstCaps) parsed = gst_caps_from_string(caps);
+  fail_unless(gst_video_info_from_caps(&harness.info, parsed));
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(harness.h, harness.frame(10));
+  fail_unless_equals_int(changes(harness.info, out, {}).outside, 0);
+}
+GST_END_TEST;
+
+#else
+
+GST_START_TEST(test_warns_that_it_draws_nothing) {
+  GstElement* element = gst_check_setup_element("caliboverlay");
+  GstBus* bus = gst_bus_new();
+  gst_element_set_bus(element, bus);
+  fail_unless(gst_element_set_state(element, GST_STATE_PAUSED) != GST_STATE_CHANGE_FAILURE);
+  g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
+  fail_unless(message != nullptr);
+  fail_unless(gst_element_set_state(element, GST_STATE_NULL) == GST_STATE_CHANGE_SUCCESS);
+  gst_element_set_bus(element, nullptr);
+  gst_object_unref(bus);
+  gst_check_teardown_element(element);
+}
+GST_END_TEST;
+
+#endif
+
+static Suite* caliboverlay_suite() {
+  Suite* suite = suite_create("caliboverlay");
+  TCase* tc = tcase_create("general");
+  tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
+  tcase_add_test(tc, test_without_metas_the_buffer_itself_passes);
+  tcase_add_test(tc, test_a_board_that_was_not_found_draws_nothing);
+#if CALVIN_HAVE_CAIRO
+  tcase_add_loop_test(tc, test_draws_near_the_corners_only, 0, G_N_ELEMENTS(kFormats));
+  tcase_add_test(tc, test_somebody_elses_buffer_stays_as_it_is);
+  tcase_add_test(tc, test_shared_memory_stays_as_it_is);
+  tcase_add_test(tc, test_guidance_draws_bars_and_words);
+  tcase_add_test(tc, test_marks_are_held_for_a_moment);
+  tcase_add_test(tc, test_a_new_size_forgets_the_marks);
+#else
+  tcase_add_test(tc, test_warns_that_it_draws_nothing);
+#endif
+  suite_add_tcase(suite, tc);
+  return suite;
+}
+
+GST_CHECK_MAIN(caliboverlay)

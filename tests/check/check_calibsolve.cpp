@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibsolve: from observation metas to messages, files and the sticky event, and what it says
+// when there is nothing to solve.
+
+#include <random>
+
+#include "calibration_event.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "support.hpp"
+#include "values.hpp"
+
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+
+using namespace calvin;
+
+// An element that is fed with exact observations plus noise of 0.1 px; the pixels do not matter.
+struct Fixture {
+  explicit Fixture(const std::string& properties = "", bool start = true)
+      : h(gst_harness_new_parse(("calibsolve " + properties).c_str())), bus(h->element) {
+    if (!start) return;
+    // gst_harness_new_parse() has started it without a bus: start again for what it says then.
+    gst_element_set_state(h->element, GST_STATE_NULL);
+    gst_element_set_state(h->element, GST_STATE_PLAYING);
+    gst_harness_set_src_caps(h, check::caps_of("GRAY8", scene.size));
+  }
+  ~Fixture() {
+    bus.detach();
+    gst_harness_teardown(h);
+  }
+
+  Observation seen(int n) {
+    Observation o = scene.truth(n);
+    std::mt19937 random(static_cast<unsigned>(n));
+    std::normal_distribution<double> noise(0, 0.1);
+    for (Pixel& p : o.uv) p = {p.u + noise(random), p.v + noise(random)};
+    o.sigma.assign(o.ids.size(), 0.1);
+    o.camera = "left";
+    return o;
+  }
+  GstBuffer* push(int n) {
+    GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
+    GST_BUFFER_PTS(buffer) = static_cast<guint64>(n) * GST_SECOND / 30;
+    GST_BUFFER_DURATION(buffer) = GST_SECOND / 30;
+    Observation o = seen(n);
+    o.timestamp = GST_BUFFER_PTS(buffer);
+    gst::attach_observations(buffer, std::vector{o});
+    return gst_harness_push_and_pull(h, buffer);
+  }
+  void push_views(int count) {
+    for (int n = 0; n < count; ++n) gst_buffer_unref(push(n));
+  }
+  void eos() { gst_harness_push_event(h, gst_event_new_eos()); }
+  // The last result message of that state, or nullptr.
+  const GstStructure* result(const char* state) {
+    const GstStructure* last = nullptr;
+    for (const GstStructure* s : bus.named("calib-result")) {
+      if (g_strcmp0(gst_structure_get_string(s, "state"), state) == 0) last = s;
+    }
+    return last;
+  }
+
+  check::Scene scene;
+  GstHarness* h;
+  check::Bus bus;
+};
+
+static double get(const GstStructure* s, const char* field) {
+  double value = 0;
+  fail_unless(gst_structure_get_double(s, field, &value), "no %s", field);
+  return value;
+}
+
+GST_START_TEST(test_solves_at_eos_and_says_so) {
+  Fixture f;
+  f.push_views(25);
+  f.eos();
+  const GstStructure* r = f.result("final");
+  fail_unless(r != nullptr);
+  fail_unless_equals_string(gst_structure_get_string(r, "camera"), "left");
+  fail_unless_equals_string(gst_structure_get_string(r, "model"), "brown5");
+  const GstStructure* sigma = nullptr;
+  gst_structure_get(r, "sigma", GST_TYPE_STRUCTURE, &sigma, nullptr);
+  fail_unless(sigma != nullptr);
+  const auto names = parameter_names("brown5");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string name(names[i]);
+    const double error = get(r, name.c_str()) - f.scene.camera.parameters()[i];
+    const double s = get(sigma, name.c_str());
+    fail_unless(std::abs(error) < 5 * s, "%s is off by %f, sigma %f", name.c_str(), error, s);
+  }
+  fail_unless(get(r, "rms") > 0.1 && get(r, "rms") < 0.2);
+  fail_unless(get(r, "expected-error") > 0 && get(r, "expected-error") < 1);
+  int views = 0;
+  gst_structure_get_int(r, "views", &views);
+  fail_unless_equals_int(views, 25);
+  const auto read = parse_calibration(gst_structure_get_string(r, "json"));
+  fail_unless(read.has_value());
+  fail_unless_equals_float(read->find("fx")->value, get(r, "fx"));
+  fail_unless(f.result("intermediate") != nullptr);
+  fail_unless(gst_structure_get_string(f.result("intermediate"), "json") == nullptr);
+  fail_unless(f.bus.named("calib-progress").size() >= 25);
+  fail_unless_equals_int(f.bus.named("calib-view").size(), 25);
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  gst_structure_free(const_cast<GstStructure*>(sigma));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_writes_its_files) {
+  check::TemporaryFolder folder;
+  Fixture f("location=" + folder / "cam.json" + " export=ros:" + folder / "ros.yaml" +
+            ",opencv-xml:" + folder / "cv.xml" + " camera=right");
+  f.push_views(12);
+  f.eos();
+  for (const char* name : {"cam.json", "ros.yaml", "cv.xml"}) {
+    const auto read = read_calibration(folder / name);
+    fail_unless(read.has_value(), "%s", name);
+    fail_unless_equals_int(read->image_size.width, 640);
+    fail_unless(std::abs(read->find("fx")->value - f.scene.camera.fx()) < 5, "%s", name);
+  }
+  const auto native = read_calibration(folder / "cam.json");
+  fail_unless_equals_string(native->camera.c_str(), "right");
+  fail_unless_equals_int(native->views.size(), 12);
+  fail_unless(!native->created.empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_the_file_is_there_before_eos) {
+  check::TemporaryFolder folder;
+  Fixture f("location=" + folder / "cam.json");
+  f.push_views(12);
+  // No EOS: a pipeline that is killed. The worker needs its time, nothing else happens.
+  for (int i = 0; i < 500 && !read_calibration(folder / "cam.json"); ++i) g_usleep(10000);
+  fail_unless(read_calibration(folder / "cam.json").has_value());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_the_event_precedes_eos_and_is_sticky) {
+  Fixture f;
+  f.push_views(10);
+  f.eos();
+  g_autoptr(GstPad) src = gst_element_get_static_pad(f.h->element, "src");
+  g_autoptr(GstEvent) sticky = gst_pad_get_sticky_event(src, GST_EVENT_CUSTOM_DOWNSTREAM_STICKY, 0);
+  fail_unless(sticky != nullptr);
+  const auto event = gst::parse_calibration_event(sticky);
+  fail_unless(event.has_value());
+  fail_unless_equals_string(event->camera.c_str(), "left");
+  fail_unless(parse_calibration(event->json).has_value());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_nothing_solved_is_an_error_only_where_a_file_was_asked_for) {
+  check::TemporaryFolder folder;
+  for (const int views : {0, 1, 2}) {
+    Fixture silent;
+    silent.push_views(views);
+    silent.eos();
+    fail_unless(silent.bus.texts(GST_MESSAGE_ERROR).empty());
+    fail_unless(silent.bus.says(GST_MESSAGE_WARNING, "No calibration"), "%d views", views);
+
+    Fixture f("location=" + folder / "none.json");
+    f.push_views(views);
+    f.eos();
+    const char* why = views == 0   ? "no view of the board"
+                      : views == 1 ? "only one view"
+                                   : "only 2 views";
+    fail_unless(f.bus.says(GST_MESSAGE_ERROR, why), "%d views", views);
+    fail_if(std::filesystem::exists(folder / "none.json"));
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_the_same_view_again_and_again_is_an_error_with_a_reason) {
+  check::TemporaryFolder folder;
+  Fixture f("location=" + folder / "none.json");
+  for (int i = 0; i < 10; ++i) gst_buffer_unref(f.push(3));
+  f.eos();
+  fail_unless(f.bus.says(GST_MESSAGE_ERROR, "No calibration: "));
+  fail_unless(f.result("final") == nullptr);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_an_unwritable_location_warns_early_and_fails_late) {
+  Fixture f("location=/nowhere/at/all/cam.json");
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "/nowhere/at/all"));
+  f.push_views(10);
+  f.eos();
+  fail_unless(f.result("final") != nullptr);
+  fail_unless(f.bus.says(GST_MESSAGE_ERROR, "/nowhere/at/all"));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_wrong_settings_are_errors_at_the_start) {
+  static const struct {
+    const char* property;
+    const char* value;
+    const char* says;
+  } kWrong[] = {{"export", "pdf:a.pdf", "ros:camera.yaml"},
+                {"export", "ros", "ros:camera.yaml"},
+                {"export", "ros:", "ros:camera.yaml"},
+                {"model", "brown17", "brown5"},
+                {"fix", "k9", "k9"}};
+  for (const auto& wrong : kWrong) {
+    GstElement* element = gst_check_setup_element("calibsolve");
+    check::Bus bus(element);
+    g_object_set(element, wrong.property, wrong.value, nullptr);
+    fail_unless_equals_int(gst_element_set_state(element, GST_STATE_PAUSED),
+                           GST_STATE_CHANGE_FAILURE);
+    fail_unless(bus.says(GST_MESSAGE_ERROR, wrong.says), "%s=%s", wrong.property, wrong.value);
+    bus.detach();
+    gst_element_set_state(element, GST_STATE_NULL);
+    gst_check_teardown_element(element);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_manual_mode_takes_what_it_is_told_to) {
+  Fixture f("capture-mode=manual");
+  f.push_views(5);
+  for (int n = 0; n < 8; ++n) {
+    g_signal_emit_by_name(f.h->element, "capture-view");
+    gst_buffer_unref(f.push(n));
+  }
+  g_autoptr(GstStructure) stats = nullptr;
+  g_object_get(f.h->element, "stats", &stats, nullptr);
+  int views = 0;
+  gst_structure_get_int(stats, "views", &views);
+  fail_unless_equals_int(views, 8);
+  gboolean removed = FALSE;
+  g_signal_emit_by_name(f.h->element, "remove-view", 7U, &removed);
+  fail_unless(removed);
+  g_signal_emit_by_name(f.h->element, "remove-view", 7U, &removed);
+  fail_if(removed);
+  g_signal_emit_by_name(f.h->element, "reset");
+  g_autofree char* json = nullptr;
+  g_object_get(f.h->element, "calibration", &json, nullptr);
+  fail_unless(json == nullptr);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_max_views_and_target_error_end_the_session) {
+  for (const char* limit : {"max-views=10", "target-error=1"}) {
+    Fixture f(limit);
+    for (int n = 0; n < 40 && f.result("final") == nullptr; ++n) {
+      gst_buffer_unref(f.push(n));
+      g_usleep(30000);
+    }
+    const GstStructure* r = f.result("final");
+    fail_unless(r != nullptr, "%s", limit);
+    f.eos();
+    fail_unless(f.result("final") == r, "%s: a second final result", limit);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_views_survive_a_flush_and_not_a_new_size) {
+  Fixture f;
+  f.push_views(6);
+  gst_harness_push_event(f.h, gst_event_new_flush_start());
+  gst_harness_push_event(f.h, gst_event_new_flush_stop(TRUE));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_harness_push_event(f.h, gst_event_new_segment(&segment));
+  g_autoptr(GstBuffer) out = f.push(6);
+  fail_unless_equals_int(gst::read_guidance(out)->views, 7);
+  gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", {320, 240}));
+  g_autoptr(GstBuffer) other = f.push(7);  // of the old size: not for this session
+  fail_unless_equals_int(gst::read_guidance(other)->views, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_late_observation_in_an_event_counts) {
+  Fixture f;
+  f.push_views(3);
+  gst_harness_push_event(
+      f.h, gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM,
+                                gst::observations_to_structure(std::vector{f.seen(8)})));
+  g_autoptr(GstBuffer) out = f.push(9);
+  fail_unless_equals_int(gst::read_guidance(out)->views, 5);
+}
+GST_END_TEST;
+
+// Metas that somebody else wrote: nothing but silence is expected, and no crash.
+GST_START_TEST(test_hostile_metas_are_ignored) {
+  Fixture f;
+  GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
+  Observation o = f.seen(0);
+  o.board = "nonsense";
+  Observation nan = f.seen(1);
+  nan.uv[3].u = std::nan("");
+  Observation twice = f.seen(2);
+  twice.ids[1] = twice.ids[0];
+  Observation beyond = f.seen(3);
+  beyond.ids[0] = 1000;
+  gst::attach_observations(buffer, std::vector{o, nan, twice, beyond});
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, buffer);
+  fail_unless_equals_int(gst::read_guidance(out)->views, 0);
+}
+GST_END_TEST;
+
+static Suite* calibsolve_suite() {
+  Suite* suite = suite_create("calibsolve");
+  TCase* tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
+  tcase_add_test(tc, test_solves_at_eos_and_says_so);
+  tcase_add_test(tc, test_writes_its_files);
+  tcase_add_test(tc, test_the_file_is_there_before_eos);
+  tcase_add_test(tc, test_the_event_precedes_eos_and_is_sticky);
+  tcase_add_test(tc, test_nothing_solved_is_an_error_only_where_a_file_was_asked_for);
+  tcase_add_test(tc, test_the_same_view_again_and_again_is_an_error_with_a_reason);
+  tcase_add_test(tc, test_an_unwritable_location_warns_early_and_fails_late);
+  tcase_add_test(tc, test_wrong_settings_are_errors_at_the_start);
+  tcase_add_test(tc, test_manual_mode_takes_what_it_is_told_to);
+  tcase_add_test(tc, test_max_views_and_target_error_end_the_session);
+  tcase_add_test(tc, test_views_survive_a_flush_and_not_a_new_size);
+  tcase_add_test(tc, test_a_late_observation_in_an_event_counts);
+  tcase_add_test(tc, test_hostile_metas_are_ignored);
+  return suite;
+}
+
+GST_CHECK_MAIN(calibsolve)

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The pose of one board before a known camera.
+#include <gtest/gtest.h>
+
+#include "calvin/camera/models.hpp"
+#include "calvin/solve/pose.hpp"
+#include "calvin/solve/pose_fit.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::kBoard;
+using scenes::Random;
+
+class Pose_ : public ::testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(Pose, Pose_, ::testing::ValuesIn(model_names()),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST_P(Pose_, IsRecoveredFromExactCorners) {
+  Random random(1);
+  for (int i = 0; i < 100; ++i) {
+    const Camera camera = scenes::random_camera(GetParam(), random);
+    const SE3 truth = scenes::random_pose(camera, kBoard, random, 0.01 * i);
+    const View view = scenes::observe(camera, kBoard, truth, 0, random);
+    PoseQuality quality;
+    const auto pose = solve_pose(camera, kBoard, view.observation, &quality);
+    ASSERT_TRUE(pose.has_value()) << pose.error().message;
+    EXPECT_LT((pose->translation - truth.translation).norm(), 1e-9) << i;
+    EXPECT_LT((pose->rotation - truth.rotation).norm(), 1e-8) << i;
+    EXPECT_LT(quality.rms, 1e-8);
+    EXPECT_GE(quality.other_rms, quality.rms);
+  }
+}
+
+// The error of a pose in units of its covariance, from the normal equations at the truth.
+template <typename M>
+double normalised_pose_error(const Camera& camera, const View& view, const SE3& truth,
+                             const SE3& found, double sigma) {
+  Reprojection<M> reprojection;
+  ViewEquations<M> equations;
+  EXPECT_TRUE(reprojection.evaluate(to_points(view.board, view.observation),
+                                    camera.parameters().data(), truth, equations));
+  const SE3 left = found * truth.inverse();
+  Eigen::Matrix<double, 6, 1> d;
+  d << log_so3(left.rotation), left.translation;
+  const Eigen::Matrix<double, 6, 6> information =
+      equations.pose().template selfadjointView<Eigen::Lower>();
+  // The weights of the view are 1 / sigma already.
+  EXPECT_GT(sigma, 0);
+  return d.dot(information * d) / 6;
+}
+
+TEST_P(Pose_, HasTheErrorThatTheNoiseImplies) {
+  Random random(2);
+  double sum = 0;
+  constexpr int kTrials = 400;
+  for (int i = 0; i < kTrials; ++i) {
+    const Camera camera = scenes::random_camera(GetParam(), random);
+    const SE3 truth = scenes::random_pose(camera, kBoard, random, 0.4);
+    const View view = scenes::observe(camera, kBoard, truth, 0.2, random);
+    const auto pose = solve_pose(camera, kBoard, view.observation);
+    ASSERT_TRUE(pose.has_value());
+    visit_model(GetParam(), [&]<typename M>() {
+      sum += normalised_pose_error<M>(camera, view, truth, *pose, 0.2) / kTrials;
+    });
+  }
+  // 2400 squared normal deviates: a standard deviation of 0.03.
+  EXPECT_NEAR(sum, 1, 0.12);
+}
+
+TEST(PoseAmbiguity, TheBetterOfTheTwoTiltsIsFound) {
+  // A board far away covers few pixels: a descent from one start ends in either minimum.
+  Random random(3);
+  const Camera camera = scenes::random_camera("brown5", random);
+  int found = 0;
+  constexpr int kTrials = 200;
+  for (int i = 0; i < kTrials; ++i) {
+    const double side = scenes::uniform(random, 0, 6.28);
+    const SE3 truth = {exp_so3({0.5 * std::cos(side), 0.5 * std::sin(side), 0}), {-0.1, 0, 3}};
+    const View view = scenes::observe(camera, kBoard, truth, 0.01, random);
+    PoseQuality quality;
+    const auto pose = solve_pose(camera, kBoard, view.observation, &quality);
+    ASSERT_TRUE(pose.has_value());
+    EXPECT_LE(quality.rms, quality.other_rms);
+    found += (pose->rotation - truth.rotation).norm() < 0.1 ? 1 : 0;
+  }
+  EXPECT_EQ(found, kTrials);
+}
+
+TEST(PoseErrors, SayWhatIsWrong) {
+  Random random(4);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const SE3 truth = scenes::random_pose(camera, kBoard, random, 0.3);
+  const Observation good = scenes::observe(camera, kBoard, truth, 0, random).observation;
+  const auto code = [&](const Observation& seen) {
+    const auto pose = solve_pose(camera, kBoard, seen);
+    EXPECT_FALSE(pose.has_value());
+    return pose ? ErrorCode::kIo : pose.error().code;
+  };
+  Observation seen = good;
+  seen.ids.resize(9);
+  seen.uv.resize(9);
+  EXPECT_EQ(code(seen), ErrorCode::kDegenerate);
+  EXPECT_EQ(code(Observation{}), ErrorCode::kDegenerate);
+  seen = good;
+  seen.image_size = {640, 480};
+  EXPECT_EQ(code(seen), ErrorCode::kInvalidArgument);
+  seen = good;
+  seen.uv[0].u = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(code(seen), ErrorCode::kInvalidArgument);
+  seen = good;
+  seen.ids[0] = 99;
+  EXPECT_EQ(code(seen), ErrorCode::kInvalidArgument);
+  seen = good;
+  std::fill(seen.uv.begin(), seen.uv.end(), Pixel{100, 100});
+  EXPECT_EQ(code(seen), ErrorCode::kDegenerate);
+}
+
+}  // namespace
+}  // namespace calvin

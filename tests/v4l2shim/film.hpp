@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Film: what the emulated camera sees, a board held in one pose after the other, in a loop.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/synth/motion.hpp"
+#include "calvin/synth/render.hpp"
+
+namespace calvin::v4l2 {
+
+inline constexpr int kPoses = 40;
+inline constexpr int kFramesPerPose = 15;
+inline constexpr ImageSize kFullSize = {640, 480};
+
+// The camera whose image is kFullSize; smaller formats are the same image, scaled.
+[[nodiscard]] Camera film_camera(ImageSize size);
+
+// checkerboard:9x6:25mm, or the one of the environment variable CALVIN_V4L2_BOARD.
+[[nodiscard]] Board film_board();
+
+class Film {
+ public:
+  // `fourcc`: V4L2_PIX_FMT_YUYV or V4L2_PIX_FMT_MJPEG.
+  Film(std::uint32_t fourcc, ImageSize size);
+
+  [[nodiscard]] SE3 camera_from_board(std::uint32_t frame) const;
+  // The bytes of a frame; rendered when first asked for, so that opening the device is instant.
+  [[nodiscard]] const std::vector<std::uint8_t>& frame(std::uint32_t frame);
+
+ private:
+  std::uint32_t fourcc_;
+  Camera camera_;
+  Board board_;
+  Motion motion_;
+  BoardRenderer renderer_;
+  std::vector<std::vector<std::uint8_t>> frames_;
+};
+
+}  // namespace calvin::v4l2
