@@ -17,6 +17,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
   any |= GST_ELEMENT_REGISTER(calibrate, plugin);
   any |= GST_ELEMENT_REGISTER(calibtestsrc, plugin);
   any |= GST_ELEMENT_REGISTER(caliboverlay, plugin);
+  any |= GST_ELEMENT_REGISTER(calibundistort, plugin);
   return any;
 }
 
