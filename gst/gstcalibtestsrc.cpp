@@ -232,7 +232,7 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
   State* state = self->state;
   GstVideoInfo info;
   if (!gst_video_info_from_caps(&info, caps)) {
-    GST_ERROR_OBJECT(self, "cannot understand the caps %" GST_PTR_FORMAT, caps);
+    GST_ERROR_OBJECT(self, "cannot understand the caps %" GST_PTR_FORMAT, static_cast<void*>(caps));
     return FALSE;
   }
   const ImageSize size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
