@@ -5,8 +5,10 @@
 #pragma once
 
 #include <gst/gst.h>
+
 GST_ELEMENT_REGISTER_DECLARE(calibdetect)
 GST_ELEMENT_REGISTER_DECLARE(caliboverlay)
 GST_ELEMENT_REGISTER_DECLARE(calibrate)
 GST_ELEMENT_REGISTER_DECLARE(calibsolve)
 GST_ELEMENT_REGISTER_DECLARE(calibtestsrc)
+GST_ELEMENT_REGISTER_DECLARE(calibundistort)

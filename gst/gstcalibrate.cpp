@@ -67,9 +67,10 @@ static bool gst_calibrate_has(GstElement* child, const char* name) {
 // Links the end of the chain to the ghost pad, with the overlay or without it.
 static void gst_calibrate_set_overlay(GstCalibrate* self, bool wanted) {
   if (wanted == (self->overlay != nullptr)) return;
+  // A pad has one peer: the chain is opened before it is longer or shorter.
+  gst_ghost_pad_set_target(GST_GHOST_PAD(self->src), nullptr);
   if (wanted) {
     self->overlay = gst_element_factory_make("caliboverlay", "overlay");
-    if (self->overlay == nullptr) return;
     gst_bin_add(GST_BIN(self), self->overlay);
     gst_element_link(self->solve, self->overlay);
     gst_element_sync_state_with_parent(self->overlay);

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Which camera the frames come from.
+
+#include "calibration_input.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibration_event.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/remap/view.hpp"
+#include "values.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+// The text of a calibration event; absent for any other event.
+std::optional<CalibrationEvent> parse_event(GstEvent* event) {
+  if (auto ours = parse_calibration_event(event)) return ours;
+  // GStreamer's cameracalibrate, in OpenCV's format.
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_BOTH &&
+      gst_event_has_name(event, "GstEventCalibrated")) {
+    return CalibrationEvent{"", get_string(gst_event_get_structure(event), "undistort-settings")};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void CalibrationInput::reset() {
+  setting_.set(text_);
+  from_setting_.reset();
+  from_event_.reset();
+  event_.reset();
+  frames_ = {};
+  camera_.reset();
+  changed_ = true;
+}
+
+void CalibrationInput::set_text(const std::string& text) {
+  // Without a text the event is in force at once; a new text is so when it has been read.
+  if (text.empty() && !text_.empty()) changed_ = true;
+  text_ = text;
+  if (text_.empty()) from_setting_.reset();
+  setting_.set(text_);
+}
+
+void CalibrationInput::set_frames(const GstVideoInfo& info) {
+  frames_ = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  interlaced_ = GST_VIDEO_INFO_IS_INTERLACED(&info);
+  camera_.reset();
+  changed_ = true;
+}
+
+bool CalibrationInput::is_calibration(GstEvent* event) { return parse_event(event).has_value(); }
+
+Status CalibrationInput::take_event(GstEvent* event) {
+  const auto parsed = parse_event(event);
+  if (!parsed) return {};
+  event_.reset(gst_event_ref(event));
+  std::optional<Calibration> calibration;
+  if (!parsed->json.empty()) {
+    auto read = parse_calibration(parsed->json);
+    if (!read) return tl::unexpected(read.error());
+    calibration = *std::move(read);
+    if (!parsed->camera.empty()) calibration->camera = parsed->camera;
+  }
+  from_event_ = std::move(calibration);
+  changed_ = changed_ || text_.empty();
+  return {};
+}
+
+std::vector<Error> CalibrationInput::update(CalibrationSetting::Clock::time_point now) {
+  std::vector<Error> errors;
+  if (auto news = setting_.poll(now)) {
+    if (*news) {
+      from_setting_ = **std::move(news);
+      changed_ = true;
+    } else {
+      errors.push_back(news->error());
+      if (news->error().code == ErrorCode::kNotFound) {
+        errors.back().message += " The frames go on as before until the file appears.";
+      }
+    }
+  }
+  if (changed_ && frames_.width > 0) {
+    changed_ = false;
+    fit(errors);
+  }
+  return errors;
+}
+
+void CalibrationInput::fit(std::vector<Error>& errors) {
+  const std::optional<Calibration>& known = calibration();
+  if (!known) {
+    camera_.reset();
+    ++serial_;
+    return;
+  }
+  if (interlaced_) {
+    errors.push_back({ErrorCode::kUnsupported,
+                      "The video is interlaced, its fields show different moments: insert "
+                      "deinterlace before this element. Until then the frames pass unchanged."});
+    return;
+  }
+  auto fitted = fit_to_frame(*known, frames_);
+  if (!fitted) {
+    errors.push_back(fitted.error());
+    return;
+  }
+  if (fitted->scaled) {
+    errors.push_back(
+        {ErrorCode::kInvalidArgument,
+         fmt::format("The calibration is for {}x{} px and is scaled to the frames of "
+                     "{}x{}. That is right where the camera scales its whole picture; "
+                     "where it shows a part of it, add sensor_crop to the calibration.",
+                     known->image_size.width, known->image_size.height, frames_.width,
+                     frames_.height)});
+  }
+  camera_ = std::move(fitted->camera);
+  name_ = known->camera;
+  ++serial_;
+}
+
+}  // namespace calvin::gst

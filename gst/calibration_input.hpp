@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Which camera the frames come from: the property `calibration`, or else the event of an element
+// upstream, fitted to the frames.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gst/video/video.h>
+
+#include "calibration_setting.hpp"
+#include "calvin/camera/camera.hpp"
+#include "event_ptr.hpp"
+
+namespace calvin::gst {
+
+// Streaming thread, or before it starts. What is broken never takes the place of what worked.
+class CalibrationInput {
+ public:
+  // Forgets the stream: its format and its events; the setting is read anew.
+  void reset();
+  void set_text(const std::string& text);
+  void set_frames(const GstVideoInfo& info);
+
+  // Whether it is a calibration event: ours, or the one of GStreamer's cameracalibrate.
+  [[nodiscard]] static bool is_calibration(GstEvent* event);
+  // Keeps a calibration event; an Error where its calibration cannot be read.
+  [[nodiscard]] Status take_event(GstEvent* event);
+  // The last one, as it came, or nullptr.
+  [[nodiscard]] GstEvent* event() const { return event_.get(); }
+
+  // Takes in what is new, and returns what the user should hear of it, in order.
+  [[nodiscard]] std::vector<Error> update(CalibrationSetting::Clock::time_point now);
+
+  // The camera of the frames; absent without a calibration that fits. `serial` counts its changes.
+  [[nodiscard]] const std::optional<Camera>& camera() const { return camera_; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] int serial() const { return serial_; }
+
+ private:
+  [[nodiscard]] const std::optional<Calibration>& calibration() const {
+    return text_.empty() ? from_event_ : from_setting_;
+  }
+  void fit(std::vector<Error>& errors);
+
+  std::string text_;
+  CalibrationSetting setting_;
+  std::optional<Calibration> from_setting_;
+  std::optional<Calibration> from_event_;
+  EventPtr event_;
+
+  ImageSize frames_;
+  bool interlaced_ = false;
+  bool changed_ = false;
+  std::optional<Camera> camera_;
+  std::string name_;
+  int serial_ = 0;
+};
+
+}  // namespace calvin::gst

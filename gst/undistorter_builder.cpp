@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Builds undistorters on the spot, or beside the streaming thread.
+
+#include "undistorter_builder.hpp"
+
+#include <utility>
+
+namespace calvin::gst {
+
+void UndistorterBuilder::start() {
+  const std::lock_guard guard(lock_);
+  stop_ = std::stop_source();
+  finished_.reset();
+  worker_.start();
+}
+
+void UndistorterBuilder::cancel() {
+  worker_.cancel();
+  const std::lock_guard guard(lock_);
+  stop_.request_stop();
+}
+
+void UndistorterBuilder::stop() {
+  cancel();
+  worker_.stop();
+}
+
+UndistorterBuilder::Built UndistorterBuilder::build(const Request& request) {
+  std::stop_token stop;
+  {
+    const std::lock_guard guard(lock_);
+    stop = stop_.get_token();
+  }
+  return make(request, stop);
+}
+
+void UndistorterBuilder::offer(Request request) {
+  worker_.offer([this, request = std::move(request)](const std::stop_token& stop) {
+    Built built = make(request, stop);
+    const std::lock_guard guard(lock_);
+    finished_ = std::move(built);
+  });
+}
+
+std::optional<UndistorterBuilder::Built> UndistorterBuilder::take() {
+  const std::lock_guard guard(lock_);
+  return std::exchange(finished_, std::nullopt);
+}
+
+UndistorterBuilder::Built UndistorterBuilder::make(const Request& request,
+                                                   const std::stop_token& stop) {
+  auto made = Undistorter::make(request.camera, {request.key.alpha, {}}, request.planes, stop);
+  if (!made) return {request.key, tl::unexpected(made.error())};
+  return {request.key, std::make_shared<const Undistorter>(*std::move(made))};
+}
+
+}  // namespace calvin::gst
