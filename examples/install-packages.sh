@@ -9,8 +9,8 @@ build="g++ meson ninja-build pkg-config
   gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good
   libeigen3-dev libfmt-dev nlohmann-json3-dev libexpected-dev
   libopencv-dev libcairo2-dev libpango1.0-dev libyaml-cpp-dev libpugixml-dev"
-test="libgtest-dev libjpeg-dev locales python3 python3-gi gir1.2-gstreamer-1.0
-  gir1.2-gst-plugins-base-1.0 fonts-dejavu-core"
+test="libgtest-dev libjpeg-dev locales python3 python3-gst-1.0
+  fonts-dejavu-core"
 
 wanted=""
 for set in "${@:-build}"; do

@@ -30,6 +30,10 @@ Status LumaReader::set_format(const GstVideoInfo& info) {
   gst_video_info_set_format(&gray_info_, GST_VIDEO_FORMAT_GRAY8,
                             static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)),
                             static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)));
+  // The converter changes neither of these, and insists on it.
+  gray_info_.fps_n = info.fps_n;
+  gray_info_.fps_d = info.fps_d;
+  gray_info_.interlace_mode = info.interlace_mode;
   GstVideoInfo from = info;
   converter_.reset(gst_video_converter_new(&from, &gray_info_, nullptr));
   gray_.reset(gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&gray_info_), nullptr));

@@ -330,7 +330,7 @@ static gboolean gst_calib_detect_set_caps(GstBaseTransform* trans, GstCaps* caps
   State* state = self->state;
   state->have_info = false;
   if (!gst_video_info_from_caps(&state->info, caps)) {
-    GST_ERROR_OBJECT(self, "cannot understand the caps %" GST_PTR_FORMAT, caps);
+    GST_ERROR_OBJECT(self, "cannot understand the caps %" GST_PTR_FORMAT, static_cast<void*>(caps));
     return FALSE;
   }
   if (const Status set = state->luma.set_format(state->info); !set) {

@@ -13,10 +13,11 @@ static gboolean plugin_init(GstPlugin* plugin) {
   calvin::gst::register_metas();
   gboolean any = FALSE;
   any |= GST_ELEMENT_REGISTER(calibdetect, plugin);
-  any |= GST_ELEMENT_REGISTER(calibsolve, plugin);
-  any |= GST_ELEMENT_REGISTER(calibrate, plugin);
   any |= GST_ELEMENT_REGISTER(caliboverlay, plugin);
+  any |= GST_ELEMENT_REGISTER(calibsolve, plugin);
+  any |= GST_ELEMENT_REGISTER(calibtestsrc, plugin);
   any |= GST_ELEMENT_REGISTER(calibundistort, plugin);
+  any |= GST_ELEMENT_REGISTER(calibrate, plugin);
   return any;
 }
 

@@ -45,6 +45,7 @@ struct Harness {
   GstVideoInfo info{};
 };
 
+#if CALVIN_HAVE_CAIRO
 // Four corners in two rows, the first at (u, v), `pitch` px apart.
 Observation board_at(const GstVideoInfo& info, double u, double v, double pitch) {
   Observation o;
@@ -55,6 +56,7 @@ Observation board_at(const GstVideoInfo& info, double u, double v, double pitch)
   o.sigma = {0.1, 0.1, 0.1, 0.1};
   return o;
 }
+#endif
 
 struct Box {
   int left, top, right, bottom;
@@ -237,9 +239,12 @@ GST_START_TEST(test_warns_that_it_draws_nothing) {
   GstBus* bus = gst_bus_new();
   gst_element_set_bus(element, bus);
   fail_unless(gst_element_set_state(element, GST_STATE_PAUSED) != GST_STATE_CHANGE_FAILURE);
-  g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
-  fail_unless(message != nullptr);
+  for (const bool expected : {true, false}) {
+    g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
+    fail_unless(expected == (message != nullptr));
+  }
   fail_unless(gst_element_set_state(element, GST_STATE_NULL) == GST_STATE_CHANGE_SUCCESS);
+  gst_bus_set_flushing(bus, TRUE);
   gst_element_set_bus(element, nullptr);
   gst_object_unref(bus);
   gst_check_teardown_element(element);

@@ -7,12 +7,14 @@
 
 #include <cstring>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <gst/video/video.h>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/core/text.hpp"
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "calvin/target/board.hpp"
@@ -75,6 +77,40 @@ class Bus {
   GstBus* bus_;
   std::vector<GstMessage*> messages_;
 };
+
+// An element from "NAME PROPERTY=VALUE ...", without the bin that gst_parse_launch() would put
+// around it; floating.
+inline GstElement* make_element(const std::string& text) {
+  const auto words = split(text, ' ');
+  GstElement* element = gst_element_factory_make(std::string(words.front()).c_str(), nullptr);
+  g_assert_nonnull(element);
+  for (const std::string_view word : std::span(words).subspan(1)) {
+    if (word.empty()) continue;
+    const auto equals = word.find('=');
+    gst_util_set_object_arg(G_OBJECT(element), std::string(word.substr(0, equals)).c_str(),
+                            std::string(word.substr(equals + 1)).c_str());
+  }
+  return element;
+}
+
+// The texts of the errors that an element posts when it cannot start; empty where it can.
+inline std::vector<std::string> errors_at_start(const char* factory, const char* property,
+                                                const char* value) {
+  GstElement* element = gst_element_factory_make(factory, nullptr);
+  gst_object_ref_sink(element);
+  g_object_set(element, property, value, nullptr);
+  std::vector<std::string> texts;
+  {
+    Bus bus(element);
+    const bool failed =
+        gst_element_set_state(element, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE;
+    if (failed) texts = bus.texts(GST_MESSAGE_ERROR);
+    bus.detach();
+  }
+  gst_element_set_state(element, GST_STATE_NULL);
+  gst_object_unref(element);
+  return texts;
+}
 
 // The n-th pose of one synthetic session.
 struct Scene {

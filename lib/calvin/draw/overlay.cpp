@@ -24,6 +24,7 @@ using Kind = Shape::Kind;
 
 constexpr int kSmallestFrame = 16;    // px: nothing can be read on less
 constexpr int kLargestFrame = 32767;  // px, Cairo's limit
+constexpr int kMostPoints = 1000000;  // of any board
 constexpr double kDarkest = 0.3;      // of a channel: pure blue is hard to see on black
 constexpr Colour kWhite{1, 1, 1, 1};
 constexpr Colour kGreen{0.2, 0.9, 0.35, 1};
@@ -54,7 +55,7 @@ struct Corner {
   Pixel at;
 };
 
-// In the order of their ids, in px of the frame, those that no sensible camera saw left out.
+// In the order of their ids, in px of the frame, those that no camera can have seen left out.
 std::vector<Corner> corners_on(ImageSize frame, const Observation& observation) {
   const ImageSize size = observation.image_size.width > 0 && observation.image_size.height > 0
                              ? observation.image_size
@@ -66,7 +67,8 @@ std::vector<Corner> corners_on(ImageSize frame, const Observation& observation) 
   for (std::size_t i = 0; i < count; ++i) {
     const Pixel at{sx * (observation.uv[i].u + 0.5) - 0.5, sy * (observation.uv[i].v + 0.5) - 0.5};
     const bool near = std::abs(at.u) < 2 * frame.width && std::abs(at.v) < 2 * frame.height;
-    if (near && observation.ids[i] >= 0) corners.push_back({observation.ids[i], at});
+    const bool sane = observation.ids[i] >= 0 && observation.ids[i] < kMostPoints;
+    if (near && sane) corners.push_back({observation.ids[i], at});
   }
   std::sort(corners.begin(), corners.end(),
             [](const Corner& a, const Corner& b) { return a.id < b.id; });

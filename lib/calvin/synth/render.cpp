@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 
 #include "calvin/synth/filter.hpp"
+#include "calvin/synth/random.hpp"
 #include "calvin/synth/rays.hpp"
 
 namespace calvin {
@@ -205,6 +206,10 @@ GrayImage BoardRenderer::render(const Board& board, const SE3& camera_from_board
   }
   synth::blur(image, options.blur);
   return synth::quantise(image, options.noise, options.seed);
+}
+
+std::uint64_t noise_seed(std::uint64_t sequence, std::uint64_t frame) noexcept {
+  return synth::mix(sequence, frame);
 }
 
 GrayImage render_board(const Camera& camera, const Board& board, const SE3& camera_from_board,

@@ -31,6 +31,9 @@ struct RenderOptions {
   double background = 128;
 };
 
+// The seed of one frame's noise in a sequence: independent from frame to frame.
+[[nodiscard]] std::uint64_t noise_seed(std::uint64_t sequence, std::uint64_t frame) noexcept;
+
 // Renders many views through one camera: what depends on the camera alone is computed once.
 // Immutable; safe to share between threads.
 class BoardRenderer {

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What calibtestsrc renders: its settings made sense of, and the frames of one size. No GStreamer.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/synth/motion.hpp"
+#include "calvin/synth/render.hpp"
+
+namespace calvin::gst {
+
+struct SceneSettings {
+  std::string board{kDefaultBoard};
+  std::string calibration;  // as parse_calibration_setting() takes it; empty: default_camera()
+  MotionKind motion = MotionKind::kRandom;
+  std::uint64_t seed = 0;
+};
+
+// The texts of the settings, understood.
+struct SceneSource {
+  Board board;
+  std::optional<Calibration> calibration;
+  MotionKind motion = MotionKind::kRandom;
+  std::uint64_t seed = 0;
+};
+[[nodiscard]] Result<SceneSource> read_scene_settings(const SceneSettings& settings);
+
+// All that the frames of one size have in common. Immutable.
+class TestScene {
+ public:
+  // The calibration is scaled to the size where it is for another one of the same aspect; another
+  // aspect is kInvalidArgument.
+  static Result<TestScene> make(const SceneSource& source, ImageSize size);
+
+  [[nodiscard]] const Calibration& truth() const { return truth_; }
+  [[nodiscard]] const std::string& truth_json() const { return json_; }
+
+  // Frame `number` at `time` ns. `hold`: random poses stay for 0.5 s instead of one frame.
+  [[nodiscard]] SE3 pose(std::int64_t number, std::uint64_t time, bool hold) const;
+  // The picture of the frame; options.seed is not used.
+  [[nodiscard]] GrayImage picture(const SE3& camera_from_board, std::int64_t number,
+                                  RenderOptions options) const;
+  [[nodiscard]] Observation observation(const SE3& camera_from_board, std::uint64_t time) const;
+
+ private:
+  TestScene(const SceneSource& source, const Camera& camera);
+
+  SceneSource source_;
+  Camera camera_;
+  Calibration truth_;
+  std::string json_;
+  Motion motion_;
+  BoardRenderer renderer_;
+};
+
+}  // namespace calvin::gst
