@@ -191,8 +191,10 @@ static GParamSpec* gst_calibrate_copy_spec(GParamSpec* spec) {
   return nullptr;
 }
 
-// Installs the own properties of a child element's class, first come first served.
+// Installs the own properties of a child element's class, first come first served. What the
+// detector found is not for the bin: it has the solver's `stats`.
 static void gst_calibrate_forward_properties(GObjectClass* object_class, const char* factory) {
+  const bool settings_only = std::string_view(factory) == "calibdetect";
   g_autoptr(GstElement) child = gst_element_factory_make(factory, nullptr);
   if (child == nullptr) return;
   gst_object_ref_sink(child);
@@ -200,6 +202,7 @@ static void gst_calibrate_forward_properties(GObjectClass* object_class, const c
   g_autofree GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(child), &n);
   for (guint i = 0; i < n; ++i) {
     if (specs[i]->owner_type != G_OBJECT_TYPE(child)) continue;
+    if (settings_only && (specs[i]->flags & G_PARAM_WRITABLE) == 0) continue;
     if (g_object_class_find_property(object_class, specs[i]->name) != nullptr) continue;
     GParamSpec* copy = gst_calibrate_copy_spec(specs[i]);
     if (copy == nullptr) continue;

@@ -253,7 +253,8 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
   if (gst::CalibrationInput::is_calibration(event)) {
     // It goes on as it is, or as the calibration of the output. The peer's event is not serialized:
     // it waits for the next frame, as any does before the first caps.
-    const bool now = GST_EVENT_IS_SERIALIZED(event) && !s.planes.empty();
+    const bool now =
+        GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_DOWNSTREAM_STICKY && !s.planes.empty();
     {
       const std::lock_guard guard(s.lock);
       s.arrived_event.reset(event);

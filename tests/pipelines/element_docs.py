@@ -25,18 +25,19 @@ CONTROLLABLE = 1 << (GObject.PARAM_USER_SHIFT + 1)
 
 def type_and_default(spec):
     """The type of a property as a reader knows it, and its default."""
-    default = spec.get_default_value()
-    if isinstance(spec, GObject.ParamSpecEnum):
+    kind = spec.__gtype__.name
+    if kind == "GParamBoxed":
+        return "structure", ""
+    default = spec.default_value
+    if kind == "GParamEnum":
         values = [v.value_nick for v in spec.enum_class.__enum_values__.values()]
         return " ".join(values), default.value_nick
-    if isinstance(spec, GObject.ParamSpecBoolean):
+    if kind == "GParamBoolean":
         return "boolean", "true" if default else "false"
-    if isinstance(spec, GObject.ParamSpecString):
-        return "string", default if default is not None else ""
-    if hasattr(spec, "minimum"):
-        name = spec.value_type.name.removeprefix("g")
-        return f"{name} {spec.minimum:g}..{spec.maximum:g}", f"{default:g}"
-    return "structure", ""
+    if kind == "GParamString":
+        return "string", default or ""
+    name = spec.value_type.name.removeprefix("g")
+    return f"{name} {spec.minimum:.10g}..{spec.maximum:.10g}", f"{default:.10g}"
 
 
 def row(spec):
@@ -49,7 +50,8 @@ def row(spec):
     else:
         changes = "read only"
     default = f"`{default}`" if default else ""
-    return f"| `{spec.name}` | {kind} | {default} | {changes} | {spec.blurb} |"
+    blurb = spec.blurb.replace("|", "\\|")
+    return f"| `{spec.name}` | {kind} | {default} | {changes} | {blurb} |"
 
 
 def table(name):

@@ -3,6 +3,7 @@
 
 #include "calvin/solve/plane_pose.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
@@ -42,14 +43,33 @@ Normalisation normalisation(const std::vector<Eigen::Vector3d>& points,
   return n;
 }
 
-// Sum of p p^T (x) (I - r r^T): the squared distances of H p from the rays, over vec(H).
+// The linear map that takes a narrow bundle of rays to a wide one about z: in a narrow bundle one
+// ray for all points fits nearly as well as the truth.
+Eigen::Matrix3d spreading(const std::vector<Eigen::Vector3d>& rays) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& ray : rays) mean += ray;
+  const Eigen::Matrix3d turn =
+      Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  double sine = 0;
+  double count = 0;
+  for (const Eigen::Vector3d& ray : rays) {
+    sine += (turn * ray).head<2>().norm();
+    count += ray.norm();
+  }
+  const double scale = std::clamp(count / sine, 1.0, 1e6);
+  return Eigen::Vector3d(scale, scale, 1).asDiagonal() * turn;
+}
+
+// Sum of w p p^T (x) (I - r r^T): the squared distances of H p from the rays, over vec(H).
 Matrix9 normal_matrix(const std::vector<Eigen::Vector3d>& points,
-                      const std::vector<Eigen::Vector3d>& rays, const Normalisation& n) {
+                      const std::vector<Eigen::Vector3d>& rays, const std::vector<double>& weights,
+                      const Normalisation& n) {
   Matrix9 m = Matrix9::Zero();
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (rays[k].isZero()) continue;
     const Eigen::Vector3d p((points[k].x() - n.x) * n.scale, (points[k].y() - n.y) * n.scale, 1);
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - rays[k] * rays[k].transpose();
+    const Eigen::Matrix3d across =
+        weights[k] * (Eigen::Matrix3d::Identity() - rays[k] * rays[k].transpose());
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j <= i; ++j) m.block<3, 3>(3 * i, 3 * j) += p[i] * p[j] * across;
     }
@@ -57,13 +77,11 @@ Matrix9 normal_matrix(const std::vector<Eigen::Vector3d>& points,
   return m;
 }
 
-}  // namespace
-
-std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
-                                  const std::vector<Eigen::Vector3d>& rays) {
-  const Normalisation n = normalisation(points, rays);
-  if (n.count < 4 || !std::isfinite(n.scale)) return std::nullopt;
-  const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(normal_matrix(points, rays, n));
+std::optional<Eigen::Matrix3d> weighted_homography(const std::vector<Eigen::Vector3d>& points,
+                                                   const std::vector<Eigen::Vector3d>& rays,
+                                                   const std::vector<double>& weights,
+                                                   const Normalisation& n) {
+  const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(normal_matrix(points, rays, weights, n));
   if (eigen.info() != Eigen::Success ||
       !(eigen.eigenvalues()[1] > 1e-12 * eigen.eigenvalues()[8])) {
     return std::nullopt;
@@ -73,16 +91,65 @@ std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
   m.col(0) = h.segment<3>(0) * n.scale;
   m.col(1) = h.segment<3>(3) * n.scale;
   m.col(2) = h.segment<3>(6) - n.x * m.col(0) - n.y * m.col(1);
-
   double ahead = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d at = m * Eigen::Vector3d(points[i].x(), points[i].y(), 1);
-    ahead += rays[i].dot(at) / std::max(at.norm(), 1e-300);
+    ahead += weights[i] * rays[i].dot(at.stableNormalized());
   }
-  m *= (ahead < 0 ? -2 : 2) / (m.col(0).norm() + m.col(1).norm());
+  if (ahead < 0) m = -m;
+  if (!m.allFinite()) return std::nullopt;
+  return m;
+}
+
+// Replaces the weights by Cauchy's, with the median angle as its scale; false where no ray is far
+// off the others.
+bool reweight(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& rays,
+              const Eigen::Matrix3d& h, std::vector<double>& weights) {
+  constexpr double kFarOff = 4;  // medians; the largest of 1000 Gaussian distances is at 3.2
+  std::vector<double> angles;
+  std::vector<double> sorted;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d at =
+        (h * Eigen::Vector3d(points[i].x(), points[i].y(), 1)).stableNormalized();
+    angles.push_back(std::atan2(rays[i].cross(at).norm(), rays[i].dot(at)));
+    if (!rays[i].isZero()) sorted.push_back(angles.back());
+  }
+  std::sort(sorted.begin(), sorted.end());
+  const double median = std::max(sorted[sorted.size() / 2], 1e-9);
+  if (sorted.back() <= kFarOff * median) return false;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    weights[i] = 1 / (1 + angles[i] * angles[i] / (median * median));
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<Eigen::Matrix3d> plane_homography(const std::vector<Eigen::Vector3d>& points,
+                                                const std::vector<Eigen::Vector3d>& camera_rays) {
+  constexpr int kRounds = 10;
+  const Normalisation n = normalisation(points, camera_rays);
+  if (n.count < 4 || !std::isfinite(n.scale)) return std::nullopt;
+  const Eigen::Matrix3d spread = spreading(camera_rays);
+  std::vector<Eigen::Vector3d> rays;
+  for (const Eigen::Vector3d& ray : camera_rays) rays.push_back((spread * ray).stableNormalized());
+  std::vector<double> weights(points.size(), 1);
+  auto h = weighted_homography(points, rays, weights, n);
+  for (int i = 0; i < kRounds && h && reweight(points, rays, *h, weights); ++i) {
+    h = weighted_homography(points, rays, weights, n);
+  }
+  if (!h) return std::nullopt;
+  return spread.inverse() * *h;
+}
+
+std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
+                                  const std::vector<Eigen::Vector3d>& rays) {
+  const auto h = plane_homography(points, rays);
+  if (!h) return std::nullopt;
+  const Eigen::Matrix3d m = *h * (2 / (h->col(0).norm() + h->col(1).norm()));
   Eigen::Matrix3d rotation;
   rotation << m.col(0), m.col(1), m.col(0).cross(m.col(1));
-  if (!m.allFinite() || !rotation.allFinite()) return std::nullopt;
+  if (!rotation.allFinite() || !m.allFinite()) return std::nullopt;
   return SE3{closest_rotation(rotation), m.col(2)};
 }
 

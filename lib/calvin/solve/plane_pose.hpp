@@ -13,10 +13,15 @@
 
 namespace calvin {
 
-// camera_from_board for points with z = 0 and the unit rays that they are seen along (camera
-// frame; a zero ray leaves its point out). Linear: ray x (H p) = 0 for H = [r1 r2 t], which holds
-// for rays at and behind 90 degrees too; the nearest rotation. Absent for fewer than 4 rays, and
-// where points or rays lie on one line.
+// The H = [h1 h2 h3] with H (x, y, 1) along the ray of each point (x, y, 0): the homography of a
+// plane, up to scale, the points ahead. Linear, from ray x (H p) = 0, which holds for rays at and
+// behind 90 degrees too. Where some rays are far off the rest, reweighted by Cauchy's function of
+// their angle until they no longer count. Rays are unit vectors in the camera frame; a zero ray
+// leaves its point out. Absent for fewer than 4 rays, and where points or rays lie on one line.
+[[nodiscard]] std::optional<Eigen::Matrix3d> plane_homography(
+    const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& rays);
+
+// camera_from_board: the rigid motion nearest to plane_homography().
 [[nodiscard]] std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
                                                 const std::vector<Eigen::Vector3d>& rays);
 

@@ -10,7 +10,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "calvin/geometry/homography.hpp"
+#include "calvin/solve/plane_pose.hpp"
 
 namespace calvin {
 
@@ -20,37 +20,15 @@ namespace {
 constexpr double kShortest = 0.1;
 constexpr double kLongest = 30;
 
-// The homography board -> px of one view. Corners far off the first fit are left out of further
-// ones: one gross corner must not spoil a view.
-std::optional<Eigen::Matrix3d> view_homography(const PointSet& view) {
-  std::vector<Pixel> xy;
-  for (const Eigen::Vector3d& p : view.points) xy.push_back({p.x(), p.y()});
-  std::vector<Pixel> uv = view.uv;
-  for (int round = 0; round < 4; ++round) {
-    const auto h = fit_homography(xy, uv);
-    if (!h) return std::nullopt;
-    std::vector<double> distance;
-    for (std::size_t i = 0; i < xy.size(); ++i) {
-      const Pixel at = transform(*h, xy[i]);
-      distance.push_back(std::hypot(at.u - uv[i].u, at.v - uv[i].v));
-    }
-    std::vector<double> sorted = distance;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(xy.size() / 2),
-                     sorted.end());
-    const double limit = 5 * sorted[xy.size() / 2] + 1e-6;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < xy.size(); ++i) {
-      if (!(distance[i] <= limit)) continue;
-      xy[kept] = xy[i];
-      uv[kept++] = uv[i];
-    }
-    if (kept == xy.size() || kept < 4) return *h;
-    xy.resize(kept);
-    uv.resize(kept);
+// The homography of one view to coordinates from the centre in image widths: numbers near 1.
+std::optional<Eigen::Matrix3d> view_homography(const PointSet& view, ImageSize size) {
+  const Pixel center = image_center(size);
+  std::vector<Eigen::Vector3d> rays;
+  for (const Pixel& p : view.uv) {
+    rays.push_back(Eigen::Vector3d((p.u - center.u) / size.width, (p.v - center.v) / size.width, 1)
+                       .normalized());
   }
-  const auto h = fit_homography(xy, uv);
-  if (!h) return std::nullopt;
-  return *h;
+  return plane_homography(view.points, rays);
 }
 
 bool possible(const Guess& g, ImageSize size) {
@@ -113,14 +91,11 @@ FocalEquation focal_equation(const Eigen::Matrix3d& h) {
 }  // namespace
 
 std::vector<Guess> closed_form_guesses(std::span<const PointSet> views, ImageSize size) {
-  // Coordinates from the centre in image widths keep all numbers near 1.
   const Pixel center = image_center(size);
   const double width = size.width;
-  Eigen::Matrix3d to_unit;
-  to_unit << 1 / width, 0, -center.u / width, 0, 1 / width, -center.v / width, 0, 0, 1;
   std::vector<Eigen::Matrix3d> homographies;
   for (const PointSet& view : views) {
-    if (const auto h = view_homography(view)) homographies.push_back(to_unit * *h);
+    if (const auto h = view_homography(view, size)) homographies.push_back(*h);
   }
 
   std::vector<Guess> guesses;
