@@ -181,6 +181,8 @@ static void update(GstCalibUndistort* self) {
   GstBaseTransform* trans = GST_BASE_TRANSFORM(self);
   if (undistorting == gst_base_transform_is_passthrough(trans)) {
     gst_base_transform_set_passthrough(trans, !undistorting);
+    // Upstream got downstream's buffers while the frames passed through.
+    gst_base_transform_reconfigure_sink(trans);
     gst_base_transform_reconfigure_src(trans);
   }
   announce(self, undistorting);
@@ -228,6 +230,11 @@ static gboolean gst_calib_undistort_transform_meta(GstBaseTransform* trans, GstB
       mapped.push_back(s.active->to_output(o));
     gst::attach_observations(out, mapped);
     return FALSE;
+  }
+  // It tells of the session and has no place in the picture.
+  if (gst_meta_info_is_custom(meta->info) &&
+      gst_custom_meta_has_name(reinterpret_cast<GstCustomMeta*>(meta), gst::kGuidanceName)) {
+    return TRUE;
   }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
       ->transform_meta(trans, out, meta, in);
@@ -401,6 +408,7 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   trans_class->start = gst_calib_undistort_start;
   trans_class->stop = gst_calib_undistort_stop;
   trans_class->sink_event = gst_calib_undistort_sink_event;
+  trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->before_transform = gst_calib_undistort_before_transform;
   trans_class->transform_meta = gst_calib_undistort_transform_meta;
   trans_class->transform_ip_on_passthrough = FALSE;
