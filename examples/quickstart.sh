@@ -19,8 +19,8 @@ usage() {
 prepare() {
   "$source/examples/install-packages.sh" build
   [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dtests=false
-  ninja -C "$build" gst/libgstcalvin.so examples/show examples/calibrate-images \
-    >"$build/quickstart.log" || { cat "$build/quickstart.log" >&2; exit 1; }
+  ninja -C "$build" gst/libgstcalvin.so examples/board examples/show \
+    examples/calibrate-images >"$build/quickstart.log" || { cat "$build/quickstart.log" >&2; exit 1; }
   export GST_PLUGIN_PATH_1_0="$build/gst${GST_PLUGIN_PATH_1_0:+:$GST_PLUGIN_PATH_1_0}"
   mkdir -p "$output"
   cd "$output"

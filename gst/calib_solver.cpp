@@ -39,7 +39,9 @@ SolveOptions solve_options(const SolverSettings& settings, const std::string& ca
   options.model = settings.model;
   options.camera = settings.camera.empty() ? camera : settings.camera;
   if (settings.fix.empty()) return options;
-  for (const std::string_view name : split(settings.fix, ',')) options.fix.emplace_back(name);
+  for (const std::string_view name : split(settings.fix, ',')) {
+    if (!name.empty()) options.fix.emplace_back(name);
+  }
   return options;
 }
 
@@ -61,13 +63,13 @@ Status CalibSolver::start() {
   }
   auto files = parse_calibration_files(now.location, now.exports);
   if (!files) return make_error(files.error().code, files.error().message);
-  if (const Status writable = can_write_all(*files); !writable) {
-    post_warning(element_, writable.error());
-  }
+  const Status writable = can_write_all(*files);
+  if (!writable) post_warning(element_, writable.error());
   {
     const std::lock_guard guard(lock_);
     files_ = std::move(*files);
     active_ = now;
+    write_failed_ = !writable;
   }
   reset();
   worker_.start();
@@ -211,10 +213,16 @@ void CalibSolver::publish(const Job& job, const Calibration& calibration) {
   }
   if (better) {
     const Status written = write_all(job.files, calibration);
-    const std::lock_guard guard(lock_);
-    written_ = written;
-    anything_written_ = true;
-    written_error_ = calibration.expected_error;
+    bool news = false;
+    {
+      const std::lock_guard guard(lock_);
+      news = !written && !write_failed_;
+      write_failed_ |= !written;
+      written_ = written;
+      anything_written_ = true;
+      written_error_ = calibration.expected_error;
+    }
+    if (news) post_warning(element_, written.error());
   }
   const auto json = print_calibration(calibration);
   post_message(element_, progress_message(job.times, calibration.camera, now));
@@ -323,7 +331,11 @@ bool CalibSolver::remove_view(unsigned index) {
   if (!session_.remove_view(index)) return false;
   finished_ = final_done_ = false;
   next_solve_ = 0;
-  if (enough_views()) request(false);
+  if (enough_views()) {
+    request(false);
+  } else {
+    calibration_.reset();
+  }
   return true;
 }
 

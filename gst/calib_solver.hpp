@@ -114,6 +114,7 @@ class CalibSolver {
   bool announce_ = false;  // calibration_ waits to be announced
   std::string solve_error_;
   Status written_;
+  bool write_failed_ = false;  // and the user was told so
   Reason last_reason_ = Reason::kAccepted;
   FrameTimes times_;              // of the newest frame with a board
   std::size_t next_solve_ = 0;    // number of views

@@ -121,7 +121,14 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
     say(fitted.error(), errors);
     return;
   }
-  if (fitted->scaled) {
+  if (fitted->scaled && known->sensor_crop) {
+    say({ErrorCode::kInvalidArgument,
+         fmt::format("The sensor_crop of the calibration, {}x{} px, is scaled to the frames of "
+                     "{}x{}.",
+                     known->sensor_crop->width, known->sensor_crop->height, frames_.width,
+                     frames_.height)},
+        errors);
+  } else if (fitted->scaled) {
     say({ErrorCode::kInvalidArgument,
          fmt::format("The calibration is for {}x{} px and is scaled to the frames of "
                      "{}x{}. That is right where the camera scales its whole picture; "

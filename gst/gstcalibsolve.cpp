@@ -306,8 +306,8 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
   text(PROP_MODEL, "model", "Model", "Camera model: pinhole, brown4, brown5 or fisheye", "brown5",
        gst::kMutableReady);
   text(PROP_FIX, "fix", "Fix",
-       "What not to estimate, separated by commas: a distortion coefficient (held at 0), center "
-       "(the middle of the picture), aspect (fx = fy)",
+       "What not to estimate, separated by commas: a distortion coefficient (held at 0), cx, "
+       "cy or center for both (the middle of the picture), aspect (fx = fy)",
        nullptr, gst::kMutableReady);
   g_object_class_install_property(
       object_class, PROP_CAPTURE_MODE,
