@@ -508,6 +508,33 @@ GST_START_TEST(test_corners_follow_the_pixels) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_a_board_is_where_the_announced_camera_sees_it) {
+  const check::Scene scene;
+  Fixture f("calibundistort ! calibdetect mode=sync");
+  const std::string json = print_calibration(scene.camera.to_calibration()).value();
+  g_object_set(f.element, "calibration", json.c_str(), "alpha", __i__ * 0.5, nullptr);
+  f.set_caps("GRAY8", scene.size);
+  double sum = 0;
+  int points = 0;
+  for (int n = 0; n < 5; ++n) {
+    GstBuffer* in = check::frame_of(scene.picture(n), "GRAY8", n);
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
+    const Camera view = Camera::make(parse_calibration(output_calibration(f)).value()).value();
+    const Observation truth = true_observation(view, scene.board, scene.pose(n));
+    for (const Observation& o : gst::read_observations(out)) {
+      for (std::size_t i = 0; i < o.ids.size(); ++i, ++points) {
+        const auto it = std::find(truth.ids.begin(), truth.ids.end(), o.ids[i]);
+        fail_unless(it != truth.ids.end());
+        const Pixel want = truth.uv[static_cast<std::size_t>(it - truth.ids.begin())];
+        sum += std::pow(o.uv[i].u - want.u, 2) + std::pow(o.uv[i].v - want.v, 2);
+      }
+    }
+  }
+  fail_unless(points >= 3 * 54);
+  fail_unless(std::sqrt(sum / points) < 0.1, "%f px", std::sqrt(sum / points));
+}
+GST_END_TEST;
+
 GST_START_TEST(test_states_come_and_go) {
   Fixture f("calibundistort", true);
   g_object_set(f.element, "calibration", kBarrel, nullptr);
@@ -551,6 +578,7 @@ static Suite* calibundistort_suite() {
   tcase_add_test(tc, test_a_change_is_exact_to_the_frame_where_nothing_is_live);
   tcase_add_test(tc, test_a_change_in_a_live_stream_shows_no_third_picture);
   tcase_add_test(tc, test_corners_follow_the_pixels);
+  tcase_add_loop_test(tc, test_a_board_is_where_the_announced_camera_sees_it, 0, 3);
   tcase_add_test(tc, test_states_come_and_go);
   suite_add_tcase(suite, tc);
   return suite;
