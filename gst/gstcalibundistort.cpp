@@ -360,10 +360,9 @@ static void install_properties(GObjectClass* object_class) {
   properties[kCalibration] = g_param_spec_string(
       "calibration", "Calibration",
       "The calibration: a file (native JSON, OpenCV, ROS), which may appear later and is read "
-      "again "
-      "when it is replaced; or JSON text; or the settings of cameraundistort; or a list such as "
-      "fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the calibration event "
-      "of an element upstream",
+      "again when it is replaced; or JSON text; or the settings of cameraundistort; or a list such "
+      "as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the calibration "
+      "event of an element upstream",
       nullptr, gst::kMutablePlaying);
   properties[kEnabled] = g_param_spec_boolean("enabled", "Enabled",
                                               "Undistort; off: the frames pass through untouched",
@@ -371,14 +370,12 @@ static void install_properties(GObjectClass* object_class) {
   properties[kAlpha] = g_param_spec_double(
       "alpha", "Alpha",
       "What the output shows. 0: the largest view without an invalid pixel; 1: every valid pixel "
-      "of "
-      "the input, at most 150 degrees; between: moves linearly from one to the other",
+      "of the input, at most 150 degrees; between: moves linearly from one to the other",
       0, 1, 0, static_cast<GParamFlags>(gst::kMutablePlaying | GST_PARAM_CONTROLLABLE));
   properties[kOutputCalibration] =
       g_param_spec_string("output-calibration", "Output Calibration",
                           "The calibration of the output as native JSON: a pinhole camera while it "
-                          "is undistorted, what "
-                          "came from upstream while it passes through",
+                          "is undistorted, what came from upstream while it passes through",
                           nullptr, gst::kReadOnly);
   g_object_class_install_properties(object_class, kProperties, properties);
 }

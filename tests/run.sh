@@ -31,7 +31,7 @@ fi
 export LOCPATH="$build/locale"
 
 status=0
-meson test -C "$build" --no-rebuild --print-errorlogs || status=$?
+meson test -C "$build" --no-rebuild --num-processes 2 --print-errorlogs || status=$?
 
 # The closing line, counted from meson's own list.
 python3 - "$build/meson-logs/testlog.json" <<'END'

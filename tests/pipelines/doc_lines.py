@@ -68,6 +68,9 @@ def main():
                 if "v4l2src" in line:
                     env["LD_PRELOAD"] = str(shim)
                 status, output = run(line, env, folder)
+                for file in re.findall(r"(?:location|ground-truth)=(\S+\.json)", line):
+                    if not (pathlib.Path(folder) / file).is_file():
+                        status, output = "no " + file, output
                 print(f"[{status}] {line}")
                 if status != 0:
                     failed += 1

@@ -203,7 +203,7 @@ bool has_corners(const ImageView& image, const Grid& grid) {
   std::nth_element(ratios.begin(), middle, ratios.end());
   const double usual = *middle;
   return std::all_of(ratios.begin(), ratios.end(),
-                     [usual](double ratio) { return ratio > 0.5 * usual; });
+                     [usual](double ratio) { return ratio > 0.25 * usual; });
 }
 
 Reason label(const ImageView& image, const Board& board, Grid& grid,

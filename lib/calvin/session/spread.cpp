@@ -161,7 +161,7 @@ std::string Spread::hint() const {
                             : "Move the board to the bottom of the image.";
   }
   if (skew() < 1) return "Tilt the board more, and turn it a little.";
-  return "Keep showing the board, tilted differently, in every part of the image.";
+  return "Good: other tilts and places make it better still.";
 }
 
 }  // namespace calvin

@@ -43,6 +43,23 @@ Normalisation normalisation(const std::vector<Eigen::Vector3d>& points,
   return n;
 }
 
+// The linear map that takes a narrow bundle of rays to a wide one about z: in a narrow bundle one
+// ray for all points fits nearly as well as the truth.
+Eigen::Matrix3d spreading(const std::vector<Eigen::Vector3d>& rays) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& ray : rays) mean += ray;
+  const Eigen::Matrix3d turn =
+      Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  double sine = 0;
+  double count = 0;
+  for (const Eigen::Vector3d& ray : rays) {
+    sine += (turn * ray).head<2>().norm();
+    count += ray.norm();
+  }
+  const double scale = std::clamp(count / sine, 1.0, 1e6);
+  return Eigen::Vector3d(scale, scale, 1).asDiagonal() * turn;
+}
+
 // Sum of w p p^T (x) (I - r r^T): the squared distances of H p from the rays, over vec(H).
 Matrix9 normal_matrix(const std::vector<Eigen::Vector3d>& points,
                       const std::vector<Eigen::Vector3d>& rays, const std::vector<double>& weights,
@@ -109,16 +126,20 @@ bool reweight(const std::vector<Eigen::Vector3d>& points, const std::vector<Eige
 }  // namespace
 
 std::optional<Eigen::Matrix3d> plane_homography(const std::vector<Eigen::Vector3d>& points,
-                                                const std::vector<Eigen::Vector3d>& rays) {
+                                                const std::vector<Eigen::Vector3d>& camera_rays) {
   constexpr int kRounds = 10;
-  const Normalisation n = normalisation(points, rays);
+  const Normalisation n = normalisation(points, camera_rays);
   if (n.count < 4 || !std::isfinite(n.scale)) return std::nullopt;
+  const Eigen::Matrix3d spread = spreading(camera_rays);
+  std::vector<Eigen::Vector3d> rays;
+  for (const Eigen::Vector3d& ray : camera_rays) rays.push_back((spread * ray).stableNormalized());
   std::vector<double> weights(points.size(), 1);
   auto h = weighted_homography(points, rays, weights, n);
   for (int i = 0; i < kRounds && h && reweight(points, rays, *h, weights); ++i) {
     h = weighted_homography(points, rays, weights, n);
   }
-  return h;
+  if (!h) return std::nullopt;
+  return spread.inverse() * *h;
 }
 
 std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibrate: the bin has what its children have, in any order of setting it up.
+
+#include "support.hpp"
+
+#include <gst/check/gstcheck.h>
+
+using namespace calvin;
+
+static GstElement* own(GstElement* element) { return GST_ELEMENT(gst_object_ref_sink(element)); }
+
+GST_START_TEST(test_settings_reach_the_children) {
+  g_autoptr(GstElement) bin =
+      own(check::make_element("calibrate board=checkerboard:7x5:1cm camera=left model=fisheye "
+                              "capture-mode=manual max-rate=5 min-views=7 target-error=0.5"));
+  g_autoptr(GstElement) detect = gst_bin_get_by_name(GST_BIN(bin), "detect");
+  g_autoptr(GstElement) solve = gst_bin_get_by_name(GST_BIN(bin), "solve");
+  g_autofree char* board = nullptr;
+  g_autofree char* seen_as = nullptr;
+  g_autofree char* solved_as = nullptr;
+  g_autofree char* model = nullptr;
+  double rate = 0;
+  int views = 0;
+  g_object_get(detect, "board", &board, "camera", &seen_as, "max-rate", &rate, nullptr);
+  g_object_get(solve, "camera", &solved_as, "model", &model, "min-views", &views, nullptr);
+  fail_unless_equals_string(board, "checkerboard:7x5:1cm");
+  fail_unless_equals_string(seen_as, "left");
+  fail_unless_equals_string(solved_as, "left");
+  fail_unless_equals_string(model, "fisheye");
+  fail_unless_equals_float(rate, 5);
+  fail_unless_equals_int(views, 7);
+  g_object_get(bin, "min-views", &views, nullptr);
+  fail_unless_equals_int(views, 7);
+  gst_child_proxy_set(GST_CHILD_PROXY(bin), "solve::min-views", 9, nullptr);
+  g_object_get(bin, "min-views", &views, nullptr);
+  fail_unless_equals_int(views, 9);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_every_default_is_the_childs) {
+  g_autoptr(GstElement) bin = own(gst_element_factory_make("calibrate", nullptr));
+  guint n = 0;
+  g_autofree GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(bin), &n);
+  for (guint i = 0; i < n; ++i) {
+    if (specs[i]->owner_type != G_OBJECT_TYPE(bin) || specs[i]->value_type == GST_TYPE_STRUCTURE) {
+      continue;
+    }
+    GValue value = G_VALUE_INIT;
+    g_value_init(&value, specs[i]->value_type);
+    g_object_get_property(G_OBJECT(bin), specs[i]->name, &value);
+    fail_unless(g_param_value_defaults(specs[i], &value), "%s", specs[i]->name);
+    g_value_unset(&value);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_changes_of_a_child_are_notified) {
+  g_autoptr(GstElement) bin = own(gst_element_factory_make("calibrate", nullptr));
+  g_autoptr(GstElement) solve = gst_bin_get_by_name(GST_BIN(bin), "solve");
+  int notified = 0;
+  g_signal_connect(bin, "notify::calibration",
+                   G_CALLBACK(+[](GObject*, GParamSpec*, int* count) { ++*count; }), &notified);
+  g_object_notify(G_OBJECT(solve), "calibration");
+  fail_unless_equals_int(notified, 1);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_the_overlay_can_be_left_out_and_put_back) {
+  g_autoptr(GstElement) bin = own(gst_element_factory_make("calibrate", nullptr));
+  for (const bool wanted : {false, false, true, false, true}) {
+    g_object_set(bin, "overlay", wanted, nullptr);
+    g_autoptr(GstElement) overlay = gst_bin_get_by_name(GST_BIN(bin), "overlay");
+    fail_unless((overlay != nullptr) == wanted);
+    g_autoptr(GstPad) src = gst_element_get_static_pad(bin, "src");
+    g_autoptr(GstPad) target = gst_ghost_pad_get_target(GST_GHOST_PAD(src));
+    g_autoptr(GstObject) parent = gst_object_get_parent(GST_OBJECT(target));
+    fail_unless_equals_string(GST_OBJECT_NAME(parent), wanted ? "overlay" : "solve");
+  }
+}
+GST_END_TEST;
+
+// One pipeline through its life: signals, state cycles, a restart, removal of nothing.
+GST_START_TEST(test_signals_and_state_cycles) {
+  g_autoptr(GstElement) pipeline = gst_parse_launch(
+      "calibtestsrc num-buffers=12 ! calibrate name=c ! fakesink sync=false", nullptr);
+  g_autoptr(GstElement) bin = gst_bin_get_by_name(GST_BIN(pipeline), "c");
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  for (int round = 0; round < 2; ++round) {
+    gst_element_set_state(pipeline, GST_STATE_PLAYING);
+    g_autoptr(GstMessage) end = gst_bus_timed_pop_filtered(
+        bus, 60 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+    fail_unless(end != nullptr && GST_MESSAGE_TYPE(end) == GST_MESSAGE_EOS);
+    g_autofree char* json = nullptr;
+    g_object_get(bin, "calibration", &json, nullptr);
+    fail_unless(json != nullptr);
+    gboolean removed = TRUE;
+    g_signal_emit_by_name(bin, "remove-view", 100U, &removed);
+    fail_if(removed);
+    g_signal_emit_by_name(bin, "remove-view", 0U, &removed);
+    fail_unless(removed);
+    g_signal_emit_by_name(bin, "capture-view");
+    g_signal_emit_by_name(bin, "solve");
+    g_signal_emit_by_name(bin, "reset");
+    gst_element_set_state(pipeline, GST_STATE_READY);
+  }
+  gst_bus_set_flushing(bus, TRUE);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+}
+GST_END_TEST;
+
+static Suite* calibrate_suite() {
+  Suite* suite = suite_create("calibrate");
+  TCase* tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
+  tcase_add_test(tc, test_settings_reach_the_children);
+  tcase_add_test(tc, test_every_default_is_the_childs);
+  tcase_add_test(tc, test_changes_of_a_child_are_notified);
+  tcase_add_test(tc, test_the_overlay_can_be_left_out_and_put_back);
+  tcase_add_test(tc, test_signals_and_state_cycles);
+  return suite;
+}
+
+GST_CHECK_MAIN(calibrate)
