@@ -80,6 +80,7 @@ run_camera() {
   sink="videoconvert ! autovideosink"
   [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || sink="fakesink sync=true"
   echo "Show the board ($board) to $device; Ctrl-C ends. The result goes to $output/camera.json."
+  trap : INT # Ctrl-C ends the pipeline, not this script
   # shellcheck disable=SC2086 # several words
   gst-launch-1.0 -e -m v4l2src device="$device" ! decodebin ! \
     calibrate board="$board" location=camera.json ! $sink
