@@ -177,7 +177,7 @@ GST_START_TEST(test_a_seek_gives_the_same_frames) {
     if (n == 20) frame20 = luma_of(buffer, straight.h);
   }
   Fixture jump("seed=5", caps);
-  g_autoptr(GstBuffer) first = jump.pull();
+  gst_buffer_unref(jump.pull());
   const GstClockTime at = gst_util_uint64_scale(20, GST_SECOND, 30);
   fail_unless(gst_element_seek(jump.source, 1, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
                                GST_SEEK_TYPE_SET, static_cast<gint64>(at), GST_SEEK_TYPE_NONE, -1));
@@ -193,7 +193,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_plays_backwards_to_the_start) {
   Fixture f("motion=static num-buffers=100", "video/x-raw,format=GRAY8,width=32,height=32");
-  g_autoptr(GstBuffer) first = f.pull();
+  gst_buffer_unref(f.pull());
   fail_unless(gst_element_seek(f.source, -1, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
                                GST_SEEK_TYPE_SET, 0, GST_SEEK_TYPE_SET, GST_SECOND / 2));
   GstClockTime before = GST_CLOCK_TIME_NONE;
@@ -252,7 +252,7 @@ GST_START_TEST(test_the_camera_is_written) {
   const check::TemporaryFolder folder;
   const std::string file = folder / "truth.json";
   Fixture f("ground-truth=" + file);
-  g_autoptr(GstBuffer) buffer = f.pull();
+  gst_buffer_unref(f.pull());
   const auto written = read_calibration(file);
   fail_unless(written.has_value());
   fail_unless(Camera::make(*written)->parameters() == default_camera({640, 480}).parameters());

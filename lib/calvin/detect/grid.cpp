@@ -107,6 +107,21 @@ Grid mirror(const Grid& grid) {
   return mirrored;
 }
 
+// How far a corner lies from where the next three of its line expect it, to second order.
+double misfit(const Grid& grid, int col, int row, int dcol, int drow) {
+  const auto at = [&](int i) { return grid.at(col + i * dcol, row + i * drow); };
+  return length(at(0) - 3.0 * at(1) + 3.0 * at(2) - at(3));
+}
+
+bool lies_well(const Grid& grid, int col, int row) {
+  constexpr double kShare = 0.1;  // of the distance between corners
+  const int dcol = 2 * col < grid.cols ? 1 : -1;
+  const int drow = 2 * row < grid.rows ? 1 : -1;
+  const Axes axes = axes_at(grid, col, row);
+  return (grid.cols < 6 || misfit(grid, col, row, dcol, 0) < kShare * length(axes.along)) &&
+         (grid.rows < 6 || misfit(grid, col, row, 0, drow) < kShare * length(axes.down));
+}
+
 }  // namespace
 
 Axes axes_at(const Grid& grid, int col, int row) {
@@ -187,23 +202,31 @@ bool is_smooth(const Grid& grid) {
 
 bool has_corners(const ImageView& image, const Grid& grid) {
   constexpr double kNear = 3;  // px
-  std::vector<double> ratios;
+  struct Corner {
+    int col;
+    int row;
+    double ratio;  // of the contrast near the corner to that of the squares
+  };
+  std::vector<Corner> corners;
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
       const Axes axes = axes_at(grid, col, row);
-      const auto wide = saddle(image, grid.at(col, row), axes);
       const double side = std::min(length(axes.along), length(axes.down));
       const double share = std::clamp(kNear / side, 0.1, 0.25);
+      const auto wide = saddle(image, grid.at(col, row), axes);
       const auto narrow = saddle(image, grid.at(col, row), axes, share);
-      if (wide && narrow) ratios.push_back(*narrow / *wide);
+      if (wide && narrow) corners.push_back({col, row, *narrow / *wide});
     }
   }
-  if (ratios.empty()) return true;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  const double usual = *middle;
-  return std::all_of(ratios.begin(), ratios.end(),
-                     [usual](double ratio) { return ratio > 0.25 * usual; });
+  if (corners.empty()) return true;
+  const auto middle = corners.begin() + static_cast<std::ptrdiff_t>(corners.size() / 2);
+  std::nth_element(corners.begin(), middle, corners.end(),
+                   [](const Corner& a, const Corner& b) { return a.ratio < b.ratio; });
+  const double usual = middle->ratio;
+  // A weak one may be damaged print, if it lies well; or it is no corner.
+  return std::all_of(corners.begin(), corners.end(), [&](const Corner& c) {
+    return c.ratio > 0.6 * usual || (c.ratio > 0.2 * usual && lies_well(grid, c.col, c.row));
+  });
 }
 
 Reason label(const ImageView& image, const Board& board, Grid& grid,
