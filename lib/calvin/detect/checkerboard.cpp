@@ -90,7 +90,7 @@ class CheckerboardDetector final : public Detector {
     }
     std::vector<cv::Point2f> corners;
     if (!cv::findChessboardCornersSB(small, {board_.cols, board_.rows}, corners,
- cv::CALIB_CB_NORMALIZE_IMAGE) ||
+                                     cv::CALIB_CB_NORMALIZE_IMAGE) ||
         corners.size() != static_cast<std::size_t>(board_.point_count())) {
       return false;
     }
