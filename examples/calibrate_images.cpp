@@ -108,6 +108,9 @@ GstElement* make_pipeline(const Options& options, const std::vector<Picture>& pi
   g_object_set(filter, "caps", gray, nullptr);
   g_object_set(calibrate, "board", options.board.c_str(), "model", options.model.c_str(),
                "location", location.c_str(), "overlay", FALSE, "post-messages", TRUE, nullptr);
+  // Pictures wait for the detector, and every board counts.
+  gst_util_set_object_arg(G_OBJECT(calibrate), "mode", "sync");
+  gst_util_set_object_arg(G_OBJECT(calibrate), "capture-mode", "all");
   gst_bin_add_many(GST_BIN(pipeline), concat, filter, calibrate, sink, nullptr);
   gst_element_link_many(concat, filter, calibrate, sink, nullptr);
   for (const Picture& picture : pictures) add_picture(GST_BIN(pipeline), concat, picture);

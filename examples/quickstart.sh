@@ -19,8 +19,8 @@ usage() {
 prepare() {
   "$source/examples/install-packages.sh" build
   [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dtests=false
-  ninja -C "$build" gst/libgstcalvin.so examples/show examples/calibrate-images \
-    >"$build/quickstart.log" || { cat "$build/quickstart.log" >&2; exit 1; }
+  ninja -C "$build" gst/libgstcalvin.so examples/board examples/show \
+    examples/calibrate-images >"$build/quickstart.log" || { cat "$build/quickstart.log" >&2; exit 1; }
   export GST_PLUGIN_PATH_1_0="$build/gst${GST_PLUGIN_PATH_1_0:+:$GST_PLUGIN_PATH_1_0}"
   mkdir -p "$output"
   cd "$output"
@@ -80,6 +80,7 @@ run_camera() {
   sink="videoconvert ! autovideosink"
   [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || sink="fakesink sync=true"
   echo "Show the board ($board) to $device; Ctrl-C ends. The result goes to $output/camera.json."
+  trap : INT # Ctrl-C ends the pipeline, not this script
   # shellcheck disable=SC2086 # several words
   gst-launch-1.0 -e -m v4l2src device="$device" ! decodebin ! \
     calibrate board="$board" location=camera.json ! $sink

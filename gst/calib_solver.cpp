@@ -16,6 +16,9 @@
 #include "calvin/target/board.hpp"
 #include "solve_messages.hpp"
 
+GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
+#define GST_CAT_DEFAULT calibsolve_debug
+
 namespace calvin::gst {
 
 struct CalibSolver::Job {
@@ -25,6 +28,7 @@ struct CalibSolver::Job {
   std::vector<CalibrationFile> files;
   std::string location;
   FrameTimes times;
+  std::uint64_t generation = 0;
   bool final = false;
 };
 
@@ -35,7 +39,9 @@ SolveOptions solve_options(const SolverSettings& settings, const std::string& ca
   options.model = settings.model;
   options.camera = settings.camera.empty() ? camera : settings.camera;
   if (settings.fix.empty()) return options;
-  for (const std::string_view name : split(settings.fix, ',')) options.fix.emplace_back(name);
+  for (const std::string_view name : split(settings.fix, ',')) {
+    if (!name.empty()) options.fix.emplace_back(name);
+  }
   return options;
 }
 
@@ -49,14 +55,21 @@ SolverSettings CalibSolver::settings() {
 Status CalibSolver::start() {
   const SolverSettings now = settings();
   if (Status usable = check(solve_options(now, "")); !usable) return usable;
+  if (now.max_views > 0 && now.max_views < now.min_views) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("max-views={} is less than min-views={}: raise max-views, or set "
+                                  "it to 0 for no limit.",
+                                  now.max_views, now.min_views));
+  }
   auto files = parse_calibration_files(now.location, now.exports);
   if (!files) return make_error(files.error().code, files.error().message);
-  if (const Status writable = can_write_all(*files); !writable) {
-    post_warning(element_, writable.error());
-  }
+  const Status writable = can_write_all(*files);
+  if (!writable) post_warning(element_, writable.error());
   {
     const std::lock_guard guard(lock_);
     files_ = std::move(*files);
+    active_ = now;
+    write_failed_ = !writable;
   }
   reset();
   worker_.start();
@@ -69,34 +82,27 @@ void CalibSolver::set_size(ImageSize size) {
   forget();
 }
 
+void CalibSolver::resume() {
+  worker_.resume();
+  const std::lock_guard guard(lock_);
+  next_solve_ = 0;
+  if (final_owed_) request(true);
+}
+
 void CalibSolver::choose_capture_mode(bool live) {
   const std::lock_guard guard(lock_);
   CaptureMode mode = live ? CaptureMode::kAuto : CaptureMode::kAll;
-  if (settings_.capture_mode == kCaptureAll) mode = CaptureMode::kAll;
-  if (settings_.capture_mode == kCaptureAuto) mode = CaptureMode::kAuto;
-  if (settings_.capture_mode == kCaptureManual) mode = CaptureMode::kManual;
-  session_.set_options({mode, settings_.min_views, settings_.max_views});
+  if (active_.capture_mode == kCaptureAll) mode = CaptureMode::kAll;
+  if (active_.capture_mode == kCaptureAuto) mode = CaptureMode::kAuto;
+  if (active_.capture_mode == kCaptureManual) mode = CaptureMode::kManual;
+  session_.set_options({mode, active_.min_views, active_.max_views});
 }
 
 // ---- Collecting: on the streaming thread --------------------------------------------------------
 
-bool CalibSolver::offer(std::span<const Observation> observations, const FrameTimes& times) {
-  bool captured = false;
-  for (const Observation& observation : observations) {
-    if (observation.found()) captured |= offer_one(observation, times);
-  }
-  const std::lock_guard guard(lock_);
-  if (finished_ || settings_.target_error <= 0 || !calibration_) return captured;
-  if (calibration_->expected_error.value_or(HUGE_VAL) <= settings_.target_error) {
-    finished_ = true;
-    request(true);
-  }
-  return captured;
-}
-
-bool CalibSolver::offer_one(const Observation& observation, const FrameTimes& times) {
+bool CalibSolver::offer(const Observation& observation, const FrameTimes& times) {
   const auto board = parse_board(observation.board);
-  if (!board) return false;
+  if (!board || !observation.found()) return false;
   Reason reason;
   Guidance now;
   std::string camera;
@@ -104,7 +110,7 @@ bool CalibSolver::offer_one(const Observation& observation, const FrameTimes& ti
     const std::lock_guard guard(lock_);
     if (finished_ || observation.image_size != size_) return false;
     camera_ = observation.camera;
-    camera = settings_.camera.empty() ? camera_ : settings_.camera;
+    camera = active_.camera.empty() ? camera_ : active_.camera;
     times_ = times;
     reason = session_.offer({observation, *board});
     now = make_guidance(session_.progress(), calibration_);
@@ -132,10 +138,18 @@ std::optional<CalibrationEvent> CalibSolver::take_event() {
   return CalibrationEvent{calibration_->camera, *json};
 }
 
+bool CalibSolver::enough_views() const {
+  return session_.views().size() >= static_cast<std::size_t>(active_.min_views);
+}
+
 void CalibSolver::consider() {
+  final_done_ = false;
+  if (!enough_views()) return;
   const std::size_t views = session_.views().size();
-  if (views < static_cast<std::size_t>(settings_.min_views)) return;
-  if (settings_.max_views > 0 && views >= static_cast<std::size_t>(settings_.max_views)) {
+  const bool full = active_.max_views > 0 && views >= static_cast<std::size_t>(active_.max_views);
+  const bool good = active_.target_error > 0 && calibration_ &&
+                    calibration_->expected_error.value_or(HUGE_VAL) <= active_.target_error;
+  if (full || good) {
     finished_ = true;
     request(true);
   } else if (views >= next_solve_) {
@@ -152,10 +166,13 @@ void CalibSolver::request(bool final) {
   job->views = session_.views();
   job->size = size_;
   job->files = files_;
-  job->location = settings_.location;
+  job->location = active_.location;
   job->times = times_;
-  job->final = final;
-  job->options = solve_options(settings_, camera_);
+  job->generation = generation_;
+  // The newest job replaces one that waits, and takes over what it owes.
+  final_owed_ |= final;
+  job->final = final_owed_;
+  job->options = solve_options(active_, camera_);
   worker_.offer([this, job](std::stop_token stop) { run(*job, stop); });
 }
 
@@ -166,7 +183,9 @@ void CalibSolver::run(const Job& job, const std::stop_token& stop) {
     GST_INFO_OBJECT(element_, "no solution from %" G_GSIZE_FORMAT " views: %s", job.views.size(),
                     solution.error().message.c_str());
     const std::lock_guard guard(lock_);
+    if (job.generation != generation_) return;
     solve_error_ = solution.error().message;
+    if (job.final) final_owed_ = false;
     return;
   }
   g_autoptr(GDateTime) now = g_date_time_new_now_utc();
@@ -180,8 +199,13 @@ void CalibSolver::publish(const Job& job, const Calibration& calibration) {
   bool better = false;
   {
     const std::lock_guard guard(lock_);
+    if (job.generation != generation_) return;
     calibration_ = calibration;
     solve_error_.clear();
+    if (job.final) {
+      final_owed_ = false;
+      final_done_ = true;
+    }
     now = make_guidance(session_.progress(), calibration_);
     better = job.final || !anything_written_ ||
              calibration.expected_error.value_or(HUGE_VAL) < written_error_.value_or(HUGE_VAL);
@@ -189,10 +213,16 @@ void CalibSolver::publish(const Job& job, const Calibration& calibration) {
   }
   if (better) {
     const Status written = write_all(job.files, calibration);
-    const std::lock_guard guard(lock_);
-    written_ = written;
-    anything_written_ = true;
-    written_error_ = calibration.expected_error;
+    bool news = false;
+    {
+      const std::lock_guard guard(lock_);
+      news = !written && !write_failed_;
+      write_failed_ |= !written;
+      written_ = written;
+      anything_written_ = true;
+      written_error_ = calibration.expected_error;
+    }
+    if (news) post_warning(element_, written.error());
   }
   const auto json = print_calibration(calibration);
   post_message(element_, progress_message(job.times, calibration.camera, now));
@@ -208,22 +238,28 @@ void CalibSolver::post_solve_progress(GstProgressType type, const std::string& t
       element_, gst_message_new_progress(GST_OBJECT(element_), type, "calibrate", text.c_str()));
 }
 
-Status CalibSolver::verdict() const {
-  if (calibration_) return written_;
+Error CalibSolver::too_few_views() const {
   const std::size_t views = session_.views().size();
-  if (views >= static_cast<std::size_t>(settings_.min_views)) {
-    return make_error(ErrorCode::kDegenerate, "No calibration: " + solve_error_);
-  }
-  return make_error(
+  return {
       ErrorCode::kDegenerate,
-      fmt::format(
-          "No calibration: {} taken, at least {} are needed. Show the whole board, flat and "
-          "sharp, in different places and tilts, and check that the property `board` tells "
-          "its inner corners.",
-          views == 0   ? "no view of the board was"
-          : views == 1 ? "only one view of the board was"
-                       : fmt::format("only {} views of the board were", views),
-          settings_.min_views));
+      fmt::format("No calibration: {} taken, at least {} are needed. Show the whole board, flat "
+                  "and sharp, in different places and tilts, and check that the property "
+                  "`board` tells its inner corners.",
+                  views == 0   ? "no view of the board was"
+                  : views == 1 ? "only one view of the board was"
+                               : fmt::format("only {} views of the board were", views),
+                  active_.min_views)};
+}
+
+Status CalibSolver::verdict() const {
+  if (!solve_error_.empty()) {
+    return make_error(ErrorCode::kDegenerate,
+                      (calibration_ ? "The final solve failed and the one before it stays: "
+                                    : "No calibration: ") +
+                          solve_error_);
+  }
+  if (calibration_) return written_;
+  return tl::unexpected<Error>(too_few_views());
 }
 
 void CalibSolver::finish() {
@@ -231,8 +267,7 @@ void CalibSolver::finish() {
   bool solving = false;
   {
     const std::lock_guard guard(lock_);
-    solving =
-        !finished_ && session_.views().size() >= static_cast<std::size_t>(settings_.min_views);
+    solving = !final_done_ && enough_views();
     if (solving) request(true);
   }
   // A START outside PLAYING would make applications wait for it during preroll.
@@ -263,8 +298,16 @@ void CalibSolver::capture_view() {
 }
 
 void CalibSolver::solve_now() {
-  const std::lock_guard guard(lock_);
-  if (!session_.views().empty()) request(true);
+  std::optional<Error> refused;
+  {
+    const std::lock_guard guard(lock_);
+    if (enough_views()) {
+      request(true);
+    } else {
+      refused = too_few_views();
+    }
+  }
+  if (refused) post_warning(element_, *refused);
 }
 
 void CalibSolver::reset() {
@@ -273,9 +316,11 @@ void CalibSolver::reset() {
 }
 
 void CalibSolver::forget() {
+  ++generation_;
   session_.reset();
   calibration_.reset();
   anything_written_ = finished_ = announce_ = false;
+  final_owed_ = final_done_ = false;
   written_ = {};
   solve_error_.clear();
   next_solve_ = 0;
@@ -284,7 +329,13 @@ void CalibSolver::forget() {
 bool CalibSolver::remove_view(unsigned index) {
   const std::lock_guard guard(lock_);
   if (!session_.remove_view(index)) return false;
-  request(false);
+  finished_ = final_done_ = false;
+  next_solve_ = 0;
+  if (enough_views()) {
+    request(false);
+  } else {
+    calibration_.reset();
+  }
   return true;
 }
 

@@ -5,9 +5,9 @@
 // writes the files and posts what happens in the name of the element.
 #pragma once
 
+#include <cstdint>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +47,8 @@ class CalibSolver {
   void change_settings(F f) {
     const std::lock_guard guard(lock_);
     f(settings_);
+    active_.camera = settings_.camera;
+    active_.target_error = settings_.target_error;
   }
   [[nodiscard]] SolverSettings settings();
 
@@ -54,15 +56,16 @@ class CalibSolver {
   // on the bus.
   [[nodiscard]] Status start();
   void cancel() { worker_.cancel(); }
-  void resume() { worker_.resume(); }
+  // A solve that cancel() cut short is asked for again.
+  void resume();
   void stop() { worker_.stop(); }
 
   // A new size begins a new session.
   void set_size(ImageSize size);
   void choose_capture_mode(bool live);
 
-  // What was found on one frame; true when a view was taken.
-  bool offer(std::span<const Observation> observations, const FrameTimes& times);
+  // What was found on one frame, with the times of that frame; true when a view was taken.
+  bool offer(const Observation& observation, const FrameTimes& times);
   [[nodiscard]] Guidance guidance();
 
   // The newest calibration that has not been announced downstream.
@@ -84,9 +87,10 @@ class CalibSolver {
  private:
   struct Job;
 
-  bool offer_one(const Observation& observation, const FrameTimes& times);
-  // These four with the lock held.
+  // These with the lock held.
   void forget();
+  [[nodiscard]] bool enough_views() const;
+  [[nodiscard]] Error too_few_views() const;
   void consider();
   void request(bool final);
   [[nodiscard]] Status verdict() const;
@@ -99,6 +103,7 @@ class CalibSolver {
 
   std::mutex lock_;  // of everything below, down to worker_
   SolverSettings settings_;
+  SolverSettings active_;  // as of start(), but for what may change while PLAYING
   Session session_{SessionOptions{}};
   ImageSize size_;
   std::string camera_;  // as the newest observation names it
@@ -109,10 +114,14 @@ class CalibSolver {
   bool announce_ = false;  // calibration_ waits to be announced
   std::string solve_error_;
   Status written_;
+  bool write_failed_ = false;  // and the user was told so
   Reason last_reason_ = Reason::kAccepted;
-  FrameTimes times_;            // of the newest frame with a board
-  std::size_t next_solve_ = 0;  // number of views
-  bool finished_ = false;       // good enough: nothing more is captured
+  FrameTimes times_;              // of the newest frame with a board
+  std::size_t next_solve_ = 0;    // number of views
+  bool finished_ = false;         // good enough: nothing more is captured
+  bool final_owed_ = false;       // somebody waits for a final result
+  bool final_done_ = false;       // the final result of the views kept now was posted
+  std::uint64_t generation_ = 0;  // of the session: a solve of an older one is thrown away
 
   Worker worker_;
 };

@@ -22,6 +22,7 @@ Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& 
   if (trim(exports).empty()) return files;
   const auto formats = calibration_formats();
   for (const std::string_view item : split(exports, ',')) {
+    if (item.empty()) continue;
     const auto colon = item.find(':');
     const std::string_view format = item.substr(0, colon);
     const bool known = std::find(formats.begin(), formats.end(), format) != formats.end();

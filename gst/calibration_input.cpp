@@ -47,6 +47,7 @@ void CalibrationInput::set_text(const std::string& text) {
   text_ = text;
   if (text_.empty()) from_setting_.reset();
   setting_.set(text_);
+  said_.clear();
 }
 
 void CalibrationInput::set_frames(const GstVideoInfo& info) {
@@ -54,6 +55,7 @@ void CalibrationInput::set_frames(const GstVideoInfo& info) {
   interlaced_ = GST_VIDEO_INFO_IS_INTERLACED(&info);
   camera_.reset();
   changed_ = true;
+  said_.clear();
 }
 
 bool CalibrationInput::is_calibration(GstEvent* event) { return parse_event(event).has_value(); }
@@ -94,6 +96,12 @@ std::vector<Error> CalibrationInput::update(CalibrationSetting::Clock::time_poin
   return errors;
 }
 
+void CalibrationInput::say(Error error, std::vector<Error>& errors) {
+  if (error.message == said_) return;
+  said_ = error.message;
+  errors.push_back(std::move(error));
+}
+
 void CalibrationInput::fit(std::vector<Error>& errors) {
   const std::optional<Calibration>& known = calibration();
   if (!known) {
@@ -102,24 +110,32 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
     return;
   }
   if (interlaced_) {
-    errors.push_back({ErrorCode::kUnsupported,
-                      "The video is interlaced, its fields show different moments: insert "
-                      "deinterlace before this element. Until then the frames pass unchanged."});
+    say({ErrorCode::kUnsupported,
+         "The video is interlaced, its fields show different moments: insert deinterlace before "
+         "this element. Until then the frames pass unchanged."},
+        errors);
     return;
   }
   auto fitted = fit_to_frame(*known, frames_);
   if (!fitted) {
-    errors.push_back(fitted.error());
+    say(fitted.error(), errors);
     return;
   }
-  if (fitted->scaled) {
-    errors.push_back(
-        {ErrorCode::kInvalidArgument,
+  if (fitted->scaled && known->sensor_crop) {
+    say({ErrorCode::kInvalidArgument,
+         fmt::format("The sensor_crop of the calibration, {}x{} px, is scaled to the frames of "
+                     "{}x{}.",
+                     known->sensor_crop->width, known->sensor_crop->height, frames_.width,
+                     frames_.height)},
+        errors);
+  } else if (fitted->scaled) {
+    say({ErrorCode::kInvalidArgument,
          fmt::format("The calibration is for {}x{} px and is scaled to the frames of "
                      "{}x{}. That is right where the camera scales its whole picture; "
                      "where it shows a part of it, add sensor_crop to the calibration.",
                      known->image_size.width, known->image_size.height, frames_.width,
-                     frames_.height)});
+                     frames_.height)},
+        errors);
   }
   camera_ = std::move(fitted->camera);
   name_ = known->camera;

@@ -45,6 +45,7 @@ class CalibrationInput {
     return text_.empty() ? from_event_ : from_setting_;
   }
   void fit(std::vector<Error>& errors);
+  void say(Error error, std::vector<Error>& errors);
 
   std::string text_;
   CalibrationSetting setting_;
@@ -58,6 +59,7 @@ class CalibrationInput {
   std::optional<Camera> camera_;
   std::string name_;
   int serial_ = 0;
+  std::string said_;  // the last message on how the calibration fits: each is said once
 };
 
 }  // namespace calvin::gst

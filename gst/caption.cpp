@@ -62,6 +62,8 @@ struct Caption::Renderer {
         layout(pango_layout_new(context)) {
     pango_layout_set_single_paragraph_mode(layout, TRUE);
     pango_layout_set_ellipsize(layout, PANGO_ELLIPSIZE_END);
+    pango_layout_set_height(layout, -2);  // two lines at the most
+    pango_layout_set_alignment(layout, PANGO_ALIGN_CENTER);
   }
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

@@ -68,6 +68,7 @@ struct Job {
   gst::FrameTimes times;
   Settings settings;
   Detectors detectors;
+  guint64 generation = 0;
 };
 
 struct State {
@@ -75,7 +76,8 @@ struct State {
   Settings settings;                               // lock
   bool boards_changed = true;                      // lock
   std::optional<std::vector<Observation>> result;  // lock; waits for a buffer to ride on
-  guint64 frames = 0;                              // lock, as the two below
+  guint64 generation = 0;  // lock; of the stream: a result of an older stretch is thrown away
+  guint64 frames = 0;      // lock, as the two below
   guint64 detections = 0;
   guint64 skipped = 0;
 
@@ -243,8 +245,8 @@ static void gst_calib_detect_offer(GstCalibDetect* self, Job job, const ImageVie
   }
   self->state->worker.offer([self, job = std::move(job), copy](std::stop_token stop) {
     auto found = gst_calib_detect_run(self, job, copy->view(), stop);
-    if (stop.stop_requested()) return;
     const std::lock_guard guard(self->state->lock);
+    if (stop.stop_requested() || job.generation != self->state->generation) return;
     self->state->result = std::move(found);
   });
 }
@@ -266,10 +268,14 @@ static bool gst_calib_detect_is_due(State* state, const gst::FrameTimes& times, 
   const auto interval = static_cast<GstClockTime>(GST_SECOND / max_rate);
   if (GST_CLOCK_TIME_IS_VALID(state->last_detection) &&
       times.running_time >= state->last_detection &&
-      times.running_time < state->last_detection + interval) {
+      times.running_time + interval / 4 < state->last_detection + interval) {
     return false;
   }
-  state->last_detection = times.running_time;
+  // On the beat, so that a camera's jitter does not cost every other frame.
+  const bool late = !GST_CLOCK_TIME_IS_VALID(state->last_detection) ||
+                    times.running_time < state->last_detection ||
+                    times.running_time >= state->last_detection + 2 * interval;
+  state->last_detection = late ? times.running_time : state->last_detection + interval;
   return true;
 }
 
@@ -285,6 +291,13 @@ static std::optional<std::vector<Observation>> gst_calib_detect_look(GstCalibDet
     return std::nullopt;
   }
   std::optional<std::vector<Observation>> found;
+  if (GST_VIDEO_FRAME_WIDTH(&frame) != GST_VIDEO_INFO_WIDTH(&state->info) ||
+      GST_VIDEO_FRAME_HEIGHT(&frame) != GST_VIDEO_INFO_HEIGHT(&state->info)) {
+    GST_WARNING_OBJECT(self, "the frame at %" GST_TIME_FORMAT " is not of the size of its caps",
+                       GST_TIME_ARGS(job.times.timestamp));
+    gst_video_frame_unmap(&frame);
+    return std::nullopt;
+  }
   const ImageView image = state->luma.view(frame);
   if (state->async) {
     gst_calib_detect_offer(self, job, image);
@@ -310,6 +323,7 @@ static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstB
   {
     const std::lock_guard guard(state->lock);
     job.settings = state->settings;
+    job.generation = state->generation;
     ++state->frames;
     result = std::exchange(state->result, std::nullopt);
   }
@@ -355,6 +369,15 @@ static void gst_calib_detect_push_waiting(GstCalibDetect* self) {
       gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM, gst::observations_to_structure(*result)));
 }
 
+// From here on another format or other times apply: what is still being computed is of no use.
+static void gst_calib_detect_next_stretch(GstCalibDetect* self) {
+  State* state = self->state;
+  state->last_detection = GST_CLOCK_TIME_NONE;
+  const std::lock_guard guard(state->lock);
+  ++state->generation;
+  state->result.reset();
+}
+
 static gboolean gst_calib_detect_sink_event(GstBaseTransform* trans, GstEvent* event) {
   GstCalibDetect* self = GST_CALIB_DETECT(trans);
   State* state = self->state;
@@ -366,15 +389,14 @@ static gboolean gst_calib_detect_sink_event(GstBaseTransform* trans, GstEvent* e
     case GST_EVENT_CAPS:
     case GST_EVENT_SEGMENT:
       gst_calib_detect_push_waiting(self);
+      gst_calib_detect_next_stretch(self);
       break;
     case GST_EVENT_FLUSH_START:
       state->worker.cancel();
       break;
     case GST_EVENT_FLUSH_STOP: {
       state->worker.resume();
-      state->last_detection = GST_CLOCK_TIME_NONE;
-      const std::lock_guard guard(state->lock);
-      state->result.reset();
+      gst_calib_detect_next_stretch(self);
       break;
     }
     default:
@@ -444,7 +466,7 @@ static void gst_calib_detect_install_properties(GObjectClass* object_class) {
   g_object_class_install_property(
       object_class, PROP_MAX_RATE,
       g_param_spec_double("max-rate", "Maximum rate",
-                          "Frames per second of stream time to look at, at the most (0 = all)", 0,
+                          "Frames per second of running time to look at, at the most (0 = all)", 0,
                           1000, 0, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_POST_MESSAGES,
@@ -472,6 +494,7 @@ static void gst_calib_detect_class_init(GstCalibDetectClass* klass) {
   trans_class->set_caps = gst_calib_detect_set_caps;
   trans_class->sink_event = gst_calib_detect_sink_event;
   trans_class->prepare_output_buffer = gst::share_input_buffer;
+  trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->transform_ip = gst_calib_detect_transform_ip;
   trans_class->transform_ip_on_passthrough = TRUE;
   gst_calib_detect_install_properties(object_class);

@@ -201,6 +201,7 @@ static void gst_calib_overlay_class_init(GstCalibOverlayClass* klass) {
   transform_class->start = gst_calib_overlay_start;
   transform_class->stop = gst_calib_overlay_stop;
   transform_class->sink_event = gst_calib_overlay_sink_event;
+  transform_class->propose_allocation = gst::propose_uncropped_allocation;
   transform_class->before_transform = gst_calib_overlay_before_transform;
   transform_class->transform_ip_on_passthrough = FALSE;
 

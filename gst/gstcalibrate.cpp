@@ -146,7 +146,9 @@ static void gst_calibrate_init(GstCalibrate* self) {
   gst_bin_add_many(GST_BIN(self), self->detect, self->solve, nullptr);
   gst_element_link(self->detect, self->solve);
   for (GstElement* child : {self->detect, self->solve}) {
-    g_signal_connect(child, "notify", G_CALLBACK(gst_calibrate_notify), self);
+    // A child may outlive the bin.
+    g_signal_connect_object(child, "notify", G_CALLBACK(gst_calibrate_notify), self,
+                            static_cast<GConnectFlags>(0));
   }
 
   g_autoptr(GstPad) sink = gst_element_get_static_pad(self->detect, "sink");

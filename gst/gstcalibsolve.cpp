@@ -18,6 +18,8 @@
  */
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/video.h>
@@ -30,7 +32,7 @@
 #include "metas.hpp"
 #include "properties.hpp"
 
-GST_DEBUG_CATEGORY_STATIC(calibsolve_debug);
+GST_DEBUG_CATEGORY(calibsolve_debug);
 #define GST_CAT_DEFAULT calibsolve_debug
 
 G_DECLARE_FINAL_TYPE(GstCalibSolve, gst_calib_solve, GST, CALIB_SOLVE, GstBaseTransform)
@@ -190,6 +192,17 @@ static void gst_calib_solve_push_calibration(GstCalibSolve* self) {
   }
 }
 
+// An observation tells the frame that it was made on, which a later one may carry.
+static bool gst_calib_solve_offer(GstCalibSolve* self, const std::vector<Observation>& observations,
+                                  GstClockTime duration) {
+  const GstSegment* segment = &GST_BASE_TRANSFORM(self)->segment;
+  bool captured = false;
+  for (const Observation& o : observations) {
+    captured |= self->state->solver.offer(o, gst::frame_times(segment, o.timestamp, duration));
+  }
+  return captured;
+}
+
 static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
   gst::CalibSolver& solver = self->state->solver;
@@ -198,7 +211,7 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
     solver.choose_capture_mode(gst::upstream_is_live(trans));
   }
   const bool captured =
-      solver.offer(gst::read_observations(buffer), gst::frame_times(&trans->segment, buffer));
+      gst_calib_solve_offer(self, gst::read_observations(buffer), GST_BUFFER_DURATION(buffer));
   gst_calib_solve_push_calibration(self);
   gst::Guidance guidance = solver.guidance();
   guidance.captured = captured;
@@ -227,7 +240,8 @@ static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* ev
     case GST_EVENT_CUSTOM_DOWNSTREAM:
       // An observation that no buffer could take.
       if (gst_event_has_name(event, gst::kObservationName)) {
-        solver.offer(gst::observations_from_structure(gst_event_get_structure(event)), {});
+        const GstStructure* s = gst_event_get_structure(event);
+        gst_calib_solve_offer(self, gst::observations_from_structure(s), GST_CLOCK_TIME_NONE);
       }
       break;
     case GST_EVENT_FLUSH_START:
@@ -290,11 +304,11 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
        "Name of the camera in messages and files (unset = the one that the observations carry)",
        nullptr, gst::kMutablePlaying);
   text(PROP_MODEL, "model", "Model", "Camera model: pinhole, brown4, brown5 or fisheye", "brown5",
-       gst::kMutablePlaying);
+       gst::kMutableReady);
   text(PROP_FIX, "fix", "Fix",
-       "What not to estimate, separated by commas: a distortion coefficient (held at 0), center "
-       "(the middle of the picture), aspect (fx = fy)",
-       nullptr, gst::kMutablePlaying);
+       "What not to estimate, separated by commas: a distortion coefficient (held at 0), cx, "
+       "cy or center for both (the middle of the picture), aspect (fx = fy)",
+       nullptr, gst::kMutableReady);
   g_object_class_install_property(
       object_class, PROP_CAPTURE_MODE,
       g_param_spec_enum("capture-mode", "Capture mode", "Which views of the board are kept",
@@ -377,6 +391,7 @@ static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
   trans_class->set_caps = gst_calib_solve_set_caps;
   trans_class->sink_event = gst_calib_solve_sink_event;
   trans_class->prepare_output_buffer = gst::share_input_buffer;
+  trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->transform_ip = gst_calib_solve_transform_ip;
   trans_class->transform_ip_on_passthrough = TRUE;
   gst_calib_solve_install_properties(object_class);

@@ -59,15 +59,15 @@ struct Settings {
 
 struct State {
   std::mutex lock;
-  Settings settings;  // lock
+  Settings settings;    // lock
+  GstVideoInfo info{};  // lock to write, and to read off the streaming thread
 
   // Streaming thread, and start() before it runs.
   gst::SceneSource source;
   std::optional<gst::TestScene> scene;  // of the present size
-  GstVideoInfo info{};
-  gint64 frame = 0;             // the number of the next one
-  gint64 first_frame = 0;       // of the present format
-  GstClockTime first_time = 0;  // its PTS
+  gint64 frame = 0;                     // the number of the next one
+  gint64 first_frame = 0;               // of the present format
+  GstClockTime first_time = 0;          // its PTS
   bool reverse = false;
 };
 
@@ -199,7 +199,10 @@ static gboolean gst_calib_test_src_start(GstBaseSrc* src) {
   state->frame = state->first_frame = 0;
   state->first_time = 0;
   state->reverse = false;
-  gst_video_info_init(&state->info);
+  {
+    const std::lock_guard guard(state->lock);
+    gst_video_info_init(&state->info);
+  }
   auto source = gst::read_scene_settings(gst_calib_test_src_settings(self).scene);
   if (!source) {
     gst::post_error(GST_ELEMENT(self), source.error());
@@ -248,7 +251,10 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
                               static_cast<guint64>(GST_VIDEO_INFO_FPS_N(&state->info)));
     state->first_frame = state->frame;
   }
-  state->info = info;
+  {
+    const std::lock_guard guard(state->lock);
+    state->info = info;
+  }
   gst_base_src_set_blocksize(src, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
   return TRUE;
 }
@@ -376,13 +382,19 @@ static void gst_calib_test_src_get_times(GstBaseSrc* src, GstBuffer* buffer, Gst
 }
 
 static gboolean gst_calib_test_src_query(GstBaseSrc* src, GstQuery* query) {
-  const State* state = GST_CALIB_TEST_SRC(src)->state;
-  const bool known = GST_VIDEO_INFO_FPS_N(&state->info) > 0;
+  // Any thread.
+  State* state = GST_CALIB_TEST_SRC(src)->state;
+  GstVideoInfo info;
+  {
+    const std::lock_guard guard(state->lock);
+    info = state->info;
+  }
+  const bool known = GST_VIDEO_INFO_FPS_N(&info) > 0;
   if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && known) {
-    gst_query_set_latency(query, gst_base_src_is_live(src),
-                          gst_util_uint64_scale(GST_SECOND, GST_VIDEO_INFO_FPS_D(&state->info),
-                                                GST_VIDEO_INFO_FPS_N(&state->info)),
-                          GST_CLOCK_TIME_NONE);
+    gst_query_set_latency(
+        query, gst_base_src_is_live(src),
+        gst_util_uint64_scale(GST_SECOND, GST_VIDEO_INFO_FPS_D(&info), GST_VIDEO_INFO_FPS_N(&info)),
+        GST_CLOCK_TIME_NONE);
     return TRUE;
   }
   if (GST_QUERY_TYPE(query) == GST_QUERY_CONVERT && known) {
@@ -391,7 +403,7 @@ static gboolean gst_calib_test_src_query(GstBaseSrc* src, GstQuery* query) {
     gint64 value;
     gint64 converted;
     gst_query_parse_convert(query, &from, &value, &to, nullptr);
-    if (!gst_video_info_convert(&state->info, from, value, to, &converted)) return FALSE;
+    if (!gst_video_info_convert(&info, from, value, to, &converted)) return FALSE;
     gst_query_set_convert(query, from, value, to, converted);
     return TRUE;
   }

@@ -181,6 +181,8 @@ static void update(GstCalibUndistort* self) {
   GstBaseTransform* trans = GST_BASE_TRANSFORM(self);
   if (undistorting == gst_base_transform_is_passthrough(trans)) {
     gst_base_transform_set_passthrough(trans, !undistorting);
+    // Upstream got downstream's buffers while the frames passed through.
+    gst_base_transform_reconfigure_sink(trans);
     gst_base_transform_reconfigure_src(trans);
   }
   announce(self, undistorting);
@@ -228,6 +230,11 @@ static gboolean gst_calib_undistort_transform_meta(GstBaseTransform* trans, GstB
       mapped.push_back(s.active->to_output(o));
     gst::attach_observations(out, mapped);
     return FALSE;
+  }
+  // It tells of the session and has no place in the picture.
+  if (gst_meta_info_is_custom(meta->info) &&
+      gst_custom_meta_has_name(reinterpret_cast<GstCustomMeta*>(meta), gst::kGuidanceName)) {
+    return TRUE;
   }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
       ->transform_meta(trans, out, meta, in);
@@ -360,10 +367,9 @@ static void install_properties(GObjectClass* object_class) {
   properties[kCalibration] = g_param_spec_string(
       "calibration", "Calibration",
       "The calibration: a file (native JSON, OpenCV, ROS), which may appear later and is read "
-      "again "
-      "when it is replaced; or JSON text; or the settings of cameraundistort; or a list such as "
-      "fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the calibration event "
-      "of an element upstream",
+      "again when it is replaced; or JSON text; or the settings of cameraundistort; or a list such "
+      "as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the calibration "
+      "event of an element upstream",
       nullptr, gst::kMutablePlaying);
   properties[kEnabled] = g_param_spec_boolean("enabled", "Enabled",
                                               "Undistort; off: the frames pass through untouched",
@@ -371,14 +377,12 @@ static void install_properties(GObjectClass* object_class) {
   properties[kAlpha] = g_param_spec_double(
       "alpha", "Alpha",
       "What the output shows. 0: the largest view without an invalid pixel; 1: every valid pixel "
-      "of "
-      "the input, at most 150 degrees; between: moves linearly from one to the other",
+      "of the input, at most 150 degrees; between: moves linearly from one to the other",
       0, 1, 0, static_cast<GParamFlags>(gst::kMutablePlaying | GST_PARAM_CONTROLLABLE));
   properties[kOutputCalibration] =
       g_param_spec_string("output-calibration", "Output Calibration",
                           "The calibration of the output as native JSON: a pinhole camera while it "
-                          "is undistorted, what "
-                          "came from upstream while it passes through",
+                          "is undistorted, what came from upstream while it passes through",
                           nullptr, gst::kReadOnly);
   g_object_class_install_properties(object_class, kProperties, properties);
 }
@@ -404,6 +408,7 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   trans_class->start = gst_calib_undistort_start;
   trans_class->stop = gst_calib_undistort_stop;
   trans_class->sink_event = gst_calib_undistort_sink_event;
+  trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->before_transform = gst_calib_undistort_before_transform;
   trans_class->transform_meta = gst_calib_undistort_transform_meta;
   trans_class->transform_ip_on_passthrough = FALSE;

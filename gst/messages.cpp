@@ -23,7 +23,7 @@ GstCode gst_code(ErrorCode code) {
     case ErrorCode::kMalformed:
       return {GST_STREAM_ERROR, GST_STREAM_ERROR_FORMAT};
     case ErrorCode::kUnsupported:
-      return {GST_CORE_ERROR, GST_CORE_ERROR_MISSING_PLUGIN};
+      return {GST_STREAM_ERROR, GST_STREAM_ERROR_NOT_IMPLEMENTED};
     case ErrorCode::kDegenerate:
       return {GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED};
     case ErrorCode::kInvalidArgument:
@@ -42,9 +42,13 @@ void post(GstElement* element, GstMessageType type, const Error& error) {
 }  // namespace
 
 FrameTimes frame_times(const GstSegment* segment, GstBuffer* buffer) {
+  return frame_times(segment, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer));
+}
+
+FrameTimes frame_times(const GstSegment* segment, GstClockTime timestamp, GstClockTime duration) {
   FrameTimes times;
-  times.timestamp = GST_BUFFER_PTS(buffer);
-  times.duration = GST_BUFFER_DURATION(buffer);
+  times.timestamp = timestamp;
+  times.duration = duration;
   if (segment->format == GST_FORMAT_TIME && GST_CLOCK_TIME_IS_VALID(times.timestamp)) {
     times.stream_time = gst_segment_to_stream_time(segment, GST_FORMAT_TIME, times.timestamp);
     times.running_time = gst_segment_to_running_time(segment, GST_FORMAT_TIME, times.timestamp);

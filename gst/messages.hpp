@@ -22,6 +22,8 @@ struct FrameTimes {
 
 // Computed on the streaming thread: the segment may change before a worker is done.
 [[nodiscard]] FrameTimes frame_times(const GstSegment* segment, GstBuffer* buffer);
+[[nodiscard]] FrameTimes frame_times(const GstSegment* segment, GstClockTime timestamp,
+                                     GstClockTime duration);
 
 // {name: timestamp, stream-time, running-time, duration, camera}; the caller adds the payload.
 [[nodiscard]] GstStructure* new_message(const char* name, const FrameTimes& times,

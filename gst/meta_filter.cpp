@@ -14,6 +14,17 @@ GstFlowReturn share_input_buffer(GstBaseTransform* /*trans*/, GstBuffer* in, Gst
   return GST_FLOW_OK;
 }
 
+gboolean propose_uncropped_allocation(GstBaseTransform* trans, GstQuery* decide_query,
+                                      GstQuery* query) {
+  auto* parent = GST_BASE_TRANSFORM_CLASS(g_type_class_peek_parent(G_OBJECT_GET_CLASS(trans)));
+  if (!parent->propose_allocation(trans, decide_query, query)) return FALSE;
+  guint index = 0;
+  while (gst_query_find_allocation_meta(query, GST_VIDEO_CROP_META_API_TYPE, &index)) {
+    gst_query_remove_nth_allocation_meta(query, index);
+  }
+  return TRUE;
+}
+
 void configure_meta_filter(GstBaseTransform* trans) {
   gst_base_transform_set_in_place(trans, TRUE);
   gst_base_transform_set_passthrough(trans, TRUE);
@@ -30,7 +41,7 @@ void add_raw_video_pads(GstElementClass* element_class) {
 
 bool upstream_is_live(GstBaseTransform* trans) {
   g_autoptr(GstQuery) query = gst_query_new_latency();
-  gboolean live = FALSE;
+  gboolean live = TRUE;
   if (gst_pad_peer_query(GST_BASE_TRANSFORM_SINK_PAD(trans), query)) {
     gst_query_parse_latency(query, &live, nullptr, nullptr);
   }

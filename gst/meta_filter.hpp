@@ -13,13 +13,19 @@ namespace calvin::gst {
 // copy that shares its memory.
 GstFlowReturn share_input_buffer(GstBaseTransform* trans, GstBuffer* in, GstBuffer** out);
 
+// For GstBaseTransformClass::propose_allocation of a class derived directly from GStreamer's: as
+// its parent, without the crop meta that a sink may offer. Frames then are as large as their caps.
+gboolean propose_uncropped_allocation(GstBaseTransform* trans, GstQuery* decide_query,
+                                      GstQuery* query);
+
 // Passthrough with transform_ip on every buffer, no QoS (it would drop video, not work).
 void configure_meta_filter(GstBaseTransform* trans);
 
 // Any raw video in system memory, on both pads.
 void add_raw_video_pads(GstElementClass* element_class);
 
-// True when the LATENCY query upstream says that the source is live. Streaming thread.
+// True unless the LATENCY query upstream says that the source is not live: one that cannot answer
+// must not be held up. Streaming thread.
 [[nodiscard]] bool upstream_is_live(GstBaseTransform* trans);
 
 }  // namespace calvin::gst

@@ -177,6 +177,26 @@ GST_START_TEST(test_a_wrong_board_text_while_running_keeps_the_old_board) {
 }
 GST_END_TEST;
 
+// What is still being computed when the size changes must not ride on a frame of the new one.
+GST_START_TEST(test_no_result_crosses_a_caps_change) {
+  Fixture f("calibdetect mode=async");
+  for (int round = 0; round < 5; ++round) {
+    gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
+    gst_buffer_unref(
+        gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(round), "GRAY8", 0)));
+    gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", {320, 240}));
+    for (int n = 0; n < 20; ++n) {
+      g_autoptr(GstBuffer) out =
+          gst_harness_push_and_pull(f.h, check::frame_of(GrayImage(320, 240), "GRAY8", n));
+      for (const Observation& o : gst::read_observations(out)) {
+        fail_unless_equals_int(o.image_size.width, 320);
+      }
+      g_usleep(5000);
+    }
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_flush_caps_change_and_state_cycles) {
   Fixture f("calibdetect mode=async");
   for (int round = 0; round < 3; ++round) {
@@ -210,6 +230,7 @@ static Suite* calibdetect_suite() {
   tcase_add_test(tc, test_max_rate_skips_frames);
   tcase_add_test(tc, test_a_wrong_board_text_is_an_error_that_shows_a_right_one);
   tcase_add_test(tc, test_a_wrong_board_text_while_running_keeps_the_old_board);
+  tcase_add_test(tc, test_no_result_crosses_a_caps_change);
   tcase_add_test(tc, test_flush_caps_change_and_state_cycles);
   return suite;
 }

@@ -202,7 +202,8 @@ GST_START_TEST(test_wrong_settings_are_errors_at_the_start) {
                 {"export", "ros", "ros:camera.yaml"},
                 {"export", "ros:", "ros:camera.yaml"},
                 {"model", "brown17", "brown5"},
-                {"fix", "k9", "k9"}};
+                {"fix", "k9", "k9"},
+                {"max-views", "2", "min-views"}};
   for (const auto& wrong : kWrong) {
     const auto texts = check::errors_at_start("calibsolve", wrong.property, wrong.value);
     fail_unless(texts.size() == 1 && texts[0].find(wrong.says) != std::string::npos, "%s=%s",
@@ -238,7 +239,7 @@ GST_END_TEST;
 GST_START_TEST(test_max_views_and_target_error_end_the_session) {
   for (const char* limit : {"max-views=10", "target-error=1"}) {
     Fixture f(limit);
-    for (int n = 0; n < 40 && f.result("final") == nullptr; ++n) {
+    for (int n = 0; n < 1000 && f.result("final") == nullptr; ++n) {
       gst_buffer_unref(f.push(n));
       g_usleep(30000);
     }
@@ -277,6 +278,66 @@ GST_START_TEST(test_a_late_observation_in_an_event_counts) {
 }
 GST_END_TEST;
 
+// A final solve that a flush cut short is owed, not lost.
+GST_START_TEST(test_a_flush_does_not_lose_the_final_result) {
+  check::TemporaryFolder folder;
+  Fixture f("max-views=40 location=" + folder / "cam.json");
+  f.push_views(40);
+  gst_harness_push_event(f.h, gst_event_new_flush_start());
+  gst_harness_push_event(f.h, gst_event_new_flush_stop(TRUE));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_harness_push_event(f.h, gst_event_new_segment(&segment));
+  f.eos();
+  fail_unless(f.result("final") != nullptr);
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  fail_unless(read_calibration(folder / "cam.json").has_value());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_solve_that_was_asked_for_is_not_replaced_by_the_next) {
+  Fixture f;
+  f.push_views(20);
+  g_signal_emit_by_name(f.element, "solve");
+  for (int n = 20; n < 40; ++n) gst_buffer_unref(f.push(n));
+  for (int i = 0; i < 1000 && f.result("final") == nullptr; ++i) g_usleep(10000);
+  fail_unless(f.result("final") != nullptr);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_solve_of_a_session_that_was_reset_is_thrown_away) {
+  Fixture f;
+  f.push_views(60);
+  g_signal_emit_by_name(f.element, "reset");
+  const auto before = f.bus.named("calib-result").size();
+  g_usleep(300000);
+  fail_unless_equals_int(f.bus.named("calib-result").size(), before);
+  g_autofree char* json = nullptr;
+  g_object_get(f.element, "calibration", &json, nullptr);
+  fail_unless(json == nullptr);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_solve_with_too_few_views_says_so) {
+  Fixture f;
+  f.push_views(2);
+  g_signal_emit_by_name(f.element, "solve");
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "only 2 views"));
+  fail_unless(f.result("final") == nullptr);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_removed_view_makes_room_for_another) {
+  Fixture f("max-views=10");
+  f.push_views(10);
+  gboolean removed = FALSE;
+  g_signal_emit_by_name(f.element, "remove-view", 3U, &removed);
+  fail_unless(removed);
+  g_autoptr(GstBuffer) out = f.push(11);
+  fail_unless_equals_int(gst::read_guidance(out)->views, 10);
+}
+GST_END_TEST;
+
 // Metas that somebody else wrote: nothing but silence is expected, and no crash.
 GST_START_TEST(test_hostile_metas_are_ignored) {
   Fixture f;
@@ -312,6 +373,11 @@ static Suite* calibsolve_suite() {
   tcase_add_test(tc, test_max_views_and_target_error_end_the_session);
   tcase_add_test(tc, test_views_survive_a_flush_and_not_a_new_size);
   tcase_add_test(tc, test_a_late_observation_in_an_event_counts);
+  tcase_add_test(tc, test_a_flush_does_not_lose_the_final_result);
+  tcase_add_test(tc, test_a_solve_that_was_asked_for_is_not_replaced_by_the_next);
+  tcase_add_test(tc, test_a_solve_of_a_session_that_was_reset_is_thrown_away);
+  tcase_add_test(tc, test_solve_with_too_few_views_says_so);
+  tcase_add_test(tc, test_a_removed_view_makes_room_for_another);
   tcase_add_test(tc, test_hostile_metas_are_ignored);
   return suite;
 }

@@ -98,7 +98,7 @@ inline std::vector<std::string> errors_at_start(const char* factory, const char*
                                                 const char* value) {
   GstElement* element = gst_element_factory_make(factory, nullptr);
   gst_object_ref_sink(element);
-  g_object_set(element, property, value, nullptr);
+  gst_util_set_object_arg(G_OBJECT(element), property, value);
   std::vector<std::string> texts;
   {
     Bus bus(element);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
+#include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/homography.hpp"
 #include "calvin/geometry/polynomial.hpp"
 #include "calvin/geometry/se3.hpp"
@@ -73,6 +74,43 @@ TEST(Polynomial, SmallestPositiveRoot) {
   EXPECT_NEAR(smallest_positive_root(std::vector<double>{1, -0.9, 0, 0}), 1 / 0.9, 1e-12);
   EXPECT_TRUE(std::isinf(smallest_positive_root(std::vector<double>{1, 1, 1})));
   EXPECT_TRUE(std::isinf(smallest_positive_root(std::vector<double>{1, 0, 0})));
+}
+
+TEST(ConvexHull, OfASquareWithPointsInsideAndOnItsSides) {
+  std::vector<Pixel> points;
+  for (int x = 0; x <= 10; ++x) {
+    for (int y = 0; y <= 10; ++y) points.push_back({1.0 * x, 1.0 * y});
+  }
+  const auto hull = convex_hull(points);
+  EXPECT_EQ(hull.size(), 4u);
+  EXPECT_EQ(polygon_area(hull), 100);
+  EXPECT_TRUE(contains(hull, {5, 5}));
+  EXPECT_TRUE(contains(hull, {10, 3}));
+  EXPECT_FALSE(contains(hull, {10.001, 3}));
+}
+
+TEST(ConvexHull, HoldsItsPointsAndIsConvex) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  std::vector<Pixel> points(200);
+  for (Pixel& p : points) p = {normal(random), normal(random)};
+  const auto hull = convex_hull(points);
+  EXPECT_GT(polygon_area(hull), 1);
+  for (const Pixel& p : points) EXPECT_TRUE(contains(hull, p));
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    auto rest = hull;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+    EXPECT_FALSE(contains(rest, hull[i]));
+  }
+}
+
+TEST(ConvexHull, OfFewOrCollinearPointsHasNoArea) {
+  EXPECT_TRUE(convex_hull({}).empty());
+  EXPECT_LT(convex_hull({{1, 1}, {1, 1}}).size(), 3u);
+  const auto line = convex_hull({{0, 0}, {1, 1}, {2, 2}, {3, 3}});
+  EXPECT_LT(line.size(), 3u);
+  EXPECT_EQ(polygon_area(line), 0);
+  EXPECT_FALSE(contains(line, {1, 1}));
 }
 
 }  // namespace

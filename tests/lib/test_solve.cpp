@@ -208,6 +208,26 @@ TEST_F(Solve, GrossCornersAndAWrongViewAreFoundAndNamed) {
   }
 }
 
+TEST_P(EveryModel, CornersAnywhereInTheImageSpoilNothing) {
+  Random random(31);
+  for (int trial = 0; trial < 3; ++trial) {
+    const Camera camera = scenes::random_camera(GetParam(), random);
+    auto views = make_views(camera, random, 15);
+    for (View& view : views) {
+      for (std::size_t i = 0; i < 5; ++i) {
+        view.observation.uv[i * 11] = {scenes::uniform(random, 0, kSize.width - 1.0),
+                                       scenes::uniform(random, 0, kSize.height - 1.0)};
+      }
+    }
+    const auto solution = solve(views, kSize, with_model(GetParam()));
+    ASSERT_TRUE(solution.has_value()) << solution.error().message;
+    EXPECT_TRUE(solution->rejected.empty());
+    EXPECT_EQ(solution->rejected_corners.size(), 15u * 5u);
+    for (const RejectedCorner& corner : solution->rejected_corners) EXPECT_EQ(corner.id % 11, 0);
+    EXPECT_LT(scenes::normalised_error(solution->calibration, camera), 5);
+  }
+}
+
 TEST_F(Solve, GoodCornersAreNotRejected) {
   std::size_t lost = 0;
   for (int i = 0; i < 20; ++i) {

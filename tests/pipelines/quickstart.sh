@@ -58,14 +58,22 @@ within "$(value "$result" rms)" 0 0.25 || fails "rms"
 picture "$folder/images/after.png"
 
 echo "== the live camera, YUYV and MJPEG"
+# Runs a command and ends it as Ctrl-C on a terminal does.
+interrupt='
+import os, signal, subprocess, sys
+process = subprocess.Popen(sys.argv[1:], start_new_session=True)
+try:
+    process.wait(8)
+    sys.exit("it ended by itself")
+except subprocess.TimeoutExpired:
+    os.killpg(process.pid, signal.SIGINT)
+sys.exit(process.wait(60))'
 for format in YUYV MJPG; do
-  # Ctrl-C after a while, as a user ends it; -e then makes an EOS of it.
-  CALVIN_OUTPUT=$folder/$format CALVIN_V4L2_FORMATS=$format CALVIN_V4L2_FPS=60 \
-    LD_PRELOAD=$shim timeout --foreground -s INT 60 \
-    sh -c '"$0/examples/quickstart.sh" --camera /dev/video0 & pid=$!
-           sleep 8; pkill -INT -P "$pid" gst-launch-1.0; wait "$pid"' "$source" >"$folder/log" 2>&1 || {
-    cat "$folder/log"; fails "quickstart --camera with $format"; }
+  CALVIN_OUTPUT=$folder/$format CALVIN_V4L2_FORMATS=$format CALVIN_V4L2_FPS=60 LD_PRELOAD=$shim \
+    /usr/bin/python3 -c "$interrupt" "$source/examples/quickstart.sh" --camera /dev/video0 \
+    >"$folder/log" 2>&1 || { cat "$folder/log"; fails "quickstart --camera with $format"; }
   tail -n 15 "$folder/log"
   grep -q "calib-result" "$folder/log" || fails "no result from $format"
+  grep -q "^fx" "$folder/log" || fails "the result of $format is not shown"
   [ -s "$folder/$format/camera.json" ] || fails "no file from $format"
 done

@@ -82,7 +82,8 @@ fs::path resolved(const std::string& path) {
 }
 
 Status write_directly(const std::string& path, std::string_view bytes) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  // O_NONBLOCK: opening a pipe must not wait for its reader.
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file || !write_all(file.get(), bytes) || !file.close()) return not_written(path, errno);
   return {};
 }

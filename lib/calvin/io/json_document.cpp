@@ -49,6 +49,17 @@ class Handler final : public nlohmann::json_sax<nlohmann::json> {
   std::optional<std::size_t> broken_at;  // in bytes, counted from 1
 };
 
+// The word at a position, as far as it can be shown: ", at 'NaN'"; nothing at the end.
+std::string word_at(std::string_view content, std::size_t offset) {
+  if (offset >= content.size()) return {};
+  std::string word;
+  for (const char c : content.substr(offset, 16)) {
+    if (c <= ' ' || c == 0x7f || c == ',' || c == '}' || c == ']') break;
+    word += c;
+  }
+  return word.empty() ? word : ", at '" + word + "'";
+}
+
 }  // namespace
 
 Result<Node> parse_json(std::string_view content) {
@@ -56,8 +67,9 @@ Result<Node> parse_json(std::string_view content) {
   nlohmann::json::sax_parse(content.begin(), content.end(), &handler);
   if (!handler.broken_at) return handler.builder.take();
   const std::size_t offset = *handler.broken_at > 0 ? *handler.broken_at - 1 : 0;
-  return make_error(ErrorCode::kMalformed,
-                    fmt::format("the JSON is broken {}", place(content, offset)));
+  return make_error(
+      ErrorCode::kMalformed,
+      fmt::format("the JSON is broken {}{}", place(content, offset), word_at(content, offset)));
 }
 
 }  // namespace calvin::io

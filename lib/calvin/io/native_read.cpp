@@ -137,7 +137,11 @@ void read_quality(Fields& fields, Calibration& calibration) {
   if (fields.find("sensor_crop") != nullptr) {
     const auto r = fields.numbers("sensor_crop", 4);
     calibration.sensor_crop = Rectangle{r[0], r[1], r[2], r[3]};
+    const ImageSize size = calibration.image_size;
     if (!(r[2] > 0) || !(r[3] > 0)) fields.complain("sensor_crop", "is empty");
+    if (r[0] < 0 || r[1] < 0 || r[0] + r[2] > size.width || r[1] + r[3] > size.height) {
+      fields.complain("sensor_crop", "is not within the image");
+    }
   }
 }
 
@@ -165,6 +169,11 @@ Result<Calibration> read_native(const Node& root) {
   calibration.image_size = {static_cast<int>(size[0]), static_cast<int>(size[1])};
   calibration.model = fields.string("model");
   calibration.parameters = read_parameters(fields);
+  if (problem) return tl::unexpected(*problem);
+  // Before the covariance: what it lacks follows from the parameters.
+  if (const auto camera = Camera::make(calibration); !camera) {
+    return tl::unexpected(camera.error());
+  }
   const auto estimated = std::count_if(calibration.parameters.begin(), calibration.parameters.end(),
                                        [](const Parameter& p) { return p.sigma.has_value(); });
   calibration.covariance = read_covariance(fields, static_cast<std::size_t>(estimated));

@@ -148,7 +148,7 @@ std::string Spread::hint() const {
       "Tilt the board: its top edge nearer to the camera.",
       "Tilt the board: its bottom edge nearer to the camera."};
 
-  if (size() < 1) return "Come closer with the board.";
+  if (size() < 0.5) return "Come closer with the board.";
   for (std::size_t i = 0; i < tilts.size(); ++i) {
     if (!tilts[i]) return kTilts[i];
   }
@@ -161,7 +161,8 @@ std::string Spread::hint() const {
                             : "Move the board to the bottom of the image.";
   }
   if (skew() < 1) return "Tilt the board more, and turn it a little.";
-  return "Keep showing the board, tilted differently, in every part of the image.";
+  if (size() < 1) return "Come closer with the board.";
+  return "Good: other tilts and places make it better still.";
 }
 
 }  // namespace calvin

@@ -32,8 +32,8 @@ class Arrowhead {
   using Point = CameraAndPoses<M>;
   using Basis = Eigen::Matrix<double, kShared, Eigen::Dynamic>;
 
-  // `views` and the poses of `start` correspond; both outlive nothing but this object. The
-  // parameters move in the span of `basis` only.
+  // `views` and the poses of `start` correspond; the views stay where they are until the last
+  // evaluation. The parameters move in the span of `basis` only.
   Arrowhead(std::vector<const PointSet*> views, Point start, Basis basis, Loss loss)
       : views_(std::move(views)), basis_(std::move(basis)), reprojection_(loss) {
     current_.point = std::move(start);

@@ -25,7 +25,7 @@ inline constexpr double kLeastScale = 0.01;  // px, below what any detector reac
 // `distances[view][corner]`: weighted distance from the fit, px, finite.
 //
 // A corner is wrong beyond 6 times the larger of the scale of all corners and of its own view's:
-// of Gaussian ones less than one in 10^7 goes, so neither result nor covariance is biased, and the
+// of Gaussian ones less than one in 10^6 goes, so neither result nor covariance is biased, and the
 // corners of a blurred view are judged among themselves. A view is wrong where its scale is 4
 // times the median over all views, and beyond 6 deviations (by the median) of the views' scales:
 // such a view is another board, another labelling or a smear. Two views cannot outvote each other:
