@@ -10,7 +10,7 @@ build="g++ meson ninja-build pkg-config
   libeigen3-dev libfmt-dev nlohmann-json3-dev libexpected-dev
   libopencv-dev libcairo2-dev libpango1.0-dev libyaml-cpp-dev libpugixml-dev"
 test="libgtest-dev libjpeg-dev locales python3 python3-gst-1.0
-  fonts-dejavu-core"
+  fonts-dejavu-core poppler-utils"
 
 wanted=""
 for set in "${@:-build}"; do
