@@ -89,7 +89,10 @@ static void gst_calibrate_set_property(GObject* object, guint id, const GValue* 
   GstCalibrate* self = GST_CALIBRATE(object);
   if (id == PROP_OVERLAY) {
     if (GST_STATE(self) > GST_STATE_READY) {
-      GST_WARNING_OBJECT(self, "overlay can be changed in the states NULL and READY only");
+      GST_ELEMENT_WARNING(self, LIBRARY, SETTINGS,
+                          ("The property 'overlay' cannot change while the element runs and stays "
+                           "as it was: set it in the states NULL or READY."),
+                          (nullptr));
       return;
     }
     gst_calibrate_set_overlay(self, g_value_get_boolean(value));
