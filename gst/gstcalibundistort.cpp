@@ -280,6 +280,16 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->sink_event(trans, event);
 }
 
+// The peer's event goes both ways: cameracalibrate may stand behind this element.
+static gboolean gst_calib_undistort_src_event(GstBaseTransform* trans, GstEvent* event) {
+  if (gst::CalibrationInput::is_calibration(event)) {
+    State& s = *GST_CALIB_UNDISTORT(trans)->state;
+    const std::lock_guard guard(s.lock);
+    s.arrived_event.reset(gst_event_ref(event));
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->src_event(trans, event);
+}
+
 static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
   State& s = *self->state;
@@ -417,6 +427,7 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   trans_class->start = gst_calib_undistort_start;
   trans_class->stop = gst_calib_undistort_stop;
   trans_class->sink_event = gst_calib_undistort_sink_event;
+  trans_class->src_event = gst_calib_undistort_src_event;
   trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->before_transform = gst_calib_undistort_before_transform;
   trans_class->transform = gst_calib_undistort_transform;
