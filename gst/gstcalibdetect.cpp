@@ -22,6 +22,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gst/base/gstbasetransform.h>
@@ -30,11 +31,13 @@
 #include "calvin/detect/detector.hpp"
 #include "calvin/target/board_names.hpp"
 #include "elements.hpp"
+#include "frame_check.hpp"
 #include "frame_luma.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
 #include "metas.hpp"
 #include "properties.hpp"
+#include "refused_caps.hpp"
 #include "values.hpp"
 #include "worker.hpp"
 
@@ -89,6 +92,7 @@ struct State {
   bool have_info = false;
   bool async = false;
   bool mode_known = false;
+  bool frame_refused = false;  // and the user was told so
   GstClockTime last_detection = GST_CLOCK_TIME_NONE;
   Detectors detectors;
 };
@@ -285,19 +289,14 @@ static std::optional<std::vector<Observation>> gst_calib_detect_look(GstCalibDet
                                                                      GstBuffer* buffer) {
   State* state = self->state;
   GstVideoFrame frame;
-  if (!gst_video_frame_map(&frame, &state->info, buffer, GST_MAP_READ)) {
-    GST_WARNING_OBJECT(self, "cannot map the frame at %" GST_TIME_FORMAT,
-                       GST_TIME_ARGS(job.times.timestamp));
+  if (const Status checked = gst::check_frame(state->info, buffer); !checked) {
+    if (!std::exchange(state->frame_refused, true)) {
+      gst::post_warning(GST_ELEMENT(self), checked.error());
+    }
     return std::nullopt;
   }
+  if (!gst_video_frame_map(&frame, &state->info, buffer, GST_MAP_READ)) return std::nullopt;
   std::optional<std::vector<Observation>> found;
-  if (GST_VIDEO_FRAME_WIDTH(&frame) != GST_VIDEO_INFO_WIDTH(&state->info) ||
-      GST_VIDEO_FRAME_HEIGHT(&frame) != GST_VIDEO_INFO_HEIGHT(&state->info)) {
-    GST_WARNING_OBJECT(self, "the frame at %" GST_TIME_FORMAT " is not of the size of its caps",
-                       GST_TIME_ARGS(job.times.timestamp));
-    gst_video_frame_unmap(&frame);
-    return std::nullopt;
-  }
   const ImageView image = state->luma.view(frame);
   if (state->async) {
     gst_calib_detect_offer(self, job, image);
@@ -311,7 +310,13 @@ static std::optional<std::vector<Observation>> gst_calib_detect_look(GstCalibDet
 static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibDetect* self = GST_CALIB_DETECT(trans);
   State* state = self->state;
-  if (!state->have_info) return GST_FLOW_NOT_NEGOTIATED;
+  if (!state->have_info) {
+    gst::post_error(GST_ELEMENT(self),
+                    {ErrorCode::kMalformed,
+                     "A frame came before the caps that say what it is: set the caps upstream, "
+                     "with caps=... of appsrc or a capsfilter."});
+    return GST_FLOW_NOT_NEGOTIATED;
+  }
   if (const Status updated = gst_calib_detect_update_boards(self); !updated) {
     gst::post_warning(GST_ELEMENT(self), updated.error());
   }
@@ -343,16 +348,14 @@ static gboolean gst_calib_detect_set_caps(GstBaseTransform* trans, GstCaps* caps
   GstCalibDetect* self = GST_CALIB_DETECT(trans);
   State* state = self->state;
   state->have_info = false;
-  if (!gst_video_info_from_caps(&state->info, caps)) {
-    GST_ERROR_OBJECT(self, "cannot understand the caps %" GST_PTR_FORMAT, static_cast<void*>(caps));
-    return FALSE;
-  }
+  if (!gst_video_info_from_caps(&state->info, caps)) return FALSE;
   if (const Status set = state->luma.set_format(state->info); !set) {
     gst::post_error(GST_ELEMENT(self), set.error());
     return FALSE;
   }
   state->have_info = true;
   state->mode_known = false;
+  state->frame_refused = false;
   return TRUE;
 }
 
@@ -445,6 +448,7 @@ static void gst_calib_detect_finalize(GObject* object) {
 static void gst_calib_detect_init(GstCalibDetect* self) {
   self->state = new State;
   gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
+  gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 static void gst_calib_detect_install_properties(GObjectClass* object_class) {
