@@ -44,6 +44,18 @@ bool components_fit(const GstVideoFrame& frame) {
 }  // namespace
 
 Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
+  // gst_video_frame_map() takes these on trust, or for a mistake of the program.
+  const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
+  if (meta != nullptr && (meta->format != GST_VIDEO_INFO_FORMAT(&info) ||
+                          meta->width != static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) ||
+                          meta->height != static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)))) {
+    return make_error(
+        ErrorCode::kMalformed,
+        fmt::format("A frame is {} of {}x{} px, but {} of {}x{} was negotiated. {}",
+                    gst_video_format_to_string(meta->format), meta->width, meta->height,
+                    GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
+                    GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
+  }
   GstVideoFrame frame;
   if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ)) {
     return make_error(
@@ -52,20 +64,11 @@ Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
                     gst_buffer_get_size(buffer), GST_VIDEO_INFO_NAME(&info),
                     GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), info.size, kAdvice));
   }
-  Status status;
-  if (GST_VIDEO_FRAME_WIDTH(&frame) != GST_VIDEO_INFO_WIDTH(&info) ||
-      GST_VIDEO_FRAME_HEIGHT(&frame) != GST_VIDEO_INFO_HEIGHT(&info)) {
-    status =
-        make_error(ErrorCode::kMalformed,
-                   fmt::format("A frame is of {}x{} px, but {}x{} were negotiated. {}",
-                               GST_VIDEO_FRAME_WIDTH(&frame), GST_VIDEO_FRAME_HEIGHT(&frame),
-                               GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
-  } else if (!components_fit(frame)) {
-    status = make_error(ErrorCode::kMalformed,
-                        fmt::format("The rows of a frame reach beyond its memory. {}", kAdvice));
-  }
+  const bool fits = components_fit(frame);
   gst_video_frame_unmap(&frame);
-  return status;
+  if (fits) return {};
+  return make_error(ErrorCode::kMalformed,
+                    fmt::format("The rows of a frame reach beyond its memory. {}", kAdvice));
 }
 
 }  // namespace calvin::gst

@@ -27,6 +27,7 @@
 #include "elements.hpp"
 #include "meta_filter.hpp"
 #include "properties.hpp"
+#include "refused_caps.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(calibrate_debug);
 #define GST_CAT_DEFAULT calibrate_debug
@@ -163,6 +164,7 @@ static void gst_calibrate_init(GstCalibrate* self) {
   self->src = gst_ghost_pad_new_from_template("src", src, src_template);
   gst_element_add_pad(GST_ELEMENT(self), self->src);
   gst_calibrate_set_overlay(self, true);
+  calvin::gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 // A property of a child, to be installed on the bin as well.

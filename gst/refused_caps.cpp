@@ -9,6 +9,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <gst/video/video.h>
@@ -108,7 +109,8 @@ class Watch {
  public:
   void begin() {
     const std::lock_guard guard(lock_);
-    said_.clear();
+    said_of_set_.clear();
+    said_of_offered_.clear();
   }
   void look(GstPad* pad, const GstCaps* caps, bool is_set) {
     g_autoptr(GstCaps) accepted = gst_pad_get_pad_template_caps(pad);
@@ -116,8 +118,8 @@ class Watch {
     if (!problem) return;
     {
       const std::lock_guard guard(lock_);
-      if (said_ == problem->message && !is_set) return;
-      said_ = problem->message;
+      std::string& said = is_set ? said_of_set_ : said_of_offered_;
+      if (std::exchange(said, problem->message) == problem->message) return;
     }
     g_autoptr(GstElement) element = gst_pad_get_parent_element(pad);
     if (element == nullptr) return;
@@ -126,7 +128,8 @@ class Watch {
 
  private:
   std::mutex lock_;
-  std::string said_;
+  std::string said_of_set_;
+  std::string said_of_offered_;
 };
 
 GstPadProbeReturn watch_event(GstPad* pad, GstPadProbeInfo* info, gpointer data) {
@@ -174,6 +177,8 @@ void explain_refused_caps(GstElement* element) {
   // The event probe owns the watch; a pad drops both probes at the same time.
   gst_pad_add_probe(sink, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, watch_event, watch,
                     [](gpointer data) { delete static_cast<Watch*>(data); });
+  // A bin refuses caps for its children, but asks them what they take.
+  if (GST_IS_BIN(element)) return;
   gst_pad_add_probe(
       sink,
       static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_QUERY_DOWNSTREAM | GST_PAD_PROBE_TYPE_PUSH),
