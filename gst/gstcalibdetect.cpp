@@ -270,16 +270,14 @@ static void gst_calib_detect_choose_mode(GstCalibDetect* self, int mode) {
 static bool gst_calib_detect_is_due(State* state, const gst::FrameTimes& times, double max_rate) {
   if (max_rate <= 0 || !GST_CLOCK_TIME_IS_VALID(times.running_time)) return true;
   const auto interval = static_cast<GstClockTime>(GST_SECOND / max_rate);
-  if (GST_CLOCK_TIME_IS_VALID(state->last_detection) &&
-      times.running_time >= state->last_detection &&
-      times.running_time + interval / 4 < state->last_detection + interval) {
-    return false;
-  }
+  const GstClockTime now = times.running_time;
+  const GstClockTime last = state->last_detection;
+  // The beat may be ahead of the frames, by less than an interval.
+  const bool in_step = GST_CLOCK_TIME_IS_VALID(last) && now + interval >= last;
+  if (in_step && now + interval / 4 < last + interval) return false;
   // On the beat, so that a camera's jitter does not cost every other frame.
-  const bool late = !GST_CLOCK_TIME_IS_VALID(state->last_detection) ||
-                    times.running_time < state->last_detection ||
-                    times.running_time >= state->last_detection + 2 * interval;
-  state->last_detection = late ? times.running_time : state->last_detection + interval;
+  const bool late = !in_step || now >= last + 2 * interval;
+  state->last_detection = late ? now : last + interval;
   return true;
 }
 
