@@ -25,9 +25,10 @@ static double longest_wait(GstHarness* h, int frames, const std::function<GstBuf
   for (int n = 0; n < frames; ++n) {
     GstBuffer* buffer = make(n);
     const auto begin = Clock::now();
-    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(h, buffer);
+    GstBuffer* out = gst_harness_push_and_pull(h, buffer);
     const std::chrono::duration<double, std::milli> taken = Clock::now() - begin;
     longest = std::max(longest, taken.count());
+    gst_buffer_unref(out);
   }
   return longest;
 }
@@ -110,21 +111,20 @@ GST_END_TEST;
 GST_START_TEST(test_p07_a_solve_makes_no_frame_wait) {
   check::SolveFixture f("model=fisheye");
   f.push_views(300);
-  std::size_t before_the_end = 0;
+  int before_the_end = 0;
   const double longest = best_of(5, [&] {
-    const auto results = f.bus.named("calib-result").size();
+    const GstStructure* last = f.result("final");
     g_signal_emit_by_name(f.element, "solve");
+    int during = 0;
     const double wait = longest_wait(f.h, 20, [&](int n) {
-      if (f.bus.named("calib-result").size() == results)
-        before_the_end = static_cast<std::size_t>(n);
+      if (f.result("final") == last) during = n;
       return check::Fixture::noise("GRAY8", f.scene.size, n);
     });
-    return wait;
+    before_the_end = std::max(before_the_end, during);
+    return during > 0 ? wait : HUGE_VAL;  // nothing was solved meanwhile
   });
-  GST_INFO("%.2f ms in the element, %" G_GSIZE_FORMAT " frames before the result", longest,
-           before_the_end);
+  GST_INFO("%.2f ms in the element, %d frames before the result", longest, before_the_end);
   fail_unless(longest < kFrameTime, "a frame waited %.1f ms", longest);
-  fail_unless(before_the_end > 0, "the first frame came after the result");
   f.eos();
   fail_unless(f.result("final") != nullptr);
 }
@@ -164,7 +164,7 @@ GST_START_TEST(test_p11_not_a_pixel_is_changed_without_an_overlay) {
     gst_harness_set_src_caps(h, check::caps_of(name, size));
     for (int n = 0; n < 3; ++n) {
       GstBuffer* in = check::Fixture::noise(name, size, n);
-      g_autoptr(GstBuffer) kept = gst_buffer_ref(in);
+      gst_buffer_ref(in);  // as behind a tee
       const GstMemory* memory = gst_buffer_peek_memory(in, 0);
       g_autoptr(GstBuffer) out = gst_harness_push_and_pull(h, in);
       fail_unless(out != nullptr, "%s does not pass", name);
@@ -175,6 +175,7 @@ GST_START_TEST(test_p11_not_a_pixel_is_changed_without_an_overlay) {
       fail_unless(gst_buffer_map(same, &map, GST_MAP_READ));
       fail_unless(gst_buffer_memcmp(out, 0, map.data, map.size) == 0, "%s is changed", name);
       gst_buffer_unmap(same, &map);
+      gst_buffer_unref(in);
     }
     gst_harness_teardown(h);
   }
