@@ -53,12 +53,74 @@ GST_START_TEST(test_there_are_a_hundred_kinds) {
 }
 GST_END_TEST;
 
+// Odd but allowed: the frames go on, and nobody complains.
+struct Harmless {
+  const char* caps;
+  GstFormat segment;
+  GstClockTimeDiff step;  // ns from frame to frame; 0: no timestamps
+};
+static const Harmless kHarmless[] = {
+    {"video/x-raw,format=GRAY8,width=640,height=480,framerate=0/1", GST_FORMAT_TIME, GST_MSECOND},
+    {"video/x-raw,format=GRAY8,width=640,height=480,framerate=30/1", GST_FORMAT_TIME, 0},
+    {"video/x-raw,format=GRAY8,width=640,height=480,framerate=30/1", GST_FORMAT_TIME, -GST_SECOND},
+    {"video/x-raw,format=GRAY8,width=640,height=480,framerate=30/1", GST_FORMAT_BYTES, GST_MSECOND},
+    {"video/x-raw,format=GRAY8,width=640,height=480,framerate=30/1", GST_FORMAT_DEFAULT,
+     GST_MSECOND},
+    {"video/x-raw,format=YUY2,width=641,height=479,framerate=30/1", GST_FORMAT_TIME, GST_MSECOND},
+    {"video/x-raw,format=GRAY8,width=2,height=2,framerate=30/1", GST_FORMAT_TIME, GST_MSECOND},
+    {"video/x-raw,format=I420,width=3,height=2,framerate=30/1", GST_FORMAT_TIME, GST_MSECOND},
+    {"video/x-raw,format=GRAY8,width=65000,height=2,framerate=30/1", GST_FORMAT_TIME, GST_MSECOND}};
+static const char* const kElements[] = {
+    "calibdetect mode=sync max-rate=5 post-messages=true",
+    "calibdetect mode=async",
+    "calibsolve",
+    "caliboverlay",
+    "calibrate",
+    "calibundistort",
+    "calibundistort calibration=fx=48000,fy=47800,cx=0,cy=0,k1=-0.28"};
+
+static void assert_passes(const char* text, const Harmless& odd) {
+  GstElement* element = check::make_element(text);
+  check::Bus bus(element);
+  GstHarness* h = gst_harness_new_with_element(element, "sink", "src");
+  g_autoptr(GstCaps) caps = gst_caps_from_string(odd.caps);
+  GstVideoInfo info;
+  fail_unless(gst_video_info_from_caps(&info, caps));
+  gst_pad_push_event(h->srcpad, gst_event_new_stream_start("odd"));
+  gst_pad_push_event(h->srcpad, gst_event_new_caps(caps));
+  GstSegment segment;
+  gst_segment_init(&segment, odd.segment);
+  gst_pad_push_event(h->srcpad, gst_event_new_segment(&segment));
+  for (int n = 0; n < 4; ++n) {
+    GstBuffer* buffer = gst_buffer_new_allocate(nullptr, info.size, nullptr);
+    gst_buffer_memset(buffer, 0, 100, info.size);
+    if (odd.step != 0) {
+      GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(10 * GST_SECOND + n * odd.step);
+    }
+    fail_unless_equals_int(gst_pad_push(h->srcpad, buffer), GST_FLOW_OK);
+  }
+  gst_harness_push_event(h, gst_event_new_eos());
+  fail_unless_equals_int(gst_harness_buffers_in_queue(h), 4);
+  fail_unless(bus.texts(GST_MESSAGE_ERROR).empty(), "%s at %s", text, odd.caps);
+  for (const std::string& warning : bus.texts(GST_MESSAGE_WARNING)) {
+    fail_unless(warning.find("No calibration") == 0, "%s: %s", text, warning.c_str());
+  }
+  bus.detach();
+  gst_harness_teardown(h);
+}
+
+GST_START_TEST(test_what_is_odd_but_harmless_passes) {
+  for (const char* text : kElements) assert_passes(text, kHarmless[__i__]);
+}
+GST_END_TEST;
+
 static Suite* bad_input_suite() {
   Suite* suite = suite_create("bad_input");
   TCase* tc = tcase_create("general");
   suite_add_tcase(suite, tc);
   tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
   tcase_add_loop_test(tc, test_bad_input_is_answered, 0, static_cast<int>(bad_input().size()));
+  tcase_add_loop_test(tc, test_what_is_odd_but_harmless_passes, 0, G_N_ELEMENTS(kHarmless));
   tcase_add_test(tc, test_there_are_a_hundred_kinds);
   return suite;
 }
