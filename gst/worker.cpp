@@ -11,10 +11,19 @@ namespace calvin::gst {
 
 void Worker::start() {
   stop();
-  const std::lock_guard guard(lock_);
-  quit_ = false;
-  cancelled_ = false;
+  {
+    const std::lock_guard guard(lock_);
+    quit_ = false;
+    cancelled_ = false;
+    if (std::exchange(alive_, true)) return;  // still at an old job, and good for new ones
+  }
+  if (thread_.joinable()) thread_.join();
   thread_ = std::thread([this] { run(); });
+}
+
+bool Worker::idle() {
+  const std::lock_guard guard(lock_);
+  return !busy_ && !waiting_;
 }
 
 bool Worker::offer(Job job) {
@@ -46,11 +55,13 @@ void Worker::resume() {
 
 void Worker::stop() {
   cancel();
-  {
-    const std::lock_guard guard(lock_);
-    quit_ = true;
-    changed_.notify_all();
-  }
+  const std::lock_guard guard(lock_);
+  quit_ = true;
+  changed_.notify_all();
+}
+
+void Worker::join() {
+  stop();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -58,16 +69,18 @@ void Worker::run() {
   std::unique_lock guard(lock_);
   for (;;) {
     changed_.wait(guard, [this] { return quit_ || waiting_; });
-    if (quit_) return;
-    const Job job = std::exchange(waiting_, nullptr);
+    if (quit_) break;
+    Job job = std::exchange(waiting_, nullptr);
     running_ = std::stop_source();
     busy_ = true;
     guard.unlock();
     job(running_.get_token());
+    job = nullptr;  // with all that it holds, before anybody is told
     guard.lock();
     busy_ = false;
     changed_.notify_all();
   }
+  alive_ = false;
 }
 
 }  // namespace calvin::gst
