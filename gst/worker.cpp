@@ -5,9 +5,55 @@
 
 #include "worker.hpp"
 
+#include <set>
 #include <utility>
 
 namespace calvin::gst {
+
+namespace {
+
+// A program may end with elements that were never freed. Their threads must be gone before the
+// libraries that the jobs use tear down what they keep.
+class Everyone {
+ public:
+  // What is registered last goes first: call it when the libraries have made what they keep.
+  static void join_at_exit() { static const JoinAtExit kAtExit; }
+
+  static void add(Worker* worker) {
+    const std::lock_guard guard(members().lock);
+    members().workers.insert(worker);
+  }
+  static void remove(Worker* worker) {
+    const std::lock_guard guard(members().lock);
+    members().workers.erase(worker);
+  }
+
+ private:
+  struct Members {
+    std::mutex lock;
+    std::set<Worker*> workers;
+  };
+  // Never freed: workers may go later than any static object.
+  static Members& members() {
+    static auto* const kMembers = new Members;
+    return *kMembers;
+  }
+  struct JoinAtExit {
+    ~JoinAtExit() {
+      for (;;) {
+        Worker* worker = nullptr;
+        {
+          const std::lock_guard guard(members().lock);
+          if (members().workers.empty()) return;
+          worker = *members().workers.begin();
+        }
+        worker->join();
+      }
+    }
+  };
+};
+
+}  // namespace
 
 void Worker::start() {
   stop();
@@ -19,6 +65,7 @@ void Worker::start() {
   }
   if (thread_.joinable()) thread_.join();
   thread_ = std::thread([this] { run(); });
+  Everyone::add(this);
 }
 
 bool Worker::idle() {
@@ -62,6 +109,7 @@ void Worker::stop() {
 
 void Worker::join() {
   stop();
+  Everyone::remove(this);
   if (thread_.joinable()) thread_.join();
 }
 
@@ -76,6 +124,7 @@ void Worker::run() {
     guard.unlock();
     job(running_.get_token());
     job = nullptr;  // with all that it holds, before anybody is told
+    Everyone::join_at_exit();
     guard.lock();
     busy_ = false;
     changed_.notify_all();
