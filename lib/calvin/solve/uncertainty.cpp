@@ -5,14 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/models.hpp"
+#include "calvin/solve/scaled_solve.hpp"
 
 namespace calvin {
 
@@ -92,13 +93,15 @@ double worst(const std::vector<Cell>& cells, const Eigen::MatrixXd& covariance) 
       Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, covariance.cols());
   for (const Cell& cell : cells) {
     normal += cell.rotation.transpose() * cell.rotation;
-    cross += cell.rotation.transpose() * cell.parameters;
+    cross += cell.rotation.transpose().lazyProduct(cell.parameters);
   }
-  const Eigen::Matrix<double, 3, Eigen::Dynamic> turn = normal.ldlt().solve(cross);
+  const auto turn = scaled_solve(normal, cross, 0);
+  if (!turn) return std::numeric_limits<double>::quiet_NaN();
   double variance = 0;
   for (const Cell& cell : cells) {
-    const Jacobian left = cell.parameters - cell.rotation * turn;
-    variance = std::max(variance, larger_eigenvalue(left * covariance * left.transpose()));
+    const Jacobian left = cell.parameters - cell.rotation.lazyProduct(*turn);
+    const Jacobian spread = left.lazyProduct(covariance);
+    variance = std::max(variance, larger_eigenvalue(spread.lazyProduct(left.transpose())));
   }
   return std::sqrt(variance);
 }
