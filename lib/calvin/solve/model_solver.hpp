@@ -13,25 +13,14 @@
 #include <vector>
 
 #include "calvin/solve/arrowhead.hpp"
+#include "calvin/solve/fit.hpp"
 #include "calvin/solve/freedom.hpp"
 #include "calvin/solve/outliers.hpp"
 #include "calvin/solve/pose_fit.hpp"
+#include "calvin/solve/rays.hpp"
 #include "calvin/solve/start.hpp"
 
 namespace calvin {
-
-// What comes out, for any model.
-struct Fit {
-  std::vector<double> parameters;
-  std::vector<SE3> camera_from_board;  // per view; of those used
-  std::vector<PointSet> views;         // corners left out have weight 0
-  std::vector<bool> used;              // per view
-  double cost = 0;                     // weighted, px^2, over the corners used
-  Eigen::MatrixXd information;         // over Freedom's directions, for residuals of 1 px
-  int iterations = 0;
-  bool converged = false;
-  bool cancelled = false;
-};
 
 template <typename M>
 class ModelSolver {
@@ -333,5 +322,11 @@ class ModelSolver {
   Parameters final_parameters_{};
   bool final_converged_ = false;
 };
+
+template <typename M>
+Fit fit_model(std::vector<PointSet> views, ImageSize size, const Freedom& freedom,
+              const SolveOptions& options, const std::stop_token& stop) {
+  return ModelSolver<M>(std::move(views), size, freedom, options, stop).run();
+}
 
 }  // namespace calvin

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "calvin/camera/models.hpp"
+#include "calvin/solve/scaled_solve.hpp"
 
 namespace calvin {
 
@@ -78,12 +78,14 @@ ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& col
       Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, n);
   for (const Cell& cell : cells) {
     normal += cell.rotation.transpose() * cell.rotation;
-    cross += cell.rotation.transpose() * cell.parameters;
+    cross += cell.rotation.transpose().lazyProduct(cell.parameters);
   }
-  const Eigen::Matrix<double, 3, Eigen::Dynamic> turn = normal.ldlt().solve(cross);
+  const auto turn = scaled_solve(normal, cross, 0);
+  if (!turn) return {};
   ProjectionGrid grid;
   grid.reserve(cells.size());
-  for (const Cell& cell : cells) grid.emplace_back(cell.parameters - cell.rotation * turn);
+  for (const Cell& cell : cells)
+    grid.emplace_back(cell.parameters - cell.rotation.lazyProduct(*turn));
   return grid;
 }
 

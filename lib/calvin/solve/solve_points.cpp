@@ -12,7 +12,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/models.hpp"
 #include "calvin/geometry/convex_hull.hpp"
-#include "calvin/solve/model_solver.hpp"
+#include "calvin/solve/fit.hpp"
 #include "calvin/solve/scaled_solve.hpp"
 #include "calvin/solve/uncertainty.hpp"
 
@@ -67,7 +67,7 @@ std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom
   const Eigen::Index n = fit.information.rows();
   const auto inverse = scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), 1e-14);
   if (!inverse) return std::nullopt;
-  const Eigen::MatrixXd c = variance * (freedom.basis * *inverse * freedom.basis.transpose());
+  const Eigen::MatrixXd c = variance * restrict_to(freedom.basis.transpose(), *inverse);
   if (!c.allFinite() || c.diagonal().minCoeff() < 0) return std::nullopt;
   return c;
 }
@@ -215,7 +215,7 @@ Result<Solution> solve_points(std::vector<PointSet> views, ImageSize image_size,
   normalise_weights(views);
   Fit fit;
   visit_model(options.model, [&]<typename M>() {
-    fit = ModelSolver<M>(std::move(views), image_size, *freedom, options, stop).run();
+    fit = fit_model<M>(std::move(views), image_size, *freedom, options, stop);
   });
   return conclude(fit, options.model, image_size, *freedom);
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -47,7 +48,8 @@ std::optional<double> expected_error(const Calibration& calibration) {
   if (grid.empty()) return std::nullopt;
   double variance = 0;
   for (const auto& cell : grid) {
-    variance = std::max(variance, larger_eigenvalue(cell * covariance * cell.transpose()));
+    const ProjectionGrid::value_type spread = cell.lazyProduct(covariance);
+    variance = std::max(variance, larger_eigenvalue(spread.lazyProduct(cell.transpose())));
   }
   const double error = std::sqrt(variance);
   if (!std::isfinite(error)) return std::nullopt;
