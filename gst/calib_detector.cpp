@@ -8,6 +8,8 @@
 #include <chrono>
 #include <utility>
 
+#include "frame_check.hpp"
+
 GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
 #define GST_CAT_DEFAULT calibdetect_debug
 
@@ -35,7 +37,7 @@ Status CalibDetector::start() {
     frames_ = detections_ = skipped_ = 0;
   }
   luma_.reset();
-  async_ = mode_known_ = unreadable_ = false;
+  async_ = mode_known_ = frame_refused_ = false;
   last_detection_ = GST_CLOCK_TIME_NONE;
   if (Status updated = update_boards(); !updated) return updated;
   if (Status updated = update_recheck(); !updated) return updated;
@@ -84,7 +86,8 @@ Status CalibDetector::set_format(const GstVideoInfo& info) {
   auto reader = LumaReader::make(info);
   if (!reader) return tl::unexpected<Error>(reader.error());
   luma_ = std::move(*reader);
-  mode_known_ = unreadable_ = false;
+  info_ = info;
+  mode_known_ = frame_refused_ = false;
   return {};
 }
 
@@ -131,16 +134,12 @@ std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
     skip();
     return earlier;
   }
-  job.picture = async_ ? luma_->copy(buffer) : luma_->borrow(buffer);
-  if (!job.picture.gray && !job.picture.frame) {
-    if (!std::exchange(unreadable_, true)) {
-      post_warning(element_, {ErrorCode::kMalformed,
-                              "A frame is not what its caps say and cannot be read; nothing is "
-                              "looked for in it. Look at what comes before this element."});
-    }
+  if (const Status checked = check_frame(info_, buffer); !checked) {
+    if (!std::exchange(frame_refused_, true)) post_warning(element_, checked.error());
     skip();
     return earlier;
   }
+  job.picture = async_ ? luma_->copy(buffer) : luma_->borrow(buffer);
   if (!async_) return wait_for(std::move(job));
   const auto shared = std::make_shared<const Job>(std::move(job));
   worker_.offer([this, shared](const std::stop_token& stop) {

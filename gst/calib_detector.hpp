@@ -61,6 +61,7 @@ class CalibDetector {
 
   // The rest on the streaming thread.
   [[nodiscard]] Status set_format(const GstVideoInfo& info);
+  [[nodiscard]] bool has_format() const { return luma_ != nullptr; }
   // Whether choose_mode() is to be called before the next look(): once after each format.
   [[nodiscard]] bool mode_known() const { return mode_known_; }
   void choose_mode(bool live);
@@ -119,12 +120,13 @@ class CalibDetector {
   guint64 skipped_ = 0;
 
   // Streaming thread only. What the worker uses of it goes along with the job.
+  GstVideoInfo info_{};
   std::shared_ptr<LumaReader> luma_;
   Detectors detectors_;
   std::shared_ptr<CalibrationCheck> check_;
   bool async_ = false;
   bool mode_known_ = false;
-  bool unreadable_ = false;  // a frame could not be mapped, and the user was told so
+  bool frame_refused_ = false;  // and the user was told so
   GstClockTime last_detection_ = GST_CLOCK_TIME_NONE;
 
   Worker worker_;

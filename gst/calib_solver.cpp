@@ -101,8 +101,12 @@ void CalibSolver::choose_capture_mode(bool live) {
 // ---- Collecting: on the streaming thread --------------------------------------------------------
 
 bool CalibSolver::offer(const Observation& observation, const FrameTimes& times) {
+  if (!observation.found()) return false;
   const auto board = parse_board(observation.board);
-  if (!board || !observation.found()) return false;
+  if (!board) {
+    complain(board.error());
+    return false;
+  }
   Reason reason;
   Guidance now;
   std::string camera;
@@ -119,10 +123,27 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times)
     if (reason != Reason::kAccepted && std::exchange(last_reason_, reason) == reason) return false;
     last_reason_ = reason;
   }
+  if (reason == Reason::kWrongBoard) {
+    if (const Status fine = check({observation, *board}, observation.image_size); !fine) {
+      complain(fine.error());
+    }
+  }
   post_message(element_, view_message(times, camera, reason, now));
   if (reason != Reason::kAccepted) return false;
   post_message(element_, progress_message(times, camera, now));
   return true;
+}
+
+void CalibSolver::complain(const Error& why) {
+  {
+    const std::lock_guard guard(lock_);
+    if (std::exchange(complained_, true)) return;
+  }
+  post_warning(element_, {why.code, fmt::format("An observation from upstream cannot be used, and "
+                                                "further ones like it are dropped silently: {}{} "
+                                                "Check what writes the meta {}.",
+                                                why.message, why.message.ends_with('.') ? "" : ".",
+                                                kObservationName)});
 }
 
 Guidance CalibSolver::guidance() {
@@ -319,7 +340,7 @@ void CalibSolver::forget() {
   ++generation_;
   session_.reset();
   calibration_.reset();
-  anything_written_ = finished_ = announce_ = false;
+  anything_written_ = finished_ = announce_ = complained_ = false;
   final_owed_ = final_done_ = false;
   written_ = {};
   solve_error_.clear();

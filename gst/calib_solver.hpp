@@ -66,6 +66,8 @@ class CalibSolver {
 
   // What was found on one frame, with the times of that frame; true when a view was taken.
   bool offer(const Observation& observation, const FrameTimes& times);
+  // An observation that cannot be one, and why: a WARNING, once per session.
+  void complain(const Error& why);
   [[nodiscard]] Guidance guidance();
 
   // The newest calibration that has not been announced downstream.
@@ -111,7 +113,8 @@ class CalibSolver {
   std::optional<Calibration> calibration_;  // newest solution
   std::optional<double> written_error_;     // expected error of what the files hold
   bool anything_written_ = false;
-  bool announce_ = false;  // calibration_ waits to be announced
+  bool announce_ = false;    // calibration_ waits to be announced
+  bool complained_ = false;  // of broken observations
   std::string solve_error_;
   Status written_;
   bool write_failed_ = false;  // and the user was told so

@@ -18,15 +18,22 @@ namespace calvin::gst {
 
 namespace {
 
-// The text of a calibration event; absent for any other event.
-std::optional<CalibrationEvent> parse_event(GstEvent* event) {
-  if (auto ours = parse_calibration_event(event)) return ours;
-  // GStreamer's cameracalibrate, in OpenCV's format.
-  if (GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_BOTH &&
-      gst_event_has_name(event, "GstEventCalibrated")) {
-    return CalibrationEvent{"", get_string(gst_event_get_structure(event), "undistort-settings")};
+// The event of GStreamer's cameracalibrate, whose text is in OpenCV's format.
+bool is_peers(GstEvent* event) {
+  return GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_BOTH &&
+         gst_event_has_name(event, "GstEventCalibrated");
+}
+
+Result<CalibrationEvent> parse_event(GstEvent* event) {
+  const GstStructure* s = gst_event_get_structure(event);
+  const char* field = is_peers(event) ? "undistort-settings" : "json";
+  if (!gst_structure_has_field_typed(s, field, G_TYPE_STRING)) {
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("The event {} has no text in its field '{}' and changes nothing. "
+                                  "Whoever sends it must put the calibration there.",
+                                  gst_structure_get_name(s), field));
   }
-  return std::nullopt;
+  return CalibrationEvent{get_string(s, "camera"), get_string(s, field)};
 }
 
 }  // namespace
@@ -58,12 +65,13 @@ void CalibrationInput::set_frames(const GstVideoInfo& info) {
   said_.clear();
 }
 
-bool CalibrationInput::is_calibration(GstEvent* event) { return parse_event(event).has_value(); }
+bool CalibrationInput::is_calibration(GstEvent* event) {
+  return is_peers(event) || parse_calibration_event(event).has_value();
+}
 
 Status CalibrationInput::take_event(GstEvent* event) {
   const auto parsed = parse_event(event);
-  if (!parsed) return {};
-  event_.reset(gst_event_ref(event));
+  if (!parsed) return tl::unexpected(parsed.error());
   std::optional<Calibration> calibration;
   if (!parsed->json.empty()) {
     auto read = parse_calibration(parsed->json);
@@ -71,6 +79,7 @@ Status CalibrationInput::take_event(GstEvent* event) {
     calibration = *std::move(read);
     if (!parsed->camera.empty()) calibration->camera = parsed->camera;
   }
+  event_.reset(gst_event_ref(event));
   from_event_ = std::move(calibration);
   changed_ = changed_ || text_.empty();
   return {};

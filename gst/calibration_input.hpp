@@ -27,7 +27,7 @@ class CalibrationInput {
 
   // Whether it is a calibration event: ours, or the one of GStreamer's cameracalibrate.
   [[nodiscard]] static bool is_calibration(GstEvent* event);
-  // Keeps a calibration event; an Error where its calibration cannot be read.
+  // Keeps a calibration event. An Error where its calibration cannot be read: the one before stays.
   [[nodiscard]] Status take_event(GstEvent* event);
   // The last one, as it came, or nullptr.
   [[nodiscard]] GstEvent* event() const { return event_.get(); }

@@ -48,11 +48,6 @@ std::optional<MappedFrame> MappedFrame::map(const GstVideoInfo& info, GstBuffer*
   if (!gst_video_frame_map(frame.get(), &info, buffer, GST_MAP_READ)) return std::nullopt;
   MappedFrame mapped;
   mapped.frame_.reset(frame.release());
-  // A buffer may carry a GstVideoMeta of another size than the caps.
-  if (GST_VIDEO_FRAME_WIDTH(&*mapped) != GST_VIDEO_INFO_WIDTH(&info) ||
-      GST_VIDEO_FRAME_HEIGHT(&*mapped) != GST_VIDEO_INFO_HEIGHT(&info)) {
-    return std::nullopt;
-  }
   return mapped;
 }
 

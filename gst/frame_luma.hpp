@@ -17,7 +17,7 @@ namespace calvin::gst {
 // A frame mapped for reading, with the reference to its buffer that this takes.
 class MappedFrame {
  public:
-  // Absent where the buffer cannot be mapped, or holds a frame of another size than `info`.
+  // Absent where the buffer cannot be mapped; see check_frame() for what else can be wrong.
   static std::optional<MappedFrame> map(const GstVideoInfo& info, GstBuffer* buffer);
 
   [[nodiscard]] GstVideoFrame& operator*() const { return *frame_; }

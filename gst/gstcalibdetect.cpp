@@ -25,6 +25,7 @@
 #include "meta_filter.hpp"
 #include "metas.hpp"
 #include "properties.hpp"
+#include "refused_caps.hpp"
 
 GST_DEBUG_CATEGORY(calibdetect_debug);
 #define GST_CAT_DEFAULT calibdetect_debug
@@ -127,6 +128,13 @@ static void gst_calib_detect_get_property(GObject* object, guint id, GValue* val
 
 static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
   gst::CalibDetector& detector = *GST_CALIB_DETECT(trans)->detector;
+  if (!detector.has_format()) {
+    gst::post_error(GST_ELEMENT(trans),
+                    {ErrorCode::kMalformed,
+                     "A frame came before the caps that say what it is: set the caps upstream, "
+                     "with caps=... of appsrc or a capsfilter."});
+    return GST_FLOW_NOT_NEGOTIATED;
+  }
   // Asked once after each CAPS: only then does a live source know that it is one.
   if (!detector.mode_known()) detector.choose_mode(gst::upstream_is_live(trans));
   const auto found = detector.look(buffer, gst::frame_times(&trans->segment, buffer));
@@ -137,11 +145,7 @@ static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstB
 static gboolean gst_calib_detect_set_caps(GstBaseTransform* trans, GstCaps* caps,
                                           GstCaps* /*out_caps*/) {
   GstVideoInfo info;
-  if (!gst_video_info_from_caps(&info, caps)) {
-    GST_ERROR_OBJECT(trans, "cannot understand the caps %" GST_PTR_FORMAT,
-                     static_cast<void*>(caps));
-    return FALSE;
-  }
+  if (!gst_video_info_from_caps(&info, caps)) return FALSE;
   const Status set = GST_CALIB_DETECT(trans)->detector->set_format(info);
   if (!set) gst::post_error(GST_ELEMENT(trans), set.error());
   return set.has_value();
@@ -214,6 +218,7 @@ static void gst_calib_detect_finalize(GObject* object) {
 static void gst_calib_detect_init(GstCalibDetect* self) {
   self->detector = new gst::CalibDetector(GST_ELEMENT(self));
   gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
+  gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 static void gst_calib_detect_install_properties(GObjectClass* object_class) {

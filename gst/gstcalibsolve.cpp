@@ -17,6 +17,7 @@
  * ]|
  */
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,7 @@
 #include "meta_filter.hpp"
 #include "metas.hpp"
 #include "properties.hpp"
+#include "refused_caps.hpp"
 
 GST_DEBUG_CATEGORY(calibsolve_debug);
 #define GST_CAT_DEFAULT calibsolve_debug
@@ -92,6 +94,7 @@ static GType gst_calib_solve_capture_mode_get_type() {
 
 static void gst_calib_solve_set_property(GObject* object, guint id, const GValue* value,
                                          GParamSpec* spec) {
+  gst::warn_if_late(GST_ELEMENT(object), spec);
   GST_CALIB_SOLVE(object)->state->solver.change_settings([&](gst::SolverSettings& settings) {
     switch (id) {
       case PROP_LOCATION:
@@ -210,8 +213,10 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   if (!std::exchange(self->state->mode_known, true)) {
     solver.choose_capture_mode(gst::upstream_is_live(trans));
   }
-  const bool captured =
-      gst_calib_solve_offer(self, gst::read_observations(buffer), GST_BUFFER_DURATION(buffer));
+  std::optional<Error> problem;
+  const auto observations = gst::read_observations(buffer, &problem);
+  if (problem) solver.complain(*problem);
+  const bool captured = gst_calib_solve_offer(self, observations, GST_BUFFER_DURATION(buffer));
   gst_calib_solve_push_calibration(self);
   gst::Guidance guidance = solver.guidance();
   guidance.captured = captured;
@@ -240,8 +245,11 @@ static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* ev
     case GST_EVENT_CUSTOM_DOWNSTREAM:
       // An observation that no buffer could take.
       if (gst_event_has_name(event, gst::kObservationName)) {
-        const GstStructure* s = gst_event_get_structure(event);
-        gst_calib_solve_offer(self, gst::observations_from_structure(s), GST_CLOCK_TIME_NONE);
+        std::optional<Error> problem;
+        const auto observations =
+            gst::observations_from_structure(gst_event_get_structure(event), &problem);
+        if (problem) solver.complain(*problem);
+        gst_calib_solve_offer(self, observations, GST_CLOCK_TIME_NONE);
       }
       break;
     case GST_EVENT_FLUSH_START:
@@ -282,6 +290,7 @@ static void gst_calib_solve_finalize(GObject* object) {
 static void gst_calib_solve_init(GstCalibSolve* self) {
   self->state = new State(GST_ELEMENT(self));
   gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
+  gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 // ---- Class --------------------------------------------------------------------------------------

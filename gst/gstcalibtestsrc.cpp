@@ -112,6 +112,7 @@ static GType gst_calib_test_src_motion_get_type() {
 static void gst_calib_test_src_set_property(GObject* object, guint id, const GValue* value,
                                             GParamSpec* spec) {
   State* state = GST_CALIB_TEST_SRC(object)->state;
+  gst::warn_if_late(GST_ELEMENT(object), spec);
   if (id == PROP_IS_LIVE) {
     gst_base_src_set_live(GST_BASE_SRC(object), g_value_get_boolean(value));
     return;
@@ -257,6 +258,19 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
   }
   gst_base_src_set_blocksize(src, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
   return TRUE;
+}
+
+static gboolean gst_calib_test_src_negotiate(GstBaseSrc* src) {
+  g_autoptr(GstCaps) wanted = gst_pad_get_allowed_caps(GST_BASE_SRC_PAD(src));
+  if (wanted != nullptr && gst_caps_is_empty(wanted)) {
+    gst::post_error(GST_ELEMENT(src),
+                    {ErrorCode::kUnsupported,
+                     "Downstream takes no video that calibtestsrc makes (I420, NV12, YUY2, BGRx or "
+                     "GRAY8, 16x16 to 8192x8192 px, 1 to 240 frames per second): insert "
+                     "videoconvert, videoscale or videorate behind it."});
+    return FALSE;
+  }
+  return GST_BASE_SRC_CLASS(gst_calib_test_src_parent_class)->negotiate(src);
 }
 
 static GstCaps* gst_calib_test_src_fixate(GstBaseSrc* src, GstCaps* caps) {
@@ -481,6 +495,7 @@ static void gst_calib_test_src_class_init(GstCalibTestSrcClass* klass) {
   base_class->start = gst_calib_test_src_start;
   base_class->stop = gst_calib_test_src_stop;
   base_class->set_caps = gst_calib_test_src_set_caps;
+  base_class->negotiate = gst_calib_test_src_negotiate;
   base_class->fixate = gst_calib_test_src_fixate;
   base_class->decide_allocation = gst_calib_test_src_decide_allocation;
   base_class->is_seekable = gst_calib_test_src_is_seekable;

@@ -25,11 +25,13 @@
 #include "calibration_input.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "elements.hpp"
+#include "frame_check.hpp"
 #include "frame_planes.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
 #include "metas.hpp"
 #include "properties.hpp"
+#include "refused_caps.hpp"
 #include "undistorter_builder.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(calibundistort_debug);
@@ -205,19 +207,25 @@ static GstFlowReturn gst_calib_undistort_transform_frame(GstVideoFilter* filter,
                                                          GstVideoFrame* out) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(filter);
   State& s = *self->state;
-  // A buffer may carry a GstVideoMeta of another size than the caps.
-  const ImageSize size = s.active->source().image_size();
-  if (ImageSize{GST_VIDEO_FRAME_WIDTH(in), GST_VIDEO_FRAME_HEIGHT(in)} != size ||
-      ImageSize{GST_VIDEO_FRAME_WIDTH(out), GST_VIDEO_FRAME_HEIGHT(out)} != size) {
-    GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("A frame is not of the size that was negotiated."),
-                      (nullptr));
-    return GST_FLOW_ERROR;
-  }
   for (std::size_t i = 0; i < s.planes.size(); ++i) {
     const auto source = gst::memory_of(*in, s.planes[i]);
     s.active->apply(i, {source.data, source.stride}, gst::memory_of(*out, s.planes[i]));
   }
   return GST_FLOW_OK;
+}
+
+// GstVideoFilter would send on what the output's memory held before for a frame that cannot be
+// read.
+static GstFlowReturn gst_calib_undistort_transform(GstBaseTransform* trans, GstBuffer* in,
+                                                   GstBuffer* out) {
+  GstVideoFilter* filter = GST_VIDEO_FILTER(trans);
+  for (const auto& [info, buffer] : {std::pair(filter->in_info, in), {filter->out_info, out}}) {
+    if (const Status checked = gst::check_frame(info, buffer); !checked) {
+      gst::post_error(GST_ELEMENT(trans), checked.error());
+      return GST_FLOW_ERROR;
+    }
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->transform(trans, in, out);
 }
 
 static gboolean gst_calib_undistort_transform_meta(GstBaseTransform* trans, GstBuffer* out,
@@ -270,6 +278,16 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
     return TRUE;
   }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->sink_event(trans, event);
+}
+
+// The peer's event goes both ways: cameracalibrate may stand behind this element.
+static gboolean gst_calib_undistort_src_event(GstBaseTransform* trans, GstEvent* event) {
+  if (gst::CalibrationInput::is_calibration(event)) {
+    State& s = *GST_CALIB_UNDISTORT(trans)->state;
+    const std::lock_guard guard(s.lock);
+    s.arrived_event.reset(gst_event_ref(event));
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->src_event(trans, event);
 }
 
 static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
@@ -361,6 +379,7 @@ static void gst_calib_undistort_finalize(GObject* object) {
 static void gst_calib_undistort_init(GstCalibUndistort* self) {
   self->state = new State;
   gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);
+  gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 static void install_properties(GObjectClass* object_class) {
@@ -408,8 +427,10 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   trans_class->start = gst_calib_undistort_start;
   trans_class->stop = gst_calib_undistort_stop;
   trans_class->sink_event = gst_calib_undistort_sink_event;
+  trans_class->src_event = gst_calib_undistort_src_event;
   trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->before_transform = gst_calib_undistort_before_transform;
+  trans_class->transform = gst_calib_undistort_transform;
   trans_class->transform_meta = gst_calib_undistort_transform_meta;
   trans_class->transform_ip_on_passthrough = FALSE;
   filter_class->set_info = gst_calib_undistort_set_info;
