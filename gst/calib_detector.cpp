@@ -103,12 +103,14 @@ void CalibDetector::choose_mode(bool live) {
 bool CalibDetector::is_due(const FrameTimes& times, double max_rate) {
   if (max_rate <= 0 || !GST_CLOCK_TIME_IS_VALID(times.running_time)) return true;
   const auto interval = static_cast<GstClockTime>(GST_SECOND / max_rate);
-  const bool known =
-      GST_CLOCK_TIME_IS_VALID(last_detection_) && times.running_time >= last_detection_;
-  if (known && times.running_time + interval / 4 < last_detection_ + interval) return false;
+  const GstClockTime now = times.running_time;
+  const GstClockTime last = last_detection_;
+  // The beat may be ahead of the frames, by less than an interval.
+  const bool in_step = GST_CLOCK_TIME_IS_VALID(last) && now + interval >= last;
+  if (in_step && now + interval / 4 < last + interval) return false;
   // On the beat, so that a camera's jitter does not cost every other frame.
-  const bool late = !known || times.running_time >= last_detection_ + 2 * interval;
-  last_detection_ = late ? times.running_time : last_detection_ + interval;
+  const bool late = !in_step || now >= last + 2 * interval;
+  last_detection_ = late ? now : last + interval;
   return true;
 }
 

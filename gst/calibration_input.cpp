@@ -112,7 +112,7 @@ void CalibrationInput::say(Error error, std::vector<Error>& errors) {
 }
 
 void CalibrationInput::fit(std::vector<Error>& errors) {
-  const std::optional<Calibration>& known = calibration();
+  std::optional<Calibration>& known = text_.empty() ? from_event_ : from_setting_;
   if (!known) {
     camera_.reset();
     ++serial_;
@@ -125,6 +125,9 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
         errors);
     return;
   }
+  // What does not say its size is taken to be for the frames that it meets first: there is no
+  // telling later which of two sizes it is right for.
+  if (known->image_size == ImageSize{}) known->image_size = frames_;
   auto fitted = fit_to_frame(*known, frames_);
   if (!fitted) {
     say(fitted.error(), errors);

@@ -41,9 +41,6 @@ class CalibrationInput {
   [[nodiscard]] int serial() const { return serial_; }
 
  private:
-  [[nodiscard]] const std::optional<Calibration>& calibration() const {
-    return text_.empty() ? from_event_ : from_setting_;
-  }
   void fit(std::vector<Error>& errors);
   void say(Error error, std::vector<Error>& errors);
 

@@ -5,6 +5,7 @@
 // Include it before gstcheck.h, which defines the macro `fail`.
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <span>
@@ -129,6 +130,15 @@ struct Scene {
     return render_board(camera, board, pose(n), options);
   }
 };
+
+// Copies what fits of one picture into another, its top left pixel to (x, y).
+inline void paste(const GrayImage& from, GrayImage& to, int x, int y) {
+  const int columns = std::min(from.width, to.width - x);
+  for (int row = 0; row < std::min(from.height, to.height - y); ++row) {
+    std::copy_n(from.pixels.data() + static_cast<std::ptrdiff_t>(row) * from.width, columns,
+                to.row(y + row) + x);
+  }
+}
 
 inline GstCaps* caps_of(const char* format, ImageSize size) {
   return gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING, format, "width", G_TYPE_INT,
