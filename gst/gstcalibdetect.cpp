@@ -239,12 +239,12 @@ static void gst_calib_detect_install_properties(GObjectClass* object_class) {
                         gst_calib_detect_mode_get_type(), gst::kModeAuto, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_MAX_RATE,
-      g_param_spec_double("max-rate", "Maximum rate",
+      g_param_spec_double("max-rate", "Maximum Rate",
                           "Frames per second of running time to look at, at the most (0 = all)", 0,
                           1000, 0, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_POST_MESSAGES,
-      g_param_spec_boolean("post-messages", "Post messages",
+      g_param_spec_boolean("post-messages", "Post Messages",
                            "Post a calib-detection message for every board and frame looked at",
                            FALSE, gst::kMutablePlaying));
   g_object_class_install_property(

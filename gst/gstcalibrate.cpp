@@ -227,6 +227,11 @@ static void gst_calibrate_install_signals(GType type) {
     g_signal_new_class_handler(name, type, kAction, G_CALLBACK(handler), nullptr, nullptr, nullptr,
                                G_TYPE_NONE, 0);
   };
+  /**
+   * GstCalibrate::capture-view:
+   *
+   * See #GstCalibSolve::capture-view; likewise solve, reset and remove-view.
+   */
   action("capture-view", gst_calibrate_capture_view);
   action("solve", gst_calibrate_solve);
   action("reset", gst_calibrate_reset);

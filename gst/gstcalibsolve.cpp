@@ -337,22 +337,22 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
        nullptr, gst::kMutablePlaying);
   g_object_class_install_property(
       object_class, PROP_CAPTURE_MODE,
-      g_param_spec_enum("capture-mode", "Capture mode", "Which views of the board are kept",
+      g_param_spec_enum("capture-mode", "Capture Mode", "Which views of the board are kept",
                         gst_calib_solve_capture_mode_get_type(), gst::kCaptureDefault,
                         gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_MIN_VIEWS,
-      g_param_spec_int("min-views", "Minimum views", "Views that a calibration needs at least", 3,
+      g_param_spec_int("min-views", "Minimum Views", "Views that a calibration needs at least", 3,
                        1000, 3, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_MAX_VIEWS,
-      g_param_spec_int("max-views", "Maximum views",
+      g_param_spec_int("max-views", "Maximum Views",
                        "Views after which nothing more is captured and the final result is posted "
                        "(0 = no limit)",
                        0, 100000, 0, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_TARGET_ERROR,
-      g_param_spec_double("target-error", "Target error",
+      g_param_spec_double("target-error", "Target Error",
                           "Expected error in px (1 sigma, anywhere in the picture) at which "
                           "nothing more is captured and the final result is posted (0 = never)",
                           0, 100, 0, gst::kMutablePlaying));

@@ -460,11 +460,11 @@ static void gst_calib_test_src_install_scene_properties(GObjectClass* object_cla
                           0, G_MAXUINT64, 0, gst::kMutableReady));
   g_object_class_install_property(
       object_class, PROP_IS_LIVE,
-      g_param_spec_boolean("is-live", "Is live", "Deliver frames in real time, as a camera does",
+      g_param_spec_boolean("is-live", "Is Live", "Deliver frames in real time, as a camera does",
                            FALSE, gst::kMutableReady));
   g_object_class_install_property(
       object_class, PROP_GROUND_TRUTH,
-      g_param_spec_string("ground-truth", "Ground truth",
+      g_param_spec_string("ground-truth", "Ground Truth",
                           "File to write the camera to, as a calibration; unset: none", nullptr,
                           gst::kMutableReady));
 }
