@@ -37,15 +37,15 @@ Result<Undistorter> Undistorter::make(const Camera& source, const ViewOptions& o
   const auto output = output_camera(source, options);
   if (!output) return tl::unexpected(output.error());
   Undistorter result(source, *output);
-  std::vector<Subsampling> known;
+  std::vector<PlaneSites> known;
   for (const PlaneLayout& layout : planes) {
-    const auto it = std::find(known.begin(), known.end(), layout.subsampling);
+    const auto it = std::find(known.begin(), known.end(), layout.sites());
     result.planes_.push_back({layout, static_cast<std::size_t>(it - known.begin())});
     if (it != known.end()) continue;
-    auto map = RemapMap::build(source, *output, layout.subsampling, stop);
+    auto map = RemapMap::build(source, *output, layout.sites(), stop);
     if (!map) return tl::unexpected(map.error());
     result.maps_.push_back(*std::move(map));
-    known.push_back(layout.subsampling);
+    known.push_back(layout.sites());
   }
   return result;
 }
