@@ -11,7 +11,7 @@
 
 #include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/remap/view.hpp"
+#include "calvin/remap/fit.hpp"
 #include "values.hpp"
 
 namespace calvin::gst {

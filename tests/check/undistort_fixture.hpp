@@ -7,6 +7,7 @@
 #include <random>
 
 #include "calvin/io/settings.hpp"
+#include "calvin/remap/fit.hpp"
 #include "calvin/remap/undistorter.hpp"
 #include "support.hpp"
 

@@ -289,37 +289,5 @@ TEST(RemapMap, StopsWhenAsked) {
   EXPECT_EQ(undistorter.error().code, ErrorCode::kCancelled);
 }
 
-TEST(Undistorter, PointsFollowThePixels) {
-  const Lens& lens = kLenses[1];
-  const Camera source = reference::camera(lens, {640, 480}, 480, 327, 233);
-  const Undistorter undistorter = Undistorter::make(source, {0, {}}, {kLayouts[0].layout}).value();
-  Observation seen;
-  for (int i = 0; i < 7; ++i) {
-    const Pixel ideal = {80.0 * i + 60, 60.0 * i + 50};
-    const auto place =
-        reference::source_place(lens, source, undistorter.output(), ideal.u, ideal.v).pixel;
-    seen.ids.push_back(i);
-    seen.uv.push_back(place);
-    seen.sigma.push_back(0.1);
-    const auto back = undistorter.to_source(ideal);
-    ASSERT_TRUE(back.has_value());
-    EXPECT_NEAR(back->u, place.u, 1e-9);
-    EXPECT_NEAR(back->v, place.v, 1e-9);
-  }
-  // A corner of the source that the view at alpha 0 cuts off.
-  seen.ids.push_back(7);
-  seen.uv.push_back({0, 0});
-  seen.sigma.push_back(0.1);
-  const Observation mapped = undistorter.to_output(seen);
-  ASSERT_EQ(mapped.ids.size(), 7u);
-  for (int i = 0; i < 7; ++i) {
-    EXPECT_EQ(mapped.ids[i], i);
-    EXPECT_NEAR(mapped.uv[i].u, 80.0 * i + 60, 1e-7);
-    EXPECT_NEAR(mapped.uv[i].v, 60.0 * i + 50, 1e-7);
-  }
-  // In the middle the picture is scaled by the ratio of the focal lengths.
-  EXPECT_NEAR(mapped.sigma[3], 0.1 * undistorter.output().fx() / source.fx(), 2e-3);
-}
-
 }  // namespace
 }  // namespace calvin
