@@ -37,6 +37,7 @@ void CalibrationInput::reset() {
   from_event_.reset();
   event_.reset();
   frames_ = {};
+  upright_ = {};
   camera_.reset();
   changed_ = true;
 }
@@ -56,6 +57,12 @@ void CalibrationInput::set_frames(const GstVideoInfo& info) {
   camera_.reset();
   changed_ = true;
   said_.clear();
+}
+
+void CalibrationInput::set_upright(Orientation upright) {
+  if (upright == std::exchange(upright_, upright)) return;
+  camera_.reset();
+  changed_ = true;
 }
 
 bool CalibrationInput::is_calibration(GstEvent* event) { return parse_event(event).has_value(); }
@@ -116,7 +123,7 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
         errors);
     return;
   }
-  auto fitted = fit_to_frame(*known, frames_);
+  auto fitted = fit_to_frame(*known, frames_, upright_);
   if (!fitted) {
     say(fitted.error(), errors);
     return;
