@@ -64,7 +64,8 @@ struct State {
   // Streaming thread, or before it starts.
   gst::CalibrationInput input;
   gst::OrientationTags tags;
-  std::optional<bool> live;  // unknown: not asked since the last caps
+  std::optional<bool> live;   // unknown: not asked since the last caps
+  bool renegotiated = false;  // since the last update()
   gst::OutputEvent output;
 };
 
@@ -112,6 +113,7 @@ static void announce(GstCalibUndistort* self) {
 static void update(GstCalibUndistort* self) {
   State& s = *self->state;
   GstBaseTransform* trans = GST_BASE_TRANSFORM(self);
+  s.renegotiated = false;
   EventPtr event;
   const Settings settings = take_settings(s, event);
   if (event) {
@@ -147,6 +149,15 @@ static void gst_calib_undistort_before_transform(GstBaseTransform* trans, GstBuf
   }
   update(self);
   s.warp.begin();
+}
+
+// GstBaseTransform looks after before_transform whether downstream wants other frames.
+static GstFlowReturn gst_calib_undistort_prepare_output_buffer(GstBaseTransform* trans,
+                                                               GstBuffer* in, GstBuffer** out) {
+  GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
+  if (self->state->renegotiated) update(self);
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
+      ->prepare_output_buffer(trans, in, out);
 }
 
 // GstVideoFilter shows whatever lies in the output buffer when it cannot map the input.
@@ -202,6 +213,7 @@ static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in
   s.warp.set_frames(in, out);
   if (other_input) s.input.set_frames(*in_info);
   s.live.reset();
+  s.renegotiated = true;
   return TRUE;
 }
 
@@ -369,6 +381,7 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   trans_class->fixate_caps = gst::undistort_fixate_caps;
   trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->before_transform = gst_calib_undistort_before_transform;
+  trans_class->prepare_output_buffer = gst_calib_undistort_prepare_output_buffer;
   trans_class->transform = gst_calib_undistort_transform;
   trans_class->transform_meta = gst_calib_undistort_transform_meta;
   trans_class->transform_ip_on_passthrough = FALSE;
