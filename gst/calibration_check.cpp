@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "calvin/remap/view.hpp"
+#include "calvin/remap/fit.hpp"
 #include "values.hpp"
 
 namespace calvin::gst {

@@ -11,7 +11,7 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/io/settings.hpp"
-#include "calvin/remap/view.hpp"
+#include "calvin/remap/fit.hpp"
 
 namespace calvin::gst {
 
