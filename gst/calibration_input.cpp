@@ -11,7 +11,7 @@
 
 #include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/remap/view.hpp"
+#include "calvin/remap/fit.hpp"
 #include "values.hpp"
 
 namespace calvin::gst {
@@ -44,6 +44,7 @@ void CalibrationInput::reset() {
   from_event_.reset();
   event_.reset();
   frames_ = {};
+  upright_ = {};
   camera_.reset();
   changed_ = true;
 }
@@ -63,6 +64,12 @@ void CalibrationInput::set_frames(const GstVideoInfo& info) {
   camera_.reset();
   changed_ = true;
   said_.clear();
+}
+
+void CalibrationInput::set_upright(Orientation upright) {
+  if (upright == std::exchange(upright_, upright)) return;
+  camera_.reset();
+  changed_ = true;
 }
 
 bool CalibrationInput::is_calibration(GstEvent* event) {
@@ -128,7 +135,7 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
   // What does not say its size is taken to be for the frames that it meets first: there is no
   // telling later which of two sizes it is right for.
   if (known->image_size == ImageSize{}) known->image_size = frames_;
-  auto fitted = fit_to_frame(*known, frames_);
+  auto fitted = fit_to_frame(*known, frames_, upright_);
   if (!fitted) {
     say(fitted.error(), errors);
     return;

@@ -24,6 +24,9 @@ class CalibrationInput {
   void reset();
   void set_text(const std::string& text);
   void set_frames(const GstVideoInfo& info);
+  // How the frames have to be turned to stand upright: a calibration of a shape that only the
+  // upright picture has is one of that picture.
+  void set_upright(Orientation upright);
 
   // Whether it is a calibration event: ours, or the one of GStreamer's cameracalibrate.
   [[nodiscard]] static bool is_calibration(GstEvent* event);
@@ -51,6 +54,7 @@ class CalibrationInput {
   EventPtr event_;
 
   ImageSize frames_;
+  Orientation upright_;
   bool interlaced_ = false;
   bool changed_ = false;
   std::optional<Camera> camera_;

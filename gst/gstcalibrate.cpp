@@ -42,7 +42,8 @@ struct _GstCalibrate {
   GstPad* src;          // ghost
 };
 
-G_DEFINE_FINAL_TYPE(GstCalibrate, gst_calibrate, GST_TYPE_BIN)
+G_DEFINE_FINAL_TYPE_WITH_CODE(GstCalibrate, gst_calibrate, GST_TYPE_BIN,
+                              G_IMPLEMENT_INTERFACE(GST_TYPE_PRESET, nullptr))
 GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibrate, "calibrate", GST_RANK_NONE,
                                       gst_calibrate_get_type(),
                                       GST_DEBUG_CATEGORY_INIT(calibrate_debug, "calibrate", 0,

@@ -12,7 +12,6 @@
 #include <string_view>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "calvin/camera/camera.hpp"
@@ -80,8 +79,7 @@ inline SE3 random_pose(const Camera& camera, const Board& board, Random& random,
     const double extent = uniform(random, 0.25, 0.8) * size.width;
     const double distance = camera.fx() * board.size * (board.cols - 1) / extent;
     const double side = uniform(random, 0, 2 * std::numbers::pi);
-    const Eigen::Matrix3d facing =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), *ray).toRotationMatrix();
+    const Eigen::Matrix3d facing = rotation_between(Eigen::Vector3d::UnitZ(), *ray);
     const Eigen::Matrix3d rotation = facing *
                                      exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0}) *
                                      exp_so3({0, 0, uniform(random, -0.5, 0.5)});
@@ -130,21 +128,6 @@ inline std::vector<View> observe_all(const Camera& camera, const Board& board,
 }
 
 // e^T C^-1 e / n over the estimated parameters: 1 on average where the covariance is right.
-inline double normalised_error(const Calibration& calibration, const Camera& truth) {
-  std::vector<double> error;
-  for (std::size_t i = 0; i < truth.parameters().size(); ++i) {
-    if (calibration.parameters[i].sigma) {
-      error.push_back(calibration.parameters[i].value - truth.parameters()[i]);
-    }
-  }
-  const auto n = static_cast<Eigen::Index>(error.size());
-  const Eigen::MatrixXd c = Eigen::Map<const Eigen::MatrixXd>(calibration.covariance.data(), n, n);
-  const Eigen::VectorXd e = Eigen::Map<const Eigen::VectorXd>(error.data(), n);
-  const Eigen::VectorXd sigma = c.diagonal().cwiseSqrt();
-  const Eigen::MatrixXd correlation =
-      sigma.cwiseInverse().asDiagonal() * c * sigma.cwiseInverse().asDiagonal();
-  const Eigen::VectorXd scaled = e.cwiseQuotient(sigma);
-  return scaled.dot(correlation.ldlt().solve(scaled)) / static_cast<double>(n);
-}
+double normalised_error(const Calibration& calibration, const Camera& truth);
 
 }  // namespace calvin::scenes

@@ -2,16 +2,19 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Rigid motions, homographies, polynomial roots.
+#include <limits>
 #include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/homography.hpp"
 #include "calvin/geometry/polynomial.hpp"
 #include "calvin/geometry/se3.hpp"
+#include "calvin/geometry/symmetric.hpp"
 
 namespace calvin {
 namespace {
@@ -36,6 +39,21 @@ TEST(Se3, InverseAndPoseRoundTrip) {
   const Pose pose = to_pose(a);
   EXPECT_NEAR(pose.rotation[1], -0.4, 1e-14);
   EXPECT_NEAR(pose.translation[2], -0.5, 1e-14);
+}
+
+TEST(So3, RotationBetweenTakesOneDirectionToTheOther) {
+  const std::vector<Eigen::Vector3d> directions = {{0, 0, 2},   {0, 0, -1},   {1, -2, 3},
+                                                   {-1, 2, -3}, {0, 1e-9, 1}, {0, 1e-14, -1}};
+  for (const Eigen::Vector3d& from : directions) {
+    for (const Eigen::Vector3d& to : directions) {
+      const Eigen::Matrix3d r = rotation_between(from, to);
+      EXPECT_LT((r * from.normalized() - to.normalized()).norm(), 1e-12);
+      EXPECT_NEAR(r.determinant(), 1, 1e-12);
+      const double turn = log_so3(r).norm();
+      const double angle = std::atan2(from.cross(to).norm(), from.dot(to));
+      EXPECT_NEAR(turn, angle, 1e-7);
+    }
+  }
 }
 
 TEST(So3, ClosestRotationIsProper) {
@@ -74,6 +92,49 @@ TEST(Polynomial, SmallestPositiveRoot) {
   EXPECT_NEAR(smallest_positive_root(std::vector<double>{1, -0.9, 0, 0}), 1 / 0.9, 1e-12);
   EXPECT_TRUE(std::isinf(smallest_positive_root(std::vector<double>{1, 1, 1})));
   EXPECT_TRUE(std::isinf(smallest_positive_root(std::vector<double>{1, 0, 0})));
+}
+
+TEST(Polynomial, FindsTheRootsItWasMadeFrom) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-10, 10);
+  for (int trial = 0; trial < 1000; ++trial) {
+    std::vector<double> polynomial = {1};
+    double smallest = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 1 + trial % 4; ++i) {
+      const double root = place(random);
+      if (root > 0) smallest = std::min(smallest, root);
+      polynomial.push_back(0);
+      for (std::size_t k = polynomial.size() - 1; k > 0; --k) {
+        polynomial[k] = polynomial[k - 1] - root * polynomial[k];
+      }
+      polynomial[0] *= -root;
+    }
+    if (std::isinf(smallest)) {
+      EXPECT_TRUE(std::isinf(smallest_positive_root(polynomial)));
+    } else {
+      EXPECT_NEAR(smallest_positive_root(polynomial), smallest, 1e-6 * smallest) << trial;
+    }
+  }
+}
+
+TEST(Polynomial, TinyLeadingCoefficientsMoveNothing) {
+  EXPECT_NEAR(smallest_positive_root(std::vector<double>{1, -0.5, 1e-200, -1e-250}), 2, 1e-12);
+  EXPECT_NEAR(smallest_positive_root(std::vector<double>{1, 0, 0, 0, -1e-80}) / 1e20, 1, 1e-12);
+}
+
+TEST(Symmetric, ValuesAndVectorsMakeTheMatrixAgain) {
+  Eigen::MatrixXd m(3, 3);
+  m << 4, 9, 9, 1, 3, 9, -2, 0.5, 7;  // only the lower triangle counts
+  const auto eigen = symmetric_eigen(m);
+  ASSERT_TRUE(eigen.has_value());
+  const Eigen::MatrixXd again =
+      eigen->vectors * eigen->values.asDiagonal() * eigen->vectors.transpose();
+  EXPECT_NEAR(again(1, 0), 1, 1e-12);
+  EXPECT_NEAR(again(0, 2), -2, 1e-12);
+  EXPECT_NEAR(again(2, 2), 7, 1e-12);
+  EXPECT_LE(eigen->values[0], eigen->values[1]);
+  m(1, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(symmetric_eigen(m).has_value());
 }
 
 TEST(ConvexHull, OfASquareWithPointsInsideAndOnItsSides) {

@@ -5,8 +5,9 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "calvin/geometry/symmetric.hpp"
 
 namespace calvin {
 
@@ -56,13 +57,12 @@ Result<Eigen::Matrix3d> fit_homography(std::span<const Pixel> xy, std::span<cons
     b << 0, 0, 0, p.u, p.v, 1, -q.v * p.u, -q.v * p.v, -q.v;
     m += a * a.transpose() + b * b.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(m);
+  const auto eigen = symmetric_eigen(m);
   // Collinear points leave more than one direction without support.
-  if (eigen.info() != Eigen::Success ||
-      !(eigen.eigenvalues()[1] > 1e-10 * eigen.eigenvalues()[8])) {
+  if (!eigen || !(eigen->values[1] > 1e-10 * eigen->values[8])) {
     return make_error(ErrorCode::kDegenerate, "The points of the view lie on one line.");
   }
-  const Eigen::Matrix<double, 9, 1> h = eigen.eigenvectors().col(0);
+  const Eigen::Matrix<double, 9, 1> h = eigen->vectors.col(0);
   Eigen::Matrix3d normalised;
   normalised << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
   Eigen::Matrix3d result = to.inverse() * normalised * from;

@@ -3,34 +3,64 @@
 
 #include "calvin/geometry/polynomial.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <Eigen/Eigenvalues>
+#include <vector>
 
 namespace calvin {
 
-double smallest_positive_root(std::span<const double> coefficients) {
-  auto degree = static_cast<Eigen::Index>(coefficients.size()) - 1;
-  while (degree > 0 && std::abs(coefficients[degree]) < 1e-300) --degree;
-  double best = std::numeric_limits<double>::infinity();
-  if (degree < 1) return best;
+namespace {
 
-  // Eigenvalues of the companion matrix of the reversed polynomial are 1/s: a tiny leading
-  // coefficient then gives a tiny eigenvalue instead of an overflow.
-  if (std::abs(coefficients[0]) < 1e-300) return best;
-  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(degree, degree);
-  for (Eigen::Index i = 0; i < degree; ++i)
-    companion(0, i) = -coefficients[i + 1] / coefficients[0];
-  for (Eigen::Index i = 1; i < degree; ++i) companion(i, i - 1) = 1;
-  if (!companion.allFinite()) return best;
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(companion, false);
-  if (solver.info() != Eigen::Success) return best;
-  for (const std::complex<double>& inverse : solver.eigenvalues()) {
-    const bool real = std::abs(inverse.imag()) <= 1e-9 * std::abs(inverse);
-    if (real && inverse.real() > 1e-300) best = std::min(best, 1 / inverse.real());
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double value(std::span<const double> c, double s) {
+  double sum = 0;
+  for (std::size_t i = c.size(); i-- > 0;) sum = sum * s + c[i];
+  return sum;
+}
+
+// The root between two places of different sign, to the last bit.
+double bisect(std::span<const double> c, double low, double high) {
+  const bool rising = value(c, low) < 0;
+  for (;;) {
+    const double middle = low + (high - low) / 2;
+    if (!(middle > low && middle < high)) return high;
+    ((value(c, middle) < 0) == rising ? low : high) = middle;
   }
-  return best;
+}
+
+// Where the sign changes in (0, end], in order: between two roots of the derivative there is at
+// most one such place.
+std::vector<double> sign_changes(std::span<const double> c, double end) {
+  if (c.size() < 2) return {};
+  std::vector<double> slope;
+  for (std::size_t i = 1; i < c.size(); ++i) slope.push_back(static_cast<double>(i) * c[i]);
+  std::vector<double> places = sign_changes(slope, end);
+  places.push_back(end);
+  std::vector<double> roots;
+  double from = 0;
+  for (const double to : places) {
+    if ((value(c, from) < 0) != (value(c, to) < 0)) roots.push_back(bisect(c, from, to));
+    from = to;
+  }
+  return roots;
+}
+
+}  // namespace
+
+double smallest_positive_root(std::span<const double> coefficients) {
+  // In t = 1 / s: a tiny leading coefficient then gives a tiny t instead of an overflow.
+  std::vector<double> reversed(coefficients.rbegin(), coefficients.rend());
+  const auto counts = [](double c) { return !(std::abs(c) < 1e-300); };
+  reversed.erase(reversed.begin(), std::find_if(reversed.begin(), reversed.end(), counts));
+  if (reversed.size() < 2 || !counts(reversed.back())) return kInfinity;
+  double largest = 0;
+  for (const double c : reversed) largest = std::max(largest, std::abs(c / reversed.back()));
+  const double end = 1 + largest;  // Cauchy's bound
+  if (!std::isfinite(end)) return kInfinity;
+  const auto roots = sign_changes(reversed, end);
+  return roots.empty() ? kInfinity : 1 / roots.back();
 }
 
 }  // namespace calvin

@@ -9,6 +9,7 @@
 namespace calvin {
 
 // The smallest s > 0 with c[0] + c[1] s + c[2] s^2 + ... = 0; infinity where there is none.
+// A root at which the sign does not change, such as a double one, does not count.
 [[nodiscard]] double smallest_positive_root(std::span<const double> coefficients);
 
 }  // namespace calvin

@@ -4,6 +4,7 @@
 #include "calvin/geometry/se3.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -23,6 +24,17 @@ Eigen::Vector3d log_so3(const Eigen::Matrix3d& rotation) {
   const double sine = axis.norm();
   if (sine < 1e-300) return Eigen::Vector3d::Zero();
   return axis * (2 * std::atan2(sine, std::abs(q.w())) / sine);
+}
+
+Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d a = from.normalized();
+  const Eigen::Vector3d b = to.normalized();
+  Eigen::Vector3d axis = a.cross(b);
+  const double sine = axis.norm();
+  // Opposite directions: half a turn about any axis across them.
+  if (sine < 1e-12 && a.dot(b) < 0) return exp_so3(std::numbers::pi * a.unitOrthogonal());
+  if (sine > 0) axis /= sine;
+  return exp_so3(axis * std::atan2(sine, a.dot(b)));
 }
 
 Eigen::Matrix3d closest_rotation(const Eigen::Matrix3d& m) {

@@ -29,6 +29,10 @@ struct SE3 {
 [[nodiscard]] Eigen::Matrix3d exp_so3(const Eigen::Vector3d& w);
 [[nodiscard]] Eigen::Vector3d log_so3(const Eigen::Matrix3d& rotation);
 
+// The shortest rotation that takes the direction `from` to the direction `to`; neither is zero.
+[[nodiscard]] Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from,
+                                               const Eigen::Vector3d& to);
+
 // The rotation closest to `m` in the Frobenius norm (Umeyama's sign: determinant +1).
 [[nodiscard]] Eigen::Matrix3d closest_rotation(const Eigen::Matrix3d& m);
 

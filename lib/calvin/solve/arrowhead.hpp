@@ -8,9 +8,10 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "calvin/solve/lm.hpp"
+#include "calvin/solve/pose_block.hpp"
 #include "calvin/solve/reprojection.hpp"
 #include "calvin/solve/scaled_solve.hpp"
 
@@ -58,7 +59,7 @@ class Arrowhead {
     for (std::size_t v = 0; v < views_.size(); ++v) {
       const auto& equations = current_.views[v];
       Vector6 x = whitened_[v].col(kShared) + whitened_[v].template leftCols<kShared>() * move;
-      factors_[v].template triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+      solve_upper(factors_[v], x);
       predicted += equations.pose_gradient().dot(x);
       predicted += lambda * x.dot(equations.pose().diagonal().cwiseProduct(x));
       trial_.point.camera_from_board[v] = moved(current_.point.camera_from_board[v], -x);
@@ -83,13 +84,10 @@ class Arrowhead {
   // the Schur complement without damping. Absent where a pose is not determined.
   [[nodiscard]] std::optional<Eigen::MatrixXd> information() {
     if (!eliminate_poses(0)) return std::nullopt;
-    const Basis reduced = schur_.template selfadjointView<Eigen::Lower>() * basis_;
-    return basis_.transpose() * reduced;
+    return restrict_to(basis_, schur_);
   }
 
  private:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Shared = Eigen::Matrix<double, kShared, 1>;
   using SharedMatrix = Eigen::Matrix<double, kShared, kShared>;
 
@@ -125,15 +123,13 @@ class Arrowhead {
     reduced_gradient_ = current_.gradient;
     for (std::size_t v = 0; v < views_.size(); ++v) {
       const auto& equations = current_.views[v];
-      Matrix6 block = equations.pose();
-      block.diagonal() *= 1 + lambda;
-      const Eigen::LLT<Matrix6> cholesky(block);
-      if (cholesky.info() != Eigen::Success) return false;
-      factors_[v] = cholesky.matrixLLT();
+      const auto factor = pose_factor(equations.pose(), lambda);
+      if (!factor) return false;
+      factors_[v] = *factor;
       auto& w = whitened_[v];
       w.template leftCols<kShared>() = equations.cross().transpose();
       w.col(kShared) = equations.pose_gradient();
-      factors_[v].template triangularView<Eigen::Lower>().solveInPlace(w);
+      solve_lower(factors_[v], w);
       const auto c = w.template leftCols<kShared>();
       schur_.noalias() -= c.transpose().lazyProduct(c);
       reduced_gradient_.noalias() -= c.transpose().lazyProduct(w.col(kShared));
@@ -142,13 +138,10 @@ class Arrowhead {
   }
 
   std::optional<Eigen::VectorXd> shared_step(double lambda) {
-    const Basis normal = current_.normal.template selfadjointView<Eigen::Lower>() * basis_;
-    damping_ = (basis_.transpose() * normal).diagonal();
-    const Basis reduced = schur_.template selfadjointView<Eigen::Lower>() * basis_;
-    Eigen::MatrixXd s = basis_.transpose() * reduced;
+    damping_ = restrict_to(basis_, current_.normal).diagonal();
+    Eigen::MatrixXd s = restrict_to(basis_, schur_);
     s.diagonal() += lambda * damping_;
-    const Eigen::VectorXd gradient = basis_.transpose() * reduced_gradient_;
-    const auto step = scaled_solve(s, -gradient, 0);
+    const auto step = scaled_solve(s, -basis_.transpose().lazyProduct(reduced_gradient_), 0);
     if (!step) return std::nullopt;
     return step->col(0);
   }

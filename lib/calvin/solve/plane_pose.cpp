@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+
+#include "calvin/geometry/symmetric.hpp"
 
 namespace calvin {
 
@@ -48,8 +49,7 @@ Normalisation normalisation(const std::vector<Eigen::Vector3d>& points,
 Eigen::Matrix3d spreading(const std::vector<Eigen::Vector3d>& rays) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& ray : rays) mean += ray;
-  const Eigen::Matrix3d turn =
-      Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d turn = rotation_between(mean, Eigen::Vector3d::UnitZ());
   double sine = 0;
   double count = 0;
   for (const Eigen::Vector3d& ray : rays) {
@@ -81,12 +81,9 @@ std::optional<Eigen::Matrix3d> weighted_homography(const std::vector<Eigen::Vect
                                                    const std::vector<Eigen::Vector3d>& rays,
                                                    const std::vector<double>& weights,
                                                    const Normalisation& n) {
-  const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(normal_matrix(points, rays, weights, n));
-  if (eigen.info() != Eigen::Success ||
-      !(eigen.eigenvalues()[1] > 1e-12 * eigen.eigenvalues()[8])) {
-    return std::nullopt;
-  }
-  const Eigen::Matrix<double, 9, 1> h = eigen.eigenvectors().col(0);
+  const auto eigen = symmetric_eigen(normal_matrix(points, rays, weights, n));
+  if (!eigen || !(eigen->values[1] > 1e-12 * eigen->values[8])) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> h = eigen->vectors.col(0);
   Eigen::Matrix3d m;
   m.col(0) = h.segment<3>(0) * n.scale;
   m.col(1) = h.segment<3>(3) * n.scale;

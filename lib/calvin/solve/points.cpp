@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
+#include "calvin/geometry/symmetric.hpp"
 
 namespace calvin {
 
@@ -71,8 +71,8 @@ bool spans_plane(const PointSet& view) {
     const Eigen::Vector3d d = view.points[i] - mean;
     scatter += d * d.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter, Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[1] > 1e-8 * eigen.eigenvalues()[2];
+  const auto eigen = symmetric_eigen(scatter);
+  return eigen && eigen->values[1] > 1e-8 * eigen->values[2];
 }
 
 }  // namespace calvin

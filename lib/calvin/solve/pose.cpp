@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "calvin/solve/pose_fit.hpp"
+#include "calvin/solve/fit.hpp"
+#include "calvin/solve/rays.hpp"
 
 namespace calvin {
 

@@ -8,30 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
+#include "calvin/solve/fit.hpp"
 #include "calvin/solve/lm.hpp"
 #include "calvin/solve/plane_pose.hpp"
+#include "calvin/solve/rays.hpp"
 #include "calvin/solve/reprojection.hpp"
 
 namespace calvin {
-
-// The unit rays of the corners in use, camera frame; zero where the model has none.
-template <typename M>
-std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const double* parameters, double skew) {
-  using Lens = typename M::Lens;
-  const double limit = Lens::limit(parameters + 4);
-  std::vector<Eigen::Vector3d> rays(view.size(), Eigen::Vector3d::Zero());
-  for (std::size_t i = 0; i < view.size(); ++i) {
-    if (!(view.weight[i] > 0)) continue;
-    double xy[2];
-    xy[1] = (view.uv[i].v - parameters[3]) / parameters[1];
-    xy[0] = (view.uv[i].u - parameters[2] - skew * xy[1]) / parameters[0];
-    const auto ray = Lens::undistort(parameters + 4, limit, xy);
-    if (ray && ray->allFinite()) rays[i] = *ray;
-  }
-  return rays;
-}
 
 // The pose of one view as a problem for minimise().
 template <typename M>
@@ -48,14 +31,15 @@ class PoseProblem {
   [[nodiscard]] const SE3& pose() const { return current_.pose; }
 
   [[nodiscard]] std::optional<double> propose(double lambda) {
-    Eigen::Matrix<double, 6, 6> block = current_.equations.pose();
-    const Eigen::Matrix<double, 6, 1> diagonal = block.diagonal();
-    block.diagonal() *= 1 + lambda;
-    const Eigen::LLT<Eigen::Matrix<double, 6, 6>> cholesky(block);
-    if (cholesky.info() != Eigen::Success) return std::nullopt;
-    const Eigen::Matrix<double, 6, 1> gradient = current_.equations.pose_gradient();
-    const Eigen::Matrix<double, 6, 1> step = -cholesky.solve(gradient);
-    const double predicted = lambda * step.dot(diagonal.cwiseProduct(step)) - gradient.dot(step);
+    const Matrix6 block = current_.equations.pose();
+    const auto factor = pose_factor(block, lambda);
+    if (!factor) return std::nullopt;
+    const Vector6 gradient = current_.equations.pose_gradient();
+    Vector6 step = -gradient;
+    solve_lower(*factor, step);
+    solve_upper(*factor, step);
+    const double predicted =
+        lambda * step.dot(block.diagonal().cwiseProduct(step)) - gradient.dot(step);
     if (!std::isfinite(predicted)) return std::nullopt;
     trial_.pose = moved(current_.pose, step);
     return std::max(predicted, 0.0);
@@ -83,13 +67,6 @@ class PoseProblem {
   bool valid_ = false;
 };
 
-struct PoseFit {
-  SE3 camera_from_board;
-  double cost = 0;        // px^2
-  double other_cost = 0;  // px^2, of the mirrored tilt
-};
-
-// The better of the two minima. Absent where the view determines no pose.
 template <typename M>
 std::optional<PoseFit> fit_pose(const PointSet& view, const double* parameters, double skew,
                                 Loss loss) {

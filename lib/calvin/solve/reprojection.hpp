@@ -11,37 +11,11 @@
 
 #include "calvin/camera/models.hpp"
 #include "calvin/geometry/se3.hpp"
+#include "calvin/solve/loss.hpp"
 #include "calvin/solve/points.hpp"
+#include "calvin/solve/pose_block.hpp"
 
 namespace calvin {
-
-// What a corner costs, as a function of its weighted distance from where it belongs, px.
-struct Loss {
-  enum class Kind { kSquare, kHuber, kCauchy };
-  Kind kind = Kind::kSquare;
-  double scale = 1;  // px, where the cost leaves the parabola
-
-  struct Value {
-    double cost;    // px^2
-    double weight;  // d cost / d (distance^2)
-  };
-  [[nodiscard]] Value operator()(double squared) const {
-    const double c2 = scale * scale;
-    switch (kind) {
-      case Kind::kHuber:
-        if (squared > c2) {
-          const double distance = std::sqrt(squared);
-          return {2 * scale * distance - c2, scale / distance};
-        }
-        break;
-      case Kind::kCauchy:
-        return {c2 * std::log1p(squared / c2), c2 / (c2 + squared)};
-      case Kind::kSquare:
-        break;
-    }
-    return {squared, 1};
-  }
-};
 
 // J^T J of one view, J = [pose | parameters | residual]. The pose moves by exp(d) from the left:
 // three components of rotation (rad), then three of translation (m).
@@ -90,8 +64,7 @@ class Reprojection {
       if (!append(view, i, parameters, point, count, out.cost)) return false;
       count += 2;
     }
-    out.normal.setZero();
-    out.normal.template selfadjointView<Eigen::Lower>().rankUpdate(rows_.leftCols(count));
+    set_normal(rows_.leftCols(count), out.normal);
     return std::isfinite(out.cost);
   }
 
@@ -148,7 +121,7 @@ class Reprojection {
 };
 
 // exp(d) * pose, d as in ViewEquations.
-[[nodiscard]] inline SE3 moved(const SE3& pose, const Eigen::Matrix<double, 6, 1>& d) {
+[[nodiscard]] inline SE3 moved(const SE3& pose, const Vector6& d) {
   const Eigen::Matrix3d turn = exp_so3(d.head<3>());
   return {turn * pose.rotation, turn * pose.translation + d.tail<3>()};
 }

@@ -23,4 +23,9 @@ std::optional<Eigen::MatrixXd> scaled_solve(const Eigen::MatrixXd& m, const Eige
   return x;
 }
 
+Eigen::MatrixXd restrict_to(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& lower) {
+  const Eigen::MatrixXd m = lower.selfadjointView<Eigen::Lower>();
+  return basis.transpose().lazyProduct(m.lazyProduct(basis).eval());
+}
+
 }  // namespace calvin

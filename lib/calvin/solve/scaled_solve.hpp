@@ -17,4 +17,9 @@ namespace calvin {
                                                           const Eigen::MatrixXd& right,
                                                           double least_pivot);
 
+// B^T m B for the symmetric m whose lower triangle is given. In functions of their own, as Eigen's
+// products take long to compile.
+[[nodiscard]] Eigen::MatrixXd restrict_to(const Eigen::MatrixXd& basis,
+                                          const Eigen::MatrixXd& lower);
+
 }  // namespace calvin

@@ -12,7 +12,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/models.hpp"
 #include "calvin/geometry/convex_hull.hpp"
-#include "calvin/solve/model_solver.hpp"
+#include "calvin/solve/fit.hpp"
 #include "calvin/solve/scaled_solve.hpp"
 #include "calvin/solve/uncertainty.hpp"
 
@@ -67,7 +67,7 @@ std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom
   const Eigen::Index n = fit.information.rows();
   const auto inverse = scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), 1e-14);
   if (!inverse) return std::nullopt;
-  const Eigen::MatrixXd c = variance * (freedom.basis * *inverse * freedom.basis.transpose());
+  const Eigen::MatrixXd c = variance * restrict_to(freedom.basis.transpose(), *inverse);
   if (!c.allFinite() || c.diagonal().minCoeff() < 0) return std::nullopt;
   return c;
 }
@@ -198,14 +198,7 @@ Result<Solution> conclude(const Fit& fit, std::string_view model, ImageSize size
 
 Result<Solution> solve_points(std::vector<PointSet> views, ImageSize image_size,
                               const SolveOptions& options, const std::stop_token& stop) {
-  const auto names = parameter_names(options.model);
-  if (names.empty()) {
-    return make_error(
-        ErrorCode::kUnsupported,
-        fmt::format("The camera model '{}' is not known to this version. Known models: {}.",
-                    options.model, fmt::join(model_names(), ", ")));
-  }
-  const auto freedom = make_freedom(names, options.fix);
+  const auto freedom = make_freedom(options, image_size);
   if (!freedom) return tl::unexpected<Error>(freedom.error());
   if (const Status status =
           enough(views, std::vector<bool>(views.size(), true), *freedom, options.model);
@@ -215,7 +208,7 @@ Result<Solution> solve_points(std::vector<PointSet> views, ImageSize image_size,
   normalise_weights(views);
   Fit fit;
   visit_model(options.model, [&]<typename M>() {
-    fit = ModelSolver<M>(std::move(views), image_size, *freedom, options, stop).run();
+    fit = fit_model<M>(std::move(views), image_size, *freedom, options, stop);
   });
   return conclude(fit, options.model, image_size, *freedom);
 }

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/plane_pose.hpp"
 
 namespace calvin {
@@ -55,8 +55,9 @@ std::optional<Guess> zhang(std::span<const Eigen::Matrix3d> homographies) {
     const Eigen::Matrix<double, 5, 1> equal = (row(0, 0) - row(1, 1)) / norm;
     m += orthogonal * orthogonal.transpose() + equal * equal.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>> eigen(m);
-  Eigen::Matrix<double, 5, 1> b = eigen.eigenvectors().col(0);
+  const auto eigen = symmetric_eigen(m);
+  if (!eigen) return std::nullopt;
+  Eigen::Matrix<double, 5, 1> b = eigen->vectors.col(0);
   if (b[0] < 0) b = -b;
   const double lambda = b[4] - b[2] * b[2] / b[0] - b[3] * b[3] / b[1];
   if (!(b[0] > 0) || !(b[1] > 0) || !(lambda > 0)) return std::nullopt;

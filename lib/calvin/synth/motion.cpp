@@ -22,7 +22,7 @@ constexpr double kGrazing = 0.2;  // sine of the least angle between a line of s
 
 // Turns the optical axis to the direction `ray` by the shortest way.
 Eigen::Matrix3d turn_axis_to(const Eigen::Vector3d& ray) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray).toRotationMatrix();
+  return rotation_between(Eigen::Vector3d::UnitZ(), ray);
 }
 
 // The board's outline in the board frame, the outer squares included.
