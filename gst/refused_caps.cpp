@@ -109,27 +109,23 @@ class Watch {
  public:
   void begin() {
     const std::lock_guard guard(lock_);
-    said_of_set_.clear();
-    said_of_offered_.clear();
+    said_.clear();
   }
-  void look(GstPad* pad, const GstCaps* caps, bool is_set) {
+  void look(GstPad* pad, const GstCaps* caps) {
     g_autoptr(GstCaps) accepted = gst_pad_get_pad_template_caps(pad);
     const auto problem = explain_refusal(caps, accepted);
     if (!problem) return;
     {
       const std::lock_guard guard(lock_);
-      std::string& said = is_set ? said_of_set_ : said_of_offered_;
-      if (std::exchange(said, problem->message) == problem->message) return;
+      if (std::exchange(said_, problem->message) == problem->message) return;
     }
     g_autoptr(GstElement) element = gst_pad_get_parent_element(pad);
-    if (element == nullptr) return;
-    is_set ? post_error(element, *problem) : post_warning(element, *problem);
+    if (element != nullptr) post_error(element, *problem);
   }
 
  private:
   std::mutex lock_;
-  std::string said_of_set_;
-  std::string said_of_offered_;
+  std::string said_;
 };
 
 GstPadProbeReturn watch_event(GstPad* pad, GstPadProbeInfo* info, gpointer data) {
@@ -139,18 +135,27 @@ GstPadProbeReturn watch_event(GstPad* pad, GstPadProbeInfo* info, gpointer data)
   if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
     GstCaps* caps = nullptr;
     gst_event_parse_caps(event, &caps);
-    watch->look(pad, caps, true);
+    watch->look(pad, caps);
   }
   return GST_PAD_PROBE_OK;
 }
 
+// A source that finds nothing in common with what it asks for here says "not-negotiated" and no
+// more, so what it has is looked at while it asks.
 GstPadProbeReturn watch_query(GstPad* pad, GstPadProbeInfo* info, gpointer data) {
-  GstQuery* query = gst_pad_probe_info_get_query(info);
-  // While pipelines are put together, anything may be asked for; then linking fails by itself.
-  if (GST_QUERY_TYPE(query) != GST_QUERY_CAPS || !gst_pad_is_active(pad)) return GST_PAD_PROBE_OK;
-  GstCaps* offered = nullptr;
-  gst_query_parse_caps(query, &offered);
-  if (offered != nullptr) static_cast<Watch*>(data)->look(pad, offered, false);
+  // Somebody upstream may answer by asking here again.
+  thread_local bool asking = false;
+  const GstQuery* query = gst_pad_probe_info_get_query(info);
+  // While pipelines are put together anything may be asked for, and linking fails by itself; with
+  // caps there, something was found.
+  if (GST_QUERY_TYPE(query) != GST_QUERY_CAPS || !gst_pad_is_active(pad) ||
+      gst_pad_has_current_caps(pad) || asking) {
+    return GST_PAD_PROBE_OK;
+  }
+  asking = true;
+  g_autoptr(GstCaps) offered = gst_pad_peer_query_caps(pad, nullptr);
+  asking = false;
+  if (offered != nullptr) static_cast<Watch*>(data)->look(pad, offered);
   return GST_PAD_PROBE_OK;
 }
 

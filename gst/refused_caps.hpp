@@ -17,8 +17,8 @@ namespace calvin::gst {
 [[nodiscard]] std::optional<Error> explain_refusal(const GstCaps* caps, const GstCaps* accepted);
 
 // GStreamer refuses such caps before an element sees them and tells the user no more than
-// "not-negotiated". From here on the sink pad of `element` posts why: an error when such caps are
-// set, a warning when they are all that upstream can offer. Call it once, in init.
+// "not-negotiated". From here on the sink pad of `element` posts the error, when such caps are
+// set and when upstream has no others. Call it once, in init.
 void explain_refused_caps(GstElement* element);
 
 }  // namespace calvin::gst

@@ -107,11 +107,11 @@ inline const std::vector<BadInput>& bad_streams() {
        "Calibrate at that size", After::kGoesOn},
 
       // Caps that are all that upstream can offer: a source would only say "not-negotiated".
-      {"a camera with nothing but a Bayer pattern", "calibdetect mode=sync", offer,
+      {"a camera with nothing but a Bayer pattern", "calibrate", offer,
        "video/x-bayer,format=bggr;video/x-bayer,format=rggb", "video/x-bayer cannot be used here",
-       "insert bayer2rgb", After::kGoesOn},
+       "insert bayer2rgb", After::kStopped},
       {"a camera with nothing but JPEG pictures", kBarrelled, offer, "image/jpeg,width=[1,4096]",
-       "image/jpeg cannot be used here", "insert jpegdec", After::kGoesOn},
+       "image/jpeg cannot be used here", "insert jpegdec", After::kStopped},
 
       // What is asked of the source.
       {"a source asked for RGB", "calibtestsrc", asked_for, "video/x-raw,format=RGB",
