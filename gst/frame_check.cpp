@@ -33,8 +33,11 @@ bool component_fits(const GstVideoFrame& frame, guint c) {
 }
 
 bool components_fit(const GstVideoFrame& frame) {
-  // Tiles and packed groups of pixels have rows of another kind.
-  if (GST_VIDEO_FORMAT_INFO_IS_COMPLEX(frame.info.finfo)) return true;
+  // Tiles, packed groups of pixels and palettes have rows of another kind.
+  if (GST_VIDEO_FORMAT_INFO_IS_COMPLEX(frame.info.finfo) ||
+      GST_VIDEO_FORMAT_INFO_HAS_PALETTE(frame.info.finfo)) {
+    return true;
+  }
   for (guint c = 0; c < GST_VIDEO_FRAME_N_COMPONENTS(&frame); ++c) {
     if (!component_fits(frame, c)) return false;
   }

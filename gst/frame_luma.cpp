@@ -17,8 +17,9 @@ bool has_luma_in_place(const GstVideoInfo& info) {
   const GstVideoFormatInfo* f = info.finfo;
   return (GST_VIDEO_FORMAT_INFO_IS_YUV(f) || GST_VIDEO_FORMAT_INFO_IS_GRAY(f)) &&
          !GST_VIDEO_FORMAT_INFO_IS_COMPLEX(f) && !GST_VIDEO_FORMAT_INFO_IS_TILED(f) &&
-         GST_VIDEO_FORMAT_INFO_DEPTH(f, 0) == 8 && GST_VIDEO_FORMAT_INFO_W_SUB(f, 0) == 0 &&
-         GST_VIDEO_FORMAT_INFO_H_SUB(f, 0) == 0;
+         // IYU1 has no place per pixel, and does not say that it is complex.
+         GST_VIDEO_FORMAT_INFO_PSTRIDE(f, 0) > 0 && GST_VIDEO_FORMAT_INFO_DEPTH(f, 0) == 8 &&
+         GST_VIDEO_FORMAT_INFO_W_SUB(f, 0) == 0 && GST_VIDEO_FORMAT_INFO_H_SUB(f, 0) == 0;
 }
 
 ImageView luma_in_place(const GstVideoFrame& frame) {

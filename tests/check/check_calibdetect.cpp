@@ -20,15 +20,12 @@ using namespace calvin;
 
 struct Fixture {
   explicit Fixture(const char* launch = "calibdetect mode=sync", const char* format = "GRAY8")
-      : element(check::make_element(launch)),
-        bus(element),
-        h(gst_harness_new_with_element(element, "sink", "src")) {
+      : element(check::make_element(launch)), bus(element), h(check::harness_of(element)) {
     gst_harness_set_src_caps(h, check::caps_of(format, scene.size));
   }
   ~Fixture() {
     bus.detach();
     gst_harness_teardown(h);
-    gst_object_unref(element);
   }
   check::Scene scene;
   GstElement* element;

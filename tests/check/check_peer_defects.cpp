@@ -140,7 +140,7 @@ GST_END_TEST;
 // P5: the delay between two samples is measured in the processor's time.
 GST_START_TEST(test_p05_rates_are_of_stream_time) {
   GstElement* element = check::make_element("calibdetect mode=sync max-rate=2.5");
-  GstHarness* h = gst_harness_new_with_element(element, "sink", "src");
+  GstHarness* h = check::harness_of(element);
   gst_harness_set_src_caps(h, check::caps_of("GRAY8", {64, 48}));
   for (int n = 0; n < 150; ++n) {  // 5 s of video, in next to no time
     gst_harness_push(h, check::frame_of(GrayImage(64, 48, 90), "GRAY8", n));
@@ -232,7 +232,7 @@ static GrayImage side_by_side(const GrayImage& left, const GrayImage& right) {
 
 static std::vector<Observation> detect(const GrayImage& picture, const char* board) {
   GstElement* element = check::make_element(std::string("calibdetect mode=sync board=") + board);
-  GstHarness* h = gst_harness_new_with_element(element, "sink", "src");
+  GstHarness* h = check::harness_of(element);
   gst_harness_set_src_caps(h, check::caps_of("GRAY8", {picture.width, picture.height}));
   g_autoptr(GstBuffer) out = gst_harness_push_and_pull(h, check::frame_of(picture, "GRAY8", 0));
   const auto found = gst::read_observations(out);

@@ -83,7 +83,7 @@ GST_START_TEST(test_p08_p09_no_picture_makes_live_video_wait) {
   const GrayImage image = picture.make();
   GstElement* element = check::make_element("calibdetect mode=async post-messages=true");
   check::Bus bus(element);
-  GstHarness* h = gst_harness_new_with_element(element, "sink", "src");
+  GstHarness* h = check::harness_of(element);
   gst_harness_set_src_caps(h, check::caps_of("NV12", kFullHd));
   const double longest = best_of(5, [&] {
     return longest_wait(h, 20, [&](int n) { return check::frame_of(image, "NV12", n); });

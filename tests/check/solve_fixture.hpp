@@ -29,7 +29,7 @@ struct SolveFixture {
       : scene(std::move(seen_scene)),
         element(make_element("calibsolve " + (capture + properties))),
         bus(element),
-        h(gst_harness_new_with_element(element, "sink", "src")) {
+        h(harness_of(element)) {
     gst_harness_set_src_caps(h, caps_of("GRAY8", scene.size));
   }
   ~SolveFixture() {

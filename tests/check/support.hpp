@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 
 #include "calvin/camera/camera.hpp"
@@ -92,6 +93,13 @@ inline GstElement* make_element(const std::string& text) {
                             std::string(word.substr(equals + 1)).c_str());
   }
   return element;
+}
+
+// A harness around an element of make_element(), which goes with it.
+inline GstHarness* harness_of(GstElement* element) {
+  GstHarness* harness = gst_harness_new_with_element(element, "sink", "src");
+  gst_object_unref(element);
+  return harness;
 }
 
 // The texts of the errors that an element posts when it cannot start; empty where it can.

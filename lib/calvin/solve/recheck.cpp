@@ -7,11 +7,11 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "calvin/solve/pose.hpp"
+#include "calvin/solve/pose_block.hpp"
 #include "calvin/solve/projection_grid.hpp"
 #include "calvin/solve/reprojection.hpp"
+#include "calvin/solve/scaled_solve.hpp"
 
 namespace calvin {
 
@@ -83,27 +83,35 @@ struct Normal {
   double cost = 0;
 };
 
-// The normal equations of one view over the parameters, its pose eliminated.
-template <typename M>
+// `normal` is the lower triangle of ViewEquations: pose, parameters, residual. Its pose is
+// eliminated.
+std::optional<Normal> eliminate_pose(const Eigen::MatrixXd& normal, double cost) {
+  const auto factor = pose_factor(normal.topLeftCorner<6, 6>(), 0);
+  if (!factor) return std::nullopt;
+  // The rows below the pose: those of the parameters, and the gradient as the last.
+  const Eigen::Index n = normal.rows() - 6;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> whitened = normal.bottomLeftCorner(n, 6).transpose();
+  solve_lower(*factor, whitened);
+  Eigen::MatrixXd rest = normal.bottomRightCorner(n, n);
+  rest = Eigen::MatrixXd(rest.selfadjointView<Eigen::Lower>());
+  rest -= whitened.transpose().lazyProduct(whitened);
+  if (!rest.allFinite()) return std::nullopt;
+  return Normal{rest.topLeftCorner(n - 1, n - 1), rest.topRightCorner(n - 1, 1),
+                cost - whitened.col(n - 1).squaredNorm()};
+}
+
+// The normal equations of one view over all parameters of the model.
 std::optional<Normal> condense(const PointSet& view, const Camera& camera, const SE3& pose) {
-  Reprojection<M> reprojection(Loss{}, camera.skew());
-  ViewEquations<M> equations;
-  if (!reprojection.evaluate(view, camera.parameters().data(), pose, equations)) {
-    return std::nullopt;
-  }
-  const Eigen::Matrix<double, 6, 6> block =
-      Eigen::Matrix<double, 6, 6>(equations.pose()).template selfadjointView<Eigen::Lower>();
-  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> ldlt(block);
-  const Eigen::MatrixXd shared =
-      Eigen::MatrixXd(equations.shared()).template selfadjointView<Eigen::Lower>();
-  const Eigen::MatrixXd cross = equations.cross();
-  const Eigen::VectorXd pose_gradient = equations.pose_gradient();
-  Normal normal;
-  normal.information = shared - cross * ldlt.solve(cross.transpose());
-  normal.gradient = equations.shared_gradient() - cross * ldlt.solve(pose_gradient);
-  normal.cost = equations.cost - pose_gradient.dot(ldlt.solve(pose_gradient));
-  if (!normal.information.allFinite() || !normal.gradient.allFinite()) return std::nullopt;
-  return normal;
+  Eigen::MatrixXd normal;
+  double cost = 0;
+  visit_model(camera.model(), [&]<typename M>() {
+    Reprojection<M> reprojection(Loss{}, camera.skew());
+    ViewEquations<M> equations;
+    if (!reprojection.evaluate(view, camera.parameters().data(), pose, equations)) return;
+    normal = equations.normal;
+    cost = equations.cost;
+  });
+  return normal.size() > 0 ? eliminate_pose(normal, cost) : std::nullopt;
 }
 
 }  // namespace
@@ -122,9 +130,7 @@ Result<RecheckReport> Recheck::add(const View& view) {
   const auto pose = solve_pose(camera_, view.board, view.observation, &quality);
   if (!pose) return tl::unexpected<Error>(pose.error());
   const PointSet points = to_points(view.board, view.observation);
-  std::optional<Normal> normal;
-  visit_model(camera_.model(), [&]<typename M>() { normal = condense<M>(points, camera_, *pose); });
-  if (normal) {
+  if (const auto normal = condense(points, camera_, *pose)) {
     Condensed condensed;
     condensed.board = view.board.text();
     condensed.corners = box_of(view.observation.uv);
@@ -179,22 +185,28 @@ double Recheck::moved() const {
   if (!(freedom > 0)) return 0;
   // Twice: the noise is what the step leaves over, and the prior is stated in its units.
   double variance = cost / freedom;
-  Eigen::LDLT<Eigen::MatrixXd> ldlt;
-  Eigen::VectorXd step;
+  std::optional<Eigen::MatrixXd> step;
+  Eigen::MatrixXd total;
   for (int round = 0; round < 2; ++round) {
-    ldlt.compute(information + variance * prior_);
-    step = -ldlt.solve(gradient);
-    const double left = cost + 2 * gradient.dot(step) + step.dot(information * step);
+    total = information + variance * prior_;
+    step = scaled_solve(total, -gradient, 0);
+    if (!step) return 0;
+    const Eigen::VectorXd moved = information.lazyProduct(*step);
+    const double left = cost + (2 * gradient + moved).dot(step->col(0));
     variance = std::max(left, 0.0) / freedom;
   }
-  if (ldlt.info() != Eigen::Success || !step.allFinite()) return 0;
-  const Eigen::MatrixXd gain = ldlt.solve(information);
-  const Eigen::MatrixXd noise = variance * gain * ldlt.solve(Eigen::MatrixXd::Identity(n, n)) +
-                                gain * covariance_ * gain.transpose();
+  const auto gain = scaled_solve(total, information, 0);
+  const auto spread = scaled_solve(total, Eigen::MatrixXd::Identity(n, n), 0);
+  if (!gain || !spread) return 0;
+  const Eigen::MatrixXd known = gain->lazyProduct(covariance_);
+  const Eigen::MatrixXd noise =
+      variance * gain->lazyProduct(*spread) + known.lazyProduct(gain->transpose());
   double farthest = 0;
   for (const auto& cell : grid_) {
-    const double squared = (cell * step).squaredNorm() -
-                           kSigmas * kSigmas * larger_eigenvalue(cell * noise * cell.transpose());
+    const ProjectionGrid::value_type left = cell.lazyProduct(noise);
+    const double squared =
+        cell.lazyProduct(*step).squaredNorm() -
+        kSigmas * kSigmas * larger_eigenvalue(left.lazyProduct(cell.transpose()));
     farthest = std::max(farthest, squared);
   }
   return std::isfinite(farthest) ? std::sqrt(farthest) : 0;
