@@ -75,8 +75,10 @@ static Pixel ideal(double x, double y) {
   double r = target;
   for (int i = 0; i < 20; ++i) {
     const double s = r * r;
-    r -= (r * (1 + s * (kRadial1 + s * kRadial2)) - target) /
-         (1 + s * (3 * kRadial1 + s * 5 * kRadial2));
+    const double step = (r * (1 + s * (kRadial1 + s * kRadial2)) - target) /
+                        (1 + s * (3 * kRadial1 + s * 5 * kRadial2));
+    r -= step;
+    if (std::abs(step) < 1e-12) break;
   }
   const double scale = target > 0 ? r / target : 1;
   return {x * scale, y * scale};
