@@ -42,6 +42,7 @@ void FrameWarp::adopt(const UndistorterBuilder::Built& built, std::vector<Error>
     return;
   }
   failed_ = built.key;
+  failure_ = built.undistorter.error();
   if (built.undistorter.error().code != ErrorCode::kCancelled) {
     errors.push_back(built.undistorter.error());
   }
@@ -104,11 +105,12 @@ std::optional<Camera> FrameWarp::output_of(const std::optional<Camera>& camera) 
 }
 
 Status FrameWarp::apply(const GstVideoFrame& in, const GstVideoFrame& out) const {
+  if (!current_) return tl::unexpected(failure_);
   // A buffer may carry a GstVideoMeta of another size than the caps.
   const auto size_of = [](const GstVideoFrame& frame) {
     return ImageSize{GST_VIDEO_FRAME_WIDTH(&frame), GST_VIDEO_FRAME_HEIGHT(&frame)};
   };
-  if (!current_ || size_of(in) != current_->source().image_size() ||
+  if (size_of(in) != current_->source().image_size() ||
       size_of(out) != current_->output().image_size()) {
     return make_error(ErrorCode::kInvalidArgument,
                       "A frame is not of the size that was negotiated.");

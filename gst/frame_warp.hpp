@@ -49,7 +49,8 @@ class FrameWarp {
   // The camera of the frames that come out, where `camera` is that of the ones that come in.
   [[nodiscard]] std::optional<Camera> output_of(const std::optional<Camera>& camera) const;
 
-  // Fills the output frame. An Error where frames have another size than was negotiated.
+  // Fills the output frame. An Error where frames have another size than was negotiated, or where
+  // they cannot be made to have it: kCancelled after cancel().
   [[nodiscard]] Status apply(const GstVideoFrame& in, const GstVideoFrame& out) const;
 
  private:
@@ -72,7 +73,8 @@ class FrameWarp {
   bool begun_ = false;  // a frame of this format has passed
 
   std::optional<Key> requested_;  // of the worker, the last one
-  std::optional<Key> failed_;     // the last one, too
+  std::optional<Key> failed_;     // what could not be made, the last one
+  Error failure_;                 // why
   Made undistorter_;
   Made scaler_;
   std::shared_ptr<const Undistorter> current_;

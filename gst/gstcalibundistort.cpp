@@ -180,6 +180,7 @@ static GstFlowReturn gst_calib_undistort_transform_frame(GstVideoFilter* filter,
                                                          GstVideoFrame* out) {
   const Status done = GST_CALIB_UNDISTORT(filter)->state->warp.apply(*in, *out);
   if (done) return GST_FLOW_OK;
+  if (done.error().code == ErrorCode::kCancelled) return GST_FLOW_FLUSHING;
   GST_ELEMENT_ERROR(filter, STREAM, FORMAT, ("%s", done.error().message.c_str()), (nullptr));
   return GST_FLOW_ERROR;
 }

@@ -3,6 +3,7 @@
 
 // calibundistort: which calibration is in force when, and what downstream hears of it.
 
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -255,6 +256,30 @@ GST_START_TEST(test_states_come_and_go) {
 }
 GST_END_TEST;
 
+// Removed while the streaming thread makes a map of some seconds.
+GST_START_TEST(test_a_state_change_does_not_wait_for_a_map) {
+  const ImageSize size = {4000, 3000};
+  Fixture f(__i__ == 0 ? "calibundistort"
+                       : "calibundistort ! capsfilter caps=video/x-raw,width=4004,height=3003");
+  g_object_set(f.element, "calibration",
+               "model=fisheye,fx=1700,fy=1700,cx=2000,cy=1500,k1=-0.02,k2=0.005,k3=-0.003,"
+               "k4=0.0005,width=4000,height=3000",
+               "alpha", 1.0, nullptr);
+  f.set_caps("I420", size);
+  std::atomic<int> flow = GST_FLOW_OK;
+  std::thread streaming([&] { flow = gst_harness_push(f.h, Fixture::noise("I420", size, 0)); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const auto before = std::chrono::steady_clock::now();
+  gst_element_set_state(f.h->element, GST_STATE_NULL);
+  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - before;
+  streaming.join();
+  // 50 ms are the aim; the map takes forty times that, and other programs want the processor too.
+  fail_unless(waited.count() < 0.7, "%f s", waited.count());
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
 static Suite* calibundistort_suite() {
   Suite* suite = suite_create("calibundistort");
   TCase* tc = tcase_create("general");
@@ -269,6 +294,7 @@ static Suite* calibundistort_suite() {
   tcase_add_test(tc, test_a_change_in_a_live_stream_shows_no_third_picture);
   tcase_add_test(tc, test_a_live_stream_never_waits_but_for_its_first_frame);
   tcase_add_loop_test(tc, test_a_board_is_where_the_announced_camera_sees_it, 0, 3);
+  tcase_add_loop_test(tc, test_a_state_change_does_not_wait_for_a_map, 0, 2);
   tcase_add_test(tc, test_states_come_and_go);
   suite_add_tcase(suite, tc);
   return suite;
