@@ -16,11 +16,15 @@ void FrameWarp::start() {
 
 void FrameWarp::stop() {
   builder_.stop();
-  undistorter_.reset();
-  scaler_.reset();
-  current_.reset();
+  forget();
+}
+
+void FrameWarp::forget() {
   requested_.reset();
-  scaled_.reset();
+  failed_.reset();
+  undistorter_ = {};
+  scaler_ = {};
+  current_.reset();
 }
 
 void FrameWarp::set_frames(const FrameFormat& in, const FrameFormat& out) {
@@ -29,89 +33,84 @@ void FrameWarp::set_frames(const FrameFormat& in, const FrameFormat& out) {
   planes_ = planes_of(in, out);
   ++frames_;
   begun_ = false;
-  requested_.reset();
-  scaled_.reset();
-  undistorter_.reset();
-  scaler_.reset();
-  current_.reset();
-}
-
-UndistorterBuilder::Request FrameWarp::request(const UndistorterBuilder::Key& key,
-                                               const Camera& camera) const {
-  UndistorterBuilder::Request made = {key, camera, out_.size(), {}};
-  for (const FramePlane& plane : planes_) made.planes.push_back(plane.layout);
-  return made;
+  forget();
 }
 
 void FrameWarp::adopt(const UndistorterBuilder::Built& built, std::vector<Error>& errors) {
   if (built.undistorter) {
-    undistorter_ = *built.undistorter;
-  } else if (built.undistorter.error().code != ErrorCode::kCancelled) {
-    errors.push_back(built.undistorter.error());
-  }
-}
-
-void FrameWarp::ensure_undistorter(const CalibrationInput& input, const Wish& wish,
-                                   std::vector<Error>& errors) {
-  const UndistorterBuilder::Key key = {frames_, input.serial(), wish.alpha};
-  if (requested_ == key) return;
-  requested_ = key;
-  auto made = request(key, *input.camera());
-  if (wish.live && begun_) {
-    builder_.offer(std::move(made));
-  } else {
-    adopt(builder_.build(made), errors);
-  }
-}
-
-void FrameWarp::ensure_scaler(double alpha, std::vector<Error>& errors) {
-  const UndistorterBuilder::Key key = {frames_, 0, alpha};
-  if (scaled_ == key) return;
-  scaled_ = key;
-  const auto plain = plain_camera(in_.size());
-  if (!plain) {
-    errors.push_back(plain.error());
+    slot(built.key) = {built.key, *built.undistorter};
     return;
   }
-  const auto built = builder_.build(request(key, *plain));
-  if (built.undistorter) {
-    scaler_ = *built.undistorter;
-  } else if (built.undistorter.error().code != ErrorCode::kCancelled) {
+  failed_ = built.key;
+  failure_ = built.undistorter.error();
+  if (built.undistorter.error().code != ErrorCode::kCancelled) {
     errors.push_back(built.undistorter.error());
   }
+}
+
+// Puts what belongs to `key` to use as soon as it is there; until then what there is for the same
+// camera, or what was in use.
+void FrameWarp::want(const Key& key, const Result<Camera>& camera, bool wait,
+                     std::vector<Error>& errors) {
+  if (slot(key).key != key && requested_ != key && failed_ != key) {
+    if (!camera) {
+      adopt({key, tl::unexpected(camera.error())}, errors);
+      return;
+    }
+    UndistorterBuilder::Request request = {key, *camera, out_.size(), {}};
+    for (const FramePlane& plane : planes_) request.planes.push_back(plane.layout);
+    if (wait) {
+      adopt(builder_.build(request), errors);
+    } else {
+      requested_ = key;
+      builder_.offer(std::move(request));
+    }
+  }
+  const Made& have = slot(key);
+  if (!have.made || have.key.camera != key.camera) return;
+  current_ = have.made;
+  undistorts_ = key.camera != 0;
 }
 
 std::vector<Error> FrameWarp::update(const CalibrationInput& input, const Wish& wish) {
   std::vector<Error> errors;
-  // What a worker was asked for with other frames or another calibration comes too late.
+  const bool undistort = wish.undistort && input.camera();
+  const Key key = {frames_, undistort ? input.serial() : 0, wish.alpha};
+  // What a worker was asked for with other frames or another camera comes too late.
   if (const auto built = builder_.take();
-      built && built->key.frames == frames_ && built->key.camera == input.serial()) {
+      built && built->key.frames == frames_ &&
+      (built->key.camera == 0 || built->key.camera == input.serial())) {
     adopt(*built, errors);
   }
-  if (!input.camera()) {
-    undistorter_.reset();
-    requested_.reset();
-  } else if (wish.undistort) {
-    ensure_undistorter(input, wish, errors);
+  const bool wait = !(wish.live && begun_);
+  if (undistort) {
+    want(key, *input.camera(), wait, errors);
+  } else if (must_move()) {
+    want(key, plain_camera(in_.size()), wait, errors);
+  } else {
+    current_.reset();
   }
-  const bool undistort = wish.undistort && undistorter_;
-  if (!undistort && must_move()) ensure_scaler(wish.alpha, errors);
-  current_ = undistort ? undistorter_ : scaler_;
+  // Where an undistorter cannot be made the frames still have to come out in their size.
+  if (must_move() && !current_) {
+    want({frames_, 0, wish.alpha}, plain_camera(in_.size()), true, errors);
+  }
   return errors;
 }
 
-Result<Camera> FrameWarp::output_of(const Camera& camera) const {
-  if (!current_) return camera;
+std::optional<Camera> FrameWarp::output_of(const std::optional<Camera>& camera) const {
   if (undistorts()) return current_->output();
-  return moved(camera, current_->source(), current_->output());
+  if (!camera || !current_) return camera;
+  const auto output = moved(*camera, current_->source(), current_->output());
+  return output ? std::optional(*output) : std::nullopt;
 }
 
 Status FrameWarp::apply(const GstVideoFrame& in, const GstVideoFrame& out) const {
+  if (!current_) return tl::unexpected(failure_);
   // A buffer may carry a GstVideoMeta of another size than the caps.
   const auto size_of = [](const GstVideoFrame& frame) {
     return ImageSize{GST_VIDEO_FRAME_WIDTH(&frame), GST_VIDEO_FRAME_HEIGHT(&frame)};
   };
-  if (!current_ || size_of(in) != current_->source().image_size() ||
+  if (size_of(in) != current_->source().image_size() ||
       size_of(out) != current_->output().image_size()) {
     return make_error(ErrorCode::kInvalidArgument,
                       "A frame is not of the size that was negotiated.");

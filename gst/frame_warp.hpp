@@ -36,29 +36,34 @@ class FrameWarp {
   // Whether the frames cannot pass as they are: they come out in another size or siting.
   [[nodiscard]] bool must_move() const { return !in_.same_places(out_); }
 
-  // Brings it up to date between two frames, and returns what the user should hear of it. An
-  // undistorter in a live stream that has begun is built beside it, and what was in use goes on;
-  // everything else is built at once: the first frame that comes out is right.
+  // Brings it up to date between two frames, and returns what the user should hear of it. In a live
+  // stream that has begun nothing waits for a map: what was in use goes on until a worker is done.
+  // Elsewhere it is made at once: the first frame that comes out is right.
   [[nodiscard]] std::vector<Error> update(const CalibrationInput& input, const Wish& wish);
   // A frame goes out now.
   void begin() { begun_ = true; }
 
   // How the frames are moved; nullptr: not at all.
   [[nodiscard]] const std::shared_ptr<const Undistorter>& current() const { return current_; }
-  [[nodiscard]] bool undistorts() const { return current_ && current_ == undistorter_; }
-  // The camera of the frames that come out: of `camera`, which the ones that come in are from.
-  [[nodiscard]] Result<Camera> output_of(const Camera& camera) const;
+  [[nodiscard]] bool undistorts() const { return current_ && undistorts_; }
+  // The camera of the frames that come out, where `camera` is that of the ones that come in.
+  [[nodiscard]] std::optional<Camera> output_of(const std::optional<Camera>& camera) const;
 
-  // Fills the output frame. An Error where frames have another size than was negotiated.
+  // Fills the output frame. An Error where frames have another size than was negotiated, or where
+  // they cannot be made to have it: kCancelled after cancel().
   [[nodiscard]] Status apply(const GstVideoFrame& in, const GstVideoFrame& out) const;
 
  private:
-  [[nodiscard]] UndistorterBuilder::Request request(const UndistorterBuilder::Key& key,
-                                                    const Camera& camera) const;
+  using Key = UndistorterBuilder::Key;
+  struct Made {
+    Key key;
+    std::shared_ptr<const Undistorter> made;
+  };
+  // What there is for a camera; a plain one scales.
+  [[nodiscard]] Made& slot(const Key& key) { return key.camera == 0 ? scaler_ : undistorter_; }
+  void want(const Key& key, const Result<Camera>& camera, bool wait, std::vector<Error>& errors);
+  void forget();
   void adopt(const UndistorterBuilder::Built& built, std::vector<Error>& errors);
-  void ensure_undistorter(const CalibrationInput& input, const Wish& wish,
-                          std::vector<Error>& errors);
-  void ensure_scaler(double alpha, std::vector<Error>& errors);
 
   UndistorterBuilder builder_;
   FrameFormat in_;
@@ -67,11 +72,13 @@ class FrameWarp {
   int frames_ = 0;      // counts set_frames()
   bool begun_ = false;  // a frame of this format has passed
 
-  std::optional<UndistorterBuilder::Key> requested_;
-  std::shared_ptr<const Undistorter> undistorter_;
-  std::optional<UndistorterBuilder::Key> scaled_;
-  std::shared_ptr<const Undistorter> scaler_;
+  std::optional<Key> requested_;  // of the worker, the last one
+  std::optional<Key> failed_;     // what could not be made, the last one
+  Error failure_;                 // why
+  Made undistorter_;
+  Made scaler_;
   std::shared_ptr<const Undistorter> current_;
+  bool undistorts_ = false;  // `current_` does
 };
 
 }  // namespace calvin::gst

@@ -166,6 +166,7 @@ static GstFlowReturn gst_calib_undistort_transform_frame(GstVideoFilter* filter,
                                                          GstVideoFrame* out) {
   const Status done = GST_CALIB_UNDISTORT(filter)->state->warp.apply(*in, *out);
   if (done) return GST_FLOW_OK;
+  if (done.error().code == ErrorCode::kCancelled) return GST_FLOW_FLUSHING;
   GST_ELEMENT_ERROR(filter, STREAM, FORMAT, ("%s", done.error().message.c_str()), (nullptr));
   return GST_FLOW_ERROR;
 }
@@ -355,18 +356,19 @@ static void install_properties(GObjectClass* object_class) {
       "event of an element upstream",
       nullptr, gst::kMutablePlaying);
   properties[kEnabled] = g_param_spec_boolean("enabled", "Enabled",
-                                              "Undistort; off: the frames pass through untouched",
+                                              "Undistort; off: the frames pass through untouched, "
+                                              "or scaled where the output has another size",
                                               TRUE, gst::kMutablePlaying);
   properties[kAlpha] = g_param_spec_double(
       "alpha", "Alpha",
       "What the output shows. 0: the largest view without an invalid pixel; 1: every valid pixel "
       "of the input, at most 150 degrees; between: moves linearly from one to the other",
       0, 1, 0, static_cast<GParamFlags>(gst::kMutablePlaying | GST_PARAM_CONTROLLABLE));
-  properties[kOutputCalibration] =
-      g_param_spec_string("output-calibration", "Output Calibration",
-                          "The calibration of the output as native JSON: a pinhole camera while it "
-                          "is undistorted, what came from upstream while it passes through",
-                          nullptr, gst::kReadOnly);
+  properties[kOutputCalibration] = g_param_spec_string(
+      "output-calibration", "Output Calibration",
+      "The calibration of the output as native JSON: a pinhole camera while it "
+      "is undistorted, what came from upstream while it passes through or is scaled",
+      nullptr, gst::kReadOnly);
   g_object_class_install_properties(object_class, kProperties, properties);
 }
 

@@ -29,7 +29,7 @@ EventPtr OutputEvent::make(const FrameWarp& warp, const CalibrationInput& input,
   const bool scales = warp.current() && !warp.undistorts();
   if (warp.undistorts() || (scales && camera && (upstream != nullptr || own_))) {
     if (own_ && cause_ == cause) return nullptr;
-    const auto output = warp.output_of(*camera);
+    const auto output = warp.output_of(camera);
     if (output) return event_of(*output, input.name());
   }
   if (upstream != nullptr) {

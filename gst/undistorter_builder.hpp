@@ -16,8 +16,8 @@ namespace calvin::gst {
 
 class UndistorterBuilder {
  public:
-  // What an undistorter is made for: frames and a camera (counted by whoever makes the request),
-  // one view.
+  // What an undistorter is made for: frames and a camera (counted by whoever makes the request; 0:
+  // a plain one, to scale with), one view.
   struct Key {
     int frames = 0;
     int camera = 0;

@@ -3,6 +3,7 @@
 
 // calibundistort: which calibration is in force when, and what downstream hears of it.
 
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -168,6 +169,44 @@ GST_START_TEST(test_a_change_in_a_live_stream_shows_no_third_picture) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_a_live_stream_never_waits_but_for_its_first_frame) {
+  Fixture f("calibundistort ! capsfilter caps=video/x-raw,width=320,height=240", true);
+  const ImageSize half = {320, 240};
+  f.set_caps("GRAY8", kSize);
+  int n = 0;
+  const auto come_to = [&](const std::vector<guint8>& picture, const std::vector<guint8>& before) {
+    for (int i = 0; i < 2000; ++i) {
+      g_autoptr(GstBuffer) out = f.push(kSize, n++);
+      const auto shown = gray_of(out, half);
+      if (shown == picture) return true;
+      if (shown != before) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  };
+  g_autoptr(GstBuffer) first = f.push(kSize, n++);
+  const auto scaled = gray_of(first, half);
+  const auto undistorted = expected_gray(kBarrel, kSize, 0, half);
+  fail_if(scaled == undistorted);
+  // Again and again, also while the worker is at the other one.
+  for (int i = 0; i < 3; ++i) {
+    g_object_set(f.element, "calibration", kBarrel, "enabled", TRUE, nullptr);
+    fail_unless(come_to(undistorted, scaled));
+    g_object_set(f.element, "enabled", FALSE, nullptr);
+    fail_unless(come_to(scaled, undistorted));
+    g_object_set(f.element, "enabled", TRUE, nullptr);
+    gst_buffer_unref(f.push(kSize, n++));
+    g_object_set(f.element, "enabled", FALSE, nullptr);
+    gst_buffer_unref(f.push(kSize, n++));
+    fail_unless(come_to(scaled, undistorted));
+    g_object_set(f.element, "calibration", kPincushion, "enabled", TRUE, nullptr);
+    fail_unless(come_to(expected_gray(kPincushion, kSize, 0, half), scaled));
+    g_object_set(f.element, "enabled", FALSE, nullptr);
+    fail_unless(come_to(scaled, expected_gray(kPincushion, kSize, 0, half)));
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_a_board_is_where_the_announced_camera_sees_it) {
   const check::Scene scene;
   Fixture f("calibundistort ! calibdetect mode=sync");
@@ -217,6 +256,30 @@ GST_START_TEST(test_states_come_and_go) {
 }
 GST_END_TEST;
 
+// Removed while the streaming thread makes a map of some seconds.
+GST_START_TEST(test_a_state_change_does_not_wait_for_a_map) {
+  const ImageSize size = {4000, 3000};
+  Fixture f(__i__ == 0 ? "calibundistort"
+                       : "calibundistort ! capsfilter caps=video/x-raw,width=4004,height=3003");
+  g_object_set(f.element, "calibration",
+               "model=fisheye,fx=1700,fy=1700,cx=2000,cy=1500,k1=-0.02,k2=0.005,k3=-0.003,"
+               "k4=0.0005,width=4000,height=3000",
+               "alpha", 1.0, nullptr);
+  f.set_caps("I420", size);
+  std::atomic<int> flow = GST_FLOW_OK;
+  std::thread streaming([&] { flow = gst_harness_push(f.h, Fixture::noise("I420", size, 0)); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const auto before = std::chrono::steady_clock::now();
+  gst_element_set_state(f.h->element, GST_STATE_NULL);
+  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - before;
+  streaming.join();
+  // 50 ms are the aim; the map takes forty times that, and other programs want the processor too.
+  fail_unless(waited.count() < 0.7, "%f s", waited.count());
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
 static Suite* calibundistort_suite() {
   Suite* suite = suite_create("calibundistort");
   TCase* tc = tcase_create("general");
@@ -229,7 +292,9 @@ static Suite* calibundistort_suite() {
   tcase_add_test(tc, test_disabled_it_forwards_the_event_untouched);
   tcase_add_test(tc, test_a_change_is_exact_to_the_frame_where_nothing_is_live);
   tcase_add_test(tc, test_a_change_in_a_live_stream_shows_no_third_picture);
+  tcase_add_test(tc, test_a_live_stream_never_waits_but_for_its_first_frame);
   tcase_add_loop_test(tc, test_a_board_is_where_the_announced_camera_sees_it, 0, 3);
+  tcase_add_loop_test(tc, test_a_state_change_does_not_wait_for_a_map, 0, 2);
   tcase_add_test(tc, test_states_come_and_go);
   suite_add_tcase(suite, tc);
   return suite;

@@ -41,6 +41,30 @@ GST_START_TEST(test_another_size_is_scaled_and_another_aspect_refused) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_a_sensor_crop_says_what_the_frames_show) {
+  // The middle of what was calibrated, at twice the resolution.
+  Calibration calibration = calibration_of(kBarrel);
+  calibration.sensor_crop = Rectangle{40, 60, 560, 315};
+  const std::string json = print_calibration(calibration).value();
+  Fixture f("calibundistort");
+  g_object_set(f.element, "calibration", json.c_str(), nullptr);
+  const ImageSize size = {1120, 630};
+  f.set_caps("GRAY8", size);
+  g_autoptr(GstBuffer) out = f.push(size);
+  static const char kSame[] =
+      "fx=960,fy=956,cx=570.5,cy=352.5,k1=-0.28,k2=0.09,p1=0.0005,p2=-0.0007,width=1120,height=630";
+  fail_unless(gray_of(out, size) == expected_gray(kSame, size));
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 1);
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "sensor_crop"));
+  // What is not the cropped shape is refused.
+  f.set_caps("GRAY8", kSize);
+  GstBuffer* in = Fixture::noise("GRAY8", kSize, 1);
+  g_autoptr(GstBuffer) same = gst_harness_push_and_pull(f.h, in);
+  fail_unless(in == same);
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "another aspect"));
+}
+GST_END_TEST;
+
 // A grey gradient that tells where each pixel of the picture comes from: 0.3 per column, 0.1 per
 // row.
 static GstBuffer* gradient(ImageSize size, int n) {
@@ -267,6 +291,7 @@ static Suite* calibundistort_sizes_suite() {
   const int sizes = static_cast<int>(std::size(kSizes));
   const int negotiated = static_cast<int>(std::size(kNegotiated));
   tcase_add_test(tc, test_another_size_is_scaled_and_another_aspect_refused);
+  tcase_add_test(tc, test_a_sensor_crop_says_what_the_frames_show);
   tcase_add_loop_test(tc, test_the_size_of_the_input_is_preferred_and_then_its_aspect, 0,
                       negotiated);
   tcase_add_loop_test(tc, test_without_a_calibration_another_size_is_scaled, 0, sizes);

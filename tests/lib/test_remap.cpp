@@ -118,7 +118,8 @@ const int kRowStep = std::getenv("CALVIN_FULL") != nullptr ? 1 : 3;
 // Compares what undistorting `input` gave with the reference.
 Comparison compare(const Lens& lens, const Undistorter& undistorter, const NamedLayout& named,
                    const Planes& planes) {
-  const auto& [input, output] = planes;
+  const Plane& input = planes.input;
+  const Plane& output = planes.output;
   const PlaneLayout& layout = named.layout;
   const ImageSize frame = undistorter.output().image_size();
   const Subsampling& s = layout.subsampling;

@@ -84,7 +84,7 @@ struct Bounds {
 }  // namespace
 
 Result<Undistorter> Undistorter::make(const Camera& source, const ViewOptions& options,
-                                      std::vector<PlaneLayout> planes,
+                                      const std::vector<PlaneLayout>& planes,
                                       const std::stop_token& stop) {
   const auto output = output_camera(source, options);
   if (!output) return tl::unexpected(output.error());

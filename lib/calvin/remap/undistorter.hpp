@@ -18,7 +18,7 @@ class Undistorter {
   // `planes` of a frame, in the order in which apply() names them. Fails as output_camera() and
   // RemapMap::build() do.
   static Result<Undistorter> make(const Camera& source, const ViewOptions& options,
-                                  std::vector<PlaneLayout> planes,
+                                  const std::vector<PlaneLayout>& planes,
                                   const std::stop_token& stop = {});
 
   [[nodiscard]] const Camera& source() const noexcept { return source_; }
