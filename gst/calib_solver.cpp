@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/target/board.hpp"
 #include "solve_messages.hpp"
@@ -29,23 +28,9 @@ struct CalibSolver::Job {
   std::string location;
   FrameTimes times;
   std::uint64_t generation = 0;
+  std::uint64_t revision = 0;
   bool final = false;
 };
-
-namespace {
-
-SolveOptions solve_options(const SolverSettings& settings, const std::string& camera) {
-  SolveOptions options;
-  options.model = settings.model;
-  options.camera = settings.camera.empty() ? camera : settings.camera;
-  if (settings.fix.empty()) return options;
-  for (const std::string_view name : split(settings.fix, ',')) {
-    if (!name.empty()) options.fix.emplace_back(name);
-  }
-  return options;
-}
-
-}  // namespace
 
 SolverSettings CalibSolver::settings() {
   const std::lock_guard guard(lock_);
@@ -53,22 +38,16 @@ SolverSettings CalibSolver::settings() {
 }
 
 Status CalibSolver::start() {
-  const SolverSettings now = settings();
-  if (Status usable = check(solve_options(now, "")); !usable) return usable;
-  if (now.max_views > 0 && now.max_views < now.min_views) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("max-views={} is less than min-views={}: raise max-views, or set "
-                                  "it to 0 for no limit.",
-                                  now.max_views, now.min_views));
-  }
-  auto files = parse_calibration_files(now.location, now.exports);
-  if (!files) return make_error(files.error().code, files.error().message);
-  const Status writable = can_write_all(*files);
+  auto plan = make_plan(settings());
+  if (!plan) return tl::unexpected<Error>(plan.error());
+  const Status writable = can_write_all(plan->files);
   if (!writable) post_warning(element_, writable.error());
   {
     const std::lock_guard guard(lock_);
-    files_ = std::move(*files);
-    active_ = now;
+    plan_ = *std::move(plan);
+    settings_changed_ = false;
+    size_ = {};
+    initial_.reset();
     write_failed_ = !writable;
   }
   reset();
@@ -76,10 +55,66 @@ Status CalibSolver::start() {
   return {};
 }
 
+void CalibSolver::update() {
+  SolverSettings now;
+  {
+    const std::lock_guard guard(lock_);
+    if (!std::exchange(settings_changed_, false)) return;
+    now = settings_;
+  }
+  auto plan = make_plan(now);
+  if (!plan) {
+    post_warning(element_,
+                 {plan.error().code, plan.error().message + " What was set before goes on."});
+    return;
+  }
+  adopt(*std::move(plan));
+}
+
+void CalibSolver::adopt(SolverPlan plan) {
+  const Status writable = can_write_all(plan.files);
+  std::optional<Error> news;
+  {
+    const std::lock_guard guard(lock_);
+    const bool solve = solves_differently(plan.settings, plan_.settings);
+    const bool write = writes_elsewhere(plan.settings, plan_.settings);
+    plan_ = std::move(plan);
+    session_.set_options(plan_.session_options(live_));
+    finished_ = false;
+    if (solve) {
+      auto fitted = fit_initial(plan_, size_);
+      initial_ = std::move(fitted.calibration);
+      news = std::move(fitted.news);
+      ++generation_;  // what is being solved in the old way is of no use
+    }
+    if (write) write_failed_ = !writable;
+    if (solve || write) {
+      ++revision_;
+      anything_written_ = false;
+      if (enough_views()) request(false);
+    }
+  }
+  if (!writable) post_warning(element_, writable.error());
+  if (news) post_warning(element_, *news);
+}
+
 void CalibSolver::set_size(ImageSize size) {
+  std::optional<Error> news;
+  {
+    const std::lock_guard guard(lock_);
+    if (std::exchange(size_, size) == size) return;
+    auto fitted = fit_initial(plan_, size);
+    initial_ = std::move(fitted.calibration);
+    news = std::move(fitted.news);
+    if (!session_.views().empty()) forget();
+  }
+  if (news) post_warning(element_, *news);
+}
+
+void CalibSolver::set_live(bool live) {
   const std::lock_guard guard(lock_);
-  if (std::exchange(size_, size) == size || session_.views().empty()) return;
-  forget();
+  live_ = live;
+  session_.set_options(plan_.session_options(live));
 }
 
 void CalibSolver::resume() {
@@ -89,20 +124,15 @@ void CalibSolver::resume() {
   if (final_owed_) request(true);
 }
 
-void CalibSolver::choose_capture_mode(bool live) {
-  const std::lock_guard guard(lock_);
-  CaptureMode mode = live ? CaptureMode::kAuto : CaptureMode::kAll;
-  if (active_.capture_mode == kCaptureAll) mode = CaptureMode::kAll;
-  if (active_.capture_mode == kCaptureAuto) mode = CaptureMode::kAuto;
-  if (active_.capture_mode == kCaptureManual) mode = CaptureMode::kManual;
-  session_.set_options({mode, active_.min_views, active_.max_views});
-}
-
 // ---- Collecting: on the streaming thread --------------------------------------------------------
 
 bool CalibSolver::offer(const Observation& observation, const FrameTimes& times) {
+  if (!observation.found()) return false;
   const auto board = parse_board(observation.board);
-  if (!board || !observation.found()) return false;
+  if (!board) {
+    complain(board.error());
+    return false;
+  }
   Reason reason;
   Guidance now;
   std::string camera;
@@ -110,7 +140,7 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times)
     const std::lock_guard guard(lock_);
     if (finished_ || observation.image_size != size_) return false;
     camera_ = observation.camera;
-    camera = active_.camera.empty() ? camera_ : active_.camera;
+    camera = camera_name();
     times_ = times;
     reason = session_.offer({observation, *board});
     now = make_guidance(session_.progress(), calibration_);
@@ -119,10 +149,27 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times)
     if (reason != Reason::kAccepted && std::exchange(last_reason_, reason) == reason) return false;
     last_reason_ = reason;
   }
+  if (reason == Reason::kWrongBoard) {
+    if (const Status fine = check({observation, *board}, observation.image_size); !fine) {
+      complain(fine.error());
+    }
+  }
   post_message(element_, view_message(times, camera, reason, now));
   if (reason != Reason::kAccepted) return false;
   post_message(element_, progress_message(times, camera, now));
   return true;
+}
+
+void CalibSolver::complain(const Error& why) {
+  {
+    const std::lock_guard guard(lock_);
+    if (std::exchange(complained_, true)) return;
+  }
+  post_warning(element_, {why.code, fmt::format("An observation from upstream cannot be used, and "
+                                                "further ones like it are dropped silently: {}{} "
+                                                "Check what writes the meta {}.",
+                                                why.message, why.message.ends_with('.') ? "" : ".",
+                                                kObservationName)});
 }
 
 Guidance CalibSolver::guidance() {
@@ -139,16 +186,21 @@ std::optional<CalibrationEvent> CalibSolver::take_event() {
 }
 
 bool CalibSolver::enough_views() const {
-  return session_.views().size() >= static_cast<std::size_t>(active_.min_views);
+  return session_.views().size() >= static_cast<std::size_t>(plan_.settings.min_views);
+}
+
+std::string CalibSolver::camera_name() const {
+  return plan_.settings.camera.empty() ? camera_ : plan_.settings.camera;
 }
 
 void CalibSolver::consider() {
-  final_done_ = false;
+  ++revision_;
   if (!enough_views()) return;
   const std::size_t views = session_.views().size();
-  const bool full = active_.max_views > 0 && views >= static_cast<std::size_t>(active_.max_views);
-  const bool good = active_.target_error > 0 && calibration_ &&
-                    calibration_->expected_error.value_or(HUGE_VAL) <= active_.target_error;
+  const bool full =
+      plan_.settings.max_views > 0 && views >= static_cast<std::size_t>(plan_.settings.max_views);
+  const bool good = plan_.settings.target_error > 0 && calibration_ &&
+                    calibration_->expected_error.value_or(HUGE_VAL) <= plan_.settings.target_error;
   if (full || good) {
     finished_ = true;
     request(true);
@@ -165,14 +217,17 @@ void CalibSolver::request(bool final) {
   auto job = std::make_shared<Job>();
   job->views = session_.views();
   job->size = size_;
-  job->files = files_;
-  job->location = active_.location;
+  job->files = plan_.files;
+  job->location = plan_.settings.location;
   job->times = times_;
   job->generation = generation_;
+  job->revision = revision_;
   // The newest job replaces one that waits, and takes over what it owes.
   final_owed_ |= final;
   job->final = final_owed_;
-  job->options = solve_options(active_, camera_);
+  job->options = plan_.options;
+  job->options.camera = camera_name();
+  job->options.initial = initial_;
   worker_.offer([this, job](std::stop_token stop) { run(*job, stop); });
 }
 
@@ -204,7 +259,7 @@ void CalibSolver::publish(const Job& job, const Calibration& calibration) {
     solve_error_.clear();
     if (job.final) {
       final_owed_ = false;
-      final_done_ = true;
+      final_revision_ = job.revision;
     }
     now = make_guidance(session_.progress(), calibration_);
     better = job.final || !anything_written_ ||
@@ -248,7 +303,7 @@ Error CalibSolver::too_few_views() const {
                   views == 0   ? "no view of the board was"
                   : views == 1 ? "only one view of the board was"
                                : fmt::format("only {} views of the board were", views),
-                  active_.min_views)};
+                  plan_.settings.min_views)};
 }
 
 Status CalibSolver::verdict() const {
@@ -263,11 +318,12 @@ Status CalibSolver::verdict() const {
 }
 
 void CalibSolver::finish() {
+  update();
   if (!worker_.drain()) return;
   bool solving = false;
   {
     const std::lock_guard guard(lock_);
-    solving = !final_done_ && enough_views();
+    solving = final_revision_ != revision_ && enough_views();
     if (solving) request(true);
   }
   // A START outside PLAYING would make applications wait for it during preroll.
@@ -282,7 +338,7 @@ void CalibSolver::finish() {
   {
     const std::lock_guard guard(lock_);
     status = verdict();
-    wanted = !files_.empty();
+    wanted = !plan_.files.empty();
   }
   if (announce && status) post_solve_progress(GST_PROGRESS_TYPE_COMPLETE, "The camera is solved");
   if (announce && !status) post_solve_progress(GST_PROGRESS_TYPE_ERROR, status.error().message);
@@ -298,6 +354,7 @@ void CalibSolver::capture_view() {
 }
 
 void CalibSolver::solve_now() {
+  update();
   std::optional<Error> refused;
   {
     const std::lock_guard guard(lock_);
@@ -319,8 +376,9 @@ void CalibSolver::forget() {
   ++generation_;
   session_.reset();
   calibration_.reset();
-  anything_written_ = finished_ = announce_ = false;
-  final_owed_ = final_done_ = false;
+  anything_written_ = finished_ = announce_ = complained_ = false;
+  final_owed_ = false;
+  ++revision_;
   written_ = {};
   solve_error_.clear();
   next_solve_ = 0;
@@ -329,7 +387,8 @@ void CalibSolver::forget() {
 bool CalibSolver::remove_view(unsigned index) {
   const std::lock_guard guard(lock_);
   if (!session_.remove_view(index)) return false;
-  finished_ = final_done_ = false;
+  finished_ = false;
+  ++revision_;
   next_solve_ = 0;
   if (enough_views()) {
     request(false);

@@ -14,41 +14,27 @@
 #include <gst/gst.h>
 
 #include "calibration_event.hpp"
-#include "calibration_files.hpp"
 #include "calvin/core/calibration.hpp"
 #include "calvin/session/session.hpp"
 #include "calvin/solve/solve.hpp"
 #include "messages.hpp"
 #include "metas.hpp"
+#include "solver_settings.hpp"
 #include "worker.hpp"
 
 namespace calvin::gst {
-
-enum CaptureChoice { kCaptureDefault, kCaptureAll, kCaptureAuto, kCaptureManual };
-
-struct SolverSettings {
-  std::string location;
-  std::string exports;
-  std::string camera;  // empty: the name that the observations carry
-  std::string model = "brown5";
-  std::string fix;
-  int capture_mode = kCaptureDefault;
-  int min_views = 3;
-  int max_views = 0;        // 0: no limit
-  double target_error = 0;  // px of expected error; 0: none
-};
 
 // Every function may be called from any thread and returns at once, but for finish() and stop().
 class CalibSolver {
  public:
   explicit CalibSolver(GstElement* element) : element_(element) {}
 
+  // Takes effect with the next frame, or with solve_now().
   template <typename F>
   void change_settings(F f) {
     const std::lock_guard guard(lock_);
     f(settings_);
-    active_.camera = settings_.camera;
-    active_.target_error = settings_.target_error;
+    settings_changed_ = true;
   }
   [[nodiscard]] SolverSettings settings();
 
@@ -59,13 +45,21 @@ class CalibSolver {
   // A solve that cancel() cut short is asked for again.
   void resume();
   void stop() { worker_.stop(); }
+  // Before the element goes.
+  void join() { worker_.join(); }
+
+  // Brings settings that changed into force. Those that cannot work are a warning, and the ones
+  // before them stay.
+  void update();
 
   // A new size begins a new session.
   void set_size(ImageSize size);
-  void choose_capture_mode(bool live);
+  void set_live(bool live);
 
   // What was found on one frame, with the times of that frame; true when a view was taken.
   bool offer(const Observation& observation, const FrameTimes& times);
+  // An observation that cannot be one, and why: a WARNING, once per session.
+  void complain(const Error& why);
   [[nodiscard]] Guidance guidance();
 
   // The newest calibration that has not been announced downstream.
@@ -87,9 +81,11 @@ class CalibSolver {
  private:
   struct Job;
 
+  void adopt(SolverPlan plan);
   // These with the lock held.
   void forget();
   [[nodiscard]] bool enough_views() const;
+  [[nodiscard]] std::string camera_name() const;
   [[nodiscard]] Error too_few_views() const;
   void consider();
   void request(bool final);
@@ -103,24 +99,28 @@ class CalibSolver {
 
   std::mutex lock_;  // of everything below, down to worker_
   SolverSettings settings_;
-  SolverSettings active_;  // as of start(), but for what may change while PLAYING
+  bool settings_changed_ = false;
+  SolverPlan plan_;                     // the settings in force
+  std::optional<Calibration> initial_;  // plan_.initial, for frames of size_
+  bool live_ = false;
   Session session_{SessionOptions{}};
   ImageSize size_;
-  std::string camera_;  // as the newest observation names it
-  std::vector<CalibrationFile> files_;
+  std::string camera_;                      // as the newest observation names it
   std::optional<Calibration> calibration_;  // newest solution
   std::optional<double> written_error_;     // expected error of what the files hold
   bool anything_written_ = false;
-  bool announce_ = false;  // calibration_ waits to be announced
+  bool announce_ = false;    // calibration_ waits to be announced
+  bool complained_ = false;  // of broken observations
   std::string solve_error_;
   Status written_;
   bool write_failed_ = false;  // and the user was told so
   Reason last_reason_ = Reason::kAccepted;
-  FrameTimes times_;              // of the newest frame with a board
-  std::size_t next_solve_ = 0;    // number of views
-  bool finished_ = false;         // good enough: nothing more is captured
-  bool final_owed_ = false;       // somebody waits for a final result
-  bool final_done_ = false;       // the final result of the views kept now was posted
+  FrameTimes times_;                             // of the newest frame with a board
+  std::size_t next_solve_ = 0;                   // number of views
+  bool finished_ = false;                        // good enough: nothing more is captured
+  bool final_owed_ = false;                      // somebody waits for a final result
+  std::uint64_t revision_ = 0;                   // of the views kept and of what is made of them
+  std::optional<std::uint64_t> final_revision_;  // the one whose final result was posted
   std::uint64_t generation_ = 0;  // of the session: a solve of an older one is thrown away
 
   Worker worker_;

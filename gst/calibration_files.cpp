@@ -6,6 +6,7 @@
 #include "calibration_files.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,6 +15,24 @@
 #include "calvin/io/calibration_io.hpp"
 
 namespace calvin::gst {
+
+namespace {
+
+// Two texts for one file would overwrite each other at every solve.
+const CalibrationFile* written_twice(const std::vector<CalibrationFile>& files) {
+  for (auto file = files.begin(); file != files.end(); ++file) {
+    const auto other = std::find_if(files.begin(), file, [&](const CalibrationFile& f) {
+      const auto plain = [](const std::string& path) {
+        return std::filesystem::path(path).lexically_normal();
+      };
+      return plain(f.path) == plain(file->path);
+    });
+    if (other != file) return &*file;
+  }
+  return nullptr;
+}
+
+}  // namespace
 
 Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& location,
                                                              const std::string& exports) {
@@ -34,6 +53,12 @@ Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& 
                                     item, fmt::join(formats, ", ")));
     }
     files.push_back({std::string(format), std::string(item.substr(colon + 1))});
+  }
+  if (const CalibrationFile* file = written_twice(files)) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("'{}' is to hold the calibration twice, by location and export "
+                                  "or by two exports: give each format a file of its own.",
+                                  file->path));
   }
   return files;
 }

@@ -11,22 +11,29 @@
 
 #include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/remap/view.hpp"
+#include "calvin/remap/fit.hpp"
 #include "values.hpp"
 
 namespace calvin::gst {
 
 namespace {
 
-// The text of a calibration event; absent for any other event.
-std::optional<CalibrationEvent> parse_event(GstEvent* event) {
-  if (auto ours = parse_calibration_event(event)) return ours;
-  // GStreamer's cameracalibrate, in OpenCV's format.
-  if (GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_BOTH &&
-      gst_event_has_name(event, "GstEventCalibrated")) {
-    return CalibrationEvent{"", get_string(gst_event_get_structure(event), "undistort-settings")};
+// The event of GStreamer's cameracalibrate, whose text is in OpenCV's format.
+bool is_peers(GstEvent* event) {
+  return GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_BOTH &&
+         gst_event_has_name(event, "GstEventCalibrated");
+}
+
+Result<CalibrationEvent> parse_event(GstEvent* event) {
+  const GstStructure* s = gst_event_get_structure(event);
+  const char* field = is_peers(event) ? "undistort-settings" : "json";
+  if (!gst_structure_has_field_typed(s, field, G_TYPE_STRING)) {
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("The event {} has no text in its field '{}' and changes nothing. "
+                                  "Whoever sends it must put the calibration there.",
+                                  gst_structure_get_name(s), field));
   }
-  return std::nullopt;
+  return CalibrationEvent{get_string(s, "camera"), get_string(s, field)};
 }
 
 }  // namespace
@@ -37,6 +44,7 @@ void CalibrationInput::reset() {
   from_event_.reset();
   event_.reset();
   frames_ = {};
+  upright_ = {};
   camera_.reset();
   changed_ = true;
 }
@@ -58,12 +66,19 @@ void CalibrationInput::set_frames(const GstVideoInfo& info) {
   said_.clear();
 }
 
-bool CalibrationInput::is_calibration(GstEvent* event) { return parse_event(event).has_value(); }
+void CalibrationInput::set_upright(Orientation upright) {
+  if (upright == std::exchange(upright_, upright)) return;
+  camera_.reset();
+  changed_ = true;
+}
+
+bool CalibrationInput::is_calibration(GstEvent* event) {
+  return is_peers(event) || parse_calibration_event(event).has_value();
+}
 
 Status CalibrationInput::take_event(GstEvent* event) {
   const auto parsed = parse_event(event);
-  if (!parsed) return {};
-  event_.reset(gst_event_ref(event));
+  if (!parsed) return tl::unexpected(parsed.error());
   std::optional<Calibration> calibration;
   if (!parsed->json.empty()) {
     auto read = parse_calibration(parsed->json);
@@ -71,6 +86,7 @@ Status CalibrationInput::take_event(GstEvent* event) {
     calibration = *std::move(read);
     if (!parsed->camera.empty()) calibration->camera = parsed->camera;
   }
+  event_.reset(gst_event_ref(event));
   from_event_ = std::move(calibration);
   changed_ = changed_ || text_.empty();
   return {};
@@ -103,7 +119,7 @@ void CalibrationInput::say(Error error, std::vector<Error>& errors) {
 }
 
 void CalibrationInput::fit(std::vector<Error>& errors) {
-  const std::optional<Calibration>& known = calibration();
+  std::optional<Calibration>& known = text_.empty() ? from_event_ : from_setting_;
   if (!known) {
     camera_.reset();
     ++serial_;
@@ -116,7 +132,10 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
         errors);
     return;
   }
-  auto fitted = fit_to_frame(*known, frames_);
+  // What does not say its size is taken to be for the frames that it meets first: there is no
+  // telling later which of two sizes it is right for.
+  if (known->image_size == ImageSize{}) known->image_size = frames_;
+  auto fitted = fit_to_frame(*known, frames_, upright_);
   if (!fitted) {
     say(fitted.error(), errors);
     return;

@@ -24,10 +24,13 @@ class CalibrationInput {
   void reset();
   void set_text(const std::string& text);
   void set_frames(const GstVideoInfo& info);
+  // How the frames have to be turned to stand upright: a calibration of a shape that only the
+  // upright picture has is one of that picture.
+  void set_upright(Orientation upright);
 
   // Whether it is a calibration event: ours, or the one of GStreamer's cameracalibrate.
   [[nodiscard]] static bool is_calibration(GstEvent* event);
-  // Keeps a calibration event; an Error where its calibration cannot be read.
+  // Keeps a calibration event. An Error where its calibration cannot be read: the one before stays.
   [[nodiscard]] Status take_event(GstEvent* event);
   // The last one, as it came, or nullptr.
   [[nodiscard]] GstEvent* event() const { return event_.get(); }
@@ -41,9 +44,6 @@ class CalibrationInput {
   [[nodiscard]] int serial() const { return serial_; }
 
  private:
-  [[nodiscard]] const std::optional<Calibration>& calibration() const {
-    return text_.empty() ? from_event_ : from_setting_;
-  }
   void fit(std::vector<Error>& errors);
   void say(Error error, std::vector<Error>& errors);
 
@@ -54,6 +54,7 @@ class CalibrationInput {
   EventPtr event_;
 
   ImageSize frames_;
+  Orientation upright_;
   bool interlaced_ = false;
   bool changed_ = false;
   std::optional<Camera> camera_;

@@ -7,34 +7,45 @@
 
 #include <sys/stat.h>
 
+#include <utility>
+
 #include "calvin/io/settings.hpp"
 
 namespace calvin::gst {
+
+constexpr auto kPause = std::chrono::milliseconds(500);
 
 void CalibrationSetting::set(const std::string& text) {
   text_ = text;
   changed_ = true;
   stamp_.reset();
+  doubt_.reset();
 }
 
 std::optional<Result<Calibration>> CalibrationSetting::poll(Clock::time_point now) {
   if (text_.empty()) return std::nullopt;
-  if (changed_) {
-    changed_ = false;
-    is_path_ = is_calibration_path(text_);
-  } else if (!is_path_ || now < next_look_) {
-    return std::nullopt;
-  } else {
-    const auto stamp = look();
-    if (!stamp || stamp == stamp_) {
-      next_look_ = now + std::chrono::milliseconds(500);
-      return std::nullopt;
-    }
-  }
-  next_look_ = now + std::chrono::milliseconds(500);
+  if (!changed_ && (!is_path_ || now < next_look_)) return std::nullopt;
+  next_look_ = now + kPause;
+  if (!std::exchange(changed_, false)) return look_again();
+  is_path_ = is_calibration_path(text_);
   // Before reading: a file that changes meanwhile is read once more.
   if (is_path_) stamp_ = look();
   return parse_calibration_setting(text_);
+}
+
+std::optional<Result<Calibration>> CalibrationSetting::look_again() {
+  const auto stamp = look();
+  if (!stamp) return std::nullopt;
+  if (stamp == stamp_) {
+    if (!doubt_) return std::nullopt;
+    return tl::unexpected(*std::exchange(doubt_, std::nullopt));
+  }
+  stamp_ = stamp;
+  doubt_.reset();
+  auto read = parse_calibration_setting(text_);
+  if (read) return read;
+  doubt_ = read.error();
+  return std::nullopt;
 }
 
 std::optional<CalibrationSetting::Stamp> CalibrationSetting::look() const {

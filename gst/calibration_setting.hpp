@@ -24,7 +24,8 @@ class CalibrationSetting {
 
   // What is new: the calibration, or why it cannot be read (kNotFound: the file is not there yet).
   // Absent where nothing has changed. Looks at the file at most twice a second; a file that went
-  // away is no news.
+  // away is no news. A file that changes and cannot be read has another look before that is said:
+  // it may be half written.
   [[nodiscard]] std::optional<Result<Calibration>> poll(Clock::time_point now);
 
  private:
@@ -37,11 +38,13 @@ class CalibrationSetting {
     friend bool operator==(const Stamp&, const Stamp&) = default;
   };
   [[nodiscard]] std::optional<Stamp> look() const;
+  [[nodiscard]] std::optional<Result<Calibration>> look_again();
 
   std::string text_;
   bool changed_ = false;
   bool is_path_ = false;
   std::optional<Stamp> stamp_;
+  std::optional<Error> doubt_;  // why the file of `stamp_` cannot be read, not said yet
   Clock::time_point next_look_;
 };
 

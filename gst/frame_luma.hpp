@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <gst/video/video.h>
 
@@ -13,15 +14,44 @@
 
 namespace calvin::gst {
 
-// Gives a grey view of mapped frames of one format: in place where the format has an 8-bit luma,
-// converted into an own frame otherwise. One thread at a time.
+// A frame mapped for reading, with the reference to its buffer that this takes.
+class MappedFrame {
+ public:
+  // Absent where the buffer cannot be mapped; see check_frame() for what else can be wrong.
+  static std::optional<MappedFrame> map(const GstVideoInfo& info, GstBuffer* buffer);
+
+  [[nodiscard]] GstVideoFrame& operator*() const { return *frame_; }
+
+ private:
+  struct Unmap {
+    void operator()(GstVideoFrame* frame) const {
+      gst_video_frame_unmap(frame);
+      delete frame;
+    }
+  };
+  std::unique_ptr<GstVideoFrame, Unmap> frame_;
+};
+
+// A frame to look at later, on any thread: its luma alone, or all of it where the luma has to be
+// computed.
+struct Picture {
+  std::optional<GrayImage> gray;
+  std::optional<MappedFrame> frame;
+};
+
+// Gives a grey view of the frames of one format: in place where the format has an 8-bit luma,
+// converted into an own frame otherwise. Immutable but for view().
 class LumaReader {
  public:
   // A message that says what to insert where the format cannot be read.
-  Status set_format(const GstVideoInfo& info);
+  static Result<std::shared_ptr<LumaReader>> make(const GstVideoInfo& info);
 
-  // Valid until the next call, and no longer than the frame is mapped.
-  [[nodiscard]] ImageView view(GstVideoFrame& frame);
+  // The frame itself, or a copy that outlives the buffer; empty where it cannot be mapped.
+  [[nodiscard]] Picture borrow(GstBuffer* buffer) const;
+  [[nodiscard]] Picture copy(GstBuffer* buffer) const;
+
+  // Valid until the next call, and no longer than the picture. One thread at a time.
+  [[nodiscard]] ImageView view(const Picture& picture);
 
  private:
   struct FreeConverter {
@@ -31,6 +61,10 @@ class LumaReader {
     void operator()(GstBuffer* b) const { gst_buffer_unref(b); }
   };
 
+  [[nodiscard]] Status set_format();
+  [[nodiscard]] ImageView converted(GstVideoFrame& frame);
+
+  GstVideoInfo info_{};
   GstVideoInfo gray_info_{};
   std::unique_ptr<GstVideoConverter, FreeConverter> converter_;  // null: read in place
   std::unique_ptr<GstBuffer, Unref> gray_;

@@ -6,65 +6,38 @@
 #include "frame_planes.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace calvin::gst {
 
 namespace {
 
-Subsampling subsampling_of(const GstVideoInfo& info, guint component) {
+using Values = std::array<gint, GST_VIDEO_MAX_COMPONENTS>;
+
+Subsampling subsampling_of(const FrameFormat& format, guint component) {
+  const GstVideoFormatInfo* f = format.info.finfo;
   Subsampling s;
-  s.x_shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_W_SUB(info.finfo, component));
-  s.y_shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_H_SUB(info.finfo, component));
-  const auto site = GST_VIDEO_INFO_CHROMA_SITE(&info) == GST_VIDEO_CHROMA_SITE_UNKNOWN
-                        ? GST_VIDEO_CHROMA_SITE_MPEG2
-                        : GST_VIDEO_INFO_CHROMA_SITE(&info);
-  s.x_cosited = s.x_shift > 0 && (site & GST_VIDEO_CHROMA_SITE_H_COSITED) != 0;
-  s.y_cosited = s.y_shift > 0 && (site & GST_VIDEO_CHROMA_SITE_V_COSITED) != 0;
+  s.x_shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_W_SUB(f, component));
+  s.y_shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_H_SUB(f, component));
+  s.x_cosited = s.x_shift > 0 && (format.site & GST_VIDEO_CHROMA_SITE_H_COSITED) != 0;
+  s.y_cosited = s.y_shift > 0 && (format.site & GST_VIDEO_CHROMA_SITE_V_COSITED) != 0;
   return s;
 }
 
-// The layout of components that are listed in the order of their bytes.
-FramePlane join(const GstVideoInfo& info, const std::vector<guint>& components,
-                const std::array<gint, GST_VIDEO_MAX_COMPONENTS>& black) {
-  const GstVideoFormatInfo* f = info.finfo;
-  const guint first = components.front();
-  FramePlane joined;
-  joined.plane = static_cast<guint>(GST_VIDEO_FORMAT_INFO_PLANE(f, first));
-  joined.offset = static_cast<guint>(GST_VIDEO_FORMAT_INFO_POFFSET(f, first));
-  PlaneLayout& layout = joined.layout;
-  layout.subsampling = subsampling_of(info, first);
-  layout.pixel_step = GST_VIDEO_FORMAT_INFO_PSTRIDE(f, first);
-  layout.components = static_cast<int>(components.size());
-  if (components.size() > 1) {
-    layout.component_step =
-        GST_VIDEO_FORMAT_INFO_POFFSET(f, components[1]) - GST_VIDEO_FORMAT_INFO_POFFSET(f, first);
-  }
-  layout.fill.fill(255);
-  for (std::size_t i = 0; i < components.size(); ++i) {
-    layout.fill[i] = static_cast<std::uint8_t>(black[components[i]]);
-  }
-  // The byte of BGRx that has no name is carried along.
-  if (GST_VIDEO_FORMAT_INFO_IS_RGB(f) && layout.pixel_step == 4 && layout.components == 3 &&
-      joined.offset == 0) {
-    layout.components = 4;
-  }
-  return joined;
+SampleType sample_type(const GstVideoFormatInfo* f, guint component) {
+  if (GST_VIDEO_FORMAT_INFO_DEPTH(f, component) == 8) return SampleType::kU8;
+  return GST_VIDEO_FORMAT_INFO_IS_LE(f) ? SampleType::kU16Little : SampleType::kU16Big;
 }
 
-}  // namespace
-
-std::vector<FramePlane> planes_of(const GstVideoInfo& info) {
-  const GstVideoFormatInfo* f = info.finfo;
-  std::array<gint, GST_VIDEO_MAX_COMPONENTS> black{};
-  std::array<gint, GST_VIDEO_MAX_COMPONENTS> scale{};
-  gst_video_color_range_offsets(info.colorimetry.range, f, black.data(), scale.data());
+// Components of one plane and of one subsampling, in the order in which they lie in memory.
+std::vector<std::vector<guint>> groups_of(const FrameFormat& format) {
+  const GstVideoFormatInfo* f = format.info.finfo;
   std::vector<std::vector<guint>> groups;
-  const guint count = GST_VIDEO_FORMAT_INFO_N_COMPONENTS(f);
-  for (guint c = 0; c < count; ++c) {
+  for (guint c = 0; c < GST_VIDEO_FORMAT_INFO_N_COMPONENTS(f); ++c) {
     const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
       const guint other = group.front();
       return GST_VIDEO_FORMAT_INFO_PLANE(f, c) == GST_VIDEO_FORMAT_INFO_PLANE(f, other) &&
-             subsampling_of(info, c) == subsampling_of(info, other);
+             subsampling_of(format, c) == subsampling_of(format, other);
     });
     if (same == groups.end()) {
       groups.push_back({c});
@@ -72,12 +45,96 @@ std::vector<FramePlane> planes_of(const GstVideoInfo& info) {
       same->push_back(c);
     }
   }
-  std::vector<FramePlane> planes;
   for (std::vector<guint>& group : groups) {
     std::sort(group.begin(), group.end(), [f](guint a, guint b) {
       return GST_VIDEO_FORMAT_INFO_POFFSET(f, a) < GST_VIDEO_FORMAT_INFO_POFFSET(f, b);
     });
-    planes.push_back(join(info, group, black));
+  }
+  return groups;
+}
+
+// Black, and 1 for alpha.
+Values fill_of(const GstVideoInfo& info) {
+  Values offsets{};
+  Values scales{};
+  gst_video_color_range_offsets(info.colorimetry.range, info.finfo, offsets.data(), scales.data());
+  if (GST_VIDEO_FORMAT_INFO_HAS_ALPHA(info.finfo)) {
+    offsets[GST_VIDEO_COMP_A] = scales[GST_VIDEO_COMP_A];
+  }
+  return offsets;
+}
+
+// Where the components begin, and how far each is from the next.
+void place(const GstVideoFormatInfo* f, const std::vector<guint>& components, FramePlane& joined) {
+  PlaneLayout& layout = joined.layout;
+  const guint first = components.front();
+  const std::ptrdiff_t bytes = layout.sample == SampleType::kU8 ? 1 : 2;
+  layout.pixel_step = GST_VIDEO_FORMAT_INFO_PSTRIDE(f, first);
+  if (layout.pixel_step == bytes * layout.components) {
+    // Nothing between them: GStreamer's table counts the offsets of P010 in samples.
+    layout.component_step = bytes;
+    return;
+  }
+  joined.offset = static_cast<guint>(GST_VIDEO_FORMAT_INFO_POFFSET(f, first));
+  if (components.size() > 1) {
+    layout.component_step =
+        GST_VIDEO_FORMAT_INFO_POFFSET(f, components[1]) - GST_VIDEO_FORMAT_INFO_POFFSET(f, first);
+  }
+}
+
+// The byte of RGBx or xRGB that has no name is carried along.
+void add_unnamed(FramePlane& joined) {
+  PlaneLayout& layout = joined.layout;
+  if (layout.pixel_step != 4 || layout.components != 3) return;
+  layout.components = 4;
+  layout.fill[3] = 255;
+  if (joined.offset == 0) return;
+  std::rotate(layout.fill.begin(), layout.fill.begin() + 3, layout.fill.end());
+  joined.offset = 0;
+}
+
+}  // namespace
+
+FrameFormat::FrameFormat(const GstVideoInfo& video, const GstCaps* caps) : info(video) {
+  const char* said = gst_structure_get_string(gst_caps_get_structure(caps, 0), "chroma-site");
+  if (said != nullptr) site = gst_video_chroma_site_from_string(said);
+  if (site == GST_VIDEO_CHROMA_SITE_UNKNOWN) {
+    GstVideoInfo plain;
+    gst_video_info_set_format(&plain, GST_VIDEO_INFO_FORMAT(&video),
+                              static_cast<guint>(GST_VIDEO_INFO_WIDTH(&video)),
+                              static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&video)));
+    site = GST_VIDEO_INFO_CHROMA_SITE(&plain);
+  }
+}
+
+bool FrameFormat::same_places(const FrameFormat& other) const {
+  if (size() != other.size()) return false;
+  for (guint c = 0; c < GST_VIDEO_FORMAT_INFO_N_COMPONENTS(info.finfo); ++c) {
+    if (subsampling_of(*this, c) != subsampling_of(other, c)) return false;
+  }
+  return true;
+}
+
+std::vector<FramePlane> planes_of(const FrameFormat& in, const FrameFormat& out) {
+  const GstVideoFormatInfo* f = in.info.finfo;
+  const Values fill = fill_of(out.info);
+  std::vector<FramePlane> planes;
+  for (const std::vector<guint>& group : groups_of(in)) {
+    const guint first = group.front();
+    FramePlane joined;
+    joined.plane = static_cast<guint>(GST_VIDEO_FORMAT_INFO_PLANE(f, first));
+    PlaneLayout& layout = joined.layout;
+    layout.subsampling = subsampling_of(in, first);
+    layout.output_subsampling = subsampling_of(out, first);
+    layout.components = static_cast<int>(group.size());
+    layout.sample = sample_type(f, first);
+    layout.shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_SHIFT(f, first));
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      layout.fill[i] = static_cast<std::uint16_t>(fill[group[i]]);
+    }
+    place(f, group, joined);
+    if (GST_VIDEO_FORMAT_INFO_IS_RGB(f)) add_unnamed(joined);
+    planes.push_back(joined);
   }
   return planes;
 }

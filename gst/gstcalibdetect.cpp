@@ -16,103 +16,52 @@
  * ]|
  */
 
-#include <atomic>
-#include <chrono>
-#include <memory>
-#include <mutex>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/video.h>
 
-#include "calvin/detect/detector.hpp"
-#include "calvin/target/board_names.hpp"
+#include "calib_detector.hpp"
 #include "elements.hpp"
-#include "frame_luma.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
 #include "metas.hpp"
 #include "properties.hpp"
-#include "values.hpp"
-#include "worker.hpp"
+#include "refused_caps.hpp"
 
-GST_DEBUG_CATEGORY_STATIC(calibdetect_debug);
+GST_DEBUG_CATEGORY(calibdetect_debug);
 #define GST_CAT_DEFAULT calibdetect_debug
-
-enum DetectMode { kModeAuto, kModeSync, kModeAsync };
 
 G_DECLARE_FINAL_TYPE(GstCalibDetect, gst_calib_detect, GST, CALIB_DETECT, GstBaseTransform)
 
-namespace {
-
 using namespace calvin;
-
-struct Settings {
-  std::string board{kDefaultBoard};
-  std::string camera = "cam0";
-  int mode = kModeAuto;
-  double max_rate = 0;
-  bool post_messages = false;
-};
-
-struct BoardDetector {
-  Board board;
-  std::unique_ptr<Detector> detector;
-};
-using Detectors = std::shared_ptr<const std::vector<BoardDetector>>;
-
-// What one detection needs: whoever runs it, streaming thread or worker.
-struct Job {
-  gst::FrameTimes times;
-  Settings settings;
-  Detectors detectors;
-  guint64 generation = 0;
-};
-
-struct State {
-  std::mutex lock;
-  Settings settings;                               // lock
-  bool boards_changed = true;                      // lock
-  std::optional<std::vector<Observation>> result;  // lock; waits for a buffer to ride on
-  guint64 generation = 0;  // lock; of the stream: a result of an older stretch is thrown away
-  guint64 frames = 0;      // lock, as the two below
-  guint64 detections = 0;
-  guint64 skipped = 0;
-
-  gst::Worker worker;
-
-  // Streaming thread only.
-  gst::LumaReader luma;
-  GstVideoInfo info{};
-  bool have_info = false;
-  bool async = false;
-  bool mode_known = false;
-  GstClockTime last_detection = GST_CLOCK_TIME_NONE;
-  Detectors detectors;
-};
-
-}  // namespace
 
 struct _GstCalibDetect {
   GstBaseTransform parent;
-  State* state;
+  gst::CalibDetector* detector;
 };
 
-G_DEFINE_FINAL_TYPE(GstCalibDetect, gst_calib_detect, GST_TYPE_BASE_TRANSFORM)
+G_DEFINE_FINAL_TYPE_WITH_CODE(GstCalibDetect, gst_calib_detect, GST_TYPE_BASE_TRANSFORM,
+                              G_IMPLEMENT_INTERFACE(GST_TYPE_PRESET, nullptr))
 GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibdetect, "calibdetect", GST_RANK_NONE,
                                       gst_calib_detect_get_type(),
                                       GST_DEBUG_CATEGORY_INIT(calibdetect_debug, "calibdetect", 0,
                                                               "calibration board detector"))
 
-enum { PROP_0, PROP_BOARD, PROP_CAMERA, PROP_MODE, PROP_MAX_RATE, PROP_POST_MESSAGES, PROP_STATS };
+enum {
+  PROP_0,
+  PROP_BOARD,
+  PROP_CAMERA,
+  PROP_MODE,
+  PROP_MAX_RATE,
+  PROP_POST_MESSAGES,
+  PROP_RECHECK,
+  PROP_STATS,
+};
 
 static GType gst_calib_detect_mode_get_type() {
   static const GEnumValue kValues[] = {
-      {kModeAuto, "Async when the source is live, sync otherwise", "auto"},
-      {kModeSync, "On the streaming thread: each frame carries its own corners", "sync"},
-      {kModeAsync, "On a worker: newest frame only, corners ride on a later frame", "async"},
+      {gst::kModeAuto, "Async when the source is live, sync otherwise", "auto"},
+      {gst::kModeSync, "The streaming thread waits: each frame carries its own corners", "sync"},
+      {gst::kModeAsync, "Nothing waits: newest frame only, corners ride on a later frame", "async"},
       {0, nullptr, nullptr}};
   static const GType kType = g_enum_register_static("GstCalibDetectMode", kValues);
   return kType;
@@ -120,285 +69,117 @@ static GType gst_calib_detect_mode_get_type() {
 
 static void gst_calib_detect_set_property(GObject* object, guint id, const GValue* value,
                                           GParamSpec* spec) {
-  State* state = GST_CALIB_DETECT(object)->state;
-  const std::lock_guard guard(state->lock);
-  switch (id) {
-    case PROP_BOARD:
-      state->settings.board = gst::string_of(value);
-      state->boards_changed = true;
-      break;
-    case PROP_CAMERA:
-      state->settings.camera = gst::string_of(value);
-      break;
-    case PROP_MODE:
-      state->settings.mode = g_value_get_enum(value);
-      break;
-    case PROP_MAX_RATE:
-      state->settings.max_rate = g_value_get_double(value);
-      break;
-    case PROP_POST_MESSAGES:
-      state->settings.post_messages = g_value_get_boolean(value);
-      break;
-    default:
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-  }
+  GST_CALIB_DETECT(object)->detector->change_settings([&](gst::DetectorSettings& settings) {
+    switch (id) {
+      case PROP_BOARD:
+        settings.board = gst::string_of(value);
+        break;
+      case PROP_CAMERA:
+        settings.camera = gst::string_of(value);
+        break;
+      case PROP_MODE:
+        settings.mode = g_value_get_enum(value);
+        break;
+      case PROP_MAX_RATE:
+        settings.max_rate = g_value_get_double(value);
+        break;
+      case PROP_POST_MESSAGES:
+        settings.post_messages = g_value_get_boolean(value);
+        break;
+      case PROP_RECHECK:
+        settings.recheck = gst::string_of(value);
+        break;
+      default:
+        G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+    }
+  });
 }
 
 static void gst_calib_detect_get_property(GObject* object, guint id, GValue* value,
                                           GParamSpec* spec) {
-  State* state = GST_CALIB_DETECT(object)->state;
-  const std::lock_guard guard(state->lock);
+  gst::CalibDetector& detector = *GST_CALIB_DETECT(object)->detector;
+  const gst::DetectorSettings settings = detector.settings();
   switch (id) {
     case PROP_BOARD:
-      gst::set_string(value, state->settings.board);
+      gst::set_string(value, settings.board);
       break;
     case PROP_CAMERA:
-      gst::set_string(value, state->settings.camera);
+      gst::set_string(value, settings.camera);
       break;
     case PROP_MODE:
-      g_value_set_enum(value, state->settings.mode);
+      g_value_set_enum(value, settings.mode);
       break;
     case PROP_MAX_RATE:
-      g_value_set_double(value, state->settings.max_rate);
+      g_value_set_double(value, settings.max_rate);
       break;
     case PROP_POST_MESSAGES:
-      g_value_set_boolean(value, state->settings.post_messages);
+      g_value_set_boolean(value, settings.post_messages);
+      break;
+    case PROP_RECHECK:
+      gst::set_string(value, settings.recheck);
       break;
     case PROP_STATS:
-      g_value_take_boxed(
-          value, gst_structure_new("stats", "frames", G_TYPE_UINT64, state->frames, "detections",
-                                   G_TYPE_UINT64, state->detections, "skipped", G_TYPE_UINT64,
-                                   state->skipped, nullptr));
+      g_value_take_boxed(value, detector.stats());
       break;
     default:
       G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
   }
 }
 
-// Reads the board property again where it changed. Keeps the old boards on an error.
-static Status gst_calib_detect_update_boards(GstCalibDetect* self) {
-  State* state = self->state;
-  std::string text;
-  {
-    const std::lock_guard guard(state->lock);
-    if (!state->boards_changed) return {};
-    state->boards_changed = false;
-    text = state->settings.board;
-  }
-  const auto boards = parse_boards(text);
-  if (!boards) return make_error(boards.error().code, boards.error().message);
-  auto detectors = std::make_shared<std::vector<BoardDetector>>();
-  for (const Board& board : *boards) {
-    auto detector = make_detector(board);
-    if (!detector) return make_error(detector.error().code, detector.error().message);
-    detectors->push_back({board, std::move(*detector)});
-  }
-  state->detectors = std::move(detectors);
-  return {};
-}
-
-static void gst_calib_detect_post(GstCalibDetect* self, const Job& job, const Detection& detection,
-                                  const Board& board, guint64 latency_us) {
-  const Observation& o = detection.observation;
-  GstStructure* s = gst::new_message("calib-detection", job.times, job.settings.camera);
-  gst_structure_set(s, "board", G_TYPE_STRING, o.board.c_str(), "found", G_TYPE_BOOLEAN, o.found(),
-                    "points", G_TYPE_INT, static_cast<int>(o.ids.size()), "total", G_TYPE_INT,
-                    board.point_count(), "reason", G_TYPE_STRING,
-                    std::string(to_string(detection.reason)).c_str(), "latency-us", G_TYPE_UINT64,
-                    latency_us, nullptr);
-  gst::post_message(GST_ELEMENT(self), s);
-}
-
-// Runs every detector over one picture. Streaming thread or worker, never both at once.
-static std::vector<Observation> gst_calib_detect_run(GstCalibDetect* self, const Job& job,
-                                                     const ImageView& image, std::stop_token stop) {
-  std::vector<Observation> found;
-  for (const auto& [board, detector] : *job.detectors) {
-    const auto begin = std::chrono::steady_clock::now();
-    Detection detection = detector->detect(image, stop);
-    const auto taken = std::chrono::steady_clock::now() - begin;
-    detection.observation.camera = job.settings.camera;
-    detection.observation.board = board.text();
-    detection.observation.timestamp = job.times.timestamp;
-    detection.observation.image_size = image.size();
-    if (job.settings.post_messages && !stop.stop_requested()) {
-      const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
-      gst_calib_detect_post(self, job, detection, board, static_cast<guint64>(us));
-    }
-    found.push_back(std::move(detection.observation));
-  }
-  const std::lock_guard guard(self->state->lock);
-  ++self->state->detections;
-  return found;
-}
-
-static void gst_calib_detect_offer(GstCalibDetect* self, Job job, const ImageView& image) {
-  auto copy = std::make_shared<GrayImage>(image.width, image.height);
-  for (int y = 0; y < image.height; ++y) {
-    std::uint8_t* row = copy->row(y);
-    const std::uint8_t* from = image.data + y * image.stride;
-    if (image.step == 1) {
-      std::copy_n(from, image.width, row);
-    } else {
-      for (int x = 0; x < image.width; ++x) row[x] = from[x * image.step];
-    }
-  }
-  self->state->worker.offer([self, job = std::move(job), copy](std::stop_token stop) {
-    auto found = gst_calib_detect_run(self, job, copy->view(), stop);
-    const std::lock_guard guard(self->state->lock);
-    if (stop.stop_requested() || job.generation != self->state->generation) return;
-    self->state->result = std::move(found);
-  });
-}
-
-// Asks once after each CAPS: only then does a live source know that it is one.
-static void gst_calib_detect_choose_mode(GstCalibDetect* self, int mode) {
-  State* state = self->state;
-  if (state->mode_known) return;
-  state->mode_known = true;
-  const bool async =
-      mode == kModeAsync || (mode == kModeAuto && gst::upstream_is_live(GST_BASE_TRANSFORM(self)));
-  if (state->async && !async) state->worker.drain();  // the detectors change hands
-  state->async = async;
-  GST_INFO_OBJECT(self, "detecting %s", async ? "on the worker" : "on the streaming thread");
-}
-
-static bool gst_calib_detect_is_due(State* state, const gst::FrameTimes& times, double max_rate) {
-  if (max_rate <= 0 || !GST_CLOCK_TIME_IS_VALID(times.running_time)) return true;
-  const auto interval = static_cast<GstClockTime>(GST_SECOND / max_rate);
-  if (GST_CLOCK_TIME_IS_VALID(state->last_detection) &&
-      times.running_time >= state->last_detection &&
-      times.running_time + interval / 4 < state->last_detection + interval) {
-    return false;
-  }
-  // On the beat, so that a camera's jitter does not cost every other frame.
-  const bool late = !GST_CLOCK_TIME_IS_VALID(state->last_detection) ||
-                    times.running_time < state->last_detection ||
-                    times.running_time >= state->last_detection + 2 * interval;
-  state->last_detection = late ? times.running_time : state->last_detection + interval;
-  return true;
-}
-
-// Detects on this frame, or hands it to the worker. Empty: nothing to attach from this frame.
-static std::optional<std::vector<Observation>> gst_calib_detect_look(GstCalibDetect* self,
-                                                                     const Job& job,
-                                                                     GstBuffer* buffer) {
-  State* state = self->state;
-  GstVideoFrame frame;
-  if (!gst_video_frame_map(&frame, &state->info, buffer, GST_MAP_READ)) {
-    GST_WARNING_OBJECT(self, "cannot map the frame at %" GST_TIME_FORMAT,
-                       GST_TIME_ARGS(job.times.timestamp));
-    return std::nullopt;
-  }
-  std::optional<std::vector<Observation>> found;
-  if (GST_VIDEO_FRAME_WIDTH(&frame) != GST_VIDEO_INFO_WIDTH(&state->info) ||
-      GST_VIDEO_FRAME_HEIGHT(&frame) != GST_VIDEO_INFO_HEIGHT(&state->info)) {
-    GST_WARNING_OBJECT(self, "the frame at %" GST_TIME_FORMAT " is not of the size of its caps",
-                       GST_TIME_ARGS(job.times.timestamp));
-    gst_video_frame_unmap(&frame);
-    return std::nullopt;
-  }
-  const ImageView image = state->luma.view(frame);
-  if (state->async) {
-    gst_calib_detect_offer(self, job, image);
-  } else {
-    found = gst_calib_detect_run(self, job, image, {});
-  }
-  gst_video_frame_unmap(&frame);
-  return found;
-}
-
 static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
-  GstCalibDetect* self = GST_CALIB_DETECT(trans);
-  State* state = self->state;
-  if (!state->have_info) return GST_FLOW_NOT_NEGOTIATED;
-  if (const Status updated = gst_calib_detect_update_boards(self); !updated) {
-    gst::post_warning(GST_ELEMENT(self), updated.error());
+  gst::CalibDetector& detector = *GST_CALIB_DETECT(trans)->detector;
+  if (!detector.has_format()) {
+    gst::post_error(GST_ELEMENT(trans),
+                    {ErrorCode::kMalformed,
+                     "A frame came before the caps that say what it is: set the caps upstream, "
+                     "with caps=... of appsrc or a capsfilter."});
+    return GST_FLOW_NOT_NEGOTIATED;
   }
-
-  Job job;
-  job.times = gst::frame_times(&trans->segment, buffer);
-  job.detectors = state->detectors;
-  std::optional<std::vector<Observation>> result;
-  {
-    const std::lock_guard guard(state->lock);
-    job.settings = state->settings;
-    job.generation = state->generation;
-    ++state->frames;
-    result = std::exchange(state->result, std::nullopt);
-  }
-  gst_calib_detect_choose_mode(self, job.settings.mode);
-  if (gst_calib_detect_is_due(state, job.times, job.settings.max_rate)) {
-    if (auto now = gst_calib_detect_look(self, job, buffer)) result = std::move(now);
-  } else {
-    const std::lock_guard guard(state->lock);
-    ++state->skipped;
-  }
-  if (result) gst::attach_observations(buffer, *result);
+  // Asked once after each CAPS: only then does a live source know that it is one.
+  if (!detector.mode_known()) detector.choose_mode(gst::upstream_is_live(trans));
+  const auto found = detector.look(buffer, gst::frame_times(&trans->segment, buffer));
+  if (found) gst::attach_observations(buffer, *found);
   return GST_FLOW_OK;
 }
 
 static gboolean gst_calib_detect_set_caps(GstBaseTransform* trans, GstCaps* caps,
                                           GstCaps* /*out_caps*/) {
-  GstCalibDetect* self = GST_CALIB_DETECT(trans);
-  State* state = self->state;
-  state->have_info = false;
-  if (!gst_video_info_from_caps(&state->info, caps)) {
-    GST_ERROR_OBJECT(self, "cannot understand the caps %" GST_PTR_FORMAT, static_cast<void*>(caps));
-    return FALSE;
-  }
-  if (const Status set = state->luma.set_format(state->info); !set) {
-    gst::post_error(GST_ELEMENT(self), set.error());
-    return FALSE;
-  }
-  state->have_info = true;
-  state->mode_known = false;
-  return TRUE;
+  GstVideoInfo info;
+  if (!gst_video_info_from_caps(&info, caps)) return FALSE;
+  const Status set = GST_CALIB_DETECT(trans)->detector->set_format(info);
+  if (!set) gst::post_error(GST_ELEMENT(trans), set.error());
+  return set.has_value();
 }
 
 // A result that no buffer took goes ahead of the event that ends its stretch of the stream.
 static void gst_calib_detect_push_waiting(GstCalibDetect* self) {
-  std::optional<std::vector<Observation>> result;
-  {
-    const std::lock_guard guard(self->state->lock);
-    result = std::exchange(self->state->result, std::nullopt);
-  }
+  const auto result = self->detector->take_waiting();
   if (!result) return;
   gst_pad_push_event(
       GST_BASE_TRANSFORM_SRC_PAD(self),
       gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM, gst::observations_to_structure(*result)));
 }
 
-// From here on another format or other times apply: what is still being computed is of no use.
-static void gst_calib_detect_next_stretch(GstCalibDetect* self) {
-  State* state = self->state;
-  state->last_detection = GST_CLOCK_TIME_NONE;
-  const std::lock_guard guard(state->lock);
-  ++state->generation;
-  state->result.reset();
-}
-
 static gboolean gst_calib_detect_sink_event(GstBaseTransform* trans, GstEvent* event) {
   GstCalibDetect* self = GST_CALIB_DETECT(trans);
-  State* state = self->state;
+  gst::CalibDetector& detector = *self->detector;
   switch (GST_EVENT_TYPE(event)) {
     case GST_EVENT_EOS:
-      state->worker.drain();
+      detector.drain();
       gst_calib_detect_push_waiting(self);
       break;
     case GST_EVENT_CAPS:
     case GST_EVENT_SEGMENT:
       gst_calib_detect_push_waiting(self);
-      gst_calib_detect_next_stretch(self);
+      detector.next_stretch();
       break;
     case GST_EVENT_FLUSH_START:
-      state->worker.cancel();
+      detector.cancel();
       break;
-    case GST_EVENT_FLUSH_STOP: {
-      state->worker.resume();
-      gst_calib_detect_next_stretch(self);
+    case GST_EVENT_FLUSH_STOP:
+      detector.resume();
+      detector.next_stretch();
       break;
-    }
     default:
       break;
   }
@@ -406,45 +187,38 @@ static gboolean gst_calib_detect_sink_event(GstBaseTransform* trans, GstEvent* e
 }
 
 static gboolean gst_calib_detect_start(GstBaseTransform* trans) {
-  GstCalibDetect* self = GST_CALIB_DETECT(trans);
-  State* state = self->state;
-  {
-    const std::lock_guard guard(state->lock);
-    state->boards_changed = true;
-    state->result.reset();
-    state->frames = state->detections = state->skipped = 0;
-  }
-  state->have_info = false;
-  state->async = false;
-  state->last_detection = GST_CLOCK_TIME_NONE;
-  if (const Status updated = gst_calib_detect_update_boards(self); !updated) {
-    gst::post_error(GST_ELEMENT(self), updated.error());
-    return FALSE;
-  }
-  state->worker.start();
-  return TRUE;
+  const Status started = GST_CALIB_DETECT(trans)->detector->start();
+  if (!started) gst::post_error(GST_ELEMENT(trans), started.error());
+  return started.has_value();
 }
 
 static gboolean gst_calib_detect_stop(GstBaseTransform* trans) {
-  GST_CALIB_DETECT(trans)->state->worker.stop();
+  GST_CALIB_DETECT(trans)->detector->stop();
   return TRUE;
 }
 
 static GstStateChangeReturn gst_calib_detect_change_state(GstElement* element,
                                                           GstStateChange change) {
-  // Before the pads are deactivated: that waits for the streaming thread, which may be draining.
-  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) GST_CALIB_DETECT(element)->state->worker.cancel();
+  // Before the pads are deactivated: that waits for the streaming thread, which may be waiting.
+  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) GST_CALIB_DETECT(element)->detector->cancel();
   return GST_ELEMENT_CLASS(gst_calib_detect_parent_class)->change_state(element, change);
 }
 
+static void gst_calib_detect_dispose(GObject* object) {
+  // While there is an element that the worker can post messages of.
+  GST_CALIB_DETECT(object)->detector->join();
+  G_OBJECT_CLASS(gst_calib_detect_parent_class)->dispose(object);
+}
+
 static void gst_calib_detect_finalize(GObject* object) {
-  delete GST_CALIB_DETECT(object)->state;
+  delete GST_CALIB_DETECT(object)->detector;
   G_OBJECT_CLASS(gst_calib_detect_parent_class)->finalize(object);
 }
 
 static void gst_calib_detect_init(GstCalibDetect* self) {
-  self->state = new State;
+  self->detector = new gst::CalibDetector(GST_ELEMENT(self));
   gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
+  gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 static void gst_calib_detect_install_properties(GObjectClass* object_class) {
@@ -461,23 +235,33 @@ static void gst_calib_detect_install_properties(GObjectClass* object_class) {
   g_object_class_install_property(
       object_class, PROP_MODE,
       g_param_spec_enum("mode", "Mode",
-                        "Where boards are looked for; asked again at each new format",
-                        gst_calib_detect_mode_get_type(), kModeAuto, gst::kMutablePlaying));
+                        "Whether frames wait for the detector; decided anew at each format",
+                        gst_calib_detect_mode_get_type(), gst::kModeAuto, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_MAX_RATE,
-      g_param_spec_double("max-rate", "Maximum rate",
+      g_param_spec_double("max-rate", "Maximum Rate",
                           "Frames per second of running time to look at, at the most (0 = all)", 0,
                           1000, 0, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_POST_MESSAGES,
-      g_param_spec_boolean("post-messages", "Post messages",
+      g_param_spec_boolean("post-messages", "Post Messages",
                            "Post a calib-detection message for every board and frame looked at",
                            FALSE, gst::kMutablePlaying));
   g_object_class_install_property(
+      object_class, PROP_RECHECK,
+      g_param_spec_string(
+          "recheck", "Recheck",
+          "A calibration (a file, or whatever calibundistort takes) that each board "
+          "found is held against: posts calib-check with the misfit, how far the "
+          "camera has moved from it, and the pose of the board",
+          nullptr, gst::kMutablePlaying));
+  g_object_class_install_property(
       object_class, PROP_STATS,
-      g_param_spec_boxed("stats", "Statistics",
-                         "Counts since start: frames, detections, skipped (by max-rate)",
-                         GST_TYPE_STRUCTURE, gst::kReadOnly));
+      g_param_spec_boxed(
+          "stats", "Statistics",
+          "Counts of frames since start: frames, detections, skipped (by max-rate, or as "
+          "the worker was busy)",
+          GST_TYPE_STRUCTURE, gst::kReadOnly));
   gst_type_mark_as_plugin_api(gst_calib_detect_mode_get_type(), static_cast<GstPluginAPIFlags>(0));
 }
 
@@ -487,6 +271,7 @@ static void gst_calib_detect_class_init(GstCalibDetectClass* klass) {
   auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
   object_class->set_property = gst_calib_detect_set_property;
   object_class->get_property = gst_calib_detect_get_property;
+  object_class->dispose = gst_calib_detect_dispose;
   object_class->finalize = gst_calib_detect_finalize;
   element_class->change_state = gst_calib_detect_change_state;
   trans_class->start = gst_calib_detect_start;

@@ -15,6 +15,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gst/video/gstvideofilter.h>
@@ -23,10 +24,12 @@
 #include "calvin/draw/overlay.hpp"
 #include "caption.hpp"
 #include "elements.hpp"
+#include "frame_check.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
 #include "metas.hpp"
 #include "overlay_blend.hpp"
+#include "refused_caps.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(caliboverlay_debug);
 #define GST_CAT_DEFAULT caliboverlay_debug
@@ -64,6 +67,7 @@ struct State {
   gst::Caption caption;
   const OverlayTile* words = nullptr;  // the caption's tile for the buffer at hand
   bool blending_failed = false;
+  bool frame_refused = false;  // and the user was told so
 
   void forget() {
     observations = {};
@@ -143,7 +147,17 @@ static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* /*in
                                            GstVideoInfo* /*in*/, GstCaps* /*out_caps*/,
                                            GstVideoInfo* /*out*/) {
   GST_CALIB_OVERLAY(filter)->state->forget();
+  GST_CALIB_OVERLAY(filter)->state->frame_refused = false;
   return TRUE;
+}
+
+static bool may_draw_on(GstBaseTransform* trans, GstBuffer* buffer) {
+  State& state = *GST_CALIB_OVERLAY(trans)->state;
+  const Status checked = gst::check_frame(GST_VIDEO_FILTER(trans)->in_info, buffer);
+  if (!checked && !std::exchange(state.frame_refused, true)) {
+    gst::post_warning(GST_ELEMENT(trans), checked.error());
+  }
+  return checked.has_value();
 }
 
 // Decides before the buffer is made writable: one without a drawing is never copied.
@@ -163,7 +177,8 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
     GST_DEBUG_OBJECT(trans, "%s", tiles.error().message.c_str());
     state.tiles.clear();
   }
-  gst_base_transform_set_passthrough(trans, state.tiles.empty() && state.words == nullptr);
+  const bool drawing = !state.tiles.empty() || state.words != nullptr;
+  gst_base_transform_set_passthrough(trans, !drawing || !may_draw_on(trans, buffer));
 }
 
 static GstFlowReturn gst_calib_overlay_transform_frame_ip(GstVideoFilter* filter,
@@ -191,6 +206,7 @@ static void gst_calib_overlay_init(GstCalibOverlay* self) {
   self->state = new State;
   gst_base_transform_set_in_place(GST_BASE_TRANSFORM(self), TRUE);
   gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);
+  gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 static void gst_calib_overlay_class_init(GstCalibOverlayClass* klass) {

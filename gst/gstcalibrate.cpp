@@ -27,6 +27,7 @@
 #include "elements.hpp"
 #include "meta_filter.hpp"
 #include "properties.hpp"
+#include "refused_caps.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(calibrate_debug);
 #define GST_CAT_DEFAULT calibrate_debug
@@ -41,7 +42,8 @@ struct _GstCalibrate {
   GstPad* src;          // ghost
 };
 
-G_DEFINE_FINAL_TYPE(GstCalibrate, gst_calibrate, GST_TYPE_BIN)
+G_DEFINE_FINAL_TYPE_WITH_CODE(GstCalibrate, gst_calibrate, GST_TYPE_BIN,
+                              G_IMPLEMENT_INTERFACE(GST_TYPE_PRESET, nullptr))
 GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibrate, "calibrate", GST_RANK_NONE,
                                       gst_calibrate_get_type(),
                                       GST_DEBUG_CATEGORY_INIT(calibrate_debug, "calibrate", 0,
@@ -89,7 +91,10 @@ static void gst_calibrate_set_property(GObject* object, guint id, const GValue* 
   GstCalibrate* self = GST_CALIBRATE(object);
   if (id == PROP_OVERLAY) {
     if (GST_STATE(self) > GST_STATE_READY) {
-      GST_WARNING_OBJECT(self, "overlay can be changed in the states NULL and READY only");
+      GST_ELEMENT_WARNING(self, LIBRARY, SETTINGS,
+                          ("The property 'overlay' cannot change while the element runs and stays "
+                           "as it was: set it in the states NULL or READY."),
+                          (nullptr));
       return;
     }
     gst_calibrate_set_overlay(self, g_value_get_boolean(value));
@@ -160,6 +165,7 @@ static void gst_calibrate_init(GstCalibrate* self) {
   self->src = gst_ghost_pad_new_from_template("src", src, src_template);
   gst_element_add_pad(GST_ELEMENT(self), self->src);
   gst_calibrate_set_overlay(self, true);
+  calvin::gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 // A property of a child, to be installed on the bin as well.
@@ -221,6 +227,11 @@ static void gst_calibrate_install_signals(GType type) {
     g_signal_new_class_handler(name, type, kAction, G_CALLBACK(handler), nullptr, nullptr, nullptr,
                                G_TYPE_NONE, 0);
   };
+  /**
+   * GstCalibrate::capture-view:
+   *
+   * See #GstCalibSolve::capture-view; likewise solve, reset and remove-view.
+   */
   action("capture-view", gst_calibrate_capture_view);
   action("solve", gst_calibrate_solve);
   action("reset", gst_calibrate_reset);

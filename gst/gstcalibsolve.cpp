@@ -17,6 +17,7 @@
  * ]|
  */
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,12 +26,12 @@
 #include <gst/video/video.h>
 
 #include "calib_solver.hpp"
-#include "calvin/camera/camera.hpp"
 #include "elements.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
 #include "metas.hpp"
 #include "properties.hpp"
+#include "refused_caps.hpp"
 
 GST_DEBUG_CATEGORY(calibsolve_debug);
 #define GST_CAT_DEFAULT calibsolve_debug
@@ -68,6 +69,7 @@ enum {
   PROP_CAMERA,
   PROP_MODEL,
   PROP_FIX,
+  PROP_INITIAL,
   PROP_CAPTURE_MODE,
   PROP_MIN_VIEWS,
   PROP_MAX_VIEWS,
@@ -109,6 +111,9 @@ static void gst_calib_solve_set_property(GObject* object, guint id, const GValue
       case PROP_FIX:
         settings.fix = gst::string_of(value);
         break;
+      case PROP_INITIAL:
+        settings.initial = gst::string_of(value);
+        break;
       case PROP_CAPTURE_MODE:
         settings.capture_mode = g_value_get_enum(value);
         break;
@@ -146,6 +151,9 @@ static void gst_calib_solve_get_property(GObject* object, guint id, GValue* valu
       break;
     case PROP_FIX:
       gst::set_string(value, settings.fix);
+      break;
+    case PROP_INITIAL:
+      gst::set_string(value, settings.initial);
       break;
     case PROP_CAPTURE_MODE:
       g_value_set_enum(value, settings.capture_mode);
@@ -208,10 +216,13 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   gst::CalibSolver& solver = self->state->solver;
   // Asked once after each CAPS: only then does a live source know that it is one.
   if (!std::exchange(self->state->mode_known, true)) {
-    solver.choose_capture_mode(gst::upstream_is_live(trans));
+    solver.set_live(gst::upstream_is_live(trans));
   }
-  const bool captured =
-      gst_calib_solve_offer(self, gst::read_observations(buffer), GST_BUFFER_DURATION(buffer));
+  solver.update();
+  std::optional<Error> problem;
+  const auto observations = gst::read_observations(buffer, &problem);
+  if (problem) solver.complain(*problem);
+  const bool captured = gst_calib_solve_offer(self, observations, GST_BUFFER_DURATION(buffer));
   gst_calib_solve_push_calibration(self);
   gst::Guidance guidance = solver.guidance();
   guidance.captured = captured;
@@ -240,8 +251,11 @@ static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* ev
     case GST_EVENT_CUSTOM_DOWNSTREAM:
       // An observation that no buffer could take.
       if (gst_event_has_name(event, gst::kObservationName)) {
-        const GstStructure* s = gst_event_get_structure(event);
-        gst_calib_solve_offer(self, gst::observations_from_structure(s), GST_CLOCK_TIME_NONE);
+        std::optional<Error> problem;
+        const auto observations =
+            gst::observations_from_structure(gst_event_get_structure(event), &problem);
+        if (problem) solver.complain(*problem);
+        gst_calib_solve_offer(self, observations, GST_CLOCK_TIME_NONE);
       }
       break;
     case GST_EVENT_FLUSH_START:
@@ -274,6 +288,12 @@ static GstStateChangeReturn gst_calib_solve_change_state(GstElement* element,
   return GST_ELEMENT_CLASS(gst_calib_solve_parent_class)->change_state(element, change);
 }
 
+static void gst_calib_solve_dispose(GObject* object) {
+  // While there is an element that the worker can post messages of.
+  GST_CALIB_SOLVE(object)->state->solver.join();
+  G_OBJECT_CLASS(gst_calib_solve_parent_class)->dispose(object);
+}
+
 static void gst_calib_solve_finalize(GObject* object) {
   delete GST_CALIB_SOLVE(object)->state;
   G_OBJECT_CLASS(gst_calib_solve_parent_class)->finalize(object);
@@ -282,6 +302,7 @@ static void gst_calib_solve_finalize(GObject* object) {
 static void gst_calib_solve_init(GstCalibSolve* self) {
   self->state = new State(GST_ELEMENT(self));
   gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
+  gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 // ---- Class --------------------------------------------------------------------------------------
@@ -295,38 +316,43 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
   text(PROP_LOCATION, "location", "Location",
        "File for the calibration (native JSON), written at the first solve and whenever it got "
        "better",
-       nullptr, gst::kMutableReady);
+       nullptr, gst::kMutablePlaying);
   text(PROP_EXPORT, "export", "Export",
        "Further files in other formats, FORMAT:PATH,FORMAT:PATH with the formats calvin, ros, "
        "opencv-yaml, opencv-xml, opencv-json",
-       nullptr, gst::kMutableReady);
+       nullptr, gst::kMutablePlaying);
   text(PROP_CAMERA, "camera", "Camera",
        "Name of the camera in messages and files (unset = the one that the observations carry)",
        nullptr, gst::kMutablePlaying);
   text(PROP_MODEL, "model", "Model", "Camera model: pinhole, brown4, brown5 or fisheye", "brown5",
-       gst::kMutableReady);
+       gst::kMutablePlaying);
   text(PROP_FIX, "fix", "Fix",
-       "What not to estimate, separated by commas: a distortion coefficient (held at 0), cx, "
-       "cy or center for both (the middle of the picture), aspect (fx = fy)",
-       nullptr, gst::kMutableReady);
+       "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
+       "else a distortion coefficient at 0 and cx, cy (center for both) at the middle of the "
+       "picture. What to tie: aspect (fy:fx as in initial, or else 1), fx=fy, k1=k2",
+       nullptr, gst::kMutablePlaying);
+  text(PROP_INITIAL, "initial", "Initial",
+       "A calibration (a file, or whatever calibundistort takes) to start the solve from, which "
+       "also gives the values that fix holds; unset: the views alone tell",
+       nullptr, gst::kMutablePlaying);
   g_object_class_install_property(
       object_class, PROP_CAPTURE_MODE,
-      g_param_spec_enum("capture-mode", "Capture mode", "Which views of the board are kept",
+      g_param_spec_enum("capture-mode", "Capture Mode", "Which views of the board are kept",
                         gst_calib_solve_capture_mode_get_type(), gst::kCaptureDefault,
-                        gst::kMutableReady));
+                        gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_MIN_VIEWS,
-      g_param_spec_int("min-views", "Minimum views", "Views that a calibration needs at least", 3,
-                       1000, 3, gst::kMutableReady));
+      g_param_spec_int("min-views", "Minimum Views", "Views that a calibration needs at least", 3,
+                       1000, 3, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_MAX_VIEWS,
-      g_param_spec_int("max-views", "Maximum views",
+      g_param_spec_int("max-views", "Maximum Views",
                        "Views after which nothing more is captured and the final result is posted "
                        "(0 = no limit)",
-                       0, 100000, 0, gst::kMutableReady));
+                       0, 100000, 0, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_TARGET_ERROR,
-      g_param_spec_double("target-error", "Target error",
+      g_param_spec_double("target-error", "Target Error",
                           "Expected error in px (1 sigma, anywhere in the picture) at which "
                           "nothing more is captured and the final result is posted (0 = never)",
                           0, 100, 0, gst::kMutablePlaying));
@@ -384,6 +410,7 @@ static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
   auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
   object_class->set_property = gst_calib_solve_set_property;
   object_class->get_property = gst_calib_solve_get_property;
+  object_class->dispose = gst_calib_solve_dispose;
   object_class->finalize = gst_calib_solve_finalize;
   element_class->change_state = gst_calib_solve_change_state;
   trans_class->start = gst_calib_solve_start;

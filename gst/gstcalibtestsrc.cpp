@@ -113,6 +113,7 @@ static GType gst_calib_test_src_motion_get_type() {
 static void gst_calib_test_src_set_property(GObject* object, guint id, const GValue* value,
                                             GParamSpec* spec) {
   State* state = GST_CALIB_TEST_SRC(object)->state;
+  gst::warn_if_late(GST_ELEMENT(object), spec);
   if (id == PROP_IS_LIVE) {
     gst_base_src_set_live(GST_BASE_SRC(object), g_value_get_boolean(value));
     return;
@@ -281,6 +282,19 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
   if (first) gst_calib_test_src_find_frame(state);
   gst_base_src_set_blocksize(src, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
   return TRUE;
+}
+
+static gboolean gst_calib_test_src_negotiate(GstBaseSrc* src) {
+  g_autoptr(GstCaps) wanted = gst_pad_get_allowed_caps(GST_BASE_SRC_PAD(src));
+  if (wanted != nullptr && gst_caps_is_empty(wanted)) {
+    gst::post_error(GST_ELEMENT(src),
+                    {ErrorCode::kUnsupported,
+                     "Downstream takes no video that calibtestsrc makes (I420, NV12, YUY2, BGRx or "
+                     "GRAY8, 16x16 to 8192x8192 px, 1 to 240 frames per second): insert "
+                     "videoconvert, videoscale or videorate behind it."});
+    return FALSE;
+  }
+  return GST_BASE_SRC_CLASS(gst_calib_test_src_parent_class)->negotiate(src);
 }
 
 static GstCaps* gst_calib_test_src_fixate(GstBaseSrc* src, GstCaps* caps) {
@@ -453,11 +467,11 @@ static void gst_calib_test_src_install_scene_properties(GObjectClass* object_cla
                           0, G_MAXUINT64, 0, gst::kMutableReady));
   g_object_class_install_property(
       object_class, PROP_IS_LIVE,
-      g_param_spec_boolean("is-live", "Is live", "Deliver frames in real time, as a camera does",
+      g_param_spec_boolean("is-live", "Is Live", "Deliver frames in real time, as a camera does",
                            FALSE, gst::kMutableReady));
   g_object_class_install_property(
       object_class, PROP_GROUND_TRUTH,
-      g_param_spec_string("ground-truth", "Ground truth",
+      g_param_spec_string("ground-truth", "Ground Truth",
                           "File to write the camera to, as a calibration; unset: none", nullptr,
                           gst::kMutableReady));
 }
@@ -488,6 +502,7 @@ static void gst_calib_test_src_class_init(GstCalibTestSrcClass* klass) {
   base_class->start = gst_calib_test_src_start;
   base_class->stop = gst_calib_test_src_stop;
   base_class->set_caps = gst_calib_test_src_set_caps;
+  base_class->negotiate = gst_calib_test_src_negotiate;
   base_class->fixate = gst_calib_test_src_fixate;
   base_class->decide_allocation = gst_calib_test_src_decide_allocation;
   base_class->is_seekable = gst_calib_test_src_is_seekable;

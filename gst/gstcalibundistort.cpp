@@ -23,21 +23,23 @@
 
 #include "calibration_event.hpp"
 #include "calibration_input.hpp"
-#include "calvin/io/calibration_io.hpp"
 #include "elements.hpp"
-#include "frame_planes.hpp"
+#include "frame_check.hpp"
+#include "frame_mapping.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
-#include "metas.hpp"
+#include "orientation_tags.hpp"
+#include "output_event.hpp"
 #include "properties.hpp"
-#include "undistorter_builder.hpp"
+#include "refused_caps.hpp"
+#include "undistort_caps.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(calibundistort_debug);
 #define GST_CAT_DEFAULT calibundistort_debug
 
 using namespace calvin;
 using gst::EventPtr;
-using gst::UndistorterBuilder;
+using gst::FrameWarp;
 
 namespace {
 
@@ -56,27 +58,18 @@ struct State {
   Settings settings;
   bool calibration_changed = false;
   std::string output_calibration;
-  EventPtr arrived_event;  // a calibration event, not yet looked at
+  EventPtr arrived_event;                    // a calibration event, not yet looked at
+  std::shared_ptr<const Undistorter> shown;  // how the last frame was moved
 
-  UndistorterBuilder builder;
+  FrameWarp warp;
 
   // Streaming thread, or before it starts.
   gst::CalibrationInput input;
-  GstVideoInfo info{};
-  std::vector<gst::FramePlane> planes;
-  bool live = false;
-  bool streaming = false;  // a frame of this format has passed
-  std::optional<UndistorterBuilder::Key> requested;
-  std::shared_ptr<const Undistorter> active;
-  EventPtr output_event;  // the calibration of what `active` gives
-  EventPtr sent_event;    // what downstream knows
+  gst::OrientationTags tags;
+  std::optional<bool> live;   // unknown: not asked since the last caps
+  bool renegotiated = false;  // since the last update()
+  gst::OutputEvent output;
 };
-
-EventPtr event_of(const Camera& camera, const std::string& name) {
-  Calibration calibration = camera.to_calibration();
-  calibration.camera = name;
-  return EventPtr(gst::new_calibration_event({name, print_calibration(calibration).value_or("")}));
-}
 
 }  // namespace
 
@@ -108,149 +101,119 @@ static void set_output_calibration(GstCalibUndistort* self, const std::string& j
   g_object_notify_by_pspec(G_OBJECT(self), properties[kOutputCalibration]);
 }
 
-// Makes what was built the one in use, unless the calibration has changed meanwhile.
-static void adopt(GstCalibUndistort* self, const UndistorterBuilder::Built& built) {
-  State& s = *self->state;
-  if (built.key.camera != s.input.serial()) return;
-  if (!built.undistorter) {
-    if (built.undistorter.error().code != ErrorCode::kCancelled) {
-      gst::post_warning(GST_ELEMENT(self), built.undistorter.error());
-    }
-    return;
-  }
-  s.active = *built.undistorter;
-  s.output_event = event_of(s.active->output(), s.input.name());
-  GST_INFO_OBJECT(self, "undistorting, alpha %f", built.key.alpha);
-}
-
-// Sees to it that the undistorter for the camera and `alpha` is in use, or will be soon: what runs
-// live goes on as it is until a worker is done, everything else waits for it.
-static void ensure_undistorter(GstCalibUndistort* self, double alpha) {
-  State& s = *self->state;
-  if (const auto built = s.builder.take()) adopt(self, *built);
-  const UndistorterBuilder::Key key = {s.input.serial(), alpha};
-  if (s.requested == key) return;
-  s.requested = key;
-  UndistorterBuilder::Request request = {key, *s.input.camera(), {}};
-  for (const gst::FramePlane& plane : s.planes) request.planes.push_back(plane.layout);
-  if (s.live && s.streaming) {
-    s.builder.offer(std::move(request));
-  } else {
-    adopt(self, s.builder.build(request));
-  }
-}
-
 // Tells downstream, and whoever listens to `output-calibration`, what the frames from now on are.
-static void announce(GstCalibUndistort* self, bool undistorting) {
+static void announce(GstCalibUndistort* self) {
   State& s = *self->state;
-  EventPtr event;
-  if (undistorting) {
-    event.reset(gst_event_ref(s.output_event.get()));
-  } else if (s.input.event() != nullptr) {
-    event.reset(gst_event_ref(s.input.event()));
-  } else if (s.sent_event && s.sent_event == s.output_event) {
-    event = s.input.camera() ? event_of(*s.input.camera(), s.input.name())
-                             : EventPtr(gst::new_calibration_event({}));
-  }
-  if (!event || event == s.sent_event) return;
-  gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self), gst_event_ref(event.get()));
+  EventPtr event = s.output.next(s.warp, s.input);
+  if (!event) return;
   const auto calibration = gst::parse_calibration_event(event.get());
-  s.sent_event = std::move(event);
+  gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self), event.release());
   set_output_calibration(self, calibration ? calibration->json : "");
 }
 
 // Brings everything up to date with the properties, the file and the events. Between two frames.
 static void update(GstCalibUndistort* self) {
   State& s = *self->state;
+  GstBaseTransform* trans = GST_BASE_TRANSFORM(self);
+  s.renegotiated = false;
   EventPtr event;
   const Settings settings = take_settings(s, event);
   if (event) {
     const Status taken = s.input.take_event(event.get());
     if (!taken) gst::post_warning(GST_ELEMENT(self), taken.error());
   }
-  for (const Error& error : s.input.update(gst::CalibrationSetting::Clock::now())) {
-    gst::post_warning(GST_ELEMENT(self), error);
+  if (!s.live) s.live = gst::upstream_is_live(trans);
+  auto errors = s.input.update(gst::CalibrationSetting::Clock::now());
+  const auto more = s.warp.update(s.input, {settings.enabled, settings.alpha, *s.live});
+  errors.insert(errors.end(), more.begin(), more.end());
+  for (const Error& error : errors) gst::post_warning(GST_ELEMENT(self), error);
+  {
+    const std::lock_guard guard(s.lock);
+    s.shown = s.warp.current();
   }
-  if (!s.input.camera()) {
-    s.active.reset();
-    s.requested.reset();
-  } else if (settings.enabled) {
-    ensure_undistorter(self, settings.alpha);
-  }
-  const bool undistorting = settings.enabled && s.active;
-  GstBaseTransform* trans = GST_BASE_TRANSFORM(self);
-  if (undistorting == gst_base_transform_is_passthrough(trans)) {
-    gst_base_transform_set_passthrough(trans, !undistorting);
+  const bool passthrough = !s.warp.current() && !s.warp.must_move();
+  if (passthrough != (gst_base_transform_is_passthrough(trans) != FALSE)) {
+    gst_base_transform_set_passthrough(trans, passthrough);
     // Upstream got downstream's buffers while the frames passed through.
     gst_base_transform_reconfigure_sink(trans);
     gst_base_transform_reconfigure_src(trans);
   }
-  announce(self, undistorting);
+  announce(self);
 }
 
 static void gst_calib_undistort_before_transform(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
   State& s = *self->state;
-  if (s.planes.empty()) return;
+  if (!s.warp.has_frames()) return;
   const auto times = gst::frame_times(&trans->segment, buffer);
   if (GST_CLOCK_TIME_IS_VALID(times.stream_time)) {
     gst_object_sync_values(GST_OBJECT(self), times.stream_time);
   }
-  if (!s.streaming) s.live = gst::upstream_is_live(trans);
   update(self);
-  s.streaming = true;
+  s.warp.begin();
+}
+
+// GstBaseTransform looks after before_transform whether downstream wants other frames.
+static GstFlowReturn gst_calib_undistort_prepare_output_buffer(GstBaseTransform* trans,
+                                                               GstBuffer* in, GstBuffer** out) {
+  GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
+  if (self->state->renegotiated) update(self);
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
+      ->prepare_output_buffer(trans, in, out);
 }
 
 static GstFlowReturn gst_calib_undistort_transform_frame(GstVideoFilter* filter, GstVideoFrame* in,
                                                          GstVideoFrame* out) {
-  GstCalibUndistort* self = GST_CALIB_UNDISTORT(filter);
-  State& s = *self->state;
-  // A buffer may carry a GstVideoMeta of another size than the caps.
-  const ImageSize size = s.active->source().image_size();
-  if (ImageSize{GST_VIDEO_FRAME_WIDTH(in), GST_VIDEO_FRAME_HEIGHT(in)} != size ||
-      ImageSize{GST_VIDEO_FRAME_WIDTH(out), GST_VIDEO_FRAME_HEIGHT(out)} != size) {
-    GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("A frame is not of the size that was negotiated."),
-                      (nullptr));
-    return GST_FLOW_ERROR;
+  const Status done = GST_CALIB_UNDISTORT(filter)->state->warp.apply(*in, *out);
+  if (done) return GST_FLOW_OK;
+  GST_ELEMENT_ERROR(filter, STREAM, FORMAT, ("%s", done.error().message.c_str()), (nullptr));
+  return GST_FLOW_ERROR;
+}
+
+// GstVideoFilter would send on what the output's memory held before for a frame that cannot be
+// read.
+static GstFlowReturn gst_calib_undistort_transform(GstBaseTransform* trans, GstBuffer* in,
+                                                   GstBuffer* out) {
+  GstVideoFilter* filter = GST_VIDEO_FILTER(trans);
+  for (const auto& [info, buffer] : {std::pair(filter->in_info, in), {filter->out_info, out}}) {
+    if (const Status checked = gst::check_frame(info, buffer); !checked) {
+      gst::post_error(GST_ELEMENT(trans), checked.error());
+      return GST_FLOW_ERROR;
+    }
   }
-  for (std::size_t i = 0; i < s.planes.size(); ++i) {
-    const auto source = gst::memory_of(*in, s.planes[i]);
-    s.active->apply(i, {source.data, source.stride}, gst::memory_of(*out, s.planes[i]));
-  }
-  return GST_FLOW_OK;
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->transform(trans, in, out);
 }
 
 static gboolean gst_calib_undistort_transform_meta(GstBaseTransform* trans, GstBuffer* out,
                                                    GstMeta* meta, GstBuffer* in) {
-  State& s = *GST_CALIB_UNDISTORT(trans)->state;
-  if (gst_meta_info_is_custom(meta->info) &&
-      gst_custom_meta_has_name(reinterpret_cast<GstCustomMeta*>(meta), gst::kObservationName)) {
-    std::vector<Observation> mapped;
-    for (const Observation& o : gst::read_observations(in))
-      mapped.push_back(s.active->to_output(o));
-    gst::attach_observations(out, mapped);
-    return FALSE;
-  }
-  // It tells of the session and has no place in the picture.
-  if (gst_meta_info_is_custom(meta->info) &&
-      gst_custom_meta_has_name(reinterpret_cast<GstCustomMeta*>(meta), gst::kGuidanceName)) {
-    return TRUE;
+  const auto& current = GST_CALIB_UNDISTORT(trans)->state->warp.current();
+  if (current) {
+    const gst::MetaFate fate = gst::map_meta(*current, in, meta, out);
+    if (fate != gst::MetaFate::kOthers) return fate == gst::MetaFate::kCopy;
   }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
       ->transform_meta(trans, out, meta, in);
 }
 
-static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* /*in_caps*/,
-                                             GstVideoInfo* in, GstCaps* /*out_caps*/,
-                                             GstVideoInfo* /*out*/) {
+static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in_caps,
+                                             GstVideoInfo* in_info, GstCaps* out_caps,
+                                             GstVideoInfo* out_info) {
   State& s = *GST_CALIB_UNDISTORT(filter)->state;
-  if (!s.planes.empty() && gst_video_info_is_equal(&s.info, in)) return TRUE;
-  s.info = *in;
-  s.planes = gst::planes_of(*in);
-  s.input.set_frames(*in);
-  s.streaming = false;
-  s.requested.reset();
-  s.active.reset();
+  const gst::FrameFormat in(*in_info, in_caps);
+  const gst::FrameFormat out(*out_info, out_caps);
+  const bool other_input = !s.warp.has_frames() || !s.warp.takes(in);
+  if (!other_input && s.warp.gives(out)) return TRUE;
+  if (GST_VIDEO_INFO_IS_INTERLACED(in_info) && !in.same_places(out)) {
+    GST_ELEMENT_ERROR(filter, STREAM, FORMAT,
+                      ("Interlaced video cannot be scaled: insert deinterlace before this "
+                       "element."),
+                      (nullptr));
+    return FALSE;
+  }
+  s.warp.set_frames(in, out);
+  if (other_input) s.input.set_frames(*in_info);
+  s.live.reset();
+  s.renegotiated = true;
   return TRUE;
 }
 
@@ -261,7 +224,7 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
     // It goes on as it is, or as the calibration of the output. The peer's event is not serialized:
     // it waits for the next frame, as any does before the first caps.
     const bool now =
-        GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_DOWNSTREAM_STICKY && !s.planes.empty();
+        GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_DOWNSTREAM_STICKY && s.warp.has_frames();
     {
       const std::lock_guard guard(s.lock);
       s.arrived_event.reset(event);
@@ -269,16 +232,33 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
     if (now) update(self);
     return TRUE;
   }
+  if (s.tags.take(event)) s.input.set_upright(s.tags.upright());
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->sink_event(trans, event);
+}
+
+static gboolean gst_calib_undistort_src_event(GstBaseTransform* trans, GstEvent* event) {
+  State& s = *GST_CALIB_UNDISTORT(trans)->state;
+  // The peer's event goes both ways: cameracalibrate may stand behind this element.
+  if (gst::CalibrationInput::is_calibration(event)) {
+    const std::lock_guard guard(s.lock);
+    s.arrived_event.reset(gst_event_ref(event));
+  }
+  if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION) {
+    std::shared_ptr<const Undistorter> shown;
+    {
+      const std::lock_guard guard(s.lock);
+      shown = s.shown;
+    }
+    if (shown) event = gst::map_navigation(*shown, event);
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->src_event(trans, event);
 }
 
 static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
   State& s = *self->state;
-  s.planes.clear();
-  s.sent_event.reset();
-  s.requested.reset();
-  s.active.reset();
+  s.output.reset();
+  s.tags.reset();
   EventPtr stale;
   take_settings(s, stale);
   s.input.reset();
@@ -291,14 +271,16 @@ static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
     }
     gst::post_warning(GST_ELEMENT(self), error);
   }
-  s.builder.start();
+  s.warp.start();
   return TRUE;
 }
 
 static gboolean gst_calib_undistort_stop(GstBaseTransform* trans) {
   State& s = *GST_CALIB_UNDISTORT(trans)->state;
-  s.builder.stop();
-  s.active.reset();
+  s.warp.stop();
+  s.output.reset();
+  const std::lock_guard guard(s.lock);
+  s.shown.reset();
   return TRUE;
 }
 
@@ -306,7 +288,7 @@ static GstStateChangeReturn gst_calib_undistort_change_state(GstElement* element
                                                              GstStateChange change) {
   // A build on the streaming thread would hold the state change up.
   if (change == GST_STATE_CHANGE_PAUSED_TO_READY) {
-    GST_CALIB_UNDISTORT(element)->state->builder.cancel();
+    GST_CALIB_UNDISTORT(element)->state->warp.cancel();
   }
   return GST_ELEMENT_CLASS(gst_calib_undistort_parent_class)->change_state(element, change);
 }
@@ -361,6 +343,7 @@ static void gst_calib_undistort_finalize(GObject* object) {
 static void gst_calib_undistort_init(GstCalibUndistort* self) {
   self->state = new State;
   gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);
+  gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
 static void install_properties(GObjectClass* object_class) {
@@ -387,15 +370,6 @@ static void install_properties(GObjectClass* object_class) {
   g_object_class_install_properties(object_class, kProperties, properties);
 }
 
-static void add_pads(GstElementClass* element_class) {
-  g_autoptr(GstCaps) caps =
-      gst_caps_from_string(GST_VIDEO_CAPS_MAKE("{ GRAY8, I420, NV12, YUY2, BGRx }"));
-  gst_element_class_add_pad_template(
-      element_class, gst_pad_template_new("sink", GST_PAD_SINK, GST_PAD_ALWAYS, caps));
-  gst_element_class_add_pad_template(
-      element_class, gst_pad_template_new("src", GST_PAD_SRC, GST_PAD_ALWAYS, caps));
-}
-
 static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
   auto* element_class = GST_ELEMENT_CLASS(klass);
@@ -408,14 +382,19 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   trans_class->start = gst_calib_undistort_start;
   trans_class->stop = gst_calib_undistort_stop;
   trans_class->sink_event = gst_calib_undistort_sink_event;
+  trans_class->src_event = gst_calib_undistort_src_event;
+  trans_class->transform_caps = gst::undistort_transform_caps;
+  trans_class->fixate_caps = gst::undistort_fixate_caps;
   trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->before_transform = gst_calib_undistort_before_transform;
+  trans_class->prepare_output_buffer = gst_calib_undistort_prepare_output_buffer;
+  trans_class->transform = gst_calib_undistort_transform;
   trans_class->transform_meta = gst_calib_undistort_transform_meta;
   trans_class->transform_ip_on_passthrough = FALSE;
   filter_class->set_info = gst_calib_undistort_set_info;
   filter_class->transform_frame = gst_calib_undistort_transform_frame;
   install_properties(object_class);
-  add_pads(element_class);
+  gst::add_undistort_pads(element_class);
   gst_element_class_set_static_metadata(
       element_class, "Camera undistortion", "Filter/Effect/Video",
       "Makes straight lines straight with the calibration of the camera", "The gst-calvin authors");

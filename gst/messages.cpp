@@ -75,4 +75,12 @@ void post_warning(GstElement* element, const Error& error) {
   post(element, GST_MESSAGE_WARNING, error);
 }
 
+void warn_if_late(GstElement* element, const GParamSpec* spec) {
+  if ((spec->flags & GST_PARAM_MUTABLE_READY) == 0 || GST_STATE(element) <= GST_STATE_READY) return;
+  post_warning(element, {ErrorCode::kInvalidArgument,
+                         "The property '" + std::string(spec->name) +
+                             "' cannot change while the element runs: the new value takes effect "
+                             "at the next start from READY."});
+}
+
 }  // namespace calvin::gst

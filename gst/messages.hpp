@@ -36,4 +36,8 @@ void post_message(GstElement* element, GstStructure* structure);
 void post_error(GstElement* element, const Error& error);
 void post_warning(GstElement* element, const Error& error);
 
+// To be called for every property that is set: a WARNING where the change takes effect only when
+// the element starts again.
+void warn_if_late(GstElement* element, const GParamSpec* spec);
+
 }  // namespace calvin::gst

@@ -5,6 +5,11 @@
 
 #include "metas.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
 #include <gst/video/video.h>
 
 #include "values.hpp"
@@ -118,8 +123,17 @@ GstStructure* observations_to_structure(std::span<const Observation> observation
   return s;
 }
 
-std::vector<Observation> observations_from_structure(const GstStructure* structure) {
+std::vector<Observation> observations_from_structure(const GstStructure* structure,
+                                                     std::optional<Error>* problem) {
   std::vector<Observation> all;
+  const auto refuse = [problem](std::string why) {
+    if (problem == nullptr || *problem) return;
+    *problem = Error{ErrorCode::kMalformed, std::move(why)};
+  };
+  const GValue* list = gst_structure_get_value(structure, "observations");
+  if (list == nullptr || !GST_VALUE_HOLDS_ARRAY(list)) {
+    refuse("the field 'observations' is no array of structures");
+  }
   ImageSize size;
   gst_structure_get_int(structure, "width", &size.width);
   gst_structure_get_int(structure, "height", &size.height);
@@ -133,8 +147,18 @@ std::vector<Observation> observations_from_structure(const GstStructure* structu
     o.uv = get_pixels(s, "uv");
     o.sigma = get_doubles(s, "sigma");
     o.ambiguous = get_strings(s, "ambiguous");
-    // Whoever wrote the structure: lists of different lengths are no observation.
-    if (o.uv.size() == o.ids.size() && o.sigma.size() == o.ids.size()) all.push_back(std::move(o));
+    const std::size_t numbers = get_doubles(s, "uv").size();
+    if (numbers != 2 * o.ids.size() || o.sigma.size() != o.ids.size()) {
+      refuse(
+          fmt::format("it has {} ids, {} sigmas and {} coordinates; each corner needs an id, a "
+                      "sigma and two coordinates",
+                      o.ids.size(), o.sigma.size(), numbers));
+    } else if (std::any_of(o.sigma.begin(), o.sigma.end(),
+                           [](double sigma) { return !std::isfinite(sigma) || sigma < 0; })) {
+      refuse("a sigma is negative or no number; it must be in px");
+    } else {
+      all.push_back(std::move(o));
+    }
   }
   return all;
 }
@@ -144,9 +168,9 @@ void attach_observations(GstBuffer* buffer, std::span<const Observation> observa
   if (GstStructure* meta = writable_meta(buffer, kObservationName)) set_fields(meta, s);
 }
 
-std::vector<Observation> read_observations(GstBuffer* buffer) {
+std::vector<Observation> read_observations(GstBuffer* buffer, std::optional<Error>* problem) {
   const GstStructure* s = readable_meta(buffer, kObservationName);
-  return s == nullptr ? std::vector<Observation>() : observations_from_structure(s);
+  return s == nullptr ? std::vector<Observation>() : observations_from_structure(s, problem);
 }
 
 void attach_guidance(GstBuffer* buffer, const Guidance& g) {

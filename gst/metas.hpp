@@ -23,6 +23,7 @@
 
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/observation.hpp"
+#include "calvin/core/result.hpp"
 
 namespace calvin::gst {
 
@@ -35,11 +36,15 @@ void register_metas();
 
 // One observation per board of one frame; boards that were not found are listed too.
 [[nodiscard]] GstStructure* observations_to_structure(std::span<const Observation> observations);
-[[nodiscard]] std::vector<Observation> observations_from_structure(const GstStructure* structure);
+// Anybody may write such a structure: what is no observation is left out, and `problem` tells the
+// first reason.
+[[nodiscard]] std::vector<Observation> observations_from_structure(
+    const GstStructure* structure, std::optional<Error>* problem = nullptr);
 
 // `buffer` must be writable. A meta that is there already is replaced.
 void attach_observations(GstBuffer* buffer, std::span<const Observation> observations);
-[[nodiscard]] std::vector<Observation> read_observations(GstBuffer* buffer);
+[[nodiscard]] std::vector<Observation> read_observations(GstBuffer* buffer,
+                                                         std::optional<Error>* problem = nullptr);
 
 struct Guidance {
   std::string hint;

@@ -51,7 +51,8 @@ std::optional<UndistorterBuilder::Built> UndistorterBuilder::take() {
 
 UndistorterBuilder::Built UndistorterBuilder::make(const Request& request,
                                                    const std::stop_token& stop) {
-  auto made = Undistorter::make(request.camera, {request.key.alpha, {}}, request.planes, stop);
+  auto made =
+      Undistorter::make(request.camera, {request.key.alpha, request.output}, request.planes, stop);
   if (!made) return {request.key, tl::unexpected(made.error())};
   return {request.key, std::make_shared<const Undistorter>(*std::move(made))};
 }

@@ -16,8 +16,10 @@ namespace calvin::gst {
 
 class UndistorterBuilder {
  public:
-  // What an undistorter is made for: a camera (counted by whoever makes the request), one view.
+  // What an undistorter is made for: frames and a camera (counted by whoever makes the request),
+  // one view.
   struct Key {
+    int frames = 0;
     int camera = 0;
     double alpha = 0;
     friend bool operator==(const Key&, const Key&) = default;
@@ -25,6 +27,7 @@ class UndistorterBuilder {
   struct Request {
     Key key;
     Camera camera;
+    ImageSize output;  // px
     std::vector<PlaneLayout> planes;
   };
   struct Built {

@@ -13,6 +13,9 @@
 namespace calvin::gst {
 
 // All functions may be called from any thread; start() and stop() not against each other.
+//
+// A job that cannot be interrupted at once holds nobody up: the thread then ends by itself after
+// it, and is joined by the next start() or by join().
 class Worker {
  public:
   using Job = std::function<void(std::stop_token)>;
@@ -20,15 +23,19 @@ class Worker {
   Worker() = default;
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
-  ~Worker() { stop(); }
+  ~Worker() { join(); }
 
   void start();
+
+  // Whether a job that is offered now begins at once.
+  [[nodiscard]] bool idle();
 
   // Runs the job after the one that runs now. A job that still waits is replaced: newest only.
   // False while cancelled or stopped.
   bool offer(Job job);
 
-  // Waits until there is nothing left to do; false when cancel() came first.
+  // Waits until there is nothing left to do, and no job is left in memory; false when cancel()
+  // came first.
   bool drain();
 
   // Asks the running job to stop, forgets the waiting one, wakes drain() and refuses new jobs
@@ -36,8 +43,10 @@ class Worker {
   void cancel();
   void resume();
 
-  // cancel(), then joins the thread.
+  // cancel(), and the thread ends soon. Returns at once.
   void stop();
+  // stop(), and waits for the thread: for whoever owns what the jobs use, before that goes.
+  void join();
 
  private:
   void run();
@@ -50,6 +59,7 @@ class Worker {
   bool busy_ = false;
   bool cancelled_ = true;
   bool quit_ = false;
+  bool alive_ = false;  // the thread has not left run() yet
 };
 
 }  // namespace calvin::gst

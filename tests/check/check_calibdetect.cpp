@@ -3,6 +3,13 @@
 
 // calibdetect: finds the board on the frame itself or on a worker, and never touches a pixel.
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <thread>
+
+#include "calvin/io/calibration_io.hpp"
 #include "support.hpp"
 #include "values.hpp"
 
@@ -13,9 +20,7 @@ using namespace calvin;
 
 struct Fixture {
   explicit Fixture(const char* launch = "calibdetect mode=sync", const char* format = "GRAY8")
-      : element(check::make_element(launch)),
-        bus(element),
-        h(gst_harness_new_with_element(element, "sink", "src")) {
+      : element(check::make_element(launch)), bus(element), h(check::harness_of(element)) {
     gst_harness_set_src_caps(h, check::caps_of(format, scene.size));
   }
   ~Fixture() {
@@ -217,6 +222,119 @@ GST_START_TEST(test_flush_caps_change_and_state_cycles) {
 }
 GST_END_TEST;
 
+// The camera's own calibration, with the focal length times `factor`.
+static std::string calibration_of(const check::Scene& scene, double factor) {
+  Calibration calibration = scene.camera.to_calibration();
+  calibration.parameters[0].value *= factor;
+  calibration.parameters[1].value *= factor;
+  return print_calibration(calibration).value();
+}
+
+static double number(const GstStructure* s, const char* field) {
+  double value = NAN;
+  fail_unless(gst_structure_get_double(s, field, &value), "no %s", field);
+  return value;
+}
+
+GST_START_TEST(test_recheck_tells_a_camera_from_another) {
+  for (const double factor : {1.0, 1.02}) {
+    Fixture f("calibdetect mode=sync camera=left");
+    g_object_set(f.element, "recheck", calibration_of(f.scene, factor).c_str(), nullptr);
+    constexpr int kFrames = 12;
+    for (int n = 0; n < kFrames; ++n) {
+      gst_harness_push(f.h, check::frame_of(f.scene.picture(n), "GRAY8", n));
+    }
+    const auto checks = f.bus.named("calib-check");
+    fail_unless_equals_int(checks.size(), kFrames);
+    const GstStructure* last = checks.back();
+    fail_unless_equals_string(gst_structure_get_string(last, "camera"), "left");
+    fail_unless_equals_string(gst_structure_get_string(last, "board"), "checkerboard:9x6:25mm");
+    fail_if(gst_structure_has_field(last, "expected-error"), "the calibration has none");
+    // 2 % of the focal length: 8 px in the corners of a picture whose half diagonal is 400 px.
+    const double moved = number(last, "moved");
+    if (factor == 1) {
+      fail_unless(moved < 0.5, "moved %f", moved);
+      fail_unless(number(last, "rms") < 0.15, "rms %f", number(last, "rms"));
+      const Pose truth = to_pose(f.scene.pose(kFrames - 1));
+      const auto translation = gst::get_doubles(last, "translation");
+      const auto rotation = gst::get_doubles(last, "rotation");
+      for (std::size_t i = 0; i < 3; ++i) {
+        fail_unless(std::abs(translation.at(i) - truth.translation[i]) < 2e-3);
+        fail_unless(std::abs(rotation.at(i) - truth.rotation[i]) < 1e-2);
+      }
+    } else {
+      fail_unless(moved > 4 && moved < 12, "moved %f", moved);
+    }
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_recheck_that_cannot_be_read) {
+  for (const char* text : {"/no/such/file.json", "{", "fx=1"}) {
+    const auto texts = check::errors_at_start("calibdetect", "recheck", text);
+    fail_unless(texts.size() == 1 && texts[0].find("recheck") != std::string::npos, "for '%s'",
+                text);
+  }
+  Fixture f;
+  g_object_set(f.element, "recheck", calibration_of(f.scene, 1).c_str(), nullptr);
+  gst_harness_push(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 0));
+  g_object_set(f.element, "recheck", "/no/such/file.json", nullptr);
+  gst_harness_push(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 1));
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "/no/such/file.json"));
+  fail_unless_equals_int(f.bus.named("calib-check").size(), 2);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_recheck_of_a_calibration_of_another_aspect) {
+  Fixture f;
+  g_object_set(f.element, "recheck",
+               "fx=500,fy=500,cx=639.5,cy=359.5,width=1280,height=720,model=pinhole", nullptr);
+  for (int n = 0; n < 3; ++n) {
+    gst_harness_push(f.h, check::frame_of(f.scene.picture(n), "GRAY8", n));
+  }
+  fail_unless(f.bus.named("calib-check").empty());
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 1);
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "aspect"));
+}
+GST_END_TEST;
+
+// How long the change to READY takes while a frame is being looked at, us; absent where the
+// detection was over before it.
+static std::optional<gint64> stop_while_detecting(const char* launch, const GrayImage& picture) {
+  Fixture f(launch);
+  gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", picture.size()));
+  std::thread pusher([&] { gst_harness_push(f.h, check::frame_of(picture, "GRAY8", 0)); });
+  g_usleep(30000);
+  const gint64 begin = g_get_monotonic_time();
+  gst_element_set_state(f.element, GST_STATE_READY);
+  const gint64 taken = g_get_monotonic_time() - begin;
+  g_autoptr(GstStructure) stats = nullptr;
+  g_object_get(f.element, "stats", &stats, nullptr);
+  guint64 detections = 0;
+  gst_structure_get_uint64(stats, "detections", &detections);
+  pusher.join();
+  return detections == 0 ? std::optional(taken) : std::nullopt;
+}
+
+// A detection inside OpenCV cannot be interrupted: neither the streaming thread nor the state
+// change may wait for it. Two megapixels of noise keep it busy for long.
+GST_START_TEST(test_no_state_change_waits_for_a_detection) {
+  GrayImage noise(1920, 1080);
+  std::mt19937 random(1);
+  for (std::uint8_t& pixel : noise.pixels) pixel = static_cast<std::uint8_t>(random());
+  for (const char* launch : {"calibdetect mode=sync", "calibdetect mode=async"}) {
+    // The least of three: another program may take the processor away.
+    std::optional<gint64> least;
+    for (int round = 0; round < 3; ++round) {
+      const auto taken = stop_while_detecting(launch, noise);
+      if (taken) least = std::min(least.value_or(*taken), *taken);
+    }
+    fail_unless(least.has_value(), "no detection was under way");
+    fail_unless(*least < 50000, "%s: %" G_GINT64_FORMAT " us", launch, *least);
+  }
+}
+GST_END_TEST;
+
 static Suite* calibdetect_suite() {
   Suite* suite = suite_create("calibdetect");
   TCase* tc = tcase_create("general");
@@ -232,6 +350,10 @@ static Suite* calibdetect_suite() {
   tcase_add_test(tc, test_a_wrong_board_text_while_running_keeps_the_old_board);
   tcase_add_test(tc, test_no_result_crosses_a_caps_change);
   tcase_add_test(tc, test_flush_caps_change_and_state_cycles);
+  tcase_add_test(tc, test_recheck_tells_a_camera_from_another);
+  tcase_add_test(tc, test_recheck_that_cannot_be_read);
+  tcase_add_test(tc, test_recheck_of_a_calibration_of_another_aspect);
+  tcase_add_test(tc, test_no_state_change_waits_for_a_detection);
   return suite;
 }
 

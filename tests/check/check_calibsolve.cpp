@@ -4,74 +4,17 @@
 // calibsolve: from observation metas to messages, files and the sticky event, and what it says
 // when there is nothing to solve.
 
-#include <random>
-
 #include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "support.hpp"
+#include "solve_fixture.hpp"
 #include "values.hpp"
 
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>
 
 using namespace calvin;
-
-// An element that is fed with exact observations plus noise of 0.1 px; the pixels do not matter.
-struct Fixture {
-  // A harness says that it is live; these tests want every view.
-  explicit Fixture(const std::string& properties = "")
-      : element(check::make_element("calibsolve capture-mode=all " + properties)),
-        bus(element),
-        h(gst_harness_new_with_element(element, "sink", "src")) {
-    gst_harness_set_src_caps(h, check::caps_of("GRAY8", scene.size));
-  }
-  ~Fixture() {
-    bus.detach();
-    gst_harness_teardown(h);
-  }
-
-  Observation seen(int n) {
-    Observation o = scene.truth(n);
-    std::mt19937 random(static_cast<unsigned>(n));
-    std::normal_distribution<double> noise(0, 0.1);
-    for (Pixel& p : o.uv) p = {p.u + noise(random), p.v + noise(random)};
-    o.sigma.assign(o.ids.size(), 0.1);
-    o.camera = "left";
-    return o;
-  }
-  GstBuffer* push(int n) {
-    GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
-    GST_BUFFER_PTS(buffer) = static_cast<guint64>(n) * GST_SECOND / 30;
-    GST_BUFFER_DURATION(buffer) = GST_SECOND / 30;
-    Observation o = seen(n);
-    o.timestamp = GST_BUFFER_PTS(buffer);
-    gst::attach_observations(buffer, std::vector{o});
-    return gst_harness_push_and_pull(h, buffer);
-  }
-  void push_views(int count) {
-    for (int n = 0; n < count; ++n) gst_buffer_unref(push(n));
-  }
-  void eos() { gst_harness_push_event(h, gst_event_new_eos()); }
-  // The last result message of that state, or nullptr.
-  const GstStructure* result(const char* state) {
-    const GstStructure* last = nullptr;
-    for (const GstStructure* s : bus.named("calib-result")) {
-      if (g_strcmp0(gst_structure_get_string(s, "state"), state) == 0) last = s;
-    }
-    return last;
-  }
-
-  check::Scene scene;
-  GstElement* element;
-  check::Bus bus;
-  GstHarness* h;
-};
-
-static double get(const GstStructure* s, const char* field) {
-  double value = 0;
-  fail_unless(gst_structure_get_double(s, field, &value), "no %s", field);
-  return value;
-}
+using check::get;
+using Fixture = check::SolveFixture;
 
 GST_START_TEST(test_solves_at_eos_and_says_so) {
   Fixture f;

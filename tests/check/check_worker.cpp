@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <thread>
 
 #include <gst/check/gstcheck.h>
@@ -68,7 +69,61 @@ GST_START_TEST(test_cancel_wakes_a_drain_and_refuses_jobs) {
 }
 GST_END_TEST;
 
-GST_START_TEST(test_stop_joins_a_busy_worker_and_start_works_again) {
+// A job that does not look at its stop token: the old thread goes on with it and then serves the
+// new jobs, and join() waits for it.
+GST_START_TEST(test_stop_does_not_wait_for_a_stubborn_job) {
+  std::atomic<bool> go = false;
+  std::atomic<bool> begun = false;
+  std::atomic<int> ended = 0;
+  std::atomic<int> ran = 0;
+  {
+    Worker worker;
+    worker.start();
+    worker.offer([&](std::stop_token) {
+      begun = true;
+      while (!go) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      ++ended;
+    });
+    while (!begun) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    worker.stop();
+    fail_unless_equals_int(ended, 0);
+    worker.start();
+    fail_if(worker.idle());
+    worker.offer([&](std::stop_token stop) { ran += stop.stop_requested() ? 100 : 1; });
+    fail_unless_equals_int(ran, 0);
+    go = true;
+    fail_unless(worker.drain());
+    fail_unless_equals_int(ran, 1);
+    fail_unless(worker.idle());
+
+    go = begun = false;
+    worker.offer([&](std::stop_token) {
+      begun = true;
+      while (!go) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      ++ended;
+    });
+    while (!begun) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    worker.stop();
+    go = true;
+  }
+  fail_unless_equals_int(ended, 2);
+}
+GST_END_TEST;
+
+// What a job holds is gone when drain() returns: a frame, say, must be writable again.
+GST_START_TEST(test_drain_leaves_no_job_in_memory) {
+  Worker worker;
+  worker.start();
+  for (int i = 0; i < 200; ++i) {
+    auto held = std::make_shared<int>(i);
+    worker.offer([held](std::stop_token) {});
+    fail_unless(worker.drain());
+    fail_unless_equals_int(held.use_count(), 1);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_start_works_again_after_stop) {
   Worker worker;
   for (int i = 0; i < 20; ++i) {
     worker.start();
@@ -85,7 +140,9 @@ static Suite* worker_suite() {
   tcase_add_test(tc, test_drain_waits_for_the_job);
   tcase_add_test(tc, test_only_the_newest_waiting_job_runs);
   tcase_add_test(tc, test_cancel_wakes_a_drain_and_refuses_jobs);
-  tcase_add_test(tc, test_stop_joins_a_busy_worker_and_start_works_again);
+  tcase_add_test(tc, test_stop_does_not_wait_for_a_stubborn_job);
+  tcase_add_test(tc, test_drain_leaves_no_job_in_memory);
+  tcase_add_test(tc, test_start_works_again_after_stop);
   suite_add_tcase(suite, tc);
   return suite;
 }

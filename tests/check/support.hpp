@@ -5,12 +5,14 @@
 // Include it before gstcheck.h, which defines the macro `fail`.
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 
 #include "calvin/camera/camera.hpp"
@@ -93,6 +95,13 @@ inline GstElement* make_element(const std::string& text) {
   return element;
 }
 
+// A harness around an element of make_element(), which goes with it.
+inline GstHarness* harness_of(GstElement* element) {
+  GstHarness* harness = gst_harness_new_with_element(element, "sink", "src");
+  gst_object_unref(element);
+  return harness;
+}
+
 // The texts of the errors that an element posts when it cannot start; empty where it can.
 inline std::vector<std::string> errors_at_start(const char* factory, const char* property,
                                                 const char* value) {
@@ -129,6 +138,15 @@ struct Scene {
     return render_board(camera, board, pose(n), options);
   }
 };
+
+// Copies what fits of one picture into another, its top left pixel to (x, y).
+inline void paste(const GrayImage& from, GrayImage& to, int x, int y) {
+  const int columns = std::min(from.width, to.width - x);
+  for (int row = 0; row < std::min(from.height, to.height - y); ++row) {
+    std::copy_n(from.pixels.data() + static_cast<std::ptrdiff_t>(row) * from.width, columns,
+                to.row(y + row) + x);
+  }
+}
 
 inline GstCaps* caps_of(const char* format, ImageSize size) {
   return gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING, format, "width", G_TYPE_INT,

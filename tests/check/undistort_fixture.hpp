@@ -6,7 +6,10 @@
 
 #include <random>
 
+#include "calibration_event.hpp"
+#include "calvin/io/calibration_io.hpp"
 #include "calvin/io/settings.hpp"
+#include "calvin/remap/fit.hpp"
 #include "calvin/remap/undistorter.hpp"
 #include "support.hpp"
 
@@ -16,6 +19,9 @@ namespace calvin::check {
 
 inline constexpr char kBarrel[] =
     "fx=480,fy=478,cx=325,cy=236,k1=-0.28,k2=0.09,p1=0.0005,p2=-0.0007,width=640,height=480";
+
+inline constexpr char kPincushion[] =
+    "fx=480,fy=478,cx=325,cy=236,k1=0.1,k2=0,p1=0,p2=0,width=640,height=480";
 
 inline Calibration calibration_of(const char* text) {
   return parse_calibration_setting(text).value();
@@ -59,5 +65,64 @@ struct Fixture {
 };
 
 inline constexpr ImageSize kSize = {640, 480};
+
+inline Camera camera_of(const char* text) { return Camera::make(calibration_of(text)).value(); }
+inline std::string json_of(const char* text) {
+  Calibration calibration = calibration_of(text);
+  calibration.camera = "left";
+  return print_calibration(calibration).value();
+}
+inline GstEvent* event_of(const char* text) {
+  return gst::new_calibration_event({"left", json_of(text)});
+}
+
+// What the library makes of the grey noise.
+inline std::vector<guint8> expected_gray(const char* text, ImageSize size, double alpha = 0) {
+  const Camera source = fit_to_frame(calibration_of(text), size)->camera;
+  const auto undistorter = Undistorter::make(source, {alpha, {}}, {PlaneLayout{}}).value();
+  g_autoptr(GstBuffer) in = Fixture::noise("GRAY8", size, 0);
+  GstVideoInfo info;
+  gst_video_info_set_format(&info, GST_VIDEO_FORMAT_GRAY8, static_cast<guint>(size.width),
+                            static_cast<guint>(size.height));
+  GstMapInfo map;
+  gst_buffer_map(in, &map, GST_MAP_READ);
+  std::vector<guint8> out(static_cast<std::size_t>(size.width * size.height));
+  undistorter.apply(0, {map.data, info.stride[0]}, {out.data(), size.width});
+  gst_buffer_unmap(in, &map);
+  return out;
+}
+
+// The pixels of a grey frame without padding.
+inline std::vector<guint8> gray_of(GstBuffer* buffer, ImageSize size) {
+  GstVideoInfo info;
+  gst_video_info_set_format(&info, GST_VIDEO_FORMAT_GRAY8, static_cast<guint>(size.width),
+                            static_cast<guint>(size.height));
+  GstVideoFrame frame;
+  g_assert_true(gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ));
+  std::vector<guint8> pixels;
+  for (int y = 0; y < size.height; ++y) {
+    const auto* row = static_cast<const guint8*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0)) +
+                      static_cast<std::ptrdiff_t>(y) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0);
+    pixels.insert(pixels.end(), row, row + size.width);
+  }
+  gst_video_frame_unmap(&frame);
+  return pixels;
+}
+
+inline std::string output_calibration(const Fixture& f) {
+  g_autofree gchar* text = nullptr;
+  g_object_get(f.element, "output-calibration", &text, nullptr);
+  return text != nullptr ? text : "";
+}
+
+// The calibration events that came out since the last call.
+inline std::vector<gst::CalibrationEvent> events_out(Fixture& f) {
+  std::vector<gst::CalibrationEvent> all;
+  while (GstEvent* event = gst_harness_try_pull_event(f.h)) {
+    if (auto calibration = gst::parse_calibration_event(event)) all.push_back(*calibration);
+    gst_event_unref(event);
+  }
+  return all;
+}
 
 }  // namespace calvin::check

@@ -146,6 +146,32 @@ TYPED_TEST(CameraModel, ScalingAndCroppingFollowThePixelConvention) {
   }
 }
 
+// A turned picture shows a turned world: the ray (x, y, z) appears as (y, x, z) and so on.
+TYPED_TEST(CameraModel, TurningFollowsThePicture) {
+  for (const auto& lens : coefficients<TypeParam>()) {
+    const auto camera = Camera::make(TypeParam::kName, this->kSize, this->parameters(lens));
+    ASSERT_TRUE(camera.has_value());
+    for (int i = 0; i < 8; ++i) {
+      const Orientation o = {(i & 1) != 0, (i & 2) != 0, (i & 4) != 0};
+      const Camera turned = camera->turned(o).value();
+      EXPECT_EQ(turned.image_size(), o.transpose ? (ImageSize{480, 640}) : (ImageSize{640, 480}));
+      const Eigen::Vector3d point(0.2, -0.15, 1);
+      const Pixel at = camera->project(point).value();
+      Pixel expected = o.transpose ? Pixel{at.v, at.u} : at;
+      Eigen::Vector3d seen = o.transpose ? Eigen::Vector3d(point[1], point[0], 1) : point;
+      if (o.flip_x) expected.u = turned.image_size().width - 1 - expected.u, seen[0] = -seen[0];
+      if (o.flip_y) expected.v = turned.image_size().height - 1 - expected.v, seen[1] = -seen[1];
+      const Pixel found = turned.project(seen).value();
+      EXPECT_NEAR(found.u, expected.u, 1e-9) << i;
+      EXPECT_NEAR(found.v, expected.v, 1e-9) << i;
+      const auto back = turned.turned(o.inverse()).value().parameters();
+      for (std::size_t k = 0; k < back.size(); ++k) {
+        EXPECT_NEAR(back[k], camera->parameters()[k], 1e-12 * 640) << i;
+      }
+    }
+  }
+}
+
 TYPED_TEST(CameraModel, RefusesBrokenParameters) {
   auto p = this->parameters(coefficients<TypeParam>().front());
   const auto refused = [&](std::size_t i, double value) {

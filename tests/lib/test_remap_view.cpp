@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Core>
 
+#include "calvin/remap/fit.hpp"
 #include "calvin/remap/view.hpp"
 #include "remap_reference.hpp"
 
@@ -265,7 +266,27 @@ TEST(FitToFrame, ScalesCropsAndRefuses) {
   calibration.sensor_crop = Rectangle{0, 0, 0, 360};
   EXPECT_FALSE(fit_to_frame(calibration, {640, 480}).has_value());
 
+  // Of the upright picture, 360x640, while the frames lie on a side: a quarter turn clockwise takes
+  // the pixel (u, v) of a frame to (height - 1 - v, u), and x to -y.
+  const Orientation clockwise = {true, true, false};
+  calibration.sensor_crop = Rectangle{60, 0, 360, 480};
+  EXPECT_FALSE(fit_to_frame(calibration, {1280, 960}).has_value());
+  const auto turned = fit_to_frame(calibration, {1280, 960}, clockwise);
+  ASSERT_FALSE(turned.has_value()) << "it has skew";
+  calibration.parameters.pop_back();
+  const auto upright = fit_to_frame(calibration, {960, 1280}).value().camera;
+  const auto lying = fit_to_frame(calibration, {1280, 960}, clockwise).value();
+  EXPECT_TRUE(lying.turned);
+  EXPECT_EQ(lying.camera.image_size(), (ImageSize{1280, 960}));
+  const Pixel e = upright.project(point).value();
+  const Pixel f = lying.camera.project({point[1], -point[0], point[2]}).value();
+  EXPECT_NEAR(e.u, 960 - 1 - f.v, 1e-9);
+  EXPECT_NEAR(e.v, f.u, 1e-9);
+
   calibration.sensor_crop.reset();
+  calibration.image_size = {640, 480};
+  // Where the frames themselves have the aspect, the orientation does not matter.
+  EXPECT_FALSE(fit_to_frame(calibration, {640, 480}, clockwise).value().turned);
   calibration.image_size = {0, 0};
   const auto unknown = fit_to_frame(calibration, {800, 200}).value();
   EXPECT_FALSE(unknown.scaled);

@@ -5,8 +5,10 @@
     doc_lines.py PAGE SOURCE_DIR BUILD_DIR SHIM
 
 Every line of every ```sh block is run in one fresh folder, in order, with the plugin in the path
-and an emulated camera at /dev/video0. A live pipeline is ended as a user would, by Ctrl-C. A block
-behind the line `<!-- elsewhere: WHERE -->` is run by the named test instead.
+and an emulated camera at /dev/video0; for lines with rtspsrc there is a server on this machine. A
+live pipeline is ended as a user would, by Ctrl-C. A block behind the line `<!-- elsewhere: WHERE -->`
+is run by the named test instead. `<!-- stand-in: aravissrc = ELEMENT ... -->` names what takes the
+place of a source, with its properties, that needs a device.
 """
 
 import os
@@ -29,8 +31,23 @@ def blocks(page):
             yield text.replace("\\\n", " ")
 
 
+def stand_ins(page):
+    """What to run instead of sources that need a device: name -> element with properties."""
+    return dict(re.findall(r"<!-- stand-in: (\w+) = (.*?) -->", page.read_text()))
+
+
 def is_live(line):
-    return "v4l2src" in line and "num-buffers" not in line
+    live = re.search(r"v4l2src|rtspsrc|is-live=true", line)
+    return live is not None and "num-buffers" not in line
+
+
+def serve_rtsp(source):
+    """A network camera; ready when this returns."""
+    server = subprocess.Popen([sys.executable, source / "tests/pipelines/rtsp_server.py"],
+                              stdout=subprocess.PIPE, text=True)
+    if server.stdout.readline().strip() != "ready":
+        raise SystemExit("no RTSP server: is gir1.2-gst-rtsp-server-1.0 installed?")
+    return server
 
 
 def run(line, env, folder):
@@ -50,31 +67,43 @@ def run(line, env, folder):
     return 0 if good else process.returncode, output
 
 
+def lines_of(page):
+    """The lines to run: as typed, and with what stands in for missing devices."""
+    places = stand_ins(page)
+    for text in blocks(page):
+        for line in text.splitlines():
+            line = line.strip()
+            if line and not line.startswith("#"):
+                typed = line
+                for name, instead in places.items():
+                    line = re.sub(rf"\b{name}\b[^!]*", instead + " ", line)
+                yield typed, line
+
+
 def main():
     page, source, build, shim = map(pathlib.Path, sys.argv[1:5])
     failed = 0
     count = 0
+    server = serve_rtsp(source) if "rtspsrc" in page.read_text() else None
     with tempfile.TemporaryDirectory() as folder:
         for name in ("examples", "tests", "docs"):
             os.symlink(source / name, pathlib.Path(folder) / name)
         os.symlink(build, pathlib.Path(folder) / "build")
-        for text in blocks(page):
-            for line in text.splitlines():
-                line = line.strip()
-                if not line or line.startswith("#"):
-                    continue
-                count += 1
-                env = dict(os.environ)
-                if "v4l2src" in line:
-                    env["LD_PRELOAD"] = str(shim)
-                status, output = run(line, env, folder)
-                for file in re.findall(r"(?:location|ground-truth)=(\S+\.json)", line):
-                    if not (pathlib.Path(folder) / file).is_file():
-                        status, output = "no " + file, output
-                print(f"[{status}] {line}")
-                if status != 0:
-                    failed += 1
-                    print(output)
+        for typed, line in lines_of(page):
+            count += 1
+            env = dict(os.environ)
+            if "v4l2src" in line:
+                env["LD_PRELOAD"] = str(shim)
+            status, output = run(line, env, folder)
+            for file in re.findall(r"(?:[ :]location|ground-truth)=(\S+\.json)", line):
+                if not (pathlib.Path(folder) / file).is_file():
+                    status, output = "no " + file, output
+            print(f"[{status}] {typed}")
+            if status != 0:
+                failed += 1
+                print(output)
+    if server:
+        server.kill()
     print(f"{page.name}: {count} lines run, {failed} failed")
     return 1 if failed else 0
 

@@ -13,6 +13,13 @@ export GST_PLUGIN_PATH_1_0="$libdir/gstreamer-1.0" GST_REGISTRY="$folder/registr
 gst-inspect-1.0 calibrate | grep -q "Filename *$libdir/gstreamer-1.0/libgstcalvin.so"
 gst-launch-1.0 -q calibtestsrc num-buffers=2 ! fakesink
 
+export GST_PRESET_PATH="$folder$2/share/gstreamer-1.0/presets"
+for finder in calibdetect calibrate; do
+  gst-launch-1.0 -m calibtestsrc num-buffers=1 ! \
+    $finder post-messages=true '@preset=ROS 8x6 108mm' ! fakesink |
+    grep -q 'calib-detection.*checkerboard:8x6:108mm'
+done
+
 cat >"$folder/use.cpp" <<'END'
 #include <cstdio>
 

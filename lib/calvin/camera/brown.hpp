@@ -8,6 +8,8 @@
 // D. C. Brown, Close-Range Camera Calibration, Photogrammetric Engineering 37(8), 1971.
 #pragma once
 
+#include <utility>
+
 #include "calvin/camera/distortion.hpp"
 #include "calvin/geometry/polynomial.hpp"
 
@@ -58,6 +60,13 @@ struct Brown {
   }
 
   static double radius(const Eigen::Vector3d& p) { return std::hypot(p[0], p[1]) / p[2]; }
+
+  // (p2, p1) turns as (x, y) does.
+  static void turn(double* d, Orientation o) {
+    if (o.transpose) std::swap(d[2], d[3]);
+    if (o.flip_x) d[3] = -d[3];
+    if (o.flip_y) d[2] = -d[2];
+  }
 
   static std::optional<Eigen::Vector3d> undistort(const double* d, double limit, const double* xy) {
     const double target = std::hypot(xy[0], xy[1]);

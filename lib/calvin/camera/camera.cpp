@@ -21,6 +21,7 @@ struct CameraFunctions {
   bool (*project)(const double*, double, const Eigen::Vector3d&, double*, double*, double*);
   double (*limit)(const double*);
   double (*radius)(const Eigen::Vector3d&);
+  void (*turn)(double*, Orientation);
   std::optional<Eigen::Vector3d> (*undistort)(const double*, double, const double*);
 };
 
@@ -31,7 +32,8 @@ CameraFunctions functions_of() {
   const auto names = Model<Lens>::names();
   return {Lens::kName,           {names.begin(), names.end()},
           &Model<Lens>::project, &Lens::limit,
-          &Lens::radius,         &Lens::undistort};
+          &Lens::radius,         &Lens::turn,
+          &Lens::undistort};
 }
 
 const std::vector<CameraFunctions>& table() {
@@ -182,6 +184,26 @@ Camera Camera::cropped(double x, double y, ImageSize size) const {
   camera.size_ = size;
   camera.parameters_[2] -= x;
   camera.parameters_[3] -= y;
+  return camera;
+}
+
+Result<Camera> Camera::turned(Orientation orientation) const {
+  if (orientation.transpose && skew_ != 0) {
+    return make_error(ErrorCode::kUnsupported,
+                      "A calibration with skew cannot be turned by a quarter: calibrate the frames "
+                      "as the camera gives them, before they are turned.");
+  }
+  Camera camera = *this;
+  camera.size_ = orientation.size_of(size_);
+  std::vector<double>& p = camera.parameters_;
+  if (orientation.transpose) {
+    std::swap(p[0], p[1]);
+    std::swap(p[2], p[3]);
+  }
+  if (orientation.flip_x) p[2] = camera.size_.width - 1 - p[2];
+  if (orientation.flip_y) p[3] = camera.size_.height - 1 - p[3];
+  if (orientation.flip_x != orientation.flip_y) camera.skew_ = -skew_;
+  functions_->turn(p.data() + 4, orientation);
   return camera;
 }
 

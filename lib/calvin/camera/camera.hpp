@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "calvin/core/calibration.hpp"
+#include "calvin/core/orientation.hpp"
 
 namespace calvin {
 
@@ -49,6 +50,10 @@ class Camera {
   // starts at (x, y) px.
   [[nodiscard]] Camera scaled(ImageSize size) const;
   [[nodiscard]] Camera cropped(double x, double y, ImageSize size) const;
+
+  // The camera whose image is this one's, turned. kUnsupported where a skew would have to go along
+  // the other axis.
+  [[nodiscard]] Result<Camera> turned(Orientation orientation) const;
 
   // Model, size and parameters as data; skew is listed only where it is not zero.
   [[nodiscard]] Calibration to_calibration() const;

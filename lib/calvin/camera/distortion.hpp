@@ -13,6 +13,7 @@
 //                               the image folds back. tan(angle) for perspective models, the
 //                               angle in rad for fisheye ones; may be infinite.
 //   radius(p)                   the ideal radius of a point in the same measure
+//   turn(d, orientation)        the coefficients of the same lens for a picture that is turned
 //   undistort(d, limit, xy)     the inverse of distort(): a unit ray, absent outside the valid
 //   image
 #pragma once
@@ -24,6 +25,8 @@
 #include <string_view>
 
 #include <Eigen/Core>
+
+#include "calvin/core/orientation.hpp"
 
 namespace calvin::lens {
 

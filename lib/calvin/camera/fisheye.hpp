@@ -77,6 +77,9 @@ struct Fisheye {
     return std::atan2(std::hypot(p[0], p[1]), p[2]);
   }
 
+  // The same from every side.
+  static void turn(double* /*d*/, Orientation /*o*/) {}
+
   static std::optional<Eigen::Vector3d> undistort(const double* d, double limit, const double* xy) {
     const double target = std::hypot(xy[0], xy[1]);
     const auto theta = invert_growing([d](double t) { return polynomial(d, t); }, target, limit);

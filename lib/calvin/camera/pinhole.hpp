@@ -36,6 +36,8 @@ struct Pinhole {
 
   static double radius(const Eigen::Vector3d& p) { return std::hypot(p[0], p[1]) / p[2]; }
 
+  static void turn(double* /*d*/, Orientation /*o*/) {}
+
   static std::optional<Eigen::Vector3d> undistort(const double* /*d*/, double /*limit*/,
                                                   const double* xy) {
     return Eigen::Vector3d(xy[0], xy[1], 1).normalized();

@@ -44,9 +44,12 @@ class Descriptor {
 };
 
 tl::unexpected<Error> refused(std::string_view verb, const std::string& path, int error) {
+  // The reason must survive whoever cuts a message short.
+  constexpr std::size_t kLongest = 200;
   const ErrorCode code = error == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
-  return make_error(
-      code, fmt::format("Cannot {} '{}': {}.", verb, path, std::generic_category().message(error)));
+  return make_error(code, fmt::format("Cannot {} '{}{}': {}.", verb, path.substr(0, kLongest),
+                                      path.size() > kLongest ? "..." : "",
+                                      std::generic_category().message(error)));
 }
 
 tl::unexpected<Error> not_written(const std::string& path, int error) {

@@ -126,7 +126,9 @@ Matrix read_matrix(Fields& fields, std::string_view key) {
     matrix.complain("dt", fmt::format("is '{}'; d, f and i are read", dt.substr(0, 8)));
   }
   const Node* data = matrix.find("data");
-  if (data != nullptr && data->text.starts_with("$base64$")) {
+  // XML breaks it into words.
+  const Node* start = data != nullptr && !data->items.empty() ? &data->items.front() : data;
+  if (start != nullptr && start->text.starts_with("$base64$")) {
     matrix.complain("data", "is in base64; write the file as plain text", ErrorCode::kUnsupported);
   }
   Matrix result{matrix.integer("rows"), matrix.integer("cols"), {}};

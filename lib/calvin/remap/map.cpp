@@ -55,13 +55,13 @@ bool is_inside(const Camera& source, const Camera& output, double x, double y) n
 }
 
 Result<RemapMap> RemapMap::build(const Camera& source, const Camera& output,
-                                 Subsampling subsampling, const std::stop_token& stop) {
-  const auto axes = [subsampling](ImageSize size) {
-    return std::pair(SampleAxis(size.width, subsampling.x_shift, subsampling.x_cosited),
-                     SampleAxis(size.height, subsampling.y_shift, subsampling.y_cosited));
+                                 const PlaneSites& sites, const std::stop_token& stop) {
+  const auto axes = [](ImageSize size, const Subsampling& s) {
+    return std::pair(SampleAxis(size.width, s.x_shift, s.x_cosited),
+                     SampleAxis(size.height, s.y_shift, s.y_cosited));
   };
-  const auto [out_x, out_y] = axes(output.image_size());
-  const auto [in_x, in_y] = axes(source.image_size());
+  const auto [out_x, out_y] = axes(output.image_size(), sites.output);
+  const auto [in_x, in_y] = axes(source.image_size(), sites.source);
   const RayCaster caster(output);
   RemapMap map;
   map.size_ = {out_x.count(), out_y.count()};

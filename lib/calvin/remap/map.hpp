@@ -32,7 +32,7 @@ class RemapMap {
   // pixels (to 1/2048 px). kCancelled soon after a stop was requested; kInvalidArgument where the
   // memory does not suffice.
   static Result<RemapMap> build(const Camera& source, const Camera& output,
-                                Subsampling subsampling = {}, const std::stop_token& stop = {});
+                                const PlaneSites& sites = {}, const std::stop_token& stop = {});
 
   // Of the output plane, in samples.
   [[nodiscard]] ImageSize size() const noexcept { return size_; }

@@ -22,6 +22,15 @@ struct Subsampling {
   friend bool operator==(const Subsampling&, const Subsampling&) = default;
 };
 
+// Where the samples of a plane lie in the source frame and in the output frame: chroma of the one
+// siting may come out in the other.
+struct PlaneSites {
+  Subsampling source;
+  Subsampling output;
+
+  friend bool operator==(const PlaneSites&, const PlaneSites&) = default;
+};
+
 // The samples of a plane along one axis of the frame.
 class SampleAxis {
  public:

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace calvin {
 
@@ -29,6 +30,57 @@ double magnification(const Camera& from, const Camera& to, Pixel at, Pixel image
                                 (right->v - image.v) * (below->u - image.u)));
 }
 
+bool contains(const Rectangle& box, Pixel p) {
+  return p.u + 0.5 >= box.x && p.u + 0.5 <= box.x + box.width && p.v + 0.5 >= box.y &&
+         p.v + 0.5 <= box.y + box.height;
+}
+
+// Calls f for points along the border of a box, as far as it lies in a picture of that size: at
+// least one per pixel, and the corners.
+template <typename F>
+void for_border(const Rectangle& box, ImageSize size, F f) {
+  const double left = std::max(box.x, 0.0) - 0.5;
+  const double top = std::max(box.y, 0.0) - 0.5;
+  const double right = std::min(box.x + box.width, 0.0 + size.width) - 0.5;
+  const double bottom = std::min(box.y + box.height, 0.0 + size.height) - 0.5;
+  if (!(right > left) || !(bottom > top)) return;
+  const int columns = static_cast<int>(std::ceil(right - left));
+  const int rows = static_cast<int>(std::ceil(bottom - top));
+  for (int i = 0; i <= columns; ++i) {
+    const double u = std::lerp(left, right, static_cast<double>(i) / columns);
+    f(Pixel{u, top});
+    f(Pixel{u, bottom});
+  }
+  for (int i = 1; i < rows; ++i) {
+    const double v = std::lerp(top, bottom, static_cast<double>(i) / rows);
+    f(Pixel{left, v});
+    f(Pixel{right, v});
+  }
+}
+
+// The smallest box around points.
+struct Bounds {
+  double left = std::numeric_limits<double>::infinity();
+  double top = left;
+  double right = -left;
+  double bottom = -left;
+
+  void add(Pixel p) {
+    left = std::min(left, p.u + 0.5);
+    right = std::max(right, p.u + 0.5);
+    top = std::min(top, p.v + 0.5);
+    bottom = std::max(bottom, p.v + 0.5);
+  }
+  [[nodiscard]] std::optional<Rectangle> within(ImageSize size) const {
+    const double x = std::max(left, 0.0);
+    const double y = std::max(top, 0.0);
+    const double width = std::min(right, 0.0 + size.width) - x;
+    const double height = std::min(bottom, 0.0 + size.height) - y;
+    if (!(width > 0) || !(height > 0)) return std::nullopt;
+    return Rectangle{x, y, width, height};
+  }
+};
+
 }  // namespace
 
 Result<Undistorter> Undistorter::make(const Camera& source, const ViewOptions& options,
@@ -37,15 +89,15 @@ Result<Undistorter> Undistorter::make(const Camera& source, const ViewOptions& o
   const auto output = output_camera(source, options);
   if (!output) return tl::unexpected(output.error());
   Undistorter result(source, *output);
-  std::vector<Subsampling> known;
+  std::vector<PlaneSites> known;
   for (const PlaneLayout& layout : planes) {
-    const auto it = std::find(known.begin(), known.end(), layout.subsampling);
+    const auto it = std::find(known.begin(), known.end(), layout.sites());
     result.planes_.push_back({layout, static_cast<std::size_t>(it - known.begin())});
     if (it != known.end()) continue;
-    auto map = RemapMap::build(source, *output, layout.subsampling, stop);
+    auto map = RemapMap::build(source, *output, layout.sites(), stop);
     if (!map) return tl::unexpected(map.error());
     result.maps_.push_back(*std::move(map));
-    known.push_back(layout.subsampling);
+    known.push_back(layout.sites());
   }
   return result;
 }
@@ -79,6 +131,38 @@ Observation Undistorter::to_output(const Observation& observation) const {
                            magnification(source_, output_, observation.uv[i], *pixel));
   }
   return mapped;
+}
+
+std::optional<Rectangle> Undistorter::to_output(const Rectangle& box) const {
+  Bounds bounds;
+  const ImageSize size = output_.image_size();
+  for_border(box, source_.image_size(), [&](Pixel p) {
+    if (const auto place = to_output(p)) bounds.add(*place);
+  });
+  // Where the picture cuts the box, its own border is the edge.
+  for_border({0, 0, static_cast<double>(size.width), static_cast<double>(size.height)}, size,
+             [&](Pixel p) {
+               const auto place = to_source(p);
+               if (place && contains(box, *place)) bounds.add(p);
+             });
+  return bounds.within(size);
+}
+
+Pixel Undistorter::nearest_source(Pixel output) const noexcept {
+  if (const auto place = to_source(output)) return *place;
+  const ImageSize size = output_.image_size();
+  const Pixel middle = {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
+  Pixel found = {(source_.image_size().width - 1) / 2.0, (source_.image_size().height - 1) / 2.0};
+  double low = 0;
+  double high = 1;
+  for (int i = 0; i < 40; ++i) {
+    const double t = (low + high) / 2;
+    const auto place =
+        to_source({std::lerp(middle.u, output.u, t), std::lerp(middle.v, output.v, t)});
+    (place ? low : high) = t;
+    if (place) found = *place;
+  }
+  return found;
 }
 
 }  // namespace calvin

@@ -38,6 +38,14 @@ class Undistorter {
   // show are left out, the uncertainty grows and shrinks with the picture.
   [[nodiscard]] Observation to_output(const Observation& observation) const;
 
+  // The box around what a box of the source has become, cut to the picture; a picture of w columns
+  // goes from x = 0 to w. Absent where the output shows nothing of it.
+  [[nodiscard]] std::optional<Rectangle> to_output(const Rectangle& box) const;
+
+  // to_source(), or where that is absent the last place of the source on the way to the pixel from
+  // the middle of the output.
+  [[nodiscard]] Pixel nearest_source(Pixel output) const noexcept;
+
  private:
   struct Plane {
     PlaneLayout layout;

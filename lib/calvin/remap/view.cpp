@@ -8,8 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "calvin/remap/map.hpp"
 
 namespace calvin {
@@ -237,39 +235,20 @@ std::optional<Pixel> transfer(const Camera& from, const Camera& to, Pixel pixel)
   return ray ? to.project(*ray) : std::nullopt;
 }
 
-Result<FittedCamera> fit_to_frame(const Calibration& calibration, ImageSize frame) {
-  Calibration known = calibration;
-  if (known.image_size == ImageSize{}) known.image_size = frame;
-  const auto camera = Camera::make(known);
-  if (!camera) return tl::unexpected(camera.error());
-  const ImageSize size = camera->image_size();
-  const Rectangle part = known.sensor_crop.value_or(
-      Rectangle{0, 0, static_cast<double>(size.width), static_cast<double>(size.height)});
-  if (!(part.width > 0) || !(part.height > 0) || !std::isfinite(part.width + part.height) ||
-      !std::isfinite(part.x + part.y)) {
-    return make_error(ErrorCode::kMalformed, "The sensor_crop of the calibration has no area.");
-  }
-  const double sx = frame.width / part.width;
-  const double sy = frame.height / part.height;
-  const bool same_aspect = std::abs(sx * part.height - frame.height) <= 1 ||
-                           std::abs(sy * part.width - frame.width) <= 1;
-  if (!same_aspect) {
-    return make_error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("The calibration is for a picture of {}x{} px, the frames are {}x{}: "
-                    "another aspect. Calibrate at that size, or say with sensor_crop which "
-                    "part of the calibrated image the frames show.",
-                    part.width, part.height, frame.width, frame.height));
-  }
-  std::vector<double> values = camera->parameters();
+Result<Camera> moved(const Camera& camera, const Camera& from, const Camera& to) {
+  const double sx = to.fx() / from.fx();
+  const double sy = to.fy() / from.fy();
+  std::vector<double> values = camera.parameters();
   values[0] *= sx;
   values[1] *= sy;
-  values[2] = sx * (values[2] - part.x + 0.5) - 0.5;
-  values[3] = sy * (values[3] - part.y + 0.5) - 0.5;
-  auto fitted = Camera::make(camera->model(), frame, values, sx * camera->skew());
-  if (!fitted) return tl::unexpected(fitted.error());
-  const bool scaled = part.width != frame.width || part.height != frame.height;
-  return FittedCamera{*std::move(fitted), scaled};
+  values[2] = sx * (values[2] - from.cx()) + to.cx();
+  values[3] = sy * (values[3] - from.cy()) + to.cy();
+  return Camera::make(camera.model(), to.image_size(), values, sx * camera.skew());
+}
+
+Result<Camera> plain_camera(ImageSize size) {
+  const double f = std::max(size.width, size.height);
+  return Camera::make("pinhole", size, {f, f, (size.width - 1) / 2.0, (size.height - 1) / 2.0});
 }
 
 }  // namespace calvin

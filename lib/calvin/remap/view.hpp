@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Which camera an undistorted picture shows, and how a calibration fits a frame.
+// Which camera an undistorted picture shows.
 #pragma once
 
 #include <optional>
@@ -30,14 +30,11 @@ struct ViewOptions {
 [[nodiscard]] std::optional<Pixel> transfer(const Camera& from, const Camera& to,
                                             Pixel pixel) noexcept;
 
-struct FittedCamera {
-  Camera camera;        // of frames of the size asked for
-  bool scaled = false;  // the frames have another size than the calibration
-};
+// The camera of a picture that `camera` took and that then was moved, as the change from the
+// pinhole `from` to the pinhole `to` moves it.
+[[nodiscard]] Result<Camera> moved(const Camera& camera, const Camera& from, const Camera& to);
 
-// The camera of frames of `frame` px whose calibration is known. A frame of another size but the
-// same aspect (to 1 px) is a scaled one; `sensor_crop` says which part of the calibrated image the
-// frames show; a calibration of size 0x0 is for any. Another aspect is kInvalidArgument.
-[[nodiscard]] Result<FittedCamera> fit_to_frame(const Calibration& calibration, ImageSize frame);
+// A pinhole for frames whose calibration is not known: what any picture may be scaled with.
+[[nodiscard]] Result<Camera> plain_camera(ImageSize size);
 
 }  // namespace calvin

@@ -74,22 +74,44 @@ class ModelSolver {
 
   bool start() {
     const std::vector<PointSet> sample = trial_views();
+    Candidate known = from_initial(sample);
+    // A start that far off is in the wrong valley.
+    const double far = 1e-3 * size_.width;
+    if (!(known.scale < far)) {
+      Candidate found = from_views(sample, far);
+      if (found.scale < known.scale) known = std::move(found);
+    }
+    if (!std::isfinite(known.scale)) return false;
+    parameters_ = known.parameters;
+    poses_ = poses_for(parameters_, views_);
+    return true;
+  }
+
+  // From the calibration that the caller has.
+  Candidate from_initial(const std::vector<PointSet>& sample) {
+    Candidate c;
+    if (freedom_.initial.empty()) return c;
+    std::copy(freedom_.initial.begin(), freedom_.initial.end(), c.parameters.begin());
+    freedom_.hold(c.parameters.data());
+    c.poses = poses_for(c.parameters, sample);
+    c.scale = scale_of(c, sample);
+    improve(c, sample, freedom_.basis, 15);
+    return c;
+  }
+
+  Candidate from_views(const std::vector<PointSet>& sample, double far) {
     std::vector<Guess> guesses;
     if (is_perspective()) guesses = closed_form_guesses(sample, size_);
     const bool sure = !guesses.empty() && sample.size() >= kFewViews;
     const auto grid = focal_grid(size_, is_perspective());
     if (!sure) guesses.insert(guesses.end(), grid.begin(), grid.end());
     Candidate best = best_of(guesses, sample, sure ? 1 : kTrials);
-    // A start that far off is in the wrong valley.
-    if (sure && !(best.scale < 1e-3 * size_.width)) {
+    if (sure && !(best.scale < far)) {
       guesses.insert(guesses.end(), grid.begin(), grid.end());
       Candidate other = best_of(guesses, sample, kTrials);
       if (other.scale < best.scale) best = std::move(other);
     }
-    if (!std::isfinite(best.scale)) return false;
-    parameters_ = best.parameters;
-    poses_ = poses_for(parameters_, views_);
-    return true;
+    return best;
   }
 
   std::vector<PointSet> trial_views() const {
@@ -102,10 +124,7 @@ class ModelSolver {
   Parameters without_distortion(const Guess& guess) const {
     Parameters p{};
     std::copy(guess.begin(), guess.end(), p.begin());
-    const Pixel center = image_center(size_);
-    if (freedom_.center_x) p[2] = center.u;
-    if (freedom_.center_y) p[3] = center.v;
-    if (freedom_.aspect) p[0] = p[1] = std::sqrt(p[0] * p[1]);
+    freedom_.hold(p.data());
     return p;
   }
 
@@ -132,9 +151,10 @@ class ModelSolver {
     if (candidates.size() > trials) candidates.resize(trials);
     Candidate best;
     Basis focal = Basis::Zero(M::kCount, 1);
-    focal(0, 0) = focal(1, 0) = 1;
+    focal(0, 0) = 1;
+    focal(1, 0) = freedom_.aspect();
     for (Candidate& c : candidates) {
-      improve(c, sample, focal, 5);
+      if (!freedom_.held[0] && !freedom_.held[1]) improve(c, sample, focal, 5);
       improve(c, sample, freedom_.basis, 15);
       if (c.scale < best.scale) best = std::move(c);
     }

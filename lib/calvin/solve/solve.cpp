@@ -128,16 +128,8 @@ Status check(const View& view, ImageSize image_size) {
 }
 
 Status check(const SolveOptions& options) {
-  const auto names = parameter_names(options.model);
-  if (names.empty()) {
-    return make_error(ErrorCode::kUnsupported,
-                      fmt::format("The camera model '{}' is not known to this version. Known "
-                                  "models: {}.",
-                                  options.model, fmt::join(model_names(), ", ")));
-  }
-  if (const auto freedom = make_freedom(names, options.fix); !freedom) {
-    return tl::unexpected<Error>(freedom.error());
-  }
+  const auto freedom = make_freedom(options, {});
+  if (!freedom) return tl::unexpected<Error>(freedom.error());
   return {};
 }
 

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -36,8 +37,15 @@ struct SolveOptions {
   int max_iterations = 100;      // of each least-squares solve
   bool reject_outliers = true;   // false: plain least squares over all corners
 
-  // What is not estimated: the name of a distortion coefficient ("k3": held at 0), "center" or
-  // "cx", "cy" (held at the centre of the image), "aspect" (fx = fy).
+  // A calibration of images of the same size to start from: it makes a solve sure where the views
+  // alone are few, and gives the values at which parameters are held. Coefficients of an unrelated
+  // model do not count.
+  std::optional<Calibration> initial;
+
+  // What is not estimated: the name of a parameter, held at its value in `initial`, or else a
+  // coefficient at 0 and "cx", "cy" at the centre of the image; "center" is both of these. What is
+  // tied: "aspect" keeps fy / fx as in `initial`, or else at 1, and "fx=fy" or "k1=k2" gives two
+  // parameters one value.
   std::vector<std::string> fix;
 };
 
@@ -65,7 +73,7 @@ struct Solution {
 // kInvalidArgument otherwise. Says nothing of whether the corners are enough.
 [[nodiscard]] Status check(const View& view, ImageSize image_size);
 
-// Whether solve() knows the model and what is to be fixed.
+// Whether solve() knows the model, what is to be fixed, and can start from `initial`.
 [[nodiscard]] Status check(const SolveOptions& options);
 
 // kInvalidArgument: a broken view, option or image size. kUnsupported: unknown model.

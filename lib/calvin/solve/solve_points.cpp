@@ -198,14 +198,7 @@ Result<Solution> conclude(const Fit& fit, std::string_view model, ImageSize size
 
 Result<Solution> solve_points(std::vector<PointSet> views, ImageSize image_size,
                               const SolveOptions& options, const std::stop_token& stop) {
-  const auto names = parameter_names(options.model);
-  if (names.empty()) {
-    return make_error(
-        ErrorCode::kUnsupported,
-        fmt::format("The camera model '{}' is not known to this version. Known models: {}.",
-                    options.model, fmt::join(model_names(), ", ")));
-  }
-  const auto freedom = make_freedom(names, options.fix);
+  const auto freedom = make_freedom(options, image_size);
   if (!freedom) return tl::unexpected<Error>(freedom.error());
   if (const Status status =
           enough(views, std::vector<bool>(views.size(), true), *freedom, options.model);

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What calibdetect does.
+
+#include "calib_detector.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "frame_check.hpp"
+
+GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
+#define GST_CAT_DEFAULT calibdetect_debug
+
+namespace calvin::gst {
+
+DetectorSettings CalibDetector::settings() {
+  const std::lock_guard guard(lock_);
+  return settings_;
+}
+
+GstStructure* CalibDetector::stats() {
+  const std::lock_guard guard(lock_);
+  return gst_structure_new("stats", "frames", G_TYPE_UINT64, frames_, "detections", G_TYPE_UINT64,
+                           detections_, "skipped", G_TYPE_UINT64, skipped_, nullptr);
+}
+
+// ---- Settings and format ------------------------------------------------------------------------
+
+Status CalibDetector::start() {
+  {
+    const std::lock_guard guard(lock_);
+    boards_changed_ = recheck_changed_ = true;
+    ++generation_;
+    result_.reset();
+    frames_ = detections_ = skipped_ = 0;
+  }
+  luma_.reset();
+  async_ = mode_known_ = frame_refused_ = false;
+  last_detection_ = GST_CLOCK_TIME_NONE;
+  if (Status updated = update_boards(); !updated) return updated;
+  if (Status updated = update_recheck(); !updated) return updated;
+  worker_.start();
+  return {};
+}
+
+Status CalibDetector::update_boards() {
+  std::string text;
+  {
+    const std::lock_guard guard(lock_);
+    if (!std::exchange(boards_changed_, false)) return {};
+    text = settings_.board;
+  }
+  const auto boards = parse_boards(text);
+  if (!boards) return tl::unexpected<Error>(boards.error());
+  auto detectors = std::make_shared<std::vector<BoardDetector>>();
+  for (const Board& board : *boards) {
+    auto detector = make_detector(board);
+    if (!detector) return tl::unexpected<Error>(detector.error());
+    detectors->push_back({board, std::move(*detector)});
+  }
+  detectors_ = std::move(detectors);
+  return {};
+}
+
+Status CalibDetector::update_recheck() {
+  std::string text;
+  {
+    const std::lock_guard guard(lock_);
+    if (!std::exchange(recheck_changed_, false)) return {};
+    text = settings_.recheck;
+  }
+  if (text.empty()) {
+    check_.reset();
+    return {};
+  }
+  auto check = CalibrationCheck::make(text);
+  if (!check) return tl::unexpected<Error>(check.error());
+  check_ = std::move(*check);
+  return {};
+}
+
+Status CalibDetector::set_format(const GstVideoInfo& info) {
+  luma_.reset();
+  auto reader = LumaReader::make(info);
+  if (!reader) return tl::unexpected<Error>(reader.error());
+  luma_ = std::move(*reader);
+  info_ = info;
+  mode_known_ = frame_refused_ = false;
+  return {};
+}
+
+void CalibDetector::choose_mode(bool live) {
+  const int mode = settings().mode;
+  mode_known_ = true;
+  async_ = mode == kModeAsync || (mode == kModeAuto && live);
+  GST_INFO_OBJECT(element_, "the streaming thread %s", async_ ? "does not wait" : "waits");
+}
+
+// ---- Frames: on the streaming thread ------------------------------------------------------------
+
+bool CalibDetector::is_due(const FrameTimes& times, double max_rate) {
+  if (max_rate <= 0 || !GST_CLOCK_TIME_IS_VALID(times.running_time)) return true;
+  const auto interval = static_cast<GstClockTime>(GST_SECOND / max_rate);
+  const GstClockTime now = times.running_time;
+  const GstClockTime last = last_detection_;
+  // The beat may be ahead of the frames, by less than an interval.
+  const bool in_step = GST_CLOCK_TIME_IS_VALID(last) && now + interval >= last;
+  if (in_step && now + interval / 4 < last + interval) return false;
+  // On the beat, so that a camera's jitter does not cost every other frame.
+  const bool late = !in_step || now >= last + 2 * interval;
+  last_detection_ = late ? now : last + interval;
+  return true;
+}
+
+void CalibDetector::skip() {
+  const std::lock_guard guard(lock_);
+  ++skipped_;
+}
+
+std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
+                                                            const FrameTimes& times) {
+  for (const Status& updated : {update_boards(), update_recheck()}) {
+    if (!updated) post_warning(element_, updated.error());
+  }
+  Job job{times, settings(), detectors_, check_, luma_, {}, 0};
+  auto earlier = take_waiting();
+  {
+    const std::lock_guard guard(lock_);
+    ++frames_;
+    job.generation = generation_;
+  }
+  // A copy for a worker that is at another frame would be stale when its turn came.
+  if ((async_ && !worker_.idle()) || !is_due(times, job.settings.max_rate)) {
+    skip();
+    return earlier;
+  }
+  if (const Status checked = check_frame(info_, buffer); !checked) {
+    if (!std::exchange(frame_refused_, true)) post_warning(element_, checked.error());
+    skip();
+    return earlier;
+  }
+  job.picture = async_ ? luma_->copy(buffer) : luma_->borrow(buffer);
+  if (!async_) return wait_for(std::move(job));
+  const auto shared = std::make_shared<const Job>(std::move(job));
+  worker_.offer([this, shared](const std::stop_token& stop) {
+    auto found = run(*shared, stop);
+    const std::lock_guard guard(lock_);
+    if (stop.stop_requested() || shared->generation != generation_) return;
+    result_ = std::move(found);
+  });
+  return earlier;
+}
+
+// The worker does it, so that a flush or a state change need not wait for what cannot be
+// interrupted.
+std::optional<std::vector<Observation>> CalibDetector::wait_for(Job job) {
+  const auto shared = std::make_shared<Job>(std::move(job));
+  const auto found = std::make_shared<std::optional<std::vector<Observation>>>();
+  worker_.offer([this, shared, found](const std::stop_token& stop) {
+    auto result = run(*shared, stop);
+    shared->picture = {};
+    if (!stop.stop_requested()) *found = std::move(result);
+  });
+  return worker_.drain() ? std::move(*found) : std::nullopt;
+}
+
+std::optional<std::vector<Observation>> CalibDetector::take_waiting() {
+  const std::lock_guard guard(lock_);
+  return std::exchange(result_, std::nullopt);
+}
+
+void CalibDetector::next_stretch() {
+  last_detection_ = GST_CLOCK_TIME_NONE;
+  const std::lock_guard guard(lock_);
+  ++generation_;
+  result_.reset();
+}
+
+// ---- Detection: on the worker -------------------------------------------------------------------
+
+std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_token& stop) {
+  std::vector<Observation> found;
+  const ImageView image = job.luma->view(job.picture);
+  for (const auto& [board, detector] : *job.detectors) {
+    const auto begin = std::chrono::steady_clock::now();
+    Detection detection = detector->detect(image, stop);
+    const auto taken = std::chrono::steady_clock::now() - begin;
+    detection.observation.camera = job.settings.camera;
+    detection.observation.board = board.text();
+    detection.observation.timestamp = job.times.timestamp;
+    detection.observation.image_size = image.size();
+    if (!stop.stop_requested()) {
+      const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
+      report(job, detection, board, static_cast<guint64>(us));
+    }
+    found.push_back(std::move(detection.observation));
+  }
+  const std::lock_guard guard(lock_);
+  ++detections_;
+  return found;
+}
+
+void CalibDetector::report(const Job& job, const Detection& detection, const Board& board,
+                           guint64 latency_us) {
+  const Observation& o = detection.observation;
+  if (job.settings.post_messages) {
+    GstStructure* s = new_message("calib-detection", job.times, o.camera);
+    gst_structure_set(s, "board", G_TYPE_STRING, o.board.c_str(), "found", G_TYPE_BOOLEAN,
+                      o.found(), "points", G_TYPE_INT, static_cast<int>(o.ids.size()), "total",
+                      G_TYPE_INT, board.point_count(), "reason", G_TYPE_STRING,
+                      std::string(to_string(detection.reason)).c_str(), "latency-us", G_TYPE_UINT64,
+                      latency_us, nullptr);
+    post_message(element_, s);
+  }
+  if (!job.check || !o.found()) return;
+  std::vector<Error> news;
+  GstStructure* checked = job.check->check({o, board}, job.times, news);
+  for (const Error& error : news) post_warning(element_, error);
+  if (checked != nullptr) post_message(element_, checked);
+}
+
+}  // namespace calvin::gst

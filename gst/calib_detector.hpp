@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What calibdetect does: looks for boards on a worker, with the streaming thread waiting for it or
+// not, and posts what was seen in the name of the element.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gst/gst.h>
+
+#include "calibration_check.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/detect/detector.hpp"
+#include "calvin/target/board_names.hpp"
+#include "frame_luma.hpp"
+#include "messages.hpp"
+#include "worker.hpp"
+
+namespace calvin::gst {
+
+enum DetectMode { kModeAuto, kModeSync, kModeAsync };
+
+struct DetectorSettings {
+  std::string board{kDefaultBoard};
+  std::string camera = "cam0";
+  std::string recheck;
+  int mode = kModeAuto;
+  double max_rate = 0;  // 1/s; 0: every frame
+  bool post_messages = false;
+};
+
+class CalibDetector {
+ public:
+  explicit CalibDetector(GstElement* element) : element_(element) {}
+
+  // Any thread.
+  template <typename F>
+  void change_settings(F f) {
+    const std::lock_guard guard(lock_);
+    const DetectorSettings before = settings_;
+    f(settings_);
+    boards_changed_ |= settings_.board != before.board;
+    recheck_changed_ |= settings_.recheck != before.recheck;
+  }
+  [[nodiscard]] DetectorSettings settings();
+  [[nodiscard]] GstStructure* stats();
+
+  // An error for settings that cannot work.
+  [[nodiscard]] Status start();
+  // Any thread: whoever waits for a detection goes on without it.
+  void cancel() { worker_.cancel(); }
+  void resume() { worker_.resume(); }
+  void stop() { worker_.stop(); }
+  // Before the element goes.
+  void join() { worker_.join(); }
+
+  // The rest on the streaming thread.
+  [[nodiscard]] Status set_format(const GstVideoInfo& info);
+  [[nodiscard]] bool has_format() const { return luma_ != nullptr; }
+  // Whether choose_mode() is to be called before the next look(): once after each format.
+  [[nodiscard]] bool mode_known() const { return mode_known_; }
+  void choose_mode(bool live);
+
+  // Looks for the boards in a frame, or has them looked for and returns what was found on an
+  // earlier one. Absent: nothing to attach.
+  [[nodiscard]] std::optional<std::vector<Observation>> look(GstBuffer* buffer,
+                                                             const FrameTimes& times);
+
+  // Waits for what is being computed, unless cancelled.
+  void drain() { worker_.drain(); }
+  // The result that no buffer took yet.
+  [[nodiscard]] std::optional<std::vector<Observation>> take_waiting();
+  // From here on another format or other times apply: what is still being computed is of no use.
+  void next_stretch();
+
+ private:
+  struct BoardDetector {
+    Board board;
+    std::unique_ptr<Detector> detector;
+  };
+  using Detectors = std::shared_ptr<const std::vector<BoardDetector>>;
+
+  // What one detection needs.
+  struct Job {
+    FrameTimes times;
+    DetectorSettings settings;
+    Detectors detectors;
+    std::shared_ptr<CalibrationCheck> check;
+    std::shared_ptr<LumaReader> luma;
+    Picture picture;
+    guint64 generation = 0;
+  };
+
+  // Reads the properties again that changed. Keeps the old ones on an error.
+  [[nodiscard]] Status update_boards();
+  [[nodiscard]] Status update_recheck();
+  [[nodiscard]] bool is_due(const FrameTimes& times, double max_rate);
+  void skip();
+  [[nodiscard]] std::optional<std::vector<Observation>> wait_for(Job job);
+
+  // On the worker.
+  [[nodiscard]] std::vector<Observation> run(const Job& job, const std::stop_token& stop);
+  void report(const Job& job, const Detection& detection, const Board& board, guint64 latency_us);
+
+  GstElement* element_;
+
+  std::mutex lock_;  // of everything below, down to worker_
+  DetectorSettings settings_;
+  bool boards_changed_ = true;
+  bool recheck_changed_ = true;
+  std::optional<std::vector<Observation>> result_;  // waits for a buffer to ride on
+  guint64 generation_ = 0;  // of the stream: a result of an older stretch is thrown away
+  guint64 frames_ = 0;
+  guint64 detections_ = 0;
+  guint64 skipped_ = 0;
+
+  // Streaming thread only. What the worker uses of it goes along with the job.
+  GstVideoInfo info_{};
+  std::shared_ptr<LumaReader> luma_;
+  Detectors detectors_;
+  std::shared_ptr<CalibrationCheck> check_;
+  bool async_ = false;
+  bool mode_known_ = false;
+  bool frame_refused_ = false;  // and the user was told so
+  GstClockTime last_detection_ = GST_CLOCK_TIME_NONE;
+
+  Worker worker_;
+};
+
+}  // namespace calvin::gst

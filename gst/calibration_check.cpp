@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The property `recheck`: each board found is held against an existing calibration.
+
+#include "calibration_check.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/remap/fit.hpp"
+#include "values.hpp"
+
+namespace calvin::gst {
+
+Result<std::shared_ptr<CalibrationCheck>> CalibrationCheck::make(const std::string& text) {
+  auto check = std::make_shared<CalibrationCheck>();
+  check->setting_.set(text);
+  auto read = check->setting_.poll(CalibrationSetting::Clock::now());
+  if (!read || !*read) {
+    Error error = read ? read->error() : Error{ErrorCode::kInvalidArgument, "There is none."};
+    error.message = "The calibration to check against (recheck): " + error.message;
+    return tl::unexpected<Error>(std::move(error));
+  }
+  check->calibration_ = **std::move(read);
+  return check;
+}
+
+void CalibrationCheck::poll(std::vector<Error>& news) {
+  auto read = setting_.poll(CalibrationSetting::Clock::now());
+  if (!read) return;
+  if (!*read) {
+    news.push_back(read->error());
+    news.back().message += " The calibration that recheck had goes on.";
+    return;
+  }
+  calibration_ = **std::move(read);
+  size_ = {};
+}
+
+void CalibrationCheck::fit(ImageSize size, std::vector<Error>& news) {
+  if (std::exchange(size_, size) == size) return;
+  recheck_.reset();
+  const auto fitted = fit_to_frame(calibration_, size);
+  if (!fitted) {
+    news.push_back(fitted.error());
+    return;
+  }
+  if (fitted->scaled) {
+    news.push_back({ErrorCode::kInvalidArgument,
+                    fmt::format("The calibration to check against is for {}x{} px and is scaled to "
+                                "the frames of {}x{}.",
+                                calibration_.image_size.width, calibration_.image_size.height,
+                                size.width, size.height)});
+  }
+  recheck_.emplace(fitted->camera, calibration_);
+}
+
+GstStructure* CalibrationCheck::check(const View& view, const FrameTimes& times,
+                                      std::vector<Error>& news) {
+  poll(news);
+  fit(view.observation.image_size, news);
+  if (!recheck_) return nullptr;
+  const auto report = recheck_->add(view);
+  if (!report) return nullptr;
+  GstStructure* s = new_message("calib-check", times, view.observation.camera);
+  gst_structure_set(s, "board", G_TYPE_STRING, view.observation.board.c_str(), "points", G_TYPE_INT,
+                    report->points, "rms", G_TYPE_DOUBLE, report->rms, "moved", G_TYPE_DOUBLE,
+                    report->moved, nullptr);
+  if (calibration_.expected_error) {
+    gst_structure_set(s, "expected-error", G_TYPE_DOUBLE, *calibration_.expected_error, nullptr);
+  }
+  // Where the board looks the same after a turn nobody knows its pose.
+  if (view.observation.ambiguous.empty()) {
+    set_doubles(s, "rotation", report->camera_from_board.rotation);
+    set_doubles(s, "translation", report->camera_from_board.translation);
+  }
+  return s;
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Whether a buffer holds the picture that its caps promise.
+
+#include "frame_check.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+namespace calvin::gst {
+
+namespace {
+
+constexpr char kAdvice[] = "Check the element upstream, it sends frames other than its caps say.";
+
+// Whether every sample of a component lies in the memory that is mapped for its plane.
+bool component_fits(const GstVideoFrame& frame, guint c) {
+  const GstVideoFormatInfo* f = frame.info.finfo;
+  const auto plane = static_cast<guint>(GST_VIDEO_FORMAT_INFO_PLANE(f, c));
+  const std::int64_t rows = GST_VIDEO_FRAME_COMP_HEIGHT(&frame, c);
+  const std::int64_t columns = GST_VIDEO_FRAME_COMP_WIDTH(&frame, c);
+  const std::int64_t row_end = GST_VIDEO_FORMAT_INFO_POFFSET(f, c) +
+                               (columns - 1) * GST_VIDEO_FORMAT_INFO_PSTRIDE(f, c) +
+                               (GST_VIDEO_FORMAT_INFO_DEPTH(f, c) + 7) / 8;
+  const std::int64_t last = (rows - 1) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane);
+  const GstMapInfo& map = frame.map[frame.meta == nullptr ? 0 : plane];
+  const std::int64_t first = static_cast<const guint8*>(frame.data[plane]) - map.data;
+  return first + std::min<std::int64_t>(last, 0) >= 0 &&
+         first + std::max<std::int64_t>(last, 0) + row_end <= static_cast<std::int64_t>(map.size);
+}
+
+bool components_fit(const GstVideoFrame& frame) {
+  // Tiles, packed groups of pixels and palettes have rows of another kind.
+  if (GST_VIDEO_FORMAT_INFO_IS_COMPLEX(frame.info.finfo) ||
+      GST_VIDEO_FORMAT_INFO_HAS_PALETTE(frame.info.finfo)) {
+    return true;
+  }
+  for (guint c = 0; c < GST_VIDEO_FRAME_N_COMPONENTS(&frame); ++c) {
+    if (!component_fits(frame, c)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
+  // gst_video_frame_map() takes these on trust, or for a mistake of the program.
+  const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
+  if (meta != nullptr && (meta->format != GST_VIDEO_INFO_FORMAT(&info) ||
+                          meta->width != static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) ||
+                          meta->height != static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)))) {
+    return make_error(
+        ErrorCode::kMalformed,
+        fmt::format("A frame is {} of {}x{} px, but {} of {}x{} was negotiated. {}",
+                    gst_video_format_to_string(meta->format), meta->width, meta->height,
+                    GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
+                    GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
+  }
+  GstVideoFrame frame;
+  if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ)) {
+    return make_error(
+        ErrorCode::kMalformed,
+        fmt::format("A frame has {} bytes, but {} of {}x{} px needs {}. {}",
+                    gst_buffer_get_size(buffer), GST_VIDEO_INFO_NAME(&info),
+                    GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), info.size, kAdvice));
+  }
+  const bool fits = components_fit(frame);
+  gst_video_frame_unmap(&frame);
+  if (fits) return {};
+  return make_error(ErrorCode::kMalformed,
+                    fmt::format("The rows of a frame reach beyond its memory. {}", kAdvice));
+}
+
+}  // namespace calvin::gst

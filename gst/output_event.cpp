@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What downstream is told of the frames that come out.
+
+#include "output_event.hpp"
+
+#include <utility>
+
+#include "calibration_event.hpp"
+#include "calvin/io/calibration_io.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+EventPtr event_of(const Camera& camera, const std::string& name) {
+  Calibration calibration = camera.to_calibration();
+  calibration.camera = name;
+  return EventPtr(new_calibration_event({name, print_calibration(calibration).value_or("")}));
+}
+
+}  // namespace
+
+EventPtr OutputEvent::make(const FrameWarp& warp, const CalibrationInput& input,
+                           const Cause& cause) const {
+  const auto& camera = input.camera();
+  GstEvent* upstream = input.event();
+  const bool scales = warp.current() && !warp.undistorts();
+  if (warp.undistorts() || (scales && camera && (upstream != nullptr || own_))) {
+    if (own_ && cause_ == cause) return nullptr;
+    const auto output = warp.output_of(*camera);
+    if (output) return event_of(*output, input.name());
+  }
+  if (upstream != nullptr) {
+    return EventPtr(upstream == sent_.get() ? nullptr : gst_event_ref(upstream));
+  }
+  if (!own_ || cause_ == cause) return nullptr;
+  return camera && !scales ? event_of(*camera, input.name()) : EventPtr(new_calibration_event({}));
+}
+
+EventPtr OutputEvent::next(const FrameWarp& warp, const CalibrationInput& input) {
+  Cause cause = {warp.current(), warp.undistorts() ? 0 : input.serial()};
+  EventPtr event = make(warp, input, cause);
+  if (!event) return nullptr;
+  own_ = event.get() != input.event();
+  cause_ = std::move(cause);
+  sent_.reset(gst_event_ref(event.get()));
+  return event;
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a user reads when the neighbour upstream sends what an element cannot take.
+#pragma once
+
+#include <optional>
+
+#include <gst/gst.h>
+
+#include "calvin/core/result.hpp"
+
+namespace calvin::gst {
+
+// Why none of `caps` fits `accepted`, the template of a raw video pad, and what to insert. Absent
+// where something fits.
+[[nodiscard]] std::optional<Error> explain_refusal(const GstCaps* caps, const GstCaps* accepted);
+
+// GStreamer refuses such caps before an element sees them and tells the user no more than
+// "not-negotiated". From here on the sink pad of `element` posts why: an error when such caps are
+// set, a warning when they are all that upstream can offer. Call it once, in init.
+void explain_refused_caps(GstElement* element);
+
+}  // namespace calvin::gst

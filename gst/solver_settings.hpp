@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The properties of calibsolve, and what they mean once they are read.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration_files.hpp"
+#include "calvin/session/session.hpp"
+#include "calvin/solve/solve.hpp"
+
+namespace calvin::gst {
+
+enum CaptureChoice { kCaptureDefault, kCaptureAll, kCaptureAuto, kCaptureManual };
+
+struct SolverSettings {
+  std::string location;
+  std::string exports;
+  std::string camera;  // empty: the name that the observations carry
+  std::string model = "brown5";
+  std::string fix;
+  std::string initial;
+  int capture_mode = kCaptureDefault;
+  int min_views = 3;
+  int max_views = 0;        // 0: no limit
+  double target_error = 0;  // px of expected error; 0: none
+};
+
+struct SolverPlan {
+  SolverSettings settings;
+  SolveOptions options;  // without the names and sizes that only the frames tell
+  std::optional<Calibration> initial;
+  std::vector<CalibrationFile> files;
+
+  [[nodiscard]] SessionOptions session_options(bool live) const;
+};
+
+// An error for settings that cannot work. Reads the file of `initial`.
+[[nodiscard]] Result<SolverPlan> make_plan(const SolverSettings& settings);
+
+// Whether the views are to be solved again, or the result is to be written again, when one set of
+// settings takes the place of another.
+[[nodiscard]] bool solves_differently(const SolverSettings& a, const SolverSettings& b);
+[[nodiscard]] bool writes_elsewhere(const SolverSettings& a, const SolverSettings& b);
+
+// `initial` for frames of that size, with a word for the user where it had to be scaled or cannot
+// be used.
+struct FittedInitial {
+  std::optional<Calibration> calibration;
+  std::optional<Error> news;
+};
+[[nodiscard]] FittedInitial fit_initial(const SolverPlan& plan, ImageSize frames);
+
+}  // namespace calvin::gst

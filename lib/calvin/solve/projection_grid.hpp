@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a change of a camera's parameters does all over its image, a mere turn of the camera left
+// out. Internal.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/camera/camera.hpp"
+
+namespace calvin {
+
+// Columns of parameters in the model's order; this one stands for skew.
+inline constexpr int kSkewColumn = -1;
+
+// At each pixel of a grid of 33x25 that reaches the border of the image, for a point at infinity:
+// the derivative of its projection (px, 2 rows) by the parameters `columns`, less what the best
+// rotation common to all pixels explains. Pixels that no ray leads to are left out. Empty where
+// fewer than three are left.
+using ProjectionGrid = std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>>;
+[[nodiscard]] ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& columns);
+
+// The larger eigenvalue of a symmetric matrix.
+[[nodiscard]] double larger_eigenvalue(const Eigen::Matrix2d& m);
+
+}  // namespace calvin

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/solve/recheck.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "calvin/solve/pose.hpp"
+#include "calvin/solve/projection_grid.hpp"
+#include "calvin/solve/reprojection.hpp"
+
+namespace calvin {
+
+namespace {
+
+constexpr std::size_t kMostViews = 30;
+constexpr double kPriorWidth = 0.02;  // of the image width
+constexpr double kSimilar = 0.02;     // of the image diagonal: boards nearer than this are one view
+constexpr double kSigmas = 2;         // of noise that are taken off
+
+// The columns of what the calibration estimated; all parameters where it does not say.
+std::vector<int> columns_of(const Camera& camera, const Calibration& calibration) {
+  const auto names = parameter_names(camera.model());
+  const bool known = std::any_of(calibration.parameters.begin(), calibration.parameters.end(),
+                                 [](const Parameter& p) { return p.sigma.has_value(); });
+  std::vector<int> columns;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Parameter* p = calibration.find(names[i]);
+    if (!known || (p != nullptr && p->sigma)) columns.push_back(static_cast<int>(i));
+  }
+  return columns;
+}
+
+// The calibration's covariance in px of the frames; zero where it has none that fits.
+Eigen::MatrixXd covariance_of(const Camera& camera, const Calibration& calibration,
+                              const std::vector<int>& columns) {
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  const Parameter* fx = calibration.find("fx");
+  const Parameter* fy = calibration.find("fy");
+  if (fx == nullptr || fy == nullptr ||
+      calibration.covariance.size() != columns.size() * columns.size()) {
+    return covariance;
+  }
+  const double scale[2] = {camera.fx() / fx->value, camera.fy() / fy->value};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      covariance(i, j) = calibration.covariance[static_cast<std::size_t>(i * n + j)];
+      for (const Eigen::Index k : {i, j}) {
+        const int column = columns[static_cast<std::size_t>(k)];
+        if (column < 4) covariance(i, j) *= scale[column % 2];
+      }
+    }
+  }
+  return covariance;
+}
+
+// Each parameter by itself moves the picture by `width` px at the most.
+Eigen::MatrixXd prior_of(const ProjectionGrid& grid, Eigen::Index parameters, double width) {
+  Eigen::VectorXd reach = Eigen::VectorXd::Zero(parameters);
+  for (const auto& cell : grid) reach = reach.cwiseMax(cell.colwise().norm().transpose());
+  return (reach / width).cwiseAbs2().asDiagonal();
+}
+
+// The corners of the box around the points.
+std::vector<Pixel> box_of(const std::vector<Pixel>& points) {
+  Pixel low = points.front();
+  Pixel high = low;
+  for (const Pixel& p : points) {
+    low = {std::min(low.u, p.u), std::min(low.v, p.v)};
+    high = {std::max(high.u, p.u), std::max(high.v, p.v)};
+  }
+  return {low, high};
+}
+
+struct Normal {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+  double cost = 0;
+};
+
+// The normal equations of one view over the parameters, its pose eliminated.
+template <typename M>
+std::optional<Normal> condense(const PointSet& view, const Camera& camera, const SE3& pose) {
+  Reprojection<M> reprojection(Loss{}, camera.skew());
+  ViewEquations<M> equations;
+  if (!reprojection.evaluate(view, camera.parameters().data(), pose, equations)) {
+    return std::nullopt;
+  }
+  const Eigen::Matrix<double, 6, 6> block =
+      Eigen::Matrix<double, 6, 6>(equations.pose()).template selfadjointView<Eigen::Lower>();
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> ldlt(block);
+  const Eigen::MatrixXd shared =
+      Eigen::MatrixXd(equations.shared()).template selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd cross = equations.cross();
+  const Eigen::VectorXd pose_gradient = equations.pose_gradient();
+  Normal normal;
+  normal.information = shared - cross * ldlt.solve(cross.transpose());
+  normal.gradient = equations.shared_gradient() - cross * ldlt.solve(pose_gradient);
+  normal.cost = equations.cost - pose_gradient.dot(ldlt.solve(pose_gradient));
+  if (!normal.information.allFinite() || !normal.gradient.allFinite()) return std::nullopt;
+  return normal;
+}
+
+}  // namespace
+
+Recheck::Recheck(const Camera& camera, const Calibration& calibration)
+    : camera_(camera),
+      columns_(columns_of(camera, calibration)),
+      grid_(projection_grid(camera, columns_)),
+      covariance_(covariance_of(camera, calibration, columns_)) {
+  prior_ = prior_of(grid_, static_cast<Eigen::Index>(columns_.size()),
+                    kPriorWidth * camera.image_size().width);
+}
+
+Result<RecheckReport> Recheck::add(const View& view) {
+  PoseQuality quality;
+  const auto pose = solve_pose(camera_, view.board, view.observation, &quality);
+  if (!pose) return tl::unexpected<Error>(pose.error());
+  const PointSet points = to_points(view.board, view.observation);
+  std::optional<Normal> normal;
+  visit_model(camera_.model(), [&]<typename M>() { normal = condense<M>(points, camera_, *pose); });
+  if (normal) {
+    Condensed condensed;
+    condensed.board = view.board.text();
+    condensed.corners = box_of(view.observation.uv);
+    condensed.information = normal->information(columns_, columns_);
+    condensed.gradient = normal->gradient(columns_);
+    condensed.cost = normal->cost;
+    condensed.freedom = 2 * static_cast<double>(points.used()) - 6;
+    keep(std::move(condensed));
+  }
+  RecheckReport report;
+  report.camera_from_board = to_pose(*pose);
+  report.rms = quality.rms;
+  report.points = static_cast<int>(points.used());
+  report.moved = moved();
+  return report;
+}
+
+// A board that is held still says no more in a hundred frames than in one: its errors are the same
+// in all of them.
+void Recheck::keep(Condensed view) {
+  const ImageSize size = camera_.image_size();
+  const double near = kSimilar * std::hypot(size.width, size.height);
+  const auto same = std::find_if(views_.begin(), views_.end(), [&](const Condensed& other) {
+    bool close = other.board == view.board;
+    for (std::size_t i = 0; close && i < view.corners.size(); ++i) {
+      close = std::hypot(view.corners[i].u - other.corners[i].u,
+                         view.corners[i].v - other.corners[i].v) < near;
+    }
+    return close;
+  });
+  if (same != views_.end()) {
+    views_.erase(same);
+  } else if (views_.size() == kMostViews) {
+    views_.erase(views_.begin());
+  }
+  views_.push_back(std::move(view));
+}
+
+double Recheck::moved() const {
+  const auto n = static_cast<Eigen::Index>(columns_.size());
+  if (views_.empty() || grid_.empty() || n == 0) return 0;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
+  double cost = 0;
+  double freedom = 0;
+  for (const Condensed& view : views_) {
+    information += view.information;
+    gradient += view.gradient;
+    cost += view.cost;
+    freedom += view.freedom;
+  }
+  if (!(freedom > 0)) return 0;
+  // Twice: the noise is what the step leaves over, and the prior is stated in its units.
+  double variance = cost / freedom;
+  Eigen::LDLT<Eigen::MatrixXd> ldlt;
+  Eigen::VectorXd step;
+  for (int round = 0; round < 2; ++round) {
+    ldlt.compute(information + variance * prior_);
+    step = -ldlt.solve(gradient);
+    const double left = cost + 2 * gradient.dot(step) + step.dot(information * step);
+    variance = std::max(left, 0.0) / freedom;
+  }
+  if (ldlt.info() != Eigen::Success || !step.allFinite()) return 0;
+  const Eigen::MatrixXd gain = ldlt.solve(information);
+  const Eigen::MatrixXd noise = variance * gain * ldlt.solve(Eigen::MatrixXd::Identity(n, n)) +
+                                gain * covariance_ * gain.transpose();
+  double farthest = 0;
+  for (const auto& cell : grid_) {
+    const double squared = (cell * step).squaredNorm() -
+                           kSigmas * kSigmas * larger_eigenvalue(cell * noise * cell.transpose());
+    farthest = std::max(farthest, squared);
+  }
+  return std::isfinite(farthest) ? std::sqrt(farthest) : 0;
+}
+
+}  // namespace calvin

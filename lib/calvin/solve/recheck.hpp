@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Whether a calibration still holds, judged by the boards that its camera sees.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/solve/solve.hpp"
+
+namespace calvin {
+
+struct RecheckReport {
+  Pose camera_from_board;
+  double rms = 0;    // px, of this view's corners around its best pose
+  double moved = 0;  // px, by all views so far, see Recheck
+  int points = 0;
+};
+
+// Each view gets the pose that fits it best; the camera stays as it is. What the poses leave over
+// is condensed to what it says of the parameters: one Gauss-Newton step from the calibration over
+// the latest views that differ from each other, with a weak prior (any one parameter moves the
+// picture by 2 % of its width at most, 1 sigma). `moved` is the largest change of projection that
+// this step makes over the image, a mere turn of the camera left out, less twice the standard
+// deviation that the noise of the corners and the covariance of the calibration give it: 0 unless
+// the views prove that the camera is another one now. For a camera that moved much it is an
+// estimate of first order.
+//
+// Not thread-safe.
+class Recheck {
+ public:
+  // `camera` is that of the frames; `calibration`, which it was made of, gives the covariance and
+  // what was estimated.
+  Recheck(const Camera& camera, const Calibration& calibration);
+
+  // As solve_pose() for what a single view can lack.
+  [[nodiscard]] Result<RecheckReport> add(const View& view);
+
+ private:
+  // One view, its pose eliminated: information and gradient over the parameters in `columns_`.
+  struct Condensed {
+    std::string board;
+    std::vector<Pixel> corners;  // of the hull's box: what tells views apart
+    Eigen::MatrixXd information;
+    Eigen::VectorXd gradient;
+    double cost = 0;     // squares of residuals over their sigmas
+    double freedom = 0;  // residuals less the pose's parameters
+  };
+
+  void keep(Condensed view);
+  [[nodiscard]] double moved() const;
+
+  Camera camera_;
+  std::vector<int> columns_;
+  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> grid_;  // see solve/projection_grid.hpp
+  Eigen::MatrixXd prior_;                                       // information
+  Eigen::MatrixXd covariance_;                                  // of the calibration
+  std::vector<Condensed> views_;                                // the latest last
+};
+
+}  // namespace calvin

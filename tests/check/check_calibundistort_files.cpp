@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibundistort: calibrations that cannot be read, and files that come, change and go.
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "calibration_setting.hpp"
+#include "undistort_fixture.hpp"
+
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+
+using namespace calvin;
+using namespace calvin::check;
+
+static const char* const kBroken[] = {"{\"format\": ", "<?xml version=\"1.0\"?><a/>",
+                                      "fx=-1,fy=1,cx=1,cy=1,width=640,height=480",
+                                      "fx=nan,fy=1,cx=1,cy=1", "%YAML:1.0\n---\n"};
+
+GST_START_TEST(test_an_unreadable_calibration_is_an_error_at_the_start) {
+  GstElement* element = gst_element_factory_make("calibundistort", nullptr);
+  gst_object_ref_sink(element);
+  {
+    check::Bus bus(element);
+    g_object_set(element, "calibration", kBroken[__i__], nullptr);
+    fail_unless(gst_element_set_state(element, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
+    fail_unless_equals_int(bus.texts(GST_MESSAGE_ERROR).size(), 1);
+    // It is fit for use again as soon as it has a good one.
+    g_object_set(element, "calibration", kBarrel, nullptr);
+    fail_if(gst_element_set_state(element, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
+    gst_element_set_state(element, GST_STATE_NULL);
+    bus.detach();
+  }
+  gst_object_unref(element);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_an_unreadable_calibration_while_running_is_a_warning) {
+  Fixture f("calibundistort");
+  g_object_set(f.element, "calibration", kBarrel, nullptr);
+  f.set_caps("GRAY8", kSize);
+  gst_buffer_unref(f.push(kSize, 0));
+  g_object_set(f.element, "calibration", kBroken[__i__], nullptr);
+  g_autoptr(GstBuffer) second = f.push(kSize, 1);
+  fail_unless(gray_of(second, kSize) == expected_gray(kBarrel, kSize));
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 1);
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+}
+GST_END_TEST;
+
+// Pushes frames, one every 20 ms, until one looks as `want`; false after ten seconds.
+static bool comes_to(Fixture& f, const std::vector<guint8>& want, int& n) {
+  for (int i = 0; i < 500; ++i) {
+    g_autoptr(GstBuffer) out = f.push(kSize, n++);
+    if (gray_of(out, kSize) == want) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return false;
+}
+
+GST_START_TEST(test_a_file_is_taken_in_when_it_appears_and_when_it_is_replaced) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  Fixture f("calibundistort", __i__ == 1);
+  g_object_set(f.element, "calibration", path.c_str(), nullptr);
+  f.set_caps("GRAY8", kSize);
+  int n = 0;
+  GstBuffer* in = Fixture::noise("GRAY8", kSize, n++);
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
+  fail_unless(in == out);
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "cam.json"));
+
+  fail_unless(write_calibration(path, calibration_of(kBarrel)).has_value());
+  fail_unless(comes_to(f, expected_gray(kBarrel, kSize), n));
+  fail_unless(write_calibration(path, calibration_of(kPincushion)).has_value());
+  fail_unless(comes_to(f, expected_gray(kPincushion, kSize), n));
+
+  // A broken replacement is heard of and changes nothing.
+  const auto before = f.bus.texts(GST_MESSAGE_WARNING).size();
+  std::ofstream(path) << "{\"format\": \"calvin-cal";
+  for (int i = 0; i < 500 && f.bus.texts(GST_MESSAGE_WARNING).size() == before; ++i) {
+    g_autoptr(GstBuffer) frame = f.push(kSize, n++);
+    fail_unless(gray_of(frame, kSize) == expected_gray(kPincushion, kSize));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), before + 1);
+  std::filesystem::remove(path);
+  fail_unless(write_calibration(path, calibration_of(kBarrel)).has_value());
+  fail_unless(comes_to(f, expected_gray(kBarrel, kSize), n));
+}
+GST_END_TEST;
+
+// A clock that goes when the test says so, and a file written by a writer that renames nothing.
+GST_START_TEST(test_a_half_written_file_is_waited_for) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  const std::string whole = print_calibration(calibration_of(kPincushion)).value();
+  fail_unless(write_calibration(path, calibration_of(kBarrel)).has_value());
+  gst::CalibrationSetting::Clock::time_point now;
+  gst::CalibrationSetting setting;
+  setting.set(path);
+  const auto next = [&] {
+    now += std::chrono::milliseconds(600);
+    return setting.poll(now);
+  };
+  fail_unless(next().value()->find("k1")->value == -0.28);
+  fail_if(next().has_value());
+
+  std::ofstream(path) << whole.substr(0, whole.size() / 2);
+  fail_if(next().has_value());
+  std::ofstream(path) << whole;
+  fail_unless(next().value()->find("k1")->value == 0.1);
+  fail_if(next().has_value());
+
+  // It stays as it is: then it is broken, and that is said once.
+  std::ofstream(path) << whole.substr(0, whole.size() / 3);
+  fail_if(next().has_value());
+  fail_if(next().value().has_value());
+  fail_if(next().has_value());
+  // Gone and back again.
+  std::filesystem::remove(path);
+  fail_if(next().has_value());
+  fail_unless(write_calibration(path, calibration_of(kBarrel)).has_value());
+  fail_unless(next().value()->find("k1")->value == -0.28);
+}
+GST_END_TEST;
+
+static Suite* calibundistort_files_suite() {
+  Suite* suite = suite_create("calibundistort_files");
+  TCase* tc = tcase_create("general");
+  const int broken = static_cast<int>(std::size(kBroken));
+  tcase_add_loop_test(tc, test_an_unreadable_calibration_is_an_error_at_the_start, 0, broken);
+  tcase_add_loop_test(tc, test_an_unreadable_calibration_while_running_is_a_warning, 0, broken);
+  tcase_add_loop_test(tc, test_a_file_is_taken_in_when_it_appears_and_when_it_is_replaced, 0, 2);
+  tcase_add_test(tc, test_a_half_written_file_is_waited_for);
+  suite_add_tcase(suite, tc);
+  return suite;
+}
+
+GST_CHECK_MAIN(calibundistort_files)

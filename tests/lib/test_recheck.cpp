@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Recheck: silent about a camera that is still the same, and right about one that is not.
+#include <gtest/gtest.h>
+
+#include "calvin/solve/pose.hpp"
+#include "calvin/solve/recheck.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::kBoard;
+using scenes::kSize;
+using scenes::Random;
+
+class EveryModel : public ::testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(Recheck, EveryModel, ::testing::ValuesIn(model_names()),
+                         [](const auto& test) { return std::string(test.param); });
+
+// The largest distance between what two cameras see along the same rays, one of them turned as
+// well as it goes, on a grid over the image: by numeric least squares over the three angles.
+double true_change(const Camera& from, const Camera& to) {
+  std::vector<Eigen::Vector3d> rays;
+  std::vector<Pixel> at;
+  for (int y = 0; y <= 24; ++y) {
+    for (int x = 0; x <= 32; ++x) {
+      const Pixel p = {x * (kSize.width - 1) / 32.0, y * (kSize.height - 1) / 24.0};
+      const auto ray = from.unproject(p);
+      if (!ray) continue;
+      rays.push_back(*ray);
+      at.push_back(p);
+    }
+  }
+  const auto errors = [&](const Eigen::Vector3d& w) {
+    const Eigen::Matrix3d r = exp_so3(w);
+    Eigen::VectorXd e = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(rays.size()));
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto q = to.project(r * rays[i]);
+      if (!q) continue;
+      e[2 * static_cast<Eigen::Index>(i)] = q->u - at[i].u;
+      e[2 * static_cast<Eigen::Index>(i) + 1] = q->v - at[i].v;
+    }
+    return e;
+  };
+  Eigen::Vector3d w = Eigen::Vector3d::Zero();
+  for (int round = 0; round < 10; ++round) {
+    Eigen::MatrixXd j(2 * static_cast<Eigen::Index>(rays.size()), 3);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d h = 1e-6 * Eigen::Vector3d::Unit(k);
+      j.col(k) = (errors(w + h) - errors(w - h)) / 2e-6;
+    }
+    w -= (j.transpose() * j).ldlt().solve(j.transpose() * errors(w));
+  }
+  const Eigen::VectorXd e = errors(w);
+  double farthest = 0;
+  for (Eigen::Index i = 0; i < e.size(); i += 2)
+    farthest = std::max(farthest, e.segment<2>(i).norm());
+  return farthest;
+}
+
+std::vector<View> views_of(const Camera& camera, Random& random, int count, double sigma) {
+  return scenes::observe_all(camera, kBoard, scenes::random_poses(camera, kBoard, random, count),
+                             sigma, random);
+}
+
+// The corners of a view claim a noise of 0.1 px; what they have is another matter.
+TEST_P(EveryModel, AnUnchangedCameraHasNotMoved) {
+  for (const double sigma : {0.02, 0.1, 0.3}) {
+    int alarms = 0;
+    const int kSessions = scenes::full_count() ? 200 : 20;
+    for (int session = 0; session < kSessions; ++session) {
+      Random random(session);
+      const Camera camera = scenes::random_camera(GetParam(), random);
+      SolveOptions options;
+      options.model = GetParam();
+      const auto solution = solve(views_of(camera, random, 25, sigma), kSize, options);
+      ASSERT_TRUE(solution) << solution.error().message;
+      const Camera calibrated = Camera::make(solution->calibration).value();
+      Recheck recheck(calibrated, solution->calibration);
+      double moved = 0;
+      double rms = 0;
+      for (View view : views_of(camera, random, 15, sigma)) {
+        for (double& s : view.observation.sigma) s = 0.1;
+        const auto report = recheck.add(view);
+        ASSERT_TRUE(report);
+        moved = report->moved;
+        rms = report->rms;
+        EXPECT_EQ(report->points, 54);
+      }
+      EXPECT_NEAR(rms, std::sqrt(2.0) * sigma, 0.5 * sigma);
+      alarms += moved > 2 * solution->calibration.expected_error.value();
+    }
+    EXPECT_LE(alarms, kSessions / 20) << sigma;
+  }
+}
+
+TEST_P(EveryModel, AChangedCameraHasMovedByWhatItHas) {
+  for (int session = 0; session < 20; ++session) {
+    Random random(session);
+    const Camera camera = scenes::random_camera(GetParam(), random);
+    std::vector<double> p = camera.parameters();
+    p[0] *= 1.01;
+    p[1] *= 1.01;
+    p[2] += 5;
+    p[3] -= 3;
+    if (p.size() > 4) p[4] += GetParam() == "fisheye" ? 0.001 : 0.005;
+    const Camera now = Camera::make(GetParam(), kSize, p).value();
+    const double truth = true_change(camera, now);
+    Recheck recheck(camera, camera.to_calibration());
+    double moved = 0;
+    for (const View& view : views_of(now, random, 20, 0.05)) {
+      const auto report = recheck.add(view);
+      ASSERT_TRUE(report);
+      moved = report->moved;
+    }
+    EXPECT_NEAR(moved, truth, 0.15 * truth) << session;
+  }
+}
+
+TEST_P(EveryModel, TheReportedPoseIsThatOfTheBoard) {
+  Random random(3);
+  const Camera camera = scenes::random_camera(GetParam(), random);
+  const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.5);
+  Recheck recheck(camera, camera.to_calibration());
+  const auto report = recheck.add(scenes::observe(camera, kBoard, pose, 0, random));
+  ASSERT_TRUE(report);
+  const Pose truth = to_pose(pose);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(report->camera_from_board.rotation[i], truth.rotation[i], 1e-6);
+    EXPECT_NEAR(report->camera_from_board.translation[i], truth.translation[i], 1e-6);
+  }
+  EXPECT_LT(report->rms, 1e-6);
+  EXPECT_LT(report->moved, 1e-3);
+}
+
+// The errors of a still board are the same in every frame: they must not add up to a proof.
+TEST(Recheck, AStillBoardIsOneView) {
+  Random random(7);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.5);
+  const View view = scenes::observe(camera, kBoard, pose, 0.1, random);
+  Recheck recheck(camera, camera.to_calibration());
+  const double once = recheck.add(view)->moved;
+  for (int i = 0; i < 100; ++i) EXPECT_NEAR(recheck.add(view)->moved, once, 1e-9);
+}
+
+TEST(Recheck, AFrameOfAnotherSizeIsRefused) {
+  Random random(1);
+  const Camera camera = scenes::random_camera("brown5", random);
+  Recheck recheck(camera, camera.to_calibration());
+  View view =
+      scenes::observe(camera, kBoard, scenes::random_pose(camera, kBoard, random, 0.3), 0, random);
+  view.observation.image_size = {640, 480};
+  const auto report = recheck.add(view);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace calvin

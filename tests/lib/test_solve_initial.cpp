@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// A solve that starts from a calibration, holds parameters at its values, or ties them.
+#include <gtest/gtest.h>
+
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::kBoard;
+using scenes::kSize;
+using scenes::Random;
+
+std::vector<View> views_of(const Camera& camera, Random& random, int count, double sigma = 0.1) {
+  return scenes::observe_all(camera, kBoard, scenes::random_poses(camera, kBoard, random, count),
+                             sigma, random);
+}
+
+SolveOptions from(const Camera& camera, std::vector<std::string> fix = {}) {
+  SolveOptions options;
+  options.model = camera.model();
+  options.initial = camera.to_calibration();
+  options.fix = std::move(fix);
+  return options;
+}
+
+class EveryModel : public ::testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(Initial, EveryModel, ::testing::ValuesIn(model_names()),
+                         [](const auto& test) { return std::string(test.param); });
+
+// Where one starts does not matter for where the minimum is: from the truth, and from a camera
+// whose numbers are all off.
+TEST_P(EveryModel, TheOptimumIsTheSameFromAnyStart) {
+  for (int seed = 0; seed < 10; ++seed) {
+    Random random(seed);
+    const Camera camera = scenes::random_camera(GetParam(), random);
+    const auto views = views_of(camera, random, 12);
+    SolveOptions alone;
+    alone.model = GetParam();
+    const auto without = solve(views, kSize, alone);
+    ASSERT_TRUE(without) << without.error().message;
+    std::vector<double> off = camera.parameters();
+    off[0] *= 1.05;
+    off[1] *= 1.03;
+    off[2] += 20;
+    for (const Camera& start : {camera, Camera::make(GetParam(), kSize, off).value()}) {
+      const auto with = solve(views, kSize, from(start));
+      ASSERT_TRUE(with) << with.error().message;
+      for (std::size_t i = 0; i < off.size(); ++i) {
+        const Parameter& p = without->calibration.parameters[i];
+        EXPECT_NEAR(with->calibration.parameters[i].value, p.value, 1e-3 * *p.sigma) << p.name;
+      }
+    }
+  }
+}
+
+// A wrong initial calibration is no worse than none.
+TEST_P(EveryModel, AWrongStartIsNotTrusted) {
+  Random random(5);
+  const Camera camera = scenes::random_camera(GetParam(), random);
+  const auto views = views_of(camera, random, 12);
+  std::vector<double> wrong = camera.parameters();
+  wrong[0] *= 5;
+  wrong[1] *= 5;
+  const auto solution = solve(views, kSize, from(Camera::make(GetParam(), kSize, wrong).value()));
+  ASSERT_TRUE(solution) << solution.error().message;
+  EXPECT_LT(scenes::normalised_error(solution->calibration, camera), 4);
+}
+
+TEST(Initial, WhatIsFixedKeepsItsValue) {
+  Random random(1);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const auto views = views_of(camera, random, 10);
+  const auto solution = solve(views, kSize, from(camera, {"fx", "cx", "k1", "k3"}));
+  ASSERT_TRUE(solution) << solution.error().message;
+  const Calibration& c = solution->calibration;
+  for (const char* name : {"fx", "cx", "k1", "k3"}) {
+    EXPECT_EQ(c.find(name)->value, camera.to_calibration().find(name)->value) << name;
+    EXPECT_FALSE(c.find(name)->sigma) << name;
+  }
+  // Nine parameters less four.
+  EXPECT_EQ(c.covariance.size(), 25u);
+  EXPECT_LT(scenes::normalised_error(c, camera), 4);
+}
+
+TEST(Initial, AspectIsThatOfTheInitialCamera) {
+  Random random(2);
+  const Camera camera =
+      Camera::make("brown4", kSize, {1200, 1100, 630, 470, -0.2, 0.05, 0, 0}).value();
+  const auto solution = solve(views_of(camera, random, 10), kSize, from(camera, {"aspect"}));
+  ASSERT_TRUE(solution) << solution.error().message;
+  const Calibration& c = solution->calibration;
+  EXPECT_NEAR(c.find("fy")->value / c.find("fx")->value, 1100.0 / 1200, 1e-12);
+  EXPECT_NEAR(*c.find("fy")->sigma / *c.find("fx")->sigma, 1100.0 / 1200, 1e-9);
+  EXPECT_NEAR(c.find("fx")->value, 1200, 5 * *c.find("fx")->sigma);
+}
+
+TEST(Initial, TiedParametersAreOne) {
+  Random random(3);
+  const Camera camera =
+      Camera::make("brown4", kSize, {1200, 1200, 630, 470, 0.05, 0.05, 0, 0}).value();
+  SolveOptions options;
+  options.model = "brown4";
+  options.fix = {"fx=fy", " k1 = k2"};
+  const auto solution = solve(views_of(camera, random, 10), kSize, options);
+  ASSERT_TRUE(solution) << solution.error().message;
+  const Calibration& c = solution->calibration;
+  EXPECT_EQ(c.find("fx")->value, c.find("fy")->value);
+  EXPECT_EQ(c.find("k1")->value, c.find("k2")->value);
+  EXPECT_EQ(*c.find("k1")->sigma, *c.find("k2")->sigma);
+  EXPECT_NEAR(c.find("k1")->value, 0.05, 5 * *c.find("k1")->sigma);
+}
+
+// Coefficients of one kind of lens say nothing of another kind; those of a smaller model do.
+TEST(Initial, AnotherModelGivesWhatItHas) {
+  Random random(4);
+  const Camera small =
+      Camera::make("brown4", kSize, {1200, 1190, 630, 470, -0.2, 0.05, 0, 0}).value();
+  SolveOptions options = from(small, {"k1"});
+  options.model = "brown5";
+  const auto views = views_of(small, random, 10);
+  EXPECT_EQ(solve(views, kSize, options)->calibration.find("k1")->value, -0.2);
+  const Camera wide = Camera::make("fisheye", kSize, {420, 420, 630, 470, 0.01, 0, 0, 0}).value();
+  options.initial = wide.to_calibration();
+  EXPECT_EQ(solve(views, kSize, options)->calibration.find("k1")->value, 0);
+}
+
+struct Refused {
+  std::vector<std::string> fix;
+  bool initial;
+  const char* says;
+};
+
+TEST(Initial, WhatCannotBeIsRefused) {
+  Random random(6);
+  const Camera camera = scenes::random_camera("brown4", random);
+  const std::vector<Refused> cases = {
+      {{"fx"}, false, "initial"},
+      {{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"}, true, "nothing left"},
+      {{"k1=k2", "k2=k1"}, false, "circle"},
+      {{"k1=k1"}, false, "tied already"},
+      {{"aspect", "fx=fy"}, false, "tied already"},
+      {{"k2", "k1=k2"}, false, "both fixed and tied"},
+      {{"k1=k9"}, false, "k1, k2"},
+      {{"k9"}, false, "aspect, center"},
+  };
+  for (const Refused& c : cases) {
+    SolveOptions options = from(camera, c.fix);
+    if (!c.initial) options.initial.reset();
+    const Status status = check(options);
+    ASSERT_FALSE(status) << c.says;
+    EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(status.error().message.find(c.says), std::string::npos) << status.error().message;
+  }
+  const auto scaled = solve(views_of(camera, random, 5), kSize, from(camera.scaled({640, 480})));
+  ASSERT_FALSE(scaled);
+  EXPECT_NE(scaled.error().message.find("640x480"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace calvin

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Points and boxes that follow the pixels of an undistorted picture.
+#include <gtest/gtest.h>
+
+#include "calvin/remap/undistorter.hpp"
+#include "remap_reference.hpp"
+
+namespace calvin {
+namespace {
+
+using reference::Lens;
+
+constexpr ImageSize kSize = {640, 480};
+const Lens kBarrel = {"brown4 barrel", "brown4", {-0.28, 0.09, 5e-4, -7e-4}};
+const Lens kPincushion = {"brown4 pincushion", "brown4", {0.12, -0.02, -1e-3, 1e-3}};
+const Lens kFisheye = {"fisheye", "fisheye", {-0.02, 0.005, -0.003, 0.0005}};
+
+Undistorter undistorter_of(const Lens& lens, double focal, const ViewOptions& options) {
+  const Camera source = reference::camera(lens, kSize, focal, 327, 233);
+  return Undistorter::make(source, options, {PlaneLayout{}}).value();
+}
+
+TEST(Undistorter, PointsFollowThePixels) {
+  const Undistorter undistorter = undistorter_of(kBarrel, 480, {0, {}});
+  Observation seen;
+  for (int i = 0; i < 7; ++i) {
+    const Pixel ideal = {80.0 * i + 60, 60.0 * i + 50};
+    const auto place = reference::source_place(kBarrel, undistorter.source(), undistorter.output(),
+                                               ideal.u, ideal.v)
+                           .pixel;
+    seen.ids.push_back(i);
+    seen.uv.push_back(place);
+    seen.sigma.push_back(0.1);
+    const auto back = undistorter.to_source(ideal);
+    ASSERT_TRUE(back.has_value());
+    EXPECT_NEAR(back->u, place.u, 1e-9);
+    EXPECT_NEAR(back->v, place.v, 1e-9);
+  }
+  // A corner of the source that the view at alpha 0 cuts off.
+  seen.ids.push_back(7);
+  seen.uv.push_back({0, 0});
+  seen.sigma.push_back(0.1);
+  const Observation mapped = undistorter.to_output(seen);
+  ASSERT_EQ(mapped.ids.size(), 7u);
+  for (int i = 0; i < 7; ++i) {
+    EXPECT_EQ(mapped.ids[i], i);
+    EXPECT_NEAR(mapped.uv[i].u, 80.0 * i + 60, 1e-7);
+    EXPECT_NEAR(mapped.uv[i].v, 60.0 * i + 50, 1e-7);
+  }
+  // In the middle the picture is scaled by the ratio of the focal lengths.
+  EXPECT_NEAR(mapped.sigma[3], 0.1 * undistorter.output().fx() / undistorter.source().fx(), 2e-3);
+}
+
+// The box around all output pixels that come from within a box of the source, found one by one.
+std::optional<Rectangle> box_of_pixels(const Lens& lens, const Undistorter& undistorter,
+                                       const Rectangle& box) {
+  const ImageSize size = undistorter.output().image_size();
+  int left = size.width, top = size.height, right = -1, bottom = -1;
+  const double fold = reference::fold(lens);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const auto [at, radius] =
+          reference::source_place(lens, undistorter.source(), undistorter.output(), x, y);
+      if (radius > fold || at.u < -0.5 || at.v < -0.5 || at.u > kSize.width - 0.5 ||
+          at.v > kSize.height - 0.5 || at.u + 0.5 < box.x || at.u + 0.5 > box.x + box.width ||
+          at.v + 0.5 < box.y || at.v + 0.5 > box.y + box.height) {
+        continue;
+      }
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = std::max(bottom, y);
+    }
+  }
+  if (right < 0) return std::nullopt;
+  return Rectangle{0.0 + left, 0.0 + top, right - left + 1.0, bottom - top + 1.0};
+}
+
+TEST(Undistorter, ABoxFollowsItsPixels) {
+  const Rectangle boxes[] = {{100, 80, 60, 90},   {300, 200, 2, 2},    {0, 0, 640, 480},
+                             {0, 0, 4, 4},        {-50, 100, 120, 70}, {500, 380, 300, 300},
+                             {20, 200, 600, 100}, {700, 100, 50, 50},  {100, 100, 0, 50}};
+  int shown = 0;
+  for (const auto& [lens, focal] :
+       {std::pair(kBarrel, 480.0), std::pair(kPincushion, 480.0), std::pair(kFisheye, 260.0)}) {
+    for (const ViewOptions& options :
+         {ViewOptions{0, {}}, ViewOptions{1, {}}, ViewOptions{0.5, {320, 300}}}) {
+      const Undistorter undistorter = undistorter_of(lens, focal, options);
+      for (const Rectangle& box : boxes) {
+        SCOPED_TRACE(lens.name + ", alpha " + std::to_string(options.alpha) + ", x " +
+                     std::to_string(box.x) + ", width " + std::to_string(box.width));
+        const auto expected = box_of_pixels(lens, undistorter, box);
+        const auto found = undistorter.to_output(box);
+        if (!expected) {
+          // Between two pixels there is room for a little that none of them shows.
+          EXPECT_TRUE(!found || found->width < 1 || found->height < 1);
+          continue;
+        }
+        ++shown;
+        ASSERT_TRUE(found.has_value());
+        EXPECT_NEAR(found->x, expected->x, 1.01);
+        EXPECT_NEAR(found->y, expected->y, 1.01);
+        EXPECT_NEAR(found->x + found->width, expected->x + expected->width, 1.01);
+        EXPECT_NEAR(found->y + found->height, expected->y + expected->height, 1.01);
+      }
+    }
+  }
+  EXPECT_GT(shown, 45);
+}
+
+TEST(Undistorter, APointerOutsideThePictureIsAtItsBorder) {
+  const Undistorter undistorter = undistorter_of(kBarrel, 480, {1, {}});
+  int outside = 0;
+  for (int x = -40; x < kSize.width + 40; x += 7) {
+    for (int y = -40; y < kSize.height + 40; y += 7) {
+      const Pixel at = {0.0 + x, 0.0 + y};
+      const Pixel place = undistorter.nearest_source(at);
+      const auto exact = undistorter.to_source(at);
+      const double inside = std::min({place.u + 0.5, place.v + 0.5, kSize.width - 0.5 - place.u,
+                                      kSize.height - 0.5 - place.v});
+      if (exact) {
+        EXPECT_EQ(place.u, exact->u);
+        EXPECT_EQ(place.v, exact->v);
+      } else {
+        ++outside;
+        EXPECT_NEAR(inside, 0, 1e-3) << x << ", " << y;
+      }
+    }
+  }
+  EXPECT_GT(outside, 500);
+}
+
+TEST(PlainCamera, ScalesAnyPictureWithoutStretchingIt) {
+  const Camera plain = plain_camera(kSize).value();
+  for (const ImageSize size : {ImageSize{320, 240}, ImageSize{1000, 300}, ImageSize{200, 480}}) {
+    for (const double alpha : {0.0, 1.0}) {
+      const Undistorter scaler = Undistorter::make(plain, {alpha, size}, {PlaneLayout{}}).value();
+      // Seen from the middle of the picture, which stays in the middle: one factor both ways.
+      const double fill = std::max((size.width - 1) / 639.0, (size.height - 1) / 479.0);
+      const double fit = std::min((size.width - 1) / 639.0, (size.height - 1) / 479.0);
+      const double factor = alpha == 0 ? fill : fit;
+      const Pixel at = scaler.to_output(Pixel{319.5 + 30, 239.5 + 20}).value();
+      EXPECT_NEAR(at.u, (size.width - 1) / 2.0 + factor * 30, 1e-6);
+      EXPECT_NEAR(at.v, (size.height - 1) / 2.0 + factor * 20, 1e-6);
+      // A calibration follows.
+      const Camera camera = reference::camera(kBarrel, kSize, 480, 327, 233);
+      const Camera follows = moved(camera, plain, scaler.output()).value();
+      EXPECT_EQ(follows.image_size(), size);
+      const Eigen::Vector3d point(0.1, -0.05, 1);
+      const Pixel expected = scaler.to_output(camera.project(point).value()).value();
+      const Pixel found = follows.project(point).value();
+      EXPECT_NEAR(found.u, expected.u, 1e-9);
+      EXPECT_NEAR(found.v, expected.v, 1e-9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace calvin
