@@ -224,9 +224,7 @@ static Status gst_calib_test_src_build_scene(GstCalibTestSrc* self, ImageSize si
   if (!scene) return tl::unexpected(scene.error());
   const std::string location = gst_calib_test_src_settings(self).ground_truth;
   if (!location.empty()) {
-    if (const Status written = write_calibration(location, scene->truth()); !written) {
-      return written;
-    }
+    if (Status written = write_calibration(location, scene->truth()); !written) return written;
   }
   self->state->scene = std::move(*scene);
   return {};
