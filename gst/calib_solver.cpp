@@ -228,7 +228,7 @@ void CalibSolver::request(bool final) {
   job->options = plan_.options;
   job->options.camera = camera_name();
   job->options.initial = initial_;
-  worker_.offer([this, job](std::stop_token stop) { run(*job, stop); });
+  worker_.offer([this, job](const std::stop_token& stop) { run(*job, stop); });
 }
 
 void CalibSolver::run(const Job& job, const std::stop_token& stop) {

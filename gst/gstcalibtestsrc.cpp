@@ -68,6 +68,7 @@ struct State {
   gint64 frame = 0;                     // the number of the next one
   gint64 first_frame = 0;               // of the present format
   GstClockTime first_time = 0;          // its PTS
+  GstClockTime position = 0;            // of the last seek
   bool reverse = false;
 };
 
@@ -223,12 +224,31 @@ static Status gst_calib_test_src_build_scene(GstCalibTestSrc* self, ImageSize si
   if (!scene) return tl::unexpected(scene.error());
   const std::string location = gst_calib_test_src_settings(self).ground_truth;
   if (!location.empty()) {
-    if (const Status written = write_calibration(location, scene->truth()); !written) {
-      return written;
-    }
+    if (Status written = write_calibration(location, scene->truth()); !written) return written;
   }
   self->state->scene = std::move(*scene);
   return {};
+}
+
+// The PTS of a frame, from its number alone.
+static GstClockTime gst_calib_test_src_time_of(const State* state, gint64 frame) {
+  return state->first_time +
+         gst_util_uint64_scale(static_cast<guint64>(frame - state->first_frame),
+                               GST_VIDEO_INFO_FPS_D(&state->info) * GST_SECOND,
+                               static_cast<guint64>(GST_VIDEO_INFO_FPS_N(&state->info)));
+}
+
+// The frame to begin with where it was seeked to. A seek before the first caps waits for them.
+static void gst_calib_test_src_find_frame(State* state) {
+  if (GST_VIDEO_INFO_FPS_N(&state->info) <= 0) return;
+  // The last frame that starts before the position or on it; times are rounded down.
+  state->frame = static_cast<gint64>(gst_util_uint64_scale_ceil(
+                     state->position + 1, static_cast<guint64>(GST_VIDEO_INFO_FPS_N(&state->info)),
+                     GST_VIDEO_INFO_FPS_D(&state->info) * GST_SECOND)) -
+                 1;
+  if (state->reverse && gst_calib_test_src_time_of(state, state->frame) == state->position) {
+    --state->frame;  // it would start where playing ends
+  }
 }
 
 static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
@@ -245,7 +265,8 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
     return FALSE;
   }
   // Time goes on where the frames of the former format ended.
-  if (GST_VIDEO_INFO_FPS_N(&state->info) > 0) {
+  const bool first = GST_VIDEO_INFO_FPS_N(&state->info) <= 0;
+  if (!first) {
     state->first_time +=
         gst_util_uint64_scale(static_cast<guint64>(state->frame - state->first_frame),
                               GST_VIDEO_INFO_FPS_D(&state->info) * GST_SECOND,
@@ -256,6 +277,7 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
     const std::lock_guard guard(state->lock);
     state->info = info;
   }
+  if (first) gst_calib_test_src_find_frame(state);
   gst_base_src_set_blocksize(src, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
   return TRUE;
 }
@@ -321,14 +343,6 @@ static gboolean gst_calib_test_src_decide_allocation(GstBaseSrc* src, GstQuery* 
   return GST_BASE_SRC_CLASS(gst_calib_test_src_parent_class)->decide_allocation(src, query);
 }
 
-// The PTS of a frame, from its number alone.
-static GstClockTime gst_calib_test_src_time_of(const State* state, gint64 frame) {
-  return state->first_time +
-         gst_util_uint64_scale(static_cast<guint64>(frame - state->first_frame),
-                               GST_VIDEO_INFO_FPS_D(&state->info) * GST_SECOND,
-                               static_cast<guint64>(GST_VIDEO_INFO_FPS_N(&state->info)));
-}
-
 static bool gst_calib_test_src_draw(GstCalibTestSrc* self, const SE3& pose, GstBuffer* buffer) {
   State* state = self->state;
   const RenderOptions options = gst_calib_test_src_settings(self).render;
@@ -373,17 +387,8 @@ static gboolean gst_calib_test_src_do_seek(GstBaseSrc* src, GstSegment* segment)
   state->first_frame = 0;
   state->first_time = 0;
   state->frame = 0;
-  if (GST_VIDEO_INFO_FPS_N(&state->info) > 0) {
-    // The last frame that starts before the position or on it; times are rounded down.
-    state->frame =
-        static_cast<gint64>(gst_util_uint64_scale_ceil(
-            segment->position + 1, static_cast<guint64>(GST_VIDEO_INFO_FPS_N(&state->info)),
-            GST_VIDEO_INFO_FPS_D(&state->info) * GST_SECOND)) -
-        1;
-    if (state->reverse && gst_calib_test_src_time_of(state, state->frame) == segment->position) {
-      --state->frame;  // it would start where playing ends
-    }
-  }
+  state->position = segment->position;
+  gst_calib_test_src_find_frame(state);
   return TRUE;
 }
 

@@ -3,7 +3,7 @@
 
 // GStreamer 1.22's video-blend.h forgets to say that this function is C. The first declaration
 // decides, so this one comes before any of GStreamer's headers.
-struct _GstVideoFrame;
+struct _GstVideoFrame;  // NOLINT(bugprone-reserved-identifier)
 extern "C" int gst_video_blend(_GstVideoFrame* dest, _GstVideoFrame* src, int x, int y,
                                float global_alpha);
 

@@ -88,8 +88,9 @@ SE3 TestScene::pose(std::int64_t number, std::uint64_t time, bool hold) const {
   if (source_.motion != MotionKind::kRandom) {
     return motion_.camera_from_board(static_cast<double>(time) * 1e-9);
   }
-  return motion_.camera_from_board(hold ? static_cast<double>(time / kHold)
-                                        : static_cast<double>(number));
+  if (!hold) return motion_.camera_from_board(static_cast<double>(number));
+  const std::uint64_t holds = time / kHold;
+  return motion_.camera_from_board(static_cast<double>(holds));
 }
 
 GrayImage TestScene::picture(const SE3& camera_from_board, std::int64_t number,

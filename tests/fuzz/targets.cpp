@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "targets.hpp"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "calibration_files.hpp"
+#include "calvin/camera/camera.hpp"
+#include "calvin/core/file.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/io/key_list.hpp"
+#include "calvin/io/settings.hpp"
+#include "calvin/solve/solve.hpp"
+#include "calvin/target/board_names.hpp"
+#include "metas.hpp"
+
+namespace calvin::fuzz {
+
+namespace {
+
+void require(bool kept, const char* promise) {
+  if (kept) return;
+  std::fprintf(stderr, "broken: %s\n", promise);
+  std::abort();
+}
+
+// An error tells the user something; a calibration makes a camera.
+void require_sound(const Result<Calibration>& parsed) {
+  if (!parsed) {
+    require(!parsed.error().message.empty(), "an error has a message");
+    return;
+  }
+  for (const Parameter& p : parsed->parameters) {
+    require(std::isfinite(p.value), "a parameter is a finite number");
+  }
+  Calibration sized = *parsed;
+  if (sized.image_size.width == 0) sized.image_size = {640, 480};
+  require(Camera::make(sized).has_value(), "what is parsed makes a camera");
+}
+
+// What is parsed, prints and parses again to the same: all of it in the native format, what the
+// format can hold in the others.
+void require_round_trip(const Calibration& calibration) {
+  for (const std::string_view format : calibration_formats()) {
+    const auto printed = print_calibration(calibration, format);
+    if (!printed) {
+      require(!printed.error().message.empty(), "a refusal to print has a message");
+      continue;
+    }
+    const auto again = parse_calibration(*printed);
+    require(again.has_value(), "what is printed can be parsed");
+    const auto twice = print_calibration(*again, format);
+    require(twice.has_value() && *twice == *printed, "what is parsed again prints the same");
+    for (const Parameter& p : calibration.parameters) {
+      const Parameter* same = again->find(p.name);
+      require(same == nullptr ? p.value == 0 : same->value == p.value, "no number changes");
+    }
+  }
+}
+
+void calibration(std::string_view bytes) {
+  const auto parsed = parse_calibration(bytes, "fuzzed");
+  require_sound(parsed);
+  if (parsed) require_round_trip(*parsed);
+  // The same as the property of an element, unless it is taken for a path.
+  if (!is_calibration_path(bytes)) require_sound(parse_calibration_setting(bytes));
+}
+
+void key_list(std::string_view bytes) {
+  const auto parsed = parse_key_list(bytes);
+  require_sound(parsed);
+  if (parsed && parsed->image_size.width > 0) require_round_trip(*parsed);
+}
+
+void require_sound(const Board& board) {
+  require(board.size > 0 && std::isfinite(board.size), "a square has a size");
+  require(board.point_count() > 0, "a board has points");
+  const auto again = parse_board(board.text());
+  require(again.has_value() && again->text() == board.text(), "the text of a board names it");
+}
+
+void boards(std::string_view bytes) {
+  // A '#' is a file, which board_names takes.
+  if (bytes.find('#') != std::string_view::npos) return;
+  const auto parsed = parse_boards(bytes);
+  require(parsed || !parsed.error().message.empty(), "an error has a message");
+  if (!parsed) return;
+  for (const Board& board : *parsed) require_sound(board);
+}
+
+// A file of this process, removed at its end.
+class ScratchFile {
+ public:
+  ScratchFile()
+      : path_(std::filesystem::temp_directory_path() /
+              ("calvin-fuzz-" + std::to_string(getpid()) + ".json")) {}
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  ~ScratchFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void board_names(std::string_view bytes) {
+  static const ScratchFile kFile;
+  const std::string path = kFile.path();
+  require(write_file(path, bytes).has_value(), "the scratch file can be written");
+  const auto before = list_boards(path);
+  require(before || !before.error().message.empty(), "an error has a message");
+  const Status added = add_board(path, "added", "checkerboard:5x4:1cm");
+  if (!added) {
+    require(!added.error().message.empty(), "an error has a message");
+    require(*read_file(path) == bytes, "a file that is refused is left alone");
+    return;
+  }
+  const auto after = list_boards(path);
+  require(after.has_value(), "a file that was written can be read");
+  require(parse_boards(path + "#added").has_value(), "a board that was added is found");
+  if (!before) return;
+  for (const NamedBoard& board : *before) {
+    bool kept = board.name == "added";
+    for (const NamedBoard& now : *after) kept |= now.name == board.name && now.text == board.text;
+    require(kept, "adding a board keeps the others");
+  }
+}
+
+void exports(std::string_view bytes) {
+  const auto files = gst::parse_calibration_files("", std::string(bytes));
+  require(files || !files.error().message.empty(), "an error has a message");
+  if (!files) return;
+  for (const gst::CalibrationFile& file : *files) {
+    require(!file.format.empty() && !file.path.empty(), "an export has a format and a path");
+  }
+}
+
+// The structure of the meta and of the event, whoever made it, and what the solver says to it.
+void observations(std::string_view bytes) {
+  g_autoptr(GstStructure) structure =
+      gst_structure_from_string(std::string(bytes).c_str(), nullptr);
+  if (structure == nullptr) return;
+  const auto found = gst::observations_from_structure(structure);
+  for (const Observation& o : found) {
+    require(o.ids.size() == o.uv.size() && o.ids.size() == o.sigma.size(), "lists are of a length");
+    const auto board = parse_board(o.board);
+    if (board) (void)check({o, *board}, o.image_size);
+  }
+  g_autoptr(GstStructure) again = gst::observations_to_structure(found);
+  const auto same = gst::observations_from_structure(again);
+  require(same.size() == found.size(), "no observation is lost");
+  for (std::size_t i = 0; i < same.size(); ++i) {
+    require(same[i].ids == found[i].ids && same[i].board == found[i].board, "nothing changes");
+  }
+}
+
+constexpr Target kTargets[] = {
+    {"calibration", calibration}, {"key_list", key_list}, {"boards", boards},
+    {"board_names", board_names}, {"exports", exports},   {"observations", observations},
+};
+
+}  // namespace
+
+std::span<const Target> targets() { return kTargets; }
+
+const Target* find_target(std::string_view name) {
+  for (const Target& target : kTargets) {
+    if (target.name == name) return &target;
+  }
+  return nullptr;
+}
+
+}  // namespace calvin::fuzz

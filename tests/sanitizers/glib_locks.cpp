@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Tells the thread sanitizer of GLib's mutexes. GLib makes them of futexes and is not instrumented:
+// without this, two threads that GST_OBJECT_LOCK or a queue keeps apart look like a race. Linked
+// into the tests, these functions stand before GLib's own for everybody but GLib itself.
+
+#include <dlfcn.h>
+
+#include <glib.h>
+
+extern "C" void __tsan_acquire(void* address);
+extern "C" void __tsan_release(void* address);
+
+namespace {
+
+template <typename F>
+F* next(const char* name) {
+  return reinterpret_cast<F*>(dlsym(RTLD_NEXT, name));
+}
+
+}  // namespace
+
+extern "C" {
+
+void g_mutex_lock(GMutex* mutex) {
+  static auto* const kReal = next<void(GMutex*)>("g_mutex_lock");
+  kReal(mutex);
+  __tsan_acquire(mutex);
+}
+
+gboolean g_mutex_trylock(GMutex* mutex) {
+  static auto* const kReal = next<gboolean(GMutex*)>("g_mutex_trylock");
+  if (kReal(mutex) == FALSE) return FALSE;
+  __tsan_acquire(mutex);
+  return TRUE;
+}
+
+void g_mutex_unlock(GMutex* mutex) {
+  static auto* const kReal = next<void(GMutex*)>("g_mutex_unlock");
+  __tsan_release(mutex);
+  kReal(mutex);
+}
+
+void g_cond_wait(GCond* condition, GMutex* mutex) {
+  static auto* const kReal = next<void(GCond*, GMutex*)>("g_cond_wait");
+  __tsan_release(mutex);
+  kReal(condition, mutex);
+  __tsan_acquire(mutex);
+}
+
+gboolean g_cond_wait_until(GCond* condition, GMutex* mutex, gint64 end_time) {
+  static auto* const kReal = next<gboolean(GCond*, GMutex*, gint64)>("g_cond_wait_until");
+  __tsan_release(mutex);
+  const gboolean in_time = kReal(condition, mutex, end_time);
+  __tsan_acquire(mutex);
+  return in_time;
+}
+
+}  // extern "C"

@@ -1,0 +1,32 @@
+#!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Builds the plugin and its tests under a sanitizer, and runs them.
+#   run.sh address BUILD   address and undefined behaviour: all programs of tests/check
+#   run.sh thread BUILD    data races: those with threads of their own
+# CALVIN_FULL=1 checks what the reduced run leaves out because it takes as long to compile as all
+# the rest: pointers that are null or not aligned.
+set -eu
+
+source=$(cd "$(dirname "$0")/../.." && pwd)
+build=$2
+args=-g1
+case "$1" in
+  address)
+    sanitize=address,undefined suite=check
+    if [ -z "${CALVIN_FULL:-}" ]; then
+      args="$args,-fno-sanitize=null,-fno-sanitize=alignment,-fno-sanitize=object-size"
+      args="$args,-fno-sanitize=vptr,-fno-sanitize=nonnull-attribute"
+    fi
+    ;;
+  thread) sanitize=thread suite=threads ;;
+  *) sed -n '4,5s/^# *//p' "$0" >&2; exit 2 ;;
+esac
+
+if [ ! -f "$build/build.ninja" ]; then
+  # With b_lundef a sanitized library does not link: its run-time is in the program.
+  meson setup "$build" "$source" --buildtype=plain -Doptimization=1 -Dcpp_args="$args" \
+    -Db_sanitize=$sanitize -Db_lundef=false -Dexamples=false
+fi
+ninja -C "$build" "$suite-programs"
+exec meson test -C "$build" --no-rebuild --num-processes 2 --print-errorlogs --suite "$suite" \
+  --timeout-multiplier 4
