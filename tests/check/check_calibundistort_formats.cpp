@@ -135,7 +135,7 @@ static GstPadProbeReturn offer_padded_pool(GstPad* /*pad*/, GstPadProbeInfo* pro
   return GST_PAD_PROBE_HANDLED;
 }
 
-// Where the samples of one plane come from.
+// Where the samples of one plane come from; of the rows that are looked at.
 struct Place {
   bool certain;  // far enough from the border of the source
   bool valid;
@@ -146,16 +146,19 @@ static std::vector<Place> places_of(const Camera& source, const Camera& view, in
   const auto xs = reference::sites(frames.size.width, x_shift, x_shift > 0 && frames.x_cosited);
   const auto ys = reference::sites(frames.size.height, y_shift, y_shift > 0 && frames.y_cosited);
   const double fold = reference::fold(kLens);
-  std::vector<Place> places;
-  for (const double v : ys) {
-    for (const double u : xs) {
+  std::vector<Place> places(xs.size() * ys.size());
+  for (std::size_t j = 0; j < ys.size(); j += static_cast<std::size_t>(row_step())) {
+    for (std::size_t i = 0; i < xs.size(); ++i) {
+      const double u = xs[i];
+      const double v = ys[j];
       const auto [at, radius] = reference::source_place(kLens, source, view, u, v);
       const double inside =
           radius > fold
               ? -1
               : std::min({at.u, at.v, frames.size.width - 1 - at.u, frames.size.height - 1 - at.v});
-      places.push_back({std::abs(inside) > 2e-3 && std::abs(radius - fold) > 2e-3, inside > 0,
-                        reference::sample_at(xs, at.u), reference::sample_at(ys, at.v)});
+      places[j * xs.size() + i] = {std::abs(inside) > 2e-3 && std::abs(radius - fold) > 2e-3,
+                                   inside > 0, reference::sample_at(xs, at.u),
+                                   reference::sample_at(ys, at.v)};
     }
   }
   return places;
