@@ -184,13 +184,13 @@ static const char* const kWorking[] = {
 
 GST_START_TEST(test_an_element_can_be_taken_out_while_frames_flow) {
   Pipeline p(
-      "calibtestsrc is-live=true motion=hand ! video/x-raw,framerate=60/1 ! identity "
+      "calibtestsrc is-live=true motion=hand ! video/x-raw,width=320,height=240 ! identity "
       "name=before ! " +
       std::string(kWorking[__i__]) + " ! identity name=after ! fakesink sync=false");
   p.keep("after");
   p.preroll(GST_STATE_PLAYING);
-  for (int i = 0; i < 1000 && p.kept("after").size() < 15; ++i) g_usleep(10000);
-  fail_unless(p.kept("after").size() >= 15);
+  for (int i = 0; i < 2000 && p.kept("after").size() < 10; ++i) g_usleep(10000);
+  fail_unless(p.kept("after").size() >= 10);
   std::atomic<bool> done = false;
   g_autoptr(GstPad) sink = gst_element_get_static_pad(p.get("x"), "sink");
   g_autoptr(GstPad) before = gst_pad_get_peer(sink);
@@ -198,8 +198,8 @@ GST_START_TEST(test_an_element_can_be_taken_out_while_frames_flow) {
   for (int i = 0; i < 500 && !done; ++i) g_usleep(10000);
   fail_unless(done, "it is not out, or not in time");
   const std::size_t then = p.kept("after").size();
-  for (int i = 0; i < 1000 && p.kept("after").size() < then + 10; ++i) g_usleep(10000);
-  fail_unless(p.kept("after").size() >= then + 10, "the frames stop");
+  for (int i = 0; i < 1000 && p.kept("after").size() < then + 5; ++i) g_usleep(10000);
+  fail_unless(p.kept("after").size() >= then + 5, "the frames stop");
 }
 GST_END_TEST;
 
