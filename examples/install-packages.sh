@@ -11,7 +11,8 @@ build="gcc g++ meson ninja-build pkg-config
   libopencv-dev libcairo2-dev libpango1.0-dev libyaml-cpp-dev libpugixml-dev"
 test="libgtest-dev libjpeg-dev locales python3 python3-gst-1.0
   gir1.2-gst-rtsp-server-1.0
-  fonts-dejavu-core poppler-utils"
+  fonts-dejavu-core poppler-utils
+  clang-format-14 clang-tidy-14"
 
 wanted=""
 for set in "${@:-build}"; do

@@ -192,6 +192,36 @@ GST_START_TEST(test_a_seek_gives_the_same_frames) {
 }
 GST_END_TEST;
 
+// The source keeps a seek in READY for its start, when no caps tell the frame rate yet.
+GST_START_TEST(test_a_seek_before_the_start_is_kept) {
+  g_autoptr(GstElement) pipeline = gst_parse_launch(
+      "calibtestsrc name=src ! video/x-raw,format=GRAY8,width=32,height=32,framerate=30/1 ! "
+      "fakesink name=sink",
+      nullptr);
+  g_autoptr(GstElement) source = gst_bin_get_by_name(GST_BIN(pipeline), "src");
+  g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "sink");
+  gst_element_set_state(pipeline, GST_STATE_READY);
+  gst_element_send_event(
+      source, gst_event_new_seek(1, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH, GST_SEEK_TYPE_SET,
+                                 2 * GST_SECOND, GST_SEEK_TYPE_NONE, -1));
+  std::vector<GstClockTime> times;
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(source, "src");
+  gst_pad_add_probe(
+      pad, GST_PAD_PROBE_TYPE_BUFFER,
+      [](GstPad*, GstPadProbeInfo* info, gpointer data) {
+        static_cast<std::vector<GstClockTime>*>(data)->push_back(
+            GST_BUFFER_PTS(GST_PAD_PROBE_INFO_BUFFER(info)));
+        return GST_PAD_PROBE_OK;
+      },
+      &times, nullptr);
+  gst_element_set_state(pipeline, GST_STATE_PAUSED);
+  gst_element_get_state(pipeline, nullptr, nullptr, 20 * GST_SECOND);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  fail_if(times.empty());
+  fail_unless_equals_uint64(times.front(), 2 * GST_SECOND);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_plays_backwards_to_the_start) {
   Fixture f("motion=static num-buffers=100", "video/x-raw,format=GRAY8,width=32,height=32");
   gst_buffer_unref(f.pull());
@@ -300,6 +330,7 @@ static Suite* calibtestsrc_suite() {
   tcase_add_test(tests, test_times_come_from_the_frame_number);
   tcase_add_test(tests, test_the_seed_chooses_poses_and_noise_not_the_camera);
   tcase_add_test(tests, test_a_seek_gives_the_same_frames);
+  tcase_add_test(tests, test_a_seek_before_the_start_is_kept);
   tcase_add_test(tests, test_plays_backwards_to_the_start);
   tcase_add_test(tests, test_live_waits_holds_poses_and_tells_its_latency);
   tcase_add_test(tests, test_a_given_camera_is_used_and_scaled);

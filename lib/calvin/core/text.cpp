@@ -31,7 +31,10 @@ std::optional<double> parse_double(std::string_view text) noexcept {
 
 std::optional<int> parse_int(std::string_view text) noexcept { return parse_number<int>(text); }
 
-std::string format_double(double value) { return fmt::format("{}", value); }
+std::string format_double(double value) {
+  if (value == 0) return "0";  // JSON's "-0" is an integer and reads back without its sign
+  return fmt::format("{}", value);
+}
 
 std::string_view trim(std::string_view text) noexcept {
   constexpr std::string_view kSpace = " \t\r\n\f\v";
