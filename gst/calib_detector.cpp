@@ -205,6 +205,8 @@ std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_toke
 void CalibDetector::report(const Job& job, const Detection& detection, const Board& board,
                            guint64 latency_us) {
   const Observation& o = detection.observation;
+  if (!job.settings.post_messages && !job.check) return;
+  const Posting posting(element_);
   if (job.settings.post_messages) {
     GstStructure* s = new_message("calib-detection", job.times, o.camera);
     gst_structure_set(s, "board", G_TYPE_STRING, o.board.c_str(), "found", G_TYPE_BOOLEAN,

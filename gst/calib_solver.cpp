@@ -277,9 +277,13 @@ void CalibSolver::publish(const Job& job, const Calibration& calibration) {
       anything_written_ = true;
       written_error_ = calibration.expected_error;
     }
-    if (news) post_warning(element_, written.error());
+    if (news) {
+      const Posting posting(element_);
+      post_warning(element_, written.error());
+    }
   }
   const auto json = print_calibration(calibration);
+  const Posting posting(element_);
   post_message(element_, progress_message(job.times, calibration.camera, now));
   post_message(element_, result_message(job.times, calibration, job.location,
                                         job.final && json ? json->c_str() : nullptr));

@@ -83,4 +83,10 @@ void warn_if_late(GstElement* element, const GParamSpec* spec) {
                              "at the next start from READY."});
 }
 
+Posting::~Posting() {
+  gst_element_call_async(
+      element_, [](GstElement* element, gpointer /*data*/) { gst_object_unref(element); }, nullptr,
+      nullptr);
+}
+
 }  // namespace calvin::gst

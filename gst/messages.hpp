@@ -40,4 +40,18 @@ void post_warning(GstElement* element, const Error& error);
 // the element starts again.
 void warn_if_late(GstElement* element, const GParamSpec* spec);
 
+// To be held by a worker while it posts or notifies. Both take a reference for a moment; where the
+// rest of the program lets go of the element meanwhile, that one is the last, and freeing the
+// element would make the worker wait for itself. The reference of this is dropped elsewhere.
+class Posting {
+ public:
+  explicit Posting(GstElement* element) : element_(GST_ELEMENT(gst_object_ref(element))) {}
+  Posting(const Posting&) = delete;
+  Posting& operator=(const Posting&) = delete;
+  ~Posting();
+
+ private:
+  GstElement* element_;
+};
+
 }  // namespace calvin::gst
