@@ -60,6 +60,8 @@ static const char* text_for(const char* property, Random& random) {
 static void set_something(GstElement* element, Random& random) {
   check::for_each_setting(element, [&](GParamSpec* spec) {
     if ((spec->flags & GST_PARAM_MUTABLE_PLAYING) == 0 || below(random, 4) != 0) return;
+    // At their limits these contradict each other, and calibsolve rightly refuses to start.
+    if (g_str_has_suffix(spec->name, "-views")) return;
     g_auto(GValue) value = G_VALUE_INIT;
     if (!check::choose(spec, one_of(random, check::kLimits), &value)) return;
     if (G_IS_PARAM_SPEC_STRING(spec)) {
@@ -192,6 +194,7 @@ class Walk {
     const gint64 begin = g_get_monotonic_time();
     const auto change = gst_element_set_state(pipeline_.top(), state);
     const double ms = static_cast<double>(g_get_monotonic_time() - begin) / 1000;
+    if (change == GST_STATE_CHANGE_FAILURE) read_bus();  // it may say why
     fail_if(change == GST_STATE_CHANGE_FAILURE, "CALVIN_SEED=%u: %s fails", seed_,
             history_.c_str());
     if (state > GST_STATE_READY) return;

@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Builds the plugin and its tests under a sanitizer, and runs them.
-#   run.sh address BUILD   address and undefined behaviour: all programs of tests/check
-#   run.sh thread BUILD    data races: those with threads of their own
-# CALVIN_FULL=1 checks what the reduced run leaves out because it takes as long to compile as all
-# the rest: pointers that are null or not aligned.
+#   run.sh address BUILD   address and undefined behaviour: the suite `memory`
+#   run.sh thread BUILD    data races: the suite `threads`
+# CALVIN_FULL=1 also checks what takes as long to compile as all the rest, pointers that are null or
+# not aligned, and runs all of tests/check for the first.
 set -eu
 
 source=$(cd "$(dirname "$0")/../.." && pwd)
@@ -16,6 +16,7 @@ case "$1" in
     if [ -z "${CALVIN_FULL:-}" ]; then
       args="$args,-fno-sanitize=null,-fno-sanitize=alignment,-fno-sanitize=object-size"
       args="$args,-fno-sanitize=vptr,-fno-sanitize=nonnull-attribute"
+      suite=memory
     fi
     ;;
   thread) sanitize=thread suite=threads ;;
