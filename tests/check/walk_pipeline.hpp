@@ -17,6 +17,8 @@ namespace calvin::check {
 
 // Named src: the source; caps: a capsfilter behind it, which lets frames of the former caps pass;
 // sink, sink1: the ends; every FILE: one file for the calibration.
+// Behind a tee the sinks do not wait for each other: a query of the source can wait in one branch
+// for its sink to go on, which waits for the other to preroll, and that for the source.
 struct Shape {
   const char* name;
   bool live;
@@ -38,9 +40,9 @@ inline constexpr Shape kShapes[] = {
      "caps-change-mode=delayed ! tee name=t "
      "t. ! queue max-size-buffers=3 ! calibdetect board=checkerboard:5x4:40mm mode=async ! "
      "calibsolve capture-mode=all max-views=20 export=ros:FILE.yaml ! caliboverlay ! "
-     "fakesink name=sink "
+     "fakesink async=false name=sink "
      "t. ! queue max-size-buffers=3 ! calibundistort qos=false calibration=FILE ! "
-     "fakesink name=sink1"},
+     "fakesink async=false name=sink1"},
     {"two undistort", false,
      "videotestsrc name=src pattern=ball ! capsfilter name=caps caps-change-mode=delayed ! "
      "calibundistort qos=false calibration=FILE ! queue ! calibundistort qos=false ! "
@@ -48,9 +50,9 @@ inline constexpr Shape kShapes[] = {
     {"live tee", true,
      "videotestsrc name=src is-live=true ! capsfilter name=caps caps-change-mode=delayed ! tee "
      "name=t "
-     "t. ! queue ! calibrate overlay=false ! fakesink name=sink sync=true "
+     "t. ! queue ! calibrate overlay=false ! fakesink async=false name=sink sync=true "
      "t. ! queue ! calibundistort qos=false calibration=FILE ! caliboverlay ! "
-     "fakesink name=sink1 sync=true"},
+     "fakesink async=false name=sink1 sync=true"},
 };
 
 inline bool is_ours(GstElement* element) {
