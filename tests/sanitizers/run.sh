@@ -14,8 +14,8 @@ case "$1" in
   address)
     sanitize=address,undefined suite=check
     if [ -z "${CALVIN_FULL:-}" ]; then
-      args="$args,-fno-sanitize=null,-fno-sanitize=alignment,-fno-sanitize=object-size"
-      args="$args,-fno-sanitize=vptr,-fno-sanitize=nonnull-attribute"
+      args="$args -fno-sanitize=null -fno-sanitize=alignment -fno-sanitize=object-size"
+      args="$args -fno-sanitize=vptr -fno-sanitize=nonnull-attribute"
       suite=memory
     fi
     ;;
