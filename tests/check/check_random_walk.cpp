@@ -104,7 +104,7 @@ static void tinker(WalkPipeline& walk, unsigned seed, const std::stop_token& sto
           break;
       }
     }
-    g_usleep(1000);
+    g_usleep(3000);
   }
 }
 
@@ -234,9 +234,8 @@ class Walk {
   void seek() {
     say("seek");
     const Ledger::Disturbance disturbance(pipeline_.ledger());
-    // A camera does not skip what comes before.
-    const int most = pipeline_.shape().live ? 200 : 2000;
-    const auto to = static_cast<gint64>(below(random_, most)) * GST_MSECOND;
+    // Not far: a live source gives all that comes before, and so does videotestsrc before its caps.
+    const auto to = static_cast<gint64>(below(random_, 250)) * GST_MSECOND;
     gst_element_seek_simple(pipeline_.top(), GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH, to);
   }
   void set_caps() {

@@ -9,7 +9,9 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -24,6 +26,7 @@ class Watchdog {
       : patience_(patience), thread_([this] { watch(); }) {
     // gdb is a child of this process; some systems let a parent only look at its children.
     prctl(PR_SET_PTRACER, PR_SET_PTRACER_ANY);
+    for (const int signal : {SIGTRAP, SIGSEGV}) std::signal(signal, on_signal);
   }
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
@@ -40,6 +43,7 @@ class Watchdog {
   void step(std::string what) {
     const std::lock_guard guard(lock_);
     what_ = std::move(what);
+    g_strlcpy(last_step_, what_.c_str(), sizeof last_step_);
     ++beats_;
     changed_.notify_all();
   }
@@ -61,6 +65,17 @@ class Watchdog {
     std::abort();
   }
 
+  // A fatal warning of GLib, or a crash: in which walk?
+  static void on_signal(int signal) {
+    for (const char* text : {"\nin ", static_cast<const char*>(last_step_), "\n"}) {
+      const auto written = write(STDERR_FILENO, text, std::strlen(text));
+      static_cast<void>(written);
+    }
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+
+  static inline char last_step_[4096];
   const std::chrono::seconds patience_;
   std::mutex lock_;
   std::condition_variable changed_;
