@@ -111,9 +111,9 @@ class Watch {
     const std::lock_guard guard(lock_);
     said_.clear();
   }
-  void look(GstPad* pad, const GstCaps* caps) {
+  void look(GstPad* pad, const GstCaps* caps, bool set) {
     g_autoptr(GstCaps) accepted = gst_pad_get_pad_template_caps(pad);
-    const auto problem = explain_refusal(caps, accepted);
+    const auto problem = explain_refusal(caps, accepted, set);
     if (!problem) return;
     {
       const std::lock_guard guard(lock_);
@@ -135,7 +135,7 @@ GstPadProbeReturn watch_event(GstPad* pad, GstPadProbeInfo* info, gpointer data)
   if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
     GstCaps* caps = nullptr;
     gst_event_parse_caps(event, &caps);
-    watch->look(pad, caps);
+    watch->look(pad, caps, true);
   }
   return GST_PAD_PROBE_OK;
 }
@@ -155,17 +155,18 @@ GstPadProbeReturn watch_query(GstPad* pad, GstPadProbeInfo* info, gpointer data)
   asking = true;
   g_autoptr(GstCaps) offered = gst_pad_peer_query_caps(pad, nullptr);
   asking = false;
-  if (offered != nullptr) static_cast<Watch*>(data)->look(pad, offered);
+  if (offered != nullptr) static_cast<Watch*>(data)->look(pad, offered, false);
   return GST_PAD_PROBE_OK;
 }
 
 }  // namespace
 
-std::optional<Error> explain_refusal(const GstCaps* caps, const GstCaps* accepted) {
+std::optional<Error> explain_refusal(const GstCaps* caps, const GstCaps* accepted, bool set) {
   if (gst_caps_is_any(caps) || gst_caps_is_empty(caps)) return std::nullopt;
-  const bool fits = gst_caps_is_fixed(caps) ? gst_caps_is_subset(caps, accepted)
-                                            : gst_caps_can_intersect(caps, accepted);
-  if (fits) return too_large(caps);
+  // Caps that are set say everything; those that may be set yet can lack the size, say.
+  const bool fits =
+      set ? gst_caps_is_subset(caps, accepted) : gst_caps_can_intersect(caps, accepted);
+  if (fits) return set ? too_large(caps) : std::nullopt;
   const Refused first = refused(gst_caps_get_structure(caps, 0), gst_caps_get_features(caps, 0));
   return Error{ErrorCode::kUnsupported,
                first.insert.empty()

@@ -13,8 +13,9 @@
 namespace calvin::gst {
 
 // Why none of `caps` fits `accepted`, the template of a raw video pad, and what to insert. Absent
-// where something fits.
-[[nodiscard]] std::optional<Error> explain_refusal(const GstCaps* caps, const GstCaps* accepted);
+// where something fits. `set`: the caps are of frames that will come, not of some that may.
+[[nodiscard]] std::optional<Error> explain_refusal(const GstCaps* caps, const GstCaps* accepted,
+                                                   bool set);
 
 // GStreamer refuses such caps before an element sees them and tells the user no more than
 // "not-negotiated". From here on the sink pad of `element` posts the error, when such caps are

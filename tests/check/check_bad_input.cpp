@@ -82,7 +82,7 @@ static const char* const kElements[] = {
 static void assert_passes(const char* text, const Harmless& odd) {
   GstElement* element = check::make_element(text);
   check::Bus bus(element);
-  GstHarness* h = gst_harness_new_with_element(element, "sink", "src");
+  GstHarness* h = check::harness_of(element);
   g_autoptr(GstCaps) caps = gst_caps_from_string(odd.caps);
   GstVideoInfo info;
   fail_unless(gst_video_info_from_caps(&info, caps));

@@ -276,7 +276,10 @@ GST_START_TEST(test_a_state_change_does_not_wait_for_a_map) {
   // 50 ms are the aim; the map takes forty times that, and other programs want the processor too.
   fail_unless(waited.count() < 0.7, "%f s", waited.count());
   fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
-  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+  // What follows may be down already, which GstBaseTransform takes for a fault of the caps.
+  for (const std::string& warning : f.bus.texts(GST_MESSAGE_WARNING)) {
+    fail_unless_equals_string(warning.c_str(), "not negotiated");
+  }
 }
 GST_END_TEST;
 
