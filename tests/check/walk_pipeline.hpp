@@ -122,9 +122,11 @@ class WalkPipeline {
     const std::shared_ptr<Order> ours = *order;
     ours->walk = this;
     ours->old = old;
-    const gulong id =
-        gst_pad_add_probe(upstream, GST_PAD_PROBE_TYPE_IDLE, replace_when_idle, order,
-                          [](gpointer data) { delete static_cast<std::shared_ptr<Order>*>(data); });
+    // Not an IDLE probe: a pad counts as idle while another probe looks at a buffer on its way,
+    // which would then reach the new element ahead of the sticky events.
+    const gulong id = gst_pad_add_probe(
+        upstream, GST_PAD_PROBE_TYPE_BLOCK_DOWNSTREAM, replace_when_blocked, order,
+        [](gpointer data) { delete static_cast<std::shared_ptr<Order>*>(data); });
     for (int i = 0; i < 50; ++i) {
       {
         const std::lock_guard guard(ours->lock);
@@ -148,7 +150,7 @@ class WalkPipeline {
     bool cancelled = false;
   };
 
-  static GstPadProbeReturn replace_when_idle(GstPad* upstream, GstPadProbeInfo*, gpointer data) {
+  static GstPadProbeReturn replace_when_blocked(GstPad* upstream, GstPadProbeInfo*, gpointer data) {
     Order& order = **static_cast<std::shared_ptr<Order>*>(data);
     const std::lock_guard guard(order.lock);
     if (order.cancelled || order.done) return GST_PAD_PROBE_REMOVE;
