@@ -15,6 +15,7 @@
 
 using namespace calvin;
 using check::Fixture;
+using check::gray_of;
 using check::kBarrel;
 using check::kSize;
 
@@ -35,22 +36,6 @@ static GstEvent* peers_event() {
   return gst_event_new_custom(GST_EVENT_CUSTOM_BOTH,
                               gst_structure_new("GstEventCalibrated", "undistort-settings",
                                                 G_TYPE_STRING, barrel_settings().c_str(), nullptr));
-}
-
-static std::vector<guint8> gray_of(GstBuffer* buffer, ImageSize size) {
-  GstVideoInfo info;
-  gst_video_info_set_format(&info, GST_VIDEO_FORMAT_GRAY8, static_cast<guint>(size.width),
-                            static_cast<guint>(size.height));
-  GstVideoFrame frame;
-  fail_unless(gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ));
-  std::vector<guint8> pixels;
-  for (int y = 0; y < size.height; ++y) {
-    const auto* row = static_cast<const guint8*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0)) +
-                      static_cast<std::ptrdiff_t>(y) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0);
-    pixels.insert(pixels.end(), row, row + size.width);
-  }
-  gst_video_frame_unmap(&frame);
-  return pixels;
 }
 
 static double mean_difference(const std::vector<guint8>& a, const std::vector<guint8>& b) {
