@@ -1,25 +1,28 @@
 #!/bin/sh
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs the Debian packages that are missing, and says nothing when none is.
-#   install-packages.sh [build] [test]
+#   install-packages.sh [build] [test] [bench]
 set -eu
 
 build="gcc g++ meson ninja-build pkg-config
   libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev
   gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good
-  libeigen3-dev libfmt-dev nlohmann-json3-dev libexpected-dev
+  libeigen3-dev libhwy-dev libfmt-dev nlohmann-json3-dev libexpected-dev
   libopencv-dev libcairo2-dev libpango1.0-dev libyaml-cpp-dev libpugixml-dev"
 test="libgtest-dev libjpeg-dev locales python3 python3-gst-1.0
   gir1.2-gst-rtsp-server-1.0
   fonts-dejavu-core poppler-utils
   clang-format-14 clang-tidy-14"
+bench="libbenchmark-dev libceres-dev libmrcal-dev libmrgingham-dev
+  gstreamer1.0-opencv ffmpeg opencv-doc"
 
 wanted=""
 for set in "${@:-build}"; do
   case "$set" in
     build) wanted="$wanted $build" ;;
     test) wanted="$wanted $test" ;;
-    *) echo "$0: there is no set of packages called '$set' (build, test)" >&2; exit 2 ;;
+    bench) wanted="$wanted $bench" ;;
+    *) echo "$0: there is no set of packages called '$set' (build, test, bench)" >&2; exit 2 ;;
   esac
 done
 
