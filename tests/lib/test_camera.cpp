@@ -8,35 +8,15 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/models.hpp"
+#include "lens_samples.hpp"
 
 namespace calvin {
 namespace {
 
-// Lenses to try each model with: mild, strong, and with everything at once.
 template <typename Lens>
-std::vector<std::vector<double>> coefficients();
-template <>
-std::vector<std::vector<double>> coefficients<lens::Pinhole>() {
-  return {{}};
+const std::vector<std::vector<double>>& coefficients() {
+  return samples::lens(Lens::kName).coefficients;
 }
-template <>
-std::vector<std::vector<double>> coefficients<lens::Brown4>() {
-  return {{0, 0, 0, 0}, {-0.28, 0.09, 5e-4, -7e-4}, {0.3, -0.2, -2e-3, 1e-3}};
-}
-template <>
-std::vector<std::vector<double>> coefficients<lens::Brown5>() {
-  return {{-0.28, 0.09, 5e-4, -7e-4, 0.01}, {-0.4, 0.2, 2e-3, -1e-3, -0.06}};
-}
-template <>
-std::vector<std::vector<double>> coefficients<lens::Fisheye>() {
-  return {{0, 0, 0, 0}, {-0.02, 0.005, -0.003, 0.0005}, {0.036, -0.042, 0.016, -0.0021}};
-}
-
-// The widest angle from the axis to try, rad.
-template <typename Lens>
-constexpr double kWidest = 1.3;
-template <>
-constexpr double kWidest<lens::Fisheye> = 2.6;
 
 Eigen::Vector3d ray(double angle, double direction) {
   return {std::sin(angle) * std::cos(direction), std::sin(angle) * std::sin(direction),
@@ -55,16 +35,20 @@ class CameraModel : public ::testing::Test {
   }
 };
 
-using Lenses = ::testing::Types<lens::Pinhole, lens::Brown4, lens::Brown5, lens::Fisheye>;
-static_assert(std::tuple_size_v<AllLenses> == 4, "add the new model to Lenses above");
-TYPED_TEST_SUITE(CameraModel, Lenses);
+template <typename Tuple>
+struct TypesOf;
+template <typename... Lens>
+struct TypesOf<std::tuple<Lens...>> {
+  using Types = ::testing::Types<Lens...>;
+};
+TYPED_TEST_SUITE(CameraModel, TypesOf<AllLenses>::Types);
 
 TYPED_TEST(CameraModel, JacobiansEqualNumericOnes) {
   using M = Model<TypeParam>;
   constexpr double kSkew = 0.7;
   for (const auto& lens : coefficients<TypeParam>()) {
     std::vector<double> p = this->parameters(lens);
-    for (double angle = 0; angle < kWidest<TypeParam>; angle += 0.0973) {
+    for (double angle = 0; angle < samples::lens(TypeParam::kName).widest; angle += 0.0973) {
       Eigen::Vector3d point = 1.7 * ray(angle, 9 * angle);
       double uv[2];
       double jp[6];
@@ -103,7 +87,7 @@ TYPED_TEST(CameraModel, ProjectAndUnprojectInvertEachOther) {
     const auto camera = Camera::make(TypeParam::kName, this->kSize, this->parameters(lens), 0.3);
     ASSERT_TRUE(camera.has_value()) << camera.error().message;
     int valid = 0;
-    for (double angle = 0; angle < kWidest<TypeParam>; angle += 0.0173) {
+    for (double angle = 0; angle < samples::lens(TypeParam::kName).widest; angle += 0.0173) {
       for (double direction = 0; direction < 6.28; direction += 0.37) {
         const Eigen::Vector3d expected = ray(angle, direction);
         const auto pixel = camera->project(3.3 * expected);

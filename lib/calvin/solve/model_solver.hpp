@@ -56,14 +56,6 @@ class ModelSolver {
   static constexpr std::size_t kFewViews = 8;
   static constexpr std::size_t kTrials = 4;
 
-  // A lens that is a pinhole when its coefficients are zero.
-  static bool is_perspective() {
-    const std::array<double, std::max(M::Lens::kCount, 1)> none{};
-    double xy[2];
-    return M::Lens::distort(none.data(), {1, 0, 1}, xy, nullptr, nullptr) &&
-           std::abs(xy[0] - 1) < 1e-12;
-  }
-
   std::vector<ViewMask> everything() const {
     std::vector<ViewMask> masks;
     for (const PointSet& view : views_) masks.push_back({true, std::vector(view.size(), true)});
@@ -101,9 +93,9 @@ class ModelSolver {
 
   Candidate from_views(const std::vector<PointSet>& sample, double far) {
     std::vector<Guess> guesses;
-    if (is_perspective()) guesses = closed_form_guesses(sample, size_);
+    if (M::Lens::kPerspective) guesses = closed_form_guesses(sample, size_);
     const bool sure = !guesses.empty() && sample.size() >= kFewViews;
-    const auto grid = focal_grid(size_, is_perspective());
+    const auto grid = focal_grid(size_, M::Lens::kPerspective);
     if (!sure) guesses.insert(guesses.end(), grid.begin(), grid.end());
     Candidate best = best_of(guesses, sample, sure ? 1 : kTrials);
     if (sure && !(best.scale < far)) {

@@ -7,65 +7,66 @@
 //   theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
 //   (x_d, y_d) = theta_d (X, Y) / sqrt(X^2 + Y^2)
 // J. Kannala, S. Brandt, A Generic Camera Model and Calibration Method, PAMI 28(8), 2006, eq. 6.
-#pragma once
+#if defined(CALVIN_CAMERA_FISHEYE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_FISHEYE_INL_HPP
+#undef CALVIN_CAMERA_FISHEYE_INL_HPP
+#else
+#define CALVIN_CAMERA_FISHEYE_INL_HPP
+#endif
 
 #include <numbers>
 
 #include "calvin/camera/distortion.hpp"
+#include "calvin/camera/lane-inl.hpp"
 #include "calvin/geometry/polynomial.hpp"
 
-namespace calvin::lens {
+HWY_BEFORE_NAMESPACE();
+namespace calvin::lens::HWY_NAMESPACE {
 
 struct Fisheye {
   static constexpr std::string_view kName = "fisheye";
   static constexpr int kCount = 4;
+  static constexpr bool kPerspective = false;
   static constexpr std::array<std::string_view, 4> kNames = {"k1", "k2", "k3", "k4"};
 
-  static bool distort(const double* d, const Eigen::Vector3d& p, double* xy, double* jp,
-                      double* jd) {
-    const double rho2 = p[0] * p[0] + p[1] * p[1];
-    const double z = p[2];
-    const double rho = std::sqrt(rho2);
-    // s = theta_d / rho; near the axis by its series, exact to rounding there.
-    double s;
-    double ds_drho_over_rho;
-    double ds_dz;
-    double theta;
-    if (rho2 < 1e-12 * z * z) {
-      if (!(z > 0)) return false;  // straight backwards: no direction in the image
-      const double c = d[0] - 1.0 / 3.0;
-      theta = rho / z;
-      s = (1 + c * theta * theta) / z;
-      ds_drho_over_rho = 2 * c / (z * z * z);
-      ds_dz = -1 / (z * z);
-    } else {
-      theta = std::atan2(rho, z);
-      const auto [theta_d, slope] = polynomial(d, theta);
-      const double n2 = rho2 + z * z;
-      s = theta_d / rho;
-      ds_drho_over_rho = (slope * z / n2 - s) / rho2;
-      ds_dz = -slope / n2;
-    }
-    if (!std::isfinite(s)) return false;
+  template <typename T>
+  static HWY_INLINE MaskOf<T> distort(const double* d, const T* p, T* xy, T* jp, T* jd) {
+    const T z = p[2];
+    const T rho2 = p[0] * p[0] + p[1] * p[1];
+    const T n2 = rho2 + z * z;
+    // Near the axis s = theta_d / rho by its series, exact to rounding there.
+    const MaskOf<T> near = rho2 < 1e-12 * (z * z);
+    const T safe2 = select(near, 1, rho2);
+    const T rho = sqrt(rho2);
+    const T iz = 1 / z;
+    const T theta = select(near, rho * iz, atan2(rho, z));
+    const T q = theta * theta;
+    const T slope = 1 + q * (3 * d[0] + q * (5 * d[1] + q * (7 * d[2] + q * (9 * d[3]))));
+    const T growth = 1 + q * (d[0] + q * (d[1] + q * (d[2] + q * d[3])));  // theta_d / theta
+    const T ratio = theta / select(near, 1, rho);
+    const double c = d[0] - 1.0 / 3.0;
+    const T s = select(near, (1 + c * q) * iz, growth * ratio);
     xy[0] = p[0] * s;
     xy[1] = p[1] * s;
     if (jp != nullptr) {
-      jp[0] = s + p[0] * p[0] * ds_drho_over_rho;
-      jp[1] = p[0] * p[1] * ds_drho_over_rho;
-      jp[2] = p[0] * ds_dz;
+      const T by_rho2 = select(near, 2 * c * iz * iz * iz, (slope * z / n2 - s) / safe2);
+      const T by_z = -slope / n2;
+      jp[0] = s + p[0] * p[0] * by_rho2;
+      jp[1] = p[0] * p[1] * by_rho2;
+      jp[2] = p[0] * by_z;
       jp[3] = jp[1];
-      jp[4] = s + p[1] * p[1] * ds_drho_over_rho;
-      jp[5] = p[1] * ds_dz;
+      jp[4] = s + p[1] * p[1] * by_rho2;
+      jp[5] = p[1] * by_z;
     }
     if (jd != nullptr) {
-      double power = rho > 0 ? theta * theta * theta / rho : 0;
+      T power = q * select(near, iz, ratio);
       for (int i = 0; i < kCount; ++i) {
         jd[i] = p[0] * power;
         jd[kCount + i] = p[1] * power;
-        power *= theta * theta;
+        power = power * q;
       }
     }
-    return true;
+    return (z > 0) | !near;  // straight backwards: no direction in the image
   }
 
   static double limit(const double* d) {
@@ -97,4 +98,7 @@ struct Fisheye {
   }
 };
 
-}  // namespace calvin::lens
+}  // namespace calvin::lens::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // CALVIN_CAMERA_FISHEYE_INL_HPP

@@ -6,39 +6,46 @@
 //   x_d = x g + 2 p1 x y + p2 (r^2 + 2 x^2)
 //   y_d = y g + p1 (r^2 + 2 y^2) + 2 p2 x y        with x = X/Z, y = Y/Z, r^2 = x^2 + y^2
 // D. C. Brown, Close-Range Camera Calibration, Photogrammetric Engineering 37(8), 1971.
-#pragma once
+#if defined(CALVIN_CAMERA_BROWN_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_BROWN_INL_HPP
+#undef CALVIN_CAMERA_BROWN_INL_HPP
+#else
+#define CALVIN_CAMERA_BROWN_INL_HPP
+#endif
 
 #include <utility>
 
 #include "calvin/camera/distortion.hpp"
+#include "calvin/camera/lane-inl.hpp"
 #include "calvin/geometry/polynomial.hpp"
 
-namespace calvin::lens {
+HWY_BEFORE_NAMESPACE();
+namespace calvin::lens::HWY_NAMESPACE {
 
 // kCount 4: k1 k2 p1 p2; 5: k1 k2 p1 p2 k3 (OpenCV's order).
 template <int kCoefficients>
 struct Brown {
   static_assert(kCoefficients == 4 || kCoefficients == 5);
   static constexpr int kCount = kCoefficients;
+  static constexpr bool kPerspective = true;
 
-  static bool distort(const double* d, const Eigen::Vector3d& p, double* xy, double* jp,
-                      double* jd) {
-    if (!(p[2] > 1e-9 * (std::abs(p[0]) + std::abs(p[1])))) return false;
-    const double iz = 1 / p[2];
-    const double x = p[0] * iz;
-    const double y = p[1] * iz;
-    const double r2 = x * x + y * y;
+  template <typename T>
+  static HWY_INLINE MaskOf<T> distort(const double* d, const T* p, T* xy, T* jp, T* jd) {
+    const T iz = 1 / p[2];
+    const T x = p[0] * iz;
+    const T y = p[1] * iz;
+    const T r2 = x * x + y * y;
     const double p1 = d[2];
     const double p2 = d[3];
     const double k3 = third(d);
-    const double g = 1 + r2 * (d[0] + r2 * (d[1] + r2 * k3));
+    const T g = 1 + r2 * (d[0] + r2 * (d[1] + r2 * k3));
     xy[0] = x * g + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
     xy[1] = y * g + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
     if (jp != nullptr) {
-      const double dg = 2 * (d[0] + r2 * (2 * d[1] + 3 * r2 * k3));  // dg/dx = x dg
-      const double xx = g + x * x * dg + 2 * p1 * y + 6 * p2 * x;
-      const double cross = x * y * dg + 2 * p1 * x + 2 * p2 * y;  // dx_d/dy = dy_d/dx
-      const double yy = g + y * y * dg + 6 * p1 * y + 2 * p2 * x;
+      const T dg = 2 * (d[0] + r2 * (2 * d[1] + 3 * k3 * r2));  // dg/dx = x dg
+      const T xx = g + x * x * dg + 2 * p1 * y + 6 * p2 * x;
+      const T cross = x * y * dg + 2 * p1 * x + 2 * p2 * y;  // dx_d/dy = dy_d/dx
+      const T yy = g + y * y * dg + 6 * p1 * y + 2 * p2 * x;
       jp[0] = xx * iz;
       jp[1] = cross * iz;
       jp[2] = -(xx * x + cross * y) * iz;
@@ -47,10 +54,10 @@ struct Brown {
       jp[5] = -(cross * x + yy * y) * iz;
     }
     if (jd != nullptr) {
-      fill_row(jd, x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2);
-      fill_row(jd + kCount, y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2);
+      fill_row<T>(jd, x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2);
+      fill_row<T>(jd + kCount, y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2);
     }
-    return true;
+    return p[2] > 1e-9 * (abs(p[0]) + abs(p[1]));
   }
 
   // The radial part alone decides; the tangential one is checked where a point is projected.
@@ -84,7 +91,7 @@ struct Brown {
     for (int i = 0; i < 50; ++i) {
       double at[2];
       double j[6];
-      if (!distort(d, p, at, j, nullptr)) return std::nullopt;
+      if (!distort<double>(d, p.data(), at, j, nullptr)) return std::nullopt;
       const double ex = at[0] - xy[0];
       const double ey = at[1] - xy[1];
       const double determinant = j[0] * j[4] - j[1] * j[3];
@@ -96,7 +103,7 @@ struct Brown {
       if (std::abs(dx) + std::abs(dy) <= 1e-15 * (1 + std::abs(p[0]) + std::abs(p[1]))) break;
     }
     double at[2];
-    if (!distort(d, p, at, nullptr, nullptr) || !(radius(p) <= limit) ||
+    if (!distort<double>(d, p.data(), at, nullptr, nullptr) || !(radius(p) <= limit) ||
         !(std::hypot(at[0] - xy[0], at[1] - xy[1]) <= 1e-11 * (1 + target))) {
       return std::nullopt;
     }
@@ -108,7 +115,8 @@ struct Brown {
     if constexpr (kCount == 5) return d[4];
     return 0;
   }
-  static void fill_row(double* row, double k1, double k2, double p1, double p2, double k3) {
+  template <typename T>
+  static HWY_INLINE void fill_row(T* row, T k1, T k2, T p1, T p2, T k3) {
     row[0] = k1;
     row[1] = k2;
     row[2] = p1;
@@ -117,4 +125,7 @@ struct Brown {
   }
 };
 
-}  // namespace calvin::lens
+}  // namespace calvin::lens::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // CALVIN_CAMERA_BROWN_INL_HPP
