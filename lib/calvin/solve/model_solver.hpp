@@ -113,9 +113,11 @@ class ModelSolver {
     return sample;
   }
 
-  Parameters without_distortion(const Guess& guess) const {
-    Parameters p{};
+  template <typename Coefficients>
+  Parameters start_from(const Guess& guess, const Coefficients& coefficients) const {
+    Parameters p;
     std::copy(guess.begin(), guess.end(), p.begin());
+    std::copy(coefficients.begin(), coefficients.end(), p.begin() + 4);
     freedom_.hold(p.data());
     return p;
   }
@@ -132,11 +134,13 @@ class ModelSolver {
                     std::size_t trials) {
     std::vector<Candidate> candidates;
     for (const Guess& guess : guesses) {
-      Candidate c;
-      c.parameters = without_distortion(guess);
-      c.poses = poses_for(c.parameters, sample);
-      c.scale = scale_of(c, sample);
-      candidates.push_back(std::move(c));
+      for (const auto& coefficients : M::Lens::kStarts) {
+        Candidate c;
+        c.parameters = start_from(guess, coefficients);
+        c.poses = poses_for(c.parameters, sample);
+        c.scale = scale_of(c, sample);
+        candidates.push_back(std::move(c));
+      }
     }
     std::sort(candidates.begin(), candidates.end(),
               [](const Candidate& a, const Candidate& b) { return a.scale < b.scale; });
