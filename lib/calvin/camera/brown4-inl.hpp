@@ -16,7 +16,6 @@ namespace calvin::lens::HWY_NAMESPACE {
 
 struct Brown4 : Brown<4> {
   static constexpr std::string_view kName = "brown4";
-  static constexpr std::array<std::string_view, 4> kNames = {"k1", "k2", "p1", "p2"};
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE

@@ -16,7 +16,6 @@ namespace calvin::lens::HWY_NAMESPACE {
 
 struct Brown5 : Brown<5> {
   static constexpr std::string_view kName = "brown5";
-  static constexpr std::array<std::string_view, 5> kNames = {"k1", "k2", "p1", "p2", "k3"};
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE

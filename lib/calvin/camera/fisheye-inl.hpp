@@ -15,58 +15,46 @@
 #endif
 
 #include <numbers>
+#include <utility>
 
-#include "calvin/camera/distortion.hpp"
-#include "calvin/camera/lane-inl.hpp"
+#include "calvin/camera/radial-inl.hpp"
 #include "calvin/geometry/polynomial.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {
 
-struct Fisheye {
+struct Fisheye : Radial<Fisheye> {
   static constexpr std::string_view kName = "fisheye";
   static constexpr int kCount = 4;
-  static constexpr bool kPerspective = false;
-  static constexpr std::array<std::string_view, 4> kNames = {"k1", "k2", "k3", "k4"};
+  static constexpr std::array<std::array<double, kCount>, 1> kStarts = {};
+  static constexpr std::array<std::string_view, kCount> kNames = {"k1", "k2", "k3", "k4"};
 
   template <typename T>
-  static HWY_INLINE MaskOf<T> distort(const double* d, const T* p, T* xy, T* jp, T* jd) {
-    const T z = p[2];
-    const T rho2 = p[0] * p[0] + p[1] * p[1];
-    const T n2 = rho2 + z * z;
-    // Near the axis s = theta_d / rho by its series, exact to rounding there.
+  static HWY_INLINE Scale<T> scale(const double* d, T rho2, T z, T* by_d) {
+    // Near the axis theta_d / rho by its series, exact to rounding there.
     const MaskOf<T> near = rho2 < 1e-12 * (z * z);
-    const T safe2 = select(near, 1, rho2);
     const T rho = sqrt(rho2);
     const T iz = 1 / z;
     const T theta = select(near, rho * iz, atan2(rho, z));
+    const T ratio = select(near, iz, theta / rho);
     const T q = theta * theta;
-    const T slope = 1 + q * (3 * d[0] + q * (5 * d[1] + q * (7 * d[2] + q * (9 * d[3]))));
     const T growth = 1 + q * (d[0] + q * (d[1] + q * (d[2] + q * d[3])));  // theta_d / theta
-    const T ratio = theta / select(near, 1, rho);
+    const T slope = 1 + q * (3 * d[0] + q * (5 * d[1] + q * (7 * d[2] + q * (9 * d[3]))));
+    const T in2 = 1 / (rho2 + z * z);
     const double c = d[0] - 1.0 / 3.0;
-    const T s = select(near, (1 + c * q) * iz, growth * ratio);
-    xy[0] = p[0] * s;
-    xy[1] = p[1] * s;
-    if (jp != nullptr) {
-      const T by_rho2 = select(near, 2 * c * iz * iz * iz, (slope * z / n2 - s) / safe2);
-      const T by_z = -slope / n2;
-      jp[0] = s + p[0] * p[0] * by_rho2;
-      jp[1] = p[0] * p[1] * by_rho2;
-      jp[2] = p[0] * by_z;
-      jp[3] = jp[1];
-      jp[4] = s + p[1] * p[1] * by_rho2;
-      jp[5] = p[1] * by_z;
-    }
-    if (jd != nullptr) {
-      T power = q * select(near, iz, ratio);
+    Scale<T> out;
+    out.s = select(near, (1 + c * q) * iz, growth * ratio);
+    out.by_rho = select(near, 2 * c * iz * iz * iz, (slope * z * in2 - out.s) / rho2);
+    out.by_z = -slope * in2;
+    out.valid = (z > 0) | !near;  // straight backwards: no direction in the image
+    if (by_d != nullptr) {
+      T power = q * ratio;
       for (int i = 0; i < kCount; ++i) {
-        jd[i] = p[0] * power;
-        jd[kCount + i] = p[1] * power;
+        by_d[i] = power;
         power = power * q;
       }
     }
-    return (z > 0) | !near;  // straight backwards: no direction in the image
+    return out;
   }
 
   static double limit(const double* d) {
@@ -74,27 +62,14 @@ struct Fisheye {
     return std::min(std::sqrt(smallest_positive_root(slope)), std::numbers::pi);
   }
 
-  static double radius(const Eigen::Vector3d& p) {
-    return std::atan2(std::hypot(p[0], p[1]), p[2]);
-  }
-
-  // The same from every side.
-  static void turn(double* /*d*/, Orientation /*o*/) {}
-
-  static std::optional<Eigen::Vector3d> undistort(const double* d, double limit, const double* xy) {
-    const double target = std::hypot(xy[0], xy[1]);
-    const auto theta = invert_growing([d](double t) { return polynomial(d, t); }, target, limit);
-    if (!theta) return std::nullopt;
-    const double s = target > 0 ? std::sin(*theta) / target : 1;
-    return Eigen::Vector3d(xy[0] * s, xy[1] * s, std::cos(*theta));
-  }
-
- private:
-  // {theta_d, d theta_d / d theta}
-  static std::pair<double, double> polynomial(const double* d, double t) {
-    const double q = t * t;
-    return {t * (1 + q * (d[0] + q * (d[1] + q * (d[2] + q * d[3])))),
-            1 + q * (3 * d[0] + q * (5 * d[1] + q * (7 * d[2] + q * 9 * d[3])))};
+  static std::optional<double> angle(const double* d, double limit, double r) {
+    // {theta_d, d theta_d / d theta}
+    const auto polynomial = [d](double t) {
+      const double q = t * t;
+      return std::pair(t * (1 + q * (d[0] + q * (d[1] + q * (d[2] + q * d[3])))),
+                       1 + q * (3 * d[0] + q * (5 * d[1] + q * (7 * d[2] + q * 9 * d[3]))));
+    };
+    return invert_growing(polynomial, r, limit);
   }
 };
 

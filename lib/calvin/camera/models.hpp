@@ -19,12 +19,19 @@
 
 #include "calvin/camera/brown4-inl.hpp"
 #include "calvin/camera/brown5-inl.hpp"
+#include "calvin/camera/doublesphere-inl.hpp"
+#include "calvin/camera/eucm-inl.hpp"
 #include "calvin/camera/fisheye-inl.hpp"
 #include "calvin/camera/pinhole-inl.hpp"
+#include "calvin/camera/rational8-inl.hpp"
+#include "calvin/camera/thinprism12-inl.hpp"
+#include "calvin/camera/tilted14-inl.hpp"
+#include "calvin/camera/ucm-inl.hpp"
 
 namespace calvin::lens::HWY_NAMESPACE {
 
-using AllLenses = std::tuple<Pinhole, Brown4, Brown5, Fisheye>;
+using AllLenses = std::tuple<Pinhole, Brown4, Brown5, Rational8, ThinPrism12, Tilted14, Fisheye,
+                             Ucm, Eucm, DoubleSphere>;
 
 }  // namespace calvin::lens::HWY_NAMESPACE
 

@@ -21,6 +21,7 @@ struct Pinhole {
   static constexpr std::string_view kName = "pinhole";
   static constexpr int kCount = 0;
   static constexpr bool kPerspective = true;
+  static constexpr std::array<std::array<double, 0>, 1> kStarts = {};
   static constexpr std::array<std::string_view, 0> kNames = {};
 
   template <typename T>
@@ -30,9 +31,9 @@ struct Pinhole {
     xy[1] = p[1] * iz;
     if (jp != nullptr) {
       jp[0] = iz;
-      jp[1] = 0;
+      jp[1] = T(0);
       jp[2] = -xy[0] * iz;
-      jp[3] = 0;
+      jp[3] = T(0);
       jp[4] = iz;
       jp[5] = -xy[1] * iz;
     }
@@ -43,7 +44,7 @@ struct Pinhole {
 
   static double radius(const Eigen::Vector3d& p) { return std::hypot(p[0], p[1]) / p[2]; }
 
-  static void turn(double* /*d*/, Orientation /*o*/) {}
+  static bool turn(double* /*d*/, Orientation /*o*/) { return true; }
 
   static std::optional<Eigen::Vector3d> undistort(const double* /*d*/, double /*limit*/,
                                                   const double* xy) {

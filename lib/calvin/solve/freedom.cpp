@@ -122,14 +122,9 @@ class Reader {
 LensTraits traits_of(std::string_view model) {
   LensTraits traits;
   visit_model(model, [&]<typename M>() {
-    if constexpr (requires { M::Lens::kStarts; }) {
-      traits.perspective = M::Lens::kPerspective;
-      for (const auto& start : M::Lens::kStarts) {
-        traits.starts.emplace_back(start.begin(), start.end());
-      }
-    } else {
-      traits.perspective = M::Lens::kName != "fisheye";
-      traits.starts.emplace_back(M::Lens::kCount, 0.0);
+    traits.perspective = M::Lens::kPerspective;
+    for (const auto& start : M::Lens::kStarts) {
+      traits.starts.emplace_back(start.begin(), start.end());
     }
   });
   return traits;
