@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/solve/points.hpp"
+#include "calvin/solve/solve_points.hpp"
 #include "calvin_config.h"
 #include "scenes.hpp"
 
@@ -160,7 +161,7 @@ TEST(Zhang, PublishedResultIsReproduced) {
   options.model = "brown4";
   options.fix = {"p1", "p2"};
   options.reject_outliers = false;
-  const auto solution = solve_points(std::move(views), {640, 480}, options);
+  const auto solution = solve_points(std::move(views), {}, {640, 480}, options);
   ASSERT_TRUE(solution.has_value()) << solution.error().message;
   const Calibration& c = solution->calibration;
   // Published with a skew of 0.2 px, which is not estimated here.

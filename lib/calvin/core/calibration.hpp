@@ -44,6 +44,8 @@ struct ViewRecord {
 struct BoardWarp {
   double kx = 0;
   double ky = 0;
+  std::optional<double> kx_sigma = std::nullopt;  // m
+  std::optional<double> ky_sigma = std::nullopt;
 };
 
 // A part of the calibrated image, in its px.

@@ -181,9 +181,8 @@ class Course {
     return fit;
   }
 
-  // Per view, px^2.
-  std::vector<double> squares() {
-    std::vector<double> result(final_views_.size(), 0);
+  std::vector<std::vector<double>> squares() {
+    std::vector<std::vector<double>> result(final_views_.size());
     for (std::size_t v = 0; v < result.size(); ++v) {
       if (used_[v])
         result[v] = least_squares_.squares(*final_views_[v], final_shared_, final_poses_[v]);

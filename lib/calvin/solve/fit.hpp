@@ -23,7 +23,7 @@ struct Fit {
   std::vector<SE3> camera_from_board;  // per view; of those used
   std::vector<PointSet> views;         // corners left out have weight 0
   std::vector<bool> used;              // per view
-  std::vector<double> squares;         // per view: the sum of squared distances, px^2
+  std::vector<std::vector<double>> squares;  // per view: of the distance of each corner used, px^2
   double cost = 0;                     // weighted, px^2, over the corners used
   Eigen::MatrixXd information;         // over Freedom's directions, for residuals of 1 px
   int iterations = 0;

@@ -91,17 +91,17 @@ std::vector<double> LeastSquares::distances(const FitView& view, const std::vect
   return result;
 }
 
-double LeastSquares::squares(const FitView& view, const std::vector<double>& shared,
-                             const SE3& pose) {
+std::vector<double> LeastSquares::squares(const FitView& view, const std::vector<double>& shared,
+                                          const SE3& pose) {
   fill(view, shared, pose);
   const double* u = rows_.u(RowLayout::kResidual);
   const double* v = rows_.v(RowLayout::kResidual);
   const double* weight = view.points.weight();
-  double sum = 0;
-  for (std::size_t i = 0; i < view.points.count(); ++i) {
-    sum += (u[i] * u[i] + v[i] * v[i]) / (weight[i] * weight[i]);
+  std::vector<double> result(view.points.count());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = (u[i] * u[i] + v[i] * v[i]) / (weight[i] * weight[i]);
   }
-  return sum;
+  return result;
 }
 
 std::optional<Camera> LeastSquares::camera(const std::vector<double>& shared) const {

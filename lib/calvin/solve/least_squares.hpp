@@ -44,9 +44,9 @@ class LeastSquares {
                                               const std::vector<double>& shared,
                                               const std::optional<SE3>& pose);
 
-  // The sum of squared distances of the corners in use, not weighted, px^2.
-  [[nodiscard]] double squares(const FitView& view, const std::vector<double>& shared,
-                               const SE3& pose);
+  // The squared distances of the corners in use, not weighted, px^2.
+  [[nodiscard]] std::vector<double> squares(const FitView& view, const std::vector<double>& shared,
+                                            const SE3& pose);
 
   // Absent for parameters that are none.
   [[nodiscard]] std::optional<Camera> camera(const std::vector<double>& shared) const;

@@ -5,18 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace calvin {
 
 namespace {
 
-// Sigmas further apart than this are taken as this far: one absurd value must not decide alone.
-constexpr double kWidestRatio = 1e3;
-
-double weight_of(const Observation& observation, std::size_t i) {
-  if (i >= observation.sigma.size()) return 1;
+// Absent where the detector says nothing of the corner.
+std::optional<double> weight_of(const Observation& observation, std::size_t i) {
+  if (i >= observation.sigma.size()) return std::nullopt;
   const double sigma = observation.sigma[i];
-  return std::isfinite(sigma) && sigma > 0 ? 1 / sigma : 1;
+  if (!std::isfinite(sigma) || !(sigma > 0)) return std::nullopt;
+  return 1 / sigma;
 }
 
 }  // namespace
@@ -34,23 +34,11 @@ PointSet to_points(const Board& board, const Observation& observation) {
   view.uv = observation.uv;
   for (std::size_t i = 0; i < observation.ids.size(); ++i) {
     view.points.push_back(all[static_cast<std::size_t>(observation.ids[i])]);
-    view.weight.push_back(weight_of(observation, i));
+    const auto weight = weight_of(observation, i);
+    view.weight.push_back(weight.value_or(1));
+    view.sigma_known = view.sigma_known && weight;
   }
   return view;
-}
-
-void normalise_weights(std::span<PointSet> views) {
-  std::vector<double> all;
-  for (const PointSet& view : views) {
-    all.insert(all.end(), view.weight.begin(), view.weight.end());
-  }
-  if (all.empty()) return;
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  const double median = *middle;
-  for (PointSet& view : views) {
-    for (double& w : view.weight) w = std::clamp(w / median, 1 / kWidestRatio, kWidestRatio);
-  }
 }
 
 bool spans_plane(const PointSet& view) {

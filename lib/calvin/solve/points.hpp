@@ -5,8 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
-#include <stop_token>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,6 +23,7 @@ struct PointSet {
   std::vector<Eigen::Vector3d> points;  // m, board frame
   std::vector<Pixel> uv;                // px
   std::vector<double> weight;           // 1 / sigma; 0: left out
+  bool sigma_known = true;              // every corner came with one
 
   [[nodiscard]] std::size_t size() const noexcept { return points.size(); }
   [[nodiscard]] std::size_t used() const noexcept;
@@ -33,15 +32,7 @@ struct PointSet {
 // The corners of one checked view.
 [[nodiscard]] PointSet to_points(const Board& board, const Observation& observation);
 
-// Scales all weights alike, to a median of 1, so that weighted residuals are in px.
-void normalise_weights(std::span<PointSet> views);
-
 // Whether the points span a plane: at least 4, not all on one line.
 [[nodiscard]] bool spans_plane(const PointSet& view);
-
-// solve() from points on. Views are moved in; Solution::calibration lacks camera and board text.
-[[nodiscard]] Result<Solution> solve_points(std::vector<PointSet> views, ImageSize image_size,
-                                            const SolveOptions& options,
-                                            const std::stop_token& stop = {});
 
 }  // namespace calvin

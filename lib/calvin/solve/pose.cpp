@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calvin/solve/pose_fit.hpp"
+#include "calvin/solve/weights.hpp"
 
 namespace calvin {
 
@@ -26,7 +27,7 @@ Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observati
     return tl::unexpected<Error>(status.error());
   }
   std::vector<PointSet> view = {to_points(board, observation)};
-  normalise_weights(view);
+  (void)normalise_weights(view);
   const auto rays = rays_of(view[0], camera);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (rays[i].isZero()) view[0].weight[i] = 0;

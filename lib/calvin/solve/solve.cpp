@@ -13,6 +13,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/solve/freedom.hpp"
 #include "calvin/solve/points.hpp"
+#include "calvin/solve/solve_points.hpp"
 
 namespace calvin {
 
@@ -79,6 +80,28 @@ Result<Gathered> gather(std::span<const View> views, ImageSize size) {
   return gathered;
 }
 
+// The two curvatures of BoardWarp, where there are views of one board enough to tell them.
+BoardShape curvatures(std::span<const View> views, std::size_t usable,
+                      const SolveOptions& options) {
+  constexpr std::size_t kViews = 8;
+  if (!options.warp || usable < kViews) return {};
+  const Board& board = views.front().board;
+  const auto same = [&board](const View& view) {
+    return view.board.cols == board.cols && view.board.rows == board.rows &&
+           view.board.size == board.size;
+  };
+  if (board.cols < 3 || board.rows < 3 || !std::all_of(views.begin(), views.end(), same)) return {};
+  BoardShape shape = {2, {}};
+  const Eigen::Vector3d last = board.points().back();
+  for (const Eigen::Vector3d& point : board.points()) {
+    const double x = 2 * point.x() / last.x() - 1;
+    const double y = 2 * point.y() / last.y() - 1;
+    shape.displacement.emplace_back(0, 0, 1 - x * x);
+    shape.displacement.emplace_back(0, 0, 1 - y * y);
+  }
+  return shape;
+}
+
 // The boards of the views used, each once, in the order of their first view.
 std::string board_text(std::span<const View> views, const std::vector<RejectedView>& rejected) {
   std::vector<std::string> texts;
@@ -140,7 +163,8 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
   }
   auto gathered = gather(views, image_size);
   if (!gathered) return tl::unexpected<Error>(gathered.error());
-  auto solution = solve_points(std::move(gathered->views), image_size, options, stop);
+  const BoardShape shape = curvatures(views, gathered->views.size(), options);
+  auto solution = solve_points(std::move(gathered->views), shape, image_size, options, stop);
   if (!solution) return solution;
   auto& rejected = solution->rejected;
   rejected.insert(rejected.end(), gathered->rejected.begin(), gathered->rejected.end());

@@ -14,6 +14,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "calvin/core/calibration.hpp"
@@ -46,6 +47,9 @@ struct SolveOptions {
   // fit and its covariance alone.
   bool checks = true;
 
+  // Estimates the two curvatures of the board (BoardWarp) too, from 8 views of one board on.
+  bool warp = true;
+
   // Estimates the skew of the pixel axes (u = fx x + skew y + cx) too; else it is that of
   // `initial`, or 0.
   bool skew = false;
@@ -67,6 +71,25 @@ struct RejectedCorner {
   int id = 0;
 };
 
+// Why a fit may be worse than its covariance says, though it converged.
+struct Misfit {
+  enum class Cause {
+    kNone,    // what is left over is noise
+    kNoise,   // there is more of it than the detector's sigmas tell
+    kModel,   // residuals belong to places in the image: the lens is richer than the model
+    kBoard,   // they belong to corners: the board is not flat, or not as it was printed
+    kMotion,  // views contradict each other: the board moved or bent while it was seen
+  };
+  Cause cause = Cause::kNone;
+  double halves = 1;  // see docs/how-to-calibrate.md
+
+  [[nodiscard]] bool found() const { return cause != Cause::kNone; }
+};
+
+// "none", "noise", "model", "board", "motion"; and a sentence for the user, empty for kNone.
+[[nodiscard]] std::string_view to_string(Misfit::Cause cause);
+[[nodiscard]] std::string advice(Misfit::Cause cause);
+
 struct Solution {
   // `created` is left empty. `views` lists the views used, in the order given; `covered` is the
   // convex hull of the corners used; `board` the boards of the views used, joined by ';'.
@@ -74,6 +97,9 @@ struct Solution {
   std::vector<RejectedView> rejected;
   std::vector<RejectedCorner> rejected_corners;  // of views that are otherwise used
   int iterations = 0;                            // of all least-squares solves together
+  // Where one is found, expected_error is multiplied by max(1, chi, halves).
+  Misfit misfit;
+  std::vector<std::string> remarks;  // sentences for the user: what is weak, and what to do
 };
 
 // Whether a view can be fed to solve(): ids within the board and none twice, as many corners as

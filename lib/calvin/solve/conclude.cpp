@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/solve/conclude.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/geometry/convex_hull.hpp"
+#include "calvin/solve/consistency.hpp"
+#include "calvin/solve/scaled_solve.hpp"
+#include "calvin/solve/uncertainty.hpp"
+
+namespace calvin {
+
+namespace {
+
+// Beyond these a camera is not determined, whatever the least squares says.
+constexpr double kWorstFocalSigma = 0.1;   // of the focal length
+constexpr double kWorstCenterSigma = 0.1;  // of the image width
+
+// Beyond these the user is told.
+constexpr double kWeakFocalSigma = 0.02;
+constexpr double kWeakCenterSigma = 0.02;
+
+// Boards closer to parallel than this count as parallel, rad.
+constexpr double kParallel = 0.0175;
+
+constexpr const char* kAdvice =
+    "Show the board in at least 3 views, tilted differently (30 to 45 degrees, to the left, to the "
+    "right, up and down).";
+
+tl::unexpected<Error> degenerate(std::string what) {
+  return make_error(ErrorCode::kDegenerate, fmt::format("{} {}", what, kAdvice));
+}
+
+// Sigma^2 (J^T J)^-1 over all unknowns. Absent where it does not exist.
+std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom,
+                                          double variance) {
+  const Eigen::Index n = fit.information.rows();
+  const auto inverse = scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), 1e-14);
+  if (!inverse) return std::nullopt;
+  const Eigen::MatrixXd c = variance * restrict_to(freedom.basis.transpose(), *inverse);
+  if (!c.allFinite() || c.diagonal().minCoeff() < 0) return std::nullopt;
+  return c;
+}
+
+// Each orientation of the plane gives two equations for fx fy cx cy and parallel planes the same
+// two (Zhang 2000, section 4.4). The covariance alone would believe a still board seen a hundred
+// times.
+int orientations(const Fit& fit) {
+  constexpr std::size_t kEnough = 3;  // no camera needs more
+  std::vector<Eigen::Vector3d> normals;
+  for (std::size_t v = 0; v < fit.views.size(); ++v) {
+    if (!fit.used[v]) continue;
+    const Eigen::Vector3d normal = fit.camera_from_board[v].rotation.col(2);
+    const auto parallel = [&normal](const Eigen::Vector3d& other) {
+      return normal.cross(other).norm() < std::sin(kParallel);
+    };
+    if (std::none_of(normals.begin(), normals.end(), parallel)) normals.push_back(normal);
+    if (normals.size() == kEnough) break;
+  }
+  return static_cast<int>(normals.size());
+}
+
+// Whether the covariance leaves a camera to speak of.
+Status determined(const Fit& fit, const Eigen::MatrixXd& c, ImageSize size) {
+  for (const int i : {0, 1}) {
+    const double f = fit.shared[static_cast<std::size_t>(i)];
+    const double sigma = std::sqrt(c(i, i));
+    if (sigma > kWorstFocalSigma * f) {
+      return degenerate(fmt::format(
+          "The views do not determine the focal length ({:.0f} +- {:.0f} px): the board is too "
+          "nearly parallel to the image, or always tilted the same way.",
+          f, sigma));
+    }
+  }
+  for (const int i : {2, 3}) {
+    if (std::sqrt(c(i, i)) > kWorstCenterSigma * size.width) {
+      return degenerate(fmt::format(
+          "The views do not determine the principal point (+- {:.0f} px): the board is always "
+          "tilted the same way.",
+          std::sqrt(c(i, i))));
+    }
+  }
+  return {};
+}
+
+ViewRecord record(const Fit& fit, std::size_t v) {
+  const PointSet& view = fit.views[v];
+  ViewRecord r;
+  r.timestamp = view.timestamp;
+  r.points = static_cast<int>(view.used());
+  r.camera_from_board = to_pose(fit.camera_from_board[v]);
+  double sum = 0;
+  for (const double square : fit.squares[v]) sum += square;
+  r.rms = std::sqrt(sum / r.points);
+  return r;
+}
+
+// `c` is over all unknowns; those of the camera come first.
+void add_sigmas(Calibration& calibration, const Eigen::MatrixXd& c, const Freedom& freedom) {
+  const std::vector<bool>& estimated = freedom.estimated;
+  const auto count = static_cast<std::size_t>(freedom.layout.shared() - freedom.layout.modes);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!estimated[i]) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    calibration.parameters[i].sigma = std::sqrt(c(row, row));
+    for (std::size_t j = 0; j < count; ++j) {
+      if (estimated[j]) {
+        calibration.covariance.push_back(c(row, static_cast<Eigen::Index>(j)));
+      }
+    }
+  }
+}
+
+void add_corners(Solution& solution, const Fit& fit) {
+  Calibration& calibration = solution.calibration;
+  std::vector<Pixel> corners;
+  double squares = 0;
+  for (std::size_t v = 0; v < fit.views.size(); ++v) {
+    const PointSet& view = fit.views[v];
+    if (!fit.used[v]) {
+      solution.rejected.push_back({view.index, Reason::kOutlier});
+      continue;
+    }
+    calibration.views.push_back(record(fit, v));
+    for (const double square : fit.squares[v]) squares += square;
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      if (view.weight[i] > 0) {
+        corners.push_back(view.uv[i]);
+      } else {
+        solution.rejected_corners.push_back({view.index, view.ids[i]});
+      }
+    }
+  }
+  calibration.rms = std::sqrt(squares / static_cast<double>(corners.size()));
+  calibration.covered = convex_hull(std::move(corners));
+}
+
+// The curvatures of the board are the last two unknowns where they are estimated.
+void add_warp(Calibration& calibration, const Fit& fit, const Freedom& freedom,
+              const Eigen::MatrixXd& c) {
+  if (freedom.layout.modes != 2) return;
+  const auto at = static_cast<std::size_t>(freedom.layout.shared() - 2);
+  const auto row = static_cast<Eigen::Index>(at);
+  calibration.warp = BoardWarp{fit.shared[at], fit.shared[at + 1], std::sqrt(c(row, row)),
+                               std::sqrt(c(row + 1, row + 1))};
+}
+
+// The promise, and whether it can be kept.
+void add_checks(Solution& solution, const Conclusion& from, const Camera& camera,
+                const Eigen::MatrixXd& c, double variance) {
+  Calibration& calibration = solution.calibration;
+  const double degrees = degrees_of_freedom(from.fit);
+  calibration.expected_error = expected_error(calibration);
+  const Consistency found =
+      consistency(from.fit, camera, from.shape, from.freedom, c, variance);
+  solution.misfit = misfit(found, calibration.chi, degrees);
+  if (!solution.misfit.found() || !calibration.expected_error) return;
+  *calibration.expected_error *=
+      std::max({1.0, calibration.chi.value_or(1), solution.misfit.halves});
+}
+
+// What is weakly determined, though it can be told.
+void add_remarks(Solution& solution, const Eigen::MatrixXd& c, ImageSize size) {
+  const double center = std::sqrt(std::max(c(2, 2), c(3, 3)));
+  if (center > kWeakCenterSigma * size.width) {
+    solution.remarks.push_back(fmt::format(
+        "The principal point is weak (+- {:.1f} px): all views are tilted much the same way. Tilt "
+        "the board to the other side too.",
+        center));
+  }
+  const double f = solution.calibration.parameters[0].value;
+  if (std::sqrt(c(0, 0)) > kWeakFocalSigma * f) {
+    solution.remarks.push_back(fmt::format(
+        "The focal length is weak (+- {:.1f} %): tilt the board more, 30 to 45 degrees.",
+        100 * std::sqrt(c(0, 0)) / f));
+  }
+  if (solution.misfit.found()) solution.remarks.push_back(advice(solution.misfit.cause));
+}
+
+}  // namespace
+
+Status enough(const std::vector<PointSet>& views, const std::vector<bool>& used,
+              const Freedom& freedom, std::string_view model) {
+  const auto n = static_cast<int>(std::count(used.begin(), used.end(), true));
+  if (n == 0) {
+    return degenerate(
+        "There is no view to calibrate from: none shows at least 4 corners of the board that do "
+        "not lie on one line.");
+  }
+  if (2 * n < freedom.pinhole_directions()) {
+    return degenerate(fmt::format("{} view{} cannot determine the camera model {}.", n,
+                                  n == 1 ? "" : "s", model));
+  }
+  std::size_t corners = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) corners += used[v] ? views[v].used() : 0;
+  const auto unknowns = static_cast<std::size_t>(6 * n + freedom.basis.cols());
+  if (2 * corners <= unknowns) {
+    return degenerate(fmt::format("{} corners give {} equations for {} unknowns: too few.", corners,
+                                  2 * corners, unknowns));
+  }
+  return {};
+}
+
+Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOptions& options) {
+  const Fit& fit = from.fit;
+  const Freedom& freedom = from.freedom;
+  if (fit.cancelled) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+  if (const Status status = enough(fit.views, fit.used, freedom, freedom.model); !status) {
+    return tl::unexpected<Error>(status.error());
+  }
+  if (fit.converged && 2 * orientations(fit) < freedom.pinhole_directions()) {
+    return degenerate("The board is parallel to itself in all views, which determines no camera.");
+  }
+  const double left = fit.cost / degrees_of_freedom(fit);
+  const double told = from.scale.sigma * from.scale.sigma;
+  const double variance = from.scale.known ? std::max(left, told) : left;
+  const auto c = fit.converged ? covariance(fit, freedom, variance) : std::nullopt;
+  if (!c) return degenerate("The views do not determine the camera: the solve does not converge.");
+  if (const Status status = determined(fit, *c, size); !status) {
+    return tl::unexpected<Error>(status.error());
+  }
+  const auto count = static_cast<std::ptrdiff_t>(4 + freedom.layout.coefficients);
+  const auto camera = Camera::make(freedom.model, size,
+                                   {fit.shared.begin(), fit.shared.begin() + count},
+                                   freedom.row_point(fit.shared).skew);
+  if (!camera) return degenerate("The solve leads to an impossible camera.");
+  Solution solution;
+  solution.iterations = fit.iterations;
+  solution.calibration = camera->to_calibration();
+  auto& parameters = solution.calibration.parameters;
+  if (freedom.layout.skew && parameters.size() == static_cast<std::size_t>(count)) {
+    parameters.push_back({"skew", 0, {}});
+  }
+  add_sigmas(solution.calibration, *c, freedom);
+  add_warp(solution.calibration, fit, freedom, *c);
+  add_corners(solution, fit);
+  if (from.scale.known) solution.calibration.chi = from.chi;
+  if (options.checks) {
+    add_checks(solution, from, *camera, *c, variance);
+    add_remarks(solution, *c, size);
+  }
+  return solution;
+}
+
+std::string_view to_string(Misfit::Cause cause) {
+  switch (cause) {
+    case Misfit::Cause::kNone:
+      return "none";
+    case Misfit::Cause::kNoise:
+      return "noise";
+    case Misfit::Cause::kModel:
+      return "model";
+    case Misfit::Cause::kBoard:
+      return "board";
+    case Misfit::Cause::kMotion:
+      return "motion";
+  }
+  return "";
+}
+
+std::string advice(Misfit::Cause cause) {
+  switch (cause) {
+    case Misfit::Cause::kNone:
+      return {};
+    case Misfit::Cause::kNoise:
+      return "The corners are less exact than the detector believes: look for blur, low light or "
+             "compression.";
+    case Misfit::Cause::kModel:
+      return "The lens distorts in ways that the camera model does not have: take a richer one, or "
+             "model=auto.";
+    case Misfit::Cause::kBoard:
+      return "The board is not flat, or not as it was printed: fix it to a stiff plate and measure "
+             "its squares.";
+    case Misfit::Cause::kMotion:
+      return "The views contradict each other: hold board and camera still in every view, or "
+             "shorten the exposure.";
+  }
+  return {};
+}
+
+}  // namespace calvin

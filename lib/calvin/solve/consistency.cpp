@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/solve/consistency.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "calvin/geometry/symmetric.hpp"
+#include "calvin/solve/camera_problem.hpp"
+#include "calvin/solve/projection_grid.hpp"
+
+namespace calvin {
+
+namespace {
+
+// One test in a hundred sees this much in noise.
+constexpr double kSignificant = 2.33;
+// What the detector's sigmas may be wrong by before chi means anything.
+constexpr double kSigmaTolerance = 1.1;
+// Smaller parts of the variance are significant at times, and never matter.
+constexpr double kSmallPart = 0.01;
+// Corners per part of the image.
+constexpr double kCornersPerPart = 40;
+
+CameraUnknowns unknowns_of(const Freedom& freedom) {
+  return {freedom.model, freedom.layout, freedom.skew, freedom.basis, {}};
+}
+
+// The columns of projection_grid() for the camera's part of the unknowns.
+std::vector<int> grid_columns(const Freedom& freedom) {
+  std::vector<int> columns;
+  for (int i = 0; i < 4 + freedom.layout.coefficients; ++i) columns.push_back(i);
+  if (freedom.layout.skew) columns.push_back(kSkewColumn);
+  return columns;
+}
+
+// The mean square over the image of a change d of the directions is d^T M d.
+Eigen::MatrixXd projection_metric(const Camera& camera, const Freedom& freedom) {
+  const std::vector<int> columns = grid_columns(freedom);
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  const ProjectionGrid grid = projection_grid(camera, columns);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
+  for (const auto& cell : grid) sum += cell.transpose().lazyProduct(cell);
+  const Eigen::MatrixXd basis = freedom.basis.topRows(n);
+  return basis.transpose() * sum * basis / static_cast<double>(std::max<std::size_t>(grid.size(), 1));
+}
+
+// v^T m^+ v over the directions in which m is not nothing, and their number.
+Excess quadratic(const Eigen::MatrixXd& m, const Eigen::VectorXd& v) {
+  constexpr double kNothing = 1e-10;
+  const Eigen::VectorXd scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const auto eigen = symmetric_eigen(scale.asDiagonal() * m * scale.asDiagonal());
+  Excess result;
+  if (!eigen) return result;
+  const Eigen::VectorXd along = eigen->vectors.transpose() * scale.cwiseProduct(v);
+  for (Eigen::Index i = 0; i < along.size(); ++i) {
+    if (eigen->values[i] < kNothing * eigen->values[along.size() - 1]) continue;
+    result.sum += along[i] * along[i] / eigen->values[i];
+    result.degrees += 1;
+  }
+  return result;
+}
+
+// Residuals that should have the mean 0, gathered by where or what they belong to: the score of a
+// shift, and its information.
+class Scores {
+ public:
+  void add(int key, double score, double information) {
+    auto& [sum, total] = scores_[key];
+    sum += score;
+    total += information;
+  }
+  // `kept` is the part of the variance that the fit has left.
+  [[nodiscard]] Excess excess(double variance, double kept, double absorbed) const {
+    Excess result;
+    double largest = 0;
+    for (const auto& [key, score] : scores_) largest = std::max(largest, score.second);
+    for (const auto& [key, score] : scores_) {
+      if (score.second < 1e-3 * largest) continue;
+      result.sum += score.first * score.first / (score.second * variance * kept);
+      result.degrees += 1;
+    }
+    result.degrees = std::max(0.0, result.degrees - absorbed);
+    return result;
+  }
+
+ private:
+  std::map<int, std::pair<double, double>> scores_;
+};
+
+class Judge {
+ public:
+  Judge(const Fit& fit, const Camera& camera, const BoardShape& shape, const Freedom& freedom,
+        const Eigen::MatrixXd& covariance, double variance)
+      : fit_(fit), camera_(camera), shape_(shape), freedom_(freedom), variance_(variance) {
+    // Over the directions: the basis has one unknown of its own for each.
+    const Eigen::MatrixXd& basis = freedom.basis;
+    const Eigen::MatrixXd pick =
+        (basis.transpose() * basis).inverse() * basis.transpose();
+    covariance_ = pick * covariance * pick.transpose();
+  }
+
+  Consistency run() {
+    metric_ = projection_metric(camera_, freedom_);
+    count();
+    for (std::size_t v = 0; v < fit_.views.size(); ++v) {
+      if (fit_.used[v]) look_at(v);
+    }
+    Consistency result;
+    result.views = views_;
+    result.views.degrees -= static_cast<double>(covariance_.rows());
+    const double kept = std::clamp(1 - unknowns_ / residuals_, 0.1, 1.0);
+    result.picture = picture_.excess(variance_, kept, 0);
+    // A board that moves, turns or grows as a whole is one with other poses.
+    constexpr double kRigid = 7;
+    result.board = board_.excess(variance_, kept, kRigid + freedom_.layout.modes);
+    if (predicted_ > 0) result.halves = std::sqrt(observed_ / predicted_);
+    return result;
+  }
+
+ private:
+  void count() {
+    for (std::size_t v = 0; v < fit_.views.size(); ++v) {
+      if (!fit_.used[v]) continue;
+      residuals_ += 2 * static_cast<double>(fit_.views[v].used());
+      unknowns_ += 6;
+    }
+    unknowns_ += static_cast<double>(covariance_.rows());
+    const double parts = std::clamp(residuals_ / 2 / kCornersPerPart, 1.0, 400.0);
+    const double aspect =
+        static_cast<double>(camera_.image_size().width) / camera_.image_size().height;
+    across_ = std::max(1, static_cast<int>(std::lround(std::sqrt(parts * aspect))));
+    down_ = std::max(1, static_cast<int>(std::lround(std::sqrt(parts / aspect))));
+  }
+
+  void look_at(std::size_t v) {
+    const ViewPoints points(fit_.views[v], shape_);
+    CameraProblem problem({&points}, unknowns_of(freedom_),
+                          {fit_.shared, {fit_.camera_from_board[v]}}, Loss{});
+    if (!problem.valid()) return;
+    if (const auto reduced = problem.reduced()) add_view(*reduced);
+    add_residuals(v, points);
+  }
+
+  void add_view(const CameraProblem::Reduced& view) {
+    // The optimum of all views takes its part of each: I - I C I is what is left of I.
+    const Eigen::MatrixXd information = view.information / variance_;
+    const Eigen::VectorXd gradient = view.gradient / variance_;
+    const Eigen::MatrixXd left = information - information * covariance_ * information;
+    const Excess excess = quadratic(information, gradient);
+    views_.sum += excess.sum;
+    views_.degrees += excess.degrees;
+    const Eigen::VectorXd step = covariance_ * gradient;
+    observed_ += step.dot(metric_ * step);
+    predicted_ += (metric_ * covariance_ * left * covariance_).trace();
+  }
+
+  void add_residuals(std::size_t v, const ViewPoints& points) {
+    ViewRows rows(freedom_.layout);
+    rows.resize(points.padded());
+    fill_rows_of(freedom_.model)(points, freedom_.row_point(fit_.shared),
+                                 fit_.camera_from_board[v], Loss{}, rows);
+    const PointSet& view = fit_.views[v];
+    const Eigen::Matrix3d& turn = fit_.camera_from_board[v].rotation;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      if (!(view.weight[i] > 0)) continue;
+      add_corner(view, i, at, rows, turn);
+      ++at;
+    }
+  }
+
+  void add_corner(const PointSet& view, std::size_t i, std::size_t at, ViewRows& rows,
+                  const Eigen::Matrix3d& turn) {
+    const ImageSize size = camera_.image_size();
+    const auto part = [](double x, int extent, int parts) {
+      return std::clamp(static_cast<int>((x + 0.5) / extent * parts), 0, parts - 1);
+    };
+    const int cell = part(view.uv[i].v, size.height, down_) * across_ +
+                     part(view.uv[i].u, size.width, across_);
+    Eigen::Vector3d score = Eigen::Vector3d::Zero();
+    Eigen::Vector3d information = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 2; ++k) {
+      const auto column = [&](int c) { return (k == 0 ? rows.u(c) : rows.v(c))[at]; };
+      const double residual = column(RowLayout::kResidual);
+      const double w = view.weight[i];
+      picture_.add(2 * cell + k, w * residual, w * w);
+      const Eigen::Vector3d along =
+          turn.transpose() * Eigen::Vector3d(column(3), column(4), column(5));
+      score += residual * along;
+      information += along.cwiseAbs2();
+    }
+    for (int k = 0; k < 3; ++k) board_.add(3 * view.ids[i] + k, score[k], information[k]);
+  }
+
+  const Fit& fit_;
+  const Camera& camera_;
+  const BoardShape& shape_;
+  const Freedom& freedom_;
+  double variance_;
+  Eigen::MatrixXd covariance_;
+  Eigen::MatrixXd metric_;
+  double residuals_ = 0;
+  double unknowns_ = 0;
+  int across_ = 1;
+  int down_ = 1;
+  Excess views_;
+  Scores picture_;
+  Scores board_;
+  double observed_ = 0;
+  double predicted_ = 0;
+};
+
+bool significant(const Excess& excess, double all) {
+  return excess.deviations() > kSignificant && excess.sum - excess.degrees > kSmallPart * all;
+}
+
+}  // namespace
+
+double Excess::deviations() const {
+  if (!(degrees > 0)) return 0;
+  const double width = 2 / (9 * degrees);
+  return (std::cbrt(ratio()) - (1 - width)) / std::sqrt(width);
+}
+
+Consistency consistency(const Fit& fit, const Camera& camera, const BoardShape& shape,
+                        const Freedom& freedom, const Eigen::MatrixXd& covariance,
+                        double variance) {
+  return Judge(fit, camera, shape, freedom, covariance, variance).run();
+}
+
+Misfit misfit(const Consistency& c, std::optional<double> chi, double degrees) {
+  Misfit result;
+  result.halves = c.halves;
+  const double chi_limit = kSigmaTolerance * (1 + kSignificant / std::sqrt(2 * degrees));
+  const bool noisy = chi && *chi > chi_limit;
+  const std::array<std::pair<const Excess*, Misfit::Cause>, 3> tests = {
+      {{&c.picture, Misfit::Cause::kModel},
+       {&c.board, Misfit::Cause::kBoard},
+       {&c.views, Misfit::Cause::kMotion}}};
+  double most = 0;
+  for (const auto& [excess, cause] : tests) {
+    if (!significant(*excess, degrees) || excess->deviations() < most) continue;
+    most = excess->deviations();
+    result.cause = cause;
+  }
+  if (noisy && result.cause == Misfit::Cause::kNone) result.cause = Misfit::Cause::kNoise;
+  return result;
+}
+
+}  // namespace calvin
