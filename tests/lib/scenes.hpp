@@ -36,10 +36,16 @@ inline double uniform(Random& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-// The models that the tests of the solver go through. The rational family's coefficients are not
-// told apart by a board that fills a part of the picture, at the noise of these scenes.
+// The models that the tests of the solver go through. Missing are the rational family and the
+// double sphere: a board in 25 views at the noise of these scenes hardly tells their coefficients
+// apart.
 inline const std::vector<std::string_view> kSolvedModels = {"pinhole", "brown4", "brown5",
-                                                            "fisheye"};
+                                                            "fisheye", "ucm",    "eucm"};
+
+// Whether the models' lenses see past 90 degrees.
+inline bool is_wide(std::string_view model) {
+  return model == "fisheye" || model == "ucm" || model == "eucm" || model == "doublesphere";
+}
 
 // sqrt(x_d^2 + y_d^2) at 90 degrees from the axis, by the formulae of docs/conventions.md.
 inline double half_picture(std::string_view model, const double* d) {
@@ -53,8 +59,7 @@ inline double half_picture(std::string_view model, const double* d) {
 inline Camera random_camera(std::string_view model, Random& random, ImageSize size = kSize) {
   const auto draw = [&random](double low, double high) { return uniform(random, low, high); };
   const auto names = parameter_names(model);
-  const bool brown = names.size() > 4 && names[4] == "k1" && model != "fisheye";
-  const bool wide = !brown && model != "pinhole";
+  const bool wide = is_wide(model);
   const double fx = size.width * (wide ? draw(0.28, 0.36) : draw(0.8, 1.2));
   std::vector<double> p = {fx, fx * draw(0.997, 1.003), size.width * draw(0.48, 0.52),
                            size.height * draw(0.48, 0.52)};
@@ -69,7 +74,7 @@ inline Camera random_camera(std::string_view model, Random& random, ImageSize si
     const double scale = std::numbers::pi / 2 / half_picture(model, p.data() + 4);
     p[0] *= scale;
     p[1] *= scale;
-  } else if (brown) {
+  } else if (model != "pinhole") {
     for (const auto& [low, high] : std::vector<std::pair<double, double>>{{-0.3, 0.1},
                                                                           {-0.05, 0.12},
                                                                           {-1e-3, 1e-3},

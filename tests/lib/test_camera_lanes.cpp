@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(EveryTarget, Lanes,
                          ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& test) { return std::string(hwy::TargetName(test.param)); });
 
-constexpr std::size_t kPoints = 4096;
+constexpr std::size_t kPoints = 2048;
 
 // Points on every side at distances from 1e-3 to 1e3, some close to the axis, on it and across it.
 Numbers points() {
@@ -123,16 +123,30 @@ Distorted<L> distort_one(const std::vector<double>& d, const double* p) {
   return out;
 }
 
-// The largest number of xy, of jp and of jd with all coefficients positive: the rounding of a sum
-// is that of its largest term.
+std::size_t group_of(std::size_t row) { return row < 2 ? 0 : row < 8 ? 1 : 2; }
+
+// What rounding may change xy, jp and jd by, over the rounding: the largest number of each, and how
+// much it moves when the arguments do.
 template <typename L>
-std::array<double, 3> magnitudes(std::vector<double> d, const double* p) {
-  for (double& x : d) x = std::abs(x);
-  const Distorted<L> one = distort_one<L>(d, p);
+std::array<double, 3> sensitivity(const std::vector<double>& d, const double* p) {
+  constexpr double kStep = 1e-7;
+  constexpr std::size_t kRows = Distorted<L>::kRows;
+  const Distorted<L> here = distort_one<L>(d, p);
+  std::array<double, kRows> sums;
+  for (std::size_t row = 0; row < kRows; ++row) sums[row] = std::abs(here.rows[row]);
+  for (std::size_t k = 0; k < 3 + d.size(); ++k) {
+    std::array<double, 3> point = {p[0], p[1], p[2]};
+    std::vector<double> coefficients = d;
+    (k < 3 ? point[k] : coefficients[k - 3]) *= 1 + kStep;
+    const Distorted<L> there = distort_one<L>(coefficients, point.data());
+    for (std::size_t row = 0; row < kRows; ++row) {
+      sums[row] += std::abs(there.rows[row] - here.rows[row]) / kStep;
+    }
+  }
   std::array<double, 3> largest{};
-  for (std::size_t row = 0; row < Distorted<L>::kRows; ++row) {
-    double& m = largest[row < 2 ? 0 : row < 8 ? 1 : 2];
-    m = std::max(m, std::abs(one.rows[row]));
+  for (std::size_t row = 0; row < kRows; ++row) {
+    double& m = largest[group_of(row)];
+    m = std::max(m, sums[row]);
   }
   return largest;
 }
@@ -147,11 +161,13 @@ void expect_same(std::size_t place, const std::vector<double>& d, const Numbers&
     const double at[3] = {p[i], p[kPoints + i], p[2 * kPoints + i]};
     const Distorted<L> expected = distort_one<L>(d, at);
     ASSERT_EQ(out[i], expected.valid ? 1 : 0) << i;
-    if (!expected.valid) continue;
+    // Where rays graze the lens, differences of huge numbers are left: nobody asks for them.
+    const double angle = std::atan2(std::hypot(at[0], at[1]), at[2]);
+    if (!expected.valid || angle > samples::lens(L::kName).widest) continue;
     ++valid;
-    const auto magnitude = magnitudes<L>(d, at);
+    const auto change = sensitivity<L>(d, at);
     for (std::size_t row = 0; row < kRows; ++row) {
-      const double tolerance = 24 * kEpsilon * magnitude[row < 2 ? 0 : row < 8 ? 1 : 2];
+      const double tolerance = 16 * kEpsilon * change[group_of(row)];
       ASSERT_NEAR(out[(row + 1) * kPoints + i], expected.rows[row], tolerance)
           << L::kName << " row " << row << " of (" << at[0] << ", " << at[1] << ", " << at[2]
           << ")";
@@ -161,7 +177,7 @@ void expect_same(std::size_t place, const std::vector<double>& d, const Numbers&
       EXPECT_EQ(out[2 * kPoints + i], 0);
     }
   }
-  EXPECT_GT(valid, static_cast<int>(kPoints / 3));
+  EXPECT_GT(valid, static_cast<int>(kPoints / 4));
 }
 
 TEST_P(Lanes, DistortAsDoublesDo) {

@@ -100,6 +100,24 @@ TEST(CalibrationFile, EveryFormatHoldsEveryModelThatItCan) {
   }
 }
 
+TEST(CalibrationFile, CoefficientsThatAreAllZeroAreNotWritten) {
+  for (const std::string_view format : calibration_formats()) {
+    if (!readable(format) || format == "calvin") continue;
+    SCOPED_TRACE(format);
+    Calibration calibration = test::sample("tilted14");
+    for (Parameter& p : calibration.parameters) {
+      if (p.name[0] == 's' || p.name[0] == 't') p.value = 0;
+    }
+    const auto text = print_calibration(calibration, format);
+    ASSERT_TRUE(text) << text.error().message;
+    const auto back = parse_calibration(*text);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->model, "rational8");
+    EXPECT_EQ(difference(calibration, *back), 0);
+    EXPECT_EQ(print_calibration(*back, format).value(), *text);
+  }
+}
+
 TEST(CalibrationFile, FilesOfOtherSoftware) {
   for (const std::string& file : test::sample_files()) {
     if (!CALVIN_HAVE_FORMATS && file[0] != '{') continue;

@@ -40,7 +40,8 @@ HWY_INLINE Unified<T> unified(double alpha, double beta, T rho2, T z) {
   out.scale.by_rho = -s2 * (alpha * beta * id);
   out.scale.by_z = -s2 * (alpha * z * id + (1 - alpha));
   out.scale.valid = below > 1e-9 * d;
-  out.by_alpha = -s2 * (d - z);
+  // d - z, without cancellation near the axis
+  out.by_alpha = -s2 * select(z > 0, beta * rho2 / (d + z), d - z);
   out.by_beta = -s2 * (0.5 * alpha * rho2 * id);
   return out;
 }

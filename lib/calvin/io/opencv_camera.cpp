@@ -27,6 +27,14 @@ constexpr std::array<Row, 6> kBrownFamily = {{{"pinhole", 0},
                                               {"thinprism12", 12},
                                               {"tilted14", 14}}};
 
+// The smallest model that holds all coefficients that are not zero, brown5 at least from 5 on.
+const Row& smallest_model(const std::vector<double>& d) {
+  std::size_t used = d.size();
+  while (used > 5 && d[used - 1] == 0) --used;
+  return *std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
+                       [&](const Row& row) { return row.count >= used; });
+}
+
 Result<std::string_view> model_for(const OpenCvCamera& camera) {
   const auto& d = camera.distortion;
   if (camera.fisheye) {
@@ -41,11 +49,7 @@ Result<std::string_view> model_for(const OpenCvCamera& camera) {
         ErrorCode::kMalformed,
         fmt::format("there are {} distortion coefficients; 4, 5, 8, 12 or 14 are right", d.size()));
   }
-  std::size_t used = d.size();
-  while (used > 5 && d[used - 1] == 0) --used;
-  return std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
-                      [&](const Row& row) { return row.count >= used; })
-      ->model;
+  return smallest_model(d).model;
 }
 
 }  // namespace
@@ -101,6 +105,8 @@ Result<OpenCvCamera> to_opencv(const Calibration& calibration) {
   for (const std::string_view name : coefficient_names(camera.fisheye, count)) {
     camera.distortion.push_back(value(name));
   }
+  // As it will be read again.
+  if (!camera.fisheye) camera.distortion.resize(smallest_model(camera.distortion).count);
   return camera;
 }
 

@@ -25,7 +25,8 @@ struct OpenCvCamera {
 // model is up to Camera::make().
 [[nodiscard]] Result<Calibration> from_opencv(const OpenCvCamera& camera, ImageSize size);
 
-// The inverse. A pinhole gets brown4's coefficients, all zero. kUnsupported for a model that
+// The inverse, with as many coefficients as the smallest model needs that holds all that are not
+// zero. A pinhole gets brown4's coefficients, all zero. kUnsupported for a model that
 // OpenCV does not have.
 [[nodiscard]] Result<OpenCvCamera> to_opencv(const Calibration& calibration);
 
