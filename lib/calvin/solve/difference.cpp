@@ -50,10 +50,10 @@ Normal evaluate(const Camera& b, const std::vector<Target>& targets, const Eigen
     double jp[6];
     if (!M::project(b.parameters().data(), b.skew(), ray, uv, jp, nullptr)) continue;
     const Eigen::Vector2d e(seen->u - target.at.u, seen->v - target.at.v);
-    Eigen::Matrix<double, 2, 3> j;  // d(w x ray) = -[ray] w: row i is ray x g_i
+    const Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> by_ray(jp);
+    Eigen::Matrix<double, 2, 3> j;  // of w x ray by w: each row is ray x (that of by_ray)
     for (int row = 0; row < 2; ++row) {
-      const Eigen::Vector3d g(jp[3 * row], jp[3 * row + 1], jp[3 * row + 2]);
-      j.row(row) = ray.cross(g).transpose();
+      j.row(row) = ray.cross(Eigen::Vector3d(by_ray.row(row))).transpose();
     }
     if (!e.allFinite() || !j.allFinite()) continue;
     normal.matrix += j.transpose() * j;
