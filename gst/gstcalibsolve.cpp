@@ -324,8 +324,11 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
   text(PROP_CAMERA, "camera", "Camera",
        "Name of the camera in messages and files (unset = the one that the observations carry)",
        nullptr, gst::kMutablePlaying);
-  text(PROP_MODEL, "model", "Model", "Camera model: pinhole, brown4, brown5 or fisheye", "brown5",
-       gst::kMutablePlaying);
+  text(PROP_MODEL, "model", "Model",
+       "Camera model: pinhole, brown4, brown5, rational8, thinprism12, tilted14, fisheye, ucm, "
+       "eucm, "
+       "doublesphere",
+       "brown5", gst::kMutablePlaying);
   text(PROP_FIX, "fix", "Fix",
        "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
        "else a distortion coefficient at 0 and cx, cy (center for both) at the middle of the "

@@ -43,9 +43,9 @@ calvin::Calibration calibrate(const Problem& problem) {
   calvin::SolveOptions options;
   options.model = problem.model;
   options.reject_outliers = false;
-  // Neither the checks of the result nor the shape of the board: what the peers do not do.
+  options.checks = false;
+  // The shape of the board: what the peers do not estimate.
   [](auto& o) {
-    if constexpr (requires { o.checks; }) o.checks = false;
     if constexpr (requires { o.warp; }) o.warp = false;
   }(options);
   auto solution = calvin::solve(problem.views, kSize, options);

@@ -24,12 +24,27 @@ inline Calibration sample(const std::string& model) {
   const auto add = [&](const char* name, double value) {
     calibration.parameters.push_back({name, value, {}});
   };
-  if (model == "fisheye") {
+  const bool wide =
+      model == "fisheye" || model == "ucm" || model == "eucm" || model == "doublesphere";
+  if (wide) {
     for (auto& p : calibration.parameters) p.value *= p.name[0] == 'f' ? 0.5 : 1;
+  }
+  if (model == "fisheye") {
     add("k1", -0.02), add("k2", 0.005), add("k3", -0.003), add("k4", 5e-4);
+  } else if (model == "ucm") {
+    add("alpha", 2.0 / 3);
+  } else if (model == "eucm") {
+    add("alpha", 2.0 / 3), add("beta", 1.1);
+  } else if (model == "doublesphere") {
+    add("xi", -0.2), add("alpha", 4.0 / 7);
   } else if (model != "pinhole") {
     add("k1", -0.28), add("k2", 0.09), add("p1", 5e-4), add("p2", -7e-05);
-    if (model == "brown5") add("k3", 1e-3 / 7);
+    if (model != "brown4") add("k3", 1e-3 / 7);
+    if (model != "brown4" && model != "brown5") add("k4", 0.01), add("k5", -0.02), add("k6", 3e-3);
+    if (model == "thinprism12" || model == "tilted14") {
+      add("s1", 1e-3), add("s2", -2e-3), add("s3", 5e-4), add("s4", 1e-3 / 3);
+    }
+    if (model == "tilted14") add("taux", 0.01), add("tauy", -0.02);
   }
   return calibration;
 }

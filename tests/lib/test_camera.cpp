@@ -8,35 +8,16 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/models.hpp"
+#include "calvin/camera/monotone.hpp"
+#include "lens_samples.hpp"
 
 namespace calvin {
 namespace {
 
-// Lenses to try each model with: mild, strong, and with everything at once.
 template <typename Lens>
-std::vector<std::vector<double>> coefficients();
-template <>
-std::vector<std::vector<double>> coefficients<lens::Pinhole>() {
-  return {{}};
+const std::vector<std::vector<double>>& coefficients() {
+  return samples::lens(Lens::kName).coefficients;
 }
-template <>
-std::vector<std::vector<double>> coefficients<lens::Brown4>() {
-  return {{0, 0, 0, 0}, {-0.28, 0.09, 5e-4, -7e-4}, {0.3, -0.2, -2e-3, 1e-3}};
-}
-template <>
-std::vector<std::vector<double>> coefficients<lens::Brown5>() {
-  return {{-0.28, 0.09, 5e-4, -7e-4, 0.01}, {-0.4, 0.2, 2e-3, -1e-3, -0.06}};
-}
-template <>
-std::vector<std::vector<double>> coefficients<lens::Fisheye>() {
-  return {{0, 0, 0, 0}, {-0.02, 0.005, -0.003, 0.0005}, {0.036, -0.042, 0.016, -0.0021}};
-}
-
-// The widest angle from the axis to try, rad.
-template <typename Lens>
-constexpr double kWidest = 1.3;
-template <>
-constexpr double kWidest<lens::Fisheye> = 2.6;
 
 Eigen::Vector3d ray(double angle, double direction) {
   return {std::sin(angle) * std::cos(direction), std::sin(angle) * std::sin(direction),
@@ -55,16 +36,20 @@ class CameraModel : public ::testing::Test {
   }
 };
 
-using Lenses = ::testing::Types<lens::Pinhole, lens::Brown4, lens::Brown5, lens::Fisheye>;
-static_assert(std::tuple_size_v<AllLenses> == 4, "add the new model to Lenses above");
-TYPED_TEST_SUITE(CameraModel, Lenses);
+template <typename Tuple>
+struct TypesOf;
+template <typename... Lens>
+struct TypesOf<std::tuple<Lens...>> {
+  using Types = ::testing::Types<Lens...>;
+};
+TYPED_TEST_SUITE(CameraModel, TypesOf<AllLenses>::Types);
 
 TYPED_TEST(CameraModel, JacobiansEqualNumericOnes) {
   using M = Model<TypeParam>;
   constexpr double kSkew = 0.7;
   for (const auto& lens : coefficients<TypeParam>()) {
     std::vector<double> p = this->parameters(lens);
-    for (double angle = 0; angle < kWidest<TypeParam>; angle += 0.0973) {
+    for (double angle = 0; angle < samples::lens(TypeParam::kName).widest; angle += 0.0973) {
       Eigen::Vector3d point = 1.7 * ray(angle, 9 * angle);
       double uv[2];
       double jp[6];
@@ -103,7 +88,7 @@ TYPED_TEST(CameraModel, ProjectAndUnprojectInvertEachOther) {
     const auto camera = Camera::make(TypeParam::kName, this->kSize, this->parameters(lens), 0.3);
     ASSERT_TRUE(camera.has_value()) << camera.error().message;
     int valid = 0;
-    for (double angle = 0; angle < kWidest<TypeParam>; angle += 0.0173) {
+    for (double angle = 0; angle < samples::lens(TypeParam::kName).widest; angle += 0.0173) {
       for (double direction = 0; direction < 6.28; direction += 0.37) {
         const Eigen::Vector3d expected = ray(angle, direction);
         const auto pixel = camera->project(3.3 * expected);
@@ -153,7 +138,14 @@ TYPED_TEST(CameraModel, TurningFollowsThePicture) {
     ASSERT_TRUE(camera.has_value());
     for (int i = 0; i < 8; ++i) {
       const Orientation o = {(i & 1) != 0, (i & 2) != 0, (i & 4) != 0};
-      const Camera turned = camera->turned(o).value();
+      const auto result = camera->turned(o);
+      // Tilts about two axes do not commute.
+      if (TypeParam::kName == "tilted14" && o.transpose && lens[12] != 0 && lens[13] != 0) {
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::kUnsupported);
+        continue;
+      }
+      const Camera turned = result.value();
       EXPECT_EQ(turned.image_size(), o.transpose ? (ImageSize{480, 640}) : (ImageSize{640, 480}));
       const Eigen::Vector3d point(0.2, -0.15, 1);
       const Pixel at = camera->project(point).value();
@@ -221,6 +213,140 @@ TEST(FisheyeModel, SeesPast90DegreesAndSaysWhereItEnds) {
   EXPECT_LT(camera->unproject(*pixel)->z(), -0.3);
   EXPECT_FALSE(camera->project({0, 0, -1}).has_value());
   EXPECT_FALSE(camera->unproject({320 + 200 * 3.2, 240}).has_value());
+}
+
+// How far from the axis a lens sees on its way along x: up to where the formula has no value or the
+// picture stops growing, found by walking there.
+template <typename M>
+double walked_limit(const std::vector<double>& p) {
+  constexpr double kStep = 1e-4;
+  double last = 0;
+  for (double angle = kStep; angle < 3.1415; angle += kStep) {
+    double uv[2];
+    if (!M::project(p.data(), 0, ray(angle, 0), uv, nullptr, nullptr)) return angle;
+    if (!(uv[0] > last) || !std::isfinite(uv[0])) return angle;
+    last = uv[0];
+  }
+  return 3.1415;
+}
+
+TEST(Limit, IsWhereThePictureStopsGrowing) {
+  const std::vector<std::pair<std::string_view, std::vector<double>>> lenses = {
+      {"pinhole", {}},
+      {"brown5", {-0.3, 0, 0, 0, 0}},
+      {"brown5", {0.1, -0.2, 0, 0, 0.01}},
+      {"rational8", {0.2, 0, 0, 0, 0, 0.5, 0, 0}},      // grows for ever
+      {"rational8", {-0.2, 0.01, 0, 0, 0, 0.5, 0, 0}},  // the numerator folds
+      {"rational8", {0.1, 0, 0, 0, 0, -0.25, 0, 0}},    // a pole at r = 2
+      {"rational8", {0, 0, 0, 0, 0, 0, 0, 0.02}},       // the denominator folds
+      {"fisheye", {0, -0.05, 0, 0}},
+      {"fisheye", {0, 0, 0, 0}},
+      {"ucm", {-0.3}},
+      {"ucm", {0}},
+      {"ucm", {0.3}},
+      {"ucm", {0.5}},
+      {"ucm", {0.8}},
+      {"ucm", {1}},
+      {"ucm", {1.5}},
+      {"eucm", {0.4, 3}},
+      {"eucm", {0.7, 0.5}},
+      {"eucm", {0.7, 2}},
+      {"doublesphere", {0, 0}},
+      {"doublesphere", {0.3, 0.4}},
+      {"doublesphere", {0.5, 0.8}},
+      {"doublesphere", {-0.27, 0.57}},
+      {"doublesphere", {-0.9, 0.7}},
+      {"doublesphere", {1, 0.6}},
+      {"doublesphere", {1.5, 0.3}},
+      {"doublesphere", {1.5, -0.5}},
+      {"doublesphere", {3, 0.9}},
+  };
+  for (const auto& [model, d] : lenses) {
+    SCOPED_TRACE(std::string(model) + ::testing::PrintToString(d));
+    std::vector<double> p = {1, 1, 0, 0};
+    p.insert(p.end(), d.begin(), d.end());
+    double walked = 0;
+    visit_model(model, [&, &d = p]<typename M>() { walked = walked_limit<M>(d); });
+    const auto camera = Camera::make(model, {2, 2}, p);
+    ASSERT_TRUE(camera) << camera.error().message;
+    EXPECT_TRUE(camera->project(ray(walked - 4e-4, 0.3)));
+    EXPECT_TRUE(walked > 3.14 || !camera->project(ray(walked + 4e-4, 0.3)));
+    for (double angle = 0; angle < walked - 4e-4; angle += 0.01) {
+      const Eigen::Vector3d expected = ray(angle, 0.3);
+      const auto pixel = camera->project(expected);
+      ASSERT_TRUE(pixel) << angle;
+      const auto back = camera->unproject(*pixel);
+      ASSERT_TRUE(back) << angle;
+      EXPECT_LT((*back - expected).norm(), 1e-6) << angle;
+    }
+  }
+}
+
+TEST(Limit, OfNoLensIsRefused) {
+  for (const auto& [model, d] : std::vector<std::pair<std::string_view, std::vector<double>>>{
+           {"eucm", {0.5, 0}},
+           {"eucm", {0.5, -1}},
+           {"doublesphere", {-1, 0.5}},
+           {"tilted14", {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0}}}) {
+    std::vector<double> p = {500, 500, 320, 240};
+    p.insert(p.end(), d.begin(), d.end());
+    const auto camera = Camera::make(model, {640, 480}, p);
+    ASSERT_FALSE(camera) << model;
+    EXPECT_EQ(camera.error().code, ErrorCode::kMalformed);
+    EXPECT_NE(camera.error().message.find(model), std::string::npos);
+  }
+}
+
+// One lens in the words of another model.
+TEST(WideModels, AgreeWhereTheyMeet) {
+  const auto make = [](std::string_view model, std::vector<double> d) {
+    d.insert(d.begin(), {200, 201, 320, 240});
+    return Camera::make(model, {640, 480}, d).value();
+  };
+  const std::vector<std::pair<Camera, Camera>> pairs = {
+      {make("ucm", {0.6}), make("eucm", {0.6, 1})},
+      {make("ucm", {0.6}), make("doublesphere", {0, 0.6})},
+      {make("ucm", {0}), make("pinhole", {})},
+      // With alpha = 0 xi is Mei's.
+      {make("doublesphere", {0.7, 0}),
+       Camera::make("ucm", {640, 480}, {200 / 1.7, 201 / 1.7, 320, 240, 0.7 / 1.7}).value()},
+  };
+  for (const auto& [a, b] : pairs) {
+    for (double angle = 0; angle < 1.5; angle += 0.1) {
+      const Pixel p = a.project(ray(angle, angle)).value();
+      const Pixel q = b.project(ray(angle, angle)).value();
+      EXPECT_NEAR(p.u, q.u, 1e-9 * std::abs(p.u)) << angle;
+      EXPECT_NEAR(p.v, q.v, 1e-9 * std::abs(p.v)) << angle;
+    }
+  }
+  // Stereographic: 2 tan(theta / 2).
+  EXPECT_NEAR(make("ucm", {0.5}).project(ray(2, 0)).value().u, 320 + 400 * std::tan(1.0), 1e-9);
+}
+
+TEST(Monotone, SaysWhereTheImageFoldsBack) {
+  const auto check = [](std::string_view model, const std::vector<double>& p) {
+    return check_monotone(Camera::make(model, {640, 480}, p).value());
+  };
+  EXPECT_TRUE(check("pinhole", {500, 500, 320, 240}));
+  EXPECT_TRUE(check("brown5", {500, 500, 320, 240, -0.28, 0.1, 1e-3, 1e-3, -0.01}));
+  EXPECT_TRUE(check("fisheye", {180, 180, 320, 240, 0, 0, 0, 0}));
+  // x (1 - 0.3 x^2) ends at 0.7027, with f = 500 after 351.4 px: the first pixel of the border that
+  // is farther off is (63, 0), at 351.6. The corners are 400 px off.
+  EXPECT_TRUE(check("brown4", {575, 575, 320, 240, -0.3, 0, 0, 0}));
+  const auto folded = check("brown4", {500, 500, 320, 240, -0.3, 0, 0, 0});
+  ASSERT_FALSE(folded);
+  EXPECT_EQ(folded.error().code, ErrorCode::kDegenerate);
+  EXPECT_NE(folded.error().message.find("from 352 px off the centre on, as at (63, 0)"),
+            std::string::npos)
+      << folded.error().message;
+  EXPECT_NE(folded.error().message.find("the corners are 400 px off"), std::string::npos)
+      << folded.error().message;
+  // r / (1 + 0.5 r^2) ends at 0.7071.
+  EXPECT_TRUE(check("rational8", {575, 575, 320, 240, 0, 0, 0, 0, 0, 0.5, 0, 0}));
+  EXPECT_FALSE(check("rational8", {550, 550, 320, 240, 0, 0, 0, 0, 0, 0.5, 0, 0}));
+  // A round picture of 190 px in the middle.
+  EXPECT_FALSE(check("fisheye", {100, 100, 320, 240, 0, -0.02, 0, 0}));
+  EXPECT_FALSE(check("ucm", {100, 100, 320, 240, 0.7}));
 }
 
 TEST(CameraFromCalibration, NamesWhatIsWrong) {

@@ -16,7 +16,7 @@ using scenes::kSize;
 using scenes::Random;
 
 class EveryModel : public ::testing::TestWithParam<std::string_view> {};
-INSTANTIATE_TEST_SUITE_P(Recheck, EveryModel, ::testing::ValuesIn(model_names()),
+INSTANTIATE_TEST_SUITE_P(Recheck, EveryModel, ::testing::ValuesIn(scenes::kSolvedModels),
                          [](const auto& test) { return std::string(test.param); });
 
 // The largest distance between what two cameras see along the same rays, one of them turned as

@@ -33,7 +33,7 @@ SolveOptions with_model(std::string_view model) {
 }
 
 class EveryModel : public ::testing::TestWithParam<std::string_view> {};
-INSTANTIATE_TEST_SUITE_P(Solve, EveryModel, ::testing::ValuesIn(model_names()),
+INSTANTIATE_TEST_SUITE_P(Solve, EveryModel, ::testing::ValuesIn(scenes::kSolvedModels),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST_P(EveryModel, CovarianceTellsTheErrorAgainstTheTruth) {

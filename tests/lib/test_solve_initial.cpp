@@ -27,7 +27,7 @@ SolveOptions from(const Camera& camera, std::vector<std::string> fix = {}) {
 }
 
 class EveryModel : public ::testing::TestWithParam<std::string_view> {};
-INSTANTIATE_TEST_SUITE_P(Initial, EveryModel, ::testing::ValuesIn(model_names()),
+INSTANTIATE_TEST_SUITE_P(Initial, EveryModel, ::testing::ValuesIn(scenes::kSolvedModels),
                          [](const auto& test) { return std::string(test.param); });
 
 // Where one starts does not matter for where the minimum is: from the truth, and from a camera

@@ -55,7 +55,7 @@ Eigen::MatrixXd turning_back(const Camera& camera, const std::vector<Eigen::Vect
 }
 
 class Uncertainty : public ::testing::TestWithParam<std::string_view> {};
-INSTANTIATE_TEST_SUITE_P(Expected, Uncertainty, ::testing::ValuesIn(model_names()),
+INSTANTIATE_TEST_SUITE_P(Expected, Uncertainty, ::testing::ValuesIn(scenes::kSolvedModels),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST_P(Uncertainty, ExpectedErrorEqualsThatOfSampledCameras) {

@@ -21,7 +21,7 @@ struct CameraFunctions {
   bool (*project)(const double*, double, const Eigen::Vector3d&, double*, double*, double*);
   double (*limit)(const double*);
   double (*radius)(const Eigen::Vector3d&);
-  void (*turn)(double*, Orientation);
+  bool (*turn)(double*, Orientation);
   std::optional<Eigen::Vector3d> (*undistort)(const double*, double, const double*);
 };
 
@@ -139,6 +139,12 @@ Result<Camera> Camera::make(std::string_view model, ImageSize size,
   camera.parameters_ = parameters;
   camera.skew_ = skew;
   camera.limit_ = camera.functions_->limit(camera.parameters_.data() + 4);
+  if (!(camera.limit_ > 0)) {
+    return make_error(
+        ErrorCode::kMalformed,
+        fmt::format("With these coefficients the model {} sees nothing ({}): check them.", model,
+                    fmt::join(names.begin() + 4, names.end(), " ")));
+  }
   return camera;
 }
 
@@ -203,7 +209,12 @@ Result<Camera> Camera::turned(Orientation orientation) const {
   if (orientation.flip_x) p[2] = camera.size_.width - 1 - p[2];
   if (orientation.flip_y) p[3] = camera.size_.height - 1 - p[3];
   if (orientation.flip_x != orientation.flip_y) camera.skew_ = -skew_;
-  functions_->turn(p.data() + 4, orientation);
+  if (!functions_->turn(p.data() + 4, orientation)) {
+    return make_error(ErrorCode::kUnsupported,
+                      "A calibration with a sensor tilted about both axes cannot be turned by a "
+                      "quarter: calibrate the frames as the camera gives them, before they are "
+                      "turned.");
+  }
   return camera;
 }
 

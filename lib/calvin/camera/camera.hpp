@@ -52,7 +52,7 @@ class Camera {
   [[nodiscard]] Camera cropped(double x, double y, ImageSize size) const;
 
   // The camera whose image is this one's, turned. kUnsupported where a skew would have to go along
-  // the other axis.
+  // the other axis, and where a sensor is tilted about both.
   [[nodiscard]] Result<Camera> turned(Orientation orientation) const;
 
   // Model, size and parameters as data; skew is listed only where it is not zero.

@@ -5,17 +5,27 @@
 //
 // A lens model is a struct with static members only:
 //   kName, kCount, kNames       its name, the number of its coefficients and their names
-//   distort(d, p, xy, jp, jd)   point in the camera frame -> distorted normalised plane;
-//                               jp: 2x3 derivatives by the point, jd: 2xkCount derivatives by the
-//                               coefficients, both row-major, nullptr where not wanted.
-//                               False where the formula has no value (behind a pinhole).
+//   kPerspective                whether it is a pinhole when its coefficients are zero, and sees
+//                               only what lies in front of the camera
+//   kStarts                     coefficients to start a solve from, one of which leads to the
+//                               optimum of any lens that the model fits
+//   distort<T>(d, p, xy, jp, jd)
+//                               point in the camera frame -> distorted normalised plane, over T =
+//                               double or Lane (lane-inl.hpp). d: kCount numbers; p: x y z; jp: 2x3
+//                               derivatives by the point, jd: 2xkCount derivatives by the
+//                               coefficients, both row-major, nullptr where not wanted. Gives
+//                               where the formula has a value (not behind a pinhole); elsewhere
+//                               xy, jp and jd mean nothing.
 //   limit(d)                    the largest ideal radius at which the model is valid: beyond it
 //                               the image folds back. tan(angle) for perspective models, the
-//                               angle in rad for fisheye ones; may be infinite.
+//                               angle in rad for fisheye ones; may be infinite. 0 where the
+//                               coefficients make no lens.
 //   radius(p)                   the ideal radius of a point in the same measure
-//   turn(d, orientation)        the coefficients of the same lens for a picture that is turned
+//   turn(d, orientation)        makes d the coefficients of the same lens for a picture that is
+//                               turned; false where this model has none
 //   undistort(d, limit, xy)     the inverse of distort(): a unit ray, absent outside the valid
-//   image
+//                               image
+// Its file is compiled once per target of Highway.
 #pragma once
 
 #include <algorithm>

@@ -4,20 +4,52 @@
 // Camera model = lens model + affine map to pixels, and the table of all of them:
 //   u = fx x_d + skew y_d + cx
 //   v = fy y_d + cy
+// Scalar code says lens::Brown5 and Model<lens::Brown5>; a kernel that Highway compiles once per
+// target takes lens::HWY_NAMESPACE::Brown5 and includes this after hwy/foreach_target.h.
 // To add a model: write its lens in a file of its own, add it to `AllLenses`. The solver, the
 // files and the one templated test follow from there.
-#pragma once
+#if defined(CALVIN_CAMERA_MODELS_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_MODELS_HPP
+#undef CALVIN_CAMERA_MODELS_HPP
+#else
+#define CALVIN_CAMERA_MODELS_HPP
+#endif
 
 #include <tuple>
 
-#include "calvin/camera/brown4.hpp"
-#include "calvin/camera/brown5.hpp"
-#include "calvin/camera/fisheye.hpp"
-#include "calvin/camera/pinhole.hpp"
+#include "calvin/camera/brown4-inl.hpp"
+#include "calvin/camera/brown5-inl.hpp"
+#include "calvin/camera/doublesphere-inl.hpp"
+#include "calvin/camera/eucm-inl.hpp"
+#include "calvin/camera/fisheye-inl.hpp"
+#include "calvin/camera/pinhole-inl.hpp"
+#include "calvin/camera/rational8-inl.hpp"
+#include "calvin/camera/thinprism12-inl.hpp"
+#include "calvin/camera/tilted14-inl.hpp"
+#include "calvin/camera/ucm-inl.hpp"
+
+namespace calvin::lens::HWY_NAMESPACE {
+
+using AllLenses = std::tuple<Pinhole, Brown4, Brown5, Rational8, ThinPrism12, Tilted14, Fisheye,
+                             Ucm, Eucm, DoubleSphere>;
+
+}  // namespace calvin::lens::HWY_NAMESPACE
+
+#endif  // CALVIN_CAMERA_MODELS_HPP
+
+// The names without a target: those of the static one, once.
+#if HWY_ONCE && !defined(CALVIN_CAMERA_MODELS_HPP_ONCE)
+#define CALVIN_CAMERA_MODELS_HPP_ONCE
+
+namespace calvin::lens {
+
+using namespace HWY_NAMESPACE;  // NOLINT(google-build-using-namespace)
+
+}  // namespace calvin::lens
 
 namespace calvin {
 
-using AllLenses = std::tuple<lens::Pinhole, lens::Brown4, lens::Brown5, lens::Fisheye>;
+using lens::AllLenses;
 
 // Functions over a bare parameter vector fx fy cx cy d0 d1 ...: what the solver varies.
 template <typename L>
@@ -40,8 +72,8 @@ struct Model {
     const double fy = parameters[1];
     double xy[2];
     double jd[2 * std::max(Lens::kCount, 1)];
-    if (!Lens::distort(parameters + 4, point, xy, j_point,
-                       j_parameters != nullptr ? jd : nullptr)) {
+    if (!Lens::template distort<double>(parameters + 4, point.data(), xy, j_point,
+                                        j_parameters != nullptr ? jd : nullptr)) {
       return false;
     }
     uv[0] = fx * xy[0] + skew * xy[1] + parameters[2];
@@ -75,3 +107,5 @@ bool visit_model(std::string_view name, F&& f) {
 }
 
 }  // namespace calvin
+
+#endif  // HWY_ONCE

@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/camera/models.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/solve/start.hpp"
 
@@ -22,6 +23,8 @@ namespace {
 // Models whose coefficients mean the same where they have the same name.
 constexpr std::array<std::string_view, 6> kBrownFamily = {"pinhole",   "brown4",      "brown5",
                                                           "rational8", "thinprism12", "tilted14"};
+
+constexpr std::string_view kSkew = "skew";
 
 bool is_brown(std::string_view model) {
   return std::find(kBrownFamily.begin(), kBrownFamily.end(), model) != kBrownFamily.end();
@@ -36,7 +39,8 @@ std::vector<double> values_of(const Calibration& calibration, const Names& names
       calibration.model == model || (is_brown(calibration.model) && is_brown(model));
   std::vector<double> values;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const Parameter* p = i < 4 || related ? calibration.find(names[i]) : nullptr;
+    const bool pinhole = i < 4 || names[i] == kSkew;
+    const Parameter* p = pinhole || related ? calibration.find(names[i]) : nullptr;
     values.push_back(p != nullptr ? p->value : 0);
   }
   return values;
@@ -115,6 +119,17 @@ class Reader {
   Pixel center_;
 };
 
+LensTraits traits_of(std::string_view model) {
+  LensTraits traits;
+  visit_model(model, [&]<typename M>() {
+    traits.perspective = M::Lens::kPerspective;
+    for (const auto& start : M::Lens::kStarts) {
+      traits.starts.emplace_back(start.begin(), start.end());
+    }
+  });
+  return traits;
+}
+
 // Tied to what is held, a parameter is held too; a chain of ties ends at one that is free.
 Status resolve_ties(Freedom& freedom, const Names& names) {
   for (bool changed = true; changed;) {
@@ -166,9 +181,15 @@ void make_basis(Freedom& freedom) {
 
 }  // namespace
 
+RowPoint Freedom::row_point(const std::vector<double>& shared) const {
+  return calvin::row_point(layout, shared.data(), skew);
+}
+
 int Freedom::pinhole_directions() const {
   int directions = 0;
   for (Eigen::Index c = 0; c < basis.cols(); ++c) directions += basis.col(c).head(4).any() ? 1 : 0;
+  // The board tells the angle between its sides too.
+  if (layout.skew) ++directions;
   return directions;
 }
 
@@ -195,8 +216,8 @@ double Freedom::aspect() const {
   return 1;
 }
 
-Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size) {
-  const Names names = parameter_names(options.model);
+Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size, int modes) {
+  Names names = parameter_names(options.model);
   if (names.empty()) {
     return make_error(ErrorCode::kUnsupported,
                       fmt::format("The camera model '{}' is not known to this version. Known "
@@ -204,7 +225,11 @@ Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size) {
                                   options.model, fmt::join(model_names(), ", ")));
   }
   Freedom freedom;
-  freedom.held.resize(names.size());
+  freedom.model = options.model;
+  freedom.lens = traits_of(options.model);
+  freedom.layout = {static_cast<int>(names.size()) - 4, options.skew, modes};
+  if (options.skew) names.push_back(kSkew);
+  freedom.held.resize(static_cast<std::size_t>(freedom.layout.shared()));
   if (options.initial) {
     const auto camera = Camera::make(*options.initial);
     if (!camera) return tl::unexpected<Error>(camera.error());
@@ -216,6 +241,8 @@ Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size) {
                       size.height));
     }
     freedom.initial = values_of(*options.initial, names, options.model);
+    freedom.initial.resize(freedom.held.size(), 0);
+    if (!options.skew) freedom.skew = camera->skew();
   }
   Reader reader(freedom, names, size);
   for (const std::string& word : options.fix) {

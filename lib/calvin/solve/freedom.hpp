@@ -6,23 +6,39 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "calvin/core/result.hpp"
+#include "calvin/solve/camera_problem.hpp"
 #include "calvin/solve/solve.hpp"
+#include "calvin/solve/view_rows.hpp"
 
 namespace calvin {
 
-struct Freedom {
-  Eigen::MatrixXd basis;                    // parameters x directions
-  std::vector<bool> estimated;              // per parameter
-  std::vector<std::optional<double>> held;  // per parameter: its value where it is not estimated
-  std::vector<double> initial;              // all parameters of SolveOptions::initial, or empty
+// What a solve has to know of a lens.
+struct LensTraits {
+  bool perspective = true;                  // a pinhole where its coefficients are zero
+  std::vector<std::vector<double>> starts;  // coefficients to start from
+};
 
-  // `parameter` moves as `ratio` times `with`.
+// "unknown" is a parameter of the model, its skew where that is estimated, or a mode of the board,
+// in the order of RowLayout.
+struct Freedom {
+  std::string model;
+  LensTraits lens;
+  RowLayout layout;
+  double skew = 0;                          // px, where it is not estimated
+  Eigen::MatrixXd basis;                    // unknowns x directions
+  std::vector<bool> estimated;              // per unknown
+  std::vector<std::optional<double>> held;  // per unknown: its value where it is not estimated
+  std::vector<double> initial;              // all unknowns of SolveOptions::initial, or empty
+  std::vector<CameraUnknowns::Prior> priors;
+
+  // `parameter` (an unknown) moves as `ratio` times `with`.
   struct Tie {
     std::size_t parameter;
     std::size_t with;
@@ -30,6 +46,8 @@ struct Freedom {
   };
   std::vector<Tie> ties;
 
+  // Where the rows are taken for these values of the unknowns, which stay where they are.
+  [[nodiscard]] RowPoint row_point(const std::vector<double>& shared) const;
   // How many of fx fy cx cy the boards have to determine.
   [[nodiscard]] int pinhole_directions() const;
   // Puts parameters onto what is held and tied. For tied focal lengths it keeps their product.
@@ -40,6 +58,8 @@ struct Freedom {
 
 // For the model, `fix` and `initial` of the options. `size` of the image, px; 0x0 where only the
 // options are to be checked.
-[[nodiscard]] Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size);
+// `modes` of the board's shape are estimated from zero.
+[[nodiscard]] Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size,
+                                           int modes = 0);
 
 }  // namespace calvin

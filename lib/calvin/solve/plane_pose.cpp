@@ -6,16 +6,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-
-#include "calvin/geometry/symmetric.hpp"
 
 namespace calvin {
 
 namespace {
 
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
+using Vector9 = Eigen::Matrix<double, 9, 1>;
 
 // The similarity of the plane that takes the points with a ray to centroid 0 and mean distance 1.
 struct Normalisation {
@@ -77,13 +77,41 @@ Matrix9 normal_matrix(const std::vector<Eigen::Vector3d>& points,
   return m;
 }
 
+// The eigenvector of the smallest eigenvalue, by inverse iteration. Absent where another eigenvalue
+// is as small, next to the largest: more than one homography fits.
+std::optional<Vector9> smallest_eigenvector(const Matrix9& lower) {
+  constexpr double kFloor = 1e-15;  // of the trace: keeps an exact fit from being singular
+  constexpr double kSecond = 1e-12;
+  const double trace = lower.trace();
+  Matrix9 m = lower;
+  m.diagonal().array() += kFloor * trace;
+  const Eigen::LLT<Matrix9> factor(m);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  Vector9 first = Vector9::Ones().normalized();
+  Vector9 second = Vector9::LinSpaced(-1, 1);
+  double inverse = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Vector9 next = factor.solve(first).normalized();
+    const double change = (next - first).norm();
+    first = next;
+    if (change < 1e-12) break;
+  }
+  for (int i = 0; i < 3; ++i) {
+    second = factor.solve((second - first * first.dot(second)).normalized());
+    second -= first * first.dot(second);
+    inverse = second.norm();
+  }
+  if (!first.allFinite() || !(1 / inverse > kSecond * trace)) return std::nullopt;
+  return first;
+}
+
 std::optional<Eigen::Matrix3d> weighted_homography(const std::vector<Eigen::Vector3d>& points,
                                                    const std::vector<Eigen::Vector3d>& rays,
                                                    const std::vector<double>& weights,
                                                    const Normalisation& n) {
-  const auto eigen = symmetric_eigen(normal_matrix(points, rays, weights, n));
-  if (!eigen || !(eigen->values[1] > 1e-12 * eigen->values[8])) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> h = eigen->vectors.col(0);
+  const auto eigenvector = smallest_eigenvector(normal_matrix(points, rays, weights, n));
+  if (!eigenvector) return std::nullopt;
+  const Vector9& h = *eigenvector;
   Eigen::Matrix3d m;
   m.col(0) = h.segment<3>(0) * n.scale;
   m.col(1) = h.segment<3>(3) * n.scale;
@@ -91,7 +119,7 @@ std::optional<Eigen::Matrix3d> weighted_homography(const std::vector<Eigen::Vect
   double ahead = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d at = m * Eigen::Vector3d(points[i].x(), points[i].y(), 1);
-    ahead += weights[i] * rays[i].dot(at.stableNormalized());
+    ahead += weights[i] * rays[i].dot(at) / at.norm();
   }
   if (ahead < 0) m = -m;
   if (!m.allFinite()) return std::nullopt;
@@ -103,17 +131,22 @@ std::optional<Eigen::Matrix3d> weighted_homography(const std::vector<Eigen::Vect
 bool reweight(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& rays,
               const Eigen::Matrix3d& h, std::vector<double>& weights) {
   constexpr double kFarOff = 4;  // medians; the largest of 1000 Gaussian distances is at 3.2
-  std::vector<double> angles;
+  std::vector<double> angles;    // their chords, which grow with them
   std::vector<double> sorted;
+  angles.reserve(points.size());
+  sorted.reserve(points.size());
+  double farthest = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d at =
-        (h * Eigen::Vector3d(points[i].x(), points[i].y(), 1)).stableNormalized();
-    angles.push_back(std::atan2(rays[i].cross(at).norm(), rays[i].dot(at)));
-    if (!rays[i].isZero()) sorted.push_back(angles.back());
+    const Eigen::Vector3d at = h * Eigen::Vector3d(points[i].x(), points[i].y(), 1);
+    angles.push_back((rays[i] - at / at.norm()).norm());
+    if (rays[i].isZero()) continue;
+    sorted.push_back(angles.back());
+    farthest = std::max(farthest, angles.back());
   }
-  std::sort(sorted.begin(), sorted.end());
-  const double median = std::max(sorted[sorted.size() / 2], 1e-9);
-  if (sorted.back() <= kFarOff * median) return false;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double median = std::max(*middle, 1e-9);
+  if (farthest <= kFarOff * median) return false;
   for (std::size_t i = 0; i < points.size(); ++i) {
     weights[i] = 1 / (1 + angles[i] * angles[i] / (median * median));
   }
@@ -129,6 +162,7 @@ std::optional<Eigen::Matrix3d> plane_homography(const std::vector<Eigen::Vector3
   if (n.count < 4 || !std::isfinite(n.scale)) return std::nullopt;
   const Eigen::Matrix3d spread = spreading(camera_rays);
   std::vector<Eigen::Vector3d> rays;
+  rays.reserve(camera_rays.size());
   for (const Eigen::Vector3d& ray : camera_rays) rays.push_back((spread * ray).stableNormalized());
   std::vector<double> weights(points.size(), 1);
   auto h = weighted_homography(points, rays, weights, n);
@@ -139,15 +173,18 @@ std::optional<Eigen::Matrix3d> plane_homography(const std::vector<Eigen::Vector3
   return spread.inverse() * *h;
 }
 
-std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
-                                  const std::vector<Eigen::Vector3d>& rays) {
-  const auto h = plane_homography(points, rays);
-  if (!h) return std::nullopt;
-  const Eigen::Matrix3d m = *h * (2 / (h->col(0).norm() + h->col(1).norm()));
+std::optional<SE3> pose_from_homography(const Eigen::Matrix3d& h) {
+  const Eigen::Matrix3d m = h * (2 / (h.col(0).norm() + h.col(1).norm()));
   Eigen::Matrix3d rotation;
   rotation << m.col(0), m.col(1), m.col(0).cross(m.col(1));
   if (!rotation.allFinite() || !m.allFinite()) return std::nullopt;
   return SE3{closest_rotation(rotation), m.col(2)};
+}
+
+std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
+                                  const std::vector<Eigen::Vector3d>& rays) {
+  const auto h = plane_homography(points, rays);
+  return h ? pose_from_homography(*h) : std::nullopt;
 }
 
 SE3 mirrored_tilt(const SE3& camera_from_board, const Eigen::Vector3d& center) {

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calvin/geometry/symmetric.hpp"
-
 namespace calvin {
 
 namespace {
@@ -71,8 +69,12 @@ bool spans_plane(const PointSet& view) {
     const Eigen::Vector3d d = view.points[i] - mean;
     scatter += d * d.transpose();
   }
-  const auto eigen = symmetric_eigen(scatter);
-  return eigen && eigen->values[1] > 1e-8 * eigen->values[2];
+  // The sum of products of two eigenvalues: on one line it is zero.
+  const auto minor = [&scatter](int i, int j) {
+    return scatter(i, i) * scatter(j, j) - scatter(i, j) * scatter(i, j);
+  };
+  const double trace = scatter.trace();
+  return minor(0, 1) + minor(1, 2) + minor(0, 2) > 1e-8 * trace * trace;
 }
 
 }  // namespace calvin

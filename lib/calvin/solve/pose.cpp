@@ -7,8 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "calvin/solve/fit.hpp"
-#include "calvin/solve/rays.hpp"
+#include "calvin/solve/pose_fit.hpp"
 
 namespace calvin {
 
@@ -28,16 +27,12 @@ Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observati
   }
   std::vector<PointSet> view = {to_points(board, observation)};
   normalise_weights(view);
+  const auto rays = rays_of(view[0], camera);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (rays[i].isZero()) view[0].weight[i] = 0;
+  }
   std::optional<PoseFit> fit;
-  visit_model(camera.model(), [&]<typename M>() {
-    const auto rays = rays_of<M>(view[0], camera.parameters().data(), camera.skew());
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      if (rays[i].isZero()) view[0].weight[i] = 0;
-    }
-    if (spans_plane(view[0])) {
-      fit = fit_pose<M>(view[0], camera.parameters().data(), camera.skew(), Loss{});
-    }
-  });
+  if (spans_plane(view[0])) fit = fit_pose(view[0], camera, Loss{});
   if (!fit) {
     return make_error(
         ErrorCode::kDegenerate,

@@ -7,10 +7,9 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/solve/camera_problem.hpp"
 #include "calvin/solve/pose.hpp"
-#include "calvin/solve/pose_block.hpp"
 #include "calvin/solve/projection_grid.hpp"
-#include "calvin/solve/reprojection.hpp"
 #include "calvin/solve/scaled_solve.hpp"
 
 namespace calvin {
@@ -77,41 +76,21 @@ std::vector<Pixel> box_of(const std::vector<Pixel>& points) {
   return {low, high};
 }
 
-struct Normal {
-  Eigen::MatrixXd information;
-  Eigen::VectorXd gradient;
-  double cost = 0;
-};
-
-// `normal` is the lower triangle of ViewEquations: pose, parameters, residual. Its pose is
-// eliminated.
-std::optional<Normal> eliminate_pose(const Eigen::MatrixXd& normal, double cost) {
-  const auto factor = pose_factor(normal.topLeftCorner<6, 6>(), 0);
-  if (!factor) return std::nullopt;
-  // The rows below the pose: those of the parameters, and the gradient as the last.
-  const Eigen::Index n = normal.rows() - 6;
-  Eigen::Matrix<double, 6, Eigen::Dynamic> whitened = normal.bottomLeftCorner(n, 6).transpose();
-  solve_lower(*factor, whitened);
-  Eigen::MatrixXd rest = normal.bottomRightCorner(n, n);
-  rest = Eigen::MatrixXd(rest.selfadjointView<Eigen::Lower>());
-  rest -= whitened.transpose().lazyProduct(whitened);
-  if (!rest.allFinite()) return std::nullopt;
-  return Normal{rest.topLeftCorner(n - 1, n - 1), rest.topRightCorner(n - 1, 1),
-                cost - whitened.col(n - 1).squaredNorm()};
-}
-
-// The normal equations of one view over all parameters of the model.
-std::optional<Normal> condense(const PointSet& view, const Camera& camera, const SE3& pose) {
-  Eigen::MatrixXd normal;
-  double cost = 0;
-  visit_model(camera.model(), [&]<typename M>() {
-    Reprojection<M> reprojection(Loss{}, camera.skew());
-    ViewEquations<M> equations;
-    if (!reprojection.evaluate(view, camera.parameters().data(), pose, equations)) return;
-    normal = equations.normal;
-    cost = equations.cost;
-  });
-  return normal.size() > 0 ? eliminate_pose(normal, cost) : std::nullopt;
+// The normal equations of one view over all parameters of the model, its pose eliminated.
+std::optional<CameraProblem::Reduced> condense(const PointSet& view, const Camera& camera,
+                                               const SE3& pose) {
+  const auto n = static_cast<Eigen::Index>(camera.parameters().size());
+  CameraUnknowns unknowns;
+  unknowns.model = camera.model();
+  unknowns.layout.coefficients = static_cast<int>(n) - 4;
+  unknowns.skew = camera.skew();
+  unknowns.basis = Eigen::MatrixXd::Identity(n, n);
+  const ViewPoints points(view, {});
+  CameraProblem problem({&points}, std::move(unknowns), {camera.parameters(), {pose}}, Loss{});
+  if (!problem.valid()) return std::nullopt;
+  auto reduced = problem.reduced();
+  if (!reduced || !reduced->information.allFinite()) return std::nullopt;
+  return reduced;
 }
 
 }  // namespace

@@ -42,6 +42,14 @@ struct SolveOptions {
   // model do not count.
   std::optional<Calibration> initial;
 
+  // Whether the promise is checked too: expected error, chi and halves, see Solution. False: the
+  // fit and its covariance alone.
+  bool checks = true;
+
+  // Estimates the skew of the pixel axes (u = fx x + skew y + cx) too; else it is that of
+  // `initial`, or 0.
+  bool skew = false;
+
   // What is not estimated: the name of a parameter, held at its value in `initial`, or else a
   // coefficient at 0 and "cx", "cy" at the centre of the image; "center" is both of these. What is
   // tied: "aspect" keeps fy / fx as in `initial`, or else at 1, and "fx=fy" or "k1=k2" gives two

@@ -10,7 +10,6 @@
 #include <Eigen/Geometry>
 
 #include "calvin/camera/camera.hpp"
-#include "calvin/camera/models.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/solve/fit.hpp"
 #include "calvin/solve/scaled_solve.hpp"
@@ -91,7 +90,7 @@ int orientations(const Fit& fit) {
 // Whether the covariance leaves a camera to speak of.
 Status determined(const Fit& fit, const Eigen::MatrixXd& c, ImageSize size) {
   for (const int i : {0, 1}) {
-    const double f = fit.parameters[static_cast<std::size_t>(i)];
+    const double f = fit.shared[static_cast<std::size_t>(i)];
     const double sigma = std::sqrt(c(i, i));
     if (sigma > kWorstFocalSigma * f) {
       return degenerate(fmt::format(
@@ -111,33 +110,26 @@ Status determined(const Fit& fit, const Eigen::MatrixXd& c, ImageSize size) {
   return {};
 }
 
-ViewRecord record(const Fit& fit, std::size_t v, const Camera& camera, double& squares) {
+ViewRecord record(const Fit& fit, std::size_t v) {
   const PointSet& view = fit.views[v];
   ViewRecord r;
   r.timestamp = view.timestamp;
   r.points = static_cast<int>(view.used());
   r.camera_from_board = to_pose(fit.camera_from_board[v]);
-  double sum = 0;
-  for (std::size_t i = 0; i < view.size(); ++i) {
-    if (!(view.weight[i] > 0)) continue;
-    const auto at = camera.project(fit.camera_from_board[v] * view.points[i]);
-    // A corner beyond the valid region of the model counts as far as the image is wide.
-    const double du = at ? at->u - view.uv[i].u : camera.image_size().width;
-    const double dv = at ? at->v - view.uv[i].v : 0;
-    sum += du * du + dv * dv;
-  }
-  squares += sum;
-  r.rms = std::sqrt(sum / r.points);
+  r.rms = std::sqrt(fit.squares[v] / r.points);
   return r;
 }
 
-void add_sigmas(Calibration& calibration, const Eigen::MatrixXd& c,
-                const std::vector<bool>& estimated) {
-  for (std::size_t i = 0; i < estimated.size(); ++i) {
+// `c` is over all unknowns; those of the camera come first.
+void add_sigmas(Calibration& calibration, const Eigen::MatrixXd& c, const Freedom& freedom) {
+  const std::vector<bool>& estimated = freedom.estimated;
+  const auto count =
+      static_cast<std::size_t>(4 + freedom.layout.coefficients + (freedom.layout.skew ? 1 : 0));
+  for (std::size_t i = 0; i < count; ++i) {
     if (!estimated[i]) continue;
     const auto row = static_cast<Eigen::Index>(i);
     calibration.parameters[i].sigma = std::sqrt(c(row, row));
-    for (std::size_t j = 0; j < estimated.size(); ++j) {
+    for (std::size_t j = 0; j < count; ++j) {
       if (estimated[j]) {
         calibration.covariance.push_back(c(row, static_cast<Eigen::Index>(j)));
       }
@@ -146,12 +138,16 @@ void add_sigmas(Calibration& calibration, const Eigen::MatrixXd& c,
 }
 
 Solution describe(const Fit& fit, const Camera& camera, const Eigen::MatrixXd& c,
-                  const Freedom& freedom) {
+                  const Freedom& freedom, const SolveOptions& options) {
   Solution solution;
   solution.iterations = fit.iterations;
   Calibration& calibration = solution.calibration;
   calibration = camera.to_calibration();
-  add_sigmas(calibration, c, freedom.estimated);
+  if (freedom.layout.skew &&
+      calibration.parameters.size() == static_cast<std::size_t>(4 + freedom.layout.coefficients)) {
+    calibration.parameters.push_back({"skew", 0, {}});
+  }
+  add_sigmas(calibration, c, freedom);
   std::vector<Pixel> corners;
   double squares = 0;
   for (std::size_t v = 0; v < fit.views.size(); ++v) {
@@ -160,7 +156,8 @@ Solution describe(const Fit& fit, const Camera& camera, const Eigen::MatrixXd& c
       solution.rejected.push_back({view.index, Reason::kOutlier});
       continue;
     }
-    calibration.views.push_back(record(fit, v, camera, squares));
+    calibration.views.push_back(record(fit, v));
+    squares += fit.squares[v];
     for (std::size_t i = 0; i < view.size(); ++i) {
       if (view.weight[i] > 0) {
         corners.push_back(view.uv[i]);
@@ -171,12 +168,13 @@ Solution describe(const Fit& fit, const Camera& camera, const Eigen::MatrixXd& c
   }
   calibration.rms = std::sqrt(squares / static_cast<double>(corners.size()));
   calibration.covered = convex_hull(std::move(corners));
-  calibration.expected_error = expected_error(calibration);
+  if (options.checks) calibration.expected_error = expected_error(calibration);
   return solution;
 }
 
-Result<Solution> conclude(const Fit& fit, std::string_view model, ImageSize size,
-                          const Freedom& freedom) {
+Result<Solution> conclude(const Fit& fit, ImageSize size, const Freedom& freedom,
+                          const SolveOptions& options) {
+  const std::string& model = options.model;
   if (fit.cancelled) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   if (const Status status = enough(fit.views, fit.used, freedom, model); !status) {
     return tl::unexpected<Error>(status.error());
@@ -189,9 +187,11 @@ Result<Solution> conclude(const Fit& fit, std::string_view model, ImageSize size
   if (const Status status = determined(fit, *c, size); !status) {
     return tl::unexpected<Error>(status.error());
   }
-  const auto camera = Camera::make(model, size, fit.parameters);
+  const auto count = static_cast<std::ptrdiff_t>(4 + freedom.layout.coefficients);
+  const auto camera = Camera::make(model, size, {fit.shared.begin(), fit.shared.begin() + count},
+                                   freedom.row_point(fit.shared).skew);
   if (!camera) return degenerate("The solve leads to an impossible camera.");
-  return describe(fit, *camera, *c, freedom);
+  return describe(fit, *camera, *c, freedom, options);
 }
 
 }  // namespace
@@ -206,11 +206,8 @@ Result<Solution> solve_points(std::vector<PointSet> views, ImageSize image_size,
     return tl::unexpected<Error>(status.error());
   }
   normalise_weights(views);
-  Fit fit;
-  visit_model(options.model, [&]<typename M>() {
-    fit = fit_model<M>(std::move(views), image_size, *freedom, options, stop);
-  });
-  return conclude(fit, options.model, image_size, *freedom);
+  const Fit fit = fit_camera(std::move(views), {}, image_size, *freedom, options, stop);
+  return conclude(fit, image_size, *freedom, options);
 }
 
 }  // namespace calvin

@@ -20,17 +20,6 @@ namespace {
 constexpr double kShortest = 0.1;
 constexpr double kLongest = 30;
 
-// The homography of one view to coordinates from the centre in image widths: numbers near 1.
-std::optional<Eigen::Matrix3d> view_homography(const PointSet& view, ImageSize size) {
-  const Pixel center = image_center(size);
-  std::vector<Eigen::Vector3d> rays;
-  for (const Pixel& p : view.uv) {
-    rays.push_back(Eigen::Vector3d((p.u - center.u) / size.width, (p.v - center.v) / size.width, 1)
-                       .normalized());
-  }
-  return plane_homography(view.points, rays);
-}
-
 bool possible(const Guess& g, ImageSize size) {
   const auto focal = [size](double f) {
     return f > kShortest * size.width && f < kLongest * size.width;
@@ -91,13 +80,32 @@ FocalEquation focal_equation(const Eigen::Matrix3d& h) {
 
 }  // namespace
 
-std::vector<Guess> closed_form_guesses(std::span<const PointSet> views, ImageSize size) {
+std::optional<Eigen::Matrix3d> view_homography(const PointSet& view, ImageSize size) {
+  const Pixel center = image_center(size);
+  std::vector<Eigen::Vector3d> rays;
+  rays.reserve(view.size());
+  for (const Pixel& p : view.uv) {
+    rays.push_back(Eigen::Vector3d((p.u - center.u) / size.width, (p.v - center.v) / size.width, 1)
+                       .normalized());
+  }
+  return plane_homography(view.points, rays);
+}
+
+std::optional<SE3> pose_by_guess(const Eigen::Matrix3d& homography, const Guess& guess,
+                                 ImageSize size) {
+  const Pixel center = image_center(size);
+  Eigen::Matrix3d plane = Eigen::Matrix3d::Identity();
+  plane(0, 0) = size.width / guess[0];
+  plane(1, 1) = size.width / guess[1];
+  plane(0, 2) = (center.u - guess[2]) / guess[0];
+  plane(1, 2) = (center.v - guess[3]) / guess[1];
+  return pose_from_homography(plane * homography);
+}
+
+std::vector<Guess> closed_form_guesses(std::span<const Eigen::Matrix3d> homographies,
+                                       ImageSize size) {
   const Pixel center = image_center(size);
   const double width = size.width;
-  std::vector<Eigen::Matrix3d> homographies;
-  for (const PointSet& view : views) {
-    if (const auto h = view_homography(view, size)) homographies.push_back(*h);
-  }
 
   std::vector<Guess> guesses;
   const auto offer = [&](const Guess& unit) {

@@ -5,10 +5,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "calvin/core/image.hpp"
+#include "calvin/geometry/se3.hpp"
 #include "calvin/solve/points.hpp"
 
 namespace calvin {
@@ -21,13 +25,21 @@ using Guess = std::array<double, 4>;
   return {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
 }
 
-// From the homographies of the views, for lenses near enough to a pinhole: Zhang's closed form,
-// and with the principal point at the centre of the image, the focal length by least squares over
-// all views and the median over single ones (which a wrong view does not move). Those of the three
-// whose signs and sizes are possible; OpenCV's initCameraMatrix2D takes roots of absolute values
-// instead and so returns a wrong camera where it should fail.
-[[nodiscard]] std::vector<Guess> closed_form_guesses(std::span<const PointSet> views,
+// From a view's board to the plane one image width before a pinhole whose axis meets the centre of
+// the image: numbers near 1. Absent where the corners determine none.
+[[nodiscard]] std::optional<Eigen::Matrix3d> view_homography(const PointSet& view, ImageSize size);
+
+// From these homographies, for lenses near enough to a pinhole: Zhang's closed form, and with the
+// principal point at the centre of the image, the focal length by least squares over all views and
+// the median over single ones (which a wrong view does not move). Those of the three whose signs
+// and sizes are possible; OpenCV's initCameraMatrix2D takes roots of absolute values instead and so
+// returns a wrong camera where it should fail.
+[[nodiscard]] std::vector<Guess> closed_form_guesses(std::span<const Eigen::Matrix3d> homographies,
                                                      ImageSize size);
+
+// camera_from_board of a view_homography() for such a camera.
+[[nodiscard]] std::optional<SE3> pose_by_guess(const Eigen::Matrix3d& homography,
+                                               const Guess& guess, ImageSize size);
 
 // Focal lengths from very wide to tele, principal point at the centre; `perspective` leaves out
 // what no perspective lens has.

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Cholesky factors of small matrices, row-major. Internal.
+#pragma once
+
+#include <cmath>
+
+namespace calvin {
+
+// The lower L with L L^T = m, whose diagonal is first multiplied by 1 + lambda; the lower triangles
+// are read and written. False where m is not positive definite.
+template <int kSize>
+[[nodiscard]] bool cholesky_of(const double* m, double lambda, double* l) {
+  for (int j = 0; j < kSize; ++j) {
+    double pivot = m[j * kSize + j] * (1 + lambda);
+    for (int k = 0; k < j; ++k) pivot -= l[j * kSize + k] * l[j * kSize + k];
+    if (!(pivot > 0) || !std::isfinite(pivot)) return false;
+    l[j * kSize + j] = std::sqrt(pivot);
+    const double scale = 1 / l[j * kSize + j];
+    for (int i = j + 1; i < kSize; ++i) {
+      double sum = m[i * kSize + j];
+      for (int k = 0; k < j; ++k) sum -= l[i * kSize + k] * l[j * kSize + k];
+      l[i * kSize + j] = sum * scale;
+    }
+  }
+  return true;
+}
+
+// The blocks that arrowhead problems have.
+[[nodiscard]] inline bool cholesky(const double* m, int size, double lambda, double* l) {
+  return size == 6 ? cholesky_of<6>(m, lambda, l) : size == 3 && cholesky_of<3>(m, lambda, l);
+}
+
+// x = L^-T x.
+inline void solve_upper(const double* l, int size, double* x) {
+  for (int i = size - 1; i >= 0; --i) {
+    for (int k = i + 1; k < size; ++k) x[i] -= l[k * size + i] * x[k];
+    x[i] /= l[i * size + i];
+  }
+}
+
+// x = L^-1 x.
+inline void solve_lower(const double* l, int size, double* x) {
+  for (int i = 0; i < size; ++i) {
+    for (int k = 0; k < i; ++k) x[i] -= l[i * size + k] * x[k];
+    x[i] /= l[i * size + i];
+  }
+}
+
+}  // namespace calvin

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What every stage of a solve does: fits the camera and the poses of some views, and looks at what
+// is left. Internal.
+#pragma once
+
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/solve/camera_problem.hpp"
+#include "calvin/solve/freedom.hpp"
+#include "calvin/solve/lm.hpp"
+#include "calvin/solve/points.hpp"
+
+namespace calvin {
+
+// A view and the same as arrays.
+struct FitView {
+  PointSet set;
+  ViewPoints points;
+
+  FitView(PointSet from, const BoardShape& shape) : set(std::move(from)), points(set, shape) {}
+};
+
+using Poses = std::vector<std::optional<SE3>>;
+
+class LeastSquares {
+ public:
+  LeastSquares(const Freedom& freedom, ImageSize size, const std::stop_token& stop);
+
+  // Improves the shared unknowns and the poses of those views that have one. A null view is left
+  // out; a view that has no projection at its pose loses the pose. Absent where nothing is left.
+  std::optional<CameraProblem> minimise_over(const std::vector<const FitView*>& views,
+                                             std::vector<double>& shared, Poses& poses,
+                                             const Eigen::MatrixXd& basis, const Loss& loss,
+                                             const LmOptions& options);
+
+  // Weighted distance of every corner from where it belongs, px, never above kFarthest; all of
+  // them that where the view has no pose.
+  [[nodiscard]] std::vector<double> distances(const FitView& view,
+                                              const std::vector<double>& shared,
+                                              const std::optional<SE3>& pose);
+
+  // The sum of squared distances of the corners in use, not weighted, px^2.
+  [[nodiscard]] double squares(const FitView& view, const std::vector<double>& shared,
+                               const SE3& pose);
+
+  // Absent for parameters that are none.
+  [[nodiscard]] std::optional<Camera> camera(const std::vector<double>& shared) const;
+  [[nodiscard]] Poses poses_for(const std::vector<double>& shared,
+                                const std::vector<const FitView*>& views) const;
+
+  [[nodiscard]] int iterations() const { return iterations_; }
+  [[nodiscard]] bool converged() const { return converged_; }  // the last minimise_over()
+  [[nodiscard]] bool cancelled() const { return cancelled_ || stop_.stop_requested(); }
+
+ private:
+  RowSums fill(const FitView& view, const std::vector<double>& shared, const SE3& pose);
+
+  const Freedom& freedom_;
+  ImageSize size_;
+  const std::stop_token& stop_;
+  FillRows fill_;
+  ViewRows rows_;
+  int iterations_ = 0;
+  bool converged_ = false;
+  bool cancelled_ = false;
+};
+
+// Stands for the distance of a corner that has no projection, px.
+inline constexpr double kFarthest = 1e6;
+
+}  // namespace calvin
