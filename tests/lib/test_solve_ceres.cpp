@@ -4,7 +4,9 @@
 // The same optimum as Ceres finds with formulas of its own (ceres_formulas.hpp), for every model:
 // from our solution pushed off, and from a start that knows nothing of it.
 #include <algorithm>
+#include <memory>
 
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 #include "ceres_formulas.hpp"
@@ -75,6 +77,7 @@ class CeresSolver {
   CeresFit solve() {
     ceres::Solver::Summary summary;
     ceres::Solve(options_, &problem_, &summary);
+    if (std::getenv("DBG")) std::fprintf(stderr, "%s\n", summary.FullReport().c_str());
     return {cost(), camera_};
   }
 
@@ -95,6 +98,27 @@ void expect_same(const Calibration& ours, double cost, const CeresFit& theirs, c
     EXPECT_NEAR((p.value - theirs.camera[k]) / *p.sigma, 0, 1e-4)
         << p.name << ", sigma " << *p.sigma << ", " << start;
   }
+}
+
+// Three times as far from the calibration as its covariance says that it is from the truth.
+std::vector<double> drawn(const Calibration& c, Random& random) {
+  std::vector<double> values;
+  std::vector<std::size_t> estimated;
+  for (const Parameter& p : c.parameters) {
+    if (p.sigma) estimated.push_back(values.size());
+    values.push_back(p.value);
+  }
+  const auto n = static_cast<Eigen::Index>(estimated.size());
+  const Eigen::Map<const Eigen::MatrixXd> covariance(c.covariance.data(), n, n);
+  const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd inverse = sigma.cwiseInverse();
+  const Eigen::MatrixXd correlation = inverse.asDiagonal() * covariance * inverse.asDiagonal();
+  std::normal_distribution<double> normal;
+  const Eigen::VectorXd x =
+      Eigen::VectorXd::NullaryExpr(n, [&](Eigen::Index) { return 3 * normal(random); });
+  const Eigen::VectorXd move = sigma.cwiseProduct(correlation.llt().matrixL() * x);
+  for (Eigen::Index i = 0; i < n; ++i) values[estimated[static_cast<std::size_t>(i)]] += move[i];
+  return values;
 }
 
 class Ceres : public ::testing::TestWithParam<std::string_view> {};
@@ -130,10 +154,7 @@ TEST_P(Ceres, HasItsOptimumInTheSamePlace) {
     ceres.start(at, found);
     EXPECT_NEAR(ceres.cost() / cost, 1, 1e-10) << "the formulas differ";
 
-    std::vector<double> pushed = at;
-    for (std::size_t k = 0; k < pushed.size(); ++k) {
-      pushed[k] += 5 * ours.parameters[k].sigma.value_or(0) * (k % 2 == 0 ? 1 : -1);
-    }
+    const std::vector<double> pushed = drawn(ours, random);
     std::vector<SE3> moved = found;
     for (SE3& pose : moved) {
       pose.rotation = exp_so3({0.002, -0.003, 0.001}) * pose.rotation;
