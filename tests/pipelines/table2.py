@@ -72,13 +72,15 @@ with tempfile.TemporaryDirectory() as folder:
     lines = ['{"format":"calvin-observations","version":1,"board":"checkerboard:9x6:25mm"}']
     rows = ["# filename x y weight"]
     for view in range(12):
-        a, b = 0.25 * math.sin(2 * view), 0.25 * math.cos(3 * view)
+        a, b = 0.5 * math.sin(2 * view), 0.5 * math.cos(3 * view)
         points = []
         for i in range(54):
+            # Turned about x by a, then about y by b.
             x, y = 0.025 * (i % 9 - 4), 0.025 * (i // 9 - 2.5)
-            z = 0.5 + a * x + b * y
-            u = 320 + 500 * x / z + 0.05 * math.sin(100 * view + 7 * i)
-            v = 240 + 500 * y / z + 0.05 * math.cos(90 * view + 11 * i)
+            y, z = y * math.cos(a), y * math.sin(a)
+            x, z = x * math.cos(b) + z * math.sin(b), z * math.cos(b) - x * math.sin(b)
+            u = 320 + 500 * x / (z + 0.3) + 0.05 * math.sin(100 * view + 7 * i)
+            v = 240 + 500 * y / (z + 0.3) + 0.05 * math.cos(90 * view + 11 * i)
             points.append(f"[{i},{u!r},{v!r},0.5]")
             rows.append(f"f{view:03}.png {u!r} {v!r} 2")
         lines.append(f'{{"camera":"","image_size":[640,480],"points":[{",".join(points)}]}}')
