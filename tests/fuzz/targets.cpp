@@ -16,6 +16,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/key_list.hpp"
+#include "calvin/io/observations.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin/target/board_names.hpp"
@@ -164,9 +165,45 @@ void observations(std::string_view bytes) {
   }
 }
 
+void require_sound(const std::vector<Observation>& observations) {
+  for (const Observation& o : observations) {
+    require(o.ids.size() == o.uv.size() && o.ids.size() == o.sigma.size(), "lists are of a length");
+    for (std::size_t i = 0; i < o.ids.size(); ++i) {
+      require(o.ids[i] >= 0 && std::isfinite(o.uv[i].u) && std::isfinite(o.uv[i].v) &&
+                  o.sigma[i] > 0 && std::isfinite(o.sigma[i]),
+              "a corner has an id, a place and a sigma");
+    }
+  }
+}
+
+void observation_file(std::string_view bytes) {
+  const auto parsed = parse_observations(bytes, "fuzzed");
+  require(parsed || !parsed.error().message.empty(), "an error has a message");
+  if (parsed) {
+    require_sound(parsed->observations);
+    require(parsed->whole_bytes <= bytes.size(), "no more is whole than there is");
+    const auto cut = parse_observations(bytes.substr(0, parsed->whole_bytes));
+    require(cut && cut->whole_bytes == parsed->whole_bytes, "what is whole is read alone");
+    const std::string printed = print_observations(*parsed);
+    const auto again = parse_observations(printed);
+    require(again.has_value(), "what is printed can be parsed");
+    require(print_observations(*again) == printed, "what is parsed again prints the same");
+  }
+  constexpr std::string_view kBoard = "checkerboard:3x2:10mm";
+  const auto corners = parse_corners_vnl(bytes, kBoard, {640, 480}, "fuzzed");
+  require(corners || !corners.error().message.empty(), "an error has a message");
+  if (!corners) return;
+  require_sound(*corners);
+  const auto printed = print_corners_vnl(*corners);
+  require(printed.has_value(), "corners that were read can be printed");
+  const auto again = parse_corners_vnl(*printed, kBoard, {640, 480});
+  require(again && again->size() == corners->size(), "no picture is lost");
+}
+
 constexpr Target kTargets[] = {
-    {"calibration", calibration}, {"key_list", key_list}, {"boards", boards},
-    {"board_names", board_names}, {"exports", exports},   {"observations", observations},
+    {"calibration", calibration},           {"key_list", key_list}, {"boards", boards},
+    {"board_names", board_names},           {"exports", exports},   {"observations", observations},
+    {"observation_file", observation_file},
 };
 
 }  // namespace

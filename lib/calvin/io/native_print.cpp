@@ -91,7 +91,13 @@ Json view_of(const ViewRecord& view) {
 void put_rest(Json& json, const Calibration& calibration) {
   for (const Pixel& p : calibration.covered) json["covered"].push_back({p.u, p.v});
   put(json, "board", calibration.board);
-  if (calibration.warp) json["warp"] = {{"kx", calibration.warp->kx}, {"ky", calibration.warp->ky}};
+  if (calibration.warp) {
+    Json& warp = json["warp"];
+    warp["kx"] = calibration.warp->kx;
+    warp["ky"] = calibration.warp->ky;
+    if (calibration.warp->kx_sigma) warp["kx_sigma"] = *calibration.warp->kx_sigma;
+    if (calibration.warp->ky_sigma) warp["ky_sigma"] = *calibration.warp->ky_sigma;
+  }
   for (const ViewRecord& view : calibration.views) json["views"].push_back(view_of(view));
   if (const auto& crop = calibration.sensor_crop) {
     json["sensor_crop"] = {crop->x, crop->y, crop->width, crop->height};

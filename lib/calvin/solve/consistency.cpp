@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/LU>
+
 #include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/camera_problem.hpp"
 #include "calvin/solve/projection_grid.hpp"

@@ -32,16 +32,18 @@ bool is_brown(std::string_view model) {
 
 using Names = std::vector<std::string_view>;
 
-// The parameters of `model` as `calibration` has them; coefficients that it does not have are 0.
+// The parameters of `model` as `calibration` has them; coefficients that it does not have
+// are those of `start`.
 std::vector<double> values_of(const Calibration& calibration, const Names& names,
-                              std::string_view model) {
+                              std::string_view model, const std::vector<double>& start) {
   const bool related =
       calibration.model == model || (is_brown(calibration.model) && is_brown(model));
   std::vector<double> values;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const bool pinhole = i < 4 || names[i] == kSkew;
     const Parameter* p = pinhole || related ? calibration.find(names[i]) : nullptr;
-    values.push_back(p != nullptr ? p->value : 0);
+    const bool has_start = i >= 4 && i - 4 < start.size();
+    values.push_back(p != nullptr ? p->value : has_start ? start[i - 4] : 0);
   }
   return values;
 }
@@ -89,6 +91,10 @@ class Reader {
 
   void hold(std::size_t index) {
     double value = 0;
+    // A lens without distortion, as near as the model has one.
+    if (index >= 4 && index - 4 < freedom_.lens.starts.front().size()) {
+      value = freedom_.lens.starts.front()[index - 4];
+    }
     if (index == 2) value = center_.u;
     if (index == 3) value = center_.v;
     if (!freedom_.initial.empty()) value = freedom_.initial[index];
@@ -240,7 +246,7 @@ Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size, int mo
                       camera->image_size().width, camera->image_size().height, size.width,
                       size.height));
     }
-    freedom.initial = values_of(*options.initial, names, options.model);
+    freedom.initial = values_of(*options.initial, names, options.model, freedom.lens.starts.front());
     freedom.initial.resize(freedom.held.size(), 0);
     if (!options.skew) freedom.skew = camera->skew();
   }

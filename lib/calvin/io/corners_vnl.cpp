@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// corners.vnl of mrcal and mrgingham <-> observations. A vnlog: a legend "# filename x y level",
+// rows of fields between white space, '-' for no value (github.com/dkogan/vnlog).
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+#include "calvin/io/observations.hpp"
+#include "calvin/io/utf8.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+
+namespace {
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> words;
+  constexpr std::string_view kSpace = " \t\r\f\v";
+  for (std::size_t at = line.find_first_not_of(kSpace); at != std::string_view::npos;
+       at = line.find_first_not_of(kSpace, at)) {
+    const std::size_t end = std::min(line.find_first_of(kSpace, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return words;
+}
+
+// The pictures, row by row.
+class VnlReader {
+ public:
+  VnlReader(const Board& board, ImageSize size)
+      : text_(board.text()), count_(board.point_count()), size_(size) {}
+
+  // Why the row is refused; empty where it is not.
+  std::string row(const std::vector<std::string_view>& words, bool weights) {
+    if (words.size() < 3) return "has no name, x and y";
+    if (words[0] != picture_ || seen_.empty() || next_ == count_) {
+      if (std::string why = finish_picture(); !why.empty()) return why;
+      picture_ = words[0];
+      next_ = 0;
+      seen_.push_back({});
+      seen_.back().board = text_;
+      seen_.back().image_size = size_;
+    }
+    if (words[1] == "-" || words[2] == "-") {
+      // A picture without a board has one such row; a missing corner stands in its place.
+      empty_row_ = next_ == 0;
+      ++next_;
+      return "";
+    }
+    return corner(words, weights);
+  }
+
+  // Of the last one.
+  std::string finish_picture() {
+    if (seen_.empty() || next_ == count_ || (next_ == 1 && empty_row_)) return "";
+    return fmt::format("follows {} corners of the picture {}, where the board has {}", next_,
+                       io::shortened(picture_, 60), count_);
+  }
+
+  std::vector<Observation> take() { return std::move(seen_); }
+
+ private:
+  std::string corner(const std::vector<std::string_view>& words, bool weights) {
+    const auto u = parse_double(words[1]);
+    const auto v = parse_double(words[2]);
+    if (!u || !v) return "has an x or y that is not a number";
+    const int id = next_++;
+    empty_row_ = false;
+    double sigma = 1;
+    if (words.size() > 3) {
+      const auto quality = parse_double(words[3]);
+      if (words[3] == "-" || (quality && *quality < 0)) return "";
+      if (!quality || (weights && *quality == 0) || *quality > 1e6) {
+        return "has a level or weight that is none";
+      }
+      sigma = weights ? 1 / *quality : std::exp2(std::min(*quality, 30.0));
+    }
+    Observation& seen = seen_.back();
+    seen.ids.push_back(id);
+    seen.uv.push_back({*u, *v});
+    seen.sigma.push_back(sigma);
+    return "";
+  }
+
+  std::string text_;
+  int count_;
+  ImageSize size_;
+  std::string picture_;
+  int next_ = 0;  // id of the next corner
+  bool empty_row_ = false;
+  std::vector<Observation> seen_;
+};
+
+}  // namespace
+
+Result<std::vector<Observation>> parse_corners_vnl(std::string_view content, std::string_view board,
+                                                   ImageSize image_size, std::string_view name) {
+  const auto parsed = parse_board(board);
+  if (!parsed) return tl::unexpected(parsed.error());
+  const auto refuse = [name](int line, std::string_view why) {
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("'{}' cannot be used as corners: line {} {}. Give a corners.vnl "
+                                  "of mrcal or mrgingham, and the board that it was made with.",
+                                  name, line, why));
+  };
+  VnlReader reader(*parsed, image_size);
+  bool weights = false;
+  bool legend = false;
+  int number = 0;
+  for (const std::string_view line : split(content, '\n')) {
+    ++number;
+    if (line.empty() || line.starts_with("##") || line.starts_with("#!")) continue;
+    auto words = words_of(line);
+    if (line.starts_with('#')) {
+      if (legend) continue;
+      legend = true;
+      words = words_of(line.substr(1));
+      if (words.size() < 3 || words[0] != "filename" || words[1] != "x" || words[2] != "y") {
+        return refuse(number, "does not say '# filename x y level'");
+      }
+      weights = words.size() > 3 && words[3] == "weight";
+      continue;
+    }
+    if (!legend) return refuse(number, "comes before the legend '# filename x y level'");
+    if (const std::string why = reader.row(words, weights); !why.empty()) {
+      return refuse(number, why);
+    }
+  }
+  if (!legend) return refuse(number, "ends the file, which has no legend '# filename x y level'");
+  if (const std::string why = reader.finish_picture(); !why.empty()) return refuse(number + 1, why);
+  return reader.take();
+}
+
+Result<std::string> print_corners_vnl(const std::vector<Observation>& observations) {
+  std::string text = "# filename x y weight\n";
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    const Observation& seen = observations[k];
+    const std::string picture = fmt::format("frame-{:06}.png", k);
+    const auto board = parse_board(seen.board);
+    if (!board) return tl::unexpected(board.error());
+    std::vector<std::string> rows(static_cast<std::size_t>(board->point_count()),
+                                  picture + " - - -\n");
+    for (std::size_t i = 0; i < seen.ids.size() && i < seen.uv.size(); ++i) {
+      if (seen.ids[i] < 0 || seen.ids[i] >= board->point_count()) {
+        return make_error(ErrorCode::kInvalidArgument,
+                          fmt::format("The corner id {} of view {} is not on the board {}. Is this "
+                                      "the board that was seen?",
+                                      seen.ids[i], k, seen.board));
+      }
+      const double sigma = i < seen.sigma.size() && seen.sigma[i] > 0 ? seen.sigma[i] : 1;
+      rows[static_cast<std::size_t>(seen.ids[i])] =
+          fmt::format("{} {} {} {}\n", picture, format_double(seen.uv[i].u),
+                      format_double(seen.uv[i].v), format_double(1 / sigma));
+    }
+    if (!seen.found()) rows.resize(1);
+    for (const std::string& row : rows) text += row;
+  }
+  return text;
+}
+
+}  // namespace calvin

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Files of observations: what was seen of a board, frame by frame. docs/formats.md.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calvin/core/observation.hpp"
+#include "calvin/core/result.hpp"
+
+namespace calvin {
+
+struct ObservationFile {
+  std::string board;  // board text; several are separated by ';'
+  std::vector<Observation> observations;
+
+  // The length in bytes of what is whole: less than the content where its last line is torn, as by
+  // a loss of power. Whoever appends cuts the file there first.
+  std::size_t whole_bytes = 0;
+};
+
+// JSON lines: a header, then a line for each view. {"reset":true} forgets the views before it. A
+// last line without an end is left out; a broken line that has one is kMalformed, and the message
+// names `name` and the line. Views of a file with several boards tell theirs.
+[[nodiscard]] Result<ObservationFile> parse_observations(std::string_view content,
+                                                         std::string_view name = "");
+
+// parse_observations() of a file of at most kMaxFileBytes; errors as of read_file().
+[[nodiscard]] Result<ObservationFile> read_observations(const std::filesystem::path& path);
+
+// The header and the line of one view, both with their end: for a file that is appended to.
+// Numbers read back as the same. A sigma that is missing or not positive is 1.
+[[nodiscard]] std::string print_observation_header(std::string_view board);
+[[nodiscard]] std::string print_observation(const Observation& observation,
+                                            std::string_view board_of_file);
+[[nodiscard]] std::string print_observations(const ObservationFile& file);
+
+// corners.vnl of mrcal and mrgingham: a row for each corner of the board, in the order of ids, or
+// one row "name - - -" for a picture without a board. The fourth column is a level of the image
+// pyramid (sigma = 2^level px), or a weight (sigma = 1 / weight px) where the legend says "weight";
+// '-' or a negative one marks a corner that was not seen. The file tells neither the board nor the
+// size of the pictures: the caller does. The names of the pictures are not kept.
+[[nodiscard]] Result<std::vector<Observation>> parse_corners_vnl(std::string_view content,
+                                                                 std::string_view board,
+                                                                 ImageSize image_size,
+                                                                 std::string_view name = "");
+
+// With weights; the pictures are called frame-000000.png and so on. kInvalidArgument where a board
+// text is wrong or an id is not on its board.
+[[nodiscard]] Result<std::string> print_corners_vnl(const std::vector<Observation>& observations);
+
+}  // namespace calvin

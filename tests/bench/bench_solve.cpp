@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The calibration of one camera from the corners of a 9x6 board, ours beside its peers, one thread.
+// Ours and OpenCV's take the corners alone and give a camera with its uncertainty (ours) or without
+// (OpenCV's). Ceres and mrcal take a start near the truth besides, and give no uncertainty.
+// After the times: how far each end is from ours.
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+#include <ceres/version.h>
+#include <fmt/format.h>
+#include <opencv2/core/version.hpp>
+
+#include "calvin/solve/solve.hpp"
+#include "ratio_reporter.hpp"
+#include "solve_ceres.hpp"
+#include "solve_mrcal.hpp"
+#include "solve_opencv.hpp"
+#include "solve_problem.hpp"
+
+namespace bench {
+namespace {
+
+struct Outcome {
+  std::string subject;
+  Fitted fitted;
+};
+
+// Everything measured on one problem.
+struct Case {
+  std::string name;
+  Problem problem;
+  calvin::Calibration ours;
+  std::vector<Outcome> outcomes;
+};
+
+calvin::Calibration calibrate(const Problem& problem) {
+  calvin::SolveOptions options;
+  options.model = problem.model;
+  options.reject_outliers = false;
+  options.checks = false;
+  // The shape of the board: what the peers do not estimate.
+  [](auto& o) {
+    if constexpr (requires { o.warp; }) o.warp = false;
+  }(options);
+  auto solution = calvin::solve(problem.views, kSize, options);
+  return solution ? std::move(solution->calibration) : calvin::Calibration();
+}
+
+Fitted fitted_of(const calvin::Calibration& calibration) {
+  Fitted fitted;
+  for (const calvin::Parameter& p : calibration.parameters) fitted.intrinsics.push_back(p.value);
+  for (const calvin::ViewRecord& view : calibration.views) {
+    fitted.camera_from_board.push_back(calvin::to_se3(view.camera_from_board));
+  }
+  return fitted;
+}
+
+void add(Case& c, const std::string& subject, std::function<Fitted()> run) {
+  benchmark::RegisterBenchmark((c.name + "|" + subject).c_str(), [&c, subject,
+                                                                  run = std::move(run)](
+                                                                     benchmark::State& state) {
+    Fitted fitted;
+    for (auto _ : state) {
+      try {
+        fitted = run();
+      } catch (const std::exception& error) {
+        state.SkipWithError(error.what());
+        return;
+      }
+    }
+    std::erase_if(c.outcomes, [&](const Outcome& o) { return o.subject == subject; });
+    c.outcomes.push_back({subject, std::move(fitted)});
+  })->Unit(benchmark::kMillisecond);
+}
+
+void register_case(Case& c, const std::string& model, int views) {
+  c.name = fmt::format("{} {} views", model, views);
+  c.problem = make_problem(model, views);
+  const Problem& problem = c.problem;
+  add(c, "calvin", [&c] {
+    c.ours = calibrate(c.problem);
+    return Fitted();
+  });
+  const auto ceres = [&](const char* name, ceres::LinearSolverType type) {
+    add(c, name, [solver = std::make_shared<Ceres>(problem, type)] { return solver->run(); });
+  };
+  ceres("Ceres DENSE_SCHUR", ceres::DENSE_SCHUR);
+  ceres("Ceres SPARSE_SCHUR", ceres::SPARSE_SCHUR);
+  const auto opencv = std::make_shared<OpenCv>(problem);
+  if (model == "fisheye") {
+    add(c, "cv::fisheye", [opencv] { return opencv->fisheye(); });
+    return;
+  }
+  add(c, "mrcal OPENCV5", [solver = std::make_shared<Mrcal>(problem)] { return solver->run(); });
+  // Their time grows with a power of the views above 2.
+  if (views <= 400) add(c, "cv USE_LU", [opencv] { return opencv->brown5(cv::CALIB_USE_LU); });
+  if (views <= 100) add(c, "cv default", [opencv] { return opencv->brown5(0); });
+}
+
+// The growth of our own time from one number of views to another, as a power of it.
+class Reporter : public RatioReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    RatioReporter::ReportRuns(runs);
+    for (const Run& run : runs) {
+      if (run.repetitions > 1 && run.aggregate_name != "median") continue;
+      times_[run.run_name.function_name] = run.GetAdjustedCPUTime();
+    }
+  }
+  void Finalize() override {
+    RatioReporter::Finalize();
+    const auto few = times_.find("brown5 25 views|calvin");
+    const auto many = times_.find("brown5 1000 views|calvin");
+    if (few == times_.end() || many == times_.end()) return;
+    std::printf("\ncalvin, brown5: time grows as N^%.3f from 25 to 1000 views\n",
+                std::log(many->second / few->second) / std::log(40.0));
+  }
+
+ private:
+  std::map<std::string, double> times_;
+};
+
+void print_agreement(const std::vector<Case>& cases) {
+  fmt::print("\n{:<20} {:<20} {:>16} {:>20}\n", "case", "subject", "cost - ours, rel.",
+             "parameters, sigma");
+  for (const Case& c : cases) {
+    const auto ours = cost_of(c.problem, fitted_of(c.ours));
+    for (const Outcome& o : c.outcomes) {
+      if (o.subject == "calvin") continue;
+      const auto theirs = cost_of(c.problem, o.fitted);
+      double sigmas = 0;
+      for (std::size_t i = 0; i < o.fitted.intrinsics.size(); ++i) {
+        const calvin::Parameter& p = c.ours.parameters.at(i);
+        sigmas = std::max(sigmas, std::abs(o.fitted.intrinsics[i] - p.value) / p.sigma.value_or(1));
+      }
+      const std::string cost = ours && theirs ? fmt::format("{:.1e}", *theirs / *ours - 1) : "-";
+      fmt::print("{:<20} {:<20} {:>16} {:>20.1e}\n", c.name, o.subject, cost, sigmas);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bench
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  cv::setNumThreads(1);
+  const std::vector<std::pair<std::string, int>> kinds = {
+      {"brown5", 10},   {"brown5", 25},  {"brown5", 100}, {"brown5", 400},
+      {"brown5", 1000}, {"fisheye", 25}, {"fisheye", 400}};
+  std::vector<bench::Case> cases(kinds.size());
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    bench::register_case(cases[i], kinds[i].first, kinds[i].second);
+  }
+  bench::Reporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  bench::print_agreement(cases);
+  fmt::print("\nOpenCV {}, Ceres {}, {}\n", CV_VERSION, CERES_VERSION_STRING,
+             bench::Mrcal::library());
+  return 0;
+}

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Files of observations: what is written is read, what a crash leaves behind is cut off, and what
+// other programs write.
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "calvin/core/file.hpp"
+#include "calvin/io/observations.hpp"
+#include "temporary_folder.hpp"
+
+namespace calvin {
+namespace {
+
+constexpr std::string_view kText =
+    R"({"format":"calvin-observations","version":1,"board":"checkerboard:9x6:25mm"}
+{"camera":"cam0","timestamp":18446744073709551614,"image_size":[640,480],"points":[[0,10.5,20.25,0.1],[53,1e-3,479,0.30000000000000004]]}
+{"camera":"","image_size":[640,480],"points":[]}
+)";
+
+TEST(Observations, WhatIsInTheFileIsRead) {
+  const auto file = parse_observations(kText);
+  ASSERT_TRUE(file.has_value()) << file.error().message;
+  EXPECT_EQ(file->board, "checkerboard:9x6:25mm");
+  EXPECT_EQ(file->whole_bytes, kText.size());
+  ASSERT_EQ(file->observations.size(), 2U);
+  const Observation& first = file->observations[0];
+  EXPECT_EQ(first.camera, "cam0");
+  EXPECT_EQ(first.board, "checkerboard:9x6:25mm");
+  EXPECT_EQ(first.timestamp, 18446744073709551614U);
+  EXPECT_EQ(first.image_size, (ImageSize{640, 480}));
+  EXPECT_EQ(first.ids, (std::vector<int>{0, 53}));
+  EXPECT_EQ(first.uv[1].u, 1e-3);
+  EXPECT_EQ(first.sigma[1], 0.30000000000000004);
+  EXPECT_FALSE(file->observations[1].found());
+  EXPECT_EQ(file->observations[1].timestamp, kNoTimestamp);
+}
+
+TEST(Observations, WhatIsPrintedReadsBackAsTheSame) {
+  ObservationFile file;
+  file.board = "checkerboard:9x6:25mm;checkerboard:5x4:1cm";
+  for (const std::string board : {"checkerboard:9x6:25mm", "checkerboard:5x4:1cm"}) {
+    Observation seen;
+    seen.camera = "left \"one\"\n";
+    seen.board = board;
+    seen.timestamp = 1234567890123456789U;
+    seen.image_size = {1280, 960};
+    seen.ids = {3, 1, 2};
+    seen.uv = {{1.0 / 3, -0.25}, {1e-17, 959.4999999999999}, {0, 0}};
+    seen.sigma = {0.1, 0.7, 1.0 / 7};
+    file.observations.push_back(seen);
+  }
+  const std::string text = print_observations(file);
+  const auto again = parse_observations(text);
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(print_observations(*again), text);
+  ASSERT_EQ(again->observations.size(), 2U);
+  EXPECT_EQ(again->observations[1].board, "checkerboard:5x4:1cm");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Observation& a = file.observations[i];
+    const Observation& b = again->observations[i];
+    EXPECT_EQ(a.camera, b.camera);
+    EXPECT_EQ(a.board, b.board);
+    EXPECT_EQ(a.timestamp, b.timestamp);
+    EXPECT_EQ(a.ids, b.ids);
+    EXPECT_EQ(a.sigma, b.sigma);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(a.uv[k].u, b.uv[k].u);
+  }
+}
+
+TEST(Observations, ATornLastLineIsLeftOutWhereverItTears) {
+  const std::string text(kText);
+  const std::size_t header = text.find('\n') + 1;
+  const std::size_t second = text.find('\n', header) + 1;
+  for (std::size_t length = header; length <= text.size(); ++length) {
+    const auto file = parse_observations(text.substr(0, length));
+    ASSERT_TRUE(file.has_value()) << length << ": " << file.error().message;
+    const std::size_t whole = length < second ? header : length < text.size() ? second : length;
+    EXPECT_EQ(file->whole_bytes, whole) << length;
+    EXPECT_EQ(file->observations.size(), whole == header ? 0U : whole == second ? 1U : 2U);
+  }
+  EXPECT_FALSE(parse_observations(text.substr(0, header - 1)).has_value());
+  EXPECT_FALSE(parse_observations("").has_value());
+}
+
+TEST(Observations, AResetForgetsWhatCameBefore) {
+  const std::string view = R"({"image_size":[64,48],"points":[[7,1,2,0.5]]})";
+  const std::string header(kText.substr(0, kText.find('\n') + 1));
+  const auto file =
+      parse_observations(header + view + "\n" + view + "\n{\"reset\":true}\n" + view + "\n");
+  ASSERT_TRUE(file.has_value()) << file.error().message;
+  EXPECT_EQ(file->observations.size(), 1U);
+  EXPECT_EQ(parse_observations(header + view + "\n{\"reset\":true}\n")->observations.size(), 0U);
+}
+
+TEST(Observations, BrokenLinesAreRefusedByNumberAndName) {
+  const std::string header(kText.substr(0, kText.find('\n') + 1));
+  for (const std::string line :
+       {R"({"image_size":[64,48],"points":[[7,1,2]]})", R"({"points":[]})", "7", "{",
+        R"({"image_size":[64,0],"points":[]})", R"({"image_size":[64.5,48],"points":[]})",
+        R"({"image_size":[64,48],"points":[[-1,1,2,1]]})",
+        R"({"image_size":[64,48],"points":[[1.5,1,2,1]]})",
+        R"({"image_size":[64,48],"points":[[1,1,2,0]]})",
+        R"({"image_size":[64,48],"points":[[1,1,1e999,1]]})",
+        R"({"image_size":[64,48],"timestamp":-5,"points":[]})"}) {
+    const auto file = parse_observations(header + line + "\n", "log.jsonl");
+    ASSERT_FALSE(file.has_value()) << line;
+    EXPECT_NE(file.error().message.find("'log.jsonl'"), std::string::npos) << file.error().message;
+    EXPECT_NE(file.error().message.find("line 2"), std::string::npos) << file.error().message;
+  }
+  const auto newer = parse_observations("{\"format\":\"calvin-observations\",\"version\":2}\n");
+  ASSERT_FALSE(newer.has_value());
+  EXPECT_EQ(newer.error().code, ErrorCode::kUnsupported);
+  const auto other = parse_observations("{\"format\":\"calvin-calibration\",\"version\":1}\n");
+  ASSERT_FALSE(other.has_value());
+  EXPECT_EQ(other.error().code, ErrorCode::kMalformed);
+}
+
+TEST(Observations, FilesAreRead) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file(folder.path("log.jsonl"), kText).has_value());
+  EXPECT_EQ(read_observations(folder.path("log.jsonl"))->observations.size(), 2U);
+  EXPECT_EQ(read_observations(folder.path("none.jsonl")).error().code, ErrorCode::kNotFound);
+}
+
+// As mrgingham writes it, on a board of 3x2 corners.
+constexpr std::string_view kVnl = R"(## generated by mrgingham
+# filename x y level
+frame000.png 211.4312 118.0021 0
+frame000.png 240 118 1
+frame000.png - - -
+frame000.png 211 140 2
+frame000.png 241 140 0
+frame000.png 270 141 0
+frame001.png - - -
+frame002.png 1 2 0
+frame002.png 3 4 -1
+frame002.png 5 6 0
+frame002.png 7 8 -
+frame002.png 9 10 0
+frame002.png - - -
+)";
+
+TEST(CornersVnl, OfMrginghamIsRead) {
+  const auto seen = parse_corners_vnl(kVnl, "checkerboard:3x2:10mm", {640, 480});
+  ASSERT_TRUE(seen.has_value()) << seen.error().message;
+  ASSERT_EQ(seen->size(), 3U);
+  EXPECT_EQ(seen->at(0).ids, (std::vector<int>{0, 1, 3, 4, 5}));
+  EXPECT_EQ(seen->at(0).sigma, (std::vector<double>{1, 2, 4, 1, 1}));
+  EXPECT_EQ(seen->at(0).uv[0].u, 211.4312);
+  EXPECT_EQ(seen->at(0).image_size, (ImageSize{640, 480}));
+  EXPECT_FALSE(seen->at(1).found());
+  EXPECT_EQ(seen->at(2).ids, (std::vector<int>{0, 2, 4}));
+}
+
+TEST(CornersVnl, WhatIsPrintedReadsBackAsTheSame) {
+  auto seen = parse_corners_vnl(kVnl, "checkerboard:3x2:10mm", {640, 480}).value();
+  seen[0].sigma = {0.25, 0.5, 8, 1, 2};
+  const auto text = print_corners_vnl(seen);
+  ASSERT_TRUE(text.has_value()) << text.error().message;
+  const auto again = parse_corners_vnl(*text, "checkerboard:3x2:10mm", {640, 480});
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  ASSERT_EQ(again->size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(again->at(i).ids, seen[i].ids);
+    EXPECT_EQ(again->at(i).sigma, seen[i].sigma);
+    for (std::size_t k = 0; k < seen[i].uv.size(); ++k) {
+      EXPECT_EQ(again->at(i).uv[k].u, seen[i].uv[k].u);
+      EXPECT_EQ(again->at(i).uv[k].v, seen[i].uv[k].v);
+    }
+  }
+  seen[0].ids[0] = 6;
+  EXPECT_FALSE(print_corners_vnl(seen).has_value());
+}
+
+TEST(CornersVnl, OfAnotherBoardOrBrokenIsRefused) {
+  const auto refused = [](std::string_view text, std::string_view board) {
+    const auto seen = parse_corners_vnl(text, board, {640, 480}, "corners.vnl");
+    EXPECT_FALSE(seen.has_value()) << text;
+    return seen ? std::string() : seen.error().message;
+  };
+  EXPECT_NE(refused(kVnl, "checkerboard:4x2:10mm").find("line 9"), std::string::npos);
+  EXPECT_NE(
+      refused("# filename x y level\na.png 1 2 0\n", "checkerboard:3x2:10mm").find("1 corners"),
+      std::string::npos);
+  (void)refused("a.png 1 2 0\n", "checkerboard:3x2:10mm");
+  (void)refused("", "checkerboard:3x2:10mm");
+  (void)refused("# filename x y level\na.png 1 two 0\n", "checkerboard:3x2:10mm");
+  (void)refused("# filename x y weight\na.png 1 2 0\n", "checkerboard:3x2:10mm");
+  (void)refused(kVnl, "checkerboard:3x2");
+}
+
+}  // namespace
+}  // namespace calvin
