@@ -246,10 +246,11 @@ void CalibSolver::run(const Job& job, const std::stop_token& stop) {
   g_autoptr(GDateTime) now = g_date_time_new_now_utc();
   g_autofree char* created = g_date_time_format(now, "%Y-%m-%dT%H:%M:%SZ");
   solution->calibration.created = created;
-  publish(job, solution->calibration);
+  publish(job, *solution);
 }
 
-void CalibSolver::publish(const Job& job, const Calibration& calibration) {
+void CalibSolver::publish(const Job& job, const Solution& solution) {
+  const Calibration& calibration = solution.calibration;
   Guidance now;
   bool better = false;
   {
@@ -285,7 +286,7 @@ void CalibSolver::publish(const Job& job, const Calibration& calibration) {
   const auto json = print_calibration(calibration);
   const Posting posting(element_);
   post_message(element_, progress_message(job.times, calibration.camera, now));
-  post_message(element_, result_message(job.times, calibration, job.location,
+  post_message(element_, result_message(job.times, solution, job.location,
                                         job.final && json ? json->c_str() : nullptr));
   g_object_notify(G_OBJECT(element_), "calibration");
 }

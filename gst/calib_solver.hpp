@@ -92,7 +92,7 @@ class CalibSolver {
   [[nodiscard]] Status verdict() const;
   // These two on the worker.
   void run(const Job& job, const std::stop_token& stop);
-  void publish(const Job& job, const Calibration& calibration);
+  void publish(const Job& job, const Solution& solution);
   void post_solve_progress(GstProgressType type, const std::string& text);
 
   GstElement* element_;

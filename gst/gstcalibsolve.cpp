@@ -70,6 +70,8 @@ enum {
   PROP_MODEL,
   PROP_FIX,
   PROP_INITIAL,
+  PROP_WARP,
+  PROP_SKEW,
   PROP_CAPTURE_MODE,
   PROP_MIN_VIEWS,
   PROP_MAX_VIEWS,
@@ -114,6 +116,12 @@ static void gst_calib_solve_set_property(GObject* object, guint id, const GValue
       case PROP_INITIAL:
         settings.initial = gst::string_of(value);
         break;
+      case PROP_WARP:
+        settings.warp = g_value_get_boolean(value) != FALSE;
+        break;
+      case PROP_SKEW:
+        settings.skew = g_value_get_boolean(value) != FALSE;
+        break;
       case PROP_CAPTURE_MODE:
         settings.capture_mode = g_value_get_enum(value);
         break;
@@ -154,6 +162,12 @@ static void gst_calib_solve_get_property(GObject* object, guint id, GValue* valu
       break;
     case PROP_INITIAL:
       gst::set_string(value, settings.initial);
+      break;
+    case PROP_WARP:
+      g_value_set_boolean(value, settings.warp);
+      break;
+    case PROP_SKEW:
+      g_value_set_boolean(value, settings.skew);
       break;
     case PROP_CAPTURE_MODE:
       g_value_set_enum(value, settings.capture_mode);
@@ -326,8 +340,7 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
        nullptr, gst::kMutablePlaying);
   text(PROP_MODEL, "model", "Model",
        "Camera model: pinhole, brown4, brown5, rational8, thinprism12, tilted14, fisheye, ucm, "
-       "eucm, "
-       "doublesphere",
+       "eucm, doublesphere, or auto for the simplest one that tells all views",
        "brown5", gst::kMutablePlaying);
   text(PROP_FIX, "fix", "Fix",
        "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
@@ -338,6 +351,15 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
        "A calibration (a file, or whatever calibundistort takes) to start the solve from, which "
        "also gives the values that fix holds; unset: the views alone tell",
        nullptr, gst::kMutablePlaying);
+  const auto choice = [object_class](guint id, const char* name, const char* nick,
+                                     const char* blurb, bool value) {
+    g_object_class_install_property(
+        object_class, id,
+        g_param_spec_boolean(name, nick, blurb, value, gst::kMutablePlaying));
+  };
+  choice(PROP_WARP, "warp", "Warp",
+         "Estimate the two curvatures of the board too, from 8 views of one board on", true);
+  choice(PROP_SKEW, "skew", "Skew", "Estimate the skew of the pixel axes too", false);
   g_object_class_install_property(
       object_class, PROP_CAPTURE_MODE,
       g_param_spec_enum("capture-mode", "Capture Mode", "Which views of the board are kept",

@@ -7,6 +7,9 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace calvin::gst {
 
 namespace {
@@ -53,8 +56,9 @@ GstStructure* progress_message(const FrameTimes& times, const std::string& camer
   return s;
 }
 
-GstStructure* result_message(const FrameTimes& times, const Calibration& c,
+GstStructure* result_message(const FrameTimes& times, const Solution& solution,
                              const std::string& location, const char* json) {
+  const Calibration& c = solution.calibration;
   GstStructure* s = new_message("calib-result", times, c.camera);
   gst_structure_set(s, "state", G_TYPE_STRING, json != nullptr ? "final" : "intermediate", "model",
                     G_TYPE_STRING, c.model.c_str(), "width", G_TYPE_INT, c.image_size.width,
@@ -71,6 +75,14 @@ GstStructure* result_message(const FrameTimes& times, const Calibration& c,
   set_optional(s, "rms", c.rms);
   set_optional(s, "held-out-rms", c.held_out_rms);
   set_optional(s, "chi", c.chi);
+  gst_structure_set(s, "halves", G_TYPE_DOUBLE, solution.misfit.halves, nullptr);
+  if (solution.misfit.found()) {
+    const std::string cause(to_string(solution.misfit.cause));
+    gst_structure_set(s, "misfit", G_TYPE_STRING, cause.c_str(), nullptr);
+  }
+  if (!solution.remarks.empty()) {
+    gst_structure_set(s, "remarks", G_TYPE_STRING, fmt::format("{}", fmt::join(solution.remarks, " ")).c_str(), nullptr);
+  }
   set_optional(s, "expected-error", c.expected_error);
   if (!location.empty()) gst_structure_set(s, "location", G_TYPE_STRING, location.c_str(), nullptr);
   if (json != nullptr) gst_structure_set(s, "json", G_TYPE_STRING, json, nullptr);

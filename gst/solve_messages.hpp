@@ -11,6 +11,7 @@
 
 #include "calvin/core/reason.hpp"
 #include "calvin/session/session.hpp"
+#include "calvin/solve/solve.hpp"
 #include "messages.hpp"
 #include "metas.hpp"
 
@@ -25,7 +26,7 @@ namespace calvin::gst {
 [[nodiscard]] GstStructure* progress_message(const FrameTimes& times, const std::string& camera,
                                              const Guidance& guidance);
 // `json` is the native text of the calibration for the final result, else nullptr.
-[[nodiscard]] GstStructure* result_message(const FrameTimes& times, const Calibration& calibration,
+[[nodiscard]] GstStructure* result_message(const FrameTimes& times, const Solution& solution,
                                            const std::string& location, const char* json);
 
 }  // namespace calvin::gst

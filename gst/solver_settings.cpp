@@ -27,6 +27,8 @@ Result<SolverPlan> make_plan(const SolverSettings& settings) {
   SolverPlan plan;
   plan.settings = settings;
   plan.options.model = settings.model;
+  plan.options.warp = settings.warp;
+  plan.options.skew = settings.skew;
   for (const std::string_view name : split(settings.fix, ',')) {
     if (!name.empty()) plan.options.fix.emplace_back(name);
   }
@@ -56,7 +58,8 @@ Result<SolverPlan> make_plan(const SolverSettings& settings) {
 }
 
 bool solves_differently(const SolverSettings& a, const SolverSettings& b) {
-  return a.model != b.model || a.fix != b.fix || a.initial != b.initial;
+  return a.model != b.model || a.fix != b.fix || a.initial != b.initial || a.warp != b.warp ||
+         a.skew != b.skew;
 }
 
 bool writes_elsewhere(const SolverSettings& a, const SolverSettings& b) {

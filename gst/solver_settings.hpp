@@ -23,6 +23,8 @@ struct SolverSettings {
   std::string model = "brown5";
   std::string fix;
   std::string initial;
+  bool warp = true;
+  bool skew = false;
   int capture_mode = kCaptureDefault;
   int min_views = 3;
   int max_views = 0;        // 0: no limit

@@ -53,18 +53,19 @@ TEST(Zhang, PublishedResultIsReproduced) {
   ASSERT_EQ(views[4].size(), 256u);
   SolveOptions options;
   options.model = "brown4";
+  options.skew = true;
   options.fix = {"p1", "p2"};
   options.reject_outliers = false;
   const auto solution = solve_points(std::move(views), {}, {640, 480}, options);
   ASSERT_TRUE(solution.has_value()) << solution.error().message;
   const Calibration& c = solution->calibration;
-  // Published with a skew of 0.2 px, which is not estimated here.
-  EXPECT_NEAR(c.find("fx")->value, 832.5, 0.6);
-  EXPECT_NEAR(c.find("fy")->value, 832.53, 0.6);
-  EXPECT_NEAR(c.find("cx")->value, 303.959, 0.6);
-  EXPECT_NEAR(c.find("cy")->value, 206.585, 0.6);
-  EXPECT_NEAR(c.find("k1")->value, -0.228601, 0.002);
-  EXPECT_NEAR(c.find("k2")->value, 0.190353, 0.005);
+  EXPECT_NEAR(c.find("fx")->value, 832.5, 0.01);
+  EXPECT_NEAR(c.find("fy")->value, 832.53, 0.01);
+  EXPECT_NEAR(c.find("skew")->value, 0.204494, 0.001);
+  EXPECT_NEAR(c.find("cx")->value, 303.959, 0.01);
+  EXPECT_NEAR(c.find("cy")->value, 206.585, 0.01);
+  EXPECT_NEAR(c.find("k1")->value, -0.228601, 1e-4);
+  EXPECT_NEAR(c.find("k2")->value, 0.190353, 1e-4);
   EXPECT_NEAR(*c.rms, 0.336, 0.002);
 }
 

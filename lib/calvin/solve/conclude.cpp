@@ -161,6 +161,14 @@ void add_checks(Solution& solution, const Conclusion& from, const Camera& camera
   const Consistency found =
       consistency(from.fit, camera, from.shape, from.freedom, c, variance);
   solution.misfit = misfit(found, calibration.chi, degrees);
+  solution.held_out = found.held_out;
+  double sum = 0;
+  double corners = 0;
+  for (std::size_t v = 0; v < found.held_out.size(); ++v) {
+    sum += found.held_out[v] * calibration.views[v].points;
+    corners += calibration.views[v].points;
+  }
+  if (std::isfinite(sum)) calibration.held_out_rms = std::sqrt(sum / corners);
   if (!solution.misfit.found() || !calibration.expected_error) return;
   *calibration.expected_error *=
       std::max({1.0, calibration.chi.value_or(1), solution.misfit.halves});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/camera_problem.hpp"
 #include "calvin/solve/projection_grid.hpp"
+#include "calvin/solve/scaled_solve.hpp"
 
 namespace calvin {
 
@@ -97,6 +99,8 @@ class Scores {
 
 class Judge {
  public:
+  static constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
   Judge(const Fit& fit, const Camera& camera, const BoardShape& shape, const Freedom& freedom,
         const Eigen::MatrixXd& covariance, double variance)
       : fit_(fit), camera_(camera), shape_(shape), freedom_(freedom), variance_(variance) {
@@ -121,6 +125,7 @@ class Judge {
     // A board that moves, turns or grows as a whole is one with other poses.
     constexpr double kRigid = 7;
     result.board = board_.excess(variance_, kept, kRigid + freedom_.layout.modes);
+    result.held_out = std::move(held_out_);
     if (predicted_ > 0) result.halves = std::sqrt(observed_ / predicted_);
     return result;
   }
@@ -144,9 +149,23 @@ class Judge {
     const ViewPoints points(fit_.views[v], shape_);
     CameraProblem problem({&points}, unknowns_of(freedom_),
                           {fit_.shared, {fit_.camera_from_board[v]}}, Loss{});
-    if (!problem.valid()) return;
-    if (const auto reduced = problem.reduced()) add_view(*reduced);
+    if (!problem.valid()) {
+      held_out_.push_back(kUnknown);
+      return;
+    }
+    const auto reduced = problem.reduced();
+    held_out_.push_back(reduced ? held_out(*reduced, points.count()) : kUnknown);
+    if (reduced) add_view(*reduced);
     add_residuals(v, points);
+  }
+
+  // The optimum without a view is one step away: (H - I) d = g.
+  double held_out(const CameraProblem::Reduced& view, std::size_t corners) const {
+    const auto step = scaled_solve(fit_.information - view.information, view.gradient, 0);
+    if (!step) return kUnknown;
+    const Eigen::VectorXd d = step->col(0);
+    const double cost = view.cost + 2 * view.gradient.dot(d) + d.dot(view.information * d);
+    return cost / (static_cast<double>(corners) - RowLayout::kPose / 2.0);
   }
 
   void add_view(const CameraProblem::Reduced& view) {
@@ -211,6 +230,7 @@ class Judge {
   double unknowns_ = 0;
   int across_ = 1;
   int down_ = 1;
+  std::vector<double> held_out_;
   Excess views_;
   Scores picture_;
   Scores board_;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -32,6 +33,10 @@ struct Consistency {
   // the views. To first order, from what each view says of the camera by itself at the optimum of
   // all, which is sum(g g^T) in place of sum(information) in the covariance of the halves.
   double halves = 1;
+
+  // Per view used: the weighted squares of its corners at a camera of all other views, px^2 per
+  // corner, corrected for its own pose; to first order too. Infinite where the others tell no camera.
+  std::vector<double> held_out;
 
   Excess views;     // of what single views say of the unknowns
   Excess picture;   // of mean residuals in parts of the image: a lens that is not the model's

@@ -26,6 +26,20 @@ std::size_t PointSet::used() const noexcept {
       std::count_if(weight.begin(), weight.end(), [](double w) { return w > 0; }));
 }
 
+void PointSet::clear() {
+  ids.clear();
+  points.clear();
+  uv.clear();
+  weight.clear();
+}
+
+void PointSet::append(const PointSet& from, std::size_t i) {
+  ids.push_back(from.ids[i]);
+  points.push_back(from.points[i]);
+  uv.push_back(from.uv[i]);
+  weight.push_back(from.weight[i]);
+}
+
 PointSet to_points(const Board& board, const Observation& observation) {
   const std::vector<Eigen::Vector3d> all = board.points();
   PointSet view;

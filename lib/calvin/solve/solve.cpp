@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/solve/auto_model.hpp"
 #include "calvin/solve/freedom.hpp"
 #include "calvin/solve/points.hpp"
 #include "calvin/solve/solve_points.hpp"
@@ -151,7 +152,9 @@ Status check(const View& view, ImageSize image_size) {
 }
 
 Status check(const SolveOptions& options) {
-  const auto freedom = make_freedom(options, {});
+  SolveOptions any = options;
+  if (any.model == kAutoModel) any.model = "brown5";
+  const auto freedom = make_freedom(any, {});
   if (!freedom) return tl::unexpected<Error>(freedom.error());
   return {};
 }
@@ -164,7 +167,9 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
   auto gathered = gather(views, image_size);
   if (!gathered) return tl::unexpected<Error>(gathered.error());
   const BoardShape shape = curvatures(views, gathered->views.size(), options);
-  auto solution = solve_points(std::move(gathered->views), shape, image_size, options, stop);
+  auto solution = options.model == kAutoModel
+                      ? solve_auto(gathered->views, shape, image_size, options, stop)
+                      : solve_points(std::move(gathered->views), shape, image_size, options, stop);
   if (!solution) return solution;
   auto& rejected = solution->rejected;
   rejected.insert(rejected.end(), gathered->rejected.begin(), gathered->rejected.end());

@@ -33,7 +33,9 @@ struct View {
 };
 
 struct SolveOptions {
-  std::string model = "brown5";  // one of model_names()
+  // One of model_names(), or "auto": the simplest of the sensible ones whose views, held out, are
+  // not told better by a richer one by more than 2 sigma.
+  std::string model = "brown5";
   std::string camera;            // name for the result; empty: that of the first view
   int max_iterations = 100;      // of each least-squares solve
   bool reject_outliers = true;   // false: plain least squares over all corners
@@ -99,6 +101,10 @@ struct Solution {
   int iterations = 0;                            // of all least-squares solves together
   // Where one is found, expected_error is multiplied by max(1, chi, halves).
   Misfit misfit;
+  // Per view of calibration.views, in px^2 per corner: how far its corners are from where a camera
+  // of all other views puts them, the 6 parameters of its pose allowed for; weighted, and to first
+  // order. calibration.held_out_rms is their mean's root: information, it decides nothing.
+  std::vector<double> held_out;
   std::vector<std::string> remarks;  // sentences for the user: what is weak, and what to do
 };
 
