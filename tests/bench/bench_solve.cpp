@@ -17,6 +17,7 @@
 #include <opencv2/core/version.hpp>
 
 #include "calvin/solve/solve.hpp"
+#include "plain_options.hpp"
 #include "ratio_reporter.hpp"
 #include "solve_ceres.hpp"
 #include "solve_mrcal.hpp"
@@ -40,14 +41,7 @@ struct Case {
 };
 
 calvin::Calibration calibrate(const Problem& problem) {
-  calvin::SolveOptions options;
-  options.model = problem.model;
-  options.reject_outliers = false;
-  options.checks = false;
-  // The shape of the board: what the peers do not estimate.
-  [](auto& o) {
-    if constexpr (requires { o.warp; }) o.warp = false;
-  }(options);
+  const auto options = calvin::scenes::plain_options(problem.model);
   auto solution = calvin::solve(problem.views, kSize, options);
   return solution ? std::move(solution->calibration) : calvin::Calibration();
 }

@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 
 #include "ceres_formulas.hpp"
+#include "plain_options.hpp"
 #include "scenes.hpp"
 #include "strong_lens.hpp"
 
@@ -134,10 +135,7 @@ TEST_P(Ceres, HasItsOptimumInTheSamePlace) {
     const Camera truth = scenes::strong_camera(GetParam(), random);
     const auto poses = scenes::random_poses(truth, kBoard, random, 20);
     const auto views = scenes::observe_all(truth, kBoard, poses, kSigma, random);
-    SolveOptions options;
-    options.model = GetParam();
-    options.reject_outliers = false;
-    const auto solution = solve(views, kSize, options);
+    const auto solution = solve(views, kSize, scenes::plain_options(GetParam()));
     ASSERT_TRUE(solution.has_value()) << solution.error().message;
     const Calibration& ours = solution->calibration;
     const double cost = *ours.rms * *ours.rms * static_cast<double>(views.size()) * 54;

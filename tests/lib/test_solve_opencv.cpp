@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
+#include "plain_options.hpp"
 #include "scenes.hpp"
 #include "strong_lens.hpp"
 
@@ -117,10 +118,7 @@ TEST_P(OpenCv, HasItsOptimumInTheSamePlace) {
     }
     auto views = scenes::observe_all(camera, kBoard, poses, 0.1, random);
     const Corners corners = to_opencv(views);
-    SolveOptions options;
-    options.model = GetParam();
-    options.reject_outliers = false;
-    const auto ours = solve(views, kSize, options);
+    const auto ours = solve(views, kSize, scenes::plain_options(GetParam()));
     ASSERT_TRUE(ours.has_value()) << ours.error().message;
     const Calibration& c = ours->calibration;
     const OpenCvFit theirs = opencv_fit(GetParam(), corners, camera);
