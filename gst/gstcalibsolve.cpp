@@ -354,8 +354,7 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
   const auto choice = [object_class](guint id, const char* name, const char* nick,
                                      const char* blurb, bool value) {
     g_object_class_install_property(
-        object_class, id,
-        g_param_spec_boolean(name, nick, blurb, value, gst::kMutablePlaying));
+        object_class, id, g_param_spec_boolean(name, nick, blurb, value, gst::kMutablePlaying));
   };
   choice(PROP_WARP, "warp", "Warp",
          "Estimate the two curvatures of the board too, from 8 views of one board on", true);

@@ -81,7 +81,8 @@ GstStructure* result_message(const FrameTimes& times, const Solution& solution,
     gst_structure_set(s, "misfit", G_TYPE_STRING, cause.c_str(), nullptr);
   }
   if (!solution.remarks.empty()) {
-    gst_structure_set(s, "remarks", G_TYPE_STRING, fmt::format("{}", fmt::join(solution.remarks, " ")).c_str(), nullptr);
+    gst_structure_set(s, "remarks", G_TYPE_STRING,
+                      fmt::format("{}", fmt::join(solution.remarks, " ")).c_str(), nullptr);
   }
   set_optional(s, "expected-error", c.expected_error);
   if (!location.empty()) gst_structure_set(s, "location", G_TYPE_STRING, location.c_str(), nullptr);

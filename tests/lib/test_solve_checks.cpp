@@ -125,18 +125,19 @@ TEST(Checks, ARollingShutterIsFlagged) {
 
 TEST(Checks, ErrorsThatCornersOfAViewShareAreFlagged) {
   // Half of the variance is a smooth wave over the view.
-  const Fault fault = {
-      {}, [](View& view, Random& random) {
-        const double length = scenes::uniform(random, 250, 500);
-        const double angle = scenes::uniform(random, 0, 2 * std::numbers::pi);
-        const double phase[2] = {scenes::uniform(random, 0, 6.28), scenes::uniform(random, 0, 6.28)};
-        for (Pixel& p : view.observation.uv) {
-          const double at =
-              2 * std::numbers::pi * (p.u * std::cos(angle) + p.v * std::sin(angle)) / length;
-          p = {p.u + std::sqrt(2.0) * kNoise * std::sin(at + phase[0]),
-               p.v + std::sqrt(2.0) * kNoise * std::sin(at + phase[1])};
-        }
-      }};
+  const Fault fault = {{}, [](View& view, Random& random) {
+                         const double length = scenes::uniform(random, 250, 500);
+                         const double angle = scenes::uniform(random, 0, 2 * std::numbers::pi);
+                         const double phase[2] = {scenes::uniform(random, 0, 6.28),
+                                                  scenes::uniform(random, 0, 6.28)};
+                         for (Pixel& p : view.observation.uv) {
+                           const double at = 2 * std::numbers::pi *
+                                             (p.u * std::cos(angle) + p.v * std::sin(angle)) /
+                                             length;
+                           p = {p.u + std::sqrt(2.0) * kNoise * std::sin(at + phase[0]),
+                                p.v + std::sqrt(2.0) * kNoise * std::sin(at + phase[1])};
+                         }
+                       }};
   EXPECT_GE(flagged("brown5", "brown5", fault, true), fewest_found());
 }
 
@@ -223,7 +224,7 @@ INSTANTIATE_TEST_SUITE_P(Model, Auto,
                          ::testing::Values(Choice{"pinhole", {"pinhole"}},
                                            Choice{"brown5", {"brown4", "brown5"}},
                                            Choice{"fisheye", {"fisheye"}}),
-                         [](const auto& info) { return std::string(info.param.truth); });
+                         [](const auto& choice) { return std::string(choice.param.truth); });
 
 TEST_P(Auto, ChoosesTheSimplestThatIsRight) {
   Random random(12);

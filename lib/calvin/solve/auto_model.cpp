@@ -130,8 +130,8 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
     trial_options.model = "pinhole";
     return solve_points(views, shape, image_size, trial_options, stop);
   }
-  const auto fewest_lost = std::min_element(
-      trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
+  const auto fewest_lost =
+      std::min_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
         return a.solution.calibration.held_out_rms.value_or(HUGE_VAL) <
                b.solution.calibration.held_out_rms.value_or(HUGE_VAL);
       });

@@ -39,8 +39,7 @@ tl::unexpected<Error> degenerate(std::string what) {
 }
 
 // Sigma^2 (J^T J)^-1 over all unknowns. Absent where it does not exist.
-std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom,
-                                          double variance) {
+std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom, double variance) {
   const Eigen::Index n = fit.information.rows();
   const auto inverse = scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), 1e-14);
   if (!inverse) return std::nullopt;
@@ -90,15 +89,22 @@ Status determined(const Fit& fit, const Eigen::MatrixXd& c, ImageSize size) {
   return {};
 }
 
+// The sum over the corners in use, px^2.
+double squares_of(const Fit& fit, std::size_t v) {
+  double sum = 0;
+  for (std::size_t i = 0; i < fit.squares[v].size(); ++i) {
+    if (fit.views[v].weight[i] > 0) sum += fit.squares[v][i];
+  }
+  return sum;
+}
+
 ViewRecord record(const Fit& fit, std::size_t v) {
   const PointSet& view = fit.views[v];
   ViewRecord r;
   r.timestamp = view.timestamp;
   r.points = static_cast<int>(view.used());
   r.camera_from_board = to_pose(fit.camera_from_board[v]);
-  double sum = 0;
-  for (const double square : fit.squares[v]) sum += square;
-  r.rms = std::sqrt(sum / r.points);
+  r.rms = std::sqrt(squares_of(fit, v) / r.points);
   return r;
 }
 
@@ -129,7 +135,7 @@ void add_corners(Solution& solution, const Fit& fit) {
       continue;
     }
     calibration.views.push_back(record(fit, v));
-    for (const double square : fit.squares[v]) squares += square;
+    squares += squares_of(fit, v);
     for (std::size_t i = 0; i < view.size(); ++i) {
       if (view.weight[i] > 0) {
         corners.push_back(view.uv[i]);
@@ -158,8 +164,7 @@ void add_checks(Solution& solution, const Conclusion& from, const Camera& camera
   Calibration& calibration = solution.calibration;
   const double degrees = degrees_of_freedom(from.fit);
   calibration.expected_error = expected_error(calibration);
-  const Consistency found =
-      consistency(from.fit, camera, from.shape, from.freedom, c, variance);
+  const Consistency found = consistency(from.fit, camera, from.shape, from.freedom, c, variance);
   solution.misfit = misfit(found, calibration.chi, degrees);
   solution.held_out = found.held_out;
   double sum = 0;
@@ -235,9 +240,9 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
     return tl::unexpected<Error>(status.error());
   }
   const auto count = static_cast<std::ptrdiff_t>(4 + freedom.layout.coefficients);
-  const auto camera = Camera::make(freedom.model, size,
-                                   {fit.shared.begin(), fit.shared.begin() + count},
-                                   freedom.row_point(fit.shared).skew);
+  const auto camera =
+      Camera::make(freedom.model, size, {fit.shared.begin(), fit.shared.begin() + count},
+                   freedom.row_point(fit.shared).skew);
   if (!camera) return degenerate("The solve leads to an impossible camera.");
   Solution solution;
   solution.iterations = fit.iterations;

@@ -4,7 +4,6 @@
 #include "calvin/solve/consistency.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -51,7 +50,8 @@ Eigen::MatrixXd projection_metric(const Camera& camera, const Freedom& freedom) 
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
   for (const auto& cell : grid) sum += cell.transpose().lazyProduct(cell);
   const Eigen::MatrixXd basis = freedom.basis.topRows(n);
-  return basis.transpose() * sum * basis / static_cast<double>(std::max<std::size_t>(grid.size(), 1));
+  return basis.transpose() * sum * basis /
+         static_cast<double>(std::max<std::size_t>(grid.size(), 1));
 }
 
 // v^T m^+ v over the directions in which m is not nothing, and their number.
@@ -106,8 +106,7 @@ class Judge {
       : fit_(fit), camera_(camera), shape_(shape), freedom_(freedom), variance_(variance) {
     // Over the directions: the basis has one unknown of its own for each.
     const Eigen::MatrixXd& basis = freedom.basis;
-    const Eigen::MatrixXd pick =
-        (basis.transpose() * basis).inverse() * basis.transpose();
+    const Eigen::MatrixXd pick = (basis.transpose() * basis).inverse() * basis.transpose();
     covariance_ = pick * covariance * pick.transpose();
   }
 
@@ -184,8 +183,8 @@ class Judge {
   void add_residuals(std::size_t v, const ViewPoints& points) {
     ViewRows rows(freedom_.layout);
     rows.resize(points.padded());
-    fill_rows_of(freedom_.model)(points, freedom_.row_point(fit_.shared),
-                                 fit_.camera_from_board[v], Loss{}, rows);
+    fill_rows_of(freedom_.model)(points, freedom_.row_point(fit_.shared), fit_.camera_from_board[v],
+                                 Loss{}, rows);
     const PointSet& view = fit_.views[v];
     const Eigen::Matrix3d& turn = fit_.camera_from_board[v].rotation;
     std::size_t at = 0;
@@ -202,8 +201,8 @@ class Judge {
     const auto part = [](double x, int extent, int parts) {
       return std::clamp(static_cast<int>((x + 0.5) / extent * parts), 0, parts - 1);
     };
-    const int cell = part(view.uv[i].v, size.height, down_) * across_ +
-                     part(view.uv[i].u, size.width, across_);
+    const int cell =
+        part(view.uv[i].v, size.height, down_) * across_ + part(view.uv[i].u, size.width, across_);
     Eigen::Vector3d score = Eigen::Vector3d::Zero();
     Eigen::Vector3d information = Eigen::Vector3d::Zero();
     for (int k = 0; k < 2; ++k) {
@@ -261,15 +260,17 @@ Misfit misfit(const Consistency& c, std::optional<double> chi, double degrees) {
   result.halves = c.halves;
   const double chi_limit = kSigmaTolerance * (1 + kSignificant / std::sqrt(2 * degrees));
   const bool noisy = chi && *chi > chi_limit;
-  const std::array<std::pair<const Excess*, Misfit::Cause>, 3> tests = {
-      {{&c.picture, Misfit::Cause::kModel},
-       {&c.board, Misfit::Cause::kBoard},
-       {&c.views, Misfit::Cause::kMotion}}};
-  double most = 0;
-  for (const auto& [excess, cause] : tests) {
-    if (!significant(*excess, degrees) || excess->deviations() < most) continue;
-    most = excess->deviations();
-    result.cause = cause;
+  // What belongs to a place or to a corner is told apart by how much of the residuals it explains;
+  // views that contradict each other for either reason are not to blame.
+  const bool picture = significant(c.picture, degrees);
+  const bool board = significant(c.board, degrees);
+  const bool views = significant(c.views, degrees);
+  if (picture || board) {
+    const bool corner = c.board.sum - c.board.degrees > c.picture.sum - c.picture.degrees;
+    result.cause = board && corner ? Misfit::Cause::kBoard : Misfit::Cause::kModel;
+    if (!picture) result.cause = Misfit::Cause::kBoard;
+  } else if (views) {
+    result.cause = Misfit::Cause::kMotion;
   }
   if (noisy && result.cause == Misfit::Cause::kNone) result.cause = Misfit::Cause::kNoise;
   return result;

@@ -35,12 +35,13 @@ struct Consistency {
   double halves = 1;
 
   // Per view used: the weighted squares of its corners at a camera of all other views, px^2 per
-  // corner, corrected for its own pose; to first order too. Infinite where the others tell no camera.
+  // corner, corrected for its own pose; to first order too. Infinite where the others tell no
+  // camera.
   std::vector<double> held_out;
 
-  Excess views;     // of what single views say of the unknowns
-  Excess picture;   // of mean residuals in parts of the image: a lens that is not the model's
-  Excess board;     // of mean residuals by corner, along the axes of the board
+  Excess views;    // of what single views say of the unknowns
+  Excess picture;  // of mean residuals in parts of the image: a lens that is not the model's
+  Excess board;    // of mean residuals by corner, along the axes of the board
 };
 
 // `variance` is that of a residual of weight 1, px^2; `covariance` that of the unknowns.

@@ -39,14 +39,6 @@ class Course {
     return finish();
   }
 
-  // From known unknowns, over the views and corners that are in use.
-  Fit run_from(std::vector<double> shared, Poses poses) {
-    shared_ = std::move(shared);
-    poses_ = std::move(poses);
-    solve_masked(everything());
-    return finish();
-  }
-
  private:
   // False where the start does not lead into a valley that can be the right one.
   bool follow(Candidate start) {
@@ -181,11 +173,11 @@ class Course {
     return fit;
   }
 
+  // Of the corners that were left out too.
   std::vector<std::vector<double>> squares() {
-    std::vector<std::vector<double>> result(final_views_.size());
+    std::vector<std::vector<double>> result(used_.size());
     for (std::size_t v = 0; v < result.size(); ++v) {
-      if (used_[v])
-        result[v] = least_squares_.squares(*final_views_[v], final_shared_, final_poses_[v]);
+      if (used_[v]) result[v] = least_squares_.squares(views_[v], final_shared_, final_poses_[v]);
     }
     return result;
   }
@@ -215,16 +207,6 @@ class Course {
 Fit fit_camera(std::vector<PointSet> views, const BoardShape& shape, ImageSize size,
                const Freedom& freedom, const SolveOptions& options, const std::stop_token& stop) {
   return Course(std::move(views), shape, size, freedom, options, stop).run();
-}
-
-Fit refit(Fit from, const BoardShape& shape, ImageSize size, const Freedom& freedom,
-          const SolveOptions& options, const std::stop_token& stop) {
-  Poses poses(from.views.size());
-  for (std::size_t v = 0; v < poses.size(); ++v) {
-    if (from.used[v]) poses[v] = from.camera_from_board[v];
-  }
-  Course course(std::move(from.views), shape, size, freedom, options, stop);
-  return course.run_from(std::move(from.shared), std::move(poses));
 }
 
 }  // namespace calvin

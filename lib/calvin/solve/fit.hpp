@@ -19,13 +19,13 @@
 namespace calvin {
 
 struct Fit {
-  std::vector<double> shared;          // in the order of RowLayout
-  std::vector<SE3> camera_from_board;  // per view; of those used
-  std::vector<PointSet> views;         // corners left out have weight 0
-  std::vector<bool> used;              // per view
-  std::vector<std::vector<double>> squares;  // per view: of the distance of each corner used, px^2
-  double cost = 0;                     // weighted, px^2, over the corners used
-  Eigen::MatrixXd information;         // over Freedom's directions, for residuals of 1 px
+  std::vector<double> shared;                // in the order of RowLayout
+  std::vector<SE3> camera_from_board;        // per view; of those used
+  std::vector<PointSet> views;               // corners left out have weight 0
+  std::vector<bool> used;                    // per view
+  std::vector<std::vector<double>> squares;  // per view used: of each corner's distance, px^2
+  double cost = 0;                           // weighted, px^2, over the corners used
+  Eigen::MatrixXd information;               // over Freedom's directions, for residuals of 1 px
   int iterations = 0;
   bool converged = false;
   bool cancelled = false;
@@ -36,9 +36,5 @@ struct Fit {
 [[nodiscard]] Fit fit_camera(std::vector<PointSet> views, const BoardShape& shape, ImageSize size,
                              const Freedom& freedom, const SolveOptions& options,
                              const std::stop_token& stop);
-
-// The same least squares over other weights, or only some of the views (those `used`), from a fit.
-[[nodiscard]] Fit refit(Fit from, const BoardShape& shape, ImageSize size, const Freedom& freedom,
-                        const SolveOptions& options, const std::stop_token& stop);
 
 }  // namespace calvin

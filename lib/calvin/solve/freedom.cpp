@@ -246,7 +246,8 @@ Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size, int mo
                       camera->image_size().width, camera->image_size().height, size.width,
                       size.height));
     }
-    freedom.initial = values_of(*options.initial, names, options.model, freedom.lens.starts.front());
+    freedom.initial =
+        values_of(*options.initial, names, options.model, freedom.lens.starts.front());
     freedom.initial.resize(freedom.held.size(), 0);
     if (!options.skew) freedom.skew = camera->skew();
   }

@@ -28,7 +28,7 @@ struct PointSet {
   [[nodiscard]] std::size_t size() const noexcept { return points.size(); }
   [[nodiscard]] std::size_t used() const noexcept;
 
-  void clear();                                     // of corners
+  void clear();                                      // of corners
   void append(const PointSet& from, std::size_t i);  // one corner of another view
 };
 

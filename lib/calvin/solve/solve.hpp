@@ -26,7 +26,8 @@
 namespace calvin {
 
 // One board as seen in one frame. A corner counts by 1 / sigma^2; a sigma that is missing or not
-// positive counts as 1 px. A factor common to all sigmas changes nothing.
+// positive counts as 1 px, and then none of them is believed but for their ratios. Where corners
+// are worse than their sigmas say, a sigma that all have in common is added.
 struct View {
   Observation observation;
   Board board;
@@ -36,9 +37,9 @@ struct SolveOptions {
   // One of model_names(), or "auto": the simplest of the sensible ones whose views, held out, are
   // not told better by a richer one by more than 2 sigma.
   std::string model = "brown5";
-  std::string camera;            // name for the result; empty: that of the first view
-  int max_iterations = 100;      // of each least-squares solve
-  bool reject_outliers = true;   // false: plain least squares over all corners
+  std::string camera;           // name for the result; empty: that of the first view
+  int max_iterations = 100;     // of each least-squares solve
+  bool reject_outliers = true;  // false: plain least squares over all corners
 
   // A calibration of images of the same size to start from: it makes a solve sure where the views
   // alone are few, and gives the values at which parameters are held. Coefficients of an unrelated

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "calvin/solve/conclude.hpp"
 #include "calvin/solve/fit.hpp"
@@ -18,6 +17,9 @@ namespace {
 // A board bends by less than this of its size, 1 sigma: what keeps its curvature from running away
 // where the views tell nothing of it.
 constexpr double kBendPrior = 0.01;
+
+// The common sigma is found when it changes by less than this part.
+constexpr double kSettled = 0.02;
 
 double extent_of(const std::vector<PointSet>& views) {
   double extent = 0;
@@ -46,13 +48,17 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
        ++m) {
     freedom->priors.push_back({m, 0, bend});
   }
-  Fit fit = fit_camera(std::move(views), shape, image_size, *freedom, options, stop);
-  const double chi = std::sqrt(fit.cost / degrees_of_freedom(fit)) / scale.sigma;
-  constexpr int kRounds = 2;
+  Fit fit = fit_camera(views, shape, image_size, *freedom, options, stop);
+  constexpr int kRounds = 3;
+  double before = 0;
   for (int i = 0; i < kRounds && fit.converged && scale.known; ++i) {
-    if (!add_common_sigma(fit, scale)) break;
-    fit = refit(std::move(fit), shape, image_size, *freedom, options, stop);
+    const double common = common_sigma(fit, views, scale);
+    if (std::abs(common - before) <= kSettled * common) break;
+    fit = fit_camera(with_common_sigma(views, scale, common), shape, image_size, *freedom, options,
+                     stop);
+    before = common;
   }
+  const double chi = fit.converged ? chi_of(fit, views, scale) : 1;
   return conclude({fit, *freedom, shape, scale, chi}, image_size, options);
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace calvin {
@@ -16,39 +17,42 @@ constexpr double kWidestRatio = 1e3;
 
 struct Corner {
   double square = 0;    // of its distance, px^2
-  double variance = 0;  // px^2
+  double variance = 0;  // px^2, by the detector
 };
 
-std::vector<Corner> corners_of(const Fit& fit, double sigma) {
+// All corners of the views used, those left out too.
+std::vector<Corner> corners_of(const Fit& fit, const std::vector<PointSet>& views, double sigma) {
   std::vector<Corner> corners;
-  for (std::size_t v = 0; v < fit.views.size(); ++v) {
-    if (!fit.used[v]) continue;
-    const PointSet& view = fit.views[v];
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < view.size(); ++i) {
-      if (!(view.weight[i] > 0)) continue;
-      const double own = sigma / view.weight[i];
-      corners.push_back({fit.squares[v][at++], own * own});
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (std::size_t i = 0; fit.used[v] && i < views[v].size(); ++i) {
+      const double own = sigma / views[v].weight[i];
+      if (std::isfinite(fit.squares[v][i])) corners.push_back({fit.squares[v][i], own * own});
     }
   }
   return corners;
 }
 
-// sum(square / (variance + common)) = degrees, by bisection: the sum falls as `common` grows.
-double common_variance(const std::vector<Corner>& corners, double degrees) {
-  const auto sum = [&corners](double common) {
-    double total = 0;
-    for (const Corner& c : corners) total += c.square / (c.variance + common);
-    return total;
+// The median of square / (variance + common) is that of two Gaussians' squares, by bisection: it
+// falls as `common` grows. 0 where it is less without.
+double common_variance(const std::vector<Corner>& corners) {
+  const double wanted = 2 * std::numbers::ln2;
+  std::vector<double> ratios(corners.size());
+  const auto median = [&](double common) {
+    std::transform(corners.begin(), corners.end(), ratios.begin(),
+                   [common](const Corner& c) { return c.square / (c.variance + common); });
+    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    return *middle;
   };
+  if (corners.empty() || !(median(0) > wanted)) return 0;
   double low = 0;
-  double high = 0;
-  for (const Corner& c : corners) high += c.square / degrees;
-  for (int i = 0; i < 60; ++i) {
+  double high = 1;
+  while (median(high) > wanted && high < 1e12) high *= 4;
+  for (int i = 0; i < 40; ++i) {
     const double middle = (low + high) / 2;
-    (sum(middle) > degrees ? low : high) = middle;
+    (median(middle) > wanted ? low : high) = middle;
   }
-  return (low + high) / 2;
+  return high;
 }
 
 }  // namespace
@@ -78,23 +82,34 @@ double degrees_of_freedom(const Fit& fit) {
   return degrees;
 }
 
-bool add_common_sigma(Fit& fit, const WeightScale& scale) {
-  constexpr double kNearlyOne = 1.02;
+double common_sigma(const Fit& fit, const std::vector<PointSet>& views, const WeightScale& scale) {
   constexpr double kNearlyEqual = 1.05;
-  const double degrees = degrees_of_freedom(fit);
-  if (!(degrees > 0) || fit.cost < kNearlyOne * degrees * scale.sigma * scale.sigma) return false;
-  const std::vector<Corner> corners = corners_of(fit, scale.sigma);
-  const auto [least, most] = std::minmax_element(
-      corners.begin(), corners.end(),
-      [](const Corner& a, const Corner& b) { return a.variance < b.variance; });
-  if (most->variance < kNearlyEqual * least->variance) return false;
-  const double common = common_variance(corners, degrees);
-  for (PointSet& view : fit.views) {
-    for (double& w : view.weight) {
-      if (w > 0) w = scale.sigma / std::sqrt(scale.sigma * scale.sigma / (w * w) + common);
+  const std::vector<Corner> corners = corners_of(fit, views, scale.sigma);
+  if (corners.empty()) return 0;
+  const auto [least, most] =
+      std::minmax_element(corners.begin(), corners.end(),
+                          [](const Corner& a, const Corner& b) { return a.variance < b.variance; });
+  if (most->variance < kNearlyEqual * least->variance) return 0;
+  return std::sqrt(common_variance(corners));
+}
+
+std::vector<PointSet> with_common_sigma(std::vector<PointSet> views, const WeightScale& scale,
+                                        double common) {
+  for (PointSet& view : views) {
+    for (double& w : view.weight) w = scale.sigma / std::hypot(scale.sigma / w, common);
+  }
+  return views;
+}
+
+double chi_of(const Fit& fit, const std::vector<PointSet>& views, const WeightScale& scale) {
+  double sum = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (std::size_t i = 0; fit.used[v] && i < views[v].size(); ++i) {
+      const double told = views[v].weight[i] / scale.sigma;
+      if (fit.views[v].weight[i] > 0) sum += fit.squares[v][i] * told * told;
     }
   }
-  return true;
+  return std::sqrt(sum / degrees_of_freedom(fit));
 }
 
 }  // namespace calvin

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "calvin/solve/fit.hpp"
 #include "calvin/solve/points.hpp"
@@ -24,9 +25,18 @@ WeightScale normalise_weights(std::span<PointSet> views);
 // Residuals less what was fitted to them.
 [[nodiscard]] double degrees_of_freedom(const Fit& fit);
 
-// sigma^2 = sigma_i^2 + sigma_0^2: where corners are worse than their sigmas say, sigma_0 is what
-// all of them have in common, found so that chi is 1. Puts the new weights into fit.views. False
-// where that changes nothing, because chi is 1 already or all sigmas are nearly equal.
-[[nodiscard]] bool add_common_sigma(Fit& fit, const WeightScale& scale);
+// sigma^2 = sigma_i^2 + sigma_0^2: where corners are worse than their sigmas say, sigma_0 (px) is
+// what all of them have in common. By the median of the corners, so that outliers have no say.
+// `views` are those that the fit began with, before weights were changed. 0 where it would change
+// nothing: all sigmas nearly equal, or large enough.
+[[nodiscard]] double common_sigma(const Fit& fit, const std::vector<PointSet>& views,
+                                  const WeightScale& scale);
+[[nodiscard]] std::vector<PointSet> with_common_sigma(std::vector<PointSet> views,
+                                                      const WeightScale& scale, double common);
+
+// The square root of chi^2 per degree of freedom, against the sigmas of `views`, over the corners
+// that the fit used.
+[[nodiscard]] double chi_of(const Fit& fit, const std::vector<PointSet>& views,
+                            const WeightScale& scale);
 
 }  // namespace calvin
