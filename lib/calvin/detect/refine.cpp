@@ -117,6 +117,32 @@ double bend(const SaddleFit& before, const SaddleFit& at, const SaddleFit& after
   return (static_cast<double>(normal.x) * u + static_cast<double>(normal.y) * v) / (half * half);
 }
 
+// Whether all four squares of a corner are in view, as far from it as the border of the image lets
+// one look. A fit whose window is cut off there takes three of them for four.
+bool shows_four_squares(const ImageView& image, const SaddleFit& fit, float spacing) {
+  constexpr float kLeastSight = 2.5F;  // px
+  constexpr float kFarthest = 0.35F;   // of the spacing
+  constexpr float kClearly = 0.4F;     // of the contrast
+  const auto u = static_cast<float>(fit.x);
+  const auto v = static_cast<float>(fit.y);
+  const float border = std::min(std::min(u, v), std::min(static_cast<float>(image.width - 1) - u,
+                                                         static_cast<float>(image.height - 1) - v));
+  const float sight = std::min(border, kFarthest * spacing);
+  if (sight < kLeastSight) return false;
+  for (const float a : {-1.0F, 1.0F}) {
+    for (const float b : {-1.0F, 1.0F}) {
+      Direction way = {a * fit.along.x + b * fit.down.x, a * fit.along.y + b * fit.down.y};
+      const float length = std::hypot(way.x, way.y);
+      const int x = static_cast<int>(std::lround(u + sight * way.x / length));
+      const int y = static_cast<int>(std::lround(v + sight * way.y / length));
+      if (x < 0 || y < 0 || x >= image.width || y >= image.height) return false;
+      const float grey = static_cast<float>(image.at(x, y)) - fit.level;
+      if (a * b * grey / fit.contrast < kClearly) return false;
+    }
+  }
+  return true;
+}
+
 // Whether there is a corner where a node was guessed, by a fit that knows its edges.
 bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node& node) {
   constexpr float kAsymmetry = 0.8F;
@@ -127,7 +153,8 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   f.along_width = f.down_width = std::max(2.0F, node.width);
   if (!fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, kLastRadius), 10, f) ||
       !colours_fit(f, c) || 2 * std::abs(f.contrast) < kContrast * node.contrast ||
-      distance(f, node) > 0.3F * spacing || f.residual > kResidual * std::abs(f.contrast)) {
+      distance(f, node) > 0.3F * spacing || f.residual > kResidual * std::abs(f.contrast) ||
+      !shows_four_squares(image, f, spacing)) {
     return false;
   }
   const int x = static_cast<int>(std::lround(f.x));
