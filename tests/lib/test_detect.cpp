@@ -230,14 +230,14 @@ TEST(Parts, AreFoundWithTheirIds) {
   const Camera camera = default_camera({640, 480});
   const BoardRenderer renderer(camera);
   int parts = 0;
-  for (double shift = 0.2; shift < 0.34; shift += full() ? 0.005 : 0.02) {
+  for (double shift = 0.2; shift < 0.34; shift += full() ? 0.002 : 0.01) {
     SE3 pose = ahead(board(), 0, 0.4);
     pose.translation.x() += shift;
     const Observation truth = true_observation(camera, board(), pose);
     ASSERT_LT(truth.ids.size(), 54U) << shift;
     const auto found =
         finder->detect(renderer.render(board(), pose, {.noise = 2, .blur = 0.7}).view());
-    if (truth.ids.size() < 30) continue;  // the ends of too few squares are in view
+    if (truth.ids.size() < 36) continue;  // the ends of too few squares are in view
     ++parts;
     ASSERT_EQ(found.reason, Reason::kAccepted) << shift;
     EXPECT_TRUE(found.observation.ambiguous.empty()) << shift;

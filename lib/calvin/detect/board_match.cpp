@@ -228,6 +228,15 @@ Cell Placement::cell(Cell p) const {
   }
 }
 
+bool is_far_larger(const Lattice& lattice, const Board& board) {
+  constexpr double kFar = 1.5;
+  const Extent e = lattice.extent();
+  const auto [shorter, longer] = std::minmax(e.cols(), e.rows());
+  return lattice.count() > kFar * board.point_count() &&
+         (shorter > std::min(board.cols, board.rows) + 1 ||
+          longer > std::max(board.cols, board.rows) + 1);
+}
+
 Match match_board(const ImageView& image, const Board& board, Lattice& lattice) {
   Match match;
   const bool small_enough = trim(board, lattice);

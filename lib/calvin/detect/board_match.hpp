@@ -38,6 +38,9 @@ struct Match {
   int seen_rows = 0;
 };
 
+// Whether a lattice is so much larger than the board that no stray nodes explain it.
+[[nodiscard]] bool is_far_larger(const Lattice& lattice, const Board& board);
+
 // `lattice` in px of `image` (of step 1), no node guessed. Stray nodes that stand outside of the
 // board's edge are removed from it.
 [[nodiscard]] Match match_board(const ImageView& image, const Board& board, Lattice& lattice);

@@ -16,8 +16,8 @@ constexpr float kAsymmetry = 0.55F;      // of a corner that is looked for
 constexpr float kAsymmetryInGap = 0.8F;  // of one that is expected
 constexpr int kWeakResponse = 3;
 constexpr float kLeastSpacing = 4.5F;  // px
-constexpr float kPruneFound = 0.45F;   // of the spacing
-constexpr float kPruneComplete = 0.5F;
+constexpr float kPrune = 0.45F;        // of the spacing
+constexpr int kFewestNodes = 6;        // to build on
 
 // The peak of the response around its largest pixel.
 void centre(const ImageView& image, const SaddlePoint& p, Corner& corner) {
@@ -146,7 +146,8 @@ void BoardSearch::look(const ImageView& image, const SearchOptions& options) {
   corners_.clear();
   groups_.clear();
   next_group_ = 0;
-  for (const SaddlePoint& p : saddle_search_.find(image, options.threshold, options.most_points)) {
+  for (const SaddlePoint& p : saddle_search_.find(image, options.threshold,
+                                                  static_cast<std::size_t>(options.most_points))) {
     Corner corner;
     if (!check_ring(image, p.x, p.y, RingSize::kLarge, kAsymmetry, corner) &&
         !check_ring(image, p.x, p.y, RingSize::kSmall, kAsymmetry, corner)) {
@@ -227,16 +228,14 @@ void BoardSearch::complete(const ImageView& image, Lattice& lattice) {
     }
     if (!added) break;
   }
+  lattice.prune(kPrune);
 }
 
-bool BoardSearch::next(const ImageView& image, Lattice& lattice) {
+bool BoardSearch::next(Lattice& lattice) {
   while (next_group_ < groups_.size()) {
     fill(groups_[next_group_++], lattice);
-    lattice.prune(kPruneFound);
-    if (lattice.count() < std::min(options_.least_nodes, 6)) continue;
-    complete(image, lattice);
-    lattice.prune(kPruneComplete);
-    if (lattice.count() >= options_.least_nodes) return true;
+    lattice.prune(kPrune);
+    if (lattice.count() >= std::min(options_.least_nodes, kFewestNodes)) return true;
   }
   return false;
 }

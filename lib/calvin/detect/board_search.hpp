@@ -18,9 +18,9 @@ namespace calvin::detect {
 // What is looked for.
 struct SearchOptions {
   std::uint8_t threshold = 5;  // grey levels, of the response
-  std::size_t most_points = 1500;
-  int least_nodes = 9;  // of a lattice
-  float reach = 144;    // px, the largest distance between neighbours
+  int most_points = 600;       // of the response
+  int least_nodes = 9;         // of a lattice
+  float reach = 144;           // px, the largest distance between neighbours
 };
 
 // Keeps its memory.
@@ -29,9 +29,9 @@ class BoardSearch {
   // Finds the corners of an image (of step 1) and who is whose neighbour.
   void look(const ImageView& image, const SearchOptions& options);
 
-  // Moves to the next lattice of at least `least_nodes` corners, the largest first; false where
-  // none is left. Gaps are filled and stray corners removed.
-  [[nodiscard]] bool next(const ImageView& image, Lattice& lattice);
+  // Moves to the next lattice of at least `least_nodes` corners, the largest first, its stray
+  // corners removed; false where none is left.
+  [[nodiscard]] bool next(Lattice& lattice);
 
   // Adds the nodes that are missing inside of a lattice and next to it.
   static void complete(const ImageView& image, Lattice& lattice);

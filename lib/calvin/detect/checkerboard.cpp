@@ -19,6 +19,13 @@ namespace {
 constexpr int kLeastSide = 16;       // px; no board is in a smaller image
 constexpr int kBeyond = 3;           // rows around a board that tell that it is another one
 constexpr double kLeastShare = 0.2;  // of a board's corners
+// How many peaks of the response are looked at, the strongest first.
+constexpr int kPointsPerCorner = 20;
+constexpr int kFewestPoints = 1000;
+// How far a neighbour may be: of the image divided by the squares of the board; px of the level.
+constexpr float kLargestSquare = 2.2F;
+constexpr float kLeastReach = 48;
+constexpr float kMostReach = 144;
 
 // Where a lattice lies in the image, px.
 struct Area {
@@ -38,6 +45,12 @@ struct Area {
   }
   [[nodiscard]] bool meets(const Area& other) const {
     return left <= other.right && other.left <= right && top <= other.bottom && other.top <= bottom;
+  }
+  // Whether the middle of an area in px of a level lies in this one, of the image.
+  [[nodiscard]] bool has(const Area& other, int level) const {
+    const float u = Pyramid::to_image(0.5F * (other.left + other.right), level);
+    const float v = Pyramid::to_image(0.5F * (other.top + other.bottom), level);
+    return u >= left && u <= right && v >= top && v <= bottom;
   }
 };
 
@@ -61,6 +74,8 @@ class CheckerboardDetector final : public Detector {
  private:
   Detection search(const ImageView& image, const std::stop_token& stop);
   void look_in_level(int level, Detection& result);
+  // `lattice_` in px of the image is a board of another size.
+  void note_other(int cols, int rows, Detection& result);
   [[nodiscard]] bool accept(const Match& match, Lattice& lattice, Detection& result);
 
   Board board_;
@@ -98,29 +113,45 @@ Detection CheckerboardDetector::search(const ImageView& image, const std::stop_t
 
 void CheckerboardDetector::look_in_level(int level, Detection& result) {
   const ImageView& image = pyramid_.level(level);
+  const ImageView& full = pyramid_.level(0);
   SearchOptions options;
   options.least_nodes =
       std::max(6, static_cast<int>(kLeastShare * static_cast<double>(board_.point_count())));
-  options.reach = level == pyramid_.levels() - 1 ? 144 : 64;
+  options.most_points = std::max(kFewestPoints, kPointsPerCorner * board_.point_count());
+  // The largest squares are those of a board of which a part fills the image.
+  const auto across = static_cast<float>(std::max(image.width, image.height));
+  const auto squares = static_cast<float>(std::max(board_.cols, board_.rows) + 1);
+  options.reach = std::clamp(kLargestSquare * across / squares, kLeastReach, kMostReach);
   search_.look(image, options);
-  while (search_.next(image, lattice_)) {
-    refinement_.to_image(pyramid_, level, lattice_);
+  while (search_.next(lattice_)) {
+    if (is_far_larger(lattice_, board_)) {
+      refinement_.to_image(pyramid_, level, lattice_, false);
+      note_other(lattice_.extent().cols(), lattice_.extent().rows(), result);
+      continue;
+    }
+    // A level further up has seen what this is a part of.
+    if (other_.count() > board_.point_count() && Area(other_).has(Area(lattice_), level)) continue;
+    BoardSearch::complete(image, lattice_);
+    refinement_.to_image(pyramid_, level, lattice_, true);
     // What is too fine, or too near to the border, to be seen in the level.
-    BoardSearch::complete(pyramid_.level(0), lattice_);
-    refinement_.look_at_guesses(pyramid_.level(0), lattice_);
-    const Match match = match_board(pyramid_.level(0), board_, lattice_);
+    BoardSearch::complete(full, lattice_);
+    refinement_.look_at_guesses(full, lattice_);
+    const Match match = match_board(full, board_, lattice_);
     if (match.reason == Reason::kAccepted && match.whole && accept(match, lattice_, result)) return;
     if (match.reason == Reason::kAccepted && lattice_.count() > part_.count()) {
       part_ = lattice_;
       part_match_ = match;
     }
-    if (match.reason == Reason::kWrongBoard && lattice_.count() > other_.count()) {
-      other_ = lattice_;
-      result.reason = match.reason;
-      result.seen_cols = match.seen_cols;
-      result.seen_rows = match.seen_rows;
-    }
+    if (match.reason == Reason::kWrongBoard) note_other(match.seen_cols, match.seen_rows, result);
   }
+}
+
+void CheckerboardDetector::note_other(int cols, int rows, Detection& result) {
+  if (lattice_.count() <= other_.count()) return;
+  other_ = lattice_;
+  result.reason = Reason::kWrongBoard;
+  result.seen_cols = cols;
+  result.seen_rows = rows;
 }
 
 bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detection& result) {

@@ -16,6 +16,7 @@ constexpr float kLeastStep = 4.5F;  // px between neighbours
 constexpr float kCone = 0.3F;       // tangent of how far off the edge a neighbour may lie
 constexpr float kOffEdge = 2.5F;    // how much a px off the edge counts more than one along it
 constexpr float kTurn = 0.39F;      // sine of how far an edge may turn on the way
+constexpr int kMostLookedAt = 80;   // a board's neighbours are among the first of them
 constexpr float kContrast = 2.9F;   // ratio of the contrasts
 
 int cell_of(float x) { return static_cast<int>(x / kCell); }
@@ -47,7 +48,9 @@ std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int
   std::array<float, kWays> cost;
   cost.fill(std::numeric_limits<float>::infinity());
 
+  int looked_at = 0;
   const auto look_at = [&](int other) {
+    ++looked_at;
     if (other == self) return;
     const Corner& to = corners[static_cast<std::size_t>(other)];
     if (to.contrast * kContrast < from.contrast || to.contrast > kContrast * from.contrast) return;
@@ -83,7 +86,10 @@ std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int
   const int row = cell_of(from.y);
   const int rings = static_cast<int>(std::ceil(reach / kCell));
   for (int r = 0; r <= rings; ++r) {
-    if (*std::max_element(cost.begin(), cost.end()) < static_cast<float>(r - 1) * kCell) break;
+    if (looked_at > kMostLookedAt ||
+        *std::max_element(cost.begin(), cost.end()) < static_cast<float>(r - 1) * kCell) {
+      break;
+    }
     look_in_cells(row - r, col - r, col + r);
     if (r == 0) continue;
     look_in_cells(row + r, col - r, col + r);

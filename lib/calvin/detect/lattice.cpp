@@ -126,19 +126,24 @@ float Lattice::misfit(Cell c) const {
 }
 
 void Lattice::prune(float share) {
-  constexpr int kMostRemoved = 24;
-  for (int i = 0; i < kMostRemoved; ++i) {
-    Cell worst;
-    float most = share;
-    for_each([&](Cell c, const Node& /*node*/) {
-      const float m = misfit(c);
-      if (m > most) {
-        most = m;
-        worst = c;
+  // A stray node spoils what is expected of its neighbours: of several side by side the worst goes
+  // first.
+  constexpr int kRounds = 8;
+  for (int round = 0; round < kRounds; ++round) {
+    for_each([&](Cell c, const Node& /*node*/) { at(c).misfit = misfit(c); });
+    bool removed = false;
+    for_each([&](Cell c, const Node& node) {
+      if (!(node.misfit > share)) return;
+      for (int row = -1; row <= 1; ++row) {
+        for (int col = -1; col <= 1; ++col) {
+          const Cell other = c + Cell{col, row};
+          if (has(other) && at(other).misfit > node.misfit) return;
+        }
       }
+      remove(c);
+      removed = true;
     });
-    if (most <= share) break;
-    remove(worst);
+    if (!removed) break;
   }
   for (bool again = true; again;) {
     again = false;

@@ -20,7 +20,8 @@ struct Node {
   Direction along;
   Direction down;
   float contrast = 0;
-  float width = 1;  // px, the blur of the edges as far as known
+  float width = 1;   // px, the blur of the edges as far as known
+  float misfit = 0;  // of prune()
   bool used = false;
   bool guessed = false;  // lies where its neighbours let it expect, and was not looked at yet
 };

@@ -176,7 +176,7 @@ void Refinement::begin(const Lattice& lattice) {
   lattice.for_each([&](Cell c, const Node& node) { fit(c) = fit_of(node); });
 }
 
-void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice) {
+void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted) {
   begin(lattice);
   const auto scale = static_cast<float>(1 << level);
   lattice.for_each([&](Cell c, const Node& node) {
@@ -184,6 +184,7 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice) {
       lattice.remove(c);
       return;
     }
+    if (!fitted) return;
     const float spacing = spacing_at(lattice, c);
     SaddleFit f = fit(c);
     const float radius = std::clamp(kShare * spacing, kLeastRadius, kLevelRadius);

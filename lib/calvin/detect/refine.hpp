@@ -17,9 +17,9 @@ namespace calvin::detect {
 // A fit of each node of a lattice. Keeps its memory.
 class Refinement {
  public:
-  // Takes a lattice from a level of the pyramid to the image: its nodes are fitted in the level,
-  // and guessed ones left behind. In and out: px of the level, then of the image.
-  void to_image(const Pyramid& pyramid, int level, Lattice& lattice);
+  // Takes a lattice from px of a level of the pyramid to px of the image. Its nodes are fitted in
+  // the level first, if so wished; guessed ones are left behind.
+  void to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted);
 
   // Removes the guessed nodes of a lattice that are no corners of the image.
   void look_at_guesses(const ImageView& image, Lattice& lattice);

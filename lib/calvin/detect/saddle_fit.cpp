@@ -17,6 +17,7 @@ namespace calvin::detect {
 // The widths by their logarithms, the directions by angles.
 enum Unknown { kX, kY, kAlong, kDown, kLevel, kContrast, kAlongWidth, kDownWidth, kUnknowns };
 inline constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
+// The window's, and a vector more.
 inline constexpr int kMaxPixels = (2 * kMaxFitRadius + 1) * (2 * kMaxFitRadius + 1) + 64;
 
 // The pixels of a window, from its middle one.
@@ -179,6 +180,11 @@ void gather(const ImageView& image, int x, int y, float radius, Window& window) 
       window.grey[window.count++] = row[dx];
     }
   }
+  // What the last vector reads beyond them is multiplied by 0, so it must be a number.
+  constexpr int kLongestVector = 64;
+  std::fill_n(window.x + window.count, kLongestVector, 0.0F);
+  std::fill_n(window.y + window.count, kLongestVector, 0.0F);
+  std::fill_n(window.grey + window.count, kLongestVector, 0.0F);
 }
 
 // The first level and contrast; its sign from the squares themselves.
