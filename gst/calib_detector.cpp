@@ -8,6 +8,8 @@
 #include <chrono>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "frame_check.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
@@ -214,6 +216,10 @@ void CalibDetector::report(const Job& job, const Detection& detection, const Boa
                       G_TYPE_INT, board.point_count(), "reason", G_TYPE_STRING,
                       std::string(to_string(detection.reason)).c_str(), "latency-us", G_TYPE_UINT64,
                       latency_us, nullptr);
+    if (detection.seen_cols > 0) {
+      const std::string seen = fmt::format("{}x{}", detection.seen_cols, detection.seen_rows);
+      gst_structure_set(s, "seen", G_TYPE_STRING, seen.c_str(), nullptr);
+    }
     post_message(element_, s);
   }
   if (!job.check || !o.found()) return;

@@ -4,111 +4,173 @@
 #include "calvin/detect/checkerboard.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
-#include <numeric>
 
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
-
-#include "calvin/detect/grid.hpp"
+#include "calvin/detect/board_match.hpp"
+#include "calvin/detect/board_search.hpp"
+#include "calvin/detect/lattice.hpp"
+#include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/refine.hpp"
 
 namespace calvin::detect {
 
 namespace {
 
-constexpr int kSearchWidth = 960;    // px; the board is searched for at no more than this
 constexpr int kLeastSide = 16;       // px; no board is in a smaller image
-constexpr double kLeastSpacing = 4;  // px between grid lines
+constexpr int kBeyond = 3;           // rows around a board that tell that it is another one
+constexpr double kLeastShare = 0.2;  // of a board's corners
+// How many peaks of the response are looked at, the strongest first.
+constexpr int kPointsPerCorner = 20;
+constexpr int kFewestPoints = 1000;
+// How far a neighbour may be: of the image divided by the squares of the board; px of the level.
+constexpr float kLargestSquare = 2.2F;
+constexpr float kLeastReach = 48;
+constexpr float kMostReach = 144;
+
+// Where a lattice lies in the image, px.
+struct Area {
+  float left = 0;
+  float top = 0;
+  float right = -1;
+  float bottom = -1;
+
+  explicit Area(const Lattice& lattice) {
+    lattice.for_each([&](Cell /*cell*/, const Node& node) {
+      const bool first = right < left;
+      left = first ? node.x : std::min(left, node.x);
+      right = first ? node.x : std::max(right, node.x);
+      top = first ? node.y : std::min(top, node.y);
+      bottom = first ? node.y : std::max(bottom, node.y);
+    });
+  }
+  [[nodiscard]] bool meets(const Area& other) const {
+    return left <= other.right && other.left <= right && top <= other.bottom && other.top <= bottom;
+  }
+  // Whether the middle of an area in px of a level lies in this one, of the image.
+  [[nodiscard]] bool has(const Area& other, int level) const {
+    const float u = Pyramid::to_image(0.5F * (other.left + other.right), level);
+    const float v = Pyramid::to_image(0.5F * (other.top + other.bottom), level);
+    return u >= left && u <= right && v >= top && v <= bottom;
+  }
+};
 
 class CheckerboardDetector final : public Detector {
  public:
-  explicit CheckerboardDetector(const Board& board) : board_(board) {}
+  explicit CheckerboardDetector(const Board& board)
+      : board_(board),
+        text_(board.text()),
+        lattice_(std::max(board.cols, board.rows) + kBeyond),
+        part_(lattice_),
+        other_(lattice_) {}
 
   Detection detect(const ImageView& image, std::stop_token stop) noexcept override {
     try {
       return search(image, stop);
     } catch (const std::exception&) {
-      // cv::Exception for an image that OpenCV cannot search, or no memory: nothing was found.
-      return {};
+      return {};  // no memory
     }
   }
 
  private:
-  Detection search(const ImageView& image, const std::stop_token& stop) {
-    Detection result;
-    result.observation.board = board_.text();
-    result.observation.image_size = image.size();
-    if (image.data == nullptr || image.width < kLeastSide || image.height < kLeastSide) {
-      return result;
-    }
-    const cv::Mat luma = contiguous(image);
-    Grid grid;
-    if (stop.stop_requested() || !find(luma, grid) || stop.stop_requested()) return result;
-    if (!is_smooth(grid)) return result;
-    if (least_spacing(grid) < kLeastSpacing) {
-      result.reason = Reason::kTooSmall;
-      return result;
-    }
-    result.reason = label(image, board_, grid, result.observation.ambiguous);
-    if (result.reason == Reason::kAccepted && !(refine(luma, grid, result.observation.sigma) &&
-                                                is_smooth(grid) && has_corners(image, grid))) {
-      result.reason = Reason::kNotFound;
-    }
-    if (result.reason == Reason::kAccepted) {
-      result.observation.uv = grid.points;
-      result.observation.ids.resize(grid.points.size());
-      std::iota(result.observation.ids.begin(), result.observation.ids.end(), 0);
-    } else {
-      result.observation.sigma.clear();
-      result.observation.ambiguous.clear();
-    }
-    return result;
-  }
-
-  // The pixels as OpenCV wants them: in place, or a copy where they are not side by side.
-  cv::Mat contiguous(const ImageView& image) {
-    if (image.step == 1 && image.stride >= image.width) {
-      return {image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-              static_cast<std::size_t>(image.stride)};
-    }
-    copy_.create(image.height, image.width, CV_8UC1);
-    for (int y = 0; y < image.height; ++y) {
-      std::uint8_t* row = copy_.ptr(y);
-      for (int x = 0; x < image.width; ++x) row[x] = image.at(x, y);
-    }
-    return copy_;
-  }
-
-  bool find(const cv::Mat& luma, Grid& grid) {
-    cv::Mat small = luma;
-    if (luma.cols > kSearchWidth) {
-      const int height = std::max(1, luma.rows * kSearchWidth / luma.cols);
-      cv::resize(luma, small_, {kSearchWidth, height}, 0, 0, cv::INTER_AREA);
-      small = small_;
-    }
-    std::vector<cv::Point2f> corners;
-    if (!cv::findChessboardCornersSB(small, {board_.cols, board_.rows}, corners,
-                                     cv::CALIB_CB_NORMALIZE_IMAGE) ||
-        corners.size() != static_cast<std::size_t>(board_.point_count())) {
-      return false;
-    }
-    const double su = static_cast<double>(luma.cols) / small.cols;
-    const double sv = static_cast<double>(luma.rows) / small.rows;
-    grid = {board_.cols, board_.rows, {}};
-    for (const cv::Point2f& p : corners) {
-      const Pixel uv = {(p.x + 0.5) * su - 0.5, (p.y + 0.5) * sv - 0.5};
-      if (!(uv.u >= 0 && uv.v >= 0 && uv.u <= luma.cols - 1 && uv.v <= luma.rows - 1)) return false;
-      grid.points.push_back(uv);
-    }
-    return true;
-  }
+  Detection search(const ImageView& image, const std::stop_token& stop);
+  void look_in_level(int level, Detection& result);
+  // `lattice_` in px of the image is a board of another size.
+  void note_other(int cols, int rows, Detection& result);
+  [[nodiscard]] bool accept(const Match& match, Lattice& lattice, Detection& result);
 
   Board board_;
-  cv::Mat copy_;
-  cv::Mat small_;
+  std::string text_;
+  Pyramid pyramid_;
+  BoardSearch search_;
+  Refinement refinement_;
+  Lattice lattice_;
+  Lattice part_;      // of the board, the largest seen so far, in px of the image
+  Match part_match_;  // of it
+  Lattice other_;     // the largest of another board, likewise
 };
+
+Detection CheckerboardDetector::search(const ImageView& image, const std::stop_token& stop) {
+  Detection result;
+  result.observation.board = text_;
+  result.observation.image_size = image.size();
+  if (image.data == nullptr || image.width < kLeastSide || image.height < kLeastSide) {
+    return result;
+  }
+  if (stop.stop_requested()) return result;
+  pyramid_.build(image);
+  part_.clear();
+  other_.clear();
+  for (int level = pyramid_.levels() - 1; level >= 0; --level) {
+    if (stop.stop_requested()) return {result.observation, Reason::kNotFound};
+    look_in_level(level, result);
+    if (result.observation.found()) return result;
+  }
+  // What was a part of the board at one level may be another board at the next.
+  const bool is_other = other_.count() >= part_.count() && Area(other_).meets(Area(part_));
+  if (part_.count() > 0 && !is_other) (void)accept(part_match_, part_, result);
+  return result;
+}
+
+void CheckerboardDetector::look_in_level(int level, Detection& result) {
+  const ImageView& image = pyramid_.level(level);
+  const ImageView& full = pyramid_.level(0);
+  SearchOptions options;
+  options.least_nodes =
+      std::max(6, static_cast<int>(kLeastShare * static_cast<double>(board_.point_count())));
+  options.most_points = std::max(kFewestPoints, kPointsPerCorner * board_.point_count());
+  // The largest squares are those of a board of which a part fills the image.
+  const auto across = static_cast<float>(std::max(image.width, image.height));
+  const auto squares = static_cast<float>(std::max(board_.cols, board_.rows) + 1);
+  options.reach = std::clamp(kLargestSquare * across / squares, kLeastReach, kMostReach);
+  search_.look(image, options);
+  while (search_.next(lattice_)) {
+    if (is_far_larger(lattice_, board_)) {
+      refinement_.to_image(pyramid_, level, lattice_, false);
+      note_other(lattice_.extent().cols(), lattice_.extent().rows(), result);
+      continue;
+    }
+    // A level further up has seen what this is a part of.
+    if (other_.count() > board_.point_count() && Area(other_).has(Area(lattice_), level)) continue;
+    BoardSearch::complete(image, lattice_);
+    refinement_.to_image(pyramid_, level, lattice_, true);
+    // What is too fine, or too near to the border, to be seen in the level.
+    BoardSearch::complete(full, lattice_);
+    refinement_.look_at_guesses(full, lattice_);
+    const Match match = match_board(full, board_, lattice_);
+    if (match.reason == Reason::kAccepted && match.whole && accept(match, lattice_, result)) return;
+    if (match.reason == Reason::kAccepted && lattice_.count() > part_.count()) {
+      part_ = lattice_;
+      part_match_ = match;
+    }
+    if (match.reason == Reason::kWrongBoard) note_other(match.seen_cols, match.seen_rows, result);
+  }
+}
+
+void CheckerboardDetector::note_other(int cols, int rows, Detection& result) {
+  if (lattice_.count() <= other_.count()) return;
+  other_ = lattice_;
+  result.reason = Reason::kWrongBoard;
+  result.seen_cols = cols;
+  result.seen_rows = rows;
+}
+
+bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detection& result) {
+  if (!refinement_.refine(pyramid_.level(0), lattice)) return false;
+  Observation& o = result.observation;
+  for (int row = 0; row < board_.rows; ++row) {
+    for (int col = 0; col < board_.cols; ++col) {
+      const Cell cell = match.placement.cell({col, row});
+      if (!lattice.has(cell)) continue;
+      const SaddleFit& fit = refinement_.at(cell);
+      o.ids.push_back(row * board_.cols + col);
+      o.uv.push_back({fit.x, fit.y});
+      o.sigma.push_back(static_cast<double>(fit.sigma));
+    }
+  }
+  o.ambiguous = match.ambiguous;
+  result.reason = Reason::kAccepted;
+  return true;
+}
 
 }  // namespace
 

@@ -6,13 +6,11 @@
 #include <fmt/format.h>
 
 #include "calvin/detect/checkerboard.hpp"
-#include "calvin_config.h"
 
 namespace calvin {
 
 Result<std::unique_ptr<Detector>> make_detector(const Board& board) {
-#if CALVIN_HAVE_OPENCV
-  // OpenCV's limit.
+  // Two lines of corners have no curvature, and are in any pattern of bricks.
   if (board.cols < 3 || board.rows < 3) {
     return make_error(ErrorCode::kUnsupported,
                       fmt::format("The board {} cannot be detected: at least 3x3 inner corners are "
@@ -20,13 +18,6 @@ Result<std::unique_ptr<Detector>> make_detector(const Board& board) {
                                   board.text()));
   }
   return detect::make_checkerboard_detector(board);
-#else
-  return make_error(
-      ErrorCode::kUnsupported,
-      fmt::format("The board {} cannot be detected: this build of gst-calvin is without "
-                  "OpenCV. Rebuild it with -Dopencv=enabled.",
-                  board.text()));
-#endif
 }
 
 }  // namespace calvin

@@ -15,19 +15,24 @@
 
 namespace calvin {
 
-// What was seen of the board. `observation` has no points unless the whole board was found;
-// `reason` is then kAccepted, and otherwise says why not: kNotFound, kTooSmall (corners too close
-// to each other to be told apart) or kWrongBoard (a checkerboard, but larger than this one or with
-// its colours exchanged). `timestamp` and `camera` of the observation are left to the caller.
+// What was seen of the board. `observation` has the corners that are in view and not covered, if
+// enough of the board is; `reason` is then kAccepted, and otherwise says why there are none:
+// kNotFound, or kWrongBoard (a checkerboard, but of another size or with its colours exchanged),
+// with the inner corners that were seen. `timestamp` and `camera` of the observation are left to
+// the caller.
 struct Detection {
   Observation observation;
   Reason reason = Reason::kNotFound;
+  int seen_cols = 0;  // kWrongBoard only
+  int seen_rows = 0;
 };
 
 // Finds one board. Control point 0 is always the same corner of the board, see target/board.hpp;
 // where the board looks the same after a turn, it is the candidate nearest to the top left of the
-// image, and Observation::ambiguous lists the other labellings. Keeps memory from one image to the
-// next; not to be shared between threads.
+// image, and Observation::ambiguous lists the other labellings: "rotate180" (by the board's own
+// turns, or any where a part is in view), "shift(2,0)" (two columns more) where neither outer edge
+// of the board tells the place along an axis, or both. Keeps memory from one image to the next; not
+// to be shared between threads.
 class Detector {
  public:
   Detector() = default;

@@ -5,124 +5,348 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 
-#include <opencv2/imgproc.hpp>
+#include <Eigen/Cholesky>
 
 namespace calvin::detect {
 
 namespace {
 
-constexpr int kLeastWindow = 2;  // px, half of the side
-constexpr int kLargestWindow = 12;
-constexpr double kWindowShare = 0.5;  // of the distance between grid lines
-constexpr double kOpticsBlur = 0.8;   // px, of a usual camera, the pixel's own square included
-constexpr double kSigma = 0.1;        // px, what a good view of a real board leaves
-constexpr double kRoughSigma = 0.5;   // px, of a corner that was left where it was found
+constexpr float kLeastRadius = 2.5F;     // px, of a fit's window
+constexpr float kFirstRadius = 8;        // px
+constexpr float kLastRadius = 14;        // px
+constexpr float kLevelRadius = 5;        // px, in a smaller level
+constexpr float kShare = 0.45F;          // of the spacing, of a window's radius
+constexpr float kLargestShare = 0.75F;   // of the spacing, where the image is sharp
+constexpr float kClear = 2.6F;           // edge widths between a window and the next edge
+constexpr float kLeastContrast = 0.25F;  // of the median
+// What a hand or a shadow on a corner leaves of it is not symmetric, and shows as noise.
+constexpr float kNoisiest = 3;         // of the median
+constexpr float kMostNoise = 0.15F;    // of the contrast
+constexpr float kMostResidual = 0.6F;  // of the contrast
+constexpr float kLargestWidth = 8;     // px, of an edge
+constexpr float kLargestMove = 0.35F;  // of the spacing, between levels
 
-// The mean of s^2 along a line through the window's centre, weighted as cv::cornerSubPix does:
-// exp(-s^2 / window^2) inside a square; and by the square of the contrast, which fades towards the
-// corner where the image is blurred.
-double mean_square(Pixel direction, int window, double blur) {
-  constexpr int kSteps = 32;
-  const double end = (window + 0.5) / std::max(std::abs(direction.u), std::abs(direction.v));
-  double sum = 0;
-  double weights = 0;
-  for (int i = 0; i < kSteps; ++i) {
-    const double s = (i + 0.5) * end / kSteps;
-    const double contrast = std::erf(s / (blur * std::numbers::sqrt2));
-    const double weight = contrast * contrast * std::exp(-s * s / (window * window));
-    weights += weight;
-    sum += weight * s * s;
+// The least distance to the grid lines around a node, px.
+float spacing_at(const Lattice& lattice, Cell c) {
+  const Node& node = lattice.at(c);
+  float least = 1e6F;
+  for (const Cell step : kAround) {
+    if (!lattice.has(c + step)) continue;
+    const Node& next = lattice.at(c + step);
+    // From the edge that crosses the way there.
+    const Direction edge = step.row == 0 ? node.down : node.along;
+    least = std::min(least, std::abs(cross(edge, {next.x - node.x, next.y - node.y})));
   }
-  return sum / weights;
+  return least;
 }
 
-// A line of the grid near a corner: its normal, and by how much cv::cornerSubPix leaves it.
-struct Bend {
-  Pixel normal;
-  double offset;  // px along the normal, to be added
+SaddleFit fit_of(const Node& node) {
+  SaddleFit fit;
+  fit.x = static_cast<double>(node.x);
+  fit.y = static_cast<double>(node.y);
+  fit.along = node.along;
+  fit.down = node.down;
+  fit.along_width = fit.down_width = node.width;
+  return fit;
+}
+
+bool colours_fit(const SaddleFit& fit, Cell c) { return (fit.contrast > 0) == Lattice::is_even(c); }
+
+void take(const SaddleFit& fit, Node& node) {
+  node.x = static_cast<float>(fit.x);
+  node.y = static_cast<float>(fit.y);
+  node.along = fit.along;
+  node.down = fit.down;
+  node.contrast = 2 * std::abs(fit.contrast);
+  node.width = std::max(fit.along_width, fit.down_width);
+}
+
+float distance(const SaddleFit& fit, const Node& node) {
+  return std::hypot(static_cast<float>(fit.x) - node.x, static_cast<float>(fit.y) - node.y);
+}
+
+// A polynomial of second degree over columns and rows, by least squares.
+class Surface {
+ public:
+  void add(Cell c, double value) {
+    const Terms t = terms(c);
+    normal_ += t * t.transpose();
+    right_ += value * t;
+    ++count_;
+  }
+  // Absent data: 0. Few: their mean.
+  void solve() {
+    if (count_ == 0) return;
+    if (count_ < 12) {
+      const double mean = right_[0] / count_;
+      coefficients_.setZero();
+      coefficients_[0] = mean;
+      return;
+    }
+    // A little of a prior: there may be but two columns.
+    Eigen::Matrix<double, 6, 6> n = normal_;
+    n.diagonal().array() += 1e-6 * count_;
+    coefficients_ = n.ldlt().solve(right_);
+  }
+  [[nodiscard]] double at(Cell c) const { return terms(c).dot(coefficients_); }
+
+ private:
+  using Terms = Eigen::Matrix<double, 6, 1>;
+  static Terms terms(Cell c) {
+    const double x = 0.1 * c.col;
+    const double y = 0.1 * c.row;
+    Terms t;
+    t << 1, x, y, x * x, x * y, y * y;
+    return t;
+  }
+
+  int count_ = 0;
+  Eigen::Matrix<double, 6, 6> normal_ = Eigen::Matrix<double, 6, 6>::Zero();
+  Terms right_ = Terms::Zero();
+  Terms coefficients_ = Terms::Zero();
 };
 
-// From three corners in a line, of which the middle one is the corner in question or next to it.
-// cornerSubPix takes edges for straight. At an edge s -> (s, k s^2 / 2) its condition, gradients
-// perpendicular to the way from the corner, holds for a corner that is off by -k <s^2> / 2.
-Bend bend_of(Pixel before, Pixel middle, Pixel after, int window, double blur) {
-  const Pixel way = {(after.u - before.u) / 2, (after.v - before.v) / 2};
-  const double step = std::hypot(way.u, way.v);
-  const Pixel direction = {way.u / step, way.v / step};
-  const Pixel normal = {-direction.v, direction.u};
-  const double second = normal.u * (after.u - 2 * middle.u + before.u) +
-                        normal.v * (after.v - 2 * middle.v + before.v);
-  return {normal, second / (step * step) * mean_square(direction, window, blur) / 2};
+// How much a line bends at its middle one of three nodes, 1/px, towards `normal`.
+double bend(const SaddleFit& before, const SaddleFit& at, const SaddleFit& after,
+            Direction normal) {
+  const double half = std::hypot(after.x - before.x, after.y - before.y) / 2;
+  const double u = before.x - 2 * at.x + after.x;
+  const double v = before.y - 2 * at.y + after.y;
+  return (static_cast<double>(normal.x) * u + static_cast<double>(normal.y) * v) / (half * half);
 }
 
-// The bend at place `at` of a line of `count` corners; at its ends it goes on as it changed before.
-template <typename PointAt>
-Bend bend_at(const PointAt& point, int at, int count, int window, double blur) {
-  const int inner = std::clamp(at, 1, count - 2);
-  Bend bend = bend_of(point(inner - 1), point(inner), point(inner + 1), window, blur);
-  const int next = inner + (inner - at);
-  if (next != inner && next >= 1 && next <= count - 2) {
-    const Bend other = bend_of(point(next - 1), point(next), point(next + 1), window, blur);
-    bend.offset += bend.offset - other.offset;
+// Whether all four squares of a corner are in view, as far from it as the border of the image lets
+// one look. A fit whose window is cut off there takes three of them for four.
+bool shows_four_squares(const ImageView& image, const SaddleFit& fit, float spacing) {
+  constexpr float kLeastSight = 2.5F;  // px
+  constexpr float kFarthest = 0.35F;   // of the spacing
+  constexpr float kClearly = 0.4F;     // of the contrast
+  const auto u = static_cast<float>(fit.x);
+  const auto v = static_cast<float>(fit.y);
+  const float border = std::min(std::min(u, v), std::min(static_cast<float>(image.width - 1) - u,
+                                                         static_cast<float>(image.height - 1) - v));
+  const float sight = std::min(border, kFarthest * spacing);
+  if (sight < kLeastSight) return false;
+  for (const float a : {-1.0F, 1.0F}) {
+    for (const float b : {-1.0F, 1.0F}) {
+      Direction way = {a * fit.along.x + b * fit.down.x, a * fit.along.y + b * fit.down.y};
+      const float length = std::hypot(way.x, way.y);
+      const int x = static_cast<int>(std::lround(u + sight * way.x / length));
+      const int y = static_cast<int>(std::lround(v + sight * way.y / length));
+      if (x < 0 || y < 0 || x >= image.width || y >= image.height) return false;
+      const float grey = static_cast<float>(image.at(x, y)) - fit.level;
+      if (a * b * grey / fit.contrast < kClearly) return false;
+    }
   }
-  return bend;
+  return true;
 }
 
-Pixel straightened(const Grid& grid, int col, int row, int window, double blur) {
-  const auto along = [&](int c) { return grid.at(c, row); };
-  const auto down = [&](int r) { return grid.at(col, r); };
-  const Bend a = bend_at(along, col, grid.cols, window, blur);
-  const Bend b = bend_at(down, row, grid.rows, window, blur);
-  const double det = a.normal.u * b.normal.v - a.normal.v * b.normal.u;
-  const Pixel p = grid.at(col, row);
-  if (!(std::abs(det) > 0.1)) return p;
-  return {p.u + (a.offset * b.normal.v - b.offset * a.normal.v) / det,
-          p.v + (b.offset * a.normal.u - a.offset * b.normal.u) / det};
-}
-
-// One corner; false where it runs away.
-bool refine_corner(const cv::Mat& image, int window, double spacing, Pixel& at) {
-  std::vector<cv::Point2f> corner = {{static_cast<float>(at.u), static_cast<float>(at.v)}};
-  cv::cornerSubPix(image, corner, {window, window}, {-1, -1},
-                   {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 40, 1e-4});
-  const Pixel to = {corner[0].x, corner[0].y};
-  const double limit = std::min(0.3 * spacing, std::max(2.0, 0.5 * window));
-  if (!(std::hypot(to.u - at.u, to.v - at.v) < limit)) return false;
-  at = to;
+// Whether there is a corner where a node was guessed, by a fit that knows its edges.
+bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node& node) {
+  constexpr float kAsymmetry = 0.8F;
+  constexpr float kContrast = 0.35F;  // of a neighbour's
+  constexpr float kResidual = 0.35F;  // of the contrast
+  const float spacing = spacing_at(lattice, c);
+  SaddleFit f = fit_of(node);
+  f.along_width = f.down_width = std::max(2.0F, node.width);
+  if (!fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, kLastRadius), 10, f) ||
+      !colours_fit(f, c) || 2 * std::abs(f.contrast) < kContrast * node.contrast ||
+      distance(f, node) > 0.3F * spacing || f.residual > kResidual * std::abs(f.contrast) ||
+      !shows_four_squares(image, f, spacing)) {
+    return false;
+  }
+  const int x = static_cast<int>(std::lround(f.x));
+  const int y = static_cast<int>(std::lround(f.y));
+  const bool has_room = x >= kRingReach && y >= kRingReach && x < image.width - kRingReach &&
+                        y < image.height - kRingReach;
+  Corner corner;
+  if (has_room && !check_ring(image, x, y, RingSize::kLarge, kAsymmetry, corner)) return false;
+  take(f, node);
+  node.guessed = false;
   return true;
 }
 
 }  // namespace
 
-bool refine(const cv::Mat& sharp, Grid& grid, std::vector<double>& sigma) {
-  const double smoothing = std::clamp(0.08 * least_spacing(grid), 0.4, 1.3);
-  cv::Mat image;
-  cv::GaussianBlur(sharp, image, {0, 0}, smoothing);
+void Refinement::begin(const Lattice& lattice) {
+  extent_ = lattice.extent();
+  fits_.assign(static_cast<std::size_t>(extent_.cols() * extent_.rows()), {});
+  lattice.for_each([&](Cell c, const Node& node) { fit(c) = fit_of(node); });
+}
 
-  const std::size_t count = grid.points.size();
-  const double blur = std::hypot(smoothing, kOpticsBlur);
-  std::vector<int> windows(count);
-  sigma.assign(count, kSigma);
-  std::size_t runaways = 0;
-  Grid bent = grid;
-  for (std::size_t i = 0; i < count; ++i) {
-    const int col = static_cast<int>(i) % grid.cols;
-    const int row = static_cast<int>(i) / grid.cols;
-    const double spacing = spacing_at(grid, col, row);
-    windows[i] = std::clamp(static_cast<int>(kWindowShare * spacing), kLeastWindow, kLargestWindow);
-    if (!refine_corner(image, windows[i], spacing, bent.points[i])) {
-      sigma[i] = kRoughSigma;
-      ++runaways;
+void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted) {
+  begin(lattice);
+  const auto scale = static_cast<float>(1 << level);
+  lattice.for_each([&](Cell c, const Node& node) {
+    if (node.guessed) {
+      lattice.remove(c);
+      return;
     }
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const int col = static_cast<int>(i) % grid.cols;
-    const int row = static_cast<int>(i) / grid.cols;
-    grid.points[i] = straightened(bent, col, row, windows[i], blur);
-  }
-  return 10 * runaways <= count;
+    if (!fitted) return;
+    const float spacing = spacing_at(lattice, c);
+    SaddleFit f = fit(c);
+    const float radius = std::clamp(kShare * spacing, kLeastRadius, kLevelRadius);
+    const bool good =
+        fit_saddle(pyramid.level(level), radius, 6, f) && colours_fit(f, c) &&
+        std::hypot(f.x - fit(c).x, f.y - fit(c).y) < std::max(1.5F, kLargestMove * spacing);
+    // One that runs away keeps its first place: the fit in the image will tell.
+    if (good) fit(c) = f;
+  });
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    const SaddleFit& f = fit(c);
+    Node& node = lattice.at(c);
+    node.x = Pyramid::to_image(static_cast<float>(f.x), level);
+    node.y = Pyramid::to_image(static_cast<float>(f.y), level);
+    node.along = f.along;
+    node.down = f.down;
+    // The level's own pixels have blurred the edges too.
+    const float own = (1 - 1 / (scale * scale)) / 12;
+    const float width = std::max(f.along_width, f.down_width);
+    node.width = scale * std::sqrt(std::max(width * width - own, 0.5F / (scale * scale)));
+    node.width = std::min(node.width, kLargestWidth);
+  });
+}
+
+void Refinement::look_at_guesses(const ImageView& image, Lattice& lattice) {
+  lattice.for_each([&](Cell c, const Node& node) {
+    if (node.guessed && !look_at_guess(image, lattice, c, lattice.at(c))) lattice.remove(c);
+  });
+  lattice.prune(0.5F);
+}
+
+void Refinement::set_bends(const Lattice& lattice) {
+  Surface along;
+  Surface down;
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    const SaddleFit& f = fit(c);
+    const auto line = [&](Cell step, Direction normal, Surface& surface) {
+      if (!lattice.has(c + step) || !lattice.has(c - step)) return;
+      surface.add(c, bend(fit(c - step), f, fit(c + step), normal));
+    };
+    line({1, 0}, {-f.along.y, f.along.x}, along);
+    line({0, 1}, {f.down.y, -f.down.x}, down);
+  });
+  along.solve();
+  down.solve();
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    fit(c).along_bend = static_cast<float>(along.at(c));
+    fit(c).down_bend = static_cast<float>(down.at(c));
+  });
+}
+
+void Refinement::set_slopes(const Lattice& lattice) {
+  Surface level;
+  Surface contrast;
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    level.add(c, static_cast<double>(fit(c).level));
+    contrast.add(c, static_cast<double>(std::abs(fit(c).contrast)));
+  });
+  level.solve();
+  contrast.solve();
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    SaddleFit& f = fit(c);
+    // The steps of a column and of a row, px, take the changes per cell to a gradient.
+    Direction step[2];
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const Cell ahead = lattice.has(c + kAround[axis]) ? c + kAround[axis] : c;
+      const Cell behind = lattice.has(c - kAround[axis]) ? c - kAround[axis] : c;
+      const int cells = (ahead - behind).col + (ahead - behind).row;
+      if (cells == 0) return;
+      step[axis] = {static_cast<float>((fit(ahead).x - fit(behind).x) / cells),
+                    static_cast<float>((fit(ahead).y - fit(behind).y) / cells)};
+    }
+    const float area = cross(step[0], step[1]);
+    if (!(std::abs(area) > 1)) return;
+    const auto gradient = [&](const Surface& surface) {
+      const auto change = [&](Cell way) {
+        return static_cast<float>(0.5 * (surface.at(c + way) - surface.at(c - way)));
+      };
+      const float along = change({1, 0});
+      const float down = change({0, 1});
+      return Direction{(along * step[1].y - down * step[0].y) / area,
+                       (down * step[0].x - along * step[1].x) / area};
+    };
+    f.slope = gradient(level);
+    f.contrast_slope = gradient(contrast);
+    if (f.contrast < 0) f.contrast_slope = -f.contrast_slope;
+  });
+}
+
+void Refinement::drop_misfits(Lattice& lattice) {
+  sorted_.clear();
+  lattice.for_each(
+      [&](Cell c, const Node& /*node*/) { sorted_.push_back(std::abs(fit(c).contrast)); });
+  if (sorted_.empty()) return;
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  const float least = kLeastContrast * *middle;
+  sorted_.clear();
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    sorted_.push_back(fit(c).noise / std::abs(fit(c).contrast));
+  });
+  const auto centre = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), centre, sorted_.end());
+  const float most = std::max(kNoisiest * *centre, kMostNoise);
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    const SaddleFit& f = fit(c);
+    const float contrast = std::abs(f.contrast);
+    if (contrast < least || f.noise > most * contrast || f.residual > kMostResidual * contrast) {
+      lattice.remove(c);
+    }
+  });
+}
+
+bool Refinement::refine(const ImageView& image, Lattice& lattice) {
+  const int before = lattice.count();
+  begin(lattice);
+  lattice.for_each([&](Cell c, const Node& node) {
+    const float spacing = spacing_at(lattice, c);
+    const auto attempt = [&](float radius, float width, int steps) {
+      SaddleFit f = fit_of(node);
+      f.along_width = f.down_width = width;
+      const bool good =
+          fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, radius), steps, f) &&
+          colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
+      if (!good) f.noise = std::numeric_limits<float>::infinity();
+      return f;
+    };
+    SaddleFit best = attempt(kFirstRadius, node.width, 6);
+    // One that was placed badly in a level needs a wider look.
+    if (!(best.noise <= kMostNoise * std::abs(best.contrast))) {
+      const SaddleFit wide = attempt(kLastRadius, std::max(2.5F, 1.5F * node.width), 12);
+      if (wide.noise < best.noise) best = wide;
+    }
+    if (std::isfinite(best.noise)) {
+      fit(c) = best;
+    } else {
+      lattice.remove(c);
+    }
+  });
+  drop_misfits(lattice);
+  lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
+  lattice.prune(0.3F);
+  if (lattice.count() < 4) return false;
+  set_bends(lattice);
+  set_slopes(lattice);
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    const float spacing = spacing_at(lattice, c);
+    const SaddleFit& first = fit(c);
+    const float width = std::max(first.along_width, first.down_width);
+    const float radius =
+        std::clamp(std::clamp(spacing - kClear * width, kShare * spacing, kLargestShare * spacing),
+                   kLeastRadius, kLastRadius);
+    SaddleFit f = first;
+    if (fit_saddle(image, radius, 4, f) && colours_fit(f, c)) {
+      fit(c) = f;
+    } else {
+      lattice.remove(c);
+    }
+  });
+  drop_misfits(lattice);
+  lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
+  return 2 * lattice.count() >= before;
 }
 
 }  // namespace calvin::detect

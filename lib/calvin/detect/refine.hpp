@@ -1,20 +1,48 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Corners to a fraction of a pixel.
+// Corners to a fraction of a pixel, and the lattice as a whole as the judge of each.
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include <opencv2/core.hpp>
-
-#include "calvin/detect/grid.hpp"
+#include "calvin/core/image.hpp"
+#include "calvin/detect/lattice.hpp"
+#include "calvin/detect/pyramid.hpp"
+#include "calvin/detect/saddle_fit.hpp"
 
 namespace calvin::detect {
 
-// Moves the corners of a grid to where the edges meet in the 8-bit image, and tells their 1 sigma
-// in px. False where many of them do not stay near their first place: then they were no corners. A
-// single one that runs away keeps its first place. May throw cv::Exception.
-[[nodiscard]] bool refine(const cv::Mat& sharp, Grid& grid, std::vector<double>& sigma);
+// A fit of each node of a lattice. Keeps its memory.
+class Refinement {
+ public:
+  // Takes a lattice from px of a level of the pyramid to px of the image. Its nodes are fitted in
+  // the level first, if so wished; guessed ones are left behind.
+  void to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted);
+
+  // Removes the guessed nodes of a lattice that are no corners of the image.
+  void look_at_guesses(const ImageView& image, Lattice& lattice);
+
+  // Fits every node in the image; removes those that do not stand the test. False where most fall.
+  [[nodiscard]] bool refine(const ImageView& image, Lattice& lattice);
+
+  [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_[index(c)]; }
+
+ private:
+  void begin(const Lattice& lattice);
+  [[nodiscard]] std::size_t index(Cell c) const {
+    return static_cast<std::size_t>((c.row - extent_.first.row) * extent_.cols() + c.col -
+                                    extent_.first.col);
+  }
+  SaddleFit& fit(Cell c) { return fits_[index(c)]; }
+  void set_bends(const Lattice& lattice);
+  void set_slopes(const Lattice& lattice);
+  void drop_misfits(Lattice& lattice);
+
+  Extent extent_;
+  std::vector<SaddleFit> fits_;
+  std::vector<float> sorted_;
+};
 
 }  // namespace calvin::detect

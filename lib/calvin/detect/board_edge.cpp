@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/detect/board_edge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace calvin::detect {
+
+namespace {
+
+constexpr int kSamples = 27;   // on the way outwards
+constexpr float kFrom = 0.3F;  // squares beyond the line
+constexpr float kTo = 1.6F;
+constexpr float kEdgeFrom = 0.8F;  // where a square of the last row may end
+constexpr float kEdgeTo = 1.25F;
+constexpr float kDiffers = 0.5F;  // of the contrast: another colour
+constexpr float kSame = 0.35F;
+constexpr int kLeastEnds = 2;        // squares that differ from the margin
+constexpr float kLeastShare = 0.8F;  // of the squares in view that are as they should
+
+struct Point {
+  float x = 0;
+  float y = 0;
+};
+
+std::optional<float> grey(const ImageView& image, Point p) {
+  if (!(p.x >= 0 && p.y >= 0 && p.x <= static_cast<float>(image.width - 1) &&
+        p.y <= static_cast<float>(image.height - 1))) {
+    return std::nullopt;
+  }
+  const int x = std::min(static_cast<int>(p.x), image.width - 2);
+  const int y = std::min(static_cast<int>(p.y), image.height - 2);
+  const float fx = p.x - static_cast<float>(x);
+  const float fy = p.y - static_cast<float>(y);
+  const auto at = [&](int dx, int dy) { return static_cast<float>(image.at(x + dx, y + dy)); };
+  return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) +
+         fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
+}
+
+// Where the line's next node outwards would be.
+std::optional<Point> beyond(const Lattice& lattice, Cell cell, Cell outwards) {
+  if (!lattice.has(cell) || !lattice.has(cell - outwards)) return std::nullopt;
+  const Node& a = lattice.at(cell);
+  const Node& b = lattice.at(cell - outwards);
+  Point p = {2 * a.x - b.x, 2 * a.y - b.y};
+  if (lattice.has(cell - 2 * outwards)) {
+    const Node& c = lattice.at(cell - 2 * outwards);
+    p = {3 * a.x - 3 * b.x + c.x, 3 * a.y - 3 * b.y + c.y};
+  }
+  return p;
+}
+
+struct Profile {
+  float inside = 0;   // grey levels of the square
+  float outside = 0;  // of what lies beyond it
+  float ends = 0;     // squares beyond the line, where the colour changes
+};
+
+// Outwards through the middle of the square between two nodes of the line.
+std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, Cell cell, Cell step,
+                               Cell outwards) {
+  const auto a = beyond(lattice, cell, outwards);
+  const auto b = beyond(lattice, cell + step, outwards);
+  if (!a || !b) return std::nullopt;
+  const Node& na = lattice.at(cell);
+  const Node& nb = lattice.at(cell + step);
+  const Point from = {0.5F * (na.x + nb.x), 0.5F * (na.y + nb.y)};
+  const Point way = {0.5F * (a->x + b->x) - from.x, 0.5F * (a->y + b->y) - from.y};
+  std::array<float, kSamples> t{};
+  std::array<float, kSamples> v{};
+  Profile p;
+  float inner = 0;
+  float outer = 0;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    t[i] = kFrom + (kTo - kFrom) * static_cast<float>(i) / (kSamples - 1);
+    const auto g = grey(image, {from.x + t[i] * way.x, from.y + t[i] * way.y});
+    if (!g) return std::nullopt;
+    v[i] = *g;
+    if (t[i] < 0.7F) {
+      p.inside += v[i];
+      inner += 1;
+    } else if (t[i] > 1.3F) {
+      p.outside += v[i];
+      outer += 1;
+    }
+  }
+  p.inside /= inner;
+  p.outside /= outer;
+  const float middle = 0.5F * (p.inside + p.outside);
+  for (std::size_t i = 1; i < kSamples; ++i) {
+    if ((v[i - 1] < middle) != (v[i] < middle)) {
+      p.ends = t[i];
+      break;
+    }
+  }
+  return p;
+}
+
+}  // namespace
+
+bool sees_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
+               Cell outwards) {
+  if (image.width < 2 || image.height < 2) return false;
+  // By the colour of the squares: [0] those of even cells, [1] of odd ones.
+  std::array<int, 2> ends{};
+  std::array<int, 2> goes_on{};
+  int seen = 0;
+  for (int i = 0; i + 1 < count; ++i) {
+    const Cell cell = first + i * step;
+    if (!lattice.has(cell) || !lattice.has(cell + step)) continue;
+    const auto p = profile(image, lattice, cell, step, outwards);
+    if (!p) continue;
+    ++seen;
+    const float contrast = std::max(lattice.at(cell).contrast, 1.0F);
+    const float differs = std::abs(p->outside - p->inside) / contrast;
+    const auto colour = static_cast<std::size_t>(i & 1);
+    if (differs > kDiffers && p->ends > kEdgeFrom && p->ends < kEdgeTo) ++ends[colour];
+    if (differs < kSame) ++goes_on[colour];
+  }
+  const auto is_edge = [&](std::size_t differing) {
+    return ends[differing] >= kLeastEnds && goes_on[1 - differing] >= 1 &&
+           static_cast<float>(ends[differing] + goes_on[1 - differing]) >=
+               kLeastShare * static_cast<float>(seen);
+  };
+  return is_edge(0) || is_edge(1);
+}
+
+}  // namespace calvin::detect

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Where a board ends.
+#pragma once
+
+#include "calvin/core/image.hpp"
+#include "calvin/detect/lattice.hpp"
+
+namespace calvin::detect {
+
+// Whether beyond a line of nodes (`count` cells from `first` on, some of them missing) there is one
+// more row of squares and then the margin, dark or bright: those squares that differ from it end
+// together, a square's side beyond the line, and the others go on. `outwards` is a cell's step.
+// False where that cannot be seen: out of the image, or covered.
+[[nodiscard]] bool sees_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step,
+                             int count, Cell outwards);
+
+}  // namespace calvin::detect

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Lattices of corners in one level of an image pyramid.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "calvin/core/image.hpp"
+#include "calvin/detect/corner.hpp"
+#include "calvin/detect/corner_graph.hpp"
+#include "calvin/detect/lattice.hpp"
+#include "calvin/detect/saddle_points.hpp"
+
+namespace calvin::detect {
+
+// What is looked for.
+struct SearchOptions {
+  std::uint8_t threshold = 5;  // grey levels, of the response
+  int most_points = 600;       // of the response
+  int least_nodes = 9;         // of a lattice
+  float reach = 144;           // px, the largest distance between neighbours
+};
+
+// Keeps its memory.
+class BoardSearch {
+ public:
+  // Finds the corners of an image (of step 1) and who is whose neighbour.
+  void look(const ImageView& image, const SearchOptions& options);
+
+  // Moves to the next lattice of at least `least_nodes` corners, the largest first, its stray
+  // corners removed; false where none is left.
+  [[nodiscard]] bool next(Lattice& lattice);
+
+  // Adds the nodes that are missing inside of a lattice and next to it.
+  static void complete(const ImageView& image, Lattice& lattice);
+
+ private:
+  struct Group {
+    int first = 0;  // corner
+    int size = 0;
+  };
+  void find_groups();
+  void fill(const Group& group, Lattice& lattice);
+
+  SearchOptions options_;
+  SaddleSearch saddle_search_;
+  CornerGraph graph_;
+  std::vector<Corner> corners_;
+  std::vector<Group> groups_;
+  std::size_t next_group_ = 0;
+  std::vector<int> queue_;
+  std::vector<bool> seen_;
+  std::vector<Cell> cell_;
+};
+
+}  // namespace calvin::detect

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/detect/corner_graph.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace calvin::detect {
+
+namespace {
+
+constexpr float kCell = 16;         // px, side of a cell
+constexpr float kLeastStep = 4.5F;  // px between neighbours
+constexpr float kCone = 0.3F;       // tangent of how far off the edge a neighbour may lie
+constexpr float kOffEdge = 2.5F;    // how much a px off the edge counts more than one along it
+constexpr float kTurn = 0.39F;      // sine of how far an edge may turn on the way
+constexpr int kMostLookedAt = 80;   // a board's neighbours are among the first of them
+constexpr float kContrast = 2.9F;   // ratio of the contrasts
+
+int cell_of(float x) { return static_cast<int>(x / kCell); }
+
+}  // namespace
+
+void CornerGraph::sort_into_cells(std::span<const Corner> corners, ImageSize size) {
+  cells_across_ = cell_of(static_cast<float>(size.width)) + 1;
+  cells_down_ = cell_of(static_cast<float>(size.height)) + 1;
+  const auto cell = [&](const Corner& c) {
+    return static_cast<std::size_t>(cell_of(c.y) * cells_across_ + cell_of(c.x));
+  };
+  cell_begin_.assign(static_cast<std::size_t>(cells_across_ * cells_down_) + 1, 0);
+  for (const Corner& c : corners) ++cell_begin_[cell(c) + 1];
+  for (std::size_t i = 1; i < cell_begin_.size(); ++i) cell_begin_[i] += cell_begin_[i - 1];
+  in_cells_.resize(corners.size());
+  // Each begin moves to the cell's end, which is where the next one begins.
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    in_cells_[static_cast<std::size_t>(cell_begin_[cell(corners[i])]++)] = static_cast<int>(i);
+  }
+  for (std::size_t i = cell_begin_.size() - 1; i > 0; --i) cell_begin_[i] = cell_begin_[i - 1];
+  cell_begin_[0] = 0;
+}
+
+std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int self,
+                                            float reach) const {
+  const Corner& from = corners[static_cast<std::size_t>(self)];
+  std::array<int, kWays> best = {kNoCorner, kNoCorner, kNoCorner, kNoCorner};
+  std::array<float, kWays> cost;
+  cost.fill(std::numeric_limits<float>::infinity());
+
+  int looked_at = 0;
+  const auto look_at = [&](int other) {
+    ++looked_at;
+    if (other == self) return;
+    const Corner& to = corners[static_cast<std::size_t>(other)];
+    if (to.contrast * kContrast < from.contrast || to.contrast > kContrast * from.contrast) return;
+    const Direction step = {to.x - from.x, to.y - from.y};
+    for (std::size_t line = 0; line < 2; ++line) {
+      const Direction edge = line == 0 ? from.rising : from.falling;
+      const float on = dot(step, edge);
+      const float along = std::abs(on);
+      const float off = std::abs(cross(step, edge));
+      if (off > kCone * along || along < kLeastStep || along > reach) continue;
+      const std::size_t way = 2 * line + (on < 0 ? 1 : 0);
+      const float c = along + kOffEdge * off;
+      if (c >= cost[way]) continue;
+      const float across = cross(line == 0 ? to.falling : to.rising, step);
+      if (across * across > kTurn * kTurn * dot(step, step)) continue;
+      cost[way] = c;
+      best[way] = other;
+    }
+  };
+  const auto look_in_cells = [&](int row, int first, int last) {
+    if (row < 0 || row >= cells_down_) return;
+    first = std::max(first, 0);
+    last = std::min(last, cells_across_ - 1);
+    if (first > last) return;
+    const auto begin = static_cast<std::size_t>(row * cells_across_);
+    const int end = cell_begin_[begin + static_cast<std::size_t>(last) + 1];
+    for (int i = cell_begin_[begin + static_cast<std::size_t>(first)]; i < end; ++i) {
+      look_at(in_cells_[static_cast<std::size_t>(i)]);
+    }
+  };
+  // Squares of cells around the corner's own, until nothing nearer can come.
+  const int col = cell_of(from.x);
+  const int row = cell_of(from.y);
+  const int rings = static_cast<int>(std::ceil(reach / kCell));
+  for (int r = 0; r <= rings; ++r) {
+    if (looked_at > kMostLookedAt ||
+        *std::max_element(cost.begin(), cost.end()) < static_cast<float>(r - 1) * kCell) {
+      break;
+    }
+    look_in_cells(row - r, col - r, col + r);
+    if (r == 0) continue;
+    look_in_cells(row + r, col - r, col + r);
+    for (int y = row - r + 1; y < row + r; ++y) {
+      look_in_cells(y, col - r, col - r);
+      look_in_cells(y, col + r, col + r);
+    }
+  }
+  return best;
+}
+
+void CornerGraph::build(std::span<const Corner> corners, ImageSize size, float reach) {
+  sort_into_cells(corners, size);
+  nearest_.resize(corners.size());
+  links_.resize(corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    nearest_[i] = nearest(corners, static_cast<int>(i), reach);
+  }
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t w = 0; w < kWays; ++w) {
+      const int other = nearest_[i][w];
+      const auto sees_back = [&] {
+        const auto& back = nearest_[static_cast<std::size_t>(other)];
+        return std::find(back.begin(), back.end(), static_cast<int>(i)) != back.end();
+      };
+      links_[i][w] = other != kNoCorner && sees_back() ? other : kNoCorner;
+    }
+  }
+}
+
+}  // namespace calvin::detect

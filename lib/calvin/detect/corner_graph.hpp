@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Which corners are neighbours: the edge that leaves one arrives at the other, with its colours
+// exchanged, and both see each other first.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "calvin/detect/corner.hpp"
+
+namespace calvin::detect {
+
+// The ways to leave a corner: along its rising edge, against it, along the falling one, against it.
+inline constexpr int kWays = 4;
+inline constexpr int kNoCorner = -1;
+
+// Keeps its memory.
+class CornerGraph {
+ public:
+  // Neighbours no further than `reach` px apart are seen.
+  void build(std::span<const Corner> corners, ImageSize size, float reach);
+
+  // The neighbour of a corner on each way, or kNoCorner; mutual.
+  [[nodiscard]] const std::array<int, kWays>& neighbours(int corner) const {
+    return links_[static_cast<std::size_t>(corner)];
+  }
+
+ private:
+  void sort_into_cells(std::span<const Corner> corners, ImageSize size);
+  [[nodiscard]] std::array<int, kWays> nearest(std::span<const Corner> corners, int self,
+                                               float reach) const;
+
+  int cells_across_ = 0;
+  int cells_down_ = 0;
+  std::vector<int> cell_begin_;  // of each cell in `in_cells_`, and the end
+  std::vector<int> in_cells_;    // indices of corners
+  std::vector<std::array<int, kWays>> nearest_;
+  std::vector<std::array<int, kWays>> links_;
+};
+
+}  // namespace calvin::detect

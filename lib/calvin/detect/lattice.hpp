@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Corners in rows and columns, some of them missing: a flat array around the first one.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "calvin/detect/corner.hpp"
+
+namespace calvin::detect {
+
+// A corner with its place in the lattice told. `along` and `down` are the directions of its edges
+// towards the next corner of the row and of the column; cross(along, down) > 0.
+struct Node {
+  float x = 0;
+  float y = 0;
+  Direction along;
+  Direction down;
+  float contrast = 0;
+  float width = 1;   // px, the blur of the edges as far as known
+  float misfit = 0;  // of prune()
+  bool used = false;
+  bool guessed = false;  // lies where its neighbours let it expect, and was not looked at yet
+};
+
+struct Cell {
+  int col = 0;
+  int row = 0;
+  friend Cell operator+(Cell a, Cell b) { return {a.col + b.col, a.row + b.row}; }
+  friend Cell operator-(Cell a, Cell b) { return {a.col - b.col, a.row - b.row}; }
+  friend bool operator==(const Cell&, const Cell&) = default;
+};
+[[nodiscard]] inline Cell operator*(int s, Cell c) { return {s * c.col, s * c.row}; }
+inline constexpr std::array<Cell, 4> kAround = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+
+// Where a node is expected.
+struct Expected {
+  float x = 0;
+  float y = 0;
+  float spacing = 0;  // px between the nodes it was taken from
+};
+
+// Where the nodes are; empty where first > last.
+struct Extent {
+  Cell first = {0, 0};
+  Cell last = {-1, -1};
+  [[nodiscard]] int cols() const { return last.col - first.col + 1; }
+  [[nodiscard]] int rows() const { return last.row - first.row + 1; }
+};
+
+class Lattice {
+ public:
+  // Nodes up to `reach` rows and columns from the first one.
+  explicit Lattice(int reach);
+
+  void clear();
+  [[nodiscard]] bool in_reach(Cell c) const {
+    return c.col >= -reach_ && c.col <= reach_ && c.row >= -reach_ && c.row <= reach_;
+  }
+  [[nodiscard]] bool has(Cell c) const { return in_reach(c) && nodes_[index(c)].used; }
+  [[nodiscard]] const Node& at(Cell c) const { return nodes_[index(c)]; }
+  [[nodiscard]] Node& at(Cell c) { return nodes_[index(c)]; }
+  void put(Cell c, const Node& node);
+  void remove(Cell c);
+  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] Extent extent() const;  // of the nodes that are there
+
+  // Whether a corner of a cell's colours has its bright square between +along and +down; else
+  // between -along and +down. The first node put decides for all.
+  [[nodiscard]] static bool is_even(Cell c) { return ((c.col + c.row) & 1) == 0; }
+
+  // From the nodes around, not from the one in the cell itself. Absent where too few are there.
+  [[nodiscard]] std::optional<Expected> expect(Cell c) const;
+
+  // Removes, worst first, what lies further than `share` of the spacing from where it is expected;
+  // then what has fewer than two neighbours.
+  void prune(float share);
+
+  template <typename F>
+  void for_each(F f) const {
+    const Extent e = extent();
+    for (int row = e.first.row; row <= e.last.row; ++row) {
+      for (int col = e.first.col; col <= e.last.col; ++col) {
+        if (has({col, row})) f(Cell{col, row}, at({col, row}));
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t index(Cell c) const {
+    return static_cast<std::size_t>((c.row + reach_) * (2 * reach_ + 1) + c.col + reach_);
+  }
+  [[nodiscard]] int neighbours(Cell c) const;
+  [[nodiscard]] float misfit(Cell c) const;
+
+  int reach_;
+  int count_ = 0;
+  Extent touched_;  // all nodes lie within; removing does not shrink it
+  std::vector<Node> nodes_;
+};
+
+}  // namespace calvin::detect

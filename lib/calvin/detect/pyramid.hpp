@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// An image and its halves, quarters, ...: a board is looked for in the smallest first.
+#pragma once
+
+#include <vector>
+
+#include "calvin/core/image.hpp"
+
+namespace calvin::detect {
+
+class Pyramid {
+ public:
+  // Level 0 is the image itself, in place wherever its pixels lie side by side; each further level
+  // has half the size, down to where a board of the whole image can just be seen. Keeps its memory.
+  void build(const ImageView& image);
+
+  [[nodiscard]] int levels() const noexcept { return count_; }
+  [[nodiscard]] const ImageView& level(int i) const { return views_[static_cast<std::size_t>(i)]; }
+
+  // From the pixels of a level to those of the image: u0 = 2^level (u + 0.5) - 0.5.
+  [[nodiscard]] static float to_image(float u, int level) noexcept {
+    return static_cast<float>(1 << level) * (u + 0.5F) - 0.5F;
+  }
+
+ private:
+  static constexpr int kMaxLevels = 8;
+
+  int count_ = 0;
+  ImageView views_[kMaxLevels];
+  std::vector<std::uint8_t> pixels_[kMaxLevels];
+};
+
+}  // namespace calvin::detect

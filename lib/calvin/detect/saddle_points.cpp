@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calvin/detect/saddle_points.cpp"
+#include <hwy/foreach_target.h>
+// The order matters: Highway includes this file again for each target from the line above.
+#include <hwy/highway.h>
+
+#include "calvin/detect/saddle_points.hpp"
+
+#ifndef CALVIN_DETECT_SADDLE_POINTS_RING
+#define CALVIN_DETECT_SADDLE_POINTS_RING
+namespace calvin::detect {
+// The samples, a sixteenth of a turn apart. Opposite ones are 8 apart.
+inline constexpr int kRingX[16] = {5, 5, 4, 2, 0, -2, -4, -5, -5, -5, -4, -2, 0, 2, 4, 5};
+inline constexpr int kRingY[16] = {0, 2, 4, 5, 5, 5, 4, 2, 0, -2, -4, -5, -5, -5, -4, -2};
+}  // namespace calvin::detect
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::detect::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class V>
+HWY_INLINE V difference(V a, V b) {
+  return hn::Sub(hn::Max(a, b), hn::Min(a, b));
+}
+
+// The response at lanes `at`, at + 1, ... All sums are kept as means, in bytes.
+template <class D>
+HWY_INLINE hn::Vec<D> response_at(D d, const std::uint8_t* at, std::ptrdiff_t stride) {
+  const auto load = [&](int k) { return hn::LoadU(d, at + kRingY[k] * stride + kRingX[k]); };
+  const auto mean = [](auto a, auto b) { return hn::AverageRound(a, b); };
+  hn::Vec<D> sums[2], differences[2], rings[2];
+  for (int half = 0; half < 2; ++half) {
+    hn::Vec<D> s[2], f[2], r[2];
+    for (int i = 0; i < 2; ++i) {
+      const int k = 2 * half + i;
+      const auto a = load(k);
+      const auto b = load(k + 4);
+      const auto c = load(k + 8);
+      const auto e = load(k + 12);
+      const auto ac = mean(a, c);
+      const auto be = mean(b, e);
+      s[i] = difference(ac, be);
+      f[i] = mean(difference(a, c), difference(b, e));
+      r[i] = mean(ac, be);
+    }
+    sums[half] = mean(s[0], s[1]);
+    differences[half] = mean(f[0], f[1]);
+    rings[half] = mean(r[0], r[1]);
+  }
+  const auto sum = mean(sums[0], sums[1]);
+  const auto difference_mean = mean(differences[0], differences[1]);
+  const auto ring = mean(rings[0], rings[1]);
+  const auto cross = mean(mean(hn::LoadU(d, at - 1), hn::LoadU(d, at + 1)),
+                          mean(hn::LoadU(d, at - stride), hn::LoadU(d, at + stride)));
+  const auto off = difference(ring, mean(cross, hn::LoadU(d, at)));
+  return hn::SaturatedSub(hn::SaturatedSub(sum, difference_mean), off);
+}
+
+void response_row(const std::uint8_t* at, std::ptrdiff_t stride, std::uint8_t* out,
+                  std::size_t count) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const std::size_t lanes = hn::Lanes(d);
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) hn::StoreU(response_at(d, at + i, stride), d, out + i);
+  if (i == count) return;
+  if (count >= lanes) {
+    i = count - lanes;
+    hn::StoreU(response_at(d, at + i, stride), d, out + i);
+    return;
+  }
+  const hn::CappedTag<std::uint8_t, 1> one;
+  for (; i < count; ++i) hn::StoreU(response_at(one, at + i, stride), one, out + i);
+}
+
+void response_patch_row(const std::uint8_t* at, std::ptrdiff_t stride, std::uint8_t* out,
+                        std::size_t count) {
+  const hn::CappedTag<std::uint8_t, kPatchWidth> d;
+  if (count == hn::Lanes(d)) {
+    hn::StoreU(response_at(d, at, stride), d, out);
+    return;
+  }
+  const hn::CappedTag<std::uint8_t, 1> one;
+  for (std::size_t i = 0; i < count; ++i) {
+    hn::StoreU(response_at(one, at + i, stride), one, out + i);
+  }
+}
+
+// Sets a bit for each pixel of the middle row that is at least `threshold` and no less than its
+// neighbours; of equal ones the first. `count` is a multiple of the lanes.
+bool mark_peaks(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below,
+                std::uint8_t threshold, std::uint8_t* bits, std::size_t count) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto least = hn::Set(d, threshold);
+  bool any = false;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const auto v = hn::LoadU(d, row + i);
+    auto mask = hn::Eq(hn::Max(v, least), v);
+    if (!hn::AllFalse(d, mask)) {
+      const auto at = [&](const std::uint8_t* r, int dx) {
+        return hn::LoadU(d, r + static_cast<std::ptrdiff_t>(i) + dx);
+      };
+      const auto earlier =
+          hn::Max(hn::Max(at(above, -1), at(above, 0)), hn::Max(at(above, 1), at(row, -1)));
+      const auto later =
+          hn::Max(hn::Max(at(below, -1), at(below, 0)), hn::Max(at(below, 1), at(row, 1)));
+      mask = hn::And(mask, hn::Eq(hn::Max(v, later), v));
+      mask = hn::And(mask, hn::Not(hn::Eq(hn::Max(v, earlier), earlier)));
+      any = any || !hn::AllFalse(d, mask);
+    }
+#if HWY_TARGET == HWY_SCALAR
+    const unsigned bit = 1U << (i % 8);
+    bits[i / 8] =
+        static_cast<std::uint8_t>((bits[i / 8] & ~bit) | (hn::AllFalse(d, mask) ? 0U : bit));
+#else
+    hn::StoreMaskBits(d, mask, bits + i / 8);
+#endif
+  }
+  return any;
+}
+
+}  // namespace calvin::detect::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+namespace calvin::detect {
+
+namespace {
+
+HWY_EXPORT(response_row);
+HWY_EXPORT(response_patch_row);
+HWY_EXPORT(mark_peaks);
+
+constexpr int kPeakRadius = 3;               // px
+constexpr std::size_t kPadding = 128;        // bytes on either side of a row, at least a vector
+constexpr std::size_t kMaxPoints = 1 << 14;  // before the threshold goes up
+constexpr int kRingRows = 8;                 // at least 2 * kPeakRadius + 1, a power of two
+
+}  // namespace
+
+void saddle_responses(const ImageView& image, int x, int y, int height,
+                      ResponsePatch& patch) noexcept {
+  // The vectors must lie in the image; what is asked for may reach over its border.
+  const int first = std::max(x, kResponseRadius);
+  const int last = std::min(x + kPatchWidth, image.width - kResponseRadius);
+  for (int row = 0; row < height; ++row) {
+    std::memset(patch.at[row], 0, kPatchWidth);
+    const int v = y + row;
+    if (first >= last || v < kResponseRadius || v >= image.height - kResponseRadius) continue;
+    HWY_DYNAMIC_DISPATCH(response_patch_row)
+    (image.data + v * image.stride + first, image.stride, patch.at[row] + first - x,
+     static_cast<std::size_t>(last - first));
+  }
+}
+
+void SaddleSearch::raise_threshold() {
+  std::size_t counts[256] = {};
+  for (const SaddlePoint& p : points_) ++counts[p.response];
+  std::size_t kept = points_.size();
+  int level = threshold_;
+  while (level < 255 && kept > kMaxPoints / 2) kept -= counts[level++];
+  threshold_ = static_cast<std::uint8_t>(level);
+  std::erase_if(points_, [&](const SaddlePoint& p) { return p.response < threshold_; });
+  // Far more equal peaks than any board has.
+  if (points_.size() > kMaxPoints / 2) points_.resize(kMaxPoints / 2);
+}
+
+void SaddleSearch::take_peaks(const std::uint8_t* const* rows, int y, int width) {
+  const std::uint8_t* row = rows[kPeakRadius];
+  const auto is_peak = [&](int x) {
+    const std::uint8_t v = row[x];
+    // The rows next to it first: they tell most often.
+    for (const int dy : {-1, 1, 0, -2, 2, -3, 3}) {
+      const std::uint8_t* other = rows[kPeakRadius + dy] + x;
+      for (int dx = -kPeakRadius; dx <= kPeakRadius; ++dx) {
+        const bool earlier = dy < 0 || (dy == 0 && dx < 0);
+        if (other[dx] > v || (other[dx] == v && earlier)) return false;
+      }
+    }
+    return true;
+  };
+  for (int first = 0; first < width; first += 64) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, peaks_.data() + first / 8, sizeof bits);
+    for (; bits != 0; bits &= bits - 1) {
+      // The bytes were stored lowest pixel first.
+      const int x = first + std::countr_zero(bits);
+      if (!is_peak(x)) continue;
+      if (points_.size() == kMaxPoints) raise_threshold();
+      if (row[x] >= threshold_) points_.push_back({x, y, row[x]});
+    }
+  }
+}
+
+std::span<const SaddlePoint> SaddleSearch::find(const ImageView& image, std::uint8_t threshold,
+                                                std::size_t most) {
+  points_.clear();
+  points_.reserve(kMaxPoints);
+  threshold_ = std::max<std::uint8_t>(threshold, 1);
+  const int inner = image.width - 2 * kResponseRadius;  // of a row, px that have a response
+  if (inner <= 0 || image.height <= 2 * kResponseRadius) return {};
+
+  const std::size_t bits = (static_cast<std::size_t>(image.width) + 127) / 128 * 128;
+  const std::size_t pitch = bits + 2 * kPadding;
+  responses_.assign(kRingRows * pitch, 0);
+  peaks_.assign(bits / 8, 0);
+  const auto ring_row = [&](int y) {
+    return responses_.data() + static_cast<std::size_t>(y & (kRingRows - 1)) * pitch + kPadding;
+  };
+  const int first = kResponseRadius;
+  const int end = image.height - kResponseRadius;
+  for (int y = first; y < end + kPeakRadius; ++y) {
+    std::uint8_t* const newest = ring_row(y);
+    if (y < end) {
+      HWY_DYNAMIC_DISPATCH(response_row)
+      (image.data + y * image.stride + kResponseRadius, image.stride, newest + kResponseRadius,
+       static_cast<std::size_t>(inner));
+    } else {
+      std::memset(newest, 0, bits);
+    }
+    const int middle = y - kPeakRadius;
+    if (middle < first) continue;
+    const std::uint8_t* rows[2 * kPeakRadius + 1];
+    for (int i = 0; i <= 2 * kPeakRadius; ++i) rows[i] = ring_row(middle - kPeakRadius + i);
+    if (HWY_DYNAMIC_DISPATCH(mark_peaks)(rows[kPeakRadius - 1], rows[kPeakRadius],
+                                         rows[kPeakRadius + 1], threshold_, peaks_.data(), bits)) {
+      take_peaks(rows, middle, image.width);
+    }
+  }
+  if (points_.size() > most) {
+    std::nth_element(
+        points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(most), points_.end(),
+        [](const SaddlePoint& a, const SaddlePoint& b) { return a.response > b.response; });
+    points_.resize(most);
+  }
+  return points_;
+}
+
+}  // namespace calvin::detect
+
+#endif  // HWY_ONCE
