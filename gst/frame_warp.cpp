@@ -5,6 +5,8 @@
 
 #include "frame_warp.hpp"
 
+#include <array>
+#include <span>
 #include <utility>
 
 namespace calvin::gst {
@@ -115,10 +117,15 @@ Status FrameWarp::apply(const GstVideoFrame& in, const GstVideoFrame& out) const
     return make_error(ErrorCode::kInvalidArgument,
                       "A frame is not of the size that was negotiated.");
   }
+  std::array<PlaneMemory<const std::uint8_t>, GST_VIDEO_MAX_COMPONENTS> sources;
+  std::array<PlaneMemory<std::uint8_t>, GST_VIDEO_MAX_COMPONENTS> outputs;
   for (std::size_t i = 0; i < planes_.size(); ++i) {
     const auto source = memory_of(in, planes_[i]);
-    current_->apply(i, {source.data, source.stride}, memory_of(out, planes_[i]));
+    sources[i] = {source.data, source.stride};
+    outputs[i] = memory_of(out, planes_[i]);
   }
+  current_->apply(std::span(sources).first(planes_.size()),
+                  std::span(outputs).first(planes_.size()));
   return {};
 }
 
