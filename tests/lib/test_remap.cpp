@@ -145,7 +145,7 @@ Comparison compare(const Lens& lens, const Undistorter& undistorter, const Named
                         : std::min({at.u, at.v, frame.width - 1 - at.u, frame.height - 1 - at.v});
       const bool looked_at = j % kRowStep == 0 || j + 1 == height;
       const bool certain =
-          looked_at && std::abs(inside) > 2e-3 && !(std::abs(radius - fold) < 2e-3);
+          looked_at && std::abs(inside) > 4e-3 && !(std::abs(radius - fold) < 2e-3);
       for (int c = 0; c < layout.components; ++c) {
         const auto offset = j * output.stride + i * layout.pixel_step + c * layout.component_step;
         for (int b = 0; b < bytes_of(layout); ++b)
@@ -210,10 +210,11 @@ TEST_P(RemapPlane, EqualsBilinearInDoublePrecisionWithinOneGreyLevel) {
         const Planes planes = undistort(undistorter, i);
         const Comparison result = compare(lens, undistorter, named, planes);
         // Half a level of rounding to the sample's depth; weights across are multiples of 1/128 for
-        // 8 bit, and the map may be wrong by 1/1024 px each way. Noise is as sharp as can be.
+        // 8 bit, and places may be 0.005 or 0.002 px wrong each way. Noise is as sharp as can be.
+        const bool bytes = named.max == 255;
         const double rounding = 127.5 / named.max;
         EXPECT_LE(result.smooth, rounding + 0.25);
-        EXPECT_LE(result.worst, rounding + (named.max == 255 ? 1.0 : 0.125) + 255 * 2.0 / 1024);
+        EXPECT_LE(result.worst, rounding + (bytes ? 1 : 0) + 255 * 2 * (bytes ? 0.004 : 0.002));
         // Rounding alone makes 1/4.
         EXPECT_LE(result.sum, result.valid * (rounding / 2 + 0.26));
         EXPECT_EQ(result.wrong_fill, 0);

@@ -52,7 +52,8 @@ remap::SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, La
   b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
   b.widest = (15 - (layout.components - 1)) / layout.components;
   const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;
-  b.whole_rows = bytes >= segment ? size.height - 1 : 0;
+  b.rows = size.height;
+  b.guarded_rows = bytes >= segment ? 1 : size.height;
   b.last_segment = bytes - segment - 1;
   b.strongly_bent = map.strongly_bent();
   // Planes of one kind share their offsets, which are counted in 31 bits.

@@ -177,7 +177,8 @@ HWY_INLINE void describe_all(const SourceBounds& b, LaneRow& row) {
     // Half of what the horizontal weights are rounded to goes to the places.
     const Axis x = describe<kPixels, kThird>(row.x + j, 64);
     const Axis y = describe<kPixels, kThird>(row.y + j, 0);
-    const auto rows = hn::Max(y.last - y.first + hn::Set(d, 1), hn::Set(d, 2));
+    // All lanes of a vector read as many rows as the one that needs most.
+    const auto rows = group_maximum(hn::Max(y.last - y.first + hn::Set(d, 1), hn::Set(d, 2)));
     const auto begin = x.first * hn::Set(d, kStep);
     // Any of these is negative where the lane cannot be taken quickly.
     auto spare = hn::Min(hn::Min(x.first, y.first), hn::Set(d, 0x7FFF) - hn::Max(x.steep, y.steep));
@@ -185,10 +186,13 @@ HWY_INLINE void describe_all(const SourceBounds& b, LaneRow& row) {
                     hn::Min(hn::Set(d, b.last_column) - x.last, hn::Set(d, b.last_row) - y.last));
     spare = hn::Min(
         spare, hn::Min(hn::Set(d, b.widest) - (x.last - x.first), hn::Set(d, kMostRows) - rows));
-    spare = hn::Min(spare, hn::Max(hn::Set(d, b.whole_rows) - y.first - rows,
-                                   hn::Set(d, b.last_segment) - begin));
+    const auto left = hn::Set(d, b.rows) - y.first - rows;
+    spare = hn::Min(spare, left);
+    // Segments may end behind a row, but for the last one.
+    spare = hn::Min(spare,
+                    hn::Max(left - hn::Set(d, b.guarded_rows), hn::Set(d, b.last_segment) - begin));
     const auto slow = hn::IfThenElse(spare < zero, hn::Set(d, kSlowLane), zero);
-    hn::Store(hn::Max(group_maximum(hn::Max(rows, slow)), zero), d, row.rows + j);
+    hn::Store(hn::Max(group_maximum(slow), rows), d, row.rows + j);
     hn::Store(y.first * hn::Set(d, b.stride) + begin, d, row.offset + j);
     hn::Store(x.line, d, row.x_line + j);
     hn::Store(y.line, d, row.y_line + j);

@@ -80,17 +80,18 @@ struct LaneParabola {
   double bend;
 };
 
-// Lines are good enough where they are off by 1/200 of a sample at most; 4.12 at the lane's ends,
-// of which a line that is led through the middle of the parabola is off by half.
-inline constexpr std::int32_t kStraight = 40;
+// Lines are good enough where they are off by 0.003 of a sample at most. 4.12 at the lane's ends; a
+// line through the middle of the parabola is off by half of that.
+inline constexpr std::int32_t kStraight = 24;
 
 // How samples lie in the source plane, and which places may be taken quickly.
 struct SourceBounds {
   std::int32_t stride = 0;       // bytes
   std::int32_t last_column = 0;  // the last with a place in 0..last: its neighbour is there
   std::int32_t last_row = 0;
-  std::int32_t widest = 0;        // columns that a segment holds, less one
-  std::int32_t whole_rows = 0;    // rows before this one can be read past their end
+  std::int32_t widest = 0;  // columns that a segment holds, less one
+  std::int32_t rows = 0;
+  std::int32_t guarded_rows = 1;  // rows at the end that must not be read past their end
   std::int32_t last_segment = 0;  // bytes in the last row before which a segment may begin
   bool strongly_bent = false;     // third differences count
 };

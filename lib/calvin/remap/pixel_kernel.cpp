@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kBits = 11;
 constexpr int kOne = 1 << kBits;
-constexpr double kSlack = 0.5 / kOne;  // px; what misses the picture by that is on its border
+// px; what misses the picture by that is on its border: places are known no better.
+constexpr double kSlack = 2 * RemapMap::kTolerance;
 
 // A sample in memory as a number; Sum holds kOne^2 times the largest.
 struct Byte {
