@@ -52,6 +52,11 @@ const GEnumValue kInterpolations[] = {
     {number(Interpolation::kBicubic), "4 x 4 pixels, Catmull-Rom", "bicubic"},
     {number(Interpolation::kLanczos), "6 x 6 pixels", "lanczos"},
     {0, nullptr, nullptr}};
+const GEnumValue kFills[] = {
+    {number(Outside::kFill), "Black, opaque", "black"},
+    {number(Outside::kReplicate), "The nearest pixel of the input's border", "replicate"},
+    {number(Outside::kMirror), "The input, mirrored at its border", "mirror"},
+    {0, nullptr, nullptr}};
 const GEnumValue kDirections[] = {{0, "From the camera's picture to the view", "undistort"},
                                   {1, "From the view back to the camera's picture", "distort"},
                                   {0, nullptr, nullptr}};
@@ -79,12 +84,7 @@ ViewOptions ViewSettings::view() const {
   return options;
 }
 
-Sampling ViewSettings::sampling() const {
-  const Outside outside = fill == "replicate" ? Outside::kReplicate
-                          : fill == "mirror"  ? Outside::kMirror
-                                              : Outside::kFill;
-  return {interpolation, outside};
-}
+Sampling ViewSettings::sampling() const { return {interpolation, outside}; }
 
 void install_view_properties(GObjectClass* object_class, guint first) {
   const auto install = [&](guint which, GParamSpec* spec) {
@@ -120,11 +120,10 @@ void install_view_properties(GObjectClass* object_class, guint first) {
                                             "Which pixels of the input make one of the output",
                                             enum_type("GstCalibInterpolation", kInterpolations),
                                             number(Interpolation::kBilinear), kMutablePlaying));
-  install(kFill, g_param_spec_string(
-                     "fill", "Fill",
-                     "What is shown where the input shows nothing: black, a colour such as #0000ff "
-                     "(red, green, blue), replicate (the nearest pixel), or mirror",
-                     "black", kMutablePlaying));
+  install(kFill, g_param_spec_enum("fill", "Fill",
+                                   "What is shown outside of the input; where the calibration is "
+                                   "not valid it is black",
+                                   enum_type("GstCalibFill", kFills), 0, kMutablePlaying));
   install(kThreads, g_param_spec_int(
                         "n-threads", "Threads",
                         "Threads that share the rows of a frame, the streaming thread among them",
@@ -161,7 +160,7 @@ bool set_view_property(ViewSettings& settings, guint which, const GValue* value)
       settings.interpolation = static_cast<Interpolation>(g_value_get_enum(value));
       return true;
     case kFill:
-      settings.fill = string_of(value);
+      settings.outside = static_cast<Outside>(g_value_get_enum(value));
       return true;
     case kThreads:
       settings.threads = g_value_get_int(value);
@@ -201,7 +200,7 @@ bool get_view_property(const ViewSettings& settings, guint which, GValue* value)
       g_value_set_enum(value, number(settings.interpolation));
       return true;
     case kFill:
-      set_string(value, settings.fill);
+      g_value_set_enum(value, number(settings.outside));
       return true;
     case kThreads:
       g_value_set_int(value, settings.threads);

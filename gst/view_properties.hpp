@@ -4,8 +4,6 @@
 // The properties of calibundistort that say what its output shows and how it is made.
 #pragma once
 
-#include <string>
-
 #include <glib-object.h>
 
 #include "calvin/remap/undistorter.hpp"
@@ -22,7 +20,7 @@ struct ViewSettings {
   double roll = 0;
   bool distort = false;
   Interpolation interpolation = Interpolation::kBilinear;
-  std::string fill = "black";
+  Outside outside = Outside::kFill;
   int threads = 1;
 
   [[nodiscard]] ViewOptions view() const;
