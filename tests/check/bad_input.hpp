@@ -38,7 +38,7 @@ struct BadInput {
 inline void make_bad_files(const TemporaryFolder& folder) {
   std::filesystem::create_directory(folder / "directory");
   ::mkfifo((folder / "pipe").c_str(), 0600);
-  std::ofstream(folder / "empty");
+  std::ofstream(folder / "empty").close();
   std::ofstream(folder / "binary")
       .write(
           "\x7f"

@@ -223,7 +223,8 @@ GST_START_TEST(test_a_scaled_picture_goes_on_with_its_calibration) {
   gst_buffer_unref(gst_harness_push_and_pull(f.h, gradient(kSize, 2)));
   events = events_out(f);
   fail_unless_equals_int(events.size(), 2);
-  fail_unless_equals_string(parse_calibration(events[0].json)->model.c_str(), "pinhole");
+  const auto pinhole = parse_calibration(events[0].json);
+  fail_unless_equals_string(pinhole->model.c_str(), "pinhole");
   fail_unless(parse_calibration(events[1].json)->find("cx")->value == told.find("cx")->value);
 }
 GST_END_TEST;

@@ -235,7 +235,7 @@ static std::vector<Observation> detect(const GrayImage& picture, const char* boa
   GstHarness* h = check::harness_of(element);
   gst_harness_set_src_caps(h, check::caps_of("GRAY8", {picture.width, picture.height}));
   g_autoptr(GstBuffer) out = gst_harness_push_and_pull(h, check::frame_of(picture, "GRAY8", 0));
-  const auto found = gst::read_observations(out);
+  auto found = gst::read_observations(out);
   gst_harness_teardown(h);
   return found;
 }

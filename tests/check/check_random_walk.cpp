@@ -264,7 +264,7 @@ class Walk {
   void replace() {
     if (GST_STATE_TARGET(pipeline_.top()) == GST_STATE_PAUSED) play();
     const auto all = pipeline_.ours();
-    const auto element = all[random_() % all.size()];
+    const auto& element = all[random_() % all.size()];
     if (element->numsinkpads == 0 || GST_OBJECT_PARENT(element.get()) == nullptr ||
         GST_OBJECT_PARENT(element.get()) != GST_OBJECT(pipeline_.top())) {
       return;

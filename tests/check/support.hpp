@@ -63,7 +63,7 @@ class Bus {
       g_autoptr(GError) error = nullptr;
       if (type == GST_MESSAGE_ERROR) gst_message_parse_error(message, &error, nullptr);
       if (type == GST_MESSAGE_WARNING) gst_message_parse_warning(message, &error, nullptr);
-      found.emplace_back(error->message);
+      if (error != nullptr) found.emplace_back(error->message);
     }
     return found;
   }

@@ -127,7 +127,7 @@ inline SE3 random_pose(const Camera& camera, const Board& board, Random& random,
     const Eigen::Matrix3d rotation = facing *
                                      exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0}) *
                                      exp_so3({0, 0, uniform(random, -0.5, 0.5)});
-    const SE3 pose = {rotation, *ray * distance - rotation * center};
+    SE3 pose = {rotation, *ray * distance - rotation * center};
     if (sees_all(camera, board, pose)) return pose;
   }
 }

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Rigid motions, homographies, polynomial roots.
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -67,7 +68,7 @@ TEST(Homography, FindsTheMapOfExactPoints) {
   std::vector<Pixel> xy;
   std::vector<Pixel> uv;
   for (int i = 0; i < 12; ++i) {
-    xy.push_back({0.03 * (i % 4), 0.03 * (i / 4)});
+    xy.push_back({0.03 * (i % 4), 0.03 * std::floor(i / 4.0)});
     uv.push_back(transform(h, xy.back()));
   }
   const auto found = fit_homography(xy, uv);

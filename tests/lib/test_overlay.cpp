@@ -46,7 +46,7 @@ Observation flat_board(ImageSize size, double u, double v, double pitch) {
   o.image_size = size;
   for (int id = 0; id < 54; ++id) {
     o.ids.push_back(id);
-    o.uv.push_back({u + pitch * (id % 9), v + pitch * (id / 9)});
+    o.uv.push_back({u + pitch * (id % 9), v + pitch * std::floor(id / 9.0)});
     o.sigma.push_back(0.1);
   }
   return o;

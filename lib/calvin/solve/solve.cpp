@@ -120,8 +120,8 @@ std::string board_text(std::span<const View> views, const std::vector<RejectedVi
 }  // namespace
 
 Status check(const View& view, ImageSize image_size) {
-  if (const Status status = check_size(image_size); !status) return status;
-  if (const Status status = check_board(view.board); !status) return status;
+  if (Status status = check_size(image_size); !status) return status;
+  if (Status status = check_board(view.board); !status) return status;
   const Observation& seen = view.observation;
   const auto refuse = [](std::string message) {
     return make_error(ErrorCode::kInvalidArgument, std::move(message));

@@ -164,7 +164,7 @@ Result<std::vector<NamedBoard>> list_boards(const std::string& path) {
 }
 
 Status add_board(const std::string& path, std::string_view name, std::string_view text) {
-  if (const Status named = check_name(name); !named) return named;
+  if (Status named = check_name(name); !named) return named;
   const auto board = parse_board(text);
   if (!board) return tl::unexpected<Error>(board.error());
   return without_exceptions(path, [&] { return add(path, name, *board); });
