@@ -44,13 +44,13 @@ const GEnumValue kProjections[] = {
     {number(Projection::kEquirectangular), "Longitude and latitude", "equirectangular"},
     {number(Projection::kStereographic), "Small shapes keep their form", "stereographic"},
     {number(Projection::kPanini), "Verticals and lines through the middle stay straight", "panini"},
-    {number(Projection::kFisheye), "Equidistant", "fisheye"},
+    {number(Projection::kFisheye), "Distance from the middle is the angle", "fisheye"},
     {0, nullptr, nullptr}};
 const GEnumValue kInterpolations[] = {
     {number(Interpolation::kNearest), "Nearest pixel", "nearest"},
-    {number(Interpolation::kBilinear), "2 x 2 pixels", "bilinear"},
-    {number(Interpolation::kBicubic), "4 x 4 pixels, Catmull-Rom", "bicubic"},
-    {number(Interpolation::kLanczos), "6 x 6 pixels", "lanczos"},
+    {number(Interpolation::kBilinear), "Straight between 2 x 2 pixels", "bilinear"},
+    {number(Interpolation::kBicubic), "Cubic through 4 x 4 pixels, Catmull-Rom", "bicubic"},
+    {number(Interpolation::kLanczos), "Windowed sinc over 6 x 6 pixels", "lanczos"},
     {0, nullptr, nullptr}};
 const GEnumValue kFills[] = {
     {number(Outside::kFill), "Black, opaque", "black"},
@@ -62,8 +62,10 @@ const GEnumValue kDirections[] = {{0, "From the camera's picture to the view", "
                                   {0, nullptr, nullptr}};
 
 GType enum_type(const char* name, const GEnumValue* values) {
-  const GType known = g_type_from_name(name);
-  return known != 0 ? known : g_enum_register_static(name, values);
+  GType type = g_type_from_name(name);
+  if (type == 0) type = g_enum_register_static(name, values);
+  gst_type_mark_as_plugin_api(type, static_cast<GstPluginAPIFlags>(0));
+  return type;
 }
 
 GParamSpec* angle(const char* name, const char* nick, const char* blurb) {
@@ -105,17 +107,20 @@ void install_view_properties(GObjectClass* object_class, guint first) {
   install(kProjection,
           g_param_spec_enum("projection", "Projection", "How directions are laid out on the output",
                             enum_type("GstCalibProjection", kProjections), 0, kMutablePlaying));
-  install(kZoom, g_param_spec_double("zoom", "Zoom",
-                                     "Enlarges what alpha chose, around the middle of the output",
-                                     0.01, 100, 1, kAnimated));
+  install(kZoom,
+          g_param_spec_double(
+              "zoom", "Zoom",
+              "Factor by which what alpha chose is enlarged, around the middle of the output", 0.01,
+              100, 1, kAnimated));
   install(kPan, angle("pan", "Pan", "Looks to the right, degrees"));
   install(kTilt, angle("tilt", "Tilt", "Looks up, degrees"));
   install(kRoll, angle("roll", "Roll", "Turns the view clockwise, degrees"));
-  install(kDirection,
-          g_param_spec_enum("direction", "Direction",
-                            "undistort: the camera's picture becomes the view; distort: the way "
-                            "back, what comes in shows the view",
-                            enum_type("GstCalibDirection", kDirections), 0, kMutablePlaying));
+  install(
+      kDirection,
+      g_param_spec_enum("direction", "Direction",
+                        "Whether the camera's picture becomes the view (undistort), or what comes "
+                        "in shows the view and becomes the camera's picture (distort)",
+                        enum_type("GstCalibDirection", kDirections), 0, kMutablePlaying));
   install(kInterpolation, g_param_spec_enum("interpolation", "Interpolation",
                                             "Which pixels of the input make one of the output",
                                             enum_type("GstCalibInterpolation", kInterpolations),
@@ -124,10 +129,11 @@ void install_view_properties(GObjectClass* object_class, guint first) {
                                    "What is shown outside of the input; where the calibration is "
                                    "not valid it is black",
                                    enum_type("GstCalibFill", kFills), 0, kMutablePlaying));
-  install(kThreads, g_param_spec_int(
-                        "n-threads", "Threads",
-                        "Threads that share the rows of a frame, the streaming thread among them",
-                        1, 64, 1, kMutablePlaying));
+  install(kThreads,
+          g_param_spec_int(
+              "n-threads", "Threads",
+              "How many threads share the rows of a frame, the streaming thread among them", 1, 64,
+              1, kMutablePlaying));
 }
 
 bool set_view_property(ViewSettings& settings, guint which, const GValue* value) {

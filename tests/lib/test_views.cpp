@@ -122,7 +122,7 @@ TEST(OutputView, WiderThanTheProjectionCanShowIsLimitedAndSaysSo) {
   ViewOptions options;
   options.alpha = 1;
   options.zoom = 0.05;
-  const View view = output_view(wide(), options).value();
+  const OutputView view = output_view(wide(), options).value();
   EXPECT_TRUE(view.limited);
   const double half = 319.5 / view.eye.plane().fx();
   EXPECT_NEAR(2 * std::atan(half) * 180 / kPi, 150, 1e-6);

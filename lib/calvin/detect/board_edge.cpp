@@ -17,8 +17,9 @@ constexpr float kFrom = 0.3F;  // squares beyond the line
 constexpr float kTo = 1.6F;
 constexpr float kEdgeFrom = 0.8F;  // where a square of the last row may end
 constexpr float kEdgeTo = 1.25F;
-constexpr float kDiffers = 0.5F;  // of the contrast: another colour
-constexpr float kSame = 0.35F;
+constexpr float kDiffers = 0.65F;  // of the contrast: another colour
+constexpr float kSame = 0.3F;
+constexpr float kLeastSeen = 0.5F;   // of the line's squares; a finger hides behind fewer
 constexpr int kLeastEnds = 2;        // squares that differ from the margin
 constexpr float kLeastShare = 0.8F;  // of the squares in view that are as they should
 
@@ -121,6 +122,7 @@ bool sees_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell 
     if (differs > kDiffers && p->ends > kEdgeFrom && p->ends < kEdgeTo) ++ends[colour];
     if (differs < kSame) ++goes_on[colour];
   }
+  if (static_cast<float>(seen) < kLeastSeen * static_cast<float>(count - 1)) return false;
   const auto is_edge = [&](std::size_t differing) {
     return ends[differing] >= kLeastEnds && goes_on[1 - differing] >= 1 &&
            static_cast<float>(ends[differing] + goes_on[1 - differing]) >=

@@ -67,6 +67,14 @@ Cell step_of(const Corner& corner, const Node& node, int way, bool even) {
   return {0, dot(line, node.down) > 0 ? sign : -sign};
 }
 
+// Whether a corner lies where the nodes so far let one expect it. Across a finger, which hides two
+// of them, the next one has the right colours too.
+bool is_expected(const Lattice& lattice, Cell cell, const Corner& corner) {
+  const auto expected = lattice.expect(cell);
+  return !expected || std::hypot(corner.x - expected->x, corner.y - expected->y) <=
+                          kPrune * std::max(expected->spacing, kLeastSpacing);
+}
+
 // Whether a corner's edges run as those of the lattice next to it.
 bool runs_along(const Corner& corner, bool even, const Node& near) {
   constexpr float kTurn = 0.5F;  // sine
@@ -201,12 +209,12 @@ void BoardSearch::fill(const Group& group, Lattice& lattice) {
       const int other = graph_.neighbours(queue_[head])[static_cast<std::size_t>(way)];
       if (other == kNoCorner || seen_[static_cast<std::size_t>(other)]) continue;
       const bool even = Lattice::is_even(cell);
+      const Corner& next = corners_[static_cast<std::size_t>(other)];
       const Cell to = cell + step_of(corners_[from], node, way, even);
-      if (!lattice.in_reach(to) || lattice.has(to)) continue;
+      if (!lattice.in_reach(to) || lattice.has(to) || !is_expected(lattice, to, next)) continue;
       seen_[static_cast<std::size_t>(other)] = true;
       cell_[static_cast<std::size_t>(other)] = to;
-      lattice.put(to,
-                  node_of(corners_[static_cast<std::size_t>(other)], !even, node.along, node.down));
+      lattice.put(to, node_of(next, !even, node.along, node.down));
       queue_.push_back(other);
     }
   }

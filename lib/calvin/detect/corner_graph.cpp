@@ -101,6 +101,20 @@ std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int
   return best;
 }
 
+// Whether a link is far longer than that of its corner's other side: then it skips some.
+bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const {
+  constexpr float kLonger = 2;
+  const Corner& a = corners[static_cast<std::size_t>(from)];
+  const auto length = [&](int other) {
+    const Corner& b = corners[static_cast<std::size_t>(other)];
+    return std::hypot(a.x - b.x, a.y - b.y);
+  };
+  const auto& ways = nearest_[static_cast<std::size_t>(from)];
+  const auto way = static_cast<std::size_t>(std::find(ways.begin(), ways.end(), to) - ways.begin());
+  const int opposite = way < ways.size() ? ways[way ^ 1] : kNoCorner;
+  return opposite != kNoCorner && length(to) > kLonger * length(opposite);
+}
+
 void CornerGraph::build(std::span<const Corner> corners, ImageSize size, float reach) {
   sort_into_cells(corners, size);
   nearest_.resize(corners.size());
@@ -115,7 +129,11 @@ void CornerGraph::build(std::span<const Corner> corners, ImageSize size, float r
         const auto& back = nearest_[static_cast<std::size_t>(other)];
         return std::find(back.begin(), back.end(), static_cast<int>(i)) != back.end();
       };
-      links_[i][w] = other != kNoCorner && sees_back() ? other : kNoCorner;
+      links_[i][w] = other != kNoCorner && sees_back() &&
+                             !skips(corners, static_cast<int>(i), other) &&
+                             !skips(corners, other, static_cast<int>(i))
+                         ? other
+                         : kNoCorner;
     }
   }
 }

@@ -33,6 +33,7 @@ class CornerGraph {
   void sort_into_cells(std::span<const Corner> corners, ImageSize size);
   [[nodiscard]] std::array<int, kWays> nearest(std::span<const Corner> corners, int self,
                                                float reach) const;
+  [[nodiscard]] bool skips(std::span<const Corner> corners, int from, int to) const;
 
   int cells_across_ = 0;
   int cells_down_ = 0;

@@ -13,8 +13,11 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr float kLeastRadius = 2.5F;     // px, of a fit's window
-constexpr float kFirstRadius = 8;        // px
+constexpr float kLeastRadius = 2.5F;  // px, of a fit's window
+constexpr float kFirstRadius = 8;     // px
+constexpr float kCloseRadius = 4.5F;  // px
+constexpr float kPrune = 0.3F;        // of the spacing
+constexpr int kFewestNodes = 4;
 constexpr float kLastRadius = 14;        // px
 constexpr float kLevelRadius = 5;        // px, in a smaller level
 constexpr float kShare = 0.45F;          // of the spacing, of a window's radius
@@ -23,8 +26,9 @@ constexpr float kClear = 2.6F;           // edge widths between a window and the
 constexpr float kLeastContrast = 0.25F;  // of the median
 // What a hand or a shadow on a corner leaves of it is not symmetric, and shows as noise.
 constexpr float kNoisiest = 3;         // of the median
+constexpr float kNoisy = 1.5F;         // of the median: something else is in the window
 constexpr float kMostNoise = 0.15F;    // of the contrast
-constexpr float kMostResidual = 0.6F;  // of the contrast
+constexpr float kMostResidual = 0.9F;  // of the contrast
 constexpr float kLargestWidth = 8;     // px, of an edge
 constexpr float kLargestMove = 0.35F;  // of the spacing, between levels
 
@@ -288,7 +292,8 @@ void Refinement::drop_misfits(Lattice& lattice) {
   });
   const auto centre = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
   std::nth_element(sorted_.begin(), centre, sorted_.end());
-  const float most = std::max(kNoisiest * *centre, kMostNoise);
+  usual_noise_ = *centre;
+  const float most = std::max(kNoisiest * usual_noise_, kMostNoise);
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     const SaddleFit& f = fit(c);
     const float contrast = std::abs(f.contrast);
@@ -298,54 +303,69 @@ void Refinement::drop_misfits(Lattice& lattice) {
   });
 }
 
+// From where the node was found; its noise is infinite where it is no corner.
+SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
+  const Node& node = lattice.at(c);
+  const float spacing = spacing_at(lattice, c);
+  const auto attempt = [&](float radius, float width, int steps) {
+    SaddleFit f = fit_of(node);
+    f.along_width = f.down_width = width;
+    const bool good =
+        fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, radius), steps, f) &&
+        colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
+    if (!good) f.noise = std::numeric_limits<float>::infinity();
+    return f;
+  };
+  SaddleFit best = attempt(kFirstRadius, node.width, 6);
+  // One that was placed badly in a level needs a wider look; one with something else near it a
+  // closer one.
+  for (const bool wide : {true, false}) {
+    if (best.noise <= kMostNoise * std::abs(best.contrast)) break;
+    const SaddleFit f = wide ? attempt(kLastRadius, std::max(2.5F, 1.5F * node.width), 12)
+                             : attempt(kCloseRadius, node.width, 8);
+    if (f.noise < best.noise) best = f;
+  }
+  return best;
+}
+
+// With all that the first fits of the lattice have told, in as large a window as there is nothing
+// else in: no next edge, no finger, no end of the paper.
+SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
+  const float spacing = spacing_at(lattice, c);
+  const SaddleFit& first = at(c);
+  const float width = std::max(first.along_width, first.down_width);
+  float radius =
+      std::clamp(std::clamp(spacing - kClear * width, kShare * spacing, kLargestShare * spacing),
+                 kLeastRadius, kLastRadius);
+  SaddleFit best = first;
+  best.noise = std::numeric_limits<float>::infinity();
+  for (int i = 0; i < 3; ++i, radius *= 0.6F) {
+    if (i > 0 && radius < kCloseRadius) break;
+    SaddleFit f = first;
+    if (!fit_saddle(image, radius, 4, f) || !colours_fit(f, c)) continue;
+    if (f.noise < best.noise) best = f;
+    if (f.noise <= kNoisy * usual_noise_ * std::abs(f.contrast)) break;
+  }
+  return best;
+}
+
 bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   const int before = lattice.count();
+  const auto improve = [&](auto fit_again) {
+    lattice.for_each([&](Cell c, const Node& /*node*/) {
+      fit(c) = fit_again(c);
+      if (!std::isfinite(fit(c).noise)) lattice.remove(c);
+    });
+    drop_misfits(lattice);
+    lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
+  };
   begin(lattice);
-  lattice.for_each([&](Cell c, const Node& node) {
-    const float spacing = spacing_at(lattice, c);
-    const auto attempt = [&](float radius, float width, int steps) {
-      SaddleFit f = fit_of(node);
-      f.along_width = f.down_width = width;
-      const bool good =
-          fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, radius), steps, f) &&
-          colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
-      if (!good) f.noise = std::numeric_limits<float>::infinity();
-      return f;
-    };
-    SaddleFit best = attempt(kFirstRadius, node.width, 6);
-    // One that was placed badly in a level needs a wider look.
-    if (!(best.noise <= kMostNoise * std::abs(best.contrast))) {
-      const SaddleFit wide = attempt(kLastRadius, std::max(2.5F, 1.5F * node.width), 12);
-      if (wide.noise < best.noise) best = wide;
-    }
-    if (std::isfinite(best.noise)) {
-      fit(c) = best;
-    } else {
-      lattice.remove(c);
-    }
-  });
-  drop_misfits(lattice);
-  lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
-  lattice.prune(0.3F);
-  if (lattice.count() < 4) return false;
+  improve([&](Cell c) { return first_fit(image, lattice, c); });
+  lattice.prune(kPrune);
+  if (lattice.count() < kFewestNodes) return false;
   set_bends(lattice);
   set_slopes(lattice);
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    const float spacing = spacing_at(lattice, c);
-    const SaddleFit& first = fit(c);
-    const float width = std::max(first.along_width, first.down_width);
-    const float radius =
-        std::clamp(std::clamp(spacing - kClear * width, kShare * spacing, kLargestShare * spacing),
-                   kLeastRadius, kLastRadius);
-    SaddleFit f = first;
-    if (fit_saddle(image, radius, 4, f) && colours_fit(f, c)) {
-      fit(c) = f;
-    } else {
-      lattice.remove(c);
-    }
-  });
-  drop_misfits(lattice);
-  lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
+  improve([&](Cell c) { return last_fit(image, lattice, c); });
   return 2 * lattice.count() >= before;
 }
 

@@ -36,12 +36,15 @@ class Refinement {
                                     extent_.first.col);
   }
   SaddleFit& fit(Cell c) { return fits_[index(c)]; }
+  [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
+  [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   void set_bends(const Lattice& lattice);
   void set_slopes(const Lattice& lattice);
   void drop_misfits(Lattice& lattice);
 
   Extent extent_;
   std::vector<SaddleFit> fits_;
+  float usual_noise_ = 0;  // the median, of the contrast
   std::vector<float> sorted_;
 };
 

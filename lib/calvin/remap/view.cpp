@@ -308,7 +308,7 @@ Eigen::Matrix3d rotation_of(const ViewOptions& options) {
 
 }  // namespace
 
-Result<View> output_view(const Camera& source, const ViewOptions& options) {
+Result<OutputView> output_view(const Camera& source, const ViewOptions& options) {
   const bool given = options.output.width > 0 && options.output.height > 0;
   const ImageSize size = given ? options.output : source.image_size();
   const Scene scene = {source, options.projection};
@@ -326,7 +326,7 @@ Result<View> output_view(const Camera& source, const ViewOptions& options) {
     plane = zoomed(*plane, options.zoom, widest(options.projection), limited);
   }
   if (!plane) return tl::unexpected(plane.error());
-  return View{Eye(options.projection, *std::move(plane), rotation_of(options)), limited};
+  return OutputView{Eye(options.projection, *std::move(plane), rotation_of(options)), limited};
 }
 
 Result<Camera> output_camera(const Camera& source, const ViewOptions& options) {

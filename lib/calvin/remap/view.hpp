@@ -32,7 +32,7 @@ struct ViewOptions {
   friend bool operator==(const ViewOptions&, const ViewOptions&) = default;
 };
 
-struct View {
+struct OutputView {
   Eye eye;
   bool limited = false;  // it would have been wider than the projection can show
 };
@@ -40,7 +40,7 @@ struct View {
 // A view of what the source sees, with fx:fy as in the source (kCalvin). Directions that the
 // projection does not show (to_plane()) do not count as valid, and no view is wider or higher than
 // twice widest(). kDegenerate where the model has no valid region in the image.
-[[nodiscard]] Result<View> output_view(const Camera& source, const ViewOptions& options);
+[[nodiscard]] Result<OutputView> output_view(const Camera& source, const ViewOptions& options);
 
 // The plane of output_view(): for a rectilinear view that looks along the optical axis the camera.
 [[nodiscard]] Result<Camera> output_camera(const Camera& source, const ViewOptions& options);

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Detectors beside each other: recall, corner error, time with and without a board, and real sets.
+//   bench_detect [IMAGES] [NEGATIVES] [WIDTH HEIGHT]
+// IMAGES per class (200) at 1920x1080; 1000 NEGATIVES. With CALVIN_DATA the real sets too.
+// CALVIN_BENCH_PEERS=0: ours alone, which takes seconds instead of hours.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "detect_scenes.hpp"
+#include "detect_subjects.hpp"
+
+namespace bench {
+namespace {
+
+constexpr double kWrong = 1;  // px: a corner further off is none
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return NAN;
+  std::sort(values.begin(), values.end());
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+  return values[std::min(at, values.size() - 1)];
+}
+
+double distance(const calvin::Pixel& a, const calvin::Pixel& b) {
+  return std::hypot(a.u - b.u, a.v - b.v);
+}
+
+double nearest(const std::vector<calvin::Pixel>& all, const calvin::Pixel& to) {
+  double least = INFINITY;
+  for (const auto& p : all) least = std::min(least, distance(p, to));
+  return least;
+}
+
+// The least mean square distance of an unbiased estimate of a corner's place from its pixels: the
+// noise and the gradients of the noiseless picture, out to half way to the next corner.
+double least_square_error(const Scene& scene, std::size_t corner, double noise) {
+  const calvin::Pixel at = scene.truth.uv[corner];
+  double spacing = INFINITY;
+  for (std::size_t i = 0; i < scene.truth.uv.size(); ++i) {
+    if (i != corner) spacing = std::min(spacing, distance(scene.truth.uv[i], at));
+  }
+  const int reach = static_cast<int>(spacing / 2) + 1;
+  const int u = static_cast<int>(std::lround(at.u));
+  const int v = static_cast<int>(std::lround(at.v));
+  double xx = 0, xy = 0, yy = 0;
+  for (int y = std::max(v - reach, 1); y <= std::min(v + reach, scene.clean.rows - 2); ++y) {
+    for (int x = std::max(u - reach, 1); x <= std::min(u + reach, scene.clean.cols - 2); ++x) {
+      if (std::hypot(x - at.u, y - at.v) > spacing / 2) continue;
+      const auto grey = [&](int dx, int dy) {
+        return static_cast<double>(scene.clean.at<float>(y + dy, x + dx));
+      };
+      const double gx = (grey(1, 0) - grey(-1, 0)) / 2;
+      const double gy = (grey(0, 1) - grey(0, -1)) / 2;
+      xx += gx * gx;
+      xy += gx * gy;
+      yy += gy * gy;
+    }
+  }
+  constexpr double kRounding = 1.0 / 12;
+  return (noise * noise + kRounding) * (xx + yy) / (xx * yy - xy * xy);
+}
+
+struct Score {
+  int found = 0;         // pictures with at least the wanted corners, all of them right
+  int wrong = 0;         // pictures with a corner that is none, or is another one
+  double square = 0;     // px^2, sums over corners
+  double bound = 0;      // px^2
+  double predicted = 0;  // px^2
+  double bias_u = 0, bias_v = 0;
+  int corners = 0;
+  std::vector<double> ms;
+};
+
+// By ids where they are certain, else by place: a peer's order, an open labelling.
+void add(const Scene& scene, const SceneClass& kind, const Found& found, Score& score) {
+  score.ms.push_back(found.ms);
+  const calvin::Observation& o = found.observation;
+  if (!o.found()) return;
+  const bool by_ids = !o.sigma.empty() && o.ambiguous.empty();
+  Score image;
+  int wrong = 0;
+  for (std::size_t i = 0; i < o.uv.size(); ++i) {
+    std::size_t at = 0;
+    double least = INFINITY;
+    for (std::size_t k = 0; k < scene.truth.uv.size(); ++k) {
+      if (by_ids && scene.truth.ids[k] != o.ids[i]) continue;
+      const double d = distance(scene.truth.uv[k], o.uv[i]);
+      if (d < least) {
+        least = d;
+        at = k;
+      }
+    }
+    if (!(least < kWrong)) {
+      if (nearest(scene.covered, o.uv[i]) > kWrong) ++wrong;
+      continue;
+    }
+    ++image.corners;
+    image.square += least * least;
+    image.bound += least_square_error(scene, at, kind.noise);
+    if (!o.sigma.empty()) image.predicted += 2 * o.sigma[i] * o.sigma[i];
+    image.bias_u += o.uv[i].u - scene.truth.uv[at].u;
+    image.bias_v += o.uv[i].v - scene.truth.uv[at].v;
+  }
+  const auto visible = static_cast<int>(scene.truth.uv.size());
+  score.wrong += wrong > 0;
+  score.found += wrong == 0 && 5 * image.corners >= (kind.whole() ? 5 : 4) * visible;
+  score.square += image.square;
+  score.bound += image.bound;
+  score.predicted += image.predicted;
+  score.bias_u += image.bias_u;
+  score.bias_v += image.bias_v;
+  score.corners += image.corners;
+}
+
+void print_header(const std::vector<Subject>& all) {
+  std::printf("%-16s", "");
+  for (const Subject& s : all) std::printf(" | %-27s", s.name.c_str());
+  std::printf("\n%-16s", "class");
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    std::printf(" | %6s %5s %7s %6s", "found%", "wrong", "RMS px", "ms");
+  }
+  std::printf(" | ours: RMS/bound predicted/RMS bias px\n");
+}
+
+void classes(const std::vector<Subject>& all, int images, calvin::ImageSize size,
+             std::vector<Score>& totals) {
+  print_header(all);
+  for (const SceneClass& kind : scene_classes()) {
+    std::vector<Score> scores(all.size());
+    for (int i = 0; i < images; ++i) {
+      const Scene scene = make_scene(kind, size, 1000 + static_cast<std::uint64_t>(i));
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        add(scene, kind, all[k].look(scene.image, scene.board), scores[k]);
+      }
+    }
+    std::printf("%-16s", kind.name);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const Score& s = scores[k];
+      std::printf(" | %6.1f %5d %7.4f %6.1f", 100.0 * s.found / images, s.wrong,
+                  std::sqrt(s.square / s.corners), quantile(s.ms, 0.5));
+      totals[k].found += s.found;
+      totals[k].ms.insert(totals[k].ms.end(), s.ms.begin(), s.ms.end());
+    }
+    const Score& s = scores[0];
+    std::printf(" | %5.2f %5.2f %7.4f\n", std::sqrt(s.square / s.bound),
+                std::sqrt(s.predicted / s.square), std::hypot(s.bias_u, s.bias_v) / s.corners);
+    std::fflush(stdout);
+  }
+}
+
+void print_times(const char* what, const std::vector<Subject>& all,
+                 const std::vector<std::vector<double>>& ms, const std::vector<int>& found,
+                 int images) {
+  std::printf("\n%-18s %-20s %8s %8s %8s %8s %8s\n", what, "", "images", "found", "median", "p95",
+              "max ms");
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::printf("%-18s %-20s %8d %8d %8.2f %8.2f %8.2f  x%.0f\n", "", all[k].name.c_str(), images,
+                found[k], quantile(ms[k], 0.5), quantile(ms[k], 0.95), quantile(ms[k], 1),
+                quantile(ms[k], 0.5) / quantile(ms[0], 0.5));
+  }
+}
+
+void negatives(const std::vector<Subject>& all, int images, calvin::ImageSize size) {
+  const auto board = calvin::parse_board("checkerboard:9x6:25mm").value();
+  std::vector<std::vector<double>> ms(all.size());
+  std::vector<int> found(all.size());
+  for (int i = 0; i < images; ++i) {
+    const cv::Mat image = make_negative(size, static_cast<std::uint64_t>(i));
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const Found f = all[k].look(image, board);
+      ms[k].push_back(f.ms);
+      found[k] += f.observation.found();
+    }
+  }
+  print_times("without the board", all, ms, found, images);
+}
+
+struct RealSet {
+  const char* folder;
+  const char* prefix;  // of the pictures' names
+  const char* board;
+};
+constexpr RealSet kRealSets[] = {
+    {"opencv-samples", "left", "checkerboard:9x6:25mm"},
+    {"opencv-samples", "right", "checkerboard:9x6:25mm"},
+    {"chess-carnd-lanes", "calibration", "checkerboard:9x6:25mm"},
+    {"chess-caliscope", "cam_", "checkerboard:9x6:25mm"},
+    {"fisheye-camodocal", "img", "checkerboard:9x6:80mm"},
+    {"fisheye-urban1", "Fisheye1_", "checkerboard:8x6:32.5mm"},
+    {"fisheye190-ocamcalib", "Fisheye190deg", "checkerboard:6x7:30mm"},
+    {"kalibr-test-images", "testImageCheckerboard", "checkerboard:9x8:25mm"},
+};
+
+// Boards of which all corners were found, and of ours those of which a part was.
+void real_sets(const std::vector<Subject>& all, const char* data) {
+  std::printf("\n%-24s %6s", "real set", "images");
+  for (const Subject& s : all) std::printf(" %18s", s.name.c_str());
+  std::printf(" %8s\n", "in part");
+  for (const RealSet& set : kRealSets) {
+    const auto folder = std::filesystem::path(data) / set.folder;
+    if (!std::filesystem::exists(folder)) continue;
+    const auto board = calvin::parse_board(set.board).value();
+    int images = 0;
+    int parts = 0;
+    std::vector<int> found(all.size());
+    for (const auto& file : std::filesystem::directory_iterator(folder)) {
+      if (file.path().filename().string().rfind(set.prefix, 0) != 0) continue;
+      const cv::Mat image = cv::imread(file.path().string(), cv::IMREAD_GRAYSCALE);
+      if (image.empty()) continue;
+      ++images;
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        const auto o = all[k].look(image, board).observation;
+        const bool whole = static_cast<int>(o.ids.size()) == board.point_count();
+        found[k] += whole;
+        if (k == 0) parts += o.found() && !whole;
+      }
+    }
+    std::printf("%-24s %6d", (std::string(set.folder) + "/" + set.prefix).substr(0, 24).c_str(),
+                images);
+    for (const int f : found) std::printf(" %18d", f);
+    std::printf(" %8d\n", parts);
+    std::fflush(stdout);
+  }
+}
+
+int number(int argc, char** argv, int at, int otherwise) {
+  return argc > at ? std::atoi(argv[at]) : otherwise;
+}
+
+}  // namespace
+}  // namespace bench
+
+int main(int argc, char** argv) {
+  cv::setNumThreads(1);
+  const int images = bench::number(argc, argv, 1, 200);
+  const int negatives = bench::number(argc, argv, 2, 1000);
+  const calvin::ImageSize size = {bench::number(argc, argv, 3, 1920),
+                                  bench::number(argc, argv, 4, 1080)};
+  auto all = bench::subjects();
+  const char* peers = std::getenv("CALVIN_BENCH_PEERS");
+  if (peers != nullptr && std::string_view(peers) == "0") all.resize(1, all.front());
+
+  std::vector<bench::Score> totals(all.size());
+  bench::classes(all, images, size, totals);
+  std::vector<std::vector<double>> ms;
+  std::vector<int> found;
+  for (const auto& t : totals) {
+    ms.push_back(t.ms);
+    found.push_back(t.found);
+  }
+  bench::print_times("with a board", all, ms, found,
+                     images * static_cast<int>(bench::scene_classes().size()));
+  bench::negatives(all, negatives, size);
+  if (const char* data = std::getenv("CALVIN_DATA")) bench::real_sets(all, data);
+  return 0;
+}

@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "detect_scenes.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "calvin/geometry/se3.hpp"
+#include "calvin/synth/random.hpp"
+#include "calvin/synth/render.hpp"
+
+namespace bench {
+
+namespace {
+
+using calvin::Board;
+using calvin::Camera;
+using calvin::ImageSize;
+using calvin::SE3;
+using calvin::synth::Uniform;
+
+constexpr double kPi = std::numbers::pi;
+
+int whole(Uniform& random, int low, int high) {
+  return low + static_cast<int>(random(0, high - low + 1));
+}
+
+Camera camera_of(const SceneClass& kind, ImageSize size, Uniform& random) {
+  if (!kind.fisheye) return calvin::default_camera(size, random(50, 80) * kPi / 180);
+  // 185 degrees across the shorter side and more.
+  const double f = size.width * random(0.24, 0.34);
+  return Camera::make("fisheye", size,
+                      {f, f, size.width * random(0.49, 0.51), size.height * random(0.49, 0.51),
+                       random(-0.02, 0.02), random(-0.005, 0.005), 0, 0})
+      .value();
+}
+
+// Of the smallest square in view, px.
+double least_square(const calvin::Observation& truth, const Board& board) {
+  double least = 1e9;
+  for (std::size_t i = 0; i < truth.ids.size(); ++i) {
+    for (std::size_t k = i + 1; k < truth.ids.size(); ++k) {
+      const int step = truth.ids[k] - truth.ids[i];
+      if (step != board.cols && (step != 1 || truth.ids[k] % board.cols == 0)) continue;
+      least =
+          std::min(least, std::hypot(truth.uv[k].u - truth.uv[i].u, truth.uv[k].v - truth.uv[i].v));
+    }
+  }
+  return least;
+}
+
+bool outer_squares_in_view(const Camera& camera, const Board& board, const SE3& pose) {
+  for (const double x : {-1.0, static_cast<double>(board.cols)}) {
+    for (const double y : {-1.0, static_cast<double>(board.rows)}) {
+      const auto at = camera.project(pose * Eigen::Vector3d(x * board.size, y * board.size, 0));
+      if (!at || at->u < 0 || at->v < 0 || at->u > camera.image_size().width - 1 ||
+          at->v > camera.image_size().height - 1) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+SE3 pose_of(const SceneClass& kind, const Camera& camera, const Board& board, Uniform& random) {
+  const ImageSize size = camera.image_size();
+  const Eigen::Vector3d middle((board.cols - 1) * board.size / 2, (board.rows - 1) * board.size / 2,
+                               0);
+  for (;;) {
+    const auto ray = camera.unproject({random(0, size.width - 1), random(0, size.height - 1)});
+    if (!ray) continue;
+    double squares = random(kind.fill_from, kind.fill_to) *
+                     std::min(size.width / (board.cols + 1.0), size.height / (board.rows + 1.0));
+    if (kind.square_to > 0) squares = random(kind.square_from, kind.square_to);
+    const double distance = camera.fx() * board.size / squares;
+    const double tilt = random(0, kind.tilt);
+    const double side = random(0, 2 * kPi);
+    const Eigen::Matrix3d rotation =
+        calvin::rotation_between(Eigen::Vector3d::UnitZ(), *ray) *
+        calvin::exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0}) *
+        calvin::exp_so3({0, 0, random(0, 2 * kPi)});
+    const SE3 pose = {rotation, *ray * distance - rotation * middle};
+    const auto truth = calvin::true_observation(camera, board, pose);
+    if (truth.ids.size() < 12 || least_square(truth, board) < 8) continue;
+    const double seen = static_cast<double>(truth.ids.size()) / board.point_count();
+    if (kind.cut ? (seen > 0.95 || seen < 0.45) : !outer_squares_in_view(camera, board, pose)) {
+      continue;
+    }
+    return pose;
+  }
+}
+
+cv::Mat to_mat(const calvin::GrayImage& image) {
+  return cv::Mat(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()))
+      .clone();
+}
+
+// Lines, discs, boxes, and words.
+cv::Mat clutter(ImageSize size, Uniform& random) {
+  cv::Mat image(size.height, size.width, CV_8UC1, cv::Scalar(random(60, 200)));
+  for (int i = 0; i < 120; ++i) {
+    const cv::Point a(whole(random, 0, size.width), whole(random, 0, size.height));
+    const cv::Point b(whole(random, 0, size.width), whole(random, 0, size.height));
+    const int reach = whole(random, 5, size.width / 12);
+    const cv::Scalar grey(whole(random, 10, 245));
+    switch (i % 4) {
+      case 0:
+        cv::line(image, a, b, grey, whole(random, 1, 6), cv::LINE_AA);
+        break;
+      case 1:
+        cv::circle(image, a, reach, grey, cv::FILLED, cv::LINE_AA);
+        break;
+      case 2:
+        cv::rectangle(image, a, a + cv::Point(reach, whole(random, 5, 80)), grey, cv::FILLED);
+        break;
+      default:
+        cv::putText(image, fmt::format("{:x}", whole(random, 1 << 20, 1 << 28)), a,
+                    cv::FONT_HERSHEY_SIMPLEX, random(0.4, 2), grey, whole(random, 1, 3),
+                    cv::LINE_AA);
+    }
+  }
+  return image;
+}
+
+void blur_along(cv::Mat& image, double length, double angle) {
+  const int reach = static_cast<int>(std::ceil(length / 2)) + 1;
+  cv::Mat kernel = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_32F);
+  for (int i = 0; i < 200; ++i) {
+    const double t = ((i + 0.5) / 200 - 0.5) * length;
+    const double x = reach + t * std::cos(angle);
+    const double y = reach + t * std::sin(angle);
+    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+    const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
+    kernel.at<float>(y0, x0) += (1 - fx) * (1 - fy) / 200;
+    kernel.at<float>(y0, x0 + 1) += fx * (1 - fy) / 200;
+    kernel.at<float>(y0 + 1, x0) += (1 - fx) * fy / 200;
+    kernel.at<float>(y0 + 1, x0 + 1) += fx * fy / 200;
+  }
+  cv::filter2D(image, image, -1, kernel, {-1, -1}, 0, cv::BORDER_REPLICATE);
+}
+
+// Draws fingers into the image from the board's rim; takes the corners that they cover, or nearly,
+// out of the truth.
+void cover(cv::Mat& image, Scene& scene, Uniform& random) {
+  calvin::Observation& truth = scene.truth;
+  cv::Point2d middle(0, 0);
+  for (const auto& p : truth.uv)
+    middle += cv::Point2d(p.u, p.v) / static_cast<double>(truth.uv.size());
+  cv::Mat mask = cv::Mat::zeros(image.size(), CV_8UC1);
+  const int fingers = whole(random, 1, 3);
+  for (int i = 0; i < fingers; ++i) {
+    const auto& near =
+        truth.uv[static_cast<std::size_t>(whole(random, 0, static_cast<int>(truth.uv.size()) - 1))];
+    const cv::Point2d tip(near.u, near.v);
+    cv::Point2d out = tip - middle;
+    out *= 1 / std::max(cv::norm(out), 1.0);
+    const int thick = whole(random, image.cols / 60, image.cols / 25);
+    cv::line(mask, tip, tip + out * static_cast<double>(image.cols), 255, thick, cv::LINE_AA);
+  }
+  const double grey = random(70, 190);
+  image.setTo(grey, mask > 127);
+  calvin::Observation seen = truth;
+  seen.ids.clear();
+  seen.uv.clear();
+  seen.sigma.clear();
+  cv::Mat distance;
+  cv::distanceTransform(255 - (mask > 0), distance, cv::DIST_L2, 5);
+  for (std::size_t i = 0; i < truth.ids.size(); ++i) {
+    if (distance.at<float>(static_cast<int>(std::lround(truth.uv[i].v)),
+                           static_cast<int>(std::lround(truth.uv[i].u))) < 4) {
+      scene.covered.push_back(truth.uv[i]);
+      continue;
+    }
+    seen.ids.push_back(truth.ids[i]);
+    seen.uv.push_back(truth.uv[i]);
+    seen.sigma.push_back(0);
+  }
+  truth = seen;
+}
+
+cv::Mat rendered(const SceneClass& kind, const Camera& camera, const Board& board, const SE3& pose,
+                 Uniform& random) {
+  const calvin::BoardRenderer renderer(camera);
+  calvin::RenderOptions options;
+  options.dark = kind.dark;
+  options.light = kind.bright;
+  cv::Mat image;
+  const auto render = [&](double background) {
+    options.background = background;
+    cv::Mat out;
+    to_mat(renderer.render(board, pose, options)).convertTo(out, CV_32F);
+    return out;
+  };
+  if (kind.clutter) {
+    const cv::Mat black = render(0);
+    const cv::Mat white = render(255);
+    cv::Mat around;
+    clutter(camera.image_size(), random).convertTo(around, CV_32F, 1 / 255.0);
+    image = black + (white - black).mul(around);
+  } else {
+    image = render(random(80, 170));
+  }
+  if (kind.ink > 0) {
+    cv::erode(image, image, cv::Mat::ones(2 * kind.ink + 1, 2 * kind.ink + 1, CV_8U));
+  }
+  if (kind.light > 0) {
+    const double angle = random(0, 2 * kPi);
+    const double w = std::hypot(image.cols, image.rows) / 2;
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.cols; ++x) {
+        const double t =
+            ((x - image.cols / 2.0) * std::cos(angle) + (y - image.rows / 2.0) * std::sin(angle)) /
+            w;
+        image.at<float>(y, x) *= static_cast<float>(1 - kind.light * (t + 1) / 2);
+      }
+    }
+  }
+  if (kind.blur > 0) cv::GaussianBlur(image, image, {0, 0}, kind.blur, kind.blur);
+  if (kind.motion > 0) blur_along(image, random(0.3, 1) * kind.motion, random(0, kPi));
+  image *= kind.exposure;
+  return image;
+}
+
+}  // namespace
+
+const std::vector<SceneClass>& scene_classes() {
+  static const std::vector<SceneClass> kClasses = {
+      {.name = "plain"},
+      {.name = "35 px squares", .square_from = 33, .square_to = 37, .tilt = 0.35},
+      {.name = "tilt", .tilt = 1.15},
+      {.name = "small squares", .square_from = 9, .square_to = 15, .tilt = 0.4},
+      {.name = "square board", .board = "checkerboard:10x10:25mm"},
+      {.name = "large", .fill_from = 0.8, .fill_to = 1.0, .tilt = 0.3},
+      {.name = "blur", .blur = 3.5, .square_from = 20, .square_to = 70},
+      {.name = "motion", .motion = 10, .square_from = 20, .square_to = 70},
+      {.name = "noise", .noise = 15},
+      {.name = "low contrast", .noise = 2, .dark = 110, .bright = 130},
+      {.name = "uneven light", .light = 0.85},
+      {.name = "fisheye", .fill_from = 0.3, .fill_to = 0.9, .fisheye = true},
+      {.name = "clutter", .clutter = true},
+      {.name = "jpeg 50", .jpeg = 50},
+      {.name = "over-exposed", .blur = 1.5, .exposure = 2.6},
+      {.name = "ink gain", .ink = 1},
+      {.name = "inverted", .dark = 220, .bright = 30},
+      {.name = "all at once",
+       .noise = 6,
+       .blur = 1.5,
+       .motion = 4,
+       .square_from = 14,
+       .square_to = 60,
+       .light = 0.6,
+       .dark = 40,
+       .bright = 120,
+       .jpeg = 60,
+       .clutter = true},
+      {.name = "fingers", .covered = true},
+      {.name = "out of frame", .fill_from = 0.7, .fill_to = 1.6, .cut = true},
+  };
+  return kClasses;
+}
+
+Scene make_scene(const SceneClass& kind, ImageSize size, std::uint64_t seed) {
+  Uniform random(seed, 77);
+  Scene scene;
+  const char* usual = seed % 3 == 0 ? "checkerboard:11x8:25mm" : "checkerboard:9x6:25mm";
+  scene.board = calvin::parse_board(*kind.board != 0 ? kind.board : usual).value();
+  const Camera camera = camera_of(kind, size, random);
+  const SE3 pose = pose_of(kind, camera, scene.board, random);
+  scene.truth = calvin::true_observation(camera, scene.board, pose);
+  cv::Mat image = rendered(kind, camera, scene.board, pose, random);
+  // The colours tell which corner is which, and they are exchanged.
+  if (kind.bright < kind.dark) {
+    for (int& id : scene.truth.ids) id = scene.board.point_count() - 1 - id;
+  }
+  if (kind.covered) cover(image, scene, random);
+  scene.clean = image.clone();
+  cv::Mat noise(image.size(), CV_32F);
+  cv::RNG generator(seed + 1);
+  generator.fill(noise, cv::RNG::NORMAL, 0, kind.noise);
+  cv::Mat(image + noise).convertTo(scene.image, CV_8U);
+  if (kind.jpeg > 0) {
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", scene.image, bytes, {cv::IMWRITE_JPEG_QUALITY, kind.jpeg});
+    scene.image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  }
+  return scene;
+}
+
+cv::Mat make_negative(ImageSize size, std::uint64_t seed) {
+  Uniform random(seed, 99);
+  cv::Mat image = clutter(size, random);
+  const int kind = static_cast<int>(seed % 6);
+  if (kind == 0) {
+    // A board of another size.
+    static const char* const kOthers[] = {"8x6", "9x5",  "10x6", "9x7",
+                                          "7x5", "11x8", "8x5",  "10x7"};
+    const Board board =
+        calvin::parse_board(fmt::format("checkerboard:{}:25mm", kOthers[seed / 6 % 8])).value();
+    const SceneClass scene{.name = "", .tilt = 0.6, .clutter = true};
+    const Camera camera = camera_of(scene, size, random);
+    image = rendered(scene, camera, board, pose_of(scene, camera, board, random), random);
+    image.convertTo(image, CV_8U);
+  } else if (kind == 1 || kind == 2) {
+    // A floor of tiles to the borders, in perspective; checkered, or with joints.
+    const double side = random(14, 90);
+    const int n = 80;
+    cv::Mat flat(n * 20, n * 20, CV_8UC1, cv::Scalar(random(120, 220)));
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        const double grey =
+            kind == 1 ? ((x + y) % 2 == 0 ? 50 : 200) + random(-15, 15) : random(100, 180);
+        const int gap = kind == 1 ? 0 : 1;
+        cv::rectangle(flat, {x * 20 + gap, y * 20 + gap, 20 - 2 * gap, 20 - 2 * gap}, grey,
+                      cv::FILLED);
+      }
+    }
+    const float w = static_cast<float>(size.width), h = static_cast<float>(size.height);
+    const auto lean = static_cast<float>(random(0.0, 0.35));
+    const auto reach = static_cast<float>(20 * std::max(w, h) / side / 2);
+    const float m = static_cast<float>(n) * 10;
+    const cv::Point2f from[4] = {{m - reach, m - reach},
+                                 {m + reach, m - reach},
+                                 {m + reach, m + reach},
+                                 {m - reach, m + reach}};
+    const cv::Point2f to[4] = {{-w * 0.2F + lean * w, -20},
+                               {w * 1.2F - lean * w, -20},
+                               {w * 1.3F, h * 1.3F},
+                               {-w * 0.3F, h * 1.3F}};
+    cv::warpPerspective(flat, image, cv::getPerspectiveTransform(from, to), image.size(),
+                        cv::INTER_AREA, cv::BORDER_CONSTANT, 128);
+  } else if (kind == 3) {
+    // Textile: two waves.
+    const double a = random(0.2, 0.9), b = random(0.2, 0.9), turn = random(0, kPi);
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.cols; ++x) {
+        const double u = x * std::cos(turn) + y * std::sin(turn),
+                     v = y * std::cos(turn) - x * std::sin(turn);
+        image.at<std::uint8_t>(y, x) =
+            cv::saturate_cast<std::uint8_t>(128 + 50 * std::sin(a * u) + 50 * std::sin(b * v));
+      }
+    }
+  } else if (kind == 4) {
+    // A page, or a keyboard.
+    image.setTo(230);
+    const double scale = random(0.4, 1.2);
+    for (int y = 20; y < image.rows; y += static_cast<int>(34 * scale)) {
+      for (int x = 10; x < image.cols; x += static_cast<int>(40 * scale)) {
+        if (seed % 12 == 4)
+          cv::rectangle(image, {x, y, static_cast<int>(30 * scale), static_cast<int>(26 * scale)},
+                        40, cv::FILLED);
+        cv::putText(image, std::string(1, static_cast<char>(whole(random, 65, 90))),
+                    {x + 4, y + static_cast<int>(20 * scale)}, cv::FONT_HERSHEY_SIMPLEX,
+                    scale * 0.7, whole(random, 0, 255), 2, cv::LINE_AA);
+      }
+    }
+  }
+  cv::GaussianBlur(image, image, {0, 0}, random(0.6, 1.5));
+  cv::Mat noise(image.size(), CV_16S), sum;
+  cv::RNG generator(seed + 5);
+  generator.fill(noise, cv::RNG::NORMAL, 0, 3);
+  image.convertTo(sum, CV_16S);
+  cv::Mat(sum + noise).convertTo(image, CV_8U);
+  return image;
+}
+
+}  // namespace bench

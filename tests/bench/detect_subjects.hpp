@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The detectors that are compared: ours, OpenCV's two, mrgingham.
+#pragma once
+
+#include <ctime>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <mrgingham/mrgingham.hh>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "calvin/detect/detector.hpp"
+
+namespace bench {
+
+struct Found {
+  calvin::Observation observation;  // of a peer: all corners in its own order, no sigma
+  double ms = 0;                    // CPU time of the thread
+};
+
+inline double thread_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+inline calvin::ImageView view_of(const cv::Mat& image) {
+  return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step[0]), 1};
+}
+
+class Subject {
+ public:
+  using Detect = std::function<calvin::Observation(const cv::Mat&, const calvin::Board&)>;
+  Subject(std::string subject, Detect detect)
+      : name(std::move(subject)), detect_(std::move(detect)) {}
+
+  [[nodiscard]] Found look(const cv::Mat& image, const calvin::Board& board) const {
+    const double begin = thread_ms();
+    Found found{detect_(image, board), 0};
+    found.ms = thread_ms() - begin;
+    return found;
+  }
+
+  std::string name;
+
+ private:
+  Detect detect_;
+};
+
+inline calvin::Observation observation_of(const std::vector<cv::Point2f>& corners) {
+  calvin::Observation o;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    o.ids.push_back(static_cast<int>(i));
+    o.uv.push_back({corners[i].x, corners[i].y});
+  }
+  return o;
+}
+
+inline calvin::Observation by_calvin(const cv::Mat& image, const calvin::Board& board) {
+  static std::map<std::string, std::unique_ptr<calvin::Detector>> detectors;
+  auto& detector = detectors[board.text()];
+  if (!detector) detector = std::move(*calvin::make_detector(board));
+  return detector->detect(view_of(image)).observation;
+}
+
+inline calvin::Observation by_opencv(const cv::Mat& image, const calvin::Board& board) {
+  std::vector<cv::Point2f> corners;
+  if (!cv::findChessboardCorners(
+          image, {board.cols, board.rows}, corners,
+          cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK)) {
+    return {};
+  }
+  cv::cornerSubPix(image, corners, {11, 11}, {-1, -1},
+                   {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 30, 0.01});
+  return observation_of(corners);
+}
+
+inline calvin::Observation by_opencv_sb(const cv::Mat& image, const calvin::Board& board) {
+  std::vector<cv::Point2f> corners;
+  if (!cv::findChessboardCornersSB(image, {board.cols, board.rows}, corners,
+                                   cv::CALIB_CB_NORMALIZE_IMAGE)) {
+    return {};
+  }
+  return observation_of(corners);
+}
+
+// Knows square boards only.
+inline calvin::Observation by_mrgingham(const cv::Mat& image, const calvin::Board& board) {
+  if (board.cols != board.rows) return {};
+  std::vector<mrgingham::PointDouble> points;
+  if (mrgingham::find_chessboard_from_image_array(points, nullptr, board.cols, image) < 0)
+    return {};
+  std::vector<cv::Point2f> corners;
+  for (const auto& p : points) {
+    corners.emplace_back(static_cast<float>(p.x), static_cast<float>(p.y));
+  }
+  return observation_of(corners);
+}
+
+inline std::vector<Subject> subjects() {
+  return {{"calvin", by_calvin},
+          {"OpenCV FAST_CHECK", by_opencv},
+          {"OpenCV SB", by_opencv_sb},
+          {"mrgingham", by_mrgingham}};
+}
+
+}  // namespace bench
