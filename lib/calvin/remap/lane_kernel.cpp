@@ -457,8 +457,6 @@ void blend(const LaneRow& row, std::int32_t stride, const PlaneRows& planes) {
     if constexpr (kNearest) {
       across = hn::And(across + hn::Set(words, 2048 - 16), hn::Set(words, 0xF000));
       taps.down = hn::And(taps.down + hn::Set(words, 2048), hn::Set(words, 0xF000));
-      // blend_rows() has 16 bits for eight times the place.
-      if (rows == 3) taps.down = hn::Min(taps.down, hn::Set(words, 8191));
     }
     taps.neighbours = hn::BitCast(bytes, hn::ShiftRight<12>(across) * step + neighbours);
     const auto fraction =

@@ -257,9 +257,8 @@ Result<Camera> opencv_plane(const Scene& scene, ImageSize size, double alpha) {
   Box outer = {{infinity, infinity}, {-infinity, -infinity}};
   for (int j = 0; j < kPoints; ++j) {
     for (int i = 0; i < kPoints; ++i) {
-      // One column and one row further than the last pixels.
       const auto p = scene.ideal_point(
-          {i * (0.0 + seen.width) / (kPoints - 1), j * (0.0 + seen.height) / (kPoints - 1)});
+          {i * (seen.width - 1.0) / (kPoints - 1), j * (seen.height - 1.0) / (kPoints - 1)});
       if (!p) continue;
       outer.low = {std::min(outer.low.u, p->u), std::min(outer.low.v, p->v)};
       outer.high = {std::max(outer.high.u, p->u), std::max(outer.high.v, p->v)};
