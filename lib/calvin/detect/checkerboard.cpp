@@ -4,6 +4,7 @@
 #include "calvin/detect/checkerboard.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 
 #include "calvin/detect/board_match.hpp"
@@ -154,6 +155,11 @@ void CheckerboardDetector::note_other(int cols, int rows, Detection& result) {
   result.seen_rows = rows;
 }
 
+// What the fit of a saddle is off by where edges are not straight within its window, or paper and
+// pixels not ideal, px. Noise averages out over the views, this does not: a sigma that knew of the
+// noise alone would promise too much of a calibration.
+constexpr double kBias = 0.02;
+
 bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detection& result) {
   if (!refinement_.refine(pyramid_.level(0), lattice)) return false;
   Observation& o = result.observation;
@@ -164,7 +170,7 @@ bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detectio
       const SaddleFit& fit = refinement_.at(cell);
       o.ids.push_back(row * board_.cols + col);
       o.uv.push_back({fit.x, fit.y});
-      o.sigma.push_back(static_cast<double>(fit.sigma));
+      o.sigma.push_back(std::hypot(static_cast<double>(fit.sigma), kBias));
     }
   }
   o.ambiguous = match.ambiguous;
