@@ -187,7 +187,7 @@ Result<Storage> to_storage(const Calibration& calibration) {
   const int count = static_cast<int>(camera->distortion.size());
   storage.emplace_back("distortion_coefficients", Matrix{count, 1, camera->distortion});
   if (std::any_of(calibration.parameters.begin(), calibration.parameters.end(),
-                  [](const Parameter& p) { return p.sigma.has_value(); })) {
+                  [](const Parameter& p) { return p.sigma.value_or(0) > 0; })) {
     storage.emplace_back("cameraMatrix_std_dev",
                          sigma_matrix(calibration, {"fx", "fy", "cx", "cy"}));
     storage.emplace_back(
