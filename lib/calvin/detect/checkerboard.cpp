@@ -158,7 +158,7 @@ void CheckerboardDetector::note_other(int cols, int rows, Detection& result) {
 // What the fit of a saddle is off by where edges are not straight within its window, or paper and
 // pixels not ideal, px. Noise averages out over the views, this does not: a sigma that knew of the
 // noise alone would promise too much of a calibration.
-constexpr double kBias = 0.02;
+constexpr double kBias = 0.004;
 
 bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detection& result) {
   if (!refinement_.refine(pyramid_.level(0), lattice)) return false;

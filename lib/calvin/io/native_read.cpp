@@ -132,9 +132,9 @@ void read_quality(Fields& fields, Calibration& calibration) {
   calibration.zoom = fields.optional_number("zoom");
   if (fields.find("warp") != nullptr) {
     Fields warp = fields.map("warp");
-    calibration.warp = BoardWarp{warp.number("kx"), warp.number("ky"),
-                                 warp.optional_number("kx_sigma"),
-                                 warp.optional_number("ky_sigma")};
+    calibration.warp =
+        BoardWarp{warp.number("kx"), warp.number("ky"), warp.optional_number("kx_sigma"),
+                  warp.optional_number("ky_sigma")};
   }
   if (fields.find("sensor_crop") != nullptr) {
     const auto r = fields.numbers("sensor_crop", 4);
