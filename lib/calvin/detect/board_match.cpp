@@ -231,7 +231,7 @@ Cell Placement::cell(Cell p) const {
 bool is_far_larger(const Lattice& lattice, const Board& board) {
   constexpr double kFar = 1.5;
   const Extent e = lattice.extent();
-  const auto [shorter, longer] = std::minmax(e.cols(), e.rows());
+  const auto [shorter, longer] = std::minmax({e.cols(), e.rows()});
   return lattice.count() > kFar * board.point_count() &&
          (shorter > std::min(board.cols, board.rows) + 1 ||
           longer > std::max(board.cols, board.rows) + 1);
