@@ -271,12 +271,15 @@ GST_START_TEST(test_p19_half_a_board_is_not_taken_for_another) {
     check::paste(whole, half, 0, 0);
     const Observation part = detect(half, kDefaultBoard.data()).at(0);
     fail_unless(part.uv.size() < 54);
-    // What is found of it are corners of the board, each once.
+    // What is found of it are corners of the board, each once, and none is taken for another one
+    // unless the labelling is said to be open.
+    const auto truth = scene.truth(n).uv;
     std::set<std::size_t> known;
-    for (const Pixel& found : part.uv) {
-      const auto truth = scene.truth(n).uv;
+    for (std::size_t i = 0; i < part.uv.size(); ++i) {
       for (std::size_t k = 0; k < truth.size(); ++k) {
-        if (std::hypot(found.u - truth[k].u, found.v - truth[k].v) < 0.3) known.insert(k);
+        if (std::hypot(part.uv[i].u - truth[k].u, part.uv[i].v - truth[k].v) > 0.3) continue;
+        known.insert(k);
+        fail_unless(!part.ambiguous.empty() || part.ids[i] == static_cast<int>(k));
       }
     }
     fail_unless_equals_int(known.size(), part.uv.size());

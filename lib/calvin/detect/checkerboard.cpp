@@ -155,10 +155,12 @@ void CheckerboardDetector::note_other(int cols, int rows, Detection& result) {
   result.seen_rows = rows;
 }
 
-// What the fit of a saddle is off by where edges are not straight within its window, or paper and
-// pixels not ideal, px. Noise averages out over the views, this does not: a sigma that knew of the
-// noise alone would promise too much of a calibration.
+// What the fit of a saddle is off by where pixels and blur are not its model's, px. Noise averages
+// out over the views, this does not: a sigma that knew of the noise alone would promise too much of
+// a calibration. The fit's own sigma is too small where the picture is bad (bench_detect: JPEG,
+// several faults at once), and a little caution costs less than a promise that is not kept.
 constexpr double kBias = 0.004;
+constexpr double kCaution = 1.2;
 
 bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detection& result) {
   if (!refinement_.refine(pyramid_.level(0), lattice)) return false;
@@ -170,7 +172,7 @@ bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detectio
       const SaddleFit& fit = refinement_.at(cell);
       o.ids.push_back(row * board_.cols + col);
       o.uv.push_back({fit.x, fit.y});
-      o.sigma.push_back(std::hypot(static_cast<double>(fit.sigma), kBias));
+      o.sigma.push_back(kCaution * std::hypot(static_cast<double>(fit.sigma), kBias));
     }
   }
   o.ambiguous = match.ambiguous;

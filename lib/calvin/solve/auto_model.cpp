@@ -130,12 +130,12 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
     trial_options.model = "pinhole";
     return solve_points(views, shape, image_size, trial_options, stop);
   }
-  const auto fewest_lost =
+  const auto told_best =
       std::min_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
         return a.solution.calibration.held_out_rms.value_or(HUGE_VAL) <
                b.solution.calibration.held_out_rms.value_or(HUGE_VAL);
       });
-  const Solution judge = fewest_lost->solution;
+  const Solution judge = told_best->solution;
   trial_options.reject_outliers = false;
   trials = try_all(masked(views, judge), shape, image_size, trial_options, stop);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
