@@ -129,6 +129,7 @@ std::vector<FramePlane> planes_of(const FrameFormat& in, const FrameFormat& out)
     layout.components = static_cast<int>(group.size());
     layout.sample = sample_type(f, first);
     layout.shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_SHIFT(f, first));
+    layout.bits = static_cast<int>(GST_VIDEO_FORMAT_INFO_DEPTH(f, first));
     for (std::size_t i = 0; i < group.size(); ++i) {
       layout.fill[i] = static_cast<std::uint16_t>(fill[group[i]]);
     }

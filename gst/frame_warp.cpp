@@ -5,6 +5,8 @@
 
 #include "frame_warp.hpp"
 
+#include <array>
+#include <span>
 #include <utility>
 
 namespace calvin::gst {
@@ -22,6 +24,7 @@ void FrameWarp::stop() {
 void FrameWarp::forget() {
   requested_.reset();
   failed_.reset();
+  took_.reset();
   undistorter_ = {};
   scaler_ = {};
   current_.reset();
@@ -39,6 +42,14 @@ void FrameWarp::set_frames(const FrameFormat& in, const FrameFormat& out) {
 void FrameWarp::adopt(const UndistorterBuilder::Built& built, std::vector<Error>& errors) {
   if (built.undistorter) {
     slot(built.key) = {built.key, *built.undistorter};
+    if (built.key.camera != 0) took_ = built.took;
+    const bool limited = (*built.undistorter)->limited();
+    if (limited && !told_limited_) {
+      errors.push_back({ErrorCode::kInvalidArgument,
+                        "The view is wider than its projection can show and is limited: to 150 "
+                        "degrees where rectilinear. Set a larger zoom or another projection."});
+    }
+    told_limited_ = limited;
     return;
   }
   failed_ = built.key;
@@ -57,7 +68,7 @@ void FrameWarp::want(const Key& key, const Result<Camera>& camera, bool wait,
       adopt({key, tl::unexpected(camera.error())}, errors);
       return;
     }
-    UndistorterBuilder::Request request = {key, *camera, out_.size(), {}};
+    UndistorterBuilder::Request request = {key, *camera, in_.size(), out_.size(), {}};
     for (const FramePlane& plane : planes_) request.planes.push_back(plane.layout);
     if (wait) {
       adopt(builder_.build(request), errors);
@@ -75,14 +86,18 @@ void FrameWarp::want(const Key& key, const Result<Camera>& camera, bool wait,
 std::vector<Error> FrameWarp::update(const CalibrationInput& input, const Wish& wish) {
   std::vector<Error> errors;
   const bool undistort = wish.undistort && input.camera();
-  const Key key = {frames_, undistort ? input.serial() : 0, wish.alpha};
+  Key plain = {frames_, 0, {}, false};
+  plain.view.alpha = wish.view.alpha;
+  const Key key = undistort ? Key{frames_, input.serial(), wish.view, wish.distort} : plain;
+  sampling_ = wish.sampling;
+  workers_.resize(wish.threads);
   // What a worker was asked for with other frames or another camera comes too late.
   if (const auto built = builder_.take();
       built && built->key.frames == frames_ &&
       (built->key.camera == 0 || built->key.camera == input.serial())) {
     adopt(*built, errors);
   }
-  const bool wait = !(wish.live && begun_);
+  const bool wait = !(wish.live && begun_) || (took_ && *took_ < kQuick);
   if (undistort) {
     want(key, *input.camera(), wait, errors);
   } else if (must_move()) {
@@ -92,13 +107,13 @@ std::vector<Error> FrameWarp::update(const CalibrationInput& input, const Wish& 
   }
   // Where an undistorter cannot be made the frames still have to come out in their size.
   if (must_move() && !current_) {
-    want({frames_, 0, wish.alpha}, plain_camera(in_.size()), true, errors);
+    want(plain, plain_camera(in_.size()), true, errors);
   }
   return errors;
 }
 
 std::optional<Camera> FrameWarp::output_of(const std::optional<Camera>& camera) const {
-  if (undistorts()) return current_->output();
+  if (undistorts()) return current_->output_model();
   if (!camera || !current_) return camera;
   const auto output = moved(*camera, current_->source(), current_->output());
   return output ? std::optional(*output) : std::nullopt;
@@ -115,10 +130,16 @@ Status FrameWarp::apply(const GstVideoFrame& in, const GstVideoFrame& out) const
     return make_error(ErrorCode::kInvalidArgument,
                       "A frame is not of the size that was negotiated.");
   }
+  std::array<PlaneMemory<const std::uint8_t>, GST_VIDEO_MAX_COMPONENTS> sources;
+  std::array<PlaneMemory<std::uint8_t>, GST_VIDEO_MAX_COMPONENTS> outputs;
   for (std::size_t i = 0; i < planes_.size(); ++i) {
     const auto source = memory_of(in, planes_[i]);
-    current_->apply(i, {source.data, source.stride}, memory_of(out, planes_[i]));
+    sources[i] = {source.data, source.stride};
+    outputs[i] = memory_of(out, planes_[i]);
   }
+  const auto from = std::span(sources).first(planes_.size());
+  const auto to = std::span(outputs).first(planes_.size());
+  workers_.run([&](int part, int parts) { current_->apply(from, to, sampling_, part, parts); });
   return {};
 }
 

@@ -4,12 +4,14 @@
 // What happens to the frames of one stream: nothing, or scaling, or undistortion.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "calibration_input.hpp"
 #include "frame_planes.hpp"
+#include "row_workers.hpp"
 #include "undistorter_builder.hpp"
 
 namespace calvin::gst {
@@ -19,8 +21,11 @@ class FrameWarp {
  public:
   struct Wish {
     bool undistort = true;
-    double alpha = 0;
-    bool live = false;  // no frame waits for an undistorter, but for the first
+    ViewOptions view;      // but for its size
+    bool distort = false;  // the frames that come in show the view
+    bool live = false;     // no frame waits long for an undistorter, but for the first
+    Sampling sampling;
+    int threads = 1;
   };
 
   void start();
@@ -36,9 +41,10 @@ class FrameWarp {
   // Whether the frames cannot pass as they are: they come out in another size or siting.
   [[nodiscard]] bool must_move() const { return !in_.same_places(out_); }
 
-  // Brings it up to date between two frames, and returns what the user should hear of it. In a live
-  // stream that has begun nothing waits for a map: what was in use goes on until a worker is done.
-  // Elsewhere it is made at once: the first frame that comes out is right.
+  // Brings it up to date between two frames, and returns what the user should hear of it. A map is
+  // made at once: the first frame that comes out is right. But in a live stream that has begun
+  // nothing waits for one that takes longer than kQuick: what was in use goes on until a worker is
+  // done.
   [[nodiscard]] std::vector<Error> update(const CalibrationInput& input, const Wish& wish);
   // A frame goes out now.
   void begin() { begun_ = true; }
@@ -46,7 +52,8 @@ class FrameWarp {
   // How the frames are moved; nullptr: not at all.
   [[nodiscard]] const std::shared_ptr<const Undistorter>& current() const { return current_; }
   [[nodiscard]] bool undistorts() const { return current_ && undistorts_; }
-  // The camera of the frames that come out, where `camera` is that of the ones that come in.
+  // The camera of the frames that come out, where `camera` is that of the ones that come in. Absent
+  // where none is known, or none describes the projection.
   [[nodiscard]] std::optional<Camera> output_of(const std::optional<Camera>& camera) const;
 
   // Fills the output frame. An Error where frames have another size than was negotiated, or where
@@ -72,6 +79,12 @@ class FrameWarp {
   int frames_ = 0;      // counts set_frames()
   bool begun_ = false;  // a frame of this format has passed
 
+  static constexpr std::chrono::milliseconds kQuick{2};
+
+  std::optional<std::chrono::nanoseconds> took_;  // the last map for these frames
+  bool told_limited_ = false;
+  Sampling sampling_;
+  mutable RowWorkers workers_;
   std::optional<Key> requested_;  // of the worker, the last one
   std::optional<Key> failed_;     // what could not be made, the last one
   Error failure_;                 // why

@@ -33,6 +33,7 @@
 #include "properties.hpp"
 #include "refused_caps.hpp"
 #include "undistort_caps.hpp"
+#include "view_properties.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(calibundistort_debug);
 #define GST_CAT_DEFAULT calibundistort_debug
@@ -43,13 +44,13 @@ using gst::FrameWarp;
 
 namespace {
 
-enum Property { kCalibration = 1, kEnabled, kAlpha, kOutputCalibration, kProperties };
-GParamSpec* properties[kProperties];
+enum Property { kCalibration = 1, kEnabled, kOutputCalibration, kFirstOfView };
+GParamSpec* output_calibration_spec;
 
 struct Settings {
   std::string calibration;
   bool enabled = true;
-  double alpha = 0;
+  gst::ViewSettings view;
 };
 
 struct State {
@@ -98,7 +99,7 @@ static void set_output_calibration(GstCalibUndistort* self, const std::string& j
     const std::lock_guard guard(self->state->lock);
     if (json == std::exchange(self->state->output_calibration, json)) return;
   }
-  g_object_notify_by_pspec(G_OBJECT(self), properties[kOutputCalibration]);
+  g_object_notify_by_pspec(G_OBJECT(self), output_calibration_spec);
 }
 
 // Tells downstream, and whoever listens to `output-calibration`, what the frames from now on are.
@@ -124,7 +125,9 @@ static void update(GstCalibUndistort* self) {
   }
   if (!s.live) s.live = gst::upstream_is_live(trans);
   auto errors = s.input.update(gst::CalibrationSetting::Clock::now());
-  const auto more = s.warp.update(s.input, {settings.enabled, settings.alpha, *s.live});
+  const gst::ViewSettings& view = settings.view;
+  const auto more = s.warp.update(s.input, {settings.enabled, view.view(), view.distort, *s.live,
+                                            view.sampling(), view.threads});
   errors.insert(errors.end(), more.begin(), more.end());
   for (const Error& error : errors) gst::post_warning(GST_ELEMENT(self), error);
   {
@@ -306,10 +309,8 @@ static void gst_calib_undistort_set_property(GObject* object, guint id, const GV
     case kEnabled:
       s.settings.enabled = g_value_get_boolean(value);
       break;
-    case kAlpha:
-      s.settings.alpha = g_value_get_double(value);
-      break;
     default:
+      if (gst::set_view_property(s.settings.view, id - kFirstOfView, value)) break;
       G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
   }
 }
@@ -325,13 +326,11 @@ static void gst_calib_undistort_get_property(GObject* object, guint id, GValue* 
     case kEnabled:
       g_value_set_boolean(value, s.settings.enabled);
       break;
-    case kAlpha:
-      g_value_set_double(value, s.settings.alpha);
-      break;
     case kOutputCalibration:
       gst::set_string(value, s.output_calibration);
       break;
     default:
+      if (gst::get_view_property(s.settings.view, id - kFirstOfView, value)) break;
       G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
   }
 }
@@ -348,28 +347,31 @@ static void gst_calib_undistort_init(GstCalibUndistort* self) {
 }
 
 static void install_properties(GObjectClass* object_class) {
-  properties[kCalibration] = g_param_spec_string(
-      "calibration", "Calibration",
-      "The calibration: a file (native JSON, OpenCV, ROS), which may appear later and is read "
-      "again when it is replaced; or JSON text; or the settings of cameraundistort; or a list such "
-      "as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the calibration "
-      "event of an element upstream",
-      nullptr, gst::kMutablePlaying);
-  properties[kEnabled] = g_param_spec_boolean("enabled", "Enabled",
-                                              "Undistort; off: the frames pass through untouched, "
-                                              "or scaled where the output has another size",
-                                              TRUE, gst::kMutablePlaying);
-  properties[kAlpha] = g_param_spec_double(
-      "alpha", "Alpha",
-      "What the output shows. 0: the largest view without an invalid pixel; 1: every valid pixel "
-      "of the input, at most 150 degrees; between: moves linearly from one to the other",
-      0, 1, 0, static_cast<GParamFlags>(gst::kMutablePlaying | GST_PARAM_CONTROLLABLE));
-  properties[kOutputCalibration] = g_param_spec_string(
+  const auto install = [&](guint id, GParamSpec* spec) {
+    g_object_class_install_property(object_class, id, spec);
+  };
+  install(
+      kCalibration,
+      g_param_spec_string(
+          "calibration", "Calibration",
+          "The calibration: a file (native JSON, OpenCV, ROS), which may appear later and is read "
+          "again when it is replaced; or JSON text; or the settings of cameraundistort; or a list "
+          "such "
+          "as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the calibration "
+          "event of an element upstream",
+          nullptr, gst::kMutablePlaying));
+  install(kEnabled, g_param_spec_boolean("enabled", "Enabled",
+                                         "Undistort; off: the frames pass through untouched, "
+                                         "or scaled where the output has another size",
+                                         TRUE, gst::kMutablePlaying));
+  output_calibration_spec = g_param_spec_string(
       "output-calibration", "Output Calibration",
-      "The calibration of the output as native JSON: a pinhole camera while it "
-      "is undistorted, what came from upstream while it passes through or is scaled",
+      "The calibration of the output as native JSON: a pinhole camera (or an ideal fisheye, where "
+      "that is the projection) while it is undistorted, what came from upstream while it passes "
+      "through or is scaled; empty where no model describes the projection",
       nullptr, gst::kReadOnly);
-  g_object_class_install_properties(object_class, kProperties, properties);
+  install(kOutputCalibration, output_calibration_spec);
+  gst::install_view_properties(object_class, kFirstOfView);
 }
 
 static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {

@@ -31,6 +31,8 @@ EventPtr OutputEvent::make(const FrameWarp& warp, const CalibrationInput& input,
     if (own_ && cause_ == cause) return nullptr;
     const auto output = warp.output_of(camera);
     if (output) return event_of(*output, input.name());
+    // The pixels have moved in a way that no calibration tells of.
+    if (warp.undistorts()) return EventPtr(new_calibration_event({}));
   }
   if (upstream != nullptr) {
     return EventPtr(upstream == sent_.get() ? nullptr : gst_event_ref(upstream));

@@ -51,10 +51,15 @@ std::optional<UndistorterBuilder::Built> UndistorterBuilder::take() {
 
 UndistorterBuilder::Built UndistorterBuilder::make(const Request& request,
                                                    const std::stop_token& stop) {
-  auto made =
-      Undistorter::make(request.camera, {request.key.alpha, request.output}, request.planes, stop);
-  if (!made) return {request.key, tl::unexpected(made.error())};
-  return {request.key, std::make_shared<const Undistorter>(*std::move(made))};
+  const auto begin = std::chrono::steady_clock::now();
+  ViewOptions view = request.key.view;
+  view.output = request.key.distort ? request.input : request.output;
+  auto made = request.key.distort ? Undistorter::make_back(request.camera.scaled(request.output),
+                                                           view, request.planes, stop)
+                                  : Undistorter::make(request.camera, view, request.planes, stop);
+  const auto took = std::chrono::steady_clock::now() - begin;
+  if (!made) return {request.key, tl::unexpected(made.error()), took};
+  return {request.key, std::make_shared<const Undistorter>(*std::move(made)), took};
 }
 
 }  // namespace calvin::gst

@@ -4,6 +4,7 @@
 // Builds undistorters on the spot, or beside the streaming thread.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -21,18 +22,21 @@ class UndistorterBuilder {
   struct Key {
     int frames = 0;
     int camera = 0;
-    double alpha = 0;
+    ViewOptions view;      // but for its size
+    bool distort = false;  // the frames that come in show the view
     friend bool operator==(const Key&, const Key&) = default;
   };
   struct Request {
     Key key;
     Camera camera;
+    ImageSize input;   // px
     ImageSize output;  // px
     std::vector<PlaneLayout> planes;
   };
   struct Built {
     Key key;
     Result<std::shared_ptr<const Undistorter>> undistorter;  // kCancelled after cancel()
+    std::chrono::nanoseconds took{};
   };
 
   void start();

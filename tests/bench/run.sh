@@ -8,7 +8,7 @@ source=$(cd "$(dirname "$0")/../.." && pwd)
 build=${CALVIN_BENCH_BUILD:-$source/build-bench}
 "$source/examples/install-packages.sh" build test bench
 [ -f "$build/build.ninja" ] ||
-  meson setup "$build" "$source" --buildtype=release -Dwerror=false -Dbenchmarks=enabled
+  meson setup "$build" "$source" --buildtype=release -Dbenchmarks=enabled
 ninja -C "$build"
 [ $# -gt 0 ] || set -- $(ls "$source/tests/bench" | sed -n 's/^bench_\(.*\)\.cpp$/\1/p')
 for name in "$@"; do

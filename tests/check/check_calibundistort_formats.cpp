@@ -156,7 +156,7 @@ static std::vector<Place> places_of(const Camera& source, const Camera& view, in
           radius > fold
               ? -1
               : std::min({at.u, at.v, frames.size.width - 1 - at.u, frames.size.height - 1 - at.v});
-      places[j * xs.size() + i] = {std::abs(inside) > 2e-3 && std::abs(radius - fold) > 2e-3,
+      places[j * xs.size() + i] = {std::abs(inside) > 4e-3 && std::abs(radius - fold) > 2e-3,
                                    inside > 0, reference::sample_at(xs, at.u),
                                    reference::sample_at(ys, at.v)};
     }
@@ -176,8 +176,9 @@ static void compare(const GstVideoInfo& info, const Picture& in, const Picture& 
                     const Camera& source, const Camera& view, const Frames& frames) {
   const GstVideoFormatInfo* f = info.finfo;
   const int top = (1 << GST_VIDEO_FORMAT_INFO_DEPTH(f, 0)) - 1;
-  // Half a level of rounding, and places that are rounded to 1/1024 px: 3/4 of a level of 8 bit.
-  const double bound = 0.5 + top / 1024.0 + 1e-6;
+  // Half a level of rounding; places are 1/250 px wrong each way, or 1/500 px, and for 8 bit
+  // weights are multiples of 1/128. That many levels only where neighbours are black and white.
+  const double bound = 0.5 + (top == 255 ? 1 + 2 * top / 250.0 : 2 * top / 500.0);
   std::map<std::pair<int, int>, std::vector<Place>> known;
   int valid = 0;
   int filled = 0;

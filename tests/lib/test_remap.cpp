@@ -106,6 +106,8 @@ struct Planes {
 
 struct Comparison {
   double worst = 0;      // grey levels of 8 bit
+  double smooth = 0;     // the same where the picture is like a photograph
+  double sum = 0;        // of all differences
   int valid = 0;         // samples compared
   int wrong_fill = 0;    // samples that should be filled, or should not
   int filled = 0;        // samples that are rightly filled
@@ -143,7 +145,7 @@ Comparison compare(const Lens& lens, const Undistorter& undistorter, const Named
                         : std::min({at.u, at.v, frame.width - 1 - at.u, frame.height - 1 - at.v});
       const bool looked_at = j % kRowStep == 0 || j + 1 == height;
       const bool certain =
-          looked_at && std::abs(inside) > 2e-3 && !(std::abs(radius - fold) < 2e-3);
+          looked_at && std::abs(inside) > 4e-3 && !(std::abs(radius - fold) < 2e-3);
       for (int c = 0; c < layout.components; ++c) {
         const auto offset = j * output.stride + i * layout.pixel_step + c * layout.component_step;
         for (int b = 0; b < bytes_of(layout); ++b)
@@ -163,7 +165,10 @@ Comparison compare(const Lens& lens, const Undistorter& undistorter, const Named
             reference::bilinear(read, width, height, reference::sample_at(in_xs, at.u),
                                 reference::sample_at(in_ys, at.v));
         ++result.valid;
-        result.worst = std::max(result.worst, std::abs(got - exact) * 255 / named.max);
+        const double difference = std::abs(got - exact) * 255 / named.max;
+        result.sum += difference;
+        result.worst = std::max(result.worst, difference);
+        if (at.u < frame.width / 2 - 8) result.smooth = std::max(result.smooth, difference);
       }
     }
   }
@@ -204,8 +209,14 @@ TEST_P(RemapPlane, EqualsBilinearInDoublePrecisionWithinOneGreyLevel) {
         SCOPED_TRACE(lens.name + ", " + named.name + ", alpha " + std::to_string(alpha));
         const Planes planes = undistort(undistorter, i);
         const Comparison result = compare(lens, undistorter, named, planes);
-        // Half a level of rounding, and the places are rounded to 1/1024 px.
-        EXPECT_LE(result.worst, 255 * (0.5 / named.max + 1.0 / 1024) + 1e-6);
+        // Half a level of rounding to the sample's depth; weights across are multiples of 1/128 for
+        // 8 bit, and places may be 0.005 or 0.002 px wrong each way. Noise is as sharp as can be.
+        const bool bytes = named.max == 255;
+        const double rounding = 127.5 / named.max;
+        EXPECT_LE(result.smooth, rounding + 0.25);
+        EXPECT_LE(result.worst, rounding + (bytes ? 1 : 0) + 255 * 2 * (bytes ? 0.004 : 0.002));
+        // Rounding alone makes 1/4.
+        EXPECT_LE(result.sum, result.valid * (rounding / 2 + 0.26));
         EXPECT_EQ(result.wrong_fill, 0);
         EXPECT_EQ(result.bytes_harmed, 0);
         EXPECT_GT(result.valid, size.width * size.height / 30);
@@ -258,14 +269,12 @@ TEST(RemapMap, StaysInsideThePlaneForExtremeCalibrations) {
       }
       ++made;
       for (const double value : output->parameters()) ASSERT_TRUE(std::isfinite(value));
-      const auto map = RemapMap::build(*source, *output, {{1, 1}, {1, 1}});
-      ASSERT_TRUE(map.has_value());
-      for (int y = 0; y < map->size().height; ++y) {
-        for (const MapEntry& e : map->row(y)) {
-          if (!e.valid()) continue;
-          ASSERT_LE(e.x, (map->size().width - 1) * RemapMap::kOne);
-          ASSERT_TRUE(e.y >= 0 && e.y <= (map->size().height - 1) * RemapMap::kOne);
-        }
+      const Undistorter undistorter = undistorter_for(*source, alpha);
+      for (std::size_t l = 0; l < kLayouts.size(); ++l) {
+        // The rows end where the memory does.
+        const Planes planes = undistort(undistorter, l);
+        const auto padding = planes.output.bytes.end() - 13;
+        EXPECT_TRUE(std::all_of(padding, padding + 13, [](auto byte) { return byte == 0xA5; }));
       }
     }
   }

@@ -3,103 +3,216 @@
 
 #include "calvin/remap/kernel.hpp"
 
-#include <bit>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/pixel_kernel.hpp"
 
 namespace calvin {
 
 namespace {
 
-constexpr int kBits = RemapMap::kFractionBits;
-constexpr int kOne = RemapMap::kOne;
+using remap::LaneLayout;
+using remap::LaneRow;
+using remap::NodeRows;
 
-// A sample in memory as a number; Sum holds kOne^2 times the largest.
-struct Byte {
-  using Sum = std::int32_t;
-  explicit Byte(const PlaneLayout& /*layout*/) {}
-
-  [[nodiscard]] static Sum load(const std::uint8_t* at) noexcept { return *at; }
-  static void store(std::uint8_t* at, Sum value) noexcept {
-    *at = static_cast<std::uint8_t>(value);
-  }
-};
-
-template <std::endian kOrder>
-struct Word {
-  using Sum = std::int64_t;
-  explicit Word(const PlaneLayout& layout) : shift(layout.shift) {}
-
-  [[nodiscard]] Sum load(const std::uint8_t* at) const noexcept {
-    return static_cast<std::uint16_t>(at[kHigh] << 8 | at[1 - kHigh]) >> shift;
-  }
-  void store(std::uint8_t* at, Sum value) const noexcept {
-    const auto word = static_cast<std::uint16_t>(value << shift);
-    at[kHigh] = static_cast<std::uint8_t>(word >> 8);
-    at[1 - kHigh] = static_cast<std::uint8_t>(word);
-  }
-
-  static constexpr int kHigh = kOrder == std::endian::little ? 1 : 0;
-  int shift;
-};
-
-template <typename Sample, int kComponents>
-void remap_components(const RemapMap& map, const PlaneLayout& layout,
-                      PlaneMemory<const std::uint8_t> source,
-                      PlaneMemory<std::uint8_t> output) noexcept {
-  using Sum = typename Sample::Sum;
-  const Sample sample(layout);
-  const std::ptrdiff_t pixel_step = layout.pixel_step;
-  const std::ptrdiff_t component_step = layout.component_step;
-  for (int y = 0; y < map.size().height; ++y) {
-    std::uint8_t* out = output.data + y * output.stride;
-    for (const MapEntry& entry : map.row(y)) {
-      if (!entry.valid()) {
-        for (int c = 0; c < kComponents; ++c) {
-          sample.store(out + c * component_step, layout.fill[c]);
-        }
-        out += pixel_step;
-        continue;
-      }
-      const int fx = entry.x & (kOne - 1);
-      const int fy = entry.y & (kOne - 1);
-      const std::uint8_t* top =
-          source.data + (entry.y >> kBits) * source.stride + (entry.x >> kBits) * pixel_step;
-      // The last row and column have no neighbour, and with a weight of zero need none.
-      const std::ptrdiff_t right = fx != 0 ? pixel_step : 0;
-      const std::uint8_t* bottom = top + (fy != 0 ? source.stride : 0);
-      for (int c = 0; c < kComponents; ++c) {
-        const std::ptrdiff_t at = c * component_step;
-        const Sum upper = sample.load(top + at) * (kOne - fx) + sample.load(top + at + right) * fx;
-        const Sum lower =
-            sample.load(bottom + at) * (kOne - fx) + sample.load(bottom + at + right) * fx;
-        const Sum sum = upper * (kOne - fy) + lower * fy;
-        sample.store(out + at, (sum + (Sum{1} << (2 * kBits - 1))) >> (2 * kBits));
-      }
-      out += pixel_step;
-    }
-  }
+LaneLayout lane_layout(const PlaneLayout& layout) {
+  if (layout.sample != SampleType::kU8) return LaneLayout::kNone;
+  const auto is = [&](int components, int pixel_step, int component_step) {
+    return layout.components == components && layout.pixel_step == pixel_step &&
+           (components == 1 || layout.component_step == component_step);
+  };
+  if (is(1, 1, 1)) return LaneLayout::kOne;
+  if (is(2, 2, 1)) return LaneLayout::kTwo;
+  if (is(3, 3, 1)) return LaneLayout::kThree;
+  if (is(4, 4, 1)) return LaneLayout::kFour;
+  if (is(1, 2, 2)) return LaneLayout::kOneSpread;
+  if (is(2, 4, 2)) return LaneLayout::kTwoSpread;
+  return LaneLayout::kNone;
 }
 
-using Remap = decltype(&remap_components<Byte, 1>);
+bool is_spread(LaneLayout layout) {
+  return layout == LaneLayout::kOneSpread || layout == LaneLayout::kTwoSpread;
+}
 
-template <typename Sample>
-constexpr Remap kRemaps[] = {remap_components<Sample, 1>, remap_components<Sample, 2>,
-                             remap_components<Sample, 3>, remap_components<Sample, 4>};
+// What the vector kernel may take of a source plane.
+remap::SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayout lanes,
+                              std::span<const PlaneMemory<const std::uint8_t>> sources) {
+  const std::ptrdiff_t stride = sources.front().stride;
+  const bool alike = sources.back().stride == stride;
+  const ImageSize size = map.source_size();
+  const int segment = is_spread(lanes) ? 32 : 16;
+  remap::SourceBounds b;
+  b.stride = static_cast<std::int32_t>(stride);
+  // Beyond an uneven last sample places are no longer linear.
+  b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
+  b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
+  b.widest = (15 - (layout.components - 1)) / layout.components;
+  const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;
+  b.rows = size.height;
+  b.guarded_rows = bytes >= segment ? 1 : size.height;
+  b.last_segment = bytes - segment - 1;
+  b.strongly_bent = map.strongly_bent();
+  // Planes of one kind share their offsets, which are counted in 31 bits.
+  if (!alike || stride < bytes ||
+      stride > std::numeric_limits<std::int32_t>::max() / (size.height + 64)) {
+    b.last_row = -1;
+  }
+  return b;
+}
 
 }  // namespace
 
-void remap_plane(const RemapMap& map, const PlaneLayout& layout,
-                 PlaneMemory<const std::uint8_t> source,
-                 PlaneMemory<std::uint8_t> output) noexcept {
-  static_assert(255LL * kOne * kOne + (1LL << (2 * kBits - 1)) <= INT32_MAX);
-  if (layout.components < 1 || layout.components > 4) return;
-  const auto components = static_cast<std::size_t>(layout.components - 1);
-  switch (layout.sample) {
-    case SampleType::kU8:
-      return kRemaps<Byte>[components](map, layout, source, output);
-    case SampleType::kU16Little:
-      return kRemaps<Word<std::endian::little>>[components](map, layout, source, output);
-    case SampleType::kU16Big:
-      return kRemaps<Word<std::endian::big>>[components](map, layout, source, output);
+int lane_pixels_of(const PlaneLayout& layout) noexcept {
+  return remap::lane_pixels(lane_layout(layout));
+}
+
+namespace {
+
+// One chunk of lanes on its way down the rows.
+class Chunk {
+ public:
+  Chunk(const PlaneMap& map, const PlaneLayout& layout,
+        std::span<const PlaneMemory<const std::uint8_t>> sources,
+        std::span<const PlaneMemory<std::uint8_t>> outputs, const Sampling& sampling, int first)
+      : map_(map),
+        layout_(layout),
+        sources_(sources),
+        outputs_(outputs),
+        sampling_(sampling),
+        lanes_(map.lane_pixels() == lane_pixels_of(layout) ? lane_layout(layout)
+                                                           : LaneLayout::kNone),
+        bounds_(bounds_of(map, layout, lanes_, sources)),
+        group_(remap::lane_group()),
+        first_(first),
+        count_(std::min(remap::kChunkLanes, map.lanes() - first)) {
+    const bool quick = sampling.interpolation == Interpolation::kNearest ||
+                       sampling.interpolation == Interpolation::kBilinear;
+    if (!quick || lanes_ == LaneLayout::kNone) bounds_.last_row = -1;
+    // What the last group of a row writes must be the row's.
+    const int width = map.size().width - first * map.lane_pixels();
+    const int slack = remap::lane_slack(lanes_);
+    const int pixels = group_ * map.lane_pixels();
+    whole_groups_ = width > 0 ? (width - (slack > 0 ? 1 : 0)) / pixels : 0;
+  }
+
+  void row(int y) noexcept {
+    const PlaneMap::Level level = map_.level(y);
+    const PlaneMap::Row* limits = map_.limits(y);
+    interpolate(level);
+    if (limits != nullptr) take_middles(*limits);
+    remap::describe_lanes(lanes_, bounds_, row_);
+    if (limits != nullptr) mark_invalid(*limits);
+    mark_slow(whole_groups_ * group_, count_);
+    blend(y);
+    sample_rest(y, limits);
+  }
+
+ private:
+  void interpolate(const PlaneMap::Level& level) noexcept {
+    const auto weights = cubic_weights(level.between);
+    std::array<float, 4> of_slot;
+    for (int r = 0; r < 4; ++r) {
+      const int wanted = level.node_row + r;
+      const auto slot = static_cast<std::size_t>(wanted % 4);
+      of_slot[slot] = weights[static_cast<std::size_t>(r)];
+      if (known_[slot] == wanted) continue;
+      map_.expand(wanted, first_, count_ + 2 * remap::kMargin, nodes_.x[slot], nodes_.y[slot]);
+      known_[slot] = wanted;
+    }
+    remap::interpolate_lanes(nodes_, of_slot.data(), count_, row_);
+  }
+
+  void take_middles(const PlaneMap::Row& limits) noexcept {
+    constexpr double kScale = 1 << remap::kPlaceBits;
+    constexpr double kMost = std::numeric_limits<std::int32_t>::max() / 4;
+    for (const PlaneMap::Middle& middle : limits.middles) {
+      const int at = middle.lane - first_ + remap::kMargin;
+      if (at < 0 || at >= count_ + 2 * remap::kMargin) continue;
+      row_.x[at] =
+          static_cast<std::int32_t>(std::lrint(std::clamp(kScale * middle.place.u, -kMost, kMost)));
+      row_.y[at] =
+          static_cast<std::int32_t>(std::lrint(std::clamp(kScale * middle.place.v, -kMost, kMost)));
+    }
+  }
+
+  // All groups of lanes that are not valid from the first sample to the last.
+  void mark_invalid(const PlaneMap::Row& limits) noexcept {
+    const int pixels = group_ * map_.lane_pixels();
+    int done = 0;  // groups
+    for (const PlaneMap::Span& span : limits.valid) {
+      const int begin = std::max(span.begin - first_ * map_.lane_pixels(), 0);
+      const int end = span.end - first_ * map_.lane_pixels();
+      const int whole = (begin + pixels - 1) / pixels;
+      mark_slow(done * group_, std::min(whole * group_, count_));
+      done = std::max(end / pixels, whole);
+    }
+    mark_slow(done * group_, count_);
+  }
+
+  void mark_slow(int begin, int end) noexcept {
+    for (int j = std::max(begin, 0); j < end; ++j) row_.rows[j] = remap::kSlowLane;
+  }
+
+  [[nodiscard]] std::uint8_t* output_row(std::size_t plane, int y) const noexcept {
+    return outputs_[plane].data + y * outputs_[plane].stride;
+  }
+
+  void blend(int y) noexcept {
+    if (bounds_.last_row < 0) return;
+    const std::ptrdiff_t begin = first_ * map_.lane_pixels() * layout_.pixel_step;
+    remap::PlaneRows planes{};
+    planes.planes = static_cast<int>(sources_.size());
+    for (std::size_t p = 0; p < sources_.size(); ++p) {
+      planes.source[p] = sources_[p].data;
+      planes.output[p] = output_row(p, y) + begin;
+    }
+    remap::blend_lanes(lanes_, row_, bounds_.stride,
+                       sampling_.interpolation == Interpolation::kNearest, planes);
+  }
+
+  void sample_rest(int y, const PlaneMap::Row* limits) noexcept {
+    for (int j = 0; j < count_; j += group_) {
+      if (row_.rows[j] < remap::kSlowLane) continue;
+      const remap::LaneRun run = {row_, j, first_ + j, std::min(group_, count_ - j), limits};
+      for (std::size_t p = 0; p < sources_.size(); ++p) {
+        remap::sample_lanes(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_, run);
+      }
+    }
+  }
+
+  const PlaneMap& map_;
+  const PlaneLayout& layout_;
+  std::span<const PlaneMemory<const std::uint8_t>> sources_;
+  std::span<const PlaneMemory<std::uint8_t>> outputs_;
+  const Sampling& sampling_;
+  LaneLayout lanes_;
+  remap::SourceBounds bounds_;
+  int group_;
+  int first_;  // lane of the plane
+  int count_;
+  int whole_groups_ = 0;
+  std::array<int, 4> known_ = {-1, -1, -1, -1};
+  NodeRows nodes_;
+  LaneRow row_;
+};
+
+}  // namespace
+
+void remap_rows(const PlaneMap& map, const PlaneLayout& layout,
+                std::span<const PlaneMemory<const std::uint8_t>> sources,
+                std::span<const PlaneMemory<std::uint8_t>> outputs, const Sampling& sampling,
+                int begin, int end) noexcept {
+  if (layout.components < 1 || layout.components > 4 || sources.empty() ||
+      sources.size() > remap::kMaxPlanes || sources.size() != outputs.size()) {
+    return;
+  }
+  for (int first = 0; first < map.lanes(); first += remap::kChunkLanes) {
+    Chunk chunk(map, layout, sources, outputs, sampling, first);
+    for (int y = begin; y < end; ++y) chunk.row(y);
   }
 }
 

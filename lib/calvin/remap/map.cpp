@@ -3,85 +3,117 @@
 
 #include "calvin/remap/map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <new>
-#include <stdexcept>
 
 namespace calvin {
 
 namespace {
 
-// Rays through the pixels of a pinhole; any other output model goes through unproject().
-class RayCaster {
- public:
-  explicit RayCaster(const Camera& camera)
-      : camera_(camera), pinhole_(camera.model() == "pinhole" && camera.skew() == 0) {}
+constexpr int kFinest = 4;
+// Places this far outside tell nothing more; differences of them still fit in 32 bits (lanes.hpp).
+constexpr double kFar = 30000;
 
-  [[nodiscard]] std::optional<Eigen::Vector3d> ray(double x, double y) const noexcept {
-    if (!pinhole_) return camera_.unproject({x, y});
-    return Eigen::Vector3d((x - camera_.cx()) / camera_.fx(), (y - camera_.cy()) / camera_.fy(), 1);
-  }
+double clamp_far(double place, int length) { return std::clamp(place, -kFar, length + kFar); }
 
- private:
-  const Camera& camera_;
-  bool pinhole_;
-};
-
-// The place in the source frame, clamped onto it where it misses by rounding only.
-std::optional<Pixel> look_up(const Camera& source, const RayCaster& output, double x,
-                             double y) noexcept {
-  const auto ray = output.ray(x, y);
-  if (!ray) return std::nullopt;
-  const auto pixel = source.project(*ray);
-  if (!pixel) return std::nullopt;
-  constexpr double kSlack = 0.5 / RemapMap::kOne;
-  const double right = source.image_size().width - 1;
-  const double bottom = source.image_size().height - 1;
-  if (!(pixel->u >= -kSlack && pixel->u <= right + kSlack && pixel->v >= -kSlack &&
-        pixel->v <= bottom + kSlack)) {
-    return std::nullopt;
-  }
-  return pixel;
-}
-
-std::int32_t to_fixed(double sample) {
-  return static_cast<std::int32_t>(std::lrint(sample * RemapMap::kOne));
+// `overlooked` is how far outside the source a place may be and still matter to one inside.
+bool matters(Pixel place, ImageSize source, double overlooked) {
+  return place.u > -overlooked && place.v > -overlooked && place.u < source.width + overlooked &&
+         place.v < source.height + overlooked;
 }
 
 }  // namespace
 
-bool is_inside(const Camera& source, const Camera& output, double x, double y) noexcept {
-  return look_up(source, RayCaster(output), x, y).has_value();
+RemapMap::RemapMap(ImageSize source, ImageSize output, int step)
+    : source_(source), output_(output), step_(step) {
+  // One node before the frame and two behind the last cell.
+  columns_ = (output.width + step - 1) / step + 3;
+  rows_ = (output.height + step - 1) / step + 3;
+  const auto count = index(0, rows_);
+  x_.resize(count);
+  y_.resize(count);
 }
 
-Result<RemapMap> RemapMap::build(const Camera& source, const Camera& output,
-                                 const PlaneSites& sites, const std::stop_token& stop) {
-  const auto axes = [](ImageSize size, const Subsampling& s) {
-    return std::pair(SampleAxis(size.width, s.x_shift, s.x_cosited),
-                     SampleAxis(size.height, s.y_shift, s.y_cosited));
-  };
-  const auto [out_x, out_y] = axes(output.image_size(), sites.output);
-  const auto [in_x, in_y] = axes(source.image_size(), sites.source);
-  const RayCaster caster(output);
-  RemapMap map;
-  map.size_ = {out_x.count(), out_y.count()};
+bool RemapMap::fill(const PixelFunction& place_of, const std::stop_token& stop) {
+  for (int r = 0; r < rows_; ++r) {
+    if (stop.stop_requested()) return false;
+    for (int c = 0; c < columns_; ++c) {
+      const auto place = place_of({(c - 1.0) * step_, (r - 1.0) * step_});
+      const bool found = place && std::isfinite(place->u) && std::isfinite(place->v);
+      const auto i = index(c, r);
+      x_[i] = found ? static_cast<float>(clamp_far(place->u, source_.width)) : kMissing;
+      y_[i] = found ? static_cast<float>(clamp_far(place->v, source_.height)) : kMissing;
+      if (!found) ++missing_;
+    }
+  }
+  return true;
+}
+
+int RemapMap::cell_of(double pixel, int cells) const noexcept {
+  return std::clamp(static_cast<int>(std::floor(pixel / step_)), 0, cells - 1);
+}
+
+RemapMap::Cell RemapMap::cell(int cell_column, int cell_row) const noexcept {
+  if (missing_ == 0) return Cell::kSmooth;
+  int found = 0;
+  for (int r = cell_row; r < cell_row + 4; ++r) {
+    for (int c = cell_column; c < cell_column + 4; ++c) {
+      if (!std::isnan(x_[index(c, r)])) ++found;
+    }
+  }
+  return found == 16 ? Cell::kSmooth : found == 0 ? Cell::kEmpty : Cell::kMixed;
+}
+
+Pixel RemapMap::at(Pixel output) const noexcept {
+  const int column = cell_of(output.u, columns_ - 3);
+  const int row = cell_of(output.v, rows_ - 3);
+  const auto across = cubic_weights(output.u / step_ - column);
+  const auto down = cubic_weights(output.v / step_ - row);
+  Pixel place;
+  for (std::size_t r = 0; r < 4; ++r) {
+    const auto first = index(column, row + static_cast<int>(r));
+    for (std::size_t c = 0; c < 4; ++c) {
+      const double weight = 1.0 * across[c] * down[r];
+      place.u += weight * x_[first + c];
+      place.v += weight * y_[first + c];
+    }
+  }
+  return place;
+}
+
+// Looks where interpolation is worst, in the middle of cells: every second one, as on a chessboard.
+bool RemapMap::good_enough(const PixelFunction& place_of) const {
+  for (int r = 0; r < rows_ - 3; ++r) {
+    for (int c = r % 2; c < columns_ - 3; c += 2) {
+      if (cell(c, r) != Cell::kSmooth) continue;
+      const Pixel middle = {(c + 0.5) * step_, (r + 0.5) * step_};
+      const Pixel found = at(middle);
+      if (!matters(found, source_, step_)) continue;
+      const auto exact = place_of(middle);
+      if (exact && !(std::abs(exact->u - found.u) <= kTolerance &&
+                     std::abs(exact->v - found.v) <= kTolerance)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+Result<RemapMap> RemapMap::build(ImageSize source, ImageSize output, const PixelFunction& place_of,
+                                 const std::stop_token& stop) {
   try {
-    map.entries_.resize(static_cast<std::size_t>(map.size_.width) *
-                        static_cast<std::size_t>(map.size_.height));
+    for (int step = kCoarsest;; step /= 2) {
+      RemapMap map(source, output, step);
+      if (!map.fill(place_of, stop)) {
+        return make_error(ErrorCode::kCancelled, "The work was cancelled.");
+      }
+      if (step == kFinest || map.good_enough(place_of)) return map;
+    }
   } catch (const std::bad_alloc&) {
     return make_error(ErrorCode::kInvalidArgument,
                       "There is not enough memory for a map of that size.");
   }
-  MapEntry* entry = map.entries_.data();
-  for (int y = 0; y < map.size_.height; ++y) {
-    if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The work was cancelled.");
-    const double site_y = out_y.site(y);
-    for (int x = 0; x < map.size_.width; ++x, ++entry) {
-      const auto place = look_up(source, caster, out_x.site(x), site_y);
-      if (place) *entry = {to_fixed(in_x.sample(place->u)), to_fixed(in_y.sample(place->v))};
-    }
-  }
-  return map;
 }
 
 }  // namespace calvin

@@ -1,53 +1,90 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// For every sample of an output plane: where in the source plane it comes from.
+// For every pixel of an output frame: where in the source frame it comes from. A lens bends the
+// picture smoothly, so a coarse grid of places says it all.
 #pragma once
 
-#include <cstdint>
-#include <span>
+#include <array>
+#include <functional>
+#include <limits>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
-#include "calvin/camera/camera.hpp"
-#include "calvin/remap/sampling.hpp"
+#include "calvin/core/image.hpp"
+#include "calvin/core/result.hpp"
 
 namespace calvin {
 
-// A place in the source plane in 1/1024 of a sample, within the plane; x < 0: there is none.
-struct MapEntry {
-  std::int32_t x = -1;
-  std::int32_t y = -1;
+// px of the output frame -> px of the source frame, which may lie outside of it; absent where no
+// ray leads there. Called from one thread at a time.
+using PixelFunction = std::function<std::optional<Pixel>(Pixel)>;
 
-  [[nodiscard]] bool valid() const noexcept { return x >= 0; }
-};
+// The four weights of cubic interpolation (Lagrange) at `t` between the second and the third of
+// four equidistant values.
+[[nodiscard]] constexpr std::array<float, 4> cubic_weights(double t) noexcept {
+  const double a = t + 1;
+  const double b = t - 1;
+  const double c = t - 2;
+  return {static_cast<float>(-t * b * c / 6), static_cast<float>(a * b * c / 2),
+          static_cast<float>(-a * t * c / 2), static_cast<float>(a * t * b / 6)};
+}
 
+// Places on a square grid, in px of the source, to be interpolated bicubically. Immutable.
 class RemapMap {
  public:
-  static constexpr int kFractionBits = 10;
-  static constexpr int kOne = 1 << kFractionBits;
+  // What the interpolation may be wrong by, px: half a grey level at the sharpest edge there is.
+  static constexpr double kTolerance = 1.0 / 1024;
+  static constexpr int kCoarsest = 32;  // px
 
-  // The map from the plane of frames of `output` to the like plane of frames of `source`. An entry
-  // is valid where the ray of the output sample meets the source within the centres of its border
-  // pixels (to 1/2048 px). kCancelled soon after a stop was requested; kInvalidArgument where the
-  // memory does not suffice.
-  static Result<RemapMap> build(const Camera& source, const Camera& output,
-                                const PlaneSites& sites = {}, const std::stop_token& stop = {});
+  // The grid is as coarse as kTolerance allows (32, 16, 8 or 4 px; measured between its nodes).
+  // kCancelled soon after a stop was requested; kInvalidArgument where the memory does not suffice.
+  static Result<RemapMap> build(ImageSize source, ImageSize output, const PixelFunction& place_of,
+                                const std::stop_token& stop = {});
 
-  // Of the output plane, in samples.
-  [[nodiscard]] ImageSize size() const noexcept { return size_; }
-  [[nodiscard]] std::span<const MapEntry> row(int y) const noexcept {
-    const auto width = static_cast<std::size_t>(size_.width);
-    return std::span(entries_).subspan(static_cast<std::size_t>(y) * width, width);
+  [[nodiscard]] ImageSize source_size() const noexcept { return source_; }
+  [[nodiscard]] ImageSize output_size() const noexcept { return output_; }
+  // Distance of the nodes, px of the output; node (c, r) lies on pixel ((c - 1) step, (r - 1)
+  // step).
+  [[nodiscard]] int step() const noexcept { return step_; }
+  [[nodiscard]] int columns() const noexcept { return columns_; }
+  [[nodiscard]] int rows() const noexcept { return rows_; }
+  [[nodiscard]] const float* x_row(int row) const noexcept { return &x_[index(0, row)]; }
+  [[nodiscard]] const float* y_row(int row) const noexcept { return &y_[index(0, row)]; }
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return (x_.size() + y_.size()) * sizeof(float);
   }
 
- private:
-  ImageSize size_;
-  std::vector<MapEntry> entries_;
-};
+  // Cells lie between four nodes. One is smooth where all sixteen nodes that its places are
+  // interpolated from exist; elsewhere the interpolation says nothing.
+  [[nodiscard]] bool everywhere_smooth() const noexcept { return missing_ == 0; }
+  enum class Cell { kSmooth, kMixed, kEmpty };  // empty: none of them exists
+  [[nodiscard]] Cell cell(int cell_column, int cell_row) const noexcept;
+  [[nodiscard]] int cell_of(double pixel, int cells) const noexcept;
 
-// Whether pixel (x, y) of the output has a valid entry in the map of a full-size plane.
-[[nodiscard]] bool is_inside(const Camera& source, const Camera& output, double x,
-                             double y) noexcept;
+  // The interpolated place; NaN where it is not smooth. For tests and tools: kernels walk rows.
+  [[nodiscard]] Pixel at(Pixel output) const noexcept;
+
+ private:
+  static constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
+
+  RemapMap(ImageSize source, ImageSize output, int step);
+  [[nodiscard]] std::size_t index(int column, int row) const noexcept {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(column);
+  }
+  [[nodiscard]] bool fill(const PixelFunction& place_of, const std::stop_token& stop);
+  [[nodiscard]] bool good_enough(const PixelFunction& place_of) const;
+
+  ImageSize source_;
+  ImageSize output_;
+  int step_ = 0;
+  int columns_ = 0;
+  int rows_ = 0;
+  int missing_ = 0;
+  std::vector<float> x_;
+  std::vector<float> y_;
+};
 
 }  // namespace calvin

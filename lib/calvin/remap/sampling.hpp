@@ -42,6 +42,11 @@ class SampleAxis {
         last_(length - 1) {}
 
   [[nodiscard]] int count() const noexcept { return count_; }
+  // px between samples, and px of the first one: a sample i lies at offset + scale i, but for the
+  // last one where is_even() is not true.
+  [[nodiscard]] double scale() const noexcept { return scale_; }
+  [[nodiscard]] double offset() const noexcept { return offset_; }
+  [[nodiscard]] bool is_even() const noexcept { return offset_ + scale_ * (count_ - 1) <= last_; }
 
   // Sample -> px of the frame. The last sample of an odd length covers one pixel only.
   [[nodiscard]] double site(int sample) const noexcept {

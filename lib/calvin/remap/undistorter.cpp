@@ -22,7 +22,7 @@ std::optional<Pixel> within(std::optional<Pixel> pixel, ImageSize size) {
 
 // How much longer lengths become around a pixel on the way from one camera to another: the square
 // root of the change of area.
-double magnification(const Camera& from, const Camera& to, Pixel at, Pixel image) {
+double magnification(const Eye& from, const Eye& to, Pixel at, Pixel image) {
   const auto right = transfer(from, to, {at.u + 0.5, at.v});
   const auto below = transfer(from, to, {at.u, at.v + 0.5});
   if (!right || !below) return 1;
@@ -86,26 +86,73 @@ struct Bounds {
 Result<Undistorter> Undistorter::make(const Camera& source, const ViewOptions& options,
                                       const std::vector<PlaneLayout>& planes,
                                       const std::stop_token& stop) {
-  const auto output = output_camera(source, options);
-  if (!output) return tl::unexpected(output.error());
-  Undistorter result(source, *output);
-  std::vector<PlaneSites> known;
-  for (const PlaneLayout& layout : planes) {
-    const auto it = std::find(known.begin(), known.end(), layout.sites());
-    result.planes_.push_back({layout, static_cast<std::size_t>(it - known.begin())});
+  const auto view = output_view(source, options);
+  if (!view) return tl::unexpected(view.error());
+  return between({Eye(source), view->eye, view->limited}, planes, stop);
+}
+
+Result<Undistorter> Undistorter::make_back(const Camera& camera, const ViewOptions& options,
+                                           const std::vector<PlaneLayout>& planes,
+                                           const std::stop_token& stop) {
+  const auto view = output_view(camera, options);
+  if (!view) return tl::unexpected(view.error());
+  return between({view->eye, Eye(camera), view->limited}, planes, stop);
+}
+
+Result<Undistorter> Undistorter::between(Undistorter eyes, const std::vector<PlaneLayout>& planes,
+                                         const std::stop_token& stop) {
+  Undistorter result = std::move(eyes);
+  const PixelFunction place_of = [&result](Pixel pixel) {
+    return transfer(result.output_, result.source_, pixel);
+  };
+  auto map =
+      RemapMap::build(result.source_.image_size(), result.output_.image_size(), place_of, stop);
+  if (!map) return tl::unexpected(map.error());
+  result.map_ = std::make_shared<const RemapMap>(*std::move(map));
+  std::vector<std::pair<PlaneSites, int>> known;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const PlaneLayout& layout = planes[i];
+    if (i > 0 && layout == planes[i - 1] && result.planes_.back().count < 2) {
+      ++result.planes_.back().count;
+      continue;
+    }
+    const std::pair key = {layout.sites(), lane_pixels_of(layout)};
+    const auto it = std::find(known.begin(), known.end(), key);
+    result.planes_.push_back({layout, static_cast<std::size_t>(it - known.begin()), i, 1});
     if (it != known.end()) continue;
-    auto map = RemapMap::build(source, *output, layout.sites(), stop);
-    if (!map) return tl::unexpected(map.error());
-    result.maps_.push_back(*std::move(map));
-    known.push_back(layout.sites());
+    auto plane = PlaneMap::build(result.map_, place_of, layout.sites(), key.second, stop);
+    if (!plane) return tl::unexpected(plane.error());
+    result.maps_.push_back(*std::move(plane));
+    known.push_back(key);
   }
   return result;
 }
 
 void Undistorter::apply(std::size_t plane, PlaneMemory<const std::uint8_t> source,
-                        PlaneMemory<std::uint8_t> output) const noexcept {
-  const Plane& p = planes_[plane];
-  remap_plane(maps_[p.map], p.layout, source, output);
+                        PlaneMemory<std::uint8_t> output, const Sampling& sampling) const noexcept {
+  for (const Plane& p : planes_) {
+    if (plane < p.first || plane >= p.first + p.count) continue;
+    const PlaneMap& map = maps_[p.map];
+    remap_rows(map, p.layout, {&source, 1}, {&output, 1}, sampling, 0, map.size().height);
+  }
+}
+
+void Undistorter::apply(std::span<const PlaneMemory<const std::uint8_t>> sources,
+                        std::span<const PlaneMemory<std::uint8_t>> outputs,
+                        const Sampling& sampling, int part, int parts) const noexcept {
+  for (const Plane& p : planes_) {
+    const PlaneMap& map = maps_[p.map];
+    const std::int64_t rows = map.size().height;
+    remap_rows(map, p.layout, sources.subspan(p.first, p.count), outputs.subspan(p.first, p.count),
+               sampling, static_cast<int>(rows * part / parts),
+               static_cast<int>(rows * (part + 1) / parts));
+  }
+}
+
+std::size_t Undistorter::map_bytes() const noexcept {
+  std::size_t sum = map_->bytes();
+  for (const PlaneMap& map : maps_) sum += map.bytes();
+  return sum;
 }
 
 std::optional<Pixel> Undistorter::to_output(Pixel source) const noexcept {

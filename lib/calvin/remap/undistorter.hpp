@@ -4,7 +4,9 @@
 // Undistorter: all that undistorting the frames of one stream takes.
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "calvin/remap/kernel.hpp"
@@ -15,19 +17,40 @@ namespace calvin {
 // Immutable; safe to share between threads. Planes with the same places share a map.
 class Undistorter {
  public:
-  // `planes` of a frame, in the order in which apply() names them. Fails as output_camera() and
+  // `planes` of a frame, in the order in which apply() names them. Fails as output_view() and
   // RemapMap::build() do.
   static Result<Undistorter> make(const Camera& source, const ViewOptions& options,
                                   const std::vector<PlaneLayout>& planes,
                                   const std::stop_token& stop = {});
+  // The way back: frames of `options.output` px, or of the camera's size, become frames of
+  // `camera`.
+  static Result<Undistorter> make_back(const Camera& camera, const ViewOptions& options,
+                                       const std::vector<PlaneLayout>& planes,
+                                       const std::stop_token& stop = {});
 
-  [[nodiscard]] const Camera& source() const noexcept { return source_; }
-  [[nodiscard]] const Camera& output() const noexcept { return output_; }
-  [[nodiscard]] std::size_t planes() const noexcept { return planes_.size(); }
+  // What saw the frames that come in, and the planes of those that come out.
+  [[nodiscard]] const Camera& source() const noexcept { return source_.plane(); }
+  [[nodiscard]] const Camera& output() const noexcept { return output_.plane(); }
+  // The calibration of the frames that come out; absent where no model describes the projection.
+  [[nodiscard]] std::optional<Camera> output_model() const { return output_.model(); }
+  // The view is not as wide as was asked for: its projection cannot show more.
+  [[nodiscard]] bool limited() const noexcept { return limited_; }
+  [[nodiscard]] std::size_t planes() const noexcept {
+    return planes_.back().first + planes_.back().count;
+  }
 
-  // Undistorts one plane; see remap_plane().
+  // Undistorts one plane; see remap_rows().
   void apply(std::size_t plane, PlaneMemory<const std::uint8_t> source,
-             PlaneMemory<std::uint8_t> output) const noexcept;
+             PlaneMemory<std::uint8_t> output, const Sampling& sampling = {}) const noexcept;
+
+  // Undistorts all planes, in the order in which they were named. `part` of `parts` that may be
+  // made at the same time: a share of the rows of each plane.
+  void apply(std::span<const PlaneMemory<const std::uint8_t>> sources,
+             std::span<const PlaneMemory<std::uint8_t>> outputs, const Sampling& sampling = {},
+             int part = 0, int parts = 1) const noexcept;
+
+  // Bytes that the maps take.
+  [[nodiscard]] std::size_t map_bytes() const noexcept;
 
   // px of the source frame -> px of the output, and its inverse. Absent where the result lies
   // outside the picture or the model.
@@ -47,16 +70,24 @@ class Undistorter {
   [[nodiscard]] Pixel nearest_source(Pixel output) const noexcept;
 
  private:
+  // Planes that lie one behind the other, with one layout: the U and V of I420.
   struct Plane {
     PlaneLayout layout;
     std::size_t map;
+    std::size_t first;  // of the planes of a frame
+    std::size_t count;
   };
 
-  Undistorter(const Camera& source, const Camera& output) : source_(source), output_(output) {}
+  Undistorter(Eye source, Eye output, bool limited)
+      : source_(std::move(source)), output_(std::move(output)), limited_(limited) {}
+  static Result<Undistorter> between(Undistorter eyes, const std::vector<PlaneLayout>& planes,
+                                     const std::stop_token& stop);
 
-  Camera source_;
-  Camera output_;
-  std::vector<RemapMap> maps_;
+  Eye source_;
+  Eye output_;
+  bool limited_;
+  std::shared_ptr<const RemapMap> map_;
+  std::vector<PlaneMap> maps_;
   std::vector<Plane> planes_;
 };
 

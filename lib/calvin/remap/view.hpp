@@ -6,9 +6,13 @@
 
 #include <optional>
 
-#include "calvin/camera/camera.hpp"
+#include "calvin/remap/eye.hpp"
 
 namespace calvin {
+
+// What `alpha` means. kOpenCv: as cv::getOptimalNewCameraMatrix() does, which is what
+// cameraundistort shows: fx and fy each fill the picture, looked at in 9 x 9 points.
+enum class AlphaMode : std::uint8_t { kCalvin, kOpenCv };
 
 struct ViewOptions {
   // 0: the largest view without an invalid pixel (output pixel centres lie within the centres of
@@ -16,12 +20,29 @@ struct ViewOptions {
   // Between: the borders of the view move linearly. Values outside 0..1 are taken as the nearest.
   double alpha = 0;
   ImageSize output;  // px; 0x0: as the source
+  AlphaMode alpha_mode = AlphaMode::kCalvin;
+  Projection projection = Projection::kRectilinear;
+  // The view so found is enlarged around its middle, and then looks elsewhere: to the right by
+  // `pan`, up by `tilt`, and is turned clockwise by `roll` (radians).
+  double zoom = 1;
+  double pan = 0;
+  double tilt = 0;
+  double roll = 0;
+
+  friend bool operator==(const ViewOptions&, const ViewOptions&) = default;
 };
 
-// A pinhole camera without skew that looks along the source's optical axis, with fx:fy as in the
-// source. Directions more than 75 degrees off the axis do not count as valid, and no view is wider
-// or higher than 150 degrees: a plane cannot show what a fisheye lens sees beyond. kDegenerate
-// where the model has no valid region in the image.
+struct OutputView {
+  Eye eye;
+  bool limited = false;  // it would have been wider than the projection can show
+};
+
+// A view of what the source sees, with fx:fy as in the source (kCalvin). Directions that the
+// projection does not show (to_plane()) do not count as valid, and no view is wider or higher than
+// twice widest(). kDegenerate where the model has no valid region in the image.
+[[nodiscard]] Result<OutputView> output_view(const Camera& source, const ViewOptions& options);
+
+// The plane of output_view(): for a rectilinear view that looks along the optical axis the camera.
 [[nodiscard]] Result<Camera> output_camera(const Camera& source, const ViewOptions& options);
 
 // px of one camera -> px of another one at the same place and with the same axes (undistort with

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "row_workers.hpp"
+
+#include <system_error>
+
+namespace calvin::gst {
+
+void RowWorkers::resize(int threads) {
+  if (static_cast<int>(threads_.size()) == threads - 1) return;
+  threads_.clear();  // each is told to stop, and joined
+  // A thread that starts late must not miss a turn.
+  const int turn = turn_;
+  for (int part = 1; part < threads; ++part) {
+    try {
+      threads_.emplace_back(
+          [this, part, turn](const std::stop_token& stop) { serve(stop, part, turn); });
+    } catch (const std::system_error&) {
+      return;
+    }
+  }
+}
+
+void RowWorkers::run(const std::function<void(int, int)>& work) {
+  const int parts = static_cast<int>(threads_.size()) + 1;
+  if (parts > 1) {
+    const std::lock_guard guard(lock_);
+    work_ = &work;
+    busy_ = parts - 1;
+    ++turn_;
+    begin_.notify_all();
+  }
+  work(0, parts);
+  std::unique_lock guard(lock_);
+  end_.wait(guard, [this] { return busy_ == 0; });
+}
+
+void RowWorkers::serve(const std::stop_token& stop, int part, int done) {
+  std::unique_lock guard(lock_);
+  while (begin_.wait(guard, stop, [&] { return turn_ != done; })) {
+    done = turn_;
+    const auto& work = *work_;
+    const int parts = static_cast<int>(threads_.size()) + 1;
+    guard.unlock();
+    work(part, parts);
+    guard.lock();
+    if (--busy_ == 0) end_.notify_one();
+  }
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What sees a picture: a camera, or a virtual one that has a projection and looks elsewhere.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/remap/projection.hpp"
+
+namespace calvin {
+
+// Immutable. Directions are in the axes of the real camera.
+class Eye {
+ public:
+  // The camera itself.
+  explicit Eye(Camera camera) : camera_(std::move(camera)) {}
+  // Pixels are fx x + cx, fy y + cy of the pinhole `plane`, with (x, y) on the projection's plane.
+  Eye(Projection projection, Camera plane, const Eigen::Matrix3d& camera_from_view)
+      : camera_(std::move(plane)), projection_(projection), camera_from_view_(camera_from_view) {}
+
+  [[nodiscard]] ImageSize image_size() const noexcept { return camera_.image_size(); }
+  [[nodiscard]] std::optional<Eigen::Vector3d> ray(Pixel pixel) const noexcept;
+  // The result may lie outside of the picture.
+  [[nodiscard]] std::optional<Pixel> project(const Eigen::Vector3d& direction) const noexcept;
+
+  // The camera itself, or the plane.
+  [[nodiscard]] const Camera& plane() const noexcept { return camera_; }
+  // The model of what it sees, in the axes that it looks along; absent for projections that no
+  // model describes.
+  [[nodiscard]] std::optional<Camera> model() const;
+
+ private:
+  Camera camera_;
+  std::optional<Projection> projection_;
+  Eigen::Matrix3d camera_from_view_ = Eigen::Matrix3d::Identity();
+};
+
+// px of one eye -> px of another one at the same place. Absent where the ray of the pixel is not
+// seen by the other; the result may lie outside of its picture.
+[[nodiscard]] std::optional<Pixel> transfer(const Eye& from, const Eye& to, Pixel pixel) noexcept;
+
+}  // namespace calvin

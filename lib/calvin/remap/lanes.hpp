@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// One row of an output plane as lanes: runs of 8, 4 or 2 samples whose places in the source plane
+// are a parabola through the middles of a lane and its neighbours.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace calvin::remap {
+
+// Places are in 1/2^14 of a sample of the source plane.
+inline constexpr int kPlaceBits = 14;
+
+// What is worked on at a time: its arrays stay in the nearest cache.
+inline constexpr int kChunkLanes = 256;
+
+// A lane for which there is no quick way is marked by a number of rows that none has.
+inline constexpr std::int32_t kSlowLane = 64;
+
+// Lanes before the first one and behind the last one that a lane's parabola is made with.
+inline constexpr int kMargin = 2;
+
+// A chunk of lanes, and its margins, at four rows of the map's nodes.
+struct NodeRows {
+  static constexpr int kLanes = kChunkLanes + 32;
+  alignas(64) float x[4][kLanes];
+  alignas(64) float y[4][kLanes];
+};
+
+// The same at one row of the output, and what a vector kernel has to know of each lane.
+struct LaneRow {
+  static constexpr int kLanes = NodeRows::kLanes;
+  // Middles of the lanes, margins included.
+  alignas(64) std::int32_t x[kLanes];
+  alignas(64) std::int32_t y[kLanes];
+  // From here on without margins. Bytes from the beginning of the plane to the segment that
+  // holds the lane's samples; rows of the source that it takes, or kSlowLane and more.
+  alignas(64) std::int32_t offset[kLanes];
+  alignas(64) std::int32_t rows[kLanes];
+  // Two 16-bit numbers each. Place of the middle from the segment's first sample, 4.12, and slope,
+  // 2.14; what the parabola adds at the lane's ends, 4.12, in x and in y.
+  alignas(64) std::int32_t x_line[kLanes];
+  alignas(64) std::int32_t y_line[kLanes];
+  alignas(64) std::int32_t bend[kLanes];
+  int count = 0;
+  bool bent = false;  // the parabolas differ from lines by more than kStraight
+};
+
+// The line of a lane makes good for what a parabola cannot follow: this part, in 1/256, of the
+// third difference of the middles is taken from the difference of the lane's neighbours. 1/6 would
+// be the slope in the middle, 1/7 is best for the whole lane (Chebyshev).
+inline constexpr int kThirdPart = 37;
+
+// A lane's places as a parabola, samples of the source; as the vector kernel makes them.
+struct LaneParabola {
+  // `middles` of the lane before the one before, and of the four that follow.
+  LaneParabola(const std::int32_t* middles, int pixels) noexcept {
+    constexpr double kScale = 1.0 / (1 << kPlaceBits);
+    const double before = kScale * middles[1];
+    const double after = kScale * middles[3];
+    const double third = kScale * middles[4] - kScale * middles[0] - 2 * (after - before);
+    middle = kScale * middles[2];
+    slope = (after - before - third * kThirdPart / 256) / (2 * pixels);
+    bend = (after + before - 2 * middle) / (2.0 * pixels * pixels);
+  }
+  // `t` samples of the output from the middle.
+  [[nodiscard]] double at(double t) const noexcept { return middle + t * (slope + t * bend); }
+
+  // Whether the whole lane lies outside of 0..last by more than a sample.
+  [[nodiscard]] bool misses(int reach, double last) const noexcept {
+    const double far = reach * (std::abs(slope) + reach * std::abs(bend)) + 1;
+    return middle + far < 0 || middle - far > last;
+  }
+
+  double middle;
+  double slope;
+  double bend;
+};
+
+// Lines are good enough where they are off by 0.003 of a sample at most. 4.12 at the lane's ends; a
+// line through the middle of the parabola is off by half of that.
+inline constexpr std::int32_t kStraight = 24;
+
+// How samples lie in the source plane, and which places may be taken quickly.
+struct SourceBounds {
+  std::int32_t stride = 0;       // bytes
+  std::int32_t last_column = 0;  // the last with a place in 0..last: its neighbour is there
+  std::int32_t last_row = 0;
+  std::int32_t widest = 0;  // columns that a segment holds, less one
+  std::int32_t rows = 0;
+  std::int32_t guarded_rows = 1;  // rows at the end that must not be read past their end
+  std::int32_t last_segment = 0;  // bytes in the last row before which a segment may begin
+  bool strongly_bent = false;     // third differences count
+};
+
+// Kinds of memory that the vector kernel knows: 8-bit samples of 1 to 4 components without gaps,
+// or of 1 or 2 components in every second byte.
+enum class LaneLayout : std::uint8_t { kOne, kTwo, kThree, kFour, kOneSpread, kTwoSpread, kNone };
+
+[[nodiscard]] constexpr int lane_pixels(LaneLayout layout) noexcept {
+  switch (layout) {
+    case LaneLayout::kTwo:
+    case LaneLayout::kTwoSpread:
+      return 4;
+    case LaneLayout::kThree:
+    case LaneLayout::kFour:
+      return 2;
+    default:
+      return 8;
+  }
+}
+
+// Planes that share their places: the U and V of I420.
+inline constexpr int kMaxPlanes = 2;
+struct PlaneRows {
+  const std::uint8_t* source[kMaxPlanes];
+  std::uint8_t* output[kMaxPlanes];  // the first sample of the chunk's first lane
+  int planes = 1;
+};
+
+// The first `count` lanes of the chunk between its node rows; weights of cubic_weights().
+void interpolate_lanes(const NodeRows& nodes, const float* weights, int count,
+                       LaneRow& row) noexcept;
+
+// What the vector kernel has to know of the lanes. They are marked slow in groups of lane_group().
+void describe_lanes(LaneLayout layout, const SourceBounds& bounds, LaneRow& row) noexcept;
+
+// Writes the samples of all groups of lanes that are not slow, and up to lane_slack() bytes that
+// follow a group: the last group of a row has to be slow where they are another row's.
+void blend_lanes(LaneLayout layout, const LaneRow& row, std::int32_t stride, bool nearest,
+                 const PlaneRows& planes) noexcept;
+
+// Lanes that the kernel takes at a time on this machine: 1, 2 or 4.
+[[nodiscard]] int lane_group() noexcept;
+
+[[nodiscard]] constexpr int lane_slack(LaneLayout layout) noexcept {
+  switch (layout) {
+    case LaneLayout::kThree:
+      return 2;
+    case LaneLayout::kOneSpread:
+    case LaneLayout::kTwoSpread:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+}  // namespace calvin::remap

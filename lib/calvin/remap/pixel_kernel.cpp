@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/remap/pixel_kernel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace calvin::remap {
+
+namespace {
+
+constexpr int kBits = 11;
+constexpr int kOne = 1 << kBits;
+// px; what misses the picture by that is on its border: places are known no better.
+constexpr double kSlack = 2 * RemapMap::kTolerance;
+
+// A sample in memory as a number; Sum holds kOne^2 times the largest.
+struct Byte {
+  using Sum = std::int32_t;
+  explicit Byte(const PlaneLayout& /*layout*/) {}
+
+  [[nodiscard]] static Sum load(const std::uint8_t* at) noexcept { return *at; }
+  static void store(std::uint8_t* at, Sum value) noexcept {
+    *at = static_cast<std::uint8_t>(value);
+  }
+  static constexpr Sum largest = 255;
+};
+
+template <std::endian kOrder>
+struct Word {
+  using Sum = std::int64_t;
+  explicit Word(const PlaneLayout& layout)
+      : shift(layout.shift),
+        largest((1 << (layout.bits > 0 ? layout.bits : 16 - layout.shift)) - 1) {}
+
+  [[nodiscard]] Sum load(const std::uint8_t* at) const noexcept {
+    return static_cast<std::uint16_t>(at[kHigh] << 8 | at[1 - kHigh]) >> shift;
+  }
+  void store(std::uint8_t* at, Sum value) const noexcept {
+    const auto word = static_cast<std::uint16_t>(value << shift);
+    at[kHigh] = static_cast<std::uint8_t>(word >> 8);
+    at[1 - kHigh] = static_cast<std::uint8_t>(word);
+  }
+
+  static constexpr int kHigh = kOrder == std::endian::little ? 1 : 0;
+  int shift;
+  Sum largest;
+};
+
+// The weights of a kernel that is as wide as `kTaps`, for a place between the middle two of them,
+// by 1/256; they add up to 1.
+template <int kTaps>
+using Weights = std::array<float, kTaps>;
+
+template <int kTaps, typename Kernel>
+std::array<Weights<kTaps>, 257> make_table(Kernel kernel) {
+  std::array<Weights<kTaps>, 257> table;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    std::array<double, kTaps> exact;
+    double sum = 0;
+    for (int k = 0; k < kTaps; ++k) {
+      sum += exact[k] = kernel(static_cast<double>(i) / 256 - k + (kTaps / 2 - 1));
+    }
+    for (int k = 0; k < kTaps; ++k) table[i][k] = static_cast<float>(exact[k] / sum);
+  }
+  return table;
+}
+
+// Keys 1981, a = -1/2.
+double catmull_rom(double t) {
+  t = std::abs(t);
+  if (t >= 2) return 0;
+  return t < 1 ? 1 + t * t * (1.5 * t - 2.5) : 2 + t * (-4 + t * (2.5 - 0.5 * t));
+}
+
+double lanczos3(double t) {
+  const double a = std::numbers::pi * t;
+  if (std::abs(t) < 1e-9) return 1;
+  if (std::abs(t) >= 3) return 0;
+  return 3 * std::sin(a) * std::sin(a / 3) / (a * a);
+}
+
+const auto kBicubic = make_table<4>(catmull_rom);
+const auto kLanczos = make_table<6>(lanczos3);
+
+// Between the first and the last sample, by reflection at both.
+double mirrored(double place, double last) {
+  if (!(last > 0)) return 0;
+  const double folded = std::fmod(std::abs(place), 2 * last);
+  return folded > last ? 2 * last - folded : folded;
+}
+
+int mirrored(int place, int last) {
+  if (last <= 0) return 0;
+  const int folded = std::abs(place) % (2 * last);
+  return folded > last ? 2 * last - folded : folded;
+}
+
+// One axis of the source.
+struct AxisRule {
+  const SampleAxis& axis;
+  double last_pixel;
+  Outside outside;
+
+  // A place in linear samples -> samples, in 0..count-1; negative where there is none.
+  [[nodiscard]] double resolve(double linear) const noexcept {
+    const double pixel = axis.offset() + axis.scale() * linear;
+    if (pixel >= -kSlack && pixel <= last_pixel + kSlack) return axis.sample(pixel);
+    switch (outside) {
+      case Outside::kReplicate:
+        return axis.sample(std::clamp(pixel, 0.0, last_pixel));
+      case Outside::kMirror:
+        return axis.sample(mirrored(pixel, last_pixel));
+      default:
+        return -1;
+    }
+  }
+  [[nodiscard]] int tap(int sample) const noexcept {
+    const int last = axis.count() - 1;
+    return outside == Outside::kMirror ? mirrored(sample, last) : std::clamp(sample, 0, last);
+  }
+};
+
+struct Place {
+  double x;
+  double y;
+};
+
+template <typename Sample>
+class Sampler {
+ public:
+  Sampler(const PlaneMap& map, const PlaneLayout& layout, PlaneMemory<const std::uint8_t> source,
+          const Sampling& sampling)
+      : sample_(layout),
+        layout_(layout),
+        source_(source),
+        interpolation_(sampling.interpolation),
+        x_{map.source_x(), map.source_last().u, sampling.outside},
+        y_{map.source_y(), map.source_last().v, sampling.outside} {}
+
+  void fill(std::uint8_t* out) const noexcept {
+    for (int c = 0; c < layout_.components; ++c) {
+      sample_.store(out + c * layout_.component_step, layout_.fill[static_cast<std::size_t>(c)]);
+    }
+  }
+
+  void write(Place linear, std::uint8_t* out) const noexcept {
+    const double x = x_.resolve(linear.x);
+    const double y = y_.resolve(linear.y);
+    if (!(x >= 0 && y >= 0)) return fill(out);
+    switch (interpolation_) {
+      case Interpolation::kNearest:
+        return nearest(x, y, out);
+      case Interpolation::kBilinear:
+        return bilinear(x, y, out);
+      case Interpolation::kBicubic:
+        return wide(x, y, kBicubic, out);
+      case Interpolation::kLanczos:
+        return wide(x, y, kLanczos, out);
+    }
+  }
+
+ private:
+  using Sum = typename Sample::Sum;
+
+  [[nodiscard]] const std::uint8_t* at(int x, int y) const noexcept {
+    return source_.data + y * source_.stride + x * layout_.pixel_step;
+  }
+
+  void nearest(double x, double y, std::uint8_t* out) const noexcept {
+    const std::uint8_t* from = at(static_cast<int>(std::lrint(x)), static_cast<int>(std::lrint(y)));
+    for (int c = 0; c < layout_.components; ++c) {
+      const std::ptrdiff_t step = c * layout_.component_step;
+      sample_.store(out + step, sample_.load(from + step));
+    }
+  }
+
+  void bilinear(double x, double y, std::uint8_t* out) const noexcept {
+    const auto fixed_x = static_cast<std::int32_t>(std::lrint(x * kOne));
+    const auto fixed_y = static_cast<std::int32_t>(std::lrint(y * kOne));
+    const int fx = fixed_x & (kOne - 1);
+    const int fy = fixed_y & (kOne - 1);
+    const std::uint8_t* top = at(fixed_x >> kBits, fixed_y >> kBits);
+    // The last row and column have no neighbour, and with a weight of zero need none.
+    const std::ptrdiff_t right = fx != 0 ? layout_.pixel_step : 0;
+    const std::uint8_t* bottom = top + (fy != 0 ? source_.stride : 0);
+    for (int c = 0; c < layout_.components; ++c) {
+      const std::ptrdiff_t step = c * layout_.component_step;
+      const Sum upper =
+          sample_.load(top + step) * (kOne - fx) + sample_.load(top + step + right) * fx;
+      const Sum lower =
+          sample_.load(bottom + step) * (kOne - fx) + sample_.load(bottom + step + right) * fx;
+      const Sum sum = upper * (kOne - fy) + lower * fy;
+      sample_.store(out + step, (sum + (Sum{1} << (2 * kBits - 1))) >> (2 * kBits));
+    }
+  }
+
+  template <std::size_t kTaps>
+  void wide(double x, double y, const std::array<std::array<float, kTaps>, 257>& table,
+            std::uint8_t* out) const noexcept {
+    const int column = static_cast<int>(std::floor(x));
+    const int row = static_cast<int>(std::floor(y));
+    const auto& across = table[static_cast<std::size_t>(std::lrint((x - column) * 256))];
+    const auto& down = table[static_cast<std::size_t>(std::lrint((y - row) * 256))];
+    const int before = static_cast<int>(kTaps) / 2 - 1;
+    std::array<int, kTaps> columns;
+    for (std::size_t k = 0; k < kTaps; ++k) {
+      columns[k] = x_.tap(column - before + static_cast<int>(k));
+    }
+    std::array<float, 4> sums{};
+    for (std::size_t r = 0; r < kTaps; ++r) {
+      const int from = y_.tap(row - before + static_cast<int>(r));
+      for (std::size_t k = 0; k < kTaps; ++k) {
+        const std::uint8_t* pixel = at(columns[k], from);
+        const float weight = across[k] * down[r];
+        for (int c = 0; c < layout_.components; ++c) {
+          sums[static_cast<std::size_t>(c)] +=
+              weight * static_cast<float>(sample_.load(pixel + c * layout_.component_step));
+        }
+      }
+    }
+    for (int c = 0; c < layout_.components; ++c) {
+      const auto value = static_cast<Sum>(std::lrint(sums[static_cast<std::size_t>(c)]));
+      sample_.store(out + c * layout_.component_step,
+                    std::clamp(value, Sum{0}, Sum{sample_.largest}));
+    }
+  }
+
+  Sample sample_;
+  const PlaneLayout& layout_;
+  PlaneMemory<const std::uint8_t> source_;
+  Interpolation interpolation_;
+  AxisRule x_;
+  AxisRule y_;
+};
+
+bool is_valid(const PlaneMap::Row* limits, int sample) {
+  if (limits == nullptr) return true;
+  return std::any_of(limits->valid.begin(), limits->valid.end(), [sample](const auto& span) {
+    return sample >= span.begin && sample < span.end;
+  });
+}
+
+template <typename Sample>
+void sample_run(const PlaneMap& map, const PlaneLayout& layout,
+                PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,
+                const Sampling& sampling, const LaneRun& run) noexcept {
+  const Sampler<Sample> sampler(map, layout, source, sampling);
+  const int pixels = map.lane_pixels();
+  const int width = map.size().width;
+  const SampleAxis& axis = map.output_x();
+  for (int j = 0; j < run.count; ++j) {
+    const LaneParabola x(run.row.x + run.offset + j, pixels);
+    const LaneParabola y(run.row.y + run.offset + j, pixels);
+    const int first = (run.first + j) * pixels;
+    const bool filled =
+        sampling.outside == Outside::kFill &&
+        (x.misses(pixels, map.source_size().width) || y.misses(pixels, map.source_size().height));
+    for (int i = first; i < std::min(first + pixels, width); ++i) {
+      std::uint8_t* out = output.data + i * layout.pixel_step;
+      if (filled || !is_valid(run.limits, i)) {
+        sampler.fill(out);
+        continue;
+      }
+      const double t = (axis.site(i) - axis.offset()) / axis.scale() - first - (pixels - 1) / 2.0;
+      sampler.write({x.at(t), y.at(t)}, out);
+    }
+  }
+}
+
+}  // namespace
+
+void sample_lanes(const PlaneMap& map, const PlaneLayout& layout,
+                  PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,
+                  const Sampling& sampling, const LaneRun& run) noexcept {
+  static_assert(255LL * kOne * kOne + (1LL << (2 * kBits - 1)) <= INT32_MAX);
+  switch (layout.sample) {
+    case SampleType::kU8:
+      return sample_run<Byte>(map, layout, source, output, sampling, run);
+    case SampleType::kU16Little:
+      return sample_run<Word<std::endian::little>>(map, layout, source, output, sampling, run);
+    case SampleType::kU16Big:
+      return sample_run<Word<std::endian::big>>(map, layout, source, output, sampling, run);
+  }
+}
+
+}  // namespace calvin::remap

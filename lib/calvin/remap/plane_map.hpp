@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// A map as one plane of the frames sees it: by samples and by lanes of samples.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/map.hpp"
+#include "calvin/remap/sampling.hpp"
+
+namespace calvin {
+
+// Immutable.
+class PlaneMap {
+ public:
+  // Samples begin..end-1 of a row.
+  struct Span {
+    int begin = 0;
+    int end = 0;
+  };
+  // The middle of a lane where the map's grid says nothing of it, samples of the source.
+  struct Middle {
+    int lane = 0;
+    Pixel place;
+  };
+  // What a row that crosses the end of the model is made of.
+  struct Row {
+    std::vector<Span> valid;
+    std::vector<Middle> middles;
+  };
+
+  // `place_of` is what the map was made of. Lanes have `lane_pixels` samples, or fewer where
+  // parabolas would not follow the map. kCancelled soon after a stop was requested.
+  static Result<PlaneMap> build(std::shared_ptr<const RemapMap> map, const PixelFunction& place_of,
+                                const PlaneSites& sites, int lane_pixels,
+                                const std::stop_token& stop = {});
+
+  // In samples.
+  [[nodiscard]] ImageSize size() const noexcept { return {out_x_.count(), out_y_.count()}; }
+  [[nodiscard]] ImageSize source_size() const noexcept { return {in_x_.count(), in_y_.count()}; }
+  // The centre of the source's last pixel, px.
+  [[nodiscard]] Pixel source_last() const noexcept {
+    return {map_->source_size().width - 1.0, map_->source_size().height - 1.0};
+  }
+  [[nodiscard]] const SampleAxis& source_x() const noexcept { return in_x_; }
+  [[nodiscard]] const SampleAxis& source_y() const noexcept { return in_y_; }
+  [[nodiscard]] const SampleAxis& output_x() const noexcept { return out_x_; }
+  [[nodiscard]] int lane_pixels() const noexcept { return lane_pixels_; }
+  [[nodiscard]] int lanes() const noexcept {
+    return static_cast<int>(lanes_.size()) - 2 * remap::kMargin;
+  }
+  // Whether parabolas alone do not follow it.
+  [[nodiscard]] bool strongly_bent() const noexcept { return map_->step() < RemapMap::kCoarsest; }
+  // Of this alone; the map is shared.
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+  // Between which node rows of the map a row lies: the first of four, and where between the second
+  // and the third.
+  struct Level {
+    int node_row = 0;
+    double between = 0;
+  };
+  [[nodiscard]] Level level(int y) const noexcept;
+
+  // The lanes from first - kMargin on at a row of nodes; 1/2^14 of a sample of the source.
+  void expand(int node_row, int first, int count, float* x, float* y) const noexcept;
+
+  // nullptr: all of the row is valid and as the grid says. The end of the source picture is not
+  // looked at.
+  [[nodiscard]] const Row* limits(int y) const noexcept {
+    return rows_.empty() ? nullptr : &rows_[static_cast<std::size_t>(y)];
+  }
+
+ private:
+  struct Lane {
+    std::int32_t column = 0;  // the first of four nodes
+    std::array<float, 4> weights{};
+  };
+
+  PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int lane_pixels);
+  [[nodiscard]] double middle(int lane) const noexcept;  // px of the output
+  [[nodiscard]] Pixel to_samples(Pixel place) const noexcept;
+  [[nodiscard]] bool follows_the_map() const;
+  [[nodiscard]] std::vector<Span> valid_samples(int y, const PixelFunction& place_of) const;
+  void find_middles(int y, const PixelFunction& place_of, Row& row) const;
+
+  std::shared_ptr<const RemapMap> map_;
+  int lane_pixels_;
+  SampleAxis out_x_;
+  SampleAxis out_y_;
+  SampleAxis in_x_;
+  SampleAxis in_y_;
+  std::vector<Lane> lanes_;  // with margins
+  std::vector<Row> rows_;
+};
+
+}  // namespace calvin
