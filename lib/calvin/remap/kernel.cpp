@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "calvin/remap/lanes.hpp"
@@ -20,7 +22,12 @@ using remap::LaneRow;
 using remap::NodeRows;
 
 LaneLayout lane_layout(const PlaneLayout& layout) {
-  if (layout.sample != SampleType::kU8) return LaneLayout::kNone;
+  if (layout.sample != SampleType::kU8) {
+    if (layout.components == 1 && layout.pixel_step == 2) return LaneLayout::kOneWord;
+    const bool pairs =
+        layout.components == 2 && layout.pixel_step == 4 && layout.component_step == 2;
+    return pairs ? LaneLayout::kTwoWords : LaneLayout::kNone;
+  }
   const auto is = [&](int components, int pixel_step, int component_step) {
     return layout.components == components && layout.pixel_step == pixel_step &&
            (components == 1 || layout.component_step == component_step);
@@ -34,6 +41,10 @@ LaneLayout lane_layout(const PlaneLayout& layout) {
   return LaneLayout::kNone;
 }
 
+bool is_words(LaneLayout layout) {
+  return layout == LaneLayout::kOneWord || layout == LaneLayout::kTwoWords;
+}
+
 bool is_spread(LaneLayout layout) {
   return layout == LaneLayout::kOneSpread || layout == LaneLayout::kTwoSpread;
 }
@@ -44,13 +55,14 @@ remap::SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, La
   const std::ptrdiff_t stride = sources.front().stride;
   const bool alike = sources.back().stride == stride;
   const ImageSize size = map.source_size();
-  const int segment = is_spread(lanes) ? 32 : 16;
+  // Words are not taken by segments.
+  const int segment = is_words(lanes) ? 0 : is_spread(lanes) ? 32 : 16;
   remap::SourceBounds b;
   b.stride = static_cast<std::int32_t>(stride);
   // Beyond an uneven last sample places are no longer linear.
   b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
   b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
-  b.widest = (15 - (layout.components - 1)) / layout.components;
+  b.widest = is_words(lanes) ? size.width : (15 - (layout.components - 1)) / layout.components;
   const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;
   b.rows = size.height;
   b.guarded_rows = bytes >= segment ? 1 : size.height;
@@ -106,7 +118,8 @@ class Chunk {
     if (limits != nullptr) take_middles(*limits);
     remap::describe_lanes(lanes_, bounds_, row_);
     if (limits != nullptr) mark_invalid(*limits);
-    mark_slow(whole_groups_ * group_, count_);
+    // An uneven last sample is not where a lane has it.
+    if (!map_.output_x().is_even()) mark_slow(whole_groups_ * group_, count_);
     blend(y);
     sample_rest(y, limits);
   }
@@ -120,7 +133,8 @@ class Chunk {
       const auto slot = static_cast<std::size_t>(wanted % 4);
       of_slot[slot] = weights[static_cast<std::size_t>(r)];
       if (known_[slot] == wanted) continue;
-      map_.expand(wanted, first_, count_ + 2 * remap::kMargin, nodes_.x[slot], nodes_.y[slot]);
+      map_.expand(wanted, first_, count_ + 2 * remap::kMargin + remap::kSpare, nodes_.x[slot],
+                  nodes_.y[slot]);
       known_[slot] = wanted;
     }
     remap::interpolate_lanes(nodes_, of_slot.data(), count_, row_);
@@ -163,15 +177,45 @@ class Chunk {
 
   void blend(int y) noexcept {
     if (bounds_.last_row < 0) return;
-    const std::ptrdiff_t begin = first_ * map_.lane_pixels() * layout_.pixel_step;
+    const int whole = std::min(whole_groups_ * group_, count_);
     remap::PlaneRows planes{};
     planes.planes = static_cast<int>(sources_.size());
     for (std::size_t p = 0; p < sources_.size(); ++p) {
       planes.source[p] = sources_[p].data;
-      planes.output[p] = output_row(p, y) + begin;
+      planes.output[p] = output_at(p, y, 0);
     }
-    remap::blend_lanes(lanes_, row_, bounds_.stride,
-                       sampling_.interpolation == Interpolation::kNearest, planes);
+    blend(0, whole, planes);
+    if (whole == count_ || row_.rows[whole] >= remap::kSlowLane) return;
+    // The last group, beside the row: it writes more than the row has.
+    const int pixels = map_.size().width - (first_ + whole) * map_.lane_pixels();
+    const auto bytes = static_cast<std::size_t>((pixels - 1) * layout_.pixel_step +
+                                                (layout_.components - 1) * layout_.component_step +
+                                                (is_words(lanes_) ? 2 : 1));
+    std::array<std::array<std::uint8_t, kTail>, remap::kMaxPlanes> tails;
+    for (std::size_t p = 0; p < sources_.size(); ++p) {
+      std::memcpy(tails[p].data(), output_at(p, y, whole), bytes);
+      planes.output[p] = tails[p].data();
+    }
+    blend(whole, whole + group_, planes);
+    for (std::size_t p = 0; p < sources_.size(); ++p) {
+      std::memcpy(output_at(p, y, whole), tails[p].data(), bytes);
+    }
+  }
+
+  void blend(int begin, int end, const remap::PlaneRows& planes) noexcept {
+    const bool nearest = sampling_.interpolation == Interpolation::kNearest;
+    if (is_words(lanes_)) {
+      constexpr bool kLittle = std::endian::native == std::endian::little;
+      const bool swapped = (layout_.sample == SampleType::kU16Little) != kLittle;
+      remap::blend_word_lanes(lanes_, {swapped, layout_.shift}, row_, begin, end, bounds_.stride,
+                              nearest, planes);
+      return;
+    }
+    remap::blend_lanes(lanes_, row_, begin, end, bounds_.stride, nearest, planes);
+  }
+
+  [[nodiscard]] std::uint8_t* output_at(std::size_t plane, int y, int lane) const noexcept {
+    return output_row(plane, y) + (first_ + lane) * map_.lane_pixels() * layout_.pixel_step;
   }
 
   void sample_rest(int y, const PlaneMap::Row* limits) noexcept {
@@ -183,6 +227,9 @@ class Chunk {
       }
     }
   }
+
+  // What a group writes at most: 4 lanes of 8 pairs of words.
+  static constexpr std::size_t kTail = 128 + 16;
 
   const PlaneMap& map_;
   const PlaneLayout& layout_;

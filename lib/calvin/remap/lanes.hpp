@@ -22,6 +22,8 @@ inline constexpr std::int32_t kSlowLane = 64;
 
 // Lanes before the first one and behind the last one that a lane's parabola is made with.
 inline constexpr int kMargin = 2;
+// Lanes behind a row's last one that fill up its last vector.
+inline constexpr int kSpare = 3;
 
 // A chunk of lanes, and its margins, at four rows of the map's nodes.
 struct NodeRows {
@@ -80,9 +82,9 @@ struct LaneParabola {
   double bend;
 };
 
-// Lines are good enough where they are off by 0.003 of a sample at most. 4.12 at the lane's ends; a
-// line through the middle of the parabola is off by half of that.
-inline constexpr std::int32_t kStraight = 24;
+// Lines are good enough where they are off by 0.0004 of a sample at most. 4.12 at the lane's ends;
+// a line through the middle of the parabola is off by half of that.
+inline constexpr std::int32_t kStraight = 3;
 
 // How samples lie in the source plane, and which places may be taken quickly.
 struct SourceBounds {
@@ -96,9 +98,19 @@ struct SourceBounds {
   bool strongly_bent = false;     // third differences count
 };
 
-// Kinds of memory that the vector kernel knows: 8-bit samples of 1 to 4 components without gaps,
-// or of 1 or 2 components in every second byte.
-enum class LaneLayout : std::uint8_t { kOne, kTwo, kThree, kFour, kOneSpread, kTwoSpread, kNone };
+// Kinds of memory that the vector kernels know: 8-bit samples of 1 to 4 components without gaps, or
+// of 1 or 2 components in every second byte; 16-bit samples of 1 or 2 components.
+enum class LaneLayout : std::uint8_t {
+  kOne,
+  kTwo,
+  kThree,
+  kFour,
+  kOneSpread,
+  kTwoSpread,
+  kOneWord,
+  kTwoWords,
+  kNone
+};
 
 [[nodiscard]] constexpr int lane_pixels(LaneLayout layout) noexcept {
   switch (layout) {
@@ -108,7 +120,7 @@ enum class LaneLayout : std::uint8_t { kOne, kTwo, kThree, kFour, kOneSpread, kT
     case LaneLayout::kThree:
     case LaneLayout::kFour:
       return 2;
-    default:
+    default:  // words too
       return 8;
   }
 }
@@ -117,7 +129,7 @@ enum class LaneLayout : std::uint8_t { kOne, kTwo, kThree, kFour, kOneSpread, kT
 inline constexpr int kMaxPlanes = 2;
 struct PlaneRows {
   const std::uint8_t* source[kMaxPlanes];
-  std::uint8_t* output[kMaxPlanes];  // the first sample of the chunk's first lane
+  std::uint8_t* output[kMaxPlanes];
   int planes = 1;
 };
 
@@ -128,10 +140,20 @@ void interpolate_lanes(const NodeRows& nodes, const float* weights, int count,
 // What the vector kernel has to know of the lanes. They are marked slow in groups of lane_group().
 void describe_lanes(LaneLayout layout, const SourceBounds& bounds, LaneRow& row) noexcept;
 
-// Writes the samples of all groups of lanes that are not slow, and up to lane_slack() bytes that
-// follow a group: the last group of a row has to be slow where they are another row's.
-void blend_lanes(LaneLayout layout, const LaneRow& row, std::int32_t stride, bool nearest,
-                 const PlaneRows& planes) noexcept;
+// Writes the samples of the groups of lanes from `begin` to before `end` that are not slow, and
+// lane_slack() bytes that follow a group; what `planes` name is where `begin` goes to.
+void blend_lanes(LaneLayout layout, const LaneRow& row, int begin, int end, std::int32_t stride,
+                 bool nearest, const PlaneRows& planes) noexcept;
+
+// How 16-bit samples hold their values.
+struct WordFormat {
+  bool swapped = false;  // big-endian on a little-endian machine, or the other way round
+  int shift = 0;         // bits below the value
+};
+
+// blend_lanes() for 16-bit samples.
+void blend_word_lanes(LaneLayout layout, WordFormat format, const LaneRow& row, int begin, int end,
+                      std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept;
 
 // Lanes that the kernel takes at a time on this machine: 1, 2 or 4.
 [[nodiscard]] int lane_group() noexcept;

@@ -18,7 +18,7 @@ PlaneMap::PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites,
       in_x_(map_->source_size().width, sites.source.x_shift, sites.source.x_cosited),
       in_y_(map_->source_size().height, sites.source.y_shift, sites.source.y_cosited) {
   const int count = (out_x_.count() + lane_pixels - 1) / lane_pixels;
-  for (int j = -remap::kMargin; j < count + remap::kMargin; ++j) {
+  for (int j = -remap::kMargin; j < count + remap::kMargin + remap::kSpare; ++j) {
     const double u = middle(j);
     const int column = map_->cell_of(u, map_->columns() - 3);
     lanes_.push_back({column, cubic_weights(u / map_->step() - column)});

@@ -51,7 +51,7 @@ class PlaneMap {
   [[nodiscard]] const SampleAxis& output_x() const noexcept { return out_x_; }
   [[nodiscard]] int lane_pixels() const noexcept { return lane_pixels_; }
   [[nodiscard]] int lanes() const noexcept {
-    return static_cast<int>(lanes_.size()) - 2 * remap::kMargin;
+    return static_cast<int>(lanes_.size()) - 2 * remap::kMargin - remap::kSpare;
   }
   // Whether parabolas alone do not follow it.
   [[nodiscard]] bool strongly_bent() const noexcept { return map_->step() < RemapMap::kCoarsest; }

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The vectors that rows of lanes are prepared and blended with: as many 128-bit lanes as the
+// machine has. Compiled once per target of Highway: include it after hwy/foreach_target.h.
+#if defined(CALVIN_REMAP_LANE_VECTORS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_REMAP_LANE_VECTORS_INL_HPP
+#undef CALVIN_REMAP_LANE_VECTORS_INL_HPP
+#else
+#define CALVIN_REMAP_LANE_VECTORS_INL_HPP
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+#if HWY_TARGET != HWY_SCALAR
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Vectors of unknown length are used as if they had 128 bits.
+#if HWY_HAVE_SCALABLE
+constexpr std::size_t kBytes = 16;
+#else
+constexpr std::size_t kBytes = HWY_LANES(std::uint8_t);
+#endif
+constexpr int kLanes = kBytes / 16;
+
+using Bytes = hn::FixedTag<std::uint8_t, kBytes>;
+using Words = hn::FixedTag<std::uint16_t, kBytes / 2>;
+using Signed = hn::FixedTag<std::int16_t, kBytes / 2>;
+using Ints = hn::FixedTag<std::int32_t, kBytes / 4>;
+using Floats = hn::FixedTag<float, kBytes / 4>;
+using Pairs = hn::Vec<Bytes>;
+using Numbers = hn::Vec<Signed>;
+using Places = hn::Vec<Words>;
+
+// What a lane's samples lie from its middle at most, in halves of a sample.
+constexpr int reach(int pixels) { return pixels - 1; }
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
+#endif

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Bilinear resampling of 16-bit samples, many at a time, for every instruction set. 16 bytes hold
+// too few of them for the shuffles of lane_blend.cpp: each result gathers its own four neighbours,
+// two of a row at a time, and is blended in single precision.
+
+#include "calvin/remap/lanes.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calvin/remap/lane_words.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_SCALAR
+// Without vectors every lane is slow.
+
+void blend_words_of(LaneLayout /*layout*/, WordFormat /*format*/, const LaneRow& /*row*/,
+                    int /*begin*/, int /*end*/, std::int32_t /*stride*/, bool /*nearest*/,
+                    const PlaneRows& /*planes*/) {}
+
+#else
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A lane has eight samples, of which a vector holds all or a part.
+constexpr int kPixels = 8;
+using Floats = hn::CappedTag<float, kPixels>;
+using Ints = hn::RebindToSigned<Floats>;
+using Words = hn::RebindToUnsigned<Floats>;
+using Values = hn::Vec<Floats>;
+using Offsets = hn::Vec<Ints>;
+using Pairs = hn::Vec<Words>;
+
+// Places of successive samples along one axis: whole samples, and the rest.
+struct Places {
+  Offsets whole;
+  Values rest;
+};
+HWY_INLINE Places places_at(const LaneParabola& parabola, Values t, bool nearest) {
+  const Floats d;
+  const Ints ints;
+  const auto at = hn::MulAdd(t,
+                             hn::MulAdd(t, hn::Set(d, static_cast<float>(parabola.bend)),
+                                        hn::Set(d, static_cast<float>(parabola.slope))),
+                             hn::Set(d, static_cast<float>(parabola.middle)));
+  const auto down = hn::Floor(at);
+  const auto rest = at - down;
+  return {hn::ConvertTo(ints, down), nearest ? hn::Round(rest) : rest};
+}
+
+// Two 16-bit samples of each result, as their values.
+struct Values2 {
+  Values low;
+  Values high;
+};
+HWY_INLINE Values2 values_of(Pairs pairs, WordFormat format) {
+  const Words d;
+  const Ints ints;
+  const Floats floats;
+  if (format.swapped) {
+    const auto bytes = hn::Set(d, 0x00FF00FF);
+    pairs =
+        hn::Or(hn::ShiftLeft<8>(hn::And(pairs, bytes)), hn::And(hn::ShiftRight<8>(pairs), bytes));
+  }
+  const auto low = hn::ShiftRightSame(hn::And(pairs, hn::Set(d, 0xFFFF)), format.shift);
+  const auto high = hn::ShiftRightSame(hn::ShiftRight<16>(pairs), format.shift);
+  return {hn::ConvertTo(floats, hn::BitCast(ints, low)),
+          hn::ConvertTo(floats, hn::BitCast(ints, high))};
+}
+
+// The inverse, of rounded values.
+HWY_INLINE Pairs pairs_of(Values low, Values high, WordFormat format) {
+  const Words d;
+  const auto word = [&](Values v) HWY_ATTR {
+    return hn::ShiftLeftSame(hn::BitCast(d, hn::NearestInt(v)), format.shift);
+  };
+  const auto pairs = hn::Or(word(low), hn::ShiftLeft<16>(word(high)));
+  if (!format.swapped) return pairs;
+  const auto bytes = hn::Set(d, 0x00FF00FF);
+  return hn::Or(hn::ShiftLeft<8>(hn::And(pairs, bytes)), hn::And(hn::ShiftRight<8>(pairs), bytes));
+}
+
+HWY_INLINE Values between(Values a, Values b, Values weight) {
+  return hn::MulAdd(weight, b - a, a);
+}
+
+// One component: a pair is two neighbours.
+HWY_INLINE void blend_one(const std::uint8_t* upper, const std::uint8_t* lower, Offsets offsets,
+                          Values across, Values down, WordFormat format, std::uint8_t* out) {
+  const Words d;
+  const auto row = [&](const std::uint8_t* at) HWY_ATTR {
+    const Values2 v =
+        values_of(hn::GatherOffset(d, reinterpret_cast<const std::uint32_t*>(at), offsets), format);
+    return between(v.low, v.high, across);
+  };
+  const auto value = between(row(upper), row(lower), down);
+  const hn::Rebind<std::uint16_t, Words> half;
+  const auto words = pairs_of(value, hn::Zero(Floats()), format);
+  hn::StoreU(hn::DemoteTo(half, hn::BitCast(Ints(), words)), half,
+             reinterpret_cast<std::uint16_t*>(out));
+}
+
+// Two components: a pair is one sample.
+HWY_INLINE void blend_two(const std::uint8_t* upper, const std::uint8_t* lower, Offsets offsets,
+                          Values across, Values down, WordFormat format, std::uint8_t* out) {
+  const Words d;
+  const auto row = [&](const std::uint8_t* at) HWY_ATTR {
+    const auto* pairs = reinterpret_cast<const std::uint32_t*>(at);
+    const Values2 left = values_of(hn::GatherOffset(d, pairs, offsets), format);
+    const Values2 right = values_of(hn::GatherOffset(d, pairs + 1, offsets), format);
+    return Values2{between(left.low, right.low, across), between(left.high, right.high, across)};
+  };
+  const Values2 a = row(upper);
+  const Values2 b = row(lower);
+  hn::StoreU(pairs_of(between(a.low, b.low, down), between(a.high, b.high, down), format), d,
+             reinterpret_cast<std::uint32_t*>(out));
+}
+
+constexpr int kAhead = 8;  // rows of the source that are fetched before they are needed
+
+template <int kComponents>
+HWY_INLINE void blend_lane(const LaneRow& row, int j, WordFormat format, std::int32_t stride,
+                           bool nearest, const PlaneRows& planes, std::ptrdiff_t begin) {
+  const Floats d;
+  const LaneParabola px(row.x + j, kPixels);
+  const LaneParabola py(row.y + j, kPixels);
+  constexpr int kStep = static_cast<int>(hn::MaxLanes(d));
+  for (int i = 0; i < kPixels; i += kStep) {
+    const auto t = hn::Iota(d, static_cast<float>(i) - (kPixels - 1) / 2.0F);
+    const Places x = places_at(px, t, nearest);
+    const Places y = places_at(py, t, nearest);
+    const auto offsets = y.whole * hn::Set(Ints(), stride) + hn::ShiftLeft<kComponents>(x.whole);
+    for (int p = 0; p < planes.planes; ++p) {
+      const std::uint8_t* source = planes.source[p];
+      std::uint8_t* out = planes.output[p] + begin + 2 * kComponents * i;
+      hwy::Prefetch(source + row.offset[j] + static_cast<std::ptrdiff_t>(kAhead) * stride + 16);
+      if constexpr (kComponents == 1) {
+        blend_one(source, source + stride, offsets, x.rest, y.rest, format, out);
+      } else {
+        blend_two(source, source + stride, offsets, x.rest, y.rest, format, out);
+      }
+    }
+  }
+}
+
+void blend_words_of(LaneLayout layout, WordFormat format, const LaneRow& row, int begin, int end,
+                    std::int32_t stride, bool nearest, const PlaneRows& planes) {
+  const int components = layout == LaneLayout::kOneWord ? 1 : 2;
+  for (int j = begin; j < end; ++j) {
+    if (row.rows[j] >= kSlowLane) continue;
+    const std::ptrdiff_t at = (j - begin) * kPixels * 2 * components;
+    components == 1 ? blend_lane<1>(row, j, format, stride, nearest, planes, at)
+                    : blend_lane<2>(row, j, format, stride, nearest, planes, at);
+  }
+}
+
+#endif
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace calvin::remap {
+
+HWY_EXPORT(blend_words_of);
+
+void blend_word_lanes(LaneLayout layout, WordFormat format, const LaneRow& row, int begin, int end,
+                      std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept {
+  HWY_DYNAMIC_DISPATCH(blend_words_of)
+  (layout, format, row, begin, end, stride, nearest, planes);
+}
+
+}  // namespace calvin::remap
+#endif
