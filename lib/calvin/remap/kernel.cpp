@@ -84,31 +84,45 @@ int lane_pixels_of(const PlaneLayout& layout) noexcept {
 
 namespace {
 
+// How the vector kernels take a plane, if they do.
+LaneLayout usable_lanes(const PlaneMap& map, const PlaneLayout& layout, const Sampling& sampling) {
+  const LaneLayout lanes = lane_layout(layout);
+  const bool simple = sampling.interpolation == Interpolation::kNearest ||
+                      sampling.interpolation == Interpolation::kBilinear;
+  const bool fits = map.run_pixels() == 8 || map.run_pixels() == lane_pixels(lanes);
+  return simple && fits ? lanes : LaneLayout::kNone;
+}
+
 // One chunk of lanes on its way down the rows.
 class Chunk {
  public:
   Chunk(const PlaneMap& map, const PlaneLayout& layout,
         std::span<const PlaneMemory<const std::uint8_t>> sources,
-        std::span<const PlaneMemory<std::uint8_t>> outputs, const Sampling& sampling, int first)
+        std::span<const PlaneMemory<std::uint8_t>> outputs, const Sampling& sampling, int first_run)
       : map_(map),
         layout_(layout),
         sources_(sources),
         outputs_(outputs),
         sampling_(sampling),
-        lanes_(map.lane_pixels() == lane_pixels_of(layout) ? lane_layout(layout)
-                                                           : LaneLayout::kNone),
+        lanes_(usable_lanes(map, layout, sampling)),
         bounds_(bounds_of(map, layout, lanes_, sources)),
         group_(remap::lane_group()),
-        first_(first),
-        count_(std::min(remap::kChunkLanes, map.lanes() - first)) {
-    const bool quick = sampling.interpolation == Interpolation::kNearest ||
-                       sampling.interpolation == Interpolation::kBilinear;
-    if (!quick || lanes_ == LaneLayout::kNone) bounds_.last_row = -1;
+        pixels_(lanes_ == LaneLayout::kNone ? map.run_pixels() : lane_pixels(lanes_)),
+        first_run_(first_run),
+        first_(first_run * map.run_pixels()) {
+    if (lanes_ == LaneLayout::kNone) bounds_.last_row = -1;
+    const int parts = map.run_pixels() / pixels_;
+    runs_ = std::min(chunk_runs(map, layout), map.runs() - first_run);
+    width_ = std::min(runs_ * map.run_pixels(), map.size().width - first_);
+    row_.count = std::min((width_ + pixels_ - 1) / pixels_, runs_ * parts);
     // What the last group of a row writes must be the row's.
-    const int width = map.size().width - first * map.lane_pixels();
-    const int slack = remap::lane_slack(lanes_);
-    const int pixels = group_ * map.lane_pixels();
-    whole_groups_ = width > 0 ? (width - (slack > 0 ? 1 : 0)) / pixels : 0;
+    const int left = map.size().width - first_ - (remap::lane_slack(lanes_) > 0 ? 1 : 0);
+    whole_groups_ = std::max(left, 0) / (group_ * pixels_);
+  }
+
+  static int chunk_runs(const PlaneMap& map, const PlaneLayout& layout) noexcept {
+    return remap::kChunkLanes * std::min(lane_pixels_of(layout), map.run_pixels()) /
+           map.run_pixels();
   }
 
   void row(int y) noexcept {
@@ -116,10 +130,10 @@ class Chunk {
     const PlaneMap::Row* limits = map_.limits(y);
     interpolate(level);
     if (limits != nullptr) take_middles(*limits);
-    remap::describe_lanes(lanes_, bounds_, row_);
+    remap::describe_lanes(lanes_, map_.run_pixels(), bounds_, row_);
     if (limits != nullptr) mark_invalid(*limits);
     // An uneven last sample is not where a lane has it.
-    if (!map_.output_x().is_even()) mark_slow(whole_groups_ * group_, count_);
+    if (!map_.output_x().is_even()) mark_slow(whole_groups_ * group_, row_.count);
     blend(y);
     sample_rest(y, limits);
   }
@@ -133,19 +147,19 @@ class Chunk {
       const auto slot = static_cast<std::size_t>(wanted % 4);
       of_slot[slot] = weights[static_cast<std::size_t>(r)];
       if (known_[slot] == wanted) continue;
-      map_.expand(wanted, first_, count_ + 2 * remap::kMargin + remap::kSpare, nodes_.x[slot],
+      map_.expand(wanted, first_run_, runs_ + 2 * remap::kMargin + remap::kSpare, nodes_.x[slot],
                   nodes_.y[slot]);
       known_[slot] = wanted;
     }
-    remap::interpolate_lanes(nodes_, of_slot.data(), count_, row_);
+    remap::interpolate_runs(nodes_, of_slot.data(), runs_, row_);
   }
 
   void take_middles(const PlaneMap::Row& limits) noexcept {
     constexpr double kScale = 1 << remap::kPlaceBits;
     constexpr double kMost = std::numeric_limits<std::int32_t>::max() / 4;
     for (const PlaneMap::Middle& middle : limits.middles) {
-      const int at = middle.lane - first_ + remap::kMargin;
-      if (at < 0 || at >= count_ + 2 * remap::kMargin) continue;
+      const int at = middle.run - first_run_ + remap::kMargin;
+      if (at < 0 || at >= runs_ + 2 * remap::kMargin) continue;
       row_.x[at] =
           static_cast<std::int32_t>(std::lrint(std::clamp(kScale * middle.place.u, -kMost, kMost)));
       row_.y[at] =
@@ -155,16 +169,16 @@ class Chunk {
 
   // All groups of lanes that are not valid from the first sample to the last.
   void mark_invalid(const PlaneMap::Row& limits) noexcept {
-    const int pixels = group_ * map_.lane_pixels();
+    const int pixels = group_ * pixels_;
     int done = 0;  // groups
     for (const PlaneMap::Span& span : limits.valid) {
-      const int begin = std::max(span.begin - first_ * map_.lane_pixels(), 0);
-      const int end = span.end - first_ * map_.lane_pixels();
+      const int begin = std::max(span.begin - first_, 0);
+      const int end = span.end - first_;
       const int whole = (begin + pixels - 1) / pixels;
-      mark_slow(done * group_, std::min(whole * group_, count_));
+      mark_slow(done * group_, std::min(whole * group_, row_.count));
       done = std::max(end / pixels, whole);
     }
-    mark_slow(done * group_, count_);
+    mark_slow(done * group_, row_.count);
   }
 
   void mark_slow(int begin, int end) noexcept {
@@ -177,7 +191,7 @@ class Chunk {
 
   void blend(int y) noexcept {
     if (bounds_.last_row < 0) return;
-    const int whole = std::min(whole_groups_ * group_, count_);
+    const int whole = std::min(whole_groups_ * group_, row_.count);
     remap::PlaneRows planes{};
     planes.planes = static_cast<int>(sources_.size());
     for (std::size_t p = 0; p < sources_.size(); ++p) {
@@ -185,9 +199,9 @@ class Chunk {
       planes.output[p] = output_at(p, y, 0);
     }
     blend(0, whole, planes);
-    if (whole == count_ || row_.rows[whole] >= remap::kSlowLane) return;
+    if (whole == row_.count || row_.rows[whole] >= remap::kSlowLane) return;
     // The last group, beside the row: it writes more than the row has.
-    const int pixels = map_.size().width - (first_ + whole) * map_.lane_pixels();
+    const int pixels = map_.size().width - first_ - whole * pixels_;
     const auto bytes = static_cast<std::size_t>((pixels - 1) * layout_.pixel_step +
                                                 (layout_.components - 1) * layout_.component_step +
                                                 (is_words(lanes_) ? 2 : 1));
@@ -215,15 +229,19 @@ class Chunk {
   }
 
   [[nodiscard]] std::uint8_t* output_at(std::size_t plane, int y, int lane) const noexcept {
-    return output_row(plane, y) + (first_ + lane) * map_.lane_pixels() * layout_.pixel_step;
+    return output_row(plane, y) + (first_ + lane * pixels_) * layout_.pixel_step;
   }
 
   void sample_rest(int y, const PlaneMap::Row* limits) noexcept {
-    for (int j = 0; j < count_; j += group_) {
+    const int pixels = group_ * pixels_;
+    for (int j = 0; j < row_.count; j += group_) {
       if (row_.rows[j] < remap::kSlowLane) continue;
-      const remap::LaneRun run = {row_, j, first_ + j, std::min(group_, count_ - j), limits};
+      const int begin = j * pixels_;
+      const remap::Stretch stretch = {row_, first_, begin, std::min(begin + pixels, width_),
+                                      limits};
       for (std::size_t p = 0; p < sources_.size(); ++p) {
-        remap::sample_lanes(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_, run);
+        remap::sample_stretch(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_,
+                              stretch);
       }
     }
   }
@@ -239,8 +257,11 @@ class Chunk {
   LaneLayout lanes_;
   remap::SourceBounds bounds_;
   int group_;
-  int first_;  // lane of the plane
-  int count_;
+  int pixels_;     // of a lane
+  int first_run_;  // of the plane
+  int first_;      // sample of the plane
+  int runs_ = 0;
+  int width_ = 0;  // samples
   int whole_groups_ = 0;
   std::array<int, 4> known_ = {-1, -1, -1, -1};
   NodeRows nodes_;
@@ -257,7 +278,8 @@ void remap_rows(const PlaneMap& map, const PlaneLayout& layout,
       sources.size() > remap::kMaxPlanes || sources.size() != outputs.size()) {
     return;
   }
-  for (int first = 0; first < map.lanes(); first += remap::kChunkLanes) {
+  const int runs = Chunk::chunk_runs(map, layout);
+  for (int first = 0; first < map.runs(); first += runs) {
     Chunk chunk(map, layout, sources, outputs, sampling, first);
     for (int y = begin; y < end; ++y) chunk.row(y);
   }

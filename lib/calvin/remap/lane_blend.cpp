@@ -10,6 +10,7 @@
 // Everything that differs between memory layouts is in `Layout` and in two functions that load and
 // store.
 
+#include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>
@@ -236,7 +237,7 @@ HWY_INLINE Numbers blend_rows(const std::uint8_t* source, const std::int32_t* of
 // along a curve.
 constexpr int kAhead = 12;
 
-template <class L, bool kBent, bool kNearest, int kPlanes>
+template <class L, bool kNearest, int kPlanes>
 void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const PlaneRows& planes) {
   const Words words;
   const Signed numbers;
@@ -272,7 +273,7 @@ void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const Pl
     const Pairs y_line = records(row.y_line + j);
     auto x = half(x_line, low) + hn::MulFixedPoint15(half(x_line, high), along);
     auto y = half(y_line, low) + hn::MulFixedPoint15(half(y_line, high), along);
-    if constexpr (kBent) {
+    if constexpr (L::kPixels > 2) {
       const Pairs bend = records(row.bend + j);
       x = x + hn::MulFixedPoint15(half(bend, low), square);
       y = y + hn::MulFixedPoint15(half(bend, high), square);
@@ -298,26 +299,18 @@ void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const Pl
   }
 }
 
-template <class L, bool kBent>
-void blend_kind(const LaneRow& row, int begin, int end, std::int32_t stride, bool nearest,
-                const PlaneRows& planes) {
-  if (nearest) {
-    for (int p = 0; p < planes.planes; ++p) {
-      blend<L, kBent, true, 1>(row, begin, end, stride,
-                               {{planes.source[p]}, {planes.output[p]}, 1});
-    }
-  } else if (planes.planes == 2) {
-    blend<L, kBent, false, 2>(row, begin, end, stride, planes);
-  } else {
-    blend<L, kBent, false, 1>(row, begin, end, stride, planes);
-  }
-}
-
 template <class L>
 void blend_layout(const LaneRow& row, int begin, int end, std::int32_t stride, bool nearest,
                   const PlaneRows& planes) {
-  row.bent ? blend_kind<L, true>(row, begin, end, stride, nearest, planes)
-           : blend_kind<L, false>(row, begin, end, stride, nearest, planes);
+  if (nearest) {
+    for (int p = 0; p < planes.planes; ++p) {
+      blend<L, true, 1>(row, begin, end, stride, {{planes.source[p]}, {planes.output[p]}, 1});
+    }
+  } else if (planes.planes == 2) {
+    blend<L, false, 2>(row, begin, end, stride, planes);
+  } else {
+    blend<L, false, 1>(row, begin, end, stride, planes);
+  }
 }
 
 void blend_row_of(LaneLayout layout, const LaneRow& row, int begin, int end, std::int32_t stride,

@@ -3,6 +3,7 @@
 
 // Preparation of a row of lanes: where each lies in the source, for every instruction set.
 
+#include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>
@@ -24,9 +25,8 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void interpolate_row(const NodeRows& nodes, const float* weights, int count, LaneRow& row) {
-  row.count = count;
-  for (int j = 0; j < count + 2 * kMargin + kSpare; ++j) {
+void interpolate_row(const NodeRows& nodes, const float* weights, int runs, LaneRow& row) {
+  for (int j = 0; j < runs + 2 * kMargin + kSpare; ++j) {
     float x = 0;
     float y = 0;
     for (int r = 0; r < 4; ++r) {
@@ -38,7 +38,8 @@ void interpolate_row(const NodeRows& nodes, const float* weights, int count, Lan
   }
 }
 
-void describe_row(LaneLayout /*layout*/, const SourceBounds& /*bounds*/, LaneRow& row) {
+void describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
+                  LaneRow& row) {
   std::fill_n(row.rows, row.count, kSlowLane);
 }
 
@@ -51,50 +52,94 @@ int group() { return 1; }
 // Places of 4.12 reach over 16 rows.
 constexpr std::int32_t kMostRows = 15;
 
-template <int kPixels>
-struct Parabola {
-  // Second difference of the middles -> what the parabola adds at the ends of a lane, 4.12.
-  static constexpr int kFactor = kPixels == 8 ? 49 : kPixels == 4 ? 9 : 1;
-  static constexpr int kShift = kPixels == 8 ? 11 : kPixels == 4 ? 9 : 7;
-  // Difference of the neighbours' middles -> slope, 2.14.
-  static constexpr int kSlopeShift = kPixels == 8 ? 4 : kPixels == 4 ? 3 : 2;
+// What a parabola through the middles of runs is made of, one per run.
+struct Curve {
+  hn::Vec<Ints> middle;
+  hn::Vec<Ints> across;  // from the run before to the one behind
+  hn::Vec<Ints> second;  // difference
 };
 
-struct Axis {
-  hn::Vec<Ints> first;  // sample
-  hn::Vec<Ints> last;   // sample that the last place has for a neighbour
-  hn::Vec<Ints> line;   // as in LaneRow
-  hn::Vec<Ints> bend;   // 4.12
-  hn::Vec<Ints> steep;  // size of the slope, 2.14
-};
-
-// `places` of two lanes before, of the lane, and of two behind.
-template <int kPixels, bool kThird>
-HWY_INLINE Axis describe(const std::int32_t* places) {
-  using P = Parabola<kPixels>;
+// `places` of two runs before, of the run, and of two behind.
+template <bool kThird>
+HWY_INLINE Curve curve_at(const std::int32_t* places) {
   const Ints d;
   const auto before = hn::LoadU(d, places + 1);
   const auto middle = hn::LoadU(d, places + 2);
   const auto after = hn::LoadU(d, places + 3);
-  const auto second = before + after - middle - middle;
-  const auto bend = hn::ShiftRight<P::kShift>(second * hn::Set(d, P::kFactor));
   auto across = after - before;
   if constexpr (kThird) {
     const auto third = hn::LoadU(d, places + 4) - hn::Load(d, places) - across - across;
     across = across - hn::ShiftRight<8>(third * hn::Set(d, kThirdPart));
   }
-  const auto slope = hn::ShiftRight<P::kSlopeShift>(across);
+  return {middle, across, before + after - middle - middle};
+}
+
+// What a lane needs of an axis, in the units of LaneRow.
+struct Line {
+  hn::Vec<Ints> middle;
+  hn::Vec<Ints> slope;  // 2.14
+  hn::Vec<Ints> bend;   // 4.12
+};
+
+// The lane is the run.
+template <int kPixels>
+HWY_INLINE Line line_of(const Curve& curve) {
+  // Second difference -> what the parabola adds at the ends, and half of the width for the slope.
+  constexpr int kFactor = kPixels == 8 ? 49 : 9;
+  constexpr int kShift = kPixels == 8 ? 11 : 9;
+  constexpr int kSlopeShift = kPixels == 8 ? 4 : kPixels == 4 ? 3 : 2;
+  const auto slope = hn::ShiftRight<kSlopeShift>(curve.across);
+  // Two samples lie on a line, beside the parabola's middle.
+  if constexpr (kPixels == 2) {
+    return {curve.middle + hn::ShiftRight<5>(curve.second), slope, hn::Zero(Ints())};
+  }
+  return {curve.middle, slope, hn::ShiftRight<kShift>(curve.second * hn::Set(Ints(), kFactor))};
+}
+
+// The lane that lies `halves` half samples behind the middle of its run of eight, when a run is
+// two lanes (at -4 and 4) or four (at -6, -2, 2 and 6).
+template <int kPixels, int kHalves>
+HWY_INLINE Line part_of(const Curve& curve) {
+  static_assert(kPixels == 4 || kPixels == 2);
+  const Ints d;
+  // With t in samples: middle + t across / 16 + t^2 second / 128.
+  const auto along = hn::ShiftRight<5>(curve.across * hn::Set(d, kHalves));
+  // Two samples lie on a line, beside the parabola's middle.
+  constexpr int kSquare = kHalves * kHalves + (kPixels == 2 ? 1 : 0);
+  const auto square = hn::ShiftRight<9>(curve.second * hn::Set(d, kSquare));
+  const auto slope =
+      hn::ShiftRight<4>(curve.across) + hn::ShiftRight<7>(curve.second * hn::Set(d, kHalves));
+  // 1.5^2 / 128, 4.12.
+  const auto bend = kPixels == 4 ? hn::ShiftRight<11>(curve.second * hn::Set(d, 9)) : hn::Zero(d);
+  return {curve.middle + along + square, slope, bend};
+}
+
+struct Axis {
+  hn::Vec<Ints> first;  // sample
+  hn::Vec<Ints> last;   // the last place's; its neighbour is the next one
+  hn::Vec<Ints> line;   // as in LaneRow
+  hn::Vec<Ints> bend;   // 4.12
+  hn::Vec<Ints> steep;  // size of the slope, 2.14
+};
+
+template <int kPixels>
+HWY_INLINE Axis describe(const Line& line) {
+  const Ints d;
+  const hn::Repartition<std::int16_t, Ints> halves;
   Axis axis;
-  axis.steep = hn::Abs(slope);
-  const auto half = hn::ShiftRight<1>(axis.steep * hn::Set(d, reach(kPixels))) +
-                    hn::ShiftLeft<2>(hn::Abs(bend)) + hn::Set(d, 16);
-  axis.first = hn::ShiftRight<kPlaceBits>(middle - half);
-  axis.last = hn::ShiftRight<kPlaceBits>(middle + half) + hn::Set(d, 1);
-  const auto centre =
-      middle + hn::ShiftLeft<1>(bend) + hn::Set(d, 2) - hn::ShiftLeft<kPlaceBits>(axis.first);
-  const auto low = hn::Set(d, 0xFFFF);
-  axis.line = hn::Or(hn::And(hn::ShiftRight<2>(centre), low), hn::ShiftLeft<16>(slope));
-  axis.bend = bend;
+  axis.steep = hn::Abs(line.slope);
+  // (kPixels - 1) / 2 slopes from the middle to the ends.
+  auto half = hn::ShiftRight<1>(axis.steep) + hn::Set(d, 16);
+  if constexpr (kPixels == 4) half = half + axis.steep;
+  if constexpr (kPixels == 8) half = half + hn::ShiftLeft<1>(axis.steep) + axis.steep;
+  if constexpr (kPixels > 2) half = half + hn::ShiftLeft<2>(hn::Abs(line.bend));
+  axis.first = hn::ShiftRight<kPlaceBits>(line.middle - half);
+  axis.last = hn::ShiftRight<kPlaceBits>(line.middle + half);
+  auto centre = line.middle + hn::Set(d, 2) - hn::ShiftLeft<kPlaceBits>(axis.first);
+  if constexpr (kPixels > 2) centre = centre + hn::ShiftLeft<1>(line.bend);
+  axis.line = hn::BitCast(d, hn::OddEven(hn::BitCast(halves, hn::ShiftLeft<16>(line.slope)),
+                                         hn::BitCast(halves, hn::ShiftRight<2>(centre))));
+  axis.bend = line.bend;
   return axis;
 }
 
@@ -119,70 +164,137 @@ HWY_INLINE void interpolate(const float (&rows)[4][NodeRows::kLanes], const floa
   }
 }
 
-template <int kPixels, int kStep, bool kThird>
-HWY_INLINE void describe_all(const SourceBounds& b, LaneRow& row) {
+// A vector of lanes whose first one is `j`.
+template <int kPixels, int kStep>
+HWY_INLINE void describe_lanes_at(int j, const Line& x_line, const Line& y_line,
+                                  const SourceBounds& b, LaneRow& row) {
   const Ints d;
-  const auto zero = hn::Zero(d);
-  auto most_bent = zero;
-  for (int j = 0; j < row.count; j += static_cast<int>(hn::Lanes(d))) {
-    const Axis x = describe<kPixels, kThird>(row.x + j);
-    const Axis y = describe<kPixels, kThird>(row.y + j);
-    // All lanes of a vector read as many rows as the one that needs most.
-    const auto rows = group_maximum(hn::Max(y.last - y.first + hn::Set(d, 1), hn::Set(d, 2)));
-    const auto begin = x.first * hn::Set(d, kStep);
-    // Any of these is negative where the lane cannot be taken quickly.
-    auto spare = hn::Min(hn::Min(x.first, y.first), hn::Set(d, 0x7FFF) - hn::Max(x.steep, y.steep));
-    spare = hn::Min(spare,
-                    hn::Min(hn::Set(d, b.last_column) - x.last, hn::Set(d, b.last_row) - y.last));
-    spare = hn::Min(
-        spare, hn::Min(hn::Set(d, b.widest) - (x.last - x.first), hn::Set(d, kMostRows) - rows));
-    const auto left = hn::Set(d, b.rows) - y.first - rows;
-    spare = hn::Min(spare, left);
-    // Segments may end behind a row, but for the last one.
-    spare = hn::Min(spare,
-                    hn::Max(left - hn::Set(d, b.guarded_rows), hn::Set(d, b.last_segment) - begin));
-    const auto slow = hn::IfThenElse(spare < zero, hn::Set(d, kSlowLane), zero);
-    hn::Store(hn::Max(group_maximum(slow), rows), d, row.rows + j);
-    hn::Store(y.first * hn::Set(d, b.stride) + begin, d, row.offset + j);
-    hn::Store(x.line, d, row.x_line + j);
-    hn::Store(y.line, d, row.y_line + j);
-    hn::Store(hn::Or(hn::And(x.bend, hn::Set(d, 0xFFFF)), hn::ShiftLeft<16>(y.bend)), d,
-              row.bend + j);
-    most_bent = hn::Max(most_bent, hn::Max(hn::Abs(x.bend), hn::Abs(y.bend)));
+  const hn::Repartition<std::int16_t, Ints> halves;
+  const Axis x = describe<kPixels>(x_line);
+  const Axis y = describe<kPixels>(y_line);
+  // All lanes of a vector read as many rows as the one that needs most.
+  const auto rows = group_maximum(y.last - y.first + hn::Set(d, 2));
+  const auto begin = x.first * hn::Set(d, kStep);
+  // Any of these is negative where the lane cannot be taken quickly.
+  auto spare = hn::Min(hn::Min(x.first, y.first), hn::Set(d, 0x7FFF) - hn::Max(x.steep, y.steep));
+  spare = hn::Min(
+      spare, hn::Min(hn::Set(d, b.last_column - 1) - x.last, hn::Set(d, b.last_row - 1) - y.last));
+  spare = hn::Min(
+      spare, hn::Min(hn::Set(d, b.widest - 1) - (x.last - x.first), hn::Set(d, kMostRows) - rows));
+  const auto left = hn::Set(d, b.rows) - y.first - rows;
+  // Segments may end behind a row, but for the last one.
+  spare = hn::Min(hn::Min(spare, left),
+                  hn::Max(left - hn::Set(d, b.guarded_rows), hn::Set(d, b.last_segment) - begin));
+  const auto slow = hn::And(hn::BroadcastSignBit(spare), hn::Set(d, kSlowLane));
+  hn::Store(hn::Max(group_maximum(slow), rows), d, row.rows + j);
+  hn::Store(y.first * hn::Set(d, b.stride) + begin, d, row.offset + j);
+  hn::Store(x.line, d, row.x_line + j);
+  hn::Store(y.line, d, row.y_line + j);
+  if constexpr (kPixels > 2) {
+    const auto bend =
+        hn::OddEven(hn::BitCast(halves, hn::ShiftLeft<16>(y.bend)), hn::BitCast(halves, x.bend));
+    hn::Store(hn::BitCast(d, bend), d, row.bend + j);
   }
-  row.bent = hn::GetLane(hn::MaxOfLanes(d, most_bent)) > kStraight;
 }
 
-void interpolate_row(const NodeRows& nodes, const float* weights, int count, LaneRow& row) {
-  row.count = count;
-  interpolate(nodes.x, weights, count + 2 * kMargin + kSpare, row.x);
-  interpolate(nodes.y, weights, count + 2 * kMargin + kSpare, row.y);
+// The parts of a vector of runs one behind the other, in the order of the picture.
+template <class V>
+HWY_INLINE void interleave(const std::array<V, 2>& parts, std::int32_t* to) {
+  hn::StoreInterleaved2(parts[0], parts[1], Ints(), to);
+}
+template <class V>
+HWY_INLINE void interleave(const std::array<V, 4>& parts, std::int32_t* to) {
+  hn::StoreInterleaved4(parts[0], parts[1], parts[2], parts[3], Ints(), to);
+}
+
+// One axis of a vector of runs, taken apart.
+template <int kParts>
+struct Parts {
+  static constexpr int kCount = kParts * static_cast<int>(hn::MaxLanes(Ints()));
+  alignas(64) std::int32_t middle[kCount];
+  alignas(64) std::int32_t slope[kCount];
+  alignas(64) std::int32_t bend[kCount];
+
+  HWY_INLINE void fill(const Curve& curve) {
+    std::array<Line, kParts> lines;
+    if constexpr (kParts == 2) {
+      lines = {part_of<4, -4>(curve), part_of<4, 4>(curve)};
+    } else {
+      lines = {part_of<2, -6>(curve), part_of<2, -2>(curve), part_of<2, 2>(curve),
+               part_of<2, 6>(curve)};
+    }
+    std::array<hn::Vec<Ints>, kParts> values;
+    const auto store = [&](auto member, std::int32_t* to) HWY_ATTR {
+      for (std::size_t i = 0; i < kParts; ++i) values[i] = lines[i].*member;
+      interleave(values, to);
+    };
+    store(&Line::middle, middle);
+    store(&Line::slope, slope);
+    if constexpr (kParts == 2) store(&Line::bend, bend);
+  }
+  [[nodiscard]] HWY_INLINE Line at(int j) const {
+    const Ints d;
+    return {hn::Load(d, middle + j), hn::Load(d, slope + j),
+            kParts == 2 ? hn::Load(d, bend + j) : hn::Zero(d)};
+  }
+};
+
+template <int kRun, int kPixels, int kStep, bool kThird>
+HWY_INLINE void describe_all(const SourceBounds& bounds, LaneRow& row) {
+  constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
+  constexpr int kParts = kRun / kPixels;
+  for (int run = 0; run * kParts < row.count; run += kVector) {
+    const Curve x = curve_at<kThird>(row.x + run);
+    const Curve y = curve_at<kThird>(row.y + run);
+    if constexpr (kParts == 1) {
+      describe_lanes_at<kPixels, kStep>(run, line_of<kPixels>(x), line_of<kPixels>(y), bounds, row);
+    } else {
+      Parts<kParts> x_parts;
+      Parts<kParts> y_parts;
+      x_parts.fill(x);
+      y_parts.fill(y);
+      for (int j = 0; j < kParts * kVector; j += kVector) {
+        describe_lanes_at<kPixels, kStep>(run * kParts + j, x_parts.at(j), y_parts.at(j), bounds,
+                                          row);
+      }
+    }
+  }
+}
+
+void interpolate_row(const NodeRows& nodes, const float* weights, int runs, LaneRow& row) {
+  interpolate(nodes.x, weights, runs + 2 * kMargin + kSpare, row.x);
+  interpolate(nodes.y, weights, runs + 2 * kMargin + kSpare, row.y);
+}
+
+template <int kRun, int kPixels, int kStep>
+void describe_bends(const SourceBounds& bounds, LaneRow& row) {
+  bounds.strongly_bent ? describe_all<kRun, kPixels, kStep, true>(bounds, row)
+                       : describe_all<kRun, kPixels, kStep, false>(bounds, row);
 }
 
 template <int kPixels, int kStep>
-void describe_steps(const SourceBounds& bounds, LaneRow& row) {
-  bounds.strongly_bent ? describe_all<kPixels, kStep, true>(bounds, row)
-                       : describe_all<kPixels, kStep, false>(bounds, row);
+void describe_steps(int run, const SourceBounds& bounds, LaneRow& row) {
+  run == kPixels ? describe_bends<kPixels, kPixels, kStep>(bounds, row)
+                 : describe_bends<8, kPixels, kStep>(bounds, row);
 }
 
-void describe_row(LaneLayout layout, const SourceBounds& bounds, LaneRow& row) {
+void describe_row(LaneLayout layout, int run, const SourceBounds& bounds, LaneRow& row) {
   switch (layout) {
     case LaneLayout::kOne:
-      return describe_steps<8, 1>(bounds, row);
-    case LaneLayout::kOneWord:
-      return describe_steps<8, 2>(bounds, row);
-    case LaneLayout::kTwoWords:
-      return describe_steps<8, 4>(bounds, row);
-    case LaneLayout::kTwo:
-      return describe_steps<4, 2>(bounds, row);
-    case LaneLayout::kThree:
-      return describe_steps<2, 3>(bounds, row);
-    case LaneLayout::kFour:
-      return describe_steps<2, 4>(bounds, row);
+      return describe_bends<8, 8, 1>(bounds, row);
     case LaneLayout::kOneSpread:
-      return describe_steps<8, 2>(bounds, row);
+    case LaneLayout::kOneWord:
+      return describe_bends<8, 8, 2>(bounds, row);
+    case LaneLayout::kTwoWords:
+      return describe_bends<8, 8, 4>(bounds, row);
+    case LaneLayout::kTwo:
+      return describe_steps<4, 2>(run, bounds, row);
     case LaneLayout::kTwoSpread:
-      return describe_steps<4, 4>(bounds, row);
+      return describe_steps<4, 4>(run, bounds, row);
+    case LaneLayout::kThree:
+      return describe_steps<2, 3>(run, bounds, row);
+    case LaneLayout::kFour:
+      return describe_steps<2, 4>(run, bounds, row);
     case LaneLayout::kNone:
       std::fill_n(row.rows, row.count, kSlowLane);
   }
@@ -202,13 +314,13 @@ HWY_EXPORT(interpolate_row);
 HWY_EXPORT(describe_row);
 HWY_EXPORT(group);
 
-void interpolate_lanes(const NodeRows& nodes, const float* weights, int count,
-                       LaneRow& row) noexcept {
-  HWY_DYNAMIC_DISPATCH(interpolate_row)(nodes, weights, count, row);
+void interpolate_runs(const NodeRows& nodes, const float* weights, int runs,
+                      LaneRow& row) noexcept {
+  HWY_DYNAMIC_DISPATCH(interpolate_row)(nodes, weights, runs, row);
 }
 
-void describe_lanes(LaneLayout layout, const SourceBounds& bounds, LaneRow& row) noexcept {
-  HWY_DYNAMIC_DISPATCH(describe_row)(layout, bounds, row);
+void describe_lanes(LaneLayout layout, int run, const SourceBounds& bounds, LaneRow& row) noexcept {
+  HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, row);
 }
 
 int lane_group() noexcept { return HWY_DYNAMIC_DISPATCH(group)(); }

@@ -13,7 +13,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "calvin/remap/lane_targets.hpp"
+// After lane_targets.hpp.
 #include <hwy/highway.h>
+
+#if HWY_HAVE_SCALABLE
+#error "Include calvin/remap/lane_targets.hpp before the headers of Highway."
+#endif
 
 #if HWY_TARGET != HWY_SCALAR
 
@@ -22,12 +28,7 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Vectors of unknown length are used as if they had 128 bits.
-#if HWY_HAVE_SCALABLE
-constexpr std::size_t kBytes = 16;
-#else
 constexpr std::size_t kBytes = HWY_LANES(std::uint8_t);
-#endif
 constexpr int kLanes = kBytes / 16;
 
 using Bytes = hn::FixedTag<std::uint8_t, kBytes>;

@@ -5,6 +5,7 @@
 // too few of them for the shuffles of lane_blend.cpp: each result gathers its own four neighbours,
 // two of a row at a time, and is blended in single precision.
 
+#include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -42,7 +43,7 @@ struct Places {
   Offsets whole;
   Values rest;
 };
-HWY_INLINE Places places_at(const LaneParabola& parabola, Values t, bool nearest) {
+HWY_INLINE Places places_at(const RunParabola& parabola, Values t, bool nearest) {
   const Floats d;
   const Ints ints;
   const auto at = hn::MulAdd(t,
@@ -128,8 +129,8 @@ template <int kComponents>
 HWY_INLINE void blend_lane(const LaneRow& row, int j, WordFormat format, std::int32_t stride,
                            bool nearest, const PlaneRows& planes, std::ptrdiff_t begin) {
   const Floats d;
-  const LaneParabola px(row.x + j, kPixels);
-  const LaneParabola py(row.y + j, kPixels);
+  const RunParabola px(row.x + j, kPixels);
+  const RunParabola py(row.y + j, kPixels);
   constexpr int kStep = static_cast<int>(hn::MaxLanes(d));
   for (int i = 0; i < kPixels; i += kStep) {
     const auto t = hn::Iota(d, static_cast<float>(i) - (kPixels - 1) / 2.0F);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// One row of an output plane as lanes: runs of 8, 4 or 2 samples whose places in the source plane
-// are a parabola through the middles of a lane and its neighbours.
+// One row of an output plane as runs of 8 samples whose places in the source plane are a parabola
+// through the middles of a run and its neighbours (of 4 or 2 where the map is strongly bent), and
+// as lanes: the 8, 4 or 2 samples that a vector kernel makes in 128 bits. A run is 1, 2 or 4 lanes.
 #pragma once
 
 #include <cmath>
@@ -20,12 +21,12 @@ inline constexpr int kChunkLanes = 256;
 // A lane for which there is no quick way is marked by a number of rows that none has.
 inline constexpr std::int32_t kSlowLane = 64;
 
-// Lanes before the first one and behind the last one that a lane's parabola is made with.
+// Runs before the first one and behind the last one that a run's parabola is made with.
 inline constexpr int kMargin = 2;
-// Lanes behind a row's last one that fill up its last vector.
+// Runs behind a row's last one that fill up its last vector.
 inline constexpr int kSpare = 3;
 
-// A chunk of lanes, and its margins, at four rows of the map's nodes.
+// A chunk of runs, and its margins, at four rows of the map's nodes.
 struct NodeRows {
   static constexpr int kLanes = kChunkLanes + 32;
   alignas(64) float x[4][kLanes];
@@ -35,10 +36,10 @@ struct NodeRows {
 // The same at one row of the output, and what a vector kernel has to know of each lane.
 struct LaneRow {
   static constexpr int kLanes = NodeRows::kLanes;
-  // Middles of the lanes, margins included.
+  // Middles of the runs, margins included.
   alignas(64) std::int32_t x[kLanes];
   alignas(64) std::int32_t y[kLanes];
-  // From here on without margins. Bytes from the beginning of the plane to the segment that
+  // Of the lanes, without margins. Bytes from the beginning of the plane to the segment that
   // holds the lane's samples; rows of the source that it takes, or kSlowLane and more.
   alignas(64) std::int32_t offset[kLanes];
   alignas(64) std::int32_t rows[kLanes];
@@ -47,19 +48,18 @@ struct LaneRow {
   alignas(64) std::int32_t x_line[kLanes];
   alignas(64) std::int32_t y_line[kLanes];
   alignas(64) std::int32_t bend[kLanes];
-  int count = 0;
-  bool bent = false;  // the parabolas differ from lines by more than kStraight
+  int count = 0;  // lanes
 };
 
-// The line of a lane makes good for what a parabola cannot follow: this part, in 1/256, of the
-// third difference of the middles is taken from the difference of the lane's neighbours. 1/6 would
-// be the slope in the middle, 1/7 is best for the whole lane (Chebyshev).
+// The line of a run makes good for what a parabola cannot follow: this part, in 1/256, of the
+// third difference of the middles is taken from the difference of the run's neighbours. 1/6 would
+// be the slope in the middle, 1/7 is best for the whole run (Chebyshev).
 inline constexpr int kThirdPart = 37;
 
-// A lane's places as a parabola, samples of the source; as the vector kernel makes them.
-struct LaneParabola {
-  // `middles` of the lane before the one before, and of the four that follow.
-  LaneParabola(const std::int32_t* middles, int pixels) noexcept {
+// A run's places as a parabola, samples of the source; as the vector kernel makes them.
+struct RunParabola {
+  // `middles` of the run before the one before, and of the four that follow.
+  RunParabola(const std::int32_t* middles, int pixels) noexcept {
     constexpr double kScale = 1.0 / (1 << kPlaceBits);
     const double before = kScale * middles[1];
     const double after = kScale * middles[3];
@@ -71,7 +71,7 @@ struct LaneParabola {
   // `t` samples of the output from the middle.
   [[nodiscard]] double at(double t) const noexcept { return middle + t * (slope + t * bend); }
 
-  // Whether the whole lane lies outside of 0..last by more than a sample.
+  // Whether the whole run lies outside of 0..last by more than a sample.
   [[nodiscard]] bool misses(int reach, double last) const noexcept {
     const double far = reach * (std::abs(slope) + reach * std::abs(bend)) + 1;
     return middle + far < 0 || middle - far > last;
@@ -81,10 +81,6 @@ struct LaneParabola {
   double slope;
   double bend;
 };
-
-// Lines are good enough where they are off by 0.0004 of a sample at most. 4.12 at the lane's ends;
-// a line through the middle of the parabola is off by half of that.
-inline constexpr std::int32_t kStraight = 3;
 
 // How samples lie in the source plane, and which places may be taken quickly.
 struct SourceBounds {
@@ -133,12 +129,12 @@ struct PlaneRows {
   int planes = 1;
 };
 
-// The first `count` lanes of the chunk between its node rows; weights of cubic_weights().
-void interpolate_lanes(const NodeRows& nodes, const float* weights, int count,
-                       LaneRow& row) noexcept;
+// The first `runs` of the chunk between its node rows; weights of cubic_weights().
+void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, LaneRow& row) noexcept;
 
-// What the vector kernel has to know of the lanes. They are marked slow in groups of lane_group().
-void describe_lanes(LaneLayout layout, const SourceBounds& bounds, LaneRow& row) noexcept;
+// What the vector kernel has to know of the `row.count` lanes of runs of `run` samples: 8, or as
+// many as a lane has. They are marked slow in groups of lane_group().
+void describe_lanes(LaneLayout layout, int run, const SourceBounds& bounds, LaneRow& row) noexcept;
 
 // Writes the samples of the groups of lanes from `begin` to before `end` that are not slow, and
 // lane_slack() bytes that follow a group; what `planes` name is where `begin` goes to.

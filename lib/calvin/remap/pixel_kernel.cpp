@@ -246,23 +246,24 @@ bool is_valid(const PlaneMap::Row* limits, int sample) {
 }
 
 template <typename Sample>
-void sample_run(const PlaneMap& map, const PlaneLayout& layout,
-                PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,
-                const Sampling& sampling, const LaneRun& run) noexcept {
+void sample(const PlaneMap& map, const PlaneLayout& layout, PlaneMemory<const std::uint8_t> source,
+            PlaneMemory<std::uint8_t> output, const Sampling& sampling,
+            const Stretch& stretch) noexcept {
   const Sampler<Sample> sampler(map, layout, source, sampling);
-  const int pixels = map.lane_pixels();
-  const int width = map.size().width;
+  const int pixels = map.run_pixels();
   const SampleAxis& axis = map.output_x();
-  for (int j = 0; j < run.count; ++j) {
-    const LaneParabola x(run.row.x + run.offset + j, pixels);
-    const LaneParabola y(run.row.y + run.offset + j, pixels);
-    const int first = (run.first + j) * pixels;
+  for (int run = stretch.begin / pixels; run * pixels < stretch.end; ++run) {
+    const RunParabola x(stretch.row.x + run, pixels);
+    const RunParabola y(stretch.row.y + run, pixels);
     const bool filled =
         sampling.outside == Outside::kFill &&
         (x.misses(pixels, map.source_size().width) || y.misses(pixels, map.source_size().height));
-    for (int i = first; i < std::min(first + pixels, width); ++i) {
+    const int first = stretch.first + run * pixels;
+    const int begin = std::max(first, stretch.first + stretch.begin);
+    const int end = std::min(first + pixels, stretch.first + stretch.end);
+    for (int i = begin; i < end; ++i) {
       std::uint8_t* out = output.data + i * layout.pixel_step;
-      if (filled || !is_valid(run.limits, i)) {
+      if (filled || !is_valid(stretch.limits, i)) {
         sampler.fill(out);
         continue;
       }
@@ -274,17 +275,17 @@ void sample_run(const PlaneMap& map, const PlaneLayout& layout,
 
 }  // namespace
 
-void sample_lanes(const PlaneMap& map, const PlaneLayout& layout,
-                  PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,
-                  const Sampling& sampling, const LaneRun& run) noexcept {
+void sample_stretch(const PlaneMap& map, const PlaneLayout& layout,
+                    PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,
+                    const Sampling& sampling, const Stretch& stretch) noexcept {
   static_assert(255LL * kOne * kOne + (1LL << (2 * kBits - 1)) <= INT32_MAX);
   switch (layout.sample) {
     case SampleType::kU8:
-      return sample_run<Byte>(map, layout, source, output, sampling, run);
+      return sample<Byte>(map, layout, source, output, sampling, stretch);
     case SampleType::kU16Little:
-      return sample_run<Word<std::endian::little>>(map, layout, source, output, sampling, run);
+      return sample<Word<std::endian::little>>(map, layout, source, output, sampling, stretch);
     case SampleType::kU16Big:
-      return sample_run<Word<std::endian::big>>(map, layout, source, output, sampling, run);
+      return sample<Word<std::endian::big>>(map, layout, source, output, sampling, stretch);
   }
 }
 

@@ -9,18 +9,18 @@
 
 namespace calvin::remap {
 
-// A run of lanes in one row of the output.
-struct LaneRun {
+// A part of one row of the output.
+struct Stretch {
   const LaneRow& row;  // its x and y are all that is needed
-  int offset = 0;      // lanes from the row's first one to the run's
-  int first = 0;       // lane of the plane that the run begins with
-  int count = 0;
+  int first = 0;       // sample of the plane that the row's first run begins with
+  int begin = 0;       // samples from there
+  int end = 0;
   const PlaneMap::Row* limits = nullptr;
 };
 
 // `output.data` is the beginning of the row.
-void sample_lanes(const PlaneMap& map, const PlaneLayout& layout,
-                  PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,
-                  const Sampling& sampling, const LaneRun& run) noexcept;
+void sample_stretch(const PlaneMap& map, const PlaneLayout& layout,
+                    PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,
+                    const Sampling& sampling, const Stretch& stretch) noexcept;
 
 }  // namespace calvin::remap

@@ -10,23 +10,23 @@
 
 namespace calvin {
 
-PlaneMap::PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int lane_pixels)
+PlaneMap::PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int run_pixels)
     : map_(std::move(map)),
-      lane_pixels_(lane_pixels),
+      run_pixels_(run_pixels),
       out_x_(map_->output_size().width, sites.output.x_shift, sites.output.x_cosited),
       out_y_(map_->output_size().height, sites.output.y_shift, sites.output.y_cosited),
       in_x_(map_->source_size().width, sites.source.x_shift, sites.source.x_cosited),
       in_y_(map_->source_size().height, sites.source.y_shift, sites.source.y_cosited) {
-  const int count = (out_x_.count() + lane_pixels - 1) / lane_pixels;
+  const int count = (out_x_.count() + run_pixels - 1) / run_pixels;
   for (int j = -remap::kMargin; j < count + remap::kMargin + remap::kSpare; ++j) {
     const double u = middle(j);
     const int column = map_->cell_of(u, map_->columns() - 3);
-    lanes_.push_back({column, cubic_weights(u / map_->step() - column)});
+    runs_.push_back({column, cubic_weights(u / map_->step() - column)});
   }
 }
 
-double PlaneMap::middle(int lane) const noexcept {
-  return out_x_.offset() + out_x_.scale() * (lane * lane_pixels_ + (lane_pixels_ - 1) / 2.0);
+double PlaneMap::middle(int run) const noexcept {
+  return out_x_.offset() + out_x_.scale() * (run * run_pixels_ + (run_pixels_ - 1) / 2.0);
 }
 
 Pixel PlaneMap::to_samples(Pixel place) const noexcept {
@@ -34,7 +34,7 @@ Pixel PlaneMap::to_samples(Pixel place) const noexcept {
 }
 
 std::size_t PlaneMap::bytes() const noexcept {
-  std::size_t sum = lanes_.size() * sizeof(Lane) + rows_.size() * sizeof(Row);
+  std::size_t sum = runs_.size() * sizeof(Run) + rows_.size() * sizeof(Row);
   for (const Row& row : rows_) {
     sum += row.valid.size() * sizeof(Span) + row.middles.size() * sizeof(Middle);
   }
@@ -55,34 +55,34 @@ void PlaneMap::expand(int node_row, int first, int count, float* x, float* y) co
   const float scale_y = one / static_cast<float>(in_y_.scale());
   const float offset_x = scale_x * static_cast<float>(in_x_.offset());
   const float offset_y = scale_y * static_cast<float>(in_y_.offset());
-  const int known = std::min(count, static_cast<int>(lanes_.size()) - first);
+  const int known = std::min(count, static_cast<int>(runs_.size()) - first);
   for (int j = 0; j < known; ++j) {
-    const Lane& lane = lanes_[static_cast<std::size_t>(first + j)];
-    const auto& w = lane.weights;
-    const float* px = from_x + lane.column;
-    const float* py = from_y + lane.column;
+    const Run& run = runs_[static_cast<std::size_t>(first + j)];
+    const auto& w = run.weights;
+    const float* px = from_x + run.column;
+    const float* py = from_y + run.column;
     x[j] = scale_x * (w[0] * px[0] + w[1] * px[1] + w[2] * px[2] + w[3] * px[3]) - offset_x;
     y[j] = scale_y * (w[0] * py[0] + w[1] * py[1] + w[2] * py[2] + w[3] * py[3]) - offset_y;
   }
   for (int j = std::max(known, 0); j < count; ++j) x[j] = y[j] = -one;
 }
 
-// Looks at the ends of lanes, where parabolas are worst, in a part of the rows.
+// Looks at the ends of runs, where parabolas are worst, in a part of the rows.
 bool PlaneMap::follows_the_map() const {
   constexpr int kRows = 40;
   constexpr double kTolerance = 1.0 / 512;
   constexpr double kScale = 1.0 / (1 << remap::kPlaceBits);
   if (!strongly_bent()) return true;
-  const double end = (lane_pixels_ - 1) / 2.0;
+  const double end = (run_pixels_ - 1) / 2.0;
   for (int i = 0; i <= kRows; ++i) {
     const double v = out_y_.site((out_y_.count() - 1) * i / kRows);
     const auto at = [&](double sample) {
       return to_samples(map_->at({out_x_.offset() + out_x_.scale() * sample, v}));
     };
     std::array<Pixel, 2 * remap::kMargin + 1> middles;
-    for (int j = 0; j < lanes() - 4; ++j) {
+    for (int j = 0; j < runs() - 4; ++j) {
       for (std::size_t k = 0; k < middles.size(); ++k) {
-        middles[k] = at((j + static_cast<int>(k)) * lane_pixels_ + end);
+        middles[k] = at((j + static_cast<int>(k)) * run_pixels_ + end);
       }
       const Pixel& place = middles[remap::kMargin];
       if (!(place.u > -1 && place.v > -1 && place.u < in_x_.count() && place.v < in_y_.count())) {
@@ -94,10 +94,10 @@ bool PlaneMap::follows_the_map() const {
         x[k] = static_cast<std::int32_t>(std::lrint(middles[k].u / kScale));
         y[k] = static_cast<std::int32_t>(std::lrint(middles[k].v / kScale));
       }
-      const remap::LaneParabola px(x.data(), lane_pixels_);
-      const remap::LaneParabola py(y.data(), lane_pixels_);
+      const remap::RunParabola px(x.data(), run_pixels_);
+      const remap::RunParabola py(y.data(), run_pixels_);
       for (const double t : {-end, end}) {
-        const Pixel exact = at((j + remap::kMargin) * lane_pixels_ + end + t);
+        const Pixel exact = at((j + remap::kMargin) * run_pixels_ + end + t);
         if (std::abs(px.at(t) - exact.u) > kTolerance ||
             std::abs(py.at(t) - exact.v) > kTolerance) {
           return false;
@@ -127,7 +127,7 @@ std::vector<PlaneMap::Span> PlaneMap::valid_samples(int y, const PixelFunction& 
   return spans;
 }
 
-// The middles of lanes that valid samples need, and of the lanes beside them. Where one of them is
+// The middles of runs that valid samples need, and of the runs beside them. Where one of them is
 // not valid itself the parabola through valid samples of the row goes on.
 void PlaneMap::find_middles(int y, const PixelFunction& place_of, Row& row) const {
   const double v = out_y_.site(y);
@@ -135,14 +135,14 @@ void PlaneMap::find_middles(int y, const PixelFunction& place_of, Row& row) cons
   const auto place_at = [&](double sample) {
     return place_of({out_x_.offset() + out_x_.scale() * sample, v});
   };
-  int next = -remap::kMargin;  // the first lane that is not yet decided on
+  int next = -remap::kMargin;  // the first run that is not yet decided on
   for (const Span& span : row.valid) {
-    const int first = std::max(span.begin / lane_pixels_ - remap::kMargin, next);
-    const int last = (span.end - 1) / lane_pixels_ + remap::kMargin;
-    for (int lane = first; lane <= last; ++lane) {
-      const int column = map_->cell_of(middle(lane), map_->columns() - 3);
+    const int first = std::max(span.begin / run_pixels_ - remap::kMargin, next);
+    const int last = (span.end - 1) / run_pixels_ + remap::kMargin;
+    for (int run = first; run <= last; ++run) {
+      const int column = map_->cell_of(middle(run), map_->columns() - 3);
       if (map_->cell(column, cell_row) == RemapMap::Cell::kSmooth) continue;
-      const double wanted = lane * lane_pixels_ + (lane_pixels_ - 1) / 2.0;
+      const double wanted = run * run_pixels_ + (run_pixels_ - 1) / 2.0;
       std::optional<Pixel> place = place_at(wanted);
       if (!place) {
         const bool before = wanted < span.begin;
@@ -158,7 +158,7 @@ void PlaneMap::find_middles(int y, const PixelFunction& place_of, Row& row) cons
         };
         place = Pixel{onwards(a->u, b->u, c->u), onwards(a->v, b->v, c->v)};
       }
-      row.middles.push_back({lane, to_samples(*place)});
+      row.middles.push_back({run, to_samples(*place)});
     }
     next = std::max(next, last + 1);
   }
@@ -168,9 +168,10 @@ Result<PlaneMap> PlaneMap::build(std::shared_ptr<const RemapMap> map, const Pixe
                                  const PlaneSites& sites, int lane_pixels,
                                  const std::stop_token& stop) {
   try {
-    PlaneMap plane(map, sites, lane_pixels);
-    while (plane.lane_pixels_ > 1 && !plane.follows_the_map()) {
-      plane = PlaneMap(map, sites, plane.lane_pixels_ / 2);
+    PlaneMap plane(map, sites, 8);
+    while (plane.run_pixels_ > 1 && !plane.follows_the_map()) {
+      const bool first = plane.run_pixels_ > lane_pixels;
+      plane = PlaneMap(map, sites, first ? lane_pixels : plane.run_pixels_ / 2);
     }
     if (plane.map_->everywhere_smooth()) return plane;
     plane.rows_.resize(static_cast<std::size_t>(plane.out_y_.count()));

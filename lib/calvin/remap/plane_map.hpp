@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// A map as one plane of the frames sees it: by samples and by lanes of samples.
+// A map as one plane of the frames sees it: by samples and by runs of samples.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,9 @@ class PlaneMap {
     int begin = 0;
     int end = 0;
   };
-  // The middle of a lane where the map's grid says nothing of it, samples of the source.
+  // The middle of a run where the map's grid says nothing of it, samples of the source.
   struct Middle {
-    int lane = 0;
+    int run = 0;
     Pixel place;
   };
   // What a row that crosses the end of the model is made of.
@@ -33,8 +33,9 @@ class PlaneMap {
     std::vector<Middle> middles;
   };
 
-  // `place_of` is what the map was made of. Lanes have `lane_pixels` samples, or fewer where
-  // parabolas would not follow the map. kCancelled soon after a stop was requested.
+  // `place_of` is what the map was made of. Runs have 8 samples; where parabolas
+  // would not follow the map, `lane_pixels`, which is what a kernel takes at a time, or fewer.
+  // kCancelled soon after a stop was requested.
   static Result<PlaneMap> build(std::shared_ptr<const RemapMap> map, const PixelFunction& place_of,
                                 const PlaneSites& sites, int lane_pixels,
                                 const std::stop_token& stop = {});
@@ -49,9 +50,9 @@ class PlaneMap {
   [[nodiscard]] const SampleAxis& source_x() const noexcept { return in_x_; }
   [[nodiscard]] const SampleAxis& source_y() const noexcept { return in_y_; }
   [[nodiscard]] const SampleAxis& output_x() const noexcept { return out_x_; }
-  [[nodiscard]] int lane_pixels() const noexcept { return lane_pixels_; }
-  [[nodiscard]] int lanes() const noexcept {
-    return static_cast<int>(lanes_.size()) - 2 * remap::kMargin - remap::kSpare;
+  [[nodiscard]] int run_pixels() const noexcept { return run_pixels_; }
+  [[nodiscard]] int runs() const noexcept {
+    return static_cast<int>(runs_.size()) - 2 * remap::kMargin - remap::kSpare;
   }
   // Whether parabolas alone do not follow it.
   [[nodiscard]] bool strongly_bent() const noexcept { return map_->step() < RemapMap::kCoarsest; }
@@ -66,7 +67,7 @@ class PlaneMap {
   };
   [[nodiscard]] Level level(int y) const noexcept;
 
-  // The lanes from first - kMargin on at a row of nodes; 1/2^14 of a sample of the source.
+  // The runs from first - kMargin on at a row of nodes; 1/2^14 of a sample of the source.
   void expand(int node_row, int first, int count, float* x, float* y) const noexcept;
 
   // nullptr: all of the row is valid and as the grid says. The end of the source picture is not
@@ -76,25 +77,25 @@ class PlaneMap {
   }
 
  private:
-  struct Lane {
+  struct Run {
     std::int32_t column = 0;  // the first of four nodes
     std::array<float, 4> weights{};
   };
 
-  PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int lane_pixels);
-  [[nodiscard]] double middle(int lane) const noexcept;  // px of the output
+  PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int run_pixels);
+  [[nodiscard]] double middle(int run) const noexcept;  // px of the output
   [[nodiscard]] Pixel to_samples(Pixel place) const noexcept;
   [[nodiscard]] bool follows_the_map() const;
   [[nodiscard]] std::vector<Span> valid_samples(int y, const PixelFunction& place_of) const;
   void find_middles(int y, const PixelFunction& place_of, Row& row) const;
 
   std::shared_ptr<const RemapMap> map_;
-  int lane_pixels_;
+  int run_pixels_;
   SampleAxis out_x_;
   SampleAxis out_y_;
   SampleAxis in_x_;
   SampleAxis in_y_;
-  std::vector<Lane> lanes_;  // with margins
+  std::vector<Run> runs_;  // with margins
   std::vector<Row> rows_;
 };
 
