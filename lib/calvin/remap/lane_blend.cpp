@@ -88,7 +88,8 @@ constexpr Results make_results() {
     const double end = reach(L::kPixels);
     r.along[i] = static_cast<std::int16_t>(halves * 4096);
     r.square[i] = static_cast<std::int16_t>((halves * halves / (end * end) - 0.5) * 32767);
-    r.neighbours[i] = static_cast<std::uint16_t>(component | (component + L::kStep) << 8);
+    r.neighbours[i] =
+        static_cast<std::uint16_t>((component | (component + L::kStep) << 8) * L::kSpread);
   }
   return r;
 }
@@ -142,17 +143,14 @@ HWY_INLINE Blend blend_pairs(Pairs pairs, const Constants& /*constants*/) {
 }
 #endif
 
-// The 16 samples that begin at a byte: one after the other, or in every second byte.
-template <int kSpread, class D>
+// The 16 bytes that begin at each lane's offset.
+template <class D>
 HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::int32_t* offsets) {
   constexpr std::size_t kSize = hn::MaxLanes(D());
   if constexpr (kSize > 16) {
     const hn::FixedTag<std::uint8_t, kSize / 2> half;
-    return hn::Combine(d, load_segments<kSpread>(half, plane, offsets + kSize / 32),
-                       load_segments<kSpread>(half, plane, offsets));
-  } else if constexpr (kSpread == 2) {
-    const std::uint8_t* at = plane + offsets[0];
-    return hn::ConcatEven(d, hn::LoadU(d, at + 16), hn::LoadU(d, at));
+    return hn::Combine(d, load_segments(half, plane, offsets + kSize / 32),
+                       load_segments(half, plane, offsets));
   } else {
     return hn::LoadU(d, plane + offsets[0]);
   }
@@ -183,18 +181,31 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
 
 // What a vector of results takes from the source.
 struct Taps {
-  Pairs neighbours;  // which bytes of a segment
+  Pairs neighbours;  // which bytes, from the beginning of the segment
   Numbers across;    // twice the weight of the second of two neighbours, less 1; 1.15
   Places down;       // place below the segment's first row, 4.12
 };
+
+// Samples in every second byte lie in two segments. Of an index above 127 nothing is taken.
+template <int kSpread>
+HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* offsets,
+                             const Taps& taps) {
+  const Bytes d;
+  const Pairs segments = load_segments(d, source, offsets);
+  if constexpr (kSpread == 1) {
+    return hn::TableLookupBytes(segments, taps.neighbours);
+  } else {
+    const Pairs more = load_segments(d, source + 16, offsets);
+    return hn::Or(hn::TableLookupBytesOr0(segments, taps.neighbours + hn::Set(d, 0x70)),
+                  hn::TableLookupBytesOr0(more, taps.neighbours - hn::Set(d, 0x10)));
+  }
+}
 
 // 128 times the values between neighbours of one source row.
 template <int kSpread>
 HWY_INLINE Numbers blend_row(const std::uint8_t* source, const std::int32_t* offsets,
                              const Taps& taps, const Constants& constants) {
-  const Blend blend = blend_pairs(
-      hn::TableLookupBytes(load_segments<kSpread>(Bytes(), source, offsets), taps.neighbours),
-      constants);
+  const Blend blend = blend_pairs(fetch_pairs<kSpread>(source, offsets, taps), constants);
   return blend.sum + hn::MulFixedPoint15(blend.difference, taps.across);
 }
 
@@ -249,7 +260,7 @@ void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const Pl
   const auto along = hn::Load(numbers, tables.along);
   const auto square = hn::Load(numbers, tables.square);
   const auto neighbours = hn::Load(words, tables.neighbours);
-  const auto step = kept(hn::Set(words, 0x101 * L::kStep));
+  const auto step = kept(hn::Set(words, 0x101 * L::kStep * L::kSpread));
   const auto half = [&](Pairs records, Pairs which) HWY_ATTR {
     return hn::BitCast(numbers, hn::TableLookupBytes(records, which));
   };

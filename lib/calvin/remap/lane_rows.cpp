@@ -173,7 +173,13 @@ HWY_INLINE void describe_lanes_at(int j, const Line& x_line, const Line& y_line,
   const Axis x = describe<kPixels>(x_line);
   const Axis y = describe<kPixels>(y_line);
   // All lanes of a vector read as many rows as the one that needs most.
-  const auto rows = group_maximum(y.last - y.first + hn::Set(d, 2));
+  auto rows = y.last - y.first + hn::Set(d, 2);
+  // Most vectors of wide lanes take three rows: one more costs less than a branch that cannot be
+  // foreseen.
+  if constexpr (kPixels == 8) {
+    rows = hn::Max(rows, hn::Min(hn::Set(d, 3), hn::Set(d, b.rows) - y.first));
+  }
+  rows = group_maximum(rows);
   const auto begin = x.first * hn::Set(d, kStep);
   // Any of these is negative where the lane cannot be taken quickly.
   auto spare = hn::Min(hn::Min(x.first, y.first), hn::Set(d, 0x7FFF) - hn::Max(x.steep, y.steep));
