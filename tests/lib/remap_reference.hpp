@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -107,6 +108,35 @@ double bilinear(At at, int width, int height, double x, double y) {
   const double b = y - y0;
   return (1 - b) * ((1 - a) * at(x0, y0) + a * at(x1, y0)) +
          b * ((1 - a) * at(x0, y1) + a * at(x1, y1));
+}
+
+// Keys' cubic with a = -1/2, and Lanczos' kernel with three lobes.
+inline double cubic(double t) {
+  t = std::abs(t);
+  if (t < 1) return 1.5 * t * t * t - 2.5 * t * t + 1;
+  return t < 2 ? -0.5 * t * t * t + 2.5 * t * t - 4 * t + 2 : 0;
+}
+inline double lanczos3(double t) {
+  const double a = std::numbers::pi * std::abs(t);
+  if (a < 1e-12) return 1;
+  return std::abs(t) < 3 ? 3 * std::sin(a) * std::sin(a / 3) / (a * a) : 0;
+}
+
+// The sum over a kernel's neighbours in double precision; those beyond the border are the border's.
+template <typename At, typename Kernel>
+double filtered(At at, Kernel kernel, int width, int height, double x, double y) {
+  double sum = 0;
+  double weights = 0;
+  for (int j = -2; j <= 3; ++j) {
+    for (int i = -2; i <= 3; ++i) {
+      const int column = static_cast<int>(std::floor(x)) + i;
+      const int row = static_cast<int>(std::floor(y)) + j;
+      const double w = kernel(x - column) * kernel(y - row);
+      weights += w;
+      sum += w * at(std::clamp(column, 0, width - 1), std::clamp(row, 0, height - 1));
+    }
+  }
+  return sum / weights;
 }
 
 }  // namespace calvin::reference

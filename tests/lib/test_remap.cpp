@@ -41,7 +41,7 @@ const std::vector<NamedLayout> kLayouts = {
     {"BGRx", {{}, 4, 4, 1, {10, 20, 30, 255}}},
     {"GRAY16_LE", {{}, 1, 2, 2, {4099}, kLittle}, 65535},
     {"GRAY16_BE", {{}, 1, 2, 2, {4099}, kBig}, 65535},
-    {"I420_10LE chroma", {{1, 1, true, false}, 1, 2, 2, {512}, kLittle}, 1023},
+    {"I420_10LE chroma", {{1, 1, true, false}, 1, 2, 2, {512}, kLittle, 0, std::nullopt, 10}, 1023},
     {"P010 chroma", {{1, 1, true, false}, 2, 4, 2, {512, 511}, kLittle, 6}, 1023},
     {"ARGB64_BE", {{}, 4, 8, 2, {65535, 1, 2, 3}, kBig}, 65535},
     {"I420 chroma, JPEG to MPEG-2 siting",
@@ -178,12 +178,13 @@ Comparison compare(const Lens& lens, const Undistorter& undistorter, const Named
   return result;
 }
 
-Planes undistort(const Undistorter& undistorter, std::size_t layout) {
+Planes undistort(const Undistorter& undistorter, std::size_t layout,
+                 const Sampling& sampling = {}) {
   const PlaneLayout& l = kLayouts[layout].layout;
   const ImageSize samples = plane_size(undistorter.output().image_size(), l.subsampling);
   Planes planes{make_scene(samples, kLayouts[layout]), Plane(samples, l)};
   undistorter.apply(layout, {planes.input.bytes.data(), planes.input.stride},
-                    {planes.output.bytes.data(), planes.output.stride});
+                    {planes.output.bytes.data(), planes.output.stride}, sampling);
   return planes;
 }
 
@@ -239,6 +240,58 @@ TEST_P(RemapPlane, AnIdentityCalibrationGivesIdenticalPixels) {
         const Planes planes = undistort(undistorter, i);
         EXPECT_EQ(planes.input.bytes, planes.output.bytes);
       }
+    }
+  }
+}
+
+TEST_P(RemapPlane, BicubicAndLanczosEqualDoublePrecisionWithinOneGreyLevel) {
+  const ImageSize size = GetParam();
+  const Lens& lens = kLenses[1];
+  const Camera source =
+      reference::camera(lens, size, 0.75 * size.width, 0.51 * size.width, 0.485 * size.height);
+  const Undistorter undistorter = undistorter_for(source, 0.3);
+  for (std::size_t l = 0; l < kLayouts.size(); ++l) {
+    const NamedLayout& named = kLayouts[l];
+    if (named.layout.output_subsampling) continue;
+    const PlaneLayout& layout = named.layout;
+    const Subsampling& s = layout.subsampling;
+    const auto xs = reference::sites(size.width, s.x_shift, s.x_cosited);
+    const auto ys = reference::sites(size.height, s.y_shift, s.y_cosited);
+    const int width = static_cast<int>(xs.size());
+    const int height = static_cast<int>(ys.size());
+    for (const auto interpolation : {Interpolation::kBicubic, Interpolation::kLanczos}) {
+      SCOPED_TRACE(std::string(named.name) +
+                   (interpolation == Interpolation::kLanczos ? " 3" : ""));
+      const Planes planes = undistort(undistorter, l, {interpolation, Outside::kFill});
+      double worst = 0;
+      for (int j = 0; j < height; j += 3 * kRowStep) {
+        for (int i = 0; i < width; ++i) {
+          const Pixel at =
+              reference::source_place(lens, source, undistorter.output(), xs[i], ys[j]).pixel;
+          const double inside =
+              std::min({at.u, at.v, size.width - 1 - at.u, size.height - 1 - at.v});
+          if (inside < 4e-3) continue;
+          for (int c = 0; c < layout.components; ++c) {
+            const auto offset = i * layout.pixel_step + c * layout.component_step;
+            const auto read = [&](int x, int y) {
+              return read_sample(planes.input.bytes.data() + y * planes.input.stride +
+                                     x * layout.pixel_step + c * layout.component_step,
+                                 layout);
+            };
+            const double x = reference::sample_at(xs, at.u);
+            const double y = reference::sample_at(ys, at.v);
+            const double exact =
+                interpolation == Interpolation::kBicubic
+                    ? reference::filtered(read, reference::cubic, width, height, x, y)
+                    : reference::filtered(read, reference::lanczos3, width, height, x, y);
+            const int got =
+                read_sample(planes.output.bytes.data() + j * planes.output.stride + offset, layout);
+            worst = std::max(worst, std::abs(got - std::clamp(exact, 0.0, 1.0 * named.max)));
+          }
+        }
+      }
+      // Rounding, and a level of 8 bit.
+      EXPECT_LE(worst, 0.5 + named.max / 255.0);
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "calvin/remap/lanes.hpp"
 #include "calvin/remap/pixel_kernel.hpp"
@@ -21,8 +22,11 @@ using remap::LaneLayout;
 using remap::LaneRow;
 using remap::NodeRows;
 
+constexpr bool kLittleEndian = std::endian::native == std::endian::little;
+
 LaneLayout lane_layout(const PlaneLayout& layout) {
   if (layout.sample != SampleType::kU8) {
+    if (!kLittleEndian) return LaneLayout::kNone;
     if (layout.components == 1 && layout.pixel_step == 2) return LaneLayout::kOneWord;
     const bool pairs =
         layout.components == 2 && layout.pixel_step == 4 && layout.component_step == 2;
@@ -84,6 +88,32 @@ int lane_pixels_of(const PlaneLayout& layout) noexcept {
 
 namespace {
 
+remap::WordFormat word_format(const PlaneLayout& layout) {
+  return {layout.sample == SampleType::kU16Big, layout.shift};
+}
+
+// What wide kernels take a plane as, if they do.
+std::optional<remap::WideFormat> wide_format(const PlaneMap& map, const PlaneLayout& layout,
+                                             Interpolation interpolation) {
+  const bool wide =
+      interpolation == Interpolation::kBicubic || interpolation == Interpolation::kLanczos;
+  const bool words = layout.sample != SampleType::kU8;
+  const auto bits = static_cast<int>(8 * layout.component_step);
+  const bool fits = (layout.components - 1) * bits + (words ? 16 : 8) <= 32;
+  if (!wide || !fits || !kLittleEndian || map.run_pixels() != 8) return std::nullopt;
+  remap::WideFormat format;
+  format.taps = interpolation == Interpolation::kBicubic ? 4 : 6;
+  format.components = layout.components;
+  format.component_bits = bits;
+  format.pixel_step = static_cast<int>(layout.pixel_step);
+  format.words = words;
+  format.word = word_format(layout);
+  const int depth = !words ? 8 : layout.bits > 0 ? layout.bits : 16 - layout.shift;
+  format.largest = static_cast<float>((1 << depth) - 1);
+  format.spare = (3 + format.pixel_step - 1) / format.pixel_step;
+  return format;
+}
+
 // How the vector kernels take a plane, if they do.
 LaneLayout usable_lanes(const PlaneMap& map, const PlaneLayout& layout, const Sampling& sampling) {
   const LaneLayout lanes = lane_layout(layout);
@@ -105,12 +135,13 @@ class Chunk {
         outputs_(outputs),
         sampling_(sampling),
         lanes_(usable_lanes(map, layout, sampling)),
+        wide_(wide_format(map, layout, sampling.interpolation)),
         bounds_(bounds_of(map, layout, lanes_, sources)),
-        group_(remap::lane_group()),
+        group_(wide_ ? 1 : remap::lane_group()),
         pixels_(lanes_ == LaneLayout::kNone ? map.run_pixels() : lane_pixels(lanes_)),
         first_run_(first_run),
         first_(first_run * map.run_pixels()) {
-    if (lanes_ == LaneLayout::kNone) bounds_.last_row = -1;
+    if (lanes_ == LaneLayout::kNone && !wide_) bounds_.last_row = -1;
     const int parts = map.run_pixels() / pixels_;
     runs_ = std::min(chunk_runs(map, layout), map.runs() - first_run);
     width_ = std::min(runs_ * map.run_pixels(), map.size().width - first_);
@@ -130,7 +161,11 @@ class Chunk {
     const PlaneMap::Row* limits = map_.limits(y);
     interpolate(level);
     if (limits != nullptr) take_middles(*limits);
-    remap::describe_lanes(lanes_, map_.run_pixels(), bounds_, row_);
+    if (wide_) {
+      std::fill_n(row_.rows, row_.count, 0);
+    } else {
+      remap::describe_lanes(lanes_, map_.run_pixels(), bounds_, row_);
+    }
     if (limits != nullptr) mark_invalid(*limits);
     // An uneven last sample is not where a lane has it.
     if (!map_.output_x().is_even()) mark_slow(whole_groups_ * group_, row_.count);
@@ -190,6 +225,7 @@ class Chunk {
   }
 
   void blend(int y) noexcept {
+    if (wide_) return blend_wide(y);
     if (bounds_.last_row < 0) return;
     const int whole = std::min(whole_groups_ * group_, row_.count);
     remap::PlaneRows planes{};
@@ -216,12 +252,18 @@ class Chunk {
     }
   }
 
+  // What one plane's memory does not allow is left to the other kernel for all of them.
+  void blend_wide(int y) noexcept {
+    if (width_ % pixels_ != 0) mark_slow(row_.count - 1, row_.count);
+    for (std::size_t p = 0; p < sources_.size(); ++p) {
+      remap::blend_wide_lanes(*wide_, bounds_, row_, sources_[p].data, output_at(p, y, 0));
+    }
+  }
+
   void blend(int begin, int end, const remap::PlaneRows& planes) noexcept {
     const bool nearest = sampling_.interpolation == Interpolation::kNearest;
     if (is_words(lanes_)) {
-      constexpr bool kLittle = std::endian::native == std::endian::little;
-      const bool swapped = (layout_.sample == SampleType::kU16Little) != kLittle;
-      remap::blend_word_lanes(lanes_, {swapped, layout_.shift}, row_, begin, end, bounds_.stride,
+      remap::blend_word_lanes(lanes_, word_format(layout_), row_, begin, end, bounds_.stride,
                               nearest, planes);
       return;
     }
@@ -255,6 +297,7 @@ class Chunk {
   std::span<const PlaneMemory<std::uint8_t>> outputs_;
   const Sampling& sampling_;
   LaneLayout lanes_;
+  std::optional<remap::WideFormat> wide_;
   remap::SourceBounds bounds_;
   int group_;
   int pixels_;     // of a lane

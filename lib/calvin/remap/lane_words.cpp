@@ -15,6 +15,8 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
+#include "calvin/remap/lane_places-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
@@ -27,64 +29,22 @@ void blend_words_of(LaneLayout /*layout*/, WordFormat /*format*/, const LaneRow&
 
 #else
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-// A lane has eight samples, of which a vector holds all or a part.
-constexpr int kPixels = 8;
-using Floats = hn::CappedTag<float, kPixels>;
-using Ints = hn::RebindToSigned<Floats>;
-using Words = hn::RebindToUnsigned<Floats>;
-using Values = hn::Vec<Floats>;
-using Offsets = hn::Vec<Ints>;
-using Pairs = hn::Vec<Words>;
-
-// Places of successive samples along one axis: whole samples, and the rest.
-struct Places {
-  Offsets whole;
-  Values rest;
-};
-HWY_INLINE Places places_at(const RunParabola& parabola, Values t, bool nearest) {
-  const Floats d;
-  const Ints ints;
-  const auto at = hn::MulAdd(t,
-                             hn::MulAdd(t, hn::Set(d, static_cast<float>(parabola.bend)),
-                                        hn::Set(d, static_cast<float>(parabola.slope))),
-                             hn::Set(d, static_cast<float>(parabola.middle)));
-  const auto down = hn::Floor(at);
-  const auto rest = at - down;
-  return {hn::ConvertTo(ints, down), nearest ? hn::Round(rest) : rest};
-}
-
 // Two 16-bit samples of each result, as their values.
-struct Values2 {
+struct Pair {
   Values low;
   Values high;
 };
-HWY_INLINE Values2 values_of(Pairs pairs, WordFormat format) {
-  const Words d;
-  const Ints ints;
-  const Floats floats;
-  if (format.swapped) {
-    const auto bytes = hn::Set(d, 0x00FF00FF);
-    pairs =
-        hn::Or(hn::ShiftLeft<8>(hn::And(pairs, bytes)), hn::And(hn::ShiftRight<8>(pairs), bytes));
-  }
-  const auto low = hn::ShiftRightSame(hn::And(pairs, hn::Set(d, 0xFFFF)), format.shift);
-  const auto high = hn::ShiftRightSame(hn::ShiftRight<16>(pairs), format.shift);
-  return {hn::ConvertTo(floats, hn::BitCast(ints, low)),
-          hn::ConvertTo(floats, hn::BitCast(ints, high))};
+HWY_INLINE Pair pair_of(hn::Vec<Words> memory, WordFormat format) {
+  return {value_at<true>(memory, format, 0), value_at<true>(memory, format, 16)};
 }
 
 // The inverse, of rounded values.
-HWY_INLINE Pairs pairs_of(Values low, Values high, WordFormat format) {
-  const Words d;
+HWY_INLINE hn::Vec<Words> memory_of(const Pair& pair, WordFormat format) {
   const auto word = [&](Values v) HWY_ATTR {
-    return hn::ShiftLeftSame(hn::BitCast(d, hn::NearestInt(v)), format.shift);
+    return hn::ShiftLeftSame(hn::BitCast(Words(), hn::NearestInt(v)), format.shift);
   };
-  const auto pairs = hn::Or(word(low), hn::ShiftLeft<16>(word(high)));
-  if (!format.swapped) return pairs;
-  const auto bytes = hn::Set(d, 0x00FF00FF);
-  return hn::Or(hn::ShiftLeft<8>(hn::And(pairs, bytes)), hn::And(hn::ShiftRight<8>(pairs), bytes));
+  const auto memory = hn::Or(word(pair.low), hn::ShiftLeft<16>(word(pair.high)));
+  return format.swapped ? swap_bytes(memory) : memory;
 }
 
 HWY_INLINE Values between(Values a, Values b, Values weight) {
@@ -92,34 +52,36 @@ HWY_INLINE Values between(Values a, Values b, Values weight) {
 }
 
 // One component: a pair is two neighbours.
-HWY_INLINE void blend_one(const std::uint8_t* upper, const std::uint8_t* lower, Offsets offsets,
-                          Values across, Values down, WordFormat format, std::uint8_t* out) {
+HWY_INLINE void blend_one(const std::uint8_t* upper, const std::uint8_t* lower,
+                          hn::Vec<Ints> offsets, Values across, Values down, WordFormat format,
+                          std::uint8_t* out) {
   const Words d;
   const auto row = [&](const std::uint8_t* at) HWY_ATTR {
-    const Values2 v =
-        values_of(hn::GatherOffset(d, reinterpret_cast<const std::uint32_t*>(at), offsets), format);
+    const Pair v =
+        pair_of(hn::GatherOffset(d, reinterpret_cast<const std::uint32_t*>(at), offsets), format);
     return between(v.low, v.high, across);
   };
   const auto value = between(row(upper), row(lower), down);
   const hn::Rebind<std::uint16_t, Words> half;
-  const auto words = pairs_of(value, hn::Zero(Floats()), format);
+  const auto words = memory_of({value, hn::Zero(Floats())}, format);
   hn::StoreU(hn::DemoteTo(half, hn::BitCast(Ints(), words)), half,
              reinterpret_cast<std::uint16_t*>(out));
 }
 
 // Two components: a pair is one sample.
-HWY_INLINE void blend_two(const std::uint8_t* upper, const std::uint8_t* lower, Offsets offsets,
-                          Values across, Values down, WordFormat format, std::uint8_t* out) {
+HWY_INLINE void blend_two(const std::uint8_t* upper, const std::uint8_t* lower,
+                          hn::Vec<Ints> offsets, Values across, Values down, WordFormat format,
+                          std::uint8_t* out) {
   const Words d;
   const auto row = [&](const std::uint8_t* at) HWY_ATTR {
     const auto* pairs = reinterpret_cast<const std::uint32_t*>(at);
-    const Values2 left = values_of(hn::GatherOffset(d, pairs, offsets), format);
-    const Values2 right = values_of(hn::GatherOffset(d, pairs + 1, offsets), format);
-    return Values2{between(left.low, right.low, across), between(left.high, right.high, across)};
+    const Pair left = pair_of(hn::GatherOffset(d, pairs, offsets), format);
+    const Pair right = pair_of(hn::GatherOffset(d, pairs + 1, offsets), format);
+    return Pair{between(left.low, right.low, across), between(left.high, right.high, across)};
   };
-  const Values2 a = row(upper);
-  const Values2 b = row(lower);
-  hn::StoreU(pairs_of(between(a.low, b.low, down), between(a.high, b.high, down), format), d,
+  const Pair a = row(upper);
+  const Pair b = row(lower);
+  hn::StoreU(memory_of({between(a.low, b.low, down), between(a.high, b.high, down)}, format), d,
              reinterpret_cast<std::uint32_t*>(out));
 }
 
@@ -133,9 +95,8 @@ HWY_INLINE void blend_lane(const LaneRow& row, int j, WordFormat format, std::in
   const RunParabola py(row.y + j, kPixels);
   constexpr int kStep = static_cast<int>(hn::MaxLanes(d));
   for (int i = 0; i < kPixels; i += kStep) {
-    const auto t = hn::Iota(d, static_cast<float>(i) - (kPixels - 1) / 2.0F);
-    const Places x = places_at(px, t, nearest);
-    const Places y = places_at(py, t, nearest);
+    const Places x = places_at(px, i, nearest);
+    const Places y = places_at(py, i, nearest);
     const auto offsets = y.whole * hn::Set(Ints(), stride) + hn::ShiftLeft<kComponents>(x.whole);
     for (int p = 0; p < planes.planes; ++p) {
       const std::uint8_t* source = planes.source[p];

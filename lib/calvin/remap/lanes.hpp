@@ -151,6 +151,23 @@ struct WordFormat {
 void blend_word_lanes(LaneLayout layout, WordFormat format, const LaneRow& row, int begin, int end,
                       std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept;
 
+// Memory whose components lie within 32 bits, and the kernel that it is resampled with.
+struct WideFormat {
+  int taps = 4;  // bicubic, 6: Lanczos
+  int components = 1;
+  int component_bits = 8;  // from one to the next
+  int pixel_step = 1;      // bytes
+  bool words = false;      // 16-bit samples
+  WordFormat word;
+  float largest = 255;
+  int spare = 3;  // columns at the end whose 32 bits may reach beyond the row
+};
+
+// Bicubic or Lanczos over the `row.count` runs of 8 samples that are not slow. Those that it cannot
+// take are slow afterwards. `output` is the first sample of the chunk.
+void blend_wide_lanes(const WideFormat& format, const SourceBounds& bounds, LaneRow& row,
+                      const std::uint8_t* source, std::uint8_t* output) noexcept;
+
 // Lanes that the kernel takes at a time on this machine: 1, 2 or 4.
 [[nodiscard]] int lane_group() noexcept;
 

@@ -51,19 +51,21 @@ struct Word {
   Sum largest;
 };
 
+constexpr int kSteps = 1024;
+
 // The weights of a kernel that is as wide as `kTaps`, for a place between the middle two of them,
-// by 1/256; they add up to 1.
+// by 1/kSteps; they add up to 1.
 template <int kTaps>
 using Weights = std::array<float, kTaps>;
 
 template <int kTaps, typename Kernel>
-std::array<Weights<kTaps>, 257> make_table(Kernel kernel) {
-  std::array<Weights<kTaps>, 257> table;
+std::array<Weights<kTaps>, kSteps + 1> make_table(Kernel kernel) {
+  std::array<Weights<kTaps>, kSteps + 1> table;
   for (std::size_t i = 0; i < table.size(); ++i) {
     std::array<double, kTaps> exact;
     double sum = 0;
     for (int k = 0; k < kTaps; ++k) {
-      sum += exact[k] = kernel(static_cast<double>(i) / 256 - k + (kTaps / 2 - 1));
+      sum += exact[k] = kernel(static_cast<double>(i) / kSteps - k + (kTaps / 2 - 1));
     }
     for (int k = 0; k < kTaps; ++k) table[i][k] = static_cast<float>(exact[k] / sum);
   }
@@ -200,12 +202,12 @@ class Sampler {
   }
 
   template <std::size_t kTaps>
-  void wide(double x, double y, const std::array<std::array<float, kTaps>, 257>& table,
+  void wide(double x, double y, const std::array<std::array<float, kTaps>, kSteps + 1>& table,
             std::uint8_t* out) const noexcept {
     const int column = static_cast<int>(std::floor(x));
     const int row = static_cast<int>(std::floor(y));
-    const auto& across = table[static_cast<std::size_t>(std::lrint((x - column) * 256))];
-    const auto& down = table[static_cast<std::size_t>(std::lrint((y - row) * 256))];
+    const auto& across = table[static_cast<std::size_t>(std::lrint((x - column) * kSteps))];
+    const auto& down = table[static_cast<std::size_t>(std::lrint((y - row) * kSteps))];
     const int before = static_cast<int>(kTaps) / 2 - 1;
     std::array<int, kTaps> columns;
     for (std::size_t k = 0; k < kTaps; ++k) {
