@@ -6,6 +6,7 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "calvin/remap/undistorter.hpp"
 #include "remap_reference.hpp"
@@ -299,6 +300,48 @@ TEST_P(RemapPlane, BicubicAndLanczosEqualDoublePrecisionWithinOneGreyLevel) {
 INSTANTIATE_TEST_SUITE_P(Sizes, RemapPlane,
                          ::testing::Values(ImageSize{641, 479}, ImageSize{322, 242}),
                          [](const auto& size) { return std::to_string(size.param.width); });
+
+#if HWY_ARCH_X86
+// The one that the machine takes is compared with the reference above.
+TEST(RemapLanes, EveryInstructionSetGivesTheSame) {
+  const ImageSize size = {322, 242};
+  const Camera source = reference::camera(kLenses[3], size, 240, 160, 119);
+  const Undistorter undistorter = undistorter_for(source, 0.4);
+  for (std::size_t l = 0; l < kLayouts.size(); ++l) {
+    const NamedLayout& named = kLayouts[l];
+    const ImageSize samples = plane_size(size, named.layout.subsampling);
+    for (const auto interpolation : {Interpolation::kNearest, Interpolation::kBilinear,
+                                     Interpolation::kBicubic, Interpolation::kLanczos}) {
+      const Sampling sampling = {interpolation, Outside::kReplicate};
+      const Planes best = undistort(undistorter, l, sampling);
+      // Bits below a target's are those of later instructions.
+      for (const auto target : {HWY_AVX2, HWY_SSE4, HWY_SSSE3, HWY_STATIC_TARGET}) {
+        SCOPED_TRACE(std::string(named.name) + " " + hwy::TargetName(target));
+        hwy::DisableTargets(static_cast<std::int64_t>(target) - 1);
+        const Planes planes = undistort(undistorter, l, sampling);
+        hwy::DisableTargets(0);
+        int apart = 0;
+        for (int y = 0; y < samples.height; ++y) {
+          for (int x = 0; x < samples.width; ++x) {
+            for (int c = 0; c < named.layout.components; ++c) {
+              const auto at = y * best.output.stride + x * named.layout.pixel_step +
+                              c * named.layout.component_step;
+              const int difference = read_sample(best.output.bytes.data() + at, named.layout) -
+                                     read_sample(planes.output.bytes.data() + at, named.layout);
+              // Between two samples the nearest is whichever rounding takes.
+              const double allowed = interpolation == Interpolation::kNearest
+                                         ? 0
+                                         : std::max(1.0, 1.5 * named.max / 255);
+              if (std::abs(difference) > allowed) ++apart;
+            }
+          }
+        }
+        EXPECT_LE(apart, interpolation == Interpolation::kNearest ? 200 : 0);
+      }
+    }
+  }
+}
+#endif
 
 TEST(RemapMap, StaysInsideThePlaneForExtremeCalibrations) {
   std::mt19937 random(11);
