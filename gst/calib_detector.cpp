@@ -195,7 +195,7 @@ std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_toke
     detection.observation.image_size = image.size();
     if (!stop.stop_requested()) {
       const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
-      report(job, detection, board, static_cast<guint64>(us));
+      worker_.deliver(stop, [&] { report(job, detection, board, static_cast<guint64>(us)); });
     }
     found.push_back(std::move(detection.observation));
   }

@@ -246,10 +246,10 @@ void CalibSolver::run(const Job& job, const std::stop_token& stop) {
   g_autoptr(GDateTime) now = g_date_time_new_now_utc();
   g_autofree char* created = g_date_time_format(now, "%Y-%m-%dT%H:%M:%SZ");
   solution->calibration.created = created;
-  publish(job, *solution);
+  publish(job, *solution, stop);
 }
 
-void CalibSolver::publish(const Job& job, const Solution& solution) {
+void CalibSolver::publish(const Job& job, const Solution& solution, const std::stop_token& stop) {
   const Calibration& calibration = solution.calibration;
   Guidance now;
   bool better = false;
@@ -258,10 +258,6 @@ void CalibSolver::publish(const Job& job, const Solution& solution) {
     if (job.generation != generation_) return;
     calibration_ = calibration;
     solve_error_.clear();
-    if (job.final) {
-      final_owed_ = false;
-      final_revision_ = job.revision;
-    }
     now = make_guidance(session_.progress(), calibration_);
     better = job.final || !anything_written_ ||
              calibration.expected_error.value_or(HUGE_VAL) < written_error_.value_or(HUGE_VAL);
@@ -279,8 +275,22 @@ void CalibSolver::publish(const Job& job, const Solution& solution) {
       written_error_ = calibration.expected_error;
     }
     if (news) {
-      const Posting posting(element_);
-      post_warning(element_, written.error());
+      worker_.deliver(stop, [&] {
+        const Posting posting(element_);
+        post_warning(element_, written.error());
+      });
+    }
+  }
+  worker_.deliver(stop, [&] { announce(job, solution, now); });
+}
+
+void CalibSolver::announce(const Job& job, const Solution& solution, const Guidance& now) {
+  const Calibration& calibration = solution.calibration;
+  if (job.final) {
+    const std::lock_guard guard(lock_);
+    if (job.generation == generation_) {
+      final_owed_ = false;
+      final_revision_ = job.revision;
     }
   }
   const auto json = print_calibration(calibration);

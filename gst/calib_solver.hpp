@@ -90,9 +90,10 @@ class CalibSolver {
   void consider();
   void request(bool final);
   [[nodiscard]] Status verdict() const;
-  // These two on the worker.
+  // These three on the worker.
   void run(const Job& job, const std::stop_token& stop);
-  void publish(const Job& job, const Solution& solution);
+  void publish(const Job& job, const Solution& solution, const std::stop_token& stop);
+  void announce(const Job& job, const Solution& solution, const Guidance& now);
   void post_solve_progress(GstProgressType type, const std::string& text);
 
   GstElement* element_;

@@ -21,6 +21,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <gst/base/gstpushsrc.h>
 #include <gst/video/video.h>
@@ -282,9 +283,22 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
   return TRUE;
 }
 
+// Whether the pipeline, or a bin on the way to it, is on its way down: sinks first.
+static bool gst_calib_test_src_goes_down(GstBaseSrc* src) {
+  g_autoptr(GstObject) object = GST_OBJECT(gst_object_ref(src));
+  while (object != nullptr) {
+    if (GST_IS_ELEMENT(object) && GST_STATE_TARGET(object) <= GST_STATE_READY) return true;
+    GstObject* parent = gst_object_get_parent(object);
+    gst_object_unref(std::exchange(object, parent));
+  }
+  return false;
+}
+
 static gboolean gst_calib_test_src_negotiate(GstBaseSrc* src) {
   g_autoptr(GstCaps) wanted = gst_pad_get_allowed_caps(GST_BASE_SRC_PAD(src));
   if (wanted != nullptr && gst_caps_is_empty(wanted)) {
+    // Elements that have stopped already may take nothing: the next frame finds them flushing.
+    if (GST_CALIB_TEST_SRC(src)->state->scene && gst_calib_test_src_goes_down(src)) return TRUE;
     gst::post_error(GST_ELEMENT(src),
                     {ErrorCode::kUnsupported,
                      "Downstream takes no video that calibtestsrc makes (I420, NV12, YUY2, BGRx or "

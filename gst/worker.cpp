@@ -40,15 +40,9 @@ class Everyone {
   }
   struct JoinAtExit {
     ~JoinAtExit() {
-      for (;;) {
-        Worker* worker = nullptr;
-        {
-          const std::lock_guard guard(members().lock);
-          if (members().workers.empty()) return;
-          worker = *members().workers.begin();
-        }
-        worker->join();
-      }
+      // Whoever frees one of them meanwhile waits in remove().
+      const std::lock_guard guard(members().lock);
+      for (Worker* worker : members().workers) worker->join();
     }
   };
 };
@@ -63,8 +57,11 @@ void Worker::start() {
     cancelled_ = false;
     if (std::exchange(alive_, true)) return;  // still at an old job, and good for new ones
   }
-  if (thread_.joinable()) thread_.join();
-  thread_ = std::thread([this] { run(); });
+  {
+    const std::lock_guard guard(joining_);
+    if (thread_.joinable()) thread_.join();
+    thread_ = std::thread([this] { run(); });
+  }
   Everyone::add(this);
 }
 
@@ -87,12 +84,22 @@ bool Worker::drain() {
   return !cancelled_;
 }
 
+bool Worker::deliver(const std::stop_token& stop, const std::function<void()>& tell) {
+  const std::lock_guard guard(delivering_);
+  if (stop.stop_requested()) return false;
+  tell();
+  return true;
+}
+
 void Worker::cancel() {
-  const std::lock_guard guard(lock_);
-  cancelled_ = true;
-  waiting_ = nullptr;
-  running_.request_stop();
-  changed_.notify_all();
+  {
+    const std::lock_guard guard(lock_);
+    cancelled_ = true;
+    waiting_ = nullptr;
+    running_.request_stop();
+    changed_.notify_all();
+  }
+  const std::lock_guard guard(delivering_);
 }
 
 void Worker::resume() {
@@ -107,9 +114,14 @@ void Worker::stop() {
   changed_.notify_all();
 }
 
+Worker::~Worker() {
+  Everyone::remove(this);
+  join();
+}
+
 void Worker::join() {
   stop();
-  Everyone::remove(this);
+  const std::lock_guard guard(joining_);
   if (thread_.joinable()) thread_.join();
 }
 

@@ -23,7 +23,7 @@ class Worker {
   Worker() = default;
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
-  ~Worker() { join(); }
+  ~Worker();
 
   void start();
 
@@ -38,14 +38,19 @@ class Worker {
   // came first.
   bool drain();
 
+  // For a job, with its own token: calls `tell`, unless it was cancelled. After cancel() nothing is
+  // told any more: those that listen may be gone, such as the bin that the element was in.
+  bool deliver(const std::stop_token& stop, const std::function<void()>& tell);
+
   // Asks the running job to stop, forgets the waiting one, wakes drain() and refuses new jobs
-  // until resume(). Returns at once.
+  // until resume(). Returns at once, or when what a job is telling has been told.
   void cancel();
   void resume();
 
   // cancel(), and the thread ends soon. Returns at once.
   void stop();
-  // stop(), and waits for the thread: for whoever owns what the jobs use, before that goes.
+  // stop(), and waits for the thread: for whoever owns what the jobs use, before that goes. At the
+  // end of a program two threads may do so at once.
   void join();
 
  private:
@@ -53,7 +58,9 @@ class Worker {
 
   std::mutex lock_;
   std::condition_variable changed_;
-  std::thread thread_;
+  std::recursive_mutex delivering_;  // whoever is told something may cancel
+  std::mutex joining_;
+  std::thread thread_;  // under joining_
   Job waiting_;
   std::stop_source running_;
   bool busy_ = false;

@@ -134,6 +134,37 @@ GST_START_TEST(test_start_works_again_after_stop) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_nothing_is_told_after_cancel) {
+  for (int i = 0; i < 200; ++i) {
+    Worker worker;
+    worker.start();
+    std::atomic<bool> listening = true;
+    std::atomic<bool> begun = false;
+    worker.offer([&](std::stop_token stop) {
+      do {
+        begun = true;
+      } while (worker.deliver(stop, [&] { fail_unless(listening); }));
+    });
+    while (!begun) std::this_thread::yield();
+    worker.cancel();
+    listening = false;
+    worker.join();
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_two_threads_may_join) {
+  for (int i = 0; i < 200; ++i) {
+    Worker worker;
+    worker.start();
+    worker.offer([](std::stop_token) {});
+    std::thread other([&] { worker.join(); });
+    worker.join();
+    other.join();
+  }
+}
+GST_END_TEST;
+
 static Suite* worker_suite() {
   Suite* suite = suite_create("worker");
   TCase* tc = tcase_create("general");
@@ -144,6 +175,8 @@ static Suite* worker_suite() {
   tcase_add_test(tc, test_drain_leaves_no_job_in_memory);
   tcase_add_test(tc, test_start_works_again_after_stop);
   suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_nothing_is_told_after_cancel);
+  tcase_add_test(tc, test_two_threads_may_join);
   return suite;
 }
 

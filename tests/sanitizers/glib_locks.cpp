@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Tells the thread sanitizer of GLib's mutexes. GLib makes them of futexes and is not instrumented:
-// without this, two threads that GST_OBJECT_LOCK or a queue keeps apart look like a race. Linked
-// into the tests, these functions stand before GLib's own for everybody but GLib itself.
+// Tells the thread sanitizer of GLib's mutexes and of GStreamer's buffer pools. GLib makes the
+// first of futexes and is not instrumented: without this, two threads that GST_OBJECT_LOCK or a
+// queue keeps apart look like a race. The second hand a buffer from the thread that was done with
+// it to the one that fills it anew through an atomic queue. Linked into the tests, these functions
+// stand before the libraries' own for everybody but those themselves.
 
 #include <dlfcn.h>
 
-#include <glib.h>
+#include <gst/gst.h>
 
 extern "C" void __tsan_acquire(void* address);
 extern "C" void __tsan_release(void* address);
@@ -55,6 +57,22 @@ gboolean g_cond_wait_until(GCond* condition, GMutex* mutex, gint64 end_time) {
   const gboolean in_time = kReal(condition, mutex, end_time);
   __tsan_acquire(mutex);
   return in_time;
+}
+
+void gst_mini_object_unref(GstMiniObject* object) {
+  static auto* const kReal = next<void(GstMiniObject*)>("gst_mini_object_unref");
+  __tsan_release(object);
+  kReal(object);
+}
+
+GstFlowReturn gst_buffer_pool_acquire_buffer(GstBufferPool* pool, GstBuffer** buffer,
+                                             GstBufferPoolAcquireParams* params) {
+  static auto* const kReal =
+      next<GstFlowReturn(GstBufferPool*, GstBuffer**, GstBufferPoolAcquireParams*)>(
+          "gst_buffer_pool_acquire_buffer");
+  const GstFlowReturn result = kReal(pool, buffer, params);
+  if (result == GST_FLOW_OK) __tsan_acquire(*buffer);
+  return result;
 }
 
 }  // extern "C"
