@@ -45,7 +45,7 @@ using gst::FrameWarp;
 
 namespace {
 
-enum Property { kCalibration = 1, kEnabled, kOutputCalibration, kFirstOfView };
+enum Property { kCalibration = 1, kSettings, kEnabled, kOutputCalibration, kFirstOfView };
 GParamSpec* output_calibration_spec;
 
 struct Settings {
@@ -338,6 +338,7 @@ static void gst_calib_undistort_set_property(GObject* object, guint id, const GV
   const std::lock_guard guard(s.lock);
   switch (id) {
     case kCalibration:
+    case kSettings:
       s.settings.calibration = gst::string_of(value);
       s.calibration_changed = true;
       break;
@@ -356,6 +357,7 @@ static void gst_calib_undistort_get_property(GObject* object, guint id, GValue* 
   const std::lock_guard guard(s.lock);
   switch (id) {
     case kCalibration:
+    case kSettings:
       gst::set_string(value, s.settings.calibration);
       break;
     case kEnabled:
@@ -395,6 +397,11 @@ static void install_properties(GObjectClass* object_class) {
           "as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the calibration "
           "event of an element upstream",
           nullptr, gst::kMutablePlaying));
+  install(kSettings,
+          g_param_spec_string("settings", "Settings",
+                              "The same as calibration, by the name that cameraundistort has for "
+                              "it: its pipelines work with this element in its place",
+                              nullptr, gst::kMutablePlaying));
   install(kEnabled, g_param_spec_boolean("enabled", "Enabled",
                                          "Undistort; off: the frames pass through untouched, "
                                          "or scaled where the output has another size",
