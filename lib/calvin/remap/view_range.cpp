@@ -64,13 +64,12 @@ std::optional<Pixel> find_centre(const Scene& scene) {
   return std::nullopt;
 }
 
-// The ideal point furthest from `centre` on the way to `edge` that is still valid.
+// The ideal point furthest from `centre` on the way to `edge`, which is not valid, that still is.
 Pixel last_valid(const Scene& scene, Pixel centre, Pixel edge) {
-  if (const auto point = scene.ideal_point(edge)) return *point;
   Pixel found = *scene.ideal_point(centre);
   double low = 0;
   double high = 1;
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 26; ++i) {  // 1e-5 px of the largest picture
     const double t = (low + high) / 2;
     const auto point = scene.ideal_point(between(centre, edge, t));
     (point ? low : high) = t;
@@ -97,11 +96,10 @@ Seen seen_region(const Scene& scene) {
     for (int i = 0; i < kSamplesPerSide; ++i) {
       const Pixel edge =
           between(corners[side], corners[(side + 1) % 4], static_cast<double>(i) / kSamplesPerSide);
-      seen.border.push_back(last_valid(scene, *centre, edge));
-      if (!seen.cut) {
-        const auto ray = source.unproject(edge);
-        seen.cut = ray && !to_plane(scene.projection, *ray);
-      }
+      const auto ray = source.unproject(edge);
+      const auto point = ray ? to_plane(scene.projection, *ray) : std::nullopt;
+      seen.cut = seen.cut || (ray && !point);
+      seen.border.push_back(point ? *point : last_valid(scene, *centre, edge));
     }
   }
   return seen;
@@ -205,21 +203,27 @@ class BorderCheck {
       pixels_.push_back({0, 0.0 + y});
       pixels_.push_back({output.width - 1.0, 0.0 + y});
     }
-    first_ = pixels_.front();
+    constexpr std::size_t kSome = 16;
+    for (std::size_t i = 0; i < pixels_.size(); i += kSome) some_.push_back(pixels_[i]);
   }
 
-  bool passes(const Camera& plane) {
-    const Eye eye(scene_.projection, plane, Eigen::Matrix3d::Identity());
-    if (!valid(eye, first_)) return false;
-    for (const Pixel& pixel : pixels_) {
-      if (valid(eye, pixel)) continue;
-      first_ = pixel;
-      return false;
-    }
-    return true;
+  // Only some of the pixels, and all that have failed before.
+  [[nodiscard]] bool some_pass(const Camera& plane) const {
+    const Eye eye = eye_of(plane);
+    return std::all_of(some_.rbegin(), some_.rend(), [&](Pixel p) { return valid(eye, p); });
+  }
+  bool all_pass(const Camera& plane) {
+    const Eye eye = eye_of(plane);
+    const auto it = std::find_if(pixels_.begin(), pixels_.end(),
+                                 [&](const Pixel& p) { return !valid(eye, p); });
+    if (it != pixels_.end()) some_.push_back(*it);
+    return it == pixels_.end();
   }
 
  private:
+  [[nodiscard]] Eye eye_of(const Camera& plane) const {
+    return {scene_.projection, plane, Eigen::Matrix3d::Identity()};
+  }
   [[nodiscard]] bool valid(const Eye& eye, Pixel at) const {
     constexpr double kSlack = 0.5 / 1024;
     const ImageSize seen = scene_.source.image_size();
@@ -231,17 +235,16 @@ class BorderCheck {
 
   const Scene& scene_;
   std::vector<Pixel> pixels_;
-  Pixel first_;  // that failed last: it will again
+  std::vector<Pixel> some_;
 };
 
-// Takes the little off that slipped between the samples of the border.
-Frame shrink_to_valid(const Scene& scene, ImageSize output, Frame view) {
-  BorderCheck check(scene, output);
+// The largest view of that middle, up to `size`, of which some pixels are valid.
+double largest_of_some(const BorderCheck& check, const Scene& scene, ImageSize output, Frame view) {
   const auto fits = [&](double size) {
     const auto camera = to_camera(scene.source, output, {view.x, view.y, size});
-    return camera && check.passes(*camera);
+    return camera && check.some_pass(*camera);
   };
-  if (fits(view.size)) return view;
+  if (fits(view.size)) return view.size;
   double low = view.size * 0.99;
   double high = view.size;
   for (int i = 0; i < 100 && !fits(low); ++i) {
@@ -252,7 +255,17 @@ Frame shrink_to_valid(const Scene& scene, ImageSize output, Frame view) {
     const double middle = (low + high) / 2;
     (fits(middle) ? low : high) = middle;
   }
-  view.size = low;
+  return low;
+}
+
+// Takes the little off that slipped between the samples of the border.
+Frame shrink_to_valid(const Scene& scene, ImageSize output, Frame view) {
+  BorderCheck check(scene, output);
+  for (int i = 0; i < 50; ++i) {
+    view.size = largest_of_some(check, scene, output, view);
+    const auto camera = to_camera(scene.source, output, view);
+    if (!camera || check.all_pass(*camera)) break;
+  }
   return view;
 }
 
