@@ -171,6 +171,36 @@ GST_START_TEST(test_an_animated_view_is_exact_to_the_frame_in_a_live_stream) {
 }
 GST_END_TEST;
 
+// A few frames; CALVIN_FULL=1: those of a second.
+GST_START_TEST(test_4k_with_a_new_pan_at_every_frame) {
+  const int frames = std::getenv("CALVIN_FULL") != nullptr ? 60 : 3;
+  const ImageSize size = {3840, 2160};
+  const std::string json =
+      print_calibration(camera_of(kBarrel).scaled(size).to_calibration()).value();
+  Fixture f("calibundistort");
+  Fixture still("calibundistort");
+  g_object_set(f.element, "calibration", json.c_str(), nullptr);
+  g_object_set(still.element, "calibration", json.c_str(), nullptr);
+  f.set_caps("NV12", size);
+  still.set_caps("NV12", size);
+  GstControlSource* pan = animate(f.element, "pan", -30, 30);
+  for (int n = 0; n < frames; ++n) {
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, Fixture::noise("NV12", size, n % 25));
+    double value = 0;
+    fail_unless(gst_control_source_get_value(pan, GST_BUFFER_PTS(out), &value));
+    g_object_set(still.element, "pan", value, nullptr);
+    g_autoptr(GstBuffer) want =
+        gst_harness_push_and_pull(still.h, Fixture::noise("NV12", size, n % 25));
+    GstMapInfo map;
+    gst_buffer_map(want, &map, GST_MAP_READ);
+    fail_unless(gst_buffer_memcmp(out, 0, map.data, map.size) == 0, "frame %d", n);
+    gst_buffer_unmap(want, &map);
+  }
+  fail_unless_equals_int(gst_harness_buffers_received(f.h), frames);
+  gst_object_unref(pan);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_a_camera_that_turns_is_announced_once) {
   Fixture f("calibundistort");
   g_object_set(f.element, "calibration", kBarrel, nullptr);
@@ -315,6 +345,7 @@ static Suite* calibundistort_views_suite() {
   tcase_add_test(tc, test_threads_share_the_rows);
   tcase_add_test(tc, test_an_animated_view_is_exact_to_the_frame);
   tcase_add_test(tc, test_an_animated_view_is_exact_to_the_frame_in_a_live_stream);
+  tcase_add_test(tc, test_4k_with_a_new_pan_at_every_frame);
   tcase_add_test(tc, test_a_camera_that_turns_is_announced_once);
   tcase_add_test(tc, test_an_impossible_view_is_limited_with_a_warning);
   tcase_add_test(tc, test_a_view_to_the_back_is_black_and_no_error);
