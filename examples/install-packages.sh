@@ -9,7 +9,7 @@ build="gcc g++ meson ninja-build pkg-config
   gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good
   libeigen3-dev libhwy-dev libfmt-dev nlohmann-json3-dev libexpected-dev
   libopencv-dev libcairo2-dev libpango1.0-dev libyaml-cpp-dev libpugixml-dev"
-test="libgtest-dev libceres-dev libjpeg-dev locales python3 python3-gst-1.0
+test="libgtest-dev libceres-dev libjpeg-dev locales ffmpeg python3 python3-gst-1.0
   gir1.2-gst-rtsp-server-1.0
   fonts-dejavu-core poppler-utils
   clang-format-14 clang-tidy-14"

@@ -11,7 +11,6 @@
 
 #include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/remap/fit.hpp"
 #include "values.hpp"
 
 namespace calvin::gst {
@@ -44,6 +43,7 @@ void CalibrationInput::reset() {
   from_event_.reset();
   event_.reset();
   frames_ = {};
+  part_.reset();
   upright_ = {};
   camera_.reset();
   changed_ = true;
@@ -58,12 +58,13 @@ void CalibrationInput::set_text(const std::string& text) {
   said_.clear();
 }
 
-void CalibrationInput::set_frames(const GstVideoInfo& info) {
+void CalibrationInput::set_frames(const GstVideoInfo& info, const std::optional<FramePart>& part) {
+  part_ = part;
   frames_ = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
   interlaced_ = GST_VIDEO_INFO_IS_INTERLACED(&info);
   camera_.reset();
   changed_ = true;
-  said_.clear();
+  if (!part) said_.clear();  // a part may move with every frame
 }
 
 void CalibrationInput::set_upright(Orientation upright) {
@@ -135,7 +136,8 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
   // What does not say its size is taken to be for the frames that it meets first: there is no
   // telling later which of two sizes it is right for.
   if (known->image_size == ImageSize{}) known->image_size = frames_;
-  auto fitted = fit_to_frame(*known, frames_, upright_);
+  auto fitted = part_ ? fit_to_part(*known, *part_, upright_)
+                      : fit_to_frame(*known, frames_, upright_);
   if (!fitted) {
     say(fitted.error(), errors);
     return;

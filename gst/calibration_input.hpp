@@ -13,6 +13,7 @@
 
 #include "calibration_setting.hpp"
 #include "calvin/camera/camera.hpp"
+#include "calvin/remap/fit.hpp"
 #include "event_ptr.hpp"
 
 namespace calvin::gst {
@@ -23,7 +24,8 @@ class CalibrationInput {
   // Forgets the stream: its format and its events; the setting is read anew.
   void reset();
   void set_text(const std::string& text);
-  void set_frames(const GstVideoInfo& info);
+  // `part`: where the frames lie in a larger picture.
+  void set_frames(const GstVideoInfo& info, const std::optional<FramePart>& part = {});
   // How the frames have to be turned to stand upright: a calibration of a shape that only the
   // upright picture has is one of that picture.
   void set_upright(Orientation upright);
@@ -54,6 +56,7 @@ class CalibrationInput {
   EventPtr event_;
 
   ImageSize frames_;
+  std::optional<FramePart> part_;
   Orientation upright_;
   bool interlaced_ = false;
   bool changed_ = false;

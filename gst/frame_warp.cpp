@@ -11,6 +11,16 @@
 
 namespace calvin::gst {
 
+namespace {
+
+// Bytes to the first sample of a part. Where it begins on an odd pixel chroma is half a pixel off.
+std::ptrdiff_t offset_of(const FramePart& part, const PlaneLayout& layout, std::ptrdiff_t stride) {
+  return (part.y >> layout.subsampling.y_shift) * stride +
+         (part.x >> layout.subsampling.x_shift) * layout.pixel_step;
+}
+
+}  // namespace
+
 void FrameWarp::start() {
   planes_.clear();
   builder_.start();
@@ -24,13 +34,14 @@ void FrameWarp::stop() {
 void FrameWarp::forget() {
   requested_.reset();
   failed_.reset();
-  took_.reset();
   undistorter_ = {};
   scaler_ = {};
   current_.reset();
 }
 
-void FrameWarp::set_frames(const FrameFormat& in, const FrameFormat& out) {
+void FrameWarp::set_frames(const FrameFormat& in, const FrameFormat& out,
+                           const std::optional<FramePart>& part) {
+  part_ = part;
   in_ = in;
   out_ = out;
   planes_ = planes_of(in, out);
@@ -42,12 +53,12 @@ void FrameWarp::set_frames(const FrameFormat& in, const FrameFormat& out) {
 void FrameWarp::adopt(const UndistorterBuilder::Built& built, std::vector<Error>& errors) {
   if (built.undistorter) {
     slot(built.key) = {built.key, *built.undistorter};
-    if (built.key.camera != 0) took_ = built.took;
     const bool limited = (*built.undistorter)->limited();
     if (limited && !told_limited_) {
       errors.push_back({ErrorCode::kInvalidArgument,
                         "The view is wider than its projection can show and is limited: to 150 "
-                        "degrees where rectilinear. Set a larger zoom or another projection."});
+                        "degrees where rectilinear. Set a smaller alpha, a larger zoom or another "
+                        "projection."});
     }
     told_limited_ = limited;
     return;
@@ -68,7 +79,7 @@ void FrameWarp::want(const Key& key, const Result<Camera>& camera, bool wait,
       adopt({key, tl::unexpected(camera.error())}, errors);
       return;
     }
-    UndistorterBuilder::Request request = {key, *camera, in_.size(), out_.size(), {}};
+    UndistorterBuilder::Request request = {key, *camera, {}};
     for (const FramePlane& plane : planes_) request.planes.push_back(plane.layout);
     if (wait) {
       adopt(builder_.build(request), errors);
@@ -83,12 +94,25 @@ void FrameWarp::want(const Key& key, const Result<Camera>& camera, bool wait,
   undistorts_ = key.camera != 0;
 }
 
+FrameWarp::Key FrameWarp::key_of(int camera, const ViewOptions& view, bool distort) const {
+  Key key = {frames_, camera, view, distort};
+  key.view.output = distort ? in_.size() : out_.size();
+  return key;
+}
+
+bool FrameWarp::worth_waiting(const Key& key, const Wish& wish) {
+  if (!wish.live || !begun_) return true;
+  const auto time = builder_.estimate(key);
+  return time && *time < kQuick;
+}
+
 std::vector<Error> FrameWarp::update(const CalibrationInput& input, const Wish& wish) {
   std::vector<Error> errors;
   const bool undistort = wish.undistort && input.camera();
-  Key plain = {frames_, 0, {}, false};
-  plain.view.alpha = wish.view.alpha;
-  const Key key = undistort ? Key{frames_, input.serial(), wish.view, wish.distort} : plain;
+  ViewOptions flat;
+  flat.alpha = wish.view.alpha;
+  const Key plain = key_of(0, flat, false);
+  const Key key = undistort ? key_of(input.serial(), wish.view, wish.distort) : plain;
   sampling_ = wish.sampling;
   workers_.resize(wish.threads);
   // What a worker was asked for with other frames or another camera comes too late.
@@ -97,7 +121,7 @@ std::vector<Error> FrameWarp::update(const CalibrationInput& input, const Wish& 
       (built->key.camera == 0 || built->key.camera == input.serial())) {
     adopt(*built, errors);
   }
-  const bool wait = !(wish.live && begun_) || (took_ && *took_ < kQuick);
+  const bool wait = worth_waiting(key, wish);
   if (undistort) {
     want(key, *input.camera(), wait, errors);
   } else if (must_move()) {
@@ -125,7 +149,7 @@ Status FrameWarp::apply(const GstVideoFrame& in, const GstVideoFrame& out) const
   const auto size_of = [](const GstVideoFrame& frame) {
     return ImageSize{GST_VIDEO_FRAME_WIDTH(&frame), GST_VIDEO_FRAME_HEIGHT(&frame)};
   };
-  if (size_of(in) != current_->source().image_size() ||
+  if (size_of(in) != (part_ ? part_->whole : current_->source().image_size()) ||
       size_of(out) != current_->output().image_size()) {
     return make_error(ErrorCode::kInvalidArgument,
                       "A frame is not of the size that was negotiated.");
@@ -135,6 +159,7 @@ Status FrameWarp::apply(const GstVideoFrame& in, const GstVideoFrame& out) const
   for (std::size_t i = 0; i < planes_.size(); ++i) {
     const auto source = memory_of(in, planes_[i]);
     sources[i] = {source.data, source.stride};
+    if (part_) sources[i].data += offset_of(*part_, planes_[i].layout, source.stride);
     outputs[i] = memory_of(out, planes_[i]);
   }
   const auto from = std::span(sources).first(planes_.size());

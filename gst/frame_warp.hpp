@@ -21,7 +21,7 @@ class FrameWarp {
  public:
   struct Wish {
     bool undistort = true;
-    ViewOptions view;      // but for its size
+    ViewOptions view;      // its size counts for nothing
     bool distort = false;  // the frames that come in show the view
     bool live = false;     // no frame waits long for an undistorter, but for the first
     Sampling sampling;
@@ -33,18 +33,17 @@ class FrameWarp {
   void cancel() { builder_.cancel(); }
   void stop();
 
-  // Other frames from now on.
-  void set_frames(const FrameFormat& in, const FrameFormat& out);
+  // Other frames from now on; `in` is what a `part` shows.
+  void set_frames(const FrameFormat& in, const FrameFormat& out,
+                  const std::optional<FramePart>& part = {});
   [[nodiscard]] bool has_frames() const { return !planes_.empty(); }
-  [[nodiscard]] bool takes(const FrameFormat& in) const { return in == in_; }
-  [[nodiscard]] bool gives(const FrameFormat& out) const { return out == out_; }
   // Whether the frames cannot pass as they are: they come out in another size or siting.
   [[nodiscard]] bool must_move() const { return !in_.same_places(out_); }
 
   // Brings it up to date between two frames, and returns what the user should hear of it. A map is
   // made at once: the first frame that comes out is right. But in a live stream that has begun
   // nothing waits for one that takes longer than kQuick: what was in use goes on until a worker is
-  // done.
+  // done. A view of a camera whose views are known takes a map only.
   [[nodiscard]] std::vector<Error> update(const CalibrationInput& input, const Wish& wish);
   // A frame goes out now.
   void begin() { begun_ = true; }
@@ -68,6 +67,10 @@ class FrameWarp {
   };
   // What there is for a camera; a plain one scales.
   [[nodiscard]] Made& slot(const Key& key) { return key.camera == 0 ? scaler_ : undistorter_; }
+  // A camera that sees the frames, and the view of it that they become or, `distort`, are.
+  [[nodiscard]] Key key_of(int camera, const ViewOptions& view, bool distort) const;
+  // Whether this is made before the next frame goes out.
+  [[nodiscard]] bool worth_waiting(const Key& key, const Wish& wish);
   void want(const Key& key, const Result<Camera>& camera, bool wait, std::vector<Error>& errors);
   void forget();
   void adopt(const UndistorterBuilder::Built& built, std::vector<Error>& errors);
@@ -75,13 +78,13 @@ class FrameWarp {
   UndistorterBuilder builder_;
   FrameFormat in_;
   FrameFormat out_;
+  std::optional<FramePart> part_;  // of the picture in memory that `in_` is
   std::vector<FramePlane> planes_;
   int frames_ = 0;      // counts set_frames()
   bool begun_ = false;  // a frame of this format has passed
 
   static constexpr std::chrono::milliseconds kQuick{2};
 
-  std::optional<std::chrono::nanoseconds> took_;  // the last map for these frames
   bool told_limited_ = false;
   Sampling sampling_;
   mutable RowWorkers workers_;

@@ -26,6 +26,7 @@
 #include "elements.hpp"
 #include "frame_check.hpp"
 #include "frame_mapping.hpp"
+#include "frame_part.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
 #include "orientation_tags.hpp"
@@ -44,7 +45,7 @@ using gst::FrameWarp;
 
 namespace {
 
-enum Property { kCalibration = 1, kEnabled, kOutputCalibration, kFirstOfView };
+enum Property { kCalibration = 1, kSettings, kEnabled, kOutputCalibration, kFirstOfView };
 GParamSpec* output_calibration_spec;
 
 struct Settings {
@@ -67,6 +68,11 @@ struct State {
   // Streaming thread, or before it starts.
   gst::CalibrationInput input;
   gst::OrientationTags tags;
+  gst::FrameFormat in;  // as the caps say
+  gst::FrameFormat out;
+  std::optional<FramePart> part;  // of the last buffer
+  bool distort = false;           // the frames that come out have the lens in them
+  std::optional<std::pair<gst::FrameFormat, std::optional<FramePart>>> fitted;  // `input` is
   std::optional<bool> live;   // unknown: not asked since the last caps
   bool renegotiated = false;  // since the last update()
   gst::OutputEvent output;
@@ -112,6 +118,16 @@ static void announce(GstCalibUndistort* self) {
   set_output_calibration(self, calibration ? calibration->json : "");
 }
 
+// The calibration is that of the frames with the lens in them.
+static void fit_input(State& s) {
+  std::pair wanted(s.distort ? s.out : s.in, s.distort ? std::nullopt : s.part);
+  auto& [frames, part] = wanted;
+  if (part) frames.info = gst::with_size(frames.info, part->size);
+  if (s.fitted == wanted) return;
+  s.input.set_frames(frames.info, part);
+  s.fitted = std::move(wanted);
+}
+
 // Brings everything up to date with the properties, the file and the events. Between two frames.
 static void update(GstCalibUndistort* self) {
   State& s = *self->state;
@@ -124,6 +140,8 @@ static void update(GstCalibUndistort* self) {
     if (!taken) gst::post_warning(GST_ELEMENT(self), taken.error());
   }
   if (!s.live) s.live = gst::upstream_is_live(trans);
+  s.distort = settings.view.distort;
+  fit_input(s);
   auto errors = s.input.update(gst::CalibrationSetting::Clock::now());
   const gst::ViewSettings& view = settings.view;
   const auto more = s.warp.update(s.input, {settings.enabled, view.view(), view.distort, *s.live,
@@ -144,10 +162,20 @@ static void update(GstCalibUndistort* self) {
   announce(self);
 }
 
+// The frame may be another part of the buffer's picture from now on.
+static void follow_crop(State& s, GstBuffer* buffer) {
+  const auto part = gst::part_of(buffer, s.in.info);
+  if (part == std::exchange(s.part, part)) return;
+  gst::FrameFormat in = s.in;
+  if (part) in.info = gst::with_size(s.in.info, part->size);
+  s.warp.set_frames(in, s.out, part);
+}
+
 static void gst_calib_undistort_before_transform(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
   State& s = *self->state;
   if (!s.warp.has_frames()) return;
+  follow_crop(s, buffer);
   const auto times = gst::frame_times(&trans->segment, buffer);
   if (GST_CLOCK_TIME_IS_VALID(times.stream_time)) {
     gst_object_sync_values(GST_OBJECT(self), times.stream_time);
@@ -160,7 +188,10 @@ static void gst_calib_undistort_before_transform(GstBaseTransform* trans, GstBuf
 static GstFlowReturn gst_calib_undistort_prepare_output_buffer(GstBaseTransform* trans,
                                                                GstBuffer* in, GstBuffer** out) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
-  if (self->state->renegotiated) update(self);
+  if (self->state->renegotiated) {
+    follow_crop(*self->state, in);
+    update(self);
+  }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
       ->prepare_output_buffer(trans, in, out);
 }
@@ -179,7 +210,9 @@ static GstFlowReturn gst_calib_undistort_transform_frame(GstVideoFilter* filter,
 static GstFlowReturn gst_calib_undistort_transform(GstBaseTransform* trans, GstBuffer* in,
                                                    GstBuffer* out) {
   GstVideoFilter* filter = GST_VIDEO_FILTER(trans);
-  for (const auto& [info, buffer] : {std::pair(filter->in_info, in), {filter->out_info, out}}) {
+  const auto& part = GST_CALIB_UNDISTORT(trans)->state->part;
+  const GstVideoInfo whole = part ? gst::with_size(filter->in_info, part->whole) : filter->in_info;
+  for (const auto& [info, buffer] : {std::pair(whole, in), {filter->out_info, out}}) {
     if (const Status checked = gst::check_frame(info, buffer); !checked) {
       gst::post_error(GST_ELEMENT(trans), checked.error());
       return GST_FLOW_ERROR;
@@ -205,8 +238,7 @@ static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in
   State& s = *GST_CALIB_UNDISTORT(filter)->state;
   const gst::FrameFormat in(*in_info, in_caps);
   const gst::FrameFormat out(*out_info, out_caps);
-  const bool other_input = !s.warp.has_frames() || !s.warp.takes(in);
-  if (!other_input && s.warp.gives(out)) return TRUE;
+  if (s.warp.has_frames() && s.in == in && s.out == out) return TRUE;
   if (GST_VIDEO_INFO_IS_INTERLACED(in_info) && !in.same_places(out)) {
     GST_ELEMENT_ERROR(filter, STREAM, FORMAT,
                       ("Interlaced video cannot be scaled: insert deinterlace before this "
@@ -214,8 +246,10 @@ static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in
                       (nullptr));
     return FALSE;
   }
+  s.in = in;
+  s.out = out;
+  s.part.reset();  // until the next buffer says more
   s.warp.set_frames(in, out);
-  if (other_input) s.input.set_frames(*in_info);
   s.live.reset();
   s.renegotiated = true;
   return TRUE;
@@ -266,6 +300,7 @@ static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
   EventPtr stale;
   take_settings(s, stale);
   s.input.reset();
+  s.fitted.reset();
   set_output_calibration(self, "");
   gst_base_transform_set_passthrough(trans, TRUE);
   for (const Error& error : s.input.update(gst::CalibrationSetting::Clock::now())) {
@@ -303,6 +338,7 @@ static void gst_calib_undistort_set_property(GObject* object, guint id, const GV
   const std::lock_guard guard(s.lock);
   switch (id) {
     case kCalibration:
+    case kSettings:
       s.settings.calibration = gst::string_of(value);
       s.calibration_changed = true;
       break;
@@ -321,6 +357,7 @@ static void gst_calib_undistort_get_property(GObject* object, guint id, GValue* 
   const std::lock_guard guard(s.lock);
   switch (id) {
     case kCalibration:
+    case kSettings:
       gst::set_string(value, s.settings.calibration);
       break;
     case kEnabled:
@@ -360,6 +397,11 @@ static void install_properties(GObjectClass* object_class) {
           "as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the calibration "
           "event of an element upstream",
           nullptr, gst::kMutablePlaying));
+  install(kSettings,
+          g_param_spec_string("settings", "Settings",
+                              "The same as calibration, by the name that cameraundistort has for "
+                              "it: its pipelines work with this element in its place",
+                              nullptr, gst::kMutablePlaying));
   install(kEnabled, g_param_spec_boolean("enabled", "Enabled",
                                          "Undistort; off: the frames pass through untouched, "
                                          "or scaled where the output has another size",

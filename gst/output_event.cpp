@@ -45,8 +45,15 @@ EventPtr OutputEvent::next(const FrameWarp& warp, const CalibrationInput& input)
   Cause cause = {warp.current(), warp.undistorts() ? 0 : input.serial()};
   EventPtr event = make(warp, input, cause);
   if (!event) return nullptr;
-  own_ = event.get() != input.event();
+  const bool own = event.get() != input.event();
   cause_ = std::move(cause);
+  // A camera that turns is the same camera.
+  if (own && own_ &&
+      gst_structure_is_equal(gst_event_get_structure(event.get()),
+                             gst_event_get_structure(sent_.get()))) {
+    return nullptr;
+  }
+  own_ = own;
   sent_.reset(gst_event_ref(event.get()));
   return event;
 }

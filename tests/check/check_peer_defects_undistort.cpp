@@ -207,6 +207,48 @@ GST_START_TEST(test_p18_settings_change_from_another_thread) {
 }
 GST_END_TEST;
 
+// Chains that people have, whole: a Raspberry Pi that sends RTP, a server with a raw and an
+// undistorted branch, and one that feeds a detector. The shell takes away one level of quotes.
+static const char* const kChains[] = {
+    "videotestsrc num-buffers=3 ! video/x-raw,width=800,height=600 ! jpegenc ! jpegdec ! videocrop "
+    "left=80 right=80 top=60 bottom=60 ! %s settings=\"%s\" ! jpegenc ! rtpjpegpay ! "
+    "fakesink",
+    "videotestsrc num-buffers=3 ! video/x-raw,width=640,height=480 ! videoconvert ! tee name=t t. "
+    "! "
+    "queue ! fakesink async=false t. ! queue ! videoconvert ! %s settings=\"%s\" ! videoconvert ! "
+    "fakesink",
+    "videotestsrc num-buffers=3 ! video/x-raw,format=BGR,width=640,height=480 ! %s alpha=0.3 "
+    "settings=\"%s\" ! videoconvert ! video/x-raw,format=I420 ! fakesink"};
+
+GST_START_TEST(test_chains_of_the_peer_work_by_changing_one_word) {
+  std::string escaped;
+  for (const char c : barrel_settings()) {
+    if (c == '"') escaped += '\\';
+    escaped += c;
+  }
+  g_autofree char* line =
+      g_strdup_printf(kChains[__i__], "calibundistort name=undistort", escaped.c_str());
+  g_autoptr(GError) error = nullptr;
+  GstElement* pipeline = gst_parse_launch(line, &error);
+  fail_unless(error == nullptr, "%s", error != nullptr ? error->message : "");
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  GstBus* bus = gst_element_get_bus(pipeline);
+  GstMessage* message = gst_bus_timed_pop_filtered(
+      bus, 20 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  fail_unless(message != nullptr && GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS);
+  gst_message_unref(message);
+  GstElement* undistort = gst_bin_get_by_name(GST_BIN(pipeline), "undistort");
+  g_autofree char* json = nullptr;
+  g_object_get(undistort, "output-calibration", &json, nullptr);
+  fail_unless(json != nullptr && parse_calibration(json)->model == "pinhole");
+  gst_object_unref(undistort);
+  gst_bus_set_flushing(bus, TRUE);
+  gst_object_unref(bus);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(pipeline);
+}
+GST_END_TEST;
+
 static Suite* peer_defects_undistort_suite() {
   Suite* suite = suite_create("peer_defects_undistort");
   TCase* tc = tcase_create("general");
@@ -217,6 +259,8 @@ static Suite* peer_defects_undistort_suite() {
   tcase_add_test(tc, test_p15_a_fisheye_is_undistorted_as_one);
   tcase_add_test(tc, test_p16_without_settings_nothing_is_copied);
   tcase_add_test(tc, test_the_peers_settings_and_events_are_understood);
+  tcase_add_loop_test(tc, test_chains_of_the_peer_work_by_changing_one_word, 0,
+                      static_cast<int>(std::size(kChains)));
   tcase_add_test(tc, test_p18_events_are_freed);
   tcase_add_test(tc, test_p18_settings_change_from_another_thread);
   return suite;

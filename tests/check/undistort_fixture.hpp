@@ -77,10 +77,9 @@ inline GstEvent* event_of(const char* text) {
 }
 
 // What the library makes of the grey noise.
-inline std::vector<guint8> expected_gray(const char* text, ImageSize size, double alpha = 0,
-                                         ImageSize output = {}) {
-  const Camera source = fit_to_frame(calibration_of(text), size)->camera;
-  const auto undistorter = Undistorter::make(source, {alpha, output}, {PlaneLayout{}}).value();
+inline std::vector<guint8> gray_through(const Undistorter& undistorter,
+                                        const Sampling& sampling = {}) {
+  const ImageSize size = undistorter.source().image_size();
   g_autoptr(GstBuffer) in = Fixture::noise("GRAY8", size, 0);
   GstVideoInfo info;
   gst_video_info_set_format(&info, GST_VIDEO_FORMAT_GRAY8, static_cast<guint>(size.width),
@@ -89,9 +88,15 @@ inline std::vector<guint8> expected_gray(const char* text, ImageSize size, doubl
   gst_buffer_map(in, &map, GST_MAP_READ);
   const ImageSize shown = undistorter.output().image_size();
   std::vector<guint8> out(static_cast<std::size_t>(shown.width * shown.height));
-  undistorter.apply(0, {map.data, info.stride[0]}, {out.data(), shown.width});
+  undistorter.apply(0, {map.data, info.stride[0]}, {out.data(), shown.width}, sampling);
   gst_buffer_unmap(in, &map);
   return out;
+}
+
+inline std::vector<guint8> expected_gray(const char* text, ImageSize size, double alpha = 0,
+                                         ImageSize output = {}) {
+  const Camera source = fit_to_frame(calibration_of(text), size)->camera;
+  return gray_through(Undistorter::make(source, {alpha, output}, {PlaneLayout{}}).value());
 }
 
 // The pixels of a grey frame without padding.

@@ -68,4 +68,17 @@ Result<FittedCamera> fit_to_frame(const Calibration& calibration, ImageSize fram
   return FittedCamera{*std::move(fitted), scaled, turned};
 }
 
+Result<FittedCamera> fit_to_part(const Calibration& calibration, const FramePart& part,
+                                 Orientation upright) {
+  const bool of_the_frames = calibration.sensor_crop || calibration.image_size == ImageSize{} ||
+                             calibration.image_size == part.size;
+  if (!of_the_frames) {
+    if (auto fitted = fit_to_frame(calibration, part.whole, upright)) {
+      fitted->camera = fitted->camera.cropped(part.x, part.y, part.size);
+      return fitted;
+    }
+  }
+  return fit_to_frame(calibration, part.size, upright);
+}
+
 }  // namespace calvin

@@ -22,4 +22,19 @@ struct FittedCamera {
 [[nodiscard]] Result<FittedCamera> fit_to_frame(const Calibration& calibration, ImageSize frame,
                                                 Orientation upright = {});
 
+// Frames that are a part of a larger picture.
+struct FramePart {
+  ImageSize whole;  // px of the picture
+  int x = 0;        // of its pixels the first column and row
+  int y = 0;
+  ImageSize size;  // px of the frames
+
+  friend bool operator==(const FramePart&, const FramePart&) = default;
+};
+
+// The same for such frames. A calibration that has the aspect of the whole picture is one of that,
+// unless it is of exactly the size of the frames, or says what they show (`sensor_crop`).
+[[nodiscard]] Result<FittedCamera> fit_to_part(const Calibration& calibration,
+                                               const FramePart& part, Orientation upright = {});
+
 }  // namespace calvin

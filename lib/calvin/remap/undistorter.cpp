@@ -88,7 +88,7 @@ Result<Undistorter> Undistorter::make(const Camera& source, const ViewOptions& o
                                       const std::stop_token& stop) {
   const auto view = output_view(source, options);
   if (!view) return tl::unexpected(view.error());
-  return between({Eye(source), view->eye, view->limited}, planes, stop);
+  return make(source, *view, planes, stop);
 }
 
 Result<Undistorter> Undistorter::make_back(const Camera& camera, const ViewOptions& options,
@@ -96,7 +96,19 @@ Result<Undistorter> Undistorter::make_back(const Camera& camera, const ViewOptio
                                            const std::stop_token& stop) {
   const auto view = output_view(camera, options);
   if (!view) return tl::unexpected(view.error());
-  return between({view->eye, Eye(camera), view->limited}, planes, stop);
+  return make_back(camera, *view, planes, stop);
+}
+
+Result<Undistorter> Undistorter::make(const Camera& source, const OutputView& view,
+                                      const std::vector<PlaneLayout>& planes,
+                                      const std::stop_token& stop) {
+  return between({Eye(source), view.eye, view.limited}, planes, stop);
+}
+
+Result<Undistorter> Undistorter::make_back(const Camera& camera, const OutputView& view,
+                                           const std::vector<PlaneLayout>& planes,
+                                           const std::stop_token& stop) {
+  return between({view.eye, Eye(camera), view.limited}, planes, stop);
 }
 
 Result<Undistorter> Undistorter::between(Undistorter eyes, const std::vector<PlaneLayout>& planes,

@@ -27,6 +27,13 @@ class Undistorter {
   static Result<Undistorter> make_back(const Camera& camera, const ViewOptions& options,
                                        const std::vector<PlaneLayout>& planes,
                                        const std::stop_token& stop = {});
+  // The same for views that are known, of ViewRange::view().
+  static Result<Undistorter> make(const Camera& source, const OutputView& view,
+                                  const std::vector<PlaneLayout>& planes,
+                                  const std::stop_token& stop = {});
+  static Result<Undistorter> make_back(const Camera& camera, const OutputView& view,
+                                       const std::vector<PlaneLayout>& planes,
+                                       const std::stop_token& stop = {});
 
   // What saw the frames that come in, and the planes of those that come out.
   [[nodiscard]] const Camera& source() const noexcept { return source_.plane(); }

@@ -6,6 +6,8 @@
 
 #include <optional>
 
+#include <Eigen/Core>
+
 #include "calvin/remap/eye.hpp"
 
 namespace calvin {
@@ -34,13 +36,18 @@ struct ViewOptions {
 
 struct OutputView {
   Eye eye;
-  bool limited = false;  // it would have been wider than the projection can show
+  // It would have been wider than the projection can show, be it by a zoom below 1 or where alpha
+  // = 1 asks for all that the source sees.
+  bool limited = false;
 };
 
 // A view of what the source sees, with fx:fy as in the source (kCalvin). Directions that the
 // projection does not show (to_plane()) do not count as valid, and no view is wider or higher than
 // twice widest(). kDegenerate where the model has no valid region in the image.
 [[nodiscard]] Result<OutputView> output_view(const Camera& source, const ViewOptions& options);
+
+// How pan, tilt and roll turn the view: pan first, seen from outside.
+[[nodiscard]] Eigen::Matrix3d camera_from_view(const ViewOptions& options);
 
 // The plane of output_view(): for a rectilinear view that looks along the optical axis the camera.
 [[nodiscard]] Result<Camera> output_camera(const Camera& source, const ViewOptions& options);

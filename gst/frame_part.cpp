@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Which part of the picture in a buffer is the frame.
+
+#include "frame_part.hpp"
+
+namespace calvin::gst {
+
+std::optional<FramePart> part_of(GstBuffer* buffer, const GstVideoInfo& info) {
+  const GstVideoCropMeta* crop = gst_buffer_get_video_crop_meta(buffer);
+  if (crop == nullptr) return std::nullopt;
+  guint width = static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info));
+  guint height = static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info));
+  if (const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer); meta != nullptr) {
+    width = meta->width;
+    height = meta->height;
+  }
+  // What does not lie in the picture says nothing; so does what is all of it.
+  if (crop->width < 2 || crop->height < 2 || crop->width > width || crop->height > height ||
+      crop->x > width - crop->width || crop->y > height - crop->height ||
+      (crop->width == width && crop->height == height)) {
+    return std::nullopt;
+  }
+  return FramePart{{static_cast<int>(width), static_cast<int>(height)},
+                   static_cast<int>(crop->x),
+                   static_cast<int>(crop->y),
+                   {static_cast<int>(crop->width), static_cast<int>(crop->height)}};
+}
+
+GstVideoInfo with_size(const GstVideoInfo& info, ImageSize size) {
+  GstVideoInfo other = info;
+  GST_VIDEO_INFO_WIDTH(&other) = size.width;
+  GST_VIDEO_INFO_HEIGHT(&other) = size.height;
+  return other;
+}
+
+}  // namespace calvin::gst
