@@ -186,7 +186,14 @@ struct Taps {
   Places down;       // place below the segment's first row, 4.12
 };
 
-// Samples in every second byte lie in two segments. Of an index above 127 nothing is taken.
+// The indices within the first 16 bytes, as they are; the others such that nothing is taken.
+HWY_INLINE Pairs within_segment(Pairs indices) {
+  const Words d;
+  const auto words = hn::BitCast(d, indices);
+  return hn::BitCast(Bytes(), hn::Or(words, hn::ShiftLeft<3>(hn::And(words, hn::Set(d, 0x1010)))));
+}
+
+// Samples in every second byte lie in two segments.
 template <int kSpread>
 HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* offsets,
                              const Taps& taps) {
@@ -196,8 +203,9 @@ HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* off
     return hn::TableLookupBytes(segments, taps.neighbours);
   } else {
     const Pairs more = load_segments(d, source + 16, offsets);
-    return hn::Or(hn::TableLookupBytesOr0(segments, taps.neighbours + hn::Set(d, 0x70)),
-                  hn::TableLookupBytesOr0(more, taps.neighbours - hn::Set(d, 0x10)));
+    const Pairs rest = hn::Xor(taps.neighbours, hn::Set(d, 0x10));
+    return hn::Or(hn::TableLookupBytesOr0(segments, within_segment(taps.neighbours)),
+                  hn::TableLookupBytesOr0(more, within_segment(rest)));
   }
 }
 
