@@ -30,6 +30,8 @@ constexpr double kWeakCenterSigma = 0.02;
 // Boards closer to parallel than this count as parallel, rad.
 constexpr double kParallel = 0.0175;
 
+constexpr const char* kStopped = "The solve was stopped.";
+
 constexpr const char* kAdvice =
     "Show the board in at least 3 views, tilted differently (30 to 45 degrees, to the left, to the "
     "right, up and down).";
@@ -160,11 +162,12 @@ void add_warp(Calibration& calibration, const Fit& fit, const Freedom& freedom,
 
 // The promise, and whether it can be kept.
 void add_checks(Solution& solution, const Conclusion& from, const Camera& camera,
-                const Eigen::MatrixXd& c, double variance) {
+                const Eigen::MatrixXd& c, double variance, const std::stop_token& stop) {
   Calibration& calibration = solution.calibration;
   const double degrees = degrees_of_freedom(from.fit);
   calibration.expected_error = expected_error(calibration);
-  const Consistency found = consistency(from.fit, camera, from.shape, from.freedom, c, variance);
+  const Consistency found = consistency(from.fit, camera, from.shape, from.freedom, c, variance, stop);
+  if (stop.stop_requested()) return;
   solution.misfit = misfit(found, calibration.chi, degrees);
   solution.held_out = found.held_out;
   double sum = 0;
@@ -221,10 +224,11 @@ Status enough(const std::vector<PointSet>& views, const std::vector<bool>& used,
   return {};
 }
 
-Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOptions& options) {
+Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOptions& options,
+                          const std::stop_token& stop) {
   const Fit& fit = from.fit;
   const Freedom& freedom = from.freedom;
-  if (fit.cancelled) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+  if (fit.cancelled) return make_error(ErrorCode::kCancelled, kStopped);
   if (const Status status = enough(fit.views, fit.used, freedom, freedom.model); !status) {
     return tl::unexpected<Error>(status.error());
   }
@@ -256,9 +260,10 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
   add_corners(solution, fit);
   if (from.scale.known) solution.calibration.chi = from.chi;
   if (options.checks) {
-    add_checks(solution, from, *camera, *c, variance);
+    add_checks(solution, from, *camera, *c, variance, stop);
     add_remarks(solution, *c, size);
   }
+  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, kStopped);
   return solution;
 }
 

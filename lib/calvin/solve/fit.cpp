@@ -4,11 +4,13 @@
 #include "calvin/solve/fit.hpp"
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "calvin/solve/least_squares.hpp"
 #include "calvin/solve/outliers.hpp"
+#include "calvin/solve/plane_pose.hpp"
 #include "calvin/solve/pose_fit.hpp"
 #include "calvin/solve/start_search.hpp"
 
@@ -19,6 +21,32 @@ namespace {
 // Of the predicted decrease, relative to the cost: beyond this is rounding.
 constexpr double kTolerance = 1e-13;
 
+// Where a course ends.
+struct Ending {
+  std::vector<double> shared;
+  Poses poses;                           // of all views that have one
+  std::optional<CameraProblem> problem;  // over those in use; refers to `views`
+  std::vector<ViewMask> masks;
+  std::vector<const FitView*> views;  // without the corners that are masked
+  std::vector<FitView> masked;        // those of them that are not as they came
+  std::vector<bool> used;
+  bool converged = false;
+  double scale = std::numeric_limits<double>::infinity();    // px, of all corners
+  double trimmed = std::numeric_limits<double>::infinity();  // px, see trimmed_rms()
+};
+
+Eigen::Vector3d center_of(const PointSet& view) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : view.points) sum += p;
+  return sum / static_cast<double>(view.size());
+}
+
+bool better(const Ending& a, const Ending& b) {
+  if (a.converged != b.converged) return a.converged;
+  if (a.converged && a.masks == b.masks) return a.problem->cost() < b.problem->cost();
+  return a.trimmed < b.trimmed;
+}
+
 class Course {
  public:
   Course(std::vector<PointSet> views, const BoardShape& shape, ImageSize size,
@@ -27,26 +55,64 @@ class Course {
         freedom_(freedom),
         options_(options),
         least_squares_(freedom, size, stop),
-        search_(least_squares_, freedom, size) {
+        search_(least_squares_, freedom, shape, size) {
     for (PointSet& view : views) views_.emplace_back(std::move(view), shape);
     for (const FitView& view : views_) all_.push_back(&view);
   }
 
   Fit run() {
-    if (!follow(search_.quick(all_)) && !least_squares_.cancelled()) {
-      follow(search_.thorough(all_));
-    }
+    Candidate quick = search_.quick(all_);
+    if (std::isfinite(quick.scale)) follow(std::move(quick));
+    if (!good(end_) && !least_squares_.cancelled()) explore();
     return finish();
   }
 
  private:
-  // False where the start does not lead into a valley that can be the right one.
-  bool follow(Candidate start) {
-    if (!std::isfinite(start.scale)) return false;
-    shared_ = std::move(start.shared);
-    poses_ = std::move(start.poses);
+  [[nodiscard]] bool good(const Ending& end) const {
+    return end.converged && !search_.far(end.scale);
+  }
+
+  // Follows the starts and keeps the best end.
+  void explore() {
+    Ending best = std::move(end_);
+    for (Candidate& start : search_.thorough(all_)) {
+      if (least_squares_.cancelled()) break;
+      follow(std::move(start));
+      if (better(end_, best)) std::swap(end_, best);
+      if (good(best) && !search_.many_valleys(all_)) break;
+    }
+    end_ = std::move(best);
+    if (end_.converged && all_.size() < kFewViews) mirror_views();
+  }
+
+  // A small board or one that is hardly tilted fits nearly as well in the mirrored tilt, and so few
+  // views do not tell which of them is wrong.
+  void mirror_views() {
+    for (std::size_t v = 0; v < views_.size() && !least_squares_.cancelled(); ++v) {
+      if (!end_.used[v]) continue;
+      Ending before = std::exchange(end_, {});
+      end_.shared = before.shared;
+      end_.poses = before.poses;
+      end_.poses[v] = mirrored_tilt(*end_.poses[v], center_of(views_[v].set));
+      solve_masked(before.masks);
+      measure();
+      if (!better(end_, before)) end_ = std::move(before);
+    }
+  }
+
+  // Where a start leads.
+  void follow(Candidate start) {
+    end_ = Ending();
+    end_.shared = std::move(start.shared);
+    end_.poses = std::move(start.poses);
     plain_fit(options_.reject_outliers ? robust_fit() : everything());
-    return final_converged_ && !search_.far(scale());
+    measure();
+  }
+
+  void measure() {
+    const std::vector<double> all = distances();
+    end_.scale = robust_scale(all);
+    end_.trimmed = trimmed_rms(all);
   }
 
   [[nodiscard]] std::vector<ViewMask> everything() const {
@@ -69,18 +135,19 @@ class Course {
     return judge();
   }
 
-  double scale() {
+  // Of all corners from where they belong.
+  std::vector<double> distances() {
     std::vector<double> all;
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      const auto d = least_squares_.distances(views_[v], shared_, poses_[v]);
+      const auto d = least_squares_.distances(views_[v], end_.shared, end_.poses[v]);
       all.insert(all.end(), d.begin(), d.end());
     }
-    return robust_scale(std::move(all));
+    return all;
   }
 
   void robust_step(Loss::Kind kind, double tolerance) {
-    const Loss loss{kind, 2.5 * scale()};
-    (void)least_squares_.minimise_over(all_, shared_, poses_, freedom_.basis, loss,
+    const Loss loss{kind, 2.5 * robust_scale(distances())};
+    (void)least_squares_.minimise_over(all_, end_.shared, end_.poses, freedom_.basis, loss,
                                        {options_.max_iterations, tolerance});
   }
 
@@ -89,22 +156,22 @@ class Course {
   std::vector<ViewMask> judge() {
     std::vector<std::vector<double>> distances;
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      distances.push_back(least_squares_.distances(views_[v], shared_, poses_[v]));
+      distances.push_back(least_squares_.distances(views_[v], end_.shared, end_.poses[v]));
     }
     std::vector<ViewMask> masks = find_outliers(distances);
-    const auto camera = least_squares_.camera(shared_);
-    bool changed = false;
+    const auto camera = least_squares_.camera(end_.shared);
+    moved_ = false;
     for (std::size_t v = 0; camera && v < views_.size() && !least_squares_.cancelled(); ++v) {
-      if (masks[v].view && poses_[v]) continue;
+      if (masks[v].view && end_.poses[v]) continue;
       const auto fit = fit_pose(views_[v].set, *camera, {Loss::Kind::kHuber, 1});
       if (!fit) continue;
-      auto fresh = least_squares_.distances(views_[v], shared_, fit->camera_from_board);
+      auto fresh = least_squares_.distances(views_[v], end_.shared, fit->camera_from_board);
       if (!(robust_scale(fresh) < 0.99 * robust_scale(distances[v]))) continue;
-      poses_[v] = fit->camera_from_board;
+      end_.poses[v] = fit->camera_from_board;
       distances[v] = std::move(fresh);
-      changed = true;
+      moved_ = true;
     }
-    return changed ? find_outliers(distances) : masks;
+    return moved_ ? find_outliers(distances) : masks;
   }
 
   // The final least squares; who is left out is looked at again with its result.
@@ -112,9 +179,9 @@ class Course {
     constexpr int kRounds = 4;
     for (int round = 0; round < kRounds && !least_squares_.cancelled(); ++round) {
       solve_masked(masks);
-      if (!options_.reject_outliers || !final_) return;
+      if (!options_.reject_outliers || !end_.problem || round + 1 == kRounds) return;
       std::vector<ViewMask> next = judge();
-      if (next == masks) return;
+      if (next == masks && !moved_) return;
       masks = std::move(next);
     }
   }
@@ -130,56 +197,55 @@ class Course {
     for (std::size_t i = 0; i < set.size(); ++i) {
       if (!mask.corners[i]) set.weight[i] = 0;
     }
-    return masked_.emplace_back(std::move(set), shape_);
+    return end_.masked.emplace_back(std::move(set), shape_);
   }
 
   void solve_masked(const std::vector<ViewMask>& masks) {
-    final_views_.clear();
+    end_.masks = masks;
+    end_.views.clear();
+    end_.masked.clear();
+    end_.masked.reserve(views_.size());
     std::vector<const FitView*> views;
-    masked_.clear();
-    masked_.reserve(views_.size());
     for (std::size_t v = 0; v < views_.size(); ++v) {
       const FitView& view = masked(views_[v], masks[v]);
-      final_views_.push_back(&view);
+      end_.views.push_back(&view);
       views.push_back(masks[v].view && spans_plane(view.set) ? &view : nullptr);
     }
-    final_ = least_squares_.minimise_over(views, shared_, poses_, freedom_.basis, Loss{},
-                                          {options_.max_iterations, kTolerance});
-    used_.assign(views_.size(), false);
-    final_poses_.assign(views_.size(), SE3{});
-    for (std::size_t v = 0; v < views_.size(); ++v) {
-      used_[v] = final_ && views[v] != nullptr && poses_[v];
-      if (used_[v]) final_poses_[v] = *poses_[v];
+    // A long and bent valley asks for more than one go.
+    constexpr int kGoes = 3;
+    for (int go = 0; go < kGoes; ++go) {
+      end_.problem = least_squares_.minimise_over(views, end_.shared, end_.poses, freedom_.basis,
+                                                  Loss{}, {options_.max_iterations, kTolerance});
+      end_.converged = end_.problem && least_squares_.converged();
+      if (!end_.problem || end_.converged || least_squares_.cancelled()) break;
     }
-    final_shared_ = shared_;
-    final_converged_ = final_ && least_squares_.converged();
+    end_.used.assign(views_.size(), false);
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      end_.used[v] = end_.problem && views[v] != nullptr && end_.poses[v];
+    }
   }
 
   Fit finish() {
     Fit fit;
-    for (const FitView* view : final_views_) fit.views.push_back(view->set);
-    fit.squares = squares();
-    fit.shared = std::move(final_shared_);
-    fit.used = std::move(used_);
-    fit.camera_from_board = std::move(final_poses_);
     fit.iterations = least_squares_.iterations();
     fit.cancelled = least_squares_.cancelled();
-    if (final_) {
-      fit.cost = final_->cost();
-      const auto reduced = final_->reduced();
-      fit.converged = final_converged_ && reduced.has_value();
-      if (reduced) fit.information = reduced->information;
+    end_.used.resize(views_.size(), false);
+    for (const FitView* view : end_.views) fit.views.push_back(view->set);
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      fit.camera_from_board.push_back(end_.used[v] ? *end_.poses[v] : SE3{});
+      // Of the corners that were left out too.
+      fit.squares.emplace_back();
+      if (!end_.used[v]) continue;
+      fit.squares[v] = least_squares_.squares(views_[v], end_.shared, *end_.poses[v]);
     }
+    fit.shared = std::move(end_.shared);
+    fit.used = std::move(end_.used);
+    if (!end_.problem) return fit;
+    fit.cost = end_.problem->cost();
+    const auto reduced = end_.problem->reduced();
+    fit.converged = end_.converged && reduced.has_value();
+    if (reduced) fit.information = reduced->information;
     return fit;
-  }
-
-  // Of the corners that were left out too.
-  std::vector<std::vector<double>> squares() {
-    std::vector<std::vector<double>> result(used_.size());
-    for (std::size_t v = 0; v < result.size(); ++v) {
-      if (used_[v]) result[v] = least_squares_.squares(views_[v], final_shared_, final_poses_[v]);
-    }
-    return result;
   }
 
   const BoardShape& shape_;
@@ -190,16 +256,8 @@ class Course {
 
   std::vector<FitView> views_;
   std::vector<const FitView*> all_;
-  std::vector<double> shared_;
-  Poses poses_;
-
-  std::optional<CameraProblem> final_;  // refers to final_views_
-  std::vector<const FitView*> final_views_;
-  std::vector<FitView> masked_;  // those of them that are not as they came
-  std::vector<SE3> final_poses_;
-  std::vector<bool> used_;
-  std::vector<double> final_shared_;
-  bool final_converged_ = false;
+  Ending end_;
+  bool moved_ = false;  // a pose, by the last judge()
 };
 
 }  // namespace
