@@ -81,11 +81,14 @@ TEST_P(RandomProblems, ReachTheOptimumAndOwnUpToTheirErrors) {
   RecordProperty("within", tally.within);
   RecordProperty("above", tally.above);
   RecordProperty("beyond", static_cast<int>(tally.beyond));
+  // Of so few, one that is unlucky is more than its share.
+  const double luck = scenes::full_count() ? 0 : 1;
   EXPECT_GE(tally.as_good, 0.999 * count);
   EXPECT_LE(tally.above, 0.001 * count);
-  EXPECT_GE(tally.within, (kind.gross > 0 ? 0.995 : 0.99) * tally.solved);
+  EXPECT_GE(tally.within, (kind.gross > 0 ? 0.995 : 0.99) * tally.solved - luck);
   // 0.27 % of Gaussian ones; what is weak is less Gaussian.
-  EXPECT_LE(static_cast<double>(tally.beyond), 0.01 * static_cast<double>(tally.parameters) + 2);
+  EXPECT_LE(static_cast<double>(tally.beyond),
+            0.01 * static_cast<double>(tally.parameters) + 4 * luck);
 }
 
 }  // namespace

@@ -213,8 +213,8 @@ INSTANTIATE_TEST_SUITE_P(Covariance, MonteCarlo,
                          ::testing::Values(Trials{"brown5", 5}, Trials{"brown5", 10},
                                            Trials{"brown5", 25}, Trials{"fisheye", 5},
                                            Trials{"fisheye", 10}, Trials{"fisheye", 25}),
-                         [](const auto& t) {
-                           return std::string(t.param.model) + std::to_string(t.param.views);
+                         [](const auto& test) {
+                           return std::string(test.param.model) + std::to_string(test.param.views);
                          });
 
 TEST_P(MonteCarlo, PredictsTheSpreadOfParametersAndOfEveryPixel) {

@@ -3,6 +3,7 @@
 
 #include "calvin/solve/fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "calvin/solve/outliers.hpp"
 #include "calvin/solve/plane_pose.hpp"
 #include "calvin/solve/pose_fit.hpp"
+#include "calvin/solve/scaled_solve.hpp"
 #include "calvin/solve/start_search.hpp"
 
 namespace calvin {
@@ -20,6 +22,9 @@ namespace {
 
 // Of the predicted decrease, relative to the cost: beyond this is rounding.
 constexpr double kTolerance = 1e-13;
+
+// Optima whose costs differ by less are one.
+constexpr double kSame = 1e-6;
 
 // Where a course ends.
 struct Ending {
@@ -31,6 +36,8 @@ struct Ending {
   std::vector<FitView> masked;        // those of them that are not as they came
   std::vector<bool> used;
   bool converged = false;
+  bool sound = false;           // converged, and nothing is left undetermined or impossible
+  Eigen::MatrixXd information;  // of the problem
   double scale = std::numeric_limits<double>::infinity();    // px, of all corners
   double trimmed = std::numeric_limits<double>::infinity();  // px, see trimmed_rms()
 };
@@ -42,6 +49,7 @@ Eigen::Vector3d center_of(const PointSet& view) {
 }
 
 bool better(const Ending& a, const Ending& b) {
+  if (a.sound != b.sound) return a.sound;
   if (a.converged != b.converged) return a.converged;
   if (a.converged && a.masks == b.masks) return a.problem->cost() < b.problem->cost();
   return a.trimmed < b.trimmed;
@@ -68,16 +76,19 @@ class Course {
   }
 
  private:
-  [[nodiscard]] bool good(const Ending& end) const {
-    return end.converged && !search_.far(end.scale);
-  }
+  [[nodiscard]] bool good(const Ending& end) const { return end.sound && !search_.far(end.scale); }
 
   // Follows the starts and keeps the best end.
   void explore() {
     Ending best = std::move(end_);
-    for (Candidate& start : search_.thorough(all_)) {
+    std::vector<Candidate> starts = search_.thorough(all_);
+    // The first is likely right where there are views enough.
+    constexpr std::size_t kPlenty = 2;
+    if (!search_.many_valleys(all_) && starts.size() > kPlenty) starts.resize(kPlenty);
+    for (Candidate& start : starts) {
       if (least_squares_.cancelled()) break;
       follow(std::move(start));
+      remember();
       if (better(end_, best)) std::swap(end_, best);
       if (good(best) && !search_.many_valleys(all_)) break;
     }
@@ -85,19 +96,37 @@ class Course {
     if (end_.converged && all_.size() < kFewViews) mirror_views();
   }
 
-  // A small board or one that is hardly tilted fits nearly as well in the mirrored tilt, and so few
+  // A small board or one that is hardly tilted fits nearly as well in the mirrored tilt, and few
   // views do not tell which of them is wrong.
   void mirror_views() {
     for (std::size_t v = 0; v < views_.size() && !least_squares_.cancelled(); ++v) {
-      if (!end_.used[v]) continue;
+      if (!end_.used[v] || !mirrored_fits(v)) continue;
       Ending before = std::exchange(end_, {});
       end_.shared = before.shared;
       end_.poses = before.poses;
       end_.poses[v] = mirrored_tilt(*end_.poses[v], center_of(views_[v].set));
       solve_masked(before.masks);
       measure();
+      remember();
       if (!better(end_, before)) end_ = std::move(before);
     }
+  }
+
+  // Not much worse, before the same camera.
+  bool mirrored_fits(std::size_t v) {
+    constexpr double kMuchWorse = 10;
+    const auto camera = least_squares_.camera(end_.shared);
+    const auto fit = camera ? fit_pose(end_.views[v]->set, *camera, Loss{}) : std::nullopt;
+    return fit && fit->other_cost < kMuchWorse * fit->cost;
+  }
+
+  // Two ends of one cost are one.
+  void remember() {
+    if (!end_.sound) return;
+    const double cost = end_.problem->cost();
+    const auto same = [&](const Found& f) { return std::abs(f.rival.cost - cost) <= kSame * cost; };
+    if (std::any_of(found_.begin(), found_.end(), same)) return;
+    found_.push_back({{end_.shared, cost}, end_.masks});
   }
 
   // Where a start leads.
@@ -113,6 +142,30 @@ class Course {
     const std::vector<double> all = distances();
     end_.scale = robust_scale(all);
     end_.trimmed = trimmed_rms(all);
+    end_.sound = end_.converged && sound();
+  }
+
+  bool sound() {
+    const auto reduced = end_.problem->reduced();
+    if (!reduced) return false;
+    end_.information = reduced->information;
+    const Eigen::Index n = end_.information.rows();
+    if (!scaled_solve(end_.information, Eigen::MatrixXd::Identity(n, n), kLeastPivot)) return false;
+    return !search_.rich() || sees_corners();
+  }
+
+  // Rational functions like to have a pole between two corners.
+  [[nodiscard]] bool sees_corners() const {
+    const auto camera = least_squares_.camera(end_.shared);
+    if (!camera) return false;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      if (!end_.used[v]) continue;
+      const PointSet& view = end_.views[v]->set;
+      for (std::size_t i = 0; i < view.size(); ++i) {
+        if (view.weight[i] > 0 && !camera->project(*end_.poses[v] * view.points[i])) return false;
+      }
+    }
+    return true;
   }
 
   [[nodiscard]] std::vector<ViewMask> everything() const {
@@ -211,9 +264,9 @@ class Course {
       end_.views.push_back(&view);
       views.push_back(masks[v].view && spans_plane(view.set) ? &view : nullptr);
     }
-    // A long and bent valley asks for more than one go.
-    constexpr int kGoes = 3;
-    for (int go = 0; go < kGoes; ++go) {
+    // The long and bent valley of a rich lens asks for more than one go.
+    const int goes = search_.rich() ? 3 : 1;
+    for (int go = 0; go < goes; ++go) {
       end_.problem = least_squares_.minimise_over(views, end_.shared, end_.poses, freedom_.basis,
                                                   Loss{}, {options_.max_iterations, kTolerance});
       end_.converged = end_.problem && least_squares_.converged();
@@ -242,9 +295,12 @@ class Course {
     fit.used = std::move(end_.used);
     if (!end_.problem) return fit;
     fit.cost = end_.problem->cost();
-    const auto reduced = end_.problem->reduced();
-    fit.converged = end_.converged && reduced.has_value();
-    if (reduced) fit.information = reduced->information;
+    fit.converged = end_.converged && end_.information.size() > 0;
+    fit.information = std::move(end_.information);
+    for (Found& found : found_) {
+      const bool better = found.rival.cost <= (1 + kSame) * fit.cost;
+      if (found.masks == end_.masks && !better) fit.rivals.push_back(std::move(found.rival));
+    }
     return fit;
   }
 
@@ -256,6 +312,11 @@ class Course {
 
   std::vector<FitView> views_;
   std::vector<const FitView*> all_;
+  struct Found {
+    Rival rival;
+    std::vector<ViewMask> masks;
+  };
+  std::vector<Found> found_;
   Ending end_;
   bool moved_ = false;  // a pose, by the last judge()
 };

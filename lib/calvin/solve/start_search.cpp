@@ -60,7 +60,7 @@ class Thinned {
 };
 
 bool same_place(const Candidate& a, const Candidate& b) {
-  constexpr double kSame = 1e-3;
+  constexpr double kSame = 1e-2;
   for (std::size_t i = 0; i < a.shared.size(); ++i) {
     const double unit = i < 4 ? a.shared[0] : 1;
     if (std::abs(a.shared[i] - b.shared[i]) > kSame * unit) return false;
@@ -73,6 +73,8 @@ bool nearer(const Candidate& a, const Candidate& b) { return a.scale < b.scale; 
 }  // namespace
 
 bool StartSearch::far(double scale) const { return !(scale < kFar * size_.width); }
+
+bool StartSearch::rich() const { return freedom_.layout.coefficients > kPlainLens; }
 
 bool StartSearch::many_valleys(const Views& views) const {
   return views.size() < kFewViews || freedom_.lens.starts.size() > 1;
@@ -108,18 +110,23 @@ Candidate StartSearch::by_closed_form(const Views& views) {
     if (c.scale < best.scale) best = std::move(c);
   }
   if (!std::isfinite(best.scale)) return best;
-  if (freedom_.layout.coefficients <= kPlainLens) {
-    best.poses = poses(best, views.size());
-  } else {
-    improve(best, sample);
+  if (rich()) {
+    improve(best, sample, Rein::kFree);
     best.poses = least_squares_.poses_for(best.shared, views);
+  } else {
+    best.poses = poses(best, views.size());
   }
   return best;
 }
 
 Candidate StartSearch::by_few_corners(const Views& views) {
   const Thinned sample(sample_of(views, kQuickViews), shape_);
-  auto found = best_of(guesses(sample.views(), freedom_.lens.starts.front()), sample.views(), 1);
+  std::vector<Candidate> candidates;
+  const std::vector<Guess> grid = focal_grid(size_, false);
+  for (std::size_t i = 1; i < grid.size(); i += 2) {
+    candidates.push_back(with(grid[i], freedom_.lens.starts.front()));
+  }
+  auto found = best_of(std::move(candidates), sample.views(), 1);
   if (found.empty() || !std::isfinite(found.front().scale)) return {};
   Candidate best = std::move(found.front());
   best.poses = least_squares_.poses_for(best.shared, Thinned(views, shape_).views());
@@ -191,7 +198,7 @@ std::vector<Candidate> StartSearch::best_of(std::vector<Candidate> candidates, c
   }
   std::sort(candidates.begin(), candidates.end(), nearer);
   if (candidates.size() > trials) candidates.resize(trials);
-  for (Candidate& c : candidates) improve(c, sample);
+  for (Candidate& c : candidates) improve(c, sample, Rein::kTame);
   std::sort(candidates.begin(), candidates.end(), nearer);
   return candidates;
 }
@@ -227,12 +234,23 @@ std::vector<Eigen::MatrixXd> StartSearch::stages() const {
   return result;
 }
 
-void StartSearch::improve(Candidate& c, const Views& sample) {
-  constexpr int kIterations = 15;
+// What makes numerator and denominator of a rational function cancel is nothing to begin with.
+StartSearch::Priors StartSearch::tame(double scale) const {
+  constexpr double kUsual = 1;
+  Priors priors;
+  for (int i = kPlainLens; i < freedom_.layout.coefficients; ++i) {
+    priors.push_back({4 + i, 0, kUsual / scale});
+  }
+  return priors;
+}
+
+void StartSearch::improve(Candidate& c, const Views& sample, Rein rein) {
+  const int iterations = rich() ? 40 : 15;
   for (const Eigen::MatrixXd& basis : stages()) {
     const Loss loss{Loss::Kind::kHuber, 2 * c.scale};
     (void)least_squares_.minimise_over(sample, c.shared, c.poses, basis, loss,
-                                       {basis.cols() == 1 ? 5 : kIterations, 1e-4});
+                                       {basis.cols() == 1 ? 5 : iterations, 1e-5},
+                                       rein == Rein::kTame ? tame(c.scale) : Priors());
     c.scale = scale_of(c, sample);
   }
 }

@@ -44,6 +44,9 @@ class StartSearch {
   // Whether there may be more than one valley in which a fit looks right.
   [[nodiscard]] bool many_valleys(const Views& views) const;
 
+  // Whether the lens has so many coefficients that they can conspire.
+  [[nodiscard]] bool rich() const;
+
   // The directions of the freedom that move no coefficient but the first ones. A lens of many
   // coefficients finds its valley as one of few.
   [[nodiscard]] Eigen::MatrixXd leading(int coefficients) const;
@@ -55,10 +58,14 @@ class StartSearch {
                                                const std::vector<double>& start) const;
   [[nodiscard]] Candidate with(const Guess& guess, const std::vector<double>& coefficients) const;
   [[nodiscard]] std::vector<Candidate> from_initial() const;
-  // The `trials` best of the candidates, improved over the sample.
+  // The `trials` best of the candidates, improved over the sample. A rich lens stays tame: with
+  // small coefficients, as far as the views allow.
   [[nodiscard]] std::vector<Candidate> best_of(std::vector<Candidate> candidates,
                                                const Views& sample, std::size_t trials);
-  void improve(Candidate& c, const Views& sample);
+  enum class Rein { kTame, kFree };
+  using Priors = std::vector<CameraUnknowns::Prior>;
+  [[nodiscard]] Priors tame(double scale) const;
+  void improve(Candidate& c, const Views& sample, Rein rein);
   [[nodiscard]] std::vector<Eigen::MatrixXd> stages() const;
   [[nodiscard]] double scale_of(const Candidate& c, const Views& views);
 
