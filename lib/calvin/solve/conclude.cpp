@@ -278,6 +278,12 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
   if (const Status status = determined(fit, *c, size); !status) {
     return tl::unexpected<Error>(status.error());
   }
+  if (!fit.sound) {
+    return degenerate(fmt::format(
+        "The solve leads to a lens that folds back among the corners: take a model with fewer "
+        "coefficients than {}.",
+        freedom.model));
+  }
   const auto count = static_cast<std::ptrdiff_t>(4 + freedom.layout.coefficients);
   const auto camera =
       Camera::make(freedom.model, size, {fit.shared.begin(), fit.shared.begin() + count},

@@ -36,10 +36,10 @@ struct Ending {
   std::vector<FitView> masked;        // those of them that are not as they came
   std::vector<bool> used;
   bool converged = false;
-  bool sound = false;           // converged, and nothing is left undetermined or impossible
-  Eigen::MatrixXd information;  // of the problem
-  double scale = std::numeric_limits<double>::infinity();    // px, of all corners
-  double trimmed = std::numeric_limits<double>::infinity();  // px, see trimmed_rms()
+  bool sound = false;             // converged, and nothing is left undetermined or impossible
+  Eigen::MatrixXd information;    // of the problem
+  std::vector<double> distances;  // of all corners from where they belong, px
+  double scale = std::numeric_limits<double>::infinity();  // of these, see robust_scale()
 };
 
 Eigen::Vector3d center_of(const PointSet& view) {
@@ -48,11 +48,13 @@ Eigen::Vector3d center_of(const PointSet& view) {
   return sum / static_cast<double>(view.size());
 }
 
+// Whether an end is better than the best one yet.
 bool better(const Ending& a, const Ending& b) {
+  if (!std::isfinite(b.scale)) return std::isfinite(a.scale);
   if (a.sound != b.sound) return a.sound;
   if (a.converged != b.converged) return a.converged;
   if (a.converged && a.masks == b.masks) return a.problem->cost() < b.problem->cost();
-  return a.trimmed < b.trimmed;
+  return trimmed_rms(a.distances) < trimmed_rms(b.distances);
 }
 
 class Course {
@@ -84,7 +86,9 @@ class Course {
     std::vector<Candidate> starts = search_.thorough(all_);
     // The first is likely right where there are views enough.
     constexpr std::size_t kPlenty = 2;
-    if (!search_.many_valleys(all_) && starts.size() > kPlenty) starts.resize(kPlenty);
+    if (!search_.many_valleys(all_) && !search_.rich() && starts.size() > kPlenty) {
+      starts.resize(kPlenty);
+    }
     for (Candidate& start : starts) {
       if (least_squares_.cancelled()) break;
       follow(std::move(start));
@@ -139,9 +143,8 @@ class Course {
   }
 
   void measure() {
-    const std::vector<double> all = distances();
-    end_.scale = robust_scale(all);
-    end_.trimmed = trimmed_rms(all);
+    end_.distances = distances();
+    end_.scale = robust_scale(end_.distances);
     end_.sound = end_.converged && sound();
   }
 
@@ -205,7 +208,7 @@ class Course {
   }
 
   // A view that looks wrong gets a second chance from a fresh pose: its own may have been drawn
-  // into the mirrored tilt.
+  // into the mirrored tilt. One that has lost its pose gets it where no view may be left out, too.
   std::vector<ViewMask> judge() {
     std::vector<std::vector<double>> distances;
     for (std::size_t v = 0; v < views_.size(); ++v) {
@@ -215,7 +218,7 @@ class Course {
     const auto camera = least_squares_.camera(end_.shared);
     moved_ = false;
     for (std::size_t v = 0; camera && v < views_.size() && !least_squares_.cancelled(); ++v) {
-      if (masks[v].view && end_.poses[v]) continue;
+      if (end_.poses[v] && (masks[v].view || !options_.reject_outliers)) continue;
       const auto fit = fit_pose(views_[v].set, *camera, {Loss::Kind::kHuber, 1});
       if (!fit) continue;
       auto fresh = least_squares_.distances(views_[v], end_.shared, fit->camera_from_board);
@@ -232,8 +235,12 @@ class Course {
     constexpr int kRounds = 4;
     for (int round = 0; round < kRounds && !least_squares_.cancelled(); ++round) {
       solve_masked(masks);
-      if (!options_.reject_outliers || !end_.problem || round + 1 == kRounds) return;
+      if (!end_.problem || round + 1 == kRounds) return;
+      const bool all_posed = std::all_of(end_.poses.begin(), end_.poses.end(),
+                                         [](const auto& pose) { return pose.has_value(); });
+      if (!options_.reject_outliers && all_posed) return;
       std::vector<ViewMask> next = judge();
+      if (!options_.reject_outliers) next = masks;
       if (next == masks && !moved_) return;
       masks = std::move(next);
     }
@@ -296,6 +303,7 @@ class Course {
     if (!end_.problem) return fit;
     fit.cost = end_.problem->cost();
     fit.converged = end_.converged && end_.information.size() > 0;
+    fit.sound = end_.sound;
     fit.information = std::move(end_.information);
     for (Found& found : found_) {
       const bool better = found.rival.cost <= (1 + kSame) * fit.cost;

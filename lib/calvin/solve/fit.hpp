@@ -35,6 +35,7 @@ struct Fit {
   std::vector<Rival> rivals;                 // of the same corners
   int iterations = 0;
   bool converged = false;
+  bool sound = false;  // converged to a camera that is determined and sees all corners used
   bool cancelled = false;
 };
 

@@ -191,10 +191,11 @@ std::vector<Candidate> StartSearch::guesses(const Views& sample,
 
 std::vector<Candidate> StartSearch::best_of(std::vector<Candidate> candidates, const Views& sample,
                                             std::size_t trials) {
+  const Thinned few(sample, shape_);
   for (Candidate& c : candidates) {
     if (least_squares_.cancelled()) return {};
-    c.poses = least_squares_.poses_for(c.shared, sample);
-    c.scale = scale_of(c, sample);
+    c.poses = least_squares_.poses_for(c.shared, few.views());
+    c.scale = scale_of(c, few.views());
   }
   std::sort(candidates.begin(), candidates.end(), nearer);
   if (candidates.size() > trials) candidates.resize(trials);
@@ -234,25 +235,27 @@ std::vector<Eigen::MatrixXd> StartSearch::stages() const {
   return result;
 }
 
-// What makes numerator and denominator of a rational function cancel is nothing to begin with.
-StartSearch::Priors StartSearch::tame(double scale) const {
-  constexpr double kUsual = 1;
-  Priors priors;
-  for (int i = kPlainLens; i < freedom_.layout.coefficients; ++i) {
-    priors.push_back({4 + i, 0, kUsual / scale});
-  }
-  return priors;
-}
-
 void StartSearch::improve(Candidate& c, const Views& sample, Rein rein) {
   const int iterations = rich() ? 40 : 15;
-  for (const Eigen::MatrixXd& basis : stages()) {
+  const auto step = [&](const Eigen::MatrixXd& basis, const Priors& priors) {
     const Loss loss{Loss::Kind::kHuber, 2 * c.scale};
     (void)least_squares_.minimise_over(sample, c.shared, c.poses, basis, loss,
-                                       {basis.cols() == 1 ? 5 : iterations, 1e-5},
-                                       rein == Rein::kTame ? tame(c.scale) : Priors());
+                                       {basis.cols() == 1 ? 5 : iterations, 1e-5}, priors);
     c.scale = scale_of(c, sample);
+  };
+  const bool tame = rich() && rein == Rein::kTame;
+  for (const Eigen::MatrixXd& basis : stages()) step(basis, tame ? small(1 / c.scale) : Priors());
+  for (const double looser : {4, 16, 64, 256}) {
+    if (tame) step(freedom_.basis, small(looser / c.scale));
   }
+}
+
+// What makes numerator and denominator of a rational function cancel is nothing to begin with.
+StartSearch::Priors StartSearch::small(double sigma) const {
+  Priors priors;
+  for (int i = kPlainLens; i < freedom_.layout.coefficients; ++i)
+    priors.push_back({4 + i, 0, sigma});
+  return priors;
 }
 
 double StartSearch::scale_of(const Candidate& c, const Views& views) {

@@ -58,13 +58,13 @@ class StartSearch {
                                                const std::vector<double>& start) const;
   [[nodiscard]] Candidate with(const Guess& guess, const std::vector<double>& coefficients) const;
   [[nodiscard]] std::vector<Candidate> from_initial() const;
-  // The `trials` best of the candidates, improved over the sample. A rich lens stays tame: with
-  // small coefficients, as far as the views allow.
+  // The `trials` best of the candidates by a few corners of the sample, improved over all of them.
+  // A rich lens is tamed first: its coefficients are small and grow as the views demand.
   [[nodiscard]] std::vector<Candidate> best_of(std::vector<Candidate> candidates,
                                                const Views& sample, std::size_t trials);
   enum class Rein { kTame, kFree };
   using Priors = std::vector<CameraUnknowns::Prior>;
-  [[nodiscard]] Priors tame(double scale) const;
+  [[nodiscard]] Priors small(double sigma) const;  // px, as weighted residuals are
   void improve(Candidate& c, const Views& sample, Rein rein);
   [[nodiscard]] std::vector<Eigen::MatrixXd> stages() const;
   [[nodiscard]] double scale_of(const Candidate& c, const Views& views);
