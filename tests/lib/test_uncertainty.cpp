@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// expected_error() against cameras drawn from the covariance, each turned back as well as it goes.
+// What a solve promises of its parameters and of every pixel, against many solves; expected_error()
+// against cameras drawn from the covariance, each turned back as well as it goes.
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
@@ -42,15 +43,22 @@ Eigen::VectorXd differences(const Camera& camera, const std::vector<Eigen::Vecto
   return e;
 }
 
-// (J^T J)^-1 J^T of differences() by w, J by central differences.
-Eigen::MatrixXd turning_back(const Camera& camera, const std::vector<Eigen::Vector3d>& rays,
-                             const std::vector<Pixel>& pixels) {
+// The derivatives of differences() by w, central differences.
+Eigen::MatrixXd turning(const Camera& camera, const std::vector<Eigen::Vector3d>& rays,
+                        const std::vector<Pixel>& pixels) {
   Eigen::MatrixXd j(2 * static_cast<Eigen::Index>(rays.size()), 3);
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d h = 1e-6 * Eigen::Vector3d::Unit(k);
     j.col(k) =
         (differences(camera, rays, pixels, h) - differences(camera, rays, pixels, -h)) / 2e-6;
   }
+  return j;
+}
+
+// (J^T J)^-1 J^T of these.
+Eigen::MatrixXd turning_back(const Camera& camera, const std::vector<Eigen::Vector3d>& rays,
+                             const std::vector<Pixel>& pixels) {
+  const Eigen::MatrixXd j = turning(camera, rays, pixels);
   return (j.transpose() * j).ldlt().solve(j.transpose());
 }
 
@@ -105,6 +113,148 @@ TEST_P(Uncertainty, ExpectedErrorEqualsThatOfSampledCameras) {
   }
   ASSERT_TRUE(c.expected_error.has_value());
   EXPECT_NEAR(10 * std::sqrt(worst) / *c.expected_error, 1, scenes::full_count() ? 0.04 : 0.09);
+}
+
+struct Trials {
+  const char* model;
+  int views;
+
+  friend std::ostream& operator<<(std::ostream& out, const Trials& t) {
+    return out << t.model << t.views;
+  }
+};
+
+// What many solves of the same views, each with noise of its own, find and promise.
+class MonteCarlo : public ::testing::TestWithParam<Trials> {
+ protected:
+  // Of the parameters.
+  Eigen::VectorXd squares_;     // mean square of the error
+  Eigen::VectorXd sigmas_;      // mean of what is promised
+  Eigen::VectorXd inside_;      // part of the errors within 1.96 sigma
+  Eigen::MatrixXd covariance_;  // mean of what is promised
+  // Of the pixels of the grid: mean square of how far they move, u and v, and their matrix.
+  std::vector<Eigen::Matrix2d> spread_;
+
+  std::vector<Pixel> pixels_;
+  std::vector<Eigen::Vector3d> rays_;
+  Eigen::MatrixXd back_;
+
+  void run(const Camera& truth, int count) {
+    Random random(17);
+    const auto poses = scenes::random_poses(truth, scenes::kBoard, random, GetParam().views);
+    look_at(truth);
+    const auto n = static_cast<Eigen::Index>(truth.parameters().size());
+    squares_ = sigmas_ = inside_ = Eigen::VectorXd::Zero(n);
+    covariance_ = Eigen::MatrixXd::Zero(n, n);
+    spread_.assign(rays_.size(), Eigen::Matrix2d::Zero());
+    SolveOptions options;
+    options.model = GetParam().model;
+    options.warp = false;
+    options.checks = false;
+    for (int i = 0; i < count; ++i) {
+      const auto views = scenes::observe_all(truth, scenes::kBoard, poses, 0.1, random);
+      const auto solution = solve(views, kSize, options);
+      ASSERT_TRUE(solution.has_value()) << i << ": " << solution.error().message;
+      add(truth, solution->calibration, 1.0 / count);
+    }
+  }
+
+  // The truth with the covariance that is promised on average.
+  [[nodiscard]] Calibration promised(const Camera& truth) const {
+    Calibration c = truth.to_calibration();
+    for (Eigen::Index i = 0; i < covariance_.rows(); ++i) {
+      c.parameters[static_cast<std::size_t>(i)].sigma = std::sqrt(covariance_(i, i));
+      for (Eigen::Index k = 0; k < covariance_.cols(); ++k) {
+        c.covariance.push_back(covariance_(i, k));
+      }
+    }
+    return c;
+  }
+
+  // The derivatives of what add() sees of pixel i by the parameters, the rotation taken out.
+  [[nodiscard]] Eigen::MatrixXd sensitivity(const Camera& truth) const {
+    const auto n = static_cast<Eigen::Index>(truth.parameters().size());
+    Eigen::MatrixXd j(2 * static_cast<Eigen::Index>(rays_.size()), n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const auto moved = [&](double step) {
+        std::vector<double> p = truth.parameters();
+        p[static_cast<std::size_t>(k)] += step;
+        return differences(Camera::make(truth.model(), kSize, p).value(), rays_, pixels_,
+                           Eigen::Vector3d::Zero());
+      };
+      const double h = k < 4 ? 1e-3 : 1e-6;
+      j.col(k) = (moved(h) - moved(-h)) / (2 * h);
+    }
+    return j - turning(truth, rays_, pixels_) * (back_ * j);
+  }
+
+ private:
+  void look_at(const Camera& truth) {
+    for (const Pixel& pixel : grid()) {
+      if (const auto ray = truth.unproject(pixel)) {
+        pixels_.push_back(pixel);
+        rays_.push_back(*ray);
+      }
+    }
+    back_ = turning_back(truth, rays_, pixels_);
+  }
+
+  void add(const Camera& truth, const Calibration& c, double weight) {
+    const auto n = static_cast<Eigen::Index>(truth.parameters().size());
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Parameter& p = c.parameters[static_cast<std::size_t>(i)];
+      const double error = p.value - truth.parameters()[static_cast<std::size_t>(i)];
+      squares_[i] += weight * error * error;
+      sigmas_[i] += weight * p.sigma.value();
+      inside_[i] += std::abs(error) < 1.96 * *p.sigma ? weight : 0;
+    }
+    covariance_ += weight * Eigen::Map<const Eigen::MatrixXd>(c.covariance.data(), n, n);
+    const Camera camera = Camera::make(c).value();
+    Eigen::Vector3d w = Eigen::Vector3d::Zero();
+    for (int i = 0; i < 2; ++i) w -= back_ * differences(camera, rays_, pixels_, w);
+    const Eigen::VectorXd e = differences(camera, rays_, pixels_, w);
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      const Eigen::Vector2d d = e.segment<2>(2 * static_cast<Eigen::Index>(i));
+      spread_[i] += weight * d * d.transpose();
+    }
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Covariance, MonteCarlo,
+                         ::testing::Values(Trials{"brown5", 5}, Trials{"brown5", 10},
+                                           Trials{"brown5", 25}, Trials{"fisheye", 5},
+                                           Trials{"fisheye", 10}, Trials{"fisheye", 25}),
+                         [](const auto& test) {
+                           return std::string(test.param.model) + std::to_string(test.param.views);
+                         });
+
+TEST_P(MonteCarlo, PredictsTheSpreadOfParametersAndOfEveryPixel) {
+  const int count = scenes::full_count() ? 20000 : 250;
+  // What the count leaves open comes on top where it is a small one.
+  const bool full = scenes::full_count();
+  const double ratio = 0.03 + (full ? 0 : 4.5 / std::sqrt(2.0 * count));
+  const double part = 0.01 + (full ? 0 : 4.5 * std::sqrt(0.05 * 0.95 / count));
+  Random random(23);
+  const Camera truth = scenes::random_camera(GetParam().model, random);
+  run(truth, count);
+  if (HasFatalFailure()) return;
+  for (Eigen::Index i = 0; i < sigmas_.size(); ++i) {
+    const auto name = parameter_names(GetParam().model)[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(sigmas_[i] / std::sqrt(squares_[i]), 1, ratio) << name;
+    EXPECT_NEAR(inside_[i], 0.95, part) << name;
+  }
+  const Eigen::MatrixXd j = sensitivity(truth);
+  double worst = 0;
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
+    const Eigen::MatrixXd rows = j.middleRows<2>(2 * static_cast<Eigen::Index>(i));
+    const Eigen::Matrix2d predicted = rows * covariance_ * rows.transpose();
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_NEAR(std::sqrt(predicted(k, k) / spread_[i](k, k)), 1, ratio)
+          << pixels_[i].u << ", " << pixels_[i].v;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(spread_[i], Eigen::EigenvaluesOnly);
+    worst = std::max(worst, eigen.eigenvalues()[1]);
+  }
+  EXPECT_NEAR(expected_error(promised(truth)).value() / std::sqrt(worst), 1, ratio);
 }
 
 TEST(ExpectedError, IsAbsentWithoutAUsableCovariance) {

@@ -30,11 +30,12 @@ SE3 moved(const SE3& pose, const double* d) {
 }
 
 CameraProblem::CameraProblem(std::vector<const ViewPoints*> views, CameraUnknowns unknowns,
-                             CameraPoint start, const Loss& loss)
+                             CameraPoint start, const Loss& loss, std::stop_token stop)
     : views_(std::move(views)),
       unknowns_(std::move(unknowns)),
       fill_(fill_rows_of(unknowns_.model)),
       loss_(loss),
+      stop_(std::move(stop)),
       rows_(unknowns_.layout),
       elimination_(arrow_layout(unknowns_.layout, views_.size())),
       current_{start, ArrowEquations(arrow_layout(unknowns_.layout, views_.size())), 0},
@@ -50,7 +51,9 @@ bool CameraProblem::linearise(State& state) {
   const RowPoint at = row_point(layout, shared, unknowns_.skew);
   state.equations.clear();
   state.cost = 0;
+  constexpr std::size_t kViewsAtOnce = 64;  // between looks at the stop token
   for (std::size_t v = 0; v < views_.size(); ++v) {
+    if (v % kViewsAtOnce == kViewsAtOnce - 1 && stop_.stop_requested()) return false;
     rows_.resize(views_[v]->padded());
     const RowSums sums = fill_(*views_[v], at, state.point.camera_from_board[v], loss_, rows_);
     if (!sums.valid) return false;

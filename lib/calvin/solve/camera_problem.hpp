@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <stop_token>
 #include <string_view>
 #include <vector>
 
@@ -42,9 +43,10 @@ struct CameraPoint {
 
 class CameraProblem {
  public:
-  // `views` and the poses of `start` correspond; what the views point to stays where it is.
+  // `views` and the poses of `start` correspond; what the views point to stays where it is. Where
+  // `stop` is requested, points have no projection: an iteration over many views ends early.
   CameraProblem(std::vector<const ViewPoints*> views, CameraUnknowns unknowns, CameraPoint start,
-                const Loss& loss);
+                const Loss& loss, std::stop_token stop = {});
 
   // False where a point has no projection at the start: nothing can be minimised.
   [[nodiscard]] bool valid() const { return valid_; }
@@ -80,6 +82,7 @@ class CameraProblem {
   CameraUnknowns unknowns_;
   FillRows fill_;
   Loss loss_;
+  std::stop_token stop_;
   ViewRows rows_;
   ArrowElimination elimination_;
   State current_;

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/camera/monotone.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/solve/consistency.hpp"
 #include "calvin/solve/scaled_solve.hpp"
@@ -30,6 +31,8 @@ constexpr double kWeakCenterSigma = 0.02;
 // Boards closer to parallel than this count as parallel, rad.
 constexpr double kParallel = 0.0175;
 
+constexpr const char* kStopped = "The solve was stopped.";
+
 constexpr const char* kAdvice =
     "Show the board in at least 3 views, tilted differently (30 to 45 degrees, to the left, to the "
     "right, up and down).";
@@ -41,11 +44,31 @@ tl::unexpected<Error> degenerate(std::string what) {
 // Sigma^2 (J^T J)^-1 over all unknowns. Absent where it does not exist.
 std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom, double variance) {
   const Eigen::Index n = fit.information.rows();
-  const auto inverse = scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), 1e-14);
+  const auto inverse = scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), kLeastPivot);
   if (!inverse) return std::nullopt;
   const Eigen::MatrixXd c = variance * restrict_to(freedom.basis.transpose(), *inverse);
   if (!c.allFinite() || c.diagonal().minCoeff() < 0) return std::nullopt;
   return c;
+}
+
+// Another optimum may be the one near the truth, and noise have put it above the best: it adds its
+// distance by its likelihood.
+Eigen::MatrixXd with_rivals(const Eigen::MatrixXd& c, const Fit& fit, double variance) {
+  constexpr double kUnlikely = 1e-6;
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(c.rows(), c.cols());
+  double sum = 1;
+  for (const Rival& rival : fit.rivals) {
+    const double likelihood = std::exp((fit.cost - rival.cost) / (2 * variance));
+    if (!(likelihood > kUnlikely)) continue;
+    Eigen::VectorXd d(c.rows());
+    for (Eigen::Index i = 0; i < d.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      d[i] = rival.shared[k] - fit.shared[k];
+    }
+    spread += likelihood * d * d.transpose();
+    sum += likelihood;
+  }
+  return c + spread / sum;
 }
 
 // Each orientation of the plane gives two equations for fx fy cx cy and parallel planes the same
@@ -160,11 +183,13 @@ void add_warp(Calibration& calibration, const Fit& fit, const Freedom& freedom,
 
 // The promise, and whether it can be kept.
 void add_checks(Solution& solution, const Conclusion& from, const Camera& camera,
-                const Eigen::MatrixXd& c, double variance) {
+                const Eigen::MatrixXd& c, double variance, const std::stop_token& stop) {
   Calibration& calibration = solution.calibration;
   const double degrees = degrees_of_freedom(from.fit);
   calibration.expected_error = expected_error(calibration);
-  const Consistency found = consistency(from.fit, camera, from.shape, from.freedom, c, variance);
+  const Consistency found =
+      consistency(from.fit, camera, from.shape, from.freedom, c, variance, stop);
+  if (stop.stop_requested()) return;
   solution.misfit = misfit(found, calibration.chi, degrees);
   solution.held_out = found.held_out;
   double sum = 0;
@@ -180,7 +205,9 @@ void add_checks(Solution& solution, const Conclusion& from, const Camera& camera
 }
 
 // What is weakly determined, though it can be told.
-void add_remarks(Solution& solution, const Eigen::MatrixXd& c, ImageSize size) {
+void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,
+                 const Freedom& freedom) {
+  const ImageSize size = camera.image_size();
   const double center = std::sqrt(std::max(c(2, 2), c(3, 3)));
   if (center > kWeakCenterSigma * size.width) {
     solution.remarks.push_back(fmt::format(
@@ -195,6 +222,11 @@ void add_remarks(Solution& solution, const Eigen::MatrixXd& c, ImageSize size) {
         100 * std::sqrt(c(0, 0)) / f));
   }
   if (solution.misfit.found()) solution.remarks.push_back(advice(solution.misfit.cause));
+  // The picture of a lens that sees past 90 degrees may end before the image does.
+  if (!freedom.lens.perspective) return;
+  if (const Status one = check_monotone(camera); !one) {
+    solution.remarks.push_back(one.error().message);
+  }
 }
 
 }  // namespace
@@ -221,10 +253,11 @@ Status enough(const std::vector<PointSet>& views, const std::vector<bool>& used,
   return {};
 }
 
-Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOptions& options) {
+Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOptions& options,
+                          const std::stop_token& stop) {
   const Fit& fit = from.fit;
   const Freedom& freedom = from.freedom;
-  if (fit.cancelled) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+  if (fit.cancelled) return make_error(ErrorCode::kCancelled, kStopped);
   if (const Status status = enough(fit.views, fit.used, freedom, freedom.model); !status) {
     return tl::unexpected<Error>(status.error());
   }
@@ -235,9 +268,21 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
   const double told = from.scale.sigma * from.scale.sigma;
   const double variance = from.scale.known ? std::max(left, told) : left;
   const auto c = fit.converged ? covariance(fit, freedom, variance) : std::nullopt;
-  if (!c) return degenerate("The views do not determine the camera: the solve does not converge.");
+  if (!c) {
+    return degenerate(
+        fit.converged ? fmt::format("The views do not tell the coefficients of {} apart: take a "
+                                    "model with fewer of them.",
+                                    freedom.model)
+                      : "The views do not determine the camera: the solve does not converge.");
+  }
   if (const Status status = determined(fit, *c, size); !status) {
     return tl::unexpected<Error>(status.error());
+  }
+  if (!fit.sound) {
+    return degenerate(fmt::format(
+        "The solve leads to a lens that folds back among the corners: take a model with fewer "
+        "coefficients than {}.",
+        freedom.model));
   }
   const auto count = static_cast<std::ptrdiff_t>(4 + freedom.layout.coefficients);
   const auto camera =
@@ -251,14 +296,16 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
   if (freedom.layout.skew && parameters.size() == static_cast<std::size_t>(count)) {
     parameters.push_back({"skew", 0, {}});
   }
-  add_sigmas(solution.calibration, *c, freedom);
-  add_warp(solution.calibration, fit, freedom, *c);
+  const Eigen::MatrixXd promised = with_rivals(*c, fit, variance);
+  add_sigmas(solution.calibration, promised, freedom);
+  add_warp(solution.calibration, fit, freedom, promised);
   add_corners(solution, fit);
   if (from.scale.known) solution.calibration.chi = from.chi;
   if (options.checks) {
-    add_checks(solution, from, *camera, *c, variance);
-    add_remarks(solution, *c, size);
+    add_checks(solution, from, *camera, *c, variance, stop);
+    add_remarks(solution, promised, *camera, freedom);
   }
+  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, kStopped);
   return solution;
 }
 

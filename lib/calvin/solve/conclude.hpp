@@ -4,6 +4,7 @@
 // From the last least squares to what the user is told. Internal.
 #pragma once
 
+#include <stop_token>
 #include <string_view>
 #include <vector>
 
@@ -27,6 +28,6 @@ struct Conclusion {
 // Whether the result means anything, and what it is worth. Calibration::camera and board are left
 // empty.
 [[nodiscard]] Result<Solution> conclude(const Conclusion& from, ImageSize size,
-                                        const SolveOptions& options);
+                                        const SolveOptions& options, const std::stop_token& stop);
 
 }  // namespace calvin

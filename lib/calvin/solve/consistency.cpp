@@ -110,10 +110,11 @@ class Judge {
     covariance_ = pick * covariance * pick.transpose();
   }
 
-  Consistency run() {
+  Consistency run(const std::stop_token& stop) {
     metric_ = projection_metric(camera_, freedom_);
     count();
     for (std::size_t v = 0; v < fit_.views.size(); ++v) {
+      if (stop.stop_requested()) return {};
       if (fit_.used[v]) look_at(v);
     }
     Consistency result;
@@ -251,8 +252,8 @@ double Excess::deviations() const {
 
 Consistency consistency(const Fit& fit, const Camera& camera, const BoardShape& shape,
                         const Freedom& freedom, const Eigen::MatrixXd& covariance,
-                        double variance) {
-  return Judge(fit, camera, shape, freedom, covariance, variance).run();
+                        double variance, const std::stop_token& stop) {
+  return Judge(fit, camera, shape, freedom, covariance, variance).run(stop);
 }
 
 Misfit misfit(const Consistency& c, std::optional<double> chi, double degrees) {

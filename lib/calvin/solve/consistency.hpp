@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include <Eigen/Core>
@@ -44,10 +45,11 @@ struct Consistency {
   Excess board;    // of mean residuals by corner, along the axes of the board
 };
 
-// `variance` is that of a residual of weight 1, px^2; `covariance` that of the unknowns.
+// `variance` is that of a residual of weight 1, px^2; `covariance` that of the unknowns. Means
+// nothing where `stop` was requested.
 [[nodiscard]] Consistency consistency(const Fit& fit, const Camera& camera, const BoardShape& shape,
                                       const Freedom& freedom, const Eigen::MatrixXd& covariance,
-                                      double variance);
+                                      double variance, const std::stop_token& stop);
 
 // The verdict. `chi` is absent where the detector told no sigma.
 [[nodiscard]] Misfit misfit(const Consistency& consistency, std::optional<double> chi,

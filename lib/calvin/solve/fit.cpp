@@ -3,13 +3,17 @@
 
 #include "calvin/solve/fit.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "calvin/solve/least_squares.hpp"
 #include "calvin/solve/outliers.hpp"
+#include "calvin/solve/plane_pose.hpp"
 #include "calvin/solve/pose_fit.hpp"
+#include "calvin/solve/scaled_solve.hpp"
 #include "calvin/solve/start_search.hpp"
 
 namespace calvin {
@@ -19,6 +23,40 @@ namespace {
 // Of the predicted decrease, relative to the cost: beyond this is rounding.
 constexpr double kTolerance = 1e-13;
 
+// Optima whose costs differ by less are one.
+constexpr double kSame = 1e-6;
+
+// Where a course ends.
+struct Ending {
+  std::vector<double> shared;
+  Poses poses;                           // of all views that have one
+  std::optional<CameraProblem> problem;  // over those in use; refers to `views`
+  std::vector<ViewMask> masks;
+  std::vector<const FitView*> views;  // without the corners that are masked
+  std::vector<FitView> masked;        // those of them that are not as they came
+  std::vector<bool> used;
+  bool converged = false;
+  bool sound = false;             // converged, and nothing is left undetermined or impossible
+  Eigen::MatrixXd information;    // of the problem
+  std::vector<double> distances;  // of all corners from where they belong, px
+  double scale = std::numeric_limits<double>::infinity();  // of these, see robust_scale()
+};
+
+Eigen::Vector3d center_of(const PointSet& view) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : view.points) sum += p;
+  return sum / static_cast<double>(view.size());
+}
+
+// Whether an end is better than the best one yet.
+bool better(const Ending& a, const Ending& b) {
+  if (!std::isfinite(b.scale)) return std::isfinite(a.scale);
+  if (a.sound != b.sound) return a.sound;
+  if (a.converged != b.converged) return a.converged;
+  if (a.converged && a.masks == b.masks) return a.problem->cost() < b.problem->cost();
+  return trimmed_rms(a.distances) < trimmed_rms(b.distances);
+}
+
 class Course {
  public:
   Course(std::vector<PointSet> views, const BoardShape& shape, ImageSize size,
@@ -27,26 +65,110 @@ class Course {
         freedom_(freedom),
         options_(options),
         least_squares_(freedom, size, stop),
-        search_(least_squares_, freedom, size) {
+        search_(least_squares_, freedom, shape, size) {
     for (PointSet& view : views) views_.emplace_back(std::move(view), shape);
     for (const FitView& view : views_) all_.push_back(&view);
   }
 
   Fit run() {
-    if (!follow(search_.quick(all_)) && !least_squares_.cancelled()) {
-      follow(search_.thorough(all_));
-    }
+    Candidate quick = search_.quick(all_);
+    if (std::isfinite(quick.scale)) follow(std::move(quick));
+    if (!good(end_) && !least_squares_.cancelled()) explore();
     return finish();
   }
 
  private:
-  // False where the start does not lead into a valley that can be the right one.
-  bool follow(Candidate start) {
-    if (!std::isfinite(start.scale)) return false;
-    shared_ = std::move(start.shared);
-    poses_ = std::move(start.poses);
+  [[nodiscard]] bool good(const Ending& end) const { return end.sound && !search_.far(end.scale); }
+
+  // Follows the starts and keeps the best end.
+  void explore() {
+    Ending best = std::move(end_);
+    std::vector<Candidate> starts = search_.thorough(all_);
+    // The first is likely right where there are views enough.
+    constexpr std::size_t kPlenty = 2;
+    if (!search_.many_valleys(all_) && !search_.rich() && starts.size() > kPlenty) {
+      starts.resize(kPlenty);
+    }
+    for (Candidate& start : starts) {
+      if (least_squares_.cancelled()) break;
+      follow(std::move(start));
+      remember();
+      if (better(end_, best)) std::swap(end_, best);
+      if (good(best) && !search_.many_valleys(all_)) break;
+    }
+    end_ = std::move(best);
+    if (end_.converged && all_.size() < kFewViews) mirror_views();
+  }
+
+  // A small board or one that is hardly tilted fits nearly as well in the mirrored tilt, and few
+  // views do not tell which of them is wrong.
+  void mirror_views() {
+    for (std::size_t v = 0; v < views_.size() && !least_squares_.cancelled(); ++v) {
+      if (!end_.used[v] || !mirrored_fits(v)) continue;
+      Ending before = std::exchange(end_, {});
+      end_.shared = before.shared;
+      end_.poses = before.poses;
+      end_.poses[v] = mirrored_tilt(*end_.poses[v], center_of(views_[v].set));
+      solve_masked(before.masks);
+      measure();
+      remember();
+      if (!better(end_, before)) end_ = std::move(before);
+    }
+  }
+
+  // Not much worse, before the same camera.
+  bool mirrored_fits(std::size_t v) {
+    constexpr double kMuchWorse = 10;
+    const auto camera = least_squares_.camera(end_.shared);
+    const auto fit = camera ? fit_pose(end_.views[v]->set, *camera, Loss{}) : std::nullopt;
+    return fit && fit->other_cost < kMuchWorse * fit->cost;
+  }
+
+  // Two ends of one cost are one.
+  void remember() {
+    if (!end_.sound) return;
+    const double cost = end_.problem->cost();
+    const auto same = [&](const Found& f) { return std::abs(f.rival.cost - cost) <= kSame * cost; };
+    if (std::any_of(found_.begin(), found_.end(), same)) return;
+    found_.push_back({{end_.shared, cost}, end_.masks});
+  }
+
+  // Where a start leads.
+  void follow(Candidate start) {
+    end_ = Ending();
+    end_.shared = std::move(start.shared);
+    end_.poses = std::move(start.poses);
     plain_fit(options_.reject_outliers ? robust_fit() : everything());
-    return final_converged_ && !search_.far(scale());
+    measure();
+  }
+
+  void measure() {
+    end_.distances = distances();
+    end_.scale = robust_scale(end_.distances);
+    end_.sound = end_.converged && sound();
+  }
+
+  bool sound() {
+    const auto reduced = end_.problem->reduced();
+    if (!reduced) return false;
+    end_.information = reduced->information;
+    const Eigen::Index n = end_.information.rows();
+    if (!scaled_solve(end_.information, Eigen::MatrixXd::Identity(n, n), kLeastPivot)) return false;
+    return !search_.rich() || sees_corners();
+  }
+
+  // Rational functions like to have a pole between two corners.
+  [[nodiscard]] bool sees_corners() const {
+    const auto camera = least_squares_.camera(end_.shared);
+    if (!camera) return false;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      if (!end_.used[v]) continue;
+      const PointSet& view = end_.views[v]->set;
+      for (std::size_t i = 0; i < view.size(); ++i) {
+        if (view.weight[i] > 0 && !camera->project(*end_.poses[v] * view.points[i])) return false;
+      }
+    }
+    return true;
   }
 
   [[nodiscard]] std::vector<ViewMask> everything() const {
@@ -69,42 +191,43 @@ class Course {
     return judge();
   }
 
-  double scale() {
+  // Of all corners from where they belong.
+  std::vector<double> distances() {
     std::vector<double> all;
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      const auto d = least_squares_.distances(views_[v], shared_, poses_[v]);
+      const auto d = least_squares_.distances(views_[v], end_.shared, end_.poses[v]);
       all.insert(all.end(), d.begin(), d.end());
     }
-    return robust_scale(std::move(all));
+    return all;
   }
 
   void robust_step(Loss::Kind kind, double tolerance) {
-    const Loss loss{kind, 2.5 * scale()};
-    (void)least_squares_.minimise_over(all_, shared_, poses_, freedom_.basis, loss,
+    const Loss loss{kind, 2.5 * robust_scale(distances())};
+    (void)least_squares_.minimise_over(all_, end_.shared, end_.poses, freedom_.basis, loss,
                                        {options_.max_iterations, tolerance});
   }
 
   // A view that looks wrong gets a second chance from a fresh pose: its own may have been drawn
-  // into the mirrored tilt.
+  // into the mirrored tilt. One that has lost its pose gets it where no view may be left out, too.
   std::vector<ViewMask> judge() {
     std::vector<std::vector<double>> distances;
     for (std::size_t v = 0; v < views_.size(); ++v) {
-      distances.push_back(least_squares_.distances(views_[v], shared_, poses_[v]));
+      distances.push_back(least_squares_.distances(views_[v], end_.shared, end_.poses[v]));
     }
     std::vector<ViewMask> masks = find_outliers(distances);
-    const auto camera = least_squares_.camera(shared_);
-    bool changed = false;
+    const auto camera = least_squares_.camera(end_.shared);
+    moved_ = false;
     for (std::size_t v = 0; camera && v < views_.size() && !least_squares_.cancelled(); ++v) {
-      if (masks[v].view && poses_[v]) continue;
+      if (end_.poses[v] && (masks[v].view || !options_.reject_outliers)) continue;
       const auto fit = fit_pose(views_[v].set, *camera, {Loss::Kind::kHuber, 1});
       if (!fit) continue;
-      auto fresh = least_squares_.distances(views_[v], shared_, fit->camera_from_board);
+      auto fresh = least_squares_.distances(views_[v], end_.shared, fit->camera_from_board);
       if (!(robust_scale(fresh) < 0.99 * robust_scale(distances[v]))) continue;
-      poses_[v] = fit->camera_from_board;
+      end_.poses[v] = fit->camera_from_board;
       distances[v] = std::move(fresh);
-      changed = true;
+      moved_ = true;
     }
-    return changed ? find_outliers(distances) : masks;
+    return moved_ ? find_outliers(distances) : masks;
   }
 
   // The final least squares; who is left out is looked at again with its result.
@@ -112,9 +235,13 @@ class Course {
     constexpr int kRounds = 4;
     for (int round = 0; round < kRounds && !least_squares_.cancelled(); ++round) {
       solve_masked(masks);
-      if (!options_.reject_outliers || !final_) return;
+      if (!end_.problem || round + 1 == kRounds) return;
+      const bool all_posed = std::all_of(end_.poses.begin(), end_.poses.end(),
+                                         [](const auto& pose) { return pose.has_value(); });
+      if (!options_.reject_outliers && all_posed) return;
       std::vector<ViewMask> next = judge();
-      if (next == masks) return;
+      if (!options_.reject_outliers) next = masks;
+      if (next == masks && !moved_) return;
       masks = std::move(next);
     }
   }
@@ -130,56 +257,59 @@ class Course {
     for (std::size_t i = 0; i < set.size(); ++i) {
       if (!mask.corners[i]) set.weight[i] = 0;
     }
-    return masked_.emplace_back(std::move(set), shape_);
+    return end_.masked.emplace_back(std::move(set), shape_);
   }
 
   void solve_masked(const std::vector<ViewMask>& masks) {
-    final_views_.clear();
+    end_.masks = masks;
+    end_.views.clear();
+    end_.masked.clear();
+    end_.masked.reserve(views_.size());
     std::vector<const FitView*> views;
-    masked_.clear();
-    masked_.reserve(views_.size());
     for (std::size_t v = 0; v < views_.size(); ++v) {
       const FitView& view = masked(views_[v], masks[v]);
-      final_views_.push_back(&view);
+      end_.views.push_back(&view);
       views.push_back(masks[v].view && spans_plane(view.set) ? &view : nullptr);
     }
-    final_ = least_squares_.minimise_over(views, shared_, poses_, freedom_.basis, Loss{},
-                                          {options_.max_iterations, kTolerance});
-    used_.assign(views_.size(), false);
-    final_poses_.assign(views_.size(), SE3{});
-    for (std::size_t v = 0; v < views_.size(); ++v) {
-      used_[v] = final_ && views[v] != nullptr && poses_[v];
-      if (used_[v]) final_poses_[v] = *poses_[v];
+    // The long and bent valley of a rich lens asks for more than one go.
+    const int goes = search_.rich() ? 3 : 1;
+    for (int go = 0; go < goes; ++go) {
+      end_.problem = least_squares_.minimise_over(views, end_.shared, end_.poses, freedom_.basis,
+                                                  Loss{}, {options_.max_iterations, kTolerance});
+      end_.converged = end_.problem && least_squares_.converged();
+      if (!end_.problem || end_.converged || least_squares_.cancelled()) break;
     }
-    final_shared_ = shared_;
-    final_converged_ = final_ && least_squares_.converged();
+    end_.used.assign(views_.size(), false);
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      end_.used[v] = end_.problem && views[v] != nullptr && end_.poses[v];
+    }
   }
 
   Fit finish() {
     Fit fit;
-    for (const FitView* view : final_views_) fit.views.push_back(view->set);
-    fit.squares = squares();
-    fit.shared = std::move(final_shared_);
-    fit.used = std::move(used_);
-    fit.camera_from_board = std::move(final_poses_);
     fit.iterations = least_squares_.iterations();
     fit.cancelled = least_squares_.cancelled();
-    if (final_) {
-      fit.cost = final_->cost();
-      const auto reduced = final_->reduced();
-      fit.converged = final_converged_ && reduced.has_value();
-      if (reduced) fit.information = reduced->information;
+    end_.used.resize(views_.size(), false);
+    for (const FitView* view : end_.views) fit.views.push_back(view->set);
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      fit.camera_from_board.push_back(end_.used[v] ? *end_.poses[v] : SE3{});
+      // Of the corners that were left out too.
+      fit.squares.emplace_back();
+      if (!end_.used[v]) continue;
+      fit.squares[v] = least_squares_.squares(views_[v], end_.shared, *end_.poses[v]);
+    }
+    fit.shared = std::move(end_.shared);
+    fit.used = std::move(end_.used);
+    if (!end_.problem) return fit;
+    fit.cost = end_.problem->cost();
+    fit.converged = end_.converged && end_.information.size() > 0;
+    fit.sound = end_.sound;
+    fit.information = std::move(end_.information);
+    for (Found& found : found_) {
+      const bool better = found.rival.cost <= (1 + kSame) * fit.cost;
+      if (found.masks == end_.masks && !better) fit.rivals.push_back(std::move(found.rival));
     }
     return fit;
-  }
-
-  // Of the corners that were left out too.
-  std::vector<std::vector<double>> squares() {
-    std::vector<std::vector<double>> result(used_.size());
-    for (std::size_t v = 0; v < result.size(); ++v) {
-      if (used_[v]) result[v] = least_squares_.squares(views_[v], final_shared_, final_poses_[v]);
-    }
-    return result;
   }
 
   const BoardShape& shape_;
@@ -190,16 +320,13 @@ class Course {
 
   std::vector<FitView> views_;
   std::vector<const FitView*> all_;
-  std::vector<double> shared_;
-  Poses poses_;
-
-  std::optional<CameraProblem> final_;  // refers to final_views_
-  std::vector<const FitView*> final_views_;
-  std::vector<FitView> masked_;  // those of them that are not as they came
-  std::vector<SE3> final_poses_;
-  std::vector<bool> used_;
-  std::vector<double> final_shared_;
-  bool final_converged_ = false;
+  struct Found {
+    Rival rival;
+    std::vector<ViewMask> masks;
+  };
+  std::vector<Found> found_;
+  Ending end_;
+  bool moved_ = false;  // a pose, by the last judge()
 };
 
 }  // namespace

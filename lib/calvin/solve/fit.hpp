@@ -18,6 +18,12 @@
 
 namespace calvin {
 
+// An optimum that is not the best one.
+struct Rival {
+  std::vector<double> shared;
+  double cost = 0;  // px^2
+};
+
 struct Fit {
   std::vector<double> shared;                // in the order of RowLayout
   std::vector<SE3> camera_from_board;        // per view; of those used
@@ -26,8 +32,10 @@ struct Fit {
   std::vector<std::vector<double>> squares;  // per view used: of each corner's distance, px^2
   double cost = 0;                           // weighted, px^2, over the corners used
   Eigen::MatrixXd information;               // over Freedom's directions, for residuals of 1 px
+  std::vector<Rival> rivals;                 // of the same corners
   int iterations = 0;
   bool converged = false;
+  bool sound = false;  // converged to a camera that is determined and sees all corners used
   bool cancelled = false;
 };
 

@@ -25,13 +25,13 @@ RowSums LeastSquares::fill(const FitView& view, const std::vector<double>& share
   return fill_(view.points, freedom_.row_point(shared), pose, Loss{}, rows_);
 }
 
-std::optional<CameraProblem> LeastSquares::minimise_over(const std::vector<const FitView*>& views,
-                                                         std::vector<double>& shared, Poses& poses,
-                                                         const Eigen::MatrixXd& basis,
-                                                         const Loss& loss,
-                                                         const LmOptions& options) {
-  const CameraUnknowns unknowns = {freedom_.model, freedom_.layout, freedom_.skew, basis,
-                                   freedom_.priors};
+std::optional<CameraProblem> LeastSquares::minimise_over(
+    const std::vector<const FitView*>& views, std::vector<double>& shared, Poses& poses,
+    const Eigen::MatrixXd& basis, const Loss& loss, const LmOptions& options,
+    const std::vector<CameraUnknowns::Prior>& more) {
+  CameraUnknowns unknowns = {freedom_.model, freedom_.layout, freedom_.skew, basis,
+                             freedom_.priors};
+  unknowns.priors.insert(unknowns.priors.end(), more.begin(), more.end());
   std::vector<std::size_t> index;
   const auto make_problem = [&]() -> std::optional<CameraProblem> {
     std::vector<const ViewPoints*> active;
@@ -44,7 +44,7 @@ std::optional<CameraProblem> LeastSquares::minimise_over(const std::vector<const
       from.camera_from_board.push_back(*poses[v]);
     }
     if (active.empty()) return std::nullopt;
-    return CameraProblem(std::move(active), unknowns, std::move(from), loss);
+    return CameraProblem(std::move(active), unknowns, std::move(from), loss, stop_);
   };
   auto problem = make_problem();
   if (problem && !problem->valid()) {
@@ -116,7 +116,7 @@ Poses LeastSquares::poses_for(const std::vector<double>& shared,
                               const std::vector<const FitView*>& views) const {
   Poses poses(views.size());
   const auto seen_by = camera(shared);
-  for (std::size_t v = 0; seen_by && v < views.size(); ++v) {
+  for (std::size_t v = 0; seen_by && v < views.size() && !stop_.stop_requested(); ++v) {
     poses[v] = pose_from_rays(views[v]->set.points, rays_of(views[v]->set, *seen_by));
   }
   return poses;

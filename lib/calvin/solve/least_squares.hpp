@@ -31,12 +31,14 @@ class LeastSquares {
  public:
   LeastSquares(const Freedom& freedom, ImageSize size, const std::stop_token& stop);
 
-  // Improves the shared unknowns and the poses of those views that have one. A null view is left
-  // out; a view that has no projection at its pose loses the pose. Absent where nothing is left.
+  // Improves the shared unknowns and the poses of those views that have one, `more` priors added to
+  // those of the freedom. A null view is left out; a view that has no projection at its pose loses
+  // the pose. Absent where nothing is left.
   std::optional<CameraProblem> minimise_over(const std::vector<const FitView*>& views,
                                              std::vector<double>& shared, Poses& poses,
                                              const Eigen::MatrixXd& basis, const Loss& loss,
-                                             const LmOptions& options);
+                                             const LmOptions& options,
+                                             const std::vector<CameraUnknowns::Prior>& more = {});
 
   // Weighted distance of every corner from where it belongs, px, never above kFarthest; all of
   // them that where the view has no pose.
@@ -48,7 +50,7 @@ class LeastSquares {
   [[nodiscard]] std::vector<double> squares(const FitView& view, const std::vector<double>& shared,
                                             const SE3& pose);
 
-  // Absent for parameters that are none.
+  // Absent for parameters that are none. poses_for() leaves out the rest where it is cancelled.
   [[nodiscard]] std::optional<Camera> camera(const std::vector<double>& shared) const;
   [[nodiscard]] Poses poses_for(const std::vector<double>& shared,
                                 const std::vector<const FitView*>& views) const;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace calvin {
 
@@ -37,6 +38,15 @@ double view_limit(const std::vector<double>& scales) {
 double robust_scale(std::vector<double> distances) {
   if (distances.empty()) return kLeastScale;
   return std::max(kLeastScale, median(distances) / kRayleighMedian);
+}
+
+double trimmed_rms(std::vector<double> distances) {
+  if (distances.empty()) return 0;
+  const auto kept = static_cast<std::ptrdiff_t>((3 * distances.size() + 3) / 4);
+  std::nth_element(distances.begin(), distances.begin() + kept - 1, distances.end());
+  const double squares =
+      std::inner_product(distances.begin(), distances.begin() + kept, distances.begin(), 0.0);
+  return std::sqrt(squares / static_cast<double>(kept));
 }
 
 std::vector<ViewMask> find_outliers(std::span<const std::vector<double>> distances) {

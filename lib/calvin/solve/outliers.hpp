@@ -22,6 +22,10 @@ struct ViewMask {
 [[nodiscard]] double robust_scale(std::vector<double> distances);
 inline constexpr double kLeastScale = 0.01;  // px, below what any detector reaches
 
+// The root mean square of the nearest three quarters of the distances, to compare two fits to the
+// same corners: it tells much smaller differences than a median does.
+[[nodiscard]] double trimmed_rms(std::vector<double> distances);
+
 // `distances[view][corner]`: weighted distance from the fit, px, finite.
 //
 // A corner is wrong beyond 6 times the larger of the scale of all corners and of its own view's:

@@ -10,6 +10,9 @@
 
 namespace calvin {
 
+// What an information matrix, scaled to a diagonal of 1, must have left of every unknown.
+inline constexpr double kLeastPivot = 1e-14;
+
 // The X with m X = right for a positive definite m, factorised after scaling to a unit diagonal, so
 // that px and powers of a radius weigh alike. Absent where a pivot of the scaled matrix is not
 // above `least_pivot`.

@@ -52,14 +52,14 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
   constexpr int kRounds = 3;
   double before = 0;
   for (int i = 0; i < kRounds && fit.converged && scale.known; ++i) {
-    const double common = common_sigma(fit, views, scale);
+    const double common = common_sigma(fit, views, scale, stop);
     if (std::abs(common - before) <= kSettled * common) break;
     fit = fit_camera(with_common_sigma(views, scale, common), shape, image_size, *freedom, options,
                      stop);
     before = common;
   }
   const double chi = fit.converged ? chi_of(fit, views, scale) : 1;
-  return conclude({fit, *freedom, shape, scale, chi}, image_size, options);
+  return conclude({fit, *freedom, shape, scale, chi}, image_size, options, stop);
 }
 
 }  // namespace calvin

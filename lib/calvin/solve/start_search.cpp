@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "calvin/solve/outliers.hpp"
@@ -14,30 +15,81 @@ namespace calvin {
 namespace {
 
 constexpr std::size_t kTrialViews = 12;
-constexpr std::size_t kFewViews = 8;
 constexpr std::size_t kTrials = 4;
+constexpr std::size_t kTrialsOfFew = 8;  // where there are few views
+
+// Of these one focal length is found that leads to all others.
+constexpr std::size_t kQuickViews = 6;
+constexpr std::size_t kQuickCorners = 16;  // of a view
+
+// More coefficients than these are no start from nothing.
+constexpr int kPlainLens = 5;
 
 // A start that is farther off than this, in image widths, is in the wrong valley.
 constexpr double kFar = 1e-3;
+// Of the best scale: what lies beyond need not be followed.
+constexpr double kHopeless = 4;
 
-std::vector<const FitView*> sample_of(const std::vector<const FitView*>& views) {
-  std::vector<const FitView*> sample;
-  const std::size_t n = std::min(views.size(), kTrialViews);
+StartSearch::Views sample_of(const StartSearch::Views& views, std::size_t most) {
+  StartSearch::Views sample;
+  const std::size_t n = std::min(views.size(), most);
   for (std::size_t i = 0; i < n; ++i) sample.push_back(views[i * views.size() / n]);
   return sample;
 }
+
+// The same views with a few of their corners.
+class Thinned {
+ public:
+  Thinned(const StartSearch::Views& views, const BoardShape& shape) {
+    views_.reserve(views.size());
+    for (const FitView* view : views) {
+      const PointSet& all = view->set;
+      PointSet few = all;
+      few.clear();
+      const std::size_t n = std::min(all.size(), kQuickCorners);
+      for (std::size_t i = 0; i < n; ++i) few.append(all, i * all.size() / n);
+      views_.emplace_back(std::move(few), shape);
+      pointers_.push_back(&views_.back());
+    }
+  }
+  [[nodiscard]] const StartSearch::Views& views() const { return pointers_; }
+
+ private:
+  std::vector<FitView> views_;
+  StartSearch::Views pointers_;
+};
+
+bool same_place(const Candidate& a, const Candidate& b) {
+  constexpr double kSame = 1e-2;
+  for (std::size_t i = 0; i < a.shared.size(); ++i) {
+    const double unit = i < 4 ? a.shared[0] : 1;
+    if (std::abs(a.shared[i] - b.shared[i]) > kSame * unit) return false;
+  }
+  return true;
+}
+
+bool nearer(const Candidate& a, const Candidate& b) { return a.scale < b.scale; }
 
 }  // namespace
 
 bool StartSearch::far(double scale) const { return !(scale < kFar * size_.width); }
 
-Candidate StartSearch::quick(const std::vector<const FitView*>& views) {
+bool StartSearch::rich() const { return freedom_.layout.coefficients > kPlainLens; }
+
+bool StartSearch::many_valleys(const Views& views) const {
+  return views.size() < kFewViews || freedom_.lens.starts.size() > 1;
+}
+
+Candidate StartSearch::quick(const Views& views) {
+  if (!freedom_.initial.empty() || many_valleys(views)) return {};
+  return freedom_.lens.perspective ? by_closed_form(views) : by_few_corners(views);
+}
+
+Candidate StartSearch::by_closed_form(const Views& views) {
   Candidate best;
-  if (!freedom_.lens.perspective || !freedom_.initial.empty() || views.size() < kFewViews) {
-    return best;
-  }
   std::vector<Eigen::Matrix3d> homographies;
   for (const FitView* view : views) {
+    if (least_squares_.cancelled()) return best;
     const auto h = view_homography(view->set, size_);
     if (!h) return best;
     homographies.push_back(*h);
@@ -50,26 +102,57 @@ Candidate StartSearch::quick(const std::vector<const FitView*>& views) {
     }
     return result;
   };
-  const std::vector<const FitView*> sample = sample_of(views);
+  const Views sample = sample_of(views, kTrialViews);
   for (const Guess& guess : closed_form_guesses(homographies, size_)) {
     Candidate c = with(guess, freedom_.lens.starts.front());
     c.poses = poses(c, sample.size());
     c.scale = scale_of(c, sample);
     if (c.scale < best.scale) best = std::move(c);
   }
-  if (std::isfinite(best.scale)) best.poses = poses(best, views.size());
+  if (!std::isfinite(best.scale)) return best;
+  if (rich()) {
+    improve(best, sample, Rein::kFree);
+    best.poses = least_squares_.poses_for(best.shared, views);
+  } else {
+    best.poses = poses(best, views.size());
+  }
   return best;
 }
 
-Candidate StartSearch::thorough(const std::vector<const FitView*>& views) {
-  const std::vector<const FitView*> sample = sample_of(views);
-  Candidate best = best_of(from_initial(), sample, 1);
-  if (far(best.scale)) {
-    Candidate other = best_of(guesses(sample), sample, kTrials);
-    if (other.scale < best.scale) best = std::move(other);
+Candidate StartSearch::by_few_corners(const Views& views) {
+  const Thinned sample(sample_of(views, kQuickViews), shape_);
+  std::vector<Candidate> candidates;
+  const std::vector<Guess> grid = focal_grid(size_, false);
+  for (std::size_t i = 1; i < grid.size(); i += 2) {
+    candidates.push_back(with(grid[i], freedom_.lens.starts.front()));
   }
-  if (std::isfinite(best.scale)) best.poses = least_squares_.poses_for(best.shared, views);
+  auto found = best_of(std::move(candidates), sample.views(), 1);
+  if (found.empty() || !std::isfinite(found.front().scale)) return {};
+  Candidate best = std::move(found.front());
+  best.poses = least_squares_.poses_for(best.shared, Thinned(views, shape_).views());
   return best;
+}
+
+std::vector<Candidate> StartSearch::thorough(const Views& views) {
+  const Views sample = sample_of(views, kTrialViews);
+  std::vector<Candidate> found = best_of(from_initial(), sample, 1);
+  if (found.empty() || far(found.front().scale)) {
+    const std::size_t trials = views.size() < kFewViews ? kTrialsOfFew : kTrials;
+    for (const auto& start : freedom_.lens.starts) {
+      auto more = best_of(guesses(sample, start), sample, trials);
+      std::move(more.begin(), more.end(), std::back_inserter(found));
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), nearer);
+  std::vector<Candidate> distinct;
+  for (Candidate& c : found) {
+    if (!std::isfinite(c.scale) || c.scale > kHopeless * found.front().scale) continue;
+    const auto is_same = [&c](const Candidate& other) { return same_place(c, other); };
+    if (std::any_of(distinct.begin(), distinct.end(), is_same)) continue;
+    if (sample.size() < views.size()) c.poses = least_squares_.poses_for(c.shared, views);
+    distinct.push_back(std::move(c));
+  }
+  return distinct;
 }
 
 std::vector<Candidate> StartSearch::from_initial() const {
@@ -89,7 +172,8 @@ Candidate StartSearch::with(const Guess& guess, const std::vector<double>& coeff
   return c;
 }
 
-std::vector<Candidate> StartSearch::guesses(const std::vector<const FitView*>& sample) const {
+std::vector<Candidate> StartSearch::guesses(const Views& sample,
+                                            const std::vector<double>& start) const {
   std::vector<Guess> cameras;
   if (freedom_.lens.perspective) {
     std::vector<Eigen::Matrix3d> homographies;
@@ -101,41 +185,80 @@ std::vector<Candidate> StartSearch::guesses(const std::vector<const FitView*>& s
   const auto more = focal_grid(size_, freedom_.lens.perspective);
   cameras.insert(cameras.end(), more.begin(), more.end());
   std::vector<Candidate> candidates;
-  for (const Guess& guess : cameras) {
-    for (const auto& start : freedom_.lens.starts) candidates.push_back(with(guess, start));
-  }
+  for (const Guess& guess : cameras) candidates.push_back(with(guess, start));
   return candidates;
 }
 
-Candidate StartSearch::best_of(std::vector<Candidate> candidates,
-                               const std::vector<const FitView*>& sample, std::size_t trials) {
+std::vector<Candidate> StartSearch::best_of(std::vector<Candidate> candidates, const Views& sample,
+                                            std::size_t trials) {
+  const Thinned few(sample, shape_);
   for (Candidate& c : candidates) {
-    c.poses = least_squares_.poses_for(c.shared, sample);
-    c.scale = scale_of(c, sample);
+    if (least_squares_.cancelled()) return {};
+    c.poses = least_squares_.poses_for(c.shared, few.views());
+    c.scale = scale_of(c, few.views());
   }
-  std::sort(candidates.begin(), candidates.end(),
-            [](const Candidate& a, const Candidate& b) { return a.scale < b.scale; });
+  std::sort(candidates.begin(), candidates.end(), nearer);
   if (candidates.size() > trials) candidates.resize(trials);
-  Candidate best;
-  Eigen::MatrixXd focal = Eigen::MatrixXd::Zero(freedom_.layout.shared(), 1);
-  focal(0, 0) = 1;
-  focal(1, 0) = freedom_.aspect();
-  for (Candidate& c : candidates) {
-    if (!freedom_.held[0] && !freedom_.held[1]) improve(c, sample, focal, 5);
-    improve(c, sample, freedom_.basis, 15);
-    if (c.scale < best.scale) best = std::move(c);
+  for (Candidate& c : candidates) improve(c, sample, Rein::kTame);
+  std::sort(candidates.begin(), candidates.end(), nearer);
+  return candidates;
+}
+
+Eigen::MatrixXd StartSearch::leading(int coefficients) const {
+  const Eigen::MatrixXd& all = freedom_.basis;
+  const Eigen::Index first = 4 + std::min(coefficients, freedom_.layout.coefficients);
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index c = 0; c < all.cols(); ++c) {
+    if (!all.col(c).tail(all.rows() - first).any()) columns.push_back(c);
   }
-  return best;
+  if (columns.empty()) return all;
+  Eigen::MatrixXd some(all.rows(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    some.col(static_cast<Eigen::Index>(i)) = all.col(columns[i]);
+  }
+  return some;
 }
 
-void StartSearch::improve(Candidate& c, const std::vector<const FitView*>& sample,
-                          const Eigen::MatrixXd& basis, int iterations) {
-  const Loss loss{Loss::Kind::kHuber, 2 * c.scale};
-  (void)least_squares_.minimise_over(sample, c.shared, c.poses, basis, loss, {iterations, 1e-4});
-  c.scale = scale_of(c, sample);
+// First the focal length, then the strongest coefficients, then all others.
+std::vector<Eigen::MatrixXd> StartSearch::stages() const {
+  std::vector<Eigen::MatrixXd> result;
+  if (!freedom_.held[0] && !freedom_.held[1]) {
+    Eigen::MatrixXd focal = Eigen::MatrixXd::Zero(freedom_.layout.shared(), 1);
+    focal(0, 0) = 1;
+    focal(1, 0) = freedom_.aspect();
+    result.push_back(std::move(focal));
+  }
+  for (const int coefficients : {2, kPlainLens}) {
+    if (freedom_.layout.coefficients > coefficients) result.push_back(leading(coefficients));
+  }
+  result.push_back(freedom_.basis);
+  return result;
 }
 
-double StartSearch::scale_of(const Candidate& c, const std::vector<const FitView*>& views) {
+void StartSearch::improve(Candidate& c, const Views& sample, Rein rein) {
+  const int iterations = rich() ? 40 : 15;
+  const auto step = [&](const Eigen::MatrixXd& basis, const Priors& priors) {
+    const Loss loss{Loss::Kind::kHuber, 2 * c.scale};
+    (void)least_squares_.minimise_over(sample, c.shared, c.poses, basis, loss,
+                                       {basis.cols() == 1 ? 5 : iterations, 1e-5}, priors);
+    c.scale = scale_of(c, sample);
+  };
+  const bool tame = rich() && rein == Rein::kTame;
+  for (const Eigen::MatrixXd& basis : stages()) step(basis, tame ? small(1 / c.scale) : Priors());
+  for (const double looser : {4, 16, 64, 256}) {
+    if (tame) step(freedom_.basis, small(looser / c.scale));
+  }
+}
+
+// What makes numerator and denominator of a rational function cancel is nothing to begin with.
+StartSearch::Priors StartSearch::small(double sigma) const {
+  Priors priors;
+  for (int i = kPlainLens; i < freedom_.layout.coefficients; ++i)
+    priors.push_back({4 + i, 0, sigma});
+  return priors;
+}
+
+double StartSearch::scale_of(const Candidate& c, const Views& views) {
   std::vector<double> all;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const auto d = least_squares_.distances(*views[v], c.shared, c.poses[v]);

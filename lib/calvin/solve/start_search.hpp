@@ -12,6 +12,9 @@
 
 namespace calvin {
 
+// Fewer views than this may have several optima.
+inline constexpr std::size_t kFewViews = 8;
+
 struct Candidate {
   std::vector<double> shared;
   Poses poses;
@@ -20,32 +23,55 @@ struct Candidate {
 
 class StartSearch {
  public:
-  StartSearch(LeastSquares& least_squares, const Freedom& freedom, ImageSize size)
-      : least_squares_(least_squares), freedom_(freedom), size_(size) {}
+  using Views = std::vector<const FitView*>;
+
+  StartSearch(LeastSquares& least_squares, const Freedom& freedom, const BoardShape& shape,
+              ImageSize size)
+      : least_squares_(least_squares), freedom_(freedom), shape_(shape), size_(size) {}
 
   // Shared unknowns and a pose for each view; the scale is infinite where nothing leads anywhere.
   //
-  // The closed form, for many views through a lens near enough to a pinhole: nearly always right,
-  // and hundreds of times cheaper than what follows.
-  [[nodiscard]] Candidate quick(const std::vector<const FitView*>& views);
-  // The best of all the starts there are, each tried on a few views.
-  [[nodiscard]] Candidate thorough(const std::vector<const FitView*>& views);
+  // For many views: the closed form for a lens near enough to a pinhole, and for others a few
+  // corners of a few views at several focal lengths. Nearly always right, and ten to hundreds of
+  // times cheaper than what follows.
+  [[nodiscard]] Candidate quick(const Views& views);
+  // From all the starts there are, each tried on a few views: those that lead to different places
+  // which may be right, the likeliest first.
+  [[nodiscard]] std::vector<Candidate> thorough(const Views& views);
 
   // Whether what is left of a fit, as robust_scale(), is too much for the right valley.
   [[nodiscard]] bool far(double scale) const;
+  // Whether there may be more than one valley in which a fit looks right.
+  [[nodiscard]] bool many_valleys(const Views& views) const;
+
+  // Whether the lens has so many coefficients that they can conspire.
+  [[nodiscard]] bool rich() const;
+
+  // The directions of the freedom that move no coefficient but the first ones. A lens of many
+  // coefficients finds its valley as one of few.
+  [[nodiscard]] Eigen::MatrixXd leading(int coefficients) const;
 
  private:
-  [[nodiscard]] std::vector<Candidate> guesses(const std::vector<const FitView*>& sample) const;
+  [[nodiscard]] Candidate by_closed_form(const Views& views);
+  [[nodiscard]] Candidate by_few_corners(const Views& views);
+  [[nodiscard]] std::vector<Candidate> guesses(const Views& sample,
+                                               const std::vector<double>& start) const;
   [[nodiscard]] Candidate with(const Guess& guess, const std::vector<double>& coefficients) const;
   [[nodiscard]] std::vector<Candidate> from_initial() const;
-  [[nodiscard]] Candidate best_of(std::vector<Candidate> candidates,
-                                  const std::vector<const FitView*>& sample, std::size_t trials);
-  void improve(Candidate& c, const std::vector<const FitView*>& sample,
-               const Eigen::MatrixXd& basis, int iterations);
-  [[nodiscard]] double scale_of(const Candidate& c, const std::vector<const FitView*>& views);
+  // The `trials` best of the candidates by a few corners of the sample, improved over all of them.
+  // A rich lens is tamed first: its coefficients are small and grow as the views demand.
+  [[nodiscard]] std::vector<Candidate> best_of(std::vector<Candidate> candidates,
+                                               const Views& sample, std::size_t trials);
+  enum class Rein { kTame, kFree };
+  using Priors = std::vector<CameraUnknowns::Prior>;
+  [[nodiscard]] Priors small(double sigma) const;  // px, as weighted residuals are
+  void improve(Candidate& c, const Views& sample, Rein rein);
+  [[nodiscard]] std::vector<Eigen::MatrixXd> stages() const;
+  [[nodiscard]] double scale_of(const Candidate& c, const Views& views);
 
   LeastSquares& least_squares_;
   const Freedom& freedom_;
+  const BoardShape& shape_;
   ImageSize size_;
 };
 

@@ -34,7 +34,7 @@ std::vector<Corner> corners_of(const Fit& fit, const std::vector<PointSet>& view
 
 // The median of square / (variance + common) is that of two Gaussians' squares, by bisection: it
 // falls as `common` grows. 0 where it is less without.
-double common_variance(const std::vector<Corner>& corners) {
+double common_variance(const std::vector<Corner>& corners, const std::stop_token& stop) {
   const double wanted = 2 * std::numbers::ln2;
   std::vector<double> ratios(corners.size());
   const auto median = [&](double common) {
@@ -47,8 +47,8 @@ double common_variance(const std::vector<Corner>& corners) {
   if (corners.empty() || !(median(0) > wanted)) return 0;
   double low = 0;
   double high = 1;
-  while (median(high) > wanted && high < 1e12) high *= 4;
-  for (int i = 0; i < 40; ++i) {
+  while (!stop.stop_requested() && median(high) > wanted && high < 1e12) high *= 4;
+  for (int i = 0; i < 40 && !stop.stop_requested(); ++i) {
     const double middle = (low + high) / 2;
     (median(middle) > wanted ? low : high) = middle;
   }
@@ -82,7 +82,8 @@ double degrees_of_freedom(const Fit& fit) {
   return degrees;
 }
 
-double common_sigma(const Fit& fit, const std::vector<PointSet>& views, const WeightScale& scale) {
+double common_sigma(const Fit& fit, const std::vector<PointSet>& views, const WeightScale& scale,
+                    const std::stop_token& stop) {
   constexpr double kNearlyEqual = 1.05;
   const std::vector<Corner> corners = corners_of(fit, views, scale.sigma);
   if (corners.empty()) return 0;
@@ -90,7 +91,7 @@ double common_sigma(const Fit& fit, const std::vector<PointSet>& views, const We
       std::minmax_element(corners.begin(), corners.end(),
                           [](const Corner& a, const Corner& b) { return a.variance < b.variance; });
   if (most->variance < kNearlyEqual * least->variance) return 0;
-  return std::sqrt(common_variance(corners));
+  return std::sqrt(common_variance(corners, stop));
 }
 
 std::vector<PointSet> with_common_sigma(std::vector<PointSet> views, const WeightScale& scale,

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "calvin/solve/fit.hpp"
@@ -28,9 +29,9 @@ WeightScale normalise_weights(std::span<PointSet> views);
 // sigma^2 = sigma_i^2 + sigma_0^2: where corners are worse than their sigmas say, sigma_0 (px) is
 // what all of them have in common. By the median of the corners, so that outliers have no say.
 // `views` are those that the fit began with, before weights were changed. 0 where it would change
-// nothing: all sigmas nearly equal, or large enough.
+// nothing: all sigmas nearly equal, or large enough. Means nothing where `stop` was requested.
 [[nodiscard]] double common_sigma(const Fit& fit, const std::vector<PointSet>& views,
-                                  const WeightScale& scale);
+                                  const WeightScale& scale, const std::stop_token& stop);
 [[nodiscard]] std::vector<PointSet> with_common_sigma(std::vector<PointSet> views,
                                                       const WeightScale& scale, double common);
 
