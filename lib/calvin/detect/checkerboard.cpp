@@ -12,6 +12,7 @@
 #include "calvin/detect/lattice.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/refine.hpp"
+#include "calvin/detect/tracker.hpp"
 
 namespace calvin::detect {
 
@@ -60,6 +61,7 @@ class CheckerboardDetector final : public Detector {
   explicit CheckerboardDetector(const Board& board)
       : board_(board),
         text_(board.text()),
+        tracker_(board),
         lattice_(std::max(board.cols, board.rows) + kBeyond),
         part_(lattice_),
         other_(lattice_) {}
@@ -72,28 +74,78 @@ class CheckerboardDetector final : public Detector {
     }
   }
 
+  Detection follow(const ImageView& image, std::uint64_t timestamp,
+                   std::stop_token stop) noexcept override {
+    try {
+      return look_ahead_or_search(image, timestamp, stop);
+    } catch (const std::exception&) {
+      return {};
+    }
+  }
+
  private:
+  [[nodiscard]] Detection nothing(const ImageView& image) const;
+  Detection look_ahead_or_search(const ImageView& image, std::uint64_t timestamp,
+                                 const std::stop_token& stop);
+  // Whether all of the board is where `lattice_` tells.
+  [[nodiscard]] bool look_ahead(const ImageView& image, Detection& result);
   Detection search(const ImageView& image, const std::stop_token& stop);
   void look_in_level(int level, Detection& result);
   // `lattice_` in px of the image is a board of another size.
   void note_other(int cols, int rows, Detection& result);
-  [[nodiscard]] bool accept(const Match& match, Lattice& lattice, Detection& result);
+  [[nodiscard]] bool accept(Match match, Lattice& lattice, Detection& result);
+  void report(const Match& match, const Lattice& lattice, Detection& result);
 
   Board board_;
   std::string text_;
+  Tracker tracker_;
   Pyramid pyramid_;
   BoardSearch search_;
   Refinement refinement_;
   Lattice lattice_;
-  Lattice part_;      // of the board, the largest seen so far, in px of the image
-  Match part_match_;  // of it
-  Lattice other_;     // the largest of another board, likewise
+  Placement placement_;  // of what was reported last, which is lattice_ where it is whole
+  Lattice part_;         // of the board, the largest seen so far, in px of the image
+  Match part_match_;     // of it
+  Lattice other_;        // the largest of another board, likewise
 };
 
-Detection CheckerboardDetector::search(const ImageView& image, const std::stop_token& stop) {
+Detection CheckerboardDetector::nothing(const ImageView& image) const {
   Detection result;
   result.observation.board = text_;
   result.observation.image_size = image.size();
+  return result;
+}
+
+Detection CheckerboardDetector::look_ahead_or_search(const ImageView& image,
+                                                     std::uint64_t timestamp,
+                                                     const std::stop_token& stop) {
+  Detection result = nothing(image);
+  const bool known = !stop.stop_requested() && tracker_.predict(image.size(), timestamp, lattice_);
+  const bool followed = known && look_ahead(image, result);
+  if (!followed) result = search(image, stop);
+  if (static_cast<int>(result.observation.ids.size()) == board_.point_count()) {
+    tracker_.remember(lattice_, placement_, image.size(), timestamp, !followed);
+  } else {
+    tracker_.forget();
+  }
+  return result;
+}
+
+bool CheckerboardDetector::look_ahead(const ImageView& image, Detection& result) {
+  pyramid_.build(image, 1);
+  const ImageView& full = pyramid_.level(0);
+  if (!refinement_.confirm(full, lattice_) || !refinement_.refine(full, lattice_) ||
+      lattice_.count() < board_.point_count()) {
+    return false;
+  }
+  const Match match = match_board(full, board_, lattice_);
+  if (match.reason != Reason::kAccepted) return false;
+  report(match, lattice_, result);
+  return true;
+}
+
+Detection CheckerboardDetector::search(const ImageView& image, const std::stop_token& stop) {
+  Detection result = nothing(image);
   if (image.data == nullptr || image.width < kLeastSide || image.height < kLeastSide) {
     return result;
   }
@@ -162,8 +214,20 @@ void CheckerboardDetector::note_other(int cols, int rows, Detection& result) {
 constexpr double kBias = 0.004;
 constexpr double kCaution = 1.2;
 
-bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detection& result) {
-  if (!refinement_.refine(pyramid_.level(0), lattice)) return false;
+bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& result) {
+  const ImageView& image = pyramid_.level(0);
+  const int before = lattice.count();
+  if (!refinement_.refine(image, lattice)) return false;
+  if (lattice.count() < before) {
+    // Some of its corners were none: is what is left still certain?
+    match = match_board(image, board_, lattice);
+    if (match.reason != Reason::kAccepted) return false;
+  }
+  report(match, lattice, result);
+  return true;
+}
+
+void CheckerboardDetector::report(const Match& match, const Lattice& lattice, Detection& result) {
   Observation& o = result.observation;
   for (int row = 0; row < board_.rows; ++row) {
     for (int col = 0; col < board_.cols; ++col) {
@@ -176,8 +240,9 @@ bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detectio
     }
   }
   o.ambiguous = match.ambiguous;
+  o.blur = refinement_.blur(lattice);
+  placement_ = match.placement;
   result.reason = Reason::kAccepted;
-  return true;
 }
 
 }  // namespace
