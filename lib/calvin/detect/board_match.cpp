@@ -253,6 +253,7 @@ Match match_board(const ImageView& image, const Board& board, Lattice& lattice) 
   match.seen_rows = turned ? e.cols() : e.rows();
   if (!small_enough) {
     match.reason = Reason::kWrongBoard;
+    match.certain = lattice.count() > board.point_count();
     return match;
   }
   match.whole = lattice.count() == board.point_count();
@@ -262,6 +263,7 @@ Match match_board(const ImageView& image, const Board& board, Lattice& lattice) 
   const auto all = placements(board, e, edges);
   if (all.empty()) {
     match.reason = Reason::kWrongBoard;
+    match.certain = edges.count() == 4;
     return match;
   }
   match.reason = Reason::kAccepted;

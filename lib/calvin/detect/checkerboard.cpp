@@ -22,12 +22,13 @@ constexpr int kLeastSide = 16;       // px; no board is in a smaller image
 constexpr int kBeyond = 3;           // rows around a board that tell that it is another one
 constexpr double kLeastShare = 0.2;  // of a board's corners
 // How many peaks of the response are looked at, the strongest first.
-constexpr int kPointsPerCorner = 20;
-constexpr int kFewestPoints = 1000;
+constexpr int kPointsPerCorner = 15;
+constexpr int kFewestPoints = 800;
 // How far a neighbour may be: of the image divided by the squares of the board; px of the level.
 constexpr float kLargestSquare = 2.2F;
 constexpr float kLeastReach = 48;
 constexpr float kMostReach = 144;
+constexpr float kFineReach = 64;  // where a smaller level has looked for larger squares
 
 // Where a lattice lies in the image, px.
 struct Area {
@@ -91,8 +92,8 @@ class CheckerboardDetector final : public Detector {
   [[nodiscard]] bool look_ahead(const ImageView& image, Detection& result);
   Detection search(const ImageView& image, const std::stop_token& stop);
   void look_in_level(int level, Detection& result);
-  // `lattice_` in px of the image is a board of another size.
-  void note_other(int cols, int rows, Detection& result);
+  // `lattice_` in px of the image is a board of another size, or may be the part of one.
+  void note_other(int cols, int rows, bool sure, Detection& result);
   [[nodiscard]] bool accept(Match match, Lattice& lattice, Detection& result);
   void report(const Match& match, const Lattice& lattice, Detection& result);
 
@@ -103,10 +104,11 @@ class CheckerboardDetector final : public Detector {
   BoardSearch search_;
   Refinement refinement_;
   Lattice lattice_;
-  Placement placement_;  // of what was reported last, which is lattice_ where it is whole
-  Lattice part_;         // of the board, the largest seen so far, in px of the image
-  Match part_match_;     // of it
-  Lattice other_;        // the largest of another board, likewise
+  Placement placement_;         // of what was reported last, which is lattice_ where it is whole
+  Lattice part_;                // of the board, the largest seen so far, in px of the image
+  Match part_match_;            // of it
+  Lattice other_;               // the largest of another board, likewise
+  bool other_is_sure_ = false;  // and no part of the one that is looked for
 };
 
 Detection CheckerboardDetector::nothing(const ImageView& image) const {
@@ -153,6 +155,7 @@ Detection CheckerboardDetector::search(const ImageView& image, const std::stop_t
   pyramid_.build(image);
   part_.clear();
   other_.clear();
+  other_is_sure_ = false;
   for (int level = pyramid_.levels() - 1; level >= 0; --level) {
     if (stop.stop_requested()) return {result.observation, Reason::kNotFound};
     look_in_level(level, result);
@@ -174,17 +177,18 @@ void CheckerboardDetector::look_in_level(int level, Detection& result) {
   // The largest squares are those of a board of which a part fills the image.
   const auto across = static_cast<float>(std::max(image.width, image.height));
   const auto squares = static_cast<float>(std::max(board_.cols, board_.rows) + 1);
-  options.reach = std::clamp(kLargestSquare * across / squares, kLeastReach, kMostReach);
+  const float most = level + 1 < pyramid_.levels() ? kFineReach : kMostReach;
+  options.reach = std::clamp(kLargestSquare * across / squares, kLeastReach, most);
   search_.look(image, options);
   while (search_.next(lattice_)) {
+    // A level further up has seen what this is, or is a part of.
+    if (other_is_sure_ && Area(other_).has(Area(lattice_), level)) continue;
+    if (!is_far_larger(lattice_, board_)) BoardSearch::complete(image, lattice_);
     if (is_far_larger(lattice_, board_)) {
       refinement_.to_image(pyramid_, level, lattice_, false);
-      note_other(lattice_.extent().cols(), lattice_.extent().rows(), result);
+      note_other(lattice_.extent().cols(), lattice_.extent().rows(), true, result);
       continue;
     }
-    // A level further up has seen what this is a part of.
-    if (other_.count() > board_.point_count() && Area(other_).has(Area(lattice_), level)) continue;
-    BoardSearch::complete(image, lattice_);
     refinement_.to_image(pyramid_, level, lattice_, true);
     // What is too fine, or too near to the border, to be seen in the level.
     BoardSearch::complete(full, lattice_);
@@ -195,12 +199,15 @@ void CheckerboardDetector::look_in_level(int level, Detection& result) {
       part_ = lattice_;
       part_match_ = match;
     }
-    if (match.reason == Reason::kWrongBoard) note_other(match.seen_cols, match.seen_rows, result);
+    if (match.reason == Reason::kWrongBoard) {
+      note_other(match.seen_cols, match.seen_rows, match.certain, result);
+    }
   }
 }
 
-void CheckerboardDetector::note_other(int cols, int rows, Detection& result) {
+void CheckerboardDetector::note_other(int cols, int rows, bool sure, Detection& result) {
   if (lattice_.count() <= other_.count()) return;
+  other_is_sure_ = sure;
   other_ = lattice_;
   result.reason = Reason::kWrongBoard;
   result.seen_cols = cols;
