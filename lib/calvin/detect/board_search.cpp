@@ -183,8 +183,13 @@ void BoardSearch::find_groups() {
         queue_.push_back(other);
       }
     }
-    const Group group = {static_cast<int>(i), static_cast<int>(queue_.size())};
-    if (group.size >= options_.least_nodes) groups_.push_back(group);
+    Group group = {static_cast<int>(i), static_cast<int>(queue_.size()), {}};
+    if (group.size < options_.least_nodes) continue;
+    for (const int k : queue_) {
+      const Corner& corner = corners_[static_cast<std::size_t>(k)];
+      group.box.add(corner.x, corner.y);
+    }
+    groups_.push_back(group);
   }
   std::sort(groups_.begin(), groups_.end(),
             [](const Group& a, const Group& b) { return a.size > b.size; });
@@ -220,8 +225,8 @@ void BoardSearch::fill(const Group& group, Lattice& lattice) {
   }
 }
 
-void BoardSearch::complete(const ImageView& image, Lattice& lattice) {
-  for (int pass = 0; pass < kPasses; ++pass) {
+void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough) {
+  for (int pass = 0; pass < kPasses && lattice.count() < enough; ++pass) {
     const Extent e = lattice.extent();
     bool added = false;
     for (int row = e.first.row - 1; row <= e.last.row + 1; ++row) {
