@@ -147,6 +147,16 @@ bool find_node(const ImageView& image, const Lattice& lattice, Cell cell, Node& 
   return true;
 }
 
+// Where ink or light has parted the squares there is no corner to be seen from close up.
+bool guess_between(const ImageView& image, const Lattice& lattice, Cell cell, Node& node) {
+  const auto sides = std::count_if(kAround.begin(), kAround.end(),
+                                   [&](Cell step) { return lattice.has(cell + step); });
+  if (sides < 2) return false;
+  const auto expected = lattice.expect(cell);
+  return expected && expected->spacing >= kLeastSpacing && inside(image, *expected) &&
+         guess(lattice, cell, *expected, node);
+}
+
 }  // namespace
 
 void BoardSearch::look(const ImageView& image, const SearchOptions& options) {
@@ -225,7 +235,7 @@ void BoardSearch::fill(const Group& group, Lattice& lattice) {
   }
 }
 
-void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough) {
+void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough, bool guessing) {
   for (int pass = 0; pass < kPasses && lattice.count() < enough; ++pass) {
     const Extent e = lattice.extent();
     bool added = false;
@@ -234,7 +244,10 @@ void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough)
         Node node;
         const Cell cell = {col, row};
         if (!lattice.in_reach(cell) || lattice.has(cell)) continue;
-        if (!find_node(image, lattice, cell, node)) continue;
+        if (!find_node(image, lattice, cell, node) &&
+            !(guessing && guess_between(image, lattice, cell, node))) {
+          continue;
+        }
         lattice.put(cell, node);
         added = true;
       }

@@ -52,8 +52,9 @@ class BoardSearch {
   // Around all corners that hang together with it, which may be more than a lattice takes.
   [[nodiscard]] const Box& box() const { return groups_[next_group_ - 1].box; }
 
-  // Adds the nodes that are missing inside of a lattice and next to it, until it has `enough`.
-  static void complete(const ImageView& image, Lattice& lattice, int enough);
+  // Adds the nodes that are missing inside of a lattice and next to it, until it has `enough`. With
+  // `guessing`, those too that cannot be seen but have neighbours on two sides.
+  static void complete(const ImageView& image, Lattice& lattice, int enough, bool guessing);
 
  private:
   struct Group {

@@ -190,7 +190,7 @@ void CheckerboardDetector::look_in_level(int level, Detection& result) {
   while (search_.next(lattice_)) {
     // A level further up has seen what this is, or is a part of.
     if (is_known_other(level)) continue;
-    BoardSearch::complete(image, lattice_, enough);
+    BoardSearch::complete(image, lattice_, enough, false);
     if (is_far_larger(lattice_, board_)) {
       const Box box = search_.box();
       refinement_.to_image(pyramid_, level, lattice_, false);
@@ -203,7 +203,7 @@ void CheckerboardDetector::look_in_level(int level, Detection& result) {
     }
     refinement_.to_image(pyramid_, level, lattice_, true);
     // What is too fine, or too near to the border, to be seen in the level.
-    BoardSearch::complete(full, lattice_, enough);
+    BoardSearch::complete(full, lattice_, enough, true);
     refinement_.look_at_guesses(full, lattice_);
     const Match match = match_board(full, board_, lattice_);
     if (match.reason == Reason::kAccepted && match.whole && accept(match, lattice_, result)) return;

@@ -35,6 +35,7 @@ constexpr float kUncertainInNoisePx = 0.1F;  // px
 constexpr float kMostResidual = 0.9F;        // of the contrast
 constexpr float kLargestWidth = 8;           // px, of an edge
 constexpr float kLargestMove = 0.35F;        // of the spacing, between levels
+constexpr float kLargestError = 0.2F;        // of the spacing, of what neighbours tell
 
 // The least distance to the grid lines around a node, px.
 float spacing_at(const Lattice& lattice, Cell c) {
@@ -157,6 +158,7 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   constexpr float kAsymmetry = 0.8F;
   constexpr float kContrast = 0.35F;  // of a neighbour's
   constexpr float kResidual = 0.35F;  // of the contrast
+  constexpr float kNoise = 0.1F;      // of the contrast: symmetric, whatever the ring says
   const float spacing = spacing_at(lattice, c);
   SaddleFit f = fit_of(node);
   f.along_width = f.down_width = std::max(2.0F, node.width);
@@ -171,7 +173,10 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   const bool has_room = x >= kRingReach && y >= kRingReach && x < image.width - kRingReach &&
                         y < image.height - kRingReach;
   Corner corner;
-  if (has_room && !check_ring(image, x, y, RingSize::kLarge, kAsymmetry, corner)) return false;
+  if (has_room && f.noise > kNoise * std::abs(f.contrast) &&
+      !check_ring(image, x, y, RingSize::kLarge, kAsymmetry, corner)) {
+    return false;
+  }
   take(f, node);
   node.guessed = false;
   return true;
@@ -182,7 +187,11 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
 void Refinement::begin(const Lattice& lattice) {
   extent_ = lattice.extent();
   fits_.assign(static_cast<std::size_t>(extent_.cols() * extent_.rows()), {});
-  lattice.for_each([&](Cell c, const Node& node) { fit(c) = fit_of(node); });
+  cells_.clear();
+  lattice.for_each([&](Cell c, const Node& node) {
+    fit(c) = fit_of(node);
+    cells_.push_back(c);
+  });
 }
 
 void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted) {
@@ -382,6 +391,42 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   return best;
 }
 
+void Refinement::look_again(const ImageView& image, Lattice& lattice) {
+  const int before = lattice.count();
+  for (const Cell c : cells_) {
+    const auto expected = lattice.has(c) ? std::nullopt : lattice.expect(c);
+    if (!expected) continue;
+    const auto step =
+        std::find_if(kAround.begin(), kAround.end(), [&](Cell s) { return lattice.has(c + s); });
+    if (step == kAround.end()) continue;
+    Node node = lattice.at(c + *step);
+    node.x = expected->x;
+    node.y = expected->y;
+    lattice.put(c, node);
+    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, node.width, 8);
+    if (std::isfinite(f.noise)) {
+      const SaddleFit& near = at(c + *step);
+      f.along_bend = near.along_bend;
+      f.down_bend = near.down_bend;
+      fit(c) = f;
+      f = last_fit(image, lattice, c);
+    }
+    const float contrast = std::abs(f.contrast);
+    const float most = std::max(kNoisiest * usual_noise_, kMostNoise);
+    if (f.noise <= most * contrast && contrast >= kLeastContrast * node.contrast / 2 &&
+        f.residual <= kMostResidual * contrast &&
+        distance(f, node) < kLargestError * expected->spacing) {
+      fit(c) = f;
+      take(f, lattice.at(c));
+    } else {
+      lattice.remove(c);
+    }
+  }
+  if (lattice.count() == before) return;
+  drop_uncertain(lattice);
+  stray_corners_.remove_from(lattice);
+}
+
 bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   const int before = lattice.count();
   const auto improve = [&](auto fit_again) {
@@ -401,6 +446,7 @@ bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   improve([&](Cell c) { return last_fit(image, lattice, c); });
   drop_uncertain(lattice);
   stray_corners_.remove_from(lattice);
+  if (lattice.count() < before) look_again(image, lattice);
   return 2 * lattice.count() >= before;
 }
 

@@ -53,13 +53,16 @@ class Refinement {
   void set_slopes(const Lattice& lattice);
   void drop_misfits(Lattice& lattice);
   void drop_uncertain(Lattice& lattice);
+  // Fits those nodes once more that were lost though their neighbours tell where they are.
+  void look_again(const ImageView& image, Lattice& lattice);
   // The median of a number of each node.
   template <typename F>
   float median(const Lattice& lattice, F number);
 
   Extent extent_;
   std::vector<SaddleFit> fits_;
-  float usual_noise_ = 0;  // the median, of the contrast
+  std::vector<Cell> cells_;  // the nodes to begin with
+  float usual_noise_ = 0;    // the median, of the contrast
   std::vector<float> sorted_;
   StrayCorners stray_corners_;
 };
