@@ -187,7 +187,7 @@ std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_toke
   const ImageView image = job.luma->view(job.picture);
   for (const auto& [board, detector] : *job.detectors) {
     const auto begin = std::chrono::steady_clock::now();
-    Detection detection = detector->detect(image, stop);
+    Detection detection = detector->follow(image, job.times.timestamp, stop);
     const auto taken = std::chrono::steady_clock::now() - begin;
     detection.observation.camera = job.settings.camera;
     detection.observation.board = board.text();

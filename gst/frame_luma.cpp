@@ -5,41 +5,64 @@
 
 #include "frame_luma.hpp"
 
-#include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "calvin/detect/luma.hpp"
 
 namespace calvin::gst {
 
 namespace {
+
+// Where the 8 highest bits of a 16-bit luma lie side by side in one byte, that byte is read.
+bool has_high_byte(const GstVideoFormatInfo* f) {
+  return GST_VIDEO_FORMAT_INFO_DEPTH(f, 0) > 8 &&
+         GST_VIDEO_FORMAT_INFO_DEPTH(f, 0) + GST_VIDEO_FORMAT_INFO_SHIFT(f, 0) == 16 &&
+         GST_VIDEO_FORMAT_INFO_PSTRIDE(f, 0) == 2;
+}
 
 bool has_luma_in_place(const GstVideoInfo& info) {
   const GstVideoFormatInfo* f = info.finfo;
   return (GST_VIDEO_FORMAT_INFO_IS_YUV(f) || GST_VIDEO_FORMAT_INFO_IS_GRAY(f)) &&
          !GST_VIDEO_FORMAT_INFO_IS_COMPLEX(f) && !GST_VIDEO_FORMAT_INFO_IS_TILED(f) &&
          // IYU1 has no place per pixel, and does not say that it is complex.
-         GST_VIDEO_FORMAT_INFO_PSTRIDE(f, 0) > 0 && GST_VIDEO_FORMAT_INFO_DEPTH(f, 0) == 8 &&
+         GST_VIDEO_FORMAT_INFO_PSTRIDE(f, 0) > 0 &&
+         (GST_VIDEO_FORMAT_INFO_DEPTH(f, 0) == 8 || has_high_byte(f)) &&
          GST_VIDEO_FORMAT_INFO_W_SUB(f, 0) == 0 && GST_VIDEO_FORMAT_INFO_H_SUB(f, 0) == 0;
 }
 
-ImageView luma_in_place(const GstVideoFrame& frame) {
-  return {static_cast<const std::uint8_t*>(GST_VIDEO_FRAME_COMP_DATA(&frame, 0)),
-          GST_VIDEO_FRAME_WIDTH(&frame), GST_VIDEO_FRAME_HEIGHT(&frame),
-          GST_VIDEO_FRAME_COMP_STRIDE(&frame, 0), GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, 0)};
+bool is_plain_rgb(const GstVideoInfo& info) {
+  const GstVideoFormatInfo* f = info.finfo;
+  const int step = GST_VIDEO_FORMAT_INFO_PSTRIDE(f, 0);
+  return GST_VIDEO_FORMAT_INFO_IS_RGB(f) && !GST_VIDEO_FORMAT_INFO_IS_COMPLEX(f) &&
+         !GST_VIDEO_FORMAT_INFO_HAS_PALETTE(f) && !GST_VIDEO_FORMAT_INFO_IS_TILED(f) &&
+         GST_VIDEO_FORMAT_INFO_N_PLANES(f) == 1 && (step == 3 || step == 4) &&
+         GST_VIDEO_FORMAT_INFO_DEPTH(f, 0) == 8 && GST_VIDEO_FORMAT_INFO_DEPTH(f, 1) == 8 &&
+         GST_VIDEO_FORMAT_INFO_DEPTH(f, 2) == 8;
 }
 
-GrayImage copy_of(const ImageView& image) {
-  GrayImage copy(image.width, image.height);
-  for (int y = 0; y < image.height; ++y) {
-    std::uint8_t* row = copy.row(y);
-    const std::uint8_t* from = image.data + y * image.stride;
-    if (image.step == 1) {
-      std::copy_n(from, image.width, row);
-    } else {
-      for (int x = 0; x < image.width; ++x) row[x] = from[x * image.step];
-    }
-  }
-  return copy;
+RgbView rgb_of(const GstVideoFrame& frame) {
+  const GstVideoFormatInfo* f = frame.info.finfo;
+  const auto place = [f](int component) {
+    return static_cast<int>(GST_VIDEO_FORMAT_INFO_POFFSET(f, component));
+  };
+  return {static_cast<const std::uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0)),
+          GST_VIDEO_FRAME_WIDTH(&frame),
+          GST_VIDEO_FRAME_HEIGHT(&frame),
+          GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0),
+          GST_VIDEO_FORMAT_INFO_PSTRIDE(f, 0),
+          place(GST_VIDEO_COMP_R),
+          place(GST_VIDEO_COMP_G),
+          place(GST_VIDEO_COMP_B)};
+}
+
+ImageView luma_in_place(const GstVideoFrame& frame) {
+  const GstVideoFormatInfo* f = frame.info.finfo;
+  const int high = has_high_byte(f) && GST_VIDEO_FORMAT_INFO_IS_LE(f) ? 1 : 0;
+  return {static_cast<const std::uint8_t*>(GST_VIDEO_FRAME_COMP_DATA(&frame, 0)) + high,
+          GST_VIDEO_FRAME_WIDTH(&frame), GST_VIDEO_FRAME_HEIGHT(&frame),
+          GST_VIDEO_FRAME_COMP_STRIDE(&frame, 0), GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, 0)};
 }
 
 }  // namespace
@@ -60,7 +83,8 @@ Result<std::shared_ptr<LumaReader>> LumaReader::make(const GstVideoInfo& info) {
 }
 
 Status LumaReader::set_format() {
-  if (has_luma_in_place(info_)) return {};
+  is_rgb_ = is_plain_rgb(info_);
+  if (is_rgb_ || has_luma_in_place(info_)) return {};
   gst_video_info_set_format(&gray_info_, GST_VIDEO_FORMAT_GRAY8,
                             static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info_)),
                             static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info_)));
@@ -87,7 +111,11 @@ Picture LumaReader::borrow(GstBuffer* buffer) const {
 Picture LumaReader::copy(GstBuffer* buffer) const {
   const auto mapped = MappedFrame::map(info_, buffer);
   if (!mapped) return {};
-  if (!converter_) return {copy_of(luma_in_place(**mapped)), std::nullopt};
+  if (!converter_) {
+    GrayImage gray;
+    take_gray(**mapped, gray);
+    return {std::move(gray), std::nullopt};
+  }
   const std::unique_ptr<GstBuffer, Unref> own(
       gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info_), nullptr));
   GstVideoFrame to;
@@ -100,14 +128,25 @@ Picture LumaReader::copy(GstBuffer* buffer) const {
 ImageView LumaReader::view(const Picture& picture) {
   if (picture.gray) return picture.gray->view();
   if (!picture.frame) return {};
-  return converter_ ? converted(**picture.frame) : luma_in_place(**picture.frame);
+  if (converter_) return converted(**picture.frame);
+  if (!is_rgb_) return luma_in_place(**picture.frame);
+  take_gray(**picture.frame, pixels_);
+  return pixels_.view();
+}
+
+void LumaReader::take_gray(const GstVideoFrame& frame, GrayImage& gray) const {
+  if (is_rgb_) {
+    take_luma(rgb_of(frame), gray);
+  } else {
+    take_luma(luma_in_place(frame), gray);
+  }
 }
 
 ImageView LumaReader::converted(GstVideoFrame& frame) {
   GstVideoFrame gray;
   if (!gst_video_frame_map(&gray, &gray_info_, gray_.get(), GST_MAP_WRITE)) return {};
   gst_video_converter_frame(converter_.get(), &frame, &gray);
-  pixels_ = copy_of(luma_in_place(gray));
+  take_luma(luma_in_place(gray), pixels_);
   gst_video_frame_unmap(&gray);
   return pixels_.view();
 }

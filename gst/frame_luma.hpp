@@ -39,8 +39,8 @@ struct Picture {
   std::optional<MappedFrame> frame;
 };
 
-// Gives a grey view of the frames of one format: in place where the format has an 8-bit luma,
-// converted into an own frame otherwise. Immutable but for view().
+// Gives a grey view of the frames of one format: in place where the format has a luma whose 8
+// highest bits are a byte, converted into an own frame otherwise. Immutable but for view().
 class LumaReader {
  public:
   // A message that says what to insert where the format cannot be read.
@@ -63,10 +63,13 @@ class LumaReader {
 
   [[nodiscard]] Status set_format();
   [[nodiscard]] ImageView converted(GstVideoFrame& frame);
+  // Of a frame that needs no converter.
+  void take_gray(const GstVideoFrame& frame, GrayImage& gray) const;
 
   GstVideoInfo info_{};
   GstVideoInfo gray_info_{};
-  std::unique_ptr<GstVideoConverter, FreeConverter> converter_;  // null: read in place
+  bool is_rgb_ = false;
+  std::unique_ptr<GstVideoConverter, FreeConverter> converter_;  // null: not needed
   std::unique_ptr<GstBuffer, Unref> gray_;
   GrayImage pixels_;
 };

@@ -29,6 +29,10 @@ void scale_points(GstStructure* structure, const char* list, double sx, double s
     std::vector<double> sigma = get_doubles(copy, "sigma");
     for (double& s : sigma) s *= (sx + sy) / 2;
     if (!sigma.empty()) set_doubles(copy, "sigma", sigma);
+    double blur = 0;
+    if (gst_structure_get_double(copy, "blur", &blur) != FALSE) {
+      gst_structure_set(copy, "blur", G_TYPE_DOUBLE, blur * (sx + sy) / 2, nullptr);
+    }
     scaled.push_back(copy);
   }
   take_structures(structure, list, scaled);
@@ -91,6 +95,7 @@ GstStructure* observation_to_structure(const Observation& o) {
   set_pixels(s, "uv", o.uv);
   set_doubles(s, "sigma", o.sigma);
   set_strings(s, "ambiguous", o.ambiguous);
+  if (o.blur > 0) gst_structure_set(s, "blur", G_TYPE_DOUBLE, o.blur, nullptr);
   return s;
 }
 
@@ -147,6 +152,7 @@ std::vector<Observation> observations_from_structure(const GstStructure* structu
     o.uv = get_pixels(s, "uv");
     o.sigma = get_doubles(s, "sigma");
     o.ambiguous = get_strings(s, "ambiguous");
+    gst_structure_get_double(s, "blur", &o.blur);
     const std::size_t numbers = get_doubles(s, "uv").size();
     if (numbers != 2 * o.ids.size() || o.sigma.size() != o.ids.size()) {
       refuse(

@@ -4,7 +4,8 @@
 // Detectors beside each other: recall, corner error, time with and without a board, and real sets.
 //   bench_detect [IMAGES] [NEGATIVES] [WIDTH HEIGHT]
 // IMAGES per class (200) at 1920x1080; 1000 NEGATIVES. With CALVIN_DATA the real sets too.
-// CALVIN_BENCH_PEERS=0: ours alone, which takes seconds instead of hours.
+// CALVIN_BENCH_PEERS=0: ours alone, which takes seconds instead of hours. CALVIN_BENCH_CLASS: the
+// classes alone whose names hold it.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -135,7 +136,11 @@ void print_header(const std::vector<Subject>& all) {
 void classes(const std::vector<Subject>& all, int images, calvin::ImageSize size,
              std::vector<Score>& totals) {
   print_header(all);
+  const char* only = std::getenv("CALVIN_BENCH_CLASS");
   for (const SceneClass& kind : scene_classes()) {
+    if (only != nullptr && std::string_view(kind.name).find(only) == std::string_view::npos) {
+      continue;
+    }
     std::vector<Score> scores(all.size());
     for (int i = 0; i < images; ++i) {
       const Scene scene = make_scene(kind, size, 1000 + static_cast<std::uint64_t>(i));

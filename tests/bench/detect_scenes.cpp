@@ -144,9 +144,25 @@ void blur_along(cv::Mat& image, double length, double angle) {
   cv::filter2D(image, image, -1, kernel, {-1, -1}, 0, cv::BORDER_REPLICATE);
 }
 
-// Draws fingers into the image from the board's rim; takes the corners that they cover, or nearly,
-// out of the truth.
-void cover(cv::Mat& image, Scene& scene, Uniform& random) {
+// A card from a line on, anywhere but over the board's middle.
+void lay_card(cv::Mat& mask, cv::Point2d on, cv::Point2d middle, Uniform& random) {
+  const double angle = random(0, 2 * kPi);
+  const cv::Point2d out(std::cos(angle), std::sin(angle));
+  const double beyond = (on - middle).dot(out);
+  if (beyond < 15) on += (15 - beyond) * out;
+  const cv::Point2d along(-out.y, out.x);
+  const double reach = 2 * std::hypot(mask.cols, mask.rows);
+  std::vector<cv::Point> corners;
+  for (const cv::Point2d& p : {on - reach * along, on + reach * along, on + reach * (along + out),
+                               on + reach * (out - along)}) {
+    corners.emplace_back(cvRound(16 * p.x), cvRound(16 * p.y));
+  }
+  cv::fillConvexPoly(mask, corners, 255, cv::LINE_AA, 4);
+}
+
+// Draws fingers into the image from the board's rim, or a card; takes the corners that they cover,
+// or nearly, out of the truth.
+void cover(cv::Mat& image, Scene& scene, bool card, Uniform& random) {
   calvin::Observation& truth = scene.truth;
   cv::Point2d middle(0, 0);
   for (const auto& p : truth.uv)
@@ -157,6 +173,10 @@ void cover(cv::Mat& image, Scene& scene, Uniform& random) {
     const auto& near =
         truth.uv[static_cast<std::size_t>(whole(random, 0, static_cast<int>(truth.uv.size()) - 1))];
     const cv::Point2d tip(near.u, near.v);
+    if (card) {
+      lay_card(mask, tip, middle, random);
+      break;
+    }
     cv::Point2d out = tip - middle;
     out *= 1 / std::max(cv::norm(out), 1.0);
     const int thick = whole(random, image.cols / 60, image.cols / 25);
@@ -259,6 +279,7 @@ const std::vector<SceneClass>& scene_classes() {
        .jpeg = 60,
        .clutter = true},
       {.name = "fingers", .covered = true},
+      {.name = "cards", .carded = true},
       {.name = "out of frame", .fill_from = 0.7, .fill_to = 1.6, .cut = true},
   };
   return kClasses;
@@ -277,7 +298,7 @@ Scene make_scene(const SceneClass& kind, ImageSize size, std::uint64_t seed) {
   if (kind.bright < kind.dark) {
     for (int& id : scene.truth.ids) id = scene.board.point_count() - 1 - id;
   }
-  if (kind.covered) cover(image, scene, random);
+  if (kind.covered || kind.carded) cover(image, scene, kind.carded, random);
   scene.clean = image.clone();
   cv::Mat noise(image.size(), CV_32F);
   cv::RNG generator(seed + 1);

@@ -37,9 +37,10 @@ struct SceneClass {
   bool clutter = false;
   bool fisheye = false;
   bool covered = false;  // by fingers
+  bool carded = false;   // by a card with a straight edge
   bool cut = false;      // by the border of the picture
 
-  [[nodiscard]] bool whole() const { return !covered && !cut; }
+  [[nodiscard]] bool whole() const { return !covered && !carded && !cut; }
 };
 
 [[nodiscard]] const std::vector<SceneClass>& scene_classes();

@@ -30,6 +30,8 @@ struct Observation {
   // tells its own orientation.
   std::vector<std::string> ambiguous;
 
+  double blur = 0;  // px, 1 sigma of the board's edges in this frame; 0: not known
+
   [[nodiscard]] bool found() const noexcept { return !ids.empty(); }
 };
 

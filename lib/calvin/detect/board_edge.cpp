@@ -17,6 +17,7 @@ constexpr float kFrom = 0.3F;  // squares beyond the line
 constexpr float kTo = 1.6F;
 constexpr float kEdgeFrom = 0.8F;  // where a square of the last row may end
 constexpr float kEdgeTo = 1.25F;
+constexpr float kRagged = 0.15F;   // how much further one of them may
 constexpr float kDiffers = 0.65F;  // of the contrast: another colour
 constexpr float kSame = 0.3F;
 constexpr float kLeastSeen = 0.5F;   // of the line's squares; a finger hides behind fewer
@@ -103,12 +104,18 @@ std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, C
 
 }  // namespace
 
-bool sees_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
-               Cell outwards) {
-  if (image.width < 2 || image.height < 2) return false;
+Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
+                   Cell outwards) {
+  if (image.width < 2 || image.height < 2) return Edge::kNotSeen;
   // By the colour of the squares: [0] those of even cells, [1] of odd ones.
-  std::array<int, 2> ends{};
-  std::array<int, 2> goes_on{};
+  struct Squares {
+    int ends = 0;
+    int goes_on = 0;
+    float brightness = 0;  // of those that end, less the margin's
+    float from = kEdgeTo;  // where they end
+    float to = kEdgeFrom;
+  };
+  std::array<Squares, 2> colours;
   int seen = 0;
   for (int i = 0; i + 1 < count; ++i) {
     const Cell cell = first + i * step;
@@ -118,17 +125,24 @@ bool sees_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell 
     ++seen;
     const float contrast = std::max(lattice.at(cell).contrast, 1.0F);
     const float differs = std::abs(p->outside - p->inside) / contrast;
-    const auto colour = static_cast<std::size_t>(i & 1);
-    if (differs > kDiffers && p->ends > kEdgeFrom && p->ends < kEdgeTo) ++ends[colour];
-    if (differs < kSame) ++goes_on[colour];
+    Squares& squares = colours[static_cast<std::size_t>(i & 1)];
+    if (differs < kSame) ++squares.goes_on;
+    if (differs <= kDiffers || p->ends <= kEdgeFrom || p->ends >= kEdgeTo) continue;
+    ++squares.ends;
+    squares.brightness += p->inside - p->outside;
+    squares.from = std::min(squares.from, p->ends);
+    squares.to = std::max(squares.to, p->ends);
   }
-  if (static_cast<float>(seen) < kLeastSeen * static_cast<float>(count - 1)) return false;
-  const auto is_edge = [&](std::size_t differing) {
-    return ends[differing] >= kLeastEnds && goes_on[1 - differing] >= 1 &&
-           static_cast<float>(ends[differing] + goes_on[1 - differing]) >=
-               kLeastShare * static_cast<float>(seen);
-  };
-  return is_edge(0) || is_edge(1);
+  if (static_cast<float>(seen) < kLeastSeen * static_cast<float>(count - 1)) return Edge::kNotSeen;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Squares& ending = colours[k];
+    const int others = colours[1 - k].goes_on;
+    if (ending.ends >= kLeastEnds && others >= 1 && ending.to - ending.from < kRagged &&
+        static_cast<float>(ending.ends + others) >= kLeastShare * static_cast<float>(seen)) {
+      return ending.brightness > 0 ? Edge::kDarkMargin : Edge::kBrightMargin;
+    }
+  }
+  return Edge::kNotSeen;
 }
 
 }  // namespace calvin::detect

@@ -9,11 +9,13 @@
 
 namespace calvin::detect {
 
+enum class Edge { kNotSeen, kDarkMargin, kBrightMargin };
+
 // Whether beyond a line of nodes (`count` cells from `first` on, some of them missing) there is one
 // more row of squares and then the margin, dark or bright: those squares that differ from it end
 // together, a square's side beyond the line, and the others go on. `outwards` is a cell's step.
-// False where that cannot be seen: out of the image, or covered.
-[[nodiscard]] bool sees_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step,
-                             int count, Cell outwards);
+// Not seen too where it is out of the image, or covered.
+[[nodiscard]] Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first,
+                                 Cell step, int count, Cell outwards);
 
 }  // namespace calvin::detect

@@ -93,12 +93,19 @@ struct Edges {
 };
 
 Edges edges_of(const ImageView& image, const Lattice& lattice, const Extent& e) {
-  Edges edges;
+  std::array<Edge, 4> margins{};
   for (int side = 0; side < 4; ++side) {
     const Line line = line_of(e, side);
-    edges.seen[static_cast<std::size_t>(side)] = sees_edge(
+    margins[static_cast<std::size_t>(side)] = look_for_edge(
         image, lattice, line.first, line.step, line.count, kAround[static_cast<std::size_t>(side)]);
   }
+  // The margin has one colour: something straight that covers the board may look like another.
+  const auto dark = std::count(margins.begin(), margins.end(), Edge::kDarkMargin);
+  const auto bright = std::count(margins.begin(), margins.end(), Edge::kBrightMargin);
+  Edges edges;
+  if (dark == bright) return edges;
+  const Edge usual = dark > bright ? Edge::kDarkMargin : Edge::kBrightMargin;
+  for (std::size_t side = 0; side < 4; ++side) edges.seen[side] = margins[side] == usual;
   return edges;
 }
 
@@ -246,6 +253,7 @@ Match match_board(const ImageView& image, const Board& board, Lattice& lattice) 
   match.seen_rows = turned ? e.cols() : e.rows();
   if (!small_enough) {
     match.reason = Reason::kWrongBoard;
+    match.certain = lattice.count() > board.point_count();
     return match;
   }
   match.whole = lattice.count() == board.point_count();
@@ -255,6 +263,7 @@ Match match_board(const ImageView& image, const Board& board, Lattice& lattice) 
   const auto all = placements(board, e, edges);
   if (all.empty()) {
     match.reason = Reason::kWrongBoard;
+    match.certain = edges.count() == 4;
     return match;
   }
   match.reason = Reason::kAccepted;

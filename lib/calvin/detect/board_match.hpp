@@ -34,6 +34,7 @@ struct Match {
   bool whole = false;  // every control point has its node
   Placement placement;
   std::vector<std::string> ambiguous;  // the other placements, see Observation
+  bool certain = false;                // kWrongBoard: too large, or all four edges are in view
   int seen_cols = 0;                   // of the lattice, turned as the board where that fits
   int seen_rows = 0;
 };

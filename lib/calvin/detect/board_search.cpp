@@ -147,6 +147,16 @@ bool find_node(const ImageView& image, const Lattice& lattice, Cell cell, Node& 
   return true;
 }
 
+// Where ink or light has parted the squares there is no corner to be seen from close up.
+bool guess_between(const ImageView& image, const Lattice& lattice, Cell cell, Node& node) {
+  const auto sides = std::count_if(kAround.begin(), kAround.end(),
+                                   [&](Cell step) { return lattice.has(cell + step); });
+  if (sides < 2) return false;
+  const auto expected = lattice.expect(cell);
+  return expected && expected->spacing >= kLeastSpacing && inside(image, *expected) &&
+         guess(lattice, cell, *expected, node);
+}
+
 }  // namespace
 
 void BoardSearch::look(const ImageView& image, const SearchOptions& options) {
@@ -183,8 +193,13 @@ void BoardSearch::find_groups() {
         queue_.push_back(other);
       }
     }
-    const Group group = {static_cast<int>(i), static_cast<int>(queue_.size())};
-    if (group.size >= options_.least_nodes) groups_.push_back(group);
+    Group group = {static_cast<int>(i), static_cast<int>(queue_.size()), {}};
+    if (group.size < options_.least_nodes) continue;
+    for (const int k : queue_) {
+      const Corner& corner = corners_[static_cast<std::size_t>(k)];
+      group.box.add(corner.x, corner.y);
+    }
+    groups_.push_back(group);
   }
   std::sort(groups_.begin(), groups_.end(),
             [](const Group& a, const Group& b) { return a.size > b.size; });
@@ -220,8 +235,8 @@ void BoardSearch::fill(const Group& group, Lattice& lattice) {
   }
 }
 
-void BoardSearch::complete(const ImageView& image, Lattice& lattice) {
-  for (int pass = 0; pass < kPasses; ++pass) {
+void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough, bool guessing) {
+  for (int pass = 0; pass < kPasses && lattice.count() < enough; ++pass) {
     const Extent e = lattice.extent();
     bool added = false;
     for (int row = e.first.row - 1; row <= e.last.row + 1; ++row) {
@@ -229,7 +244,10 @@ void BoardSearch::complete(const ImageView& image, Lattice& lattice) {
         Node node;
         const Cell cell = {col, row};
         if (!lattice.in_reach(cell) || lattice.has(cell)) continue;
-        if (!find_node(image, lattice, cell, node)) continue;
+        if (!find_node(image, lattice, cell, node) &&
+            !(guessing && guess_between(image, lattice, cell, node))) {
+          continue;
+        }
         lattice.put(cell, node);
         added = true;
       }

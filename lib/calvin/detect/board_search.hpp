@@ -4,6 +4,7 @@
 // Lattices of corners in one level of an image pyramid.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,22 @@ struct SearchOptions {
   float reach = 144;           // px, the largest distance between neighbours
 };
 
+// A part of an image, px.
+struct Box {
+  float left = 0;
+  float top = 0;
+  float right = -1;
+  float bottom = -1;
+
+  void add(float x, float y) {
+    const bool first = right < left;
+    left = first ? x : std::min(left, x);
+    right = first ? x : std::max(right, x);
+    top = first ? y : std::min(top, y);
+    bottom = first ? y : std::max(bottom, y);
+  }
+};
+
 // Keeps its memory.
 class BoardSearch {
  public:
@@ -32,14 +49,18 @@ class BoardSearch {
   // Moves to the next lattice of at least `least_nodes` corners, the largest first, its stray
   // corners removed; false where none is left.
   [[nodiscard]] bool next(Lattice& lattice);
+  // Around all corners that hang together with it, which may be more than a lattice takes.
+  [[nodiscard]] const Box& box() const { return groups_[next_group_ - 1].box; }
 
-  // Adds the nodes that are missing inside of a lattice and next to it.
-  static void complete(const ImageView& image, Lattice& lattice);
+  // Adds the nodes that are missing inside of a lattice and next to it, until it has `enough`. With
+  // `guessing`, those too that cannot be seen but have neighbours on two sides.
+  static void complete(const ImageView& image, Lattice& lattice, int enough, bool guessing);
 
  private:
   struct Group {
     int first = 0;  // corner
     int size = 0;
+    Box box;
   };
   void find_groups();
   void fill(const Group& group, Lattice& lattice);

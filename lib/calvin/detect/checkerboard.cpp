@@ -12,6 +12,7 @@
 #include "calvin/detect/lattice.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/refine.hpp"
+#include "calvin/detect/tracker.hpp"
 
 namespace calvin::detect {
 
@@ -21,37 +22,39 @@ constexpr int kLeastSide = 16;       // px; no board is in a smaller image
 constexpr int kBeyond = 3;           // rows around a board that tell that it is another one
 constexpr double kLeastShare = 0.2;  // of a board's corners
 // How many peaks of the response are looked at, the strongest first.
-constexpr int kPointsPerCorner = 20;
-constexpr int kFewestPoints = 1000;
+constexpr int kPointsPerCorner = 15;
+constexpr int kFewestPoints = 800;
 // How far a neighbour may be: of the image divided by the squares of the board; px of the level.
 constexpr float kLargestSquare = 2.2F;
 constexpr float kLeastReach = 48;
 constexpr float kMostReach = 144;
+constexpr float kFineReach = 64;  // where a smaller level has looked for larger squares
 
-// Where a lattice lies in the image, px.
+// Where a lattice lies in the image, and how large its squares are there about, px.
 struct Area {
-  float left = 0;
-  float top = 0;
-  float right = -1;
-  float bottom = -1;
+  Box box;
+  float square = 0;
 
-  explicit Area(const Lattice& lattice) {
+  Area() = default;
+  // In px of a level.
+  Area(const Lattice& lattice, int level) {
     lattice.for_each([&](Cell /*cell*/, const Node& node) {
-      const bool first = right < left;
-      left = first ? node.x : std::min(left, node.x);
-      right = first ? node.x : std::max(right, node.x);
-      top = first ? node.y : std::min(top, node.y);
-      bottom = first ? node.y : std::max(bottom, node.y);
+      box.add(Pyramid::to_image(node.x, level), Pyramid::to_image(node.y, level));
     });
+    const auto nodes = static_cast<float>(std::max(lattice.count(), 1));
+    square = std::sqrt((box.right - box.left) * (box.bottom - box.top) / nodes);
   }
-  [[nodiscard]] bool meets(const Area& other) const {
-    return left <= other.right && other.left <= right && top <= other.bottom && other.top <= bottom;
+  [[nodiscard]] bool meets(const Box& other) const {
+    return box.left <= other.right && other.left <= box.right && box.top <= other.bottom &&
+           other.top <= box.bottom;
   }
-  // Whether the middle of an area in px of a level lies in this one, of the image.
-  [[nodiscard]] bool has(const Area& other, int level) const {
-    const float u = Pyramid::to_image(0.5F * (other.left + other.right), level);
-    const float v = Pyramid::to_image(0.5F * (other.top + other.bottom), level);
-    return u >= left && u <= right && v >= top && v <= bottom;
+  // Whether the other one is likely a part of this.
+  [[nodiscard]] bool has(const Area& other) const {
+    constexpr float kLike = 1.7F;  // ratio of the squares' sides
+    const float u = 0.5F * (other.box.left + other.box.right);
+    const float v = 0.5F * (other.box.top + other.box.bottom);
+    return u >= box.left && u <= box.right && v >= box.top && v <= box.bottom &&
+           other.square < kLike * square && square < kLike * other.square;
   }
 };
 
@@ -60,6 +63,7 @@ class CheckerboardDetector final : public Detector {
   explicit CheckerboardDetector(const Board& board)
       : board_(board),
         text_(board.text()),
+        tracker_(board),
         lattice_(std::max(board.cols, board.rows) + kBeyond),
         part_(lattice_),
         other_(lattice_) {}
@@ -72,28 +76,83 @@ class CheckerboardDetector final : public Detector {
     }
   }
 
+  Detection follow(const ImageView& image, std::uint64_t timestamp,
+                   std::stop_token stop) noexcept override {
+    try {
+      return look_ahead_or_search(image, timestamp, stop);
+    } catch (const std::exception&) {
+      return {};
+    }
+  }
+
  private:
+  [[nodiscard]] Detection nothing(const ImageView& image) const;
+  Detection look_ahead_or_search(const ImageView& image, std::uint64_t timestamp,
+                                 const std::stop_token& stop);
+  // Whether all of the board is where `lattice_` tells.
+  [[nodiscard]] bool look_ahead(const ImageView& image, Detection& result);
   Detection search(const ImageView& image, const std::stop_token& stop);
   void look_in_level(int level, Detection& result);
-  // `lattice_` in px of the image is a board of another size.
-  void note_other(int cols, int rows, Detection& result);
-  [[nodiscard]] bool accept(const Match& match, Lattice& lattice, Detection& result);
+  // Whether `lattice_`, in px of a level, is what a smaller level has seen to be no board of ours.
+  [[nodiscard]] bool is_known_other(int level) const;
+  // `lattice_` in px of the image is a board of another size, or may be the part of one.
+  // False where a larger one was seen.
+  bool note_other(int cols, int rows, bool sure, Detection& result);
+  [[nodiscard]] bool accept(Match match, Lattice& lattice, Detection& result);
+  void report(const Match& match, const Lattice& lattice, Detection& result);
 
   Board board_;
   std::string text_;
+  Tracker tracker_;
   Pyramid pyramid_;
   BoardSearch search_;
   Refinement refinement_;
   Lattice lattice_;
-  Lattice part_;      // of the board, the largest seen so far, in px of the image
-  Match part_match_;  // of it
-  Lattice other_;     // the largest of another board, likewise
+  Placement placement_;  // of what was reported last, which is lattice_ where it is whole
+  Lattice part_;         // of the board, the largest seen so far, in px of the image
+  Match part_match_;     // of it
+  Area other_area_;
+  Lattice other_;               // the largest of another board, likewise
+  bool other_is_sure_ = false;  // and no part of the one that is looked for
 };
 
-Detection CheckerboardDetector::search(const ImageView& image, const std::stop_token& stop) {
+Detection CheckerboardDetector::nothing(const ImageView& image) const {
   Detection result;
   result.observation.board = text_;
   result.observation.image_size = image.size();
+  return result;
+}
+
+Detection CheckerboardDetector::look_ahead_or_search(const ImageView& image,
+                                                     std::uint64_t timestamp,
+                                                     const std::stop_token& stop) {
+  Detection result = nothing(image);
+  const bool known = !stop.stop_requested() && tracker_.predict(image.size(), timestamp, lattice_);
+  const bool followed = known && look_ahead(image, result);
+  if (!followed) result = search(image, stop);
+  if (static_cast<int>(result.observation.ids.size()) == board_.point_count()) {
+    tracker_.remember(lattice_, placement_, image.size(), timestamp, !followed);
+  } else {
+    tracker_.forget();
+  }
+  return result;
+}
+
+bool CheckerboardDetector::look_ahead(const ImageView& image, Detection& result) {
+  pyramid_.build(image, 1);
+  const ImageView& full = pyramid_.level(0);
+  if (!refinement_.confirm(full, lattice_) || !refinement_.refine(full, lattice_) ||
+      lattice_.count() < board_.point_count()) {
+    return false;
+  }
+  const Match match = match_board(full, board_, lattice_);
+  if (match.reason != Reason::kAccepted) return false;
+  report(match, lattice_, result);
+  return true;
+}
+
+Detection CheckerboardDetector::search(const ImageView& image, const std::stop_token& stop) {
+  Detection result = nothing(image);
   if (image.data == nullptr || image.width < kLeastSide || image.height < kLeastSide) {
     return result;
   }
@@ -101,13 +160,15 @@ Detection CheckerboardDetector::search(const ImageView& image, const std::stop_t
   pyramid_.build(image);
   part_.clear();
   other_.clear();
+  other_is_sure_ = false;
   for (int level = pyramid_.levels() - 1; level >= 0; --level) {
     if (stop.stop_requested()) return {result.observation, Reason::kNotFound};
     look_in_level(level, result);
     if (result.observation.found()) return result;
   }
   // What was a part of the board at one level may be another board at the next.
-  const bool is_other = other_.count() >= part_.count() && Area(other_).meets(Area(part_));
+  const bool is_other =
+      other_.count() >= part_.count() && Area(other_, 0).meets(Area(part_, 0).box);
   if (part_.count() > 0 && !is_other) (void)accept(part_match_, part_, result);
   return result;
 }
@@ -122,20 +183,27 @@ void CheckerboardDetector::look_in_level(int level, Detection& result) {
   // The largest squares are those of a board of which a part fills the image.
   const auto across = static_cast<float>(std::max(image.width, image.height));
   const auto squares = static_cast<float>(std::max(board_.cols, board_.rows) + 1);
-  options.reach = std::clamp(kLargestSquare * across / squares, kLeastReach, kMostReach);
+  const float most = level + 1 < pyramid_.levels() ? kFineReach : kMostReach;
+  options.reach = std::clamp(kLargestSquare * across / squares, kLeastReach, most);
+  const int enough = 2 * board_.point_count();
   search_.look(image, options);
   while (search_.next(lattice_)) {
+    // A level further up has seen what this is, or is a part of.
+    if (is_known_other(level)) continue;
+    BoardSearch::complete(image, lattice_, enough, false);
     if (is_far_larger(lattice_, board_)) {
+      const Box box = search_.box();
       refinement_.to_image(pyramid_, level, lattice_, false);
-      note_other(lattice_.extent().cols(), lattice_.extent().rows(), result);
+      if (note_other(lattice_.extent().cols(), lattice_.extent().rows(), true, result)) {
+        other_area_.box.add(Pyramid::to_image(box.left, level), Pyramid::to_image(box.top, level));
+        other_area_.box.add(Pyramid::to_image(box.right, level),
+                            Pyramid::to_image(box.bottom, level));
+      }
       continue;
     }
-    // A level further up has seen what this is a part of.
-    if (other_.count() > board_.point_count() && Area(other_).has(Area(lattice_), level)) continue;
-    BoardSearch::complete(image, lattice_);
     refinement_.to_image(pyramid_, level, lattice_, true);
     // What is too fine, or too near to the border, to be seen in the level.
-    BoardSearch::complete(full, lattice_);
+    BoardSearch::complete(full, lattice_, enough, true);
     refinement_.look_at_guesses(full, lattice_);
     const Match match = match_board(full, board_, lattice_);
     if (match.reason == Reason::kAccepted && match.whole && accept(match, lattice_, result)) return;
@@ -143,16 +211,30 @@ void CheckerboardDetector::look_in_level(int level, Detection& result) {
       part_ = lattice_;
       part_match_ = match;
     }
-    if (match.reason == Reason::kWrongBoard) note_other(match.seen_cols, match.seen_rows, result);
+    if (match.reason == Reason::kWrongBoard) {
+      (void)note_other(match.seen_cols, match.seen_rows, match.certain, result);
+    }
   }
 }
 
-void CheckerboardDetector::note_other(int cols, int rows, Detection& result) {
-  if (lattice_.count() <= other_.count()) return;
+bool CheckerboardDetector::is_known_other(int level) const {
+  if (!other_is_sure_ || !other_area_.has(Area(lattice_, level))) return false;
+  // A board may lie on a floor of tiles.
+  const bool may_be_on_it = other_.count() > board_.point_count() &&
+                            lattice_.count() <= board_.point_count() &&
+                            2 * lattice_.count() > board_.point_count();
+  return !may_be_on_it;
+}
+
+bool CheckerboardDetector::note_other(int cols, int rows, bool sure, Detection& result) {
+  if (lattice_.count() <= other_.count()) return false;
+  other_is_sure_ = sure;
   other_ = lattice_;
+  other_area_ = Area(other_, 0);
   result.reason = Reason::kWrongBoard;
   result.seen_cols = cols;
   result.seen_rows = rows;
+  return true;
 }
 
 // What the fit of a saddle is off by where pixels and blur are not its model's, px. Noise averages
@@ -162,8 +244,20 @@ void CheckerboardDetector::note_other(int cols, int rows, Detection& result) {
 constexpr double kBias = 0.004;
 constexpr double kCaution = 1.2;
 
-bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detection& result) {
-  if (!refinement_.refine(pyramid_.level(0), lattice)) return false;
+bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& result) {
+  const ImageView& image = pyramid_.level(0);
+  const int before = lattice.count();
+  if (!refinement_.refine(image, lattice)) return false;
+  if (lattice.count() < before) {
+    // Some of its corners were none: is what is left still certain?
+    match = match_board(image, board_, lattice);
+    if (match.reason != Reason::kAccepted) return false;
+  }
+  report(match, lattice, result);
+  return true;
+}
+
+void CheckerboardDetector::report(const Match& match, const Lattice& lattice, Detection& result) {
   Observation& o = result.observation;
   for (int row = 0; row < board_.rows; ++row) {
     for (int col = 0; col < board_.cols; ++col) {
@@ -176,8 +270,9 @@ bool CheckerboardDetector::accept(const Match& match, Lattice& lattice, Detectio
     }
   }
   o.ambiguous = match.ambiguous;
+  o.blur = refinement_.blur(lattice);
+  placement_ = match.placement;
   result.reason = Reason::kAccepted;
-  return true;
 }
 
 }  // namespace

@@ -14,10 +14,11 @@ namespace {
 constexpr float kCell = 16;         // px, side of a cell
 constexpr float kLeastStep = 4.5F;  // px between neighbours
 constexpr float kCone = 0.3F;       // tangent of how far off the edge a neighbour may lie
-constexpr float kOffEdge = 2.5F;    // how much a px off the edge counts more than one along it
-constexpr float kTurn = 0.39F;      // sine of how far an edge may turn on the way
-constexpr int kMostLookedAt = 80;   // a board's neighbours are among the first of them
-constexpr float kContrast = 2.9F;   // ratio of the contrasts
+constexpr float kAlong = 1 + kCone * kCone;
+constexpr float kOffEdge = 2.5F;   // how much a px off the edge counts more than one along it
+constexpr float kTurn = 0.39F;     // sine of how far an edge may turn on the way
+constexpr int kMostLookedAt = 48;  // a board's neighbours are among the first of them
+constexpr float kContrast = 2.9F;  // ratio of the contrasts
 
 int cell_of(float x) { return static_cast<int>(x / kCell); }
 
@@ -50,14 +51,17 @@ std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int
 
   int looked_at = 0;
   const auto look_at = [&](int other) {
-    ++looked_at;
-    if (other == self) return;
     const Corner& to = corners[static_cast<std::size_t>(other)];
-    if (to.contrast * kContrast < from.contrast || to.contrast > kContrast * from.contrast) return;
     const Direction step = {to.x - from.x, to.y - from.y};
+    const float square = dot(step, step);
+    const float on_rising = dot(step, from.rising);
+    const float on_falling = dot(step, from.falling);
+    // Most lie along neither edge, and the corner itself does not.
+    if (kAlong * std::max(on_rising * on_rising, on_falling * on_falling) <= square) return;
+    if (to.contrast * kContrast < from.contrast || to.contrast > kContrast * from.contrast) return;
     for (std::size_t line = 0; line < 2; ++line) {
       const Direction edge = line == 0 ? from.rising : from.falling;
-      const float on = dot(step, edge);
+      const float on = line == 0 ? on_rising : on_falling;
       const float along = std::abs(on);
       const float off = std::abs(cross(step, edge));
       if (off > kCone * along || along < kLeastStep || along > reach) continue;
@@ -65,7 +69,7 @@ std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int
       const float c = along + kOffEdge * off;
       if (c >= cost[way]) continue;
       const float across = cross(line == 0 ? to.falling : to.rising, step);
-      if (across * across > kTurn * kTurn * dot(step, step)) continue;
+      if (across * across > kTurn * kTurn * square) continue;
       cost[way] = c;
       best[way] = other;
     }
@@ -77,7 +81,9 @@ std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int
     if (first > last) return;
     const auto begin = static_cast<std::size_t>(row * cells_across_);
     const int end = cell_begin_[begin + static_cast<std::size_t>(last) + 1];
-    for (int i = cell_begin_[begin + static_cast<std::size_t>(first)]; i < end; ++i) {
+    const int start = cell_begin_[begin + static_cast<std::size_t>(first)];
+    looked_at += end - start;
+    for (int i = start; i < end; ++i) {
       look_at(in_cells_[static_cast<std::size_t>(i)]);
     }
   };

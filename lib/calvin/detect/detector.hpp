@@ -4,8 +4,10 @@
 // Detector: image -> Observation. One interface for every kind of board.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <stop_token>
+#include <utility>
 
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
@@ -43,6 +45,14 @@ class Detector {
   // Any image will do, an empty one too. A stop that was requested is seen between the steps of
   // the work; the result is then kNotFound.
   virtual Detection detect(const ImageView& image, std::stop_token stop = {}) noexcept = 0;
+
+  // The same for the next frame of a video, at `timestamp` ns (kNoTimestamp: a frame after the last
+  // one): a board that was there is looked for where it is going, which is quicker; the whole image
+  // is searched where it is not there any more, and once a second.
+  virtual Detection follow(const ImageView& image, std::uint64_t /*timestamp*/,
+                           std::stop_token stop = {}) noexcept {
+    return detect(image, std::move(stop));
+  }
 };
 
 // kUnsupported where this build has no detector for the board, with a message that says why.

@@ -21,6 +21,7 @@ struct Node {
   Direction down;
   float contrast = 0;
   float width = 1;   // px, the blur of the edges as far as known
+  float sigma = 0;   // px, of the place, once it was fitted
   float misfit = 0;  // of prune()
   bool used = false;
   bool guessed = false;  // lies where its neighbours let it expect, and was not looked at yet

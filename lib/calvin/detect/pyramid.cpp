@@ -48,6 +48,8 @@ HWY_AFTER_NAMESPACE();
 
 #include <algorithm>
 
+#include "calvin/detect/luma.hpp"
+
 namespace calvin::detect {
 
 namespace {
@@ -66,17 +68,13 @@ ImageView resized(std::vector<std::uint8_t>& pixels, int width, int height) {
 
 }  // namespace
 
-void Pyramid::build(const ImageView& image) {
+void Pyramid::build(const ImageView& image, int most_levels) {
   views_[0] = image;
   if (image.step != 1) {
-    views_[0] = resized(pixels_[0], image.width, image.height);
-    std::uint8_t* out = pixels_[0].data();
-    for (int y = 0; y < image.height; ++y) {
-      const std::uint8_t* row = image.data + y * image.stride;
-      for (int x = 0; x < image.width; ++x) *out++ = row[x * image.step];
-    }
+    take_luma(image, own_);
+    views_[0] = own_.view();
   }
-  for (count_ = 1; count_ < kMaxLevels; ++count_) {
+  for (count_ = 1; count_ < std::min(most_levels, kMaxLevels); ++count_) {
     const ImageView& from = views_[count_ - 1];
     const int width = from.width / 2;
     const int height = from.height / 2;

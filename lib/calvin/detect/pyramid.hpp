@@ -12,9 +12,11 @@ namespace calvin::detect {
 
 class Pyramid {
  public:
+  static constexpr int kMaxLevels = 8;
+
   // Level 0 is the image itself, in place wherever its pixels lie side by side; each further level
   // has half the size, down to where a board of the whole image can just be seen. Keeps its memory.
-  void build(const ImageView& image);
+  void build(const ImageView& image, int most_levels = kMaxLevels);
 
   [[nodiscard]] int levels() const noexcept { return count_; }
   [[nodiscard]] const ImageView& level(int i) const { return views_[static_cast<std::size_t>(i)]; }
@@ -25,11 +27,10 @@ class Pyramid {
   }
 
  private:
-  static constexpr int kMaxLevels = 8;
-
   int count_ = 0;
   ImageView views_[kMaxLevels];
-  std::vector<std::uint8_t> pixels_[kMaxLevels];
+  std::vector<std::uint8_t> pixels_[kMaxLevels];  // of the further levels
+  GrayImage own_;                                 // of an image that is not grey alone
 };
 
 }  // namespace calvin::detect

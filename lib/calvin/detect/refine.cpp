@@ -25,12 +25,17 @@ constexpr float kLargestShare = 0.75F;   // of the spacing, where the image is s
 constexpr float kClear = 2.6F;           // edge widths between a window and the next edge
 constexpr float kLeastContrast = 0.25F;  // of the median
 // What a hand or a shadow on a corner leaves of it is not symmetric, and shows as noise.
-constexpr float kNoisiest = 3;         // of the median
-constexpr float kNoisy = 1.5F;         // of the median: something else is in the window
-constexpr float kMostNoise = 0.15F;    // of the contrast
-constexpr float kMostResidual = 0.9F;  // of the contrast
-constexpr float kLargestWidth = 8;     // px, of an edge
-constexpr float kLargestMove = 0.35F;  // of the spacing, between levels
+constexpr float kNoisiest = 3;       // of the median
+constexpr float kNoisy = 1.5F;       // of the median: something else is in the window
+constexpr float kMostNoise = 0.15F;  // of the contrast
+// A fit this much less certain than the others has something else in its window.
+constexpr float kUncertain = 6;              // of the median sigma
+constexpr float kUncertainInNoise = 3;       // likewise, beside a fixed part
+constexpr float kUncertainInNoisePx = 0.1F;  // px
+constexpr float kMostResidual = 0.9F;        // of the contrast
+constexpr float kLargestWidth = 8;           // px, of an edge
+constexpr float kLargestMove = 0.35F;        // of the spacing, between levels
+constexpr float kLargestError = 0.2F;        // of the spacing, of what neighbours tell
 
 // The least distance to the grid lines around a node, px.
 float spacing_at(const Lattice& lattice, Cell c) {
@@ -65,6 +70,7 @@ void take(const SaddleFit& fit, Node& node) {
   node.down = fit.down;
   node.contrast = 2 * std::abs(fit.contrast);
   node.width = std::max(fit.along_width, fit.down_width);
+  node.sigma = fit.sigma;
 }
 
 float distance(const SaddleFit& fit, const Node& node) {
@@ -152,6 +158,7 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   constexpr float kAsymmetry = 0.8F;
   constexpr float kContrast = 0.35F;  // of a neighbour's
   constexpr float kResidual = 0.35F;  // of the contrast
+  constexpr float kNoise = 0.1F;      // of the contrast: symmetric, whatever the ring says
   const float spacing = spacing_at(lattice, c);
   SaddleFit f = fit_of(node);
   f.along_width = f.down_width = std::max(2.0F, node.width);
@@ -166,7 +173,10 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   const bool has_room = x >= kRingReach && y >= kRingReach && x < image.width - kRingReach &&
                         y < image.height - kRingReach;
   Corner corner;
-  if (has_room && !check_ring(image, x, y, RingSize::kLarge, kAsymmetry, corner)) return false;
+  if (has_room && f.noise > kNoise * std::abs(f.contrast) &&
+      !check_ring(image, x, y, RingSize::kLarge, kAsymmetry, corner)) {
+    return false;
+  }
   take(f, node);
   node.guessed = false;
   return true;
@@ -177,7 +187,11 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
 void Refinement::begin(const Lattice& lattice) {
   extent_ = lattice.extent();
   fits_.assign(static_cast<std::size_t>(extent_.cols() * extent_.rows()), {});
-  lattice.for_each([&](Cell c, const Node& node) { fit(c) = fit_of(node); });
+  cells_.clear();
+  lattice.for_each([&](Cell c, const Node& node) {
+    fit(c) = fit_of(node);
+    cells_.push_back(c);
+  });
 }
 
 void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted) {
@@ -278,21 +292,20 @@ void Refinement::set_slopes(const Lattice& lattice) {
   });
 }
 
-void Refinement::drop_misfits(Lattice& lattice) {
+template <typename F>
+float Refinement::median(const Lattice& lattice, F number) {
   sorted_.clear();
-  lattice.for_each(
-      [&](Cell c, const Node& /*node*/) { sorted_.push_back(std::abs(fit(c).contrast)); });
-  if (sorted_.empty()) return;
+  lattice.for_each([&](Cell c, const Node& /*node*/) { sorted_.push_back(number(at(c))); });
+  if (sorted_.empty()) return 0;
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());
-  const float least = kLeastContrast * *middle;
-  sorted_.clear();
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    sorted_.push_back(fit(c).noise / std::abs(fit(c).contrast));
-  });
-  const auto centre = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
-  std::nth_element(sorted_.begin(), centre, sorted_.end());
-  usual_noise_ = *centre;
+  return *middle;
+}
+
+void Refinement::drop_misfits(Lattice& lattice) {
+  const float least =
+      kLeastContrast * median(lattice, [](const SaddleFit& f) { return std::abs(f.contrast); });
+  usual_noise_ = median(lattice, [](const SaddleFit& f) { return f.noise / std::abs(f.contrast); });
   const float most = std::max(kNoisiest * usual_noise_, kMostNoise);
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     const SaddleFit& f = fit(c);
@@ -303,26 +316,55 @@ void Refinement::drop_misfits(Lattice& lattice) {
   });
 }
 
-// From where the node was found; its noise is infinite where it is no corner.
-SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
+void Refinement::drop_uncertain(Lattice& lattice) {
+  const float usual = median(lattice, [](const SaddleFit& f) { return f.sigma; });
+  const float most = std::min(kUncertain * usual, kUncertainInNoise * usual + kUncertainInNoisePx);
+  lattice.for_each([&](Cell c, const Node& node) {
+    if (node.sigma > most) lattice.remove(c);
+  });
+}
+
+double Refinement::blur(const Lattice& lattice) {
+  const float along = median(lattice, [](const SaddleFit& f) { return f.along_width; });
+  const float down = median(lattice, [](const SaddleFit& f) { return f.down_width; });
+  return static_cast<double>(std::max(along, down));
+}
+
+// Its noise is infinite where there is no corner.
+SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                float radius, float width, int steps) const {
   const Node& node = lattice.at(c);
   const float spacing = spacing_at(lattice, c);
-  const auto attempt = [&](float radius, float width, int steps) {
-    SaddleFit f = fit_of(node);
-    f.along_width = f.down_width = width;
-    const bool good =
-        fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, radius), steps, f) &&
-        colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
-    if (!good) f.noise = std::numeric_limits<float>::infinity();
-    return f;
-  };
-  SaddleFit best = attempt(kFirstRadius, node.width, 6);
+  SaddleFit f = fit_of(node);
+  f.along_width = f.down_width = width;
+  const bool good =
+      fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, radius), steps, f) &&
+      colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
+  if (!good) f.noise = std::numeric_limits<float>::infinity();
+  return f;
+}
+
+bool Refinement::confirm(const ImageView& image, const Lattice& lattice) const {
+  const Extent e = lattice.extent();
+  for (const Cell c :
+       {e.first, e.last, Cell{e.first.col, e.last.row}, Cell{e.last.col, e.first.row}}) {
+    const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, lattice.at(c).width, 6);
+    if (!(f.noise <= kMostNoise * std::abs(f.contrast))) return false;
+  }
+  return true;
+}
+
+// From where the node was found.
+SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
+  const float width = lattice.at(c).width;
+  SaddleFit best = quick_fit(image, lattice, c, kFirstRadius, width, 6);
   // One that was placed badly in a level needs a wider look; one with something else near it a
   // closer one.
   for (const bool wide : {true, false}) {
     if (best.noise <= kMostNoise * std::abs(best.contrast)) break;
-    const SaddleFit f = wide ? attempt(kLastRadius, std::max(2.5F, 1.5F * node.width), 12)
-                             : attempt(kCloseRadius, node.width, 8);
+    const SaddleFit f =
+        wide ? quick_fit(image, lattice, c, kLastRadius, std::max(2.5F, 1.5F * width), 12)
+             : quick_fit(image, lattice, c, kCloseRadius, width, 8);
     if (f.noise < best.noise) best = f;
   }
   return best;
@@ -349,6 +391,42 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   return best;
 }
 
+void Refinement::look_again(const ImageView& image, Lattice& lattice) {
+  const int before = lattice.count();
+  for (const Cell c : cells_) {
+    const auto expected = lattice.has(c) ? std::nullopt : lattice.expect(c);
+    if (!expected) continue;
+    const auto step =
+        std::find_if(kAround.begin(), kAround.end(), [&](Cell s) { return lattice.has(c + s); });
+    if (step == kAround.end()) continue;
+    Node node = lattice.at(c + *step);
+    node.x = expected->x;
+    node.y = expected->y;
+    lattice.put(c, node);
+    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, node.width, 8);
+    if (std::isfinite(f.noise)) {
+      const SaddleFit& near = at(c + *step);
+      f.along_bend = near.along_bend;
+      f.down_bend = near.down_bend;
+      fit(c) = f;
+      f = last_fit(image, lattice, c);
+    }
+    const float contrast = std::abs(f.contrast);
+    const float most = std::max(kNoisiest * usual_noise_, kMostNoise);
+    if (f.noise <= most * contrast && contrast >= kLeastContrast * node.contrast / 2 &&
+        f.residual <= kMostResidual * contrast &&
+        distance(f, node) < kLargestError * expected->spacing) {
+      fit(c) = f;
+      take(f, lattice.at(c));
+    } else {
+      lattice.remove(c);
+    }
+  }
+  if (lattice.count() == before) return;
+  drop_uncertain(lattice);
+  stray_corners_.remove_from(lattice);
+}
+
 bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   const int before = lattice.count();
   const auto improve = [&](auto fit_again) {
@@ -366,6 +444,9 @@ bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   set_bends(lattice);
   set_slopes(lattice);
   improve([&](Cell c) { return last_fit(image, lattice, c); });
+  drop_uncertain(lattice);
+  stray_corners_.remove_from(lattice);
+  if (lattice.count() < before) look_again(image, lattice);
   return 2 * lattice.count() >= before;
 }
 

@@ -11,6 +11,7 @@
 #include "calvin/detect/lattice.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/saddle_fit.hpp"
+#include "calvin/detect/stray_corners.hpp"
 
 namespace calvin::detect {
 
@@ -24,10 +25,18 @@ class Refinement {
   // Removes the guessed nodes of a lattice that are no corners of the image.
   void look_at_guesses(const ImageView& image, Lattice& lattice);
 
-  // Fits every node in the image; removes those that do not stand the test. False where most fall.
+  // Whether the outermost nodes of a whole board are corners of the image: a quick look.
+  [[nodiscard]] bool confirm(const ImageView& image, const Lattice& lattice) const;
+
+  // Fits every node in the image; removes those that do not stand the test, each by itself and
+  // beside the others of its row and column. False where most fall.
   [[nodiscard]] bool refine(const ImageView& image, Lattice& lattice);
 
   [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_[index(c)]; }
+
+  // Of the edges of a refined lattice, px, 1 sigma: across the direction in which it is larger, in
+  // the median.
+  [[nodiscard]] double blur(const Lattice& lattice);
 
  private:
   void begin(const Lattice& lattice);
@@ -36,16 +45,26 @@ class Refinement {
                                     extent_.first.col);
   }
   SaddleFit& fit(Cell c) { return fits_[index(c)]; }
+  [[nodiscard]] SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                    float radius, float width, int steps) const;
   [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   void set_bends(const Lattice& lattice);
   void set_slopes(const Lattice& lattice);
   void drop_misfits(Lattice& lattice);
+  void drop_uncertain(Lattice& lattice);
+  // Fits those nodes once more that were lost though their neighbours tell where they are.
+  void look_again(const ImageView& image, Lattice& lattice);
+  // The median of a number of each node.
+  template <typename F>
+  float median(const Lattice& lattice, F number);
 
   Extent extent_;
   std::vector<SaddleFit> fits_;
-  float usual_noise_ = 0;  // the median, of the contrast
+  std::vector<Cell> cells_;  // the nodes to begin with
+  float usual_noise_ = 0;    // the median, of the contrast
   std::vector<float> sorted_;
+  StrayCorners stray_corners_;
 };
 
 }  // namespace calvin::detect

@@ -141,10 +141,10 @@ HWY_EXPORT(response_row);
 HWY_EXPORT(response_patch_row);
 HWY_EXPORT(mark_peaks);
 
-constexpr int kPeakRadius = 3;               // px
-constexpr std::size_t kPadding = 128;        // bytes on either side of a row, at least a vector
-constexpr std::size_t kMaxPoints = 1 << 14;  // before the threshold goes up
-constexpr int kRingRows = 8;                 // at least 2 * kPeakRadius + 1, a power of two
+constexpr int kPeakRadius = 3;         // px
+constexpr std::size_t kPadding = 128;  // bytes on either side of a row, at least a vector
+constexpr std::size_t kMaxPoints = 2;  // times those wanted, before the threshold goes up
+constexpr int kRingRows = 8;           // at least 2 * kPeakRadius + 1, a power of two
 
 }  // namespace
 
@@ -163,16 +163,17 @@ void saddle_responses(const ImageView& image, int x, int y, int height,
   }
 }
 
+// Keeps the strongest half: no weaker one can be among those wanted.
 void SaddleSearch::raise_threshold() {
   std::size_t counts[256] = {};
   for (const SaddlePoint& p : points_) ++counts[p.response];
   std::size_t kept = points_.size();
   int level = threshold_;
-  while (level < 255 && kept > kMaxPoints / 2) kept -= counts[level++];
+  while (level < 255 && kept - counts[level] >= most_ / kMaxPoints) kept -= counts[level++];
   threshold_ = static_cast<std::uint8_t>(level);
   std::erase_if(points_, [&](const SaddlePoint& p) { return p.response < threshold_; });
-  // Far more equal peaks than any board has.
-  if (points_.size() > kMaxPoints / 2) points_.resize(kMaxPoints / 2);
+  // Where too many are equal, one is as good as the other.
+  if (points_.size() > most_ - most_ / 4) points_.resize(most_ - most_ / 4);
 }
 
 void SaddleSearch::take_peaks(const std::uint8_t* const* rows, int y, int width) {
@@ -196,7 +197,7 @@ void SaddleSearch::take_peaks(const std::uint8_t* const* rows, int y, int width)
       // The bytes were stored lowest pixel first.
       const int x = first + std::countr_zero(bits);
       if (!is_peak(x)) continue;
-      if (points_.size() == kMaxPoints) raise_threshold();
+      if (points_.size() >= most_) raise_threshold();
       if (row[x] >= threshold_) points_.push_back({x, y, row[x]});
     }
   }
@@ -205,7 +206,8 @@ void SaddleSearch::take_peaks(const std::uint8_t* const* rows, int y, int width)
 std::span<const SaddlePoint> SaddleSearch::find(const ImageView& image, std::uint8_t threshold,
                                                 std::size_t most) {
   points_.clear();
-  points_.reserve(kMaxPoints);
+  most_ = kMaxPoints * most;
+  points_.reserve(most_);
   threshold_ = std::max<std::uint8_t>(threshold, 1);
   const int inner = image.width - 2 * kResponseRadius;  // of a row, px that have a response
   if (inner <= 0 || image.height <= 2 * kResponseRadius) return {};

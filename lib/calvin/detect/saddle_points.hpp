@@ -46,6 +46,7 @@ class SaddleSearch {
   void raise_threshold();
 
   std::uint8_t threshold_ = 1;
+  std::size_t most_ = 0;  // points kept at a time
   std::vector<SaddlePoint> points_;
   std::vector<std::uint8_t> responses_;  // the rows around the current one, in a ring
   std::vector<std::uint8_t> peaks_;      // one bit a pixel

@@ -14,7 +14,9 @@ namespace calvin {
 namespace {
 
 constexpr std::size_t kFewestCorners = 6;
-constexpr double kStill = 0.003;       // of the image diagonal
+constexpr double kStill = 0.1;         // px while a frame is read out
+constexpr double kSharp = 0.0015;      // of the image diagonal, 1 sigma of the edges
+constexpr double kSharpEnough = 2;     // px
 constexpr double kSmallest = 0.01;     // of the image's area
 constexpr double kNewPosition = 0.08;  // of the image diagonal
 constexpr double kNewShape = 0.025;    // of the board's size in the image
@@ -22,7 +24,7 @@ constexpr double kNewShape = 0.025;    // of the board's size in the image
 // How the corners that two observations share have moved, px.
 struct Motion {
   std::size_t shared = 0;
-  double all = 0;           // mean distance
+  double all = 0;           // RMS distance, less the noise of the corners
   double center = 0;        // distance of the centres
   double about_center = 0;  // mean distance about the centres
 };
@@ -30,11 +32,18 @@ struct Motion {
 Motion motion(const Observation& from, const Observation& to) {
   std::vector<Pixel> moves;
   Pixel mean;
+  double square = 0;
+  const auto variance = [](const Observation& o, std::size_t i) {
+    return i < o.sigma.size() ? 2 * o.sigma[i] * o.sigma[i] : 0;
+  };
   for (std::size_t i = 0; i < to.ids.size(); ++i) {
     const auto it = std::find(from.ids.begin(), from.ids.end(), to.ids[i]);
     if (it == from.ids.end()) continue;
-    const Pixel& old = from.uv[static_cast<std::size_t>(it - from.ids.begin())];
+    const auto before = static_cast<std::size_t>(it - from.ids.begin());
+    const Pixel& old = from.uv[before];
     moves.push_back({to.uv[i].u - old.u, to.uv[i].v - old.v});
+    square += moves.back().u * moves.back().u + moves.back().v * moves.back().v;
+    square -= variance(to, i) + variance(from, before);
     mean.u += moves.back().u;
     mean.v += moves.back().v;
   }
@@ -44,14 +53,21 @@ Motion motion(const Observation& from, const Observation& to) {
   const auto n = static_cast<double>(moves.size());
   mean = {mean.u / n, mean.v / n};
   m.center = std::hypot(mean.u, mean.v);
+  m.all = std::sqrt(std::max(square, 0.0) / n);
   for (const Pixel& d : moves) {
-    m.all += std::hypot(d.u, d.v) / n;
     m.about_center += std::hypot(d.u - mean.u, d.v - mean.v) / n;
   }
   return m;
 }
 
 double diagonal(ImageSize size) { return std::hypot(size.width, size.height); }
+
+// 0 where it is not known.
+double seconds_between(const Observation& from, const Observation& to) {
+  if (from.timestamp == kNoTimestamp || to.timestamp == kNoTimestamp) return 0;
+  return to.timestamp > from.timestamp ? 1e-9 * static_cast<double>(to.timestamp - from.timestamp)
+                                       : 0;
+}
 
 double hull_area(const Observation& seen) { return polygon_area(convex_hull(seen.uv)); }
 
@@ -61,6 +77,7 @@ Reason Session::offer(const View& view) {
   const std::optional<Observation> before = take_previous(view.observation.board);
   const Reason reason = usable(view);
   if (reason != Reason::kAccepted) return reason;
+  if (before) time_frames(*before, view.observation);
   previous_.push_back(view.observation);
   if (!asked_) {
     const Reason worth = worth_keeping(view, before);
@@ -91,8 +108,22 @@ Reason Session::worth_keeping(const View& view, const std::optional<Observation>
   if (hull_area(seen) < kSmallest * size.width * size.height) return Reason::kTooSmall;
   if (!before || before->image_size != size) return Reason::kMoving;
   const Motion moved = motion(*before, seen);
-  if (moved.shared < kFewestCorners || moved.all > kStill * diagonal(size)) return Reason::kMoving;
+  if (moved.shared < kFewestCorners || readout_share(*before, seen) * moved.all > kStill) {
+    return Reason::kMoving;
+  }
+  if (seen.blur > std::max(kSharp * diagonal(size), kSharpEnough)) return Reason::kBlurred;
   return is_new(view) ? Reason::kAccepted : Reason::kTooSimilar;
+}
+
+void Session::time_frames(const Observation& before, const Observation& now) {
+  const double between = seconds_between(before, now);
+  if (between > 0 && (frame_time_ == 0 || between < frame_time_)) frame_time_ = between;
+}
+
+double Session::readout_share(const Observation& before, const Observation& now) const {
+  const double between = seconds_between(before, now);
+  const double readout = options_.readout > 0 ? options_.readout : frame_time_;
+  return between > 0 && readout > 0 ? readout / between : 1;
 }
 
 std::optional<Observation> Session::take_previous(const std::string& board) {
@@ -130,6 +161,7 @@ void Session::reset() {
   spread_.clear();
   previous_.clear();
   asked_ = false;
+  frame_time_ = 0;
 }
 
 bool Session::remove_view(std::size_t index) {

@@ -26,6 +26,7 @@ struct SessionOptions {
   CaptureMode mode = CaptureMode::kAuto;
   int min_views = 10;  // fewer are never complete
   int max_views = 0;   // no more are kept; 0: no limit
+  double readout = 0;  // s, from the first row of a frame to the last; 0: a frame's time
 };
 
 struct Progress {
@@ -45,9 +46,11 @@ struct Progress {
 //
 // A view is usable with at least 6 corners that check() accepts, of the image size of the views
 // kept so far. In kAuto it must also
-//   - be still: the corners shared with the observation of its board offered before it have moved
-//     by no more than 0.3 % of the image diagonal on average; so the first one after a gap never
-//     is;
+//   - be still: the corners shared with the observation of its board offered before it move by no
+//     more than 0.1 px (RMS, what their sigmas explain taken off) while a frame is read out; so the
+//     first one after a gap never is. A frame's time is the shortest between two observations;
+//   - be sharp: its edges are blurred by no more than 0.15 % of the image diagonal, or 2 px if that
+//     is more (1 sigma);
 //   - be large: the corners' hull covers at least 1 % of the image;
 //   - be new, compared with every kept view of the same board: its centre lies at least 8 % of the
 //     image diagonal away, or the corners have moved about their centre by at least 2.5 % of the
@@ -88,12 +91,16 @@ class Session {
   [[nodiscard]] bool full() const noexcept;
   [[nodiscard]] std::optional<Observation> take_previous(const std::string& board);
   void keep(const View& view);
+  void time_frames(const Observation& before, const Observation& now);
+  // The part of the time between two observations that a readout takes.
+  [[nodiscard]] double readout_share(const Observation& before, const Observation& now) const;
 
   SessionOptions options_;
   std::vector<View> views_;
   Spread spread_;
   std::vector<Observation> previous_;  // the last of each board, unless it was not usable
   bool asked_ = false;
+  double frame_time_ = 0;  // s; 0: not known
 };
 
 }  // namespace calvin

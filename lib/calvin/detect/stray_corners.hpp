@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Corners that are good ones, of something else: where the edge of a finger or of a card crosses
+// the board's.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "calvin/detect/lattice.hpp"
+
+namespace calvin::detect {
+
+// Rows and columns of corners are smooth, whatever the lens: over five corners in a line the fourth
+// difference is a small share of the spacing, the same everywhere on a board. Keeps its memory.
+class StrayCorners {
+ public:
+  // Removes the nodes of a fitted lattice, in px of the image, that spoil the differences of the
+  // lines they are on, the one that explains most first, and those that no line confirms.
+  void remove_from(Lattice& lattice);
+
+ private:
+  // A difference of successive nodes of a line, of the order `count` - 1.
+  struct Difference {
+    int count = 0;
+    Cell cells[5];
+    float weights[5] = {};
+    float x = 0;  // px
+    float y = 0;
+    float noise = 0;      // px, 1 sigma of x and of y
+    float spacing = 0;    // px
+    float tolerance = 0;  // px
+    [[nodiscard]] bool fails() const { return x * x + y * y > tolerance * tolerance; }
+  };
+  // What the differences of a node say about its place.
+  struct Verdict {
+    float x = 0;
+    float y = 0;
+    float weight = 0;
+    bool accused = false;
+    bool confirmed = false;
+  };
+
+  void take_differences(const Lattice& lattice);
+  void take_line(const Lattice& lattice, Cell first, Cell step, int count);
+  void add(const Lattice& lattice, Cell first, Cell step, std::span<const int> places);
+  void set_tolerances();
+  void collect_verdicts(const Extent& extent);
+
+  std::vector<Difference> differences_;
+  std::vector<Verdict> verdicts_;
+  std::vector<int> places_;
+  std::vector<float> sorted_;
+};
+
+}  // namespace calvin::detect
