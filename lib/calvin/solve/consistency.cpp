@@ -251,8 +251,8 @@ double Excess::deviations() const {
 }
 
 Consistency consistency(const Fit& fit, const Camera& camera, const BoardShape& shape,
-                        const Freedom& freedom, const Eigen::MatrixXd& covariance,
-                        double variance, const std::stop_token& stop) {
+                        const Freedom& freedom, const Eigen::MatrixXd& covariance, double variance,
+                        const std::stop_token& stop) {
   return Judge(fit, camera, shape, freedom, covariance, variance).run(stop);
 }
 
