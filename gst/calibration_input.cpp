@@ -136,8 +136,8 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
   // What does not say its size is taken to be for the frames that it meets first: there is no
   // telling later which of two sizes it is right for.
   if (known->image_size == ImageSize{}) known->image_size = frames_;
-  auto fitted = part_ ? fit_to_part(*known, *part_, upright_)
-                      : fit_to_frame(*known, frames_, upright_);
+  auto fitted =
+      part_ ? fit_to_part(*known, *part_, upright_) : fit_to_frame(*known, frames_, upright_);
   if (!fitted) {
     say(fitted.error(), errors);
     return;
