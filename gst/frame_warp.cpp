@@ -51,8 +51,10 @@ void FrameWarp::set_frames(const FrameFormat& in, const FrameFormat& out,
 }
 
 void FrameWarp::adopt(const UndistorterBuilder::Built& built, std::vector<Error>& errors) {
+  // The worker may finish what was asked for before what is in use.
+  if (built.turn < slot(built.key).turn) return;
   if (built.undistorter) {
-    slot(built.key) = {built.key, *built.undistorter};
+    slot(built.key) = {built.key, *built.undistorter, built.turn};
     const bool limited = (*built.undistorter)->limited();
     if (limited && !told_limited_) {
       errors.push_back({ErrorCode::kInvalidArgument,
@@ -76,10 +78,10 @@ void FrameWarp::want(const Key& key, const Result<Camera>& camera, bool wait,
                      std::vector<Error>& errors) {
   if (slot(key).key != key && requested_ != key && failed_ != key) {
     if (!camera) {
-      adopt({key, tl::unexpected(camera.error())}, errors);
+      adopt({key, tl::unexpected(camera.error()), ++turn_}, errors);
       return;
     }
-    UndistorterBuilder::Request request = {key, *camera, {}};
+    UndistorterBuilder::Request request = {key, *camera, {}, ++turn_};
     for (const FramePlane& plane : planes_) request.planes.push_back(plane.layout);
     if (wait) {
       adopt(builder_.build(request), errors);

@@ -64,6 +64,7 @@ class FrameWarp {
   struct Made {
     Key key;
     std::shared_ptr<const Undistorter> made;
+    int turn = 0;
   };
   // What there is for a camera; a plain one scales.
   [[nodiscard]] Made& slot(const Key& key) { return key.camera == 0 ? scaler_ : undistorter_; }
@@ -81,6 +82,7 @@ class FrameWarp {
   std::optional<FramePart> part_;  // of the picture in memory that `in_` is
   std::vector<FramePlane> planes_;
   int frames_ = 0;      // counts set_frames()
+  int turn_ = 0;        // counts what was asked for
   bool begun_ = false;  // a frame of this format has passed
 
   static constexpr std::chrono::milliseconds kQuick{2};

@@ -90,17 +90,17 @@ UndistorterBuilder::Built UndistorterBuilder::make(const Request& request,
   const Key& key = request.key;
   const Camera& camera = request.camera;
   const auto range = range_of(key, camera);
-  if (!range) return {key, tl::unexpected(range.error())};
+  if (!range) return {key, tl::unexpected(range.error()), request.turn};
   const Time begin = thread_time();
   const auto view = (*range)->view(key.view);
-  if (!view) return {key, tl::unexpected(view.error())};
+  if (!view) return {key, tl::unexpected(view.error()), request.turn};
   auto made = key.distort ? Undistorter::make_back(camera, *view, request.planes, stop)
                           : Undistorter::make(camera, *view, request.planes, stop);
-  if (!made) return {key, tl::unexpected(made.error())};
+  if (!made) return {key, tl::unexpected(made.error()), request.turn};
   auto shared = std::make_shared<const Undistorter>(*std::move(made));
   const std::lock_guard guard(lock_);
   if (past(key).frames == key.frames) past(key).map = thread_time() - begin;
-  return {key, std::move(shared)};
+  return {key, std::move(shared), request.turn};
 }
 
 }  // namespace calvin::gst

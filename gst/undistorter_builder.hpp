@@ -32,10 +32,12 @@ class UndistorterBuilder {
     Key key;
     Camera camera;
     std::vector<PlaneLayout> planes;
+    int turn = 0;  // for whoever asks: comes back with what was built
   };
   struct Built {
     Key key;
     Result<std::shared_ptr<const Undistorter>> undistorter;  // kCancelled after cancel()
+    int turn = 0;
   };
   // Of a processor: what other programs take meanwhile does not count.
   using Time = std::chrono::nanoseconds;

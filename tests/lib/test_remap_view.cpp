@@ -293,5 +293,32 @@ TEST(FitToFrame, ScalesCropsAndRefuses) {
   EXPECT_EQ(unknown.camera.fx(), 500);
 }
 
+// A point of the scene is seen where the whole picture shows it, less the corner of the part; a
+// calibration that is of the part itself stays as it is.
+TEST(FitToPart, TellsWhichPictureTheCalibrationIsOf) {
+  const Camera whole =
+      Camera::make("brown4", {640, 480}, {500, 510, 322, 236, -0.2, 0.05, 1e-3, 2e-3}).value();
+  const FramePart part = {{1280, 960}, 300, 200, {640, 360}};
+  const Eigen::Vector3d point(0.1, -0.05, 1);
+  const Pixel in_whole = whole.project(point).value();
+  const auto cut = fit_to_part(whole.to_calibration(), part).value();
+  EXPECT_TRUE(cut.scaled);
+  EXPECT_EQ(cut.camera.image_size(), part.size);
+  const Pixel in_part = cut.camera.project(point).value();
+  EXPECT_NEAR(in_part.u + 0.5, 2 * (in_whole.u + 0.5) - 300, 1e-9);
+  EXPECT_NEAR(in_part.v + 0.5, 2 * (in_whole.v + 0.5) - 200, 1e-9);
+  // Another shape than the whole: of the part, or of nothing.
+  const Camera wide = whole.cropped(0, 60, {640, 360});
+  EXPECT_EQ(fit_to_part(wide.to_calibration(), part)->camera.parameters(), wide.parameters());
+  EXPECT_FALSE(fit_to_part(whole.cropped(0, 0, {480, 480}).to_calibration(), part).has_value());
+  // Both have the shape: exactly the size of the part decides, and else what it says itself.
+  const FramePart half = {{1280, 960}, 100, 80, {640, 480}};
+  EXPECT_EQ(fit_to_part(whole.to_calibration(), half)->camera.parameters(), whole.parameters());
+  Calibration says = whole.scaled({320, 240}).to_calibration();
+  EXPECT_GT(std::abs(fit_to_part(says, half)->camera.fx() - 500), 100);
+  says.sensor_crop = Rectangle{0, 0, 320, 240};
+  EXPECT_NEAR(fit_to_part(says, half)->camera.fx(), 500, 1e-9);
+}
+
 }  // namespace
 }  // namespace calvin

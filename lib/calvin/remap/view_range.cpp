@@ -57,8 +57,9 @@ std::optional<Pixel> find_centre(const Scene& scene) {
     if (scene.ideal_point(pixel)) return pixel;
   }
   for (int i = 0; i <= kSteps * kSteps; ++i) {
-    const Pixel pixel = {last.u * (i % kSteps + 0.5) / kSteps,
-                         last.v * (i / kSteps + 0.5) / kSteps};
+    const int row = i / kSteps;
+    const int column = i % kSteps;
+    const Pixel pixel = {last.u * (column + 0.5) / kSteps, last.v * (row + 0.5) / kSteps};
     if (scene.ideal_point(pixel)) return pixel;
   }
   return std::nullopt;
