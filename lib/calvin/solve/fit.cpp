@@ -53,7 +53,13 @@ bool better(const Ending& a, const Ending& b) {
   if (!std::isfinite(b.scale)) return std::isfinite(a.scale);
   if (a.sound != b.sound) return a.sound;
   if (a.converged != b.converged) return a.converged;
-  if (a.converged && a.masks == b.masks) return a.problem->cost() < b.problem->cost();
+  if (a.converged && a.masks == b.masks) {
+    const auto views = [](const Ending& e) {
+      return std::count(e.used.begin(), e.used.end(), true);
+    };
+    if (views(a) != views(b)) return views(a) > views(b);
+    return a.problem->cost() < b.problem->cost();
+  }
   return trimmed_rms(a.distances) < trimmed_rms(b.distances);
 }
 
@@ -130,7 +136,7 @@ class Course {
     const double cost = end_.problem->cost();
     const auto same = [&](const Found& f) { return std::abs(f.rival.cost - cost) <= kSame * cost; };
     if (std::any_of(found_.begin(), found_.end(), same)) return;
-    found_.push_back({{end_.shared, cost}, end_.masks});
+    found_.push_back({{end_.shared, cost}, end_.masks, end_.used});
   }
 
   // Where a start leads.
@@ -299,7 +305,7 @@ class Course {
       fit.squares[v] = least_squares_.squares(views_[v], end_.shared, *end_.poses[v]);
     }
     fit.shared = std::move(end_.shared);
-    fit.used = std::move(end_.used);
+    fit.used = end_.used;
     if (!end_.problem) return fit;
     fit.cost = end_.problem->cost();
     fit.converged = end_.converged && end_.information.size() > 0;
@@ -307,7 +313,8 @@ class Course {
     fit.information = std::move(end_.information);
     for (Found& found : found_) {
       const bool better = found.rival.cost <= (1 + kSame) * fit.cost;
-      if (found.masks == end_.masks && !better) fit.rivals.push_back(std::move(found.rival));
+      const bool same_corners = found.masks == end_.masks && found.used == end_.used;
+      if (same_corners && !better) fit.rivals.push_back(std::move(found.rival));
     }
     return fit;
   }
@@ -323,6 +330,7 @@ class Course {
   struct Found {
     Rival rival;
     std::vector<ViewMask> masks;
+    std::vector<bool> used;
   };
   std::vector<Found> found_;
   Ending end_;
