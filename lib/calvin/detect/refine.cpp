@@ -29,9 +29,9 @@ constexpr float kNoisiest = 3;       // of the median
 constexpr float kNoisy = 1.5F;       // of the median: something else is in the window
 constexpr float kMostNoise = 0.15F;  // of the contrast
 // A fit this much less certain than the others has something else in its window.
-constexpr float kUncertain = 6;              // of the median sigma
-constexpr float kUncertainInNoise = 3;       // likewise, beside a fixed part
-constexpr float kUncertainInNoisePx = 0.1F;  // px
+constexpr float kUncertain = 20;             // of the median sigma
+constexpr float kUncertainInNoise = 6;       // likewise, beside a fixed part
+constexpr float kUncertainInNoisePx = 0.3F;  // px
 constexpr float kMostResidual = 0.9F;        // of the contrast
 constexpr float kLargestWidth = 8;           // px, of an edge
 constexpr float kLargestMove = 0.35F;        // of the spacing, between levels

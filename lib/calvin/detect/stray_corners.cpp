@@ -23,12 +23,19 @@ constexpr int kFewForMedian = 6;  // differences of an order
 constexpr float kLeastUsual[] = {0, 0, 0.02F, 0.006F, 0.003F};
 constexpr float kMostUsual[] = {0, 0, 0.5F, 0.3F, 0.2F};
 constexpr float kPresumed[] = {0, 0, 0.25F, 0.08F, 0.03F};
-constexpr float kLeastPrecise = 0.35F;  // of the spacing, to which a place must be confirmed
+constexpr float kLike = 0.35F;  // of a difference
+constexpr int kLinesAside = 2;
+constexpr int kFewestAlike = 2;
+constexpr float kUncertain = 6;          // of the median sigma: then there may be something else,
+constexpr float kUncertainError = 0.5F;  // px, if it lies this far off too
+constexpr float kLeastPrecise = 0.35F;   // of the spacing, to which a place must be confirmed
 
 }  // namespace
 
 void StrayCorners::add(const Lattice& lattice, Cell first, Cell step, std::span<const int> places) {
   Difference d;
+  d.step = step;
+  for (const int place : places) d.places |= std::uint64_t{1} << (place & 63);
   d.count = static_cast<int>(places.size());
   const int span = places.back() - places.front();
   if (span > kLongest) return;
@@ -94,6 +101,24 @@ void StrayCorners::set_tolerances() {
       if (d.count == count) d.tolerance = kSigmas * d.noise + share * d.spacing;
     }
   }
+  for (Difference& d : differences_) {
+    d.fails = std::hypot(d.x, d.y) > d.tolerance && !is_like_its_neighbours(d);
+  }
+}
+
+// Towards the rim of a fisheye's picture lines bend ever more, but side by side all in the same
+// way.
+bool StrayCorners::is_like_its_neighbours(const Difference& d) const {
+  const Cell aside = {d.step.row, d.step.col};
+  const float tolerance = std::max(d.tolerance, kLike * std::hypot(d.x, d.y));
+  const auto alike = std::count_if(differences_.begin(), differences_.end(), [&](const auto& o) {
+    if (!(o.step == d.step) || o.places != d.places) return false;
+    const Cell way = o.cells[0] - d.cells[0];
+    const int lines = way.col * aside.col + way.row * aside.row;
+    return lines != 0 && std::abs(lines) <= kLinesAside &&
+           std::hypot(o.x - d.x, o.y - d.y) <= tolerance;
+  });
+  return alike >= kFewestAlike;
 }
 
 void StrayCorners::collect_verdicts(const Extent& extent) {
@@ -106,13 +131,19 @@ void StrayCorners::collect_verdicts(const Extent& extent) {
       v.x += w * d.weights[i] * d.x;
       v.y += w * d.weights[i] * d.y;
       v.weight += w * d.weights[i] * d.weights[i];
-      v.accused = v.accused || d.fails();
+      v.accused = v.accused || d.fails;
       v.confirmed = v.confirmed || d.tolerance < kLeastPrecise * d.spacing * std::abs(d.weights[i]);
     }
   }
 }
 
 void StrayCorners::remove_from(Lattice& lattice) {
+  sorted_.clear();
+  lattice.for_each([&](Cell /*c*/, const Node& node) { sorted_.push_back(node.sigma); });
+  if (sorted_.empty()) return;
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  usual_sigma_ = *middle;
   for (;;) {
     const Extent extent = lattice.extent();
     take_differences(lattice);
@@ -121,7 +152,7 @@ void StrayCorners::remove_from(Lattice& lattice) {
     Cell worst;
     float most = -1;
     bool removed = false;
-    lattice.for_each([&](Cell c, const Node& /*node*/) {
+    lattice.for_each([&](Cell c, const Node& node) {
       const Cell at = c - extent.first;
       const Verdict& v = verdicts_[static_cast<std::size_t>(at.row * extent.cols() + at.col)];
       if (!v.confirmed) {
@@ -130,7 +161,9 @@ void StrayCorners::remove_from(Lattice& lattice) {
         return;
       }
       // By how much the squares of the differences sink if this node alone is to blame.
-      const float explained = v.accused ? (v.x * v.x + v.y * v.y) / v.weight : -1;
+      const bool accused =
+          v.accused || (node.sigma > kUncertain * usual_sigma_ && v.error() > kUncertainError);
+      const float explained = accused ? (v.x * v.x + v.y * v.y) / v.weight : -1;
       if (explained <= most) return;
       most = explained;
       worst = c;

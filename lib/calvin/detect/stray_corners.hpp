@@ -5,6 +5,8 @@
 // the board's.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,10 +30,12 @@ class StrayCorners {
     float weights[5] = {};
     float x = 0;  // px
     float y = 0;
-    float noise = 0;      // px, 1 sigma of x and of y
-    float spacing = 0;    // px
-    float tolerance = 0;  // px
-    [[nodiscard]] bool fails() const { return x * x + y * y > tolerance * tolerance; }
+    float noise = 0;           // px, 1 sigma of x and of y
+    float spacing = 0;         // px
+    float tolerance = 0;       // px
+    Cell step;                 // of the line
+    std::uint64_t places = 0;  // on it, by bits
+    bool fails = false;
   };
   // What the differences of a node say about its place.
   struct Verdict {
@@ -40,18 +44,21 @@ class StrayCorners {
     float weight = 0;
     bool accused = false;
     bool confirmed = false;
+    [[nodiscard]] float error() const { return std::hypot(x, y) / weight; }  // px
   };
 
   void take_differences(const Lattice& lattice);
   void take_line(const Lattice& lattice, Cell first, Cell step, int count);
   void add(const Lattice& lattice, Cell first, Cell step, std::span<const int> places);
   void set_tolerances();
+  [[nodiscard]] bool is_like_its_neighbours(const Difference& d) const;
   void collect_verdicts(const Extent& extent);
 
   std::vector<Difference> differences_;
   std::vector<Verdict> verdicts_;
   std::vector<int> places_;
   std::vector<float> sorted_;
+  float usual_sigma_ = 0;  // px, the median
 };
 
 }  // namespace calvin::detect
