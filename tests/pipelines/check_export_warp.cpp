@@ -16,7 +16,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/remap/undistorter.hpp"
-#include "export_warp_text.hpp"
+#include "../../examples/export_warp_text.hpp"
 #include "exported_shaders.hpp"
 
 using namespace calvin;
