@@ -13,10 +13,10 @@
 
 #include <gtest/gtest.h>
 
+#include "../../examples/export_warp_text.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/remap/undistorter.hpp"
-#include "../../examples/export_warp_text.hpp"
 #include "exported_shaders.hpp"
 
 using namespace calvin;
