@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include "calvin/solve/solve.hpp"
@@ -355,6 +357,11 @@ const BadInput kBadInputs[] = {
      ErrorCode::kUnsupported, "brown5"},
     {"NoIterations", [](auto&, auto&, auto& options) { options.max_iterations = 0; },
      ErrorCode::kDegenerate, "converge"},
+    {"OnePoseTwice",
+     [](auto& views, auto&, auto&) {
+       views = {views[0], views[0]};
+     },
+     ErrorCode::kDegenerate, "parallel"},
     {"AllCornersInOnePlace",
      [](auto& views, auto&, auto&) {
        for (View& view : views) std::fill_n(view.observation.uv.begin(), 54, Pixel{300, 300});
@@ -413,6 +420,29 @@ TEST_P(EveryModel, ParallelViewsAreRefused) {
     EXPECT_EQ(solution.error().code, ErrorCode::kDegenerate);
     EXPECT_NE(solution.error().message.find("tilted"), std::string::npos);
   }
+}
+
+TEST_F(Solve, ASecondViewOfAPoseDoesNoHarm) {
+  auto views = make_views(camera_, random_, 8);
+  views.push_back(views[3]);
+  const auto solution = solve(views, kSize);
+  ASSERT_TRUE(solution.has_value()) << solution.error().message;
+  expect_within(solution->calibration, 5);
+}
+
+TEST_F(Solve, ViewsThatAllTiltTheSameWayAreRemarkedOn) {
+  std::vector<SE3> poses;
+  while (poses.size() < 12) {
+    const SE3 pose = {exp_so3({scenes::uniform(random_, 0.3, 0.36), 0, 0}) *
+                          exp_so3({0, 0, scenes::uniform(random_, -0.05, 0.05)}),
+                      {scenes::uniform(random_, -0.3, 0.1), scenes::uniform(random_, -0.2, 0.1),
+                       scenes::uniform(random_, 0.3, 0.6)}};
+    if (scenes::sees_all(camera_, kBoard, pose)) poses.push_back(pose);
+  }
+  const auto solution = solve(scenes::observe_all(camera_, kBoard, poses, 0.5, random_), kSize);
+  const std::string all =
+      solution ? fmt::format("{}", fmt::join(solution->remarks, " ")) : solution.error().message;
+  EXPECT_NE(all.find("tilted"), std::string::npos) << all;
 }
 
 TEST_F(Solve, UselessViewsAreLeftOutAndNamed) {
