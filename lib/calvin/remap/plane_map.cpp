@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <utility>
 
@@ -69,39 +70,46 @@ void PlaneMap::expand(int node_row, int first, int count, float* x, float* y) co
 
 // Looks at the ends of runs, where parabolas are worst, in a part of the rows.
 bool PlaneMap::follows_the_map() const {
-  constexpr int kRows = 40;
-  constexpr double kTolerance = 1.0 / 512;
-  constexpr double kScale = 1.0 / (1 << remap::kPlaceBits);
+  constexpr int kRows = 20;
   if (!strongly_bent()) return true;
-  const double end = (run_pixels_ - 1) / 2.0;
+  std::vector<std::int32_t> x(static_cast<std::size_t>(runs()));
+  std::vector<std::int32_t> y(x.size());
   for (int i = 0; i <= kRows; ++i) {
-    const double v = out_y_.site((out_y_.count() - 1) * i / kRows);
-    const auto at = [&](double sample) {
-      return to_samples(map_->at({out_x_.offset() + out_x_.scale() * sample, v}));
-    };
-    std::array<Pixel, 2 * remap::kMargin + 1> middles;
-    for (int j = 0; j < runs() - 4; ++j) {
-      for (std::size_t k = 0; k < middles.size(); ++k) {
-        middles[k] = at((j + static_cast<int>(k)) * run_pixels_ + end);
-      }
-      const Pixel& place = middles[remap::kMargin];
-      if (!(place.u > -1 && place.v > -1 && place.u < in_x_.count() && place.v < in_y_.count())) {
-        continue;
-      }
-      std::array<std::int32_t, middles.size()> x;
-      std::array<std::int32_t, middles.size()> y;
-      for (std::size_t k = 0; k < middles.size(); ++k) {
-        x[k] = static_cast<std::int32_t>(std::lrint(middles[k].u / kScale));
-        y[k] = static_cast<std::int32_t>(std::lrint(middles[k].v / kScale));
-      }
-      const remap::RunParabola px(x.data(), run_pixels_);
-      const remap::RunParabola py(y.data(), run_pixels_);
-      for (const double t : {-end, end}) {
-        const Pixel exact = at((j + remap::kMargin) * run_pixels_ + end + t);
-        if (std::abs(px.at(t) - exact.u) > kTolerance ||
-            std::abs(py.at(t) - exact.v) > kTolerance) {
-          return false;
-        }
+    if (!follows_row(out_y_.site((out_y_.count() - 1) * i / kRows), x, y)) return false;
+  }
+  return true;
+}
+
+// At px `v` of the output; `x` and `y` are of use to the next row again.
+bool PlaneMap::follows_row(double v, std::vector<std::int32_t>& x,
+                           std::vector<std::int32_t>& y) const {
+  constexpr double kTolerance = 1.0 / 512;
+  constexpr double kScale = 1 << remap::kPlaceBits;
+  constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::min();
+  const double end = (run_pixels_ - 1) / 2.0;
+  const auto at = [&](double sample) {
+    return to_samples(map_->at({out_x_.offset() + out_x_.scale() * sample, v}));
+  };
+  for (std::size_t j = 0; j < x.size(); ++j) {
+    const Pixel place = at(static_cast<double>(j) * run_pixels_ + end);
+    const bool known = std::isfinite(place.u) && std::isfinite(place.v);
+    x[j] = known ? static_cast<std::int32_t>(std::lrint(place.u * kScale)) : kUnknown;
+    y[j] = known ? static_cast<std::int32_t>(std::lrint(place.v * kScale)) : kUnknown;
+  }
+  for (std::size_t j = remap::kMargin; j + remap::kMargin < x.size(); ++j) {
+    // Beyond the map's smooth part middles come from find_middles().
+    const std::int32_t* around = &x[j - remap::kMargin];
+    if (std::count(around, around + 2 * remap::kMargin + 1, kUnknown) > 0) continue;
+    const remap::RunParabola px(around, run_pixels_);
+    const remap::RunParabola py(&y[j - remap::kMargin], run_pixels_);
+    if (!(px.middle > -1 && py.middle > -1 && px.middle < in_x_.count() &&
+          py.middle < in_y_.count())) {
+      continue;
+    }
+    for (const double t : {-end, end}) {
+      const Pixel exact = at(static_cast<double>(j) * run_pixels_ + end + t);
+      if (std::abs(px.at(t) - exact.u) > kTolerance || std::abs(py.at(t) - exact.v) > kTolerance) {
+        return false;
       }
     }
   }

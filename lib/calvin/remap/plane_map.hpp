@@ -86,6 +86,8 @@ class PlaneMap {
   [[nodiscard]] double middle(int run) const noexcept;  // px of the output
   [[nodiscard]] Pixel to_samples(Pixel place) const noexcept;
   [[nodiscard]] bool follows_the_map() const;
+  [[nodiscard]] bool follows_row(double v, std::vector<std::int32_t>& x,
+                                 std::vector<std::int32_t>& y) const;
   [[nodiscard]] std::vector<Span> valid_samples(int y, const PixelFunction& place_of) const;
   void find_middles(int y, const PixelFunction& place_of, Row& row) const;
 
