@@ -54,7 +54,8 @@ std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom
 // Another optimum may be the one near the truth, and noise have put it above the best: it adds its
 // distance by its likelihood.
 Eigen::MatrixXd with_rivals(const Eigen::MatrixXd& c, const Fit& fit, double variance) {
-  constexpr double kUnlikely = 1e-6;
+  // What is less likely says nothing of where most errors are, and its square would drown them.
+  constexpr double kUnlikely = 0.02;
   Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(c.rows(), c.cols());
   double sum = 1;
   for (const Rival& rival : fit.rivals) {
