@@ -15,7 +15,8 @@ namespace {
 constexpr int kSamples = 27;   // on the way outwards
 constexpr float kFrom = 0.3F;  // squares beyond the line
 constexpr float kTo = 1.6F;
-constexpr float kEdgeFrom = 0.8F;  // where a square of the last row may end
+constexpr float kToAtBorder = 1.3F;  // where the image ends sooner
+constexpr float kEdgeFrom = 0.8F;    // where a square of the last row may end
 constexpr float kEdgeTo = 1.25F;
 constexpr float kRagged = 0.15F;   // how much further one of them may
 constexpr float kDiffers = 0.65F;  // of the contrast: another colour
@@ -64,7 +65,7 @@ struct Profile {
 
 // Outwards through the middle of the square between two nodes of the line.
 std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, Cell cell, Cell step,
-                               Cell outwards) {
+                               Cell outwards, float reach) {
   const auto a = beyond(lattice, cell, outwards);
   const auto b = beyond(lattice, cell + step, outwards);
   if (!a || !b) return std::nullopt;
@@ -78,14 +79,14 @@ std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, C
   float inner = 0;
   float outer = 0;
   for (std::size_t i = 0; i < kSamples; ++i) {
-    t[i] = kFrom + (kTo - kFrom) * static_cast<float>(i) / (kSamples - 1);
+    t[i] = kFrom + (reach - kFrom) * static_cast<float>(i) / (kSamples - 1);
     const auto g = grey(image, {from.x + t[i] * way.x, from.y + t[i] * way.y});
     if (!g) return std::nullopt;
     v[i] = *g;
     if (t[i] < 0.7F) {
       p.inside += v[i];
       inner += 1;
-    } else if (t[i] > 1.3F) {
+    } else if (t[i] > reach - 0.3F * (reach - 0.6F)) {
       p.outside += v[i];
       outer += 1;
     }
@@ -120,7 +121,8 @@ Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first, C
   for (int i = 0; i + 1 < count; ++i) {
     const Cell cell = first + i * step;
     if (!lattice.has(cell) || !lattice.has(cell + step)) continue;
-    const auto p = profile(image, lattice, cell, step, outwards);
+    auto p = profile(image, lattice, cell, step, outwards, kTo);
+    if (!p) p = profile(image, lattice, cell, step, outwards, kToAtBorder);
     if (!p) continue;
     ++seen;
     const float contrast = std::max(lattice.at(cell).contrast, 1.0F);
