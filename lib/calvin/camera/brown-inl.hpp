@@ -113,16 +113,19 @@ struct Brown {
       if (!Tilt(d[12], d[13]).undo(goal)) return std::nullopt;
     }
     const double target = std::hypot(goal[0], goal[1]);
-    // The other terms move the rim a little: start from the limit and let Newton decide.
-    const double r =
-        invert_growing([d](double s) { return radial(d, s); }, target, limit).value_or(limit);
+    // Near enough for Newton. The other terms move the rim a little: start from the limit and let
+    // it decide.
+    constexpr double kNear = 1e-2;
+    const auto image = [d](double s) { return radial(d, s); };
+    const double r = invert_growing(image, target, limit, kNear).value_or(limit);
     if (!std::isfinite(r)) return std::nullopt;
     const double scale = target > 0 ? r / target : 1;
     double x = goal[0] * scale;
     double y = goal[1] * scale;
     double at[2];
     double j[4];
-    for (int i = 0; i < 50; ++i) {
+    bool arrived = false;
+    for (int i = 0; i < 50 && !arrived; ++i) {
       if (!flat<double>(d, x, y, at, j, nullptr)) return std::nullopt;
       const double ex = at[0] - goal[0];
       const double ey = at[1] - goal[1];
@@ -132,12 +135,14 @@ struct Brown {
       const double dy = (j[0] * ey - j[2] * ex) / determinant;
       x -= dx;
       y -= dy;
-      if (std::abs(dx) + std::abs(dy) <= 1e-15 * (1 + std::abs(x) + std::abs(y))) break;
+      arrived = std::abs(dx) + std::abs(dy) <= 1e-15 * (1 + std::abs(x) + std::abs(y)) ||
+                std::abs(ex) + std::abs(ey) <= 1e-15 * (1 + target);
     }
-    if (!flat<double>(d, x, y, at, j, nullptr) || !(std::hypot(x, y) <= limit) ||
-        !(std::hypot(at[0] - goal[0], at[1] - goal[1]) <= 1e-11 * (1 + target))) {
-      return std::nullopt;
+    if (!arrived) {  // rounding may move the last digits for ever
+      if (!flat<double>(d, x, y, at, j, nullptr)) return std::nullopt;
+      arrived = std::hypot(at[0] - goal[0], at[1] - goal[1]) <= 1e-11 * (1 + target);
     }
+    if (!arrived || !(x * x + y * y <= limit * limit)) return std::nullopt;
     return Eigen::Vector3d(x, y, 1).normalized();
   }
 

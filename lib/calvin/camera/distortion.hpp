@@ -41,9 +41,10 @@
 namespace calvin::lens {
 
 // The x in [0, limit] with f(x) = target, for an f that grows there from f(0) = 0: Newton kept
-// inside a bracket. `f` returns {value, slope}. Absent where the target is out of reach.
+// inside a bracket, to the last step that is at most `tolerance` * (1 + x). `f` returns {value,
+// slope}. Absent where the target is out of reach.
 template <typename F>
-std::optional<double> invert_growing(F f, double target, double limit) {
+std::optional<double> invert_growing(F f, double target, double limit, double tolerance = 1e-16) {
   double low = 0;
   double high = std::isfinite(limit) ? limit : std::max(1.0, 2 * target);
   for (int i = 0; f(high).first < target; ++i) {
@@ -61,7 +62,7 @@ std::optional<double> invert_growing(F f, double target, double limit) {
     (value < target ? low : high) = x;
     double next = x - (value - target) / slope;
     if (!(next > low && next < high)) next = (low + high) / 2;
-    if (std::abs(next - x) <= 1e-16 * (1 + x)) return next;
+    if (std::abs(next - x) <= tolerance * (1 + x)) return next;
     x = next;
   }
   return x;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <tuple>
 
 namespace calvin {
@@ -21,27 +20,29 @@ double turn(Pixel a, Pixel b, Pixel c) noexcept {
 // Akl, G. Toussaint, A Fast Convex Hull Algorithm, IPL 7(5), 1978).
 void drop_inner(std::vector<Pixel>& points) {
   std::array<Pixel, 8> octagon;
-  std::array<double, 8> most;
-  most.fill(-std::numeric_limits<double>::infinity());
+  octagon.fill(points.front());
+  const auto sum = [](Pixel p) { return p.u + p.v; };
+  const auto difference = [](Pixel p) { return p.v - p.u; };
   for (const Pixel p : points) {
-    const double sum = p.u + p.v;
-    const double difference = p.v - p.u;
-    const std::array<double, 8> reach = {p.u, sum, p.v, difference, -p.u, -sum, -p.v, -difference};
-    for (std::size_t i = 0; i < reach.size(); ++i) {
-      if (reach[i] > most[i]) {
-        most[i] = reach[i];
-        octagon[i] = p;
-      }
-    }
+    if (p.u > octagon[0].u) octagon[0] = p;
+    if (sum(p) > sum(octagon[1])) octagon[1] = p;
+    if (p.v > octagon[2].v) octagon[2] = p;
+    if (difference(p) > difference(octagon[3])) octagon[3] = p;
+    if (p.u < octagon[4].u) octagon[4] = p;
+    if (sum(p) < sum(octagon[5])) octagon[5] = p;
+    if (p.v < octagon[6].v) octagon[6] = p;
+    if (difference(p) < difference(octagon[7])) octagon[7] = p;
   }
-  const auto inner = [&octagon](Pixel p) {
-    for (std::size_t i = 0; i < octagon.size(); ++i) {
-      const Pixel a = octagon[i];
-      const Pixel b = octagon[(i + 1) % octagon.size()];
-      const bool side = a.u != b.u || a.v != b.v;
-      if (side && !(turn(a, b, p) > 0)) return false;
-    }
-    return true;
+  std::vector<std::array<Pixel, 2>> sides;
+  for (std::size_t i = 0; i < octagon.size(); ++i) {
+    const Pixel a = octagon[i];
+    const Pixel b = octagon[(i + 1) % octagon.size()];
+    if (a.u != b.u || a.v != b.v) sides.push_back({a, b});
+  }
+  const auto inner = [&sides](Pixel p) {
+    bool within = true;  // of all sides: no branch to mispredict
+    for (const auto& [a, b] : sides) within &= turn(a, b, p) > 0;
+    return within;
   };
   points.erase(std::remove_if(points.begin(), points.end(), inner), points.end());
 }

@@ -12,6 +12,9 @@
 
 namespace calvin {
 
+// Arrays end on a multiple of this, so that the widest vectors need no remainder.
+inline constexpr std::size_t kLanes = 8;
+
 struct AlignedFree {
   void operator()(double* data) const { std::free(data); }
 };

@@ -7,7 +7,6 @@
 
 #include "calvin/solve/cholesky.hpp"
 #include "calvin/solve/products.hpp"
-#include "calvin/solve/view_points.hpp"
 
 namespace calvin {
 
@@ -27,8 +26,6 @@ std::size_t cross_size(const ArrowLayout& layout) {
 std::size_t shared_size(const ArrowLayout& layout) { return layout.stride() * layout.stride(); }
 
 }  // namespace
-
-std::size_t ArrowLayout::stride() const { return (row() + kLanes - 1) / kLanes * kLanes; }
 
 ArrowEquations::ArrowEquations(const ArrowLayout& layout)
     : layout_(layout),

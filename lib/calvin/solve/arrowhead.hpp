@@ -24,7 +24,7 @@ struct ArrowLayout {
 
   // A row holds the gradient and then a value for each shared unknown.
   [[nodiscard]] std::size_t row() const { return static_cast<std::size_t>(shared) + 1; }
-  [[nodiscard]] std::size_t stride() const;
+  [[nodiscard]] std::size_t stride() const { return (row() + kLanes - 1) / kLanes * kLanes; }
 };
 
 // The normal equations J^T J, with J^T r as one more row, never J itself.

@@ -54,8 +54,7 @@ std::vector<PointSet> masked(const std::vector<PointSet>& views, const Solution&
   for (const PointSet& view : views) {
     const auto is_this = [&view](const RejectedView& r) { return r.index == view.index; };
     if (std::any_of(solution.rejected.begin(), solution.rejected.end(), is_this)) continue;
-    PointSet kept = view;
-    kept.clear();
+    PointSet kept = view.without_corners();
     for (std::size_t i = 0; i < view.size(); ++i) {
       const auto is_corner = [&](const RejectedCorner& c) {
         return c.view == view.index && c.id == view.ids[i];

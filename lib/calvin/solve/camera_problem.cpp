@@ -76,7 +76,7 @@ std::optional<Eigen::VectorXd> CameraProblem::shared_step(double lambda) {
   const Eigen::Index n = basis.rows();
   Eigen::MatrixXd normal(n, n);
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) normal(i, j) = current_.equations.shared(i, j);
+    for (int j = 0; j <= i; ++j) normal(i, j) = current_.equations.shared(i, j);
   }
   damping_ = restrict_to(basis, normal).diagonal();
   Eigen::MatrixXd s = restrict_to(basis, elimination_.schur());

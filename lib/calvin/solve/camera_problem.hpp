@@ -57,6 +57,10 @@ class CameraProblem {
   [[nodiscard]] std::optional<double> propose(double lambda);
   [[nodiscard]] std::optional<double> evaluate_trial();
   void accept() { std::swap(current_, trial_); }
+  void accept_unseen(double predicted) {
+    std::swap(current_.point, trial_.point);
+    current_.cost = std::max(0.0, current_.cost - predicted);
+  }
 
   // What is left for the unknowns where every pose takes the step that suits it best: over the
   // directions of the basis, not damped, for residuals of 1 px. `information` is the inverse of

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Cholesky factors of small matrices, row-major. Internal.
+// Cholesky factors of small matrices, row-major. A factor holds the reciprocals of its diagonal:
+// what follows multiplies by them over and over. Internal.
 #pragma once
 
 #include <cmath>
@@ -16,8 +17,8 @@ template <int kSize>
     double pivot = m[j * kSize + j] * (1 + lambda);
     for (int k = 0; k < j; ++k) pivot -= l[j * kSize + k] * l[j * kSize + k];
     if (!(pivot > 0) || !std::isfinite(pivot)) return false;
-    l[j * kSize + j] = std::sqrt(pivot);
-    const double scale = 1 / l[j * kSize + j];
+    const double scale = 1 / std::sqrt(pivot);
+    l[j * kSize + j] = scale;
     for (int i = j + 1; i < kSize; ++i) {
       double sum = m[i * kSize + j];
       for (int k = 0; k < j; ++k) sum -= l[i * kSize + k] * l[j * kSize + k];
@@ -33,19 +34,26 @@ template <int kSize>
 }
 
 // x = L^-T x.
-inline void solve_upper(const double* l, int size, double* x) {
-  for (int i = size - 1; i >= 0; --i) {
-    for (int k = i + 1; k < size; ++k) x[i] -= l[k * size + i] * x[k];
-    x[i] /= l[i * size + i];
+template <int kSize>
+void solve_upper(const double* l, double* x) {
+  for (int i = kSize - 1; i >= 0; --i) {
+    for (int k = i + 1; k < kSize; ++k) x[i] -= l[k * kSize + i] * x[k];
+    x[i] *= l[i * kSize + i];
   }
 }
 
 // x = L^-1 x.
-inline void solve_lower(const double* l, int size, double* x) {
-  for (int i = 0; i < size; ++i) {
-    for (int k = 0; k < i; ++k) x[i] -= l[i * size + k] * x[k];
-    x[i] /= l[i * size + i];
+template <int kSize>
+void solve_lower(const double* l, double* x) {
+  for (int i = 0; i < kSize; ++i) {
+    for (int k = 0; k < i; ++k) x[i] -= l[i * kSize + k] * x[k];
+    x[i] *= l[i * kSize + i];
   }
+}
+
+// The same for the blocks that arrowhead problems have.
+inline void solve_upper(const double* l, int size, double* x) {
+  size == 6 ? solve_upper<6>(l, x) : solve_upper<3>(l, x);
 }
 
 }  // namespace calvin

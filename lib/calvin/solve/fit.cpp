@@ -23,6 +23,14 @@ namespace {
 // Of the predicted decrease, relative to the cost: beyond this is rounding.
 constexpr double kTolerance = 1e-13;
 
+// Of the predicted decrease, in variances of a corner: a step that moves no parameter by more than
+// 1e-3 sigma.
+constexpr double kSmall = 1e-6;
+
+// The damping where the start is likely near the optimum, and where it may be anywhere.
+constexpr double kNearLambda = 1e-8;
+constexpr double kFarLambda = 1e-4;
+
 // Optima whose costs differ by less are one.
 constexpr double kSame = 1e-6;
 
@@ -72,13 +80,16 @@ class Course {
         options_(options),
         least_squares_(freedom, size, stop),
         search_(least_squares_, freedom, shape, size) {
-    for (PointSet& view : views) views_.emplace_back(std::move(view), shape);
+    views_.reserve(views.size());
+    for (PointSet& view : views) views_.emplace_back(std::move(view), shape, last_of(views_));
     for (const FitView& view : views_) all_.push_back(&view);
   }
 
   Fit run() {
     Candidate quick = search_.quick(all_);
+    lambda_ = kNearLambda;
     if (std::isfinite(quick.scale)) follow(std::move(quick));
+    lambda_ = kFarLambda;
     if (!good(end_) && !least_squares_.cancelled()) explore();
     return finish();
   }
@@ -210,7 +221,7 @@ class Course {
   void robust_step(Loss::Kind kind, double tolerance) {
     const Loss loss{kind, 2.5 * robust_scale(distances())};
     (void)least_squares_.minimise_over(all_, end_.shared, end_.poses, freedom_.basis, loss,
-                                       {options_.max_iterations, tolerance});
+                                       {options_.max_iterations, tolerance, 0, lambda_});
   }
 
   // A view that looks wrong gets a second chance from a fresh pose: its own may have been drawn
@@ -263,7 +274,7 @@ class Course {
     for (std::size_t i = 0; i < set.size(); ++i) {
       if (!mask.corners[i]) set.weight[i] = 0;
     }
-    return end_.masked.emplace_back(std::move(set), shape_);
+    return end_.masked.emplace_back(std::move(set), shape_, &view);
   }
 
   void solve_masked(const std::vector<ViewMask>& masks) {
@@ -281,7 +292,7 @@ class Course {
     const int goes = search_.rich() ? 3 : 1;
     for (int go = 0; go < goes; ++go) {
       end_.problem = least_squares_.minimise_over(views, end_.shared, end_.poses, freedom_.basis,
-                                                  Loss{}, {options_.max_iterations, kTolerance});
+                                                  Loss{}, final_options(views));
       end_.converged = end_.problem && least_squares_.converged();
       if (!end_.problem || end_.converged || least_squares_.cancelled()) break;
     }
@@ -291,12 +302,18 @@ class Course {
     }
   }
 
+  [[nodiscard]] LmOptions final_options(const std::vector<const FitView*>& views) const {
+    std::size_t corners = 0;
+    for (const FitView* view : views) corners += view == nullptr ? 0 : view->points.count();
+    const double residuals = std::max(1.0, 2 * static_cast<double>(corners));
+    return {options_.max_iterations, kTolerance, kSmall / residuals, lambda_};
+  }
+
   Fit finish() {
     Fit fit;
     fit.iterations = least_squares_.iterations();
     fit.cancelled = least_squares_.cancelled();
     end_.used.resize(views_.size(), false);
-    for (const FitView* view : end_.views) fit.views.push_back(view->set);
     for (std::size_t v = 0; v < views_.size(); ++v) {
       fit.camera_from_board.push_back(end_.used[v] ? *end_.poses[v] : SE3{});
       // Of the corners that were left out too.
@@ -306,6 +323,7 @@ class Course {
     }
     fit.shared = std::move(end_.shared);
     fit.used = end_.used;
+    fit.views = take_views();
     if (!end_.problem) return fit;
     fit.cost = end_.problem->cost();
     fit.converged = end_.converged && end_.information.size() > 0;
@@ -317,6 +335,18 @@ class Course {
       if (same_corners && !better) fit.rivals.push_back(std::move(found.rival));
     }
     return fit;
+  }
+
+  // Those of the end, which has no use for them any more.
+  std::vector<PointSet> take_views() {
+    std::vector<PointSet> taken;
+    taken.reserve(end_.views.size());
+    auto masked = end_.masked.begin();
+    for (std::size_t v = 0; v < end_.views.size(); ++v) {
+      FitView& view = end_.views[v] == &views_[v] ? views_[v] : *masked++;
+      taken.push_back(std::move(view.set));
+    }
+    return taken;
   }
 
   const BoardShape& shape_;
@@ -335,6 +365,7 @@ class Course {
   std::vector<Found> found_;
   Ending end_;
   bool moved_ = false;  // a pose, by the last judge()
+  double lambda_ = kFarLambda;
 };
 
 }  // namespace

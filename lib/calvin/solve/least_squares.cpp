@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "calvin/solve/plane_pose.hpp"
 #include "calvin/solve/pose_fit.hpp"
 
 namespace calvin {
@@ -117,7 +116,7 @@ Poses LeastSquares::poses_for(const std::vector<double>& shared,
   Poses poses(views.size());
   const auto seen_by = camera(shared);
   for (std::size_t v = 0; seen_by && v < views.size() && !stop_.stop_requested(); ++v) {
-    poses[v] = pose_from_rays(views[v]->set.points, rays_of(views[v]->set, *seen_by));
+    poses[v] = start_pose(views[v]->set, *seen_by);
   }
   return poses;
 }

@@ -17,13 +17,18 @@
 
 namespace calvin {
 
-// A view and the same as arrays.
+// A view and the same as arrays, part of which another view may share.
 struct FitView {
   PointSet set;
   ViewPoints points;
 
-  FitView(PointSet from, const BoardShape& shape) : set(std::move(from)), points(set, shape) {}
+  FitView(PointSet from, const BoardShape& shape, const FitView* other = nullptr)
+      : set(std::move(from)), points(set, shape, other == nullptr ? nullptr : &other->points) {}
 };
+
+[[nodiscard]] inline const FitView* last_of(const std::vector<FitView>& views) {
+  return views.empty() ? nullptr : &views.back();
+}
 
 using Poses = std::vector<std::optional<SE3>>;
 

@@ -12,7 +12,9 @@ namespace calvin {
 
 struct LmOptions {
   int max_iterations = 100;
-  double tolerance = 1e-13;  // of the predicted decrease, relative to the cost
+  double tolerance = 1e-13;  // of the predicted decrease, relative to the cost: the last step
+  double small = 0;          // the same: a last step that is taken without looking where it leads
+  double lambda = 1e-4;      // to begin with
 };
 
 struct LmReport {
@@ -20,6 +22,14 @@ struct LmReport {
   bool cancelled = false;
   int iterations = 0;
 };
+
+// Whether a step is the last to tell of: small, after one that was far larger, so that the next
+// will be far smaller; or next to nothing.
+[[nodiscard]] inline bool settled(double predicted, double before, double small) {
+  constexpr double kFast = 1e-2;
+  constexpr double kNothing = 1e-4;
+  return predicted <= kNothing * small || (predicted <= small && predicted <= kFast * before);
+}
 
 // A Problem has
 //   double cost()                           at the current point, a sum of squares
@@ -29,6 +39,8 @@ struct LmReport {
 //   std::optional<double> evaluate_trial()  linearises there; its cost
 //   void accept()                           the trial point, and its linearisation with it,
 //                                           becomes the current one
+//   void accept_unseen(predicted)           the trial point becomes the current one and keeps the
+//                                           linearisation that led to it
 // Damping after H. B. Nielsen, Damping Parameter in Marquardt's Method, IMM-REP-1999-05.
 template <typename Problem>
 LmReport minimise(Problem& problem, const LmOptions& options, const std::stop_token& stop) {
@@ -36,8 +48,9 @@ LmReport minimise(Problem& problem, const LmOptions& options, const std::stop_to
   constexpr double kLeastLambda = 1e-14;
   constexpr double kMostLambda = 1e14;
   LmReport report;
-  double lambda = 1e-4;
+  double lambda = options.lambda;
   double growth = 2;
+  double before = 0;  // the last decrease predicted
   for (; report.iterations < options.max_iterations; ++report.iterations) {
     if (stop.stop_requested()) {
       report.cancelled = true;
@@ -45,6 +58,12 @@ LmReport minimise(Problem& problem, const LmOptions& options, const std::stop_to
     }
     const double cost = problem.cost();
     const std::optional<double> predicted = problem.propose(lambda);
+    if (predicted && settled(*predicted, before, options.small * cost)) {
+      problem.accept_unseen(*predicted);
+      report.converged = true;
+      return report;
+    }
+    before = predicted.value_or(before);
     const bool last = predicted && *predicted <= options.tolerance * cost + kNothing;
     const std::optional<double> trial = predicted ? problem.evaluate_trial() : std::nullopt;
     if (trial && *trial <= cost) {

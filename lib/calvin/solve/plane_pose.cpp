@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+
+#include "calvin/solve/cholesky.hpp"
 
 namespace calvin {
 
@@ -16,6 +18,8 @@ namespace {
 
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // The similarity of the plane that takes the points with a ray to centroid 0 and mean distance 1.
 struct Normalisation {
@@ -38,7 +42,9 @@ Normalisation normalisation(const std::vector<Eigen::Vector3d>& points,
   n.y /= n.count;
   double distance = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!rays[i].isZero()) distance += std::hypot(points[i].x() - n.x, points[i].y() - n.y);
+    const double x = points[i].x() - n.x;
+    const double y = points[i].y() - n.y;
+    if (!rays[i].isZero()) distance += std::sqrt(x * x + y * y);
   }
   n.scale = n.count / distance;
   return n;
@@ -60,49 +66,68 @@ Eigen::Matrix3d spreading(const std::vector<Eigen::Vector3d>& rays) {
   return Eigen::Vector3d(scale, scale, 1).asDiagonal() * turn;
 }
 
-// Sum of w p p^T (x) (I - r r^T): the squared distances of H p from the rays, over vec(H).
+// Sum of w p p^T (x) (I - r r^T): the squared distances of H p from the rays, over vec(H). Both
+// factors are symmetric: six numbers each.
 Matrix9 normal_matrix(const std::vector<Eigen::Vector3d>& points,
                       const std::vector<Eigen::Vector3d>& rays, const std::vector<double>& weights,
                       const Normalisation& n) {
-  Matrix9 m = Matrix9::Zero();
+  Matrix6 sums = Matrix6::Zero();
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (rays[k].isZero()) continue;
-    const Eigen::Vector3d p((points[k].x() - n.x) * n.scale, (points[k].y() - n.y) * n.scale, 1);
-    const Eigen::Matrix3d across =
-        weights[k] * (Eigen::Matrix3d::Identity() - rays[k] * rays[k].transpose());
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j <= i; ++j) m.block<3, 3>(3 * i, 3 * j) += p[i] * p[j] * across;
-    }
+    const Eigen::Vector3d& r = rays[k];
+    if (r.isZero()) continue;
+    const double w = weights[k];
+    const double x = (points[k].x() - n.x) * n.scale;
+    const double y = (points[k].y() - n.y) * n.scale;
+    Vector6 across;
+    across << w - w * r[0] * r[0], -w * r[0] * r[1], w - w * r[1] * r[1], -w * r[0] * r[2],
+        -w * r[1] * r[2], w - w * r[2] * r[2];
+    const double products[6] = {x * x, x * y, y * y, x, y, 1};
+    for (int j = 0; j < 6; ++j) sums.col(j) += products[j] * across;
+  }
+  constexpr int kPair[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
+  Matrix9 m;
+  for (int i = 0; i < 9; ++i) {
+    for (int j = 0; j < 9; ++j) m(i, j) = sums(kPair[i % 3][j % 3], kPair[i / 3][j / 3]);
   }
   return m;
 }
 
 // The eigenvector of the smallest eigenvalue, by inverse iteration. Absent where another eigenvalue
 // is as small, next to the largest: more than one homography fits.
-std::optional<Vector9> smallest_eigenvector(const Matrix9& lower) {
+std::optional<Vector9> smallest_eigenvector(Matrix9 m) {
   constexpr double kFloor = 1e-15;  // of the trace: keeps an exact fit from being singular
   constexpr double kSecond = 1e-12;
-  const double trace = lower.trace();
-  Matrix9 m = lower;
+  const double trace = m.trace();
   m.diagonal().array() += kFloor * trace;
-  const Eigen::LLT<Matrix9> factor(m);
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  Vector9 first = Vector9::Ones().normalized();
+  double factor[81];
+  if (!cholesky_of<9>(m.data(), 0, factor)) return std::nullopt;
+  const auto apply_inverse = [&factor](Vector9 x) {
+    solve_lower<9>(factor, x.data());
+    solve_upper<9>(factor, x.data());
+    return x;
+  };
+  Vector9 first = Vector9::Ones() / 3;
+  for (int i = 0; i < 8; ++i) {
+    const Vector9 next = apply_inverse(first).normalized();
+    const double change = (next - first).squaredNorm();
+    first = next;
+    if (change < 1e-16) break;
+  }
   Vector9 second = Vector9::LinSpaced(-1, 1);
   double inverse = 0;
-  for (int i = 0; i < 8; ++i) {
-    const Vector9 next = factor.solve(first).normalized();
-    const double change = (next - first).norm();
-    first = next;
-    if (change < 1e-12) break;
-  }
-  for (int i = 0; i < 3; ++i) {
-    second = factor.solve((second - first * first.dot(second)).normalized());
+  for (int i = 0; i < 2; ++i) {
+    second = apply_inverse((second - first * first.dot(second)).normalized());
     second -= first * first.dot(second);
     inverse = second.norm();
   }
   if (!first.allFinite() || !(1 / inverse > kSecond * trace)) return std::nullopt;
   return first;
+}
+
+// Of a ray, which is of length 1 or 0, seen through spreading().
+Eigen::Vector3d unit(const Eigen::Vector3d& ray) {
+  const double length = ray.norm();
+  return length > 0 ? Eigen::Vector3d(ray / length) : ray;
 }
 
 std::optional<Eigen::Matrix3d> weighted_homography(const std::vector<Eigen::Vector3d>& points,
@@ -163,7 +188,7 @@ std::optional<Eigen::Matrix3d> plane_homography(const std::vector<Eigen::Vector3
   const Eigen::Matrix3d spread = spreading(camera_rays);
   std::vector<Eigen::Vector3d> rays;
   rays.reserve(camera_rays.size());
-  for (const Eigen::Vector3d& ray : camera_rays) rays.push_back((spread * ray).stableNormalized());
+  for (const Eigen::Vector3d& ray : camera_rays) rays.push_back(unit(spread * ray));
   std::vector<double> weights(points.size(), 1);
   auto h = weighted_homography(points, rays, weights, n);
   for (int i = 0; i < kRounds && h && reweight(points, rays, *h, weights); ++i) {
@@ -174,11 +199,23 @@ std::optional<Eigen::Matrix3d> plane_homography(const std::vector<Eigen::Vector3
 }
 
 std::optional<SE3> pose_from_homography(const Eigen::Matrix3d& h) {
-  const Eigen::Matrix3d m = h * (2 / (h.col(0).norm() + h.col(1).norm()));
+  const double scale = 2 / (h.col(0).norm() + h.col(1).norm());
+  const Eigen::Vector3d x = h.col(0).normalized();
+  const Eigen::Vector3d y = h.col(1).normalized();
+  // The bisectors of two directions are at right angles whatever the angle between these.
+  const Eigen::Vector3d sum = (x + y).normalized();
+  const Eigen::Vector3d difference = (x - y).normalized();
   Eigen::Matrix3d rotation;
-  rotation << m.col(0), m.col(1), m.col(0).cross(m.col(1));
-  if (!rotation.allFinite() || !m.allFinite()) return std::nullopt;
-  return SE3{closest_rotation(rotation), m.col(2)};
+  rotation.col(0) = (sum + difference) * std::numbers::sqrt2 / 2;
+  rotation.col(1) = (sum - difference) * std::numbers::sqrt2 / 2;
+  rotation.col(2) = rotation.col(0).cross(rotation.col(1));
+  const SE3 pose = {rotation, h.col(2) * scale};
+  // Two directions that are one have no bisectors.
+  if (!pose.rotation.allFinite() || !pose.translation.allFinite() ||
+      !(rotation.determinant() > 0.5)) {
+    return std::nullopt;
+  }
+  return pose;
 }
 
 std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,

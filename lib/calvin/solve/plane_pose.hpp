@@ -21,7 +21,8 @@ namespace calvin {
 [[nodiscard]] std::optional<Eigen::Matrix3d> plane_homography(
     const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& rays);
 
-// camera_from_board: the rigid motion nearest to such a homography. Absent for a broken one.
+// camera_from_board: a rigid motion near such a homography, whose first two columns are turned
+// until they are at right angles, each as far as the other. Absent for a broken one.
 [[nodiscard]] std::optional<SE3> pose_from_homography(const Eigen::Matrix3d& h);
 [[nodiscard]] std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
                                                 const std::vector<Eigen::Vector3d>& rays);

@@ -26,11 +26,19 @@ std::size_t PointSet::used() const noexcept {
       std::count_if(weight.begin(), weight.end(), [](double w) { return w > 0; }));
 }
 
-void PointSet::clear() {
-  ids.clear();
-  points.clear();
-  uv.clear();
-  weight.clear();
+PointSet PointSet::without_corners() const {
+  PointSet bare;
+  bare.index = index;
+  bare.timestamp = timestamp;
+  bare.sigma_known = sigma_known;
+  return bare;
+}
+
+void PointSet::reserve(std::size_t corners) {
+  ids.reserve(corners);
+  points.reserve(corners);
+  uv.reserve(corners);
+  weight.reserve(corners);
 }
 
 void PointSet::append(const PointSet& from, std::size_t i) {
@@ -40,14 +48,15 @@ void PointSet::append(const PointSet& from, std::size_t i) {
   weight.push_back(from.weight[i]);
 }
 
-PointSet to_points(const Board& board, const Observation& observation) {
-  const std::vector<Eigen::Vector3d> all = board.points();
+PointSet to_points(const std::vector<Eigen::Vector3d>& printed, const Observation& observation) {
   PointSet view;
   view.timestamp = observation.timestamp;
   view.ids = observation.ids;
   view.uv = observation.uv;
+  view.points.reserve(view.ids.size());
+  view.weight.reserve(view.ids.size());
   for (std::size_t i = 0; i < observation.ids.size(); ++i) {
-    view.points.push_back(all[static_cast<std::size_t>(observation.ids[i])]);
+    view.points.push_back(printed[static_cast<std::size_t>(observation.ids[i])]);
     const auto weight = weight_of(observation, i);
     view.weight.push_back(weight.value_or(1));
     view.sigma_known = view.sigma_known && weight;
@@ -57,26 +66,28 @@ PointSet to_points(const Board& board, const Observation& observation) {
 
 bool spans_plane(const PointSet& view) {
   if (view.used() < 4) return false;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double n = 0;
+  double mean[2] = {0, 0};
   for (std::size_t i = 0; i < view.size(); ++i) {
     if (!(view.weight[i] > 0)) continue;
-    mean += view.points[i];
+    mean[0] += view.points[i].x();
+    mean[1] += view.points[i].y();
     n += 1;
   }
-  mean /= n;
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
   for (std::size_t i = 0; i < view.size(); ++i) {
     if (!(view.weight[i] > 0)) continue;
-    const Eigen::Vector3d d = view.points[i] - mean;
-    scatter += d * d.transpose();
+    const double x = view.points[i].x() - mean[0] / n;
+    const double y = view.points[i].y() - mean[1] / n;
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
   }
-  // The sum of products of two eigenvalues: on one line it is zero.
-  const auto minor = [&scatter](int i, int j) {
-    return scatter(i, i) * scatter(j, j) - scatter(i, j) * scatter(i, j);
-  };
-  const double trace = scatter.trace();
-  return minor(0, 1) + minor(1, 2) + minor(0, 2) > 1e-8 * trace * trace;
+  // The product of the eigenvalues of the scatter: on one line it is zero.
+  const double trace = xx + yy;
+  return xx * yy - xy * xy > 1e-8 * trace * trace;
 }
 
 }  // namespace calvin

@@ -28,12 +28,14 @@ struct PointSet {
   [[nodiscard]] std::size_t size() const noexcept { return points.size(); }
   [[nodiscard]] std::size_t used() const noexcept;
 
-  void clear();                                      // of corners
+  [[nodiscard]] PointSet without_corners() const;
+  void reserve(std::size_t corners);
   void append(const PointSet& from, std::size_t i);  // one corner of another view
 };
 
-// The corners of one checked view.
-[[nodiscard]] PointSet to_points(const Board& board, const Observation& observation);
+// The corners of one checked view; `printed` are the points of its board.
+[[nodiscard]] PointSet to_points(const std::vector<Eigen::Vector3d>& printed,
+                                 const Observation& observation);
 
 // Whether the points span a plane: at least 4, not all on one line.
 [[nodiscard]] bool spans_plane(const PointSet& view);

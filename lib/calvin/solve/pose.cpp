@@ -26,7 +26,7 @@ Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observati
   if (const Status status = check({observation, board}, size); !status) {
     return tl::unexpected<Error>(status.error());
   }
-  std::vector<PointSet> view = {to_points(board, observation)};
+  std::vector<PointSet> view = {to_points(board.points(), observation)};
   (void)normalise_weights(view);
   const auto rays = rays_of(view[0], camera);
   for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -38,11 +38,11 @@ class PoseProblem {
 
   [[nodiscard]] std::optional<double> propose(double lambda) {
     double factor[kPose * kPose];
-    if (!cholesky(current_.block(), kPose, lambda, factor)) return std::nullopt;
+    if (!cholesky_of<kPose>(current_.block(), lambda, factor)) return std::nullopt;
     double step[kPose];
     for (int i = 0; i < kPose; ++i) step[i] = -current_.gradient()[i];
-    solve_lower(factor, kPose, step);
-    solve_upper(factor, kPose, step);
+    solve_lower<kPose>(factor, step);
+    solve_upper<kPose>(factor, step);
     double predicted = 0;
     for (int i = 0; i < kPose; ++i) {
       const double diagonal = current_.block()[i * kPose + i];
@@ -57,6 +57,10 @@ class PoseProblem {
     return trial_.cost;
   }
   void accept() { std::swap(current_, trial_); }
+  void accept_unseen(double predicted) {
+    current_.pose = trial_.pose;
+    current_.cost = std::max(0.0, current_.cost - predicted);
+  }
 
  private:
   static constexpr int kPose = RowLayout::kPose;
@@ -108,8 +112,12 @@ std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const Camera& camera)
   return rays;
 }
 
+std::optional<SE3> start_pose(const PointSet& view, const Camera& camera) {
+  return pose_from_rays(view.points, rays_of(view, camera));
+}
+
 std::optional<PoseFit> fit_pose(const PointSet& view, const Camera& camera, const Loss& loss) {
-  const auto start = pose_from_rays(view.points, rays_of(view, camera));
+  const auto start = start_pose(view, camera);
   if (!start) return std::nullopt;
   const ViewPoints points(view, {});
   const auto refined = [&](const SE3& from) -> std::optional<PoseFit> {

@@ -19,6 +19,9 @@ namespace calvin {
 // The unit rays of the corners in use, camera frame; zero where the model has none.
 [[nodiscard]] std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const Camera& camera);
 
+// The linear solution, which no distance in the image has refined.
+[[nodiscard]] std::optional<SE3> start_pose(const PointSet& view, const Camera& camera);
+
 struct PoseFit {
   SE3 camera_from_board;
   double cost = 0;        // px^2

@@ -121,7 +121,7 @@ void solve_lower(const double* lower, int size, double* x, std::size_t stride, s
         const V other = hn::Load(d, x + static_cast<std::size_t>(k) * stride + at);
         sum = hn::NegMulAdd(hn::Set(d, lower[i * size + k]), other, sum);
       }
-      hn::Store(hn::Mul(sum, hn::Set(d, 1 / lower[i * size + i])), d, row);
+      hn::Store(hn::Mul(sum, hn::Set(d, lower[i * size + i])), d, row);
     }
   }
 }

@@ -13,8 +13,8 @@ namespace calvin {
 // on the diagonal; `count` is the number of columns.
 void column_products(const double* a, std::size_t n, int count, double* out, std::size_t stride);
 
-// x = L^-1 x for a lower L of size x size, row-major. x has `size` rows, `stride` apart, of `n`
-// values; n and stride are multiples of kLanes, x is aligned.
+// x = L^-1 x for a lower L of size x size, row-major, its diagonal as reciprocals. x has `size`
+// rows, `stride` apart, of `n` values; n and stride are multiples of kLanes, x is aligned.
 void solve_lower_rows(const double* lower, int size, double* x, std::size_t stride, std::size_t n);
 
 // s -= x^T x over the lower triangle and some of what is above it; s is n x n with the same stride

@@ -108,7 +108,7 @@ Result<RecheckReport> Recheck::add(const View& view) {
   PoseQuality quality;
   const auto pose = solve_pose(camera_, view.board, view.observation, &quality);
   if (!pose) return tl::unexpected<Error>(pose.error());
-  const PointSet points = to_points(view.board, view.observation);
+  const PointSet points = to_points(view.board.points(), view.observation);
   if (const auto normal = condense(points, camera_, *pose)) {
     Condensed condensed;
     condensed.board = view.board.text();

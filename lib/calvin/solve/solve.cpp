@@ -50,6 +50,10 @@ Status check_board(const Board& board) {
   return {};
 }
 
+bool same_grid(const Board& a, const Board& b) {
+  return a.cols == b.cols && a.rows == b.rows && a.size == b.size;
+}
+
 struct Gathered {
   std::vector<PointSet> views;
   std::vector<RejectedView> rejected;
@@ -57,6 +61,8 @@ struct Gathered {
 
 Result<Gathered> gather(std::span<const View> views, ImageSize size) {
   Gathered gathered;
+  std::vector<Eigen::Vector3d> printed;
+  const Board* board = nullptr;  // of which
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Observation& seen = views[i].observation;
     if (!seen.found()) {
@@ -70,7 +76,11 @@ Result<Gathered> gather(std::span<const View> views, ImageSize size) {
     if (const Status status = check(views[i], size); !status) {
       return make_error(status.error().code, fmt::format("View {}: {}", i, status.error().message));
     }
-    PointSet points = to_points(views[i].board, seen);
+    if (board == nullptr || !same_grid(*board, views[i].board)) {
+      board = &views[i].board;
+      printed = board->points();
+    }
+    PointSet points = to_points(printed, seen);
     points.index = i;
     if (!spans_plane(points)) {
       gathered.rejected.push_back({i, Reason::kTooFewPoints});
@@ -87,10 +97,7 @@ BoardShape curvatures(std::span<const View> views, std::size_t usable,
   constexpr std::size_t kViews = 8;
   if (!options.warp || usable < kViews) return {};
   const Board& board = views.front().board;
-  const auto same = [&board](const View& view) {
-    return view.board.cols == board.cols && view.board.rows == board.rows &&
-           view.board.size == board.size;
-  };
+  const auto same = [&board](const View& view) { return same_grid(view.board, board); };
   if (board.cols < 3 || board.rows < 3 || !std::all_of(views.begin(), views.end(), same)) return {};
   BoardShape shape = {2, {}};
   const Eigen::Vector3d last = board.points().back();

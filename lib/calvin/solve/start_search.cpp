@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "calvin/solve/outliers.hpp"
+#include "calvin/solve/pose_fit.hpp"
 
 namespace calvin {
 
@@ -21,6 +22,10 @@ constexpr std::size_t kTrialsOfFew = 8;  // where there are few views
 // Of these one focal length is found that leads to all others.
 constexpr std::size_t kQuickViews = 6;
 constexpr std::size_t kQuickCorners = 16;  // of a view
+constexpr std::size_t kJump = 7;           // goes round all of them
+
+// What brings a start near the optimum: the steps that are left to go are small.
+constexpr LmOptions kRough = {8, 1e-2, 0, 1e-6};
 
 // More coefficients than these are no start from nothing.
 constexpr int kPlainLens = 5;
@@ -37,18 +42,27 @@ StartSearch::Views sample_of(const StartSearch::Views& views, std::size_t most) 
   return sample;
 }
 
+// A few of the corners: one of each part of equal length, at a different place in each, as the
+// parts may be as long as the rows of the board.
+PointSet thinned(const PointSet& all) {
+  PointSet few = all.without_corners();
+  const std::size_t n = std::min(all.size(), kQuickCorners);
+  few.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t first = i * all.size() / n;
+    const std::size_t length = (i + 1) * all.size() / n - first;
+    few.append(all, first + kJump * i % kQuickCorners * length / kQuickCorners);
+  }
+  return few;
+}
+
 // The same views with a few of their corners.
 class Thinned {
  public:
   Thinned(const StartSearch::Views& views, const BoardShape& shape) {
     views_.reserve(views.size());
     for (const FitView* view : views) {
-      const PointSet& all = view->set;
-      PointSet few = all;
-      few.clear();
-      const std::size_t n = std::min(all.size(), kQuickCorners);
-      for (std::size_t i = 0; i < n; ++i) few.append(all, i * all.size() / n);
-      views_.emplace_back(std::move(few), shape);
+      views_.emplace_back(thinned(view->set), shape, last_of(views_));
       pointers_.push_back(&views_.back());
     }
   }
@@ -82,55 +96,55 @@ bool StartSearch::many_valleys(const Views& views) const {
 
 Candidate StartSearch::quick(const Views& views) {
   if (!freedom_.initial.empty() || many_valleys(views)) return {};
-  return freedom_.lens.perspective ? by_closed_form(views) : by_few_corners(views);
+  const std::size_t most = rich() ? kTrialViews : kQuickViews;
+  const Thinned sample(sample_of(views, most), shape_);
+  Candidate best =
+      freedom_.lens.perspective ? by_closed_form(sample.views()) : by_focal_lengths(sample.views());
+  if (!std::isfinite(best.scale)) return {};
+  const auto camera = least_squares_.camera(best.shared);
+  if (!camera) return {};
+  best.poses.assign(views.size(), std::nullopt);
+  for (std::size_t v = 0; v < views.size() && !least_squares_.cancelled(); ++v) {
+    best.poses[v] = start_pose(thinned(views[v]->set), *camera);
+  }
+  return best;
 }
 
-Candidate StartSearch::by_closed_form(const Views& views) {
-  Candidate best;
+Candidate StartSearch::by_closed_form(const Views& sample) {
   std::vector<Eigen::Matrix3d> homographies;
-  for (const FitView* view : views) {
-    if (least_squares_.cancelled()) return best;
+  for (const FitView* view : sample) {
     const auto h = view_homography(view->set, size_);
-    if (!h) return best;
+    if (!h) return {};
     homographies.push_back(*h);
   }
-  const auto poses = [&](const Candidate& c, std::size_t n) {
-    const Guess held = {c.shared[0], c.shared[1], c.shared[2], c.shared[3]};
-    Poses result;
-    for (std::size_t v = 0; v < n; ++v) {
-      result.push_back(pose_by_guess(homographies[v * views.size() / n], held, size_));
-    }
-    return result;
-  };
-  const Views sample = sample_of(views, kTrialViews);
+  Candidate best;
   for (const Guess& guess : closed_form_guesses(homographies, size_)) {
     Candidate c = with(guess, freedom_.lens.starts.front());
-    c.poses = poses(c, sample.size());
+    const Guess held = {c.shared[0], c.shared[1], c.shared[2], c.shared[3]};
+    for (const auto& h : homographies) c.poses.push_back(pose_by_guess(h, held, size_));
     c.scale = scale_of(c, sample);
     if (c.scale < best.scale) best = std::move(c);
   }
   if (!std::isfinite(best.scale)) return best;
   if (rich()) {
     improve(best, sample, Rein::kFree);
-    best.poses = least_squares_.poses_for(best.shared, views);
   } else {
-    best.poses = poses(best, views.size());
+    const Loss loss{Loss::Kind::kHuber, 2 * best.scale};
+    (void)least_squares_.minimise_over(sample, best.shared, best.poses, freedom_.basis, loss,
+                                       kRough);
+    best.scale = scale_of(best, sample);
   }
   return best;
 }
 
-Candidate StartSearch::by_few_corners(const Views& views) {
-  const Thinned sample(sample_of(views, kQuickViews), shape_);
+Candidate StartSearch::by_focal_lengths(const Views& sample) {
   std::vector<Candidate> candidates;
   const std::vector<Guess> grid = focal_grid(size_, false);
   for (std::size_t i = 1; i < grid.size(); i += 2) {
     candidates.push_back(with(grid[i], freedom_.lens.starts.front()));
   }
-  auto found = best_of(std::move(candidates), sample.views(), 1);
-  if (found.empty() || !std::isfinite(found.front().scale)) return {};
-  Candidate best = std::move(found.front());
-  best.poses = least_squares_.poses_for(best.shared, Thinned(views, shape_).views());
-  return best;
+  auto found = best_of(std::move(candidates), sample, 1);
+  return found.empty() ? Candidate() : std::move(found.front());
 }
 
 std::vector<Candidate> StartSearch::thorough(const Views& views) {

@@ -31,9 +31,9 @@ class StartSearch {
 
   // Shared unknowns and a pose for each view; the scale is infinite where nothing leads anywhere.
   //
-  // For many views: the closed form for a lens near enough to a pinhole, and for others a few
-  // corners of a few views at several focal lengths. Nearly always right, and ten to hundreds of
-  // times cheaper than what follows.
+  // For many views: from a few corners of a few of them, by the closed form for a lens near enough
+  // to a pinhole and at several focal lengths for others. Nearly always right, and ten to hundreds
+  // of times cheaper than what follows.
   [[nodiscard]] Candidate quick(const Views& views);
   // From all the starts there are, each tried on a few views: those that lead to different places
   // which may be right, the likeliest first.
@@ -52,8 +52,8 @@ class StartSearch {
   [[nodiscard]] Eigen::MatrixXd leading(int coefficients) const;
 
  private:
-  [[nodiscard]] Candidate by_closed_form(const Views& views);
-  [[nodiscard]] Candidate by_few_corners(const Views& views);
+  [[nodiscard]] Candidate by_closed_form(const Views& sample);
+  [[nodiscard]] Candidate by_focal_lengths(const Views& sample);
   [[nodiscard]] std::vector<Candidate> guesses(const Views& sample,
                                                const std::vector<double>& start) const;
   [[nodiscard]] Candidate with(const Guess& guess, const std::vector<double>& coefficients) const;

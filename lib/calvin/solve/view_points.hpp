@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,9 +14,6 @@
 #include "calvin/solve/points.hpp"
 
 namespace calvin {
-
-// Arrays end on a multiple of this, so that the widest vectors need no remainder.
-inline constexpr std::size_t kLanes = 8;
 
 // How the shape of a board may differ from the printed one: the point with id i moves by
 // coefficient[m] * displacement[i * modes + m], in m.
@@ -28,28 +26,36 @@ struct BoardShape {
 // beyond count() repeats the first corner and weighs nothing.
 class ViewPoints {
  public:
-  ViewPoints(const PointSet& view, const BoardShape& shape);
+  // What tells of the board alone is shared with another view that shows the same points of it.
+  ViewPoints(const PointSet& view, const BoardShape& shape, const ViewPoints* other = nullptr);
 
-  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] std::size_t count() const { return printed_->ids.size(); }
   [[nodiscard]] std::size_t padded() const { return padded_; }
   [[nodiscard]] std::size_t modes() const { return modes_; }
 
   // Component k (x y z, m, board frame) of the corners on the board as printed, and of mode m.
-  [[nodiscard]] const double* board(std::size_t k) const { return array(k); }
+  [[nodiscard]] const double* board(std::size_t k) const { return &printed_->arrays[k * padded_]; }
   [[nodiscard]] const double* mode(std::size_t m, std::size_t k) const {
-    return array(6 + 3 * m + k);
+    return board(3 + 3 * m + k);
   }
-  [[nodiscard]] const double* u() const { return array(3); }  // px
-  [[nodiscard]] const double* v() const { return array(4); }
-  [[nodiscard]] const double* weight() const { return array(5); }
+  [[nodiscard]] const double* u() const { return &seen_[0]; }  // px
+  [[nodiscard]] const double* v() const { return &seen_[padded_]; }
+  [[nodiscard]] const double* weight() const { return &seen_[2 * padded_]; }
 
  private:
-  [[nodiscard]] const double* array(std::size_t i) const { return &data_[i * padded_]; }
+  struct Printed {
+    std::vector<int> ids;
+    AlignedArray arrays;  // x y z, then those of every mode
 
-  std::size_t count_ = 0;
+    // Whether it is of these corners and their points.
+    [[nodiscard]] bool shows(const PointSet& view, std::size_t padded) const;
+  };
+  [[nodiscard]] Printed printed(const PointSet& view, const BoardShape& shape) const;
+
   std::size_t padded_ = 0;
   std::size_t modes_ = 0;
-  AlignedArray data_;
+  AlignedArray seen_;
+  std::shared_ptr<const Printed> printed_;
 };
 
 }  // namespace calvin
