@@ -135,7 +135,8 @@ struct Brown {
       const double dy = (j[0] * ey - j[2] * ex) / determinant;
       x -= dx;
       y -= dy;
-      arrived = std::abs(dx) + std::abs(dy) <= 1e-15 * (1 + std::abs(x) + std::abs(y)) ||
+      // The error that is left goes with the square of the step, and grows towards a fold.
+      arrived = dx * dx + dy * dy <= 1e-17 * std::min(determinant, 1.0) ||
                 std::abs(ex) + std::abs(ey) <= 1e-15 * (1 + target);
     }
     if (!arrived) {  // rounding may move the last digits for ever

@@ -30,13 +30,14 @@ std::size_t shared_size(const ArrowLayout& layout) { return layout.stride() * la
 ArrowEquations::ArrowEquations(const ArrowLayout& layout)
     : layout_(layout),
       blocks_(aligned_array(layout.blocks * (own_size(layout) + cross_size(layout)))),
-      shared_(aligned_array(shared_size(layout))) {
+      shared_(aligned_array(shared_size(layout))),
+      filled_(layout.blocks) {
   clear();
 }
 
 void ArrowEquations::clear() {
-  std::fill_n(blocks_.get(), layout_.blocks * (own_size(layout_) + cross_size(layout_)), 0.0);
   std::fill_n(shared_.get(), shared_size(layout_), 0.0);
+  std::fill(filled_.begin(), filled_.end(), false);
 }
 
 const double* ArrowEquations::own(std::size_t block) const {
@@ -60,6 +61,8 @@ void ArrowEquations::add(std::size_t block, const double* products, std::size_t 
   const auto n = static_cast<std::size_t>(layout_.block);
   double* own = &blocks_[block * (own_size(layout_) + cross_size(layout_))];
   double* cross = own + own_size(layout_);
+  if (!filled_[block]) std::fill_n(own, own_size(layout_) + cross_size(layout_), 0.0);
+  filled_[block] = true;
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j <= i; ++j) own[i * n + j] += products[i * stride + j];
   }

@@ -54,6 +54,7 @@ class ArrowEquations {
   ArrowLayout layout_;
   AlignedArray blocks_;
   AlignedArray shared_;
+  std::vector<bool> filled_;  // per block: since clear(); the others hold nothing
 };
 
 // Eliminates each small block by its Cholesky factor. What is left is a system over the shared

@@ -53,12 +53,12 @@ PointSet to_points(const std::vector<Eigen::Vector3d>& printed, const Observatio
   view.timestamp = observation.timestamp;
   view.ids = observation.ids;
   view.uv = observation.uv;
-  view.points.reserve(view.ids.size());
-  view.weight.reserve(view.ids.size());
-  for (std::size_t i = 0; i < observation.ids.size(); ++i) {
-    view.points.push_back(printed[static_cast<std::size_t>(observation.ids[i])]);
+  view.points.resize(view.ids.size());
+  view.weight.resize(view.ids.size());
+  for (std::size_t i = 0; i < view.ids.size(); ++i) {
+    view.points[i] = printed[static_cast<std::size_t>(view.ids[i])];
     const auto weight = weight_of(observation, i);
-    view.weight.push_back(weight.value_or(1));
+    view.weight[i] = weight.value_or(1);
     view.sigma_known = view.sigma_known && weight;
   }
   return view;

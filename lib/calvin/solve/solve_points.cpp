@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "calvin/solve/conclude.hpp"
 #include "calvin/solve/fit.hpp"
@@ -48,17 +49,18 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
        ++m) {
     freedom->priors.push_back({m, 0, bend});
   }
-  Fit fit = fit_camera(views, shape, image_size, *freedom, options, stop);
+  const Weights told = weights_of(views);
+  Fit fit = fit_camera(std::move(views), shape, image_size, *freedom, options, stop);
   constexpr int kRounds = 3;
   double before = 0;
   for (int i = 0; i < kRounds && fit.converged && scale.known; ++i) {
-    const double common = common_sigma(fit, views, scale, stop);
+    const double common = common_sigma(fit, told, scale, stop);
     if (std::abs(common - before) <= kSettled * common) break;
-    fit = fit_camera(with_common_sigma(views, scale, common), shape, image_size, *freedom, options,
-                     stop);
+    fit = fit_camera(with_common_sigma(std::move(fit.views), told, scale, common), shape,
+                     image_size, *freedom, options, stop);
     before = common;
   }
-  const double chi = fit.converged ? chi_of(fit, views, scale) : 1;
+  const double chi = fit.converged ? chi_of(fit, told, scale) : 1;
   return conclude({fit, *freedom, shape, scale, chi}, image_size, options, stop);
 }
 

@@ -21,11 +21,14 @@ struct Corner {
 };
 
 // All corners of the views used, those left out too.
-std::vector<Corner> corners_of(const Fit& fit, const std::vector<PointSet>& views, double sigma) {
+std::vector<Corner> corners_of(const Fit& fit, const Weights& told, double sigma) {
+  std::size_t count = 0;
+  for (const auto& view : told) count += view.size();
   std::vector<Corner> corners;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    for (std::size_t i = 0; fit.used[v] && i < views[v].size(); ++i) {
-      const double own = sigma / views[v].weight[i];
+  corners.reserve(count);
+  for (std::size_t v = 0; v < told.size(); ++v) {
+    for (std::size_t i = 0; fit.used[v] && i < told[v].size(); ++i) {
+      const double own = sigma / told[v][i];
       if (std::isfinite(fit.squares[v][i])) corners.push_back({fit.squares[v][i], own * own});
     }
   }
@@ -82,10 +85,17 @@ double degrees_of_freedom(const Fit& fit) {
   return degrees;
 }
 
-double common_sigma(const Fit& fit, const std::vector<PointSet>& views, const WeightScale& scale,
+Weights weights_of(std::span<const PointSet> views) {
+  Weights weights;
+  weights.reserve(views.size());
+  for (const PointSet& view : views) weights.push_back(view.weight);
+  return weights;
+}
+
+double common_sigma(const Fit& fit, const Weights& told, const WeightScale& scale,
                     const std::stop_token& stop) {
   constexpr double kNearlyEqual = 1.05;
-  const std::vector<Corner> corners = corners_of(fit, views, scale.sigma);
+  const std::vector<Corner> corners = corners_of(fit, told, scale.sigma);
   if (corners.empty()) return 0;
   const auto [least, most] =
       std::minmax_element(corners.begin(), corners.end(),
@@ -94,20 +104,21 @@ double common_sigma(const Fit& fit, const std::vector<PointSet>& views, const We
   return std::sqrt(common_variance(corners, stop));
 }
 
-std::vector<PointSet> with_common_sigma(std::vector<PointSet> views, const WeightScale& scale,
-                                        double common) {
-  for (PointSet& view : views) {
-    for (double& w : view.weight) w = scale.sigma / std::hypot(scale.sigma / w, common);
+std::vector<PointSet> with_common_sigma(std::vector<PointSet> views, const Weights& told,
+                                        const WeightScale& scale, double common) {
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    std::transform(told[v].begin(), told[v].end(), views[v].weight.begin(),
+                   [&](double w) { return scale.sigma / std::hypot(scale.sigma / w, common); });
   }
   return views;
 }
 
-double chi_of(const Fit& fit, const std::vector<PointSet>& views, const WeightScale& scale) {
+double chi_of(const Fit& fit, const Weights& told, const WeightScale& scale) {
   double sum = 0;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    for (std::size_t i = 0; fit.used[v] && i < views[v].size(); ++i) {
-      const double told = views[v].weight[i] / scale.sigma;
-      if (fit.views[v].weight[i] > 0) sum += fit.squares[v][i] * told * told;
+  for (std::size_t v = 0; v < told.size(); ++v) {
+    for (std::size_t i = 0; fit.used[v] && i < told[v].size(); ++i) {
+      const double w = told[v][i] / scale.sigma;
+      if (fit.views[v].weight[i] > 0) sum += fit.squares[v][i] * w * w;
     }
   }
   return std::sqrt(sum / degrees_of_freedom(fit));

@@ -23,21 +23,25 @@ struct WeightScale {
 // Makes the median weight 1.
 WeightScale normalise_weights(std::span<PointSet> views);
 
+// Those that a fit began with, per view: it may leave corners out.
+using Weights = std::vector<std::vector<double>>;
+[[nodiscard]] Weights weights_of(std::span<const PointSet> views);
+
 // Residuals less what was fitted to them.
 [[nodiscard]] double degrees_of_freedom(const Fit& fit);
 
 // sigma^2 = sigma_i^2 + sigma_0^2: where corners are worse than their sigmas say, sigma_0 (px) is
 // what all of them have in common. By the median of the corners, so that outliers have no say.
-// `views` are those that the fit began with, before weights were changed. 0 where it would change
-// nothing: all sigmas nearly equal, or large enough. Means nothing where `stop` was requested.
-[[nodiscard]] double common_sigma(const Fit& fit, const std::vector<PointSet>& views,
-                                  const WeightScale& scale, const std::stop_token& stop);
+// `told` are the weights before any were changed. 0 where it would change nothing: all sigmas
+// nearly equal, or large enough. Means nothing where `stop` was requested.
+[[nodiscard]] double common_sigma(const Fit& fit, const Weights& told, const WeightScale& scale,
+                                  const std::stop_token& stop);
 [[nodiscard]] std::vector<PointSet> with_common_sigma(std::vector<PointSet> views,
-                                                      const WeightScale& scale, double common);
+                                                      const Weights& told, const WeightScale& scale,
+                                                      double common);
 
-// The square root of chi^2 per degree of freedom, against the sigmas of `views`, over the corners
-// that the fit used.
-[[nodiscard]] double chi_of(const Fit& fit, const std::vector<PointSet>& views,
-                            const WeightScale& scale);
+// The square root of chi^2 per degree of freedom, against the sigmas that were told, over the
+// corners that the fit used.
+[[nodiscard]] double chi_of(const Fit& fit, const Weights& told, const WeightScale& scale);
 
 }  // namespace calvin
