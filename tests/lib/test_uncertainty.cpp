@@ -161,22 +161,26 @@ class MonteCarlo : public ::testing::TestWithParam<Trials> {
 
   void run(const Camera& truth, int count) {
     Random random(17);
-    const auto poses = scenes::random_poses(truth, scenes::kBoard, random, GetParam().views);
+    const auto poses = telling_poses(truth, random);
     look_at(truth);
     const auto n = static_cast<Eigen::Index>(truth.parameters().size());
     squares_ = sigmas_ = inside_ = Eigen::VectorXd::Zero(n);
     covariance_ = Eigen::MatrixXd::Zero(n, n);
     spread_.assign(rays_.size(), Eigen::Matrix2d::Zero());
+    for (int i = 0; i < count; ++i) {
+      const auto views = scenes::observe_all(truth, scenes::kBoard, poses, 0.1, random);
+      const auto solution = solve(views, kSize, options());
+      ASSERT_TRUE(solution.has_value()) << i << ": " << solution.error().message;
+      add(truth, solution->calibration, 1.0 / count);
+    }
+  }
+
+  [[nodiscard]] static SolveOptions options() {
     SolveOptions options;
     options.model = GetParam().model;
     options.warp = false;
     options.checks = false;
-    for (int i = 0; i < count; ++i) {
-      const auto views = scenes::observe_all(truth, scenes::kBoard, poses, 0.1, random);
-      const auto solution = solve(views, kSize, options);
-      ASSERT_TRUE(solution.has_value()) << i << ": " << solution.error().message;
-      add(truth, solution->calibration, 1.0 / count);
-    }
+    return options;
   }
 
   // The truth with the covariance that is promised on average.
@@ -209,6 +213,21 @@ class MonteCarlo : public ::testing::TestWithParam<Trials> {
   }
 
  private:
+  // Views that tell something of every pixel: where none has a corner near, a lens may fold back
+  // within its sigma, and then there is no distance to compare.
+  [[nodiscard]] static std::vector<SE3> telling_poses(const Camera& truth, Random& random) {
+    constexpr double kTold = 3;  // px
+    for (;;) {
+      auto poses = scenes::random_poses(truth, scenes::kBoard, random, GetParam().views);
+      Random other = random;
+      const auto views = scenes::observe_all(truth, scenes::kBoard, poses, 0.1, other);
+      const auto solution = solve(views, kSize, options());
+      if (!solution) continue;
+      const auto expected = expected_error(solution->calibration);
+      if (expected && *expected < kTold) return poses;
+    }
+  }
+
   void look_at(const Camera& truth) {
     for (const Pixel& pixel : grid()) {
       if (const auto ray = truth.unproject(pixel)) {
@@ -241,8 +260,8 @@ class MonteCarlo : public ::testing::TestWithParam<Trials> {
 };
 INSTANTIATE_TEST_SUITE_P(Covariance, MonteCarlo,
                          ::testing::Values(Trials{"brown5", 5}, Trials{"brown5", 10},
-                                           Trials{"brown5", 25}, Trials{"fisheye", 10},
-                                           Trials{"fisheye", 25}),
+                                           Trials{"brown5", 25}, Trials{"fisheye", 5},
+                                           Trials{"fisheye", 10}, Trials{"fisheye", 25}),
                          [](const auto& test) {
                            return std::string(test.param.model) + std::to_string(test.param.views);
                          });
