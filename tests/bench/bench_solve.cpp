@@ -19,6 +19,7 @@
 #include "calvin/solve/solve.hpp"
 #include "plain_options.hpp"
 #include "ratio_reporter.hpp"
+#include "solve_cancel.hpp"
 #include "solve_ceres.hpp"
 #include "solve_mrcal.hpp"
 #include "solve_opencv.hpp"
@@ -156,6 +157,11 @@ int main(int argc, char** argv) {
   bench::Reporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
   bench::print_agreement(cases);
+  fmt::print("\n");
+  for (const bench::Case& c : cases) {
+    fmt::print("{}: ends at most {:.1f} ms after it is told to stop\n", c.name,
+               bench::longest_stop(c.problem));
+  }
   fmt::print("\nOpenCV {}, Ceres {}, {}\n", CV_VERSION, CERES_VERSION_STRING,
              bench::Mrcal::library());
   return 0;

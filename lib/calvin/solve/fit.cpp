@@ -91,7 +91,10 @@ class Course {
     if (std::isfinite(quick.scale)) follow(std::move(quick));
     lambda_ = kFarLambda;
     if (!good(end_) && !least_squares_.cancelled()) explore();
-    return finish();
+    if (!least_squares_.cancelled()) return finish();
+    Fit fit;
+    fit.cancelled = true;
+    return fit;
   }
 
  private:
@@ -156,7 +159,7 @@ class Course {
     end_.shared = std::move(start.shared);
     end_.poses = std::move(start.poses);
     plain_fit(options_.reject_outliers ? robust_fit() : everything());
-    measure();
+    if (!least_squares_.cancelled()) measure();
   }
 
   void measure() {
@@ -200,7 +203,9 @@ class Course {
 
   // Huber's loss keeps its pull bounded whatever the start; Cauchy's then lets go of the gross.
   std::vector<ViewMask> robust_fit() {
+    if (least_squares_.cancelled()) return {};
     robust_step(Loss::Kind::kHuber, 1e-5);
+    if (least_squares_.cancelled()) return {};
     std::vector<ViewMask> masks = judge();
     if (!any_outlier(masks)) return masks;
     robust_step(Loss::Kind::kHuber, 1e-8);
@@ -312,7 +317,6 @@ class Course {
   Fit finish() {
     Fit fit;
     fit.iterations = least_squares_.iterations();
-    fit.cancelled = least_squares_.cancelled();
     end_.used.resize(views_.size(), false);
     for (std::size_t v = 0; v < views_.size(); ++v) {
       fit.camera_from_board.push_back(end_.used[v] ? *end_.poses[v] : SE3{});

@@ -46,6 +46,7 @@ std::optional<CameraProblem> LeastSquares::minimise_over(
     return CameraProblem(std::move(active), unknowns, std::move(from), loss, stop_);
   };
   auto problem = make_problem();
+  if (cancelled()) return std::nullopt;
   if (problem && !problem->valid()) {
     for (const std::size_t v : index) {
       if (!fill(*views[v], shared, *poses[v]).valid) poses[v].reset();
