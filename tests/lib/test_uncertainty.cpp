@@ -64,17 +64,18 @@ Eigen::MatrixXd turning_back(const Camera& camera, const std::vector<Eigen::Vect
   return (j.transpose() * j).ldlt().solve(j.transpose());
 }
 
-// Where a picture ends inside the image or near its border, which pixels count is a matter of luck.
+// Where a picture ends inside the image or near its border, which pixels count is a matter of luck;
+// and so it is where the image reaches far beyond what any board shows, which no lens has.
 Camera camera_of_a_whole_picture(std::string_view model, Random& random) {
   for (;;) {
     Camera camera = scenes::random_camera(model, random);
     const std::vector<Pixel> pixels = grid();
     const auto beyond = [&camera](const Pixel& p) {
       constexpr double kMargin = 1.1;
-      return camera
-          .unproject({camera.cx() + kMargin * (p.u - camera.cx()),
-                      camera.cy() + kMargin * (p.v - camera.cy())})
-          .has_value();
+      constexpr double kFarthest = 1.9;  // rad, from the axis
+      const auto ray = camera.unproject({camera.cx() + kMargin * (p.u - camera.cx()),
+                                         camera.cy() + kMargin * (p.v - camera.cy())});
+      return ray && ray->z() > std::cos(kFarthest);
     };
     if (std::all_of(pixels.begin(), pixels.end(), beyond)) {
       return camera;
