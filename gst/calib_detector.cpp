@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "calvin/detect/patches.hpp"
 #include "frame_check.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
@@ -193,6 +194,7 @@ std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_toke
     detection.observation.board = board.text();
     detection.observation.timestamp = job.times.timestamp;
     detection.observation.image_size = image.size();
+    detection.observation.patches = cut_patches(image, detection.observation, board);
     if (!stop.stop_requested()) {
       const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
       worker_.deliver(stop, [&] { report(job, detection, board, static_cast<guint64>(us)); });

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/session/second_look.hpp"
 #include "calvin/target/board.hpp"
 #include "solve_messages.hpp"
 
@@ -24,6 +25,7 @@ struct CalibSolver::Job {
   std::vector<View> views;
   ImageSize size;
   SolveOptions options;
+  int runs = 1;
   std::vector<CalibrationFile> files;
   std::string location;
   FrameTimes times;
@@ -142,7 +144,9 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times)
     camera_ = observation.camera;
     camera = camera_name();
     times_ = times;
-    reason = session_.offer({observation, *board});
+    View view = {observation, *board};
+    if (plan_.settings.runs < 2) view.observation.patches.reset();
+    reason = session_.offer(view);
     now = make_guidance(session_.progress(), calibration_);
     if (reason == Reason::kAccepted) consider();
     // A rejection is news only when its reason is.
@@ -226,13 +230,14 @@ void CalibSolver::request(bool final) {
   final_owed_ |= final;
   job->final = final_owed_;
   job->options = plan_.options;
+  if (job->final) job->runs = plan_.settings.runs;
   job->options.camera = camera_name();
   job->options.initial = initial_;
   worker_.offer([this, job](const std::stop_token& stop) { run(*job, stop); });
 }
 
 void CalibSolver::run(const Job& job, const std::stop_token& stop) {
-  auto solution = solve(job.views, job.size, job.options, stop);
+  auto solution = solve_in_runs(job.views, job.size, job.options, job.runs, stop);
   if (stop.stop_requested()) return;
   if (!solution) {
     GST_INFO_OBJECT(element_, "no solution from %" G_GSIZE_FORMAT " views: %s", job.views.size(),

@@ -76,6 +76,7 @@ enum {
   PROP_MIN_VIEWS,
   PROP_MAX_VIEWS,
   PROP_TARGET_ERROR,
+  PROP_RUNS,
   PROP_CALIBRATION,
   PROP_STATS,
 };
@@ -134,6 +135,9 @@ static void gst_calib_solve_set_property(GObject* object, guint id, const GValue
       case PROP_TARGET_ERROR:
         settings.target_error = g_value_get_double(value);
         break;
+      case PROP_RUNS:
+        settings.runs = g_value_get_int(value);
+        break;
       default:
         G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
     }
@@ -180,6 +184,9 @@ static void gst_calib_solve_get_property(GObject* object, guint id, GValue* valu
       break;
     case PROP_TARGET_ERROR:
       g_value_set_double(value, settings.target_error);
+      break;
+    case PROP_RUNS:
+      g_value_set_int(value, settings.runs);
       break;
     case PROP_CALIBRATION:
       gst::set_string(value, solver.calibration_json());
@@ -380,6 +387,13 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
                           "Expected error in px (1 sigma, anywhere in the picture) at which "
                           "nothing more is captured and the final result is posted (0 = never)",
                           0, 100, 0, gst::kMutablePlaying));
+  g_object_class_install_property(
+      object_class, PROP_RUNS,
+      g_param_spec_int("runs", "Runs",
+                       "Solves that make a final result: before each after the first one the "
+                       "corners are looked at again, as lens and pose let them be seen (set before "
+                       "views are taken)",
+                       1, 100, 1, gst::kMutablePlaying));
   text(PROP_CALIBRATION, "calibration", "Calibration",
        "The newest calibration as native JSON (unset before the first solve)", nullptr,
        gst::kReadOnly);

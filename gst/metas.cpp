@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <gst/video/video.h>
 
+#include "patch_values.hpp"
 #include "values.hpp"
 
 namespace calvin::gst {
@@ -33,6 +34,7 @@ void scale_points(GstStructure* structure, const char* list, double sx, double s
     if (gst_structure_get_double(copy, "blur", &blur) != FALSE) {
       gst_structure_set(copy, "blur", G_TYPE_DOUBLE, blur * (sx + sy) / 2, nullptr);
     }
+    remove_patches(copy);
     scaled.push_back(copy);
   }
   take_structures(structure, list, scaled);
@@ -96,6 +98,7 @@ GstStructure* observation_to_structure(const Observation& o) {
   set_doubles(s, "sigma", o.sigma);
   set_strings(s, "ambiguous", o.ambiguous);
   if (o.blur > 0) gst_structure_set(s, "blur", G_TYPE_DOUBLE, o.blur, nullptr);
+  set_patches(s, o.patches);
   return s;
 }
 
@@ -153,6 +156,7 @@ std::vector<Observation> observations_from_structure(const GstStructure* structu
     o.sigma = get_doubles(s, "sigma");
     o.ambiguous = get_strings(s, "ambiguous");
     gst_structure_get_double(s, "blur", &o.blur);
+    o.patches = get_patches(s, o.ids.size());
     const std::size_t numbers = get_doubles(s, "uv").size();
     if (numbers != 2 * o.ids.size() || o.sigma.size() != o.ids.size()) {
       refuse(

@@ -59,7 +59,7 @@ Result<SolverPlan> make_plan(const SolverSettings& settings) {
 
 bool solves_differently(const SolverSettings& a, const SolverSettings& b) {
   return a.model != b.model || a.fix != b.fix || a.initial != b.initial || a.warp != b.warp ||
-         a.skew != b.skew;
+         a.skew != b.skew || a.runs != b.runs;
 }
 
 bool writes_elsewhere(const SolverSettings& a, const SolverSettings& b) {

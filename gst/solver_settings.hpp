@@ -29,6 +29,7 @@ struct SolverSettings {
   int min_views = 3;
   int max_views = 0;        // 0: no limit
   double target_error = 0;  // px of expected error; 0: none
+  int runs = 1;             // of a final solve
 };
 
 struct SolverPlan {

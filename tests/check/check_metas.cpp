@@ -22,6 +22,8 @@ static Observation example() {
   o.uv = {{10, 20}, {30.5, 40.25}};
   o.sigma = {0.1, 0.2};
   o.ambiguous = {"rotate180"};
+  o.patches = std::make_shared<CornerPatches>(
+      CornerPatches{3, {{9, 19}, {29, 39}}, std::make_shared<std::uint8_t[]>(18, std::uint8_t{7})});
   return o;
 }
 
@@ -40,6 +42,10 @@ GST_START_TEST(test_observation_round_trip) {
   fail_unless_equals_float(all[0].sigma[1], 0.2);
   fail_unless_equals_string(all[0].ambiguous.at(0).c_str(), "rotate180");
   fail_unless(all[0].found() && !all[1].found());
+  fail_unless(all[0].patches && !all[1].patches);
+  fail_unless_equals_int(all[0].patches->side, 3);
+  fail_unless_equals_int(all[0].patches->origin[1][1], 39);
+  fail_unless_equals_int(all[0].patches->pixels[17], 7);
 }
 GST_END_TEST;
 
@@ -73,6 +79,8 @@ GST_START_TEST(test_scaling_scales_the_corners) {
   fail_unless_equals_int(all[0].image_size.height, 480);
   fail_unless_equals_float(all[0].uv[0].u, 0.5 * 10.5 - 0.5);
   fail_unless_equals_float(all[0].uv[0].v, 2 * 20.5 - 0.5);
+  // They are of the picture as it was.
+  fail_unless(all[0].patches == nullptr);
 }
 GST_END_TEST;
 

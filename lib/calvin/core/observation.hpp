@@ -4,8 +4,10 @@
 // Observation: what was seen of one board in one frame.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,15 @@
 namespace calvin {
 
 inline constexpr std::uint64_t kNoTimestamp = std::numeric_limits<std::uint64_t>::max();
+
+// What an image shows around each corner of an observation, so that they can be looked at again
+// when the image is gone.
+struct CornerPatches {
+  int side = 0;                            // px
+  std::vector<std::array<int, 2>> origin;  // the first pixel of each patch, in the image
+  // side x side grey levels of each patch, row by row, one patch after the other.
+  std::shared_ptr<const std::uint8_t[]> pixels;
+};
 
 // The control points of one board that were found in one frame. Structure of arrays: ids, uv and
 // sigma have the same length. A board that was not found has none.
@@ -31,6 +42,8 @@ struct Observation {
   std::vector<std::string> ambiguous;
 
   double blur = 0;  // px, 1 sigma of the board's edges in this frame; 0: not known
+
+  std::shared_ptr<const CornerPatches> patches;  // absent where nobody kept them
 
   [[nodiscard]] bool found() const noexcept { return !ids.empty(); }
 };

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/detect/patches.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace calvin {
+
+namespace {
+
+// The median distance of corners that are neighbours in a row, px; 0 where there are none.
+double spacing_of(const Observation& seen, const Board& board) {
+  std::vector<double> distances;
+  for (std::size_t i = 1; i < seen.ids.size(); ++i) {
+    if (seen.ids[i] != seen.ids[i - 1] + 1 || seen.ids[i] % board.cols == 0) continue;
+    distances.push_back(
+        std::hypot(seen.uv[i].u - seen.uv[i - 1].u, seen.uv[i].v - seen.uv[i - 1].v));
+  }
+  if (distances.empty()) return 0;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::shared_ptr<const CornerPatches> cut_patches(const ImageView& image, const Observation& seen,
+                                                 const Board& board) {
+  constexpr double kRoom = 4;  // px: the corner moves, and the window has a rim
+  const double radius =
+      std::clamp(kWindowShare * spacing_of(seen, board), kLeastWindow, kLargestWindow);
+  auto patches = std::make_shared<CornerPatches>();
+  patches->side = 2 * static_cast<int>(std::ceil(radius + kRoom)) + 1;
+  if (!seen.found() || image.width < patches->side || image.height < patches->side) return nullptr;
+  const auto side = static_cast<std::size_t>(patches->side);
+  const auto pixels = std::make_shared<std::uint8_t[]>(seen.uv.size() * side * side);
+  std::uint8_t* to = pixels.get();
+  for (const Pixel& p : seen.uv) {
+    const int x = std::clamp(static_cast<int>(std::lround(p.u)) - patches->side / 2, 0,
+                             image.width - patches->side);
+    const int y = std::clamp(static_cast<int>(std::lround(p.v)) - patches->side / 2, 0,
+                             image.height - patches->side);
+    patches->origin.push_back({x, y});
+    for (int row = y; row < y + patches->side; ++row) {
+      if (image.step == 1) {
+        to = std::copy_n(image.data + row * image.stride + x, patches->side, to);
+        continue;
+      }
+      for (int column = x; column < x + patches->side; ++column) *to++ = image.at(column, row);
+    }
+  }
+  patches->pixels = pixels;
+  return patches;
+}
+
+ImageView patch_view(const CornerPatches& patches, std::size_t corner) {
+  const auto side = static_cast<std::size_t>(patches.side);
+  return {patches.pixels.get() + corner * side * side, patches.side, patches.side, patches.side, 1};
+}
+
+}  // namespace calvin
