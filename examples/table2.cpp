@@ -14,6 +14,8 @@
 
 #include <fmt/format.h>
 
+#include "calvin/session/second_look.hpp"
+#include "table2_pictures.hpp"
 #include "table2_sets.hpp"
 #include "table2_statistics.hpp"
 #ifdef TABLE2_OPENCV
@@ -30,11 +32,14 @@ constexpr std::string_view kUsage =
     R"(Usage: table2 [OPTIONS] [FILE...]
 Calibrates from many sets of views and prints mean and standard deviation of each parameter. Without
 files: simulated views as in the paper. With files: observations (JSON lines, or corners.vnl).
+`--pictures --runs 5` is the paper's comparison of 1 run and 5 runs.
 
   --sets N       how many sets (default 1000, 10 with files)
   --views N      views of a set (default 25)
   --model NAME   the camera model (default brown4)
   --seed N       of the random numbers (default 1)
+  --pictures     detect the simulated views in rendered pictures (then 10 sets by default)
+  --runs N       beside one solve, N of them with the corners looked at again between
   --board TEXT   the board of corners.vnl, for example checkerboard:9x6:25mm
   --size WxH     the size of its pictures
   --no-opencv    leave OpenCV out
@@ -45,6 +50,8 @@ struct Arguments {
   int sets = 0;
   int views = 25;
   int seed = 1;
+  int runs = 1;
+  bool pictures = false;
   std::string model = "brown4";
   std::string board;
   calvin::ImageSize size;
@@ -60,6 +67,8 @@ std::string take(std::string_view option, std::string_view value, Arguments& arg
   if (option == "--sets") arguments.sets = number;
   if (option == "--views") arguments.views = number;
   if (option == "--seed") arguments.seed = number;
+  if (option == "--runs" && number < 1) return "--runs needs a number from 1.";
+  if (option == "--runs") arguments.runs = number;
   if (option == "--model") arguments.model = value;
   if (option == "--board") arguments.board = value;
   if (option == "--size") {
@@ -73,12 +82,14 @@ std::string take(std::string_view option, std::string_view value, Arguments& arg
 }
 
 std::string parse(std::span<char* const> words, Arguments& arguments) {
-  constexpr std::string_view kValued[] = {"--sets",  "--views", "--seed",
+  constexpr std::string_view kValued[] = {"--sets",  "--views", "--seed", "--runs",
                                           "--model", "--board", "--size"};
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
     if (word == "--no-opencv") {
       arguments.opencv = false;
+    } else if (word == "--pictures") {
+      arguments.pictures = true;
     } else if (std::find(std::begin(kValued), std::end(kValued), word) != std::end(kValued)) {
       if (i + 1 == words.size()) return fmt::format("{} needs a value.", word);
       if (std::string why = take(word, words[++i], arguments); !why.empty()) return why;
@@ -88,7 +99,10 @@ std::string parse(std::span<char* const> words, Arguments& arguments) {
       arguments.files.emplace_back(word);
     }
   }
-  if (arguments.sets == 0) arguments.sets = arguments.files.empty() ? 1000 : kPaperSets;
+  const bool corners = arguments.files.empty() && !arguments.pictures;
+  if (arguments.sets == 0) arguments.sets = corners ? 1000 : kPaperSets;
+  if (arguments.pictures && !arguments.files.empty()) return "--pictures goes without files.";
+  if (arguments.runs > 1 && !arguments.pictures) return "--runs needs --pictures to look at.";
   return "";
 }
 
@@ -97,6 +111,7 @@ struct Results {
   std::vector<std::string> names;
   std::vector<calvin::Calibration> calibrations;
   Table ours;
+  Table again;   // of all runs; no rows where there is one
   Table opencv;  // no rows where it is left out
 };
 
@@ -118,7 +133,8 @@ Eigen::VectorXd values_of(const calvin::Calibration& c) {
 
 // The least squares over all corners, of ours and OpenCV alike.
 calvin::Status add(const std::vector<calvin::View>& set, const Arguments& arguments,
-                   std::vector<Eigen::VectorXd>& opencv, Results& results) {
+                   std::vector<Eigen::VectorXd>& again, std::vector<Eigen::VectorXd>& opencv,
+                   Results& results) {
   calvin::SolveOptions options;
   options.model = arguments.model;
   options.reject_outliers = false;
@@ -131,6 +147,11 @@ calvin::Status add(const std::vector<calvin::View>& set, const Arguments& argume
   auto solution = calvin::solve(set, size, options);
   if (!solution) return tl::unexpected(solution.error());
   results.calibrations.push_back(std::move(solution->calibration));
+  if (arguments.runs > 1) {
+    const auto last = calvin::solve_in_runs(set, size, options, arguments.runs);
+    if (!last) return tl::unexpected(last.error());
+    again.push_back(values_of(last->calibration));
+  }
 #ifdef TABLE2_OPENCV
   if (arguments.opencv && (arguments.model == "brown4" || arguments.model == "brown5")) {
     opencv.push_back(table2::opencv_parameters(set, size, arguments.model == "brown5"));
@@ -157,13 +178,15 @@ double predicted(const Results& results, std::size_t parameter) {
   return std::sqrt(variance / static_cast<double>(results.calibrations.size()));
 }
 
-void print_rows(const Results& results, bool simulated) {
+void print_rows(const Results& results, bool simulated, int runs) {
   const bool opencv = results.opencv.rows() > 1;
+  const bool again = results.again.rows() > 1;
   const Eigen::VectorXd mean = table2::means(results.ours);
   const Eigen::VectorXd spread = table2::spreads(results.ours);
   fmt::print("{:<5}", "");
   if (simulated) fmt::print(" {:>22}", "paper: mean spread");
   fmt::print(" {:>48}", "ours: mean spread predicted ratio");
+  if (again) fmt::print(" {:>24}", fmt::format("{} runs: mean spread", runs));
   if (opencv) fmt::print(" {:>24}", "OpenCV: mean spread");
   fmt::print("\n");
   for (std::size_t i = 0; i < results.names.size(); ++i) {
@@ -176,6 +199,10 @@ void print_rows(const Results& results, bool simulated) {
     const double expected = predicted(results, i);
     fmt::print(" {:>14} {:>12} {:>12} {:>7}", number(mean[k]), number(spread[k]), number(expected),
                expected > 0 ? fmt::format("{:.4f}", spread[k] / expected) : "-");
+    if (again) {
+      fmt::print(" {:>12} {:>11}", number(table2::means(results.again)[k]),
+                 number(table2::spreads(results.again)[k]));
+    }
     if (opencv) {
       fmt::print(" {:>12} {:>11}", number(table2::means(results.opencv)[k]),
                  number(table2::spreads(results.opencv)[k]));
@@ -191,7 +218,7 @@ void print_joint(const Results& results, const Arguments& arguments) {
   }
   fmt::print("joint spread over predicted: {:.4f}\n",
              std::sqrt(square / static_cast<double>(results.calibrations.size() - 1)));
-  if (!arguments.files.empty() || arguments.model != "brown4" ||
+  if (!arguments.files.empty() || arguments.pictures || arguments.model != "brown4" ||
       results.ours.rows() < 5 * kPaperSets) {
     return;
   }
@@ -224,12 +251,16 @@ int run(const Arguments& arguments) {
     sets = table2::cut(std::move(views), arguments.sets, arguments.views, random);
   }
   Results results;
+  std::vector<Eigen::VectorXd> again;
   std::vector<Eigen::VectorXd> opencv;
+  const auto simulated = [&] {
+    return arguments.pictures ? table2::photograph(arguments.views, random)
+                              : table2::simulate(arguments.views, random);
+  };
   for (int i = 0; i < arguments.sets; ++i) {
     if (!arguments.files.empty() && static_cast<std::size_t>(i) >= sets.size()) break;
-    const auto set = arguments.files.empty() ? table2::simulate(arguments.views, random)
-                                             : sets[static_cast<std::size_t>(i)];
-    report(i, add(set, arguments, opencv, results));
+    const auto set = arguments.files.empty() ? simulated() : sets[static_cast<std::size_t>(i)];
+    report(i, add(set, arguments, again, opencv, results));
   }
   if (results.calibrations.size() < 2) {
     fmt::print(stderr,
@@ -242,9 +273,10 @@ int run(const Arguments& arguments) {
   for (const calvin::Calibration& c : results.calibrations) rows.push_back(values_of(c));
   for (const auto& p : results.calibrations.front().parameters) results.names.push_back(p.name);
   results.ours = stack(rows);
+  results.again = stack(again);
   results.opencv = stack(opencv);
   fmt::print("{}, {} sets of {} views\n", arguments.model, rows.size(), arguments.views);
-  print_rows(results, arguments.files.empty() && arguments.model == "brown4");
+  print_rows(results, arguments.files.empty() && arguments.model == "brown4", arguments.runs);
   print_joint(results, arguments);
   return 0;
 }

@@ -77,9 +77,11 @@ inline calvin::SE3 random_pose(const calvin::Camera& camera, const calvin::Board
   }
 }
 
+inline calvin::Board paper_board() { return {calvin::BoardKind::kCheckerboard, 9, 6, 0.03125}; }
+
 inline std::vector<calvin::View> simulate(int views, Random& random) {
   static const calvin::Camera kCamera = paper_camera();
-  const calvin::Board board = {calvin::BoardKind::kCheckerboard, 9, 6, 0.03125};
+  const calvin::Board board = paper_board();
   const auto points = board.points();
   std::normal_distribution<double> noise(0, kSigma);
   std::vector<calvin::View> set;

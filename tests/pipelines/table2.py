@@ -67,6 +67,19 @@ if full:
     for name, row in check_simulation(20000, False).items():
         check(abs(row[5] - 1) < 0.02, f"{name}: spread / predicted is {row[5]} over 20000 sets")
 
+# Pictures: what one solve and several with another look at the corners between them make of them.
+again = table(run("--pictures", "--runs", "5", "--sets", "10" if full else "4", "--views", "15",
+                  "--no-opencv"))
+check(list(again) == list(TRUTH), f"the rows of pictures are {list(again)}")
+for name, row in again.items():
+    spread, predicted = row[3:5]
+    check(len(row) == 8, f"{name}: {len(row)} numbers")
+    check(spread < 3 * predicted and row[7] < 3 * predicted, f"{name}: {row[3:]}")
+    for mean in (row[2], row[6]):
+        # Corners in pictures have a bias that corners with noise alone have not.
+        check(abs(mean - TRUTH[name]) < 4 * predicted, f"{name}: mean {mean} of pictures")
+check("--pictures" in run("--runs", "5", status=2), "runs without pictures")
+
 # Files: the same views in both formats give the same table.
 with tempfile.TemporaryDirectory() as folder:
     lines = ['{"format":"calvin-observations","version":1,"board":"checkerboard:9x6:25mm"}']
