@@ -75,6 +75,19 @@ std::optional<MappedFrame> MappedFrame::map(const GstVideoInfo& info, GstBuffer*
   return mapped;
 }
 
+std::shared_ptr<GrayImage> SparePicture::take(const std::shared_ptr<SparePicture>& spare) {
+  std::unique_ptr<GrayImage> image;
+  {
+    const std::lock_guard guard(spare->lock_);
+    image = std::move(spare->image_);
+  }
+  if (!image) image = std::make_unique<GrayImage>();
+  return {image.release(), [spare](GrayImage* used) {
+            const std::lock_guard guard(spare->lock_);
+            spare->image_.reset(used);
+          }};
+}
+
 Result<std::shared_ptr<LumaReader>> LumaReader::make(const GstVideoInfo& info) {
   auto reader = std::make_shared<LumaReader>();
   reader->info_ = info;
@@ -105,15 +118,15 @@ Status LumaReader::set_format() {
 }
 
 Picture LumaReader::borrow(GstBuffer* buffer) const {
-  return {std::nullopt, MappedFrame::map(info_, buffer)};
+  return {nullptr, MappedFrame::map(info_, buffer)};
 }
 
 Picture LumaReader::copy(GstBuffer* buffer) const {
   const auto mapped = MappedFrame::map(info_, buffer);
   if (!mapped) return {};
   if (!converter_) {
-    GrayImage gray;
-    take_gray(**mapped, gray);
+    auto gray = SparePicture::take(spare_);
+    take_gray(**mapped, *gray);
     return {std::move(gray), std::nullopt};
   }
   const std::unique_ptr<GstBuffer, Unref> own(
@@ -122,7 +135,7 @@ Picture LumaReader::copy(GstBuffer* buffer) const {
   if (!own || !gst_video_frame_map(&to, &info_, own.get(), GST_MAP_WRITE)) return {};
   gst_video_frame_copy(&to, &**mapped);
   gst_video_frame_unmap(&to);
-  return {std::nullopt, MappedFrame::map(info_, own.get())};
+  return {nullptr, MappedFrame::map(info_, own.get())};
 }
 
 ImageView LumaReader::view(const Picture& picture) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include <gst/video/video.h>
@@ -35,8 +36,20 @@ class MappedFrame {
 // A frame to look at later, on any thread: its luma alone, or all of it where the luma has to be
 // computed.
 struct Picture {
-  std::optional<GrayImage> gray;
+  std::shared_ptr<GrayImage> gray;
   std::optional<MappedFrame> frame;
+};
+
+// Keeps the memory of one picture that nobody looks at any more for the next: to get megabytes from
+// the system takes longer than to fill them.
+class SparePicture {
+ public:
+  // Goes back to `spare` when the last reference to it goes.
+  [[nodiscard]] static std::shared_ptr<GrayImage> take(const std::shared_ptr<SparePicture>& spare);
+
+ private:
+  std::mutex lock_;
+  std::unique_ptr<GrayImage> image_;
 };
 
 // Gives a grey view of the frames of one format: in place where the format has a luma whose 8
@@ -72,6 +85,7 @@ class LumaReader {
   std::unique_ptr<GstVideoConverter, FreeConverter> converter_;  // null: not needed
   std::unique_ptr<GstBuffer, Unref> gray_;
   GrayImage pixels_;
+  std::shared_ptr<SparePicture> spare_ = std::make_shared<SparePicture>();
 };
 
 }  // namespace calvin::gst
