@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/detect/corner_graph.hpp"
 #include "calvin/detect/detector.hpp"
 #include "calvin/synth/render.hpp"
 #include "detect_scenes.hpp"
@@ -28,6 +29,48 @@ TEST(Negatives, HaveNoBoard) {
   for (std::uint64_t seed = 0; seed < (full ? 1200 : 72); ++seed) {
     const Detection d = finder->detect(view_of(bench::make_negative(size, 5000 + seed)));
     EXPECT_FALSE(d.observation.found()) << seed;
+  }
+}
+
+// A fabric and a floor of which some corners are seen, three squares apart: the lattice of these
+// was once taken for a part of the board.
+TEST(Negatives, AreNoBoardOfEveryThirdCorner) {
+  const auto finder = std::move(*make_detector(scenes::kBoard));
+  for (const std::uint64_t seed : {5253, 5571, 5629}) {
+    const Detection d = finder->detect(view_of(bench::make_negative({1920, 1080}, seed)));
+    EXPECT_FALSE(d.observation.found()) << seed;
+  }
+}
+
+TEST(Neighbours, AreJoinedByOneEdge) {
+  constexpr int kSide = 12;  // px
+  GrayImage image(240, 240);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 240; ++x) {
+      image.row(y)[x] = (x / kSide + y / kSide) % 2 == 0 ? 200 : 40;
+    }
+  }
+  for (const int every : {1, 3, 5, 7}) {
+    std::vector<detect::Corner> corners;
+    for (int row = 1; row < 19; row += every) {
+      for (int col = 1; col < 19; col += every) {
+        // Bright at the top left of even ones.
+        const detect::Direction right = {1, 0};
+        const detect::Direction down = {0, 1};
+        const auto u = static_cast<float>(col * kSide) - 0.5F;
+        const auto v = static_cast<float>(row * kSide) - 0.5F;
+        const bool even = (col + row) % 2 == 0;
+        corners.push_back({u, v, even ? right : down, even ? down : -right, 160});
+      }
+    }
+    detect::CornerGraph graph;
+    graph.build(image.view(), corners, 144);
+    std::size_t links = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const auto& ways = graph.neighbours(static_cast<int>(i));
+      links += ways.size() - std::count(ways.begin(), ways.end(), detect::kNoCorner);
+    }
+    EXPECT_EQ(links, every == 1 ? 4 * 18 * 17 : 0) << every;
   }
 }
 

@@ -22,6 +22,37 @@ constexpr float kContrast = 2.9F;  // ratio of the contrasts
 
 int cell_of(float x) { return static_cast<int>(x / kCell); }
 
+int pixel(const ImageView& image, float x, float y) {
+  const int u = std::clamp(static_cast<int>(x + 0.5F), 0, image.width - 1);
+  const int v = std::clamp(static_cast<int>(y + 0.5F), 0, image.height - 1);
+  return image.at(u, v);
+}
+
+// Whether one edge joins two corners, bright on the same side all the way: on a floor of tiles, or
+// in a fabric, a corner three squares further on has the right colours too. `way` as in kWays.
+bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std::size_t way) {
+  constexpr float kAside = 0.25F;  // of the way
+  constexpr float kLeastAside = 1.2F;
+  constexpr float kMostAside = 3;  // px: the squares across may be narrow
+  constexpr float kLeast = 0.12F;  // of the corners' contrast
+  const Direction step = {to.x - from.x, to.y - from.y};
+  const float length = std::hypot(step.x, step.y);
+  const float aside = std::clamp(kAside * length, kLeastAside, kMostAside) / length;
+  // Both ways along the rising edge it is bright from +x towards +y.
+  const float side = way < 2 ? aside : -aside;
+  const Direction across = {-side * step.y, side * step.x};
+  const float least = kLeast * std::min(from.contrast, to.contrast);
+  // Those that squares of a third, a fifth or a seventh of the way would exchange.
+  for (const float share : {0.5F, 0.3F, 0.7F}) {
+    const float x = from.x + share * step.x;
+    const float y = from.y + share * step.y;
+    const int bright = pixel(image, x + across.x, y + across.y);
+    const int dark = pixel(image, x - across.x, y - across.y);
+    if (static_cast<float>(bright - dark) < least) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void CornerGraph::sort_into_cells(std::span<const Corner> corners, ImageSize size) {
@@ -121,8 +152,8 @@ bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const
   return opposite != kNoCorner && length(to) > kLonger * length(opposite);
 }
 
-void CornerGraph::build(std::span<const Corner> corners, ImageSize size, float reach) {
-  sort_into_cells(corners, size);
+void CornerGraph::build(const ImageView& image, std::span<const Corner> corners, float reach) {
+  sort_into_cells(corners, image.size());
   nearest_.resize(corners.size());
   links_.resize(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -135,11 +166,12 @@ void CornerGraph::build(std::span<const Corner> corners, ImageSize size, float r
         const auto& back = nearest_[static_cast<std::size_t>(other)];
         return std::find(back.begin(), back.end(), static_cast<int>(i)) != back.end();
       };
-      links_[i][w] = other != kNoCorner && sees_back() &&
-                             !skips(corners, static_cast<int>(i), other) &&
-                             !skips(corners, other, static_cast<int>(i))
-                         ? other
-                         : kNoCorner;
+      links_[i][w] =
+          other != kNoCorner && sees_back() && !skips(corners, static_cast<int>(i), other) &&
+                  !skips(corners, other, static_cast<int>(i)) &&
+                  is_joined(image, corners[i], corners[static_cast<std::size_t>(other)], w)
+              ? other
+              : kNoCorner;
     }
   }
 }

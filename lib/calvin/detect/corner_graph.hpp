@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Which corners are neighbours: the edge that leaves one arrives at the other, with its colours
-// exchanged, and both see each other first.
+// exchanged, both see each other first, and the image has that edge all the way between them.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ inline constexpr int kNoCorner = -1;
 class CornerGraph {
  public:
   // Neighbours no further than `reach` px apart are seen.
-  void build(std::span<const Corner> corners, ImageSize size, float reach);
+  void build(const ImageView& image, std::span<const Corner> corners, float reach);
 
   // The neighbour of a corner on each way, or kNoCorner; mutual.
   [[nodiscard]] const std::array<int, kWays>& neighbours(int corner) const {
