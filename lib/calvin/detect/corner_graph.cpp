@@ -19,6 +19,7 @@ constexpr float kOffEdge = 2.5F;   // how much a px off the edge counts more tha
 constexpr float kTurn = 0.39F;     // sine of how far an edge may turn on the way
 constexpr int kMostLookedAt = 48;  // a board's neighbours are among the first of them
 constexpr float kContrast = 2.9F;  // ratio of the contrasts
+constexpr float kLonger = 2;       // than the link on the other side: then it skips corners
 
 int cell_of(float x) { return static_cast<int>(x / kCell); }
 
@@ -35,6 +36,9 @@ bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std
   constexpr float kLeastAside = 1.2F;
   constexpr float kMostAside = 3;  // px: the squares across may be narrow
   constexpr float kLeast = 0.12F;  // of the corners' contrast
+  constexpr float kEvery = 3;      // px
+  constexpr float kInner = 0.6F;   // of the way; close to the corners the ring has looked
+  constexpr int kForgiven = 8;     // of so many samples one
   const Direction step = {to.x - from.x, to.y - from.y};
   const float length = std::hypot(step.x, step.y);
   const float aside = std::clamp(kAside * length, kLeastAside, kMostAside) / length;
@@ -42,13 +46,18 @@ bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std
   const float side = way < 2 ? aside : -aside;
   const Direction across = {-side * step.y, side * step.x};
   const float least = kLeast * std::min(from.contrast, to.contrast);
-  // Those that squares of a third, a fifth or a seventh of the way would exchange.
-  for (const float share : {0.5F, 0.3F, 0.7F}) {
+  // As close together as the sides of the smallest squares are long; from the middle outwards,
+  // which is where they tell soonest. A speck on the edge is forgiven.
+  const int samples = std::max(3, static_cast<int>(length / kEvery));
+  int misses = samples / kForgiven;
+  for (int i = 0; i < samples; ++i) {
+    const float off = static_cast<float>((i + 1) / 2) / static_cast<float>(samples);
+    const float share = 0.5F + kInner * ((i & 1) != 0 ? off : -off);
     const float x = from.x + share * step.x;
     const float y = from.y + share * step.y;
     const int bright = pixel(image, x + across.x, y + across.y);
     const int dark = pixel(image, x - across.x, y - across.y);
-    if (static_cast<float>(bright - dark) < least) return false;
+    if (static_cast<float>(bright - dark) < least && misses-- == 0) return false;
   }
   return true;
 }
@@ -65,24 +74,25 @@ void CornerGraph::sort_into_cells(std::span<const Corner> corners, ImageSize siz
   for (const Corner& c : corners) ++cell_begin_[cell(c) + 1];
   for (std::size_t i = 1; i < cell_begin_.size(); ++i) cell_begin_[i] += cell_begin_[i - 1];
   in_cells_.resize(corners.size());
+  sorted_.resize(corners.size());
   // Each begin moves to the cell's end, which is where the next one begins.
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    in_cells_[static_cast<std::size_t>(cell_begin_[cell(corners[i])]++)] = static_cast<int>(i);
+    const auto at = static_cast<std::size_t>(cell_begin_[cell(corners[i])]++);
+    in_cells_[at] = static_cast<int>(i);
+    sorted_[at] = corners[i];
   }
   for (std::size_t i = cell_begin_.size() - 1; i > 0; --i) cell_begin_[i] = cell_begin_[i - 1];
   cell_begin_[0] = 0;
 }
 
-std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int self,
-                                            float reach) const {
-  const Corner& from = corners[static_cast<std::size_t>(self)];
+std::array<int, kWays> CornerGraph::nearest(const Corner& from, float reach) const {
   std::array<int, kWays> best = {kNoCorner, kNoCorner, kNoCorner, kNoCorner};
   std::array<float, kWays> cost;
   cost.fill(std::numeric_limits<float>::infinity());
 
   int looked_at = 0;
   const auto look_at = [&](int other) {
-    const Corner& to = corners[static_cast<std::size_t>(other)];
+    const Corner& to = sorted_[static_cast<std::size_t>(other)];
     const Direction step = {to.x - from.x, to.y - from.y};
     const float square = dot(step, step);
     const float on_rising = dot(step, from.rising);
@@ -114,19 +124,22 @@ std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int
     const int end = cell_begin_[begin + static_cast<std::size_t>(last) + 1];
     const int start = cell_begin_[begin + static_cast<std::size_t>(first)];
     looked_at += end - start;
-    for (int i = start; i < end; ++i) {
-      look_at(in_cells_[static_cast<std::size_t>(i)]);
+    for (int i = start; i < end; ++i) look_at(i);
+  };
+  // One further off than these is no neighbour: there is a nearer one, or it skips some.
+  const auto farthest = [&] {
+    float most = 0;
+    for (std::size_t way = 0; way < kWays; ++way) {
+      most = std::max(most, std::min(cost[way], kLonger * cost[way ^ 1]));
     }
+    return most;
   };
   // Squares of cells around the corner's own, until nothing nearer can come.
   const int col = cell_of(from.x);
   const int row = cell_of(from.y);
   const int rings = static_cast<int>(std::ceil(reach / kCell));
   for (int r = 0; r <= rings; ++r) {
-    if (looked_at > kMostLookedAt ||
-        *std::max_element(cost.begin(), cost.end()) < static_cast<float>(r - 1) * kCell) {
-      break;
-    }
+    if (looked_at > kMostLookedAt || farthest() < static_cast<float>(r - 1) * kCell) break;
     look_in_cells(row - r, col - r, col + r);
     if (r == 0) continue;
     look_in_cells(row + r, col - r, col + r);
@@ -135,12 +148,14 @@ std::array<int, kWays> CornerGraph::nearest(std::span<const Corner> corners, int
       look_in_cells(y, col + r, col + r);
     }
   }
+  for (int& other : best) {
+    if (other != kNoCorner) other = in_cells_[static_cast<std::size_t>(other)];
+  }
   return best;
 }
 
 // Whether a link is far longer than that of its corner's other side: then it skips some.
 bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const {
-  constexpr float kLonger = 2;
   const Corner& a = corners[static_cast<std::size_t>(from)];
   const auto length = [&](int other) {
     const Corner& b = corners[static_cast<std::size_t>(other)];
@@ -157,7 +172,7 @@ void CornerGraph::build(const ImageView& image, std::span<const Corner> corners,
   nearest_.resize(corners.size());
   links_.resize(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    nearest_[i] = nearest(corners, static_cast<int>(i), reach);
+    nearest_[static_cast<std::size_t>(in_cells_[i])] = nearest(sorted_[i], reach);
   }
   for (std::size_t i = 0; i < corners.size(); ++i) {
     for (std::size_t w = 0; w < kWays; ++w) {

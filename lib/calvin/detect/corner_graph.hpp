@@ -31,14 +31,15 @@ class CornerGraph {
 
  private:
   void sort_into_cells(std::span<const Corner> corners, ImageSize size);
-  [[nodiscard]] std::array<int, kWays> nearest(std::span<const Corner> corners, int self,
-                                               float reach) const;
+  [[nodiscard]] std::array<int, kWays> nearest(const Corner& from, float reach) const;
   [[nodiscard]] bool skips(std::span<const Corner> corners, int from, int to) const;
 
   int cells_across_ = 0;
   int cells_down_ = 0;
   std::vector<int> cell_begin_;  // of each cell in `in_cells_`, and the end
   std::vector<int> in_cells_;    // indices of corners
+  std::vector<Corner> sorted_;  // the corners in that order: those next to each other are looked at
+                                // one after the other
   std::vector<std::array<int, kWays>> nearest_;
   std::vector<std::array<int, kWays>> links_;
 };
