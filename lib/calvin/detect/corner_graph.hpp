@@ -6,17 +6,13 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "calvin/detect/corner.hpp"
+#include "calvin/detect/neighbour_search.hpp"
 
 namespace calvin::detect {
-
-// The ways to leave a corner: along its rising edge, against it, along the falling one, against it.
-inline constexpr int kWays = 4;
-inline constexpr int kNoCorner = -1;
 
 // Keeps its memory.
 class CornerGraph {
@@ -30,16 +26,9 @@ class CornerGraph {
   }
 
  private:
-  void sort_into_cells(std::span<const Corner> corners, ImageSize size);
-  [[nodiscard]] std::array<int, kWays> nearest(const Corner& from, float reach) const;
   [[nodiscard]] bool skips(std::span<const Corner> corners, int from, int to) const;
 
-  int cells_across_ = 0;
-  int cells_down_ = 0;
-  std::vector<int> cell_begin_;  // of each cell in `in_cells_`, and the end
-  std::vector<int> in_cells_;    // indices of corners
-  std::vector<Corner> sorted_;  // the corners in that order: those next to each other are looked at
-                                // one after the other
+  NeighbourSearch search_;
   std::vector<std::array<int, kWays>> nearest_;
   std::vector<std::array<int, kWays>> links_;
 };

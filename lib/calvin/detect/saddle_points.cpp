@@ -80,16 +80,20 @@ void response_row(const std::uint8_t* at, std::ptrdiff_t stride, std::uint8_t* o
   for (; i < count; ++i) hn::StoreU(response_at(one, at + i, stride), one, out + i);
 }
 
-void response_patch_row(const std::uint8_t* at, std::ptrdiff_t stride, std::uint8_t* out,
-                        std::size_t count) {
+// Of a patch whose pixels from (x, y) on lie in the image, as far from its border as needed.
+void response_patch(const ImageView& image, int x, int y, int width, int height,
+                    std::uint8_t* out) {
   const hn::CappedTag<std::uint8_t, kPatchWidth> d;
-  if (count == hn::Lanes(d)) {
-    hn::StoreU(response_at(d, at, stride), d, out);
-    return;
-  }
   const hn::CappedTag<std::uint8_t, 1> one;
-  for (std::size_t i = 0; i < count; ++i) {
-    hn::StoreU(response_at(one, at + i, stride), one, out + i);
+  for (int row = 0; row < height; ++row, out += kPatchWidth) {
+    const std::uint8_t* at = image.data + (y + row) * image.stride + x;
+    if (width == static_cast<int>(hn::Lanes(d))) {
+      hn::StoreU(response_at(d, at, image.stride), d, out);
+      continue;
+    }
+    for (int i = 0; i < width; ++i) {
+      hn::StoreU(response_at(one, at + i, image.stride), one, out + i);
+    }
   }
 }
 
@@ -189,7 +193,7 @@ namespace calvin::detect {
 namespace {
 
 HWY_EXPORT(response_row);
-HWY_EXPORT(response_patch_row);
+HWY_EXPORT(response_patch);
 HWY_EXPORT(mark_peaks);
 HWY_EXPORT(keep_peaks);
 
@@ -219,16 +223,15 @@ void climb(const ImageView& image, SaddlePoint& p) {
 void saddle_responses(const ImageView& image, int x, int y, int height,
                       ResponsePatch& patch) noexcept {
   // The vectors must lie in the image; what is asked for may reach over its border.
-  const int first = std::max(x, kResponseRadius);
-  const int last = std::min(x + kPatchWidth, image.width - kResponseRadius);
-  for (int row = 0; row < height; ++row) {
-    std::memset(patch.at[row], 0, kPatchWidth);
-    const int v = y + row;
-    if (first >= last || v < kResponseRadius || v >= image.height - kResponseRadius) continue;
-    HWY_DYNAMIC_DISPATCH(response_patch_row)
-    (image.data + v * image.stride + first, image.stride, patch.at[row] + first - x,
-     static_cast<std::size_t>(last - first));
-  }
+  const int left = std::max(x, kResponseRadius);
+  const int right = std::min(x + kPatchWidth, image.width - kResponseRadius);
+  const int top = std::max(y, kResponseRadius);
+  const int bottom = std::min(y + height, image.height - kResponseRadius);
+  const int width = right - left;
+  if (width < kPatchWidth || bottom - top < height) std::memset(patch.at, 0, sizeof patch.at);
+  if (width <= 0 || bottom <= top) return;
+  HWY_DYNAMIC_DISPATCH(response_patch)
+  (image, left, top, width, bottom - top, patch.at[top - y] + left - x);
 }
 
 // Keeps the strongest half: no weaker one can be among those wanted.
