@@ -12,6 +12,7 @@
 #include "calvin/detect/lattice.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/refine.hpp"
+#include "calvin/detect/scatter.hpp"
 #include "calvin/detect/tracker.hpp"
 
 namespace calvin::detect {
@@ -237,12 +238,10 @@ bool CheckerboardDetector::note_other(int cols, int rows, bool sure, Detection& 
   return true;
 }
 
-// What the fit of a saddle is off by where pixels and blur are not its model's, px. Noise averages
-// out over the views, this does not: a sigma that knew of the noise alone would promise too much of
-// a calibration. The fit's own sigma is too small where the picture is bad (bench_detect: JPEG,
-// several faults at once), and a little caution costs less than a promise that is not kept.
-constexpr double kBias = 0.004;
-constexpr double kCaution = 1.2;
+// What all corners near each other are off by, px, which neither noise nor scatter tell. It does
+// not average out over the views: a sigma that knew of the noise alone would promise too much of a
+// calibration.
+constexpr double kBias = 0.001;
 
 bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& result) {
   const ImageView& image = pyramid_.level(0);
@@ -259,6 +258,7 @@ bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& resu
 
 void CheckerboardDetector::report(const Match& match, const Lattice& lattice, Detection& result) {
   Observation& o = result.observation;
+  const double ratio = static_cast<double>(scatter(lattice));
   for (int row = 0; row < board_.rows; ++row) {
     for (int col = 0; col < board_.cols; ++col) {
       const Cell cell = match.placement.cell({col, row});
@@ -266,7 +266,7 @@ void CheckerboardDetector::report(const Match& match, const Lattice& lattice, De
       const SaddleFit& fit = refinement_.at(cell);
       o.ids.push_back(row * board_.cols + col);
       o.uv.push_back({fit.x, fit.y});
-      o.sigma.push_back(kCaution * std::hypot(static_cast<double>(fit.sigma), kBias));
+      o.sigma.push_back(std::hypot(ratio * static_cast<double>(fit.sigma), kBias));
     }
   }
   o.ambiguous = match.ambiguous;

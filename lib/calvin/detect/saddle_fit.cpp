@@ -13,28 +13,30 @@
 #define CALVIN_DETECT_SADDLE_FIT_TYPES
 namespace calvin::detect {
 
-// The unknowns, in this order.
-// The widths by their logarithms, the directions by angles.
-enum Unknown { kX, kY, kAlong, kDown, kLevel, kContrast, kAlongWidth, kDownWidth, kUnknowns };
+// The unknowns, in this order: the widths by their logarithms, the directions by angles. The place
+// comes last, so that its covariance is to be had from the last of the triangular factor.
+enum Unknown { kAlong, kDown, kLevel, kContrast, kAlongWidth, kDownWidth, kX, kY, kUnknowns };
 inline constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
-// The window's, and a vector more.
-inline constexpr int kMaxPixels = (2 * kMaxFitRadius + 1) * (2 * kMaxFitRadius + 1) + 64;
+inline constexpr int kMostPixels = 2600;
+inline constexpr float kWhite = 255;
+inline constexpr int kLongestVector = 64;
 
 // The pixels of a window, from its middle one.
 struct Window {
   int count = 0;
   bool whole = true;  // not cut by the border of the image
-  alignas(64) float x[kMaxPixels];
-  alignas(64) float y[kMaxPixels];
-  alignas(64) float grey[kMaxPixels];
-  alignas(64) float error[kMaxPixels];  // of the fit
+  alignas(64) float x[kMostPixels + kLongestVector];
+  alignas(64) float y[kMostPixels + kLongestVector];
+  alignas(64) float grey[kMostPixels + kLongestVector];
+  alignas(64) float error[kMostPixels + kLongestVector];  // of the fit
 };
 
-// J^T J (upper triangle, row by row), J^T e and e^T e.
+// J^T W J (upper triangle, row by row), J^T W e and e^T W e.
 struct Normal {
   float products[kProducts];
   float gradient[kUnknowns];
   float square;
+  float count;  // of pixels that tell something
 };
 
 }  // namespace calvin::detect
@@ -65,7 +67,8 @@ HWY_INLINE V error_function(D d, V x, V& derivative) {
 }
 
 // `x`, `y`: of the fit's corner from the window's middle.
-void accumulate(Window& window, const SaddleFit& fit, float x, float y, Normal& normal) {
+void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y,
+                Normal& normal) {
   const hn::ScalableTag<float> d;
   using V = hn::Vec<decltype(d)>;
   const auto set = [&](float v) { return hn::Set(d, v); };
@@ -80,6 +83,7 @@ void accumulate(Window& window, const SaddleFit& fit, float x, float y, Normal& 
   V products[kProducts];
   V gradient[kUnknowns];
   V square = hn::Zero(d);
+  V count = hn::Zero(d);
   for (V& p : products) p = hn::Zero(d);
   for (V& g : gradient) g = hn::Zero(d);
 
@@ -103,11 +107,22 @@ void accumulate(Window& window, const SaddleFit& fit, float x, float y, Normal& 
     const V saddle = hn::Mul(ta, tb);
     const V model = hn::MulAdd(local, saddle, base);
 
-    // The last vector may reach beyond the window.
+    // The last vector may reach beyond the window. A white pixel only tells that it is no darker, a
+    // black one that it is no brighter.
     const auto inside = hn::FirstN(d, static_cast<std::size_t>(window.count - i));
-    const V in = hn::IfThenElseZero(inside, one);
-    const V e = hn::Mul(in, hn::Sub(hn::LoadU(d, window.grey + i), model));
-    hn::StoreU(e, d, window.error + i);
+    const V grey = hn::LoadU(d, window.grey + i);
+    const V below = hn::IfThenElse(hn::Ge(grey, set(kWhite)), hn::Min(model, grey), model);
+    const V seen = hn::IfThenElse(hn::Le(grey, hn::Zero(d)), hn::Max(below, grey), below);
+    const auto told = hn::And(inside, hn::Eq(seen, model));
+    const V error = hn::IfThenElseZero(told, hn::Sub(grey, model));
+    hn::StoreU(error, d, window.error + i);
+    count = hn::Add(count, hn::IfThenElseZero(told, one));
+    // The disc is one about the corner, not about a pixel: its rim has pixels in part.
+    const V square_distance = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
+    const V rim = hn::MulAdd(square_distance, set(-0.5F / radius), set(0.5F * radius + 0.5F));
+    const V weight = hn::Min(hn::Max(rim, hn::Zero(d)), one);
+    const V in = hn::IfThenElseZero(told, hn::Sqrt(weight));
+    const V e = hn::Mul(in, error);
     const V scale = hn::Mul(in, local);
     const V by_a = hn::Mul(hn::Mul(scale, wide_a), hn::Mul(tb, slope_a));
     const V by_b = hn::Mul(hn::Mul(scale, wide_b), hn::Mul(ta, slope_b));
@@ -132,6 +147,7 @@ void accumulate(Window& window, const SaddleFit& fit, float x, float y, Normal& 
   for (int p = 0; p < kUnknowns; ++p)
     normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
   normal.square = hn::GetLane(hn::SumOfLanes(d, square));
+  normal.count = hn::GetLane(hn::SumOfLanes(d, count));
 }
 
 }  // namespace calvin::detect::HWY_NAMESPACE
@@ -141,8 +157,7 @@ HWY_AFTER_NAMESPACE();
 
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Cholesky>
+#include <utility>
 
 namespace calvin::detect {
 
@@ -150,38 +165,69 @@ namespace {
 
 HWY_EXPORT(accumulate);
 
-constexpr float kLeastContrast = 3;     // grey levels
-constexpr float kLeastWidth = 0.2F;     // px
-constexpr float kLargestWidth = 8;      // px
-constexpr float kWidthPrior = 0.5F;     // 1 sigma of a step of a width's logarithm
-constexpr float kLongestStep = 1.2F;    // px
-constexpr float kLongestTurn = 0.3F;    // rad, in a step
-constexpr float kSettled = 0.01F;       // px, of a step
-constexpr float kDamping = 1e-3F;       // Levenberg's, of the diagonal
-constexpr float kLeastSine = 0.15F;     // between the edges
+constexpr float kLeastContrast = 3;   // grey levels
+constexpr float kLeastWidth = 0.2F;   // px
+constexpr float kLargestWidth = 8;    // px
+constexpr float kWidthPrior = 0.5F;   // 1 sigma of a step of a width's logarithm
+constexpr float kLongestStep = 1.2F;  // px
+constexpr float kLongestTurn = 0.3F;  // rad, in a step
+constexpr float kSettled = 0.00001F;  // px, of a step
+constexpr float kDamping = 1e-3F;     // Levenberg's, of the diagonal
+constexpr float kLeastSine = 0.15F;   // between the edges
+// A pixel tells of an edge as far as its blur reaches, and as one does not know the edge's place.
+constexpr float kNearEdge = 3;  // widths
+constexpr float kNearEdgePx = 1.5F;
+constexpr float kRim = 1.2F;  // px beyond the radius, for the corner is not the middle pixel
 constexpr float kRounding = 1.0F / 12;  // grey levels^2, the variance of a whole number's rounding
 
-using Matrix = Eigen::Matrix<float, kUnknowns, kUnknowns>;
-using Vector = Eigen::Matrix<float, kUnknowns, 1>;
+// An interval of whole numbers; empty where first > last.
+struct Range {
+  int first = 0;
+  int last = -1;
+};
 
-void gather(const ImageView& image, int x, int y, float radius, Window& window) {
-  const int reach = static_cast<int>(radius + 0.3F);
-  const float limit = (radius + 0.3F) * (radius + 0.3F);
+// Where |offset - slope x| <= limit. The same turned by 180 degrees for the negative offset.
+Range within(float offset, float slope, float limit, Range bounds) {
+  constexpr float kFlat = 1e-3F;
+  if (std::abs(slope) < kFlat) return std::abs(offset) <= limit ? bounds : Range{};
+  const float middle = offset / slope;
+  const float half = limit / std::abs(slope);
+  return {std::max(bounds.first, static_cast<int>(std::ceil(std::max(middle - half, -1e4F)))),
+          std::min(bounds.last, static_cast<int>(std::floor(std::min(middle + half, 1e4F))))};
+}
+
+// How many pixels of a disc of `radius` lie within `band` of one of two lines, at the most.
+float most_pixels(float radius, float band) {
+  return std::min(3.2F * (radius + 1) * (radius + 1), 8 * (radius + 1) * (band + 1));
+}
+
+// The pixels in a disc around (x, y) that are near an edge: further off they tell nothing.
+void gather(const ImageView& image, int x, int y, float radius, float band, const SaddleFit& fit,
+            Window& window) {
+  const float limit = (radius + kRim) * (radius + kRim);
+  const int reach = static_cast<int>(radius + kRim);
   window.count = 0;
   window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
   for (int dy = std::max(-reach, -y); dy <= std::min(reach, image.height - 1 - y); ++dy) {
-    const int half = static_cast<int>(std::sqrt(limit - static_cast<float>(dy * dy)));
+    const auto v = static_cast<float>(dy);
+    const int half = static_cast<int>(std::sqrt(limit - v * v));
     const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
-    const int first = std::max(-half, -x);
-    const int last = std::min(half, image.width - 1 - x);
-    for (int dx = first; dx <= last; ++dx) {
-      window.x[window.count] = static_cast<float>(dx);
-      window.y[window.count] = static_cast<float>(dy);
-      window.grey[window.count++] = row[dx];
+    const Range disc = {std::max(-half, -x), std::min(half, image.width - 1 - x)};
+    Range a = within(fit.along.x * v, fit.along.y, band, disc);
+    Range b = within(fit.down.x * v, fit.down.y, band, disc);
+    if (b.first < a.first) std::swap(a, b);
+    if (a.first > a.last) std::swap(a, b);
+    // The second without what the first has.
+    b.first = std::max(b.first, a.last + 1);
+    for (const Range& range : {a, b}) {
+      for (int dx = range.first; dx <= range.last; ++dx) {
+        window.x[window.count] = static_cast<float>(dx);
+        window.y[window.count] = v;
+        window.grey[window.count++] = row[dx];
+      }
     }
   }
   // What the last vector reads beyond them is multiplied by 0, so it must be a number.
-  constexpr int kLongestVector = 64;
   std::fill_n(window.x + window.count, kLongestVector, 0.0F);
   std::fill_n(window.y + window.count, kLongestVector, 0.0F);
   std::fill_n(window.grey + window.count, kLongestVector, 0.0F);
@@ -216,10 +262,11 @@ float widened(float width, float step) {
 
 // What differs between pixels opposite of the corner is noise: a saddle looks the same turned by
 // 180 degrees, whatever its optics, ink or exposure did to it. Returns the variance.
-float noise_variance(const Window& window, float square) {
+// `pixels`: the sum of their weights; `count`: of those that tell something, the others have no
+// error.
+float noise_variance(const Window& window, float square, float pixels, float count) {
   constexpr int kOddUnknowns = 2;  // the place
-  const auto count = static_cast<float>(window.count);
-  if (!window.whole) return square / (count - static_cast<float>(kUnknowns));
+  if (!window.whole) return square / std::max(pixels - static_cast<float>(kUnknowns), 1.0F);
   // A whole window lists its pixels in an order that is point-symmetric about its middle, which is
   // the corner to half a pixel.
   float sum = 0;
@@ -227,28 +274,67 @@ float noise_variance(const Window& window, float square) {
     const float odd = window.error[i] - window.error[window.count - 1 - i];
     sum += odd * odd;
   }
-  return 0.5F * sum / (0.5F * count - kOddUnknowns);
+  return 0.5F * sum / std::max(0.5F * count - kOddUnknowns, 1.0F);
 }
 
-bool solve(const Normal& normal, int pixels, Vector& change, Matrix& information) {
-  int k = 0;
-  for (int p = 0; p < kUnknowns; ++p) {
-    for (int q = p; q < kUnknowns; ++q, ++k) {
-      information(p, q) = information(q, p) = normal.products[k];
+// L L^T = A, of which the upper triangle is given row by row; L by its columns.
+struct Factor {
+  float l[kUnknowns][kUnknowns];  // [column][row]
+
+  [[nodiscard]] bool compute(const float* upper) {
+    int k = 0;
+    for (int column = 0; column < kUnknowns; ++column) {
+      for (int row = column; row < kUnknowns; ++row) l[column][row] = upper[k++];
+    }
+    for (int column = 0; column < kUnknowns; ++column) {
+      if (!(l[column][column] > 0)) return false;
+      const float scale = 1 / std::sqrt(l[column][column]);
+      for (int row = column; row < kUnknowns; ++row) l[column][row] *= scale;
+      for (int next = column + 1; next < kUnknowns; ++next) {
+        for (int row = next; row < kUnknowns; ++row) {
+          l[next][row] -= l[column][next] * l[column][row];
+        }
+      }
+    }
+    return true;
+  }
+  void solve(const float* right, float* x) const {
+    std::copy_n(right, kUnknowns, x);
+    for (int column = 0; column < kUnknowns; ++column) {
+      x[column] /= l[column][column];
+      for (int row = column + 1; row < kUnknowns; ++row) x[row] -= l[column][row] * x[column];
+    }
+    for (int column = kUnknowns - 1; column >= 0; --column) {
+      for (int row = column + 1; row < kUnknowns; ++row) x[column] -= l[column][row] * x[row];
+      x[column] /= l[column][column];
     }
   }
-  const float variance = normal.square / static_cast<float>(pixels) + 1;
-  information(kAlongWidth, kAlongWidth) += variance / (kWidthPrior * kWidthPrior);
-  information(kDownWidth, kDownWidth) += variance / (kWidthPrior * kWidthPrior);
-  Matrix damped = information;
-  damped.diagonal() *= 1 + kDamping;
-  const Eigen::Map<const Vector> gradient(normal.gradient);
-  change = damped.llt().solve(gradient);
-  return change.allFinite();
+  // The mean of the variances of x and of y in A^-1.
+  [[nodiscard]] float place_variance() const {
+    const float a = 1 / l[kX][kX];
+    const float b = 1 / l[kY][kY];
+    const float off = l[kX][kY] * a * b;
+    return 0.5F * (a * a + off * off + b * b);
+  }
+};
+
+// Of the diagonal in Normal::products.
+constexpr int diagonal(int unknown) { return unknown * kUnknowns - unknown * (unknown - 1) / 2; }
+
+// The step, and the factor of the information about the unknowns.
+bool solve(Normal& normal, float pixels, float* change, Factor& factor) {
+  const float variance = normal.square / pixels + 1;
+  for (const int width : {kAlongWidth, kDownWidth}) {
+    normal.products[diagonal(width)] += variance / (kWidthPrior * kWidthPrior);
+  }
+  for (int p = 0; p < kUnknowns; ++p) normal.products[diagonal(p)] *= 1 + kDamping;
+  if (!factor.compute(normal.products)) return false;
+  factor.solve(normal.gradient, change);
+  return std::all_of(change, change + kUnknowns, [](float c) { return std::isfinite(c); });
 }
 
 // Applies a step; returns how far the corner moved, px.
-float apply(const Vector& change, float& x, float& y, SaddleFit& fit) {
+float apply(const float* change, float& x, float& y, SaddleFit& fit) {
   const float moved = std::hypot(change[kX], change[kY]);
   const float turned_by = std::max(std::abs(change[kAlong]), std::abs(change[kDown]));
   const float share = std::min(
@@ -275,18 +361,22 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit)
     return false;
   }
   Window window;
-  gather(image, middle_x, middle_y, radius, window);
+  const float band = kNearEdge * std::max(fit.along_width, fit.down_width) + kNearEdgePx;
+  while (most_pixels(radius + kRim, band) > kMostPixels) radius *= 0.9F;
+  gather(image, middle_x, middle_y, radius, band, fit, window);
   if (window.count < 2 * kUnknowns) return false;
   auto x = static_cast<float>(fit.x - middle_x);
   auto y = static_cast<float>(fit.y - middle_y);
   if (fit.contrast == 0) start(window, fit, x, y);
 
-  Normal normal;
-  Vector change;
-  Matrix information;
+  Normal normal{};
+  float pixels = 0;
+  float change[kUnknowns];
+  Factor factor{};
   for (int i = 0; i < steps; ++i) {
-    HWY_DYNAMIC_DISPATCH(accumulate)(window, fit, x, y, normal);
-    if (!solve(normal, window.count, change, information)) return false;
+    HWY_DYNAMIC_DISPATCH(accumulate)(window, fit, radius, x, y, normal);
+    pixels = normal.products[diagonal(kLevel)];
+    if (pixels < 2 * kUnknowns || !solve(normal, pixels, change, factor)) return false;
     const float moved = apply(change, x, y, fit);
     if (!(std::abs(x) <= 0.6F * radius && std::abs(y) <= 0.6F * radius) ||
         std::abs(cross(fit.along, fit.down)) < kLeastSine) {
@@ -296,11 +386,11 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit)
   }
   fit.x = middle_x + static_cast<double>(x);
   fit.y = middle_y + static_cast<double>(y);
-  fit.residual = std::sqrt(normal.square / static_cast<float>(window.count));
-  fit.noise = std::sqrt(noise_variance(window, normal.square) + kRounding);
-  const Matrix covariance = information.llt().solve(Matrix::Identity());
-  fit.sigma = fit.noise * std::sqrt(0.5F * (covariance(kX, kX) + covariance(kY, kY)));
-  return std::abs(fit.contrast) >= kLeastContrast && std::isfinite(fit.sigma);
+  fit.residual = std::sqrt(normal.square / pixels);
+  fit.cut = 1 - normal.count / static_cast<float>(window.count);
+  fit.noise = std::sqrt(noise_variance(window, normal.square, pixels, normal.count) + kRounding);
+  fit.sigma = fit.noise * std::sqrt(factor.place_variance());
+  return fit.swing() >= kLeastContrast && std::isfinite(fit.sigma);
 }
 
 }  // namespace calvin::detect
