@@ -17,12 +17,13 @@ constexpr float kCloseRadius = 4.5F;  // px
 constexpr float kPrune = 0.3F;        // of the spacing
 constexpr int kFewestNodes = 4;
 constexpr float kLastRadius = 14;      // px
+constexpr float kRoughly = 0.1F;       // px, where a better fit follows
 constexpr float kLevelRadius = 5;      // px, in a smaller level
 constexpr float kShare = 0.45F;        // of the spacing, of a window's radius
 constexpr float kLargestShare = 0.6F;  // of the spacing, where the image is sharp
 // How far it reaches along the edges of large squares: twice as far halves the variance, and takes
 // twice as long.
-constexpr float kFarShare = 0.4F;
+constexpr float kFarShare = 0.36F;
 constexpr float kClear = 2.6F;           // edge widths between a window and the next edge
 constexpr float kLeastContrast = 0.25F;  // of the median
 // What a hand or a shadow on a corner leaves of it is not symmetric, and shows as noise.
@@ -157,7 +158,7 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
     SaddleFit f = fit(c);
     const float radius = std::clamp(kShare * spacing, kLeastRadius, kLevelRadius);
     const bool good =
-        fit_saddle(pyramid.level(level), radius, 6, f) && colours_fit(f, c) &&
+        fit_saddle(pyramid.level(level), radius, 6, f, kRoughly) && colours_fit(f, c) &&
         std::hypot(f.x - fit(c).x, f.y - fit(c).y) < std::max(1.5F, kLargestMove * spacing);
     // One that runs away keeps its first place: the fit in the image will tell.
     if (good) fit(c) = f;
@@ -220,7 +221,7 @@ SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, 
   SaddleFit f = fit_of(node);
   f.along_width = f.down_width = width;
   const bool good =
-      fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, radius), steps, f) &&
+      fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, radius), steps, f, kRoughly) &&
       colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
   if (!good) f.noise = std::numeric_limits<float>::infinity();
   return f;

@@ -7,6 +7,10 @@
 // The order matters: Highway includes this file again for each target from the line above.
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "calvin/detect/saddle_fit.hpp"
 
 #ifndef CALVIN_DETECT_SADDLE_FIT_TYPES
@@ -17,8 +21,25 @@ namespace calvin::detect {
 // comes last, so that its covariance is to be had from the last of the triangular factor.
 enum Unknown { kAlong, kDown, kLevel, kContrast, kAlongWidth, kDownWidth, kX, kY, kUnknowns };
 inline constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
+// The two of each product, in this order.
+struct Pairs {
+  int first[kProducts];
+  int second[kProducts];
+};
+inline constexpr Pairs kPairs = [] {
+  Pairs pairs{};
+  int k = 0;
+  for (int p = 0; p < kUnknowns; ++p) {
+    for (int q = p; q < kUnknowns; ++q, ++k) {
+      pairs.first[k] = p;
+      pairs.second[k] = q;
+    }
+  }
+  return pairs;
+}();
 inline constexpr int kMostPixels = 2600;
 inline constexpr float kWhite = 255;
+inline constexpr float kRim = 1.2F;  // px beyond the radius, for the corner is not the middle pixel
 inline constexpr int kLongestVector = 64;
 
 // The pixels of a window, from its middle one.
@@ -30,6 +51,22 @@ struct Window {
   alignas(64) float grey[kMostPixels + kLongestVector];
   alignas(64) float error[kMostPixels + kLongestVector];  // of the fit
 };
+
+// An interval of whole numbers; empty where first > last.
+struct Range {
+  int first = 0;
+  int last = -1;
+};
+
+// Where |offset - slope x| <= limit. The same turned by 180 degrees for the negative offset.
+inline Range within(float offset, float slope, float limit, Range bounds) {
+  constexpr float kFlat = 1e-3F;
+  if (std::abs(slope) < kFlat) return std::abs(offset) <= limit ? bounds : Range{};
+  const float middle = offset / slope;
+  const float half = limit / std::abs(slope);
+  return {std::max(bounds.first, static_cast<int>(std::ceil(std::max(middle - half, -1e4F)))),
+          std::min(bounds.last, static_cast<int>(std::floor(std::min(middle + half, 1e4F))))};
+}
 
 // J^T W J (upper triangle, row by row), J^T W e and e^T W e.
 struct Normal {
@@ -47,23 +84,109 @@ namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// erf(x) and its derivative, within 5e-4: Abramowitz and Stegun, 7.1.27.
-template <class D, class V>
-HWY_INLINE V error_function(D d, V x, V& derivative) {
-  const auto set = [&](float v) { return hn::Set(d, v); };
-  const V t = hn::Min(hn::Abs(x), set(4.0F));
-  const V one = set(1);
-  V p = hn::MulAdd(set(0.078108F), t, set(0.000972F));
-  p = hn::MulAdd(p, t, set(0.230389F));
-  p = hn::MulAdd(p, t, set(0.278393F));
-  V slope = hn::MulAdd(set(4 * 0.078108F), t, set(3 * 0.000972F));
-  slope = hn::MulAdd(slope, t, set(2 * 0.230389F));
-  slope = hn::MulAdd(slope, t, set(0.278393F));
-  const V inverse = hn::Div(one, hn::MulAdd(p, t, one));
-  const V square = hn::Mul(inverse, inverse);
-  const V fourth = hn::Mul(square, square);
-  derivative = hn::Mul(hn::Mul(set(4), slope), hn::Mul(fourth, inverse));
-  return hn::CopySign(hn::Sub(one, fourth), x);
+// erf(x) = 1 - 1 / p(x)^4 for x > 0, within 5e-4: Abramowitz and Stegun, 7.1.27.
+template <class V>
+struct ErrorFunction {
+  V p;
+  V slope;  // of p
+
+  template <class D>
+  HWY_INLINE ErrorFunction(D d, V x) {
+    const auto set = [&](float v) { return hn::Set(d, v); };
+    const V t = hn::Min(hn::Abs(x), set(4.0F));
+    p = hn::MulAdd(set(0.078108F), t, set(0.000972F));
+    p = hn::MulAdd(p, t, set(0.230389F));
+    p = hn::MulAdd(p, t, set(0.278393F));
+    p = hn::MulAdd(p, t, set(1));
+    slope = hn::MulAdd(set(4 * 0.078108F), t, set(3 * 0.000972F));
+    slope = hn::MulAdd(slope, t, set(2 * 0.230389F));
+    slope = hn::MulAdd(slope, t, set(0.278393F));
+  }
+  // `inverse`: 1 / p.
+  template <class D>
+  HWY_INLINE V value(D d, V x, V inverse, V& derivative) const {
+    const V square = hn::Mul(inverse, inverse);
+    const V fourth = hn::Mul(square, square);
+    derivative = hn::Mul(hn::Mul(hn::Set(d, 4), slope), hn::Mul(fourth, inverse));
+    return hn::CopySign(hn::Sub(hn::Set(d, 1), fourth), x);
+  }
+};
+
+// Some pixels of a row, at the middle of which `row` is.
+void append(const std::uint8_t* row, Range range, float y, Window& window) {
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> integers;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  int dx = range.first;
+  for (; dx + lanes <= range.last + 1; dx += lanes, window.count += lanes) {
+    const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
+    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + window.count);
+    hn::StoreU(hn::Set(d, y), d, window.y + window.count);
+    hn::StoreU(grey, d, window.grey + window.count);
+  }
+  for (; dx <= range.last; ++dx) {
+    window.x[window.count] = static_cast<float>(dx);
+    window.y[window.count] = y;
+    window.grey[window.count++] = row[dx];
+  }
+}
+
+// The pixels in a disc around (x, y) that are near an edge: further off they tell nothing.
+void gather(const ImageView& image, int x, int y, float radius, float band, const SaddleFit& fit,
+            Window& window) {
+  const float limit = (radius + kRim) * (radius + kRim);
+  const int reach = static_cast<int>(radius + kRim);
+  window.count = 0;
+  window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
+  for (int dy = std::max(-reach, -y); dy <= std::min(reach, image.height - 1 - y); ++dy) {
+    const auto v = static_cast<float>(dy);
+    const int half = static_cast<int>(std::sqrt(limit - v * v));
+    const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
+    const Range disc = {std::max(-half, -x), std::min(half, image.width - 1 - x)};
+    Range a = within(fit.along.x * v, fit.along.y, band, disc);
+    Range b = within(fit.down.x * v, fit.down.y, band, disc);
+    if (b.first < a.first) std::swap(a, b);
+    if (a.first > a.last) std::swap(a, b);
+    // The second without what the first has.
+    b.first = std::max(b.first, a.last + 1);
+    append(row, a, v, window);
+    append(row, b, v, window);
+  }
+  // What the last vector reads beyond them is multiplied by 0, so it must be a number.
+  std::fill_n(window.x + window.count, kLongestVector, 0.0F);
+  std::fill_n(window.y + window.count, kLongestVector, 0.0F);
+  std::fill_n(window.grey + window.count, kLongestVector, 0.0F);
+}
+
+// The sum of the squares of the differences between errors that stand opposite in the list.
+float odd_square(const Window& window) {
+  const hn::ScalableTag<float> d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const int half = window.count / 2;
+  auto sum = hn::Zero(d);
+  int i = 0;
+  for (; i + lanes <= half; i += lanes) {
+    const auto opposite = hn::Reverse(d, hn::LoadU(d, window.error + window.count - i - lanes));
+    const auto odd = hn::Sub(hn::LoadU(d, window.error + i), opposite);
+    sum = hn::MulAdd(odd, odd, sum);
+  }
+  float rest = 0;
+  for (; i < half; ++i) {
+    const float odd = window.error[i] - window.error[window.count - 1 - i];
+    rest += odd * odd;
+  }
+  return hn::GetLane(hn::SumOfLanes(d, sum)) + rest;
+}
+
+// Adds to J^T J and J^T e. Written out for the compiler, which keeps arrays in memory that it does
+// not see all indices of.
+template <class V, std::size_t... K, std::size_t... P>
+HWY_INLINE void add_products(const V* j, V e, V* products, V* gradient,
+                             std::index_sequence<K...> /*products*/,
+                             std::index_sequence<P...> /*unknowns*/) {
+  ((products[K] = hn::MulAdd(j[kPairs.first[K]], j[kPairs.second[K]], products[K])), ...);
+  ((gradient[P] = hn::MulAdd(j[P], e, gradient[P])), ...);
 }
 
 // `x`, `y`: of the fit's corner from the window's middle.
@@ -97,10 +220,14 @@ void accumulate(Window& window, const SaddleFit& fit, float radius, float x, flo
     const V straight_b = hn::Sub(hn::Mul(down_y, dx), hn::Mul(down_x, dy));
     const V a = hn::Mul(hn::NegMulAdd(half_bend_a, hn::Mul(ua, ua), straight_a), wide_a);
     const V b = hn::Mul(hn::NegMulAdd(half_bend_b, hn::Mul(ub, ub), straight_b), wide_b);
+    // One division for the two of them.
+    const ErrorFunction<V> error_a(d, a);
+    const ErrorFunction<V> error_b(d, b);
+    const V inverse = hn::Div(one, hn::Mul(error_a.p, error_b.p));
     V slope_a;
     V slope_b;
-    const V ta = error_function(d, a, slope_a);
-    const V tb = error_function(d, b, slope_b);
+    const V ta = error_a.value(d, a, hn::Mul(inverse, error_b.p), slope_a);
+    const V tb = error_b.value(d, b, hn::Mul(inverse, error_a.p), slope_b);
     const V local = hn::MulAdd(set(fit.contrast_slope.x), dx,
                                hn::MulAdd(set(fit.contrast_slope.y), dy, contrast));
     const V base = hn::MulAdd(set(fit.slope.x), dx, hn::MulAdd(set(fit.slope.y), dy, level));
@@ -117,11 +244,11 @@ void accumulate(Window& window, const SaddleFit& fit, float radius, float x, flo
     const V error = hn::IfThenElseZero(told, hn::Sub(grey, model));
     hn::StoreU(error, d, window.error + i);
     count = hn::Add(count, hn::IfThenElseZero(told, one));
-    // The disc is one about the corner, not about a pixel: its rim has pixels in part.
+    // The disc is one about the corner, not about a pixel: its rim has pixels in part, the square
+    // root of their weight falls from 1 to 0.
     const V square_distance = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
     const V rim = hn::MulAdd(square_distance, set(-0.5F / radius), set(0.5F * radius + 0.5F));
-    const V weight = hn::Min(hn::Max(rim, hn::Zero(d)), one);
-    const V in = hn::IfThenElseZero(told, hn::Sqrt(weight));
+    const V in = hn::IfThenElseZero(told, hn::Min(hn::Max(rim, hn::Zero(d)), one));
     const V e = hn::Mul(in, error);
     const V scale = hn::Mul(in, local);
     const V by_a = hn::Mul(hn::Mul(scale, wide_a), hn::Mul(tb, slope_a));
@@ -135,11 +262,8 @@ void accumulate(Window& window, const SaddleFit& fit, float radius, float x, flo
     j[kContrast] = hn::Mul(in, saddle);
     j[kAlongWidth] = hn::Neg(hn::Mul(by_a, straight_a));
     j[kDownWidth] = hn::Neg(hn::Mul(by_b, straight_b));
-    int k = 0;
-    for (int p = 0; p < kUnknowns; ++p) {
-      gradient[p] = hn::MulAdd(j[p], e, gradient[p]);
-      for (int q = p; q < kUnknowns; ++q, ++k) products[k] = hn::MulAdd(j[p], j[q], products[k]);
-    }
+    add_products(j, e, products, gradient, std::make_index_sequence<kProducts>(),
+                 std::make_index_sequence<kUnknowns>());
     square = hn::MulAdd(e, e, square);
   }
   for (int k = 0; k < kProducts; ++k)
@@ -155,82 +279,31 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 namespace calvin::detect {
 
 namespace {
 
+HWY_EXPORT(gather);
 HWY_EXPORT(accumulate);
+HWY_EXPORT(odd_square);
 
-constexpr float kLeastContrast = 3;   // grey levels
-constexpr float kLeastWidth = 0.2F;   // px
-constexpr float kLargestWidth = 8;    // px
-constexpr float kWidthPrior = 0.5F;   // 1 sigma of a step of a width's logarithm
-constexpr float kLongestStep = 1.2F;  // px
-constexpr float kLongestTurn = 0.3F;  // rad, in a step
-constexpr float kSettled = 0.00001F;  // px, of a step
-constexpr float kDamping = 1e-3F;     // Levenberg's, of the diagonal
-constexpr float kLeastSine = 0.15F;   // between the edges
+constexpr float kLeastContrast = 3;     // grey levels
+constexpr float kLeastWidth = 0.2F;     // px
+constexpr float kLargestWidth = 8;      // px
+constexpr float kWidthPrior = 0.5F;     // 1 sigma of a step of a width's logarithm
+constexpr float kLongestStep = 1.2F;    // px
+constexpr float kSettledWidth = 0.03F;  // of a step of its logarithm
+constexpr float kLongestTurn = 0.3F;    // rad, in a step
+constexpr float kDamping = 1e-3F;       // Levenberg's, of the diagonal
+constexpr float kLeastSine = 0.15F;     // between the edges
 // A pixel tells of an edge as far as its blur reaches, and as one does not know the edge's place.
 constexpr float kNearEdge = 3;  // widths
-constexpr float kNearEdgePx = 1.5F;
-constexpr float kRim = 1.2F;  // px beyond the radius, for the corner is not the middle pixel
+constexpr float kNearEdgePx = 2.5F;
 constexpr float kRounding = 1.0F / 12;  // grey levels^2, the variance of a whole number's rounding
-
-// An interval of whole numbers; empty where first > last.
-struct Range {
-  int first = 0;
-  int last = -1;
-};
-
-// Where |offset - slope x| <= limit. The same turned by 180 degrees for the negative offset.
-Range within(float offset, float slope, float limit, Range bounds) {
-  constexpr float kFlat = 1e-3F;
-  if (std::abs(slope) < kFlat) return std::abs(offset) <= limit ? bounds : Range{};
-  const float middle = offset / slope;
-  const float half = limit / std::abs(slope);
-  return {std::max(bounds.first, static_cast<int>(std::ceil(std::max(middle - half, -1e4F)))),
-          std::min(bounds.last, static_cast<int>(std::floor(std::min(middle + half, 1e4F))))};
-}
 
 // How many pixels of a disc of `radius` lie within `band` of one of two lines, at the most.
 float most_pixels(float radius, float band) {
   return std::min(3.2F * (radius + 1) * (radius + 1), 8 * (radius + 1) * (band + 1));
-}
-
-// The pixels in a disc around (x, y) that are near an edge: further off they tell nothing.
-void gather(const ImageView& image, int x, int y, float radius, float band, const SaddleFit& fit,
-            Window& window) {
-  const float limit = (radius + kRim) * (radius + kRim);
-  const int reach = static_cast<int>(radius + kRim);
-  window.count = 0;
-  window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
-  for (int dy = std::max(-reach, -y); dy <= std::min(reach, image.height - 1 - y); ++dy) {
-    const auto v = static_cast<float>(dy);
-    const int half = static_cast<int>(std::sqrt(limit - v * v));
-    const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
-    const Range disc = {std::max(-half, -x), std::min(half, image.width - 1 - x)};
-    Range a = within(fit.along.x * v, fit.along.y, band, disc);
-    Range b = within(fit.down.x * v, fit.down.y, band, disc);
-    if (b.first < a.first) std::swap(a, b);
-    if (a.first > a.last) std::swap(a, b);
-    // The second without what the first has.
-    b.first = std::max(b.first, a.last + 1);
-    for (const Range& range : {a, b}) {
-      for (int dx = range.first; dx <= range.last; ++dx) {
-        window.x[window.count] = static_cast<float>(dx);
-        window.y[window.count] = v;
-        window.grey[window.count++] = row[dx];
-      }
-    }
-  }
-  // What the last vector reads beyond them is multiplied by 0, so it must be a number.
-  std::fill_n(window.x + window.count, kLongestVector, 0.0F);
-  std::fill_n(window.y + window.count, kLongestVector, 0.0F);
-  std::fill_n(window.grey + window.count, kLongestVector, 0.0F);
 }
 
 // The first level and contrast; its sign from the squares themselves.
@@ -269,11 +342,7 @@ float noise_variance(const Window& window, float square, float pixels, float cou
   if (!window.whole) return square / std::max(pixels - static_cast<float>(kUnknowns), 1.0F);
   // A whole window lists its pixels in an order that is point-symmetric about its middle, which is
   // the corner to half a pixel.
-  float sum = 0;
-  for (int i = 0; i < window.count / 2; ++i) {
-    const float odd = window.error[i] - window.error[window.count - 1 - i];
-    sum += odd * odd;
-  }
+  const float sum = HWY_DYNAMIC_DISPATCH(odd_square)(window);
   return 0.5F * sum / std::max(0.5F * count - kOddUnknowns, 1.0F);
 }
 
@@ -352,7 +421,8 @@ float apply(const float* change, float& x, float& y, SaddleFit& fit) {
 
 }  // namespace
 
-bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit) noexcept {
+bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
+                float settled) noexcept {
   radius = std::min(radius, static_cast<float>(kMaxFitRadius));
   if (!(std::abs(fit.x) < 1e6) || !(std::abs(fit.y) < 1e6)) return false;
   const int middle_x = static_cast<int>(std::lround(fit.x));
@@ -363,7 +433,8 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit)
   Window window;
   const float band = kNearEdge * std::max(fit.along_width, fit.down_width) + kNearEdgePx;
   while (most_pixels(radius + kRim, band) > kMostPixels) radius *= 0.9F;
-  gather(image, middle_x, middle_y, radius, band, fit, window);
+  HWY_DYNAMIC_DISPATCH(gather)
+  (image, middle_x, middle_y, radius, band, fit, window);
   if (window.count < 2 * kUnknowns) return false;
   auto x = static_cast<float>(fit.x - middle_x);
   auto y = static_cast<float>(fit.y - middle_y);
@@ -382,7 +453,8 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit)
         std::abs(cross(fit.along, fit.down)) < kLeastSine) {
       return false;
     }
-    if (moved < kSettled) break;
+    const float widened_by = std::max(std::abs(change[kAlongWidth]), std::abs(change[kDownWidth]));
+    if (moved < settled && widened_by < kSettledWidth) break;
   }
   fit.x = middle_x + static_cast<double>(x);
   fit.y = middle_y + static_cast<double>(y);

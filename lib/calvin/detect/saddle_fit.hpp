@@ -58,11 +58,12 @@ struct SaddleFit {
   [[nodiscard]] float dark() const { return std::max(level - std::abs(contrast), 0.0F); }
 };
 
-// Improves the fit in at most `steps` steps of Gauss and Newton. The pixels within `radius` px of
+// Improves the fit in at most `steps` steps of Gauss and Newton, until one moves the place by less
+// than `settled` px, which leaves about the square of it. The pixels within `radius` px of
 // the corner count, as far as they are in the image (of step 1). `contrast` 0: it and the level are
 // taken from the image first. False where it runs away, more than 0.6 radius, or where there is no
 // saddle; the fit is then spoilt.
-[[nodiscard]] bool fit_saddle(const ImageView& image, float radius, int steps,
-                              SaddleFit& fit) noexcept;
+[[nodiscard]] bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
+                              float settled = 0.03F) noexcept;
 
 }  // namespace calvin::detect
