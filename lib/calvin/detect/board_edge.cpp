@@ -12,9 +12,10 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr int kSamples = 27;                  // on the way outwards
-constexpr float kFrom = 0.3F;                 // squares beyond the line
-constexpr float kTo[] = {1.6F, 1.3F, 1.12F};  // the farthest that is in the image
+constexpr int kSamples = 27;                         // on the way outwards
+constexpr float kFrom = 0.3F;                        // squares beyond the line
+constexpr float kTo[] = {1.6F, 1.3F, 1.12F, 1.05F};  // the farthest that is in the image
+constexpr float kLeastMargin = 3;                    // px, beyond a square's end
 constexpr float kMargin = 0.45F;   // of the way there from a square's end on it is margin
 constexpr float kEdgeFrom = 0.8F;  // where a square of the last row may end
 constexpr float kEdgeTo = 1.25F;
@@ -73,6 +74,7 @@ std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, C
   const Node& nb = lattice.at(cell + step);
   const Point from = {0.5F * (na.x + nb.x), 0.5F * (na.y + nb.y)};
   const Point way = {0.5F * (a->x + b->x) - from.x, 0.5F * (a->y + b->y) - from.y};
+  if ((reach - 1) * std::hypot(way.x, way.y) < kLeastMargin) return std::nullopt;
   std::array<float, kSamples> t{};
   std::array<float, kSamples> v{};
   Profile p;

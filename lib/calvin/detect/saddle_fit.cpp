@@ -287,15 +287,15 @@ HWY_EXPORT(gather);
 HWY_EXPORT(accumulate);
 HWY_EXPORT(odd_square);
 
-constexpr float kLeastContrast = 3;     // grey levels
-constexpr float kLeastWidth = 0.2F;     // px
-constexpr float kLargestWidth = 8;      // px
-constexpr float kWidthPrior = 0.5F;     // 1 sigma of a step of a width's logarithm
-constexpr float kLongestStep = 1.2F;    // px
-constexpr float kSettledWidth = 0.03F;  // of a step of its logarithm
-constexpr float kLongestTurn = 0.3F;    // rad, in a step
-constexpr float kDamping = 1e-3F;       // Levenberg's, of the diagonal
-constexpr float kLeastSine = 0.15F;     // between the edges
+constexpr float kLeastContrast = 3;      // grey levels
+constexpr float kLeastWidth = 0.2F;      // px
+constexpr float kLargestWidth = 8;       // px
+constexpr float kWidthPrior = 0.5F;      // 1 sigma of a step of a width's logarithm
+constexpr float kLongestStep = 1.2F;     // px
+constexpr float kSettledWidth = 0.015F;  // of a step of its logarithm
+constexpr float kLongestTurn = 0.3F;     // rad, in a step
+constexpr float kDamping = 1e-3F;        // Levenberg's, of the diagonal
+constexpr float kLeastSine = 0.15F;      // between the edges
 // A pixel tells of an edge as far as its blur reaches, and as one does not know the edge's place.
 constexpr float kNearEdge = 3;  // widths
 constexpr float kNearEdgePx = 2.5F;

@@ -64,6 +64,6 @@ struct SaddleFit {
 // taken from the image first. False where it runs away, more than 0.6 radius, or where there is no
 // saddle; the fit is then spoilt.
 [[nodiscard]] bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
-                              float settled = 0.03F) noexcept;
+                              float settled = 0.02F) noexcept;
 
 }  // namespace calvin::detect
