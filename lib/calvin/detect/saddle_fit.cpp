@@ -6,6 +6,8 @@
 #include <hwy/foreach_target.h>
 // The order matters: Highway includes this file again for each target from the line above.
 #include <hwy/highway.h>
+// Likewise.
+#include "calvin/detect/saddle_model-inl.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +21,18 @@ namespace calvin::detect {
 
 // The unknowns, in this order: the widths by their logarithms, the directions by angles. The place
 // comes last, so that its covariance is to be had from the last of the triangular factor.
-enum Unknown { kAlong, kDown, kLevel, kContrast, kAlongWidth, kDownWidth, kX, kY, kUnknowns };
+enum Unknown {
+  kAlong,
+  kDown,
+  kLevel,
+  kContrast,
+  kAlongWidth,
+  kDownWidth,
+  kGain,
+  kX,
+  kY,
+  kUnknowns
+};
 inline constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
 // The two of each product, in this order.
 struct Pairs {
@@ -83,34 +96,6 @@ HWY_BEFORE_NAMESPACE();
 namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-// erf(x) = 1 - 1 / p(x)^4 for x > 0, within 5e-4: Abramowitz and Stegun, 7.1.27.
-template <class V>
-struct ErrorFunction {
-  V p;
-  V slope;  // of p
-
-  template <class D>
-  HWY_INLINE ErrorFunction(D d, V x) {
-    const auto set = [&](float v) { return hn::Set(d, v); };
-    const V t = hn::Min(hn::Abs(x), set(4.0F));
-    p = hn::MulAdd(set(0.078108F), t, set(0.000972F));
-    p = hn::MulAdd(p, t, set(0.230389F));
-    p = hn::MulAdd(p, t, set(0.278393F));
-    p = hn::MulAdd(p, t, set(1));
-    slope = hn::MulAdd(set(4 * 0.078108F), t, set(3 * 0.000972F));
-    slope = hn::MulAdd(slope, t, set(2 * 0.230389F));
-    slope = hn::MulAdd(slope, t, set(0.278393F));
-  }
-  // `inverse`: 1 / p.
-  template <class D>
-  HWY_INLINE V value(D d, V x, V inverse, V& derivative) const {
-    const V square = hn::Mul(inverse, inverse);
-    const V fourth = hn::Mul(square, square);
-    derivative = hn::Mul(hn::Mul(hn::Set(d, 4), slope), hn::Mul(fourth, inverse));
-    return hn::CopySign(hn::Sub(hn::Set(d, 1), fourth), x);
-  }
-};
 
 // Some pixels of a row, at the middle of which `row` is.
 void append(const std::uint8_t* row, Range range, float y, Window& window) {
@@ -220,19 +205,12 @@ void accumulate(Window& window, const SaddleFit& fit, float radius, float x, flo
     const V straight_b = hn::Sub(hn::Mul(down_y, dx), hn::Mul(down_x, dy));
     const V a = hn::Mul(hn::NegMulAdd(half_bend_a, hn::Mul(ua, ua), straight_a), wide_a);
     const V b = hn::Mul(hn::NegMulAdd(half_bend_b, hn::Mul(ub, ub), straight_b), wide_b);
-    // One division for the two of them.
-    const ErrorFunction<V> error_a(d, a);
-    const ErrorFunction<V> error_b(d, b);
-    const V inverse = hn::Div(one, hn::Mul(error_a.p, error_b.p));
-    V slope_a;
-    V slope_b;
-    const V ta = error_a.value(d, a, hn::Mul(inverse, error_b.p), slope_a);
-    const V tb = error_b.value(d, b, hn::Mul(inverse, error_a.p), slope_b);
+    const Saddle<V> saddle =
+        fit.has_gain ? parted_saddle(d, a, b, fit.gain, wide_a, wide_b) : plain_saddle(d, a, b);
     const V local = hn::MulAdd(set(fit.contrast_slope.x), dx,
                                hn::MulAdd(set(fit.contrast_slope.y), dy, contrast));
     const V base = hn::MulAdd(set(fit.slope.x), dx, hn::MulAdd(set(fit.slope.y), dy, level));
-    const V saddle = hn::Mul(ta, tb);
-    const V model = hn::MulAdd(local, saddle, base);
+    const V model = hn::MulAdd(local, saddle.value, base);
 
     // The last vector may reach beyond the window. A white pixel only tells that it is no darker, a
     // black one that it is no brighter.
@@ -251,17 +229,18 @@ void accumulate(Window& window, const SaddleFit& fit, float radius, float x, flo
     const V in = hn::IfThenElseZero(told, hn::Min(hn::Max(rim, hn::Zero(d)), one));
     const V e = hn::Mul(in, error);
     const V scale = hn::Mul(in, local);
-    const V by_a = hn::Mul(hn::Mul(scale, wide_a), hn::Mul(tb, slope_a));
-    const V by_b = hn::Mul(hn::Mul(scale, wide_b), hn::Mul(ta, slope_b));
+    const V by_a = hn::Mul(hn::Mul(scale, wide_a), saddle.by_a);
+    const V by_b = hn::Mul(hn::Mul(scale, wide_b), saddle.by_b);
     V j[kUnknowns];
     j[kX] = hn::Sub(hn::Mul(by_a, along_y), hn::Mul(by_b, down_y));
     j[kY] = hn::Sub(hn::Mul(by_b, down_x), hn::Mul(by_a, along_x));
     j[kAlong] = hn::Neg(hn::Mul(by_a, ua));
     j[kDown] = hn::Mul(by_b, ub);
     j[kLevel] = in;
-    j[kContrast] = hn::Mul(in, saddle);
-    j[kAlongWidth] = hn::Neg(hn::Mul(by_a, straight_a));
-    j[kDownWidth] = hn::Neg(hn::Mul(by_b, straight_b));
+    j[kContrast] = hn::Mul(in, saddle.value);
+    j[kAlongWidth] = hn::Neg(hn::Mul(scale, saddle.width_a));
+    j[kDownWidth] = hn::Neg(hn::Mul(scale, saddle.width_b));
+    j[kGain] = hn::Mul(scale, saddle.gain);
     add_products(j, e, products, gradient, std::make_index_sequence<kProducts>(),
                  std::make_index_sequence<kUnknowns>());
     square = hn::MulAdd(e, e, square);
@@ -279,6 +258,8 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
+#include <limits>
+
 namespace calvin::detect {
 
 namespace {
@@ -291,10 +272,15 @@ constexpr float kLeastContrast = 3;      // grey levels
 constexpr float kLeastWidth = 0.2F;      // px
 constexpr float kLargestWidth = 8;       // px
 constexpr float kWidthPrior = 0.5F;      // 1 sigma of a step of a width's logarithm
+constexpr float kGainPrior = 2;          // px, 1 sigma of a step of the gain
+constexpr float kMostGain = 5;           // px
 constexpr float kLongestStep = 1.2F;     // px
+constexpr float kSettledGain = 0.05F;    // px, of a step
 constexpr float kSettledWidth = 0.015F;  // of a step of its logarithm
 constexpr float kLongestTurn = 0.3F;     // rad, in a step
 constexpr float kDamping = 1e-3F;        // Levenberg's, of the diagonal
+constexpr float kFarthest = 0.6F;        // of the radius, from where the fit began
+constexpr double kOffMiddle = 0.9;       // px, from where a window is gathered anew
 constexpr float kLeastSine = 0.15F;      // between the edges
 // A pixel tells of an edge as far as its blur reaches, and as one does not know the edge's place.
 constexpr float kNearEdge = 3;  // widths
@@ -396,6 +382,7 @@ bool solve(Normal& normal, float pixels, float* change, Factor& factor) {
   for (const int width : {kAlongWidth, kDownWidth}) {
     normal.products[diagonal(width)] += variance / (kWidthPrior * kWidthPrior);
   }
+  normal.products[diagonal(kGain)] += variance / (kGainPrior * kGainPrior);
   for (int p = 0; p < kUnknowns; ++p) normal.products[diagonal(p)] *= 1 + kDamping;
   if (!factor.compute(normal.products)) return false;
   factor.solve(normal.gradient, change);
@@ -416,22 +403,20 @@ float apply(const float* change, float& x, float& y, SaddleFit& fit) {
   fit.contrast += share * change[kContrast];
   fit.along_width = widened(fit.along_width, share * change[kAlongWidth]);
   fit.down_width = widened(fit.down_width, share * change[kDownWidth]);
+  if (fit.has_gain) fit.gain = std::clamp(fit.gain + share * change[kGain], -kMostGain, kMostGain);
   return moved;
 }
 
-}  // namespace
-
-bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
-                float settled) noexcept {
-  radius = std::min(radius, static_cast<float>(kMaxFitRadius));
-  if (!(std::abs(fit.x) < 1e6) || !(std::abs(fit.y) < 1e6)) return false;
+// The steps in a window about the pixel in which the corner is.
+bool fit_in_window(const ImageView& image, float radius, int steps, float settled, SaddleFit& fit) {
   const int middle_x = static_cast<int>(std::lround(fit.x));
   const int middle_y = static_cast<int>(std::lround(fit.y));
   if (middle_x < 0 || middle_y < 0 || middle_x >= image.width || middle_y >= image.height) {
     return false;
   }
   Window window;
-  const float band = kNearEdge * std::max(fit.along_width, fit.down_width) + kNearEdgePx;
+  const float band =
+      kNearEdge * std::max(fit.along_width, fit.down_width) + kNearEdgePx + std::abs(fit.gain);
   while (most_pixels(radius + kRim, band) > kMostPixels) radius *= 0.9F;
   HWY_DYNAMIC_DISPATCH(gather)
   (image, middle_x, middle_y, radius, band, fit, window);
@@ -444,17 +429,37 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
   float pixels = 0;
   float change[kUnknowns];
   Factor factor{};
+  float least = std::numeric_limits<float>::infinity();  // mean square
+  SaddleFit before;
+  float before_x = x;
+  float before_y = y;
   for (int i = 0; i < steps; ++i) {
     HWY_DYNAMIC_DISPATCH(accumulate)(window, fit, radius, x, y, normal);
     pixels = normal.products[diagonal(kLevel)];
-    if (pixels < 2 * kUnknowns || !solve(normal, pixels, change, factor)) return false;
+    if (pixels < 2 * kUnknowns) return false;
+    // A step too far is taken back by half: with a gain, level and contrast are loose.
+    if (fit.has_gain && normal.square > pixels * least && i + 1 < steps) {
+      fit = before;
+      x = before_x;
+      y = before_y;
+      for (float& c : change) c *= 0.5F;
+      (void)apply(change, x, y, fit);
+      continue;
+    }
+    least = normal.square / pixels;
+    before = fit;
+    before_x = x;
+    before_y = y;
+    if (!solve(normal, pixels, change, factor)) return false;
     const float moved = apply(change, x, y, fit);
-    if (!(std::abs(x) <= 0.6F * radius && std::abs(y) <= 0.6F * radius) ||
+    if (!(std::abs(x) <= kFarthest * radius && std::abs(y) <= kFarthest * radius) ||
         std::abs(cross(fit.along, fit.down)) < kLeastSine) {
       return false;
     }
     const float widened_by = std::max(std::abs(change[kAlongWidth]), std::abs(change[kDownWidth]));
-    if (moved < settled && widened_by < kSettledWidth) break;
+    if (moved < settled && widened_by < kSettledWidth && std::abs(change[kGain]) < kSettledGain) {
+      break;
+    }
   }
   fit.x = middle_x + static_cast<double>(x);
   fit.y = middle_y + static_cast<double>(y);
@@ -463,6 +468,22 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
   fit.noise = std::sqrt(noise_variance(window, normal.square, pixels, normal.count) + kRounding);
   fit.sigma = fit.noise * std::sqrt(factor.place_variance());
   return fit.swing() >= kLeastContrast && std::isfinite(fit.sigma);
+}
+
+}  // namespace
+
+bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
+                float settled) noexcept {
+  radius = std::min(radius, static_cast<float>(kMaxFitRadius));
+  if (!(std::abs(fit.x) < 1e6) || !(std::abs(fit.y) < 1e6)) return false;
+  const double u = fit.x;
+  const double v = fit.y;
+  if (!fit_in_window(image, radius, steps, settled, fit)) return false;
+  // A corner that was elsewhere: its noise is that about its own middle.
+  const auto off = [](double from, double to) { return std::abs(to - std::round(from)); };
+  if (std::max(off(u, fit.x), off(v, fit.y)) < kOffMiddle) return true;
+  return fit_in_window(image, radius, steps, settled, fit) &&
+         std::max(off(u, fit.x), off(v, fit.y)) <= static_cast<double>(kFarthest * radius);
 }
 
 }  // namespace calvin::detect

@@ -37,6 +37,12 @@ struct SaddleFit {
       1.3F;  // px, of the edges' tanh; 0.83 times it is the sigma of a Gaussian blur
   float down_width = 1.3F;
 
+  // Whether what parts the squares is estimated too, and how far the bright ones reach beyond the
+  // edges, px: white that is over-exposed does, and between them, where ink has run, they end
+  // before the corner.
+  bool has_gain = false;
+  float gain = 0;
+
   // Given.
   float along_bend = 0;  // 1/px
   float down_bend = 0;
