@@ -34,6 +34,7 @@ constexpr float kMostNoise = 0.15F;  // of the contrast
 constexpr float kUncertain = 20;             // of the median sigma
 constexpr float kUncertainInNoise = 6;       // likewise, beside a fixed part
 constexpr float kUncertainInNoisePx = 0.3F;  // px
+constexpr float kOfNoise = 1.4F;             // a residual that the noise does not explain
 constexpr float kMostResidual = 0.9F;        // of the contrast
 constexpr float kLargestWidth = 8;           // px, of an edge
 constexpr float kLargestMove = 0.35F;        // of the spacing, between levels
@@ -79,12 +80,11 @@ float distance(const SaddleFit& fit, const Node& node) {
   return std::hypot(static_cast<float>(fit.x) - node.x, static_cast<float>(fit.y) - node.y);
 }
 
-// Fits once more where the squares do not meet: light or ink has parted them.
+// Fits once more as squares that do not meet, for light or ink has parted them; keeps the better.
 void fit_parted(const ImageView& image, float radius, int steps, SaddleFit& fit) {
   constexpr float kOfSwing = 0.06F;  // the residual that no noise explains
-  constexpr float kOfNoise = 1.4F;
   constexpr float kPartedWidth = 2;  // px, from which the steps find the gap
-  if (fit.residual < std::max(kOfSwing * fit.swing(), kOfNoise * fit.noise)) return;
+  if (fit.has_gain || fit.residual < kOfSwing * fit.swing()) return;
   // From the beginning: what was fitted without it may be a far too wide edge.
   SaddleFit parted = fit;
   parted.contrast = 0;
@@ -133,7 +133,7 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   f.along_width = f.down_width = std::max(2.0F, node.width);
   const float radius = std::clamp(kShare * spacing, kLeastRadius, kLastRadius);
   if (!fit_saddle(image, radius, 10, f)) return false;
-  fit_parted(image, radius, 10, f);
+  if (f.residual > kOfNoise * f.noise) fit_parted(image, radius, 10, f);
   if (!colours_fit(f, c) || 2 * f.swing() < kContrast * node.contrast ||
       distance(f, node) > 0.3F * spacing || f.residual > kResidual * f.swing() ||
       !shows_four_squares(image, f, spacing)) {
@@ -241,7 +241,7 @@ SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, 
   f.along_width = f.down_width = width;
   radius = std::clamp(kShare * spacing, kLeastRadius, radius);
   bool good = fit_saddle(image, radius, steps, f, kRoughly);
-  if (good) fit_parted(image, radius, steps, f);
+  if (good && f.residual > kOfNoise * f.noise) fit_parted(image, radius, steps, f);
   good = good && colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
   if (!good) f.noise = std::numeric_limits<float>::infinity();
   return f;
@@ -286,7 +286,10 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   best.noise = std::numeric_limits<float>::infinity();
   for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= 0.6F) {
     SaddleFit f = first;
-    if (!fit_saddle(image, radius, 8, f) || !colours_fit(f, c)) continue;
+    if (!fit_saddle(image, radius, 8, f)) continue;
+    // Squares that are parted sharply look like noise if the corner is not in a pixel's middle.
+    if (f.noise > kNoisy * usual_noise_ * f.swing()) fit_parted(image, radius, 8, f);
+    if (!colours_fit(f, c)) continue;
     if (f.noise < best.noise) best = f;
     if (f.noise <= kNoisy * usual_noise_ * f.swing()) break;
   }
