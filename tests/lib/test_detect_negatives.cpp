@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/detect/board_match.hpp"
+#include "calvin/detect/corner_graph.hpp"
 #include "calvin/detect/detector.hpp"
 #include "calvin/synth/render.hpp"
 #include "detect_scenes.hpp"
@@ -29,6 +31,93 @@ TEST(Negatives, HaveNoBoard) {
     const Detection d = finder->detect(view_of(bench::make_negative(size, 5000 + seed)));
     EXPECT_FALSE(d.observation.found()) << seed;
   }
+}
+
+// Fabrics and floors of which some corners are seen, three squares apart or nine, and boards of
+// another size that end a few px above the border of the picture: they were taken for the board
+// once.
+TEST(Negatives, AreNoPartsOfTheBoard) {
+  const auto finder = std::move(*make_detector(scenes::kBoard));
+  for (const std::uint64_t seed : {5253, 5571, 5629, 10071, 11133, 12201, 12102, 20112}) {
+    const Detection d = finder->detect(view_of(bench::make_negative({1920, 1080}, seed)));
+    EXPECT_FALSE(d.observation.found()) << seed;
+  }
+}
+
+TEST(Neighbours, AreJoinedByOneEdge) {
+  constexpr int kSide = 12;  // px
+  GrayImage image(240, 240);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 240; ++x) {
+      image.row(y)[x] = (x / kSide + y / kSide) % 2 == 0 ? 200 : 40;
+    }
+  }
+  for (const int every : {1, 3, 5, 7}) {
+    std::vector<detect::Corner> corners;
+    for (int row = 1; row < 19; row += every) {
+      for (int col = 1; col < 19; col += every) {
+        // Bright at the top left of even ones.
+        const detect::Direction right = {1, 0};
+        const detect::Direction down = {0, 1};
+        const auto u = static_cast<float>(col * kSide) - 0.5F;
+        const auto v = static_cast<float>(row * kSide) - 0.5F;
+        const bool even = (col + row) % 2 == 0;
+        corners.push_back({u, v, even ? right : down, even ? down : -right, 160});
+      }
+    }
+    detect::CornerGraph graph;
+    graph.build(image.view(), corners, 144);
+    std::size_t links = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const auto& ways = graph.neighbours(static_cast<int>(i));
+      links += ways.size() - std::count(ways.begin(), ways.end(), detect::kNoCorner);
+    }
+    EXPECT_EQ(links, every == 1 ? 4 * 18 * 17 : 0) << every;
+  }
+}
+
+// The corners of a board, exact.
+detect::Lattice lattice_of(const Camera& camera, const Board& board, const SE3& pose) {
+  detect::Lattice lattice(20);
+  const auto points = board.points();
+  const auto at = [&](int col, int row) {
+    return camera.project(pose * points[static_cast<std::size_t>(row * board.cols + col)]).value();
+  };
+  for (int row = 0; row < board.rows; ++row) {
+    for (int col = 0; col < board.cols; ++col) {
+      detect::Node node;
+      node.x = static_cast<float>(at(col, row).u);
+      node.y = static_cast<float>(at(col, row).v);
+      node.contrast = 190;
+      lattice.put({col + 1, row}, node);
+    }
+  }
+  return lattice;
+}
+
+// Corners that are the board's in number are not the board where the squares go on.
+TEST(Negatives, AreWindowsOfALargerBoard) {
+  const Camera camera = default_camera({1280, 720});
+  const Board window = scenes::kBoard;
+  scenes::Random random(8);
+  int boards = 0;
+  for (int n = 0; n < 60; ++n) {
+    const SE3 pose = scenes::random_pose(camera, window, random, 0.6);
+    // Its first square two columns before that of the window.
+    Board larger = window;
+    larger.cols += n % 2 == 0 ? 4 : 2;
+    larger.rows += 2;
+    const SE3 moved = {pose.rotation,
+                       pose.translation - pose.rotation * Eigen::Vector3d(2 * window.size, 0, 0)};
+    if (!scenes::sees_all(camera, larger, moved)) continue;
+    ++boards;
+    detect::Lattice lattice = lattice_of(camera, window, pose);
+    const GrayImage own = render_board(camera, window, pose, {.noise = 2, .blur = 1});
+    EXPECT_EQ(detect::match_board(own.view(), window, lattice).reason, Reason::kAccepted) << n;
+    const GrayImage other = render_board(camera, larger, moved, {.noise = 2, .blur = 1});
+    EXPECT_EQ(detect::match_board(other.view(), window, lattice).reason, Reason::kWrongBoard) << n;
+  }
+  EXPECT_GE(boards, 10);
 }
 
 // A floor of tiles is a board far too large; the board that lies on it is still one.

@@ -12,11 +12,12 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr int kSamples = 27;   // on the way outwards
-constexpr float kFrom = 0.3F;  // squares beyond the line
-constexpr float kTo = 1.6F;
-constexpr float kToAtBorder = 1.3F;  // where the image ends sooner
-constexpr float kEdgeFrom = 0.8F;    // where a square of the last row may end
+constexpr int kSamples = 27;                         // on the way outwards
+constexpr float kFrom = 0.3F;                        // squares beyond the line
+constexpr float kTo[] = {1.6F, 1.3F, 1.12F, 1.05F};  // the farthest that is in the image
+constexpr float kLeastMargin = 3;                    // px, beyond a square's end
+constexpr float kMargin = 0.45F;   // of the way there from a square's end on it is margin
+constexpr float kEdgeFrom = 0.8F;  // where a square of the last row may end
 constexpr float kEdgeTo = 1.25F;
 constexpr float kRagged = 0.15F;   // how much further one of them may
 constexpr float kDiffers = 0.65F;  // of the contrast: another colour
@@ -73,6 +74,7 @@ std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, C
   const Node& nb = lattice.at(cell + step);
   const Point from = {0.5F * (na.x + nb.x), 0.5F * (na.y + nb.y)};
   const Point way = {0.5F * (a->x + b->x) - from.x, 0.5F * (a->y + b->y) - from.y};
+  if ((reach - 1) * std::hypot(way.x, way.y) < kLeastMargin) return std::nullopt;
   std::array<float, kSamples> t{};
   std::array<float, kSamples> v{};
   Profile p;
@@ -86,7 +88,7 @@ std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, C
     if (t[i] < 0.7F) {
       p.inside += v[i];
       inner += 1;
-    } else if (t[i] > reach - 0.3F * (reach - 0.6F)) {
+    } else if (t[i] > 1 + kMargin * (reach - 1)) {
       p.outside += v[i];
       outer += 1;
     }
@@ -121,8 +123,11 @@ Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first, C
   for (int i = 0; i + 1 < count; ++i) {
     const Cell cell = first + i * step;
     if (!lattice.has(cell) || !lattice.has(cell + step)) continue;
-    auto p = profile(image, lattice, cell, step, outwards, kTo);
-    if (!p) p = profile(image, lattice, cell, step, outwards, kToAtBorder);
+    std::optional<Profile> p;
+    for (const float to : kTo) {
+      p = profile(image, lattice, cell, step, outwards, to);
+      if (p) break;
+    }
     if (!p) continue;
     ++seen;
     const float contrast = std::max(lattice.at(cell).contrast, 1.0F);
@@ -145,6 +150,44 @@ Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first, C
     }
   }
   return Edge::kNotSeen;
+}
+
+bool goes_on(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
+             Cell outwards) {
+  constexpr float kBeyond = 1.35F;   // squares: margin, or half into the second one
+  constexpr float kAside = 0.25F;    // squares
+  constexpr float kContrast = 0.3F;  // of the corner's
+  constexpr int kFewest = 3;
+  if (image.width < 2 || image.height < 2) return false;
+  int seen = 0;
+  int exchanged = 0;
+  for (int i = 0; i < count; ++i) {
+    const Cell cell = first + i * step;
+    const auto next = beyond(lattice, cell, outwards);
+    if (!next) continue;
+    const Node& node = lattice.at(cell);
+    const Point way = {next->x - node.x, next->y - node.y};
+    // Along the line to the next node, whichever is there.
+    const Cell other = lattice.has(cell + step) ? cell + step : cell - step;
+    if (!lattice.has(other)) continue;
+    const float sign = lattice.has(cell + step) ? kAside : -kAside;
+    const Point aside = {sign * (lattice.at(other).x - node.x),
+                         sign * (lattice.at(other).y - node.y)};
+    const auto across = [&](float share) -> std::optional<float> {
+      const Point at = {node.x + share * way.x, node.y + share * way.y};
+      const auto a = grey(image, {at.x + aside.x, at.y + aside.y});
+      const auto b = grey(image, {at.x - aside.x, at.y - aside.y});
+      if (!a || !b) return std::nullopt;
+      return *a - *b;
+    };
+    const auto inner = across(0.5F);
+    const auto outer = across(kBeyond);
+    if (!inner || !outer) continue;
+    ++seen;
+    const bool turns = (*inner > 0) != (*outer > 0);
+    exchanged += turns && std::abs(*outer) > kContrast * node.contrast ? 1 : 0;
+  }
+  return seen >= kFewest && 2 * exchanged > seen;
 }
 
 }  // namespace calvin::detect

@@ -18,4 +18,10 @@ enum class Edge { kNotSeen, kDarkMargin, kBrightMargin };
 [[nodiscard]] Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first,
                                  Cell step, int count, Cell outwards);
 
+// Whether the squares go on beyond a line of nodes that is said to be the outermost one: the edges
+// that cross it have exchanged their colours where on a board the margin is. False where too little
+// is in view to tell.
+[[nodiscard]] bool goes_on(const ImageView& image, const Lattice& lattice, Cell first, Cell step,
+                           int count, Cell outwards);
+
 }  // namespace calvin::detect

@@ -109,6 +109,23 @@ Edges edges_of(const ImageView& image, const Lattice& lattice, const Extent& e) 
   return edges;
 }
 
+// Whether a board of this size would be a part of something larger.
+bool goes_on_anywhere(const ImageView& image, const Lattice& lattice, const Extent& e) {
+  for (int side = 0; side < 4; ++side) {
+    const Line line = line_of(e, side);
+    if (goes_on(image, lattice, line.first, line.step, line.count,
+                kAround[static_cast<std::size_t>(side)])) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool has_size_of(const Extent& e, const Board& board) {
+  return (e.cols() == board.cols && e.rows() == board.rows) ||
+         (e.cols() == board.rows && e.rows() == board.cols);
+}
+
 // Every way in which the lattice can be (a part of) the board.
 std::vector<Placement> placements(const Board& board, const Extent& e, const Edges& edges) {
   std::vector<Placement> all;
@@ -200,10 +217,8 @@ bool is_enough(const Lattice& lattice, const Board& board, const Extent& e, cons
   if (count == all) return true;
   if (count < kLeastNodes || count < kLeastShare * all || e.cols() < 3 || e.rows() < 3)
     return false;
-  const bool all_of_it = (e.cols() == board.cols && e.rows() == board.rows) ||
-                         (e.cols() == board.rows && e.rows() == board.cols);
   const int seen = edges.count();
-  return (all_of_it && count > kEdgelessShare * all) || seen >= 1;
+  return (has_size_of(e, board) && count > kEdgelessShare * all) || seen >= 1;
 }
 
 }  // namespace
@@ -254,6 +269,10 @@ Match match_board(const ImageView& image, const Board& board, Lattice& lattice) 
   if (!small_enough) {
     match.reason = Reason::kWrongBoard;
     match.certain = lattice.count() > board.point_count();
+    return match;
+  }
+  if (has_size_of(e, board) && goes_on_anywhere(image, lattice, e)) {
+    match.reason = Reason::kWrongBoard;
     return match;
   }
   match.whole = lattice.count() == board.point_count();

@@ -176,7 +176,7 @@ void BoardSearch::look(const ImageView& image, const SearchOptions& options) {
   }
   // Too few for a board: this is what makes an image without one cheap.
   if (static_cast<int>(corners_.size()) < options.least_nodes) return;
-  graph_.build(corners_, image.size(), options.reach);
+  graph_.build(image, corners_, options.reach);
   find_groups();
 }
 

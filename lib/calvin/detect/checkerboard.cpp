@@ -12,6 +12,7 @@
 #include "calvin/detect/lattice.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/refine.hpp"
+#include "calvin/detect/scatter.hpp"
 #include "calvin/detect/tracker.hpp"
 
 namespace calvin::detect {
@@ -93,6 +94,7 @@ class CheckerboardDetector final : public Detector {
   [[nodiscard]] bool look_ahead(const ImageView& image, Detection& result);
   Detection search(const ImageView& image, const std::stop_token& stop);
   void look_in_level(int level, Detection& result);
+  [[nodiscard]] bool is_all_there_is(int level) const;
   // Whether `lattice_`, in px of a level, is what a smaller level has seen to be no board of ours.
   [[nodiscard]] bool is_known_other(int level) const;
   // `lattice_` in px of the image is a board of another size, or may be the part of one.
@@ -111,6 +113,7 @@ class CheckerboardDetector final : public Detector {
   Placement placement_;  // of what was reported last, which is lattice_ where it is whole
   Lattice part_;         // of the board, the largest seen so far, in px of the image
   Match part_match_;     // of it
+  int part_level_ = 0;   // where it was seen first
   Area other_area_;
   Lattice other_;               // the largest of another board, likewise
   bool other_is_sure_ = false;  // and no part of the one that is looked for
@@ -165,6 +168,7 @@ Detection CheckerboardDetector::search(const ImageView& image, const std::stop_t
     if (stop.stop_requested()) return {result.observation, Reason::kNotFound};
     look_in_level(level, result);
     if (result.observation.found()) return result;
+    if (is_all_there_is(level)) break;
   }
   // What was a part of the board at one level may be another board at the next.
   const bool is_other =
@@ -210,11 +214,22 @@ void CheckerboardDetector::look_in_level(int level, Detection& result) {
     if (match.reason == Reason::kAccepted && lattice_.count() > part_.count()) {
       part_ = lattice_;
       part_match_ = match;
+      part_level_ = level;
     }
     if (match.reason == Reason::kWrongBoard) {
       (void)note_other(match.seen_cols, match.seen_rows, match.certain, result);
     }
   }
+}
+
+// Most of a board, of which a level with room enough in its squares has shown no more than the one
+// before: what is not seen is covered, or out of the image. A few corners are worth another look.
+bool CheckerboardDetector::is_all_there_is(int level) const {
+  constexpr float kRoom = 10;    // px of the level
+  constexpr double kFew = 0.04;  // of the board's corners
+  const int missing = board_.point_count() - part_.count();
+  return missing > kFew * board_.point_count() && missing <= part_.count() && part_level_ > level &&
+         Area(part_, 0).square >= kRoom * static_cast<float>(1 << level);
 }
 
 bool CheckerboardDetector::is_known_other(int level) const {
@@ -237,12 +252,10 @@ bool CheckerboardDetector::note_other(int cols, int rows, bool sure, Detection& 
   return true;
 }
 
-// What the fit of a saddle is off by where pixels and blur are not its model's, px. Noise averages
-// out over the views, this does not: a sigma that knew of the noise alone would promise too much of
-// a calibration. The fit's own sigma is too small where the picture is bad (bench_detect: JPEG,
-// several faults at once), and a little caution costs less than a promise that is not kept.
-constexpr double kBias = 0.004;
-constexpr double kCaution = 1.2;
+// What all corners near each other are off by, px, which neither noise nor scatter tell. It does
+// not average out over the views: a sigma that knew of the noise alone would promise too much of a
+// calibration.
+constexpr double kBias = 0.001;
 
 bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& result) {
   const ImageView& image = pyramid_.level(0);
@@ -259,6 +272,7 @@ bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& resu
 
 void CheckerboardDetector::report(const Match& match, const Lattice& lattice, Detection& result) {
   Observation& o = result.observation;
+  const double ratio = static_cast<double>(scatter(lattice));
   for (int row = 0; row < board_.rows; ++row) {
     for (int col = 0; col < board_.cols; ++col) {
       const Cell cell = match.placement.cell({col, row});
@@ -266,7 +280,7 @@ void CheckerboardDetector::report(const Match& match, const Lattice& lattice, De
       const SaddleFit& fit = refinement_.at(cell);
       o.ids.push_back(row * board_.cols + col);
       o.uv.push_back({fit.x, fit.y});
-      o.sigma.push_back(kCaution * std::hypot(static_cast<double>(fit.sigma), kBias));
+      o.sigma.push_back(std::hypot(ratio * static_cast<double>(fit.sigma), kBias));
     }
   }
   o.ambiguous = match.ambiguous;

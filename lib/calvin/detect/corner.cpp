@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <numbers>
 
 namespace calvin::detect {
@@ -13,104 +16,102 @@ namespace calvin::detect {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kLeastContrast = 8;   // grey levels
+constexpr int kLeastContrast = 8;     // grey levels
 constexpr float kLargestKink = 0.6F;  // rad, between the two halves of an edge
 constexpr float kLeastAngle = 0.3F;   // rad, between the edges
 
-constexpr int kMaxSamples = 28;
-
 // The pixels of a ring in the order of their angles. Point-symmetric: the second half is the first
 // one negated.
+template <int kCount>
 struct Ring {
-  int count = 0;
-  std::array<int, kMaxSamples> x{};
-  std::array<int, kMaxSamples> y{};
-  std::array<float, kMaxSamples + 1> angle{};  // the last is the first, a turn further on
+  static constexpr int kSize = kCount;
+  std::array<int, kCount> x{};
+  std::array<int, kCount> y{};
+  std::array<float, kCount + 1> angle{};  // the last is the first, a turn further on
+
+  explicit Ring(float radius) {
+    for (int k = 0; k < kCount; ++k) {
+      const int half = k % (kCount / 2);
+      const int sign = k < kCount / 2 ? 1 : -1;
+      const float at_angle = 2 * kPi * static_cast<float>(half) / static_cast<float>(kCount);
+      const auto at = static_cast<std::size_t>(k);
+      x[at] = sign * static_cast<int>(std::lround(radius * std::cos(at_angle)));
+      y[at] = sign * static_cast<int>(std::lround(radius * std::sin(at_angle)));
+      float seen = std::atan2(static_cast<float>(y[at]), static_cast<float>(x[at]));
+      if (seen < 0) seen += 2 * kPi;
+      angle[at] = seen;
+    }
+    angle[kCount] = angle[0] + 2 * kPi;
+  }
 };
 
-Ring make_ring(float radius, int count) {
-  Ring ring;
-  ring.count = count;
-  for (int k = 0; k < count; ++k) {
-    const int half = k % (count / 2);
-    const int sign = k < count / 2 ? 1 : -1;
-    const float angle = 2 * kPi * static_cast<float>(half) / static_cast<float>(count);
-    const auto at = static_cast<std::size_t>(k);
-    ring.x[at] = sign * static_cast<int>(std::lround(radius * std::cos(angle)));
-    ring.y[at] = sign * static_cast<int>(std::lround(radius * std::sin(angle)));
-    float seen = std::atan2(static_cast<float>(ring.y[at]), static_cast<float>(ring.x[at]));
-    if (seen < 0) seen += 2 * kPi;
-    ring.angle[at] = seen;
-  }
-  ring.angle[static_cast<std::size_t>(count)] = ring.angle[0] + 2 * kPi;
-  return ring;
-}
+constexpr int kScale = 8;  // of Samples::grey
 
+// Smoothed along the ring. Whole numbers, and loops of a known length, which the compiler turns
+// into vectors: this is done for every peak of the response.
+template <int kCount>
 struct Samples {
-  std::array<float, kMaxSamples> grey{};  // less the middle between the extremes
-  float contrast = 0;
+  std::array<int, kCount> grey{};  // kScale x grey levels, less the middle between the extremes
+  int contrast = 0;                // likewise
+
+  Samples(const ImageView& image, int x, int y, const Ring<kCount>& ring) {
+    std::array<int, kCount + 2> raw{};
+    const std::uint8_t* at = image.data + y * image.stride + x;
+    for (std::size_t k = 0; k < kCount; ++k) raw[k + 1] = at[ring.y[k] * image.stride + ring.x[k]];
+    raw[0] = raw[kCount];
+    raw[kCount + 1] = raw[1];
+    int least = 4 * 255;
+    int most = 0;
+    for (std::size_t k = 0; k < kCount; ++k) {
+      grey[k] = raw[k] + 2 * raw[k + 1] + raw[k + 2];
+      least = std::min(least, grey[k]);
+      most = std::max(most, grey[k]);
+    }
+    contrast = 2 * (most - least);
+    for (std::size_t k = 0; k < kCount; ++k) grey[k] = 2 * grey[k] - (least + most);
+  }
+
+  [[nodiscard]] bool is_symmetric(float asymmetry) const {
+    constexpr std::size_t kHalf = kCount / 2;
+    int differences = 0;
+    int deviations = 0;
+    for (std::size_t k = 0; k < kHalf; ++k) {
+      differences += std::abs(grey[k] - grey[k + kHalf]);
+      deviations += std::abs(grey[k]) + std::abs(grey[k + kHalf]);
+    }
+    return static_cast<float>(differences) <= asymmetry * static_cast<float>(deviations);
+  }
+
+  // A bit for each sample that differs in colour from the next one.
+  [[nodiscard]] std::uint32_t changes() const {
+    std::uint32_t dark = 0;
+    for (std::size_t k = 0; k < kCount; ++k) dark |= (grey[k] < 0 ? 1U : 0U) << k;
+    return dark ^ (dark >> 1 | (dark & 1U) << (kCount - 1));
+  }
 };
-
-Samples sample(const ImageView& image, int x, int y, const Ring& ring) {
-  std::array<int, kMaxSamples + 2> raw{};
-  const std::uint8_t* at = image.data + y * image.stride + x;
-  const auto count = static_cast<std::size_t>(ring.count);
-  for (std::size_t k = 0; k < count; ++k) raw[k + 1] = at[ring.y[k] * image.stride + ring.x[k]];
-  raw[0] = raw[count];
-  raw[count + 1] = raw[1];
-  int least = 4 * 255;
-  int most = 0;
-  std::array<int, kMaxSamples> smooth{};
-  for (std::size_t k = 0; k < count; ++k) {
-    smooth[k] = raw[k] + 2 * raw[k + 1] + raw[k + 2];
-    least = std::min(least, smooth[k]);
-    most = std::max(most, smooth[k]);
-  }
-  Samples samples;
-  const float middle = 0.5F * static_cast<float>(least + most);
-  for (std::size_t k = 0; k < count; ++k) {
-    samples.grey[k] = 0.25F * (static_cast<float>(smooth[k]) - middle);
-  }
-  samples.contrast = 0.25F * static_cast<float>(most - least);
-  return samples;
-}
-
-bool is_symmetric(const Samples& samples, const Ring& ring, float asymmetry) {
-  const auto half = static_cast<std::size_t>(ring.count / 2);
-  float differences = 0;
-  float deviations = 0;
-  for (std::size_t k = 0; k < half; ++k) {
-    differences += std::abs(samples.grey[k] - samples.grey[k + half]);
-    deviations += std::abs(samples.grey[k]) + std::abs(samples.grey[k + half]);
-  }
-  return differences <= asymmetry * deviations;
-}
 
 Direction direction(float angle) { return {std::cos(angle), std::sin(angle)}; }
 
-}  // namespace
-
-bool check_ring(const ImageView& image, int x, int y, RingSize size, float asymmetry,
-                Corner& corner) noexcept {
-  static const Ring kSmall = make_ring(3.3F, 20);
-  static const Ring kLarge = make_ring(4.5F, 28);
-  const Ring& ring = size == RingSize::kSmall ? kSmall : kLarge;
-  const Samples samples = sample(image, x, y, ring);
-  if (samples.contrast < kLeastContrast || !is_symmetric(samples, ring, asymmetry)) return false;
+template <int kCount>
+bool check(const ImageView& image, int x, int y, const Ring<kCount>& ring, float asymmetry,
+           Corner& corner) {
+  const Samples<kCount> samples(image, x, y, ring);
+  if (samples.contrast < kScale * kLeastContrast || !samples.is_symmetric(asymmetry)) return false;
+  std::uint32_t changes = samples.changes();
+  if (std::popcount(changes) != 4) return false;
 
   std::array<float, 4> change{};  // rad, where the colour changes
-  std::size_t changes = 0;
-  bool first_rises = false;
-  const auto count = static_cast<std::size_t>(ring.count);
-  for (std::size_t k = 0; k < count; ++k) {
-    const float a = samples.grey[k];
-    const float b = samples.grey[k + 1 == count ? 0 : k + 1];
-    if ((a < 0) == (b < 0)) continue;
-    if (changes == 4) return false;
-    if (changes == 0) first_rises = b >= 0;
-    change[changes++] = ring.angle[k] + a / (a - b) * (ring.angle[k + 1] - ring.angle[k]);
+  const auto next = [&] {
+    return std::min<std::size_t>(static_cast<std::size_t>(std::countr_zero(changes)), kCount - 1);
+  };
+  const bool first_rises = samples.grey[next()] < 0;
+  for (float& angle : change) {
+    const std::size_t k = next();
+    const auto a = static_cast<float>(samples.grey[k]);
+    const auto b = static_cast<float>(samples.grey[k + 1 == kCount ? 0 : k + 1]);
+    angle = ring.angle[k] + a / (a - b) * (ring.angle[k + 1] - ring.angle[k]);
+    changes &= changes - 1;
   }
-  if (changes != 4) return false;
   if (std::abs(change[2] - change[0] - kPi) > kLargestKink ||
       std::abs(change[3] - change[1] - kPi) > kLargestKink) {
     return false;
@@ -120,8 +121,18 @@ bool check_ring(const ImageView& image, int x, int y, RingSize size, float asymm
   if (second - first < kLeastAngle || second - first > kPi - kLeastAngle) return false;
   corner.rising = direction(first_rises ? first : second);
   corner.falling = direction(first_rises ? second : first + kPi);
-  corner.contrast = samples.contrast;
+  corner.contrast = static_cast<float>(samples.contrast) / kScale;
   return true;
+}
+
+}  // namespace
+
+bool check_ring(const ImageView& image, int x, int y, RingSize size, float asymmetry,
+                Corner& corner) noexcept {
+  static const Ring<20> kSmall(3.3F);
+  static const Ring<28> kLarge(4.5F);
+  return size == RingSize::kSmall ? check(image, x, y, kSmall, asymmetry, corner)
+                                  : check(image, x, y, kLarge, asymmetry, corner);
 }
 
 }  // namespace calvin::detect

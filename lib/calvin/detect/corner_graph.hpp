@@ -2,27 +2,23 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Which corners are neighbours: the edge that leaves one arrives at the other, with its colours
-// exchanged, and both see each other first.
+// exchanged, both see each other first, and the image has that edge all the way between them.
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "calvin/detect/corner.hpp"
+#include "calvin/detect/neighbour_search.hpp"
 
 namespace calvin::detect {
-
-// The ways to leave a corner: along its rising edge, against it, along the falling one, against it.
-inline constexpr int kWays = 4;
-inline constexpr int kNoCorner = -1;
 
 // Keeps its memory.
 class CornerGraph {
  public:
   // Neighbours no further than `reach` px apart are seen.
-  void build(std::span<const Corner> corners, ImageSize size, float reach);
+  void build(const ImageView& image, std::span<const Corner> corners, float reach);
 
   // The neighbour of a corner on each way, or kNoCorner; mutual.
   [[nodiscard]] const std::array<int, kWays>& neighbours(int corner) const {
@@ -30,15 +26,9 @@ class CornerGraph {
   }
 
  private:
-  void sort_into_cells(std::span<const Corner> corners, ImageSize size);
-  [[nodiscard]] std::array<int, kWays> nearest(std::span<const Corner> corners, int self,
-                                               float reach) const;
   [[nodiscard]] bool skips(std::span<const Corner> corners, int from, int to) const;
 
-  int cells_across_ = 0;
-  int cells_down_ = 0;
-  std::vector<int> cell_begin_;  // of each cell in `in_cells_`, and the end
-  std::vector<int> in_cells_;    // indices of corners
+  NeighbourSearch search_;
   std::vector<std::array<int, kWays>> nearest_;
   std::vector<std::array<int, kWays>> links_;
 };

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-
 namespace calvin::detect {
 
 namespace {
@@ -18,10 +16,14 @@ constexpr float kFirstRadius = 8;     // px
 constexpr float kCloseRadius = 4.5F;  // px
 constexpr float kPrune = 0.3F;        // of the spacing
 constexpr int kFewestNodes = 4;
-constexpr float kLastRadius = 14;        // px
-constexpr float kLevelRadius = 5;        // px, in a smaller level
-constexpr float kShare = 0.45F;          // of the spacing, of a window's radius
-constexpr float kLargestShare = 0.75F;   // of the spacing, where the image is sharp
+constexpr float kLastRadius = 14;      // px
+constexpr float kRoughly = 0.1F;       // px, where a better fit follows
+constexpr float kLevelRadius = 5;      // px, in a smaller level
+constexpr float kShare = 0.45F;        // of the spacing, of a window's radius
+constexpr float kLargestShare = 0.6F;  // of the spacing, where the image is sharp
+// How far it reaches along the edges of large squares: twice as far halves the variance, and takes
+// twice as long.
+constexpr float kFarShare = 0.36F;
 constexpr float kClear = 2.6F;           // edge widths between a window and the next edge
 constexpr float kLeastContrast = 0.25F;  // of the median
 // What a hand or a shadow on a corner leaves of it is not symmetric, and shows as noise.
@@ -32,6 +34,7 @@ constexpr float kMostNoise = 0.15F;  // of the contrast
 constexpr float kUncertain = 20;             // of the median sigma
 constexpr float kUncertainInNoise = 6;       // likewise, beside a fixed part
 constexpr float kUncertainInNoisePx = 0.3F;  // px
+constexpr float kOfNoise = 1.4F;             // a residual that the noise does not explain
 constexpr float kMostResidual = 0.9F;        // of the contrast
 constexpr float kLargestWidth = 8;           // px, of an edge
 constexpr float kLargestMove = 0.35F;        // of the spacing, between levels
@@ -68,7 +71,7 @@ void take(const SaddleFit& fit, Node& node) {
   node.y = static_cast<float>(fit.y);
   node.along = fit.along;
   node.down = fit.down;
-  node.contrast = 2 * std::abs(fit.contrast);
+  node.contrast = 2 * fit.swing();
   node.width = std::max(fit.along_width, fit.down_width);
   node.sigma = fit.sigma;
 }
@@ -77,54 +80,20 @@ float distance(const SaddleFit& fit, const Node& node) {
   return std::hypot(static_cast<float>(fit.x) - node.x, static_cast<float>(fit.y) - node.y);
 }
 
-// A polynomial of second degree over columns and rows, by least squares.
-class Surface {
- public:
-  void add(Cell c, double value) {
-    const Terms t = terms(c);
-    normal_ += t * t.transpose();
-    right_ += value * t;
-    ++count_;
+// Fits once more as squares that do not meet, for light or ink has parted them; keeps the better.
+void fit_parted(const ImageView& image, float radius, int steps, SaddleFit& fit) {
+  constexpr float kOfSwing = 0.06F;  // the residual that no noise explains
+  constexpr float kPartedWidth = 2;  // px, from which the steps find the gap
+  if (fit.has_gain || fit.residual < kOfSwing * fit.swing()) return;
+  // From the beginning: what was fitted without it may be a far too wide edge.
+  SaddleFit parted = fit;
+  parted.contrast = 0;
+  parted.along_width = parted.down_width = kPartedWidth;
+  parted.has_gain = true;
+  if (fit_saddle(image, radius, 2 * steps, parted, kRoughly) && parted.residual < fit.residual &&
+      parted.noise < kOfNoise * fit.noise) {
+    fit = parted;
   }
-  // Absent data: 0. Few: their mean.
-  void solve() {
-    if (count_ == 0) return;
-    if (count_ < 12) {
-      const double mean = right_[0] / count_;
-      coefficients_.setZero();
-      coefficients_[0] = mean;
-      return;
-    }
-    // A little of a prior: there may be but two columns.
-    Eigen::Matrix<double, 6, 6> n = normal_;
-    n.diagonal().array() += 1e-6 * count_;
-    coefficients_ = n.ldlt().solve(right_);
-  }
-  [[nodiscard]] double at(Cell c) const { return terms(c).dot(coefficients_); }
-
- private:
-  using Terms = Eigen::Matrix<double, 6, 1>;
-  static Terms terms(Cell c) {
-    const double x = 0.1 * c.col;
-    const double y = 0.1 * c.row;
-    Terms t;
-    t << 1, x, y, x * x, x * y, y * y;
-    return t;
-  }
-
-  int count_ = 0;
-  Eigen::Matrix<double, 6, 6> normal_ = Eigen::Matrix<double, 6, 6>::Zero();
-  Terms right_ = Terms::Zero();
-  Terms coefficients_ = Terms::Zero();
-};
-
-// How much a line bends at its middle one of three nodes, 1/px, towards `normal`.
-double bend(const SaddleFit& before, const SaddleFit& at, const SaddleFit& after,
-            Direction normal) {
-  const double half = std::hypot(after.x - before.x, after.y - before.y) / 2;
-  const double u = before.x - 2 * at.x + after.x;
-  const double v = before.y - 2 * at.y + after.y;
-  return (static_cast<double>(normal.x) * u + static_cast<double>(normal.y) * v) / (half * half);
 }
 
 // Whether all four squares of a corner are in view, as far from it as the border of the image lets
@@ -146,8 +115,8 @@ bool shows_four_squares(const ImageView& image, const SaddleFit& fit, float spac
       const int x = static_cast<int>(std::lround(u + sight * way.x / length));
       const int y = static_cast<int>(std::lround(v + sight * way.y / length));
       if (x < 0 || y < 0 || x >= image.width || y >= image.height) return false;
-      const float grey = static_cast<float>(image.at(x, y)) - fit.level;
-      if (a * b * grey / fit.contrast < kClearly) return false;
+      const float grey = static_cast<float>(image.at(x, y)) - fit.middle();
+      if (a * b * grey * (fit.contrast > 0 ? 1.0F : -1.0F) < kClearly * fit.swing()) return false;
     }
   }
   return true;
@@ -162,9 +131,11 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   const float spacing = spacing_at(lattice, c);
   SaddleFit f = fit_of(node);
   f.along_width = f.down_width = std::max(2.0F, node.width);
-  if (!fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, kLastRadius), 10, f) ||
-      !colours_fit(f, c) || 2 * std::abs(f.contrast) < kContrast * node.contrast ||
-      distance(f, node) > 0.3F * spacing || f.residual > kResidual * std::abs(f.contrast) ||
+  const float radius = std::clamp(kShare * spacing, kLeastRadius, kLastRadius);
+  if (!fit_saddle(image, radius, 10, f)) return false;
+  if (f.residual > kOfNoise * f.noise) fit_parted(image, radius, 10, f);
+  if (!colours_fit(f, c) || 2 * f.swing() < kContrast * node.contrast ||
+      distance(f, node) > 0.3F * spacing || f.residual > kResidual * f.swing() ||
       !shows_four_squares(image, f, spacing)) {
     return false;
   }
@@ -173,7 +144,7 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   const bool has_room = x >= kRingReach && y >= kRingReach && x < image.width - kRingReach &&
                         y < image.height - kRingReach;
   Corner corner;
-  if (has_room && f.noise > kNoise * std::abs(f.contrast) &&
+  if (has_room && f.noise > kNoise * f.swing() &&
       !check_ring(image, x, y, RingSize::kLarge, kAsymmetry, corner)) {
     return false;
   }
@@ -185,8 +156,7 @@ bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
 }  // namespace
 
 void Refinement::begin(const Lattice& lattice) {
-  extent_ = lattice.extent();
-  fits_.assign(static_cast<std::size_t>(extent_.cols() * extent_.rows()), {});
+  fits_.reset(lattice.extent());
   cells_.clear();
   lattice.for_each([&](Cell c, const Node& node) {
     fit(c) = fit_of(node);
@@ -207,7 +177,7 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
     SaddleFit f = fit(c);
     const float radius = std::clamp(kShare * spacing, kLeastRadius, kLevelRadius);
     const bool good =
-        fit_saddle(pyramid.level(level), radius, 6, f) && colours_fit(f, c) &&
+        fit_saddle(pyramid.level(level), radius, 6, f, kRoughly) && colours_fit(f, c) &&
         std::hypot(f.x - fit(c).x, f.y - fit(c).y) < std::max(1.5F, kLargestMove * spacing);
     // One that runs away keeps its first place: the fit in the image will tell.
     if (good) fit(c) = f;
@@ -234,82 +204,14 @@ void Refinement::look_at_guesses(const ImageView& image, Lattice& lattice) {
   lattice.prune(0.5F);
 }
 
-void Refinement::set_bends(const Lattice& lattice) {
-  Surface along;
-  Surface down;
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    const SaddleFit& f = fit(c);
-    const auto line = [&](Cell step, Direction normal, Surface& surface) {
-      if (!lattice.has(c + step) || !lattice.has(c - step)) return;
-      surface.add(c, bend(fit(c - step), f, fit(c + step), normal));
-    };
-    line({1, 0}, {-f.along.y, f.along.x}, along);
-    line({0, 1}, {f.down.y, -f.down.x}, down);
-  });
-  along.solve();
-  down.solve();
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    fit(c).along_bend = static_cast<float>(along.at(c));
-    fit(c).down_bend = static_cast<float>(down.at(c));
-  });
-}
-
-void Refinement::set_slopes(const Lattice& lattice) {
-  Surface level;
-  Surface contrast;
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    level.add(c, static_cast<double>(fit(c).level));
-    contrast.add(c, static_cast<double>(std::abs(fit(c).contrast)));
-  });
-  level.solve();
-  contrast.solve();
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    SaddleFit& f = fit(c);
-    // The steps of a column and of a row, px, take the changes per cell to a gradient.
-    Direction step[2];
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      const Cell ahead = lattice.has(c + kAround[axis]) ? c + kAround[axis] : c;
-      const Cell behind = lattice.has(c - kAround[axis]) ? c - kAround[axis] : c;
-      const int cells = (ahead - behind).col + (ahead - behind).row;
-      if (cells == 0) return;
-      step[axis] = {static_cast<float>((fit(ahead).x - fit(behind).x) / cells),
-                    static_cast<float>((fit(ahead).y - fit(behind).y) / cells)};
-    }
-    const float area = cross(step[0], step[1]);
-    if (!(std::abs(area) > 1)) return;
-    const auto gradient = [&](const Surface& surface) {
-      const auto change = [&](Cell way) {
-        return static_cast<float>(0.5 * (surface.at(c + way) - surface.at(c - way)));
-      };
-      const float along = change({1, 0});
-      const float down = change({0, 1});
-      return Direction{(along * step[1].y - down * step[0].y) / area,
-                       (down * step[0].x - along * step[1].x) / area};
-    };
-    f.slope = gradient(level);
-    f.contrast_slope = gradient(contrast);
-    if (f.contrast < 0) f.contrast_slope = -f.contrast_slope;
-  });
-}
-
-template <typename F>
-float Refinement::median(const Lattice& lattice, F number) {
-  sorted_.clear();
-  lattice.for_each([&](Cell c, const Node& /*node*/) { sorted_.push_back(number(at(c))); });
-  if (sorted_.empty()) return 0;
-  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
-  std::nth_element(sorted_.begin(), middle, sorted_.end());
-  return *middle;
-}
-
 void Refinement::drop_misfits(Lattice& lattice) {
   const float least =
-      kLeastContrast * median(lattice, [](const SaddleFit& f) { return std::abs(f.contrast); });
-  usual_noise_ = median(lattice, [](const SaddleFit& f) { return f.noise / std::abs(f.contrast); });
+      kLeastContrast * fits_.median(lattice, [](const SaddleFit& f) { return f.swing(); });
+  usual_noise_ = fits_.median(lattice, [](const SaddleFit& f) { return f.noise / f.swing(); });
   const float most = std::max(kNoisiest * usual_noise_, kMostNoise);
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     const SaddleFit& f = fit(c);
-    const float contrast = std::abs(f.contrast);
+    const float contrast = f.swing();
     if (contrast < least || f.noise > most * contrast || f.residual > kMostResidual * contrast) {
       lattice.remove(c);
     }
@@ -317,7 +219,7 @@ void Refinement::drop_misfits(Lattice& lattice) {
 }
 
 void Refinement::drop_uncertain(Lattice& lattice) {
-  const float usual = median(lattice, [](const SaddleFit& f) { return f.sigma; });
+  const float usual = fits_.median(lattice, [](const SaddleFit& f) { return f.sigma; });
   const float most = std::min(kUncertain * usual, kUncertainInNoise * usual + kUncertainInNoisePx);
   lattice.for_each([&](Cell c, const Node& node) {
     if (node.sigma > most) lattice.remove(c);
@@ -325,8 +227,8 @@ void Refinement::drop_uncertain(Lattice& lattice) {
 }
 
 double Refinement::blur(const Lattice& lattice) {
-  const float along = median(lattice, [](const SaddleFit& f) { return f.along_width; });
-  const float down = median(lattice, [](const SaddleFit& f) { return f.down_width; });
+  const float along = fits_.median(lattice, [](const SaddleFit& f) { return f.along_width; });
+  const float down = fits_.median(lattice, [](const SaddleFit& f) { return f.down_width; });
   return static_cast<double>(std::max(along, down));
 }
 
@@ -337,9 +239,10 @@ SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, 
   const float spacing = spacing_at(lattice, c);
   SaddleFit f = fit_of(node);
   f.along_width = f.down_width = width;
-  const bool good =
-      fit_saddle(image, std::clamp(kShare * spacing, kLeastRadius, radius), steps, f) &&
-      colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
+  radius = std::clamp(kShare * spacing, kLeastRadius, radius);
+  bool good = fit_saddle(image, radius, steps, f, kRoughly);
+  if (good && f.residual > kOfNoise * f.noise) fit_parted(image, radius, steps, f);
+  good = good && colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
   if (!good) f.noise = std::numeric_limits<float>::infinity();
   return f;
 }
@@ -349,7 +252,7 @@ bool Refinement::confirm(const ImageView& image, const Lattice& lattice) const {
   for (const Cell c :
        {e.first, e.last, Cell{e.first.col, e.last.row}, Cell{e.last.col, e.first.row}}) {
     const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, lattice.at(c).width, 6);
-    if (!(f.noise <= kMostNoise * std::abs(f.contrast))) return false;
+    if (!(f.noise <= kMostNoise * f.swing())) return false;
   }
   return true;
 }
@@ -357,11 +260,11 @@ bool Refinement::confirm(const ImageView& image, const Lattice& lattice) const {
 // From where the node was found.
 SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
   const float width = lattice.at(c).width;
-  SaddleFit best = quick_fit(image, lattice, c, kFirstRadius, width, 6);
+  SaddleFit best = quick_fit(image, lattice, c, kFirstRadius, width, 8);
   // One that was placed badly in a level needs a wider look; one with something else near it a
   // closer one.
   for (const bool wide : {true, false}) {
-    if (best.noise <= kMostNoise * std::abs(best.contrast)) break;
+    if (best.noise <= kMostNoise * best.swing()) break;
     const SaddleFit f =
         wide ? quick_fit(image, lattice, c, kLastRadius, std::max(2.5F, 1.5F * width), 12)
              : quick_fit(image, lattice, c, kCloseRadius, width, 8);
@@ -376,17 +279,19 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   const float spacing = spacing_at(lattice, c);
   const SaddleFit& first = at(c);
   const float width = std::max(first.along_width, first.down_width);
-  float radius =
-      std::clamp(std::clamp(spacing - kClear * width, kShare * spacing, kLargestShare * spacing),
-                 kLeastRadius, kLastRadius);
+  const float clear =
+      std::clamp(spacing - kClear * width, kShare * spacing, kLargestShare * spacing);
+  float radius = std::clamp(clear, kLeastRadius, std::max(kLastRadius, kFarShare * spacing));
   SaddleFit best = first;
   best.noise = std::numeric_limits<float>::infinity();
-  for (int i = 0; i < 3; ++i, radius *= 0.6F) {
-    if (i > 0 && radius < kCloseRadius) break;
+  for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= 0.6F) {
     SaddleFit f = first;
-    if (!fit_saddle(image, radius, 4, f) || !colours_fit(f, c)) continue;
+    if (!fit_saddle(image, radius, 8, f)) continue;
+    // Squares that are parted sharply look like noise if the corner is not in a pixel's middle.
+    if (f.noise > kNoisy * usual_noise_ * f.swing()) fit_parted(image, radius, 8, f);
+    if (!colours_fit(f, c)) continue;
     if (f.noise < best.noise) best = f;
-    if (f.noise <= kNoisy * usual_noise_ * std::abs(f.contrast)) break;
+    if (f.noise <= kNoisy * usual_noise_ * f.swing()) break;
   }
   return best;
 }
@@ -411,7 +316,7 @@ void Refinement::look_again(const ImageView& image, Lattice& lattice) {
       fit(c) = f;
       f = last_fit(image, lattice, c);
     }
-    const float contrast = std::abs(f.contrast);
+    const float contrast = f.swing();
     const float most = std::max(kNoisiest * usual_noise_, kMostNoise);
     if (f.noise <= most * contrast && contrast >= kLeastContrast * node.contrast / 2 &&
         f.residual <= kMostResidual * contrast &&
@@ -441,8 +346,8 @@ bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   improve([&](Cell c) { return first_fit(image, lattice, c); });
   lattice.prune(kPrune);
   if (lattice.count() < kFewestNodes) return false;
-  set_bends(lattice);
-  set_slopes(lattice);
+  set_bends(lattice, fits_);
+  set_slopes(lattice, fits_);
   improve([&](Cell c) { return last_fit(image, lattice, c); });
   drop_uncertain(lattice);
   stray_corners_.remove_from(lattice);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calvin/core/image.hpp"
+#include "calvin/detect/fit_grid.hpp"
 #include "calvin/detect/lattice.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/saddle_fit.hpp"
@@ -32,7 +33,7 @@ class Refinement {
   // beside the others of its row and column. False where most fall.
   [[nodiscard]] bool refine(const ImageView& image, Lattice& lattice);
 
-  [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_[index(c)]; }
+  [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_.at(c); }
 
   // Of the edges of a refined lattice, px, 1 sigma: across the direction in which it is larger, in
   // the median.
@@ -40,30 +41,19 @@ class Refinement {
 
  private:
   void begin(const Lattice& lattice);
-  [[nodiscard]] std::size_t index(Cell c) const {
-    return static_cast<std::size_t>((c.row - extent_.first.row) * extent_.cols() + c.col -
-                                    extent_.first.col);
-  }
-  SaddleFit& fit(Cell c) { return fits_[index(c)]; }
+  SaddleFit& fit(Cell c) { return fits_.at(c); }
   [[nodiscard]] SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
                                     float radius, float width, int steps) const;
   [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
-  void set_bends(const Lattice& lattice);
-  void set_slopes(const Lattice& lattice);
   void drop_misfits(Lattice& lattice);
   void drop_uncertain(Lattice& lattice);
   // Fits those nodes once more that were lost though their neighbours tell where they are.
   void look_again(const ImageView& image, Lattice& lattice);
-  // The median of a number of each node.
-  template <typename F>
-  float median(const Lattice& lattice, F number);
 
-  Extent extent_;
-  std::vector<SaddleFit> fits_;
+  FitGrid fits_;
   std::vector<Cell> cells_;  // the nodes to begin with
   float usual_noise_ = 0;    // the median, of the contrast
-  std::vector<float> sorted_;
   StrayCorners stray_corners_;
 };
 

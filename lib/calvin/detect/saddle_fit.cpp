@@ -6,6 +6,12 @@
 #include <hwy/foreach_target.h>
 // The order matters: Highway includes this file again for each target from the line above.
 #include <hwy/highway.h>
+// Likewise.
+#include "calvin/detect/saddle_model-inl.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "calvin/detect/saddle_fit.hpp"
 
@@ -13,28 +19,74 @@
 #define CALVIN_DETECT_SADDLE_FIT_TYPES
 namespace calvin::detect {
 
-// The unknowns, in this order.
-// The widths by their logarithms, the directions by angles.
-enum Unknown { kX, kY, kAlong, kDown, kLevel, kContrast, kAlongWidth, kDownWidth, kUnknowns };
+// The unknowns, in this order: the widths by their logarithms, the directions by angles. The place
+// comes last, so that its covariance is to be had from the last of the triangular factor.
+enum Unknown {
+  kAlong,
+  kDown,
+  kLevel,
+  kContrast,
+  kAlongWidth,
+  kDownWidth,
+  kGain,
+  kX,
+  kY,
+  kUnknowns
+};
 inline constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
-// The window's, and a vector more.
-inline constexpr int kMaxPixels = (2 * kMaxFitRadius + 1) * (2 * kMaxFitRadius + 1) + 64;
+// The two of each product, in this order.
+struct Pairs {
+  int first[kProducts];
+  int second[kProducts];
+};
+inline constexpr Pairs kPairs = [] {
+  Pairs pairs{};
+  int k = 0;
+  for (int p = 0; p < kUnknowns; ++p) {
+    for (int q = p; q < kUnknowns; ++q, ++k) {
+      pairs.first[k] = p;
+      pairs.second[k] = q;
+    }
+  }
+  return pairs;
+}();
+inline constexpr int kMostPixels = 2600;
+inline constexpr float kWhite = 255;
+inline constexpr float kRim = 1.2F;  // px beyond the radius, for the corner is not the middle pixel
+inline constexpr int kLongestVector = 64;
 
 // The pixels of a window, from its middle one.
 struct Window {
   int count = 0;
   bool whole = true;  // not cut by the border of the image
-  alignas(64) float x[kMaxPixels];
-  alignas(64) float y[kMaxPixels];
-  alignas(64) float grey[kMaxPixels];
-  alignas(64) float error[kMaxPixels];  // of the fit
+  alignas(64) float x[kMostPixels + kLongestVector];
+  alignas(64) float y[kMostPixels + kLongestVector];
+  alignas(64) float grey[kMostPixels + kLongestVector];
+  alignas(64) float error[kMostPixels + kLongestVector];  // of the fit
 };
 
-// J^T J (upper triangle, row by row), J^T e and e^T e.
+// An interval of whole numbers; empty where first > last.
+struct Range {
+  int first = 0;
+  int last = -1;
+};
+
+// Where |offset - slope x| <= limit. The same turned by 180 degrees for the negative offset.
+inline Range within(float offset, float slope, float limit, Range bounds) {
+  constexpr float kFlat = 1e-3F;
+  if (std::abs(slope) < kFlat) return std::abs(offset) <= limit ? bounds : Range{};
+  const float middle = offset / slope;
+  const float half = limit / std::abs(slope);
+  return {std::max(bounds.first, static_cast<int>(std::ceil(std::max(middle - half, -1e4F)))),
+          std::min(bounds.last, static_cast<int>(std::floor(std::min(middle + half, 1e4F))))};
+}
+
+// J^T W J (upper triangle, row by row), J^T W e and e^T W e.
 struct Normal {
   float products[kProducts];
   float gradient[kUnknowns];
   float square;
+  float count;  // of pixels that tell something
 };
 
 }  // namespace calvin::detect
@@ -45,27 +97,86 @@ namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// erf(x) and its derivative, within 5e-4: Abramowitz and Stegun, 7.1.27.
-template <class D, class V>
-HWY_INLINE V error_function(D d, V x, V& derivative) {
-  const auto set = [&](float v) { return hn::Set(d, v); };
-  const V t = hn::Min(hn::Abs(x), set(4.0F));
-  const V one = set(1);
-  V p = hn::MulAdd(set(0.078108F), t, set(0.000972F));
-  p = hn::MulAdd(p, t, set(0.230389F));
-  p = hn::MulAdd(p, t, set(0.278393F));
-  V slope = hn::MulAdd(set(4 * 0.078108F), t, set(3 * 0.000972F));
-  slope = hn::MulAdd(slope, t, set(2 * 0.230389F));
-  slope = hn::MulAdd(slope, t, set(0.278393F));
-  const V inverse = hn::Div(one, hn::MulAdd(p, t, one));
-  const V square = hn::Mul(inverse, inverse);
-  const V fourth = hn::Mul(square, square);
-  derivative = hn::Mul(hn::Mul(set(4), slope), hn::Mul(fourth, inverse));
-  return hn::CopySign(hn::Sub(one, fourth), x);
+// Some pixels of a row, at the middle of which `row` is.
+void append(const std::uint8_t* row, Range range, float y, Window& window) {
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> integers;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  int dx = range.first;
+  for (; dx + lanes <= range.last + 1; dx += lanes, window.count += lanes) {
+    const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
+    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + window.count);
+    hn::StoreU(hn::Set(d, y), d, window.y + window.count);
+    hn::StoreU(grey, d, window.grey + window.count);
+  }
+  for (; dx <= range.last; ++dx) {
+    window.x[window.count] = static_cast<float>(dx);
+    window.y[window.count] = y;
+    window.grey[window.count++] = row[dx];
+  }
+}
+
+// The pixels in a disc around (x, y) that are near an edge: further off they tell nothing.
+void gather(const ImageView& image, int x, int y, float radius, float band, const SaddleFit& fit,
+            Window& window) {
+  const float limit = (radius + kRim) * (radius + kRim);
+  const int reach = static_cast<int>(radius + kRim);
+  window.count = 0;
+  window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
+  for (int dy = std::max(-reach, -y); dy <= std::min(reach, image.height - 1 - y); ++dy) {
+    const auto v = static_cast<float>(dy);
+    const int half = static_cast<int>(std::sqrt(limit - v * v));
+    const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
+    const Range disc = {std::max(-half, -x), std::min(half, image.width - 1 - x)};
+    Range a = within(fit.along.x * v, fit.along.y, band, disc);
+    Range b = within(fit.down.x * v, fit.down.y, band, disc);
+    if (b.first < a.first) std::swap(a, b);
+    if (a.first > a.last) std::swap(a, b);
+    // The second without what the first has.
+    b.first = std::max(b.first, a.last + 1);
+    append(row, a, v, window);
+    append(row, b, v, window);
+  }
+  // What the last vector reads beyond them is multiplied by 0, so it must be a number.
+  std::fill_n(window.x + window.count, kLongestVector, 0.0F);
+  std::fill_n(window.y + window.count, kLongestVector, 0.0F);
+  std::fill_n(window.grey + window.count, kLongestVector, 0.0F);
+}
+
+// The sum of the squares of the differences between errors that stand opposite in the list.
+float odd_square(const Window& window) {
+  const hn::ScalableTag<float> d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const int half = window.count / 2;
+  auto sum = hn::Zero(d);
+  int i = 0;
+  for (; i + lanes <= half; i += lanes) {
+    const auto opposite = hn::Reverse(d, hn::LoadU(d, window.error + window.count - i - lanes));
+    const auto odd = hn::Sub(hn::LoadU(d, window.error + i), opposite);
+    sum = hn::MulAdd(odd, odd, sum);
+  }
+  float rest = 0;
+  for (; i < half; ++i) {
+    const float odd = window.error[i] - window.error[window.count - 1 - i];
+    rest += odd * odd;
+  }
+  return hn::GetLane(hn::SumOfLanes(d, sum)) + rest;
+}
+
+// Adds to J^T J and J^T e. Written out for the compiler, which keeps arrays in memory that it does
+// not see all indices of.
+template <class V, std::size_t... K, std::size_t... P>
+HWY_INLINE void add_products(const V* j, V e, V* products, V* gradient,
+                             std::index_sequence<K...> /*products*/,
+                             std::index_sequence<P...> /*unknowns*/) {
+  ((products[K] = hn::MulAdd(j[kPairs.first[K]], j[kPairs.second[K]], products[K])), ...);
+  ((gradient[P] = hn::MulAdd(j[P], e, gradient[P])), ...);
 }
 
 // `x`, `y`: of the fit's corner from the window's middle.
-void accumulate(Window& window, const SaddleFit& fit, float x, float y, Normal& normal) {
+void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y,
+                Normal& normal) {
   const hn::ScalableTag<float> d;
   using V = hn::Vec<decltype(d)>;
   const auto set = [&](float v) { return hn::Set(d, v); };
@@ -80,6 +191,7 @@ void accumulate(Window& window, const SaddleFit& fit, float x, float y, Normal& 
   V products[kProducts];
   V gradient[kUnknowns];
   V square = hn::Zero(d);
+  V count = hn::Zero(d);
   for (V& p : products) p = hn::Zero(d);
   for (V& g : gradient) g = hn::Zero(d);
 
@@ -93,38 +205,44 @@ void accumulate(Window& window, const SaddleFit& fit, float x, float y, Normal& 
     const V straight_b = hn::Sub(hn::Mul(down_y, dx), hn::Mul(down_x, dy));
     const V a = hn::Mul(hn::NegMulAdd(half_bend_a, hn::Mul(ua, ua), straight_a), wide_a);
     const V b = hn::Mul(hn::NegMulAdd(half_bend_b, hn::Mul(ub, ub), straight_b), wide_b);
-    V slope_a;
-    V slope_b;
-    const V ta = error_function(d, a, slope_a);
-    const V tb = error_function(d, b, slope_b);
+    const Saddle<V> saddle =
+        fit.has_gain ? parted_saddle(d, a, b, fit.gain, wide_a, wide_b) : plain_saddle(d, a, b);
     const V local = hn::MulAdd(set(fit.contrast_slope.x), dx,
                                hn::MulAdd(set(fit.contrast_slope.y), dy, contrast));
     const V base = hn::MulAdd(set(fit.slope.x), dx, hn::MulAdd(set(fit.slope.y), dy, level));
-    const V saddle = hn::Mul(ta, tb);
-    const V model = hn::MulAdd(local, saddle, base);
+    const V model = hn::MulAdd(local, saddle.value, base);
 
-    // The last vector may reach beyond the window.
+    // The last vector may reach beyond the window. A white pixel only tells that it is no darker, a
+    // black one that it is no brighter.
     const auto inside = hn::FirstN(d, static_cast<std::size_t>(window.count - i));
-    const V in = hn::IfThenElseZero(inside, one);
-    const V e = hn::Mul(in, hn::Sub(hn::LoadU(d, window.grey + i), model));
-    hn::StoreU(e, d, window.error + i);
+    const V grey = hn::LoadU(d, window.grey + i);
+    const V below = hn::IfThenElse(hn::Ge(grey, set(kWhite)), hn::Min(model, grey), model);
+    const V seen = hn::IfThenElse(hn::Le(grey, hn::Zero(d)), hn::Max(below, grey), below);
+    const auto told = hn::And(inside, hn::Eq(seen, model));
+    const V error = hn::IfThenElseZero(told, hn::Sub(grey, model));
+    hn::StoreU(error, d, window.error + i);
+    count = hn::Add(count, hn::IfThenElseZero(told, one));
+    // The disc is one about the corner, not about a pixel: its rim has pixels in part, the square
+    // root of their weight falls from 1 to 0.
+    const V square_distance = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
+    const V rim = hn::MulAdd(square_distance, set(-0.5F / radius), set(0.5F * radius + 0.5F));
+    const V in = hn::IfThenElseZero(told, hn::Min(hn::Max(rim, hn::Zero(d)), one));
+    const V e = hn::Mul(in, error);
     const V scale = hn::Mul(in, local);
-    const V by_a = hn::Mul(hn::Mul(scale, wide_a), hn::Mul(tb, slope_a));
-    const V by_b = hn::Mul(hn::Mul(scale, wide_b), hn::Mul(ta, slope_b));
+    const V by_a = hn::Mul(hn::Mul(scale, wide_a), saddle.by_a);
+    const V by_b = hn::Mul(hn::Mul(scale, wide_b), saddle.by_b);
     V j[kUnknowns];
     j[kX] = hn::Sub(hn::Mul(by_a, along_y), hn::Mul(by_b, down_y));
     j[kY] = hn::Sub(hn::Mul(by_b, down_x), hn::Mul(by_a, along_x));
     j[kAlong] = hn::Neg(hn::Mul(by_a, ua));
     j[kDown] = hn::Mul(by_b, ub);
     j[kLevel] = in;
-    j[kContrast] = hn::Mul(in, saddle);
-    j[kAlongWidth] = hn::Neg(hn::Mul(by_a, straight_a));
-    j[kDownWidth] = hn::Neg(hn::Mul(by_b, straight_b));
-    int k = 0;
-    for (int p = 0; p < kUnknowns; ++p) {
-      gradient[p] = hn::MulAdd(j[p], e, gradient[p]);
-      for (int q = p; q < kUnknowns; ++q, ++k) products[k] = hn::MulAdd(j[p], j[q], products[k]);
-    }
+    j[kContrast] = hn::Mul(in, saddle.value);
+    j[kAlongWidth] = hn::Neg(hn::Mul(scale, saddle.width_a));
+    j[kDownWidth] = hn::Neg(hn::Mul(scale, saddle.width_b));
+    j[kGain] = hn::Mul(scale, saddle.gain);
+    add_products(j, e, products, gradient, std::make_index_sequence<kProducts>(),
+                 std::make_index_sequence<kUnknowns>());
     square = hn::MulAdd(e, e, square);
   }
   for (int k = 0; k < kProducts; ++k)
@@ -132,6 +250,7 @@ void accumulate(Window& window, const SaddleFit& fit, float x, float y, Normal& 
   for (int p = 0; p < kUnknowns; ++p)
     normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
   normal.square = hn::GetLane(hn::SumOfLanes(d, square));
+  normal.count = hn::GetLane(hn::SumOfLanes(d, count));
 }
 
 }  // namespace calvin::detect::HWY_NAMESPACE
@@ -139,52 +258,38 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
-#include <algorithm>
-#include <cmath>
-
-#include <Eigen/Cholesky>
+#include <limits>
 
 namespace calvin::detect {
 
 namespace {
 
+HWY_EXPORT(gather);
 HWY_EXPORT(accumulate);
+HWY_EXPORT(odd_square);
 
-constexpr float kLeastContrast = 3;     // grey levels
-constexpr float kLeastWidth = 0.2F;     // px
-constexpr float kLargestWidth = 8;      // px
-constexpr float kWidthPrior = 0.5F;     // 1 sigma of a step of a width's logarithm
-constexpr float kLongestStep = 1.2F;    // px
-constexpr float kLongestTurn = 0.3F;    // rad, in a step
-constexpr float kSettled = 0.01F;       // px, of a step
-constexpr float kDamping = 1e-3F;       // Levenberg's, of the diagonal
-constexpr float kLeastSine = 0.15F;     // between the edges
+constexpr float kLeastContrast = 3;      // grey levels
+constexpr float kLeastWidth = 0.2F;      // px
+constexpr float kLargestWidth = 8;       // px
+constexpr float kWidthPrior = 0.5F;      // 1 sigma of a step of a width's logarithm
+constexpr float kGainPrior = 2;          // px, 1 sigma of a step of the gain
+constexpr float kMostGain = 5;           // px
+constexpr float kLongestStep = 1.2F;     // px
+constexpr float kSettledGain = 0.05F;    // px, of a step
+constexpr float kSettledWidth = 0.015F;  // of a step of its logarithm
+constexpr float kLongestTurn = 0.3F;     // rad, in a step
+constexpr float kDamping = 1e-3F;        // Levenberg's, of the diagonal
+constexpr float kFarthest = 0.6F;        // of the radius, from where the fit began
+constexpr double kOffMiddle = 0.9;       // px, from where a window is gathered anew
+constexpr float kLeastSine = 0.15F;      // between the edges
+// A pixel tells of an edge as far as its blur reaches, and as one does not know the edge's place.
+constexpr float kNearEdge = 3;  // widths
+constexpr float kNearEdgePx = 2.5F;
 constexpr float kRounding = 1.0F / 12;  // grey levels^2, the variance of a whole number's rounding
 
-using Matrix = Eigen::Matrix<float, kUnknowns, kUnknowns>;
-using Vector = Eigen::Matrix<float, kUnknowns, 1>;
-
-void gather(const ImageView& image, int x, int y, float radius, Window& window) {
-  const int reach = static_cast<int>(radius + 0.3F);
-  const float limit = (radius + 0.3F) * (radius + 0.3F);
-  window.count = 0;
-  window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
-  for (int dy = std::max(-reach, -y); dy <= std::min(reach, image.height - 1 - y); ++dy) {
-    const int half = static_cast<int>(std::sqrt(limit - static_cast<float>(dy * dy)));
-    const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
-    const int first = std::max(-half, -x);
-    const int last = std::min(half, image.width - 1 - x);
-    for (int dx = first; dx <= last; ++dx) {
-      window.x[window.count] = static_cast<float>(dx);
-      window.y[window.count] = static_cast<float>(dy);
-      window.grey[window.count++] = row[dx];
-    }
-  }
-  // What the last vector reads beyond them is multiplied by 0, so it must be a number.
-  constexpr int kLongestVector = 64;
-  std::fill_n(window.x + window.count, kLongestVector, 0.0F);
-  std::fill_n(window.y + window.count, kLongestVector, 0.0F);
-  std::fill_n(window.grey + window.count, kLongestVector, 0.0F);
+// How many pixels of a disc of `radius` lie within `band` of one of two lines, at the most.
+float most_pixels(float radius, float band) {
+  return std::min(3.2F * (radius + 1) * (radius + 1), 8 * (radius + 1) * (band + 1));
 }
 
 // The first level and contrast; its sign from the squares themselves.
@@ -216,39 +321,76 @@ float widened(float width, float step) {
 
 // What differs between pixels opposite of the corner is noise: a saddle looks the same turned by
 // 180 degrees, whatever its optics, ink or exposure did to it. Returns the variance.
-float noise_variance(const Window& window, float square) {
+// `pixels`: the sum of their weights; `count`: of those that tell something, the others have no
+// error.
+float noise_variance(const Window& window, float square, float pixels, float count) {
   constexpr int kOddUnknowns = 2;  // the place
-  const auto count = static_cast<float>(window.count);
-  if (!window.whole) return square / (count - static_cast<float>(kUnknowns));
+  if (!window.whole) return square / std::max(pixels - static_cast<float>(kUnknowns), 1.0F);
   // A whole window lists its pixels in an order that is point-symmetric about its middle, which is
   // the corner to half a pixel.
-  float sum = 0;
-  for (int i = 0; i < window.count / 2; ++i) {
-    const float odd = window.error[i] - window.error[window.count - 1 - i];
-    sum += odd * odd;
-  }
-  return 0.5F * sum / (0.5F * count - kOddUnknowns);
+  const float sum = HWY_DYNAMIC_DISPATCH(odd_square)(window);
+  return 0.5F * sum / std::max(0.5F * count - kOddUnknowns, 1.0F);
 }
 
-bool solve(const Normal& normal, int pixels, Vector& change, Matrix& information) {
-  int k = 0;
-  for (int p = 0; p < kUnknowns; ++p) {
-    for (int q = p; q < kUnknowns; ++q, ++k) {
-      information(p, q) = information(q, p) = normal.products[k];
+// L L^T = A, of which the upper triangle is given row by row; L by its columns.
+struct Factor {
+  float l[kUnknowns][kUnknowns];  // [column][row]
+
+  [[nodiscard]] bool compute(const float* upper) {
+    int k = 0;
+    for (int column = 0; column < kUnknowns; ++column) {
+      for (int row = column; row < kUnknowns; ++row) l[column][row] = upper[k++];
+    }
+    for (int column = 0; column < kUnknowns; ++column) {
+      if (!(l[column][column] > 0)) return false;
+      const float scale = 1 / std::sqrt(l[column][column]);
+      for (int row = column; row < kUnknowns; ++row) l[column][row] *= scale;
+      for (int next = column + 1; next < kUnknowns; ++next) {
+        for (int row = next; row < kUnknowns; ++row) {
+          l[next][row] -= l[column][next] * l[column][row];
+        }
+      }
+    }
+    return true;
+  }
+  void solve(const float* right, float* x) const {
+    std::copy_n(right, kUnknowns, x);
+    for (int column = 0; column < kUnknowns; ++column) {
+      x[column] /= l[column][column];
+      for (int row = column + 1; row < kUnknowns; ++row) x[row] -= l[column][row] * x[column];
+    }
+    for (int column = kUnknowns - 1; column >= 0; --column) {
+      for (int row = column + 1; row < kUnknowns; ++row) x[column] -= l[column][row] * x[row];
+      x[column] /= l[column][column];
     }
   }
-  const float variance = normal.square / static_cast<float>(pixels) + 1;
-  information(kAlongWidth, kAlongWidth) += variance / (kWidthPrior * kWidthPrior);
-  information(kDownWidth, kDownWidth) += variance / (kWidthPrior * kWidthPrior);
-  Matrix damped = information;
-  damped.diagonal() *= 1 + kDamping;
-  const Eigen::Map<const Vector> gradient(normal.gradient);
-  change = damped.llt().solve(gradient);
-  return change.allFinite();
+  // The mean of the variances of x and of y in A^-1.
+  [[nodiscard]] float place_variance() const {
+    const float a = 1 / l[kX][kX];
+    const float b = 1 / l[kY][kY];
+    const float off = l[kX][kY] * a * b;
+    return 0.5F * (a * a + off * off + b * b);
+  }
+};
+
+// Of the diagonal in Normal::products.
+constexpr int diagonal(int unknown) { return unknown * kUnknowns - unknown * (unknown - 1) / 2; }
+
+// The step, and the factor of the information about the unknowns.
+bool solve(Normal& normal, float pixels, float* change, Factor& factor) {
+  const float variance = normal.square / pixels + 1;
+  for (const int width : {kAlongWidth, kDownWidth}) {
+    normal.products[diagonal(width)] += variance / (kWidthPrior * kWidthPrior);
+  }
+  normal.products[diagonal(kGain)] += variance / (kGainPrior * kGainPrior);
+  for (int p = 0; p < kUnknowns; ++p) normal.products[diagonal(p)] *= 1 + kDamping;
+  if (!factor.compute(normal.products)) return false;
+  factor.solve(normal.gradient, change);
+  return std::all_of(change, change + kUnknowns, [](float c) { return std::isfinite(c); });
 }
 
 // Applies a step; returns how far the corner moved, px.
-float apply(const Vector& change, float& x, float& y, SaddleFit& fit) {
+float apply(const float* change, float& x, float& y, SaddleFit& fit) {
   const float moved = std::hypot(change[kX], change[kY]);
   const float turned_by = std::max(std::abs(change[kAlong]), std::abs(change[kDown]));
   const float share = std::min(
@@ -261,46 +403,87 @@ float apply(const Vector& change, float& x, float& y, SaddleFit& fit) {
   fit.contrast += share * change[kContrast];
   fit.along_width = widened(fit.along_width, share * change[kAlongWidth]);
   fit.down_width = widened(fit.down_width, share * change[kDownWidth]);
+  if (fit.has_gain) fit.gain = std::clamp(fit.gain + share * change[kGain], -kMostGain, kMostGain);
   return moved;
 }
 
-}  // namespace
-
-bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit) noexcept {
-  radius = std::min(radius, static_cast<float>(kMaxFitRadius));
-  if (!(std::abs(fit.x) < 1e6) || !(std::abs(fit.y) < 1e6)) return false;
+// The steps in a window about the pixel in which the corner is.
+bool fit_in_window(const ImageView& image, float radius, int steps, float settled, SaddleFit& fit) {
   const int middle_x = static_cast<int>(std::lround(fit.x));
   const int middle_y = static_cast<int>(std::lround(fit.y));
   if (middle_x < 0 || middle_y < 0 || middle_x >= image.width || middle_y >= image.height) {
     return false;
   }
   Window window;
-  gather(image, middle_x, middle_y, radius, window);
+  const float band =
+      kNearEdge * std::max(fit.along_width, fit.down_width) + kNearEdgePx + std::abs(fit.gain);
+  while (most_pixels(radius + kRim, band) > kMostPixels) radius *= 0.9F;
+  HWY_DYNAMIC_DISPATCH(gather)
+  (image, middle_x, middle_y, radius, band, fit, window);
   if (window.count < 2 * kUnknowns) return false;
   auto x = static_cast<float>(fit.x - middle_x);
   auto y = static_cast<float>(fit.y - middle_y);
   if (fit.contrast == 0) start(window, fit, x, y);
 
-  Normal normal;
-  Vector change;
-  Matrix information;
+  Normal normal{};
+  float pixels = 0;
+  float change[kUnknowns];
+  Factor factor{};
+  float least = std::numeric_limits<float>::infinity();  // mean square
+  SaddleFit before;
+  float before_x = x;
+  float before_y = y;
   for (int i = 0; i < steps; ++i) {
-    HWY_DYNAMIC_DISPATCH(accumulate)(window, fit, x, y, normal);
-    if (!solve(normal, window.count, change, information)) return false;
+    HWY_DYNAMIC_DISPATCH(accumulate)(window, fit, radius, x, y, normal);
+    pixels = normal.products[diagonal(kLevel)];
+    if (pixels < 2 * kUnknowns) return false;
+    // A step too far is taken back by half: with a gain, level and contrast are loose.
+    if (fit.has_gain && normal.square > pixels * least && i + 1 < steps) {
+      fit = before;
+      x = before_x;
+      y = before_y;
+      for (float& c : change) c *= 0.5F;
+      (void)apply(change, x, y, fit);
+      continue;
+    }
+    least = normal.square / pixels;
+    before = fit;
+    before_x = x;
+    before_y = y;
+    if (!solve(normal, pixels, change, factor)) return false;
     const float moved = apply(change, x, y, fit);
-    if (!(std::abs(x) <= 0.6F * radius && std::abs(y) <= 0.6F * radius) ||
+    if (!(std::abs(x) <= kFarthest * radius && std::abs(y) <= kFarthest * radius) ||
         std::abs(cross(fit.along, fit.down)) < kLeastSine) {
       return false;
     }
-    if (moved < kSettled) break;
+    const float widened_by = std::max(std::abs(change[kAlongWidth]), std::abs(change[kDownWidth]));
+    if (moved < settled && widened_by < kSettledWidth && std::abs(change[kGain]) < kSettledGain) {
+      break;
+    }
   }
   fit.x = middle_x + static_cast<double>(x);
   fit.y = middle_y + static_cast<double>(y);
-  fit.residual = std::sqrt(normal.square / static_cast<float>(window.count));
-  fit.noise = std::sqrt(noise_variance(window, normal.square) + kRounding);
-  const Matrix covariance = information.llt().solve(Matrix::Identity());
-  fit.sigma = fit.noise * std::sqrt(0.5F * (covariance(kX, kX) + covariance(kY, kY)));
-  return std::abs(fit.contrast) >= kLeastContrast && std::isfinite(fit.sigma);
+  fit.residual = std::sqrt(normal.square / pixels);
+  fit.cut = 1 - normal.count / static_cast<float>(window.count);
+  fit.noise = std::sqrt(noise_variance(window, normal.square, pixels, normal.count) + kRounding);
+  fit.sigma = fit.noise * std::sqrt(factor.place_variance());
+  return fit.swing() >= kLeastContrast && std::isfinite(fit.sigma);
+}
+
+}  // namespace
+
+bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
+                float settled) noexcept {
+  radius = std::min(radius, static_cast<float>(kMaxFitRadius));
+  if (!(std::abs(fit.x) < 1e6) || !(std::abs(fit.y) < 1e6)) return false;
+  const double u = fit.x;
+  const double v = fit.y;
+  if (!fit_in_window(image, radius, steps, settled, fit)) return false;
+  // A corner that was elsewhere: its noise is that about its own middle.
+  const auto off = [](double from, double to) { return std::abs(to - std::round(from)); };
+  if (std::max(off(u, fit.x), off(v, fit.y)) < kOffMiddle) return true;
+  return fit_in_window(image, radius, steps, settled, fit) &&
+         std::max(off(u, fit.x), off(v, fit.y)) <= static_cast<double>(kFarthest * radius);
 }
 
 }  // namespace calvin::detect

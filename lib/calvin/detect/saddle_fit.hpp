@@ -8,18 +8,22 @@
 //
 // with e(x) = erf(x / sqrt 2), p from the corner, a the distance of the pixel from the edge in
 // direction `along`, to the side of `down`, and b its distance from the edge in direction `down`,
-// to the side of `along`. The edges may be bent: a = straight distance - bend u^2 / 2, u the way
-// along the edge. Estimated: place, both directions, level, contrast and both widths. What a window
-// this small tells badly - bends and slopes, which are odd about the corner as its place is - is
-// given by the caller, who knows the neighbours: left free they cost 30 % of the accuracy.
+// to the side of `along`; cut off at 255 and at 0, as an over-exposed image is. The edges may be
+// bent: a = straight distance - bend u^2 / 2, u the way along the edge. Estimated: place, both
+// directions, level, contrast and both widths. What a window this small tells badly - bends and
+// slopes, which are odd about the corner as its place is - is given by the caller, who knows the
+// neighbours: left free they cost 30 % of the accuracy.
 #pragma once
+
+#include <algorithm>
+#include <cmath>
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/corner.hpp"
 
 namespace calvin::detect {
 
-inline constexpr int kMaxFitRadius = 20;  // px
+inline constexpr int kMaxFitRadius = 60;  // px
 
 struct SaddleFit {
   double x = 0;
@@ -33,6 +37,12 @@ struct SaddleFit {
       1.3F;  // px, of the edges' tanh; 0.83 times it is the sigma of a Gaussian blur
   float down_width = 1.3F;
 
+  // Whether what parts the squares is estimated too, and how far the bright ones reach beyond the
+  // edges, px: white that is over-exposed does, and between them, where ink has run, they end
+  // before the corner.
+  bool has_gain = false;
+  float gain = 0;
+
   // Given.
   float along_bend = 0;  // 1/px
   float down_bend = 0;
@@ -43,13 +53,23 @@ struct SaddleFit {
   float residual = 0;  // grey levels, RMS
   float noise = 0;     // grey levels, 1 sigma, from what differs between opposite pixels
   float sigma = 0;     // px, 1 sigma per coordinate, from `noise`
+  float cut = 0;       // share of the pixels that are white or black, and would be more so
+
+  // Half the difference of the squares and the middle between them as the image shows them.
+  [[nodiscard]] float swing() const { return 0.5F * (bright() - dark()); }
+  [[nodiscard]] float middle() const { return 0.5F * (bright() + dark()); }
+
+ private:
+  [[nodiscard]] float bright() const { return std::min(level + std::abs(contrast), 255.0F); }
+  [[nodiscard]] float dark() const { return std::max(level - std::abs(contrast), 0.0F); }
 };
 
-// Improves the fit in at most `steps` steps of Gauss and Newton. The pixels within `radius` px of
+// Improves the fit in at most `steps` steps of Gauss and Newton, until one moves the place by less
+// than `settled` px, which leaves about the square of it. The pixels within `radius` px of
 // the corner count, as far as they are in the image (of step 1). `contrast` 0: it and the level are
 // taken from the image first. False where it runs away, more than 0.6 radius, or where there is no
 // saddle; the fit is then spoilt.
-[[nodiscard]] bool fit_saddle(const ImageView& image, float radius, int steps,
-                              SaddleFit& fit) noexcept;
+[[nodiscard]] bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
+                              float settled = 0.02F) noexcept;
 
 }  // namespace calvin::detect

@@ -7,6 +7,9 @@
 // The order matters: Highway includes this file again for each target from the line above.
 #include <hwy/highway.h>
 
+#include <bit>
+#include <cstring>
+
 #include "calvin/detect/saddle_points.hpp"
 
 #ifndef CALVIN_DETECT_SADDLE_POINTS_RING
@@ -77,16 +80,20 @@ void response_row(const std::uint8_t* at, std::ptrdiff_t stride, std::uint8_t* o
   for (; i < count; ++i) hn::StoreU(response_at(one, at + i, stride), one, out + i);
 }
 
-void response_patch_row(const std::uint8_t* at, std::ptrdiff_t stride, std::uint8_t* out,
-                        std::size_t count) {
+// Of a patch whose pixels from (x, y) on lie in the image, as far from its border as needed.
+void response_patch(const ImageView& image, int x, int y, int width, int height,
+                    std::uint8_t* out) {
   const hn::CappedTag<std::uint8_t, kPatchWidth> d;
-  if (count == hn::Lanes(d)) {
-    hn::StoreU(response_at(d, at, stride), d, out);
-    return;
-  }
   const hn::CappedTag<std::uint8_t, 1> one;
-  for (std::size_t i = 0; i < count; ++i) {
-    hn::StoreU(response_at(one, at + i, stride), one, out + i);
+  for (int row = 0; row < height; ++row, out += kPatchWidth) {
+    const std::uint8_t* at = image.data + (y + row) * image.stride + x;
+    if (width == static_cast<int>(hn::Lanes(d))) {
+      hn::StoreU(response_at(d, at, image.stride), d, out);
+      continue;
+    }
+    for (int i = 0; i < width; ++i) {
+      hn::StoreU(response_at(one, at + i, image.stride), one, out + i);
+    }
   }
 }
 
@@ -124,43 +131,107 @@ bool mark_peaks(const std::uint8_t* above, const std::uint8_t* row, const std::u
   return any;
 }
 
+// Whether the pixel `x` of the middle one of `count` rows is greater than those within 3 px before
+// it and no less than those behind it, in its own row and in the others.
+HWY_INLINE bool is_peak(const std::uint8_t* const* rows, int count, std::ptrdiff_t x) {
+  constexpr std::ptrdiff_t kReach = 3;
+  const int middle = count / 2;
+  const std::uint8_t v = rows[middle][x];
+#if HWY_TARGET == HWY_SCALAR
+  for (int row = 0; row < count; ++row) {
+    for (std::ptrdiff_t dx = -kReach; dx <= kReach; ++dx) {
+      const bool earlier = row < middle || (row == middle && dx < 0);
+      const std::uint8_t other = rows[row][x + dx];
+      if (other > v || (other == v && earlier)) return false;
+    }
+  }
+  return true;
+#else
+  const hn::CappedTag<std::uint8_t, 16> d;
+  const auto load = [&](int row) { return hn::LoadU(d, rows[row] + x - kReach); };
+  const auto before = hn::FirstN(d, kReach);
+  auto earlier = hn::IfThenElseZero(before, load(middle));
+  auto later = hn::IfThenZeroElse(before, load(middle));
+  for (int row = 0; row < middle; ++row) {
+    earlier = hn::Max(earlier, load(row));
+    later = hn::Max(later, load(count - 1 - row));
+  }
+  const auto value = hn::Set(d, v);
+  const auto good =
+      hn::AndNot(hn::Eq(hn::Max(earlier, value), earlier), hn::Eq(hn::Max(later, value), value));
+  return hn::AllTrue(d, hn::Or(good, hn::Not(hn::FirstN(d, 2 * kReach + 1))));
+#endif
+}
+
+// Clears the bits of those that are no peaks among `count` rows.
+void keep_peaks(const std::uint8_t* const* rows, int count, std::uint8_t* bits, std::size_t width) {
+  for (std::size_t first = 0; first < width; first += 64) {
+    std::uint64_t marked = 0;
+    std::memcpy(&marked, bits + first / 8, sizeof marked);
+    if (marked == 0) continue;
+    // The bytes were stored lowest pixel first.
+    std::uint64_t kept = 0;
+    for (std::uint64_t rest = marked; rest != 0; rest &= rest - 1) {
+      const int bit = std::countr_zero(rest);
+      if (is_peak(rows, count, static_cast<std::ptrdiff_t>(first) + bit)) {
+        kept |= std::uint64_t{1} << bit;
+      }
+    }
+    std::memcpy(bits + first / 8, &kept, sizeof kept);
+  }
+}
+
 }  // namespace calvin::detect::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 
 namespace calvin::detect {
 
 namespace {
 
 HWY_EXPORT(response_row);
-HWY_EXPORT(response_patch_row);
+HWY_EXPORT(response_patch);
 HWY_EXPORT(mark_peaks);
+HWY_EXPORT(keep_peaks);
 
-constexpr int kPeakRadius = 3;         // px
+// Rows that are looked at: the response of a corner is some five px wide, so every other one tells
+// of each, and the place is made good afterwards.
+constexpr int kRowStep = 2;
+constexpr int kPeakRows = 1;           // of those rows, on either side of a peak
 constexpr std::size_t kPadding = 128;  // bytes on either side of a row, at least a vector
 constexpr std::size_t kMaxPoints = 2;  // times those wanted, before the threshold goes up
-constexpr int kRingRows = 8;           // at least 2 * kPeakRadius + 1, a power of two
+constexpr int kRingRows = 4;           // at least 2 * kPeakRows + 1, a power of two
+
+// To the greatest response next to a point.
+void climb(const ImageView& image, SaddlePoint& p) {
+  ResponsePatch patch;
+  saddle_responses(image, p.x - 1, p.y - 1, 3, patch);
+  const SaddlePoint from = p;
+  for (int dy = 0; dy < 3; ++dy) {
+    for (int dx = 0; dx < 3; ++dx) {
+      const std::uint8_t r = patch.at[dy][dx];
+      if (r > p.response) p = {from.x - 1 + dx, from.y - 1 + dy, r};
+    }
+  }
+}
 
 }  // namespace
 
 void saddle_responses(const ImageView& image, int x, int y, int height,
                       ResponsePatch& patch) noexcept {
   // The vectors must lie in the image; what is asked for may reach over its border.
-  const int first = std::max(x, kResponseRadius);
-  const int last = std::min(x + kPatchWidth, image.width - kResponseRadius);
-  for (int row = 0; row < height; ++row) {
-    std::memset(patch.at[row], 0, kPatchWidth);
-    const int v = y + row;
-    if (first >= last || v < kResponseRadius || v >= image.height - kResponseRadius) continue;
-    HWY_DYNAMIC_DISPATCH(response_patch_row)
-    (image.data + v * image.stride + first, image.stride, patch.at[row] + first - x,
-     static_cast<std::size_t>(last - first));
-  }
+  const int left = std::max(x, kResponseRadius);
+  const int right = std::min(x + kPatchWidth, image.width - kResponseRadius);
+  const int top = std::max(y, kResponseRadius);
+  const int bottom = std::min(y + height, image.height - kResponseRadius);
+  const int width = right - left;
+  if (width < kPatchWidth || bottom - top < height) std::memset(patch.at, 0, sizeof patch.at);
+  if (width <= 0 || bottom <= top) return;
+  HWY_DYNAMIC_DISPATCH(response_patch)
+  (image, left, top, width, bottom - top, patch.at[top - y] + left - x);
 }
 
 // Keeps the strongest half: no weaker one can be among those wanted.
@@ -176,27 +247,12 @@ void SaddleSearch::raise_threshold() {
   if (points_.size() > most_ - most_ / 4) points_.resize(most_ - most_ / 4);
 }
 
-void SaddleSearch::take_peaks(const std::uint8_t* const* rows, int y, int width) {
-  const std::uint8_t* row = rows[kPeakRadius];
-  const auto is_peak = [&](int x) {
-    const std::uint8_t v = row[x];
-    // The rows next to it first: they tell most often.
-    for (const int dy : {-1, 1, 0, -2, 2, -3, 3}) {
-      const std::uint8_t* other = rows[kPeakRadius + dy] + x;
-      for (int dx = -kPeakRadius; dx <= kPeakRadius; ++dx) {
-        const bool earlier = dy < 0 || (dy == 0 && dx < 0);
-        if (other[dx] > v || (other[dx] == v && earlier)) return false;
-      }
-    }
-    return true;
-  };
+void SaddleSearch::take_peaks(const std::uint8_t* row, int y, int width) {
   for (int first = 0; first < width; first += 64) {
     std::uint64_t bits = 0;
     std::memcpy(&bits, peaks_.data() + first / 8, sizeof bits);
     for (; bits != 0; bits &= bits - 1) {
-      // The bytes were stored lowest pixel first.
       const int x = first + std::countr_zero(bits);
-      if (!is_peak(x)) continue;
       if (points_.size() >= most_) raise_threshold();
       if (row[x] >= threshold_) points_.push_back({x, y, row[x]});
     }
@@ -216,27 +272,28 @@ std::span<const SaddlePoint> SaddleSearch::find(const ImageView& image, std::uin
   const std::size_t pitch = bits + 2 * kPadding;
   responses_.assign(kRingRows * pitch, 0);
   peaks_.assign(bits / 8, 0);
-  const auto ring_row = [&](int y) {
-    return responses_.data() + static_cast<std::size_t>(y & (kRingRows - 1)) * pitch + kPadding;
+  const auto ring_row = [&](int k) {
+    return responses_.data() + static_cast<std::size_t>(k & (kRingRows - 1)) * pitch + kPadding;
   };
-  const int first = kResponseRadius;
-  const int end = image.height - kResponseRadius;
-  for (int y = first; y < end + kPeakRadius; ++y) {
-    std::uint8_t* const newest = ring_row(y);
-    if (y < end) {
+  const auto row_at = [](int k) { return kResponseRadius + k * kRowStep; };
+  const int end = (image.height - 2 * kResponseRadius + kRowStep - 1) / kRowStep;
+  for (int k = 0; k < end + kPeakRows; ++k) {
+    std::uint8_t* const newest = ring_row(k);
+    if (k < end) {
       HWY_DYNAMIC_DISPATCH(response_row)
-      (image.data + y * image.stride + kResponseRadius, image.stride, newest + kResponseRadius,
-       static_cast<std::size_t>(inner));
+      (image.data + row_at(k) * image.stride + kResponseRadius, image.stride,
+       newest + kResponseRadius, static_cast<std::size_t>(inner));
     } else {
       std::memset(newest, 0, bits);
     }
-    const int middle = y - kPeakRadius;
-    if (middle < first) continue;
-    const std::uint8_t* rows[2 * kPeakRadius + 1];
-    for (int i = 0; i <= 2 * kPeakRadius; ++i) rows[i] = ring_row(middle - kPeakRadius + i);
-    if (HWY_DYNAMIC_DISPATCH(mark_peaks)(rows[kPeakRadius - 1], rows[kPeakRadius],
-                                         rows[kPeakRadius + 1], threshold_, peaks_.data(), bits)) {
-      take_peaks(rows, middle, image.width);
+    const int middle = k - kPeakRows;
+    if (middle < 0) continue;
+    const std::uint8_t* rows[2 * kPeakRows + 1];
+    for (int i = 0; i <= 2 * kPeakRows; ++i) rows[i] = ring_row(middle - kPeakRows + i);
+    if (HWY_DYNAMIC_DISPATCH(mark_peaks)(rows[kPeakRows - 1], rows[kPeakRows], rows[kPeakRows + 1],
+                                         threshold_, peaks_.data(), bits)) {
+      HWY_DYNAMIC_DISPATCH(keep_peaks)(rows, 2 * kPeakRows + 1, peaks_.data(), bits);
+      take_peaks(rows[kPeakRows], row_at(middle), image.width);
     }
   }
   if (points_.size() > most) {
@@ -245,6 +302,7 @@ std::span<const SaddlePoint> SaddleSearch::find(const ImageView& image, std::uin
         [](const SaddlePoint& a, const SaddlePoint& b) { return a.response > b.response; });
     points_.resize(most);
   }
+  for (SaddlePoint& p : points_) climb(image, p);
   return points_;
 }
 

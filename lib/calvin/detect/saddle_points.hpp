@@ -42,7 +42,7 @@ class SaddleSearch {
                                                   std::size_t most);
 
  private:
-  void take_peaks(const std::uint8_t* const* rows, int y, int width);
+  void take_peaks(const std::uint8_t* row, int y, int width);
   void raise_threshold();
 
   std::uint8_t threshold_ = 1;

@@ -26,9 +26,10 @@ constexpr float kPresumed[] = {0, 0, 0.25F, 0.08F, 0.03F};
 constexpr float kLike = 0.35F;  // of a difference
 constexpr int kLinesAside = 2;
 constexpr int kFewestAlike = 2;
-constexpr float kUncertain = 6;          // of the median sigma: then there may be something else,
-constexpr float kUncertainError = 0.5F;  // px, if it lies this far off too
-constexpr float kLeastPrecise = 0.35F;   // of the spacing, to which a place must be confirmed
+constexpr float kUncertain = 6;           // of the median sigma: then there may be something else,
+constexpr float kUncertainLeast = 0.06F;  // px
+constexpr float kUncertainError = 0.5F;   // px, if it lies this far off too
+constexpr float kLeastPrecise = 0.35F;    // of the spacing, to which a place must be confirmed
 
 }  // namespace
 
@@ -162,7 +163,8 @@ void StrayCorners::remove_from(Lattice& lattice) {
       }
       // By how much the squares of the differences sink if this node alone is to blame.
       const bool accused =
-          v.accused || (node.sigma > kUncertain * usual_sigma_ && v.error() > kUncertainError);
+          v.accused || (node.sigma > std::max(kUncertain * usual_sigma_, kUncertainLeast) &&
+                        v.error() > kUncertainError);
       const float explained = accused ? (v.x * v.x + v.y * v.y) / v.weight : -1;
       if (explained <= most) return;
       most = explained;

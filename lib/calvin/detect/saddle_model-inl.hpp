@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The saddle that a corner is, of level 0 and contrast 1, and its derivatives, a vector at a time.
+// Included once for each of Highway's targets.
+#if defined(CALVIN_DETECT_SADDLE_MODEL_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_DETECT_SADDLE_MODEL_INL
+#undef CALVIN_DETECT_SADDLE_MODEL_INL
+#else
+#define CALVIN_DETECT_SADDLE_MODEL_INL
+#endif
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::detect::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// erf(x) = 1 - 1 / p(x)^4 for x > 0, within 5e-4: Abramowitz and Stegun, 7.1.27.
+template <class V>
+struct ErrorFunction {
+  V p;
+  V slope;  // of p
+
+  template <class D>
+  HWY_INLINE ErrorFunction(D d, V x) {
+    const auto set = [&](float v) { return hn::Set(d, v); };
+    const V t = hn::Min(hn::Abs(x), set(4.0F));
+    p = hn::MulAdd(set(0.078108F), t, set(0.000972F));
+    p = hn::MulAdd(p, t, set(0.230389F));
+    p = hn::MulAdd(p, t, set(0.278393F));
+    p = hn::MulAdd(p, t, set(1));
+    slope = hn::MulAdd(set(4 * 0.078108F), t, set(3 * 0.000972F));
+    slope = hn::MulAdd(slope, t, set(2 * 0.230389F));
+    slope = hn::MulAdd(slope, t, set(0.278393F));
+  }
+  // `inverse`: 1 / p.
+  template <class D>
+  HWY_INLINE V value(D d, V x, V inverse, V& derivative) const {
+    const V square = hn::Mul(inverse, inverse);
+    const V fourth = hn::Mul(square, square);
+    derivative = hn::Mul(hn::Mul(hn::Set(d, 4), slope), hn::Mul(fourth, inverse));
+    return hn::CopySign(hn::Sub(hn::Set(d, 1), fourth), x);
+  }
+};
+
+// The error functions of two numbers, with one division.
+template <class V>
+struct TwoErrors {
+  V first, second;
+  V first_slope, second_slope;
+
+  template <class D>
+  HWY_INLINE TwoErrors(D d, V x, V y) {
+    const ErrorFunction<V> error_x(d, x);
+    const ErrorFunction<V> error_y(d, y);
+    const V inverse = hn::Div(hn::Set(d, 1), hn::Mul(error_x.p, error_y.p));
+    first = error_x.value(d, x, hn::Mul(inverse, error_y.p), first_slope);
+    second = error_y.value(d, y, hn::Mul(inverse, error_x.p), second_slope);
+  }
+};
+
+// By a and b: the distances from the edges in their widths.
+template <class V>
+struct Saddle {
+  V value;
+  V by_a, by_b;
+  V width_a, width_b;  // by the widths' logarithms, negative
+  V gain;              // by the gain, in px
+};
+
+// The edges meet in the corner.
+template <class D, class V>
+HWY_INLINE Saddle<V> plain_saddle(D d, V a, V b) {
+  const TwoErrors<V> e(d, a, b);
+  Saddle<V> s;
+  s.value = hn::Mul(e.first, e.second);
+  s.by_a = hn::Mul(e.second, e.first_slope);
+  s.by_b = hn::Mul(e.first, e.second_slope);
+  s.width_a = hn::Mul(s.by_a, a);
+  s.width_b = hn::Mul(s.by_b, b);
+  s.gain = hn::Zero(d);
+  return s;
+}
+
+// The bright squares are larger by `gain` px on each side, or smaller: each of the two that are
+// smaller ends |gain| px before the corner. `wide`: 1 / width.
+template <class D, class V>
+HWY_INLINE Saddle<V> parted_saddle(D d, V a, V b, float gain, V wide_a, V wide_b) {
+  const V one = hn::Set(d, 1);
+  const V half = hn::Set(d, 0.5F);
+  // With b and the sign exchanged the dark squares are the bright ones.
+  const V turn = hn::Set(d, gain > 0 ? -1.0F : 1.0F);
+  const V da = hn::Mul(hn::Set(d, std::abs(gain)), wide_a);
+  const V db = hn::Mul(hn::Set(d, std::abs(gain)), wide_b);
+  const V c = hn::Mul(turn, b);
+  const V near_a = hn::Sub(a, da), far_a = hn::Add(a, da);
+  const V near_b = hn::Sub(c, db), far_b = hn::Add(c, db);
+  const TwoErrors<V> e(d, near_a, far_a);
+  const TwoErrors<V> f(d, near_b, far_b);
+  const V in_e = hn::Mul(half, hn::Add(one, e.first)),
+          out_e = hn::Mul(half, hn::Sub(one, e.second));
+  const V in_f = hn::Mul(half, hn::Add(one, f.first)),
+          out_f = hn::Mul(half, hn::Sub(one, f.second));
+  const V near_slope_a = hn::Mul(e.first_slope, in_f), far_slope_a = hn::Mul(e.second_slope, out_f);
+  const V near_slope_b = hn::Mul(f.first_slope, in_e), far_slope_b = hn::Mul(f.second_slope, out_e);
+  const V bright = hn::MulAdd(in_e, in_f, hn::Mul(out_e, out_f));
+  Saddle<V> s;
+  s.value = hn::Mul(turn, hn::Sub(hn::Add(bright, bright), one));
+  s.by_a = hn::Mul(turn, hn::Sub(near_slope_a, far_slope_a));
+  s.by_b = hn::Sub(near_slope_b, far_slope_b);
+  s.width_a = hn::Mul(turn, hn::Sub(hn::Mul(near_slope_a, near_a), hn::Mul(far_slope_a, far_a)));
+  s.width_b = hn::Mul(turn, hn::Sub(hn::Mul(near_slope_b, near_b), hn::Mul(far_slope_b, far_b)));
+  s.gain = hn::MulAdd(wide_a, hn::Add(near_slope_a, far_slope_a),
+                      hn::Mul(wide_b, hn::Add(near_slope_b, far_slope_b)));
+  return s;
+}
+
+}  // namespace calvin::detect::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // once for each target

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// By how much the corners of a board are really off, as the board itself tells.
+#pragma once
+
+#include "calvin/detect/lattice.hpp"
+
+namespace calvin::detect {
+
+// The ratio of the errors of the nodes of a fitted lattice, in px of the image, to their sigmas. A
+// grid is smooth, whatever the lens: what is left of a homography changes so slowly over five
+// corners by five (or three, where there are too few) that the corners' own errors are what their
+// mixed difference has. The
+// compression of an image, or a blur that is not the fit's, make errors that the noise in the
+// window of one corner does not tell. 1 where there are too few corners; the fewer, the nearer to
+// it.
+[[nodiscard]] float scatter(const Lattice& lattice);
+
+}  // namespace calvin::detect

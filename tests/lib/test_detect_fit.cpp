@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The fit of one corner on pictures of exact corners, and how far its sigma is to be trusted.
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "calvin/detect/saddle_fit.hpp"
+#include "calvin/detect/scatter.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using detect::Direction;
+using detect::SaddleFit;
+using scenes::uniform;
+
+struct Picture {
+  const char* name;
+  double level;     // grey levels, of the middle
+  double contrast;  // half of that of the squares
+  double blur;      // px
+  double gain;      // px by which the bright squares are larger than the dark ones, on each side
+  double noise;     // grey levels
+  float radius;     // px
+  double bound;     // px, of the RMS distance without noise
+  bool has_gain = false;  // the fit's
+};
+
+double edge(double distance, double blur) {
+  return 0.5 * (1 + std::erf(distance / (blur * std::numbers::sqrt2)));
+}
+
+// The share of the two squares with a b > 0, each of them `gap` px from the other.
+double two_squares(double a, double b, double gap, double blur) {
+  return edge(a - gap, blur) * edge(b - gap, blur) + edge(-a - gap, blur) * edge(-b - gap, blur);
+}
+
+class ExactCorners : public ::testing::TestWithParam<Picture> {};
+INSTANTIATE_TEST_SUITE_P(
+    Pictures, ExactCorners,
+    // Rounding to grey levels alone makes 0.001 px at the usual contrast.
+    ::testing::Values(Picture{"plain", 125, 95, 1.04, 0, 2, 14, 0.0015},
+                      Picture{"large", 125, 95, 1.04, 0, 2, 45, 0.001},
+                      Picture{"over_exposed", 325, 247, 1.53, 0, 2, 14, 0.0015},
+                      Picture{"under_exposed", -40, 130, 1.53, 0, 2, 14, 0.003},
+                      // What the fit does not know of must not pull at the place.
+                      Picture{"unknown_ink", 125, 95, 1.04, -1, 2, 14, 0.003},
+                      Picture{"ink", 125, 95, 1.04, -1, 2, 14, 0.0015, true},
+                      Picture{"light", 150, 95, 0.7, 1.3, 2, 14, 0.0015, true},
+                      Picture{"neither", 125, 95, 1.04, 0, 2, 14, 0.0015, true}),
+    [](const auto& picture) { return picture.param.name; });
+
+TEST_P(ExactCorners, AreFittedAsWellAsTheNoiseLets) {
+  const Picture& p = GetParam();
+  for (const double noise : {0.0, p.noise}) {
+    scenes::Random random(4);
+    std::normal_distribution<double> normal(0, 1);
+    double square = 0;
+    double predicted = 0;
+    const int corners = 150;
+    int lost = 0;
+    for (int n = 0; n < corners; ++n) {
+      const double u = uniform(random, 69.5, 70.5);
+      const double v = uniform(random, 69.5, 70.5);
+      const double angle = uniform(random, 0, 2 * std::numbers::pi);
+      const double opening = uniform(random, 1.0, 2.1);
+      const auto direction = [](double a) {
+        return Direction{static_cast<float>(std::cos(a)), static_cast<float>(std::sin(a))};
+      };
+      GrayImage image(141, 141);
+      for (int y = 0; y < 141; ++y) {
+        for (int x = 0; x < 141; ++x) {
+          const double a = std::cos(angle) * (y - v) - std::sin(angle) * (x - u);
+          const double b =
+              (x - u) * std::sin(angle + opening) - (y - v) * std::cos(angle + opening);
+          const double bright = p.gain > 0 ? 1 - two_squares(a, -b, p.gain, p.blur)
+                                           : two_squares(a, b, -p.gain, p.blur);
+          const double grey = p.level + p.contrast * (2 * bright - 1) + noise * normal(random);
+          image.row(y)[x] = static_cast<std::uint8_t>(std::lround(std::clamp(grey, 0.0, 255.0)));
+        }
+      }
+      SaddleFit fit;
+      fit.x = u + uniform(random, -0.3, 0.3);
+      fit.y = v + uniform(random, -0.3, 0.3);
+      fit.along = direction(angle + 0.03);
+      fit.down = direction(angle + opening - 0.03);
+      bool good = detect::fit_saddle(image.view(), 8, 8, fit);
+      if (p.has_gain) {
+        // As Refinement does.
+        fit.has_gain = true;
+        fit.contrast = 0;
+        fit.along_width = fit.down_width = 2;
+        good = detect::fit_saddle(image.view(), 8, 16, fit);
+      }
+      if (!good || !detect::fit_saddle(image.view(), p.radius, 8, fit)) {
+        ++lost;
+        continue;
+      }
+      square += (fit.x - u) * (fit.x - u) + (fit.y - v) * (fit.y - v);
+      predicted += 2 * static_cast<double>(fit.sigma) * static_cast<double>(fit.sigma);
+    }
+    EXPECT_EQ(lost, 0);
+    const double rms = std::sqrt(square / (corners - lost));
+    std::cout << "  noise " << noise << ": RMS " << rms << " px, predicted "
+              << std::sqrt(predicted / (corners - lost)) << '\n';
+    if (noise == 0) {
+      EXPECT_LT(rms, p.bound);
+    } else if (p.gain == 0 || p.has_gain) {
+      EXPECT_NEAR(std::sqrt(predicted / (corners - lost)) / rms, 1, 0.15);
+    }
+  }
+}
+
+struct Grid {
+  const char* model;
+  double tilt;    // rad, at most
+  double factor;  // of the errors, of what their sigmas say
+};
+class Scatter : public ::testing::TestWithParam<Grid> {};
+INSTANTIATE_TEST_SUITE_P(Grids, Scatter,
+                         ::testing::Values(Grid{"brown5", 0.5, 1}, Grid{"brown5", 1.1, 1},
+                                           Grid{"fisheye", 0.5, 1}, Grid{"brown5", 0.7, 3}));
+
+TEST_P(Scatter, TellsOfErrorsThatSigmasDoNot) {
+  constexpr double kSigma = 0.01;  // px
+  scenes::Random random(2);
+  std::normal_distribution<double> noise(0, kSigma * GetParam().factor);
+  const Camera camera = scenes::random_camera(GetParam().model, random);
+  detect::Lattice lattice(12);
+  double sum = 0;
+  const int boards = 60;
+  for (int n = 0; n < boards; ++n) {
+    const SE3 pose =
+        scenes::random_pose(camera, scenes::kBoard, random, uniform(random, 0, GetParam().tilt));
+    lattice.clear();
+    const auto points = scenes::kBoard.points();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Pixel at = camera.project(pose * points[i]).value();
+      detect::Node node;
+      node.x = static_cast<float>(at.u + noise(random));
+      node.y = static_cast<float>(at.v + noise(random));
+      node.sigma = static_cast<float>(kSigma);
+      lattice.put({static_cast<int>(i) % 9, static_cast<int>(i) / 9}, node);
+    }
+    sum += static_cast<double>(detect::scatter(lattice));
+  }
+  std::cout << "  " << sum / boards << '\n';
+  EXPECT_NEAR(sum / boards / GetParam().factor, 1, 0.1);
+}
+
+TEST(ScatterOfFewCorners, IsNotKnown) {
+  detect::Lattice lattice(12);
+  for (int i = 0; i < 12; ++i) lattice.put({i % 4, i / 4}, {});
+  EXPECT_EQ(detect::scatter(lattice), 1);
+}
+
+}  // namespace
+}  // namespace calvin
