@@ -97,8 +97,6 @@ template <class L>
 constexpr Results kResults = make_results<L>();
 
 struct Constants {
-  Places whole;  // a weight of 1 for MulFixedPoint15
-  Places two_rows;
   Places half;       // from fractions to weights
   Pairs sum;         // of two bytes, times 64
   Pairs difference;  // likewise
@@ -106,12 +104,8 @@ struct Constants {
 };
 HWY_INLINE Constants make_constants() {
   const Words words;
-  return {kept(hn::Set(words, 0x7FFF)),
-          kept(hn::Set(words, 0x8000)),
-          kept(hn::Set(words, 0x8000)),
-          kept(hn::BitCast(Bytes(), hn::Set(words, 0x4040))),
-          kept(hn::BitCast(Bytes(), hn::Set(words, 0x40C0))),
-          kept(hn::Set(Signed(), 256))};
+  return {kept(hn::Set(words, 0x8000)), kept(hn::BitCast(Bytes(), hn::Set(words, 0x4040))),
+          kept(hn::BitCast(Bytes(), hn::Set(words, 0x40C0))), kept(hn::Set(Signed(), 256))};
 }
 
 // 64 times the sum of the two bytes of each pair, and 64 times the second less the first.
@@ -210,43 +204,56 @@ HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* off
 }
 
 // 128 times the values between neighbours of one source row.
-template <int kSpread>
-HWY_INLINE Numbers blend_row(const std::uint8_t* source, const std::int32_t* offsets,
-                             const Taps& taps, const Constants& constants) {
-  const Blend blend = blend_pairs(fetch_pairs<kSpread>(source, offsets, taps), constants);
+HWY_INLINE Numbers blend_row(Pairs pairs, const Taps& taps, const Constants& constants) {
+  const Blend blend = blend_pairs(pairs, constants);
   return blend.sum + hn::MulFixedPoint15(blend.difference, taps.across);
 }
 
-// `rows` source rows, each result between two of them.
+// Which of 16-bit numbers are negative.
+HWY_INLINE auto negative(Numbers numbers) {
+#if HWY_TARGET > HWY_AVX3 || !HWY_ARCH_X86
+  numbers = hn::BroadcastSignBit(numbers);
+#endif
+  return hn::MaskFromVec(numbers);
+}
+
+// Three source rows: a result lies between the middle one and one of the others.
 template <int kSpread>
-HWY_INLINE Numbers blend_rows(const std::uint8_t* source, const std::int32_t* offsets,
-                              std::int32_t stride, std::int32_t rows, const Taps& taps,
-                              const Constants& constants) {
+HWY_INLINE Numbers blend_three_rows(const std::uint8_t* source, const std::int32_t* offsets,
+                                    std::int32_t stride, const Taps& taps,
+                                    const Constants& constants) {
+  const Bytes bytes;
+  const Signed numbers;
+  // From the middle row, 1.15.
+  const auto place = hn::BitCast(numbers, hn::Xor(hn::ShiftLeft<3>(taps.down), constants.half));
+  const std::uint8_t* second = source + stride;
+  const auto above = hn::BitCast(numbers, fetch_pairs<kSpread>(source, offsets, taps));
+  const auto below = hn::BitCast(numbers, fetch_pairs<kSpread>(second + stride, offsets, taps));
+  const auto outer = hn::IfThenElse(negative(place), above, below);
+  const Numbers middle = blend_row(fetch_pairs<kSpread>(second, offsets, taps), taps, constants);
+  const Numbers other = blend_row(hn::BitCast(bytes, outer), taps, constants);
+  return middle + hn::MulFixedPoint15(other - middle, hn::Abs(place));
+}
+
+// `rows` source rows, each result between two of them. Rare, and apart from the others so that
+// these keep their registers.
+template <int kSpread>
+HWY_NOINLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_t* offsets,
+                                     std::int32_t stride, std::int32_t rows, Taps taps) {
   const Words words;
   const Signed numbers;
-  const auto below = [&](Numbers upper, Numbers lower, Places weight) HWY_ATTR {
-    return hn::MulFixedPoint15(lower - upper, hn::BitCast(numbers, weight));
-  };
-  const Numbers first = blend_row<kSpread>(source, offsets, taps, constants);
-  Numbers upper = blend_row<kSpread>(source + stride, offsets, taps, constants);
-  const auto down = hn::ShiftLeft<3>(taps.down);
-  Numbers sum = first + below(first, upper, hn::Min(down, constants.whole));
-  if (rows == 2) return sum;
-  if (HWY_LIKELY(rows == 3)) {
-    const Numbers lower = blend_row<kSpread>(source + 2 * static_cast<std::ptrdiff_t>(stride),
-                                             offsets, taps, constants);
-    return sum + below(upper, lower, hn::SaturatedSub(down, constants.two_rows));
-  }
-  // From here on 15 bits do not hold the place.
+  const Constants constants = make_constants();
+  // 15 bits do not hold the place.
   const auto row = hn::Set(words, 4096);
   const auto last = hn::Set(words, 4095);
-  sum = first + below(first, upper, hn::ShiftLeft<3>(hn::Min(taps.down, last)));
-  auto place = hn::SaturatedSub(taps.down, row);
-  for (std::int32_t r = 2; r < rows; ++r) {
-    const Numbers lower = blend_row<kSpread>(source + r * static_cast<std::ptrdiff_t>(stride),
-                                             offsets, taps, constants);
-    sum = sum + below(upper, lower, hn::ShiftLeft<3>(hn::Min(place, last)));
-    place = hn::SaturatedSub(place, row);
+  Numbers upper = blend_row(fetch_pairs<kSpread>(source, offsets, taps), taps, constants);
+  Numbers sum = upper;
+  for (std::int32_t r = 1; r < rows; ++r) {
+    source += stride;
+    const Numbers lower = blend_row(fetch_pairs<kSpread>(source, offsets, taps), taps, constants);
+    const auto weight = hn::BitCast(numbers, hn::ShiftLeft<3>(hn::Min(taps.down, last)));
+    sum = sum + hn::MulFixedPoint15(lower - upper, weight);
+    taps.down = hn::SaturatedSub(taps.down, row);
     upper = lower;
   }
   return sum;
@@ -302,8 +309,11 @@ void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const Pl
     taps.down = hn::BitCast(words, y);
     if constexpr (kNearest) {
       across = nearest(across);
-      // blend_rows() has 16 bits for eight times the place.
-      taps.down = hn::Min(nearest(taps.down), hn::Set(words, rows == 3 ? 8191 : 0xF000));
+      // blend_three_rows() has 16 bits for eight times the place, and no -1.
+      taps.down = nearest(taps.down);
+      if (rows == 3) {
+        taps.down = hn::Max(hn::Min(taps.down, hn::Set(words, 8191)), hn::Set(words, 1));
+      }
     }
     taps.neighbours = hn::BitCast(bytes, hn::ShiftRight<12>(across) * step + neighbours);
     taps.across = hn::BitCast(numbers, hn::Xor(hn::ShiftLeft<4>(across), constants.half));
@@ -311,7 +321,9 @@ void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const Pl
       const std::uint8_t* source = sources[p];
       hwy::Prefetch(source + row.offset[j] + static_cast<std::ptrdiff_t>(kAhead) * stride + 16);
       const Numbers sum =
-          blend_rows<L::kSpread>(source, row.offset + j, stride, rows, taps, constants);
+          HWY_LIKELY(rows == 3)
+              ? blend_three_rows<L::kSpread>(source, row.offset + j, stride, taps, constants)
+              : blend_more_rows<L::kSpread>(source, row.offset + j, stride, rows, taps);
       store_results<L>(hn::MulFixedPoint15(sum, constants.to_bytes),
                        outputs[p] + (j - begin) / kLanes * L::kOut);
     }
