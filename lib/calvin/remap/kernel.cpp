@@ -156,15 +156,16 @@ class Chunk {
            map.run_pixels();
   }
 
-  void row(int y) noexcept {
-    const PlaneMap::Level level = map_.level(y);
+  // Row after row, and none after `end`.
+  void row(int y, int end) noexcept {
     const PlaneMap::Row* limits = map_.limits(y);
-    interpolate(level);
+    interpolate(y, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
+    if (y >= band_end_) begin_band(y, end);
     if (wide_) {
       std::fill_n(row_.rows, row_.count, 0);
     } else {
-      remap::describe_lanes(lanes_, map_.run_pixels(), bounds_, row_);
+      remap::describe_lanes(lanes_, map_.run_pixels(), bounds_, band_, row_);
     }
     if (limits != nullptr) mark_invalid(*limits);
     // An uneven last sample is not where a lane has it.
@@ -174,7 +175,22 @@ class Chunk {
   }
 
  private:
-  void interpolate(const PlaneMap::Level& level) noexcept {
+  void begin_band(int y, int end) noexcept {
+    const int node_row = map_.level(y).node_row;
+    band_end_ = y + 1;
+    while (band_end_ < std::min(y + remap::kBandRows, end) &&
+           map_.level(band_end_).node_row == node_row) {
+      ++band_end_;
+    }
+    std::fill(std::begin(band_.steady), std::end(band_.steady), false);
+    // Where there is an end of the model rows have little in common.
+    if (wide_ || map_.limits(y) != nullptr) return;
+    interpolate(band_end_ - 1, band_.x_last, band_.y_last);
+    remap::begin_band(lanes_, map_.run_pixels(), bounds_, band_, row_);
+  }
+
+  void interpolate(int y, std::int32_t* xs, std::int32_t* ys) noexcept {
+    const PlaneMap::Level level = map_.level(y);
     const auto weights = cubic_weights(level.between);
     std::array<float, 4> of_slot;
     for (int r = 0; r < 4; ++r) {
@@ -186,7 +202,7 @@ class Chunk {
                   nodes_.y[slot]);
       known_[slot] = wanted;
     }
-    remap::interpolate_runs(nodes_, of_slot.data(), runs_, row_);
+    remap::interpolate_runs(nodes_, of_slot.data(), runs_, xs, ys);
   }
 
   void take_middles(const PlaneMap::Row& limits) noexcept {
@@ -307,7 +323,9 @@ class Chunk {
   int width_ = 0;  // samples
   int whole_groups_ = 0;
   std::array<int, 4> known_ = {-1, -1, -1, -1};
+  int band_end_ = 0;
   NodeRows nodes_;
+  remap::LaneBand band_;
   LaneRow row_;
 };
 
@@ -324,7 +342,7 @@ void remap_rows(const PlaneMap& map, const PlaneLayout& layout,
   const int runs = Chunk::chunk_runs(map, layout);
   for (int first = 0; first < map.runs(); first += runs) {
     Chunk chunk(map, layout, sources, outputs, sampling, first);
-    for (int y = begin; y < end; ++y) chunk.row(y);
+    for (int y = begin; y < end; ++y) chunk.row(y, end);
   }
 }
 

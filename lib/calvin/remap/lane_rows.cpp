@@ -25,7 +25,8 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void interpolate_row(const NodeRows& nodes, const float* weights, int runs, LaneRow& row) {
+void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std::int32_t* xs,
+                     std::int32_t* ys) {
   for (int j = 0; j < runs + 2 * kMargin + kSpare; ++j) {
     float x = 0;
     float y = 0;
@@ -33,13 +34,16 @@ void interpolate_row(const NodeRows& nodes, const float* weights, int runs, Lane
       x += weights[r] * nodes.x[r][j];
       y += weights[r] * nodes.y[r][j];
     }
-    row.x[j] = static_cast<std::int32_t>(std::lrint(x));
-    row.y[j] = static_cast<std::int32_t>(std::lrint(y));
+    xs[j] = static_cast<std::int32_t>(std::lrint(x));
+    ys[j] = static_cast<std::int32_t>(std::lrint(y));
   }
 }
 
+void begin_band_of(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
+                   LaneBand& /*band*/, LaneRow& /*row*/) {}
+
 void describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
-                  LaneRow& row) {
+                  const LaneBand& /*band*/, LaneRow& row) {
   std::fill_n(row.rows, row.count, kSlowLane);
 }
 
@@ -51,6 +55,8 @@ int group() { return 1; }
 
 // Places of 4.12 reach over 16 rows.
 constexpr std::int32_t kMostRows = 15;
+
+constexpr std::int32_t kHalfRow = 1 << (kPlaceBits - 1);
 
 // What a parabola through the middles of runs is made of, one per run.
 struct Curve {
@@ -122,17 +128,25 @@ struct Axis {
   hn::Vec<Ints> steep;  // size of the slope, 2.14
 };
 
+// What the places of a lane are away from its middle at most, and a little.
+template <int kPixels>
+HWY_INLINE hn::Vec<Ints> half_of(const Line& line) {
+  const auto steep = hn::Abs(line.slope);
+  // (kPixels - 1) / 2 slopes from the middle to the ends.
+  auto half = hn::ShiftRight<1>(steep) + hn::Set(Ints(), 16);
+  if constexpr (kPixels == 4) half = half + steep;
+  if constexpr (kPixels == 8) half = half + hn::ShiftLeft<1>(steep) + steep;
+  if constexpr (kPixels > 2) half = half + hn::ShiftLeft<2>(hn::Abs(line.bend));
+  return half;
+}
+
 template <int kPixels>
 HWY_INLINE Axis describe(const Line& line) {
   const Ints d;
   const hn::Repartition<std::int16_t, Ints> halves;
   Axis axis;
   axis.steep = hn::Abs(line.slope);
-  // (kPixels - 1) / 2 slopes from the middle to the ends.
-  auto half = hn::ShiftRight<1>(axis.steep) + hn::Set(d, 16);
-  if constexpr (kPixels == 4) half = half + axis.steep;
-  if constexpr (kPixels == 8) half = half + hn::ShiftLeft<1>(axis.steep) + axis.steep;
-  if constexpr (kPixels > 2) half = half + hn::ShiftLeft<2>(hn::Abs(line.bend));
+  const auto half = half_of<kPixels>(line);
   axis.first = hn::ShiftRight<kPlaceBits>(line.middle - half);
   axis.last = hn::ShiftRight<kPlaceBits>(line.middle + half);
   auto centre = line.middle + hn::Set(d, 2) - hn::ShiftLeft<kPlaceBits>(axis.first);
@@ -174,11 +188,8 @@ HWY_INLINE void describe_lanes_at(int j, const Line& x_line, const Line& y_line,
   const Axis y = describe<kPixels>(y_line);
   // All lanes of a vector read as many rows as the one that needs most.
   auto rows = y.last - y.first + hn::Set(d, 2);
-  // Most vectors of wide lanes take three rows: one more costs less than a branch that cannot be
-  // foreseen.
-  if constexpr (kPixels == 8) {
-    rows = hn::Max(rows, hn::Min(hn::Set(d, 3), hn::Set(d, b.rows) - y.first));
-  }
+  // Three rows, of which a result needs two, go quickest.
+  rows = hn::Max(rows, hn::Min(hn::Set(d, 3), hn::Set(d, b.rows) - y.first));
   rows = group_maximum(rows);
   const auto begin = x.first * hn::Set(d, kStep);
   // Any of these is negative where the lane cannot be taken quickly.
@@ -245,11 +256,108 @@ struct Parts {
   }
 };
 
+// ---- Bands of rows.
+
+// One axis of a vector of lanes that are runs, in the first and in the last row of a band.
+struct BandAxis {
+  hn::Vec<Ints> half;
+  hn::Vec<Ints> bend;
+  hn::Vec<Ints> least;  // place
+  hn::Vec<Ints> most;
+  hn::Vec<Ints> steep;
+};
+HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* last) {
+  const Ints d;
+  // What lies between the two rows may be beyond both of them by as much.
+  const auto slack = hn::Set(d, 1 << kPlaceBits);
+  const Line a = line_of<8>(curve_at<false>(first));
+  const Line b = line_of<8>(curve_at<false>(last));
+  const auto half = hn::Max(half_of<8>(a), half_of<8>(b)) + hn::Set(d, 64);
+  return {half, hn::ShiftRight<1>(a.bend + b.bend), hn::Min(a.middle, b.middle) - half - slack,
+          hn::Max(a.middle, b.middle) + half + slack, hn::Max(hn::Abs(a.slope), hn::Abs(b.slope))};
+}
+
+// Whether none of a vector of lanes needs to be looked at again in the band: three rows, and far
+// from the ends of the source.
+HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
+  const Ints d;
+  const auto last = [&](const BandAxis& axis)
+                        HWY_ATTR { return hn::ShiftRight<kPlaceBits>(axis.most); };
+  const auto last_row =
+      hn::Min(hn::Set(d, b.last_row - 1), hn::Set(d, b.rows - b.guarded_rows - 2));
+  auto spare = hn::Min(hn::Min(x.least, y.least), hn::Set(d, 0x7000) - hn::Max(x.steep, y.steep));
+  spare = hn::Min(spare, hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
+  spare =
+      hn::Min(spare, hn::Min(hn::Set(d, kHalfRow) - y.half,
+                             hn::Set(d, b.widest - 2) - hn::ShiftRight<kPlaceBits - 1>(x.half)));
+  return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
+}
+
+void begin_band_of(LaneLayout layout, int run, const SourceBounds& bounds, LaneBand& band,
+                   LaneRow& row) {
+  const Ints d;
+  const hn::Repartition<std::int16_t, Ints> halves;
+  constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
+  const bool whole = run == 8 && lane_pixels(layout) == 8 && !bounds.strongly_bent;
+  for (int j = 0; j < row.count; j += kVector) {
+    band.steady[j] = false;
+    if (!whole) continue;
+    const BandAxis x = band_axis(row.x + j, band.x_last + j);
+    const BandAxis y = band_axis(row.y + j, band.y_last + j);
+    if (!is_steady(x, y, bounds)) continue;
+    band.steady[j] = true;
+    // Results lie between the row that is nearest to the middle and the ones beside it.
+    const auto y_half = hn::Set(d, kHalfRow);
+    hn::Store(x.half, d, band.x_half + j);
+    hn::Store(y_half, d, band.y_half + j);
+    hn::Store(x.half + hn::Set(d, 2) + hn::ShiftLeft<1>(x.bend), d, band.x_shift + j);
+    hn::Store(y_half + hn::Set(d, 2) + hn::ShiftLeft<1>(y.bend), d, band.y_shift + j);
+    hn::Store(hn::Set(d, 3), d, row.rows + j);
+    const auto bend =
+        hn::OddEven(hn::BitCast(halves, hn::ShiftLeft<16>(y.bend)), hn::BitCast(halves, x.bend));
+    hn::Store(hn::BitCast(d, bend), d, row.bend + j);
+  }
+}
+
+struct SteadyAxis {
+  hn::Vec<Ints> first;
+  hn::Vec<Ints> line;
+};
+HWY_INLINE SteadyAxis steady_axis(const std::int32_t* places, const std::int32_t* half,
+                                  const std::int32_t* shift) {
+  const Ints d;
+  const hn::Repartition<std::int16_t, Ints> halves;
+  const auto across = hn::LoadU(d, places + 3) - hn::LoadU(d, places + 1);
+  const auto low = hn::LoadU(d, places + 2) - hn::Load(d, half);
+  const auto rest = hn::And(low, hn::Set(d, (1 << kPlaceBits) - 1)) + hn::Load(d, shift);
+  return {hn::ShiftRight<kPlaceBits>(low),
+          hn::BitCast(d, hn::OddEven(hn::BitCast(halves, hn::ShiftLeft<12>(across)),
+                                     hn::BitCast(halves, hn::ShiftRight<2>(rest))))};
+}
+
+// describe_lanes_at() where the band is steady.
+template <int kStep>
+HWY_INLINE void describe_steady_at(int j, const SourceBounds& b, const LaneBand& band,
+                                   LaneRow& row) {
+  const Ints d;
+  const SteadyAxis x = steady_axis(row.x + j, band.x_half + j, band.x_shift + j);
+  const SteadyAxis y = steady_axis(row.y + j, band.y_half + j, band.y_shift + j);
+  hn::Store(y.first * hn::Set(d, b.stride) + x.first * hn::Set(d, kStep), d, row.offset + j);
+  hn::Store(x.line, d, row.x_line + j);
+  hn::Store(y.line, d, row.y_line + j);
+}
+
 template <int kRun, int kPixels, int kStep, bool kThird>
-HWY_INLINE void describe_all(const SourceBounds& bounds, LaneRow& row) {
+HWY_INLINE void describe_all(const SourceBounds& bounds, const LaneBand& band, LaneRow& row) {
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   constexpr int kParts = kRun / kPixels;
   for (int run = 0; run * kParts < row.count; run += kVector) {
+    if constexpr (kPixels == 8) {
+      if (band.steady[run]) {
+        describe_steady_at<kStep>(run, bounds, band, row);
+        continue;
+      }
+    }
     const Curve x = curve_at<kThird>(row.x + run);
     const Curve y = curve_at<kThird>(row.y + run);
     if constexpr (kParts == 1) {
@@ -267,40 +375,42 @@ HWY_INLINE void describe_all(const SourceBounds& bounds, LaneRow& row) {
   }
 }
 
-void interpolate_row(const NodeRows& nodes, const float* weights, int runs, LaneRow& row) {
-  interpolate(nodes.x, weights, runs + 2 * kMargin + kSpare, row.x);
-  interpolate(nodes.y, weights, runs + 2 * kMargin + kSpare, row.y);
+void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
+                     std::int32_t* y) {
+  interpolate(nodes.x, weights, runs + 2 * kMargin + kSpare, x);
+  interpolate(nodes.y, weights, runs + 2 * kMargin + kSpare, y);
 }
 
 template <int kRun, int kPixels, int kStep>
-void describe_bends(const SourceBounds& bounds, LaneRow& row) {
-  bounds.strongly_bent ? describe_all<kRun, kPixels, kStep, true>(bounds, row)
-                       : describe_all<kRun, kPixels, kStep, false>(bounds, row);
+void describe_bends(const SourceBounds& bounds, const LaneBand& band, LaneRow& row) {
+  bounds.strongly_bent ? describe_all<kRun, kPixels, kStep, true>(bounds, band, row)
+                       : describe_all<kRun, kPixels, kStep, false>(bounds, band, row);
 }
 
 template <int kPixels, int kStep>
-void describe_steps(int run, const SourceBounds& bounds, LaneRow& row) {
-  run == kPixels ? describe_bends<kPixels, kPixels, kStep>(bounds, row)
-                 : describe_bends<8, kPixels, kStep>(bounds, row);
+void describe_steps(int run, const SourceBounds& bounds, const LaneBand& band, LaneRow& row) {
+  run == kPixels ? describe_bends<kPixels, kPixels, kStep>(bounds, band, row)
+                 : describe_bends<8, kPixels, kStep>(bounds, band, row);
 }
 
-void describe_row(LaneLayout layout, int run, const SourceBounds& bounds, LaneRow& row) {
+void describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const LaneBand& band,
+                  LaneRow& row) {
   switch (layout) {
     case LaneLayout::kOne:
-      return describe_bends<8, 8, 1>(bounds, row);
+      return describe_bends<8, 8, 1>(bounds, band, row);
     case LaneLayout::kOneSpread:
     case LaneLayout::kOneWord:
-      return describe_bends<8, 8, 2>(bounds, row);
+      return describe_bends<8, 8, 2>(bounds, band, row);
     case LaneLayout::kTwoWords:
-      return describe_bends<8, 8, 4>(bounds, row);
+      return describe_bends<8, 8, 4>(bounds, band, row);
     case LaneLayout::kTwo:
-      return describe_steps<4, 2>(run, bounds, row);
+      return describe_steps<4, 2>(run, bounds, band, row);
     case LaneLayout::kTwoSpread:
-      return describe_steps<4, 4>(run, bounds, row);
+      return describe_steps<4, 4>(run, bounds, band, row);
     case LaneLayout::kThree:
-      return describe_steps<2, 3>(run, bounds, row);
+      return describe_steps<2, 3>(run, bounds, band, row);
     case LaneLayout::kFour:
-      return describe_steps<2, 4>(run, bounds, row);
+      return describe_steps<2, 4>(run, bounds, band, row);
     case LaneLayout::kNone:
       std::fill_n(row.rows, row.count, kSlowLane);
   }
@@ -317,16 +427,23 @@ HWY_AFTER_NAMESPACE();
 namespace calvin::remap {
 
 HWY_EXPORT(interpolate_row);
+HWY_EXPORT(begin_band_of);
 HWY_EXPORT(describe_row);
 HWY_EXPORT(group);
 
-void interpolate_runs(const NodeRows& nodes, const float* weights, int runs,
-                      LaneRow& row) noexcept {
-  HWY_DYNAMIC_DISPATCH(interpolate_row)(nodes, weights, runs, row);
+void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
+                      std::int32_t* y) noexcept {
+  HWY_DYNAMIC_DISPATCH(interpolate_row)(nodes, weights, runs, x, y);
 }
 
-void describe_lanes(LaneLayout layout, int run, const SourceBounds& bounds, LaneRow& row) noexcept {
-  HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, row);
+void begin_band(LaneLayout layout, int run, const SourceBounds& bounds, LaneBand& band,
+                LaneRow& row) noexcept {
+  HWY_DYNAMIC_DISPATCH(begin_band_of)(layout, run, bounds, band, row);
+}
+
+void describe_lanes(LaneLayout layout, int run, const SourceBounds& bounds, const LaneBand& band,
+                    LaneRow& row) noexcept {
+  HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, band, row);
 }
 
 int lane_group() noexcept { return HWY_DYNAMIC_DISPATCH(group)(); }

@@ -51,6 +51,24 @@ struct LaneRow {
   int count = 0;  // lanes
 };
 
+// Rows of the output that are prepared together: what varies little is taken once for all of them.
+inline constexpr int kBandRows = 8;
+
+// What a band's rows share of the lanes that are runs, and well inside the source in all of them.
+struct LaneBand {
+  static constexpr int kLanes = LaneRow::kLanes;
+  // Middles of the runs in the last row, margins included; those of the first one are a LaneRow's.
+  alignas(64) std::int32_t x_last[kLanes];
+  alignas(64) std::int32_t y_last[kLanes];
+  // From the first place of the segment to the middle, to find the segment with; and what the place
+  // of the middle is rounded up by. 1/2^14 of a sample.
+  alignas(64) std::int32_t x_half[kLanes];
+  alignas(64) std::int32_t y_half[kLanes];
+  alignas(64) std::int32_t x_shift[kLanes];
+  alignas(64) std::int32_t y_shift[kLanes];
+  bool steady[kLanes];  // by the first lane of a vector: LaneRow::rows and bend hold for the band
+};
+
 // The line of a run makes good for what a parabola cannot follow: this part, in 1/256, of the
 // third difference of the middles is taken from the difference of the run's neighbours. 1/6 would
 // be the slope in the middle, 1/7 is best for the whole run (Chebyshev).
@@ -129,12 +147,20 @@ struct PlaneRows {
   int planes = 1;
 };
 
-// The first `runs` of the chunk between its node rows; weights of cubic_weights().
-void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, LaneRow& row) noexcept;
+// The first `runs` of the chunk, and its margins, between its node rows; weights of
+// cubic_weights().
+void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
+                      std::int32_t* y) noexcept;
+
+// Takes together what the rows from `row`, whose middles are known, to the band's last have in
+// common.
+void begin_band(LaneLayout layout, int run, const SourceBounds& bounds, LaneBand& band,
+                LaneRow& row) noexcept;
 
 // What the vector kernel has to know of the `row.count` lanes of runs of `run` samples: 8, or as
 // many as a lane has. They are marked slow in groups of lane_group().
-void describe_lanes(LaneLayout layout, int run, const SourceBounds& bounds, LaneRow& row) noexcept;
+void describe_lanes(LaneLayout layout, int run, const SourceBounds& bounds, const LaneBand& band,
+                    LaneRow& row) noexcept;
 
 // Writes the samples of the groups of lanes from `begin` to before `end` that are not slow, and
 // lane_slack() bytes that follow a group; what `planes` name is where `begin` goes to.
