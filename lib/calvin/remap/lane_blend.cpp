@@ -6,9 +6,13 @@
 // A vector is as many 128-bit lanes as the machine has, and a lane eight results: samples that lie
 // next to each other in the output. Their places in the source lie next to each other too, so that
 // 16 bytes of each source row hold all of them. One byte shuffle fetches the pairs of neighbours,
-// one multiplication of pairs blends them across, and two to four such rows are blended down.
+// one multiplication of pairs blends them across, and two such rows are blended down. The results
+// of a run fill one lane, or two or four of them where pixels have several components.
 // Everything that differs between memory layouts is in `Layout` and in two functions that load and
 // store.
+
+// Ice Lake and Zen 4 permute all bytes of a vector.
+#define HWY_WANT_AVX3_DL 1
 
 #include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
@@ -33,19 +37,32 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void blend_row_of(LaneLayout /*layout*/, const LaneRow& /*row*/, int /*begin*/, int /*end*/,
-                  std::int32_t /*stride*/, bool /*nearest*/, const PlaneRows& /*planes*/) {}
+void blend_row_of(LaneLayout /*layout*/, int /*run*/, const RunRow& /*row*/, int /*begin*/,
+                  int /*end*/, std::int32_t /*stride*/, bool /*nearest*/,
+                  const PlaneRows& /*planes*/) {}
 
 #else
 
-template <int kComponents, int kSpacing>
+template <int kComponents, int kSpacing, int kRun>
 struct Layout {
-  static constexpr int kSpread = kSpacing;                                // bytes per sample
-  static constexpr int kStep = kComponents;                               // bytes, once gathered
-  static constexpr int kWidth = kComponents == 3 ? 4 : kComponents;       // results per pixel
-  static constexpr int kPixels = 8 / kWidth;                              // per lane
+  static constexpr int kSpread = kSpacing;                           // bytes per sample
+  static constexpr int kStep = kComponents;                          // bytes, once gathered
+  static constexpr int kWidth = kComponents == 3 ? 4 : kComponents;  // results per pixel
+  static constexpr int kPixels = 8 / kWidth;                         // per lane
+  static constexpr int kRunPixels = kRun;
+  static constexpr int kSpan = kRun / kPixels;                            // lanes per run
+  static constexpr int kParts = kSpan > kLanes ? kSpan / kLanes : 1;      // vectors per run
+  static constexpr int kWindow = 16 * kSpan * kSpacing;                   // bytes that hold a run
   static constexpr int kOut = kPixels * kComponents * kSpacing * kLanes;  // bytes per vector
 };
+
+// Whether any byte of a vector can be fetched to anywhere: then a run's samples are loaded at once.
+template <class L>
+constexpr bool kByWindows = kMovesAllBytes&& L::kWindow > 16;
+
+// Whether lanes have offsets and lines of their own.
+template <class L>
+constexpr bool kByLanes = L::kSpan > 1 && !kMovesAllBytes;
 
 // Compilers make constants anew at every use, on the port that shuffles need. One that they do not
 // know stays in its register.
@@ -57,54 +74,63 @@ HWY_INLINE V kept(V v) {
   return v;
 }
 
-// Which bytes of four lanes' 32-bit records fill each lane with one of their halves.
+// Which bytes of the 32-bit records of a vector's runs fill each lane with one of their halves.
 struct Halves {
   alignas(64) std::uint8_t low[64];
   alignas(64) std::uint8_t high[64];
 };
-constexpr Halves make_halves() {
+constexpr Halves make_halves(int span) {
   Halves h{};
   for (int i = 0; i < 64; ++i) {
-    h.low[i] = static_cast<std::uint8_t>(4 * (i / 16) + i % 2);
-    h.high[i] = static_cast<std::uint8_t>(h.low[i] + 2);
+    const int record = 4 * (i / 16 / span);
+    h.low[i] = static_cast<std::uint8_t>(record + i % 2);
+    h.high[i] = static_cast<std::uint8_t>(record + i % 2 + 2);
   }
   return h;
 }
-constexpr Halves kHalves = make_halves();
+template <class L>
+constexpr Halves kHalves = make_halves(L::kSpan);
+constexpr Halves kLaneHalves = make_halves(1);
 
-// What each result of a lane adds to the lane's numbers.
+// What each result of a vector adds to the numbers of its run.
 struct Results {
   alignas(64) std::int16_t along[32];        // slope 2.14 -> place 4.12, through MulFixedPoint15
   alignas(64) std::int16_t square[32];       // bend -> place 4.12, likewise
   alignas(64) std::uint16_t neighbours[32];  // bytes of the two samples in a pixel and the next one
 };
 template <class L>
-constexpr Results make_results() {
+constexpr Results make_results(int part) {
   Results r{};
   for (int i = 0; i < 32; ++i) {
-    const int pixel = i % 8 / L::kWidth;
+    const int lane = part * kLanes + i / 8;
+    const int pixel = lane % L::kSpan * L::kPixels + i % 8 / L::kWidth;
     const int component = i % L::kWidth < L::kStep ? i % L::kWidth : 0;
-    const int halves = 2 * pixel - reach(L::kPixels);
-    const double end = reach(L::kPixels);
+    const int halves = 2 * pixel - reach(L::kRunPixels);
+    const double end = reach(L::kRunPixels);
+    const int window = kByWindows<L> ? i / 8 / L::kSpan * L::kWindow % 64 : 0;
     r.along[i] = static_cast<std::int16_t>(halves * 4096);
     r.square[i] = static_cast<std::int16_t>((halves * halves / (end * end) - 0.5) * 32767);
-    r.neighbours[i] =
-        static_cast<std::uint16_t>((component | (component + L::kStep) << 8) * L::kSpread);
+    r.neighbours[i] = static_cast<std::uint16_t>(
+        (component | (component + L::kStep) << 8) * L::kSpread + window * 0x101);
   }
   return r;
 }
 template <class L>
-constexpr Results kResults = make_results<L>();
+constexpr std::array<Results, 4> kResults = {make_results<L>(0), make_results<L>(1),
+                                             make_results<L>(2), make_results<L>(3)};
 
 struct Constants {
   Places half;       // from fractions to weights
+  Places step;       // bytes of a sample, for both neighbours
   Pairs sum;         // of two bytes, times 64
   Pairs difference;  // likewise
   Numbers to_bytes;  // 1/128 for MulFixedPoint15
 };
+template <class L>
 HWY_INLINE Constants make_constants() {
   const Words words;
-  return {kept(hn::Set(words, 0x8000)), kept(hn::BitCast(Bytes(), hn::Set(words, 0x4040))),
+  return {kept(hn::Set(words, 0x8000)), kept(hn::Set(words, 0x101 * L::kStep * L::kSpread)),
+          kept(hn::BitCast(Bytes(), hn::Set(words, 0x4040))),
           kept(hn::BitCast(Bytes(), hn::Set(words, 0x40C0))), kept(hn::Set(Signed(), 256))};
 }
 
@@ -177,7 +203,8 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
 struct Taps {
   Pairs neighbours;  // which bytes, from the beginning of the segment
   Numbers across;    // twice the weight of the second of two neighbours, less 1; 1.15
-  Places down;       // place below the segment's first row, 4.12
+  // Place down: from the middle one of three rows, 1.15; or from the segment's first row, 4.12.
+  Numbers down;
 };
 
 // The indices within the first 16 bytes, as they are; the others such that nothing is taken.
@@ -187,18 +214,51 @@ HWY_INLINE Pairs within_segment(Pairs indices) {
   return hn::BitCast(Bytes(), hn::Or(words, hn::ShiftLeft<3>(hn::And(words, hn::Set(d, 0x1010)))));
 }
 
-// Samples in every second byte lie in two segments.
-template <int kSpread>
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
+// Of as many runs as fill a vector.
+template <int kWindow>
+HWY_INLINE Pairs load_windows(const std::uint8_t* source, const std::int32_t* offsets) {
+  const Bytes d;
+  if constexpr (kWindow == 64) {
+    return hn::LoadU(d, source + offsets[0]);
+  } else {
+    const hn::FixedTag<std::uint8_t, 32> half;
+    return hn::Combine(d, hn::LoadU(half, source + offsets[1]),
+                       hn::LoadU(half, source + offsets[0]));
+  }
+}
+
+// Highway 1.0.3 has no permutation of all bytes.
+template <class L>
+HWY_INLINE Pairs fetch_from_windows(const std::uint8_t* source, const std::int32_t* offsets,
+                                    Pairs indices) {
+  const auto first = load_windows<L::kWindow>(source, offsets).raw;
+  const auto pairs = _mm512_permutexvar_epi8(indices.raw, first);
+  if constexpr (L::kSpread == 1) {
+    return Pairs{pairs};
+  } else {
+    const auto second = load_windows<L::kWindow>(source, offsets + 64 / L::kWindow).raw;
+    return Pairs{_mm512_mask_permutexvar_epi8(pairs, ~0ULL << 32, indices.raw, second)};
+  }
+}
+#endif
+
+// `offsets`: of each run of the vector where the samples come by windows, else of each lane.
+template <class L>
 HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* offsets,
-                             const Taps& taps) {
+                             Pairs indices) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
+  if constexpr (kByWindows<L>) return fetch_from_windows<L>(source, offsets, indices);
+#endif
   const Bytes d;
   const Pairs segments = load_segments(d, source, offsets);
-  if constexpr (kSpread == 1) {
-    return hn::TableLookupBytes(segments, taps.neighbours);
+  if constexpr (L::kSpread == 1) {
+    return hn::TableLookupBytes(segments, indices);
   } else {
+    // Samples in every second byte lie in two segments.
     const Pairs more = load_segments(d, source + 16, offsets);
-    const Pairs rest = hn::Xor(taps.neighbours, hn::Set(d, 0x10));
-    return hn::Or(hn::TableLookupBytesOr0(segments, within_segment(taps.neighbours)),
+    const Pairs rest = hn::Xor(indices, hn::Set(d, 0x10));
+    return hn::Or(hn::TableLookupBytesOr0(segments, within_segment(indices)),
                   hn::TableLookupBytesOr0(more, within_segment(rest)));
   }
 }
@@ -218,45 +278,84 @@ HWY_INLINE auto negative(Numbers numbers) {
 }
 
 // Three source rows: a result lies between the middle one and one of the others.
-template <int kSpread>
+template <class L, bool kNearest>
 HWY_INLINE Numbers blend_three_rows(const std::uint8_t* source, const std::int32_t* offsets,
                                     std::int32_t stride, const Taps& taps,
                                     const Constants& constants) {
   const Bytes bytes;
-  const Signed numbers;
-  // From the middle row, 1.15.
-  const auto place = hn::BitCast(numbers, hn::Xor(hn::ShiftLeft<3>(taps.down), constants.half));
+  const Signed d;
   const std::uint8_t* second = source + stride;
-  const auto above = hn::BitCast(numbers, fetch_pairs<kSpread>(source, offsets, taps));
-  const auto below = hn::BitCast(numbers, fetch_pairs<kSpread>(second + stride, offsets, taps));
-  const auto outer = hn::IfThenElse(negative(place), above, below);
-  const Numbers middle = blend_row(fetch_pairs<kSpread>(second, offsets, taps), taps, constants);
+  const auto above = hn::BitCast(d, fetch_pairs<L>(source, offsets, taps.neighbours));
+  const auto below = hn::BitCast(d, fetch_pairs<L>(second + stride, offsets, taps.neighbours));
+  const auto outer = hn::IfThenElse(negative(taps.down), above, below);
+  const Numbers middle =
+      blend_row(fetch_pairs<L>(second, offsets, taps.neighbours), taps, constants);
   const Numbers other = blend_row(hn::BitCast(bytes, outer), taps, constants);
-  return middle + hn::MulFixedPoint15(other - middle, hn::Abs(place));
+  auto weight = hn::Abs(taps.down);
+  if constexpr (kNearest) {
+    weight = hn::IfThenElseZero(hn::Gt(weight, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
+  }
+  return middle + hn::MulFixedPoint15(other - middle, weight);
 }
 
 // `rows` source rows, each result between two of them. Rare, and apart from the others so that
 // these keep their registers.
-template <int kSpread>
+template <class L>
 HWY_NOINLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_t* offsets,
                                      std::int32_t stride, std::int32_t rows, Taps taps) {
   const Words words;
   const Signed numbers;
-  const Constants constants = make_constants();
+  const Constants constants = make_constants<L>();
   // 15 bits do not hold the place.
   const auto row = hn::Set(words, 4096);
   const auto last = hn::Set(words, 4095);
-  Numbers upper = blend_row(fetch_pairs<kSpread>(source, offsets, taps), taps, constants);
+  auto down = hn::BitCast(words, taps.down);
+  Numbers upper = blend_row(fetch_pairs<L>(source, offsets, taps.neighbours), taps, constants);
   Numbers sum = upper;
   for (std::int32_t r = 1; r < rows; ++r) {
     source += stride;
-    const Numbers lower = blend_row(fetch_pairs<kSpread>(source, offsets, taps), taps, constants);
-    const auto weight = hn::BitCast(numbers, hn::ShiftLeft<3>(hn::Min(taps.down, last)));
+    const Numbers lower =
+        blend_row(fetch_pairs<L>(source, offsets, taps.neighbours), taps, constants);
+    const auto weight = hn::BitCast(numbers, hn::ShiftLeft<3>(hn::Min(down, last)));
     sum = sum + hn::MulFixedPoint15(lower - upper, weight);
-    taps.down = hn::SaturatedSub(taps.down, row);
+    down = hn::SaturatedSub(down, row);
     upper = lower;
   }
   return sum;
+}
+
+// The place of each result from its run's segment: across 4.12, down as in Taps.
+struct Located {
+  Numbers x;
+  Numbers y;
+};
+template <class L>
+HWY_INLINE Located locate(const RunRow& row, int run, const std::int32_t* x_lines,
+                          const Results& tables) {
+  const Bytes bytes;
+  const Signed numbers;
+  constexpr const Halves& kLines = kByLanes<L> ? kLaneHalves : kHalves<L>;
+  const auto low = hn::Load(bytes, kHalves<L>.low);
+  const auto high = hn::Load(bytes, kHalves<L>.high);
+  const auto along = hn::Load(numbers, tables.along);
+  const auto half = [&](Pairs records, Pairs which) HWY_ATTR {
+    return hn::BitCast(numbers, hn::TableLookupBytes(records, which));
+  };
+  const auto records = [&](const std::int32_t* at) HWY_ATTR {
+    return hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(at));
+  };
+  const Pairs x_line = records(x_lines);
+  const Pairs y_line = records(row.y_line + run);
+  Located at = {half(x_line, hn::Load(bytes, kLines.low)) +
+                    hn::MulFixedPoint15(half(x_line, hn::Load(bytes, kLines.high)), along),
+                half(y_line, low) + hn::MulFixedPoint15(half(y_line, high), along)};
+  if constexpr (L::kRunPixels > 2) {
+    const auto square = hn::Load(numbers, tables.square);
+    const Pairs bend = records(row.bend + run);
+    at.x = at.x + hn::MulFixedPoint15(half(bend, low), square);
+    at.y = at.y + hn::MulFixedPoint15(half(bend, high), square);
+  }
+  return at;
 }
 
 // Rows of the source that are fetched before they are needed: the hardware does not foresee a walk
@@ -264,27 +363,11 @@ HWY_NOINLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int3
 constexpr int kAhead = 12;
 
 template <class L, bool kNearest, int kPlanes>
-void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const PlaneRows& planes) {
+void blend(const RunRow& row, int begin, int end, std::int32_t stride, const PlaneRows& planes) {
   const Words words;
-  const Signed numbers;
   const Bytes bytes;
-  const auto& tables = kResults<L>;
-  const Constants constants = make_constants();
-  const auto low = hn::Load(bytes, kHalves.low);
-  const auto high = hn::Load(bytes, kHalves.high);
-  const auto along = hn::Load(numbers, tables.along);
-  const auto square = hn::Load(numbers, tables.square);
-  const auto neighbours = hn::Load(words, tables.neighbours);
-  const auto step = kept(hn::Set(words, 0x101 * L::kStep * L::kSpread));
-  const auto half = [&](Pairs records, Pairs which) HWY_ATTR {
-    return hn::BitCast(numbers, hn::TableLookupBytes(records, which));
-  };
-  const auto records = [&](const std::int32_t* at) HWY_ATTR {
-    return hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(at));
-  };
-  const auto nearest = [&](Places places) HWY_ATTR {
-    return hn::And(places + hn::Set(words, 2048), hn::Set(words, 0xF000));
-  };
+  const Signed numbers;
+  const Constants constants = make_constants<L>();
   // What is written may be anything for all that the compiler knows.
   std::array<const std::uint8_t*, kPlanes> sources;
   std::array<std::uint8_t*, kPlanes> outputs;
@@ -292,46 +375,47 @@ void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const Pl
     sources[p] = planes.source[p];
     outputs[p] = planes.output[p];
   }
+  const auto nearest = [&](Numbers places) HWY_ATTR {
+    return hn::And(places + hn::Set(numbers, 2048), hn::BitCast(numbers, hn::Set(words, 0xF000)));
+  };
   for (int j = begin; j < end; j += kLanes) {
     const std::int32_t rows = row.rows[j];
-    if (HWY_UNLIKELY(rows >= kSlowLane)) continue;
-    const Pairs x_line = records(row.x_line + j);
-    const Pairs y_line = records(row.y_line + j);
-    auto x = half(x_line, low) + hn::MulFixedPoint15(half(x_line, high), along);
-    auto y = half(y_line, low) + hn::MulFixedPoint15(half(y_line, high), along);
-    if constexpr (L::kPixels > 2) {
-      const Pairs bend = records(row.bend + j);
-      x = x + hn::MulFixedPoint15(half(bend, low), square);
-      y = y + hn::MulFixedPoint15(half(bend, high), square);
+    if (HWY_UNLIKELY(rows >= kSlowRun)) {
+      for (auto& output : outputs) output += L::kSpan * L::kOut;
+      continue;
     }
-    auto across = hn::BitCast(words, x);
-    Taps taps;
-    taps.down = hn::BitCast(words, y);
-    if constexpr (kNearest) {
-      across = nearest(across);
-      // blend_three_rows() has 16 bits for eight times the place, and no -1.
-      taps.down = nearest(taps.down);
-      if (rows == 3) {
-        taps.down = hn::Max(hn::Min(taps.down, hn::Set(words, 8191)), hn::Set(words, 1));
+    for (int v = 0; v < L::kSpan; ++v) {
+      const int run = j + v * kLanes / L::kSpan;
+      const int lane = j * L::kSpan + v * kLanes;
+      const Results& tables = kResults<L>[v % L::kParts];
+      const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + lane : row.offset + run;
+      Located at =
+          locate<L>(row, run, kByLanes<L> ? row.lane_line + lane : row.x_line + run, tables);
+      if constexpr (kNearest) {
+        at.x = nearest(at.x);
+        if (rows != 3) at.y = nearest(at.y);
       }
-    }
-    taps.neighbours = hn::BitCast(bytes, hn::ShiftRight<12>(across) * step + neighbours);
-    taps.across = hn::BitCast(numbers, hn::Xor(hn::ShiftLeft<4>(across), constants.half));
-    for (int p = 0; p < kPlanes; ++p) {
-      const std::uint8_t* source = sources[p];
-      hwy::Prefetch(source + row.offset[j] + static_cast<std::ptrdiff_t>(kAhead) * stride + 16);
-      const Numbers sum =
-          HWY_LIKELY(rows == 3)
-              ? blend_three_rows<L::kSpread>(source, row.offset + j, stride, taps, constants)
-              : blend_more_rows<L::kSpread>(source, row.offset + j, stride, rows, taps);
-      store_results<L>(hn::MulFixedPoint15(sum, constants.to_bytes),
-                       outputs[p] + (j - begin) / kLanes * L::kOut);
+      const auto columns = hn::ShiftRight<12>(hn::BitCast(words, at.x));
+      const auto fraction = hn::ShiftLeft<4>(hn::BitCast(words, at.x));
+      const Taps taps = {
+          hn::BitCast(bytes, columns * constants.step + hn::Load(words, tables.neighbours)),
+          hn::BitCast(numbers, hn::Xor(fraction, constants.half)), at.y};
+      for (int p = 0; p < kPlanes; ++p) {
+        const std::uint8_t* source = sources[p];
+        hwy::Prefetch(source + offsets[0] + static_cast<std::ptrdiff_t>(kAhead) * stride + 16);
+        const Numbers sum =
+            HWY_LIKELY(rows == 3)
+                ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, constants)
+                : blend_more_rows<L>(source, offsets, stride, rows, taps);
+        store_results<L>(hn::MulFixedPoint15(sum, constants.to_bytes), outputs[p]);
+        outputs[p] += L::kOut;
+      }
     }
   }
 }
 
 template <class L>
-void blend_layout(const LaneRow& row, int begin, int end, std::int32_t stride, bool nearest,
+void blend_layout(const RunRow& row, int begin, int end, std::int32_t stride, bool nearest,
                   const PlaneRows& planes) {
   if (nearest) {
     for (int p = 0; p < planes.planes; ++p) {
@@ -344,22 +428,32 @@ void blend_layout(const LaneRow& row, int begin, int end, std::int32_t stride, b
   }
 }
 
-void blend_row_of(LaneLayout layout, const LaneRow& row, int begin, int end, std::int32_t stride,
-                  bool nearest, const PlaneRows& planes) {
+// Runs of 8 samples, or of one lane.
+template <int kComponents, int kSpacing>
+void blend_length(int run, const RunRow& row, int begin, int end, std::int32_t stride, bool nearest,
+                  const PlaneRows& planes) {
+  using Long = Layout<kComponents, kSpacing, 8>;
+  using Short = Layout<kComponents, kSpacing, Long::kPixels>;
+  run == 8 ? blend_layout<Long>(row, begin, end, stride, nearest, planes)
+           : blend_layout<Short>(row, begin, end, stride, nearest, planes);
+}
+
+void blend_row_of(LaneLayout layout, int run, const RunRow& row, int begin, int end,
+                  std::int32_t stride, bool nearest, const PlaneRows& planes) {
   switch (layout) {
     case LaneLayout::kOne:
-      return blend_layout<Layout<1, 1>>(row, begin, end, stride, nearest, planes);
+      return blend_length<1, 1>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kTwo:
-      return blend_layout<Layout<2, 1>>(row, begin, end, stride, nearest, planes);
+      return blend_length<2, 1>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kThree:
-      return blend_layout<Layout<3, 1>>(row, begin, end, stride, nearest, planes);
+      return blend_length<3, 1>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kFour:
-      return blend_layout<Layout<4, 1>>(row, begin, end, stride, nearest, planes);
+      return blend_length<4, 1>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kOneSpread:
-      return blend_layout<Layout<1, 2>>(row, begin, end, stride, nearest, planes);
+      return blend_length<1, 2>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kTwoSpread:
-      return blend_layout<Layout<2, 2>>(row, begin, end, stride, nearest, planes);
-    case LaneLayout::kNone:
+      return blend_length<2, 2>(run, row, begin, end, stride, nearest, planes);
+    default:
       return;
   }
 }
@@ -374,9 +468,9 @@ namespace calvin::remap {
 
 HWY_EXPORT(blend_row_of);
 
-void blend_lanes(LaneLayout layout, const LaneRow& row, int begin, int end, std::int32_t stride,
-                 bool nearest, const PlaneRows& planes) noexcept {
-  HWY_DYNAMIC_DISPATCH(blend_row_of)(layout, row, begin, end, stride, nearest, planes);
+void blend_runs(LaneLayout layout, int run, const RunRow& row, int begin, int end,
+                std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept {
+  HWY_DYNAMIC_DISPATCH(blend_row_of)(layout, run, row, begin, end, stride, nearest, planes);
 }
 
 }  // namespace calvin::remap
