@@ -161,29 +161,30 @@ class Chunk {
     interpolate(y, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
     if (y >= band_end_) begin_band(y, end);
+    bool slow = true;
     if (wide_) {
       std::fill_n(row_.rows, row_.count, 0);
     } else {
-      remap::describe_runs(lanes_, pixels_, bounds_, band_, row_);
+      slow = remap::describe_runs(lanes_, pixels_, bounds_, band_, row_);
     }
     if (limits != nullptr) mark_invalid(*limits);
     // An uneven last sample is not where a run has it.
-    if (!map_.output_x().is_even()) mark_slow(whole_groups_ * group_, row_.count);
+    const bool uneven = !map_.output_x().is_even();
+    if (uneven) mark_slow(whole_groups_ * group_, row_.count);
     blend(y);
-    sample_rest(y, limits);
+    if (slow || uneven || limits != nullptr) sample_rest(y, limits);
   }
 
  private:
   void begin_band(int y, int end) noexcept {
-    const int node_row = map_.level(y).node_row;
-    band_end_ = y + 1;
-    while (band_end_ < std::min(y + remap::kBandRows, end) &&
-           map_.level(band_end_).node_row == node_row) {
-      ++band_end_;
-    }
-    std::fill(std::begin(band_.steady), std::end(band_.steady), false);
+    band_end_ = std::min(y + remap::kBandRows, end);
     // Where there is an end of the model rows have little in common.
-    if (wide_ || map_.limits(y) != nullptr) return;
+    if (wide_ || map_.limits(y) != nullptr) {
+      std::fill(std::begin(band_.steady), std::end(band_.steady), false);
+      return;
+    }
+    const int node_row = map_.level(y).node_row;
+    while (map_.level(band_end_ - 1).node_row != node_row) --band_end_;
     interpolate(band_end_ - 1, band_.x_last, band_.y_last);
     remap::begin_band(pixels_, bounds_, band_, row_);
   }

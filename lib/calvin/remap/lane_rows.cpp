@@ -45,9 +45,10 @@ void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std:
 
 void begin_band_of(int /*run*/, const SourceBounds& /*bounds*/, Band& /*band*/, RunRow& /*row*/) {}
 
-void describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
+bool describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
                   const Band& /*band*/, RunRow& row) {
   std::fill_n(row.rows, row.count, kSlowRun);
+  return true;
 }
 
 int group() { return 1; }
@@ -163,7 +164,7 @@ HWY_INLINE void interpolate(const float (&rows)[4][NodeRows::kRuns], const float
 
 // A vector of runs whose first one is `j`.
 template <int kRun, int kStep>
-HWY_INLINE void describe_runs_at(int j, const Line& x_line, const Line& y_line,
+HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
                                  const SourceBounds& b, RunRow& row) {
   const Ints d;
   const Axis x = describe<kRun>(x_line);
@@ -206,6 +207,7 @@ HWY_INLINE void describe_runs_at(int j, const Line& x_line, const Line& y_line,
         hn::IfThenElse(three, hn::ShiftLeft<19>(y_line.bend), hn::ShiftLeft<16>(y_line.bend));
     hn::Store(packed(x_line.bend, y_bend), d, row.bend + j);
   }
+  return !hn::AllTrue(d, slow == hn::Zero(d));
 }
 
 // ---- Bands of rows.
@@ -332,20 +334,22 @@ HWY_INLINE void split_runs_at(int j, RunRow& row, std::index_sequence<kPart...> 
 }
 
 template <int kRun, int kParts, int kStep, bool kThird>
-HWY_INLINE void describe_all(const SourceBounds& bounds, const Band& band, RunRow& row) {
+HWY_INLINE bool describe_all(const SourceBounds& bounds, const Band& band, RunRow& row) {
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
+  bool slow = false;
   for (int j = 0; j < row.count; j += kVector) {
     if (kRun == 8 && !kThird && band.steady[j]) {
       describe_steady_at<kStep>(j, bounds, band, row);
     } else {
       const Line x = line_of<kRun>(curve_at<kThird>(row.x + j));
       const Line y = line_of<kRun>(curve_at<kThird>(row.y + j));
-      describe_runs_at<kRun, kStep>(j, x, y, bounds, row);
+      slow |= describe_runs_at<kRun, kStep>(j, x, y, bounds, row);
     }
     if constexpr (kParts > 1 && !kMovesAllBytes) {
       split_runs_at<kParts, kStep>(j, row, std::make_index_sequence<kParts>());
     }
   }
+  return slow;
 }
 
 void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
@@ -355,19 +359,19 @@ void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std:
 }
 
 template <int kRun, int kParts, int kStep>
-void describe_bends(const SourceBounds& bounds, const Band& band, RunRow& row) {
-  bounds.strongly_bent ? describe_all<kRun, kParts, kStep, true>(bounds, band, row)
-                       : describe_all<kRun, kParts, kStep, false>(bounds, band, row);
+bool describe_bends(const SourceBounds& bounds, const Band& band, RunRow& row) {
+  return bounds.strongly_bent ? describe_all<kRun, kParts, kStep, true>(bounds, band, row)
+                              : describe_all<kRun, kParts, kStep, false>(bounds, band, row);
 }
 
 // Runs of 8 samples, or of one lane.
 template <int kLane, int kStep>
-void describe_length(int run, const SourceBounds& bounds, const Band& band, RunRow& row) {
-  run == 8 ? describe_bends<8, 8 / kLane, kStep>(bounds, band, row)
-           : describe_bends<kLane, 1, kStep>(bounds, band, row);
+bool describe_length(int run, const SourceBounds& bounds, const Band& band, RunRow& row) {
+  return run == 8 ? describe_bends<8, 8 / kLane, kStep>(bounds, band, row)
+                  : describe_bends<kLane, 1, kStep>(bounds, band, row);
 }
 
-void describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
+bool describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
                   RunRow& row) {
   switch (layout) {
     case LaneLayout::kOne:
@@ -385,8 +389,9 @@ void describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const 
       return describe_length<2, 3>(run, bounds, band, row);
     case LaneLayout::kFour:
       return describe_length<2, 4>(run, bounds, band, row);
-    case LaneLayout::kNone:
+    default:
       std::fill_n(row.rows, row.count, kSlowRun);
+      return true;
   }
 }
 
@@ -414,9 +419,9 @@ void begin_band(int run, const SourceBounds& bounds, Band& band, RunRow& row) no
   HWY_DYNAMIC_DISPATCH(begin_band_of)(run, bounds, band, row);
 }
 
-void describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
+bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
                    RunRow& row) noexcept {
-  HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, band, row);
+  return HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, band, row);
 }
 
 int run_group() noexcept { return HWY_DYNAMIC_DISPATCH(group)(); }

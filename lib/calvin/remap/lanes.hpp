@@ -56,7 +56,7 @@ struct RunRow {
 };
 
 // Rows of the output that are prepared together: what varies little is taken once for all of them.
-inline constexpr int kBandRows = 8;
+inline constexpr int kBandRows = 16;
 
 // What a band's rows share of the runs that are well inside the source in all of them.
 struct Band {
@@ -161,8 +161,8 @@ void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std
 void begin_band(int run, const SourceBounds& bounds, Band& band, RunRow& row) noexcept;
 
 // What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
-// lane has. They are marked slow in groups of run_group().
-void describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
+// lane has. They are marked slow in groups of run_group(); whether there may be one is returned.
+bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
                    RunRow& row) noexcept;
 
 // Writes the samples of the groups of runs from `begin` to before `end` that are not slow, and
