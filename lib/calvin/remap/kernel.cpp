@@ -183,10 +183,12 @@ class Chunk {
       std::fill(std::begin(band_.steady), std::end(band_.steady), false);
       return;
     }
-    const int node_row = map_.level(y).node_row;
-    while (map_.level(band_end_ - 1).node_row != node_row) --band_end_;
+    const PlaneMap::Level first = map_.level(y);
+    while (map_.level(band_end_ - 1).node_row != first.node_row) --band_end_;
+    const double height = map_.level(band_end_ - 1).between - first.between;
     interpolate(band_end_ - 1, band_.x_last, band_.y_last);
-    remap::begin_band(pixels_, bounds_, band_, row_);
+    remap::begin_band(pixels_, bounds_, nodes_, first.node_row % 4, static_cast<float>(height),
+                      band_, row_);
   }
 
   void interpolate(int y, std::int32_t* xs, std::int32_t* ys) noexcept {

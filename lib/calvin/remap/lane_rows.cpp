@@ -43,7 +43,8 @@ void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std:
   }
 }
 
-void begin_band_of(int /*run*/, const SourceBounds& /*bounds*/, Band& /*band*/, RunRow& /*row*/) {}
+void begin_band_of(int /*run*/, const SourceBounds& /*bounds*/, const NodeRows& /*nodes*/,
+                   int /*slot*/, float /*height*/, Band& /*band*/, RunRow& /*row*/) {}
 
 bool describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
                   const Band& /*band*/, RunRow& row) {
@@ -62,6 +63,12 @@ constexpr std::int32_t kMostRows = 15;
 
 // A slope down whose eightfold still is 2.14.
 constexpr std::int32_t kSteepest = 0x0F00;
+
+// How far places of a steady band are from a line down it, 1/2^14 of a sample.
+constexpr std::int32_t kMostBulge = 1 << (kPlaceBits - 2);
+
+// How much the bend of runs changes in a steady band, which takes one for all rows; 4.12.
+constexpr std::int32_t kMostChange = 3;
 
 constexpr std::int32_t kHalfRow = 1 << (kPlaceBits - 1);
 
@@ -216,19 +223,38 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
 struct BandAxis {
   hn::Vec<Ints> half;
   hn::Vec<Ints> bend;
-  hn::Vec<Ints> least;  // place
+  hn::Vec<Ints> changed;  // the bend, between the two rows
+  hn::Vec<Ints> least;    // place
   hn::Vec<Ints> most;
   hn::Vec<Ints> steep;
 };
-HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* last) {
-  const Ints d;
-  // What lies between the two rows may be beyond both of them by as much.
-  const auto slack = hn::Set(d, 1 << kPlaceBits);
-  const Line a = line_of<8>(curve_at<false>(first));
-  const Line b = line_of<8>(curve_at<false>(last));
-  const auto half = hn::Max(half_of<8>(a), half_of<8>(b)) + hn::Set(d, 64);
-  return {half, hn::ShiftRight<1>(a.bend + b.bend), hn::Min(a.middle, b.middle) - half - slack,
-          hn::Max(a.middle, b.middle) + half + slack, hn::Max(hn::Abs(a.slope), hn::Abs(b.slope))};
+// Between four nodes a column is a cubic, whose second derivative goes straight from the second
+// difference at the second node to that at the third: how far the middles of the band's rows are
+// from a line between its ends at most.
+HWY_INLINE hn::Vec<Ints> bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot,
+                               float height) {
+  const Floats d;
+  const auto node = [&](int r) HWY_ATTR { return hn::LoadU(d, rows[(slot + r) % 4] + j); };
+  const auto upper = node(0) - node(1) - node(1) + node(2);
+  const auto lower = node(1) - node(2) - node(2) + node(3);
+  const auto most = hn::Max(hn::Abs(upper), hn::Abs(lower)) * hn::Set(d, height * height / 8);
+  // No number is beyond all bounds.
+  return hn::NearestInt(hn::Min(most, hn::Set(d, 1e9F))) + hn::Set(Ints(), 64);
+}
+
+template <bool kThird>
+HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* last,
+                              hn::Vec<Ints> slack) {
+  const Line a = line_of<8>(curve_at<kThird>(first));
+  const Line b = line_of<8>(curve_at<kThird>(last));
+  // Of a vector that is not steady it may be anything.
+  const auto half = hn::Max(half_of<8>(a), half_of<8>(b)) + slack;
+  return {half,
+          hn::ShiftRight<1>(a.bend + b.bend),
+          hn::Abs(a.bend - b.bend),
+          hn::Min(a.middle, b.middle) - half - slack,
+          hn::Max(a.middle, b.middle) + half + slack,
+          hn::Max(hn::Abs(a.slope), hn::Abs(b.slope))};
 }
 
 // Whether none of a vector of runs needs to be looked at again in the band: three rows, and far
@@ -243,21 +269,25 @@ HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBoun
   const auto columns = hn::ShiftRight<kPlaceBits - 1>(x.half);
   auto spare = hn::Min(hn::Min(x.least, y.least), hn::Min(x_room, hn::Set(d, kHalfRow) - y.half));
   spare = hn::Min(spare, hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
-  spare = hn::Min(spare, hn::Set(d, b.widest - 2) - columns);
+  spare = hn::Min(spare, hn::Min(hn::Set(d, b.widest - 2) - columns,
+                                 hn::Set(d, kMostChange) - hn::Max(x.changed, y.changed)));
   return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
 }
 
-void begin_band_of(int run, const SourceBounds& bounds, Band& band, RunRow& row) {
+template <bool kThird>
+HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, int slot,
+                            float height, Band& band, RunRow& row) {
   const Ints d;
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
-  const bool simple = run == 8 && !bounds.strongly_bent;
+  const auto most = hn::Set(d, kMostBulge);
   for (int j = 0; j < row.count; j += kVector) {
-    band.steady[j] = false;
-    if (!simple) continue;
-    const BandAxis x = band_axis(row.x + j, band.x_last + j);
-    const BandAxis y = band_axis(row.y + j, band.y_last + j);
-    if (!is_steady(x, y, bounds)) continue;
-    band.steady[j] = true;
+    const auto x_bulge = bulge(nodes.x, j + kMargin, slot, height);
+    const auto y_bulge = bulge(nodes.y, j + kMargin, slot, height);
+    const BandAxis x = band_axis<kThird>(row.x + j, band.x_last + j, hn::Min(x_bulge, most));
+    const BandAxis y = band_axis<kThird>(row.y + j, band.y_last + j, hn::Min(y_bulge, most));
+    band.steady[j] =
+        hn::AllFalse(d, hn::Gt(hn::Max(x_bulge, y_bulge), most)) && is_steady(x, y, bounds);
+    if (!band.steady[j]) continue;
     hn::Store(x.half, d, band.x_half + j);
     hn::Store(x.half + hn::Set(d, 2) + hn::ShiftLeft<1>(x.bend), d, band.x_shift + j);
     hn::Store(hn::ShiftLeft<1>(y.bend) - hn::Set(d, kHalfRow), d, band.y_shift + j);
@@ -266,15 +296,24 @@ void begin_band_of(int run, const SourceBounds& bounds, Band& band, RunRow& row)
   }
 }
 
+void begin_band_of(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot,
+                   float height, Band& band, RunRow& row) {
+  if (run != 8) {
+    std::fill(std::begin(band.steady), std::end(band.steady), false);
+    return;
+  }
+  bounds.strongly_bent ? begin_bands<true>(bounds, nodes, slot, height, band, row)
+                       : begin_bands<false>(bounds, nodes, slot, height, band, row);
+}
+
 // describe_runs_at() where the band is steady: results lie between the row that is nearest to the
 // run's middle and the ones beside it.
-template <int kStep>
+template <int kStep, bool kThird>
 HWY_INLINE void describe_steady_at(int j, const SourceBounds& b, const Band& band, RunRow& row) {
   const Ints d;
   const auto part = hn::Set(d, (1 << kPlaceBits) - 1);
-  const auto across = [&](const std::int32_t* places) HWY_ATTR {
-    return hn::LoadU(d, places + kMargin + 1) - hn::LoadU(d, places + kMargin - 1);
-  };
+  const auto across = [&](const std::int32_t* places)
+                          HWY_ATTR { return curve_at<kThird>(places).across; };
   const auto x = hn::LoadU(d, row.x + j + kMargin) - hn::Load(d, band.x_half + j);
   const auto y = hn::LoadU(d, row.y + j + kMargin) - hn::Set(d, kHalfRow);
   hn::Store(hn::ShiftRight<kPlaceBits>(y) * hn::Set(d, b.stride) +
@@ -338,8 +377,8 @@ HWY_INLINE bool describe_all(const SourceBounds& bounds, const Band& band, RunRo
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   bool slow = false;
   for (int j = 0; j < row.count; j += kVector) {
-    if (kRun == 8 && !kThird && band.steady[j]) {
-      describe_steady_at<kStep>(j, bounds, band, row);
+    if (kRun == 8 && band.steady[j]) {
+      describe_steady_at<kStep, kThird>(j, bounds, band, row);
     } else {
       const Line x = line_of<kRun>(curve_at<kThird>(row.x + j));
       const Line y = line_of<kRun>(curve_at<kThird>(row.y + j));
@@ -415,8 +454,9 @@ void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std
   HWY_DYNAMIC_DISPATCH(interpolate_row)(nodes, weights, runs, x, y);
 }
 
-void begin_band(int run, const SourceBounds& bounds, Band& band, RunRow& row) noexcept {
-  HWY_DYNAMIC_DISPATCH(begin_band_of)(run, bounds, band, row);
+void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot, float height,
+                Band& band, RunRow& row) noexcept {
+  HWY_DYNAMIC_DISPATCH(begin_band_of)(run, bounds, nodes, slot, height, band, row);
 }
 
 bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,

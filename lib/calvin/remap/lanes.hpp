@@ -157,8 +157,10 @@ void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std
                       std::int32_t* y) noexcept;
 
 // Takes together what the rows from `row`, whose middles are known, to the band's last have in
-// common, for runs of `run` samples.
-void begin_band(int run, const SourceBounds& bounds, Band& band, RunRow& row) noexcept;
+// common, for runs of `run` samples. All of them lie between the same of the nodes' rows, the first
+// of which is at `slot`; `height` is how much of the way between those the band takes.
+void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot, float height,
+                Band& band, RunRow& row) noexcept;
 
 // What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
 // lane has. They are marked slow in groups of run_group(); whether there may be one is returned.
