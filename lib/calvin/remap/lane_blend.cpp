@@ -8,8 +8,7 @@
 // 16 bytes of each source row hold all of them. One byte shuffle fetches the pairs of neighbours,
 // one multiplication of pairs blends them across, and two such rows are blended down. The results
 // of a run fill one lane, or two or four of them where pixels have several components.
-// Everything that differs between memory layouts is in `Layout` and in two functions that load and
-// store.
+// Everything that differs between memory layouts is in lane_layouts-inl.hpp.
 
 // Ice Lake and Zen 4 permute all bytes of a vector.
 #define HWY_WANT_AVX3_DL 1
@@ -17,10 +16,7 @@
 #include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calvin/remap/lane_blend.cpp"
@@ -29,7 +25,7 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
-#include "calvin/remap/lane_vectors-inl.hpp"
+#include "calvin/remap/lane_layouts-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
@@ -43,27 +39,6 @@ void blend_row_of(LaneLayout /*layout*/, int /*run*/, const RunRow& /*row*/, int
 
 #else
 
-template <int kComponents, int kSpacing, int kRun>
-struct Layout {
-  static constexpr int kSpread = kSpacing;                           // bytes per sample
-  static constexpr int kStep = kComponents;                          // bytes, once gathered
-  static constexpr int kWidth = kComponents == 3 ? 4 : kComponents;  // results per pixel
-  static constexpr int kPixels = 8 / kWidth;                         // per lane
-  static constexpr int kRunPixels = kRun;
-  static constexpr int kSpan = kRun / kPixels;                            // lanes per run
-  static constexpr int kParts = kSpan > kLanes ? kSpan / kLanes : 1;      // vectors per run
-  static constexpr int kWindow = 16 * kSpan * kSpacing;                   // bytes that hold a run
-  static constexpr int kOut = kPixels * kComponents * kSpacing * kLanes;  // bytes per vector
-};
-
-// Whether any byte of a vector can be fetched to anywhere: then a run's samples are loaded at once.
-template <class L>
-constexpr bool kByWindows = kMovesAllBytes&& L::kWindow > 16;
-
-// Whether lanes have offsets and lines of their own.
-template <class L>
-constexpr bool kByLanes = L::kSpan > 1 && !kMovesAllBytes;
-
 // Compilers make constants anew at every use, on the port that shuffles need. One that they do not
 // know stays in its register.
 template <class V>
@@ -73,51 +48,6 @@ HWY_INLINE V kept(V v) {
 #endif
   return v;
 }
-
-// Which bytes of the 32-bit records of a vector's runs fill each lane with one of their halves.
-struct Halves {
-  alignas(64) std::uint8_t low[64];
-  alignas(64) std::uint8_t high[64];
-};
-constexpr Halves make_halves(int span) {
-  Halves h{};
-  for (int i = 0; i < 64; ++i) {
-    const int record = 4 * (i / 16 / span);
-    h.low[i] = static_cast<std::uint8_t>(record + i % 2);
-    h.high[i] = static_cast<std::uint8_t>(record + i % 2 + 2);
-  }
-  return h;
-}
-template <class L>
-constexpr Halves kHalves = make_halves(L::kSpan);
-constexpr Halves kLaneHalves = make_halves(1);
-
-// What each result of a vector adds to the numbers of its run.
-struct Results {
-  alignas(64) std::int16_t along[32];        // slope 2.14 -> place 4.12, through MulFixedPoint15
-  alignas(64) std::int16_t square[32];       // bend -> place 4.12, likewise
-  alignas(64) std::uint16_t neighbours[32];  // bytes of the two samples in a pixel and the next one
-};
-template <class L>
-constexpr Results make_results(int part) {
-  Results r{};
-  for (int i = 0; i < 32; ++i) {
-    const int lane = part * kLanes + i / 8;
-    const int pixel = lane % L::kSpan * L::kPixels + i % 8 / L::kWidth;
-    const int component = i % L::kWidth < L::kStep ? i % L::kWidth : 0;
-    const int halves = 2 * pixel - reach(L::kRunPixels);
-    const double end = reach(L::kRunPixels);
-    const int window = kByWindows<L> ? i / 8 / L::kSpan * L::kWindow % 64 : 0;
-    r.along[i] = static_cast<std::int16_t>(halves * 4096);
-    r.square[i] = static_cast<std::int16_t>((halves * halves / (end * end) - 0.5) * 32767);
-    r.neighbours[i] = static_cast<std::uint16_t>(
-        (component | (component + L::kStep) << 8) * L::kSpread + window * 0x101);
-  }
-  return r;
-}
-template <class L>
-constexpr std::array<Results, 4> kResults = {make_results<L>(0), make_results<L>(1),
-                                             make_results<L>(2), make_results<L>(3)};
 
 struct Constants {
   Places half;       // from fractions to weights
@@ -163,42 +93,6 @@ HWY_INLINE Blend blend_pairs(Pairs pairs, const Constants& /*constants*/) {
 }
 #endif
 
-// The 16 bytes that begin at each lane's offset.
-template <class D>
-HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::int32_t* offsets) {
-  constexpr std::size_t kSize = hn::MaxLanes(D());
-  if constexpr (kSize > 16) {
-    const hn::FixedTag<std::uint8_t, kSize / 2> half;
-    return hn::Combine(d, load_segments(half, plane, offsets + kSize / 32),
-                       load_segments(half, plane, offsets));
-  } else {
-    return hn::LoadU(d, plane + offsets[0]);
-  }
-}
-
-template <class L>
-HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
-  constexpr std::size_t kHalf = kBytes / 2;
-  const hn::FixedTag<std::uint8_t, kHalf> d;
-  if constexpr (L::kSpread == 2) {
-    const Words words;
-    auto* at = reinterpret_cast<std::uint16_t*>(out);
-    const auto others = hn::And(hn::LoadU(words, at), hn::Set(words, 0xFF00));
-    hn::StoreU(hn::Or(others, hn::BitCast(words, results)), words, at);
-  } else if constexpr (L::kStep == 3) {
-    // Six of eight results are samples: they go to the front, and the next lane's over the rest.
-    alignas(16) static constexpr std::uint8_t kFront[16] = {0,  1,  2,  3,  4, 5, 8, 9,
-                                                            10, 11, 12, 13, 0, 0, 0, 0};
-    const Bytes all;
-    const auto front = hn::TableLookupBytes(hn::BitCast(all, results), hn::LoadDup128(all, kFront));
-    alignas(64) std::uint8_t lanes[kHalf];
-    hn::Store(hn::DemoteTo(d, hn::BitCast(Signed(), front)), d, lanes);
-    for (int l = 0; l < kLanes; ++l) std::memcpy(out + 6 * l, lanes + 8 * l, 8);
-  } else {
-    hn::StoreU(hn::DemoteTo(d, results), d, out);
-  }
-}
-
 // What a vector of results takes from the source.
 struct Taps {
   Pairs neighbours;  // which bytes, from the beginning of the segment
@@ -206,62 +100,6 @@ struct Taps {
   // Place down: from the middle one of three rows, 1.15; or from the segment's first row, 4.12.
   Numbers down;
 };
-
-// The indices within the first 16 bytes, as they are; the others such that nothing is taken.
-HWY_INLINE Pairs within_segment(Pairs indices) {
-  const Words d;
-  const auto words = hn::BitCast(d, indices);
-  return hn::BitCast(Bytes(), hn::Or(words, hn::ShiftLeft<3>(hn::And(words, hn::Set(d, 0x1010)))));
-}
-
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
-// Of as many runs as fill a vector.
-template <int kWindow>
-HWY_INLINE Pairs load_windows(const std::uint8_t* source, const std::int32_t* offsets) {
-  const Bytes d;
-  if constexpr (kWindow == 64) {
-    return hn::LoadU(d, source + offsets[0]);
-  } else {
-    const hn::FixedTag<std::uint8_t, 32> half;
-    return hn::Combine(d, hn::LoadU(half, source + offsets[1]),
-                       hn::LoadU(half, source + offsets[0]));
-  }
-}
-
-// Highway 1.0.3 has no permutation of all bytes.
-template <class L>
-HWY_INLINE Pairs fetch_from_windows(const std::uint8_t* source, const std::int32_t* offsets,
-                                    Pairs indices) {
-  const auto first = load_windows<L::kWindow>(source, offsets).raw;
-  const auto pairs = _mm512_permutexvar_epi8(indices.raw, first);
-  if constexpr (L::kSpread == 1) {
-    return Pairs{pairs};
-  } else {
-    const auto second = load_windows<L::kWindow>(source, offsets + 64 / L::kWindow).raw;
-    return Pairs{_mm512_mask_permutexvar_epi8(pairs, ~0ULL << 32, indices.raw, second)};
-  }
-}
-#endif
-
-// `offsets`: of each run of the vector where the samples come by windows, else of each lane.
-template <class L>
-HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* offsets,
-                             Pairs indices) {
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
-  if constexpr (kByWindows<L>) return fetch_from_windows<L>(source, offsets, indices);
-#endif
-  const Bytes d;
-  const Pairs segments = load_segments(d, source, offsets);
-  if constexpr (L::kSpread == 1) {
-    return hn::TableLookupBytes(segments, indices);
-  } else {
-    // Samples in every second byte lie in two segments.
-    const Pairs more = load_segments(d, source + 16, offsets);
-    const Pairs rest = hn::Xor(indices, hn::Set(d, 0x10));
-    return hn::Or(hn::TableLookupBytesOr0(segments, within_segment(indices)),
-                  hn::TableLookupBytesOr0(more, within_segment(rest)));
-  }
-}
 
 // 128 times the values between neighbours of one source row.
 HWY_INLINE Numbers blend_row(Pairs pairs, const Taps& taps, const Constants& constants) {

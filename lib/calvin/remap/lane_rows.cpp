@@ -21,7 +21,7 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
-#include "calvin/remap/lane_vectors-inl.hpp"
+#include "calvin/remap/lane_curves-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
@@ -43,9 +43,6 @@ void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std:
   }
 }
 
-void begin_band_of(int /*run*/, const SourceBounds& /*bounds*/, const NodeRows& /*nodes*/,
-                   int /*slot*/, float /*height*/, Band& /*band*/, RunRow& /*row*/) {}
-
 bool describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
                   const Band& /*band*/, RunRow& row) {
   std::fill_n(row.rows, row.count, kSlowRun);
@@ -64,69 +61,6 @@ constexpr std::int32_t kMostRows = 15;
 // A slope down whose eightfold still is 2.14.
 constexpr std::int32_t kSteepest = 0x0F00;
 
-// How far places of a steady band are from a line down it, 1/2^14 of a sample.
-constexpr std::int32_t kMostBulge = 1 << (kPlaceBits - 2);
-
-// How much the bend of runs changes in a steady band, which takes one for all rows; 4.12.
-constexpr std::int32_t kMostChange = 3;
-
-constexpr std::int32_t kHalfRow = 1 << (kPlaceBits - 1);
-
-// What a parabola through the middles of runs is made of, one per run.
-struct Curve {
-  hn::Vec<Ints> middle;
-  hn::Vec<Ints> across;  // from the run before to the one behind
-  hn::Vec<Ints> second;  // difference
-};
-
-// `places` of two runs before, of the run, and of two behind.
-template <bool kThird>
-HWY_INLINE Curve curve_at(const std::int32_t* places) {
-  const Ints d;
-  const auto before = hn::LoadU(d, places + 1);
-  const auto middle = hn::LoadU(d, places + 2);
-  const auto after = hn::LoadU(d, places + 3);
-  auto across = after - before;
-  if constexpr (kThird) {
-    const auto third = hn::LoadU(d, places + 4) - hn::Load(d, places) - across - across;
-    across = across - hn::ShiftRight<8>(third * hn::Set(d, kThirdPart));
-  }
-  return {middle, across, before + after - middle - middle};
-}
-
-// What a run needs of an axis.
-struct Line {
-  hn::Vec<Ints> middle;
-  hn::Vec<Ints> slope;  // 2.14
-  hn::Vec<Ints> bend;   // 4.12
-};
-
-template <int kRun>
-HWY_INLINE Line line_of(const Curve& curve) {
-  // Second difference -> what the parabola adds at the ends, and half of the width for the slope.
-  constexpr int kFactor = kRun == 8 ? 49 : 9;
-  constexpr int kShift = kRun == 8 ? 11 : 9;
-  constexpr int kSlopeShift = kRun == 8 ? 4 : kRun == 4 ? 3 : 2;
-  const auto slope = hn::ShiftRight<kSlopeShift>(curve.across);
-  // Two samples lie on a line, beside the parabola's middle.
-  if constexpr (kRun == 2) {
-    return {curve.middle + hn::ShiftRight<5>(curve.second), slope, hn::Zero(Ints())};
-  }
-  return {curve.middle, slope, hn::ShiftRight<kShift>(curve.second * hn::Set(Ints(), kFactor))};
-}
-
-// What the places of a run are away from its middle at most, and a little.
-template <int kRun>
-HWY_INLINE hn::Vec<Ints> half_of(const Line& line) {
-  const auto steep = hn::Abs(line.slope);
-  // (kRun - 1) / 2 slopes from the middle to the ends.
-  auto half = hn::ShiftRight<1>(steep) + hn::Set(Ints(), 16);
-  if constexpr (kRun == 4) half = half + steep;
-  if constexpr (kRun == 8) half = half + hn::ShiftLeft<1>(steep) + steep;
-  if constexpr (kRun > 2) half = half + hn::ShiftLeft<2>(hn::Abs(line.bend));
-  return half;
-}
-
 struct Axis {
   hn::Vec<Ints> first;  // sample
   hn::Vec<Ints> last;   // the last place's; its neighbour is the next one
@@ -139,13 +73,6 @@ HWY_INLINE Axis describe(const Line& line) {
   auto place = line.middle - hn::ShiftLeft<kPlaceBits>(first);
   if constexpr (kRun > 2) place = place + hn::ShiftLeft<1>(line.bend);
   return {first, hn::ShiftRight<kPlaceBits>(line.middle + half), place};
-}
-
-// Two 16-bit numbers in 32 bits.
-HWY_INLINE hn::Vec<Ints> packed(hn::Vec<Ints> low, hn::Vec<Ints> high_shifted) {
-  const Ints d;
-  const hn::Repartition<std::int16_t, Ints> halves;
-  return hn::BitCast(d, hn::OddEven(hn::BitCast(halves, high_shifted), hn::BitCast(halves, low)));
 }
 
 // The largest of the runs that make a group, in each of them.
@@ -215,95 +142,6 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
     hn::Store(packed(x_line.bend, y_bend), d, row.bend + j);
   }
   return !hn::AllTrue(d, slow == hn::Zero(d));
-}
-
-// ---- Bands of rows.
-
-// One axis of a vector of runs, in the first and in the last row of a band.
-struct BandAxis {
-  hn::Vec<Ints> half;
-  hn::Vec<Ints> bend;
-  hn::Vec<Ints> changed;  // the bend, between the two rows
-  hn::Vec<Ints> least;    // place
-  hn::Vec<Ints> most;
-  hn::Vec<Ints> steep;
-};
-// Between four nodes a column is a cubic, whose second derivative goes straight from the second
-// difference at the second node to that at the third: how far the middles of the band's rows are
-// from a line between its ends at most.
-HWY_INLINE hn::Vec<Ints> bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot,
-                               float height) {
-  const Floats d;
-  const auto node = [&](int r) HWY_ATTR { return hn::LoadU(d, rows[(slot + r) % 4] + j); };
-  const auto upper = node(0) - node(1) - node(1) + node(2);
-  const auto lower = node(1) - node(2) - node(2) + node(3);
-  const auto most = hn::Max(hn::Abs(upper), hn::Abs(lower)) * hn::Set(d, height * height / 8);
-  // No number is beyond all bounds.
-  return hn::NearestInt(hn::Min(most, hn::Set(d, 1e9F))) + hn::Set(Ints(), 64);
-}
-
-template <bool kThird>
-HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* last,
-                              hn::Vec<Ints> slack) {
-  const Line a = line_of<8>(curve_at<kThird>(first));
-  const Line b = line_of<8>(curve_at<kThird>(last));
-  // Of a vector that is not steady it may be anything.
-  const auto half = hn::Max(half_of<8>(a), half_of<8>(b)) + slack;
-  return {half,
-          hn::ShiftRight<1>(a.bend + b.bend),
-          hn::Abs(a.bend - b.bend),
-          hn::Min(a.middle, b.middle) - half - slack,
-          hn::Max(a.middle, b.middle) + half + slack,
-          hn::Max(hn::Abs(a.slope), hn::Abs(b.slope))};
-}
-
-// Whether none of a vector of runs needs to be looked at again in the band: three rows, and far
-// from the ends of the source.
-HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
-  const Ints d;
-  const auto last = [&](const BandAxis& axis)
-                        HWY_ATTR { return hn::ShiftRight<kPlaceBits>(axis.most); };
-  const auto last_row = hn::Set(d, std::min(b.last_row - 1, b.rows - b.guarded_rows - 2));
-  // Slopes change within the band.
-  const auto x_room = hn::Set(d, b.steepest - 0x400) - x.steep - hn::ShiftLeft<3>(hn::Abs(x.bend));
-  const auto columns = hn::ShiftRight<kPlaceBits - 1>(x.half);
-  auto spare = hn::Min(hn::Min(x.least, y.least), hn::Min(x_room, hn::Set(d, kHalfRow) - y.half));
-  spare = hn::Min(spare, hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
-  spare = hn::Min(spare, hn::Min(hn::Set(d, b.widest - 2) - columns,
-                                 hn::Set(d, kMostChange) - hn::Max(x.changed, y.changed)));
-  return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
-}
-
-template <bool kThird>
-HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, int slot,
-                            float height, Band& band, RunRow& row) {
-  const Ints d;
-  constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
-  const auto most = hn::Set(d, kMostBulge);
-  for (int j = 0; j < row.count; j += kVector) {
-    const auto x_bulge = bulge(nodes.x, j + kMargin, slot, height);
-    const auto y_bulge = bulge(nodes.y, j + kMargin, slot, height);
-    const BandAxis x = band_axis<kThird>(row.x + j, band.x_last + j, hn::Min(x_bulge, most));
-    const BandAxis y = band_axis<kThird>(row.y + j, band.y_last + j, hn::Min(y_bulge, most));
-    band.steady[j] =
-        hn::AllFalse(d, hn::Gt(hn::Max(x_bulge, y_bulge), most)) && is_steady(x, y, bounds);
-    if (!band.steady[j]) continue;
-    hn::Store(x.half, d, band.x_half + j);
-    hn::Store(x.half + hn::Set(d, 2) + hn::ShiftLeft<1>(x.bend), d, band.x_shift + j);
-    hn::Store(hn::ShiftLeft<1>(y.bend) - hn::Set(d, kHalfRow), d, band.y_shift + j);
-    hn::Store(hn::Set(d, 3), d, row.rows + j);
-    hn::Store(packed(x.bend, hn::ShiftLeft<19>(y.bend)), d, row.bend + j);
-  }
-}
-
-void begin_band_of(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot,
-                   float height, Band& band, RunRow& row) {
-  if (run != 8) {
-    std::fill(std::begin(band.steady), std::end(band.steady), false);
-    return;
-  }
-  bounds.strongly_bent ? begin_bands<true>(bounds, nodes, slot, height, band, row)
-                       : begin_bands<false>(bounds, nodes, slot, height, band, row);
 }
 
 // describe_runs_at() where the band is steady: results lie between the row that is nearest to the
@@ -445,18 +283,12 @@ HWY_AFTER_NAMESPACE();
 namespace calvin::remap {
 
 HWY_EXPORT(interpolate_row);
-HWY_EXPORT(begin_band_of);
 HWY_EXPORT(describe_row);
 HWY_EXPORT(group);
 
 void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
                       std::int32_t* y) noexcept {
   HWY_DYNAMIC_DISPATCH(interpolate_row)(nodes, weights, runs, x, y);
-}
-
-void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot, float height,
-                Band& band, RunRow& row) noexcept {
-  HWY_DYNAMIC_DISPATCH(begin_band_of)(run, bounds, nodes, slot, height, band, row);
 }
 
 bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
