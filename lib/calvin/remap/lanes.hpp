@@ -85,8 +85,9 @@ struct RunParabola {
     const double after = kScale * middles[3];
     const double third = kScale * middles[4] - kScale * middles[0] - 2 * (after - before);
     middle = kScale * middles[2];
-    slope = (after - before - third * kThirdPart / 256) / (2 * pixels);
-    bend = (after + before - 2 * middle) / (2.0 * pixels * pixels);
+    const double part = 1.0 / pixels;
+    slope = (after - before - third * (kThirdPart / 256.0)) * (0.5 * part);
+    bend = (after + before - 2 * middle) * (0.5 * part * part);
   }
   // `t` samples of the output from the middle.
   [[nodiscard]] double at(double t) const noexcept { return middle + t * (slope + t * bend); }

@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 namespace calvin::remap {
@@ -149,12 +150,18 @@ class Sampler {
         y_{map.source_y(), map.source_last().v, sampling.outside},
         last_{x_.last_linear(), y_.last_linear()} {}
 
-  void fill(std::uint8_t* out, int count) const noexcept {
-    for (int i = 0; i < count; ++i, out += layout_.pixel_step) {
-      for (int c = 0; c < layout_.components; ++c) {
-        sample_.store(out + c * layout_.component_step, layout_.fill[static_cast<std::size_t>(c)]);
-      }
+  void fill(std::uint8_t* out) const noexcept {
+    for (int c = 0; c < layout_.components; ++c) {
+      sample_.store(out + c * layout_.component_step, layout_.fill[static_cast<std::size_t>(c)]);
     }
+  }
+
+  void fill(std::uint8_t* out, int count) const noexcept {
+    if (layout_.components == 1 && layout_.pixel_step == 1) {
+      std::memset(out, layout_.fill[0], static_cast<std::size_t>(count));
+      return;
+    }
+    for (int i = 0; i < count; ++i, out += layout_.pixel_step) fill(out);
   }
 
   void write(Place linear, std::uint8_t* out) const noexcept {
@@ -164,7 +171,7 @@ class Sampler {
     }
     const double x = x_.resolve(linear.x);
     const double y = y_.resolve(linear.y);
-    if (!(x >= 0 && y >= 0)) return fill(out, 1);
+    if (!(x >= 0 && y >= 0)) return fill(out);
     write_sample(x, y, out);
   }
 
@@ -256,9 +263,8 @@ class Sampler {
   Place last_;  // up to which places are samples
 };
 
-bool is_valid(const PlaneMap::Row* limits, int sample) {
-  if (limits == nullptr) return true;
-  return std::any_of(limits->valid.begin(), limits->valid.end(), [sample](const auto& span) {
+bool is_valid(const PlaneMap::Row& limits, int sample) {
+  return std::any_of(limits.valid.begin(), limits.valid.end(), [sample](const auto& span) {
     return sample >= span.begin && sample < span.end;
   });
 }
@@ -287,8 +293,8 @@ void sample(const PlaneMap& map, const PlaneLayout& layout, PlaneMemory<const st
     }
     const double middle = first + (pixels - 1) / 2.0;
     for (int i = begin; i < end; ++i, out += layout.pixel_step) {
-      if (!is_valid(stretch.limits, i)) {
-        sampler.fill(out, 1);
+      if (stretch.limits != nullptr && !is_valid(*stretch.limits, i)) {
+        sampler.fill(out);
         continue;
       }
       const double at = even ? i : (axis.site(i) - axis.offset()) / axis.scale();
