@@ -235,7 +235,9 @@ class Chunk {
   }
 
   void mark_slow(int begin, int end) noexcept {
-    for (int j = std::max(begin, 0); j < end; ++j) row_.rows[j] = remap::kSlowRun;
+    for (int j = std::max(begin, 0); j < end; ++j) {
+      row_.rows[j] = remap::kSlowRun | remap::kSlowGroup;
+    }
   }
 
   [[nodiscard]] std::uint8_t* output_row(std::size_t plane, int y) const noexcept {
@@ -253,7 +255,7 @@ class Chunk {
       planes.output[p] = output_at(p, y, 0);
     }
     blend(0, whole, planes);
-    if (whole == row_.count || row_.rows[whole] >= remap::kSlowRun) return;
+    if (whole == row_.count || row_.rows[whole] >= remap::kSlowGroup) return;
     // The last group, beside the row: it writes more than the row has.
     const int pixels = map_.size().width - first_ - whole * pixels_;
     const auto bytes = static_cast<std::size_t>((pixels - 1) * layout_.pixel_step +
@@ -293,11 +295,12 @@ class Chunk {
   }
 
   void sample_rest(int y, const PlaneMap::Row* limits) noexcept {
-    const int pixels = group_ * pixels_;
-    for (int j = 0; j < row_.count; j += group_) {
-      if (row_.rows[j] < remap::kSlowRun) continue;
-      const int begin = j * pixels_;
-      const remap::Stretch stretch = {row_, first_, begin, std::min(begin + pixels, width_),
+    const auto is_slow = [&](int j) { return row_.rows[j] >= remap::kSlowRun; };
+    for (int j = 0, end = 0; j < row_.count; j = end + 1) {
+      for (end = j; end < row_.count && is_slow(end); ++end) {
+      }
+      if (end == j) continue;
+      const remap::Stretch stretch = {row_, first_, j * pixels_, std::min(end * pixels_, width_),
                                       limits};
       for (std::size_t p = 0; p < sources_.size(); ++p) {
         remap::sample_stretch(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_,

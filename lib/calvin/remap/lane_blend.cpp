@@ -217,8 +217,8 @@ void blend(const RunRow& row, int begin, int end, std::int32_t stride, const Pla
     return hn::And(places + hn::Set(numbers, 2048), hn::BitCast(numbers, hn::Set(words, 0xF000)));
   };
   for (int j = begin; j < end; j += kLanes) {
-    const std::int32_t rows = row.rows[j];
-    if (HWY_UNLIKELY(rows >= kSlowRun)) {
+    const std::int32_t rows = row.rows[j] % kSlowRun;
+    if (HWY_UNLIKELY(row.rows[j] >= kSlowGroup)) {
       for (auto& output : outputs) output += L::kSpan * L::kOut;
       continue;
     }

@@ -45,7 +45,7 @@ void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std:
 
 bool describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
                   const Band& /*band*/, RunRow& row) {
-  std::fill_n(row.rows, row.count, kSlowRun);
+  std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
   return true;
 }
 
@@ -110,9 +110,6 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
   rows = hn::Max(rows, hn::Min(hn::Set(d, 3), hn::Set(d, b.rows) - y.first));
   const auto too_steep = hn::BroadcastSignBit(hn::Set(d, kSteepest) - y_steep);
   rows = hn::Max(rows, hn::And(too_steep, hn::Set(d, 4)));
-  // All runs of a group read as many rows as the one that needs most.
-  rows = group_maximum(rows);
-  const auto begin = x.first * hn::Set(d, kStep);
   // Any of these is negative where the run cannot be taken quickly.
   const auto x_room = hn::Set(d, b.steepest) - x_steep - hn::ShiftLeft<3>(hn::Abs(x_line.bend));
   auto spare = hn::Min(hn::Min(x.first, y.first), hn::Min(x_room, hn::Set(d, 0x7FFF) - y_steep));
@@ -120,16 +117,26 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
       spare, hn::Min(hn::Set(d, b.last_column - 1) - x.last, hn::Set(d, b.last_row - 1) - y.last));
   spare = hn::Min(
       spare, hn::Min(hn::Set(d, b.widest - 1) - (x.last - x.first), hn::Set(d, kMostRows) - rows));
+  // All runs of a group read as many rows as the one that needs most.
+  rows = group_maximum(hn::AndNot(hn::BroadcastSignBit(spare), rows));
+  const auto begin = x.first * hn::Set(d, kStep);
   const auto left = hn::Set(d, b.rows) - y.first - rows;
   // Segments may end behind a row, but for the last one.
   spare = hn::Min(hn::Min(spare, left),
                   hn::Max(left - hn::Set(d, b.guarded_rows), hn::Set(d, b.last_segment) - begin));
-  const auto slow = hn::And(hn::BroadcastSignBit(spare), hn::Set(d, kSlowRun));
-  hn::Store(hn::Max(group_maximum(slow), rows), d, row.rows + j);
-  hn::Store(y.first * hn::Set(d, b.stride) + begin, d, row.offset + j);
+  const auto slow = hn::BroadcastSignBit(spare);
+  const auto is_slow = hn::MaskFromVec(slow);
+  // The slow ones of a group that has others read what one of these does.
+  const auto own = hn::IfThenElse(is_slow, slow, y.first * hn::Set(d, b.stride) + begin);
+  const auto offset = group_maximum(own);
+  const auto marks = hn::Or(hn::And(slow, hn::Set(d, kSlowRun)),
+                            hn::And(hn::BroadcastSignBit(offset), hn::Set(d, kSlowGroup)));
+  hn::Store(hn::Or(rows, marks), d, row.rows + j);
+  hn::Store(hn::IfThenElse(is_slow, offset, own), d, row.offset + j);
   const auto two = hn::Set(d, 2);
-  hn::Store(packed(hn::ShiftRight<2>(x.place + two), hn::ShiftLeft<16>(x_line.slope)), d,
-            row.x_line + j);
+  const auto line = packed(hn::ShiftRight<2>(x.place + two), hn::ShiftLeft<16>(x_line.slope));
+  // The middle of the first column.
+  hn::Store(hn::IfThenElse(is_slow, hn::Set(d, 1 << 11), line), d, row.x_line + j);
   const auto three = rows == hn::Set(d, 3);
   const auto centred = hn::ShiftLeft<1>(y.place - hn::Set(d, 1 << kPlaceBits));
   hn::Store(packed(hn::IfThenElse(three, centred, hn::ShiftRight<2>(y.place + two)),
@@ -139,7 +146,7 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
   if constexpr (kRun > 2) {
     const auto y_bend =
         hn::IfThenElse(three, hn::ShiftLeft<19>(y_line.bend), hn::ShiftLeft<16>(y_line.bend));
-    hn::Store(packed(x_line.bend, y_bend), d, row.bend + j);
+    hn::Store(hn::IfThenZeroElse(is_slow, packed(x_line.bend, y_bend)), d, row.bend + j);
   }
   return !hn::AllTrue(d, slow == hn::Zero(d));
 }
@@ -267,7 +274,7 @@ bool describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const 
     case LaneLayout::kFour:
       return describe_length<2, 4>(run, bounds, band, row);
     default:
-      std::fill_n(row.rows, row.count, kSlowRun);
+      std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
       return true;
   }
 }

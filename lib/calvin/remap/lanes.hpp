@@ -17,8 +17,10 @@ inline constexpr int kPlaceBits = 14;
 // What is worked on at a time: its arrays stay in the nearest cache.
 inline constexpr int kChunkRuns = 256;
 
-// A run for which there is no quick way is marked by a number of rows that none has.
+// A run for which there is no quick way is marked by one more than any number of rows, and where
+// that is so for all of its group by another.
 inline constexpr std::int32_t kSlowRun = 64;
+inline constexpr std::int32_t kSlowGroup = 128;
 
 // Runs before the first one and behind the last one that a run's parabola is made with.
 inline constexpr int kMargin = 2;
@@ -39,7 +41,7 @@ struct RunRow {
   alignas(64) std::int32_t x[kRuns];
   alignas(64) std::int32_t y[kRuns];
   // Of the runs, without margins. Bytes from the beginning of the plane to the segment that
-  // holds the run's samples; rows of the source that it takes, or kSlowRun and more.
+  // holds the run's samples; rows of the source that its group takes, and kSlowRun and kSlowGroup.
   alignas(64) std::int32_t offset[kRuns];
   alignas(64) std::int32_t rows[kRuns];
   // Two 16-bit numbers each. Place of the middle from the segment's first sample, 4.12, and slope,
@@ -164,12 +166,14 @@ void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int 
                 Band& band, RunRow& row) noexcept;
 
 // What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
-// lane has. They are marked slow in groups of run_group(); whether there may be one is returned.
+// lane has; whether there is a slow one. What is quick in a group of run_group() is so at the cost
+// of the slow ones' samples, which are written first.
 bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
                    RunRow& row) noexcept;
 
-// Writes the samples of the groups of runs from `begin` to before `end` that are not slow, and
-// run_slack() bytes that follow a group; what `planes` name is where `begin` goes to.
+// Writes the samples of the groups of runs from `begin` to before `end` that are not slow,
+// something for the slow runs in them, and run_slack() bytes that follow a group; what `planes`
+// name is where `begin` goes to.
 void blend_runs(LaneLayout layout, int run, const RunRow& row, int begin, int end,
                 std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept;
 
