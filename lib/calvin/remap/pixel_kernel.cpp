@@ -269,6 +269,14 @@ bool is_valid(const PlaneMap::Row& limits, int sample) {
   });
 }
 
+// Whether a run lies outside of a source of `length` by far, seen by the middles of the run and of
+// its neighbours: quicker than to look at all of the parabola.
+bool is_far(const std::int32_t* middles, int length) {
+  const auto [low, high] = std::minmax({middles[1], middles[2], middles[3]});
+  const std::int64_t reach = std::int64_t{high} - low + (1 << kPlaceBits);
+  return high + reach < 0 || low - reach > std::int64_t{length} << kPlaceBits;
+}
+
 template <typename Sample>
 void sample(const PlaneMap& map, const PlaneLayout& layout, PlaneMemory<const std::uint8_t> source,
             PlaneMemory<std::uint8_t> output, const Sampling& sampling,
@@ -278,16 +286,20 @@ void sample(const PlaneMap& map, const PlaneLayout& layout, PlaneMemory<const st
   const SampleAxis& axis = map.output_x();
   const bool even = axis.is_even();
   for (int run = stretch.begin / pixels; run * pixels < stretch.end; ++run) {
-    const RunParabola x(stretch.row.x + run, pixels);
-    const RunParabola y(stretch.row.y + run, pixels);
-    const bool filled =
-        sampling.outside == Outside::kFill &&
-        (x.misses(pixels, map.source_size().width) || y.misses(pixels, map.source_size().height));
     const int first = stretch.first + run * pixels;
     const int begin = std::max(first, stretch.first + stretch.begin);
     const int end = std::min(first + pixels, stretch.first + stretch.end);
     std::uint8_t* out = output.data + begin * layout.pixel_step;
-    if (filled) {
+    const bool fills = sampling.outside == Outside::kFill;
+    const ImageSize source_size = map.source_size();
+    if (fills && (is_far(stretch.row.x + run, source_size.width) ||
+                  is_far(stretch.row.y + run, source_size.height))) {
+      sampler.fill(out, end - begin);
+      continue;
+    }
+    const RunParabola x(stretch.row.x + run, pixels);
+    const RunParabola y(stretch.row.y + run, pixels);
+    if (fills && (x.misses(pixels, source_size.width) || y.misses(pixels, source_size.height))) {
       sampler.fill(out, end - begin);
       continue;
     }
