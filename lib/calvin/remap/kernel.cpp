@@ -155,12 +155,12 @@ class Chunk {
     whole_groups_ = std::max(left, 0) / (group_ * pixels_);
   }
 
-  // Row after row, and none after `end`.
-  void row(int y, int end) noexcept {
+  // Row after row.
+  void row(int y) noexcept {
     const PlaneMap::Row* limits = map_.limits(y);
     interpolate(y, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
-    if (y >= band_end_) begin_band(y, end);
+    if (y >= band_end_) begin_band(y);
     bool slow = true;
     if (wide_) {
       std::fill_n(row_.rows, row_.count, 0);
@@ -176,19 +176,24 @@ class Chunk {
   }
 
  private:
-  void begin_band(int y, int end) noexcept {
-    band_end_ = std::min(y + remap::kBandRows, end);
+  // The band that a row lies in is the same whichever row comes first: threads share the rows.
+  void begin_band(int y) noexcept {
+    int first = y / remap::kBandRows * remap::kBandRows;
+    int last = std::min(first + remap::kBandRows, map_.size().height) - 1;
+    const int node_row = map_.level(y).node_row;
+    while (map_.level(first).node_row != node_row) ++first;
+    while (map_.level(last).node_row != node_row) --last;
+    band_end_ = last + 1;
     // Where there is an end of the model rows have little in common.
     if (wide_ || map_.limits(y) != nullptr) {
       std::fill(std::begin(band_.steady), std::end(band_.steady), false);
       return;
     }
-    const PlaneMap::Level first = map_.level(y);
-    while (map_.level(band_end_ - 1).node_row != first.node_row) --band_end_;
-    const double height = map_.level(band_end_ - 1).between - first.between;
-    interpolate(band_end_ - 1, band_.x_last, band_.y_last);
-    remap::begin_band(pixels_, bounds_, nodes_, first.node_row % 4, static_cast<float>(height),
-                      band_, row_);
+    interpolate(first, band_.x_first, band_.y_first);
+    interpolate(last, band_.x_last, band_.y_last);
+    const double height = map_.level(last).between - map_.level(first).between;
+    remap::begin_band(pixels_, bounds_, nodes_, node_row % 4, static_cast<float>(height), band_,
+                      row_);
   }
 
   void interpolate(int y, std::int32_t* xs, std::int32_t* ys) noexcept {
@@ -346,7 +351,7 @@ void remap_rows(const PlaneMap& map, const PlaneLayout& layout,
   }
   for (int first = 0; first < map.runs(); first += remap::kChunkRuns) {
     Chunk chunk(map, layout, sources, outputs, sampling, first);
-    for (int y = begin; y < end; ++y) chunk.row(y, end);
+    for (int y = begin; y < end; ++y) chunk.row(y);
   }
 }
 

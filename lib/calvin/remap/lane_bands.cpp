@@ -97,8 +97,8 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
   for (int j = 0; j < row.count; j += kVector) {
     const auto x_bulge = bulge(nodes.x, j + kMargin, slot, height);
     const auto y_bulge = bulge(nodes.y, j + kMargin, slot, height);
-    const BandAxis x = band_axis<kThird>(row.x + j, band.x_last + j, hn::Min(x_bulge, most));
-    const BandAxis y = band_axis<kThird>(row.y + j, band.y_last + j, hn::Min(y_bulge, most));
+    const BandAxis x = band_axis<kThird>(band.x_first + j, band.x_last + j, hn::Min(x_bulge, most));
+    const BandAxis y = band_axis<kThird>(band.y_first + j, band.y_last + j, hn::Min(y_bulge, most));
     band.steady[j] =
         hn::AllFalse(d, hn::Gt(hn::Max(x_bulge, y_bulge), most)) && is_steady(x, y, bounds);
     if (!band.steady[j]) continue;

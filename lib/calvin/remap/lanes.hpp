@@ -63,7 +63,9 @@ inline constexpr int kBandRows = 16;
 // What a band's rows share of the runs that are well inside the source in all of them.
 struct Band {
   static constexpr int kRuns = RunRow::kRuns;
-  // Middles in the last row, margins included; those of the first one are a RunRow's.
+  // Middles in the first row and in the last, margins included.
+  alignas(64) std::int32_t x_first[kRuns];
+  alignas(64) std::int32_t y_first[kRuns];
   alignas(64) std::int32_t x_last[kRuns];
   alignas(64) std::int32_t y_last[kRuns];
   // From the segment's first sample to the middle at most, and what then is added to the rest.
@@ -159,7 +161,7 @@ struct PlaneRows {
 void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
                       std::int32_t* y) noexcept;
 
-// Takes together what the rows from `row`, whose middles are known, to the band's last have in
+// Takes together what the rows of a band, whose first and last one's middles are known, have in
 // common, for runs of `run` samples. All of them lie between the same of the nodes' rows, the first
 // of which is at `slot`; `height` is how much of the way between those the band takes.
 void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot, float height,
