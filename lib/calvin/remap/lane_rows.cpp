@@ -65,6 +65,8 @@ struct Axis {
   hn::Vec<Ints> first;  // sample
   hn::Vec<Ints> last;   // the last place's; its neighbour is the next one
   hn::Vec<Ints> place;  // of the middle from the first sample, and half of the bend
+  hn::Vec<Ints> steep;  // size of the slope, 2.14
+  hn::Vec<Ints> bend;   // 4.12
 };
 template <int kRun>
 HWY_INLINE Axis describe(const Line& line) {
@@ -72,7 +74,8 @@ HWY_INLINE Axis describe(const Line& line) {
   const auto first = hn::ShiftRight<kPlaceBits>(line.middle - half);
   auto place = line.middle - hn::ShiftLeft<kPlaceBits>(first);
   if constexpr (kRun > 2) place = place + hn::ShiftLeft<1>(line.bend);
-  return {first, hn::ShiftRight<kPlaceBits>(line.middle + half), place};
+  return {first, hn::ShiftRight<kPlaceBits>(line.middle + half), place, hn::Abs(line.slope),
+          line.bend};
 }
 
 // The largest of the runs that make a group, in each of them.
@@ -96,23 +99,23 @@ HWY_INLINE void interpolate(const float (&rows)[4][NodeRows::kRuns], const float
   }
 }
 
-// A vector of runs whose first one is `j`.
-template <int kRun, int kStep>
-HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
-                                 const SourceBounds& b, RunRow& row) {
+// What a vector of runs reads of the source.
+struct Reads {
+  hn::Vec<Ints> rows;    // the same for all runs of a group
+  hn::Vec<Ints> offset;  // negative where all of the group are slow
+  hn::Vec<Ints> slow;    // -1 or 0
+};
+template <int kStep>
+HWY_INLINE Reads reads_of(const Axis& x, const Axis& y, const SourceBounds& b) {
   const Ints d;
-  const Axis x = describe<kRun>(x_line);
-  const Axis y = describe<kRun>(y_line);
-  const auto x_steep = hn::Abs(x_line.slope);
-  const auto y_steep = hn::Abs(y_line.slope);
   // Three rows, of which a result needs two, go quickest; steep lines do not fit eight times.
   auto rows = y.last - y.first + hn::Set(d, 2);
   rows = hn::Max(rows, hn::Min(hn::Set(d, 3), hn::Set(d, b.rows) - y.first));
-  const auto too_steep = hn::BroadcastSignBit(hn::Set(d, kSteepest) - y_steep);
+  const auto too_steep = hn::BroadcastSignBit(hn::Set(d, kSteepest) - y.steep);
   rows = hn::Max(rows, hn::And(too_steep, hn::Set(d, 4)));
   // Any of these is negative where the run cannot be taken quickly.
-  const auto x_room = hn::Set(d, b.steepest) - x_steep - hn::ShiftLeft<3>(hn::Abs(x_line.bend));
-  auto spare = hn::Min(hn::Min(x.first, y.first), hn::Min(x_room, hn::Set(d, 0x7FFF) - y_steep));
+  const auto x_room = hn::Set(d, b.steepest) - x.steep - hn::ShiftLeft<3>(hn::Abs(x.bend));
+  auto spare = hn::Min(hn::Min(x.first, y.first), hn::Min(x_room, hn::Set(d, 0x7FFF) - y.steep));
   spare = hn::Min(
       spare, hn::Min(hn::Set(d, b.last_column - 1) - x.last, hn::Set(d, b.last_row - 1) - y.last));
   spare = hn::Min(
@@ -125,30 +128,41 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
   spare = hn::Min(hn::Min(spare, left),
                   hn::Max(left - hn::Set(d, b.guarded_rows), hn::Set(d, b.last_segment) - begin));
   const auto slow = hn::BroadcastSignBit(spare);
-  const auto is_slow = hn::MaskFromVec(slow);
   // The slow ones of a group that has others read what one of these does.
+  const auto is_slow = hn::MaskFromVec(slow);
   const auto own = hn::IfThenElse(is_slow, slow, y.first * hn::Set(d, b.stride) + begin);
-  const auto offset = group_maximum(own);
-  const auto marks = hn::Or(hn::And(slow, hn::Set(d, kSlowRun)),
-                            hn::And(hn::BroadcastSignBit(offset), hn::Set(d, kSlowGroup)));
-  hn::Store(hn::Or(rows, marks), d, row.rows + j);
-  hn::Store(hn::IfThenElse(is_slow, offset, own), d, row.offset + j);
-  const auto two = hn::Set(d, 2);
-  const auto line = packed(hn::ShiftRight<2>(x.place + two), hn::ShiftLeft<16>(x_line.slope));
-  // The middle of the first column.
+  return {rows, hn::IfThenElse(is_slow, group_maximum(own), own), slow};
+}
+
+// A vector of runs whose first one is `j`; whether one is slow.
+template <int kRun, int kStep>
+HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
+                                 const SourceBounds& b, RunRow& row) {
+  const Ints d;
+  const Axis x = describe<kRun>(x_line);
+  const Axis y = describe<kRun>(y_line);
+  const Reads reads = reads_of<kStep>(x, y, b);
+  const auto is_slow = hn::MaskFromVec(reads.slow);
+  const auto marks = hn::Or(hn::And(reads.slow, hn::Set(d, kSlowRun)),
+                            hn::And(hn::BroadcastSignBit(reads.offset), hn::Set(d, kSlowGroup)));
+  hn::Store(hn::Or(reads.rows, marks), d, row.rows + j);
+  hn::Store(reads.offset, d, row.offset + j);
+  const auto place = [&](const Axis& axis)
+                         HWY_ATTR { return hn::ShiftRight<2>(axis.place + hn::Set(d, 2)); };
+  const auto line = packed(place(x), hn::ShiftLeft<16>(x_line.slope));
+  // The slow ones read the middle of the first column.
   hn::Store(hn::IfThenElse(is_slow, hn::Set(d, 1 << 11), line), d, row.x_line + j);
-  const auto three = rows == hn::Set(d, 3);
+  const auto three = reads.rows == hn::Set(d, 3);
   const auto centred = hn::ShiftLeft<1>(y.place - hn::Set(d, 1 << kPlaceBits));
-  hn::Store(packed(hn::IfThenElse(three, centred, hn::ShiftRight<2>(y.place + two)),
-                   hn::IfThenElse(three, hn::ShiftLeft<19>(y_line.slope),
-                                  hn::ShiftLeft<16>(y_line.slope))),
-            d, row.y_line + j);
+  const auto high = [&](hn::Vec<Ints> number) HWY_ATTR {
+    return hn::IfThenElse(three, hn::ShiftLeft<19>(number), hn::ShiftLeft<16>(number));
+  };
+  hn::Store(packed(hn::IfThenElse(three, centred, place(y)), high(y_line.slope)), d,
+            row.y_line + j);
   if constexpr (kRun > 2) {
-    const auto y_bend =
-        hn::IfThenElse(three, hn::ShiftLeft<19>(y_line.bend), hn::ShiftLeft<16>(y_line.bend));
-    hn::Store(hn::IfThenZeroElse(is_slow, packed(x_line.bend, y_bend)), d, row.bend + j);
+    hn::Store(hn::IfThenZeroElse(is_slow, packed(x_line.bend, high(y_line.bend))), d, row.bend + j);
   }
-  return !hn::AllTrue(d, slow == hn::Zero(d));
+  return !hn::AllTrue(d, reads.slow == hn::Zero(d));
 }
 
 // describe_runs_at() where the band is steady: results lie between the row that is nearest to the
