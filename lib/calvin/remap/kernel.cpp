@@ -19,8 +19,8 @@ namespace calvin {
 namespace {
 
 using remap::LaneLayout;
-using remap::LaneRow;
 using remap::NodeRows;
+using remap::RunRow;
 
 constexpr bool kLittleEndian = std::endian::native == std::endian::little;
 
@@ -59,14 +59,19 @@ remap::SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, La
   const std::ptrdiff_t stride = sources.front().stride;
   const bool alike = sources.back().stride == stride;
   const ImageSize size = map.source_size();
-  // Words are not taken by segments.
-  const int segment = is_words(lanes) ? 0 : is_spread(lanes) ? 32 : 16;
   remap::SourceBounds b;
   b.stride = static_cast<std::int32_t>(stride);
   // Beyond an uneven last sample places are no longer linear.
   b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
   b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
-  b.widest = is_words(lanes) ? size.width : (15 - (layout.components - 1)) / layout.components;
+  // Lanes of a run are read by 16 bytes, or all of them at once; words not at all by segments.
+  const int span = map.run_pixels() / std::min(lane_pixels(lanes), map.run_pixels());
+  const int lane = is_spread(lanes) ? 32 : 16;
+  const int segment = is_words(lanes) ? 0 : span == 1 ? lane : lane * (span + 1);
+  const int columns = (15 - (layout.components - 1)) / layout.components;
+  b.widest = is_words(lanes) ? size.width : span == 1 ? columns : 15;
+  // The second of a lane's pixels, and of its neighbours, is in the segment too.
+  if (span > 1) b.steepest = 0x6800;
   const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;
   b.rows = size.height;
   b.guarded_rows = bytes >= segment ? 1 : size.height;
@@ -123,7 +128,7 @@ LaneLayout usable_lanes(const PlaneMap& map, const PlaneLayout& layout, const Sa
   return simple && fits ? lanes : LaneLayout::kNone;
 }
 
-// One chunk of lanes on its way down the rows.
+// One chunk of runs on its way down the rows.
 class Chunk {
  public:
   Chunk(const PlaneMap& map, const PlaneLayout& layout,
@@ -137,44 +142,62 @@ class Chunk {
         lanes_(usable_lanes(map, layout, sampling)),
         wide_(wide_format(map, layout, sampling.interpolation)),
         bounds_(bounds_of(map, layout, lanes_, sources)),
-        group_(wide_ ? 1 : remap::lane_group()),
-        pixels_(lanes_ == LaneLayout::kNone ? map.run_pixels() : lane_pixels(lanes_)),
+        group_(wide_ ? 1 : remap::run_group()),
+        pixels_(map.run_pixels()),
         first_run_(first_run),
         first_(first_run * map.run_pixels()) {
     if (lanes_ == LaneLayout::kNone && !wide_) bounds_.last_row = -1;
-    const int parts = map.run_pixels() / pixels_;
-    runs_ = std::min(chunk_runs(map, layout), map.runs() - first_run);
-    width_ = std::min(runs_ * map.run_pixels(), map.size().width - first_);
-    row_.count = std::min((width_ + pixels_ - 1) / pixels_, runs_ * parts);
+    runs_ = std::min(remap::kChunkRuns, map.runs() - first_run);
+    width_ = std::min(runs_ * pixels_, map.size().width - first_);
+    row_.count = runs_;
     // What the last group of a row writes must be the row's.
-    const int left = map.size().width - first_ - (remap::lane_slack(lanes_) > 0 ? 1 : 0);
+    const int left = map.size().width - first_ - (remap::run_slack(lanes_) > 0 ? 1 : 0);
     whole_groups_ = std::max(left, 0) / (group_ * pixels_);
   }
 
-  static int chunk_runs(const PlaneMap& map, const PlaneLayout& layout) noexcept {
-    return remap::kChunkLanes * std::min(lane_pixels_of(layout), map.run_pixels()) /
-           map.run_pixels();
-  }
-
+  // Row after row.
   void row(int y) noexcept {
-    const PlaneMap::Level level = map_.level(y);
     const PlaneMap::Row* limits = map_.limits(y);
-    interpolate(level);
+    interpolate(y, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
+    if (y >= band_end_) begin_band(y);
+    bool slow = true;
     if (wide_) {
       std::fill_n(row_.rows, row_.count, 0);
     } else {
-      remap::describe_lanes(lanes_, map_.run_pixels(), bounds_, row_);
+      slow = remap::describe_runs(lanes_, pixels_, bounds_, band_, row_);
     }
     if (limits != nullptr) mark_invalid(*limits);
-    // An uneven last sample is not where a lane has it.
-    if (!map_.output_x().is_even()) mark_slow(whole_groups_ * group_, row_.count);
+    // An uneven last sample is not where a run has it.
+    const bool uneven = !map_.output_x().is_even();
+    if (uneven) mark_slow(whole_groups_ * group_, row_.count);
     blend(y);
-    sample_rest(y, limits);
+    if (slow || uneven || limits != nullptr) sample_rest(y, limits);
   }
 
  private:
-  void interpolate(const PlaneMap::Level& level) noexcept {
+  // The band that a row lies in is the same whichever row comes first: threads share the rows.
+  void begin_band(int y) noexcept {
+    int first = y / remap::kBandRows * remap::kBandRows;
+    int last = std::min(first + remap::kBandRows, map_.size().height) - 1;
+    const int node_row = map_.level(y).node_row;
+    while (map_.level(first).node_row != node_row) ++first;
+    while (map_.level(last).node_row != node_row) --last;
+    band_end_ = last + 1;
+    // Where there is an end of the model rows have little in common.
+    if (wide_ || map_.limits(y) != nullptr) {
+      std::fill(std::begin(band_.steady), std::end(band_.steady), false);
+      return;
+    }
+    interpolate(first, band_.x_first, band_.y_first);
+    interpolate(last, band_.x_last, band_.y_last);
+    const double height = map_.level(last).between - map_.level(first).between;
+    remap::begin_band(pixels_, bounds_, nodes_, node_row % 4, static_cast<float>(height), band_,
+                      row_);
+  }
+
+  void interpolate(int y, std::int32_t* xs, std::int32_t* ys) noexcept {
+    const PlaneMap::Level level = map_.level(y);
     const auto weights = cubic_weights(level.between);
     std::array<float, 4> of_slot;
     for (int r = 0; r < 4; ++r) {
@@ -186,7 +209,7 @@ class Chunk {
                   nodes_.y[slot]);
       known_[slot] = wanted;
     }
-    remap::interpolate_runs(nodes_, of_slot.data(), runs_, row_);
+    remap::interpolate_runs(nodes_, of_slot.data(), runs_, xs, ys);
   }
 
   void take_middles(const PlaneMap::Row& limits) noexcept {
@@ -202,7 +225,7 @@ class Chunk {
     }
   }
 
-  // All groups of lanes that are not valid from the first sample to the last.
+  // All groups of runs that are not valid from the first sample to the last.
   void mark_invalid(const PlaneMap::Row& limits) noexcept {
     const int pixels = group_ * pixels_;
     int done = 0;  // groups
@@ -217,7 +240,9 @@ class Chunk {
   }
 
   void mark_slow(int begin, int end) noexcept {
-    for (int j = std::max(begin, 0); j < end; ++j) row_.rows[j] = remap::kSlowLane;
+    for (int j = std::max(begin, 0); j < end; ++j) {
+      row_.rows[j] = remap::kSlowRun | remap::kSlowGroup;
+    }
   }
 
   [[nodiscard]] std::uint8_t* output_row(std::size_t plane, int y) const noexcept {
@@ -235,7 +260,7 @@ class Chunk {
       planes.output[p] = output_at(p, y, 0);
     }
     blend(0, whole, planes);
-    if (whole == row_.count || row_.rows[whole] >= remap::kSlowLane) return;
+    if (whole == row_.count || row_.rows[whole] >= remap::kSlowGroup) return;
     // The last group, beside the row: it writes more than the row has.
     const int pixels = map_.size().width - first_ - whole * pixels_;
     const auto bytes = static_cast<std::size_t>((pixels - 1) * layout_.pixel_step +
@@ -256,30 +281,31 @@ class Chunk {
   void blend_wide(int y) noexcept {
     if (width_ % pixels_ != 0) mark_slow(row_.count - 1, row_.count);
     for (std::size_t p = 0; p < sources_.size(); ++p) {
-      remap::blend_wide_lanes(*wide_, bounds_, row_, sources_[p].data, output_at(p, y, 0));
+      remap::blend_wide_runs(*wide_, bounds_, row_, sources_[p].data, output_at(p, y, 0));
     }
   }
 
   void blend(int begin, int end, const remap::PlaneRows& planes) noexcept {
     const bool nearest = sampling_.interpolation == Interpolation::kNearest;
     if (is_words(lanes_)) {
-      remap::blend_word_lanes(lanes_, word_format(layout_), row_, begin, end, bounds_.stride,
-                              nearest, planes);
+      remap::blend_word_runs(lanes_, word_format(layout_), row_, begin, end, bounds_.stride,
+                             nearest, planes);
       return;
     }
-    remap::blend_lanes(lanes_, row_, begin, end, bounds_.stride, nearest, planes);
+    remap::blend_runs(lanes_, pixels_, row_, begin, end, bounds_.stride, nearest, planes);
   }
 
-  [[nodiscard]] std::uint8_t* output_at(std::size_t plane, int y, int lane) const noexcept {
-    return output_row(plane, y) + (first_ + lane * pixels_) * layout_.pixel_step;
+  [[nodiscard]] std::uint8_t* output_at(std::size_t plane, int y, int run) const noexcept {
+    return output_row(plane, y) + (first_ + run * pixels_) * layout_.pixel_step;
   }
 
   void sample_rest(int y, const PlaneMap::Row* limits) noexcept {
-    const int pixels = group_ * pixels_;
-    for (int j = 0; j < row_.count; j += group_) {
-      if (row_.rows[j] < remap::kSlowLane) continue;
-      const int begin = j * pixels_;
-      const remap::Stretch stretch = {row_, first_, begin, std::min(begin + pixels, width_),
+    const auto is_slow = [&](int j) { return row_.rows[j] >= remap::kSlowRun; };
+    for (int j = 0, end = 0; j < row_.count; j = end + 1) {
+      for (end = j; end < row_.count && is_slow(end); ++end) {
+      }
+      if (end == j) continue;
+      const remap::Stretch stretch = {row_, first_, j * pixels_, std::min(end * pixels_, width_),
                                       limits};
       for (std::size_t p = 0; p < sources_.size(); ++p) {
         remap::sample_stretch(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_,
@@ -288,7 +314,7 @@ class Chunk {
     }
   }
 
-  // What a group writes at most: 4 lanes of 8 pairs of words.
+  // What a group writes at most: 4 runs of 8 pairs of words, or of 8 times four bytes.
   static constexpr std::size_t kTail = 128 + 16;
 
   const PlaneMap& map_;
@@ -300,15 +326,17 @@ class Chunk {
   std::optional<remap::WideFormat> wide_;
   remap::SourceBounds bounds_;
   int group_;
-  int pixels_;     // of a lane
+  int pixels_;     // of a run
   int first_run_;  // of the plane
   int first_;      // sample of the plane
   int runs_ = 0;
   int width_ = 0;  // samples
   int whole_groups_ = 0;
   std::array<int, 4> known_ = {-1, -1, -1, -1};
+  int band_end_ = 0;
   NodeRows nodes_;
-  LaneRow row_;
+  remap::Band band_;
+  RunRow row_;
 };
 
 }  // namespace
@@ -321,8 +349,7 @@ void remap_rows(const PlaneMap& map, const PlaneLayout& layout,
       sources.size() > remap::kMaxPlanes || sources.size() != outputs.size()) {
     return;
   }
-  const int runs = Chunk::chunk_runs(map, layout);
-  for (int first = 0; first < map.runs(); first += runs) {
+  for (int first = 0; first < map.runs(); first += remap::kChunkRuns) {
     Chunk chunk(map, layout, sources, outputs, sampling, first);
     for (int y = begin; y < end; ++y) chunk.row(y);
   }

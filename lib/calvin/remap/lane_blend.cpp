@@ -6,17 +6,17 @@
 // A vector is as many 128-bit lanes as the machine has, and a lane eight results: samples that lie
 // next to each other in the output. Their places in the source lie next to each other too, so that
 // 16 bytes of each source row hold all of them. One byte shuffle fetches the pairs of neighbours,
-// one multiplication of pairs blends them across, and two to four such rows are blended down.
-// Everything that differs between memory layouts is in `Layout` and in two functions that load and
-// store.
+// one multiplication of pairs blends them across, and two such rows are blended down. The results
+// of a run fill one lane, or two or four of them where pixels have several components.
+// Everything that differs between memory layouts is in lane_layouts-inl.hpp.
+
+// Ice Lake and Zen 4 permute all bytes of a vector.
+#define HWY_WANT_AVX3_DL 1
 
 #include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calvin/remap/lane_blend.cpp"
@@ -25,7 +25,7 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
-#include "calvin/remap/lane_vectors-inl.hpp"
+#include "calvin/remap/lane_layouts-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
@@ -33,19 +33,11 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void blend_row_of(LaneLayout /*layout*/, const LaneRow& /*row*/, int /*begin*/, int /*end*/,
-                  std::int32_t /*stride*/, bool /*nearest*/, const PlaneRows& /*planes*/) {}
+void blend_row_of(LaneLayout /*layout*/, int /*run*/, const RunRow& /*row*/, int /*begin*/,
+                  int /*end*/, std::int32_t /*stride*/, bool /*nearest*/,
+                  const PlaneRows& /*planes*/) {}
 
 #else
-
-template <int kComponents, int kSpacing>
-struct Layout {
-  static constexpr int kSpread = kSpacing;                                // bytes per sample
-  static constexpr int kStep = kComponents;                               // bytes, once gathered
-  static constexpr int kWidth = kComponents == 3 ? 4 : kComponents;       // results per pixel
-  static constexpr int kPixels = 8 / kWidth;                              // per lane
-  static constexpr int kOut = kPixels * kComponents * kSpacing * kLanes;  // bytes per vector
-};
 
 // Compilers make constants anew at every use, on the port that shuffles need. One that they do not
 // know stays in its register.
@@ -57,61 +49,19 @@ HWY_INLINE V kept(V v) {
   return v;
 }
 
-// Which bytes of four lanes' 32-bit records fill each lane with one of their halves.
-struct Halves {
-  alignas(64) std::uint8_t low[64];
-  alignas(64) std::uint8_t high[64];
-};
-constexpr Halves make_halves() {
-  Halves h{};
-  for (int i = 0; i < 64; ++i) {
-    h.low[i] = static_cast<std::uint8_t>(4 * (i / 16) + i % 2);
-    h.high[i] = static_cast<std::uint8_t>(h.low[i] + 2);
-  }
-  return h;
-}
-constexpr Halves kHalves = make_halves();
-
-// What each result of a lane adds to the lane's numbers.
-struct Results {
-  alignas(64) std::int16_t along[32];        // slope 2.14 -> place 4.12, through MulFixedPoint15
-  alignas(64) std::int16_t square[32];       // bend -> place 4.12, likewise
-  alignas(64) std::uint16_t neighbours[32];  // bytes of the two samples in a pixel and the next one
-};
-template <class L>
-constexpr Results make_results() {
-  Results r{};
-  for (int i = 0; i < 32; ++i) {
-    const int pixel = i % 8 / L::kWidth;
-    const int component = i % L::kWidth < L::kStep ? i % L::kWidth : 0;
-    const int halves = 2 * pixel - reach(L::kPixels);
-    const double end = reach(L::kPixels);
-    r.along[i] = static_cast<std::int16_t>(halves * 4096);
-    r.square[i] = static_cast<std::int16_t>((halves * halves / (end * end) - 0.5) * 32767);
-    r.neighbours[i] =
-        static_cast<std::uint16_t>((component | (component + L::kStep) << 8) * L::kSpread);
-  }
-  return r;
-}
-template <class L>
-constexpr Results kResults = make_results<L>();
-
 struct Constants {
-  Places whole;  // a weight of 1 for MulFixedPoint15
-  Places two_rows;
   Places half;       // from fractions to weights
+  Places step;       // bytes of a sample, for both neighbours
   Pairs sum;         // of two bytes, times 64
   Pairs difference;  // likewise
   Numbers to_bytes;  // 1/128 for MulFixedPoint15
 };
+template <class L>
 HWY_INLINE Constants make_constants() {
   const Words words;
-  return {kept(hn::Set(words, 0x7FFF)),
-          kept(hn::Set(words, 0x8000)),
-          kept(hn::Set(words, 0x8000)),
+  return {kept(hn::Set(words, 0x8000)), kept(hn::Set(words, 0x101 * L::kStep * L::kSpread)),
           kept(hn::BitCast(Bytes(), hn::Set(words, 0x4040))),
-          kept(hn::BitCast(Bytes(), hn::Set(words, 0x40C0))),
-          kept(hn::Set(Signed(), 256))};
+          kept(hn::BitCast(Bytes(), hn::Set(words, 0x40C0))), kept(hn::Set(Signed(), 256))};
 }
 
 // 64 times the sum of the two bytes of each pair, and 64 times the second less the first.
@@ -143,113 +93,107 @@ HWY_INLINE Blend blend_pairs(Pairs pairs, const Constants& /*constants*/) {
 }
 #endif
 
-// The 16 bytes that begin at each lane's offset.
-template <class D>
-HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::int32_t* offsets) {
-  constexpr std::size_t kSize = hn::MaxLanes(D());
-  if constexpr (kSize > 16) {
-    const hn::FixedTag<std::uint8_t, kSize / 2> half;
-    return hn::Combine(d, load_segments(half, plane, offsets + kSize / 32),
-                       load_segments(half, plane, offsets));
-  } else {
-    return hn::LoadU(d, plane + offsets[0]);
-  }
-}
-
-template <class L>
-HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
-  constexpr std::size_t kHalf = kBytes / 2;
-  const hn::FixedTag<std::uint8_t, kHalf> d;
-  if constexpr (L::kSpread == 2) {
-    const Words words;
-    auto* at = reinterpret_cast<std::uint16_t*>(out);
-    const auto others = hn::And(hn::LoadU(words, at), hn::Set(words, 0xFF00));
-    hn::StoreU(hn::Or(others, hn::BitCast(words, results)), words, at);
-  } else if constexpr (L::kStep == 3) {
-    // Six of eight results are samples: they go to the front, and the next lane's over the rest.
-    alignas(16) static constexpr std::uint8_t kFront[16] = {0,  1,  2,  3,  4, 5, 8, 9,
-                                                            10, 11, 12, 13, 0, 0, 0, 0};
-    const Bytes all;
-    const auto front = hn::TableLookupBytes(hn::BitCast(all, results), hn::LoadDup128(all, kFront));
-    alignas(64) std::uint8_t lanes[kHalf];
-    hn::Store(hn::DemoteTo(d, hn::BitCast(Signed(), front)), d, lanes);
-    for (int l = 0; l < kLanes; ++l) std::memcpy(out + 6 * l, lanes + 8 * l, 8);
-  } else {
-    hn::StoreU(hn::DemoteTo(d, results), d, out);
-  }
-}
-
 // What a vector of results takes from the source.
 struct Taps {
   Pairs neighbours;  // which bytes, from the beginning of the segment
   Numbers across;    // twice the weight of the second of two neighbours, less 1; 1.15
-  Places down;       // place below the segment's first row, 4.12
+  // Place down: from the middle one of three rows, 1.15; or from the segment's first row, 4.12.
+  Numbers down;
 };
 
-// The indices within the first 16 bytes, as they are; the others such that nothing is taken.
-HWY_INLINE Pairs within_segment(Pairs indices) {
-  const Words d;
-  const auto words = hn::BitCast(d, indices);
-  return hn::BitCast(Bytes(), hn::Or(words, hn::ShiftLeft<3>(hn::And(words, hn::Set(d, 0x1010)))));
-}
-
-// Samples in every second byte lie in two segments.
-template <int kSpread>
-HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* offsets,
-                             const Taps& taps) {
-  const Bytes d;
-  const Pairs segments = load_segments(d, source, offsets);
-  if constexpr (kSpread == 1) {
-    return hn::TableLookupBytes(segments, taps.neighbours);
-  } else {
-    const Pairs more = load_segments(d, source + 16, offsets);
-    const Pairs rest = hn::Xor(taps.neighbours, hn::Set(d, 0x10));
-    return hn::Or(hn::TableLookupBytesOr0(segments, within_segment(taps.neighbours)),
-                  hn::TableLookupBytesOr0(more, within_segment(rest)));
-  }
-}
-
 // 128 times the values between neighbours of one source row.
-template <int kSpread>
-HWY_INLINE Numbers blend_row(const std::uint8_t* source, const std::int32_t* offsets,
-                             const Taps& taps, const Constants& constants) {
-  const Blend blend = blend_pairs(fetch_pairs<kSpread>(source, offsets, taps), constants);
+HWY_INLINE Numbers blend_row(Pairs pairs, const Taps& taps, const Constants& constants) {
+  const Blend blend = blend_pairs(pairs, constants);
   return blend.sum + hn::MulFixedPoint15(blend.difference, taps.across);
 }
 
-// `rows` source rows, each result between two of them.
-template <int kSpread>
-HWY_INLINE Numbers blend_rows(const std::uint8_t* source, const std::int32_t* offsets,
-                              std::int32_t stride, std::int32_t rows, const Taps& taps,
-                              const Constants& constants) {
+// Which of 16-bit numbers are negative.
+HWY_INLINE auto negative(Numbers numbers) {
+#if HWY_TARGET > HWY_AVX3 || !HWY_ARCH_X86
+  numbers = hn::BroadcastSignBit(numbers);
+#endif
+  return hn::MaskFromVec(numbers);
+}
+
+// Three source rows: a result lies between the middle one and one of the others.
+template <class L, bool kNearest>
+HWY_INLINE Numbers blend_three_rows(const std::uint8_t* source, const std::int32_t* offsets,
+                                    std::int32_t stride, const Taps& taps,
+                                    const Constants& constants) {
+  const Bytes bytes;
+  const Signed d;
+  const std::uint8_t* second = source + stride;
+  const auto above = hn::BitCast(d, fetch_pairs<L>(source, offsets, taps.neighbours));
+  const auto below = hn::BitCast(d, fetch_pairs<L>(second + stride, offsets, taps.neighbours));
+  const auto outer = hn::IfThenElse(negative(taps.down), above, below);
+  const Numbers middle =
+      blend_row(fetch_pairs<L>(second, offsets, taps.neighbours), taps, constants);
+  const Numbers other = blend_row(hn::BitCast(bytes, outer), taps, constants);
+  auto weight = hn::Abs(taps.down);
+  if constexpr (kNearest) {
+    weight = hn::IfThenElseZero(hn::Gt(weight, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
+  }
+  return middle + hn::MulFixedPoint15(other - middle, weight);
+}
+
+// `rows` source rows, each result between two of them. Rare, and apart from the others so that
+// these keep their registers.
+template <class L>
+HWY_NOINLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_t* offsets,
+                                     std::int32_t stride, std::int32_t rows, Taps taps) {
   const Words words;
   const Signed numbers;
-  const auto below = [&](Numbers upper, Numbers lower, Places weight) HWY_ATTR {
-    return hn::MulFixedPoint15(lower - upper, hn::BitCast(numbers, weight));
-  };
-  const Numbers first = blend_row<kSpread>(source, offsets, taps, constants);
-  Numbers upper = blend_row<kSpread>(source + stride, offsets, taps, constants);
-  const auto down = hn::ShiftLeft<3>(taps.down);
-  Numbers sum = first + below(first, upper, hn::Min(down, constants.whole));
-  if (rows == 2) return sum;
-  if (HWY_LIKELY(rows == 3)) {
-    const Numbers lower = blend_row<kSpread>(source + 2 * static_cast<std::ptrdiff_t>(stride),
-                                             offsets, taps, constants);
-    return sum + below(upper, lower, hn::SaturatedSub(down, constants.two_rows));
-  }
-  // From here on 15 bits do not hold the place.
+  const Constants constants = make_constants<L>();
+  // 15 bits do not hold the place.
   const auto row = hn::Set(words, 4096);
   const auto last = hn::Set(words, 4095);
-  sum = first + below(first, upper, hn::ShiftLeft<3>(hn::Min(taps.down, last)));
-  auto place = hn::SaturatedSub(taps.down, row);
-  for (std::int32_t r = 2; r < rows; ++r) {
-    const Numbers lower = blend_row<kSpread>(source + r * static_cast<std::ptrdiff_t>(stride),
-                                             offsets, taps, constants);
-    sum = sum + below(upper, lower, hn::ShiftLeft<3>(hn::Min(place, last)));
-    place = hn::SaturatedSub(place, row);
+  auto down = hn::BitCast(words, taps.down);
+  Numbers upper = blend_row(fetch_pairs<L>(source, offsets, taps.neighbours), taps, constants);
+  Numbers sum = upper;
+  for (std::int32_t r = 1; r < rows; ++r) {
+    source += stride;
+    const Numbers lower =
+        blend_row(fetch_pairs<L>(source, offsets, taps.neighbours), taps, constants);
+    const auto weight = hn::BitCast(numbers, hn::ShiftLeft<3>(hn::Min(down, last)));
+    sum = sum + hn::MulFixedPoint15(lower - upper, weight);
+    down = hn::SaturatedSub(down, row);
     upper = lower;
   }
   return sum;
+}
+
+// The place of each result from its run's segment: across 4.12, down as in Taps.
+struct Located {
+  Numbers x;
+  Numbers y;
+};
+template <class L>
+HWY_INLINE Located locate(const RunRow& row, int run, const std::int32_t* x_lines,
+                          const Results& tables) {
+  const Bytes bytes;
+  const Signed numbers;
+  constexpr const Halves& kLines = kByLanes<L> ? kLaneHalves : kHalves<L>;
+  const auto low = hn::Load(bytes, kHalves<L>.low);
+  const auto high = hn::Load(bytes, kHalves<L>.high);
+  const auto along = hn::Load(numbers, tables.along);
+  const auto half = [&](Pairs records, Pairs which) HWY_ATTR {
+    return hn::BitCast(numbers, hn::TableLookupBytes(records, which));
+  };
+  const auto records = [&](const std::int32_t* at) HWY_ATTR {
+    return hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(at));
+  };
+  const Pairs x_line = records(x_lines);
+  const Pairs y_line = records(row.y_line + run);
+  Located at = {half(x_line, hn::Load(bytes, kLines.low)) +
+                    hn::MulFixedPoint15(half(x_line, hn::Load(bytes, kLines.high)), along),
+                half(y_line, low) + hn::MulFixedPoint15(half(y_line, high), along)};
+  if constexpr (L::kRunPixels > 2) {
+    const auto square = hn::Load(numbers, tables.square);
+    const Pairs bend = records(row.bend + run);
+    at.x = at.x + hn::MulFixedPoint15(half(bend, low), square);
+    at.y = at.y + hn::MulFixedPoint15(half(bend, high), square);
+  }
+  return at;
 }
 
 // Rows of the source that are fetched before they are needed: the hardware does not foresee a walk
@@ -257,27 +201,11 @@ HWY_INLINE Numbers blend_rows(const std::uint8_t* source, const std::int32_t* of
 constexpr int kAhead = 12;
 
 template <class L, bool kNearest, int kPlanes>
-void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const PlaneRows& planes) {
+void blend(const RunRow& row, int begin, int end, std::int32_t stride, const PlaneRows& planes) {
   const Words words;
-  const Signed numbers;
   const Bytes bytes;
-  const auto& tables = kResults<L>;
-  const Constants constants = make_constants();
-  const auto low = hn::Load(bytes, kHalves.low);
-  const auto high = hn::Load(bytes, kHalves.high);
-  const auto along = hn::Load(numbers, tables.along);
-  const auto square = hn::Load(numbers, tables.square);
-  const auto neighbours = hn::Load(words, tables.neighbours);
-  const auto step = kept(hn::Set(words, 0x101 * L::kStep * L::kSpread));
-  const auto half = [&](Pairs records, Pairs which) HWY_ATTR {
-    return hn::BitCast(numbers, hn::TableLookupBytes(records, which));
-  };
-  const auto records = [&](const std::int32_t* at) HWY_ATTR {
-    return hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(at));
-  };
-  const auto nearest = [&](Places places) HWY_ATTR {
-    return hn::And(places + hn::Set(words, 2048), hn::Set(words, 0xF000));
-  };
+  const Signed numbers;
+  const Constants constants = make_constants<L>();
   // What is written may be anything for all that the compiler knows.
   std::array<const std::uint8_t*, kPlanes> sources;
   std::array<std::uint8_t*, kPlanes> outputs;
@@ -285,41 +213,47 @@ void blend(const LaneRow& row, int begin, int end, std::int32_t stride, const Pl
     sources[p] = planes.source[p];
     outputs[p] = planes.output[p];
   }
+  const auto nearest = [&](Numbers places) HWY_ATTR {
+    return hn::And(places + hn::Set(numbers, 2048), hn::BitCast(numbers, hn::Set(words, 0xF000)));
+  };
   for (int j = begin; j < end; j += kLanes) {
-    const std::int32_t rows = row.rows[j];
-    if (HWY_UNLIKELY(rows >= kSlowLane)) continue;
-    const Pairs x_line = records(row.x_line + j);
-    const Pairs y_line = records(row.y_line + j);
-    auto x = half(x_line, low) + hn::MulFixedPoint15(half(x_line, high), along);
-    auto y = half(y_line, low) + hn::MulFixedPoint15(half(y_line, high), along);
-    if constexpr (L::kPixels > 2) {
-      const Pairs bend = records(row.bend + j);
-      x = x + hn::MulFixedPoint15(half(bend, low), square);
-      y = y + hn::MulFixedPoint15(half(bend, high), square);
+    const std::int32_t rows = row.rows[j] % kSlowRun;
+    if (HWY_UNLIKELY(row.rows[j] >= kSlowGroup)) {
+      for (auto& output : outputs) output += L::kSpan * L::kOut;
+      continue;
     }
-    auto across = hn::BitCast(words, x);
-    Taps taps;
-    taps.down = hn::BitCast(words, y);
-    if constexpr (kNearest) {
-      across = nearest(across);
-      // blend_rows() has 16 bits for eight times the place.
-      taps.down = hn::Min(nearest(taps.down), hn::Set(words, rows == 3 ? 8191 : 0xF000));
-    }
-    taps.neighbours = hn::BitCast(bytes, hn::ShiftRight<12>(across) * step + neighbours);
-    taps.across = hn::BitCast(numbers, hn::Xor(hn::ShiftLeft<4>(across), constants.half));
-    for (int p = 0; p < kPlanes; ++p) {
-      const std::uint8_t* source = sources[p];
-      hwy::Prefetch(source + row.offset[j] + static_cast<std::ptrdiff_t>(kAhead) * stride + 16);
-      const Numbers sum =
-          blend_rows<L::kSpread>(source, row.offset + j, stride, rows, taps, constants);
-      store_results<L>(hn::MulFixedPoint15(sum, constants.to_bytes),
-                       outputs[p] + (j - begin) / kLanes * L::kOut);
+    for (int v = 0; v < L::kSpan; ++v) {
+      const int run = j + v * kLanes / L::kSpan;
+      const int lane = j * L::kSpan + v * kLanes;
+      const Results& tables = kResults<L>[v % L::kParts];
+      const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + lane : row.offset + run;
+      Located at =
+          locate<L>(row, run, kByLanes<L> ? row.lane_line + lane : row.x_line + run, tables);
+      if constexpr (kNearest) {
+        at.x = nearest(at.x);
+        if (rows != 3) at.y = nearest(at.y);
+      }
+      const auto columns = hn::ShiftRight<12>(hn::BitCast(words, at.x));
+      const auto fraction = hn::ShiftLeft<4>(hn::BitCast(words, at.x));
+      const Taps taps = {
+          hn::BitCast(bytes, columns * constants.step + hn::Load(words, tables.neighbours)),
+          hn::BitCast(numbers, hn::Xor(fraction, constants.half)), at.y};
+      for (int p = 0; p < kPlanes; ++p) {
+        const std::uint8_t* source = sources[p];
+        hwy::Prefetch(source + offsets[0] + static_cast<std::ptrdiff_t>(kAhead) * stride + 16);
+        const Numbers sum =
+            HWY_LIKELY(rows == 3)
+                ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, constants)
+                : blend_more_rows<L>(source, offsets, stride, rows, taps);
+        store_results<L>(hn::MulFixedPoint15(sum, constants.to_bytes), outputs[p]);
+        outputs[p] += L::kOut;
+      }
     }
   }
 }
 
 template <class L>
-void blend_layout(const LaneRow& row, int begin, int end, std::int32_t stride, bool nearest,
+void blend_layout(const RunRow& row, int begin, int end, std::int32_t stride, bool nearest,
                   const PlaneRows& planes) {
   if (nearest) {
     for (int p = 0; p < planes.planes; ++p) {
@@ -332,22 +266,32 @@ void blend_layout(const LaneRow& row, int begin, int end, std::int32_t stride, b
   }
 }
 
-void blend_row_of(LaneLayout layout, const LaneRow& row, int begin, int end, std::int32_t stride,
-                  bool nearest, const PlaneRows& planes) {
+// Runs of 8 samples, or of one lane.
+template <int kComponents, int kSpacing>
+void blend_length(int run, const RunRow& row, int begin, int end, std::int32_t stride, bool nearest,
+                  const PlaneRows& planes) {
+  using Long = Layout<kComponents, kSpacing, 8>;
+  using Short = Layout<kComponents, kSpacing, Long::kPixels>;
+  run == 8 ? blend_layout<Long>(row, begin, end, stride, nearest, planes)
+           : blend_layout<Short>(row, begin, end, stride, nearest, planes);
+}
+
+void blend_row_of(LaneLayout layout, int run, const RunRow& row, int begin, int end,
+                  std::int32_t stride, bool nearest, const PlaneRows& planes) {
   switch (layout) {
     case LaneLayout::kOne:
-      return blend_layout<Layout<1, 1>>(row, begin, end, stride, nearest, planes);
+      return blend_length<1, 1>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kTwo:
-      return blend_layout<Layout<2, 1>>(row, begin, end, stride, nearest, planes);
+      return blend_length<2, 1>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kThree:
-      return blend_layout<Layout<3, 1>>(row, begin, end, stride, nearest, planes);
+      return blend_length<3, 1>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kFour:
-      return blend_layout<Layout<4, 1>>(row, begin, end, stride, nearest, planes);
+      return blend_length<4, 1>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kOneSpread:
-      return blend_layout<Layout<1, 2>>(row, begin, end, stride, nearest, planes);
+      return blend_length<1, 2>(run, row, begin, end, stride, nearest, planes);
     case LaneLayout::kTwoSpread:
-      return blend_layout<Layout<2, 2>>(row, begin, end, stride, nearest, planes);
-    case LaneLayout::kNone:
+      return blend_length<2, 2>(run, row, begin, end, stride, nearest, planes);
+    default:
       return;
   }
 }
@@ -362,9 +306,9 @@ namespace calvin::remap {
 
 HWY_EXPORT(blend_row_of);
 
-void blend_lanes(LaneLayout layout, const LaneRow& row, int begin, int end, std::int32_t stride,
-                 bool nearest, const PlaneRows& planes) noexcept {
-  HWY_DYNAMIC_DISPATCH(blend_row_of)(layout, row, begin, end, stride, nearest, planes);
+void blend_runs(LaneLayout layout, int run, const RunRow& row, int begin, int end,
+                std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept {
+  HWY_DYNAMIC_DISPATCH(blend_row_of)(layout, run, row, begin, end, stride, nearest, planes);
 }
 
 }  // namespace calvin::remap

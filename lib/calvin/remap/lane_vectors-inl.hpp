@@ -40,8 +40,12 @@ using Pairs = hn::Vec<Bytes>;
 using Numbers = hn::Vec<Signed>;
 using Places = hn::Vec<Words>;
 
-// What a lane's samples lie from its middle at most, in halves of a sample.
+// What a run's samples lie from its middle at most, in halves of a sample.
 constexpr int reach(int pixels) { return pixels - 1; }
+
+// Whether any byte of a vector can be moved to anywhere at once: then a run's samples need not be
+// within 16 bytes.
+constexpr bool kMovesAllBytes = HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL;
 
 }  // namespace calvin::remap::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -28,9 +28,9 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void blend_wide(const WideFormat& /*format*/, const SourceBounds& /*bounds*/, LaneRow& row,
+void blend_wide(const WideFormat& /*format*/, const SourceBounds& /*bounds*/, RunRow& row,
                 const std::uint8_t* /*source*/, std::uint8_t* /*output*/) {
-  for (int j = 0; j < row.count; ++j) row.rows[j] = kSlowLane;
+  for (int j = 0; j < row.count; ++j) row.rows[j] = kSlowRun;
 }
 
 #else
@@ -150,13 +150,13 @@ void put(const WideFormat& format, const std::uint32_t* values, int components,
 }
 
 template <int kTaps, int kComponents, bool kWords>
-void blend_runs(const WideFormat& format, const SourceBounds& bounds, LaneRow& row,
+void blend_runs(const WideFormat& format, const SourceBounds& bounds, RunRow& row,
                 const std::uint8_t* source, std::uint8_t* output) {
   const Floats d;
   constexpr int kStep = static_cast<int>(hn::MaxLanes(d));
   alignas(64) std::uint32_t values[kComponents * kPixels];
   for (int j = 0; j < row.count; ++j) {
-    if (row.rows[j] >= kSlowLane) continue;
+    if (row.rows[j] >= kSlowRun) continue;
     const RunParabola px(row.x + j, kPixels);
     const RunParabola py(row.y + j, kPixels);
     bool inside = true;
@@ -171,13 +171,13 @@ void blend_runs(const WideFormat& format, const SourceBounds& bounds, LaneRow& r
     if (inside) {
       put(format, values, kComponents, output + j * kPixels * format.pixel_step);
     } else {
-      row.rows[j] = kSlowLane;
+      row.rows[j] = kSlowRun;
     }
   }
 }
 
 template <int kTaps>
-void blend_taps(const WideFormat& format, const SourceBounds& bounds, LaneRow& row,
+void blend_taps(const WideFormat& format, const SourceBounds& bounds, RunRow& row,
                 const std::uint8_t* source, std::uint8_t* output) {
   switch (format.words ? -format.components : format.components) {
     case 1:
@@ -193,11 +193,11 @@ void blend_taps(const WideFormat& format, const SourceBounds& bounds, LaneRow& r
     case -2:
       return blend_runs<kTaps, 2, true>(format, bounds, row, source, output);
     default:
-      for (int j = 0; j < row.count; ++j) row.rows[j] = kSlowLane;
+      for (int j = 0; j < row.count; ++j) row.rows[j] = kSlowRun;
   }
 }
 
-void blend_wide(const WideFormat& format, const SourceBounds& bounds, LaneRow& row,
+void blend_wide(const WideFormat& format, const SourceBounds& bounds, RunRow& row,
                 const std::uint8_t* source, std::uint8_t* output) {
   format.taps == 4 ? blend_taps<4>(format, bounds, row, source, output)
                    : blend_taps<6>(format, bounds, row, source, output);
@@ -213,8 +213,8 @@ namespace calvin::remap {
 
 HWY_EXPORT(blend_wide);
 
-void blend_wide_lanes(const WideFormat& format, const SourceBounds& bounds, LaneRow& row,
-                      const std::uint8_t* source, std::uint8_t* output) noexcept {
+void blend_wide_runs(const WideFormat& format, const SourceBounds& bounds, RunRow& row,
+                     const std::uint8_t* source, std::uint8_t* output) noexcept {
   HWY_DYNAMIC_DISPATCH(blend_wide)(format, bounds, row, source, output);
 }
 

@@ -23,7 +23,7 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void blend_words_of(LaneLayout /*layout*/, WordFormat /*format*/, const LaneRow& /*row*/,
+void blend_words_of(LaneLayout /*layout*/, WordFormat /*format*/, const RunRow& /*row*/,
                     int /*begin*/, int /*end*/, std::int32_t /*stride*/, bool /*nearest*/,
                     const PlaneRows& /*planes*/) {}
 
@@ -88,7 +88,7 @@ HWY_INLINE void blend_two(const std::uint8_t* upper, const std::uint8_t* lower,
 constexpr int kAhead = 8;  // rows of the source that are fetched before they are needed
 
 template <int kComponents>
-HWY_INLINE void blend_lane(const LaneRow& row, int j, WordFormat format, std::int32_t stride,
+HWY_INLINE void blend_lane(const RunRow& row, int j, WordFormat format, std::int32_t stride,
                            bool nearest, const PlaneRows& planes, std::ptrdiff_t begin) {
   const Floats d;
   const RunParabola px(row.x + j, kPixels);
@@ -111,11 +111,11 @@ HWY_INLINE void blend_lane(const LaneRow& row, int j, WordFormat format, std::in
   }
 }
 
-void blend_words_of(LaneLayout layout, WordFormat format, const LaneRow& row, int begin, int end,
+void blend_words_of(LaneLayout layout, WordFormat format, const RunRow& row, int begin, int end,
                     std::int32_t stride, bool nearest, const PlaneRows& planes) {
   const int components = layout == LaneLayout::kOneWord ? 1 : 2;
   for (int j = begin; j < end; ++j) {
-    if (row.rows[j] >= kSlowLane) continue;
+    if (row.rows[j] >= kSlowRun) continue;
     const std::ptrdiff_t at = (j - begin) * kPixels * 2 * components;
     components == 1 ? blend_lane<1>(row, j, format, stride, nearest, planes, at)
                     : blend_lane<2>(row, j, format, stride, nearest, planes, at);
@@ -132,8 +132,8 @@ namespace calvin::remap {
 
 HWY_EXPORT(blend_words_of);
 
-void blend_word_lanes(LaneLayout layout, WordFormat format, const LaneRow& row, int begin, int end,
-                      std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept {
+void blend_word_runs(LaneLayout layout, WordFormat format, const RunRow& row, int begin, int end,
+                     std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept {
   HWY_DYNAMIC_DISPATCH(blend_words_of)
   (layout, format, row, begin, end, stride, nearest, planes);
 }

@@ -2,8 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // One row of an output plane as runs of 8 samples whose places in the source plane are a parabola
-// through the middles of a run and its neighbours (of 4 or 2 where the map is strongly bent), and
-// as lanes: the 8, 4 or 2 samples that a vector kernel makes in 128 bits. A run is 1, 2 or 4 lanes.
+// through the middles of a run and its neighbours (of 4 or 2 where the map is strongly bent).
 #pragma once
 
 #include <cmath>
@@ -16,10 +15,12 @@ namespace calvin::remap {
 inline constexpr int kPlaceBits = 14;
 
 // What is worked on at a time: its arrays stay in the nearest cache.
-inline constexpr int kChunkLanes = 256;
+inline constexpr int kChunkRuns = 256;
 
-// A lane for which there is no quick way is marked by a number of rows that none has.
-inline constexpr std::int32_t kSlowLane = 64;
+// A run for which there is no quick way is marked by one more than any number of rows, and where
+// that is so for all of its group by another.
+inline constexpr std::int32_t kSlowRun = 64;
+inline constexpr std::int32_t kSlowGroup = 128;
 
 // Runs before the first one and behind the last one that a run's parabola is made with.
 inline constexpr int kMargin = 2;
@@ -28,27 +29,50 @@ inline constexpr int kSpare = 3;
 
 // A chunk of runs, and its margins, at four rows of the map's nodes.
 struct NodeRows {
-  static constexpr int kLanes = kChunkLanes + 32;
-  alignas(64) float x[4][kLanes];
-  alignas(64) float y[4][kLanes];
+  static constexpr int kRuns = kChunkRuns + 32;
+  alignas(64) float x[4][kRuns];
+  alignas(64) float y[4][kRuns];
 };
 
-// The same at one row of the output, and what a vector kernel has to know of each lane.
-struct LaneRow {
-  static constexpr int kLanes = NodeRows::kLanes;
+// The same at one row of the output, and what a vector kernel has to know of each run.
+struct RunRow {
+  static constexpr int kRuns = NodeRows::kRuns;
   // Middles of the runs, margins included.
-  alignas(64) std::int32_t x[kLanes];
-  alignas(64) std::int32_t y[kLanes];
-  // Of the lanes, without margins. Bytes from the beginning of the plane to the segment that
-  // holds the lane's samples; rows of the source that it takes, or kSlowLane and more.
-  alignas(64) std::int32_t offset[kLanes];
-  alignas(64) std::int32_t rows[kLanes];
+  alignas(64) std::int32_t x[kRuns];
+  alignas(64) std::int32_t y[kRuns];
+  // Of the runs, without margins. Bytes from the beginning of the plane to the segment that
+  // holds the run's samples; rows of the source that its group takes, and kSlowRun and kSlowGroup.
+  alignas(64) std::int32_t offset[kRuns];
+  alignas(64) std::int32_t rows[kRuns];
   // Two 16-bit numbers each. Place of the middle from the segment's first sample, 4.12, and slope,
-  // 2.14; what the parabola adds at the lane's ends, 4.12, in x and in y.
-  alignas(64) std::int32_t x_line[kLanes];
-  alignas(64) std::int32_t y_line[kLanes];
-  alignas(64) std::int32_t bend[kLanes];
-  int count = 0;  // lanes
+  // 2.14; what the parabola adds at the run's ends, 4.12, in x and in y. All that is of y is eight
+  // times as large for runs that take three rows, and from the middle one of them.
+  alignas(64) std::int32_t x_line[kRuns];
+  alignas(64) std::int32_t y_line[kRuns];
+  alignas(64) std::int32_t bend[kRuns];
+  // Where runs fill several lanes, each of which has a segment of its own: offset and x_line by the
+  // lane, for kernels that work by lanes.
+  alignas(64) std::int32_t lane_offset[4 * kRuns];
+  alignas(64) std::int32_t lane_line[4 * kRuns];
+  int count = 0;  // runs
+};
+
+// Rows of the output that are prepared together: what varies little is taken once for all of them.
+inline constexpr int kBandRows = 16;
+
+// What a band's rows share of the runs that are well inside the source in all of them.
+struct Band {
+  static constexpr int kRuns = RunRow::kRuns;
+  // Middles in the first row and in the last, margins included.
+  alignas(64) std::int32_t x_first[kRuns];
+  alignas(64) std::int32_t y_first[kRuns];
+  alignas(64) std::int32_t x_last[kRuns];
+  alignas(64) std::int32_t y_last[kRuns];
+  // From the segment's first sample to the middle at most, and what then is added to the rest.
+  alignas(64) std::int32_t x_half[kRuns];
+  alignas(64) std::int32_t x_shift[kRuns];
+  alignas(64) std::int32_t y_shift[kRuns];
+  bool steady[kRuns];  // by the first run of a vector: RunRow::rows and bend hold for the band
 };
 
 // The line of a run makes good for what a parabola cannot follow: this part, in 1/256, of the
@@ -65,8 +89,9 @@ struct RunParabola {
     const double after = kScale * middles[3];
     const double third = kScale * middles[4] - kScale * middles[0] - 2 * (after - before);
     middle = kScale * middles[2];
-    slope = (after - before - third * kThirdPart / 256) / (2 * pixels);
-    bend = (after + before - 2 * middle) / (2.0 * pixels * pixels);
+    const double part = 1.0 / pixels;
+    slope = (after - before - third * (kThirdPart / 256.0)) * (0.5 * part);
+    bend = (after + before - 2 * middle) * (0.5 * part * part);
   }
   // `t` samples of the output from the middle.
   [[nodiscard]] double at(double t) const noexcept { return middle + t * (slope + t * bend); }
@@ -89,9 +114,10 @@ struct SourceBounds {
   std::int32_t last_row = 0;
   std::int32_t widest = 0;  // columns that a segment holds, less one
   std::int32_t rows = 0;
-  std::int32_t guarded_rows = 1;  // rows at the end that must not be read past their end
-  std::int32_t last_segment = 0;  // bytes in the last row before which a segment may begin
-  bool strongly_bent = false;     // third differences count
+  std::int32_t guarded_rows = 1;   // rows at the end that must not be read past their end
+  std::int32_t last_segment = 0;   // bytes in the last row before which a segment may begin
+  std::int32_t steepest = 0x7FFF;  // slope along a row, 2.14
+  bool strongly_bent = false;      // third differences count
 };
 
 // Kinds of memory that the vector kernels know: 8-bit samples of 1 to 4 components without gaps, or
@@ -108,6 +134,7 @@ enum class LaneLayout : std::uint8_t {
   kNone
 };
 
+// Pixels that a vector kernel makes in 128 bits.
 [[nodiscard]] constexpr int lane_pixels(LaneLayout layout) noexcept {
   switch (layout) {
     case LaneLayout::kTwo:
@@ -129,17 +156,28 @@ struct PlaneRows {
   int planes = 1;
 };
 
-// The first `runs` of the chunk between its node rows; weights of cubic_weights().
-void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, LaneRow& row) noexcept;
+// The first `runs` of the chunk, and its margins, between its node rows; weights of
+// cubic_weights().
+void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
+                      std::int32_t* y) noexcept;
 
-// What the vector kernel has to know of the `row.count` lanes of runs of `run` samples: 8, or as
-// many as a lane has. They are marked slow in groups of lane_group().
-void describe_lanes(LaneLayout layout, int run, const SourceBounds& bounds, LaneRow& row) noexcept;
+// Takes together what the rows of a band, whose first and last one's middles are known, have in
+// common, for runs of `run` samples. All of them lie between the same of the nodes' rows, the first
+// of which is at `slot`; `height` is how much of the way between those the band takes.
+void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot, float height,
+                Band& band, RunRow& row) noexcept;
 
-// Writes the samples of the groups of lanes from `begin` to before `end` that are not slow, and
-// lane_slack() bytes that follow a group; what `planes` name is where `begin` goes to.
-void blend_lanes(LaneLayout layout, const LaneRow& row, int begin, int end, std::int32_t stride,
-                 bool nearest, const PlaneRows& planes) noexcept;
+// What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
+// lane has; whether there is a slow one. What is quick in a group of run_group() is so at the cost
+// of the slow ones' samples, which are written first.
+bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
+                   RunRow& row) noexcept;
+
+// Writes the samples of the groups of runs from `begin` to before `end` that are not slow,
+// something for the slow runs in them, and run_slack() bytes that follow a group; what `planes`
+// name is where `begin` goes to.
+void blend_runs(LaneLayout layout, int run, const RunRow& row, int begin, int end,
+                std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept;
 
 // How 16-bit samples hold their values.
 struct WordFormat {
@@ -147,9 +185,9 @@ struct WordFormat {
   int shift = 0;         // bits below the value
 };
 
-// blend_lanes() for 16-bit samples.
-void blend_word_lanes(LaneLayout layout, WordFormat format, const LaneRow& row, int begin, int end,
-                      std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept;
+// blend_runs() for 16-bit samples.
+void blend_word_runs(LaneLayout layout, WordFormat format, const RunRow& row, int begin, int end,
+                     std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept;
 
 // Memory whose components lie within 32 bits, and the kernel that it is resampled with.
 struct WideFormat {
@@ -165,13 +203,13 @@ struct WideFormat {
 
 // Bicubic or Lanczos over the `row.count` runs of 8 samples that are not slow. Those that it cannot
 // take are slow afterwards. `output` is the first sample of the chunk.
-void blend_wide_lanes(const WideFormat& format, const SourceBounds& bounds, LaneRow& row,
-                      const std::uint8_t* source, std::uint8_t* output) noexcept;
+void blend_wide_runs(const WideFormat& format, const SourceBounds& bounds, RunRow& row,
+                     const std::uint8_t* source, std::uint8_t* output) noexcept;
 
-// Lanes that the kernel takes at a time on this machine: 1, 2 or 4.
-[[nodiscard]] int lane_group() noexcept;
+// Runs that the kernel takes at a time on this machine: 1, 2 or 4.
+[[nodiscard]] int run_group() noexcept;
 
-[[nodiscard]] constexpr int lane_slack(LaneLayout layout) noexcept {
+[[nodiscard]] constexpr int run_slack(LaneLayout layout) noexcept {
   switch (layout) {
     case LaneLayout::kThree:
       return 2;

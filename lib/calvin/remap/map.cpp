@@ -51,7 +51,7 @@ bool RemapMap::fill(const PixelFunction& place_of, const std::stop_token& stop) 
 }
 
 int RemapMap::cell_of(double pixel, int cells) const noexcept {
-  return std::clamp(static_cast<int>(std::floor(pixel / step_)), 0, cells - 1);
+  return std::min(static_cast<int>(std::max(pixel, 0.0) / step_), cells - 1);
 }
 
 RemapMap::Cell RemapMap::cell(int cell_column, int cell_row) const noexcept {

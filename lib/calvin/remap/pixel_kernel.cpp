@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 namespace calvin::remap {
@@ -121,6 +122,10 @@ struct AxisRule {
         return -1;
     }
   }
+  // The last place that is a sample's own: before an uneven end.
+  [[nodiscard]] double last_linear() const noexcept {
+    return axis.count() - (axis.is_even() ? 1 : 2);
+  }
   [[nodiscard]] int tap(int sample) const noexcept {
     const int last = axis.count() - 1;
     return outside == Outside::kMirror ? mirrored(sample, last) : std::clamp(sample, 0, last);
@@ -142,7 +147,8 @@ class Sampler {
         source_(source),
         interpolation_(sampling.interpolation),
         x_{map.source_x(), map.source_last().u, sampling.outside},
-        y_{map.source_y(), map.source_last().v, sampling.outside} {}
+        y_{map.source_y(), map.source_last().v, sampling.outside},
+        last_{x_.last_linear(), y_.last_linear()} {}
 
   void fill(std::uint8_t* out) const noexcept {
     for (int c = 0; c < layout_.components; ++c) {
@@ -150,10 +156,27 @@ class Sampler {
     }
   }
 
+  void fill(std::uint8_t* out, int count) const noexcept {
+    if (layout_.components == 1 && layout_.pixel_step == 1) {
+      std::memset(out, layout_.fill[0], static_cast<std::size_t>(count));
+      return;
+    }
+    for (int i = 0; i < count; ++i, out += layout_.pixel_step) fill(out);
+  }
+
   void write(Place linear, std::uint8_t* out) const noexcept {
+    // Most are inside of the picture, where a place is the sample's.
+    if (linear.x >= 0 && linear.y >= 0 && linear.x <= last_.x && linear.y <= last_.y) {
+      return write_sample(linear.x, linear.y, out);
+    }
     const double x = x_.resolve(linear.x);
     const double y = y_.resolve(linear.y);
     if (!(x >= 0 && y >= 0)) return fill(out);
+    write_sample(x, y, out);
+  }
+
+ private:
+  void write_sample(double x, double y, std::uint8_t* out) const noexcept {
     switch (interpolation_) {
       case Interpolation::kNearest:
         return nearest(x, y, out);
@@ -166,7 +189,6 @@ class Sampler {
     }
   }
 
- private:
   using Sum = typename Sample::Sum;
 
   [[nodiscard]] const std::uint8_t* at(int x, int y) const noexcept {
@@ -182,8 +204,8 @@ class Sampler {
   }
 
   void bilinear(double x, double y, std::uint8_t* out) const noexcept {
-    const auto fixed_x = static_cast<std::int32_t>(std::lrint(x * kOne));
-    const auto fixed_y = static_cast<std::int32_t>(std::lrint(y * kOne));
+    const auto fixed_x = static_cast<std::int32_t>(x * kOne + 0.5);
+    const auto fixed_y = static_cast<std::int32_t>(y * kOne + 0.5);
     const int fx = fixed_x & (kOne - 1);
     const int fy = fixed_y & (kOne - 1);
     const std::uint8_t* top = at(fixed_x >> kBits, fixed_y >> kBits);
@@ -238,13 +260,21 @@ class Sampler {
   Interpolation interpolation_;
   AxisRule x_;
   AxisRule y_;
+  Place last_;  // up to which places are samples
 };
 
-bool is_valid(const PlaneMap::Row* limits, int sample) {
-  if (limits == nullptr) return true;
-  return std::any_of(limits->valid.begin(), limits->valid.end(), [sample](const auto& span) {
+bool is_valid(const PlaneMap::Row& limits, int sample) {
+  return std::any_of(limits.valid.begin(), limits.valid.end(), [sample](const auto& span) {
     return sample >= span.begin && sample < span.end;
   });
+}
+
+// Whether a run lies outside of a source of `length` by far, seen by the middles of the run and of
+// its neighbours: quicker than to look at all of the parabola.
+bool is_far(const std::int32_t* middles, int length) {
+  const auto [low, high] = std::minmax({middles[1], middles[2], middles[3]});
+  const std::int64_t reach = std::int64_t{high} - low + (1 << kPlaceBits);
+  return high + reach < 0 || low - reach > std::int64_t{length} << kPlaceBits;
 }
 
 template <typename Sample>
@@ -254,23 +284,33 @@ void sample(const PlaneMap& map, const PlaneLayout& layout, PlaneMemory<const st
   const Sampler<Sample> sampler(map, layout, source, sampling);
   const int pixels = map.run_pixels();
   const SampleAxis& axis = map.output_x();
+  const bool even = axis.is_even();
   for (int run = stretch.begin / pixels; run * pixels < stretch.end; ++run) {
-    const RunParabola x(stretch.row.x + run, pixels);
-    const RunParabola y(stretch.row.y + run, pixels);
-    const bool filled =
-        sampling.outside == Outside::kFill &&
-        (x.misses(pixels, map.source_size().width) || y.misses(pixels, map.source_size().height));
     const int first = stretch.first + run * pixels;
     const int begin = std::max(first, stretch.first + stretch.begin);
     const int end = std::min(first + pixels, stretch.first + stretch.end);
-    for (int i = begin; i < end; ++i) {
-      std::uint8_t* out = output.data + i * layout.pixel_step;
-      if (filled || !is_valid(stretch.limits, i)) {
+    std::uint8_t* out = output.data + begin * layout.pixel_step;
+    const bool fills = sampling.outside == Outside::kFill;
+    const ImageSize source_size = map.source_size();
+    if (fills && (is_far(stretch.row.x + run, source_size.width) ||
+                  is_far(stretch.row.y + run, source_size.height))) {
+      sampler.fill(out, end - begin);
+      continue;
+    }
+    const RunParabola x(stretch.row.x + run, pixels);
+    const RunParabola y(stretch.row.y + run, pixels);
+    if (fills && (x.misses(pixels, source_size.width) || y.misses(pixels, source_size.height))) {
+      sampler.fill(out, end - begin);
+      continue;
+    }
+    const double middle = first + (pixels - 1) / 2.0;
+    for (int i = begin; i < end; ++i, out += layout.pixel_step) {
+      if (stretch.limits != nullptr && !is_valid(*stretch.limits, i)) {
         sampler.fill(out);
         continue;
       }
-      const double t = (axis.site(i) - axis.offset()) / axis.scale() - first - (pixels - 1) / 2.0;
-      sampler.write({x.at(t), y.at(t)}, out);
+      const double at = even ? i : (axis.site(i) - axis.offset()) / axis.scale();
+      sampler.write({x.at(at - middle), y.at(at - middle)}, out);
     }
   }
 }

@@ -11,9 +11,9 @@ namespace calvin::remap {
 
 // A part of one row of the output.
 struct Stretch {
-  const LaneRow& row;  // its x and y are all that is needed
-  int first = 0;       // sample of the plane that the row's first run begins with
-  int begin = 0;       // samples from there
+  const RunRow& row;  // its x and y are all that is needed
+  int first = 0;      // sample of the plane that the row's first run begins with
+  int begin = 0;      // samples from there
   int end = 0;
   const PlaneMap::Row* limits = nullptr;
 };

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What describes runs: vectors of 32-bit numbers, one per run. Compiled once per target of Highway:
+// include it after hwy/foreach_target.h.
+#if defined(CALVIN_REMAP_LANE_CURVES_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_REMAP_LANE_CURVES_INL_HPP
+#undef CALVIN_REMAP_LANE_CURVES_INL_HPP
+#else
+#define CALVIN_REMAP_LANE_CURVES_INL_HPP
+#endif
+
+#include "calvin/remap/lane_vectors-inl.hpp"
+
+#if HWY_TARGET != HWY_SCALAR
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+// Half a row of the source, as places are counted.
+constexpr std::int32_t kHalfRow = 1 << (kPlaceBits - 1);
+
+// What a parabola through the middles of runs is made of, one per run.
+struct Curve {
+  hn::Vec<Ints> middle;
+  hn::Vec<Ints> across;  // from the run before to the one behind
+  hn::Vec<Ints> second;  // difference
+};
+
+// `places` of two runs before, of the run, and of two behind.
+template <bool kThird>
+HWY_INLINE Curve curve_at(const std::int32_t* places) {
+  const Ints d;
+  const auto before = hn::LoadU(d, places + 1);
+  const auto middle = hn::LoadU(d, places + 2);
+  const auto after = hn::LoadU(d, places + 3);
+  auto across = after - before;
+  if constexpr (kThird) {
+    const auto third = hn::LoadU(d, places + 4) - hn::Load(d, places) - across - across;
+    across = across - hn::ShiftRight<8>(third * hn::Set(d, kThirdPart));
+  }
+  return {middle, across, before + after - middle - middle};
+}
+
+// What a run needs of an axis.
+struct Line {
+  hn::Vec<Ints> middle;
+  hn::Vec<Ints> slope;  // 2.14
+  hn::Vec<Ints> bend;   // 4.12
+};
+
+template <int kRun>
+HWY_INLINE Line line_of(const Curve& curve) {
+  // Second difference -> what the parabola adds at the ends, and half of the width for the slope.
+  constexpr int kFactor = kRun == 8 ? 49 : 9;
+  constexpr int kShift = kRun == 8 ? 11 : 9;
+  constexpr int kSlopeShift = kRun == 8 ? 4 : kRun == 4 ? 3 : 2;
+  const auto slope = hn::ShiftRight<kSlopeShift>(curve.across);
+  // Two samples lie on a line, beside the parabola's middle.
+  if constexpr (kRun == 2) {
+    return {curve.middle + hn::ShiftRight<5>(curve.second), slope, hn::Zero(Ints())};
+  }
+  return {curve.middle, slope, hn::ShiftRight<kShift>(curve.second * hn::Set(Ints(), kFactor))};
+}
+
+// What the places of a run are away from its middle at most, and a little.
+template <int kRun>
+HWY_INLINE hn::Vec<Ints> half_of(const Line& line) {
+  const auto steep = hn::Abs(line.slope);
+  // (kRun - 1) / 2 slopes from the middle to the ends.
+  auto half = hn::ShiftRight<1>(steep) + hn::Set(Ints(), 16);
+  if constexpr (kRun == 4) half = half + steep;
+  if constexpr (kRun == 8) half = half + hn::ShiftLeft<1>(steep) + steep;
+  if constexpr (kRun > 2) half = half + hn::ShiftLeft<2>(hn::Abs(line.bend));
+  return half;
+}
+
+// Two 16-bit numbers in 32 bits.
+HWY_INLINE hn::Vec<Ints> packed(hn::Vec<Ints> low, hn::Vec<Ints> high_shifted) {
+  const Ints d;
+  const hn::Repartition<std::int16_t, Ints> halves;
+  return hn::BitCast(d, hn::OddEven(hn::BitCast(halves, high_shifted), hn::BitCast(halves, low)));
+}
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
+#endif

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// How samples lie in memory, and how a vector of them is fetched and stored. Compiled once per
+// target of Highway: include it after hwy/foreach_target.h.
+#if defined(CALVIN_REMAP_LANE_LAYOUTS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_REMAP_LANE_LAYOUTS_INL_HPP
+#undef CALVIN_REMAP_LANE_LAYOUTS_INL_HPP
+#else
+#define CALVIN_REMAP_LANE_LAYOUTS_INL_HPP
+#endif
+
+#include <array>
+#include <cstring>
+
+#include "calvin/remap/lane_vectors-inl.hpp"
+
+#if HWY_TARGET != HWY_SCALAR
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+template <int kComponents, int kSpacing, int kRun>
+struct Layout {
+  static constexpr int kSpread = kSpacing;                           // bytes per sample
+  static constexpr int kStep = kComponents;                          // bytes, once gathered
+  static constexpr int kWidth = kComponents == 3 ? 4 : kComponents;  // results per pixel
+  static constexpr int kPixels = 8 / kWidth;                         // per lane
+  static constexpr int kRunPixels = kRun;
+  static constexpr int kSpan = kRun / kPixels;                            // lanes per run
+  static constexpr int kParts = kSpan > kLanes ? kSpan / kLanes : 1;      // vectors per run
+  static constexpr int kWindow = 16 * kSpan * kSpacing;                   // bytes that hold a run
+  static constexpr int kOut = kPixels * kComponents * kSpacing * kLanes;  // bytes per vector
+};
+
+// Whether any byte of a vector can be fetched to anywhere: then a run's samples are loaded at once.
+template <class L>
+constexpr bool kByWindows = kMovesAllBytes&& L::kWindow > 16;
+
+// Whether lanes have offsets and lines of their own.
+template <class L>
+constexpr bool kByLanes = L::kSpan > 1 && !kMovesAllBytes;
+
+// Which bytes of the 32-bit records of a vector's runs fill each lane with one of their halves.
+struct Halves {
+  alignas(64) std::uint8_t low[64];
+  alignas(64) std::uint8_t high[64];
+};
+constexpr Halves make_halves(int span) {
+  Halves h{};
+  for (int i = 0; i < 64; ++i) {
+    const int record = 4 * (i / 16 / span);
+    h.low[i] = static_cast<std::uint8_t>(record + i % 2);
+    h.high[i] = static_cast<std::uint8_t>(record + i % 2 + 2);
+  }
+  return h;
+}
+template <class L>
+constexpr Halves kHalves = make_halves(L::kSpan);
+constexpr Halves kLaneHalves = make_halves(1);
+
+// What each result of a vector adds to the numbers of its run.
+struct Results {
+  alignas(64) std::int16_t along[32];        // slope 2.14 -> place 4.12, through MulFixedPoint15
+  alignas(64) std::int16_t square[32];       // bend -> place 4.12, likewise
+  alignas(64) std::uint16_t neighbours[32];  // bytes of the two samples in a pixel and the next one
+};
+template <class L>
+constexpr Results make_results(int part) {
+  Results r{};
+  for (int i = 0; i < 32; ++i) {
+    const int lane = part * kLanes + i / 8;
+    const int pixel = lane % L::kSpan * L::kPixels + i % 8 / L::kWidth;
+    const int component = i % L::kWidth < L::kStep ? i % L::kWidth : 0;
+    const int halves = 2 * pixel - reach(L::kRunPixels);
+    const double end = reach(L::kRunPixels);
+    const int window = kByWindows<L> ? i / 8 / L::kSpan * L::kWindow % 64 : 0;
+    r.along[i] = static_cast<std::int16_t>(halves * 4096);
+    r.square[i] = static_cast<std::int16_t>((halves * halves / (end * end) - 0.5) * 32767);
+    r.neighbours[i] = static_cast<std::uint16_t>(
+        (component | (component + L::kStep) << 8) * L::kSpread + window * 0x101);
+  }
+  return r;
+}
+template <class L>
+constexpr std::array<Results, 4> kResults = {make_results<L>(0), make_results<L>(1),
+                                             make_results<L>(2), make_results<L>(3)};
+
+// The 16 bytes that begin at each lane's offset.
+template <class D>
+HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::int32_t* offsets) {
+  constexpr std::size_t kSize = hn::MaxLanes(D());
+  if constexpr (kSize > 16) {
+    const hn::FixedTag<std::uint8_t, kSize / 2> half;
+    return hn::Combine(d, load_segments(half, plane, offsets + kSize / 32),
+                       load_segments(half, plane, offsets));
+  } else {
+    return hn::LoadU(d, plane + offsets[0]);
+  }
+}
+
+template <class L>
+HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
+  constexpr std::size_t kHalf = kBytes / 2;
+  const hn::FixedTag<std::uint8_t, kHalf> d;
+  if constexpr (L::kSpread == 2) {
+    const Words words;
+    auto* at = reinterpret_cast<std::uint16_t*>(out);
+    const auto others = hn::And(hn::LoadU(words, at), hn::Set(words, 0xFF00));
+    hn::StoreU(hn::Or(others, hn::BitCast(words, results)), words, at);
+  } else if constexpr (L::kStep == 3) {
+    // Six of eight results are samples: they go to the front, and the next lane's over the rest.
+    alignas(16) static constexpr std::uint8_t kFront[16] = {0,  1,  2,  3,  4, 5, 8, 9,
+                                                            10, 11, 12, 13, 0, 0, 0, 0};
+    const Bytes all;
+    const auto front = hn::TableLookupBytes(hn::BitCast(all, results), hn::LoadDup128(all, kFront));
+    alignas(64) std::uint8_t lanes[kHalf];
+    hn::Store(hn::DemoteTo(d, hn::BitCast(Signed(), front)), d, lanes);
+    for (int l = 0; l < kLanes; ++l) std::memcpy(out + 6 * l, lanes + 8 * l, 8);
+  } else {
+    hn::StoreU(hn::DemoteTo(d, results), d, out);
+  }
+}
+
+// The indices within the first 16 bytes, as they are; the others such that nothing is taken.
+HWY_INLINE Pairs within_segment(Pairs indices) {
+  const Words d;
+  const auto words = hn::BitCast(d, indices);
+  return hn::BitCast(Bytes(), hn::Or(words, hn::ShiftLeft<3>(hn::And(words, hn::Set(d, 0x1010)))));
+}
+
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
+// Of as many runs as fill a vector.
+template <int kWindow>
+HWY_INLINE Pairs load_windows(const std::uint8_t* source, const std::int32_t* offsets) {
+  const Bytes d;
+  if constexpr (kWindow == 64) {
+    return hn::LoadU(d, source + offsets[0]);
+  } else {
+    const hn::FixedTag<std::uint8_t, 32> half;
+    return hn::Combine(d, hn::LoadU(half, source + offsets[1]),
+                       hn::LoadU(half, source + offsets[0]));
+  }
+}
+
+// Highway 1.0.3 has no permutation of all bytes.
+template <class L>
+HWY_INLINE Pairs fetch_from_windows(const std::uint8_t* source, const std::int32_t* offsets,
+                                    Pairs indices) {
+  const auto first = load_windows<L::kWindow>(source, offsets).raw;
+  const auto pairs = _mm512_permutexvar_epi8(indices.raw, first);
+  if constexpr (L::kSpread == 1) {
+    return Pairs{pairs};
+  } else {
+    const auto second = load_windows<L::kWindow>(source, offsets + 64 / L::kWindow).raw;
+    return Pairs{_mm512_mask_permutexvar_epi8(pairs, ~0ULL << 32, indices.raw, second)};
+  }
+}
+#endif
+
+// `offsets`: of each run of the vector where the samples come by windows, else of each lane.
+template <class L>
+HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* offsets,
+                             Pairs indices) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
+  if constexpr (kByWindows<L>) return fetch_from_windows<L>(source, offsets, indices);
+#endif
+  const Bytes d;
+  const Pairs segments = load_segments(d, source, offsets);
+  if constexpr (L::kSpread == 1) {
+    return hn::TableLookupBytes(segments, indices);
+  } else {
+    // Samples in every second byte lie in two segments.
+    const Pairs more = load_segments(d, source + 16, offsets);
+    const Pairs rest = hn::Xor(indices, hn::Set(d, 0x10));
+    return hn::Or(hn::TableLookupBytesOr0(segments, within_segment(indices)),
+                  hn::TableLookupBytesOr0(more, within_segment(rest)));
+  }
+}
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
+#endif
