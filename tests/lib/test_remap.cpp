@@ -315,7 +315,7 @@ TEST(RemapLanes, EveryInstructionSetGivesTheSame) {
       const Sampling sampling = {interpolation, Outside::kReplicate};
       const Planes best = undistort(undistorter, l, sampling);
       // Bits below a target's are those of later instructions.
-      for (const auto target : {HWY_AVX2, HWY_SSE4, HWY_SSSE3, HWY_STATIC_TARGET}) {
+      for (const auto target : {HWY_AVX3, HWY_AVX2, HWY_SSE4, HWY_SSSE3, HWY_STATIC_TARGET}) {
         SCOPED_TRACE(std::string(named.name) + " " + hwy::TargetName(target));
         hwy::DisableTargets(static_cast<std::int64_t>(target) - 1);
         const Planes planes = undistort(undistorter, l, sampling);

@@ -56,18 +56,20 @@ HWY_INLINE hn::Vec<Ints> bulge(const float (&rows)[4][NodeRows::kRuns], int j, i
   return hn::NearestInt(hn::Min(most, hn::Set(d, 1e9F))) + hn::Set(Ints(), 64);
 }
 
+// `reach` is how far from a middle the source is looked at, whether its run needs it or not.
 template <bool kThird>
 HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* last,
-                              hn::Vec<Ints> slack) {
+                              hn::Vec<Ints> slack, std::int32_t reach) {
   const Line a = line_of<8>(curve_at<kThird>(first));
   const Line b = line_of<8>(curve_at<kThird>(last));
   // Of a vector that is not steady it may be anything.
   const auto half = hn::Max(half_of<8>(a), half_of<8>(b)) + slack;
+  const auto around = hn::Max(half, hn::Set(Ints(), reach)) + slack;
   return {half,
           hn::ShiftRight<1>(a.bend + b.bend),
           hn::Abs(a.bend - b.bend),
-          hn::Min(a.middle, b.middle) - half - slack,
-          hn::Max(a.middle, b.middle) + half + slack,
+          hn::Min(a.middle, b.middle) - around,
+          hn::Max(a.middle, b.middle) + around,
           hn::Max(hn::Abs(a.slope), hn::Abs(b.slope))};
 }
 
@@ -77,6 +79,8 @@ HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBoun
   const Ints d;
   const auto last = [&](const BandAxis& axis)
                         HWY_ATTR { return hn::ShiftRight<kPlaceBits>(axis.most); };
+  // Of three rows that begin half a row before the middle, the last one is behind the row of
+  // `most`.
   const auto last_row = hn::Set(d, std::min(b.last_row - 1, b.rows - b.guarded_rows - 2));
   // Slopes change within the band.
   const auto x_room = hn::Set(d, b.steepest - 0x400) - x.steep - hn::ShiftLeft<3>(hn::Abs(x.bend));
@@ -97,8 +101,10 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
   for (int j = 0; j < row.count; j += kVector) {
     const auto x_bulge = bulge(nodes.x, j + kMargin, slot, height);
     const auto y_bulge = bulge(nodes.y, j + kMargin, slot, height);
-    const BandAxis x = band_axis<kThird>(band.x_first + j, band.x_last + j, hn::Min(x_bulge, most));
-    const BandAxis y = band_axis<kThird>(band.y_first + j, band.y_last + j, hn::Min(y_bulge, most));
+    const BandAxis x =
+        band_axis<kThird>(band.x_first + j, band.x_last + j, hn::Min(x_bulge, most), 0);
+    const BandAxis y =
+        band_axis<kThird>(band.y_first + j, band.y_last + j, hn::Min(y_bulge, most), kHalfRow);
     band.steady[j] =
         hn::AllFalse(d, hn::Gt(hn::Max(x_bulge, y_bulge), most)) && is_steady(x, y, bounds);
     if (!band.steady[j]) continue;
