@@ -134,7 +134,7 @@ Detection CheckerboardDetector::look_ahead_or_search(const ImageView& image,
   const bool followed = known && look_ahead(image, result);
   if (!followed) result = search(image, stop);
   if (static_cast<int>(result.observation.ids.size()) == board_.point_count()) {
-    tracker_.remember(lattice_, placement_, image.size(), timestamp, !followed);
+    tracker_.remember(lattice_, refinement_.fits(), placement_, image.size(), timestamp, !followed);
   } else {
     tracker_.forget();
   }
@@ -144,10 +144,11 @@ Detection CheckerboardDetector::look_ahead_or_search(const ImageView& image,
 bool CheckerboardDetector::look_ahead(const ImageView& image, Detection& result) {
   pyramid_.build(image, 1);
   const ImageView& full = pyramid_.level(0);
-  if (!refinement_.confirm(full, lattice_) || !refinement_.refine(full, lattice_) ||
-      lattice_.count() < board_.point_count()) {
-    return false;
-  }
+  if (!refinement_.confirm(full, lattice_)) return false;
+  const FitGrid& before = tracker_.fits();
+  const bool good = before.empty() ? refinement_.refine(full, lattice_)
+                                   : refinement_.refine_again(full, before, lattice_);
+  if (!good || lattice_.count() < board_.point_count()) return false;
   const Match match = match_board(full, board_, lattice_);
   if (match.reason != Reason::kAccepted) return false;
   report(match, lattice_, result);

@@ -21,6 +21,7 @@ class FitGrid {
     fits_.assign(static_cast<std::size_t>(extent.cols() * extent.rows()), {});
     number_.assign(fits_.size(), 0);
   }
+  [[nodiscard]] bool empty() const { return fits_.empty(); }
   [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_[index(c)]; }
   [[nodiscard]] SaddleFit& at(Cell c) { return fits_[index(c)]; }
   // A number of each node, for whoever needs one.

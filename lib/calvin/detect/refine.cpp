@@ -247,13 +247,29 @@ SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, 
   return f;
 }
 
-bool Refinement::confirm(const ImageView& image, const Lattice& lattice) const {
+bool Refinement::confirm(const ImageView& image, Lattice& lattice) const {
   const Extent e = lattice.extent();
-  for (const Cell c :
-       {e.first, e.last, Cell{e.first.col, e.last.row}, Cell{e.last.col, e.first.row}}) {
-    const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, lattice.at(c).width, 6);
-    if (!(f.noise <= kMostNoise * f.swing())) return false;
+  // By the last column and the last row.
+  Direction moved[2][2];
+  for (const int col : {0, 1}) {
+    for (const int row : {0, 1}) {
+      const Cell c = {col == 0 ? e.first.col : e.last.col, row == 0 ? e.first.row : e.last.row};
+      const Node& node = lattice.at(c);
+      const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, node.width, 6);
+      if (!(f.noise <= kMostNoise * f.swing())) return false;
+      moved[col][row] = {static_cast<float>(f.x) - node.x, static_cast<float>(f.y) - node.y};
+    }
   }
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    const float s = static_cast<float>(c.col - e.first.col) / static_cast<float>(e.cols() - 1);
+    const float t = static_cast<float>(c.row - e.first.row) / static_cast<float>(e.rows() - 1);
+    const auto mean = [&](float Direction::*of) {
+      return (1 - s) * ((1 - t) * moved[0][0].*of + t * moved[0][1].*of) +
+             s * ((1 - t) * moved[1][0].*of + t * moved[1][1].*of);
+    };
+    lattice.at(c).x += mean(&Direction::x);
+    lattice.at(c).y += mean(&Direction::y);
+  });
   return true;
 }
 
@@ -332,27 +348,48 @@ void Refinement::look_again(const ImageView& image, Lattice& lattice) {
   stray_corners_.remove_from(lattice);
 }
 
+template <typename F>
+void Refinement::improve(Lattice& lattice, F fit_again) {
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    fit(c) = fit_again(c);
+    if (!std::isfinite(fit(c).noise)) lattice.remove(c);
+  });
+  drop_misfits(lattice);
+  lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
+}
+
 bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   const int before = lattice.count();
-  const auto improve = [&](auto fit_again) {
-    lattice.for_each([&](Cell c, const Node& /*node*/) {
-      fit(c) = fit_again(c);
-      if (!std::isfinite(fit(c).noise)) lattice.remove(c);
-    });
-    drop_misfits(lattice);
-    lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
-  };
   begin(lattice);
-  improve([&](Cell c) { return first_fit(image, lattice, c); });
+  improve(lattice, [&](Cell c) { return first_fit(image, lattice, c); });
   lattice.prune(kPrune);
   if (lattice.count() < kFewestNodes) return false;
   set_bends(lattice, fits_);
   set_slopes(lattice, fits_);
-  improve([&](Cell c) { return last_fit(image, lattice, c); });
+  improve(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
   drop_uncertain(lattice);
   stray_corners_.remove_from(lattice);
   if (lattice.count() < before) look_again(image, lattice);
   return 2 * lattice.count() >= before;
+}
+
+bool Refinement::refine_again(const ImageView& image, const FitGrid& before, Lattice& lattice) {
+  const int count = lattice.count();
+  begin(lattice);
+  lattice.for_each([&](Cell c, const Node& node) {
+    fit(c) = before.at(c);
+    fit(c).x = static_cast<double>(node.x);
+    fit(c).y = static_cast<double>(node.y);
+  });
+  usual_noise_ = fits_.median(lattice, [](const SaddleFit& f) { return f.noise / f.swing(); });
+  improve(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
+  drop_uncertain(lattice);
+  stray_corners_.remove_from(lattice);
+  if (lattice.count() < count) return false;
+  // For the next frame.
+  set_bends(lattice, fits_);
+  set_slopes(lattice, fits_);
+  return true;
 }
 
 }  // namespace calvin::detect

@@ -26,12 +26,19 @@ class Refinement {
   // Removes the guessed nodes of a lattice that are no corners of the image.
   void look_at_guesses(const ImageView& image, Lattice& lattice);
 
-  // Whether the outermost nodes of a whole board are corners of the image: a quick look.
-  [[nodiscard]] bool confirm(const ImageView& image, const Lattice& lattice) const;
+  // Whether the outermost nodes of a whole board are corners of the image: a quick look. Moves the
+  // others along with them.
+  [[nodiscard]] bool confirm(const ImageView& image, Lattice& lattice) const;
 
   // Fits every node in the image; removes those that do not stand the test, each by itself and
   // beside the others of its row and column. False where most fall.
   [[nodiscard]] bool refine(const ImageView& image, Lattice& lattice);
+
+  // The same for a lattice that lies as the one with these fits did in the frame before, to a pixel
+  // or so. False where a node falls.
+  [[nodiscard]] bool refine_again(const ImageView& image, const FitGrid& before, Lattice& lattice);
+
+  [[nodiscard]] const FitGrid& fits() const { return fits_; }
 
   [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_.at(c); }
 
@@ -46,6 +53,9 @@ class Refinement {
                                     float radius, float width, int steps) const;
   [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
+  // Puts the fits in the place of the lattice's nodes and removes those that do not stand the test.
+  template <typename F>
+  void improve(Lattice& lattice, F fit_again);
   void drop_misfits(Lattice& lattice);
   void drop_uncertain(Lattice& lattice);
   // Fits those nodes once more that were lost though their neighbours tell where they are.

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/detect/fit_window.hpp"
 #include "calvin/detect/saddle_fit.hpp"
 
 #ifndef CALVIN_DETECT_SADDLE_FIT_TYPES
@@ -50,36 +51,7 @@ inline constexpr Pairs kPairs = [] {
   }
   return pairs;
 }();
-inline constexpr int kMostPixels = 2600;
 inline constexpr float kWhite = 255;
-inline constexpr float kRim = 1.2F;  // px beyond the radius, for the corner is not the middle pixel
-inline constexpr int kLongestVector = 64;
-
-// The pixels of a window, from its middle one.
-struct Window {
-  int count = 0;
-  bool whole = true;  // not cut by the border of the image
-  alignas(64) float x[kMostPixels + kLongestVector];
-  alignas(64) float y[kMostPixels + kLongestVector];
-  alignas(64) float grey[kMostPixels + kLongestVector];
-  alignas(64) float error[kMostPixels + kLongestVector];  // of the fit
-};
-
-// An interval of whole numbers; empty where first > last.
-struct Range {
-  int first = 0;
-  int last = -1;
-};
-
-// Where |offset - slope x| <= limit. The same turned by 180 degrees for the negative offset.
-inline Range within(float offset, float slope, float limit, Range bounds) {
-  constexpr float kFlat = 1e-3F;
-  if (std::abs(slope) < kFlat) return std::abs(offset) <= limit ? bounds : Range{};
-  const float middle = offset / slope;
-  const float half = limit / std::abs(slope);
-  return {std::max(bounds.first, static_cast<int>(std::ceil(std::max(middle - half, -1e4F)))),
-          std::min(bounds.last, static_cast<int>(std::floor(std::min(middle + half, 1e4F))))};
-}
 
 // J^T W J (upper triangle, row by row), J^T W e and e^T W e.
 struct Normal {
@@ -96,73 +68,6 @@ HWY_BEFORE_NAMESPACE();
 namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-// Some pixels of a row, at the middle of which `row` is.
-void append(const std::uint8_t* row, Range range, float y, Window& window) {
-  const hn::ScalableTag<float> d;
-  const hn::RebindToSigned<decltype(d)> integers;
-  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
-  const auto lanes = static_cast<int>(hn::Lanes(d));
-  int dx = range.first;
-  for (; dx + lanes <= range.last + 1; dx += lanes, window.count += lanes) {
-    const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
-    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + window.count);
-    hn::StoreU(hn::Set(d, y), d, window.y + window.count);
-    hn::StoreU(grey, d, window.grey + window.count);
-  }
-  for (; dx <= range.last; ++dx) {
-    window.x[window.count] = static_cast<float>(dx);
-    window.y[window.count] = y;
-    window.grey[window.count++] = row[dx];
-  }
-}
-
-// The pixels in a disc around (x, y) that are near an edge: further off they tell nothing.
-void gather(const ImageView& image, int x, int y, float radius, float band, const SaddleFit& fit,
-            Window& window) {
-  const float limit = (radius + kRim) * (radius + kRim);
-  const int reach = static_cast<int>(radius + kRim);
-  window.count = 0;
-  window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
-  for (int dy = std::max(-reach, -y); dy <= std::min(reach, image.height - 1 - y); ++dy) {
-    const auto v = static_cast<float>(dy);
-    const int half = static_cast<int>(std::sqrt(limit - v * v));
-    const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
-    const Range disc = {std::max(-half, -x), std::min(half, image.width - 1 - x)};
-    Range a = within(fit.along.x * v, fit.along.y, band, disc);
-    Range b = within(fit.down.x * v, fit.down.y, band, disc);
-    if (b.first < a.first) std::swap(a, b);
-    if (a.first > a.last) std::swap(a, b);
-    // The second without what the first has.
-    b.first = std::max(b.first, a.last + 1);
-    append(row, a, v, window);
-    append(row, b, v, window);
-  }
-  // What the last vector reads beyond them is multiplied by 0, so it must be a number.
-  std::fill_n(window.x + window.count, kLongestVector, 0.0F);
-  std::fill_n(window.y + window.count, kLongestVector, 0.0F);
-  std::fill_n(window.grey + window.count, kLongestVector, 0.0F);
-}
-
-// The sum of the squares of the differences between errors that stand opposite in the list.
-float odd_square(const Window& window) {
-  const hn::ScalableTag<float> d;
-  const auto lanes = static_cast<int>(hn::Lanes(d));
-  const int half = window.count / 2;
-  auto sum = hn::Zero(d);
-  int i = 0;
-  for (; i + lanes <= half; i += lanes) {
-    const auto opposite = hn::Reverse(d, hn::LoadU(d, window.error + window.count - i - lanes));
-    const auto odd = hn::Sub(hn::LoadU(d, window.error + i), opposite);
-    sum = hn::MulAdd(odd, odd, sum);
-  }
-  float rest = 0;
-  for (; i < half; ++i) {
-    const float odd = window.error[i] - window.error[window.count - 1 - i];
-    rest += odd * odd;
-  }
-  return hn::GetLane(hn::SumOfLanes(d, sum)) + rest;
-}
 
 // Adds to J^T J and J^T e. Written out for the compiler, which keeps arrays in memory that it does
 // not see all indices of.
@@ -264,9 +169,7 @@ namespace calvin::detect {
 
 namespace {
 
-HWY_EXPORT(gather);
 HWY_EXPORT(accumulate);
-HWY_EXPORT(odd_square);
 
 constexpr float kLeastContrast = 3;      // grey levels
 constexpr float kLeastWidth = 0.2F;      // px
@@ -286,11 +189,6 @@ constexpr float kLeastSine = 0.15F;      // between the edges
 constexpr float kNearEdge = 3;  // widths
 constexpr float kNearEdgePx = 2.5F;
 constexpr float kRounding = 1.0F / 12;  // grey levels^2, the variance of a whole number's rounding
-
-// How many pixels of a disc of `radius` lie within `band` of one of two lines, at the most.
-float most_pixels(float radius, float band) {
-  return std::min(3.2F * (radius + 1) * (radius + 1), 8 * (radius + 1) * (band + 1));
-}
 
 // The first level and contrast; its sign from the squares themselves.
 void start(const Window& window, SaddleFit& fit, float x, float y) {
@@ -328,7 +226,7 @@ float noise_variance(const Window& window, float square, float pixels, float cou
   if (!window.whole) return square / std::max(pixels - static_cast<float>(kUnknowns), 1.0F);
   // A whole window lists its pixels in an order that is point-symmetric about its middle, which is
   // the corner to half a pixel.
-  const float sum = HWY_DYNAMIC_DISPATCH(odd_square)(window);
+  const float sum = odd_square(window);
   return 0.5F * sum / std::max(0.5F * count - kOddUnknowns, 1.0F);
 }
 
@@ -417,9 +315,7 @@ bool fit_in_window(const ImageView& image, float radius, int steps, float settle
   Window window;
   const float band =
       kNearEdge * std::max(fit.along_width, fit.down_width) + kNearEdgePx + std::abs(fit.gain);
-  while (most_pixels(radius + kRim, band) > kMostPixels) radius *= 0.9F;
-  HWY_DYNAMIC_DISPATCH(gather)
-  (image, middle_x, middle_y, radius, band, fit, window);
+  radius = gather(image, middle_x, middle_y, radius, band, fit.along, fit.down, window);
   if (window.count < 2 * kUnknowns) return false;
   auto x = static_cast<float>(fit.x - middle_x);
   auto y = static_cast<float>(fit.y - middle_y);

@@ -35,16 +35,20 @@ Tracker::Tracker(const Board& board) : board_(board) {
   for (auto& nodes : nodes_) nodes.resize(static_cast<std::size_t>(board.point_count()));
 }
 
-void Tracker::remember(const Lattice& lattice, const Placement& placement, ImageSize size,
-                       std::uint64_t timestamp, bool searched) {
+void Tracker::remember(const Lattice& lattice, const FitGrid& fits, const Placement& placement,
+                       ImageSize size, std::uint64_t timestamp, bool searched) {
   frames_ = size == size_ ? std::min(frames_ + 1, 2) : 1;
   size_ = size;
   std::swap(nodes_[0], nodes_[1]);
   times_[1] = std::exchange(times_[0], timestamp);
+  const bool lies_alike = placement.quarter == 0;
+  fits_.reset(lies_alike ? Extent{{1, 0}, {board_.cols, board_.rows - 1}} : Extent{});
   auto to = nodes_[0].begin();
   for (int row = 0; row < board_.rows; ++row) {
     for (int col = 0; col < board_.cols; ++col) {
-      *to++ = turned(lattice.at(placement.cell({col, row})), placement.quarter);
+      const Cell from = placement.cell({col, row});
+      *to++ = turned(lattice.at(from), placement.quarter);
+      if (lies_alike) fits_.at({col + 1, row}) = fits.at(from);
     }
   }
   followed_ = searched ? 0 : followed_ + 1;

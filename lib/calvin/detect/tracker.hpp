@@ -10,6 +10,7 @@
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/detect/board_match.hpp"
+#include "calvin/detect/fit_grid.hpp"
 #include "calvin/detect/lattice.hpp"
 #include "calvin/target/board.hpp"
 
@@ -21,15 +22,18 @@ class Tracker {
  public:
   explicit Tracker(const Board& board);
 
-  // Takes a whole board, fitted in px of an image at `timestamp` ns (or kNoTimestamp), as it was
-  // found by a search of the whole image or by following it.
-  void remember(const Lattice& lattice, const Placement& placement, ImageSize size,
-                std::uint64_t timestamp, bool searched);
+  // Takes a whole board with its fits in px of an image at `timestamp` ns (or kNoTimestamp), as it
+  // was found by a search of the whole image or by following it.
+  void remember(const Lattice& lattice, const FitGrid& fits, const Placement& placement,
+                ImageSize size, std::uint64_t timestamp, bool searched);
   void forget() { frames_ = 0; }
 
   // Where the board is expected to be, its control point 0 in the cell {1, 0}. False where it is
   // not known, and once a second, when the whole image is to be searched.
   [[nodiscard]] bool predict(ImageSize size, std::uint64_t timestamp, Lattice& lattice) const;
+
+  // The last fits of that lattice; empty where they are those of a lattice that lay otherwise.
+  [[nodiscard]] const FitGrid& fits() const { return fits_; }
 
  private:
   Board board_;
@@ -39,6 +43,7 @@ class Tracker {
   std::uint64_t searched_ = kNoTimestamp;
   std::uint64_t times_[2] = {kNoTimestamp, kNoTimestamp};  // the last one, the one before
   std::vector<Node> nodes_[2];                             // likewise, by control point
+  FitGrid fits_;                                           // of the last one
 };
 
 }  // namespace calvin::detect

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calvin/detect/fit_window.cpp"
+#include <hwy/foreach_target.h>
+// The order matters: Highway includes this file again for each target from the line above.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calvin/detect/fit_window.hpp"
+
+#ifndef CALVIN_DETECT_FIT_WINDOW_RANGE
+#define CALVIN_DETECT_FIT_WINDOW_RANGE
+namespace calvin::detect {
+
+// An interval of whole numbers; empty where first > last.
+struct Range {
+  int first = 0;
+  int last = -1;
+};
+
+// Where |offset - slope x| <= limit. The same turned by 180 degrees for the negative offset.
+inline Range within(float offset, float slope, float limit, Range bounds) {
+  constexpr float kFlat = 1e-3F;
+  if (std::abs(slope) < kFlat) return std::abs(offset) <= limit ? bounds : Range{};
+  const float middle = offset / slope;
+  const float half = limit / std::abs(slope);
+  return {std::max(bounds.first, static_cast<int>(std::ceil(std::max(middle - half, -1e4F)))),
+          std::min(bounds.last, static_cast<int>(std::floor(std::min(middle + half, 1e4F))))};
+}
+
+}  // namespace calvin::detect
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::detect::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Some pixels of a row, at the middle of which `row` is.
+void append(const std::uint8_t* row, Range range, float y, Window& window) {
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> integers;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  int dx = range.first;
+  for (; dx + lanes <= range.last + 1; dx += lanes, window.count += lanes) {
+    const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
+    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + window.count);
+    hn::StoreU(hn::Set(d, y), d, window.y + window.count);
+    hn::StoreU(grey, d, window.grey + window.count);
+  }
+  for (; dx <= range.last; ++dx) {
+    window.x[window.count] = static_cast<float>(dx);
+    window.y[window.count] = y;
+    window.grey[window.count++] = row[dx];
+  }
+}
+
+void gather(const ImageView& image, int x, int y, float radius, float band, Direction along,
+            Direction down, Window& window) {
+  const float limit = (radius + kRim) * (radius + kRim);
+  const int reach = static_cast<int>(radius + kRim);
+  window.count = 0;
+  window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
+  for (int dy = std::max(-reach, -y); dy <= std::min(reach, image.height - 1 - y); ++dy) {
+    const auto v = static_cast<float>(dy);
+    const int half = static_cast<int>(std::sqrt(limit - v * v));
+    const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
+    const Range disc = {std::max(-half, -x), std::min(half, image.width - 1 - x)};
+    Range a = within(along.x * v, along.y, band, disc);
+    Range b = within(down.x * v, down.y, band, disc);
+    if (b.first < a.first) std::swap(a, b);
+    if (a.first > a.last) std::swap(a, b);
+    // The second without what the first has.
+    b.first = std::max(b.first, a.last + 1);
+    append(row, a, v, window);
+    append(row, b, v, window);
+  }
+  // What the last vector reads beyond them is multiplied by 0, so it must be a number.
+  std::fill_n(window.x + window.count, kLongestVector, 0.0F);
+  std::fill_n(window.y + window.count, kLongestVector, 0.0F);
+  std::fill_n(window.grey + window.count, kLongestVector, 0.0F);
+}
+
+float odd_square(const Window& window) {
+  const hn::ScalableTag<float> d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const int half = window.count / 2;
+  auto sum = hn::Zero(d);
+  int i = 0;
+  for (; i + lanes <= half; i += lanes) {
+    const auto opposite = hn::Reverse(d, hn::LoadU(d, window.error + window.count - i - lanes));
+    const auto odd = hn::Sub(hn::LoadU(d, window.error + i), opposite);
+    sum = hn::MulAdd(odd, odd, sum);
+  }
+  float rest = 0;
+  for (; i < half; ++i) {
+    const float odd = window.error[i] - window.error[window.count - 1 - i];
+    rest += odd * odd;
+  }
+  return hn::GetLane(hn::SumOfLanes(d, sum)) + rest;
+}
+
+}  // namespace calvin::detect::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace calvin::detect {
+
+namespace {
+
+HWY_EXPORT(gather);
+HWY_EXPORT(odd_square);
+
+// How many pixels of a disc of `radius` lie within `band` of one of two lines, at the most.
+float most_pixels(float radius, float band) {
+  return std::min(3.2F * (radius + 1) * (radius + 1), 8 * (radius + 1) * (band + 1));
+}
+
+}  // namespace
+
+float gather(const ImageView& image, int x, int y, float radius, float band, Direction along,
+             Direction down, Window& window) noexcept {
+  while (most_pixels(radius + kRim, band) > kMostPixels) radius *= 0.9F;
+  HWY_DYNAMIC_DISPATCH(gather)(image, x, y, radius, band, along, down, window);
+  return radius;
+}
+
+float odd_square(const Window& window) noexcept { return HWY_DYNAMIC_DISPATCH(odd_square)(window); }
+
+}  // namespace calvin::detect
+
+#endif  // HWY_ONCE

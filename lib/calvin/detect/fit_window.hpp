@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The pixels from which a corner is fitted.
+#pragma once
+
+#include "calvin/core/image.hpp"
+#include "calvin/detect/corner.hpp"
+
+namespace calvin::detect {
+
+inline constexpr int kMostPixels = 2600;
+inline constexpr float kRim = 1.2F;  // px beyond the radius, for the corner is not the middle pixel
+inline constexpr int kLongestVector = 64;
+
+// The pixels of a window, from its middle one.
+struct Window {
+  int count = 0;
+  bool whole = true;  // not cut by the border of the image
+  alignas(64) float x[kMostPixels + kLongestVector];
+  alignas(64) float y[kMostPixels + kLongestVector];
+  alignas(64) float grey[kMostPixels + kLongestVector];
+  alignas(64) float error[kMostPixels + kLongestVector];  // of the fit
+};
+
+// Takes the pixels of an image (of step 1) in a disc around (x, y) that are within `band` px of one
+// of two lines through it, in the directions of the edges: further off they tell nothing. Where
+// these are more than a window holds the disc is smaller; returns its radius, px. Where the window
+// is whole its pixels are listed point-symmetrically: the first is opposite to the last.
+float gather(const ImageView& image, int x, int y, float radius, float band, Direction along,
+             Direction down, Window& window) noexcept;
+
+// The sum of the squares of the differences between errors that stand opposite in the list.
+[[nodiscard]] float odd_square(const Window& window) noexcept;
+
+}  // namespace calvin::detect
