@@ -262,8 +262,9 @@ bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& resu
   const ImageView& image = pyramid_.level(0);
   const int before = lattice.count();
   if (!refinement_.refine(image, lattice)) return false;
-  if (lattice.count() < before) {
-    // Some of its corners were none: is what is left still certain?
+  if (!match.whole || lattice.count() < before) {
+    // Some of its corners may have been none, and where the others are tells the board's edge from
+    // something else that covers a row up to the next.
     match = match_board(image, board_, lattice);
     if (match.reason != Reason::kAccepted) return false;
   }
