@@ -35,6 +35,7 @@ Status CalibDetector::start() {
   {
     const std::lock_guard guard(lock_);
     boards_changed_ = recheck_changed_ = true;
+    patches_wanted_ = false;
     ++generation_;
     result_.reset();
     frames_ = detections_ = skipped_ = 0;
@@ -133,6 +134,7 @@ std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
     const std::lock_guard guard(lock_);
     ++frames_;
     job.generation = generation_;
+    job.patches = patches_wanted_;
   }
   // A copy for a worker that is at another frame would be stale when its turn came.
   if ((async_ && !worker_.idle()) || !is_due(times, job.settings.max_rate)) {
@@ -194,7 +196,9 @@ std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_toke
     detection.observation.board = board.text();
     detection.observation.timestamp = job.times.timestamp;
     detection.observation.image_size = image.size();
-    detection.observation.patches = cut_patches(image, detection.observation, board);
+    if (job.patches) {
+      detection.observation.patches = cut_patches(image, detection.observation, board);
+    }
     if (!stop.stop_requested()) {
       const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
       worker_.deliver(stop, [&] { report(job, detection, board, static_cast<guint64>(us)); });

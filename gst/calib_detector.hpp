@@ -58,6 +58,11 @@ class CalibDetector {
   void stop() { worker_.stop(); }
   // Before the element goes.
   void join() { worker_.join(); }
+  // Somebody downstream wants to look at the corners again.
+  void send_patches() {
+    const std::lock_guard guard(lock_);
+    patches_wanted_ = true;
+  }
 
   // The rest on the streaming thread.
   [[nodiscard]] Status set_format(const GstVideoInfo& info);
@@ -94,6 +99,7 @@ class CalibDetector {
     std::shared_ptr<LumaReader> luma;
     Picture picture;
     guint64 generation = 0;
+    bool patches = false;
   };
 
   // Reads the properties again that changed. Keeps the old ones on an error.
@@ -115,6 +121,7 @@ class CalibDetector {
   bool recheck_changed_ = true;
   std::optional<std::vector<Observation>> result_;  // waits for a buffer to ride on
   guint64 generation_ = 0;  // of the stream: a result of an older stretch is thrown away
+  bool patches_wanted_ = false;
   guint64 frames_ = 0;
   guint64 detections_ = 0;
   guint64 skipped_ = 0;

@@ -160,6 +160,16 @@ static void gst_calib_detect_push_waiting(GstCalibDetect* self) {
       gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM, gst::observations_to_structure(*result)));
 }
 
+static gboolean gst_calib_detect_src_event(GstBaseTransform* trans, GstEvent* event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_UPSTREAM &&
+      gst_event_has_name(event, gst::kWantPatchesName)) {
+    GST_CALIB_DETECT(trans)->detector->send_patches();
+    gst_event_unref(event);
+    return TRUE;
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_detect_parent_class)->src_event(trans, event);
+}
+
 static gboolean gst_calib_detect_sink_event(GstBaseTransform* trans, GstEvent* event) {
   GstCalibDetect* self = GST_CALIB_DETECT(trans);
   gst::CalibDetector& detector = *self->detector;
@@ -278,6 +288,7 @@ static void gst_calib_detect_class_init(GstCalibDetectClass* klass) {
   trans_class->stop = gst_calib_detect_stop;
   trans_class->set_caps = gst_calib_detect_set_caps;
   trans_class->sink_event = gst_calib_detect_sink_event;
+  trans_class->src_event = gst_calib_detect_src_event;
   trans_class->prepare_output_buffer = gst::share_input_buffer;
   trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->transform_ip = gst_calib_detect_transform_ip;

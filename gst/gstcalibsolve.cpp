@@ -232,6 +232,14 @@ static bool gst_calib_solve_offer(GstCalibSolve* self, const std::vector<Observa
   return captured;
 }
 
+// Asks upstream for what another look at the corners needs.
+static void gst_calib_solve_want_patches(GstCalibSolve* self) {
+  if (self->state->solver.settings().runs < 2) return;
+  gst_pad_push_event(GST_BASE_TRANSFORM_SINK_PAD(self),
+                     gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM,
+                                          gst_structure_new_empty(gst::kWantPatchesName)));
+}
+
 static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
   gst::CalibSolver& solver = self->state->solver;
@@ -258,6 +266,7 @@ static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
   if (!gst_video_info_from_caps(&info, caps)) return FALSE;
   self->state->mode_known = false;
   self->state->solver.set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
+  gst_calib_solve_want_patches(self);
   return TRUE;
 }
 

@@ -27,6 +27,9 @@
 
 namespace calvin::gst {
 
+// An event upstream: whoever solves wants CornerPatches in the observations from here on.
+inline constexpr char kWantPatchesName[] = "calvin-want-patches";
+
 inline constexpr char kObservationName[] = "calvin-observation";
 inline constexpr char kGuidanceName[] = "calvin-guidance";
 inline constexpr char kGroundTruthName[] = "calvin-ground-truth";

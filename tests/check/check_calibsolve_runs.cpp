@@ -47,6 +47,12 @@ GST_START_TEST(test_calibdetect_sends_the_pixels_of_the_corners_along) {
   GstHarness* h = check::harness_of(check::make_element("calibdetect mode=sync"));
   gst_harness_set_src_caps(h, check::caps_of("YUY2", scene.size));
   const GrayImage picture = scene.picture(3);
+  // Not before somebody asks, as calibsolve does who wants to look again.
+  g_autoptr(GstBuffer) bare = gst_harness_push_and_pull(h, check::frame_of(picture, "YUY2", 0));
+  fail_unless(gst::read_observations(bare).at(0).patches == nullptr);
+  fail_unless(gst_harness_push_upstream_event(
+      h, gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM,
+                              gst_structure_new_empty(gst::kWantPatchesName))));
   GstBuffer* in = check::frame_of(picture, "YUY2", 0);
   g_autoptr(GstBuffer) out = gst_harness_push_and_pull(h, in);
   g_autoptr(GstBuffer) copy = gst_buffer_copy(out);
@@ -66,6 +72,19 @@ GST_START_TEST(test_calibdetect_sends_the_pixels_of_the_corners_along) {
     }
   }
   gst_buffer_unmap(out, &map);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_calibsolve_asks_for_them_where_it_looks_again) {
+  for (const int runs : {1, 2}) {
+    SolveFixture f("runs=" + std::to_string(runs));
+    bool asked = false;
+    while (gst_harness_upstream_events_in_queue(f.h) > 0) {
+      g_autoptr(GstEvent) event = gst_harness_pull_upstream_event(f.h);
+      asked |= gst_event_has_name(event, gst::kWantPatchesName) != FALSE;
+    }
+    fail_unless(asked == (runs > 1));
+  }
 }
 GST_END_TEST;
 
@@ -89,6 +108,7 @@ static Suite* calibsolve_runs_suite() {
   tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
   tcase_add_test(tc, test_more_runs_leave_what_the_pictures_tell);
   tcase_add_test(tc, test_calibdetect_sends_the_pixels_of_the_corners_along);
+  tcase_add_test(tc, test_calibsolve_asks_for_them_where_it_looks_again);
   tcase_add_test(tc, test_broken_patches_are_none);
   return suite;
 }

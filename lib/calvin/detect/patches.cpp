@@ -6,22 +6,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calvin/detect/fit_radius.hpp"
+#include "calvin/detect/saddle_fit.hpp"
+
 namespace calvin {
 
 namespace {
 
-// The median distance of corners that are neighbours in a row, px; 0 where there are none.
+// The largest distance of corners that are neighbours in a row, px; 0 where there are none.
 double spacing_of(const Observation& seen, const Board& board) {
-  std::vector<double> distances;
+  double largest = 0;
   for (std::size_t i = 1; i < seen.ids.size(); ++i) {
     if (seen.ids[i] != seen.ids[i - 1] + 1 || seen.ids[i] % board.cols == 0) continue;
-    distances.push_back(
-        std::hypot(seen.uv[i].u - seen.uv[i - 1].u, seen.uv[i].v - seen.uv[i - 1].v));
+    largest = std::max(
+        largest, std::hypot(seen.uv[i].u - seen.uv[i - 1].u, seen.uv[i].v - seen.uv[i - 1].v));
   }
-  if (distances.empty()) return 0;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return largest;
 }
 
 }  // namespace
@@ -29,10 +29,11 @@ double spacing_of(const Observation& seen, const Board& board) {
 std::shared_ptr<const CornerPatches> cut_patches(const ImageView& image, const Observation& seen,
                                                  const Board& board) {
   constexpr double kRoom = 4;  // px: the corner moves, and the window has a rim
-  const double radius =
-      std::clamp(kWindowShare * spacing_of(seen, board), kLeastWindow, kLargestWindow);
+  const float radius = std::min(detect::last_radius(static_cast<float>(spacing_of(seen, board)),
+                                                    static_cast<float>(seen.blur)),
+                                static_cast<float>(detect::kMaxFitRadius));
   auto patches = std::make_shared<CornerPatches>();
-  patches->side = 2 * static_cast<int>(std::ceil(radius + kRoom)) + 1;
+  patches->side = 2 * static_cast<int>(std::ceil(static_cast<double>(radius) + kRoom)) + 1;
   if (!seen.found() || image.width < patches->side || image.height < patches->side) return nullptr;
   const auto side = static_cast<std::size_t>(patches->side);
   const auto pixels = std::make_shared<std::uint8_t[]>(seen.uv.size() * side * side);

@@ -10,11 +10,6 @@
 
 namespace calvin {
 
-// The radius of a window that shows one corner alone, of the distance to the next edge, px.
-inline constexpr double kWindowShare = 0.45;
-inline constexpr double kLeastWindow = 2.5;
-inline constexpr double kLargestWindow = 14;
-
 // As large as the fit of a corner needs, which goes with the squares in the image. A patch at the
 // border of the image lies within it. None where the image is smaller than one.
 [[nodiscard]] std::shared_ptr<const CornerPatches> cut_patches(const ImageView& image,

@@ -7,24 +7,18 @@
 #include <cmath>
 #include <limits>
 
+#include "calvin/detect/fit_radius.hpp"
+
 namespace calvin::detect {
 
 namespace {
 
-constexpr float kLeastRadius = 2.5F;  // px, of a fit's window
 constexpr float kFirstRadius = 8;     // px
 constexpr float kCloseRadius = 4.5F;  // px
 constexpr float kPrune = 0.3F;        // of the spacing
 constexpr int kFewestNodes = 4;
-constexpr float kLastRadius = 14;      // px
-constexpr float kRoughly = 0.1F;       // px, where a better fit follows
-constexpr float kLevelRadius = 5;      // px, in a smaller level
-constexpr float kShare = 0.45F;        // of the spacing, of a window's radius
-constexpr float kLargestShare = 0.6F;  // of the spacing, where the image is sharp
-// How far it reaches along the edges of large squares: twice as far halves the variance, and takes
-// twice as long.
-constexpr float kFarShare = 0.36F;
-constexpr float kClear = 2.6F;           // edge widths between a window and the next edge
+constexpr float kRoughly = 0.1F;         // px, where a better fit follows
+constexpr float kLevelRadius = 5;        // px, in a smaller level
 constexpr float kLeastContrast = 0.25F;  // of the median
 // What a hand or a shadow on a corner leaves of it is not symmetric, and shows as noise.
 constexpr float kNoisiest = 3;       // of the median
@@ -295,9 +289,7 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   const float spacing = spacing_at(lattice, c);
   const SaddleFit& first = at(c);
   const float width = std::max(first.along_width, first.down_width);
-  const float clear =
-      std::clamp(spacing - kClear * width, kShare * spacing, kLargestShare * spacing);
-  float radius = std::clamp(clear, kLeastRadius, std::max(kLastRadius, kFarShare * spacing));
+  float radius = last_radius(spacing, width);
   SaddleFit best = first;
   best.noise = std::numeric_limits<float>::infinity();
   for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= 0.6F) {

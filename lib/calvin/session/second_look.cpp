@@ -10,6 +10,7 @@
 
 #include <Eigen/LU>
 
+#include "calvin/detect/fit_radius.hpp"
 #include "calvin/detect/patches.hpp"
 #include "calvin/detect/saddle_fit.hpp"
 
@@ -20,8 +21,9 @@ namespace {
 using detect::SaddleFit;
 
 constexpr int kSteps = 10;
-constexpr double kFarthest = 1.5;  // px, of a corner from its first place
-constexpr double kRoom = 2.5;      // px, of a patch around a window
+constexpr float kSettled = 0.002F;  // px
+constexpr double kFarthest = 1.5;   // px, of a corner from its first place
+constexpr double kRoom = 2.5;       // px, of a patch around a window
 
 // The picture of the board around one of its corners, in px per square.
 struct Local {
@@ -131,9 +133,11 @@ class SecondLook {
     SaddleFit& f = *fits_[i];
     const ImageView patch = patch_view(*seen_.patches, i);
     const double room = std::min({f.x, f.y, patch.width - 1 - f.x, patch.height - 1 - f.y});
-    const double largest = std::min(kLargestWindow, patch.width / 2 - kRoom);
-    const double radius = std::clamp(kWindowShare * local_[i]->spacing(), kLeastWindow, largest);
-    const bool good = room > 1 && fit_saddle(patch, static_cast<float>(radius), kSteps, f);
+    const float width = std::max(f.along_width, f.down_width);
+    const float radius =
+        std::min(detect::last_radius(static_cast<float>(local_[i]->spacing()), width),
+                 static_cast<float>(patch.width / 2 - kRoom));
+    const bool good = room > 1 && fit_saddle(patch, radius, kSteps, f, kSettled);
     const Pixel to = place(i, f);
     if (!good || !(std::hypot(to.u - seen_.uv[i].u, to.v - seen_.uv[i].v) < kFarthest)) {
       fits_[i].reset();

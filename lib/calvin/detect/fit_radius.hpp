@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// How much of an image a corner is fitted to.
+#pragma once
+
+#include <algorithm>
+
+namespace calvin::detect {
+
+inline constexpr float kLeastRadius = 2.5F;  // px, of a fit's window
+inline constexpr float kLastRadius = 14;     // px
+inline constexpr float kShare = 0.45F;       // of the spacing, of a window's radius
+
+// As large a window as there is nothing else in, px: no next edge, no finger, no end of the paper.
+// `spacing` is the distance to the next edge, `width` that of the edges' blur, px.
+[[nodiscard]] inline float last_radius(float spacing, float width) {
+  constexpr float kLargestShare = 0.6F;  // of the spacing, where the image is sharp
+  constexpr float kClear = 2.6F;         // edge widths between a window and the next edge
+  // How far it reaches along the edges of large squares: twice as far halves the variance, and
+  // takes twice as long.
+  constexpr float kFarShare = 0.36F;
+  const float clear =
+      std::clamp(spacing - kClear * width, kShare * spacing, kLargestShare * spacing);
+  return std::clamp(clear, kLeastRadius, std::max(kLastRadius, kFarShare * spacing));
+}
+
+}  // namespace calvin::detect
