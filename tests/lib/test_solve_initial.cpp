@@ -127,6 +127,38 @@ TEST(Initial, AnotherModelGivesWhatItHas) {
   EXPECT_EQ(solve(views, kSize, options)->calibration.find("k1")->value, 0);
 }
 
+TEST(Initial, IsAMeasurementWhereItIsAPrior) {
+  Random random(14);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const auto views = views_of(camera, random, 10);
+  const Calibration alone = solve(views, kSize).value().calibration;
+  SolveOptions options;
+  options.initial_is_prior = true;
+  const auto with_sigmas = [&](double factor) {
+    options.initial = camera.to_calibration();
+    for (std::size_t i = 0; i < alone.parameters.size(); ++i) {
+      options.initial->parameters[i].sigma = factor * *alone.parameters[i].sigma;
+    }
+    return solve(views, kSize, options).value().calibration;
+  };
+  const Calibration sure = with_sigmas(1e-4);
+  const Calibration unsure = with_sigmas(1e4);
+  const Calibration equal = with_sigmas(1);
+  for (std::size_t i = 0; i < alone.parameters.size(); ++i) {
+    const double sigma = *alone.parameters[i].sigma;
+    const double truth = camera.parameters()[i];
+    const auto off = [&](const Calibration& c, double from) {
+      return std::abs(c.parameters[i].value - from) / sigma;
+    };
+    EXPECT_LT(off(sure, truth), 1e-3) << alone.parameters[i].name;
+    EXPECT_LT(off(unsure, alone.parameters[i].value), 1e-3) << alone.parameters[i].name;
+    EXPECT_LT(*equal.parameters[i].sigma, 0.72 * sigma) << alone.parameters[i].name;
+  }
+  // A start is no measurement.
+  options.initial_is_prior = false;
+  EXPECT_NEAR(with_sigmas(1e-4).find("fx")->value, alone.find("fx")->value, 1e-4);
+}
+
 struct Refused {
   std::vector<std::string> fix;
   bool initial;

@@ -172,14 +172,36 @@ void add_corners(Solution& solution, const Fit& fit) {
   calibration.covered = convex_hull(std::move(corners));
 }
 
-// The curvatures of the board are the last two unknowns where they are estimated.
-void add_warp(Calibration& calibration, const Fit& fit, const Freedom& freedom,
-              const Eigen::MatrixXd& c) {
-  if (freedom.layout.modes != 2) return;
-  const auto at = static_cast<std::size_t>(freedom.layout.shared() - 2);
-  const auto row = static_cast<Eigen::Index>(at);
-  calibration.warp = BoardWarp{fit.shared[at], fit.shared[at + 1], std::sqrt(c(row, row)),
-                               std::sqrt(c(row + 1, row + 1))};
+// What the solve says of the board. `c` is over all unknowns; its modes come last.
+void add_shape(Solution& solution, const Conclusion& from, const Eigen::MatrixXd& c) {
+  const BoardShape& shape = from.shape;
+  const auto first = static_cast<std::size_t>(from.freedom.layout.shared()) - shape.modes;
+  const auto value = [&](std::size_t mode) { return from.fit.shared[first + mode]; };
+  const auto sigma = [&](std::size_t mode) {
+    const auto row = static_cast<Eigen::Index>(first + mode);
+    return std::sqrt(c(row, row));
+  };
+  if (shape.warp) solution.calibration.warp = BoardWarp{value(0), value(1), sigma(0), sigma(1)};
+  if (shape.aspect) {
+    const std::size_t at = shape.warp ? 2 : 0;
+    solution.board_aspect = BoardAspect{1 + value(at), sigma(at)};
+  }
+  const auto count = static_cast<Eigen::Index>(shape.offsets);
+  if (count == 0) return;
+  const auto at = static_cast<Eigen::Index>(first + shape.first_offset());
+  const Eigen::Map<const Eigen::VectorXd> values(&from.fit.shared[static_cast<std::size_t>(at)],
+                                                 count);
+  const Eigen::MatrixXd covariance = c.block(at, at, count, count);
+  for (std::size_t i = 0; i < shape.displacement.size() / shape.modes; ++i) {
+    Eigen::MatrixXd moves(3, count);
+    for (std::size_t m = 0; m < shape.offsets; ++m) {
+      moves.col(static_cast<Eigen::Index>(m)) =
+          shape.displacement[i * shape.modes + shape.first_offset() + m];
+    }
+    const Eigen::MatrixXd spread = moves * covariance;
+    solution.corner_offsets.push_back(
+        {moves * values, spread.cwiseProduct(moves).rowwise().sum().cwiseSqrt()});
+  }
 }
 
 // The promise, and whether it can be kept.
@@ -299,7 +321,7 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
   }
   const Eigen::MatrixXd promised = with_rivals(*c, fit, variance);
   add_sigmas(solution.calibration, promised, freedom);
-  add_warp(solution.calibration, fit, freedom, promised);
+  add_shape(solution, from, promised);
   add_corners(solution, fit);
   if (from.scale.known) solution.calibration.chi = from.chi;
   if (options.checks) {

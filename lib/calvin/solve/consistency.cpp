@@ -124,7 +124,10 @@ class Judge {
     result.picture = picture_.excess(variance_, kept, 0);
     // A board that moves, turns or grows as a whole is one with other poses.
     constexpr double kRigid = 7;
-    result.board = board_.excess(variance_, kept, kRigid + freedom_.layout.modes);
+    // Corners that were each given their place have nothing more to tell.
+    if (shape_.offsets == 0) {
+      result.board = board_.excess(variance_, kept, kRigid + freedom_.layout.modes);
+    }
     result.held_out = std::move(held_out_);
     if (predicted_ > 0) result.halves = std::sqrt(observed_ / predicted_);
     return result;

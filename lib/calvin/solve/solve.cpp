@@ -12,6 +12,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/solve/auto_model.hpp"
+#include "calvin/solve/board_shape.hpp"
 #include "calvin/solve/freedom.hpp"
 #include "calvin/solve/points.hpp"
 #include "calvin/solve/solve_points.hpp"
@@ -91,23 +92,13 @@ Result<Gathered> gather(std::span<const View> views, ImageSize size) {
   return gathered;
 }
 
-// The two curvatures of BoardWarp, where there are views of one board enough to tell them.
-BoardShape curvatures(std::span<const View> views, std::size_t usable,
-                      const SolveOptions& options) {
+// What the options ask for, where there are views of one board enough to tell it.
+BoardShape shape_of(std::span<const View> views, std::size_t usable, const SolveOptions& options) {
   constexpr std::size_t kViews = 8;
-  if (!options.warp || usable < kViews) return {};
+  if (usable < kViews) return {};
   const Board& board = views.front().board;
   const auto same = [&board](const View& view) { return same_grid(view.board, board); };
-  if (board.cols < 3 || board.rows < 3 || !std::all_of(views.begin(), views.end(), same)) return {};
-  BoardShape shape = {2, {}};
-  const Eigen::Vector3d last = board.points().back();
-  for (const Eigen::Vector3d& point : board.points()) {
-    const double x = 2 * point.x() / last.x() - 1;
-    const double y = 2 * point.y() / last.y() - 1;
-    shape.displacement.emplace_back(0, 0, 1 - x * x);
-    shape.displacement.emplace_back(0, 0, 1 - y * y);
-  }
-  return shape;
+  return std::all_of(views.begin(), views.end(), same) ? make_shape(board, options) : BoardShape();
 }
 
 // The boards of the views used, each once, in the order of their first view.
@@ -173,7 +164,7 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
   }
   auto gathered = gather(views, image_size);
   if (!gathered) return tl::unexpected<Error>(gathered.error());
-  const BoardShape shape = curvatures(views, gathered->views.size(), options);
+  const BoardShape shape = shape_of(views, gathered->views.size(), options);
   auto solution = options.model == kAutoModel
                       ? solve_auto(gathered->views, shape, image_size, options, stop)
                       : solve_points(std::move(gathered->views), shape, image_size, options, stop);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/camera/camera.hpp"
 #include "calvin/solve/conclude.hpp"
 #include "calvin/solve/fit.hpp"
 #include "calvin/solve/weights.hpp"
@@ -15,21 +16,23 @@ namespace calvin {
 
 namespace {
 
-// A board bends by less than this of its size, 1 sigma: what keeps its curvature from running away
-// where the views tell nothing of it.
-constexpr double kBendPrior = 0.01;
-
 // The common sigma is found when it changes by less than this part.
 constexpr double kSettled = 0.02;
 
-double extent_of(const std::vector<PointSet>& views) {
-  double extent = 0;
-  for (const PointSet& view : views) {
-    for (const Eigen::Vector3d& p : view.points) {
-      extent = std::max(extent, (p - view.points.front()).norm());
-    }
+// What `initial` tells of the parameters, in units of `sigma` px. Of another model the pinhole
+// alone means the same.
+std::vector<CameraUnknowns::Prior> initial_priors(const SolveOptions& options, double sigma) {
+  std::vector<CameraUnknowns::Prior> priors;
+  if (!options.initial || !options.initial_is_prior) return priors;
+  constexpr std::size_t kPinhole = 4;
+  const auto names = parameter_names(options.model);
+  const bool same = options.initial->model == options.model;
+  for (std::size_t i = 0; i < (same ? names.size() : kPinhole); ++i) {
+    const Parameter* told = options.initial->find(names[i]);
+    if (told == nullptr || !told->sigma || !(*told->sigma > 0)) continue;
+    priors.push_back({static_cast<int>(i), told->value, *told->sigma / sigma});
   }
-  return extent;
+  return priors;
 }
 
 }  // namespace
@@ -44,11 +47,11 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
     return tl::unexpected<Error>(status.error());
   }
   const WeightScale scale = normalise_weights(views);
-  const double bend = kBendPrior * extent_of(views) / scale.sigma;
-  for (int m = freedom->layout.shared() - freedom->layout.modes; m < freedom->layout.shared();
-       ++m) {
-    freedom->priors.push_back({m, 0, bend});
+  const int first = freedom->layout.shared() - freedom->layout.modes;
+  for (std::size_t m = 0; m < shape.modes; ++m) {
+    freedom->priors.push_back({first + static_cast<int>(m), 0, shape.prior[m] / scale.sigma});
   }
+  for (const auto& prior : initial_priors(options, scale.sigma)) freedom->priors.push_back(prior);
   const Weights told = weights_of(views);
   Fit fit = fit_camera(std::move(views), shape, image_size, *freedom, options, stop);
   constexpr int kRounds = 3;

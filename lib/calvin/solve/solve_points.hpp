@@ -13,8 +13,7 @@
 
 namespace calvin {
 
-// Solution::calibration lacks camera and board text. `shape` is what of the board may be estimated:
-// nothing, or its two curvatures.
+// Solution::calibration lacks camera and board text. `shape` is what of the board may be estimated.
 [[nodiscard]] Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& shape,
                                             ImageSize image_size, const SolveOptions& options,
                                             const std::stop_token& stop = {});

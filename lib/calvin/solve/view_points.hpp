@@ -11,16 +11,10 @@
 #include <Eigen/Core>
 #include "calvin/solve/aligned.hpp"
 
+#include "calvin/solve/board_shape.hpp"
 #include "calvin/solve/points.hpp"
 
 namespace calvin {
-
-// How the shape of a board may differ from the printed one: the point with id i moves by
-// coefficient[m] * displacement[i * modes + m], in m.
-struct BoardShape {
-  std::size_t modes = 0;
-  std::vector<Eigen::Vector3d> displacement;
-};
 
 // The corners in use of a view: those with a weight. Every array has padded() values; what is
 // beyond count() repeats the first corner and weighs nothing.

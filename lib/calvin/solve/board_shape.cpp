@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/solve/board_shape.hpp"
+
+#include <functional>
+
+#include <Eigen/QR>
+
+namespace calvin {
+
+namespace {
+
+// 1 sigma: a board bends by less than this of its size, its rows are as far apart as its columns
+// to this part, and a corner is off by less than this of a square.
+constexpr double kBend = 0.01;
+constexpr double kAspect = 0.01;
+constexpr double kOffset = 0.05;
+
+using Points = std::vector<Eigen::Vector3d>;
+using Field = std::function<Eigen::Vector3d(double x, double y)>;
+
+// x and y in -1..1 over the board, as BoardWarp has them.
+Eigen::VectorXd field_over(const Points& points, const Field& field) {
+  const Eigen::Vector3d& last = points.back();
+  Eigen::VectorXd values(3 * static_cast<Eigen::Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double x = 2 * points[i].x() / last.x() - 1;
+    const double y = 2 * points[i].y() / last.y() - 1;
+    values.segment<3>(3 * static_cast<Eigen::Index>(i)) = field(x, y);
+  }
+  return values;
+}
+
+const Field kBentAlongX = [](double x, double /*y*/) { return Eigen::Vector3d(0, 0, 1 - x * x); };
+const Field kBentAlongY = [](double /*x*/, double y) { return Eigen::Vector3d(0, 0, 1 - y * y); };
+
+// Every column a field; what is left of all displacements without those that others have.
+Eigen::MatrixXd offset_fields(const Points& points) {
+  const Field others[] = {
+      [](double, double) { return Eigen::Vector3d(1, 0, 0); },
+      [](double x, double) { return Eigen::Vector3d(x, 0, 0); },
+      [](double, double y) { return Eigen::Vector3d(y, 0, 0); },
+      [](double, double) { return Eigen::Vector3d(0, 1, 0); },
+      [](double x, double) { return Eigen::Vector3d(0, x, 0); },
+      [](double, double y) { return Eigen::Vector3d(0, y, 0); },
+      [](double, double) { return Eigen::Vector3d(0, 0, 1); },
+      [](double x, double) { return Eigen::Vector3d(0, 0, x); },
+      [](double, double y) { return Eigen::Vector3d(0, 0, y); },
+      kBentAlongX,
+      kBentAlongY,
+  };
+  const auto rows = 3 * static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixXd known(rows, static_cast<Eigen::Index>(std::size(others)));
+  for (Eigen::Index i = 0; i < known.cols(); ++i) known.col(i) = field_over(points, others[i]);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(known);
+  const Eigen::MatrixXd all = qr.householderQ() * Eigen::MatrixXd::Identity(rows, rows);
+  return all.rightCols(rows - known.cols());
+}
+
+class Maker {
+ public:
+  explicit Maker(const Board& board) : points_(board.points()) {}
+
+  void add(const Eigen::VectorXd& field, double prior) {
+    fields_.push_back(field);
+    shape_.prior.push_back(prior);
+  }
+  void add(const Field& field, double prior) { add(field_over(points_, field), prior); }
+
+  void add_warp() {
+    shape_.warp = true;
+    const double extent = points_.back().norm();
+    add(kBentAlongX, kBend * extent);
+    add(kBentAlongY, kBend * extent);
+  }
+  void add_aspect() {
+    shape_.aspect = true;
+    const double height = points_.back().y();
+    add([height](double, double y) { return Eigen::Vector3d(0, (y + 1) / 2 * height, 0); },
+        kAspect);
+  }
+  void add_offsets(double square) {
+    const Eigen::MatrixXd fields = offset_fields(points_);
+    shape_.offsets = static_cast<std::size_t>(fields.cols());
+    for (Eigen::Index i = 0; i < fields.cols(); ++i) {
+      add(Eigen::VectorXd(fields.col(i)), kOffset * square);
+    }
+  }
+
+  BoardShape take() {
+    shape_.modes = fields_.size();
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      for (const Eigen::VectorXd& field : fields_) {
+        shape_.displacement.emplace_back(field.segment<3>(3 * static_cast<Eigen::Index>(i)));
+      }
+    }
+    return std::move(shape_);
+  }
+
+ private:
+  Points points_;
+  std::vector<Eigen::VectorXd> fields_;
+  BoardShape shape_;
+};
+
+}  // namespace
+
+BoardShape make_shape(const Board& board, const SolveOptions& options) {
+  if (board.cols < 3 || board.rows < 3) return {};
+  Maker maker(board);
+  if (options.warp) maker.add_warp();
+  if (options.aspect) maker.add_aspect();
+  if (options.offsets) maker.add_offsets(board.size);
+  return maker.take();
+}
+
+}  // namespace calvin
