@@ -64,7 +64,15 @@ def run(line, env, folder):
             return "too slow", output
     # gst-launch ends by an interrupt as by a signal, or with 0.
     good = process.returncode == 0 or (is_live(line) and process.returncode == -signal.SIGINT)
-    return 0 if good else process.returncode, output
+    return 0 if good or hung_up(output) else process.returncode, output
+
+
+def hung_up(output):
+    """Whether all went well until the end, when a network camera hung up before it was told to."""
+    before, interrupted, after = output.partition("handling interrupt")
+    errors = re.findall(r"^ERROR: from element (\S+)", after, re.MULTILINE)
+    return (interrupted != "" and "ERROR" not in before and errors != [] and
+            all("GstRTSPSrc" in element for element in errors))
 
 
 def lines_of(page):
