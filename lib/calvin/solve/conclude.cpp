@@ -151,6 +151,7 @@ void add_sigmas(Calibration& calibration, const Eigen::MatrixXd& c, const Freedo
 void add_corners(Solution& solution, const Fit& fit) {
   Calibration& calibration = solution.calibration;
   std::vector<Pixel> corners;
+  corners.reserve(fit.views.empty() ? 0 : fit.views.size() * fit.views.front().size());
   double squares = 0;
   for (std::size_t v = 0; v < fit.views.size(); ++v) {
     const PointSet& view = fit.views[v];

@@ -56,6 +56,16 @@ Eigen::Vector3d center_of(const PointSet& view) {
   return sum / static_cast<double>(view.size());
 }
 
+// A few thousand of them tell a scale as well as all.
+std::vector<double> some_of(const std::vector<double>& values) {
+  constexpr std::size_t kMany = 4096;
+  const std::size_t step = values.size() / kMany + 1;
+  std::vector<double> some;
+  some.reserve(values.size() / step + 1);
+  for (std::size_t i = 0; i < values.size(); i += step) some.push_back(values[i]);
+  return some;
+}
+
 // Whether an end is better than the best one yet.
 bool better(const Ending& a, const Ending& b) {
   if (!std::isfinite(b.scale)) return std::isfinite(a.scale);
@@ -164,7 +174,7 @@ class Course {
 
   void measure() {
     end_.distances = distances();
-    end_.scale = robust_scale(end_.distances);
+    end_.scale = robust_scale(some_of(end_.distances));
     end_.sound = end_.converged && sound();
   }
 
@@ -216,6 +226,7 @@ class Course {
   // Of all corners from where they belong.
   std::vector<double> distances() {
     std::vector<double> all;
+    all.reserve(views_.empty() ? 0 : views_.size() * views_.front().set.size());
     for (std::size_t v = 0; v < views_.size(); ++v) {
       const auto d = least_squares_.distances(views_[v], end_.shared, end_.poses[v]);
       all.insert(all.end(), d.begin(), d.end());
@@ -314,16 +325,27 @@ class Course {
     return {options_.max_iterations, kTolerance, kSmall / residuals, lambda_};
   }
 
+  // Of weighted distances, not weighted, px^2.
+  static std::vector<double> squares(const std::vector<double>& weight, const double* distance) {
+    std::vector<double> result(weight.size());
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+      const double d = distance[i] / weight[i];
+      result[i] = d * d;
+    }
+    return result;
+  }
+
   Fit finish() {
     Fit fit;
     fit.iterations = least_squares_.iterations();
     end_.used.resize(views_.size(), false);
+    std::size_t corner = 0;  // of all views
     for (std::size_t v = 0; v < views_.size(); ++v) {
       fit.camera_from_board.push_back(end_.used[v] ? *end_.poses[v] : SE3{});
       // Of the corners that were left out too.
       fit.squares.emplace_back();
-      if (!end_.used[v]) continue;
-      fit.squares[v] = least_squares_.squares(views_[v], end_.shared, *end_.poses[v]);
+      if (end_.used[v]) fit.squares[v] = squares(views_[v].set.weight, &end_.distances[corner]);
+      corner += views_[v].set.size();
     }
     fit.shared = std::move(end_.shared);
     fit.used = end_.used;

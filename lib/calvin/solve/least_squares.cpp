@@ -91,19 +91,6 @@ std::vector<double> LeastSquares::distances(const FitView& view, const std::vect
   return result;
 }
 
-std::vector<double> LeastSquares::squares(const FitView& view, const std::vector<double>& shared,
-                                          const SE3& pose) {
-  fill(view, shared, pose);
-  const double* u = rows_.u(RowLayout::kResidual);
-  const double* v = rows_.v(RowLayout::kResidual);
-  const double* weight = view.points.weight();
-  std::vector<double> result(view.points.count());
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = (u[i] * u[i] + v[i] * v[i]) / (weight[i] * weight[i]);
-  }
-  return result;
-}
-
 std::optional<Camera> LeastSquares::camera(const std::vector<double>& shared) const {
   const auto count = static_cast<std::ptrdiff_t>(4 + freedom_.layout.coefficients);
   auto made = Camera::make(freedom_.model, size_, {shared.begin(), shared.begin() + count},

@@ -51,10 +51,6 @@ class LeastSquares {
                                               const std::vector<double>& shared,
                                               const std::optional<SE3>& pose);
 
-  // The squared distances of the corners in use, not weighted, px^2.
-  [[nodiscard]] std::vector<double> squares(const FitView& view, const std::vector<double>& shared,
-                                            const SE3& pose);
-
   // Absent for parameters that are none. poses_for() leaves out the rest where it is cancelled.
   [[nodiscard]] std::optional<Camera> camera(const std::vector<double>& shared) const;
   [[nodiscard]] Poses poses_for(const std::vector<double>& shared,

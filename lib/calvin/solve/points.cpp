@@ -65,26 +65,32 @@ PointSet to_points(const std::vector<Eigen::Vector3d>& printed, const Observatio
 }
 
 bool spans_plane(const PointSet& view) {
-  if (view.used() < 4) return false;
+  const auto first =
+      std::find_if(view.weight.begin(), view.weight.end(), [](double w) { return w > 0; });
+  if (first == view.weight.end()) return false;
+  const Eigen::Vector3d& origin =
+      view.points[static_cast<std::size_t>(first - view.weight.begin())];
   double n = 0;
-  double mean[2] = {0, 0};
-  for (std::size_t i = 0; i < view.size(); ++i) {
-    if (!(view.weight[i] > 0)) continue;
-    mean[0] += view.points[i].x();
-    mean[1] += view.points[i].y();
-    n += 1;
-  }
+  double x = 0;
+  double y = 0;
   double xx = 0;
   double xy = 0;
   double yy = 0;
   for (std::size_t i = 0; i < view.size(); ++i) {
     if (!(view.weight[i] > 0)) continue;
-    const double x = view.points[i].x() - mean[0] / n;
-    const double y = view.points[i].y() - mean[1] / n;
-    xx += x * x;
-    xy += x * y;
-    yy += y * y;
+    const double dx = view.points[i].x() - origin.x();
+    const double dy = view.points[i].y() - origin.y();
+    n += 1;
+    x += dx;
+    y += dy;
+    xx += dx * dx;
+    xy += dx * dy;
+    yy += dy * dy;
   }
+  if (n < 4) return false;
+  xx -= x * x / n;
+  xy -= x * y / n;
+  yy -= y * y / n;
   // The product of the eigenvalues of the scatter: on one line it is zero.
   const double trace = xx + yy;
   return xx * yy - xy * xy > 1e-8 * trace * trace;

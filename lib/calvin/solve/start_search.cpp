@@ -22,6 +22,7 @@ constexpr std::size_t kTrialsOfFew = 8;  // where there are few views
 // Of these one focal length is found that leads to all others.
 constexpr std::size_t kQuickViews = 6;
 constexpr std::size_t kQuickCorners = 16;  // of a view
+constexpr std::size_t kPoseCorners = 10;   // of a view whose camera is known nearly
 constexpr std::size_t kJump = 7;           // goes round all of them
 
 // What brings a start near the optimum: the steps that are left to go are small.
@@ -44,9 +45,9 @@ StartSearch::Views sample_of(const StartSearch::Views& views, std::size_t most) 
 
 // A few of the corners: one of each part of equal length, at a different place in each, as the
 // parts may be as long as the rows of the board.
-PointSet thinned(const PointSet& all) {
+PointSet thinned(const PointSet& all, std::size_t most = kQuickCorners) {
   PointSet few = all.without_corners();
-  const std::size_t n = std::min(all.size(), kQuickCorners);
+  const std::size_t n = std::min(all.size(), most);
   few.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t first = i * all.size() / n;
@@ -105,7 +106,7 @@ Candidate StartSearch::quick(const Views& views) {
   if (!camera) return {};
   best.poses.assign(views.size(), std::nullopt);
   for (std::size_t v = 0; v < views.size() && !least_squares_.cancelled(); ++v) {
-    best.poses[v] = start_pose(thinned(views[v]->set), *camera);
+    best.poses[v] = start_pose(thinned(views[v]->set, kPoseCorners), *camera);
   }
   return best;
 }

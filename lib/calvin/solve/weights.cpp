@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -35,6 +36,21 @@ std::vector<Corner> corners_of(const Fit& fit, const Weights& told, double sigma
   return corners;
 }
 
+// Whether all corners of the views used have about the same sigma.
+bool nearly_equal(const Fit& fit, const Weights& told) {
+  constexpr double kNearlyEqual = 1.05;  // of the variances
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  for (std::size_t v = 0; v < told.size(); ++v) {
+    if (!fit.used[v]) continue;
+    for (const double w : told[v]) {
+      least = std::min(least, w);
+      most = std::max(most, w);
+    }
+  }
+  return most * most < kNearlyEqual * least * least;
+}
+
 // The median of square / (variance + common) is that of two Gaussians' squares, by bisection: it
 // falls as `common` grows. 0 where it is less without.
 double common_variance(const std::vector<Corner>& corners, const std::stop_token& stop) {
@@ -63,13 +79,15 @@ double common_variance(const std::vector<Corner>& corners, const std::stop_token
 WeightScale normalise_weights(std::span<PointSet> views) {
   std::vector<double> all;
   WeightScale scale = {1, true};
+  all.reserve(views.empty() ? 0 : views.size() * views.front().size());
   for (const PointSet& view : views) {
     all.insert(all.end(), view.weight.begin(), view.weight.end());
     scale.known = scale.known && view.sigma_known;
   }
   if (all.empty()) return {};
   const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
+  const auto [least, most] = std::minmax_element(all.begin(), all.end());
+  if (*least < *most) std::nth_element(all.begin(), middle, all.end());
   scale.sigma = 1 / *middle;
   for (PointSet& view : views) {
     for (double& w : view.weight) w = std::clamp(w * scale.sigma, 1 / kWidestRatio, kWidestRatio);
@@ -94,14 +112,8 @@ Weights weights_of(std::span<const PointSet> views) {
 
 double common_sigma(const Fit& fit, const Weights& told, const WeightScale& scale,
                     const std::stop_token& stop) {
-  constexpr double kNearlyEqual = 1.05;
-  const std::vector<Corner> corners = corners_of(fit, told, scale.sigma);
-  if (corners.empty()) return 0;
-  const auto [least, most] =
-      std::minmax_element(corners.begin(), corners.end(),
-                          [](const Corner& a, const Corner& b) { return a.variance < b.variance; });
-  if (most->variance < kNearlyEqual * least->variance) return 0;
-  return std::sqrt(common_variance(corners, stop));
+  if (nearly_equal(fit, told)) return 0;
+  return std::sqrt(common_variance(corners_of(fit, told, scale.sigma), stop));
 }
 
 std::vector<PointSet> with_common_sigma(std::vector<PointSet> views, const Weights& told,
