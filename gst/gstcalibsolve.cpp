@@ -402,7 +402,7 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
                        "Solves that make a final result: before each after the first one the "
                        "corners are looked at again, as lens and pose let them be seen (set before "
                        "views are taken)",
-                       1, 100, 1, gst::kMutablePlaying));
+                       1, 20, 1, gst::kMutablePlaying));
   text(PROP_CALIBRATION, "calibration", "Calibration",
        "The newest calibration as native JSON (unset before the first solve)", nullptr,
        gst::kReadOnly);

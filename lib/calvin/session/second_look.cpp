@@ -199,6 +199,25 @@ void look_again(std::vector<View>& views, const Solution& solution, const std::s
   }
 }
 
+// The same solve from where the last one ended.
+SolveOptions from(const SolveOptions& options, const Calibration& calibration) {
+  SolveOptions again = options;
+  again.model = calibration.model;
+  if (!options.initial_is_prior) again.initial = calibration;
+  return again;
+}
+
+// Whether another run would find nothing new.
+bool same(const Calibration& a, const Calibration& b) {
+  constexpr double kSame = 1e-3;  // sigma
+  if (a.parameters.size() != b.parameters.size() || a.views.size() != b.views.size()) return false;
+  for (std::size_t i = 0; i < a.parameters.size(); ++i) {
+    const double moved = std::abs(a.parameters[i].value - b.parameters[i].value);
+    if (moved > kSame * b.parameters[i].sigma.value_or(0)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Observation look_again(const Observation& seen, const Board& board, const Camera& camera,
@@ -218,9 +237,11 @@ Result<Solution> solve_in_runs(std::span<const View> views, ImageSize image_size
   std::vector<View> again(views.begin(), views.end());
   for (int run = 1; run < runs && solution && !stop.stop_requested(); ++run) {
     look_again(again, *solution, stop);
-    auto next = solve(again, image_size, options, stop);
+    auto next = solve(again, image_size, from(options, solution->calibration), stop);
     if (!next) break;
+    const bool settled = same(solution->calibration, next->calibration);
     solution = std::move(next);
+    if (settled) break;
   }
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   return solution;

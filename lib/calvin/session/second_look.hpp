@@ -23,7 +23,8 @@ namespace calvin {
                                      const Camera& camera, const SE3& camera_from_board);
 
 // solve() `runs` times, the corners looked at again with the solution before, as far as the views
-// have patches. A run that has no solution leaves the one before it.
+// have patches: fewer times where another run would change nothing. A run that has no solution
+// leaves the one before it.
 [[nodiscard]] Result<Solution> solve_in_runs(std::span<const View> views, ImageSize image_size,
                                              const SolveOptions& options, int runs,
                                              const std::stop_token& stop = {});
