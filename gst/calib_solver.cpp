@@ -39,6 +39,11 @@ SolverSettings CalibSolver::settings() {
   return settings_;
 }
 
+bool CalibSolver::looks_again() {
+  const std::lock_guard guard(lock_);
+  return settings_.runs > 1;
+}
+
 Status CalibSolver::start() {
   auto plan = make_plan(settings());
   if (!plan) return tl::unexpected<Error>(plan.error());

@@ -37,6 +37,8 @@ class CalibSolver {
     settings_changed_ = true;
   }
   [[nodiscard]] SolverSettings settings();
+  // Whether final results are to take another look at the corners.
+  [[nodiscard]] bool looks_again();
 
   // An error for settings that cannot work; a file that cannot be written now is only a warning
   // on the bus.

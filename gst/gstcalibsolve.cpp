@@ -46,7 +46,9 @@ struct State {
   explicit State(GstElement* element) : solver(element) {}
 
   gst::CalibSolver solver;
-  bool mode_known = false;  // streaming thread
+  // Streaming thread.
+  bool mode_known = false;
+  bool patches_asked = false;
 };
 
 }  // namespace
@@ -232,9 +234,10 @@ static bool gst_calib_solve_offer(GstCalibSolve* self, const std::vector<Observa
   return captured;
 }
 
-// Asks upstream for what another look at the corners needs.
+// Asks upstream for what another look at the corners needs: once, as soon as there is to be one.
 static void gst_calib_solve_want_patches(GstCalibSolve* self) {
-  if (self->state->solver.settings().runs < 2) return;
+  if (self->state->patches_asked || !self->state->solver.looks_again()) return;
+  self->state->patches_asked = true;
   gst_pad_push_event(GST_BASE_TRANSFORM_SINK_PAD(self),
                      gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM,
                                           gst_structure_new_empty(gst::kWantPatchesName)));
@@ -248,6 +251,7 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
     solver.set_live(gst::upstream_is_live(trans));
   }
   solver.update();
+  gst_calib_solve_want_patches(self);
   std::optional<Error> problem;
   const auto observations = gst::read_observations(buffer, &problem);
   if (problem) solver.complain(*problem);
@@ -264,7 +268,7 @@ static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
   GstVideoInfo info;
   if (!gst_video_info_from_caps(&info, caps)) return FALSE;
-  self->state->mode_known = false;
+  self->state->mode_known = self->state->patches_asked = false;
   self->state->solver.set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
   gst_calib_solve_want_patches(self);
   return TRUE;
@@ -398,11 +402,12 @@ static void gst_calib_solve_install_properties(GObjectClass* object_class) {
                           0, 100, 0, gst::kMutablePlaying));
   g_object_class_install_property(
       object_class, PROP_RUNS,
-      g_param_spec_int("runs", "Runs",
-                       "Solves that make a final result: before each after the first one the "
-                       "corners are looked at again, as lens and pose let them be seen (set before "
-                       "views are taken)",
-                       1, 20, 1, gst::kMutablePlaying));
+      g_param_spec_int(
+          "runs", "Runs",
+          "Solves that make a final result: before each after the first one the "
+          "corners of views taken since it is set are looked at again, as lens and pose "
+          "let them be seen",
+          1, 20, 1, gst::kMutablePlaying));
   text(PROP_CALIBRATION, "calibration", "Calibration",
        "The newest calibration as native JSON (unset before the first solve)", nullptr,
        gst::kReadOnly);

@@ -32,8 +32,8 @@ Eigen::VectorXd field_over(const Points& points, const Field& field) {
   return values;
 }
 
-const Field kBentAlongX = [](double x, double /*y*/) { return Eigen::Vector3d(0, 0, 1 - x * x); };
-const Field kBentAlongY = [](double /*x*/, double y) { return Eigen::Vector3d(0, 0, 1 - y * y); };
+Eigen::Vector3d bent_along_x(double x, double /*y*/) { return {0, 0, 1 - x * x}; }
+Eigen::Vector3d bent_along_y(double /*x*/, double y) { return {0, 0, 1 - y * y}; }
 
 // Every column a field; what is left of all displacements without those that others have.
 Eigen::MatrixXd offset_fields(const Points& points) {
@@ -47,8 +47,8 @@ Eigen::MatrixXd offset_fields(const Points& points) {
       [](double, double) { return Eigen::Vector3d(0, 0, 1); },
       [](double x, double) { return Eigen::Vector3d(0, 0, x); },
       [](double, double y) { return Eigen::Vector3d(0, 0, y); },
-      kBentAlongX,
-      kBentAlongY,
+      bent_along_x,
+      bent_along_y,
   };
   const auto rows = 3 * static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd known(rows, static_cast<Eigen::Index>(std::size(others)));
@@ -71,8 +71,8 @@ class Maker {
   void add_warp() {
     shape_.warp = true;
     const double extent = points_.back().norm();
-    add(kBentAlongX, kBend * extent);
-    add(kBentAlongY, kBend * extent);
+    add(Field(bent_along_x), kBend * extent);
+    add(Field(bent_along_y), kBend * extent);
   }
   void add_aspect() {
     shape_.aspect = true;
