@@ -129,24 +129,23 @@ std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
     if (!updated) post_warning(element_, updated.error());
   }
   Job job{times, settings(), detectors_, check_, luma_, {}, 0};
-  auto earlier = take_waiting();
   {
     const std::lock_guard guard(lock_);
     ++frames_;
     job.generation = generation_;
     job.patches = patches_wanted_;
   }
-  // A copy for a worker that is at another frame would be stale when its turn came.
+  // A frame that waited for a worker that is at another one would be stale when its turn came.
   if ((async_ && !worker_.idle()) || !is_due(times, job.settings.max_rate)) {
     skip();
-    return earlier;
+    return std::nullopt;
   }
   if (const Status checked = check_frame(info_, buffer); !checked) {
     if (!std::exchange(frame_refused_, true)) post_warning(element_, checked.error());
     skip();
-    return earlier;
+    return std::nullopt;
   }
-  job.picture = async_ ? luma_->copy(buffer) : luma_->borrow(buffer);
+  job.picture = async_ ? luma_->keep(buffer) : luma_->borrow(buffer);
   if (!async_) return wait_for(std::move(job));
   const auto shared = std::make_shared<const Job>(std::move(job));
   worker_.offer([this, shared](const std::stop_token& stop) {
@@ -155,7 +154,7 @@ std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
     if (stop.stop_requested() || shared->generation != generation_) return;
     result_ = std::move(found);
   });
-  return earlier;
+  return std::nullopt;
 }
 
 // The worker does it, so that a flush or a state change need not wait for what cannot be

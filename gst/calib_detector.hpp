@@ -71,8 +71,9 @@ class CalibDetector {
   [[nodiscard]] bool mode_known() const { return mode_known_; }
   void choose_mode(bool live);
 
-  // Looks for the boards in a frame, or has them looked for and returns what was found on an
-  // earlier one. Absent: nothing to attach.
+  // Looks for the boards in a frame, or has them looked for while the stream goes on: then what is
+  // found waits for a later frame, and this one may not be changed any more. Absent: nothing to
+  // attach.
   [[nodiscard]] std::optional<std::vector<Observation>> look(GstBuffer* buffer,
                                                              const FrameTimes& times);
 

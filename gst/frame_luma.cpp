@@ -65,6 +65,18 @@ ImageView luma_in_place(const GstVideoFrame& frame) {
           GST_VIDEO_FRAME_COMP_STRIDE(&frame, 0), GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, 0)};
 }
 
+bool is_from_bounded_pool(GstBuffer* buffer) {
+  // A buffer that shares the memory of another one holds that back too.
+  const GstParentBufferMeta* parent = gst_buffer_get_parent_buffer_meta(buffer);
+  if (parent != nullptr && is_from_bounded_pool(parent->buffer)) return true;
+  if (buffer->pool == nullptr) return false;
+  GstStructure* config = gst_buffer_pool_get_config(buffer->pool);
+  guint most = 0;
+  gst_buffer_pool_config_get_params(config, nullptr, nullptr, nullptr, &most);
+  gst_structure_free(config);
+  return most > 0;
+}
+
 }  // namespace
 
 std::optional<MappedFrame> MappedFrame::map(const GstVideoInfo& info, GstBuffer* buffer) {
@@ -119,6 +131,10 @@ Status LumaReader::set_format() {
 
 Picture LumaReader::borrow(GstBuffer* buffer) const {
   return {nullptr, MappedFrame::map(info_, buffer)};
+}
+
+Picture LumaReader::keep(GstBuffer* buffer) const {
+  return is_from_bounded_pool(buffer) ? copy(buffer) : borrow(buffer);
 }
 
 Picture LumaReader::copy(GstBuffer* buffer) const {

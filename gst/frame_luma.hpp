@@ -59,9 +59,12 @@ class LumaReader {
   // A message that says what to insert where the format cannot be read.
   static Result<std::shared_ptr<LumaReader>> make(const GstVideoInfo& info);
 
-  // The frame itself, or a copy that outlives the buffer; empty where it cannot be mapped.
+  // The frame itself; empty where it cannot be mapped.
   [[nodiscard]] Picture borrow(GstBuffer* buffer) const;
-  [[nodiscard]] Picture copy(GstBuffer* buffer) const;
+  // For a look while the stream goes on. The frame itself too: whoever writes into it downstream
+  // meanwhile gets a copy from GStreamer. But of a frame from a pool that has only so many, such as
+  // a camera's, a copy, so that whoever fills them never waits for us.
+  [[nodiscard]] Picture keep(GstBuffer* buffer) const;
 
   // Valid until the next call, and no longer than the picture. One thread at a time.
   [[nodiscard]] ImageView view(const Picture& picture);
@@ -75,6 +78,7 @@ class LumaReader {
   };
 
   [[nodiscard]] Status set_format();
+  [[nodiscard]] Picture copy(GstBuffer* buffer) const;
   [[nodiscard]] ImageView converted(GstVideoFrame& frame);
   // Of a frame that needs no converter.
   void take_gray(const GstVideoFrame& frame, GrayImage& gray) const;

@@ -137,6 +137,8 @@ static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstB
   }
   // Asked once after each CAPS: only then does a live source know that it is one.
   if (!detector.mode_known()) detector.choose_mode(gst::upstream_is_live(trans));
+  const auto earlier = detector.take_waiting();
+  if (earlier) gst::attach_observations(buffer, *earlier);
   const auto found = detector.look(buffer, gst::frame_times(&trans->segment, buffer));
   if (found) gst::attach_observations(buffer, *found);
   return GST_FLOW_OK;
