@@ -11,6 +11,7 @@ build=${CALVIN_BENCH_BUILD:-$source/build-bench}
   meson setup "$build" "$source" --buildtype=release -Dbenchmarks=enabled
 ninja -C "$build"
 [ $# -gt 0 ] || set -- $(ls "$source/tests/bench" | sed -n 's/^bench_\(.*\)\.cpp$/\1/p')
+export GST_PLUGIN_PATH_1_0="$build/gst"
 for name in "$@"; do
   echo "== $name"
   "$build/tests/bench/bench_$name"
