@@ -96,7 +96,7 @@ Status CalibDetector::set_format(const GstVideoInfo& info) {
 }
 
 void CalibDetector::choose_mode(bool live) {
-  const int mode = settings().mode;
+  const DetectMode mode = settings().mode;
   mode_known_ = true;
   async_ = mode == kModeAsync || (mode == kModeAuto && live);
   GST_INFO_OBJECT(element_, "the streaming thread %s", async_ ? "does not wait" : "waits");

@@ -29,7 +29,7 @@ struct DetectorSettings {
   std::string board{kDefaultBoard};
   std::string camera = "cam0";
   std::string recheck;
-  int mode = kModeAuto;
+  DetectMode mode = kModeAuto;
   double max_rate = 0;  // 1/s; 0: every frame
   bool post_messages = false;
 };

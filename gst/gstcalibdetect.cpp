@@ -21,6 +21,7 @@
 
 #include "calib_detector.hpp"
 #include "elements.hpp"
+#include "field.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
 #include "metas.hpp"
@@ -67,62 +68,41 @@ static GType gst_calib_detect_mode_get_type() {
   return kType;
 }
 
+static gst::Field gst_calib_detect_field(gst::DetectorSettings& settings, guint id) {
+  switch (id) {
+    case PROP_BOARD:
+      return settings.board;
+    case PROP_CAMERA:
+      return settings.camera;
+    case PROP_MODE:
+      return settings.mode;
+    case PROP_MAX_RATE:
+      return settings.max_rate;
+    case PROP_POST_MESSAGES:
+      return settings.post_messages;
+    case PROP_RECHECK:
+      return settings.recheck;
+    default:
+      return {};
+  }
+}
+
 static void gst_calib_detect_set_property(GObject* object, guint id, const GValue* value,
                                           GParamSpec* spec) {
   GST_CALIB_DETECT(object)->detector->change_settings([&](gst::DetectorSettings& settings) {
-    switch (id) {
-      case PROP_BOARD:
-        settings.board = gst::string_of(value);
-        break;
-      case PROP_CAMERA:
-        settings.camera = gst::string_of(value);
-        break;
-      case PROP_MODE:
-        settings.mode = g_value_get_enum(value);
-        break;
-      case PROP_MAX_RATE:
-        settings.max_rate = g_value_get_double(value);
-        break;
-      case PROP_POST_MESSAGES:
-        settings.post_messages = g_value_get_boolean(value);
-        break;
-      case PROP_RECHECK:
-        settings.recheck = gst::string_of(value);
-        break;
-      default:
-        G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-    }
+    if (gst_calib_detect_field(settings, id).set(value)) return;
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
   });
 }
 
 static void gst_calib_detect_get_property(GObject* object, guint id, GValue* value,
                                           GParamSpec* spec) {
   gst::CalibDetector& detector = *GST_CALIB_DETECT(object)->detector;
-  const gst::DetectorSettings settings = detector.settings();
-  switch (id) {
-    case PROP_BOARD:
-      gst::set_string(value, settings.board);
-      break;
-    case PROP_CAMERA:
-      gst::set_string(value, settings.camera);
-      break;
-    case PROP_MODE:
-      g_value_set_enum(value, settings.mode);
-      break;
-    case PROP_MAX_RATE:
-      g_value_set_double(value, settings.max_rate);
-      break;
-    case PROP_POST_MESSAGES:
-      g_value_set_boolean(value, settings.post_messages);
-      break;
-    case PROP_RECHECK:
-      gst::set_string(value, settings.recheck);
-      break;
-    case PROP_STATS:
-      g_value_take_boxed(value, detector.stats());
-      break;
-    default:
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+  gst::DetectorSettings settings = detector.settings();
+  if (id == PROP_STATS) {
+    g_value_take_boxed(value, detector.stats());
+  } else if (!gst_calib_detect_field(settings, id).get(value)) {
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
   }
 }
 

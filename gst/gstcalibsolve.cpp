@@ -32,6 +32,7 @@
 #include "metas.hpp"
 #include "properties.hpp"
 #include "refused_caps.hpp"
+#include "solver_properties.hpp"
 
 GST_DEBUG_CATEGORY(calibsolve_debug);
 #define GST_CAT_DEFAULT calibsolve_debug
@@ -64,140 +65,27 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibsolve, "calibsolve", GST_RANK_NONE,
                                       GST_DEBUG_CATEGORY_INIT(calibsolve_debug, "calibsolve", 0,
                                                               "camera calibration solver"))
 
-enum {
-  PROP_0,
-  PROP_LOCATION,
-  PROP_EXPORT,
-  PROP_CAMERA,
-  PROP_MODEL,
-  PROP_FIX,
-  PROP_INITIAL,
-  PROP_WARP,
-  PROP_SKEW,
-  PROP_CAPTURE_MODE,
-  PROP_MIN_VIEWS,
-  PROP_MAX_VIEWS,
-  PROP_TARGET_ERROR,
-  PROP_RUNS,
-  PROP_CALIBRATION,
-  PROP_STATS,
-};
-
 enum { SIGNAL_CAPTURE_VIEW, SIGNAL_SOLVE, SIGNAL_RESET, SIGNAL_REMOVE_VIEW, LAST_SIGNAL };
 static guint gst_calib_solve_signals[LAST_SIGNAL];
-
-static GType gst_calib_solve_capture_mode_get_type() {
-  static const GEnumValue kValues[] = {
-      {gst::kCaptureDefault, "All when the source is not live, auto when it is", "default"},
-      {gst::kCaptureAll, "Every view with a board; only outliers are dropped", "all"},
-      {gst::kCaptureAuto, "Views that are still, large and unlike those before", "auto"},
-      {gst::kCaptureManual, "Only on the signal capture-view", "manual"},
-      {0, nullptr, nullptr}};
-  static const GType kType = g_enum_register_static("GstCalibSolveCaptureMode", kValues);
-  return kType;
-}
 
 static void gst_calib_solve_set_property(GObject* object, guint id, const GValue* value,
                                          GParamSpec* spec) {
   GST_CALIB_SOLVE(object)->state->solver.change_settings([&](gst::SolverSettings& settings) {
-    switch (id) {
-      case PROP_LOCATION:
-        settings.location = gst::string_of(value);
-        break;
-      case PROP_EXPORT:
-        settings.exports = gst::string_of(value);
-        break;
-      case PROP_CAMERA:
-        settings.camera = gst::string_of(value);
-        break;
-      case PROP_MODEL:
-        settings.model = gst::string_of(value);
-        break;
-      case PROP_FIX:
-        settings.fix = gst::string_of(value);
-        break;
-      case PROP_INITIAL:
-        settings.initial = gst::string_of(value);
-        break;
-      case PROP_WARP:
-        settings.warp = g_value_get_boolean(value) != FALSE;
-        break;
-      case PROP_SKEW:
-        settings.skew = g_value_get_boolean(value) != FALSE;
-        break;
-      case PROP_CAPTURE_MODE:
-        settings.capture_mode = g_value_get_enum(value);
-        break;
-      case PROP_MIN_VIEWS:
-        settings.min_views = g_value_get_int(value);
-        break;
-      case PROP_MAX_VIEWS:
-        settings.max_views = g_value_get_int(value);
-        break;
-      case PROP_TARGET_ERROR:
-        settings.target_error = g_value_get_double(value);
-        break;
-      case PROP_RUNS:
-        settings.runs = g_value_get_int(value);
-        break;
-      default:
-        G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-    }
+    if (gst::solver_field(settings, id).set(value)) return;
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
   });
 }
 
 static void gst_calib_solve_get_property(GObject* object, guint id, GValue* value,
                                          GParamSpec* spec) {
   gst::CalibSolver& solver = GST_CALIB_SOLVE(object)->state->solver;
-  const gst::SolverSettings settings = solver.settings();
-  switch (id) {
-    case PROP_LOCATION:
-      gst::set_string(value, settings.location);
-      break;
-    case PROP_EXPORT:
-      gst::set_string(value, settings.exports);
-      break;
-    case PROP_CAMERA:
-      gst::set_string(value, settings.camera);
-      break;
-    case PROP_MODEL:
-      gst::set_string(value, settings.model);
-      break;
-    case PROP_FIX:
-      gst::set_string(value, settings.fix);
-      break;
-    case PROP_INITIAL:
-      gst::set_string(value, settings.initial);
-      break;
-    case PROP_WARP:
-      g_value_set_boolean(value, settings.warp);
-      break;
-    case PROP_SKEW:
-      g_value_set_boolean(value, settings.skew);
-      break;
-    case PROP_CAPTURE_MODE:
-      g_value_set_enum(value, settings.capture_mode);
-      break;
-    case PROP_MIN_VIEWS:
-      g_value_set_int(value, settings.min_views);
-      break;
-    case PROP_MAX_VIEWS:
-      g_value_set_int(value, settings.max_views);
-      break;
-    case PROP_TARGET_ERROR:
-      g_value_set_double(value, settings.target_error);
-      break;
-    case PROP_RUNS:
-      g_value_set_int(value, settings.runs);
-      break;
-    case PROP_CALIBRATION:
-      gst::set_string(value, solver.calibration_json());
-      break;
-    case PROP_STATS:
-      g_value_take_boxed(value, solver.stats());
-      break;
-    default:
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+  gst::SolverSettings settings = solver.settings();
+  if (id == gst::kSolverCalibration) {
+    gst::set_string(value, solver.calibration_json());
+  } else if (id == gst::kSolverStats) {
+    g_value_take_boxed(value, solver.stats());
+  } else if (!gst::solver_field(settings, id).get(value)) {
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
   }
 }
 
@@ -341,85 +229,6 @@ static void gst_calib_solve_init(GstCalibSolve* self) {
 
 // ---- Class --------------------------------------------------------------------------------------
 
-static void gst_calib_solve_install_properties(GObjectClass* object_class) {
-  const auto text = [object_class](guint id, const char* name, const char* nick, const char* blurb,
-                                   const char* value, GParamFlags flags) {
-    g_object_class_install_property(object_class, id,
-                                    g_param_spec_string(name, nick, blurb, value, flags));
-  };
-  text(PROP_LOCATION, "location", "Location",
-       "File for the calibration (native JSON), written at the first solve and whenever it got "
-       "better",
-       nullptr, gst::kMutablePlaying);
-  text(PROP_EXPORT, "export", "Export",
-       "Further files in other formats, FORMAT:PATH,FORMAT:PATH with the formats calvin, ros, "
-       "opencv-yaml, opencv-xml, opencv-json",
-       nullptr, gst::kMutablePlaying);
-  text(PROP_CAMERA, "camera", "Camera",
-       "Name of the camera in messages and files (unset = the one that the observations carry)",
-       nullptr, gst::kMutablePlaying);
-  text(PROP_MODEL, "model", "Model",
-       "Camera model: pinhole, brown4, brown5, rational8, thinprism12, tilted14, fisheye, ucm, "
-       "eucm, doublesphere, or auto for the simplest one that tells all views",
-       "brown5", gst::kMutablePlaying);
-  text(PROP_FIX, "fix", "Fix",
-       "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
-       "else a distortion coefficient at 0 and cx, cy (center for both) at the middle of the "
-       "picture. What to tie: aspect (fy:fx as in initial, or else 1), fx=fy, k1=k2",
-       nullptr, gst::kMutablePlaying);
-  text(PROP_INITIAL, "initial", "Initial",
-       "A calibration (a file, or whatever calibundistort takes) to start the solve from, which "
-       "also gives the values that fix holds; unset: the views alone tell",
-       nullptr, gst::kMutablePlaying);
-  const auto choice = [object_class](guint id, const char* name, const char* nick,
-                                     const char* blurb, bool value) {
-    g_object_class_install_property(
-        object_class, id, g_param_spec_boolean(name, nick, blurb, value, gst::kMutablePlaying));
-  };
-  choice(PROP_WARP, "warp", "Warp",
-         "Estimate the two curvatures of the board too, from 8 views of one board on", true);
-  choice(PROP_SKEW, "skew", "Skew", "Estimate the skew of the pixel axes too", false);
-  g_object_class_install_property(
-      object_class, PROP_CAPTURE_MODE,
-      g_param_spec_enum("capture-mode", "Capture Mode", "Which views of the board are kept",
-                        gst_calib_solve_capture_mode_get_type(), gst::kCaptureDefault,
-                        gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_MIN_VIEWS,
-      g_param_spec_int("min-views", "Minimum Views", "Views that a calibration needs at least", 3,
-                       1000, 3, gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_MAX_VIEWS,
-      g_param_spec_int("max-views", "Maximum Views",
-                       "Views after which nothing more is captured and the final result is posted "
-                       "(0 = no limit)",
-                       0, 100000, 0, gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_TARGET_ERROR,
-      g_param_spec_double("target-error", "Target Error",
-                          "Expected error in px (1 sigma, anywhere in the picture) at which "
-                          "nothing more is captured and the final result is posted (0 = never)",
-                          0, 100, 0, gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_RUNS,
-      g_param_spec_int(
-          "runs", "Runs",
-          "Solves that make a final result: before each after the first one the "
-          "corners of views taken since it is set are looked at again, as lens and pose "
-          "let them be seen",
-          1, 20, 1, gst::kMutablePlaying));
-  text(PROP_CALIBRATION, "calibration", "Calibration",
-       "The newest calibration as native JSON (unset before the first solve)", nullptr,
-       gst::kReadOnly);
-  g_object_class_install_property(
-      object_class, PROP_STATS,
-      g_param_spec_boxed("stats", "Statistics",
-                         "State of the session: views, coverage 0..1, rms px, expected-error px",
-                         GST_TYPE_STRUCTURE, gst::kReadOnly));
-  gst_type_mark_as_plugin_api(gst_calib_solve_capture_mode_get_type(),
-                              static_cast<GstPluginAPIFlags>(0));
-}
-
 static void gst_calib_solve_install_signals(GType type) {
   constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
   const auto action = [type](const char* name, void (*handler)(GstCalibSolve*)) {
@@ -473,7 +282,7 @@ static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
   trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->transform_ip = gst_calib_solve_transform_ip;
   trans_class->transform_ip_on_passthrough = TRUE;
-  gst_calib_solve_install_properties(object_class);
+  gst::install_solver_properties(object_class);
   gst_calib_solve_install_signals(G_TYPE_FROM_CLASS(klass));
   gst::add_raw_video_pads(element_class);
   gst_element_class_set_static_metadata(

@@ -28,10 +28,11 @@
 
 #include "calvin/io/calibration_io.hpp"
 #include "elements.hpp"
+#include "frame_timeline.hpp"
 #include "luma_writer.hpp"
 #include "messages.hpp"
 #include "metas.hpp"
-#include "properties.hpp"
+#include "test_properties.hpp"
 #include "test_scene.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(calibtestsrc_debug);
@@ -49,28 +50,16 @@ constexpr char kCaps[] =
     "framerate = (fraction) [ 1, 240 ], pixel-aspect-ratio = (fraction) 1/1, "
     "interlace-mode = (string) progressive";
 constexpr ImageSize kDefaultSize = {640, 480};
-constexpr double kDefaultNoise = 1;
-constexpr double kDefaultBlur = 0.7;
-
-struct Settings {
-  gst::SceneSettings scene;
-  RenderOptions render{.noise = kDefaultNoise, .blur = kDefaultBlur};
-  std::string ground_truth;
-};
 
 struct State {
   std::mutex lock;
-  Settings settings;    // lock
-  GstVideoInfo info{};  // lock to write, and to read off the streaming thread
+  gst::TestSettings settings;  // lock
+  GstVideoInfo info{};         // lock to write, and to read off the streaming thread
 
   // Streaming thread, and start() before it runs.
   gst::SceneSource source;
   std::optional<gst::TestScene> scene;  // of the present size
-  gint64 frame = 0;                     // the number of the next one
-  gint64 first_frame = 0;               // of the present format
-  GstClockTime first_time = 0;          // its PTS
-  GstClockTime position = 0;            // of the last seek
-  bool reverse = false;
+  gst::FrameTimeline timeline;
 };
 
 }  // namespace
@@ -86,111 +75,32 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibtestsrc, "calibtestsrc", GST_RANK_NON
                                       GST_DEBUG_CATEGORY_INIT(calibtestsrc_debug, "calibtestsrc", 0,
                                                               "synthetic calibration camera"))
 
-enum {
-  PROP_0,
-  PROP_BOARD,
-  PROP_CALIBRATION,
-  PROP_MOTION,
-  PROP_NOISE,
-  PROP_BLUR,
-  PROP_EXPOSURE,
-  PROP_SEED,
-  PROP_IS_LIVE,
-  PROP_GROUND_TRUTH
-};
-
-static GType gst_calib_test_src_motion_get_type() {
-  static const GEnumValue kValues[] = {
-      {static_cast<int>(MotionKind::kRandom),
-       "Independent poses all over the image: one per frame, when live one per 0.5 s", "random"},
-      {static_cast<int>(MotionKind::kOrbit), "The camera circles the board in 10 s", "orbit"},
-      {static_cast<int>(MotionKind::kHand), "A smooth path as of a board held by hand", "hand"},
-      {static_cast<int>(MotionKind::kStatic), "One pose", "static"},
-      {0, nullptr, nullptr}};
-  static const GType kType = g_enum_register_static("GstCalibTestSrcMotion", kValues);
-  return kType;
-}
-
 static void gst_calib_test_src_set_property(GObject* object, guint id, const GValue* value,
                                             GParamSpec* spec) {
   State* state = GST_CALIB_TEST_SRC(object)->state;
   gst::warn_if_late(GST_ELEMENT(object), spec);
-  if (id == PROP_IS_LIVE) {
+  if (id == gst::kTestIsLive) {
     gst_base_src_set_live(GST_BASE_SRC(object), g_value_get_boolean(value));
     return;
   }
   const std::lock_guard guard(state->lock);
-  Settings& settings = state->settings;
-  switch (id) {
-    case PROP_BOARD:
-      settings.scene.board = gst::string_of(value);
-      break;
-    case PROP_CALIBRATION:
-      settings.scene.calibration = gst::string_of(value);
-      break;
-    case PROP_MOTION:
-      settings.scene.motion = static_cast<MotionKind>(g_value_get_enum(value));
-      break;
-    case PROP_NOISE:
-      settings.render.noise = g_value_get_double(value);
-      break;
-    case PROP_BLUR:
-      settings.render.blur = g_value_get_double(value);
-      break;
-    case PROP_EXPOSURE:
-      settings.render.exposure = g_value_get_double(value);
-      break;
-    case PROP_SEED:
-      settings.scene.seed = g_value_get_uint64(value);
-      break;
-    case PROP_GROUND_TRUTH:
-      settings.ground_truth = gst::string_of(value);
-      break;
-    default:
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-  }
+  if (gst::test_field(state->settings, id).set(value)) return;
+  G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
 }
 
 static void gst_calib_test_src_get_property(GObject* object, guint id, GValue* value,
                                             GParamSpec* spec) {
   State* state = GST_CALIB_TEST_SRC(object)->state;
-  if (id == PROP_IS_LIVE) {
+  if (id == gst::kTestIsLive) {
     g_value_set_boolean(value, gst_base_src_is_live(GST_BASE_SRC(object)));
     return;
   }
   const std::lock_guard guard(state->lock);
-  const Settings& settings = state->settings;
-  switch (id) {
-    case PROP_BOARD:
-      gst::set_string(value, settings.scene.board);
-      break;
-    case PROP_CALIBRATION:
-      gst::set_string(value, settings.scene.calibration);
-      break;
-    case PROP_MOTION:
-      g_value_set_enum(value, static_cast<int>(settings.scene.motion));
-      break;
-    case PROP_NOISE:
-      g_value_set_double(value, settings.render.noise);
-      break;
-    case PROP_BLUR:
-      g_value_set_double(value, settings.render.blur);
-      break;
-    case PROP_EXPOSURE:
-      g_value_set_double(value, settings.render.exposure);
-      break;
-    case PROP_SEED:
-      g_value_set_uint64(value, settings.scene.seed);
-      break;
-    case PROP_GROUND_TRUTH:
-      gst::set_string(value, settings.ground_truth);
-      break;
-    default:
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-  }
+  if (gst::test_field(state->settings, id).get(value)) return;
+  G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
 }
 
-static Settings gst_calib_test_src_settings(GstCalibTestSrc* self) {
+static gst::TestSettings gst_calib_test_src_settings(GstCalibTestSrc* self) {
   const std::lock_guard guard(self->state->lock);
   return self->state->settings;
 }
@@ -199,9 +109,7 @@ static gboolean gst_calib_test_src_start(GstBaseSrc* src) {
   GstCalibTestSrc* self = GST_CALIB_TEST_SRC(src);
   State* state = self->state;
   state->scene.reset();
-  state->frame = state->first_frame = 0;
-  state->first_time = 0;
-  state->reverse = false;
+  state->timeline = {};
   {
     const std::lock_guard guard(state->lock);
     gst_video_info_init(&state->info);
@@ -231,27 +139,6 @@ static Status gst_calib_test_src_build_scene(GstCalibTestSrc* self, ImageSize si
   return {};
 }
 
-// The PTS of a frame, from its number alone.
-static GstClockTime gst_calib_test_src_time_of(const State* state, gint64 frame) {
-  return state->first_time +
-         gst_util_uint64_scale(static_cast<guint64>(frame - state->first_frame),
-                               GST_VIDEO_INFO_FPS_D(&state->info) * GST_SECOND,
-                               static_cast<guint64>(GST_VIDEO_INFO_FPS_N(&state->info)));
-}
-
-// The frame to begin with where it was seeked to. A seek before the first caps waits for them.
-static void gst_calib_test_src_find_frame(State* state) {
-  if (GST_VIDEO_INFO_FPS_N(&state->info) <= 0) return;
-  // The last frame that starts before the position or on it; times are rounded down.
-  state->frame = static_cast<gint64>(gst_util_uint64_scale_ceil(
-                     state->position + 1, static_cast<guint64>(GST_VIDEO_INFO_FPS_N(&state->info)),
-                     GST_VIDEO_INFO_FPS_D(&state->info) * GST_SECOND)) -
-                 1;
-  if (state->reverse && gst_calib_test_src_time_of(state, state->frame) == state->position) {
-    --state->frame;  // it would start where playing ends
-  }
-}
-
 static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
   GstCalibTestSrc* self = GST_CALIB_TEST_SRC(src);
   State* state = self->state;
@@ -265,20 +152,11 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
     gst::post_error(GST_ELEMENT(self), built.error());
     return FALSE;
   }
-  // Time goes on where the frames of the former format ended.
-  const bool first = GST_VIDEO_INFO_FPS_N(&state->info) <= 0;
-  if (!first) {
-    state->first_time +=
-        gst_util_uint64_scale(static_cast<guint64>(state->frame - state->first_frame),
-                              GST_VIDEO_INFO_FPS_D(&state->info) * GST_SECOND,
-                              static_cast<guint64>(GST_VIDEO_INFO_FPS_N(&state->info)));
-    state->first_frame = state->frame;
-  }
   {
     const std::lock_guard guard(state->lock);
     state->info = info;
   }
-  if (first) gst_calib_test_src_find_frame(state);
+  state->timeline.set_rate(GST_VIDEO_INFO_FPS_N(&info), GST_VIDEO_INFO_FPS_D(&info));
   gst_base_src_set_blocksize(src, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
   return TRUE;
 }
@@ -362,7 +240,7 @@ static bool gst_calib_test_src_draw(GstCalibTestSrc* self, const SE3& pose, GstB
   const RenderOptions options = gst_calib_test_src_settings(self).render;
   GstVideoFrame frame;
   if (!gst_video_frame_map(&frame, &state->info, buffer, GST_MAP_WRITE)) return false;
-  gst::write_luma(state->scene->picture(pose, state->frame, options), frame);
+  gst::write_luma(state->scene->picture(pose, state->timeline.frame(), options), frame);
   gst_video_frame_unmap(&frame);
   return true;
 }
@@ -371,38 +249,32 @@ static GstFlowReturn gst_calib_test_src_fill(GstPushSrc* push, GstBuffer* buffer
   GstCalibTestSrc* self = GST_CALIB_TEST_SRC(push);
   State* state = self->state;
   if (!state->scene) return GST_FLOW_NOT_NEGOTIATED;
-  if (state->frame < state->first_frame) return GST_FLOW_EOS;  // played backwards to the start
+  const gst::FrameTimeline& timeline = state->timeline;
+  if (timeline.is_over()) return GST_FLOW_EOS;  // played backwards to the start
 
-  const GstClockTime time = gst_calib_test_src_time_of(state, state->frame);
   const bool live = gst_base_src_is_live(GST_BASE_SRC(self));
-  const SE3 pose = state->scene->pose(state->frame, time, live);
+  const SE3 pose = state->scene->pose(timeline.frame(), timeline.time(), live);
   if (!gst_calib_test_src_draw(self, pose, buffer)) {
     GST_ELEMENT_ERROR(self, RESOURCE, WRITE, ("The frame's memory cannot be written."), (nullptr));
     return GST_FLOW_ERROR;
   }
-  GST_BUFFER_PTS(buffer) = time;
+  GST_BUFFER_PTS(buffer) = timeline.time();
   GST_BUFFER_DTS(buffer) = GST_CLOCK_TIME_NONE;
-  GST_BUFFER_DURATION(buffer) = gst_calib_test_src_time_of(state, state->frame + 1) - time;
-  GST_BUFFER_OFFSET(buffer) = static_cast<guint64>(state->frame);
-  GST_BUFFER_OFFSET_END(buffer) = static_cast<guint64>(state->frame) + 1;
+  GST_BUFFER_DURATION(buffer) = timeline.duration();
+  GST_BUFFER_OFFSET(buffer) = static_cast<guint64>(timeline.frame());
+  GST_BUFFER_OFFSET_END(buffer) = static_cast<guint64>(timeline.frame()) + 1;
 
-  const gst::TrueBoard board = {state->scene->observation(pose, time), to_pose(pose)};
+  const gst::TrueBoard board = {state->scene->observation(pose, timeline.time()), to_pose(pose)};
   gst::attach_ground_truth(buffer, {state->scene->truth_json(), {board}});
-  state->frame += state->reverse ? -1 : 1;
+  state->timeline.advance();
   return GST_FLOW_OK;
 }
 
 static gboolean gst_calib_test_src_is_seekable(GstBaseSrc* /*src*/) { return TRUE; }
 
 static gboolean gst_calib_test_src_do_seek(GstBaseSrc* src, GstSegment* segment) {
-  State* state = GST_CALIB_TEST_SRC(src)->state;
   segment->time = segment->start;
-  state->reverse = segment->rate < 0;
-  state->first_frame = 0;
-  state->first_time = 0;
-  state->frame = 0;
-  state->position = segment->position;
-  gst_calib_test_src_find_frame(state);
+  GST_CALIB_TEST_SRC(src)->state->timeline.seek(segment->position, segment->rate < 0);
   return TRUE;
 }
 
@@ -453,57 +325,6 @@ static void gst_calib_test_src_init(GstCalibTestSrc* self) {
   gst_base_src_set_format(GST_BASE_SRC(self), GST_FORMAT_TIME);
 }
 
-static void gst_calib_test_src_install_scene_properties(GObjectClass* object_class) {
-  g_object_class_install_property(
-      object_class, PROP_BOARD,
-      g_param_spec_string(
-          "board", "Board",
-          "The board to render, KIND:COLSxROWS:SIZE with inner corners and the side "
-          "of a square, or FILE.json#NAME",
-          kDefaultBoard.data(), gst::kMutableReady));
-  g_object_class_install_property(
-      object_class, PROP_CALIBRATION,
-      g_param_spec_string("calibration", "Calibration",
-                          "The camera to be: a calibration file, its content, or a list "
-                          "fx=..,fy=..,cx=..,cy=..,k1=..,width=..,height=..; unset: a brown5 "
-                          "camera 70 degrees wide, for any size",
-                          nullptr, gst::kMutableReady));
-  g_object_class_install_property(
-      object_class, PROP_MOTION,
-      g_param_spec_enum("motion", "Motion", "How the board moves before the camera",
-                        gst_calib_test_src_motion_get_type(), static_cast<int>(MotionKind::kRandom),
-                        gst::kMutableReady));
-  g_object_class_install_property(
-      object_class, PROP_SEED,
-      g_param_spec_uint64("seed", "Seed", "Choice of the poses and the noise, never of the camera",
-                          0, G_MAXUINT64, 0, gst::kMutableReady));
-  g_object_class_install_property(
-      object_class, PROP_IS_LIVE,
-      g_param_spec_boolean("is-live", "Is Live", "Deliver frames in real time, as a camera does",
-                           FALSE, gst::kMutableReady));
-  g_object_class_install_property(
-      object_class, PROP_GROUND_TRUTH,
-      g_param_spec_string("ground-truth", "Ground Truth",
-                          "File to write the camera to, as a calibration; unset: none", nullptr,
-                          gst::kMutableReady));
-}
-
-static void gst_calib_test_src_install_image_properties(GObjectClass* object_class) {
-  g_object_class_install_property(
-      object_class, PROP_NOISE,
-      g_param_spec_double("noise", "Noise", "Noise of the sensor in grey levels of 255, 1 sigma", 0,
-                          100, kDefaultNoise, gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_BLUR,
-      g_param_spec_double("blur", "Blur", "Gaussian blur of the optics in px, 1 sigma", 0, 50,
-                          kDefaultBlur, gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_EXPOSURE,
-      g_param_spec_double("exposure", "Exposure",
-                          "Factor on all grey levels; those above 255 are cut off", 0, 100, 1,
-                          gst::kMutablePlaying));
-}
-
 static void gst_calib_test_src_class_init(GstCalibTestSrcClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
   auto* element_class = GST_ELEMENT_CLASS(klass);
@@ -522,10 +343,7 @@ static void gst_calib_test_src_class_init(GstCalibTestSrcClass* klass) {
   base_class->get_times = gst_calib_test_src_get_times;
   base_class->query = gst_calib_test_src_query;
   GST_PUSH_SRC_CLASS(klass)->fill = gst_calib_test_src_fill;
-  gst_calib_test_src_install_scene_properties(object_class);
-  gst_calib_test_src_install_image_properties(object_class);
-  gst_type_mark_as_plugin_api(gst_calib_test_src_motion_get_type(),
-                              static_cast<GstPluginAPIFlags>(0));
+  gst::install_test_properties(object_class);
   g_autoptr(GstCaps) caps = gst_caps_from_string(kCaps);
   gst_element_class_add_pad_template(
       element_class, gst_pad_template_new("src", GST_PAD_SRC, GST_PAD_ALWAYS, caps));

@@ -140,11 +140,11 @@ static void update(GstCalibUndistort* self) {
     if (!taken) gst::post_warning(GST_ELEMENT(self), taken.error());
   }
   if (!s.live) s.live = gst::upstream_is_live(trans);
-  s.distort = settings.view.distort;
+  s.distort = settings.view.distort();
   fit_input(s);
   auto errors = s.input.update(gst::CalibrationSetting::Clock::now());
   const gst::ViewSettings& view = settings.view;
-  const auto more = s.warp.update(s.input, {settings.enabled, view.view(), view.distort, *s.live,
+  const auto more = s.warp.update(s.input, {settings.enabled, view.view(), view.distort(), *s.live,
                                             view.sampling(), view.threads});
   errors.insert(errors.end(), more.begin(), more.end());
   for (const Error& error : errors) gst::post_warning(GST_ELEMENT(self), error);
@@ -332,43 +332,35 @@ static GstStateChangeReturn gst_calib_undistort_change_state(GstElement* element
   return GST_ELEMENT_CLASS(gst_calib_undistort_parent_class)->change_state(element, change);
 }
 
+static gst::Field gst_calib_undistort_field(State& s, guint id) {
+  switch (id) {
+    case kCalibration:
+    case kSettings:
+      return s.settings.calibration;
+    case kEnabled:
+      return s.settings.enabled;
+    default:
+      return gst::view_field(s.settings.view, id - kFirstOfView);
+  }
+}
+
 static void gst_calib_undistort_set_property(GObject* object, guint id, const GValue* value,
                                              GParamSpec* pspec) {
   State& s = *GST_CALIB_UNDISTORT(object)->state;
   const std::lock_guard guard(s.lock);
-  switch (id) {
-    case kCalibration:
-    case kSettings:
-      s.settings.calibration = gst::string_of(value);
-      s.calibration_changed = true;
-      break;
-    case kEnabled:
-      s.settings.enabled = g_value_get_boolean(value);
-      break;
-    default:
-      if (gst::set_view_property(s.settings.view, id - kFirstOfView, value)) break;
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-  }
+  s.calibration_changed |= id == kCalibration || id == kSettings;
+  if (gst_calib_undistort_field(s, id).set(value)) return;
+  G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
 }
 
 static void gst_calib_undistort_get_property(GObject* object, guint id, GValue* value,
                                              GParamSpec* pspec) {
   State& s = *GST_CALIB_UNDISTORT(object)->state;
   const std::lock_guard guard(s.lock);
-  switch (id) {
-    case kCalibration:
-    case kSettings:
-      gst::set_string(value, s.settings.calibration);
-      break;
-    case kEnabled:
-      g_value_set_boolean(value, s.settings.enabled);
-      break;
-    case kOutputCalibration:
-      gst::set_string(value, s.output_calibration);
-      break;
-    default:
-      if (gst::get_view_property(s.settings.view, id - kFirstOfView, value)) break;
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  if (id == kOutputCalibration) {
+    gst::set_string(value, s.output_calibration);
+  } else if (!gst_calib_undistort_field(s, id).get(value)) {
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
   }
 }
 

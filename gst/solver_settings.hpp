@@ -25,7 +25,7 @@ struct SolverSettings {
   std::string initial;
   bool warp = true;
   bool skew = false;
-  int capture_mode = kCaptureDefault;
+  CaptureChoice capture_mode = kCaptureDefault;
   int min_views = 3;
   int max_views = 0;        // 0: no limit
   double target_error = 0;  // px of expected error; 0: none

@@ -57,9 +57,10 @@ const GEnumValue kFills[] = {
     {number(Outside::kReplicate), "The nearest pixel of the input's border", "replicate"},
     {number(Outside::kMirror), "The input, mirrored at its border", "mirror"},
     {0, nullptr, nullptr}};
-const GEnumValue kDirections[] = {{0, "From the camera's picture to the view", "undistort"},
-                                  {1, "From the view back to the camera's picture", "distort"},
-                                  {0, nullptr, nullptr}};
+const GEnumValue kDirections[] = {
+    {number(Direction::kUndistort), "From the camera's picture to the view", "undistort"},
+    {number(Direction::kDistort), "From the view back to the camera's picture", "distort"},
+    {0, nullptr, nullptr}};
 
 GType enum_type(const char* name, const GEnumValue* values) {
   GType type = g_type_from_name(name);
@@ -136,83 +137,32 @@ void install_view_properties(GObjectClass* object_class, guint first) {
               1, kMutablePlaying));
 }
 
-bool set_view_property(ViewSettings& settings, guint which, const GValue* value) {
+Field view_field(ViewSettings& settings, guint which) {
   switch (which) {
     case kAlpha:
-      settings.alpha = g_value_get_double(value);
-      return true;
+      return settings.alpha;
     case kAlphaMode:
-      settings.alpha_mode = static_cast<AlphaMode>(g_value_get_enum(value));
-      return true;
+      return settings.alpha_mode;
     case kProjection:
-      settings.projection = static_cast<Projection>(g_value_get_enum(value));
-      return true;
+      return settings.projection;
     case kZoom:
-      settings.zoom = g_value_get_double(value);
-      return true;
+      return settings.zoom;
     case kPan:
-      settings.pan = g_value_get_double(value);
-      return true;
+      return settings.pan;
     case kTilt:
-      settings.tilt = g_value_get_double(value);
-      return true;
+      return settings.tilt;
     case kRoll:
-      settings.roll = g_value_get_double(value);
-      return true;
+      return settings.roll;
     case kDirection:
-      settings.distort = g_value_get_enum(value) != 0;
-      return true;
+      return settings.direction;
     case kInterpolation:
-      settings.interpolation = static_cast<Interpolation>(g_value_get_enum(value));
-      return true;
+      return settings.interpolation;
     case kFill:
-      settings.outside = static_cast<Outside>(g_value_get_enum(value));
-      return true;
+      return settings.outside;
     case kThreads:
-      settings.threads = g_value_get_int(value);
-      return true;
+      return settings.threads;
     default:
-      return false;
-  }
-}
-
-bool get_view_property(const ViewSettings& settings, guint which, GValue* value) {
-  switch (which) {
-    case kAlpha:
-      g_value_set_double(value, settings.alpha);
-      return true;
-    case kAlphaMode:
-      g_value_set_enum(value, number(settings.alpha_mode));
-      return true;
-    case kProjection:
-      g_value_set_enum(value, number(settings.projection));
-      return true;
-    case kZoom:
-      g_value_set_double(value, settings.zoom);
-      return true;
-    case kPan:
-      g_value_set_double(value, settings.pan);
-      return true;
-    case kTilt:
-      g_value_set_double(value, settings.tilt);
-      return true;
-    case kRoll:
-      g_value_set_double(value, settings.roll);
-      return true;
-    case kDirection:
-      g_value_set_enum(value, settings.distort ? 1 : 0);
-      return true;
-    case kInterpolation:
-      g_value_set_enum(value, number(settings.interpolation));
-      return true;
-    case kFill:
-      g_value_set_enum(value, number(settings.outside));
-      return true;
-    case kThreads:
-      g_value_set_int(value, settings.threads);
-      return true;
-    default:
-      return false;
+      return {};
   }
 }
 

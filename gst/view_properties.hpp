@@ -7,8 +7,11 @@
 #include <glib-object.h>
 
 #include "calvin/remap/undistorter.hpp"
+#include "field.hpp"
 
 namespace calvin::gst {
+
+enum class Direction { kUndistort, kDistort };
 
 struct ViewSettings {
   double alpha = 0;
@@ -18,11 +21,12 @@ struct ViewSettings {
   double pan = 0;  // degrees
   double tilt = 0;
   double roll = 0;
-  bool distort = false;
+  Direction direction = Direction::kUndistort;
   Interpolation interpolation = Interpolation::kBilinear;
   Outside outside = Outside::kFill;
   int threads = 1;
 
+  [[nodiscard]] bool distort() const { return direction == Direction::kDistort; }
   [[nodiscard]] ViewOptions view() const;
   [[nodiscard]] Sampling sampling() const;
 };
@@ -31,8 +35,7 @@ struct ViewSettings {
 inline constexpr guint kViewProperties = 11;
 void install_view_properties(GObjectClass* object_class, guint first);
 
-// `which` counts from 0. Whoever calls holds the lock of the settings. false: there is none.
-bool set_view_property(ViewSettings& settings, guint which, const GValue* value);
-bool get_view_property(const ViewSettings& settings, guint which, GValue* value);
+// `which` counts from 0.
+[[nodiscard]] Field view_field(ViewSettings& settings, guint which);
 
 }  // namespace calvin::gst
