@@ -296,9 +296,10 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
 
 void CalibSolver::announce(const Job& job, const Solution& solution, const Guidance& now) {
   const Calibration& calibration = solution.calibration;
-  if (job.final) {
+  {
     const std::lock_guard guard(lock_);
-    if (job.generation == generation_) {
+    if (job.generation != generation_) return;
+    if (job.final) {
       final_owed_ = false;
       final_revision_ = job.revision;
     }
@@ -412,6 +413,7 @@ void CalibSolver::forget() {
 bool CalibSolver::remove_view(unsigned index) {
   const std::lock_guard guard(lock_);
   if (!session_.remove_view(index)) return false;
+  ++generation_;  // what is being solved has the view in it
   finished_ = false;
   ++revision_;
   next_solve_ = 0;
