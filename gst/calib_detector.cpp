@@ -187,9 +187,10 @@ void CalibDetector::next_stretch() {
 std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_token& stop) {
   std::vector<Observation> found;
   const ImageView image = job.luma->view(job.picture);
-  for (const auto& [board, detector] : *job.detectors) {
+  for (const BoardDetector& wanted : *job.detectors) {
+    const Board& board = wanted.board;
     const auto begin = std::chrono::steady_clock::now();
-    Detection detection = detector->follow(image, job.times.timestamp, stop);
+    Detection detection = wanted.detector->follow(image, job.times.timestamp, stop);
     const auto taken = std::chrono::steady_clock::now() - begin;
     detection.observation.camera = job.settings.camera;
     detection.observation.board = board.text();

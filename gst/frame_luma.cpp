@@ -80,11 +80,9 @@ bool is_from_bounded_pool(GstBuffer* buffer) {
 }  // namespace
 
 std::optional<MappedFrame> MappedFrame::map(const GstVideoInfo& info, GstBuffer* buffer) {
-  auto frame = std::make_unique<GstVideoFrame>();
-  if (!gst_video_frame_map(frame.get(), &info, buffer, GST_MAP_READ)) return std::nullopt;
   MappedFrame mapped;
-  mapped.frame_.reset(frame.release());
-  return mapped;
+  mapped.mapped_ = gst_video_frame_map(&mapped.frame_, &info, buffer, GST_MAP_READ) != FALSE;
+  return mapped.mapped_ ? std::optional(std::move(mapped)) : std::nullopt;
 }
 
 std::shared_ptr<GrayImage> SparePicture::take(const std::shared_ptr<SparePicture>& spare) {
@@ -171,7 +169,7 @@ void LumaReader::take_gray(const GstVideoFrame& frame, GrayImage& gray) const {
   }
 }
 
-ImageView LumaReader::converted(GstVideoFrame& frame) {
+ImageView LumaReader::converted(const GstVideoFrame& frame) {
   GstVideoFrame gray;
   if (!gst_video_frame_map(&gray, &gray_info_, gray_.get(), GST_MAP_WRITE)) return {};
   gst_video_converter_frame(converter_.get(), &frame, &gray);

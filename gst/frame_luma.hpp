@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include <gst/video/video.h>
 
@@ -21,16 +22,24 @@ class MappedFrame {
   // Absent where the buffer cannot be mapped; see check_frame() for what else can be wrong.
   static std::optional<MappedFrame> map(const GstVideoInfo& info, GstBuffer* buffer);
 
-  [[nodiscard]] GstVideoFrame& operator*() const { return *frame_; }
+  MappedFrame(MappedFrame&& other) noexcept
+      : frame_(other.frame_), mapped_(std::exchange(other.mapped_, false)) {}
+  MappedFrame& operator=(MappedFrame&& other) noexcept {
+    std::swap(frame_, other.frame_);
+    std::swap(mapped_, other.mapped_);
+    return *this;
+  }
+  ~MappedFrame() {
+    if (mapped_) gst_video_frame_unmap(&frame_);
+  }
+
+  [[nodiscard]] const GstVideoFrame& operator*() const { return frame_; }
 
  private:
-  struct Unmap {
-    void operator()(GstVideoFrame* frame) const {
-      gst_video_frame_unmap(frame);
-      delete frame;
-    }
-  };
-  std::unique_ptr<GstVideoFrame, Unmap> frame_;
+  MappedFrame() = default;
+
+  GstVideoFrame frame_{};
+  bool mapped_ = false;
 };
 
 // A frame to look at later, on any thread: its luma alone, or all of it where the luma has to be
@@ -79,7 +88,7 @@ class LumaReader {
 
   [[nodiscard]] Status set_format();
   [[nodiscard]] Picture copy(GstBuffer* buffer) const;
-  [[nodiscard]] ImageView converted(GstVideoFrame& frame);
+  [[nodiscard]] ImageView converted(const GstVideoFrame& frame);
   // Of a frame that needs no converter.
   void take_gray(const GstVideoFrame& frame, GrayImage& gray) const;
 

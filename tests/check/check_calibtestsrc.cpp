@@ -196,10 +196,9 @@ GST_END_TEST;
 GST_START_TEST(test_a_seek_before_the_start_is_kept) {
   g_autoptr(GstElement) pipeline = gst_parse_launch(
       "calibtestsrc name=src ! video/x-raw,format=GRAY8,width=32,height=32,framerate=30/1 ! "
-      "fakesink name=sink",
+      "fakesink",
       nullptr);
   g_autoptr(GstElement) source = gst_bin_get_by_name(GST_BIN(pipeline), "src");
-  g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "sink");
   gst_element_set_state(pipeline, GST_STATE_READY);
   gst_element_send_event(
       source, gst_event_new_seek(1, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH, GST_SEEK_TYPE_SET,

@@ -210,15 +210,14 @@ GST_END_TEST;
 // Chains that people have, whole: a Raspberry Pi that sends RTP, a server with a raw and an
 // undistorted branch, and one that feeds a detector. The shell takes away one level of quotes.
 static const char* const kChains[] = {
-    "videotestsrc num-buffers=3 ! video/x-raw,width=800,height=600 ! jpegenc ! jpegdec ! videocrop "
-    "left=80 right=80 top=60 bottom=60 ! %s settings=\"%s\" ! jpegenc ! rtpjpegpay ! "
-    "fakesink",
-    "videotestsrc num-buffers=3 ! video/x-raw,width=640,height=480 ! videoconvert ! tee name=t t. "
-    "! "
-    "queue ! fakesink async=false t. ! queue ! videoconvert ! %s settings=\"%s\" ! videoconvert ! "
-    "fakesink",
-    "videotestsrc num-buffers=3 ! video/x-raw,format=BGR,width=640,height=480 ! %s alpha=0.3 "
-    "settings=\"%s\" ! videoconvert ! video/x-raw,format=I420 ! fakesink"};
+    ("videotestsrc num-buffers=3 ! video/x-raw,width=800,height=600 ! jpegenc ! jpegdec ! "
+     "videocrop left=80 right=80 top=60 bottom=60 ! %s settings=\"%s\" ! jpegenc ! rtpjpegpay ! "
+     "fakesink"),
+    ("videotestsrc num-buffers=3 ! video/x-raw,width=640,height=480 ! videoconvert ! tee name=t "
+     "t. ! queue ! fakesink async=false "
+     "t. ! queue ! videoconvert ! %s settings=\"%s\" ! videoconvert ! fakesink"),
+    ("videotestsrc num-buffers=3 ! video/x-raw,format=BGR,width=640,height=480 ! %s alpha=0.3 "
+     "settings=\"%s\" ! videoconvert ! video/x-raw,format=I420 ! fakesink")};
 
 GST_START_TEST(test_chains_of_the_peer_work_by_changing_one_word) {
   std::string escaped;

@@ -6,6 +6,11 @@
 
 #include "glsl_shim.hpp"
 
+// That a keyword gets another meaning is the point.
+#ifdef __clang__
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wkeyword-macro"
+#endif
 #define float double
 #define varying inline
 #define uniform inline
@@ -33,3 +38,6 @@ namespace shader_tilted {
 #undef float
 #undef varying
 #undef uniform
+#ifdef __clang__
+#pragma clang diagnostic pop
+#endif
