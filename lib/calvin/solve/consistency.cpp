@@ -157,18 +157,22 @@ class Judge {
       return;
     }
     const auto reduced = problem.reduced();
-    held_out_.push_back(reduced ? held_out(*reduced, points.count()) : kUnknown);
+    held_out_.push_back(reduced ? held_out(*reduced, fit_.views[v]) : kUnknown);
     if (reduced) add_view(*reduced);
     add_residuals(v, points);
   }
 
-  // The optimum without a view is one step away: (H - I) d = g.
-  double held_out(const CameraProblem::Reduced& view, std::size_t corners) const {
+  // The optimum without a view is one step away: (H - I) d = g. Weights depend on how well a model
+  // tells the views: a mean over them has the unit of the corners.
+  double held_out(const CameraProblem::Reduced& view, const PointSet& points) const {
     const auto step = scaled_solve(fit_.information - view.information, view.gradient, 0);
     if (!step) return kUnknown;
     const Eigen::VectorXd d = step->col(0);
     const double cost = view.cost + 2 * view.gradient.dot(d) + d.dot(view.information * d);
-    return cost / (static_cast<double>(corners) - RowLayout::kPose / 2.0);
+    double weights = 0;
+    for (const double w : points.weight) weights += w * w;
+    const auto corners = static_cast<double>(points.used());
+    return cost / weights * corners / (corners - RowLayout::kPose / 2.0);
   }
 
   void add_view(const CameraProblem::Reduced& view) {
