@@ -96,6 +96,49 @@ TEST_P(EveryModel, AnUnchangedCameraHasNotMoved) {
   }
 }
 
+// A board that bends by 0.5 mm, which the calibration has found out.
+TEST(Recheck, ABentBoardIsNoChangeOfTheCamera) {
+  constexpr double kBend = 0.5e-3;
+  const auto bend = [](View& view, const Camera& camera, const SE3& pose, Random& random) {
+    std::normal_distribution<double> noise(0, 0.05);
+    const auto points = view.board.points();
+    for (std::size_t i = 0; i < view.observation.ids.size(); ++i) {
+      Eigen::Vector3d point = points[static_cast<std::size_t>(view.observation.ids[i])];
+      const double x = 2 * point.x() / points.back().x() - 1;
+      point.z() = kBend * (1 - x * x);
+      const Pixel at = camera.project(pose * point).value();
+      view.observation.uv[i] = {at.u + noise(random), at.v + noise(random)};
+    }
+    view.observation.sigma.assign(view.observation.ids.size(), 0.05);
+  };
+  int alarms = 0;
+  constexpr int kSessions = 20;
+  for (int session = 0; session < kSessions; ++session) {
+    Random random(session);
+    const Camera camera = scenes::random_camera("brown5", random);
+    const auto bent_views = [&](int count) {
+      std::vector<View> views;
+      for (const SE3& pose : scenes::random_poses(camera, kBoard, random, count)) {
+        views.push_back(scenes::observe(camera, kBoard, pose, 0, random));
+        bend(views.back(), camera, pose, random);
+      }
+      return views;
+    };
+    const auto solution = solve(bent_views(25), kSize, {});
+    ASSERT_TRUE(solution && solution->calibration.warp);
+    Recheck recheck(Camera::make(solution->calibration).value(), solution->calibration);
+    double moved = 0;
+    for (const View& view : bent_views(15)) {
+      const auto report = recheck.add(view);
+      ASSERT_TRUE(report);
+      moved = report->moved;
+      EXPECT_LT(report->rms, 0.1);
+    }
+    alarms += moved > 2 * solution->calibration.expected_error.value();
+  }
+  EXPECT_LE(alarms, kSessions / 20);
+}
+
 TEST_P(EveryModel, AChangedCameraHasMovedByWhatItHas) {
   for (int session = 0; session < 20; ++session) {
     Random random(session);

@@ -115,4 +115,15 @@ BoardShape make_shape(const Board& board, const SolveOptions& options) {
   return maker.take();
 }
 
+std::vector<Eigen::Vector3d> bent_points(const Board& board, const BoardWarp& warp) {
+  Points points = board.points();
+  const Eigen::VectorXd along_x = field_over(points, bent_along_x);
+  const Eigen::VectorXd along_y = field_over(points, bent_along_y);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto at = 3 * static_cast<Eigen::Index>(i);
+    points[i] += warp.kx * along_x.segment<3>(at) + warp.ky * along_y.segment<3>(at);
+  }
+  return points;
+}
+
 }  // namespace calvin

@@ -33,4 +33,7 @@ struct BoardShape {
 // curvature: poses, focal lengths and the other modes have these.
 [[nodiscard]] BoardShape make_shape(const Board& board, const SolveOptions& options);
 
+// The control points of a board that is bent so, m, board frame.
+[[nodiscard]] std::vector<Eigen::Vector3d> bent_points(const Board& board, const BoardWarp& warp);
+
 }  // namespace calvin

@@ -7,13 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "calvin/solve/board_shape.hpp"
 #include "calvin/solve/pose_fit.hpp"
 #include "calvin/solve/weights.hpp"
 
 namespace calvin {
 
 Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observation& observation,
-                       PoseQuality* quality) {
+                       PoseQuality* quality, const BoardWarp& warp) {
   const ImageSize size = camera.image_size();
   if (observation.image_size.width > 0 && observation.image_size != size) {
     return make_error(
@@ -26,7 +27,7 @@ Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observati
   if (const Status status = check({observation, board}, size); !status) {
     return tl::unexpected<Error>(status.error());
   }
-  std::vector<PointSet> view = {to_points(board.points(), observation)};
+  std::vector<PointSet> view = {to_points(bent_points(board, warp), observation)};
   (void)normalise_weights(view);
   const auto rays = rays_of(view[0], camera);
   for (std::size_t i = 0; i < rays.size(); ++i) {

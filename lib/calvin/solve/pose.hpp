@@ -23,9 +23,9 @@ struct PoseQuality {
 // sight (T. Collins, A. Bartoli, Infinitesimal Plane-Based Pose Estimation, IJCV 109(3), 2014);
 // both are refined and the better one is returned. Corners that no ray of the camera leads to are
 // left out. kInvalidArgument for a broken observation, kDegenerate where fewer than 4 corners are
-// left or all lie on one line.
+// left or all lie on one line. `warp`: how the board is bent.
 [[nodiscard]] Result<SE3> solve_pose(const Camera& camera, const Board& board,
-                                     const Observation& observation,
-                                     PoseQuality* quality = nullptr);
+                                     const Observation& observation, PoseQuality* quality = nullptr,
+                                     const BoardWarp& warp = {});
 
 }  // namespace calvin

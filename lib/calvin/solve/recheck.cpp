@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/solve/board_shape.hpp"
 #include "calvin/solve/camera_problem.hpp"
 #include "calvin/solve/pose.hpp"
 #include "calvin/solve/projection_grid.hpp"
@@ -99,16 +100,19 @@ Recheck::Recheck(const Camera& camera, const Calibration& calibration)
     : camera_(camera),
       columns_(columns_of(camera, calibration)),
       grid_(projection_grid(camera, columns_)),
-      covariance_(covariance_of(camera, calibration, columns_)) {
+      covariance_(covariance_of(camera, calibration, columns_)),
+      board_(calibration.board),
+      warp_(calibration.warp.value_or(BoardWarp{})) {
   prior_ = prior_of(grid_, static_cast<Eigen::Index>(columns_.size()),
                     kPriorWidth * camera.image_size().width);
 }
 
 Result<RecheckReport> Recheck::add(const View& view) {
   PoseQuality quality;
-  const auto pose = solve_pose(camera_, view.board, view.observation, &quality);
+  const BoardWarp warp = view.board.text() == board_ ? warp_ : BoardWarp{};
+  const auto pose = solve_pose(camera_, view.board, view.observation, &quality, warp);
   if (!pose) return tl::unexpected<Error>(pose.error());
-  const PointSet points = to_points(view.board.points(), view.observation);
+  const PointSet points = to_points(bent_points(view.board, warp), view.observation);
   if (const auto normal = condense(points, camera_, *pose)) {
     Condensed condensed;
     condensed.board = view.board.text();

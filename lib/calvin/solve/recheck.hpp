@@ -29,7 +29,7 @@ struct RecheckReport {
 // this step makes over the image, a mere turn of the camera left out, less twice the standard
 // deviation that the noise of the corners and the covariance of the calibration give it: 0 unless
 // the views prove that the camera is another one now. For a camera that moved much it is an
-// estimate of first order.
+// estimate of first order. The board that the calibration was made with is bent as it was then.
 //
 // Not thread-safe.
 class Recheck {
@@ -60,6 +60,8 @@ class Recheck {
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> grid_;  // see solve/projection_grid.hpp
   Eigen::MatrixXd prior_;                                       // information
   Eigen::MatrixXd covariance_;                                  // of the calibration
+  std::string board_;                                           // that it was made with
+  BoardWarp warp_;                                              // of that
   std::vector<Condensed> views_;                                // the latest last
 };
 
