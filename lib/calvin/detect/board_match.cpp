@@ -126,8 +126,9 @@ bool has_size_of(const Extent& e, const Board& board) {
          (e.cols() == board.rows && e.rows() == board.cols);
 }
 
-// Every way in which the lattice can be (a part of) the board.
-std::vector<Placement> placements(const Board& board, const Extent& e, const Edges& edges) {
+// Every way in which the lattice can be (a part of) the board, of these colours or of any.
+std::vector<Placement> placements(const Board& board, const Extent& e, const Edges& edges,
+                                  bool any_colours = false) {
   std::vector<Placement> all;
   for (int quarter = 0; quarter < 4; ++quarter) {
     const int cols = quarter % 2 == 0 ? board.cols : board.rows;
@@ -143,7 +144,7 @@ std::vector<Placement> placements(const Board& board, const Extent& e, const Edg
     for (int row = first.row; row <= last.row; ++row) {
       for (int col = first.col; col <= last.col; ++col) {
         const Placement p = {quarter, {col, row}, cols, rows};
-        if (colours_fit(p)) all.push_back(p);
+        if (any_colours || colours_fit(p)) all.push_back(p);
       }
     }
   }
@@ -279,7 +280,9 @@ Match match_board(const ImageView& image, const Board& board, Lattice& lattice) 
   // A whole board may lack the margin that tells its edge.
   const Edges edges = match.whole ? Edges{} : edges_of(image, lattice, e);
   if (!is_enough(lattice, board, e, edges)) return match;
-  const auto all = placements(board, e, edges);
+  auto all = placements(board, e, edges);
+  // Inverted, or printed with the other colours: where all of it is there they tell nothing more.
+  if (all.empty() && match.whole) all = placements(board, e, edges, true);
   if (all.empty()) {
     match.reason = Reason::kWrongBoard;
     match.certain = edges.count() == 4;
