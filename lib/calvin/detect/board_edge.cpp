@@ -105,11 +105,9 @@ std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, C
   return p;
 }
 
-}  // namespace
-
-Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
-                   Cell outwards) {
-  if (image.width < 2 || image.height < 2) return Edge::kNotSeen;
+// Whether the board ends beyond a line, by what is in sight up to `reach` squares from it.
+Edge look_up_to(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
+                Cell outwards, float reach) {
   // By the colour of the squares: [0] those of even cells, [1] of odd ones.
   struct Squares {
     int ends = 0;
@@ -123,11 +121,7 @@ Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first, C
   for (int i = 0; i + 1 < count; ++i) {
     const Cell cell = first + i * step;
     if (!lattice.has(cell) || !lattice.has(cell + step)) continue;
-    std::optional<Profile> p;
-    for (const float to : kTo) {
-      p = profile(image, lattice, cell, step, outwards, to);
-      if (p) break;
-    }
+    const auto p = profile(image, lattice, cell, step, outwards, reach);
     if (!p) continue;
     ++seen;
     const float contrast = std::max(lattice.at(cell).contrast, 1.0F);
@@ -148,6 +142,19 @@ Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first, C
         static_cast<float>(ending.ends + others) >= kLeastShare * static_cast<float>(seen)) {
       return ending.brightness > 0 ? Edge::kDarkMargin : Edge::kBrightMargin;
     }
+  }
+  return Edge::kNotSeen;
+}
+
+}  // namespace
+
+Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
+                   Cell outwards) {
+  if (image.width < 2 || image.height < 2) return Edge::kNotSeen;
+  // The image may end soon, or the margin.
+  for (const float reach : kTo) {
+    const Edge edge = look_up_to(image, lattice, first, step, count, outwards, reach);
+    if (edge != Edge::kNotSeen) return edge;
   }
   return Edge::kNotSeen;
 }
