@@ -292,7 +292,7 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   float radius = last_radius(spacing, width);
   SaddleFit best = first;
   best.noise = std::numeric_limits<float>::infinity();
-  for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= 0.6F) {
+  for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= 0.75F) {
     SaddleFit f = first;
     if (!fit_saddle(image, radius, 8, f)) continue;
     // Squares that are parted sharply look like noise if the corner is not in a pixel's middle.
