@@ -39,10 +39,10 @@ class Subject {
  public:
   using Detect = std::function<calvin::Observation(const cv::Mat&, const calvin::Board&)>;
   Subject(std::string subject, Detect detect, bool square = false)
-      : name(std::move(subject)), square_only(square), detect_(std::move(detect)) {}
+      : name(std::move(subject)), square_only_(square), detect_(std::move(detect)) {}
 
   [[nodiscard]] Found look(const cv::Mat& image, const calvin::Board& board) const {
-    if (square_only && board.cols != board.rows) return {};
+    if (square_only_ && board.cols != board.rows) return {};
     const double begin = thread_ms();
     Found found{detect_(image, board), 0};
     found.ms = thread_ms() - begin;
@@ -50,9 +50,9 @@ class Subject {
   }
 
   std::string name;
-  bool square_only;  // knows no board that has more columns than rows
 
  private:
+  bool square_only_;  // knows no board that has more columns than rows
   Detect detect_;
 };
 
