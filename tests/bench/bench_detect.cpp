@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Detectors beside each other: recall, corner error, time with and without a board, and real sets.
+// Detectors beside each other: recall, corner error, time with and without a board and in a video,
+// and real sets.
 //   bench_detect [IMAGES] [NEGATIVES] [WIDTH HEIGHT]
 // IMAGES per class (200) at 1920x1080; 1000 NEGATIVES. With CALVIN_DATA the real sets too.
 // CALVIN_BENCH_PEERS=0: ours alone, which takes seconds instead of hours. CALVIN_BENCH_CLASS: the
@@ -18,6 +19,8 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "calvin/synth/motion.hpp"
+#include "calvin/synth/render.hpp"
 #include "detect_scenes.hpp"
 #include "detect_subjects.hpp"
 
@@ -207,6 +210,40 @@ void negatives(const std::vector<Subject>& all, int images, calvin::ImageSize si
     }
   }
   print_times("without the board", all, ms, found);
+  std::fflush(stdout);
+}
+
+// A board that a hand moves, 1280x720: each frame followed from the one before, and searched.
+void videos(int frames) {
+  const auto board = calvin::parse_board("checkerboard:9x6:25mm").value();
+  const calvin::Camera camera = calvin::default_camera({1280, 720});
+  const calvin::BoardRenderer renderer(camera);
+  const auto follower = std::move(*calvin::make_detector(board));
+  const auto searcher = std::move(*calvin::make_detector(board));
+  std::vector<double> followed;
+  std::vector<double> searched;
+  int found = 0;
+  for (int n = 0; n < frames; ++n) {
+    constexpr int kScene = 60;  // frames, 2 s
+    const auto seed = static_cast<std::uint64_t>(n / kScene);
+    const calvin::Motion motion(calvin::MotionKind::kHand, camera, board, seed);
+    const calvin::GrayImage image =
+        renderer.render(board, motion.camera_from_board(n % kScene / 30.0),
+                        {.noise = 2, .blur = 0.8, .seed = static_cast<std::uint64_t>(n)});
+    const double begin = thread_ms();
+    const auto seen = follower->follow(image.view(), static_cast<std::uint64_t>(n) * 33'333'333);
+    const double middle = thread_ms();
+    (void)searcher->detect(image.view());
+    followed.push_back(middle - begin);
+    searched.push_back(thread_ms() - middle);
+    found += seen.observation.found();
+  }
+  std::printf("\n%-18s %8s %8s %8s %8s\n", "hand video, 720p", "frames", "found", "median", "p95");
+  std::printf("%-18s %8d %8d %8.2f %8.2f\n", "followed", frames, found, quantile(followed, 0.5),
+              quantile(followed, 0.95));
+  std::printf("%-18s %8d %8s %8.2f %8.2f\n", "searched", frames, "", quantile(searched, 0.5),
+              quantile(searched, 0.95));
+  std::fflush(stdout);
 }
 
 struct RealSet {
@@ -274,6 +311,7 @@ int main(int argc, char** argv) {
   const char* peers = std::getenv("CALVIN_BENCH_PEERS");
   if (peers != nullptr && std::string_view(peers) == "0") all.resize(1, all.front());
 
+  bench::videos(3 * images);
   std::vector<bench::Score> totals(all.size());
   bench::classes(all, images, size, totals);
   std::vector<std::vector<double>> ms;
