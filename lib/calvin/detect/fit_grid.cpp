@@ -75,6 +75,10 @@ Surface<kDegree> surface_of(const Lattice& lattice, FitGrid& fits, H has) {
   all.solve();
   const auto off = [&](Cell c) { return std::abs(fits.number(c) - static_cast<float>(all.at(c))); };
   const float most = kOut * fits.median_where(lattice, has, off);
+  bool none = true;
+  lattice.for_each(
+      [&](Cell c, const Node& /*node*/) { none = none && !(has(c) && off(c) > most); });
+  if (none) return all;
   Surface<kDegree> kept;
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     if (has(c) && off(c) <= most) kept.add(c, static_cast<double>(fits.number(c)));
@@ -118,6 +122,10 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
     fits.number(c) = static_cast<float>(bend(fits.at(c - step), f, fits.at(c + step), normal));
   });
   const auto surface = surface_of<3>(lattice, fits, has_own);
+  // What is left of them beside the surface.
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    if (has_own(c)) fits.number(c) -= static_cast<float>(surface.at(c));
+  });
   // What the nodes around one say of its bend counts as much as the surface is off by more than
   // their noise explains: next to nothing but for a fisheye.
   const auto around = [&](Cell c) {
@@ -127,7 +135,7 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
       for (int col = -1; col <= 1; ++col) {
         const Cell other = c + Cell{col, row};
         if (!has_own(other)) continue;
-        sum += fits.number(other) - static_cast<float>(surface.at(other));
+        sum += fits.number(other);
         count += 1;
       }
     }

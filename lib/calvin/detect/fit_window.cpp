@@ -11,6 +11,8 @@
 #include <cmath>
 #include <utility>
 
+#include <hwy/cache_control.h>
+
 #include "calvin/detect/fit_window.hpp"
 
 #ifndef CALVIN_DETECT_FIT_WINDOW_RANGE
@@ -41,24 +43,29 @@ namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Some pixels of a row, at the middle of which `row` is.
-void append(const std::uint8_t* row, Range range, float y, Window& window) {
+// Some pixels of a row, at the middle of which `row` is; it ends before `end`.
+void append(const std::uint8_t* row, Range range, int end, float y, Window& window) {
   const hn::ScalableTag<float> d;
   const hn::RebindToSigned<decltype(d)> integers;
   const hn::Rebind<std::uint8_t, decltype(d)> bytes;
   const auto lanes = static_cast<int>(hn::Lanes(d));
+  const auto height = hn::Set(d, y);
   int dx = range.first;
-  for (; dx + lanes <= range.last + 1; dx += lanes, window.count += lanes) {
+  // What the last vector has too much is overwritten by the next one.
+  for (; dx <= range.last && dx + lanes <= end; dx += lanes) {
+    const int at = window.count + dx - range.first;
     const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
-    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + window.count);
-    hn::StoreU(hn::Set(d, y), d, window.y + window.count);
-    hn::StoreU(grey, d, window.grey + window.count);
+    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + at);
+    hn::StoreU(height, d, window.y + at);
+    hn::StoreU(grey, d, window.grey + at);
   }
   for (; dx <= range.last; ++dx) {
-    window.x[window.count] = static_cast<float>(dx);
-    window.y[window.count] = y;
-    window.grey[window.count++] = row[dx];
+    const int at = window.count + dx - range.first;
+    window.x[at] = static_cast<float>(dx);
+    window.y[at] = y;
+    window.grey[at] = row[dx];
   }
+  window.count += std::max(range.last - range.first + 1, 0);
 }
 
 void gather(const ImageView& image, int x, int y, float radius, float band, Direction along,
@@ -67,7 +74,15 @@ void gather(const ImageView& image, int x, int y, float radius, float band, Dire
   const int reach = static_cast<int>(radius + kRim);
   window.count = 0;
   window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
-  for (int dy = std::max(-reach, -y); dy <= std::min(reach, image.height - 1 - y); ++dy) {
+  const int top = std::max(-reach, -y);
+  const int bottom = std::min(reach, image.height - 1 - y);
+  // A frame of a video is not in the cache, and rows far from each other are not foreseen.
+  for (int dy = top; dy <= bottom; ++dy) {
+    const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
+    hwy::Prefetch(row - std::min(reach, x));
+    hwy::Prefetch(row + std::min(reach, image.width - 1 - x));
+  }
+  for (int dy = top; dy <= bottom; ++dy) {
     const auto v = static_cast<float>(dy);
     const int half = static_cast<int>(std::sqrt(limit - v * v));
     const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
@@ -78,8 +93,8 @@ void gather(const ImageView& image, int x, int y, float radius, float band, Dire
     if (a.first > a.last) std::swap(a, b);
     // The second without what the first has.
     b.first = std::max(b.first, a.last + 1);
-    append(row, a, v, window);
-    append(row, b, v, window);
+    append(row, a, image.width - x, v, window);
+    append(row, b, image.width - x, v, window);
   }
   // What the last vector reads beyond them is multiplied by 0, so it must be a number.
   std::fill_n(window.x + window.count, kLongestVector, 0.0F);

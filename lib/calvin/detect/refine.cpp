@@ -15,6 +15,7 @@ namespace {
 
 constexpr float kFirstRadius = 8;     // px
 constexpr float kCloseRadius = 4.5F;  // px
+constexpr float kSmaller = 0.75F;     // than a window with something else in it is the next one
 constexpr float kPrune = 0.3F;        // of the spacing
 constexpr int kFewestNodes = 4;
 constexpr float kRoughly = 0.1F;         // px, where a better fit follows
@@ -116,35 +117,43 @@ bool shows_four_squares(const ImageView& image, const SaddleFit& fit, float spac
   return true;
 }
 
+// Whether the ring around a fit that is too noisy for a corner says that it is one all the same.
+bool has_ring(const ImageView& image, const SaddleFit& fit) {
+  constexpr float kAsymmetry = 0.8F;
+  const int x = static_cast<int>(std::lround(fit.x));
+  const int y = static_cast<int>(std::lround(fit.y));
+  const bool has_room = x >= kRingReach && y >= kRingReach && x < image.width - kRingReach &&
+                        y < image.height - kRingReach;
+  Corner corner;
+  return !has_room || check_ring(image, x, y, RingSize::kLarge, kAsymmetry, corner);
+}
+
 // Whether there is a corner where a node was guessed, by a fit that knows its edges.
 bool look_at_guess(const ImageView& image, const Lattice& lattice, Cell c, Node& node) {
-  constexpr float kAsymmetry = 0.8F;
   constexpr float kContrast = 0.35F;  // of a neighbour's
   constexpr float kResidual = 0.35F;  // of the contrast
   constexpr float kNoise = 0.1F;      // of the contrast: symmetric, whatever the ring says
   const float spacing = spacing_at(lattice, c);
-  SaddleFit f = fit_of(node);
-  f.along_width = f.down_width = std::max(2.0F, node.width);
-  const float radius = std::clamp(kShare * spacing, kLeastRadius, kLastRadius);
-  if (!fit_saddle(image, radius, 10, f)) return false;
-  if (f.residual > kOfNoise * f.noise) fit_parted(image, radius, 10, f);
-  if (!colours_fit(f, c) || 2 * f.swing() < kContrast * node.contrast ||
-      distance(f, node) > 0.3F * spacing || f.residual > kResidual * f.swing() ||
-      !shows_four_squares(image, f, spacing)) {
-    return false;
+  float radius = std::clamp(kShare * spacing, kLeastRadius, kLastRadius);
+  // A finger next to the corner is not in a smaller window.
+  for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= kSmaller) {
+    SaddleFit f = fit_of(node);
+    f.along_width = f.down_width = std::max(2.0F, node.width);
+    if (!fit_saddle(image, radius, 10, f)) return false;
+    if (f.residual > kOfNoise * f.noise) fit_parted(image, radius, 10, f);
+    if (!colours_fit(f, c) || 2 * f.swing() < kContrast * node.contrast ||
+        distance(f, node) > 0.3F * spacing) {
+      return false;
+    }
+    if (f.residual > kResidual * f.swing() || !shows_four_squares(image, f, spacing) ||
+        (f.noise > kNoise * f.swing() && !has_ring(image, f))) {
+      continue;
+    }
+    take(f, node);
+    node.guessed = false;
+    return true;
   }
-  const int x = static_cast<int>(std::lround(f.x));
-  const int y = static_cast<int>(std::lround(f.y));
-  const bool has_room = x >= kRingReach && y >= kRingReach && x < image.width - kRingReach &&
-                        y < image.height - kRingReach;
-  Corner corner;
-  if (has_room && f.noise > kNoise * f.swing() &&
-      !check_ring(image, x, y, RingSize::kLarge, kAsymmetry, corner)) {
-    return false;
-  }
-  take(f, node);
-  node.guessed = false;
-  return true;
+  return false;
 }
 
 }  // namespace
@@ -292,7 +301,7 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   float radius = last_radius(spacing, width);
   SaddleFit best = first;
   best.noise = std::numeric_limits<float>::infinity();
-  for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= 0.6F) {
+  for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= kSmaller) {
     SaddleFit f = first;
     if (!fit_saddle(image, radius, 8, f)) continue;
     // Squares that are parted sharply look like noise if the corner is not in a pixel's middle.

@@ -1,175 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "calvin/detect/saddle_fit.cpp"
-#include <hwy/foreach_target.h>
-// The order matters: Highway includes this file again for each target from the line above.
-#include <hwy/highway.h>
-// Likewise.
-#include "calvin/detect/saddle_model-inl.hpp"
+#include "calvin/detect/saddle_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 #include "calvin/detect/fit_window.hpp"
-#include "calvin/detect/saddle_fit.hpp"
-
-#ifndef CALVIN_DETECT_SADDLE_FIT_TYPES
-#define CALVIN_DETECT_SADDLE_FIT_TYPES
-namespace calvin::detect {
-
-// The unknowns, in this order: the widths by their logarithms, the directions by angles. The place
-// comes last, so that its covariance is to be had from the last of the triangular factor.
-enum Unknown {
-  kAlong,
-  kDown,
-  kLevel,
-  kContrast,
-  kAlongWidth,
-  kDownWidth,
-  kGain,
-  kX,
-  kY,
-  kUnknowns
-};
-inline constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
-// The two of each product, in this order.
-struct Pairs {
-  int first[kProducts];
-  int second[kProducts];
-};
-inline constexpr Pairs kPairs = [] {
-  Pairs pairs{};
-  int k = 0;
-  for (int p = 0; p < kUnknowns; ++p) {
-    for (int q = p; q < kUnknowns; ++q, ++k) {
-      pairs.first[k] = p;
-      pairs.second[k] = q;
-    }
-  }
-  return pairs;
-}();
-inline constexpr float kWhite = 255;
-
-// J^T W J (upper triangle, row by row), J^T W e and e^T W e.
-struct Normal {
-  float products[kProducts];
-  float gradient[kUnknowns];
-  float square;
-  float count;  // of pixels that tell something
-};
-
-}  // namespace calvin::detect
-#endif
-
-HWY_BEFORE_NAMESPACE();
-namespace calvin::detect::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-// Adds to J^T J and J^T e. Written out for the compiler, which keeps arrays in memory that it does
-// not see all indices of.
-template <class V, std::size_t... K, std::size_t... P>
-HWY_INLINE void add_products(const V* j, V e, V* products, V* gradient,
-                             std::index_sequence<K...> /*products*/,
-                             std::index_sequence<P...> /*unknowns*/) {
-  ((products[K] = hn::MulAdd(j[kPairs.first[K]], j[kPairs.second[K]], products[K])), ...);
-  ((gradient[P] = hn::MulAdd(j[P], e, gradient[P])), ...);
-}
-
-// `x`, `y`: of the fit's corner from the window's middle.
-void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y,
-                Normal& normal) {
-  const hn::ScalableTag<float> d;
-  using V = hn::Vec<decltype(d)>;
-  const auto set = [&](float v) { return hn::Set(d, v); };
-  constexpr float kRoot = 0.70710678F;  // a Gaussian's sigma is 1/sqrt(2) of the erf's scale
-  const V along_x = set(fit.along.x), along_y = set(fit.along.y);
-  const V down_x = set(fit.down.x), down_y = set(fit.down.y);
-  const V wide_a = set(kRoot / fit.along_width), wide_b = set(kRoot / fit.down_width);
-  const V half_bend_a = set(0.5F * fit.along_bend), half_bend_b = set(0.5F * fit.down_bend);
-  const V level = set(fit.level), contrast = set(fit.contrast);
-  const V one = set(1);
-
-  V products[kProducts];
-  V gradient[kUnknowns];
-  V square = hn::Zero(d);
-  V count = hn::Zero(d);
-  for (V& p : products) p = hn::Zero(d);
-  for (V& g : gradient) g = hn::Zero(d);
-
-  const auto lanes = static_cast<int>(hn::Lanes(d));
-  for (int i = 0; i < window.count; i += lanes) {
-    const V dx = hn::Sub(hn::LoadU(d, window.x + i), set(x));
-    const V dy = hn::Sub(hn::LoadU(d, window.y + i), set(y));
-    const V ua = hn::MulAdd(along_x, dx, hn::Mul(along_y, dy));
-    const V ub = hn::MulAdd(down_x, dx, hn::Mul(down_y, dy));
-    const V straight_a = hn::Sub(hn::Mul(along_x, dy), hn::Mul(along_y, dx));
-    const V straight_b = hn::Sub(hn::Mul(down_y, dx), hn::Mul(down_x, dy));
-    const V a = hn::Mul(hn::NegMulAdd(half_bend_a, hn::Mul(ua, ua), straight_a), wide_a);
-    const V b = hn::Mul(hn::NegMulAdd(half_bend_b, hn::Mul(ub, ub), straight_b), wide_b);
-    const Saddle<V> saddle =
-        fit.has_gain ? parted_saddle(d, a, b, fit.gain, wide_a, wide_b) : plain_saddle(d, a, b);
-    const V local = hn::MulAdd(set(fit.contrast_slope.x), dx,
-                               hn::MulAdd(set(fit.contrast_slope.y), dy, contrast));
-    const V base = hn::MulAdd(set(fit.slope.x), dx, hn::MulAdd(set(fit.slope.y), dy, level));
-    const V model = hn::MulAdd(local, saddle.value, base);
-
-    // The last vector may reach beyond the window. A white pixel only tells that it is no darker, a
-    // black one that it is no brighter.
-    const auto inside = hn::FirstN(d, static_cast<std::size_t>(window.count - i));
-    const V grey = hn::LoadU(d, window.grey + i);
-    const V below = hn::IfThenElse(hn::Ge(grey, set(kWhite)), hn::Min(model, grey), model);
-    const V seen = hn::IfThenElse(hn::Le(grey, hn::Zero(d)), hn::Max(below, grey), below);
-    const auto told = hn::And(inside, hn::Eq(seen, model));
-    const V error = hn::IfThenElseZero(told, hn::Sub(grey, model));
-    hn::StoreU(error, d, window.error + i);
-    count = hn::Add(count, hn::IfThenElseZero(told, one));
-    // The disc is one about the corner, not about a pixel: its rim has pixels in part, the square
-    // root of their weight falls from 1 to 0.
-    const V square_distance = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
-    const V rim = hn::MulAdd(square_distance, set(-0.5F / radius), set(0.5F * radius + 0.5F));
-    const V in = hn::IfThenElseZero(told, hn::Min(hn::Max(rim, hn::Zero(d)), one));
-    const V e = hn::Mul(in, error);
-    const V scale = hn::Mul(in, local);
-    const V by_a = hn::Mul(hn::Mul(scale, wide_a), saddle.by_a);
-    const V by_b = hn::Mul(hn::Mul(scale, wide_b), saddle.by_b);
-    V j[kUnknowns];
-    j[kX] = hn::Sub(hn::Mul(by_a, along_y), hn::Mul(by_b, down_y));
-    j[kY] = hn::Sub(hn::Mul(by_b, down_x), hn::Mul(by_a, along_x));
-    j[kAlong] = hn::Neg(hn::Mul(by_a, ua));
-    j[kDown] = hn::Mul(by_b, ub);
-    j[kLevel] = in;
-    j[kContrast] = hn::Mul(in, saddle.value);
-    j[kAlongWidth] = hn::Neg(hn::Mul(scale, saddle.width_a));
-    j[kDownWidth] = hn::Neg(hn::Mul(scale, saddle.width_b));
-    j[kGain] = hn::Mul(scale, saddle.gain);
-    add_products(j, e, products, gradient, std::make_index_sequence<kProducts>(),
-                 std::make_index_sequence<kUnknowns>());
-    square = hn::MulAdd(e, e, square);
-  }
-  for (int k = 0; k < kProducts; ++k)
-    normal.products[k] = hn::GetLane(hn::SumOfLanes(d, products[k]));
-  for (int p = 0; p < kUnknowns; ++p)
-    normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
-  normal.square = hn::GetLane(hn::SumOfLanes(d, square));
-  normal.count = hn::GetLane(hn::SumOfLanes(d, count));
-}
-
-}  // namespace calvin::detect::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-
-#include <limits>
+#include "calvin/detect/saddle_sums.hpp"
 
 namespace calvin::detect {
 
 namespace {
-
-HWY_EXPORT(accumulate);
 
 constexpr float kLeastContrast = 3;      // grey levels
 constexpr float kLeastWidth = 0.2F;      // px
@@ -185,9 +28,11 @@ constexpr float kDamping = 1e-3F;        // Levenberg's, of the diagonal
 constexpr float kFarthest = 0.6F;        // of the radius, from where the fit began
 constexpr double kOffMiddle = 0.9;       // px, from where a window is gathered anew
 constexpr float kLeastSine = 0.15F;      // between the edges
-// A pixel tells of an edge as far as its blur reaches, and as one does not know the edge's place.
+// A pixel tells of an edge as far as its blur reaches, and as one does not know the edge's place:
+// from a first look, or from a fit.
 constexpr float kNearEdge = 3;  // widths
 constexpr float kNearEdgePx = 2.5F;
+constexpr float kNearFittedEdgePx = 1;
 constexpr float kRounding = 1.0F / 12;  // grey levels^2, the variance of a whole number's rounding
 
 // The first level and contrast; its sign from the squares themselves.
@@ -230,16 +75,18 @@ float noise_variance(const Window& window, float square, float pixels, float cou
   return 0.5F * sum / std::max(0.5F * count - kOddUnknowns, 1.0F);
 }
 
-// L L^T = A, of which the upper triangle is given row by row; L by its columns.
+// L L^T = A, of which the upper triangle is given row by row; L by its columns. The unknowns before
+// `first` are no unknowns.
 struct Factor {
   float l[kUnknowns][kUnknowns];  // [column][row]
+  int first = 0;
 
   [[nodiscard]] bool compute(const float* upper) {
-    int k = 0;
-    for (int column = 0; column < kUnknowns; ++column) {
+    int k = diagonal(first);
+    for (int column = first; column < kUnknowns; ++column) {
       for (int row = column; row < kUnknowns; ++row) l[column][row] = upper[k++];
     }
-    for (int column = 0; column < kUnknowns; ++column) {
+    for (int column = first; column < kUnknowns; ++column) {
       if (!(l[column][column] > 0)) return false;
       const float scale = 1 / std::sqrt(l[column][column]);
       for (int row = column; row < kUnknowns; ++row) l[column][row] *= scale;
@@ -253,11 +100,12 @@ struct Factor {
   }
   void solve(const float* right, float* x) const {
     std::copy_n(right, kUnknowns, x);
-    for (int column = 0; column < kUnknowns; ++column) {
+    std::fill_n(x, first, 0.0F);
+    for (int column = first; column < kUnknowns; ++column) {
       x[column] /= l[column][column];
       for (int row = column + 1; row < kUnknowns; ++row) x[row] -= l[column][row] * x[column];
     }
-    for (int column = kUnknowns - 1; column >= 0; --column) {
+    for (int column = kUnknowns - 1; column >= first; --column) {
       for (int row = column + 1; row < kUnknowns; ++row) x[column] -= l[column][row] * x[row];
       x[column] /= l[column][column];
     }
@@ -271,38 +119,142 @@ struct Factor {
   }
 };
 
-// Of the diagonal in Normal::products.
-constexpr int diagonal(int unknown) { return unknown * kUnknowns - unknown * (unknown - 1) / 2; }
-
-// The step, and the factor of the information about the unknowns.
-bool solve(Normal& normal, float pixels, float* change, Factor& factor) {
+// The factor of the information about the unknowns.
+bool factorise(Normal& normal, bool has_gain, float pixels, Factor& factor) {
   const float variance = normal.square / pixels + 1;
   for (const int width : {kAlongWidth, kDownWidth}) {
     normal.products[diagonal(width)] += variance / (kWidthPrior * kWidthPrior);
   }
   normal.products[diagonal(kGain)] += variance / (kGainPrior * kGainPrior);
   for (int p = 0; p < kUnknowns; ++p) normal.products[diagonal(p)] *= 1 + kDamping;
-  if (!factor.compute(normal.products)) return false;
-  factor.solve(normal.gradient, change);
-  return std::all_of(change, change + kUnknowns, [](float c) { return std::isfinite(c); });
+  factor.first = has_gain ? kGain : kGain + 1;
+  return factor.compute(normal.products);
 }
 
-// Applies a step; returns how far the corner moved, px.
-float apply(const float* change, float& x, float& y, SaddleFit& fit) {
-  const float moved = std::hypot(change[kX], change[kY]);
-  const float turned_by = std::max(std::abs(change[kAlong]), std::abs(change[kDown]));
-  const float share = std::min(
-      {1.0F, kLongestStep / std::max(moved, 1e-6F), kLongestTurn / std::max(turned_by, 1e-6F)});
-  x += share * change[kX];
-  y += share * change[kY];
-  fit.along = turned(fit.along, share * change[kAlong]);
-  fit.down = turned(fit.down, share * change[kDown]);
-  fit.level += share * change[kLevel];
-  fit.contrast += share * change[kContrast];
-  fit.along_width = widened(fit.along_width, share * change[kAlongWidth]);
-  fit.down_width = widened(fit.down_width, share * change[kDownWidth]);
-  if (fit.has_gain) fit.gain = std::clamp(fit.gain + share * change[kGain], -kMostGain, kMostGain);
-  return moved;
+// The largest numbers of a step.
+struct StepSize {
+  float moved = 0;    // px
+  float turned = 0;   // rad
+  float widened = 0;  // of the widths' logarithms
+  float gained = 0;   // px
+
+  StepSize() = default;
+  explicit StepSize(const float* change)
+      : moved(std::hypot(change[kX], change[kY])),
+        turned(std::max(std::abs(change[kAlong]), std::abs(change[kDown]))),
+        widened(std::max(std::abs(change[kAlongWidth]), std::abs(change[kDownWidth]))),
+        gained(std::abs(change[kGain])) {}
+  [[nodiscard]] bool is_settled(float place) const {
+    return moved < place && widened < kSettledWidth && gained < kSettledGain;
+  }
+  // What is known of the unknowns here holds where the step leads too.
+  [[nodiscard]] bool is_small() const {
+    constexpr float kSmallMove = 0.15F;
+    constexpr float kSmallTurn = 0.02F;
+    constexpr float kSmallWidening = 0.1F;
+    return moved < kSmallMove && turned < kSmallTurn && widened < kSmallWidening;
+  }
+};
+
+// A fit in a window, of which the corner is at (x, y) from the middle.
+class Steps {
+ public:
+  Steps(Window& window, float radius, SaddleFit& fit, float x, float y)
+      : window_(window), radius_(radius), fit_(fit), x_(x), y_(y), before_(fit) {}
+
+  // Takes one step. False where the fit has run away, or there is no saddle.
+  [[nodiscard]] bool take(bool last);
+  [[nodiscard]] bool are_settled(float place) const {
+    return !is_taken_back_ && size_.is_settled(place);
+  }
+  // Writes what the last step has told into the fit.
+  void finish();
+
+  [[nodiscard]] float x() const { return x_; }
+  [[nodiscard]] float y() const { return y_; }
+
+ private:
+  void sum(Sums sums) { accumulate(window_, fit_, radius_, x_, y_, sums, normal_); }
+  [[nodiscard]] bool find_change(bool last);
+  void apply();
+
+  Window& window_;
+  float radius_;
+  SaddleFit& fit_;
+  float x_;
+  float y_;
+  Normal normal_{};
+  float pixels_ = 0;  // the sum of their weights
+  Factor factor_{};
+  float change_[kUnknowns] = {};
+  StepSize size_;
+  bool is_taken_back_ = false;  // by half, in place of a new one
+  bool is_near_ = false;        // the next step takes the factor of the last one
+  float least_ = std::numeric_limits<float>::infinity();  // mean square
+  SaddleFit before_;                                      // the last step
+  float before_x_ = 0;
+  float before_y_ = 0;
+};
+
+bool Steps::take(bool last) {
+  if (is_near_) {
+    sum(Sums::kGradient);
+    factor_.solve(normal_.gradient, change_);
+    is_near_ = false;
+  } else {
+    if (!find_change(last)) return false;
+    is_near_ = !fit_.has_gain && StepSize(change_).is_small();
+  }
+  size_ = StepSize(change_);
+  apply();
+  return std::abs(x_) <= kFarthest * radius_ && std::abs(y_) <= kFarthest * radius_ &&
+         std::abs(cross(fit_.along, fit_.down)) >= kLeastSine;
+}
+
+bool Steps::find_change(bool last) {
+  sum(fit_.has_gain ? Sums::kParted : Sums::kPlain);
+  pixels_ = normal_.products[diagonal(kLevel)];
+  if (pixels_ < 2 * kUnknowns) return false;
+  // A step too far is taken back by half: with a gain, level and contrast are loose.
+  is_taken_back_ = fit_.has_gain && normal_.square > pixels_ * least_ && !last;
+  if (is_taken_back_) {
+    fit_ = before_;
+    x_ = before_x_;
+    y_ = before_y_;
+    for (float& c : change_) c *= 0.5F;
+    return true;
+  }
+  least_ = normal_.square / pixels_;
+  before_ = fit_;
+  before_x_ = x_;
+  before_y_ = y_;
+  if (!factorise(normal_, fit_.has_gain, pixels_, factor_)) return false;
+  factor_.solve(normal_.gradient, change_);
+  return std::all_of(change_, change_ + kUnknowns, [](float c) { return std::isfinite(c); });
+}
+
+void Steps::apply() {
+  const float share = std::min({1.0F, kLongestStep / std::max(size_.moved, 1e-6F),
+                                kLongestTurn / std::max(size_.turned, 1e-6F)});
+  x_ += share * change_[kX];
+  y_ += share * change_[kY];
+  fit_.along = turned(fit_.along, share * change_[kAlong]);
+  fit_.down = turned(fit_.down, share * change_[kDown]);
+  fit_.level += share * change_[kLevel];
+  fit_.contrast += share * change_[kContrast];
+  fit_.along_width = widened(fit_.along_width, share * change_[kAlongWidth]);
+  fit_.down_width = widened(fit_.down_width, share * change_[kDownWidth]);
+  if (fit_.has_gain) {
+    fit_.gain = std::clamp(fit_.gain + share * change_[kGain], -kMostGain, kMostGain);
+  }
+}
+
+void Steps::finish() {
+  fit_.residual = std::sqrt(normal_.square / pixels_);
+  fit_.cut = 1 - normal_.count / static_cast<float>(window_.count);
+  fit_.noise =
+      std::sqrt(noise_variance(window_, normal_.square, pixels_, normal_.count) + kRounding);
+  fit_.sigma = fit_.noise * std::sqrt(factor_.place_variance());
 }
 
 // The steps in a window about the pixel in which the corner is.
@@ -313,56 +265,22 @@ bool fit_in_window(const ImageView& image, float radius, int steps, float settle
     return false;
   }
   Window window;
-  const float band =
-      kNearEdge * std::max(fit.along_width, fit.down_width) + kNearEdgePx + std::abs(fit.gain);
+  const bool is_fitted = fit.contrast != 0;
+  const float band = kNearEdge * std::max(fit.along_width, fit.down_width) +
+                     (is_fitted ? kNearFittedEdgePx : kNearEdgePx) + std::abs(fit.gain);
   radius = gather(image, middle_x, middle_y, radius, band, fit.along, fit.down, window);
   if (window.count < 2 * kUnknowns) return false;
-  auto x = static_cast<float>(fit.x - middle_x);
-  auto y = static_cast<float>(fit.y - middle_y);
-  if (fit.contrast == 0) start(window, fit, x, y);
-
-  Normal normal{};
-  float pixels = 0;
-  float change[kUnknowns];
-  Factor factor{};
-  float least = std::numeric_limits<float>::infinity();  // mean square
-  SaddleFit before;
-  float before_x = x;
-  float before_y = y;
+  const auto x = static_cast<float>(fit.x - middle_x);
+  const auto y = static_cast<float>(fit.y - middle_y);
+  if (!is_fitted) start(window, fit, x, y);
+  Steps taken(window, radius, fit, x, y);
   for (int i = 0; i < steps; ++i) {
-    HWY_DYNAMIC_DISPATCH(accumulate)(window, fit, radius, x, y, normal);
-    pixels = normal.products[diagonal(kLevel)];
-    if (pixels < 2 * kUnknowns) return false;
-    // A step too far is taken back by half: with a gain, level and contrast are loose.
-    if (fit.has_gain && normal.square > pixels * least && i + 1 < steps) {
-      fit = before;
-      x = before_x;
-      y = before_y;
-      for (float& c : change) c *= 0.5F;
-      (void)apply(change, x, y, fit);
-      continue;
-    }
-    least = normal.square / pixels;
-    before = fit;
-    before_x = x;
-    before_y = y;
-    if (!solve(normal, pixels, change, factor)) return false;
-    const float moved = apply(change, x, y, fit);
-    if (!(std::abs(x) <= kFarthest * radius && std::abs(y) <= kFarthest * radius) ||
-        std::abs(cross(fit.along, fit.down)) < kLeastSine) {
-      return false;
-    }
-    const float widened_by = std::max(std::abs(change[kAlongWidth]), std::abs(change[kDownWidth]));
-    if (moved < settled && widened_by < kSettledWidth && std::abs(change[kGain]) < kSettledGain) {
-      break;
-    }
+    if (!taken.take(i + 1 == steps)) return false;
+    if (taken.are_settled(settled)) break;
   }
-  fit.x = middle_x + static_cast<double>(x);
-  fit.y = middle_y + static_cast<double>(y);
-  fit.residual = std::sqrt(normal.square / pixels);
-  fit.cut = 1 - normal.count / static_cast<float>(window.count);
-  fit.noise = std::sqrt(noise_variance(window, normal.square, pixels, normal.count) + kRounding);
-  fit.sigma = fit.noise * std::sqrt(factor.place_variance());
+  taken.finish();
+  fit.x = middle_x + static_cast<double>(taken.x());
+  fit.y = middle_y + static_cast<double>(taken.y());
   return fit.swing() >= kLeastContrast && std::isfinite(fit.sigma);
 }
 
@@ -383,5 +301,3 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
 }
 
 }  // namespace calvin::detect
-
-#endif  // HWY_ONCE

@@ -72,29 +72,37 @@ class Flattened {
   Homography homography_;
 };
 
+constexpr std::array<double, 4> kThird = {1, -3, 3, -1};
 constexpr std::array<double, 5> kFourth = {1, -4, 6, -4, 1};
-constexpr std::array<double, 3> kSecond = {1, -2, 1};
+constexpr std::array<double, 6> kFifth = {1, -5, 10, -10, 5, -1};
 
-}  // namespace
-
-float scatter(const Lattice& lattice) {
-  constexpr double kPresumed = 1;  // difference of a scatter of 1
-  constexpr int kFewestNodes = 15;
-  constexpr double kMost = 10;
-  constexpr double kEnough = 6;  // differences over five corners by five
-  if (lattice.count() < kFewestNodes) return 1;
-  const Flattened flat(lattice);
+// The squares of differences beside what the corners' sigmas have them be.
+struct Squares {
   double sum = 0;
   double count = 0;
-  const auto look_at = [&](Cell first, Cell along, const auto& weights_aside) {
+
+  // Of all places where the lattice has the corners of a difference, in both directions.
+  template <std::size_t kLong, std::size_t kShort>
+  Squares(const Lattice& lattice, const Flattened& flat, const std::array<double, kLong>& along,
+          const std::array<double, kShort>& aside) {
+    lattice.for_each([&](Cell c, const Node& /*node*/) {
+      add(lattice, flat, c, along, aside);
+      add(lattice, flat, c, aside, along);
+    });
+  }
+
+ private:
+  // `cols`, `rows`: the weights of the difference that begins in a cell.
+  template <std::size_t kCols, std::size_t kRows>
+  void add(const Lattice& lattice, const Flattened& flat, Cell first,
+           const std::array<double, kCols>& cols, const std::array<double, kRows>& rows) {
     Place difference;
     double variance = 0;
-    const Cell aside = {along.row, along.col};
-    for (std::size_t i = 0; i < kFourth.size(); ++i) {
-      for (std::size_t k = 0; k < weights_aside.size(); ++k) {
-        const Cell c = first + static_cast<int>(i) * along + static_cast<int>(k) * aside;
+    for (std::size_t i = 0; i < kCols; ++i) {
+      for (std::size_t k = 0; k < kRows; ++k) {
+        const Cell c = first + Cell{static_cast<int>(i), static_cast<int>(k)};
         if (!lattice.has(c)) return;
-        const double weight = kFourth[i] * weights_aside[k];
+        const double weight = cols[i] * rows[k];
         const Place off = flat.off(c);
         const auto sigma = static_cast<double>(lattice.at(c).sigma);
         difference.x += weight * off.x;
@@ -104,17 +112,21 @@ float scatter(const Lattice& lattice) {
     }
     sum += 0.5 * (difference.x * difference.x + difference.y * difference.y) / variance;
     ++count;
-  };
-  lattice.for_each([&](Cell c, const Node& /*node*/) { look_at(c, {1, 0}, kFourth); });
-  if (count < kEnough) {
-    sum = 0;
-    count = 0;
-    lattice.for_each([&](Cell c, const Node& /*node*/) {
-      look_at(c, {1, 0}, kSecond);
-      look_at(c, {0, 1}, kSecond);
-    });
   }
-  const double ratio = std::sqrt((sum + kPresumed) / (count + kPresumed));
+};
+
+}  // namespace
+
+float scatter(const Lattice& lattice) {
+  constexpr double kPresumed = 1;  // difference of a scatter of 1
+  constexpr int kFewestNodes = 15;
+  constexpr double kMost = 10;
+  constexpr double kEnough = 6;  // differences over six corners by five
+  if (lattice.count() < kFewestNodes) return 1;
+  const Flattened flat(lattice);
+  Squares squares(lattice, flat, kFifth, kFourth);
+  if (squares.count < kEnough) squares = Squares(lattice, flat, kFourth, kThird);
+  const double ratio = std::sqrt((squares.sum + kPresumed) / (squares.count + kPresumed));
   return static_cast<float>(std::isfinite(ratio) ? std::min(ratio, kMost) : 1);
 }
 

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calvin/detect/saddle_sums.cpp"
+#include <hwy/foreach_target.h>
+// The order matters: Highway includes this file again for each target from the line above.
+#include <hwy/highway.h>
+// Likewise.
+#include "calvin/detect/saddle_model-inl.hpp"
+
+#include <utility>
+
+#include "calvin/detect/saddle_sums.hpp"
+
+#ifndef CALVIN_DETECT_SADDLE_SUMS_PAIRS
+#define CALVIN_DETECT_SADDLE_SUMS_PAIRS
+namespace calvin::detect {
+
+// The two of each product, in this order.
+struct Pairs {
+  int first[kProducts];
+  int second[kProducts];
+};
+inline constexpr Pairs kPairs = [] {
+  Pairs pairs{};
+  int k = 0;
+  for (int p = 0; p < kUnknowns; ++p) {
+    for (int q = p; q < kUnknowns; ++q, ++k) {
+      pairs.first[k] = p;
+      pairs.second[k] = q;
+    }
+  }
+  return pairs;
+}();
+inline constexpr float kWhite = 255;
+
+}  // namespace calvin::detect
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::detect::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Adds to J^T J and to J^T e, from the numbers kFrom and kFirst on. Written out for the compiler,
+// which keeps arrays in memory that it does not see all indices of.
+template <int kFrom, int kFirst, class V, std::size_t... K, std::size_t... P>
+HWY_INLINE void add_products(const V* j, V e, [[maybe_unused]] V* products, V* gradient,
+                             std::index_sequence<K...> /*products*/,
+                             std::index_sequence<P...> /*unknowns*/) {
+  ((products[kFrom + K] =
+        hn::MulAdd(j[kPairs.first[kFrom + K]], j[kPairs.second[kFrom + K]], products[kFrom + K])),
+   ...);
+  ((gradient[kFirst + P] = hn::MulAdd(j[kFirst + P], e, gradient[kFirst + P])), ...);
+}
+
+template <Sums kSums>
+void accumulate_some(Window& window, const SaddleFit& fit, float radius, float x, float y,
+                     Normal& normal) {
+  constexpr bool kParted = kSums == Sums::kParted;
+  constexpr int kFirst = kParted ? 0 : 1;  // of the unknowns
+  constexpr int kFrom = kSums == Sums::kGradient ? kProducts : kFirst * kUnknowns;
+  const hn::ScalableTag<float> d;
+  using V = hn::Vec<decltype(d)>;
+  const auto set = [&](float v) { return hn::Set(d, v); };
+  constexpr float kRoot = 0.70710678F;  // a Gaussian's sigma is 1/sqrt(2) of the erf's scale
+  const V along_x = set(fit.along.x), along_y = set(fit.along.y);
+  const V down_x = set(fit.down.x), down_y = set(fit.down.y);
+  const V wide_a = set(kRoot / fit.along_width), wide_b = set(kRoot / fit.down_width);
+  const V half_bend_a = set(0.5F * fit.along_bend), half_bend_b = set(0.5F * fit.down_bend);
+  const V level = set(fit.level), contrast = set(fit.contrast);
+  const V one = set(1);
+
+  V products[kProducts];
+  V gradient[kUnknowns];
+  V square = hn::Zero(d);
+  V count = hn::Zero(d);
+  for (int k = kFrom; k < kProducts; ++k) products[k] = hn::Zero(d);
+  for (V& g : gradient) g = hn::Zero(d);
+
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  for (int i = 0; i < window.count; i += lanes) {
+    const V dx = hn::Sub(hn::LoadU(d, window.x + i), set(x));
+    const V dy = hn::Sub(hn::LoadU(d, window.y + i), set(y));
+    const V ua = hn::MulAdd(along_x, dx, hn::Mul(along_y, dy));
+    const V ub = hn::MulAdd(down_x, dx, hn::Mul(down_y, dy));
+    const V straight_a = hn::Sub(hn::Mul(along_x, dy), hn::Mul(along_y, dx));
+    const V straight_b = hn::Sub(hn::Mul(down_y, dx), hn::Mul(down_x, dy));
+    const V a = hn::Mul(hn::NegMulAdd(half_bend_a, hn::Mul(ua, ua), straight_a), wide_a);
+    const V b = hn::Mul(hn::NegMulAdd(half_bend_b, hn::Mul(ub, ub), straight_b), wide_b);
+    const Saddle<V> saddle =
+        kParted ? parted_saddle(d, a, b, fit.gain, wide_a, wide_b) : plain_saddle(d, a, b);
+    const V local = hn::MulAdd(set(fit.contrast_slope.x), dx,
+                               hn::MulAdd(set(fit.contrast_slope.y), dy, contrast));
+    const V base = hn::MulAdd(set(fit.slope.x), dx, hn::MulAdd(set(fit.slope.y), dy, level));
+    const V model = hn::MulAdd(local, saddle.value, base);
+
+    // The last vector may reach beyond the window. A white pixel only tells that it is no darker, a
+    // black one that it is no brighter.
+    const auto inside = hn::FirstN(d, static_cast<std::size_t>(window.count - i));
+    const V grey = hn::LoadU(d, window.grey + i);
+    const V below = hn::IfThenElse(hn::Ge(grey, set(kWhite)), hn::Min(model, grey), model);
+    const V seen = hn::IfThenElse(hn::Le(grey, hn::Zero(d)), hn::Max(below, grey), below);
+    const auto told = hn::And(inside, hn::Eq(seen, model));
+    const V error = hn::IfThenElseZero(told, hn::Sub(grey, model));
+    hn::StoreU(error, d, window.error + i);
+    count = hn::Add(count, hn::IfThenElseZero(told, one));
+    // The disc is one about the corner, not about a pixel: its rim has pixels in part, the square
+    // root of their weight falls from 1 to 0.
+    const V square_distance = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
+    const V rim = hn::MulAdd(square_distance, set(-0.5F / radius), set(0.5F * radius + 0.5F));
+    const V in = hn::IfThenElseZero(told, hn::Min(hn::Max(rim, hn::Zero(d)), one));
+    const V e = hn::Mul(in, error);
+    const V scale = hn::Mul(in, local);
+    const V by_a = hn::Mul(hn::Mul(scale, wide_a), saddle.by_a);
+    const V by_b = hn::Mul(hn::Mul(scale, wide_b), saddle.by_b);
+    V j[kUnknowns];
+    j[kX] = hn::Sub(hn::Mul(by_a, along_y), hn::Mul(by_b, down_y));
+    j[kY] = hn::Sub(hn::Mul(by_b, down_x), hn::Mul(by_a, along_x));
+    j[kAlong] = hn::Neg(hn::Mul(by_a, ua));
+    j[kDown] = hn::Mul(by_b, ub);
+    j[kLevel] = in;
+    j[kContrast] = hn::Mul(in, saddle.value);
+    j[kAlongWidth] = hn::Neg(hn::Mul(scale, saddle.width_a));
+    j[kDownWidth] = hn::Neg(hn::Mul(scale, saddle.width_b));
+    j[kGain] = hn::Mul(scale, saddle.gain);
+    add_products<kFrom, kFirst>(j, e, products, gradient,
+                                std::make_index_sequence<kProducts - kFrom>(),
+                                std::make_index_sequence<kUnknowns - kFirst>());
+    square = hn::MulAdd(e, e, square);
+  }
+  for (int k = kFrom; k < kProducts; ++k)
+    normal.products[k] = hn::GetLane(hn::SumOfLanes(d, products[k]));
+  for (int p = kFirst; p < kUnknowns; ++p)
+    normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
+  normal.square = hn::GetLane(hn::SumOfLanes(d, square));
+  normal.count = hn::GetLane(hn::SumOfLanes(d, count));
+}
+
+void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y, Sums sums,
+                Normal& normal) {
+  switch (sums) {
+    case Sums::kParted:
+      return accumulate_some<Sums::kParted>(window, fit, radius, x, y, normal);
+    case Sums::kPlain:
+      return accumulate_some<Sums::kPlain>(window, fit, radius, x, y, normal);
+    case Sums::kGradient:
+      return accumulate_some<Sums::kGradient>(window, fit, radius, x, y, normal);
+  }
+}
+
+}  // namespace calvin::detect::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace calvin::detect {
+
+namespace {
+
+HWY_EXPORT(accumulate);
+
+}  // namespace
+
+void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y, Sums sums,
+                Normal& normal) noexcept {
+  HWY_DYNAMIC_DISPATCH(accumulate)(window, fit, radius, x, y, sums, normal);
+}
+
+}  // namespace calvin::detect
+
+#endif  // HWY_ONCE
