@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Data that cannot be solved are refused with a reason.
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "calvin/solve/solve.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::kBoard;
+using scenes::kSize;
+using scenes::Random;
+
+// What is wrong, and which word the message must contain.
+struct BadInput {
+  const char* name;
+  void (*spoil)(std::vector<View>&, ImageSize&, SolveOptions&);
+  ErrorCode code;
+  const char* word;
+};
+
+void keep_first_corners(std::vector<View>& views, std::size_t count) {
+  for (View& view : views) {
+    view.observation.ids.resize(count);
+    view.observation.uv.resize(count);
+    view.observation.sigma.resize(count);
+  }
+}
+
+const BadInput kBadInputs[] = {
+    {"NoViews", [](auto& views, auto&, auto&) { views.clear(); }, ErrorCode::kDegenerate,
+     "no view"},
+    {"NothingFound", [](auto& views, auto&, auto&) { keep_first_corners(views, 0); },
+     ErrorCode::kDegenerate, "no view"},
+    {"OneView", [](auto& views, auto&, auto&) { views.resize(1); }, ErrorCode::kDegenerate,
+     "at least 3 views"},
+    {"SameViewTenTimes", [](auto& views, auto&, auto&) { views.assign(10, views[0]); },
+     ErrorCode::kDegenerate, "tilted"},
+    {"Collinear", [](auto& views, auto&, auto&) { keep_first_corners(views, 9); },
+     ErrorCode::kDegenerate, "one line"},
+    {"ThreeCorners", [](auto& views, auto&, auto&) { keep_first_corners(views, 3); },
+     ErrorCode::kDegenerate, "4 corners"},
+    {"FewerEquationsThanUnknowns",
+     [](auto& views, auto&, auto&) {
+       views.resize(3);
+       for (View& view : views) {
+         view.observation.ids = {0, 8, 45, 53};
+         auto& uv = view.observation.uv;
+         uv = {uv[0], uv[8], uv[45], uv[53]};
+       }
+     },
+     ErrorCode::kDegenerate, "unknowns"},
+    {"NanCorner",
+     [](auto& views, auto&, auto&) {
+       views[3].observation.uv[5].u = std::numeric_limits<double>::quiet_NaN();
+     },
+     ErrorCode::kInvalidArgument, "View 3"},
+    {"InfiniteCorner",
+     [](auto& views, auto&, auto&) {
+       views[3].observation.uv[5].v = -std::numeric_limits<double>::infinity();
+     },
+     ErrorCode::kInvalidArgument, "outside"},
+    {"FarCorner", [](auto& views, auto&, auto&) { views[3].observation.uv[5].u = 1e300; },
+     ErrorCode::kInvalidArgument, "outside"},
+    {"RepeatedId", [](auto& views, auto&, auto&) { views[2].observation.ids[7] = 8; },
+     ErrorCode::kInvalidArgument, "twice"},
+    {"IdBeyondTheBoard", [](auto& views, auto&, auto&) { views[2].observation.ids[7] = 54; },
+     ErrorCode::kInvalidArgument, "not on the board"},
+    {"NegativeId", [](auto& views, auto&, auto&) { views[2].observation.ids[7] = -1; },
+     ErrorCode::kInvalidArgument, "not on the board"},
+    {"MoreIdsThanCorners", [](auto& views, auto&, auto&) { views[2].observation.uv.pop_back(); },
+     ErrorCode::kInvalidArgument, "needs its id"},
+    {"NoBoard", [](auto& views, auto&, auto&) { views[2].board = Board{}; },
+     ErrorCode::kInvalidArgument, "board"},
+    {"NanBoard",
+     [](auto& views, auto&, auto&) {
+       views[2].board.size = std::numeric_limits<double>::quiet_NaN();
+     },
+     ErrorCode::kInvalidArgument, "board"},
+    {"NoImage",
+     [](auto&, auto& size, auto&) {
+       size = {0, 0};
+     },
+     ErrorCode::kInvalidArgument, "0x0"},
+    {"AllOffSize",
+     [](auto&, auto& size, auto&) {
+       size = {640, 480};
+     },
+     ErrorCode::kDegenerate, "no view"},
+    {"UnknownModel", [](auto&, auto&, auto& options) { options.model = "brown99"; },
+     ErrorCode::kUnsupported, "brown5"},
+    {"NoIterations", [](auto&, auto&, auto& options) { options.max_iterations = 0; },
+     ErrorCode::kDegenerate, "converge"},
+    {"OnePoseTwice",
+     [](auto& views, auto&, auto&) {
+       views = {views[0], views[0]};
+     },
+     ErrorCode::kDegenerate, "parallel"},
+    {"AllCornersInOnePlace",
+     [](auto& views, auto&, auto&) {
+       for (View& view : views) std::fill_n(view.observation.uv.begin(), 54, Pixel{300, 300});
+     },
+     ErrorCode::kDegenerate, "views"},
+    {"RandomCorners",
+     [](auto& views, auto&, auto&) {
+       Random random(5);
+       for (View& view : views) {
+         for (Pixel& p : view.observation.uv) {
+           p = {scenes::uniform(random, 0, 1279), scenes::uniform(random, 0, 959)};
+         }
+       }
+     },
+     ErrorCode::kDegenerate, "views"},
+};
+
+class BadInputs : public ::testing::TestWithParam<BadInput> {};
+INSTANTIATE_TEST_SUITE_P(Solve, BadInputs, ::testing::ValuesIn(kBadInputs),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(BadInputs, AreRefusedWithAReason) {
+  Random random(9);
+  const Camera camera = scenes::random_camera("brown5", random);
+  auto views = scenes::observe_all(camera, kBoard, scenes::random_poses(camera, kBoard, random, 10),
+                                   0.1, random);
+  ImageSize size = kSize;
+  SolveOptions options;
+  GetParam().spoil(views, size, options);
+  const auto solution = solve(views, size, options);
+  ASSERT_FALSE(solution.has_value());
+  EXPECT_EQ(solution.error().code, GetParam().code) << solution.error().message;
+  EXPECT_NE(solution.error().message.find(GetParam().word), std::string::npos)
+      << solution.error().message;
+}
+
+}  // namespace
+}  // namespace calvin
