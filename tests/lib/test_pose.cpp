@@ -74,6 +74,27 @@ TEST_P(Pose_, HasTheErrorThatTheNoiseImplies) {
   EXPECT_NEAR(sum, 1, 0.12);
 }
 
+// Each corner alike, whatever its sigma.
+TEST(PoseQuality, IsTheMeanDistanceOfTheCorners) {
+  Random random(5);
+  const Camera camera = scenes::random_camera("brown5", random);
+  View view = scenes::observe(camera, kBoard, scenes::random_pose(camera, kBoard, random, 0.4), 0.3,
+                              random);
+  for (double& sigma : view.observation.sigma) sigma = scenes::uniform(random, 0.01, 0.6);
+  PoseQuality quality;
+  const auto pose = solve_pose(camera, kBoard, view.observation, &quality);
+  ASSERT_TRUE(pose.has_value());
+  const std::vector<Eigen::Vector3d> board = kBoard.points();
+  double sum = 0;
+  for (std::size_t i = 0; i < view.observation.ids.size(); ++i) {
+    const auto id = static_cast<std::size_t>(view.observation.ids[i]);
+    const Pixel at = camera.project(*pose * board[id]).value();
+    sum +=
+        std::pow(at.u - view.observation.uv[i].u, 2) + std::pow(at.v - view.observation.uv[i].v, 2);
+  }
+  EXPECT_NEAR(quality.rms, std::sqrt(sum / static_cast<double>(board.size())), 1e-9);
+}
+
 TEST(PoseAmbiguity, TheBetterOfTheTwoTiltsIsFound) {
   // A board far away covers few pixels: a descent from one start ends in either minimum.
   Random random(3);

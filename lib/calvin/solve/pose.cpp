@@ -3,6 +3,7 @@
 
 #include "calvin/solve/pose.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -12,6 +13,26 @@
 #include "calvin/solve/weights.hpp"
 
 namespace calvin {
+
+namespace {
+
+// Of the corners in use, all alike.
+double rms_of(const PointSet& view, const Camera& camera, const SE3& camera_from_board) {
+  double sum = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    if (!(view.weight[i] > 0)) continue;
+    const auto at = camera.project(camera_from_board * view.points[i]);
+    if (!at) continue;
+    const double du = at->u - view.uv[i].u;
+    const double dv = at->v - view.uv[i].v;
+    sum += du * du + dv * dv;
+    count += 1;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+}  // namespace
 
 Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observation& observation,
                        PoseQuality* quality, const BoardWarp& warp) {
@@ -42,8 +63,8 @@ Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observati
         "can see and that do not lie on one line are needed.");
   }
   if (quality != nullptr) {
-    const auto n = static_cast<double>(view[0].used());
-    *quality = {std::sqrt(fit->cost / n), std::sqrt(fit->other_cost / n)};
+    const double rms = rms_of(view[0], camera, fit->camera_from_board);
+    *quality = {rms, std::max(rms, rms_of(view[0], camera, fit->other))};
   }
   return fit->camera_from_board;
 }

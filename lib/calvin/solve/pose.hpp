@@ -13,9 +13,9 @@
 namespace calvin {
 
 struct PoseQuality {
-  double rms = 0;  // px, as in docs/conventions.md
-  double other_rms =
-      0;  // px, of the mirrored tilt; a board seen small or far fits both nearly alike
+  double rms = 0;        // px, as in docs/conventions.md
+  double other_rms = 0;  // px, of the mirrored tilt, at least rms; a board seen small or far fits
+                         // both nearly alike
 };
 
 // camera_from_board, m: closed form on the rays of the corners, then least squares on their

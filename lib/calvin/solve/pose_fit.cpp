@@ -124,14 +124,17 @@ std::optional<PoseFit> fit_pose(const PointSet& view, const Camera& camera, cons
     PoseProblem problem(points, camera, loss, from);
     if (!problem.valid()) return std::nullopt;
     minimise(problem, LmOptions{}, {});
-    return PoseFit{problem.pose(), problem.cost(), problem.cost()};
+    return PoseFit{problem.pose(), problem.cost(), problem.pose(), problem.cost()};
   };
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : view.points) center += p / static_cast<double>(view.size());
   auto best = refined(*start);
   auto other = refined(mirrored_tilt(best ? best->camera_from_board : *start, center));
   if (other && (!best || other->cost < best->cost)) std::swap(best, other);
-  if (best && other) best->other_cost = other->cost;
+  if (best && other) {
+    best->other = other->camera_from_board;
+    best->other_cost = other->cost;
+  }
   return best;
 }
 

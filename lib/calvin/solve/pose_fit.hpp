@@ -24,8 +24,10 @@ namespace calvin {
 
 struct PoseFit {
   SE3 camera_from_board;
-  double cost = 0;        // px^2
-  double other_cost = 0;  // px^2, of the mirrored tilt
+  double cost = 0;  // px^2
+  // Of the mirrored tilt; the same where there is no minimum of its own.
+  SE3 other;
+  double other_cost = 0;
 };
 
 // The better of the two minima. Absent where the view determines no pose.
