@@ -253,31 +253,6 @@ TEST(Parts, AreFoundWithTheirIds) {
   EXPECT_GE(parts, 3);
 }
 
-// Boards that no turn gives their colours back: odd by odd (as if rows and columns were exchanged)
-// and even by even.
-class Inverted : public ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Boards, Inverted,
-                         ::testing::Values("checkerboard:9x7:25mm", "checkerboard:7x9:25mm",
-                                           "checkerboard:8x6:25mm", "checkerboard:6x6:25mm"));
-
-TEST_P(Inverted, AreFoundWithTheSameLabels) {
-  const Board b = board(GetParam());
-  const Camera camera = default_camera({640, 480});
-  const SE3 pose = ahead(b, 0.1, 0.6);
-  const GrayImage image =
-      render_board(camera, b, pose, {.noise = 1, .blur = 0.7, .dark = 220, .light = 30});
-  const Detection d = detector(b)->detect(image.view());
-  ASSERT_EQ(d.reason, Reason::kAccepted);
-  const Observation truth = true_observation(camera, b, pose);
-  ASSERT_EQ(d.observation.ids, truth.ids);
-  for (std::size_t i = 0; i < truth.ids.size(); ++i) {
-    EXPECT_LT(
-        std::hypot(d.observation.uv[i].u - truth.uv[i].u, d.observation.uv[i].v - truth.uv[i].v),
-        0.15);
-  }
-  EXPECT_FALSE(d.observation.ambiguous.empty());
-}
-
 TEST(Images, MayHaveAnyStrideAndStep) {
   const Camera camera = default_camera({640, 480});
   const SE3 pose = ahead(board(), 0.4, 0.5);

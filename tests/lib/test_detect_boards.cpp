@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Boards of every size and both colours are found whole, wherever they are seen from.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "calvin/detect/detector.hpp"
+#include "calvin/synth/motion.hpp"
+#include "calvin/synth/render.hpp"
+
+namespace calvin {
+namespace {
+
+// The id that a control point has once the board was turned by so many quarters: an odd number of
+// them for a square one only.
+int turned(const Board& board, int id, int quarters) {
+  int col = id % board.cols;
+  int row = id / board.cols;
+  if (quarters >= 2) {
+    col = board.cols - 1 - col;
+    row = board.rows - 1 - row;
+  }
+  if (quarters % 2 == 1) {
+    std::swap(col, row);
+    row = board.rows - 1 - row;
+  }
+  return row * board.cols + col;
+}
+
+double largest_error(const Board& board, const Observation& found, const Observation& truth,
+                     int quarters) {
+  double most = 0;
+  for (std::size_t i = 0; i < found.ids.size(); ++i) {
+    const auto id = static_cast<std::size_t>(turned(board, found.ids[i], quarters));
+    most =
+        std::max(most, std::hypot(found.uv[i].u - truth.uv[id].u, found.uv[i].v - truth.uv[id].v));
+  }
+  return most;
+}
+
+struct Kind {
+  const char* text;
+  bool inverted;
+};
+
+class EveryBoard : public ::testing::TestWithParam<Kind> {};
+constexpr Kind kKinds[] = {
+    {"3x3", false}, {"3x3", true},  {"3x4", false},   {"4x4", true},  {"5x3", true},
+    {"6x9", true},  {"7x5", true},  {"5x7", true},    {"7x7", true},  {"8x6", false},
+    {"8x6", true},  {"3x10", true}, {"20x15", false}, {"40x3", true}, {"30x20", true},
+};
+INSTANTIATE_TEST_SUITE_P(Boards, EveryBoard, ::testing::ValuesIn(kKinds), [](const auto& test) {
+  return std::string(test.param.text) + (test.param.inverted ? "_inverted" : "");
+});
+
+TEST_P(EveryBoard, IsFoundWhole) {
+  const Board board = parse_board(std::string("checkerboard:") + GetParam().text + ":20mm").value();
+  const ImageSize size = {1280, 960};
+  const Camera camera = default_camera(size);
+  const Motion motion(MotionKind::kRandom, camera, board, 3);
+  const auto detector = make_detector(board).value();
+  const int poses = std::getenv("CALVIN_FULL") != nullptr ? 100 : 8;
+  for (int n = 0; n < poses; ++n) {
+    RenderOptions options{.noise = 2, .blur = 0.8, .seed = static_cast<std::uint64_t>(n)};
+    if (GetParam().inverted) std::swap(options.dark, options.light);
+    const SE3 pose = motion.camera_from_board(n);
+    const Detection d = detector->detect(render_board(camera, board, pose, options).view());
+    ASSERT_EQ(d.reason, Reason::kAccepted) << n;
+    const Observation truth = true_observation(camera, board, pose);
+    ASSERT_EQ(d.observation.ids.size(), truth.ids.size()) << n;
+    double least = HUGE_VAL;
+    for (int quarters = 0; quarters < 4; ++quarters) {
+      if (quarters % 2 == 1 && board.cols != board.rows) continue;
+      least = std::min(least, largest_error(board, d.observation, truth, quarters));
+    }
+    EXPECT_LT(least, 0.15) << n;
+  }
+}
+
+}  // namespace
+}  // namespace calvin
