@@ -58,20 +58,24 @@ within "$(value "$result" rms)" 0 0.25 || fails "rms"
 picture "$folder/images/after.png"
 
 echo "== the live camera, YUYV and MJPEG"
-# Runs a command and ends it as Ctrl-C on a terminal does.
+# interrupt LOG COMMAND...: ends it as Ctrl-C on a terminal does, a while after its first result.
 interrupt='
-import os, signal, subprocess, sys
-process = subprocess.Popen(sys.argv[1:], start_new_session=True)
-try:
-    process.wait(8)
-    sys.exit("it ended by itself")
-except subprocess.TimeoutExpired:
-    os.killpg(process.pid, signal.SIGINT)
+import os, signal, subprocess, sys, time
+with open(sys.argv[1], "w") as log:
+    process = subprocess.Popen(sys.argv[2:], stdout=log, stderr=log, start_new_session=True)
+for _ in range(1200):
+    if process.poll() is not None:
+        sys.exit("it ended by itself")
+    if "calib-result" in open(sys.argv[1], errors="replace").read():
+        break
+    time.sleep(0.1)
+time.sleep(2)
+os.killpg(process.pid, signal.SIGINT)
 sys.exit(process.wait(60))'
 for format in YUYV MJPG; do
   CALVIN_OUTPUT=$folder/$format CALVIN_V4L2_FORMATS=$format CALVIN_V4L2_FPS=60 LD_PRELOAD=$shim \
-    /usr/bin/python3 -c "$interrupt" "$source/examples/quickstart.sh" --camera /dev/video0 \
-    >"$folder/log" 2>&1 || { cat "$folder/log"; fails "quickstart --camera with $format"; }
+    /usr/bin/python3 -c "$interrupt" "$folder/log" "$source/examples/quickstart.sh" \
+    --camera /dev/video0 || { cat "$folder/log"; fails "quickstart --camera with $format"; }
   tail -n 15 "$folder/log"
   grep -q "calib-result" "$folder/log" || fails "no result from $format"
   grep -q "^fx" "$folder/log" || fails "the result of $format is not shown"
