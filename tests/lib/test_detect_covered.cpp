@@ -124,6 +124,46 @@ TEST(CoveredBoards, HaveNoWrongCornersBesideCards) {
   EXPECT_GE(t.enough, images * 95 / 100);
 }
 
+// A finger that ends 6 px from a corner at the board's edge covers none.
+TEST(CoveredBoards, AreWholeWhereFingersEndBesideThem) {
+  const Camera camera = default_camera({640, 480});
+  const BoardRenderer renderer(camera);
+  const auto finder = std::move(*make_detector(kBoard));
+  scenes::Random random(6);
+  const int images = 40;
+  int whole = 0;
+  for (int n = 0; n < images; ++n) {
+    const double turn = uniform(random, 0, 2 * std::numbers::pi);
+    const double square = uniform(random, 16, 24);  // px
+    const SE3 pose = {exp_so3({0, 0, turn}) * exp_so3({uniform(random, -0.5, 0.5), 0, 0}),
+                      exp_so3({0, 0, turn}) * Eigen::Vector3d(-0.1, -0.06, 0) +
+                          Eigen::Vector3d(0, 0, camera.fx() * kBoard.size / square)};
+    const Observation truth = true_observation(camera, kBoard, pose);
+    GrayImage image = renderer.render(
+        kBoard, pose, {.noise = 2, .blur = 0.8, .seed = static_cast<std::uint64_t>(n)});
+    const auto row = static_cast<std::size_t>(uniform(random, 0, 5.9));
+    const Pixel on = truth.uv[9 * row + 8];
+    const Pixel before = truth.uv[9 * row + 7];
+    Cover finger = {0,
+                    0,
+                    std::atan2(on.v - before.v, on.u - before.u),
+                    uniform(random, 6, 10),
+                    false,
+                    static_cast<std::uint8_t>(uniform(random, 70, 190))};
+    finger.u = on.u + (6 + finger.half) * std::cos(finger.angle);
+    finger.v = on.v + (6 + finger.half) * std::sin(finger.angle);
+    finger.lay_on(image);
+    const Observation seen = finder->detect(image.view()).observation;
+    whole += seen.ids == truth.ids ? 1 : 0;
+    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+      const Pixel p = truth.uv[static_cast<std::size_t>(seen.ids[i])];
+      EXPECT_LT(std::hypot(p.u - seen.uv[i].u, p.v - seen.uv[i].v), 0.2) << n;
+    }
+  }
+  std::cout << "  " << whole << " of " << images << " whole\n";
+  EXPECT_GE(whole, images * 9 / 10);
+}
+
 // Corners of a board through a lens, some of them moved: those go, and no other.
 struct Lens {
   const char* model;

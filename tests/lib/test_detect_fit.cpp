@@ -11,6 +11,7 @@
 
 #include "calvin/detect/saddle_fit.hpp"
 #include "calvin/detect/scatter.hpp"
+#include "calvin/synth/render.hpp"
 #include "scenes.hpp"
 
 namespace calvin {
@@ -152,6 +153,41 @@ TEST_P(Scatter, TellsOfErrorsThatSigmasDoNot) {
   }
   std::cout << "  " << sum / boards << '\n';
   EXPECT_NEAR(sum / boards / GetParam().factor, 1, 0.1);
+}
+
+// Some of the corners of a large board before a wide lens, told to a 400th of a pixel: what its
+// distortion leaves of a plane is no scatter.
+TEST(ScatterOfAPart, IsNotThatOfTheLens) {
+  constexpr double kSigma = 0.0025;  // px
+  scenes::Random random(4);
+  std::normal_distribution<double> noise(0, kSigma);
+  const Camera camera = default_camera({1920, 1080}, 80 * std::numbers::pi / 180);
+  detect::Lattice lattice(12);
+  std::vector<double> ratios;
+  while (ratios.size() < 100) {
+    const double square = uniform(random, 100, 200);  // px
+    const double side = uniform(random, 0, 2 * std::numbers::pi);
+    const double tilt = uniform(random, 0, 0.7);
+    const SE3 pose = {exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0}) *
+                          exp_so3({0, 0, uniform(random, 0, 2 * std::numbers::pi)}),
+                      Eigen::Vector3d(uniform(random, -0.2, 0.2), uniform(random, -0.1, 0.1),
+                                      camera.fx() * scenes::kBoard.size / square)};
+    const Observation seen = true_observation(camera, scenes::kBoard, pose);
+    if (seen.ids.size() < 25 || seen.ids.size() > 40) continue;
+    lattice.clear();
+    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+      detect::Node node;
+      node.x = static_cast<float>(seen.uv[i].u + noise(random));
+      node.y = static_cast<float>(seen.uv[i].v + noise(random));
+      node.sigma = static_cast<float>(kSigma);
+      lattice.put({seen.ids[i] % 9, seen.ids[i] / 9}, node);
+    }
+    ratios.push_back(static_cast<double>(detect::scatter(lattice)));
+  }
+  double square = 0;
+  for (const double ratio : ratios) square += ratio * ratio / static_cast<double>(ratios.size());
+  std::cout << "  " << std::sqrt(square) << '\n';
+  EXPECT_NEAR(std::sqrt(square), 1, 0.15);
 }
 
 TEST(ScatterOfFewCorners, IsNotKnown) {

@@ -96,10 +96,10 @@ void gather(const ImageView& image, int x, int y, float radius, float band, Dire
     append(row, a, image.width - x, v, window);
     append(row, b, image.width - x, v, window);
   }
-  // What the last vector reads beyond them is multiplied by 0, so it must be a number.
-  std::fill_n(window.x + window.count, kLongestVector, 0.0F);
-  std::fill_n(window.y + window.count, kLongestVector, 0.0F);
-  std::fill_n(window.grey + window.count, kLongestVector, 0.0F);
+  // What the last vectors read beyond them is multiplied by 0, so it must be a number.
+  std::fill_n(window.x + window.count, kBeyond, 0.0F);
+  std::fill_n(window.y + window.count, kBeyond, 0.0F);
+  std::fill_n(window.grey + window.count, kBeyond, 0.0F);
 }
 
 float odd_square(const Window& window) {

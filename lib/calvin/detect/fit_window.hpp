@@ -12,15 +12,17 @@ namespace calvin::detect {
 inline constexpr int kMostPixels = 2600;
 inline constexpr float kRim = 1.2F;  // px beyond the radius, for the corner is not the middle pixel
 inline constexpr int kLongestVector = 64;
+inline constexpr int kBeyond =
+    2 * kLongestVector;  // what two vectors read may end beyond the window
 
 // The pixels of a window, from its middle one.
 struct Window {
   int count = 0;
   bool whole = true;  // not cut by the border of the image
-  alignas(64) float x[kMostPixels + kLongestVector];
-  alignas(64) float y[kMostPixels + kLongestVector];
-  alignas(64) float grey[kMostPixels + kLongestVector];
-  alignas(64) float error[kMostPixels + kLongestVector];  // of the fit
+  alignas(64) float x[kMostPixels + kBeyond];
+  alignas(64) float y[kMostPixels + kBeyond];
+  alignas(64) float grey[kMostPixels + kBeyond];
+  alignas(64) float error[kMostPixels + kBeyond];  // of the fit
 };
 
 // Takes the pixels of an image (of step 1) in a disc around (x, y) that are within `band` px of one

@@ -9,6 +9,7 @@
 // Likewise.
 #include "calvin/detect/saddle_model-inl.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "calvin/detect/saddle_sums.hpp"
@@ -43,46 +44,52 @@ namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Two vectors of pixels are summed at a time: there are more sums than registers.
+inline constexpr int kTogether = 2;
+
 // Adds to J^T J and to J^T e, from the numbers kFrom and kFirst on. Written out for the compiler,
 // which keeps arrays in memory that it does not see all indices of.
 template <int kFrom, int kFirst, class V, std::size_t... K, std::size_t... P>
-HWY_INLINE void add_products(const V* j, V e, [[maybe_unused]] V* products, V* gradient,
-                             std::index_sequence<K...> /*products*/,
+HWY_INLINE void add_products(const V (*j)[kUnknowns], const V* e, [[maybe_unused]] V* products,
+                             V* gradient, std::index_sequence<K...> /*products*/,
                              std::index_sequence<P...> /*unknowns*/) {
   ((products[kFrom + K] =
-        hn::MulAdd(j[kPairs.first[kFrom + K]], j[kPairs.second[kFrom + K]], products[kFrom + K])),
+        hn::MulAdd(j[1][kPairs.first[kFrom + K]], j[1][kPairs.second[kFrom + K]],
+                   hn::MulAdd(j[0][kPairs.first[kFrom + K]], j[0][kPairs.second[kFrom + K]],
+                              products[kFrom + K]))),
    ...);
-  ((gradient[kFirst + P] = hn::MulAdd(j[kFirst + P], e, gradient[kFirst + P])), ...);
+  ((gradient[kFirst + P] = hn::MulAdd(j[1][kFirst + P], e[1],
+                                      hn::MulAdd(j[0][kFirst + P], e[0], gradient[kFirst + P]))),
+   ...);
 }
 
-template <Sums kSums>
-void accumulate_some(Window& window, const SaddleFit& fit, float radius, float x, float y,
-                     Normal& normal) {
-  constexpr bool kParted = kSums == Sums::kParted;
-  constexpr int kFirst = kParted ? 0 : 1;  // of the unknowns
-  constexpr int kFrom = kSums == Sums::kGradient ? kProducts : kFirst * kUnknowns;
-  const hn::ScalableTag<float> d;
-  using V = hn::Vec<decltype(d)>;
-  const auto set = [&](float v) { return hn::Set(d, v); };
-  constexpr float kRoot = 0.70710678F;  // a Gaussian's sigma is 1/sqrt(2) of the erf's scale
-  const V along_x = set(fit.along.x), along_y = set(fit.along.y);
-  const V down_x = set(fit.down.x), down_y = set(fit.down.y);
-  const V wide_a = set(kRoot / fit.along_width), wide_b = set(kRoot / fit.down_width);
-  const V half_bend_a = set(0.5F * fit.along_bend), half_bend_b = set(0.5F * fit.down_bend);
-  const V level = set(fit.level), contrast = set(fit.contrast);
-  const V one = set(1);
+// What the pixels of a window say about a fit, a vector at a time.
+template <bool kParted, class D>
+class Looks {
+ public:
+  using V = hn::Vec<D>;
 
-  V products[kProducts];
-  V gradient[kUnknowns];
-  V square = hn::Zero(d);
-  V count = hn::Zero(d);
-  for (int k = kFrom; k < kProducts; ++k) products[k] = hn::Zero(d);
-  for (V& g : gradient) g = hn::Zero(d);
+  Looks(D d, Window& window, const SaddleFit& fit, float radius, float x, float y)
+      : d_(d),
+        window_(window),
+        fit_(fit),
+        radius_(radius),
+        x_(x),
+        y_(y),
+        square_(hn::Zero(d)),
+        count_(hn::Zero(d)) {}
 
-  const auto lanes = static_cast<int>(hn::Lanes(d));
-  for (int i = 0; i < window.count; i += lanes) {
-    const V dx = hn::Sub(hn::LoadU(d, window.x + i), set(x));
-    const V dy = hn::Sub(hn::LoadU(d, window.y + i), set(y));
+  // Row `i` of J and the following ones, and their errors.
+  HWY_INLINE void look(int i, V* j, V& e) {
+    const D d = d_;
+    const auto set = [d](float v) { return hn::Set(d, v); };
+    constexpr float kRoot = 0.70710678F;  // a Gaussian's sigma is 1/sqrt(2) of the erf's scale
+    const V along_x = set(fit_.along.x), along_y = set(fit_.along.y);
+    const V down_x = set(fit_.down.x), down_y = set(fit_.down.y);
+    const V wide_a = set(kRoot / fit_.along_width), wide_b = set(kRoot / fit_.down_width);
+    const V half_bend_a = set(0.5F * fit_.along_bend), half_bend_b = set(0.5F * fit_.down_bend);
+    const V dx = hn::Sub(hn::LoadU(d, window_.x + i), set(x_));
+    const V dy = hn::Sub(hn::LoadU(d, window_.y + i), set(y_));
     const V ua = hn::MulAdd(along_x, dx, hn::Mul(along_y, dy));
     const V ub = hn::MulAdd(down_x, dx, hn::Mul(down_y, dy));
     const V straight_a = hn::Sub(hn::Mul(along_x, dy), hn::Mul(along_y, dx));
@@ -90,32 +97,18 @@ void accumulate_some(Window& window, const SaddleFit& fit, float radius, float x
     const V a = hn::Mul(hn::NegMulAdd(half_bend_a, hn::Mul(ua, ua), straight_a), wide_a);
     const V b = hn::Mul(hn::NegMulAdd(half_bend_b, hn::Mul(ub, ub), straight_b), wide_b);
     const Saddle<V> saddle =
-        kParted ? parted_saddle(d, a, b, fit.gain, wide_a, wide_b) : plain_saddle(d, a, b);
-    const V local = hn::MulAdd(set(fit.contrast_slope.x), dx,
-                               hn::MulAdd(set(fit.contrast_slope.y), dy, contrast));
-    const V base = hn::MulAdd(set(fit.slope.x), dx, hn::MulAdd(set(fit.slope.y), dy, level));
-    const V model = hn::MulAdd(local, saddle.value, base);
-
-    // The last vector may reach beyond the window. A white pixel only tells that it is no darker, a
-    // black one that it is no brighter.
-    const auto inside = hn::FirstN(d, static_cast<std::size_t>(window.count - i));
-    const V grey = hn::LoadU(d, window.grey + i);
-    const V below = hn::IfThenElse(hn::Ge(grey, set(kWhite)), hn::Min(model, grey), model);
-    const V seen = hn::IfThenElse(hn::Le(grey, hn::Zero(d)), hn::Max(below, grey), below);
-    const auto told = hn::And(inside, hn::Eq(seen, model));
-    const V error = hn::IfThenElseZero(told, hn::Sub(grey, model));
-    hn::StoreU(error, d, window.error + i);
-    count = hn::Add(count, hn::IfThenElseZero(told, one));
-    // The disc is one about the corner, not about a pixel: its rim has pixels in part, the square
-    // root of their weight falls from 1 to 0.
-    const V square_distance = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
-    const V rim = hn::MulAdd(square_distance, set(-0.5F / radius), set(0.5F * radius + 0.5F));
-    const V in = hn::IfThenElseZero(told, hn::Min(hn::Max(rim, hn::Zero(d)), one));
-    const V e = hn::Mul(in, error);
+        kParted ? parted_saddle(d, a, b, fit_.gain, wide_a, wide_b) : plain_saddle(d, a, b);
+    const V local = hn::MulAdd(set(fit_.contrast_slope.x), dx,
+                               hn::MulAdd(set(fit_.contrast_slope.y), dy, set(fit_.contrast)));
+    const V base =
+        hn::MulAdd(set(fit_.slope.x), dx, hn::MulAdd(set(fit_.slope.y), dy, set(fit_.level)));
+    V error;
+    const V in = weight(i, dx, dy, hn::MulAdd(local, saddle.value, base), error);
+    e = hn::Mul(in, error);
+    square_ = hn::MulAdd(e, e, square_);
     const V scale = hn::Mul(in, local);
     const V by_a = hn::Mul(hn::Mul(scale, wide_a), saddle.by_a);
     const V by_b = hn::Mul(hn::Mul(scale, wide_b), saddle.by_b);
-    V j[kUnknowns];
     j[kX] = hn::Sub(hn::Mul(by_a, along_y), hn::Mul(by_b, down_y));
     j[kY] = hn::Sub(hn::Mul(by_b, down_x), hn::Mul(by_a, along_x));
     j[kAlong] = hn::Neg(hn::Mul(by_a, ua));
@@ -125,17 +118,72 @@ void accumulate_some(Window& window, const SaddleFit& fit, float radius, float x
     j[kAlongWidth] = hn::Neg(hn::Mul(scale, saddle.width_a));
     j[kDownWidth] = hn::Neg(hn::Mul(scale, saddle.width_b));
     j[kGain] = hn::Mul(scale, saddle.gain);
+  }
+
+  [[nodiscard]] float square() const { return hn::GetLane(hn::SumOfLanes(d_, square_)); }
+  [[nodiscard]] float count() const { return hn::GetLane(hn::SumOfLanes(d_, count_)); }
+
+ private:
+  // The square roots of the weights, and the errors, which the window keeps.
+  HWY_INLINE V weight(int i, V dx, V dy, V model, V& error) {
+    const D d = d_;
+    const auto set = [d](float v) { return hn::Set(d, v); };
+    // The last vectors may reach beyond the window. A white pixel only tells that it is no darker,
+    // a black one that it is no brighter.
+    const auto inside = hn::FirstN(d, static_cast<std::size_t>(std::max(window_.count - i, 0)));
+    const V grey = hn::LoadU(d, window_.grey + i);
+    const V below = hn::IfThenElse(hn::Ge(grey, set(kWhite)), hn::Min(model, grey), model);
+    const V seen = hn::IfThenElse(hn::Le(grey, hn::Zero(d)), hn::Max(below, grey), below);
+    const auto told = hn::And(inside, hn::Eq(seen, model));
+    error = hn::IfThenElseZero(told, hn::Sub(grey, model));
+    hn::StoreU(error, d, window_.error + i);
+    count_ = hn::Add(count_, hn::IfThenElseZero(told, set(1)));
+    // The disc is one about the corner, not about a pixel: its rim has pixels in part, the square
+    // root of their weight falls from 1 to 0.
+    const V square_distance = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
+    const V rim = hn::MulAdd(square_distance, set(-0.5F / radius_), set(0.5F * radius_ + 0.5F));
+    return hn::IfThenElseZero(told, hn::Min(hn::Max(rim, hn::Zero(d)), set(1)));
+  }
+
+  D d_;
+  Window& window_;
+  const SaddleFit& fit_;
+  float radius_;
+  float x_;
+  float y_;
+  V square_;
+  V count_;
+};
+
+template <Sums kSums>
+void accumulate_some(Window& window, const SaddleFit& fit, float radius, float x, float y,
+                     Normal& normal) {
+  constexpr bool kParted = kSums == Sums::kParted;
+  constexpr int kFirst = kParted ? 0 : 1;  // of the unknowns
+  constexpr int kFrom = kSums == Sums::kGradient ? kProducts : kFirst * kUnknowns;
+  using D = hn::ScalableTag<float>;
+  using V = hn::Vec<D>;
+  const D d;
+  V products[kProducts];
+  V gradient[kUnknowns];
+  for (int k = kFrom; k < kProducts; ++k) products[k] = hn::Zero(d);
+  for (V& g : gradient) g = hn::Zero(d);
+  Looks<kParted, D> looks(d, window, fit, radius, x, y);
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  for (int i = 0; i < window.count; i += kTogether * lanes) {
+    V j[kTogether][kUnknowns];
+    V e[kTogether];
+    for (int k = 0; k < kTogether; ++k) looks.look(i + k * lanes, j[k], e[k]);
     add_products<kFrom, kFirst>(j, e, products, gradient,
                                 std::make_index_sequence<kProducts - kFrom>(),
                                 std::make_index_sequence<kUnknowns - kFirst>());
-    square = hn::MulAdd(e, e, square);
   }
   for (int k = kFrom; k < kProducts; ++k)
     normal.products[k] = hn::GetLane(hn::SumOfLanes(d, products[k]));
   for (int p = kFirst; p < kUnknowns; ++p)
     normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
-  normal.square = hn::GetLane(hn::SumOfLanes(d, square));
-  normal.count = hn::GetLane(hn::SumOfLanes(d, count));
+  normal.square = looks.square();
+  normal.count = looks.count();
 }
 
 void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y, Sums sums,
