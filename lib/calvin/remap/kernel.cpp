@@ -65,9 +65,11 @@ remap::SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, La
   b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
   b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
   // Lanes of a run are read by 16 bytes, or all of them at once; words not at all by segments.
+  // Pixels of three and four bytes may be read each by itself, by 16 bytes too.
   const int span = map.run_pixels() / std::min(lane_pixels(lanes), map.run_pixels());
   const int lane = is_spread(lanes) ? 32 : 16;
-  const int segment = is_words(lanes) ? 0 : span == 1 ? lane : lane * (span + 1);
+  const int parts = layout.components > 2 ? 5 : span == 1 ? 1 : span + 1;
+  const int segment = is_words(lanes) ? 0 : lane * parts;
   const int columns = (15 - (layout.components - 1)) / layout.components;
   b.widest = is_words(lanes) ? size.width : span == 1 ? columns : 15;
   // The second of a lane's pixels, and of its neighbours, is in the segment too.
@@ -142,7 +144,7 @@ class Chunk {
         lanes_(usable_lanes(map, layout, sampling)),
         wide_(wide_format(map, layout, sampling.interpolation)),
         bounds_(bounds_of(map, layout, lanes_, sources)),
-        group_(wide_ ? 1 : remap::run_group()),
+        group_(wide_ ? 1 : remap::run_group(lanes_, map.run_pixels())),
         pixels_(map.run_pixels()),
         first_run_(first_run),
         first_(first_run * map.run_pixels()) {
@@ -150,8 +152,10 @@ class Chunk {
     runs_ = std::min(remap::kChunkRuns, map.runs() - first_run);
     width_ = std::min(runs_ * pixels_, map.size().width - first_);
     row_.count = runs_;
-    // What the last group of a row writes must be the row's.
-    const int left = map.size().width - first_ - (remap::run_slack(lanes_) > 0 ? 1 : 0);
+    // What the last group of a row writes, and what follows it, must be the row's.
+    const auto step = static_cast<int>(layout.pixel_step);
+    const int slack = (remap::run_slack(lanes_) + step - 1) / step;
+    const int left = map.size().width - first_ - slack;
     whole_groups_ = std::max(left, 0) / (group_ * pixels_);
   }
 
@@ -191,9 +195,17 @@ class Chunk {
     }
     interpolate(first, band_.x_first, band_.y_first);
     interpolate(last, band_.x_last, band_.y_last);
-    const double height = map_.level(last).between - map_.level(first).between;
-    remap::begin_band(pixels_, bounds_, nodes_, node_row % 4, static_cast<float>(height), band_,
-                      row_);
+    band_top_ = map_.level(first).between;
+    band_height_ = map_.level(last).between - band_top_;
+    const double height = band_height_;
+    remap::begin_band(lanes_, pixels_, bounds_, nodes_, node_row % 4, static_cast<float>(height),
+                      band_, row_);
+  }
+
+  [[nodiscard]] float way_down_band(int y) const noexcept {
+    if (!(band_height_ > 0)) return 0;
+    const double way = (map_.level(y).between - band_top_) / band_height_;
+    return static_cast<float>(std::clamp(way, 0.0, 1.0));
   }
 
   void interpolate(int y, std::int32_t* xs, std::int32_t* ys) noexcept {
@@ -259,21 +271,27 @@ class Chunk {
       planes.source[p] = sources_[p].data;
       planes.output[p] = output_at(p, y, 0);
     }
+    way_ = way_down_band(y);
     blend(0, whole, planes);
-    if (whole == row_.count || row_.rows[whole] >= remap::kSlowGroup) return;
-    // The last group, beside the row: it writes more than the row has.
-    const int pixels = map_.size().width - first_ - whole * pixels_;
+    for (int j = whole; j < row_.count; j += group_) {
+      if (row_.rows[j] < remap::kSlowGroup) blend_beside(y, j, planes);
+    }
+  }
+
+  // A group at the end of a row, which writes more than the row has.
+  void blend_beside(int y, int run, remap::PlaneRows planes) noexcept {
+    const int pixels = std::min(map_.size().width - first_ - run * pixels_, group_ * pixels_);
     const auto bytes = static_cast<std::size_t>((pixels - 1) * layout_.pixel_step +
                                                 (layout_.components - 1) * layout_.component_step +
                                                 (is_words(lanes_) ? 2 : 1));
     std::array<std::array<std::uint8_t, kTail>, remap::kMaxPlanes> tails;
     for (std::size_t p = 0; p < sources_.size(); ++p) {
-      std::memcpy(tails[p].data(), output_at(p, y, whole), bytes);
+      std::memcpy(tails[p].data(), output_at(p, y, run), bytes);
       planes.output[p] = tails[p].data();
     }
-    blend(whole, whole + group_, planes);
+    blend(run, run + group_, planes);
     for (std::size_t p = 0; p < sources_.size(); ++p) {
-      std::memcpy(output_at(p, y, whole), tails[p].data(), bytes);
+      std::memcpy(output_at(p, y, run), tails[p].data(), bytes);
     }
   }
 
@@ -292,7 +310,8 @@ class Chunk {
                              nearest, planes);
       return;
     }
-    remap::blend_runs(lanes_, pixels_, row_, begin, end, bounds_.stride, nearest, planes);
+    const remap::RowTask task = {row_, band_, way_, bounds_.stride, nearest};
+    remap::blend_runs(lanes_, pixels_, task, begin, end, planes);
   }
 
   [[nodiscard]] std::uint8_t* output_at(std::size_t plane, int y, int run) const noexcept {
@@ -334,6 +353,9 @@ class Chunk {
   int whole_groups_ = 0;
   std::array<int, 4> known_ = {-1, -1, -1, -1};
   int band_end_ = 0;
+  double band_top_ = 0;  // as PlaneMap::Level
+  double band_height_ = 0;
+  float way_ = 0;  // of the row down the band
   NodeRows nodes_;
   remap::Band band_;
   RunRow row_;

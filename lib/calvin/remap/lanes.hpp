@@ -22,6 +22,9 @@ inline constexpr int kChunkRuns = 256;
 inline constexpr std::int32_t kSlowRun = 64;
 inline constexpr std::int32_t kSlowGroup = 128;
 
+// The rows of a run whose samples a band has in common.
+inline constexpr std::int32_t kSteadyRows = 32;
+
 // Runs before the first one and behind the last one that a run's parabola is made with.
 inline constexpr int kMargin = 2;
 // Runs behind a row's last one that fill up its last vector.
@@ -37,6 +40,8 @@ struct NodeRows {
 // The same at one row of the output, and what a vector kernel has to know of each run.
 struct RunRow {
   static constexpr int kRuns = NodeRows::kRuns;
+  // Where runs fill several lanes each of them may have a segment of its own.
+  static constexpr int kMostParts = 2;
   // Middles of the runs, margins included.
   alignas(64) std::int32_t x[kRuns];
   alignas(64) std::int32_t y[kRuns];
@@ -44,17 +49,14 @@ struct RunRow {
   // holds the run's samples; rows of the source that its group takes, and kSlowRun and kSlowGroup.
   alignas(64) std::int32_t offset[kRuns];
   alignas(64) std::int32_t rows[kRuns];
-  // Two 16-bit numbers each. Place of the middle from the segment's first sample, 4.12, and slope,
-  // 2.14; what the parabola adds at the run's ends, 4.12, in x and in y. All that is of y is eight
+  // Two 16-bit numbers each, of x and of y. Slope, 2.14; what the parabola adds at the run's ends,
+  // 4.12; place of the middle from the first sample of the segment, 4.12. All that is of y is eight
   // times as large for runs that take three rows, and from the middle one of them.
-  alignas(64) std::int32_t x_line[kRuns];
-  alignas(64) std::int32_t y_line[kRuns];
+  alignas(64) std::int32_t slope[kRuns];
   alignas(64) std::int32_t bend[kRuns];
-  // Where runs fill several lanes, each of which has a segment of its own: offset and x_line by the
-  // lane, for kernels that work by lanes.
-  alignas(64) std::int32_t lane_offset[4 * kRuns];
-  alignas(64) std::int32_t lane_line[4 * kRuns];
-  int count = 0;  // runs
+  alignas(64) std::int32_t middle[kMostParts * kRuns];       // by the lane
+  alignas(64) std::int32_t lane_offset[kMostParts * kRuns];  // likewise
+  int count = 0;                                             // runs
 };
 
 // Rows of the output that are prepared together: what varies little is taken once for all of them.
@@ -63,16 +65,25 @@ inline constexpr int kBandRows = 16;
 // What a band's rows share of the runs that are well inside the source in all of them.
 struct Band {
   static constexpr int kRuns = RunRow::kRuns;
+  static constexpr int kSamples = 8 * kRuns;
   // Middles in the first row and in the last, margins included.
   alignas(64) std::int32_t x_first[kRuns];
   alignas(64) std::int32_t y_first[kRuns];
   alignas(64) std::int32_t x_last[kRuns];
   alignas(64) std::int32_t y_last[kRuns];
-  // From the segment's first sample to the middle at most, and what then is added to the rest.
-  alignas(64) std::int32_t x_half[kRuns];
-  alignas(64) std::int32_t x_shift[kRuns];
-  alignas(64) std::int32_t y_shift[kRuns];
-  bool steady[kRuns];  // by the first run of a vector: RunRow::rows and bend hold for the band
+  // From the segment's first sample to the middle at most; of x by the lane.
+  alignas(64) std::int32_t x_half[RunRow::kMostParts][kRuns];
+  alignas(64) std::int32_t y_half[kRuns];
+  // RunRow::slope and bend in the first row and in the last.
+  alignas(64) std::int32_t slope[2][kRuns];
+  alignas(64) std::int32_t bend[2][kRuns];
+  // Of the samples: where they are from the middle in the first row, and what is added until the
+  // last one.
+  alignas(64) std::int16_t x_shape[kSamples];
+  alignas(64) std::int16_t y_shape[kSamples];
+  alignas(64) std::int16_t x_turn[kSamples];
+  alignas(64) std::int16_t y_turn[kSamples];
+  bool steady[kRuns];  // by the first run of a vector; RunRow::rows is kSteadyRows
 };
 
 // The line of a run makes good for what a parabola cannot follow: this part, in 1/256, of the
@@ -164,8 +175,8 @@ void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std
 // Takes together what the rows of a band, whose first and last one's middles are known, have in
 // common, for runs of `run` samples. All of them lie between the same of the nodes' rows, the first
 // of which is at `slot`; `height` is how much of the way between those the band takes.
-void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot, float height,
-                Band& band, RunRow& row) noexcept;
+void begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
+                int slot, float height, Band& band, RunRow& row) noexcept;
 
 // What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
 // lane has; whether there is a slow one. What is quick in a group of run_group() is so at the cost
@@ -173,11 +184,20 @@ void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int 
 bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
                    RunRow& row) noexcept;
 
+// A row whose runs are described.
+struct RowTask {
+  const RunRow& row;
+  const Band& band;
+  float way;  // how much of the band's height lies above the row, 0..1
+  std::int32_t stride;
+  bool nearest;
+};
+
 // Writes the samples of the groups of runs from `begin` to before `end` that are not slow,
 // something for the slow runs in them, and run_slack() bytes that follow a group; what `planes`
 // name is where `begin` goes to.
-void blend_runs(LaneLayout layout, int run, const RunRow& row, int begin, int end,
-                std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept;
+void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int end,
+                const PlaneRows& planes) noexcept;
 
 // How 16-bit samples hold their values.
 struct WordFormat {
@@ -207,12 +227,12 @@ void blend_wide_runs(const WideFormat& format, const SourceBounds& bounds, RunRo
                      const std::uint8_t* source, std::uint8_t* output) noexcept;
 
 // Runs that the kernel takes at a time on this machine: 1, 2 or 4.
-[[nodiscard]] int run_group() noexcept;
+[[nodiscard]] int run_group(LaneLayout layout, int run) noexcept;
 
 [[nodiscard]] constexpr int run_slack(LaneLayout layout) noexcept {
   switch (layout) {
     case LaneLayout::kThree:
-      return 2;
+      return 4;
     case LaneLayout::kOneSpread:
     case LaneLayout::kTwoSpread:
       return 1;
