@@ -162,18 +162,20 @@ class Chunk {
   // Row after row.
   void row(int y) noexcept {
     const PlaneMap::Row* limits = map_.limits(y);
-    interpolate(y, row_.x, row_.y);
+    // An uneven last sample is not where a run has it.
+    const bool uneven = !map_.output_x().is_even();
+    const remap::RowNodes between = nodes_at(map_.level(y));
+    const bool all = wide_ || uneven || limits != nullptr;
+    if (all) remap::interpolate_runs(between, runs_, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
     if (y >= band_end_) begin_band(y);
     bool slow = true;
     if (wide_) {
       std::fill_n(row_.rows, row_.count, 0);
     } else {
-      slow = remap::describe_runs(lanes_, pixels_, bounds_, band_, row_);
+      slow = remap::describe_runs(lanes_, pixels_, bounds_, all ? nullptr : &between, band_, row_);
     }
     if (limits != nullptr) mark_invalid(*limits);
-    // An uneven last sample is not where a run has it.
-    const bool uneven = !map_.output_x().is_even();
     if (uneven) mark_slow(whole_groups_ * group_, row_.count);
     blend(y);
     if (slow || uneven || limits != nullptr) sample_rest(y, limits);
@@ -193,10 +195,14 @@ class Chunk {
       std::fill(std::begin(band_.steady), std::end(band_.steady), false);
       return;
     }
-    interpolate(first, band_.x_first, band_.y_first);
-    interpolate(last, band_.x_last, band_.y_last);
-    band_top_ = map_.level(first).between;
-    band_height_ = map_.level(last).between - band_top_;
+    const PlaneMap::Level top = map_.level(first);
+    const PlaneMap::Level bottom = map_.level(last);
+    const PlaneMap::Level amid = {node_row, (top.between + bottom.between) / 2};
+    remap::interpolate_runs(nodes_at(top), runs_, band_.x_first, band_.y_first);
+    remap::interpolate_runs(nodes_at(amid), runs_, band_.x_amid, band_.y_amid);
+    remap::interpolate_runs(nodes_at(bottom), runs_, band_.x_last, band_.y_last);
+    band_top_ = top.between;
+    band_height_ = bottom.between - band_top_;
     const double height = band_height_;
     remap::begin_band(lanes_, pixels_, bounds_, nodes_, node_row % 4, static_cast<float>(height),
                       band_, row_);
@@ -208,20 +214,20 @@ class Chunk {
     return static_cast<float>(std::clamp(way, 0.0, 1.0));
   }
 
-  void interpolate(int y, std::int32_t* xs, std::int32_t* ys) noexcept {
-    const PlaneMap::Level level = map_.level(y);
+  remap::RowNodes nodes_at(const PlaneMap::Level& level) noexcept {
+    constexpr int kBefore = remap::NodeRows::kFirst - remap::kMargin;
     const auto weights = cubic_weights(level.between);
-    std::array<float, 4> of_slot;
+    remap::RowNodes between = {nodes_, {}};
     for (int r = 0; r < 4; ++r) {
       const int wanted = level.node_row + r;
       const auto slot = static_cast<std::size_t>(wanted % 4);
-      of_slot[slot] = weights[static_cast<std::size_t>(r)];
+      between.weights[slot] = weights[static_cast<std::size_t>(r)];
       if (known_[slot] == wanted) continue;
-      map_.expand(wanted, first_run_, runs_ + 2 * remap::kMargin + remap::kSpare, nodes_.x[slot],
-                  nodes_.y[slot]);
+      map_.expand(wanted, first_run_, runs_ + 2 * remap::kMargin + remap::kSpare,
+                  nodes_.x[slot] + kBefore, nodes_.y[slot] + kBefore);
       known_[slot] = wanted;
     }
-    remap::interpolate_runs(nodes_, of_slot.data(), runs_, xs, ys);
+    return between;
   }
 
   void take_middles(const PlaneMap::Row& limits) noexcept {

@@ -35,6 +35,10 @@ void begin_band_of(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bou
 // How far places of a steady band are from a line down it, 1/2^14 of a sample.
 constexpr std::int32_t kMostBulge = 1 << (kPlaceBits - 2);
 
+// What a run's slope may be off a line down the band, twice as 16 times as large: 1/2000 of a
+// sample at its ends.
+constexpr std::int32_t kMostSway = 64;
+
 // One axis of a vector of runs, in the first and in the last row of a band.
 struct BandAxis {
   Line first;
@@ -44,6 +48,7 @@ struct BandAxis {
   hn::Vec<Ints> most;
   hn::Vec<Ints> steep;
   hn::Vec<Ints> bent;
+  hn::Vec<Ints> sway;
 };
 // Between four nodes a column is a cubic, whose second derivative goes straight from the second
 // difference at the second node to that at the third: how far the middles of the band's rows are
@@ -61,10 +66,13 @@ HWY_INLINE hn::Vec<Ints> bulge(const float (&rows)[4][NodeRows::kRuns], int j, i
 
 // `reach` is how far from a middle the source is looked at, whether its run needs it or not.
 template <bool kThird>
-HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* last,
-                              hn::Vec<Ints> slack, std::int32_t reach) {
-  const Line a = line_of<8>(curve_at<kThird>(first));
-  const Line b = line_of<8>(curve_at<kThird>(last));
+HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* amid,
+                              const std::int32_t* last, hn::Vec<Ints> slack, std::int32_t reach) {
+  const Curve top = curve_at<kThird>(first);
+  const Curve bottom = curve_at<kThird>(last);
+  const auto across = curve_at<kThird>(amid).across;
+  const Line a = line_of<8>(top);
+  const Line b = line_of<8>(bottom);
   // Of a vector that is not steady it may be anything.
   const auto half = hn::Max(half_of<8>(a), half_of<8>(b)) + slack;
   const auto around = hn::Max(half, hn::Set(Ints(), reach)) + slack;
@@ -74,7 +82,8 @@ HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* las
           hn::Min(a.middle, b.middle) - around,
           hn::Max(a.middle, b.middle) + around,
           hn::Max(hn::Abs(a.slope), hn::Abs(b.slope)),
-          hn::Max(hn::Abs(a.bend), hn::Abs(b.bend))};
+          hn::Max(hn::Abs(a.bend), hn::Abs(b.bend)),
+          hn::Abs(across + across - top.across - bottom.across)};
 }
 
 // Whether none of a vector of runs needs to be looked at again in the band: three rows, or few if
@@ -98,7 +107,8 @@ HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBoun
                                              room(y, std::int32_t{0x7FFF}))
                                    : hn::Set(d, kHalfRow) - y.half);
   spare = hn::Min(spare, hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
-  spare = hn::Min(spare, hn::Set(d, b.widest - 2) - across(x));
+  spare = hn::Min(spare, hn::Min(hn::Set(d, b.widest - 2) - across(x),
+                                 hn::Set(d, kMostSway) - hn::Max(x.sway, y.sway)));
   return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
 }
 
@@ -133,12 +143,13 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   const auto most = hn::Set(d, kMostBulge);
   for (int j = 0; j < row.count; j += kVector) {
-    const auto x_bulge = bulge(nodes.x, j + kMargin, slot, height);
-    const auto y_bulge = bulge(nodes.y, j + kMargin, slot, height);
+    const auto x_bulge = bulge(nodes.x, j + NodeRows::kFirst, slot, height);
+    const auto y_bulge = bulge(nodes.y, j + NodeRows::kFirst, slot, height);
     const auto x_slack = hn::Min(x_bulge, most);
-    const BandAxis x = band_axis<kThird>(band.x_first + j, band.x_last + j, x_slack, 0);
-    const BandAxis y = band_axis<kThird>(band.y_first + j, band.y_last + j, hn::Min(y_bulge, most),
-                                         P::kApart ? 0 : kHalfRow);
+    const BandAxis x =
+        band_axis<kThird>(band.x_first + j, band.x_amid + j, band.x_last + j, x_slack, 0);
+    const BandAxis y = band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
+                                         hn::Min(y_bulge, most), P::kApart ? 0 : kHalfRow);
     band.steady[j] =
         hn::AllFalse(d, hn::Gt(hn::Max(x_bulge, y_bulge), most)) && is_steady<P>(x, y, bounds);
     if (!band.steady[j]) continue;

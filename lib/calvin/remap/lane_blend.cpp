@@ -157,6 +157,7 @@ constexpr int kAhead = 12;
 template <int kPlanes>
 struct Planes {
   std::array<const std::uint8_t*, kPlanes> sources;
+  std::array<const std::uint8_t*, kPlanes> ahead;
   std::array<std::uint8_t*, kPlanes> outputs;
   std::int32_t stride;
 };
@@ -170,7 +171,7 @@ HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
   const std::int32_t stride = planes.stride;
   for (int p = 0; p < kPlanes; ++p) {
     const std::uint8_t* source = planes.sources[p];
-    hwy::Prefetch(source + offsets[0] + static_cast<std::ptrdiff_t>(kAhead) * stride + 16);
+    hwy::Prefetch(planes.ahead[p] + offsets[0]);
     const Numbers sum = kThree
                             ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender)
                             : blend_more_rows<L, kNearest>(source, offsets, stride,
@@ -241,12 +242,14 @@ HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPl
 }
 
 template <class L, bool kNearest, int kPlanes>
-void blend(const RowTask& task, int begin, int end, const PlaneRows& rows) {
+void blend(const RowTask& shared, int begin, int end, const PlaneRows& rows) {
   // What is written may be anything for all that the compiler knows.
+  const RowTask task = shared;
   Planes<kPlanes> planes;
   planes.stride = task.stride;
   for (int p = 0; p < kPlanes; ++p) {
     planes.sources[p] = rows.source[p];
+    planes.ahead[p] = rows.source[p] + static_cast<std::ptrdiff_t>(kAhead) * task.stride + 16;
     planes.outputs[p] = rows.output[p];
   }
   if constexpr (L::kStep * L::kSpread == 1) {

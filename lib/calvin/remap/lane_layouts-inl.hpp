@@ -90,6 +90,16 @@ HWY_INLINE Numbers numbers_of(const std::int16_t* samples) {
 template <class D>
 HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::int32_t* offsets) {
   constexpr std::size_t kSize = hn::MaxLanes(D());
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  // Combine() clears a half before it is written, and takes the port that shuffles need.
+  if constexpr (kSize == 64) {
+    const hn::FixedTag<std::uint8_t, 16> lane;
+    const auto at = [&](int l) HWY_ATTR { return hn::LoadU(lane, plane + offsets[l]).raw; };
+    const auto lo = _mm256_inserti128_si256(_mm256_castsi128_si256(at(0)), at(1), 1);
+    const auto hi = _mm256_inserti128_si256(_mm256_castsi128_si256(at(2)), at(3), 1);
+    return hn::Vec<D>{_mm512_inserti32x8(_mm512_castsi256_si512(lo), hi, 1)};
+  }
+#endif
   if constexpr (kSize > 16) {
     const hn::FixedTag<std::uint8_t, kSize / 2> half;
     return hn::Combine(d, load_segments(half, plane, offsets + kSize / 32),

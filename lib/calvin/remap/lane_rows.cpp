@@ -10,6 +10,7 @@
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <type_traits>
 
@@ -27,22 +28,21 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std::int32_t* xs,
-                     std::int32_t* ys) {
+void interpolate_row(const RowNodes& between, int runs, std::int32_t* xs, std::int32_t* ys) {
+  const auto at = [&](const float(&rows)[4][NodeRows::kRuns], int i) {
+    float sum = rows[0][i];
+    for (int r = 1; r < 4; ++r) sum += between.weights[r] * (rows[r][i] - rows[0][i]);
+    return static_cast<std::int32_t>(std::lrint(sum));
+  };
   for (int j = 0; j < runs + 2 * kMargin + kSpare; ++j) {
-    float x = 0;
-    float y = 0;
-    for (int r = 0; r < 4; ++r) {
-      x += weights[r] * nodes.x[r][j];
-      y += weights[r] * nodes.y[r][j];
-    }
-    xs[j] = static_cast<std::int32_t>(std::lrint(x));
-    ys[j] = static_cast<std::int32_t>(std::lrint(y));
+    xs[j] = at(between.nodes.x, NodeRows::kFirst - kMargin + j);
+    ys[j] = at(between.nodes.y, NodeRows::kFirst - kMargin + j);
   }
 }
 
 bool describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
-                  const Band& /*band*/, RunRow& row) {
+                  const RowNodes* between, const Band& /*band*/, RunRow& row) {
+  if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
   std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
   return true;
 }
@@ -79,17 +79,26 @@ HWY_INLINE hn::Vec<Ints> group_maximum(hn::Vec<Ints> rows) {
   return rows;
 }
 
-HWY_INLINE void interpolate(const float (&rows)[4][NodeRows::kRuns], const float* weights,
-                            int count, std::int32_t* places) {
+// The middles of runs from the `i`th place of the nodes on.
+HWY_INLINE hn::Vec<Ints> middles_at(const float (&rows)[4][NodeRows::kRuns],
+                                    const std::array<float, 4>& weights, int i) {
   const Floats d;
-  const auto w0 = hn::Set(d, weights[0]);
-  const auto w1 = hn::Set(d, weights[1]);
-  const auto w2 = hn::Set(d, weights[2]);
-  const auto w3 = hn::Set(d, weights[3]);
-  for (int j = 0; j < count; j += static_cast<int>(hn::Lanes(d))) {
-    const auto upper = hn::MulAdd(w1, hn::Load(d, rows[1] + j), w0 * hn::Load(d, rows[0] + j));
-    const auto lower = hn::MulAdd(w3, hn::Load(d, rows[3] + j), w2 * hn::Load(d, rows[2] + j));
-    hn::Store(hn::NearestInt(upper + lower), Ints(), places + j);
+  const auto first = hn::LoadU(d, rows[0] + i);
+  const auto part = [&](std::size_t r) HWY_ATTR { return hn::Set(d, weights[r]); };
+  const auto difference = [&](std::size_t r) HWY_ATTR { return hn::LoadU(d, rows[r] + i) - first; };
+  return hn::NearestInt(hn::MulAdd(part(1), difference(1),
+                                   hn::MulAdd(part(2), difference(2), part(3) * difference(3))) +
+                        first);
+}
+
+// The first `count` of a row's middles from `begin` on, margins included.
+HWY_INLINE void interpolate(const RowNodes& between, int begin, int count, std::int32_t* x,
+                            std::int32_t* y) {
+  const Ints d;
+  for (int j = begin; j < begin + count; j += static_cast<int>(hn::MaxLanes(d))) {
+    const int i = NodeRows::kFirst - kMargin + j;
+    hn::StoreU(middles_at(between.nodes.x, between.weights, i), d, x + j);
+    hn::StoreU(middles_at(between.nodes.y, between.weights, i), d, y + j);
   }
 }
 
@@ -198,12 +207,12 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
 // describe_runs_at() where the band is steady: results lie between the row that is nearest to the
 // run's middle and the ones beside it.
 template <class P>
-HWY_INLINE void describe_steady_at(int j, const SourceBounds& b, const Band& band, RunRow& row) {
+HWY_INLINE void describe_steady_at(int j, hn::Vec<Ints> x, hn::Vec<Ints> middle_y,
+                                   const SourceBounds& b, const Band& band, RunRow& row) {
   const Ints d;
   const auto in_part = hn::Set(d, (1 << kPlaceBits) - 1);
-  const auto x = hn::LoadU(d, row.x + j + kMargin);
   const auto y_half = hn::Load(d, band.y_half + j);
-  const auto y = hn::LoadU(d, row.y + j + kMargin) - y_half;
+  const auto y = middle_y - y_half;
   const auto y_part = hn::And(y, in_part);
   const auto y_place = P::kApart ? hn::ShiftLeft<14>(y_part + y_half + hn::Set(d, 2))
                                  : hn::ShiftLeft<17>(y_part - y_half);
@@ -217,13 +226,23 @@ HWY_INLINE void describe_steady_at(int j, const SourceBounds& b, const Band& ban
 }
 
 template <class P, bool kThird>
-HWY_INLINE bool describe_all(const SourceBounds& bounds, const Band& band, RunRow& row) {
-  constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
+HWY_INLINE bool describe_all(const SourceBounds& bounds, const RowNodes* between, const Band& band,
+                             RunRow& row) {
+  const Ints d;
+  constexpr int kVector = static_cast<int>(hn::MaxLanes(d));
   bool slow = false;
   for (int j = 0; j < row.count; j += kVector) {
     if (P::kRun == 8 && band.steady[j]) {
-      describe_steady_at<P>(j, bounds, band, row);
+      const int i = NodeRows::kFirst + j;
+      if (between != nullptr) {
+        describe_steady_at<P>(j, middles_at(between->nodes.x, between->weights, i),
+                              middles_at(between->nodes.y, between->weights, i), bounds, band, row);
+      } else {
+        describe_steady_at<P>(j, hn::LoadU(d, row.x + j + kMargin),
+                              hn::LoadU(d, row.y + j + kMargin), bounds, band, row);
+      }
     } else {
+      if (between != nullptr) interpolate(*between, j, kVector + 2 * kMargin, row.x, row.y);
       const Line x = line_of<P::kRun>(curve_at<kThird>(row.x + j));
       const Line y = line_of<P::kRun>(curve_at<kThird>(row.y + j));
       slow |= describe_runs_at<P>(j, x, y, bounds, row);
@@ -232,32 +251,32 @@ HWY_INLINE bool describe_all(const SourceBounds& bounds, const Band& band, RunRo
   return slow;
 }
 
-void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
-                     std::int32_t* y) {
-  interpolate(nodes.x, weights, runs + 2 * kMargin + kSpare, x);
-  interpolate(nodes.y, weights, runs + 2 * kMargin + kSpare, y);
+void interpolate_row(const RowNodes& between, int runs, std::int32_t* x, std::int32_t* y) {
+  interpolate(between, 0, runs + 2 * kMargin + kSpare, x, y);
 }
 
 template <class P>
-bool describe_bends(const SourceBounds& bounds, const Band& band, RunRow& row) {
-  return bounds.strongly_bent ? describe_all<P, true>(bounds, band, row)
-                              : describe_all<P, false>(bounds, band, row);
+bool describe_bends(const SourceBounds& bounds, const RowNodes* between, const Band& band,
+                    RunRow& row) {
+  return bounds.strongly_bent ? describe_all<P, true>(bounds, between, band, row)
+                              : describe_all<P, false>(bounds, between, band, row);
 }
 
-bool describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
-                  RunRow& row) {
+bool describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
+                  const Band& band, RunRow& row) {
   bool slow = true;
   switch (layout) {
     case LaneLayout::kOneWord:
-      return describe_bends<Placing<8, 1, 2>>(bounds, band, row);
+      return describe_bends<Placing<8, 1, 2>>(bounds, between, band, row);
     case LaneLayout::kTwoWords:
-      return describe_bends<Placing<8, 1, 4>>(bounds, band, row);
+      return describe_bends<Placing<8, 1, 4>>(bounds, between, band, row);
     case LaneLayout::kNone:
+      if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
       std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
       return true;
     default:
       with_placing(layout, run, [&](auto placing) HWY_ATTR {
-        slow = describe_bends<decltype(placing)>(bounds, band, row);
+        slow = describe_bends<decltype(placing)>(bounds, between, band, row);
       });
       return slow;
   }
@@ -281,14 +300,14 @@ HWY_EXPORT(interpolate_row);
 HWY_EXPORT(describe_row);
 HWY_EXPORT(group_of);
 
-void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
+void interpolate_runs(const RowNodes& between, int runs, std::int32_t* x,
                       std::int32_t* y) noexcept {
-  HWY_DYNAMIC_DISPATCH(interpolate_row)(nodes, weights, runs, x, y);
+  HWY_DYNAMIC_DISPATCH(interpolate_row)(between, runs, x, y);
 }
 
-bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
-                   RunRow& row) noexcept {
-  return HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, band, row);
+bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
+                   const Band& band, RunRow& row) noexcept {
+  return HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, between, band, row);
 }
 
 int run_group(LaneLayout layout, int run) noexcept {

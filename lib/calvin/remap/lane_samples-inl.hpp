@@ -59,7 +59,8 @@ template <class P>
 HWY_INLINE hn::Vec<PlaceNumbers<P>> across_of(hn::Vec<PlaceNumbers<P>> x) {
   const PlaceNumbers<P> d;
   const PlaceWords<P> words;
-  return hn::BitCast(d, hn::Xor(hn::ShiftLeft<4>(hn::BitCast(words, x)), hn::Set(words, 0x8000)));
+  return hn::BitCast(
+      d, hn::Xor(hn::ShiftLeft<4>(hn::BitCast(words, x)), kept(hn::Set(words, 0x8000))));
 }
 
 // Which bytes of the segment are blended: 257 times those to the column, and for the second one 256

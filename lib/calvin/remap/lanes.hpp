@@ -5,6 +5,7 @@
 // through the middles of a run and its neighbours (of 4 or 2 where the map is strongly bent).
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -30,11 +31,20 @@ inline constexpr int kMargin = 2;
 // Runs behind a row's last one that fill up its last vector.
 inline constexpr int kSpare = 3;
 
-// A chunk of runs, and its margins, at four rows of the map's nodes.
+// A chunk of runs, and its margins, at four rows of the map's nodes. The first run is at kFirst, so
+// that vectors of runs are loaded at once.
 struct NodeRows {
-  static constexpr int kRuns = kChunkRuns + 32;
+  static constexpr int kFirst = 16;
+  static constexpr int kRuns = kChunkRuns + 48;
   alignas(64) float x[4][kRuns];
   alignas(64) float y[4][kRuns];
+};
+
+// A row of the output between them: what is added to the first one are these parts of how much the
+// others differ from it. Thus what is the same in all of them stays as it is.
+struct RowNodes {
+  const NodeRows& nodes;
+  std::array<float, 4> weights;
 };
 
 // The same at one row of the output, and what a vector kernel has to know of each run.
@@ -66,11 +76,13 @@ inline constexpr int kBandRows = 16;
 struct Band {
   static constexpr int kRuns = RunRow::kRuns;
   static constexpr int kSamples = 8 * kRuns;
-  // Middles in the first row and in the last, margins included.
+  // Middles in the first row, in the last, and in one amid them, margins included.
   alignas(64) std::int32_t x_first[kRuns];
   alignas(64) std::int32_t y_first[kRuns];
   alignas(64) std::int32_t x_last[kRuns];
   alignas(64) std::int32_t y_last[kRuns];
+  alignas(64) std::int32_t x_amid[kRuns];
+  alignas(64) std::int32_t y_amid[kRuns];
   // From the segment's first sample to the middle at most; of x by the lane.
   alignas(64) std::int32_t x_half[RunRow::kMostParts][kRuns];
   alignas(64) std::int32_t y_half[kRuns];
@@ -167,22 +179,22 @@ struct PlaneRows {
   int planes = 1;
 };
 
-// The first `runs` of the chunk, and its margins, between its node rows; weights of
-// cubic_weights().
-void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
-                      std::int32_t* y) noexcept;
+// The first `runs` of the chunk, and its margins.
+void interpolate_runs(const RowNodes& between, int runs, std::int32_t* x, std::int32_t* y) noexcept;
 
-// Takes together what the rows of a band, whose first and last one's middles are known, have in
-// common, for runs of `run` samples. All of them lie between the same of the nodes' rows, the first
-// of which is at `slot`; `height` is how much of the way between those the band takes.
+// Takes together what the rows of a band, whose first and last one's middles and those amid them
+// are known, have in common, for runs of `run` samples. All of them lie between the same of the
+// nodes' rows, the first of which is at `slot`; `height` is how much of the way between those the
+// band takes.
 void begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
                 int slot, float height, Band& band, RunRow& row) noexcept;
 
 // What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
 // lane has; whether there is a slow one. What is quick in a group of run_group() is so at the cost
-// of the slow ones' samples, which are written first.
-bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
-                   RunRow& row) noexcept;
+// of the slow ones' samples, which are written first. Middles of runs that are not steady are
+// interpolated on the way, unless `between` is nullptr and all of them are known.
+bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
+                   const Band& band, RunRow& row) noexcept;
 
 // A row whose runs are described.
 struct RowTask {
