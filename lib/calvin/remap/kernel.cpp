@@ -169,11 +169,13 @@ class Chunk {
     if (all) remap::interpolate_runs(between, runs_, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
     if (y >= band_end_) begin_band(y);
+    way_ = way_down_band(y);
     bool slow = true;
     if (wide_) {
       std::fill_n(row_.rows, row_.count, 0);
     } else {
-      slow = remap::describe_runs(lanes_, pixels_, bounds_, all ? nullptr : &between, band_, row_);
+      slow = remap::describe_runs(lanes_, pixels_, bounds_, all ? nullptr : &between, band_, way_,
+                                  row_);
     }
     if (limits != nullptr) mark_invalid(*limits);
     if (uneven) mark_slow(whole_groups_ * group_, row_.count);
@@ -277,7 +279,6 @@ class Chunk {
       planes.source[p] = sources_[p].data;
       planes.output[p] = output_at(p, y, 0);
     }
-    way_ = way_down_band(y);
     blend(0, whole, planes);
     for (int j = whole; j < row_.count; j += group_) {
       if (row_.rows[j] < remap::kSlowGroup) blend_beside(y, j, planes);

@@ -35,6 +35,9 @@ void begin_band_of(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bou
 // How far places of a steady band are from a line down it, 1/2^14 of a sample.
 constexpr std::int32_t kMostBulge = 1 << (kPlaceBits - 2);
 
+// How far they are from a parabola.
+constexpr std::int32_t kMostOff = 4;
+
 // What a run's slope may be off a line down the band, twice as 16 times as large: 1/2000 of a
 // sample at its ends.
 constexpr std::int32_t kMostSway = 64;
@@ -51,17 +54,24 @@ struct BandAxis {
   hn::Vec<Ints> sway;
 };
 // Between four nodes a column is a cubic, whose second derivative goes straight from the second
-// difference at the second node to that at the third: how far the middles of the band's rows are
-// from a line between its ends at most.
-HWY_INLINE hn::Vec<Ints> bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot,
-                               float height) {
+// difference at the second node to that at the third.
+struct Bulge {
+  hn::Vec<Ints> line;      // how far the middles of the band's rows are from a line at most
+  hn::Vec<Ints> parabola;  // and from one through the first, the last, and the one amid them
+};
+HWY_INLINE Bulge bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot, float height) {
   const Floats d;
-  const auto node = [&](int r) HWY_ATTR { return hn::LoadU(d, rows[(slot + r) % 4] + j); };
+  const auto node = [&](int r) HWY_ATTR { return hn::Load(d, rows[(slot + r) % 4] + j); };
   const auto upper = node(0) - node(1) - node(1) + node(2);
   const auto lower = node(1) - node(2) - node(2) + node(3);
-  const auto most = hn::Max(hn::Abs(upper), hn::Abs(lower)) * hn::Set(d, height * height / 8);
+  const auto square = height * height;
+  const auto most = hn::Max(hn::Abs(upper), hn::Abs(lower)) * hn::Set(d, square / 8);
+  // The largest t (t - 1/2) (t - 1) / 6.
+  const auto third = hn::Abs(lower - upper) * hn::Set(d, 0.00802F * square * height);
   // No number is beyond all bounds.
-  return hn::NearestInt(hn::Min(most, hn::Set(d, 1e9F))) + hn::Set(Ints(), 64);
+  const auto bound = [&](hn::Vec<Floats> v)
+                         HWY_ATTR { return hn::NearestInt(hn::Min(v, hn::Set(d, 1e9F))); };
+  return {bound(most) + hn::Set(Ints(), 64), bound(third)};
 }
 
 // `reach` is how far from a middle the source is looked at, whether its run needs it or not.
@@ -112,6 +122,17 @@ HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBoun
   return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
 }
 
+// How the middles of a steady vector of runs go down the band.
+HWY_INLINE void begin_curve(const BandAxis& axis, const std::int32_t* amid, float* span,
+                            float* curve) {
+  const Ints d;
+  const Floats floats;
+  const auto down = axis.last.middle - axis.first.middle;
+  const auto half = hn::LoadU(d, amid) - axis.first.middle;
+  hn::Store(hn::ConvertTo(floats, down), floats, span);
+  hn::Store(hn::ConvertTo(floats, hn::ShiftLeft<2>(half) - hn::ShiftLeft<1>(down)), floats, curve);
+}
+
 // What the samples of a steady vector of runs share.
 template <class P>
 HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y, Band& band) {
@@ -142,16 +163,18 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
   const Ints d;
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   const auto most = hn::Set(d, kMostBulge);
+  const auto off = hn::Set(d, kMostOff);
   for (int j = 0; j < row.count; j += kVector) {
     const auto x_bulge = bulge(nodes.x, j + NodeRows::kFirst, slot, height);
     const auto y_bulge = bulge(nodes.y, j + NodeRows::kFirst, slot, height);
-    const auto x_slack = hn::Min(x_bulge, most);
+    const auto x_slack = hn::Min(x_bulge.line, most);
     const BandAxis x =
         band_axis<kThird>(band.x_first + j, band.x_amid + j, band.x_last + j, x_slack, 0);
     const BandAxis y = band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
-                                         hn::Min(y_bulge, most), P::kApart ? 0 : kHalfRow);
-    band.steady[j] =
-        hn::AllFalse(d, hn::Gt(hn::Max(x_bulge, y_bulge), most)) && is_steady<P>(x, y, bounds);
+                                         hn::Min(y_bulge.line, most), P::kApart ? 0 : kHalfRow);
+    band.steady[j] = hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.line, y_bulge.line), most)) &&
+                     hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.parabola, y_bulge.parabola), off)) &&
+                     is_steady<P>(x, y, bounds);
     if (!band.steady[j]) continue;
     const auto half = [&](auto part) HWY_ATTR {
       constexpr int kPart = decltype(part)::value;
@@ -163,6 +186,8 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
     }
     hn::Store(P::kApart ? y.half : hn::Set(d, kHalfRow), d, band.y_half + j);
     hn::Store(hn::Set(d, kSteadyRows), d, row.rows + j);
+    begin_curve(x, band.x_amid + j + kMargin, band.x_span + j, band.x_curve + j);
+    begin_curve(y, band.y_amid + j + kMargin, band.y_span + j, band.y_curve + j);
     begin_shapes<P>(j, x, y, band);
   }
 }

@@ -41,7 +41,7 @@ void interpolate_row(const RowNodes& between, int runs, std::int32_t* xs, std::i
 }
 
 bool describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
-                  const RowNodes* between, const Band& /*band*/, RunRow& row) {
+                  const RowNodes* between, const Band& /*band*/, float /*way*/, RunRow& row) {
   if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
   std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
   return true;
@@ -204,15 +204,39 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
   return !hn::AllTrue(d, reads.slow == hn::Zero(d));
 }
 
+// Small numbers, to the nearest.
+HWY_INLINE hn::Vec<Ints> small_ints(hn::Vec<Floats> v) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  return hn::Vec<Ints>{_mm512_cvtps_epi32(v.raw)};
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  return hn::Vec<Ints>{_mm256_cvtps_epi32(v.raw)};
+#elif HWY_ARCH_X86
+  return hn::Vec<Ints>{_mm_cvtps_epi32(v.raw)};
+#else
+  return hn::NearestInt(v);
+#endif
+}
+
+// The middles of steady runs.
+HWY_INLINE hn::Vec<Ints> steady_middles(const std::int32_t* first, const float* span,
+                                        const float* curve, float way) {
+  const Floats d;
+  const auto added =
+      hn::Set(d, way) * hn::MulAdd(hn::Set(d, 1 - way), hn::Load(d, curve), hn::Load(d, span));
+  return hn::LoadU(Ints(), first) + small_ints(added);
+}
+
 // describe_runs_at() where the band is steady: results lie between the row that is nearest to the
 // run's middle and the ones beside it.
 template <class P>
-HWY_INLINE void describe_steady_at(int j, hn::Vec<Ints> x, hn::Vec<Ints> middle_y,
-                                   const SourceBounds& b, const Band& band, RunRow& row) {
+HWY_INLINE void describe_steady_at(int j, float way, const SourceBounds& b, const Band& band,
+                                   RunRow& row) {
   const Ints d;
   const auto in_part = hn::Set(d, (1 << kPlaceBits) - 1);
+  const auto x = steady_middles(band.x_first + j + kMargin, band.x_span + j, band.x_curve + j, way);
   const auto y_half = hn::Load(d, band.y_half + j);
-  const auto y = middle_y - y_half;
+  const auto y =
+      steady_middles(band.y_first + j + kMargin, band.y_span + j, band.y_curve + j, way) - y_half;
   const auto y_part = hn::And(y, in_part);
   const auto y_place = P::kApart ? hn::ShiftLeft<14>(y_part + y_half + hn::Set(d, 2))
                                  : hn::ShiftLeft<17>(y_part - y_half);
@@ -227,20 +251,12 @@ HWY_INLINE void describe_steady_at(int j, hn::Vec<Ints> x, hn::Vec<Ints> middle_
 
 template <class P, bool kThird>
 HWY_INLINE bool describe_all(const SourceBounds& bounds, const RowNodes* between, const Band& band,
-                             RunRow& row) {
-  const Ints d;
-  constexpr int kVector = static_cast<int>(hn::MaxLanes(d));
+                             float way, RunRow& row) {
+  constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   bool slow = false;
   for (int j = 0; j < row.count; j += kVector) {
     if (P::kRun == 8 && band.steady[j]) {
-      const int i = NodeRows::kFirst + j;
-      if (between != nullptr) {
-        describe_steady_at<P>(j, middles_at(between->nodes.x, between->weights, i),
-                              middles_at(between->nodes.y, between->weights, i), bounds, band, row);
-      } else {
-        describe_steady_at<P>(j, hn::LoadU(d, row.x + j + kMargin),
-                              hn::LoadU(d, row.y + j + kMargin), bounds, band, row);
-      }
+      describe_steady_at<P>(j, way, bounds, band, row);
     } else {
       if (between != nullptr) interpolate(*between, j, kVector + 2 * kMargin, row.x, row.y);
       const Line x = line_of<P::kRun>(curve_at<kThird>(row.x + j));
@@ -257,26 +273,26 @@ void interpolate_row(const RowNodes& between, int runs, std::int32_t* x, std::in
 
 template <class P>
 bool describe_bends(const SourceBounds& bounds, const RowNodes* between, const Band& band,
-                    RunRow& row) {
-  return bounds.strongly_bent ? describe_all<P, true>(bounds, between, band, row)
-                              : describe_all<P, false>(bounds, between, band, row);
+                    float way, RunRow& row) {
+  return bounds.strongly_bent ? describe_all<P, true>(bounds, between, band, way, row)
+                              : describe_all<P, false>(bounds, between, band, way, row);
 }
 
 bool describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
-                  const Band& band, RunRow& row) {
+                  const Band& band, float way, RunRow& row) {
   bool slow = true;
   switch (layout) {
     case LaneLayout::kOneWord:
-      return describe_bends<Placing<8, 1, 2>>(bounds, between, band, row);
+      return describe_bends<Placing<8, 1, 2>>(bounds, between, band, way, row);
     case LaneLayout::kTwoWords:
-      return describe_bends<Placing<8, 1, 4>>(bounds, between, band, row);
+      return describe_bends<Placing<8, 1, 4>>(bounds, between, band, way, row);
     case LaneLayout::kNone:
       if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
       std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
       return true;
     default:
       with_placing(layout, run, [&](auto placing) HWY_ATTR {
-        slow = describe_bends<decltype(placing)>(bounds, between, band, row);
+        slow = describe_bends<decltype(placing)>(bounds, between, band, way, row);
       });
       return slow;
   }
@@ -306,8 +322,8 @@ void interpolate_runs(const RowNodes& between, int runs, std::int32_t* x,
 }
 
 bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
-                   const Band& band, RunRow& row) noexcept {
-  return HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, between, band, row);
+                   const Band& band, float way, RunRow& row) noexcept {
+  return HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, between, band, way, row);
 }
 
 int run_group(LaneLayout layout, int run) noexcept {

@@ -83,6 +83,12 @@ struct Band {
   alignas(64) std::int32_t y_last[kRuns];
   alignas(64) std::int32_t x_amid[kRuns];
   alignas(64) std::int32_t y_amid[kRuns];
+  // Of runs that are steady: what is added to the middle until the last row, and how much it is
+  // bent on the way: t (1 - t) times this at part t of it.
+  alignas(64) float x_span[kRuns];
+  alignas(64) float y_span[kRuns];
+  alignas(64) float x_curve[kRuns];
+  alignas(64) float y_curve[kRuns];
   // From the segment's first sample to the middle at most; of x by the lane.
   alignas(64) std::int32_t x_half[RunRow::kMostParts][kRuns];
   alignas(64) std::int32_t y_half[kRuns];
@@ -192,9 +198,10 @@ void begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const No
 // What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
 // lane has; whether there is a slow one. What is quick in a group of run_group() is so at the cost
 // of the slow ones' samples, which are written first. Middles of runs that are not steady are
-// interpolated on the way, unless `between` is nullptr and all of them are known.
+// interpolated on the way, unless `between` is nullptr and all of them are known; `way` is as in
+// RowTask.
 bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
-                   const Band& band, RunRow& row) noexcept;
+                   const Band& band, float way, RunRow& row) noexcept;
 
 // A row whose runs are described.
 struct RowTask {
