@@ -75,6 +75,7 @@ remap::SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, La
   // The second of a lane's pixels, and of its neighbours, is in the segment too.
   if (span > 1) b.steepest = 0x6800;
   const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;
+  b.columns = size.width;
   b.rows = size.height;
   b.guarded_rows = bytes >= segment ? 1 : size.height;
   b.last_segment = bytes - segment - 1;
@@ -149,6 +150,7 @@ class Chunk {
         first_run_(first_run),
         first_(first_run * map.run_pixels()) {
     if (lanes_ == LaneLayout::kNone && !wide_) bounds_.last_row = -1;
+    bounds_.fills = sampling.outside == Outside::kFill;
     runs_ = std::min(remap::kChunkRuns, map.runs() - first_run);
     width_ = std::min(runs_ * pixels_, map.size().width - first_);
     row_.count = runs_;
@@ -195,6 +197,7 @@ class Chunk {
     // Where there is an end of the model rows have little in common.
     if (wide_ || map_.limits(y) != nullptr) {
       std::fill(std::begin(band_.steady), std::end(band_.steady), false);
+      std::fill(std::begin(band_.empty), std::end(band_.empty), false);
       return;
     }
     const PlaneMap::Level top = map_.level(first);
@@ -326,16 +329,21 @@ class Chunk {
   }
 
   void sample_rest(int y, const PlaneMap::Row* limits) noexcept {
-    const auto is_slow = [&](int j) { return row_.rows[j] >= remap::kSlowRun; };
-    for (int j = 0, end = 0; j < row_.count; j = end + 1) {
-      for (end = j; end < row_.count && is_slow(end); ++end) {
+    const auto kind = [&](int j) { return row_.rows[j] & (remap::kSlowRun | remap::kEmptyRun); };
+    for (int j = 0, end = 0; j < row_.count; j = end) {
+      const std::int32_t of_first = kind(j);
+      for (end = j + 1; end < row_.count && kind(end) == of_first; ++end) {
       }
-      if (end == j) continue;
+      if (of_first == 0) continue;
       const remap::Stretch stretch = {row_, first_, j * pixels_, std::min(end * pixels_, width_),
                                       limits};
       for (std::size_t p = 0; p < sources_.size(); ++p) {
-        remap::sample_stretch(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_,
-                              stretch);
+        if (of_first >= remap::kEmptyRun) {
+          remap::fill_stretch(layout_, {output_row(p, y), 0}, stretch);
+        } else {
+          remap::sample_stretch(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_,
+                                stretch);
+        }
       }
     }
   }

@@ -122,6 +122,17 @@ HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBoun
   return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
 }
 
+// Whether all of a vector of runs lie outside of the source in all of the band, by a sample and
+// more.
+HWY_INLINE bool is_empty(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
+  const Ints d;
+  const auto inside = [&](const BandAxis& axis, std::int32_t count) HWY_ATTR {
+    return hn::Min(hn::ShiftRight<kPlaceBits>(axis.most) + hn::Set(d, 2),
+                   hn::Set(d, count) - hn::ShiftRight<kPlaceBits>(axis.least));
+  };
+  return hn::AllTrue(d, hn::Lt(hn::Min(inside(x, b.columns), inside(y, b.rows)), hn::Zero(d)));
+}
+
 // How the middles of a steady vector of runs go down the band.
 HWY_INLINE void begin_curve(const BandAxis& axis, const std::int32_t* amid, float* span,
                             float* curve) {
@@ -172,7 +183,13 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
         band_axis<kThird>(band.x_first + j, band.x_amid + j, band.x_last + j, x_slack, 0);
     const BandAxis y = band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
                                          hn::Min(y_bulge.line, most), P::kApart ? 0 : kHalfRow);
-    band.steady[j] = hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.line, y_bulge.line), most)) &&
+    const bool tame = hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.line, y_bulge.line), most));
+    band.empty[j] = tame && bounds.fills && is_empty(x, y, bounds);
+    if (band.empty[j]) {
+      hn::Store(hn::Set(d, kSlowRun | kSlowGroup | kEmptyRun), d, row.rows + j);
+      continue;
+    }
+    band.steady[j] = tame &&
                      hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.parabola, y_bulge.parabola), off)) &&
                      is_steady<P>(x, y, bounds);
     if (!band.steady[j]) continue;
@@ -195,6 +212,7 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
 void begin_band_of(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
                    int slot, float height, Band& band, RunRow& row) {
   std::fill(std::begin(band.steady), std::end(band.steady), false);
+  std::fill(std::begin(band.empty), std::end(band.empty), false);
   if (run != 8) return;
   with_placing(layout, run, [&](auto placing) HWY_ATTR {
     using P = decltype(placing);

@@ -255,7 +255,9 @@ HWY_INLINE bool describe_all(const SourceBounds& bounds, const RowNodes* between
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   bool slow = false;
   for (int j = 0; j < row.count; j += kVector) {
-    if (P::kRun == 8 && band.steady[j]) {
+    if (P::kRun == 8 && band.empty[j]) {
+      slow = true;
+    } else if (P::kRun == 8 && band.steady[j]) {
       describe_steady_at<P>(j, way, bounds, band, row);
     } else {
       if (between != nullptr) interpolate(*between, j, kVector + 2 * kMargin, row.x, row.y);

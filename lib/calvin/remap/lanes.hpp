@@ -22,6 +22,8 @@ inline constexpr int kChunkRuns = 256;
 // that is so for all of its group by another.
 inline constexpr std::int32_t kSlowRun = 64;
 inline constexpr std::int32_t kSlowGroup = 128;
+// A slow run that shows nothing of the source: the fill.
+inline constexpr std::int32_t kEmptyRun = 256;
 
 // The rows of a run whose samples a band has in common.
 inline constexpr std::int32_t kSteadyRows = 32;
@@ -101,7 +103,9 @@ struct Band {
   alignas(64) std::int16_t y_shape[kSamples];
   alignas(64) std::int16_t x_turn[kSamples];
   alignas(64) std::int16_t y_turn[kSamples];
-  bool steady[kRuns];  // by the first run of a vector; RunRow::rows is kSteadyRows
+  // By the first run of a vector. RunRow::rows is kSteadyRows; or it says that the runs are empty.
+  bool steady[kRuns];
+  bool empty[kRuns];
 };
 
 // The line of a run makes good for what a parabola cannot follow: this part, in 1/256, of the
@@ -142,11 +146,13 @@ struct SourceBounds {
   std::int32_t last_column = 0;  // the last with a place in 0..last: its neighbour is there
   std::int32_t last_row = 0;
   std::int32_t widest = 0;  // columns that a segment holds, less one
+  std::int32_t columns = 0;
   std::int32_t rows = 0;
   std::int32_t guarded_rows = 1;   // rows at the end that must not be read past their end
   std::int32_t last_segment = 0;   // bytes in the last row before which a segment may begin
   std::int32_t steepest = 0x7FFF;  // slope along a row, 2.14
   bool strongly_bent = false;      // third differences count
+  bool fills = false;              // what is outside of the source
 };
 
 // Kinds of memory that the vector kernels know: 8-bit samples of 1 to 4 components without gaps, or
