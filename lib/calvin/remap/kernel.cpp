@@ -65,14 +65,17 @@ remap::SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, La
   b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
   b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
   // Lanes of a run are read by 16 bytes, or all of them at once; words not at all by segments.
+  // Pixels of three and four bytes may be read each by itself, by 16 bytes too.
   const int span = map.run_pixels() / std::min(lane_pixels(lanes), map.run_pixels());
   const int lane = is_spread(lanes) ? 32 : 16;
-  const int segment = is_words(lanes) ? 0 : span == 1 ? lane : lane * (span + 1);
+  const int parts = layout.components > 2 ? 5 : span == 1 ? 1 : span + 1;
+  const int segment = is_words(lanes) ? 0 : lane * parts;
   const int columns = (15 - (layout.components - 1)) / layout.components;
   b.widest = is_words(lanes) ? size.width : span == 1 ? columns : 15;
   // The second of a lane's pixels, and of its neighbours, is in the segment too.
   if (span > 1) b.steepest = 0x6800;
   const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;
+  b.columns = size.width;
   b.rows = size.height;
   b.guarded_rows = bytes >= segment ? 1 : size.height;
   b.last_segment = bytes - segment - 1;
@@ -142,34 +145,41 @@ class Chunk {
         lanes_(usable_lanes(map, layout, sampling)),
         wide_(wide_format(map, layout, sampling.interpolation)),
         bounds_(bounds_of(map, layout, lanes_, sources)),
-        group_(wide_ ? 1 : remap::run_group()),
+        group_(wide_ ? 1 : remap::run_group(lanes_, map.run_pixels())),
         pixels_(map.run_pixels()),
         first_run_(first_run),
         first_(first_run * map.run_pixels()) {
     if (lanes_ == LaneLayout::kNone && !wide_) bounds_.last_row = -1;
+    bounds_.fills = sampling.outside == Outside::kFill;
     runs_ = std::min(remap::kChunkRuns, map.runs() - first_run);
     width_ = std::min(runs_ * pixels_, map.size().width - first_);
     row_.count = runs_;
-    // What the last group of a row writes must be the row's.
-    const int left = map.size().width - first_ - (remap::run_slack(lanes_) > 0 ? 1 : 0);
+    // What the last group of a row writes, and what follows it, must be the row's.
+    const auto step = static_cast<int>(layout.pixel_step);
+    const int slack = (remap::run_slack(lanes_) + step - 1) / step;
+    const int left = map.size().width - first_ - slack;
     whole_groups_ = std::max(left, 0) / (group_ * pixels_);
   }
 
   // Row after row.
   void row(int y) noexcept {
     const PlaneMap::Row* limits = map_.limits(y);
-    interpolate(y, row_.x, row_.y);
+    // An uneven last sample is not where a run has it.
+    const bool uneven = !map_.output_x().is_even();
+    const remap::RowNodes between = nodes_at(map_.level(y));
+    const bool all = wide_ || uneven || limits != nullptr;
+    if (all) remap::interpolate_runs(between, runs_, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
     if (y >= band_end_) begin_band(y);
+    way_ = way_down_band(y);
     bool slow = true;
     if (wide_) {
       std::fill_n(row_.rows, row_.count, 0);
     } else {
-      slow = remap::describe_runs(lanes_, pixels_, bounds_, band_, row_);
+      slow = remap::describe_runs(lanes_, pixels_, bounds_, all ? nullptr : &between, band_, way_,
+                                  row_);
     }
     if (limits != nullptr) mark_invalid(*limits);
-    // An uneven last sample is not where a run has it.
-    const bool uneven = !map_.output_x().is_even();
     if (uneven) mark_slow(whole_groups_ * group_, row_.count);
     blend(y);
     if (slow || uneven || limits != nullptr) sample_rest(y, limits);
@@ -187,29 +197,42 @@ class Chunk {
     // Where there is an end of the model rows have little in common.
     if (wide_ || map_.limits(y) != nullptr) {
       std::fill(std::begin(band_.steady), std::end(band_.steady), false);
+      std::fill(std::begin(band_.empty), std::end(band_.empty), false);
       return;
     }
-    interpolate(first, band_.x_first, band_.y_first);
-    interpolate(last, band_.x_last, band_.y_last);
-    const double height = map_.level(last).between - map_.level(first).between;
-    remap::begin_band(pixels_, bounds_, nodes_, node_row % 4, static_cast<float>(height), band_,
-                      row_);
+    const PlaneMap::Level top = map_.level(first);
+    const PlaneMap::Level bottom = map_.level(last);
+    const PlaneMap::Level amid = {node_row, (top.between + bottom.between) / 2};
+    remap::interpolate_runs(nodes_at(top), runs_, band_.x_first, band_.y_first);
+    remap::interpolate_runs(nodes_at(amid), runs_, band_.x_amid, band_.y_amid);
+    remap::interpolate_runs(nodes_at(bottom), runs_, band_.x_last, band_.y_last);
+    band_top_ = top.between;
+    band_height_ = bottom.between - band_top_;
+    const double height = band_height_;
+    remap::begin_band(lanes_, pixels_, bounds_, nodes_, node_row % 4, static_cast<float>(height),
+                      band_, row_);
   }
 
-  void interpolate(int y, std::int32_t* xs, std::int32_t* ys) noexcept {
-    const PlaneMap::Level level = map_.level(y);
+  [[nodiscard]] float way_down_band(int y) const noexcept {
+    if (!(band_height_ > 0)) return 0;
+    const double way = (map_.level(y).between - band_top_) / band_height_;
+    return static_cast<float>(std::clamp(way, 0.0, 1.0));
+  }
+
+  remap::RowNodes nodes_at(const PlaneMap::Level& level) noexcept {
+    constexpr int kBefore = remap::NodeRows::kFirst - remap::kMargin;
     const auto weights = cubic_weights(level.between);
-    std::array<float, 4> of_slot;
+    remap::RowNodes between = {nodes_, {}};
     for (int r = 0; r < 4; ++r) {
       const int wanted = level.node_row + r;
       const auto slot = static_cast<std::size_t>(wanted % 4);
-      of_slot[slot] = weights[static_cast<std::size_t>(r)];
+      between.weights[slot] = weights[static_cast<std::size_t>(r)];
       if (known_[slot] == wanted) continue;
-      map_.expand(wanted, first_run_, runs_ + 2 * remap::kMargin + remap::kSpare, nodes_.x[slot],
-                  nodes_.y[slot]);
+      map_.expand(wanted, first_run_, runs_ + 2 * remap::kMargin + remap::kSpare,
+                  nodes_.x[slot] + kBefore, nodes_.y[slot] + kBefore);
       known_[slot] = wanted;
     }
-    remap::interpolate_runs(nodes_, of_slot.data(), runs_, xs, ys);
+    return between;
   }
 
   void take_middles(const PlaneMap::Row& limits) noexcept {
@@ -260,20 +283,25 @@ class Chunk {
       planes.output[p] = output_at(p, y, 0);
     }
     blend(0, whole, planes);
-    if (whole == row_.count || row_.rows[whole] >= remap::kSlowGroup) return;
-    // The last group, beside the row: it writes more than the row has.
-    const int pixels = map_.size().width - first_ - whole * pixels_;
+    for (int j = whole; j < row_.count; j += group_) {
+      if (row_.rows[j] < remap::kSlowGroup) blend_beside(y, j, planes);
+    }
+  }
+
+  // A group at the end of a row, which writes more than the row has.
+  void blend_beside(int y, int run, remap::PlaneRows planes) noexcept {
+    const int pixels = std::min(map_.size().width - first_ - run * pixels_, group_ * pixels_);
     const auto bytes = static_cast<std::size_t>((pixels - 1) * layout_.pixel_step +
                                                 (layout_.components - 1) * layout_.component_step +
                                                 (is_words(lanes_) ? 2 : 1));
     std::array<std::array<std::uint8_t, kTail>, remap::kMaxPlanes> tails;
     for (std::size_t p = 0; p < sources_.size(); ++p) {
-      std::memcpy(tails[p].data(), output_at(p, y, whole), bytes);
+      std::memcpy(tails[p].data(), output_at(p, y, run), bytes);
       planes.output[p] = tails[p].data();
     }
-    blend(whole, whole + group_, planes);
+    blend(run, run + group_, planes);
     for (std::size_t p = 0; p < sources_.size(); ++p) {
-      std::memcpy(output_at(p, y, whole), tails[p].data(), bytes);
+      std::memcpy(output_at(p, y, run), tails[p].data(), bytes);
     }
   }
 
@@ -292,7 +320,8 @@ class Chunk {
                              nearest, planes);
       return;
     }
-    remap::blend_runs(lanes_, pixels_, row_, begin, end, bounds_.stride, nearest, planes);
+    const remap::RowTask task = {row_, band_, way_, bounds_.stride, nearest};
+    remap::blend_runs(lanes_, pixels_, task, begin, end, planes);
   }
 
   [[nodiscard]] std::uint8_t* output_at(std::size_t plane, int y, int run) const noexcept {
@@ -300,16 +329,21 @@ class Chunk {
   }
 
   void sample_rest(int y, const PlaneMap::Row* limits) noexcept {
-    const auto is_slow = [&](int j) { return row_.rows[j] >= remap::kSlowRun; };
-    for (int j = 0, end = 0; j < row_.count; j = end + 1) {
-      for (end = j; end < row_.count && is_slow(end); ++end) {
+    const auto kind = [&](int j) { return row_.rows[j] & (remap::kSlowRun | remap::kEmptyRun); };
+    for (int j = 0, end = 0; j < row_.count; j = end) {
+      const std::int32_t of_first = kind(j);
+      for (end = j + 1; end < row_.count && kind(end) == of_first; ++end) {
       }
-      if (end == j) continue;
+      if (of_first == 0) continue;
       const remap::Stretch stretch = {row_, first_, j * pixels_, std::min(end * pixels_, width_),
                                       limits};
       for (std::size_t p = 0; p < sources_.size(); ++p) {
-        remap::sample_stretch(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_,
-                              stretch);
+        if (of_first >= remap::kEmptyRun) {
+          remap::fill_stretch(layout_, {output_row(p, y), 0}, stretch);
+        } else {
+          remap::sample_stretch(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_,
+                                stretch);
+        }
       }
     }
   }
@@ -334,6 +368,9 @@ class Chunk {
   int whole_groups_ = 0;
   std::array<int, 4> known_ = {-1, -1, -1, -1};
   int band_end_ = 0;
+  double band_top_ = 0;  // as PlaneMap::Level
+  double band_height_ = 0;
+  float way_ = 0;  // of the row down the band
   NodeRows nodes_;
   remap::Band band_;
   RunRow row_;

@@ -3,11 +3,15 @@
 
 // What a few rows of runs have in common, for every instruction set.
 
+// As lane_blend.cpp.
+#define HWY_WANT_AVX3_DL 1
+
 #include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>
 #include <iterator>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calvin/remap/lane_bands.cpp"
@@ -22,59 +26,79 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-void begin_band_of(int /*run*/, const SourceBounds& /*bounds*/, const NodeRows& /*nodes*/,
-                   int /*slot*/, float /*height*/, Band& /*band*/, RunRow& /*row*/) {}
+void begin_band_of(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
+                   const NodeRows& /*nodes*/, int /*slot*/, float /*height*/, Band& /*band*/,
+                   RunRow& /*row*/) {}
 
 #else
 
 // How far places of a steady band are from a line down it, 1/2^14 of a sample.
 constexpr std::int32_t kMostBulge = 1 << (kPlaceBits - 2);
 
-// How much the bend of runs changes in a steady band, which takes one for all rows; 4.12.
-constexpr std::int32_t kMostChange = 3;
+// How far they are from a parabola.
+constexpr std::int32_t kMostOff = 4;
+
+// What a run's slope may be off a line down the band, twice as 16 times as large: 1/2000 of a
+// sample at its ends.
+constexpr std::int32_t kMostSway = 64;
 
 // One axis of a vector of runs, in the first and in the last row of a band.
 struct BandAxis {
+  Line first;
+  Line last;
   hn::Vec<Ints> half;
-  hn::Vec<Ints> bend;
-  hn::Vec<Ints> changed;  // the bend, between the two rows
-  hn::Vec<Ints> least;    // place
+  hn::Vec<Ints> least;  // place
   hn::Vec<Ints> most;
   hn::Vec<Ints> steep;
+  hn::Vec<Ints> bent;
+  hn::Vec<Ints> sway;
 };
 // Between four nodes a column is a cubic, whose second derivative goes straight from the second
-// difference at the second node to that at the third: how far the middles of the band's rows are
-// from a line between its ends at most.
-HWY_INLINE hn::Vec<Ints> bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot,
-                               float height) {
+// difference at the second node to that at the third.
+struct Bulge {
+  hn::Vec<Ints> line;      // how far the middles of the band's rows are from a line at most
+  hn::Vec<Ints> parabola;  // and from one through the first, the last, and the one amid them
+};
+HWY_INLINE Bulge bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot, float height) {
   const Floats d;
-  const auto node = [&](int r) HWY_ATTR { return hn::LoadU(d, rows[(slot + r) % 4] + j); };
+  const auto node = [&](int r) HWY_ATTR { return hn::Load(d, rows[(slot + r) % 4] + j); };
   const auto upper = node(0) - node(1) - node(1) + node(2);
   const auto lower = node(1) - node(2) - node(2) + node(3);
-  const auto most = hn::Max(hn::Abs(upper), hn::Abs(lower)) * hn::Set(d, height * height / 8);
+  const auto square = height * height;
+  const auto most = hn::Max(hn::Abs(upper), hn::Abs(lower)) * hn::Set(d, square / 8);
+  // The largest t (t - 1/2) (t - 1) / 6.
+  const auto third = hn::Abs(lower - upper) * hn::Set(d, 0.00802F * square * height);
   // No number is beyond all bounds.
-  return hn::NearestInt(hn::Min(most, hn::Set(d, 1e9F))) + hn::Set(Ints(), 64);
+  const auto bound = [&](hn::Vec<Floats> v)
+                         HWY_ATTR { return hn::NearestInt(hn::Min(v, hn::Set(d, 1e9F))); };
+  return {bound(most) + hn::Set(Ints(), 64), bound(third)};
 }
 
 // `reach` is how far from a middle the source is looked at, whether its run needs it or not.
 template <bool kThird>
-HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* last,
-                              hn::Vec<Ints> slack, std::int32_t reach) {
-  const Line a = line_of<8>(curve_at<kThird>(first));
-  const Line b = line_of<8>(curve_at<kThird>(last));
+HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* amid,
+                              const std::int32_t* last, hn::Vec<Ints> slack, std::int32_t reach) {
+  const Curve top = curve_at<kThird>(first);
+  const Curve bottom = curve_at<kThird>(last);
+  const auto across = curve_at<kThird>(amid).across;
+  const Line a = line_of<8>(top);
+  const Line b = line_of<8>(bottom);
   // Of a vector that is not steady it may be anything.
   const auto half = hn::Max(half_of<8>(a), half_of<8>(b)) + slack;
   const auto around = hn::Max(half, hn::Set(Ints(), reach)) + slack;
-  return {half,
-          hn::ShiftRight<1>(a.bend + b.bend),
-          hn::Abs(a.bend - b.bend),
+  return {a,
+          b,
+          half,
           hn::Min(a.middle, b.middle) - around,
           hn::Max(a.middle, b.middle) + around,
-          hn::Max(hn::Abs(a.slope), hn::Abs(b.slope))};
+          hn::Max(hn::Abs(a.slope), hn::Abs(b.slope)),
+          hn::Max(hn::Abs(a.bend), hn::Abs(b.bend)),
+          hn::Abs(across + across - top.across - bottom.across)};
 }
 
-// Whether none of a vector of runs needs to be looked at again in the band: three rows, and far
-// from the ends of the source.
+// Whether none of a vector of runs needs to be looked at again in the band: three rows, or few if
+// pixels are apart, and far from the ends of the source.
+template <class P>
 HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
   const Ints d;
   const auto last = [&](const BandAxis& axis)
@@ -83,47 +107,120 @@ HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBoun
   // `most`.
   const auto last_row = hn::Set(d, std::min(b.last_row - 1, b.rows - b.guarded_rows - 2));
   // Slopes change within the band.
-  const auto x_room = hn::Set(d, b.steepest - 0x400) - x.steep - hn::ShiftLeft<3>(hn::Abs(x.bend));
-  const auto columns = hn::ShiftRight<kPlaceBits - 1>(x.half);
-  auto spare = hn::Min(hn::Min(x.least, y.least), hn::Min(x_room, hn::Set(d, kHalfRow) - y.half));
+  const auto room = [&](const BandAxis& axis, std::int32_t steepest) HWY_ATTR {
+    return hn::Set(d, steepest - 0x400) - axis.steep - hn::ShiftLeft<3>(axis.bent);
+  };
+  const auto across = [&](const BandAxis& axis)
+                          HWY_ATTR { return hn::ShiftRight<kPlaceBits - 1>(axis.half); };
+  auto spare = hn::Min(hn::Min(x.least, y.least), room(x, b.steepest));
+  spare = hn::Min(spare, P::kApart ? hn::Min(hn::Set(d, kMostRows - 2) - across(y),
+                                             room(y, std::int32_t{0x7FFF}))
+                                   : hn::Set(d, kHalfRow) - y.half);
   spare = hn::Min(spare, hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
-  spare = hn::Min(spare, hn::Min(hn::Set(d, b.widest - 2) - columns,
-                                 hn::Set(d, kMostChange) - hn::Max(x.changed, y.changed)));
+  spare = hn::Min(spare, hn::Min(hn::Set(d, b.widest - 2) - across(x),
+                                 hn::Set(d, kMostSway) - hn::Max(x.sway, y.sway)));
   return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
 }
 
-template <bool kThird>
+// Whether all of a vector of runs lie outside of the source in all of the band, by a sample and
+// more.
+HWY_INLINE bool is_empty(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
+  const Ints d;
+  const auto inside = [&](const BandAxis& axis, std::int32_t count) HWY_ATTR {
+    return hn::Min(hn::ShiftRight<kPlaceBits>(axis.most) + hn::Set(d, 2),
+                   hn::Set(d, count) - hn::ShiftRight<kPlaceBits>(axis.least));
+  };
+  return hn::AllTrue(d, hn::Lt(hn::Min(inside(x, b.columns), inside(y, b.rows)), hn::Zero(d)));
+}
+
+// How the middles of a steady vector of runs go down the band.
+HWY_INLINE void begin_curve(const BandAxis& axis, const std::int32_t* amid, float* span,
+                            float* curve) {
+  const Ints d;
+  const Floats floats;
+  const auto down = axis.last.middle - axis.first.middle;
+  const auto half = hn::LoadU(d, amid) - axis.first.middle;
+  hn::Store(hn::ConvertTo(floats, down), floats, span);
+  hn::Store(hn::ConvertTo(floats, hn::ShiftLeft<2>(half) - hn::ShiftLeft<1>(down)), floats, curve);
+}
+
+// What the samples of a steady vector of runs share.
+template <class P>
+HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y, Band& band) {
+  const Ints d;
+  constexpr int kVector = static_cast<int>(hn::MaxLanes(d));
+  const auto both = [&](hn::Vec<Ints> of_x, hn::Vec<Ints> of_y)
+                        HWY_ATTR { return packed(of_x, hn::ShiftLeft<16 + P::kYShift>(of_y)); };
+  hn::Store(both(x.first.slope, y.first.slope), d, band.slope[0] + j);
+  hn::Store(both(x.last.slope, y.last.slope), d, band.slope[1] + j);
+  hn::Store(both(x.first.bend, y.first.bend), d, band.bend[0] + j);
+  hn::Store(both(x.last.bend, y.last.bend), d, band.bend[1] + j);
+  const PlaceNumbers<P> numbers;
+  for (int i = 0; i < kVector; i += P::kSamples / P::kRun) {
+    const int run = j + i;
+    const Both<P> first = shape_of<P>(band.slope[0] + run, band.bend[0] + run);
+    const Both<P> last = shape_of<P>(band.slope[1] + run, band.bend[1] + run);
+    const int at = run * P::kRun;
+    hn::Store(first.x, numbers, band.x_shape + at);
+    hn::Store(first.y, numbers, band.y_shape + at);
+    hn::Store(last.x - first.x, numbers, band.x_turn + at);
+    hn::Store(last.y - first.y, numbers, band.y_turn + at);
+  }
+}
+
+template <class P, bool kThird>
 HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, int slot,
                             float height, Band& band, RunRow& row) {
   const Ints d;
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   const auto most = hn::Set(d, kMostBulge);
+  const auto off = hn::Set(d, kMostOff);
   for (int j = 0; j < row.count; j += kVector) {
-    const auto x_bulge = bulge(nodes.x, j + kMargin, slot, height);
-    const auto y_bulge = bulge(nodes.y, j + kMargin, slot, height);
+    const auto x_bulge = bulge(nodes.x, j + NodeRows::kFirst, slot, height);
+    const auto y_bulge = bulge(nodes.y, j + NodeRows::kFirst, slot, height);
+    const auto x_slack = hn::Min(x_bulge.line, most);
     const BandAxis x =
-        band_axis<kThird>(band.x_first + j, band.x_last + j, hn::Min(x_bulge, most), 0);
-    const BandAxis y =
-        band_axis<kThird>(band.y_first + j, band.y_last + j, hn::Min(y_bulge, most), kHalfRow);
-    band.steady[j] =
-        hn::AllFalse(d, hn::Gt(hn::Max(x_bulge, y_bulge), most)) && is_steady(x, y, bounds);
+        band_axis<kThird>(band.x_first + j, band.x_amid + j, band.x_last + j, x_slack, 0);
+    const BandAxis y = band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
+                                         hn::Min(y_bulge.line, most), P::kApart ? 0 : kHalfRow);
+    const bool tame = hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.line, y_bulge.line), most));
+    band.empty[j] = tame && bounds.fills && is_empty(x, y, bounds);
+    if (band.empty[j]) {
+      hn::Store(hn::Set(d, kSlowRun | kSlowGroup | kEmptyRun), d, row.rows + j);
+      continue;
+    }
+    band.steady[j] = tame &&
+                     hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.parabola, y_bulge.parabola), off)) &&
+                     is_steady<P>(x, y, bounds);
     if (!band.steady[j]) continue;
-    hn::Store(x.half, d, band.x_half + j);
-    hn::Store(x.half + hn::Set(d, 2) + hn::ShiftLeft<1>(x.bend), d, band.x_shift + j);
-    hn::Store(hn::ShiftLeft<1>(y.bend) - hn::Set(d, kHalfRow), d, band.y_shift + j);
-    hn::Store(hn::Set(d, 3), d, row.rows + j);
-    hn::Store(packed(x.bend, hn::ShiftLeft<19>(y.bend)), d, row.bend + j);
+    const auto half = [&](auto part) HWY_ATTR {
+      constexpr int kPart = decltype(part)::value;
+      return hn::Max(part_half<P, kPart>(x.first), part_half<P, kPart>(x.last)) + x_slack;
+    };
+    hn::Store(half(std::integral_constant<int, 0>()), d, band.x_half[0] + j);
+    if constexpr (P::kParts > 1) {
+      hn::Store(half(std::integral_constant<int, 1>()), d, band.x_half[1] + j);
+    }
+    hn::Store(P::kApart ? y.half : hn::Set(d, kHalfRow), d, band.y_half + j);
+    hn::Store(hn::Set(d, kSteadyRows), d, row.rows + j);
+    begin_curve(x, band.x_amid + j + kMargin, band.x_span + j, band.x_curve + j);
+    begin_curve(y, band.y_amid + j + kMargin, band.y_span + j, band.y_curve + j);
+    begin_shapes<P>(j, x, y, band);
   }
 }
 
-void begin_band_of(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot,
-                   float height, Band& band, RunRow& row) {
-  if (run != 8) {
-    std::fill(std::begin(band.steady), std::end(band.steady), false);
-    return;
-  }
-  bounds.strongly_bent ? begin_bands<true>(bounds, nodes, slot, height, band, row)
-                       : begin_bands<false>(bounds, nodes, slot, height, band, row);
+void begin_band_of(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
+                   int slot, float height, Band& band, RunRow& row) {
+  std::fill(std::begin(band.steady), std::end(band.steady), false);
+  std::fill(std::begin(band.empty), std::end(band.empty), false);
+  if (run != 8) return;
+  with_placing(layout, run, [&](auto placing) HWY_ATTR {
+    using P = decltype(placing);
+    if constexpr (P::kRun == 8) {
+      bounds.strongly_bent ? begin_bands<P, true>(bounds, nodes, slot, height, band, row)
+                           : begin_bands<P, false>(bounds, nodes, slot, height, band, row);
+    }
+  });
 }
 
 #endif
@@ -136,9 +233,9 @@ namespace calvin::remap {
 
 HWY_EXPORT(begin_band_of);
 
-void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot, float height,
-                Band& band, RunRow& row) noexcept {
-  HWY_DYNAMIC_DISPATCH(begin_band_of)(run, bounds, nodes, slot, height, band, row);
+void begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
+                int slot, float height, Band& band, RunRow& row) noexcept {
+  HWY_DYNAMIC_DISPATCH(begin_band_of)(layout, run, bounds, nodes, slot, height, band, row);
 }
 
 }  // namespace calvin::remap

@@ -16,7 +16,9 @@
 #include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
+#include <algorithm>
 #include <array>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calvin/remap/lane_blend.cpp"
@@ -25,7 +27,9 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
+#include "calvin/remap/lane_apart-inl.hpp"
 #include "calvin/remap/lane_layouts-inl.hpp"
+#include "calvin/remap/lane_samples-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
@@ -33,78 +37,61 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void blend_row_of(LaneLayout /*layout*/, int /*run*/, const RunRow& /*row*/, int /*begin*/,
-                  int /*end*/, std::int32_t /*stride*/, bool /*nearest*/,
-                  const PlaneRows& /*planes*/) {}
+void blend_row_of(LaneLayout /*layout*/, int /*run*/, const RowTask& /*task*/, int /*begin*/,
+                  int /*end*/, const PlaneRows& /*planes*/) {}
 
 #else
-
-// Compilers make constants anew at every use, on the port that shuffles need. One that they do not
-// know stays in its register.
-template <class V>
-HWY_INLINE V kept(V v) {
-#if HWY_ARCH_X86 && (HWY_COMPILER_GCC || HWY_COMPILER_CLANG) && HWY_TARGET <= HWY_AVX3
-  asm("" : "+v"(v.raw));
-#endif
-  return v;
-}
-
-struct Constants {
-  Places half;       // from fractions to weights
-  Places step;       // bytes of a sample, for both neighbours
-  Pairs sum;         // of two bytes, times 64
-  Pairs difference;  // likewise
-  Numbers to_bytes;  // 1/128 for MulFixedPoint15
-};
-template <class L>
-HWY_INLINE Constants make_constants() {
-  const Words words;
-  return {kept(hn::Set(words, 0x8000)), kept(hn::Set(words, 0x101 * L::kStep * L::kSpread)),
-          kept(hn::BitCast(Bytes(), hn::Set(words, 0x4040))),
-          kept(hn::BitCast(Bytes(), hn::Set(words, 0x40C0))), kept(hn::Set(Signed(), 256))};
-}
-
-// 64 times the sum of the two bytes of each pair, and 64 times the second less the first.
-struct Blend {
-  Numbers sum;
-  Numbers difference;
-};
-// Highway 1.0.3 has no multiplication of unsigned by signed bytes that adds up pairs.
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
-HWY_INLINE Numbers add_products(Pairs pairs, Pairs weights) {
-#if HWY_TARGET <= HWY_AVX3
-  return Numbers{_mm512_maddubs_epi16(pairs.raw, weights.raw)};
-#elif HWY_TARGET <= HWY_AVX2
-  return Numbers{_mm256_maddubs_epi16(pairs.raw, weights.raw)};
-#else
-  return Numbers{_mm_maddubs_epi16(pairs.raw, weights.raw)};
-#endif
-}
-HWY_INLINE Blend blend_pairs(Pairs pairs, const Constants& constants) {
-  return {add_products(pairs, constants.sum), add_products(pairs, constants.difference)};
-}
-#else
-HWY_INLINE Blend blend_pairs(Pairs pairs, const Constants& /*constants*/) {
-  const Words d;
-  const auto words = hn::BitCast(d, pairs);
-  const auto first = hn::BitCast(Signed(), hn::And(words, hn::Set(d, 0xFF)));
-  const auto second = hn::BitCast(Signed(), hn::ShiftRight<8>(words));
-  return {hn::ShiftLeft<6>(first + second), hn::ShiftLeft<6>(second - first)};
-}
-#endif
 
 // What a vector of results takes from the source.
 struct Taps {
   Pairs neighbours;  // which bytes, from the beginning of the segment
   Numbers across;    // twice the weight of the second of two neighbours, less 1; 1.15
-  // Place down: from the middle one of three rows, 1.15; or from the segment's first row, 4.12.
-  Numbers down;
+  Numbers down;      // as in RunRow
 };
 
-// 128 times the values between neighbours of one source row.
-HWY_INLINE Numbers blend_row(Pairs pairs, const Taps& taps, const Constants& constants) {
-  const Blend blend = blend_pairs(pairs, constants);
-  return blend.sum + hn::MulFixedPoint15(blend.difference, taps.across);
+// What is known of the samples of a block of runs. To know it of many before the first one is
+// blended keeps the machine busy: it cannot look as far ahead as one sample takes.
+struct BlockSamples {
+  alignas(64) std::int16_t bytes[8 * kBlockRuns];
+  alignas(64) std::int16_t across[8 * kBlockRuns];
+  alignas(64) std::int16_t down[8 * kBlockRuns];
+};
+// A vector of samples whose first run is `run`.
+template <class P, bool kNearest, bool kSteady>
+HWY_INLINE Both<P> segment_places(const RowTask& task, int run, hn::Vec<PlaceNumbers<P>> way) {
+  Both<P> at = places_of<P, kSteady>(task.row, task.band, run, way);
+  if constexpr (kNearest) at.x = rounded_place(PlaceNumbers<P>(), at.x);
+  return at;
+}
+
+template <class P>
+HWY_INLINE void store_places(const Both<P>& at, int to, BlockSamples& samples) {
+  const PlaceNumbers<P> d;
+  hn::Store(bytes_of<P>(at.x), d, samples.bytes + to);
+  hn::Store(across_of<P>(at.x), d, samples.across + to);
+  hn::Store(at.y, d, samples.down + to);
+}
+
+template <class P, bool kNearest>
+HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<PlaceNumbers<P>> way,
+                            BlockSamples& samples) {
+  constexpr int kRuns = P::kSamples / P::kRun;
+  int to = 0;
+  for (int j = begin; j < end; j += kRuns, to += P::kSamples) {
+    if (HWY_LIKELY(task.row.rows[j] == kSteadyRows)) {
+      store_places<P>(segment_places<P, kNearest, true>(task, j, way), to, samples);
+    } else {
+      store_places<P>(segment_places<P, kNearest, false>(task, j, way), to, samples);
+    }
+  }
+}
+
+template <class L>
+HWY_INLINE Taps taps_at(const BlockSamples& samples, int first) {
+  const Words words;
+  const auto neighbours = hn::BitCast(words, numbers_of<L>(samples.bytes + first));
+  return {hn::BitCast(Bytes(), neighbours + hn::Load(words, kResults<L>.neighbours)),
+          numbers_of<L>(samples.across + first), numbers_of<L>(samples.down + first)};
 }
 
 // Which of 16-bit numbers are negative.
@@ -119,7 +106,7 @@ HWY_INLINE auto negative(Numbers numbers) {
 template <class L, bool kNearest>
 HWY_INLINE Numbers blend_three_rows(const std::uint8_t* source, const std::int32_t* offsets,
                                     std::int32_t stride, const Taps& taps,
-                                    const Constants& constants) {
+                                    const Blender<Bytes>& blender) {
   const Bytes bytes;
   const Signed d;
   const std::uint8_t* second = source + stride;
@@ -127,33 +114,33 @@ HWY_INLINE Numbers blend_three_rows(const std::uint8_t* source, const std::int32
   const auto below = hn::BitCast(d, fetch_pairs<L>(second + stride, offsets, taps.neighbours));
   const auto outer = hn::IfThenElse(negative(taps.down), above, below);
   const Numbers middle =
-      blend_row(fetch_pairs<L>(second, offsets, taps.neighbours), taps, constants);
-  const Numbers other = blend_row(hn::BitCast(bytes, outer), taps, constants);
+      blender.across(fetch_pairs<L>(second, offsets, taps.neighbours), taps.across);
+  const Numbers other = blender.across(hn::BitCast(bytes, outer), taps.across);
   auto weight = hn::Abs(taps.down);
   if constexpr (kNearest) {
     weight = hn::IfThenElseZero(hn::Gt(weight, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
   }
-  return middle + hn::MulFixedPoint15(other - middle, weight);
+  return blender.between(middle, other, weight);
 }
 
-// `rows` source rows, each result between two of them. Rare, and apart from the others so that
-// these keep their registers.
-template <class L>
-HWY_NOINLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_t* offsets,
-                                     std::int32_t stride, std::int32_t rows, Taps taps) {
+// `rows` source rows, each result between two of them.
+template <class L, bool kNearest>
+HWY_INLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_t* offsets,
+                                   std::int32_t stride, std::int32_t rows, const Taps& taps,
+                                   const Blender<Bytes>& blender) {
   const Words words;
   const Signed numbers;
-  const Constants constants = make_constants<L>();
   // 15 bits do not hold the place.
   const auto row = hn::Set(words, 4096);
   const auto last = hn::Set(words, 4095);
   auto down = hn::BitCast(words, taps.down);
-  Numbers upper = blend_row(fetch_pairs<L>(source, offsets, taps.neighbours), taps, constants);
+  if constexpr (kNearest) down = hn::And(down + hn::Set(words, 2048), hn::Set(words, 0xF000));
+  Numbers upper = blender.across(fetch_pairs<L>(source, offsets, taps.neighbours), taps.across);
   Numbers sum = upper;
   for (std::int32_t r = 1; r < rows; ++r) {
     source += stride;
     const Numbers lower =
-        blend_row(fetch_pairs<L>(source, offsets, taps.neighbours), taps, constants);
+        blender.across(fetch_pairs<L>(source, offsets, taps.neighbours), taps.across);
     const auto weight = hn::BitCast(numbers, hn::ShiftLeft<3>(hn::Min(down, last)));
     sum = sum + hn::MulFixedPoint15(lower - upper, weight);
     down = hn::SaturatedSub(down, row);
@@ -162,135 +149,164 @@ HWY_NOINLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int3
   return sum;
 }
 
-// The place of each result from its run's segment: across 4.12, down as in Taps.
-struct Located {
-  Numbers x;
-  Numbers y;
-};
-template <class L>
-HWY_INLINE Located locate(const RunRow& row, int run, const std::int32_t* x_lines,
-                          const Results& tables) {
-  const Bytes bytes;
-  const Signed numbers;
-  constexpr const Halves& kLines = kByLanes<L> ? kLaneHalves : kHalves<L>;
-  const auto low = hn::Load(bytes, kHalves<L>.low);
-  const auto high = hn::Load(bytes, kHalves<L>.high);
-  const auto along = hn::Load(numbers, tables.along);
-  const auto half = [&](Pairs records, Pairs which) HWY_ATTR {
-    return hn::BitCast(numbers, hn::TableLookupBytes(records, which));
-  };
-  const auto records = [&](const std::int32_t* at) HWY_ATTR {
-    return hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(at));
-  };
-  const Pairs x_line = records(x_lines);
-  const Pairs y_line = records(row.y_line + run);
-  Located at = {half(x_line, hn::Load(bytes, kLines.low)) +
-                    hn::MulFixedPoint15(half(x_line, hn::Load(bytes, kLines.high)), along),
-                half(y_line, low) + hn::MulFixedPoint15(half(y_line, high), along)};
-  if constexpr (L::kRunPixels > 2) {
-    const auto square = hn::Load(numbers, tables.square);
-    const Pairs bend = records(row.bend + run);
-    at.x = at.x + hn::MulFixedPoint15(half(bend, low), square);
-    at.y = at.y + hn::MulFixedPoint15(half(bend, high), square);
-  }
-  return at;
-}
-
 // Rows of the source that are fetched before they are needed: the hardware does not foresee a walk
 // along a curve.
 constexpr int kAhead = 12;
 
-template <class L, bool kNearest, int kPlanes>
-void blend(const RunRow& row, int begin, int end, std::int32_t stride, const PlaneRows& planes) {
-  const Words words;
-  const Bytes bytes;
-  const Signed numbers;
-  const Constants constants = make_constants<L>();
-  // What is written may be anything for all that the compiler knows.
+// What all of a row's runs are blended with.
+template <int kPlanes>
+struct Planes {
   std::array<const std::uint8_t*, kPlanes> sources;
+  std::array<const std::uint8_t*, kPlanes> ahead;
   std::array<std::uint8_t*, kPlanes> outputs;
+  std::int32_t stride;
+};
+
+// The `v`th vector of the group of runs whose first one is `j`.
+template <class L, bool kThree, bool kNearest, int kPlanes>
+HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
+                             const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
+  const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + j * L::kSpan + v * kLanes
+                                            : row.offset + j + v * kLanes / L::kSpan;
+  const std::int32_t stride = planes.stride;
   for (int p = 0; p < kPlanes; ++p) {
-    sources[p] = planes.source[p];
-    outputs[p] = planes.output[p];
+    const std::uint8_t* source = planes.sources[p];
+    hwy::Prefetch(planes.ahead[p] + offsets[0]);
+    const Numbers sum = kThree
+                            ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender)
+                            : blend_more_rows<L, kNearest>(source, offsets, stride,
+                                                           row.rows[j] % kSlowRun, taps, blender);
+    store_results<L>(blender.rounded(sum), planes.outputs[p] + v * L::kOut);
   }
-  const auto nearest = [&](Numbers places) HWY_ATTR {
-    return hn::And(places + hn::Set(numbers, 2048), hn::BitCast(numbers, hn::Set(words, 0xF000)));
+}
+
+// Runs of a single component: their samples stay in registers.
+template <class L, bool kNearest, int kPlanes>
+HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPlanes> planes) {
+  using P = PlacingOf<L>;
+  const Blender<Bytes> blender;
+  const auto way = kept(hn::Set(Signed(), static_cast<std::int16_t>(task.way * 0x7FFF)));
+  const std::int32_t* marks = task.row.rows;
+  const auto taps_of = [](const Both<P>& at) HWY_ATTR {
+    return Taps{hn::BitCast(Bytes(), bytes_of<P>(at.x)), across_of<P>(at.x), at.y};
   };
-  for (int j = begin; j < end; j += kLanes) {
-    const std::int32_t rows = row.rows[j] % kSlowRun;
-    if (HWY_UNLIKELY(row.rows[j] >= kSlowGroup)) {
-      for (auto& output : outputs) output += L::kSpan * L::kOut;
-      continue;
+  const auto next = [&](int j) HWY_ATTR {
+    for (auto& output : planes.outputs) output += L::kOut;
+    return j + kLanes;
+  };
+  for (int j = begin; j < end;) {
+    // Apart from the others, so that these keep their registers.
+    for (; HWY_LIKELY(j < end && marks[j] == kSteadyRows); j = next(j)) {
+      const Taps taps = taps_of(segment_places<P, kNearest, true>(task, j, way));
+      blend_vector<L, true, kNearest>(task.row, j, 0, taps, planes, blender);
     }
-    for (int v = 0; v < L::kSpan; ++v) {
-      const int run = j + v * kLanes / L::kSpan;
-      const int lane = j * L::kSpan + v * kLanes;
-      const Results& tables = kResults<L>[v % L::kParts];
-      const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + lane : row.offset + run;
-      Located at =
-          locate<L>(row, run, kByLanes<L> ? row.lane_line + lane : row.x_line + run, tables);
-      if constexpr (kNearest) {
-        at.x = nearest(at.x);
-        if (rows != 3) at.y = nearest(at.y);
-      }
-      const auto columns = hn::ShiftRight<12>(hn::BitCast(words, at.x));
-      const auto fraction = hn::ShiftLeft<4>(hn::BitCast(words, at.x));
-      const Taps taps = {
-          hn::BitCast(bytes, columns * constants.step + hn::Load(words, tables.neighbours)),
-          hn::BitCast(numbers, hn::Xor(fraction, constants.half)), at.y};
-      for (int p = 0; p < kPlanes; ++p) {
-        const std::uint8_t* source = sources[p];
-        hwy::Prefetch(source + offsets[0] + static_cast<std::ptrdiff_t>(kAhead) * stride + 16);
-        const Numbers sum =
-            HWY_LIKELY(rows == 3)
-                ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, constants)
-                : blend_more_rows<L>(source, offsets, stride, rows, taps);
-        store_results<L>(hn::MulFixedPoint15(sum, constants.to_bytes), outputs[p]);
-        outputs[p] += L::kOut;
+    for (; j < end && marks[j] != kSteadyRows; j = next(j)) {
+      if (marks[j] >= kSlowGroup) continue;
+      const Taps taps = taps_of(segment_places<P, kNearest, false>(task, j, way));
+      if (marks[j] % kSlowRun == 3) {
+        blend_vector<L, true, kNearest>(task.row, j, 0, taps, planes, blender);
+      } else {
+        blend_vector<L, false, kNearest>(task.row, j, 0, taps, planes, blender);
       }
     }
   }
 }
 
+// Runs of other samples, block after block.
+template <class L, bool kNearest, int kPlanes>
+HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPlanes> planes) {
+  using P = PlacingOf<L>;
+  const Blender<Bytes> blender;
+  const auto way = hn::Set(PlaceNumbers<P>(), static_cast<std::int16_t>(task.way * 0x7FFF));
+  BlockSamples samples;
+  const auto blend_group = [&](auto three, int j, int first) HWY_ATTR {
+    for (int v = 0; v < L::kSpan; ++v) {
+      const Taps taps = taps_at<L>(samples, first + v * L::kPixels * kLanes);
+      blend_vector<L, decltype(three)::value, kNearest>(task.row, j, v, taps, planes, blender);
+    }
+  };
+  for (int block = begin; block < end; block += kBlockRuns) {
+    const int last = std::min(block + kBlockRuns, end);
+    place_block<P, kNearest>(task, block, last, way, samples);
+    int first = 0;
+    for (int j = block; j < last; j += kLanes, first += kLanes * L::kRunPixels) {
+      const std::int32_t mark = task.row.rows[j];
+      if (HWY_LIKELY(mark == kSteadyRows || (mark & ~kSlowRun) == 3)) {
+        blend_group(std::true_type(), j, first);
+      } else if (mark < kSlowGroup) {
+        blend_group(std::false_type(), j, first);
+      }
+      for (auto& output : planes.outputs) output += L::kSpan * L::kOut;
+    }
+  }
+}
+
+template <class L, bool kNearest, int kPlanes>
+void blend(const RowTask& shared, int begin, int end, const PlaneRows& rows) {
+  // What is written may be anything for all that the compiler knows.
+  const RowTask task = shared;
+  Planes<kPlanes> planes;
+  planes.stride = task.stride;
+  for (int p = 0; p < kPlanes; ++p) {
+    planes.sources[p] = rows.source[p];
+    planes.ahead[p] = rows.source[p] + static_cast<std::ptrdiff_t>(kAhead) * task.stride + 16;
+    planes.outputs[p] = rows.output[p];
+  }
+  if constexpr (L::kStep * L::kSpread == 1) {
+    blend_single<L, kNearest>(task, begin, end, planes);
+  } else {
+    blend_blocks<L, kNearest>(task, begin, end, planes);
+  }
+}
+
 template <class L>
-void blend_layout(const RunRow& row, int begin, int end, std::int32_t stride, bool nearest,
-                  const PlaneRows& planes) {
-  if (nearest) {
+void blend_layout(const RowTask& task, int begin, int end, const PlaneRows& planes) {
+  if (task.nearest) {
     for (int p = 0; p < planes.planes; ++p) {
-      blend<L, true, 1>(row, begin, end, stride, {{planes.source[p]}, {planes.output[p]}, 1});
+      blend<L, true, 1>(task, begin, end, {{planes.source[p]}, {planes.output[p]}, 1});
     }
   } else if (planes.planes == 2) {
-    blend<L, false, 2>(row, begin, end, stride, planes);
+    blend<L, false, 2>(task, begin, end, planes);
   } else {
-    blend<L, false, 1>(row, begin, end, stride, planes);
+    blend<L, false, 1>(task, begin, end, planes);
   }
 }
 
 // Runs of 8 samples, or of one lane.
 template <int kComponents, int kSpacing>
-void blend_length(int run, const RunRow& row, int begin, int end, std::int32_t stride, bool nearest,
-                  const PlaneRows& planes) {
+void blend_length(int run, const RowTask& task, int begin, int end, const PlaneRows& planes) {
   using Long = Layout<kComponents, kSpacing, 8>;
   using Short = Layout<kComponents, kSpacing, Long::kPixels>;
-  run == 8 ? blend_layout<Long>(row, begin, end, stride, nearest, planes)
-           : blend_layout<Short>(row, begin, end, stride, nearest, planes);
+  run == 8 ? blend_layout<Long>(task, begin, end, planes)
+           : blend_layout<Short>(task, begin, end, planes);
 }
 
-void blend_row_of(LaneLayout layout, int run, const RunRow& row, int begin, int end,
-                  std::int32_t stride, bool nearest, const PlaneRows& planes) {
+// Pixels of more components than two.
+template <int kComponents>
+void blend_large(int run, const RowTask& task, int begin, int end, const PlaneRows& planes) {
+  if constexpr (kMovesAllBytes) {
+    blend_length<kComponents, 1>(run, task, begin, end, planes);
+  } else {
+    run == 8 ? blend_apart<8, kComponents>(task, begin, end, planes)
+             : blend_apart<2, kComponents>(task, begin, end, planes);
+  }
+}
+
+void blend_row_of(LaneLayout layout, int run, const RowTask& task, int begin, int end,
+                  const PlaneRows& planes) {
   switch (layout) {
     case LaneLayout::kOne:
-      return blend_length<1, 1>(run, row, begin, end, stride, nearest, planes);
+      return blend_length<1, 1>(run, task, begin, end, planes);
     case LaneLayout::kTwo:
-      return blend_length<2, 1>(run, row, begin, end, stride, nearest, planes);
+      return blend_length<2, 1>(run, task, begin, end, planes);
     case LaneLayout::kThree:
-      return blend_length<3, 1>(run, row, begin, end, stride, nearest, planes);
+      return blend_large<3>(run, task, begin, end, planes);
     case LaneLayout::kFour:
-      return blend_length<4, 1>(run, row, begin, end, stride, nearest, planes);
+      return blend_large<4>(run, task, begin, end, planes);
     case LaneLayout::kOneSpread:
-      return blend_length<1, 2>(run, row, begin, end, stride, nearest, planes);
+      return blend_length<1, 2>(run, task, begin, end, planes);
     case LaneLayout::kTwoSpread:
-      return blend_length<2, 2>(run, row, begin, end, stride, nearest, planes);
+      return blend_length<2, 2>(run, task, begin, end, planes);
     default:
       return;
   }
@@ -306,9 +322,9 @@ namespace calvin::remap {
 
 HWY_EXPORT(blend_row_of);
 
-void blend_runs(LaneLayout layout, int run, const RunRow& row, int begin, int end,
-                std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept {
-  HWY_DYNAMIC_DISPATCH(blend_row_of)(layout, run, row, begin, end, stride, nearest, planes);
+void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int end,
+                const PlaneRows& planes) noexcept {
+  HWY_DYNAMIC_DISPATCH(blend_row_of)(layout, run, task, begin, end, planes);
 }
 
 }  // namespace calvin::remap

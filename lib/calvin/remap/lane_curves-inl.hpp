@@ -10,7 +10,7 @@
 #define CALVIN_REMAP_LANE_CURVES_INL_HPP
 #endif
 
-#include "calvin/remap/lane_vectors-inl.hpp"
+#include "calvin/remap/lane_placing-inl.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
 
@@ -19,6 +19,9 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 // Half a row of the source, as places are counted.
 constexpr std::int32_t kHalfRow = 1 << (kPlaceBits - 1);
+
+// Places of 4.12 reach over 16 rows.
+constexpr std::int32_t kMostRows = 15;
 
 // What a parabola through the middles of runs is made of, one per run.
 struct Curve {
@@ -73,6 +76,24 @@ HWY_INLINE hn::Vec<Ints> half_of(const Line& line) {
   if constexpr (kRun == 8) half = half + hn::ShiftLeft<1>(steep) + steep;
   if constexpr (kRun > 2) half = half + hn::ShiftLeft<2>(hn::Abs(line.bend));
   return half;
+}
+
+// The same of a part of a run, to its first column: it is negative where that is behind the middle.
+template <class P, int kPart>
+HWY_INLINE hn::Vec<Ints> part_half(const Line& line) {
+  const Ints d;
+  const auto all = half_of<P::kRun>(line);
+  if constexpr (P::kParts == 1) return all;
+  constexpr int kFirst = 2 * kPart * P::kRun / P::kParts - reach(P::kRun);
+  constexpr int kLast = kFirst + 2 * (P::kRun / P::kParts - 1);
+  const auto at = [&](int halves) HWY_ATTR {
+    const int square = (4 << 12) * halves * halves / (reach(P::kRun) * reach(P::kRun));
+    return hn::ShiftRight<1>(line.slope * hn::Set(d, halves)) +
+           hn::ShiftRight<12>(line.bend * hn::Set(d, square));
+  };
+  // Rounding, and what the parabola is bent between the ends.
+  const auto slack = hn::Set(d, 256);
+  return hn::Min(all, slack - hn::Min(at(kFirst), at(kLast)));
 }
 
 // Two 16-bit numbers in 32 bits.

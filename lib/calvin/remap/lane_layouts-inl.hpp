@@ -13,7 +13,7 @@
 #include <array>
 #include <cstring>
 
-#include "calvin/remap/lane_vectors-inl.hpp"
+#include "calvin/remap/lane_placing-inl.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
 
@@ -28,7 +28,6 @@ struct Layout {
   static constexpr int kPixels = 8 / kWidth;                         // per lane
   static constexpr int kRunPixels = kRun;
   static constexpr int kSpan = kRun / kPixels;                            // lanes per run
-  static constexpr int kParts = kSpan > kLanes ? kSpan / kLanes : 1;      // vectors per run
   static constexpr int kWindow = 16 * kSpan * kSpacing;                   // bytes that hold a run
   static constexpr int kOut = kPixels * kComponents * kSpacing * kLanes;  // bytes per vector
 };
@@ -41,55 +40,66 @@ constexpr bool kByWindows = kMovesAllBytes&& L::kWindow > 16;
 template <class L>
 constexpr bool kByLanes = L::kSpan > 1 && !kMovesAllBytes;
 
-// Which bytes of the 32-bit records of a vector's runs fill each lane with one of their halves.
-struct Halves {
-  alignas(64) std::uint8_t low[64];
-  alignas(64) std::uint8_t high[64];
-};
-constexpr Halves make_halves(int span) {
-  Halves h{};
-  for (int i = 0; i < 64; ++i) {
-    const int record = 4 * (i / 16 / span);
-    h.low[i] = static_cast<std::uint8_t>(record + i % 2);
-    h.high[i] = static_cast<std::uint8_t>(record + i % 2 + 2);
-  }
-  return h;
-}
 template <class L>
-constexpr Halves kHalves = make_halves(L::kSpan);
-constexpr Halves kLaneHalves = make_halves(1);
+using PlacingOf = Placing<L::kRunPixels, kByLanes<L> ? L::kSpan : 1, L::kStep * L::kSpread>;
 
-// What each result of a vector adds to the numbers of its run.
+// Where the results of a vector are in what is known of its samples, and what they add to the bytes
+// that samples have.
 struct Results {
-  alignas(64) std::int16_t along[32];        // slope 2.14 -> place 4.12, through MulFixedPoint15
-  alignas(64) std::int16_t square[32];       // bend -> place 4.12, likewise
+  alignas(64) std::uint8_t samples[64];      // bytes of their 16-bit numbers, by the 128 bits
   alignas(64) std::uint16_t neighbours[32];  // bytes of the two samples in a pixel and the next one
 };
 template <class L>
-constexpr Results make_results(int part) {
+constexpr Results make_results() {
   Results r{};
+  constexpr int kBytesPerStep = L::kStep * L::kSpread;
+  // What samples have for the first column.
+  constexpr int kFirst = 0x0FFF * 0x1010 * kBytesPerStep >> 16;
   for (int i = 0; i < 32; ++i) {
-    const int lane = part * kLanes + i / 8;
-    const int pixel = lane % L::kSpan * L::kPixels + i % 8 / L::kWidth;
+    const int pixel = i / 8 * L::kPixels + i % 8 / L::kWidth;
     const int component = i % L::kWidth < L::kStep ? i % L::kWidth : 0;
-    const int halves = 2 * pixel - reach(L::kRunPixels);
-    const double end = reach(L::kRunPixels);
     const int window = kByWindows<L> ? i / 8 / L::kSpan * L::kWindow % 64 : 0;
-    r.along[i] = static_cast<std::int16_t>(halves * 4096);
-    r.square[i] = static_cast<std::int16_t>((halves * halves / (end * end) - 0.5) * 32767);
+    r.samples[2 * i] = static_cast<std::uint8_t>(2 * pixel % 16);
+    r.samples[2 * i + 1] = static_cast<std::uint8_t>(2 * pixel % 16 + 1);
     r.neighbours[i] = static_cast<std::uint16_t>(
-        (component | (component + L::kStep) << 8) * L::kSpread + window * 0x101);
+        (component | (component + L::kStep) << 8) * L::kSpread + window * 0x101 - kFirst);
   }
   return r;
 }
 template <class L>
-constexpr std::array<Results, 4> kResults = {make_results<L>(0), make_results<L>(1),
-                                             make_results<L>(2), make_results<L>(3)};
+constexpr Results kResults = make_results<L>();
+
+// The numbers of samples for the results of a vector.
+template <class L>
+HWY_INLINE Numbers numbers_of(const std::int16_t* samples) {
+  const Bytes d;
+  constexpr std::size_t kSamples = static_cast<std::size_t>(L::kPixels) * kLanes;
+  if constexpr (L::kWidth == 1) return hn::Load(Signed(), samples);
+  Pairs all;
+  const auto* from = reinterpret_cast<const std::uint8_t*>(samples);
+  if constexpr (kSamples > 8) {
+    const hn::FixedTag<std::uint8_t, kBytes / 2> half;
+    all = hn::Combine(d, hn::LoadDup128(half, from + 16), hn::LoadDup128(half, from));
+  } else {
+    all = hn::LoadDup128(d, from);
+  }
+  return hn::BitCast(Signed(), hn::TableLookupBytes(all, hn::Load(d, kResults<L>.samples)));
+}
 
 // The 16 bytes that begin at each lane's offset.
 template <class D>
 HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::int32_t* offsets) {
   constexpr std::size_t kSize = hn::MaxLanes(D());
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  // Combine() clears a half before it is written, and takes the port that shuffles need.
+  if constexpr (kSize == 64) {
+    const hn::FixedTag<std::uint8_t, 16> lane;
+    const auto at = [&](int l) HWY_ATTR { return hn::LoadU(lane, plane + offsets[l]).raw; };
+    const auto lo = _mm256_inserti128_si256(_mm256_castsi128_si256(at(0)), at(1), 1);
+    const auto hi = _mm256_inserti128_si256(_mm256_castsi128_si256(at(2)), at(3), 1);
+    return hn::Vec<D>{_mm512_inserti32x8(_mm512_castsi256_si512(lo), hi, 1)};
+  }
+#endif
   if constexpr (kSize > 16) {
     const hn::FixedTag<std::uint8_t, kSize / 2> half;
     return hn::Combine(d, load_segments(half, plane, offsets + kSize / 32),
@@ -122,11 +132,16 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
   }
 }
 
-// The indices within the first 16 bytes, as they are; the others such that nothing is taken.
+// Of indices below 32 the ones within the first 16 bytes; the others such that nothing is taken.
 HWY_INLINE Pairs within_segment(Pairs indices) {
+#if HWY_ARCH_X86
+  // A lookup heeds four bits and the sign.
+  return indices + hn::Set(Bytes(), 0x70);
+#else
   const Words d;
   const auto words = hn::BitCast(d, indices);
   return hn::BitCast(Bytes(), hn::Or(words, hn::ShiftLeft<3>(hn::And(words, hn::Set(d, 0x1010)))));
+#endif
 }
 
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
@@ -172,9 +187,8 @@ HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* off
   } else {
     // Samples in every second byte lie in two segments.
     const Pairs more = load_segments(d, source + 16, offsets);
-    const Pairs rest = hn::Xor(indices, hn::Set(d, 0x10));
     return hn::Or(hn::TableLookupBytesOr0(segments, within_segment(indices)),
-                  hn::TableLookupBytesOr0(more, within_segment(rest)));
+                  hn::TableLookupBytesOr0(more, indices - hn::Set(d, 0x10)));
   }
 }
 

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Where each of the eight samples of a run comes from, for kernels that gather: in single
-// precision, which is 1/4096 of a sample at place 4096. Compiled once per target of Highway:
-// include it after hwy/foreach_target.h.
+// Where each of the eight samples of a run comes from, for kernels that gather: in single precision
+// from the sample that the run's middle is behind. Compiled once per target of Highway: include it
+// after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_PLACES_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_PLACES_INL_HPP
 #undef CALVIN_REMAP_LANE_PLACES_INL_HPP
 #else
 #define CALVIN_REMAP_LANE_PLACES_INL_HPP
 #endif
+
+#include <cmath>
 
 #include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
@@ -39,14 +41,16 @@ struct Places {
 // Of a vector of samples whose first one is `first` in the run.
 HWY_INLINE Places places_at(const RunParabola& parabola, int first, bool nearest) {
   const Floats d;
+  const double base = std::floor(parabola.middle);
   const auto t = hn::Iota(d, static_cast<float>(first) - (kPixels - 1) / 2.0F);
   const auto at = hn::MulAdd(t,
                              hn::MulAdd(t, hn::Set(d, static_cast<float>(parabola.bend)),
                                         hn::Set(d, static_cast<float>(parabola.slope))),
-                             hn::Set(d, static_cast<float>(parabola.middle)));
+                             hn::Set(d, static_cast<float>(parabola.middle - base)));
   const auto down = hn::Floor(at);
   const auto rest = at - down;
-  return {hn::ConvertTo(Ints(), down), nearest ? hn::Round(rest) : rest};
+  const auto whole = hn::ConvertTo(Ints(), down) + hn::Set(Ints(), static_cast<std::int32_t>(base));
+  return {whole, nearest ? hn::Round(rest) : rest};
 }
 
 // Both bytes of each 16-bit half change places.

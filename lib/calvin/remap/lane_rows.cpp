@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <type_traits>
-#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calvin/remap/lane_rows.cpp"
@@ -29,34 +28,30 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std::int32_t* xs,
-                     std::int32_t* ys) {
+void interpolate_row(const RowNodes& between, int runs, std::int32_t* xs, std::int32_t* ys) {
+  const auto at = [&](const float(&rows)[4][NodeRows::kRuns], int i) {
+    float sum = rows[0][i];
+    for (int r = 1; r < 4; ++r) sum += between.weights[r] * (rows[r][i] - rows[0][i]);
+    return static_cast<std::int32_t>(std::lrint(sum));
+  };
   for (int j = 0; j < runs + 2 * kMargin + kSpare; ++j) {
-    float x = 0;
-    float y = 0;
-    for (int r = 0; r < 4; ++r) {
-      x += weights[r] * nodes.x[r][j];
-      y += weights[r] * nodes.y[r][j];
-    }
-    xs[j] = static_cast<std::int32_t>(std::lrint(x));
-    ys[j] = static_cast<std::int32_t>(std::lrint(y));
+    xs[j] = at(between.nodes.x, NodeRows::kFirst - kMargin + j);
+    ys[j] = at(between.nodes.y, NodeRows::kFirst - kMargin + j);
   }
 }
 
 bool describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
-                  const Band& /*band*/, RunRow& row) {
+                  const RowNodes* between, const Band& /*band*/, float /*way*/, RunRow& row) {
+  if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
   std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
   return true;
 }
 
-int group() { return 1; }
+int group_of(LaneLayout /*layout*/, int /*run*/) { return 1; }
 
 #else
 
 // ---- Vectors of 32-bit numbers, one per run.
-
-// Places of 4.12 reach over 16 rows.
-constexpr std::int32_t kMostRows = 15;
 
 // A slope down whose eightfold still is 2.14.
 constexpr std::int32_t kSteepest = 0x0F00;
@@ -64,7 +59,7 @@ constexpr std::int32_t kSteepest = 0x0F00;
 struct Axis {
   hn::Vec<Ints> first;  // sample
   hn::Vec<Ints> last;   // the last place's; its neighbour is the next one
-  hn::Vec<Ints> place;  // of the middle from the first sample, and half of the bend
+  hn::Vec<Ints> place;  // of the middle from the first sample
   hn::Vec<Ints> steep;  // size of the slope, 2.14
   hn::Vec<Ints> bend;   // 4.12
 };
@@ -72,32 +67,46 @@ template <int kRun>
 HWY_INLINE Axis describe(const Line& line) {
   const auto half = half_of<kRun>(line);
   const auto first = hn::ShiftRight<kPlaceBits>(line.middle - half);
-  auto place = line.middle - hn::ShiftLeft<kPlaceBits>(first);
-  if constexpr (kRun > 2) place = place + hn::ShiftLeft<1>(line.bend);
-  return {first, hn::ShiftRight<kPlaceBits>(line.middle + half), place, hn::Abs(line.slope),
-          line.bend};
+  return {first, hn::ShiftRight<kPlaceBits>(line.middle + half),
+          line.middle - hn::ShiftLeft<kPlaceBits>(first), hn::Abs(line.slope), line.bend};
 }
 
 // The largest of the runs that make a group, in each of them.
+template <int kGroup>
 HWY_INLINE hn::Vec<Ints> group_maximum(hn::Vec<Ints> rows) {
-  if constexpr (kLanes >= 2) rows = hn::Max(rows, hn::Shuffle2301(rows));
-  if constexpr (kLanes >= 4) rows = hn::Max(rows, hn::Shuffle1032(rows));
+  if constexpr (kGroup >= 2) rows = hn::Max(rows, hn::Shuffle2301(rows));
+  if constexpr (kGroup >= 4) rows = hn::Max(rows, hn::Shuffle1032(rows));
   return rows;
 }
 
-HWY_INLINE void interpolate(const float (&rows)[4][NodeRows::kRuns], const float* weights,
-                            int count, std::int32_t* places) {
+// The middles of runs from the `i`th place of the nodes on.
+HWY_INLINE hn::Vec<Ints> middles_at(const float (&rows)[4][NodeRows::kRuns],
+                                    const std::array<float, 4>& weights, int i) {
   const Floats d;
-  const auto w0 = hn::Set(d, weights[0]);
-  const auto w1 = hn::Set(d, weights[1]);
-  const auto w2 = hn::Set(d, weights[2]);
-  const auto w3 = hn::Set(d, weights[3]);
-  for (int j = 0; j < count; j += static_cast<int>(hn::Lanes(d))) {
-    const auto upper = hn::MulAdd(w1, hn::Load(d, rows[1] + j), w0 * hn::Load(d, rows[0] + j));
-    const auto lower = hn::MulAdd(w3, hn::Load(d, rows[3] + j), w2 * hn::Load(d, rows[2] + j));
-    hn::Store(hn::NearestInt(upper + lower), Ints(), places + j);
+  const auto first = hn::LoadU(d, rows[0] + i);
+  const auto part = [&](std::size_t r) HWY_ATTR { return hn::Set(d, weights[r]); };
+  const auto difference = [&](std::size_t r) HWY_ATTR { return hn::LoadU(d, rows[r] + i) - first; };
+  return hn::NearestInt(hn::MulAdd(part(1), difference(1),
+                                   hn::MulAdd(part(2), difference(2), part(3) * difference(3))) +
+                        first);
+}
+
+// The first `count` of a row's middles from `begin` on, margins included.
+HWY_INLINE void interpolate(const RowNodes& between, int begin, int count, std::int32_t* x,
+                            std::int32_t* y) {
+  const Ints d;
+  for (int j = begin; j < begin + count; j += static_cast<int>(hn::MaxLanes(d))) {
+    const int i = NodeRows::kFirst - kMargin + j;
+    hn::StoreU(middles_at(between.nodes.x, between.weights, i), d, x + j);
+    hn::StoreU(middles_at(between.nodes.y, between.weights, i), d, y + j);
   }
 }
+
+// The first column of a part of a vector of runs, and the place of the middle from there, 4.12.
+struct Part {
+  hn::Vec<Ints> column;
+  hn::Vec<Ints> place;
+};
 
 // What a vector of runs reads of the source.
 struct Reads {
@@ -105,14 +114,16 @@ struct Reads {
   hn::Vec<Ints> offset;  // negative where all of the group are slow
   hn::Vec<Ints> slow;    // -1 or 0
 };
-template <int kStep>
+template <class P>
 HWY_INLINE Reads reads_of(const Axis& x, const Axis& y, const SourceBounds& b) {
   const Ints d;
-  // Three rows, of which a result needs two, go quickest; steep lines do not fit eight times.
   auto rows = y.last - y.first + hn::Set(d, 2);
-  rows = hn::Max(rows, hn::Min(hn::Set(d, 3), hn::Set(d, b.rows) - y.first));
-  const auto too_steep = hn::BroadcastSignBit(hn::Set(d, kSteepest) - y.steep);
-  rows = hn::Max(rows, hn::And(too_steep, hn::Set(d, 4)));
+  if constexpr (!P::kApart) {
+    // Three rows, of which a result needs two, go quickest; steep lines do not fit eight times.
+    rows = hn::Max(rows, hn::Min(hn::Set(d, 3), hn::Set(d, b.rows) - y.first));
+    const auto too_steep = hn::BroadcastSignBit(hn::Set(d, kSteepest) - y.steep);
+    rows = hn::Max(rows, hn::And(too_steep, hn::Set(d, 4)));
+  }
   // Any of these is negative where the run cannot be taken quickly.
   const auto x_room = hn::Set(d, b.steepest) - x.steep - hn::ShiftLeft<3>(hn::Abs(x.bend));
   auto spare = hn::Min(hn::Min(x.first, y.first), hn::Min(x_room, hn::Set(d, 0x7FFF) - y.steep));
@@ -121,8 +132,8 @@ HWY_INLINE Reads reads_of(const Axis& x, const Axis& y, const SourceBounds& b) {
   spare = hn::Min(
       spare, hn::Min(hn::Set(d, b.widest - 1) - (x.last - x.first), hn::Set(d, kMostRows) - rows));
   // All runs of a group read as many rows as the one that needs most.
-  rows = group_maximum(hn::AndNot(hn::BroadcastSignBit(spare), rows));
-  const auto begin = x.first * hn::Set(d, kStep);
+  rows = group_maximum<P::kGroup>(hn::AndNot(hn::BroadcastSignBit(spare), rows));
+  const auto begin = x.first * hn::Set(d, P::kStep);
   const auto left = hn::Set(d, b.rows) - y.first - rows;
   // Segments may end behind a row, but for the last one.
   spare = hn::Min(hn::Min(spare, left),
@@ -131,169 +142,169 @@ HWY_INLINE Reads reads_of(const Axis& x, const Axis& y, const SourceBounds& b) {
   // The slow ones of a group that has others read what one of these does.
   const auto is_slow = hn::MaskFromVec(slow);
   const auto own = hn::IfThenElse(is_slow, slow, y.first * hn::Set(d, b.stride) + begin);
-  return {rows, hn::IfThenElse(is_slow, group_maximum(own), own), slow};
+  return {rows, hn::IfThenElse(is_slow, group_maximum<P::kGroup>(own), own), slow};
+}
+
+// Stores what is by the lane, of a vector of runs whose first one is `j`: the place of the middle
+// from each lane's segment, and where that is.
+template <class P, class X>
+HWY_INLINE void store_lanes(int j, X x_of, hn::Vec<Ints> y_place, hn::Vec<Ints> row_offset,
+                            RunRow& row) {
+  const Ints d;
+  const auto step = hn::Set(d, P::kStep);
+  const Part first = x_of(std::integral_constant<int, 0>());
+  const auto offset = row_offset + first.column * step;
+  const auto middle = packed(first.place, y_place);
+  if constexpr (P::kParts == 1) {
+    hn::Store(offset, d, row.offset + j);
+    hn::Store(middle, d, row.middle + j);
+  } else {
+    const Part second = x_of(std::integral_constant<int, 1>());
+    hn::StoreInterleaved2(middle, packed(second.place, y_place), d, row.middle + 2 * j);
+    hn::StoreInterleaved2(offset, row_offset + second.column * step, d, row.lane_offset + 2 * j);
+  }
 }
 
 // A vector of runs whose first one is `j`; whether one is slow.
-template <int kRun, int kStep>
+template <class P>
 HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
                                  const SourceBounds& b, RunRow& row) {
   const Ints d;
-  const Axis x = describe<kRun>(x_line);
-  const Axis y = describe<kRun>(y_line);
-  const Reads reads = reads_of<kStep>(x, y, b);
+  const Axis x = describe<P::kRun>(x_line);
+  const Axis y = describe<P::kRun>(y_line);
+  const Reads reads = reads_of<P>(x, y, b);
   const auto is_slow = hn::MaskFromVec(reads.slow);
   const auto marks = hn::Or(hn::And(reads.slow, hn::Set(d, kSlowRun)),
                             hn::And(hn::BroadcastSignBit(reads.offset), hn::Set(d, kSlowGroup)));
   hn::Store(hn::Or(reads.rows, marks), d, row.rows + j);
   hn::Store(reads.offset, d, row.offset + j);
-  const auto place = [&](const Axis& axis)
-                         HWY_ATTR { return hn::ShiftRight<2>(axis.place + hn::Set(d, 2)); };
-  const auto line = packed(place(x), hn::ShiftLeft<16>(x_line.slope));
-  // The slow ones read the middle of the first column.
-  hn::Store(hn::IfThenElse(is_slow, hn::Set(d, 1 << 11), line), d, row.x_line + j);
-  const auto three = reads.rows == hn::Set(d, 3);
-  const auto centred = hn::ShiftLeft<1>(y.place - hn::Set(d, 1 << kPlaceBits));
-  const auto high = [&](hn::Vec<Ints> number) HWY_ATTR {
-    return hn::IfThenElse(three, hn::ShiftLeft<19>(number), hn::ShiftLeft<16>(number));
-  };
-  hn::Store(packed(hn::IfThenElse(three, centred, place(y)), high(y_line.slope)), d,
-            row.y_line + j);
-  if constexpr (kRun > 2) {
-    hn::Store(hn::IfThenZeroElse(is_slow, packed(x_line.bend, high(y_line.bend))), d, row.bend + j);
+  const auto place = [&](hn::Vec<Ints> from_first)
+                         HWY_ATTR { return hn::ShiftRight<2>(from_first + hn::Set(d, 2)); };
+  auto y_place = hn::ShiftLeft<16>(place(y.place));
+  auto y_slope = hn::ShiftLeft<16>(y_line.slope);
+  auto y_bend = hn::ShiftLeft<16>(y_line.bend);
+  if constexpr (!P::kApart) {
+    const auto three = reads.rows == hn::Set(d, 3);
+    const auto centred = hn::ShiftLeft<17>(y.place - hn::Set(d, 1 << kPlaceBits));
+    y_place = hn::IfThenElse(three, centred, y_place);
+    y_slope = hn::IfThenElse(three, hn::ShiftLeft<3>(y_slope), y_slope);
+    y_bend = hn::IfThenElse(three, hn::ShiftLeft<3>(y_bend), y_bend);
   }
+  // The slow ones read the middle of the first column.
+  hn::Store(hn::IfThenZeroElse(is_slow, packed(x_line.slope, y_slope)), d, row.slope + j);
+  hn::Store(hn::IfThenZeroElse(is_slow, packed(x_line.bend, y_bend)), d, row.bend + j);
+  const auto x_of = [&](auto part) HWY_ATTR {
+    const auto half = part_half<P, decltype(part)::value>(x_line);
+    const auto column =
+        hn::IfThenZeroElse(is_slow, hn::ShiftRight<kPlaceBits>(x_line.middle - half) - x.first);
+    return Part{column, hn::IfThenElse(is_slow, hn::Set(d, 1 << 11),
+                                       place(x.place - hn::ShiftLeft<kPlaceBits>(column)))};
+  };
+  store_lanes<P>(j, x_of, hn::IfThenZeroElse(is_slow, y_place), reads.offset, row);
   return !hn::AllTrue(d, reads.slow == hn::Zero(d));
+}
+
+// Small numbers, to the nearest.
+HWY_INLINE hn::Vec<Ints> small_ints(hn::Vec<Floats> v) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  return hn::Vec<Ints>{_mm512_cvtps_epi32(v.raw)};
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  return hn::Vec<Ints>{_mm256_cvtps_epi32(v.raw)};
+#elif HWY_ARCH_X86
+  return hn::Vec<Ints>{_mm_cvtps_epi32(v.raw)};
+#else
+  return hn::NearestInt(v);
+#endif
+}
+
+// The middles of steady runs.
+HWY_INLINE hn::Vec<Ints> steady_middles(const std::int32_t* first, const float* span,
+                                        const float* curve, float way) {
+  const Floats d;
+  const auto added =
+      hn::Set(d, way) * hn::MulAdd(hn::Set(d, 1 - way), hn::Load(d, curve), hn::Load(d, span));
+  return hn::LoadU(Ints(), first) + small_ints(added);
 }
 
 // describe_runs_at() where the band is steady: results lie between the row that is nearest to the
 // run's middle and the ones beside it.
-template <int kStep, bool kThird>
-HWY_INLINE void describe_steady_at(int j, const SourceBounds& b, const Band& band, RunRow& row) {
+template <class P>
+HWY_INLINE void describe_steady_at(int j, float way, const SourceBounds& b, const Band& band,
+                                   RunRow& row) {
   const Ints d;
-  const auto part = hn::Set(d, (1 << kPlaceBits) - 1);
-  const auto across = [&](const std::int32_t* places)
-                          HWY_ATTR { return curve_at<kThird>(places).across; };
-  const auto x = hn::LoadU(d, row.x + j + kMargin) - hn::Load(d, band.x_half + j);
-  const auto y = hn::LoadU(d, row.y + j + kMargin) - hn::Set(d, kHalfRow);
-  hn::Store(hn::ShiftRight<kPlaceBits>(y) * hn::Set(d, b.stride) +
-                hn::ShiftRight<kPlaceBits>(x) * hn::Set(d, kStep),
-            d, row.offset + j);
-  const auto x_place = hn::ShiftRight<2>(hn::And(x, part) + hn::Load(d, band.x_shift + j));
-  const auto y_place = hn::ShiftLeft<1>(hn::And(y, part) + hn::Load(d, band.y_shift + j));
-  hn::Store(packed(x_place, hn::ShiftLeft<12>(across(row.x + j))), d, row.x_line + j);
-  hn::Store(packed(y_place, hn::ShiftLeft<15>(across(row.y + j))), d, row.y_line + j);
-}
-
-// ---- Lanes of runs of eight.
-
-// The parts of a vector of runs one behind the other, in the order of the picture.
-template <class V>
-HWY_INLINE void interleave(const std::array<V, 2>& parts, std::int32_t* to) {
-  hn::StoreInterleaved2(parts[0], parts[1], Ints(), to);
-}
-template <class V>
-HWY_INLINE void interleave(const std::array<V, 4>& parts, std::int32_t* to) {
-  hn::StoreInterleaved4(parts[0], parts[1], parts[2], parts[3], Ints(), to);
-}
-
-// The place of the sample that lies `kHalves` halves behind the middle, 4.12, from what RunRow
-// says.
-template <int kHalves>
-HWY_INLINE hn::Vec<Ints> place_at(hn::Vec<Ints> place, hn::Vec<Ints> slope, hn::Vec<Ints> bend) {
-  constexpr int kSquare = 4096 * (2 * kHalves * kHalves - 49) / 98;
-  return place + hn::ShiftRight<3>(slope * hn::Set(Ints(), kHalves)) +
-         hn::ShiftRight<12>(bend * hn::Set(Ints(), kSquare));
-}
-
-// A lane's segment begins with the first column that one of its samples needs.
-template <int kParts, int kStep, std::size_t... kPart>
-HWY_INLINE void split_runs_at(int j, RunRow& row, std::index_sequence<kPart...> /*parts*/) {
-  const Ints d;
-  constexpr int kLane = 8 / kParts;
-  // Rounding, and what the parabola is bent between a lane's ends.
-  const auto slack = hn::Set(d, kLane > 2 ? 64 : 8);
-  const auto line = hn::Load(d, row.x_line + j);
-  const auto place = hn::And(line, hn::Set(d, 0xFFFF));
-  const auto slope = hn::ShiftRight<16>(line);
-  const auto bend = hn::ShiftRight<16>(hn::ShiftLeft<16>(hn::Load(d, row.bend + j)));
-  const auto before = [&](auto part) HWY_ATTR {
-    constexpr int kFirst = 2 * kLane * decltype(part)::value - reach(8);
-    constexpr int kLast = kFirst + 2 * (kLane - 1);
-    return hn::ShiftRight<12>(
-        hn::Min(place_at<kFirst>(place, slope, bend), place_at<kLast>(place, slope, bend)) - slack);
+  const auto in_part = hn::Set(d, (1 << kPlaceBits) - 1);
+  const auto x = steady_middles(band.x_first + j + kMargin, band.x_span + j, band.x_curve + j, way);
+  const auto y_half = hn::Load(d, band.y_half + j);
+  const auto y =
+      steady_middles(band.y_first + j + kMargin, band.y_span + j, band.y_curve + j, way) - y_half;
+  const auto y_part = hn::And(y, in_part);
+  const auto y_place = P::kApart ? hn::ShiftLeft<14>(y_part + y_half + hn::Set(d, 2))
+                                 : hn::ShiftLeft<17>(y_part - y_half);
+  const auto x_of = [&](auto part) HWY_ATTR {
+    const auto half = hn::Load(d, band.x_half[decltype(part)::value] + j);
+    const auto from = x - half;
+    return Part{hn::ShiftRight<kPlaceBits>(from),
+                hn::ShiftRight<2>(hn::And(from, in_part) + half + hn::Set(d, 2))};
   };
-  const std::array<hn::Vec<Ints>, kParts> columns = {
-      before(std::integral_constant<int, kPart>())...};
-  const auto offset = hn::Load(d, row.offset + j);
-  interleave(std::array{offset + columns[kPart] * hn::Set(d, kStep)...},
-             row.lane_offset + kParts * j);
-  interleave(std::array{packed(place - hn::ShiftLeft<12>(columns[kPart]), line)...},
-             row.lane_line + kParts * j);
+  store_lanes<P>(j, x_of, y_place, hn::ShiftRight<kPlaceBits>(y) * hn::Set(d, b.stride), row);
 }
 
-template <int kRun, int kParts, int kStep, bool kThird>
-HWY_INLINE bool describe_all(const SourceBounds& bounds, const Band& band, RunRow& row) {
+template <class P, bool kThird>
+HWY_INLINE bool describe_all(const SourceBounds& bounds, const RowNodes* between, const Band& band,
+                             float way, RunRow& row) {
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   bool slow = false;
   for (int j = 0; j < row.count; j += kVector) {
-    if (kRun == 8 && band.steady[j]) {
-      describe_steady_at<kStep, kThird>(j, bounds, band, row);
+    if (P::kRun == 8 && band.empty[j]) {
+      slow = true;
+    } else if (P::kRun == 8 && band.steady[j]) {
+      describe_steady_at<P>(j, way, bounds, band, row);
     } else {
-      const Line x = line_of<kRun>(curve_at<kThird>(row.x + j));
-      const Line y = line_of<kRun>(curve_at<kThird>(row.y + j));
-      slow |= describe_runs_at<kRun, kStep>(j, x, y, bounds, row);
-    }
-    if constexpr (kParts > 1 && !kMovesAllBytes) {
-      split_runs_at<kParts, kStep>(j, row, std::make_index_sequence<kParts>());
+      if (between != nullptr) interpolate(*between, j, kVector + 2 * kMargin, row.x, row.y);
+      const Line x = line_of<P::kRun>(curve_at<kThird>(row.x + j));
+      const Line y = line_of<P::kRun>(curve_at<kThird>(row.y + j));
+      slow |= describe_runs_at<P>(j, x, y, bounds, row);
     }
   }
   return slow;
 }
 
-void interpolate_row(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
-                     std::int32_t* y) {
-  interpolate(nodes.x, weights, runs + 2 * kMargin + kSpare, x);
-  interpolate(nodes.y, weights, runs + 2 * kMargin + kSpare, y);
+void interpolate_row(const RowNodes& between, int runs, std::int32_t* x, std::int32_t* y) {
+  interpolate(between, 0, runs + 2 * kMargin + kSpare, x, y);
 }
 
-template <int kRun, int kParts, int kStep>
-bool describe_bends(const SourceBounds& bounds, const Band& band, RunRow& row) {
-  return bounds.strongly_bent ? describe_all<kRun, kParts, kStep, true>(bounds, band, row)
-                              : describe_all<kRun, kParts, kStep, false>(bounds, band, row);
+template <class P>
+bool describe_bends(const SourceBounds& bounds, const RowNodes* between, const Band& band,
+                    float way, RunRow& row) {
+  return bounds.strongly_bent ? describe_all<P, true>(bounds, between, band, way, row)
+                              : describe_all<P, false>(bounds, between, band, way, row);
 }
 
-// Runs of 8 samples, or of one lane.
-template <int kLane, int kStep>
-bool describe_length(int run, const SourceBounds& bounds, const Band& band, RunRow& row) {
-  return run == 8 ? describe_bends<8, 8 / kLane, kStep>(bounds, band, row)
-                  : describe_bends<kLane, 1, kStep>(bounds, band, row);
-}
-
-bool describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
-                  RunRow& row) {
+bool describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
+                  const Band& band, float way, RunRow& row) {
+  bool slow = true;
   switch (layout) {
-    case LaneLayout::kOne:
-      return describe_bends<8, 1, 1>(bounds, band, row);
-    case LaneLayout::kOneSpread:
     case LaneLayout::kOneWord:
-      return describe_bends<8, 1, 2>(bounds, band, row);
+      return describe_bends<Placing<8, 1, 2>>(bounds, between, band, way, row);
     case LaneLayout::kTwoWords:
-      return describe_bends<8, 1, 4>(bounds, band, row);
-    case LaneLayout::kTwo:
-      return describe_length<4, 2>(run, bounds, band, row);
-    case LaneLayout::kTwoSpread:
-      return describe_length<4, 4>(run, bounds, band, row);
-    case LaneLayout::kThree:
-      return describe_length<2, 3>(run, bounds, band, row);
-    case LaneLayout::kFour:
-      return describe_length<2, 4>(run, bounds, band, row);
-    default:
+      return describe_bends<Placing<8, 1, 4>>(bounds, between, band, way, row);
+    case LaneLayout::kNone:
+      if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
       std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
       return true;
+    default:
+      with_placing(layout, run, [&](auto placing) HWY_ATTR {
+        slow = describe_bends<decltype(placing)>(bounds, between, band, way, row);
+      });
+      return slow;
   }
 }
 
-int group() { return kLanes; }
+int group_of(LaneLayout layout, int run) {
+  int group = kLanes;
+  with_placing(layout, run, [&](auto placing) { group = decltype(placing)::kGroup; });
+  return group;
+}
 
 #endif
 
@@ -305,19 +316,21 @@ namespace calvin::remap {
 
 HWY_EXPORT(interpolate_row);
 HWY_EXPORT(describe_row);
-HWY_EXPORT(group);
+HWY_EXPORT(group_of);
 
-void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
+void interpolate_runs(const RowNodes& between, int runs, std::int32_t* x,
                       std::int32_t* y) noexcept {
-  HWY_DYNAMIC_DISPATCH(interpolate_row)(nodes, weights, runs, x, y);
+  HWY_DYNAMIC_DISPATCH(interpolate_row)(between, runs, x, y);
 }
 
-bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
-                   RunRow& row) noexcept {
-  return HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, band, row);
+bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
+                   const Band& band, float way, RunRow& row) noexcept {
+  return HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, between, band, way, row);
 }
 
-int run_group() noexcept { return HWY_DYNAMIC_DISPATCH(group)(); }
+int run_group(LaneLayout layout, int run) noexcept {
+  return HWY_DYNAMIC_DISPATCH(group_of)(layout, run);
+}
 
 }  // namespace calvin::remap
 #endif

@@ -5,6 +5,7 @@
 // through the middles of a run and its neighbours (of 4 or 2 where the map is strongly bent).
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,22 +22,38 @@ inline constexpr int kChunkRuns = 256;
 // that is so for all of its group by another.
 inline constexpr std::int32_t kSlowRun = 64;
 inline constexpr std::int32_t kSlowGroup = 128;
+// A slow run that shows nothing of the source: the fill.
+inline constexpr std::int32_t kEmptyRun = 256;
+
+// The rows of a run whose samples a band has in common.
+inline constexpr std::int32_t kSteadyRows = 32;
 
 // Runs before the first one and behind the last one that a run's parabola is made with.
 inline constexpr int kMargin = 2;
 // Runs behind a row's last one that fill up its last vector.
 inline constexpr int kSpare = 3;
 
-// A chunk of runs, and its margins, at four rows of the map's nodes.
+// A chunk of runs, and its margins, at four rows of the map's nodes. The first run is at kFirst, so
+// that vectors of runs are loaded at once.
 struct NodeRows {
-  static constexpr int kRuns = kChunkRuns + 32;
+  static constexpr int kFirst = 16;
+  static constexpr int kRuns = kChunkRuns + 48;
   alignas(64) float x[4][kRuns];
   alignas(64) float y[4][kRuns];
+};
+
+// A row of the output between them: what is added to the first one are these parts of how much the
+// others differ from it. Thus what is the same in all of them stays as it is.
+struct RowNodes {
+  const NodeRows& nodes;
+  std::array<float, 4> weights;
 };
 
 // The same at one row of the output, and what a vector kernel has to know of each run.
 struct RunRow {
   static constexpr int kRuns = NodeRows::kRuns;
+  // Where runs fill several lanes each of them may have a segment of its own.
+  static constexpr int kMostParts = 2;
   // Middles of the runs, margins included.
   alignas(64) std::int32_t x[kRuns];
   alignas(64) std::int32_t y[kRuns];
@@ -44,17 +61,14 @@ struct RunRow {
   // holds the run's samples; rows of the source that its group takes, and kSlowRun and kSlowGroup.
   alignas(64) std::int32_t offset[kRuns];
   alignas(64) std::int32_t rows[kRuns];
-  // Two 16-bit numbers each. Place of the middle from the segment's first sample, 4.12, and slope,
-  // 2.14; what the parabola adds at the run's ends, 4.12, in x and in y. All that is of y is eight
+  // Two 16-bit numbers each, of x and of y. Slope, 2.14; what the parabola adds at the run's ends,
+  // 4.12; place of the middle from the first sample of the segment, 4.12. All that is of y is eight
   // times as large for runs that take three rows, and from the middle one of them.
-  alignas(64) std::int32_t x_line[kRuns];
-  alignas(64) std::int32_t y_line[kRuns];
+  alignas(64) std::int32_t slope[kRuns];
   alignas(64) std::int32_t bend[kRuns];
-  // Where runs fill several lanes, each of which has a segment of its own: offset and x_line by the
-  // lane, for kernels that work by lanes.
-  alignas(64) std::int32_t lane_offset[4 * kRuns];
-  alignas(64) std::int32_t lane_line[4 * kRuns];
-  int count = 0;  // runs
+  alignas(64) std::int32_t middle[kMostParts * kRuns];       // by the lane
+  alignas(64) std::int32_t lane_offset[kMostParts * kRuns];  // likewise
+  int count = 0;                                             // runs
 };
 
 // Rows of the output that are prepared together: what varies little is taken once for all of them.
@@ -63,16 +77,35 @@ inline constexpr int kBandRows = 16;
 // What a band's rows share of the runs that are well inside the source in all of them.
 struct Band {
   static constexpr int kRuns = RunRow::kRuns;
-  // Middles in the first row and in the last, margins included.
+  static constexpr int kSamples = 8 * kRuns;
+  // Middles in the first row, in the last, and in one amid them, margins included.
   alignas(64) std::int32_t x_first[kRuns];
   alignas(64) std::int32_t y_first[kRuns];
   alignas(64) std::int32_t x_last[kRuns];
   alignas(64) std::int32_t y_last[kRuns];
-  // From the segment's first sample to the middle at most, and what then is added to the rest.
-  alignas(64) std::int32_t x_half[kRuns];
-  alignas(64) std::int32_t x_shift[kRuns];
-  alignas(64) std::int32_t y_shift[kRuns];
-  bool steady[kRuns];  // by the first run of a vector: RunRow::rows and bend hold for the band
+  alignas(64) std::int32_t x_amid[kRuns];
+  alignas(64) std::int32_t y_amid[kRuns];
+  // Of runs that are steady: what is added to the middle until the last row, and how much it is
+  // bent on the way: t (1 - t) times this at part t of it.
+  alignas(64) float x_span[kRuns];
+  alignas(64) float y_span[kRuns];
+  alignas(64) float x_curve[kRuns];
+  alignas(64) float y_curve[kRuns];
+  // From the segment's first sample to the middle at most; of x by the lane.
+  alignas(64) std::int32_t x_half[RunRow::kMostParts][kRuns];
+  alignas(64) std::int32_t y_half[kRuns];
+  // RunRow::slope and bend in the first row and in the last.
+  alignas(64) std::int32_t slope[2][kRuns];
+  alignas(64) std::int32_t bend[2][kRuns];
+  // Of the samples: where they are from the middle in the first row, and what is added until the
+  // last one.
+  alignas(64) std::int16_t x_shape[kSamples];
+  alignas(64) std::int16_t y_shape[kSamples];
+  alignas(64) std::int16_t x_turn[kSamples];
+  alignas(64) std::int16_t y_turn[kSamples];
+  // By the first run of a vector. RunRow::rows is kSteadyRows; or it says that the runs are empty.
+  bool steady[kRuns];
+  bool empty[kRuns];
 };
 
 // The line of a run makes good for what a parabola cannot follow: this part, in 1/256, of the
@@ -113,11 +146,13 @@ struct SourceBounds {
   std::int32_t last_column = 0;  // the last with a place in 0..last: its neighbour is there
   std::int32_t last_row = 0;
   std::int32_t widest = 0;  // columns that a segment holds, less one
+  std::int32_t columns = 0;
   std::int32_t rows = 0;
   std::int32_t guarded_rows = 1;   // rows at the end that must not be read past their end
   std::int32_t last_segment = 0;   // bytes in the last row before which a segment may begin
   std::int32_t steepest = 0x7FFF;  // slope along a row, 2.14
   bool strongly_bent = false;      // third differences count
+  bool fills = false;              // what is outside of the source
 };
 
 // Kinds of memory that the vector kernels know: 8-bit samples of 1 to 4 components without gaps, or
@@ -156,28 +191,38 @@ struct PlaneRows {
   int planes = 1;
 };
 
-// The first `runs` of the chunk, and its margins, between its node rows; weights of
-// cubic_weights().
-void interpolate_runs(const NodeRows& nodes, const float* weights, int runs, std::int32_t* x,
-                      std::int32_t* y) noexcept;
+// The first `runs` of the chunk, and its margins.
+void interpolate_runs(const RowNodes& between, int runs, std::int32_t* x, std::int32_t* y) noexcept;
 
-// Takes together what the rows of a band, whose first and last one's middles are known, have in
-// common, for runs of `run` samples. All of them lie between the same of the nodes' rows, the first
-// of which is at `slot`; `height` is how much of the way between those the band takes.
-void begin_band(int run, const SourceBounds& bounds, const NodeRows& nodes, int slot, float height,
-                Band& band, RunRow& row) noexcept;
+// Takes together what the rows of a band, whose first and last one's middles and those amid them
+// are known, have in common, for runs of `run` samples. All of them lie between the same of the
+// nodes' rows, the first of which is at `slot`; `height` is how much of the way between those the
+// band takes.
+void begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
+                int slot, float height, Band& band, RunRow& row) noexcept;
 
 // What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
 // lane has; whether there is a slow one. What is quick in a group of run_group() is so at the cost
-// of the slow ones' samples, which are written first.
-bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const Band& band,
-                   RunRow& row) noexcept;
+// of the slow ones' samples, which are written first. Middles of runs that are not steady are
+// interpolated on the way, unless `between` is nullptr and all of them are known; `way` is as in
+// RowTask.
+bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
+                   const Band& band, float way, RunRow& row) noexcept;
+
+// A row whose runs are described.
+struct RowTask {
+  const RunRow& row;
+  const Band& band;
+  float way;  // how much of the band's height lies above the row, 0..1
+  std::int32_t stride;
+  bool nearest;
+};
 
 // Writes the samples of the groups of runs from `begin` to before `end` that are not slow,
 // something for the slow runs in them, and run_slack() bytes that follow a group; what `planes`
 // name is where `begin` goes to.
-void blend_runs(LaneLayout layout, int run, const RunRow& row, int begin, int end,
-                std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept;
+void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int end,
+                const PlaneRows& planes) noexcept;
 
 // How 16-bit samples hold their values.
 struct WordFormat {
@@ -207,12 +252,12 @@ void blend_wide_runs(const WideFormat& format, const SourceBounds& bounds, RunRo
                      const std::uint8_t* source, std::uint8_t* output) noexcept;
 
 // Runs that the kernel takes at a time on this machine: 1, 2 or 4.
-[[nodiscard]] int run_group() noexcept;
+[[nodiscard]] int run_group(LaneLayout layout, int run) noexcept;
 
 [[nodiscard]] constexpr int run_slack(LaneLayout layout) noexcept {
   switch (layout) {
     case LaneLayout::kThree:
-      return 2;
+      return 4;
     case LaneLayout::kOneSpread:
     case LaneLayout::kTwoSpread:
       return 1;

@@ -138,6 +138,23 @@ struct Place {
 };
 
 template <typename Sample>
+void fill_pixel(const Sample& sample, const PlaneLayout& layout, std::uint8_t* out) noexcept {
+  for (int c = 0; c < layout.components; ++c) {
+    sample.store(out + c * layout.component_step, layout.fill[static_cast<std::size_t>(c)]);
+  }
+}
+
+template <typename Sample>
+void fill_pixels(const Sample& sample, const PlaneLayout& layout, std::uint8_t* out,
+                 int count) noexcept {
+  if (layout.components == 1 && layout.pixel_step == 1) {
+    std::memset(out, layout.fill[0], static_cast<std::size_t>(count));
+    return;
+  }
+  for (int i = 0; i < count; ++i, out += layout.pixel_step) fill_pixel(sample, layout, out);
+}
+
+template <typename Sample>
 class Sampler {
  public:
   Sampler(const PlaneMap& map, const PlaneLayout& layout, PlaneMemory<const std::uint8_t> source,
@@ -150,18 +167,9 @@ class Sampler {
         y_{map.source_y(), map.source_last().v, sampling.outside},
         last_{x_.last_linear(), y_.last_linear()} {}
 
-  void fill(std::uint8_t* out) const noexcept {
-    for (int c = 0; c < layout_.components; ++c) {
-      sample_.store(out + c * layout_.component_step, layout_.fill[static_cast<std::size_t>(c)]);
-    }
-  }
-
+  void fill(std::uint8_t* out) const noexcept { fill_pixel(sample_, layout_, out); }
   void fill(std::uint8_t* out, int count) const noexcept {
-    if (layout_.components == 1 && layout_.pixel_step == 1) {
-      std::memset(out, layout_.fill[0], static_cast<std::size_t>(count));
-      return;
-    }
-    for (int i = 0; i < count; ++i, out += layout_.pixel_step) fill(out);
+    fill_pixels(sample_, layout_, out, count);
   }
 
   void write(Place linear, std::uint8_t* out) const noexcept {
@@ -271,9 +279,10 @@ bool is_valid(const PlaneMap::Row& limits, int sample) {
 
 // Whether a run lies outside of a source of `length` by far, seen by the middles of the run and of
 // its neighbours: quicker than to look at all of the parabola.
-bool is_far(const std::int32_t* middles, int length) {
-  const auto [low, high] = std::minmax({middles[1], middles[2], middles[3]});
-  const std::int64_t reach = std::int64_t{high} - low + (1 << kPlaceBits);
+inline bool is_far(const std::int32_t* middles, int length) {
+  const std::int64_t low = std::min(middles[1], std::min(middles[2], middles[3]));
+  const std::int64_t high = std::max(middles[1], std::max(middles[2], middles[3]));
+  const std::int64_t reach = high - low + (1 << kPlaceBits);
   return high + reach < 0 || low - reach > std::int64_t{length} << kPlaceBits;
 }
 
@@ -285,16 +294,24 @@ void sample(const PlaneMap& map, const PlaneLayout& layout, PlaneMemory<const st
   const int pixels = map.run_pixels();
   const SampleAxis& axis = map.output_x();
   const bool even = axis.is_even();
+  const bool fills = sampling.outside == Outside::kFill;
+  const ImageSize source_size = map.source_size();
+  const auto far = [&](int run) {
+    return fills && run * pixels < stretch.end &&
+           (is_far(stretch.row.x + run, source_size.width) ||
+            is_far(stretch.row.y + run, source_size.height));
+  };
   for (int run = stretch.begin / pixels; run * pixels < stretch.end; ++run) {
+    int last = run;
+    const bool is_empty = far(run);
+    while (is_empty && far(last + 1)) ++last;
     const int first = stretch.first + run * pixels;
     const int begin = std::max(first, stretch.first + stretch.begin);
-    const int end = std::min(first + pixels, stretch.first + stretch.end);
+    const int end = std::min(first + (last + 1 - run) * pixels, stretch.first + stretch.end);
     std::uint8_t* out = output.data + begin * layout.pixel_step;
-    const bool fills = sampling.outside == Outside::kFill;
-    const ImageSize source_size = map.source_size();
-    if (fills && (is_far(stretch.row.x + run, source_size.width) ||
-                  is_far(stretch.row.y + run, source_size.height))) {
+    if (is_empty) {
       sampler.fill(out, end - begin);
+      run = last;
       continue;
     }
     const RunParabola x(stretch.row.x + run, pixels);
@@ -315,7 +332,27 @@ void sample(const PlaneMap& map, const PlaneLayout& layout, PlaneMemory<const st
   }
 }
 
+template <typename Sample>
+void fill(const PlaneLayout& layout, PlaneMemory<std::uint8_t> output,
+          const Stretch& stretch) noexcept {
+  const int begin = stretch.first + stretch.begin;
+  fill_pixels(Sample(layout), layout, output.data + begin * layout.pixel_step,
+              stretch.end - stretch.begin);
+}
+
 }  // namespace
+
+void fill_stretch(const PlaneLayout& layout, PlaneMemory<std::uint8_t> output,
+                  const Stretch& stretch) noexcept {
+  switch (layout.sample) {
+    case SampleType::kU8:
+      return fill<Byte>(layout, output, stretch);
+    case SampleType::kU16Little:
+      return fill<Word<std::endian::little>>(layout, output, stretch);
+    case SampleType::kU16Big:
+      return fill<Word<std::endian::big>>(layout, output, stretch);
+  }
+}
 
 void sample_stretch(const PlaneMap& map, const PlaneLayout& layout,
                     PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,

@@ -23,4 +23,8 @@ void sample_stretch(const PlaneMap& map, const PlaneLayout& layout,
                     PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,
                     const Sampling& sampling, const Stretch& stretch) noexcept;
 
+// Fills the samples of a stretch.
+void fill_stretch(const PlaneLayout& layout, PlaneMemory<std::uint8_t> output,
+                  const Stretch& stretch) noexcept;
+
 }  // namespace calvin::remap

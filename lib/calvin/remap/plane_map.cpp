@@ -62,8 +62,12 @@ void PlaneMap::expand(int node_row, int first, int count, float* x, float* y) co
     const auto& w = run.weights;
     const float* px = from_x + run.column;
     const float* py = from_y + run.column;
-    x[j] = scale_x * (w[0] * px[0] + w[1] * px[1] + w[2] * px[2] + w[3] * px[3]) - offset_x;
-    y[j] = scale_y * (w[0] * py[0] + w[1] * py[1] + w[2] * py[2] + w[3] * py[3]) - offset_y;
+    // By differences: a place that is far from the origin keeps its last bits.
+    const auto between = [&w](const float* p) {
+      return p[1] + (w[0] * (p[0] - p[1]) + w[2] * (p[2] - p[1]) + w[3] * (p[3] - p[1]));
+    };
+    x[j] = scale_x * between(px) - offset_x;
+    y[j] = scale_y * between(py) - offset_y;
   }
   for (int j = std::max(known, 0); j < count; ++j) x[j] = y[j] = -one;
 }

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The arithmetic that all bilinear kernels of 8-bit samples share, for vectors of any size.
+// Compiled once per target of Highway: include it after hwy/foreach_target.h.
+#if defined(CALVIN_REMAP_LANE_MATH_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_REMAP_LANE_MATH_INL_HPP
+#undef CALVIN_REMAP_LANE_MATH_INL_HPP
+#else
+#define CALVIN_REMAP_LANE_MATH_INL_HPP
+#endif
+
+#include "calvin/remap/lane_vectors-inl.hpp"
+
+#if HWY_TARGET != HWY_SCALAR
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+// Compilers make constants anew at every use, on the port that shuffles need. One that they do not
+// know stays in its register.
+template <class V>
+HWY_INLINE V kept(V v) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3 && (HWY_COMPILER_GCC || HWY_COMPILER_CLANG)
+  asm("" : "+v"(v.raw));
+#elif HWY_ARCH_X86 && HWY_COMPILER_GCC && !HWY_COMPILER_CLANG
+  asm("" : "+x"(v.raw));
+#endif
+  return v;
+}
+
+// A vector of bytes, and one of the same size of 16-bit numbers.
+template <class D>
+using NumbersOf = hn::RepartitionToWide<hn::RebindToSigned<D>>;
+
+// Highway 1.0.3 has no multiplication of unsigned by signed bytes that adds up pairs, and no
+// packing of two vectors.
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
+#undef CALVIN_REMAP_HAS_PRODUCTS
+#define CALVIN_REMAP_HAS_PRODUCTS 1
+template <class D, class V = hn::Vec<D>, class N = hn::Vec<NumbersOf<D>>>
+HWY_INLINE N add_products(D /*d*/, V pairs, V weights) {
+  if constexpr (sizeof(V) == 16) return N{_mm_maddubs_epi16(pairs.raw, weights.raw)};
+#if HWY_TARGET <= HWY_AVX2
+  if constexpr (sizeof(V) == 32) return N{_mm256_maddubs_epi16(pairs.raw, weights.raw)};
+#endif
+#if HWY_TARGET <= HWY_AVX3
+  if constexpr (sizeof(V) == 64) return N{_mm512_maddubs_epi16(pairs.raw, weights.raw)};
+#endif
+}
+
+// Each 128 bits of both, one behind the other, as bytes.
+template <class D, class N = hn::Vec<NumbersOf<D>>, class V = hn::Vec<D>>
+HWY_INLINE V pack_lanes(D /*d*/, N first, N second) {
+  if constexpr (sizeof(V) == 16) return V{_mm_packus_epi16(first.raw, second.raw)};
+#if HWY_TARGET <= HWY_AVX2
+  if constexpr (sizeof(V) == 32) return V{_mm256_packus_epi16(first.raw, second.raw)};
+#endif
+#if HWY_TARGET <= HWY_AVX3
+  if constexpr (sizeof(V) == 64) return V{_mm512_packus_epi16(first.raw, second.raw)};
+#endif
+}
+#else
+#undef CALVIN_REMAP_HAS_PRODUCTS
+#define CALVIN_REMAP_HAS_PRODUCTS 0
+
+template <class D, class N = hn::Vec<NumbersOf<D>>>
+HWY_INLINE hn::Vec<D> pack_lanes(D d, N first, N second) {
+  static_assert(hn::MaxLanes(D()) <= 16);
+  const hn::Half<D> half;
+  return hn::Combine(d, hn::DemoteTo(half, second), hn::DemoteTo(half, first));
+}
+#endif
+
+// Bytes of a vector that are pairs of neighbours.
+template <class D>
+class Blender {
+ public:
+  using Pairs = hn::Vec<D>;
+  using Numbers = hn::Vec<NumbersOf<D>>;
+
+  HWY_INLINE Blender()
+      : sum_(kept(hn::BitCast(D(), hn::Set(NumbersOf<D>(), 0x4040)))),
+        difference_(kept(hn::BitCast(D(), hn::Set(NumbersOf<D>(), 0x40C0)))),
+        to_bytes_(kept(hn::Set(NumbersOf<D>(), 256))) {}
+
+  // 128 times the values between neighbours; `across` is twice the weight of the second of them,
+  // less 1; 1.15.
+  [[nodiscard]] HWY_INLINE Numbers across(Pairs pairs, Numbers across) const {
+#if CALVIN_REMAP_HAS_PRODUCTS
+    // 64 times the sum of the two, and 64 times the second less the first.
+    const Numbers sum = add_products(D(), pairs, sum_);
+    const Numbers difference = add_products(D(), pairs, difference_);
+#else
+    const hn::RebindToUnsigned<NumbersOf<D>> d;
+    const NumbersOf<D> numbers;
+    const auto words = hn::BitCast(d, pairs);
+    const auto first = hn::BitCast(numbers, hn::And(words, hn::Set(d, 0xFF)));
+    const auto second = hn::BitCast(numbers, hn::ShiftRight<8>(words));
+    const Numbers sum = hn::ShiftLeft<6>(first + second);
+    const Numbers difference = hn::ShiftLeft<6>(second - first);
+#endif
+    return sum + hn::MulFixedPoint15(difference, across);
+  }
+
+  // `weight` of the second one, 1.15.
+  [[nodiscard]] static HWY_INLINE Numbers between(Numbers first, Numbers second, Numbers weight) {
+    return first + hn::MulFixedPoint15(second - first, weight);
+  }
+
+  // 128 times values -> values.
+  [[nodiscard]] HWY_INLINE Numbers rounded(Numbers numbers) const {
+    return hn::MulFixedPoint15(numbers, to_bytes_);
+  }
+
+ private:
+  Pairs sum_;
+  Pairs difference_;
+  Numbers to_bytes_;
+};
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
+#endif

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// How runs become samples, by memory layout. Compiled once per target of Highway: include it after
+// hwy/foreach_target.h.
+#if defined(CALVIN_REMAP_LANE_PLACING_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_REMAP_LANE_PLACING_INL_HPP
+#undef CALVIN_REMAP_LANE_PLACING_INL_HPP
+#else
+#define CALVIN_REMAP_LANE_PLACING_INL_HPP
+#endif
+
+#include <algorithm>
+
+#include "calvin/remap/lane_vectors-inl.hpp"
+
+#if HWY_TARGET != HWY_SCALAR
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+// Runs of `kRunSamples`, which are cut into `kLaneParts` with segments of their own;
+// `kBytesPerStep` from a sample to the next. Pixels that are apart have addresses of their own.
+template <int kRunSamples, int kLaneParts, int kBytesPerStep, bool kOneByOne = false>
+struct Placing {
+  static constexpr int kRun = kRunSamples;
+  static constexpr int kParts = kLaneParts;
+  static constexpr int kStep = kBytesPerStep;
+  static constexpr bool kApart = kOneByOne;
+  static constexpr int kGroup = kApart && kRun < 8 ? 4 : kLanes;
+  // y is from the middle of three rows, and eight times as large.
+  static constexpr int kYShift = kApart ? 0 : 3;
+  // Samples in a vector: of 16 bits, and of no more than four runs or parts of such.
+  static constexpr int kSamples =
+      std::min({static_cast<int>(kBytes) / 2, 4 * kRun / kParts, kApart ? 16 : 32});
+};
+
+// Calls f with the placing of a layout; not at all for those that have no samples.
+template <class F>
+HWY_INLINE void with_placing(LaneLayout layout, int run, F f) {
+  constexpr int kParts = kMovesAllBytes ? 1 : 2;
+  constexpr bool kApart = !kMovesAllBytes;
+  const bool whole = run == 8;
+  switch (layout) {
+    case LaneLayout::kOne:
+      return f(Placing<8, 1, 1>());
+    case LaneLayout::kOneSpread:
+      return f(Placing<8, 1, 2>());
+    case LaneLayout::kTwo:
+      return whole ? f(Placing<8, kParts, 2>()) : f(Placing<4, 1, 2>());
+    case LaneLayout::kTwoSpread:
+      return whole ? f(Placing<8, kParts, 4>()) : f(Placing<4, 1, 4>());
+    case LaneLayout::kThree:
+      return whole ? f(Placing<8, 1, 3, kApart>()) : f(Placing<2, 1, 3, kApart>());
+    case LaneLayout::kFour:
+      return whole ? f(Placing<8, 1, 4, kApart>()) : f(Placing<2, 1, 4, kApart>());
+    default:
+      return;
+  }
+}
+
+// Which bytes of 32-bit records, one per run or per part of it, go to the 16-bit samples that they
+// are of.
+struct Halves {
+  alignas(64) std::uint8_t low[64];
+  alignas(64) std::uint8_t high[64];
+};
+constexpr Halves make_halves(int samples_per_record) {
+  Halves h{};
+  for (int i = 0; i < 64; ++i) {
+    const int record = 4 * (i / 2 / samples_per_record) % 16;
+    h.low[i] = static_cast<std::uint8_t>(record + i % 2);
+    h.high[i] = static_cast<std::uint8_t>(record + i % 2 + 2);
+  }
+  return h;
+}
+template <int kSamplesPerRecord>
+constexpr Halves kHalves = make_halves(kSamplesPerRecord);
+
+// What each sample of a run has of its slope and of its bend.
+struct Arc {
+  alignas(64) std::int16_t along[32];   // slope 2.14 -> place 4.12, through MulFixedPoint15
+  alignas(64) std::int16_t square[32];  // bend -> place 4.12, likewise
+};
+constexpr Arc make_arc(int run) {
+  Arc arc{};
+  for (int i = 0; i < 32; ++i) {
+    const int halves = 2 * (i % run) - reach(run);
+    arc.along[i] = static_cast<std::int16_t>(halves * 4096);
+    arc.square[i] = static_cast<std::int16_t>(halves * halves * 32767 / (reach(run) * reach(run)));
+  }
+  return arc;
+}
+template <int kRun>
+constexpr Arc kArc = make_arc(kRun);
+
+template <class P>
+using PlaceNumbers = hn::FixedTag<std::int16_t, P::kSamples>;
+
+// Both axes of a vector of samples.
+template <class P>
+struct Both {
+  hn::Vec<PlaceNumbers<P>> x;
+  hn::Vec<PlaceNumbers<P>> y;
+};
+
+// What the records of four runs, or parts of runs, say of their samples.
+template <class P, int kSamplesPerRecord>
+HWY_INLINE Both<P> spread(const std::int32_t* records) {
+  const PlaceNumbers<P> numbers;
+  const hn::Repartition<std::uint8_t, PlaceNumbers<P>> bytes;
+  constexpr const Halves& kWhich = kHalves<kSamplesPerRecord>;
+  const auto all = hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(records));
+  return {hn::BitCast(numbers, hn::TableLookupBytes(all, hn::Load(bytes, kWhich.low))),
+          hn::BitCast(numbers, hn::TableLookupBytes(all, hn::Load(bytes, kWhich.high)))};
+}
+
+// Where samples are from the middles of their runs.
+template <class P>
+HWY_INLINE Both<P> shape_of(const std::int32_t* slopes, const std::int32_t* bends) {
+  const PlaceNumbers<P> numbers;
+  const auto along = hn::Load(numbers, kArc<P::kRun>.along);
+  const Both<P> slope = spread<P, P::kRun>(slopes);
+  Both<P> shape = {hn::MulFixedPoint15(slope.x, along), hn::MulFixedPoint15(slope.y, along)};
+  if constexpr (P::kRun > 2) {
+    const auto square = hn::Load(numbers, kArc<P::kRun>.square);
+    const Both<P> bend = spread<P, P::kRun>(bends);
+    shape.x = shape.x + hn::MulFixedPoint15(bend.x, square);
+    shape.y = shape.y + hn::MulFixedPoint15(bend.y, square);
+  }
+  return shape;
+}
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
+#endif

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Where each sample of a run comes from: vectors of 16-bit numbers, one per sample. Compiled once
+// per target of Highway: include it after hwy/foreach_target.h.
+#if defined(CALVIN_REMAP_LANE_SAMPLES_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_REMAP_LANE_SAMPLES_INL_HPP
+#undef CALVIN_REMAP_LANE_SAMPLES_INL_HPP
+#else
+#define CALVIN_REMAP_LANE_SAMPLES_INL_HPP
+#endif
+
+#include "calvin/remap/lane_placing-inl.hpp"
+#include "calvin/remap/lanes.hpp"
+
+#if HWY_TARGET != HWY_SCALAR
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+// Runs whose samples are placed before they are blended.
+constexpr int kBlockRuns = 16;
+
+template <class P>
+using PlaceWords = hn::FixedTag<std::uint16_t, P::kSamples>;
+template <class P>
+using AddressInts = hn::FixedTag<std::int32_t, P::kSamples / 2>;
+
+// The places of a vector of samples whose first run is `run`, as RunRow::middle counts them.
+// `way` is how much of the band's height lies above the row, 1.15; it matters to steady runs.
+template <class P, bool kSteady>
+HWY_INLINE Both<P> places_of(const RunRow& row, const Band& band, int run,
+                             hn::Vec<PlaceNumbers<P>> way) {
+  const PlaceNumbers<P> d;
+  Both<P> at = spread<P, P::kRun / P::kParts>(row.middle + run * P::kParts);
+  if constexpr (kSteady) {
+    const int sample = run * P::kRun;
+    at.x = at.x + hn::Load(d, band.x_shape + sample) +
+           hn::MulFixedPoint15(hn::Load(d, band.x_turn + sample), way);
+    at.y = at.y + hn::Load(d, band.y_shape + sample) +
+           hn::MulFixedPoint15(hn::Load(d, band.y_turn + sample), way);
+  } else {
+    const Both<P> shape = shape_of<P>(row.slope + run, row.bend + run);
+    at.x = at.x + shape.x;
+    at.y = at.y + shape.y;
+  }
+  return at;
+}
+
+// To the nearest sample.
+template <class D>
+HWY_INLINE hn::Vec<D> rounded_place(D d, hn::Vec<D> place) {
+  const hn::RebindToUnsigned<D> words;
+  return hn::And(place + hn::Set(d, 2048), hn::BitCast(d, hn::Set(words, 0xF000)));
+}
+
+// Twice the weight of the second of two neighbours, less 1; 1.15.
+template <class P>
+HWY_INLINE hn::Vec<PlaceNumbers<P>> across_of(hn::Vec<PlaceNumbers<P>> x) {
+  const PlaceNumbers<P> d;
+  const PlaceWords<P> words;
+  return hn::BitCast(
+      d, hn::Xor(hn::ShiftLeft<4>(hn::BitCast(words, x)), kept(hn::Set(words, 0x8000))));
+}
+
+// Which bytes of the segment are blended: 257 times those to the column, and for the second one 256
+// times those of a step; lane_layouts-inl.hpp knows what is missing where a step is larger than 1.
+template <class P>
+HWY_INLINE hn::Vec<PlaceNumbers<P>> bytes_of(hn::Vec<PlaceNumbers<P>> x) {
+  const PlaceNumbers<P> d;
+  const PlaceWords<P> words;
+  return hn::BitCast(d, hn::MulHigh(hn::Or(hn::BitCast(words, x), hn::Set(words, 0x0FFF)),
+                                    hn::Set(words, 0x1010 * P::kStep)));
+}
+
+// ---- Pixels that are fetched one by one.
+
+// Which bytes of the offsets of runs go to the halves of their samples that are interleaved.
+struct Bases {
+  alignas(64) std::uint8_t lower[64];
+  alignas(64) std::uint8_t upper[64];
+};
+constexpr Bases make_bases(int run) {
+  Bases b{};
+  for (int i = 0; i < 64; ++i) {
+    const int sample = i / 16 * 8 + i % 16 / 4;
+    b.lower[i] = static_cast<std::uint8_t>((4 * (sample / run) + i % 4) % 16);
+    b.upper[i] = static_cast<std::uint8_t>((4 * ((sample + 4) / run) + i % 4) % 16);
+  }
+  return b;
+}
+template <int kRun>
+constexpr Bases kBases = make_bases(kRun);
+
+// For pairs of a row and a column, both positive: the bytes between the first and these.
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
+HWY_INLINE hn::Vec<hn::FixedTag<std::int32_t, 4>> add_word_products(
+    hn::Vec<hn::FixedTag<std::int16_t, 8>> a, hn::Vec<hn::FixedTag<std::int16_t, 8>> b) {
+  return hn::Vec<hn::FixedTag<std::int32_t, 4>>{_mm_madd_epi16(a.raw, b.raw)};
+}
+#if HWY_TARGET <= HWY_AVX2
+HWY_INLINE hn::Vec<hn::FixedTag<std::int32_t, 8>> add_word_products(
+    hn::Vec<hn::FixedTag<std::int16_t, 16>> a, hn::Vec<hn::FixedTag<std::int16_t, 16>> b) {
+  return hn::Vec<hn::FixedTag<std::int32_t, 8>>{_mm256_madd_epi16(a.raw, b.raw)};
+}
+#endif
+#else
+template <class V>
+HWY_INLINE auto add_word_products(V a, V b) {
+  const hn::RepartitionToWide<hn::DFromV<V>> d;
+  const auto low = [&](V v) HWY_ATTR {
+    return hn::ShiftRight<16>(hn::ShiftLeft<16>(hn::BitCast(d, v)));
+  };
+  const auto high = [&](V v) HWY_ATTR { return hn::ShiftRight<16>(hn::BitCast(d, v)); };
+  return low(a) * low(b) + high(a) * high(b);
+}
+#endif
+
+// A row of the source and a column, as the bytes to them; 15 bits of the stride are enough for
+// nearly all frames.
+struct Stride {
+  Stride(std::int32_t stride, int step)
+      : products(static_cast<std::int32_t>(stride & 0x7FFF) << 16 | step), rest(stride & ~0x7FFF) {}
+  std::int32_t products;
+  std::int32_t rest;
+};
+
+// Of the pixels of a vector: from their run's offset, or from the beginning of the plane where
+// there are several runs in eight pixels.
+template <class P>
+HWY_INLINE void store_addresses(const Both<P>& at, const std::int32_t* run_offsets, Stride stride,
+                                std::int32_t* to) {
+  const PlaceWords<P> words;
+  const PlaceNumbers<P> numbers;
+  const AddressInts<P> ints;
+  const hn::Repartition<std::uint8_t, AddressInts<P>> bytes;
+  const auto columns = hn::ShiftRight<12>(hn::BitCast(words, at.x));
+  const auto rows = hn::ShiftRight<12>(hn::BitCast(words, at.y));
+  const auto factors = hn::BitCast(numbers, hn::Set(ints, stride.products));
+  const auto address = [&](auto pairs, const std::uint8_t* base) HWY_ATTR {
+    auto sum = add_word_products(hn::BitCast(numbers, pairs), factors);
+    if constexpr (P::kRun < 8) {
+      const auto* offsets = reinterpret_cast<const std::uint8_t*>(run_offsets);
+      sum = sum + hn::BitCast(ints, hn::TableLookupBytes(hn::LoadDup128(bytes, offsets),
+                                                         hn::Load(bytes, base)));
+    }
+    if (HWY_UNLIKELY(stride.rest != 0)) {
+      sum = sum + hn::ShiftRight<16>(hn::BitCast(ints, pairs)) * hn::Set(ints, stride.rest);
+    }
+    return sum;
+  };
+  const auto lower = address(hn::InterleaveLower(columns, rows), kBases<P::kRun>.lower);
+  const auto upper = address(hn::InterleaveUpper(words, columns, rows), kBases<P::kRun>.upper);
+  // The halves of vectors of 256 bits are interleaved each by itself.
+  if constexpr (P::kSamples == 16) {
+    const hn::Half<AddressInts<P>> half;
+    hn::Store(hn::LowerHalf(lower), half, to);
+    hn::Store(hn::LowerHalf(upper), half, to + 4);
+    hn::Store(hn::UpperHalf(half, lower), half, to + 8);
+    hn::Store(hn::UpperHalf(half, upper), half, to + 12);
+  } else {
+    hn::Store(lower, ints, to);
+    hn::Store(upper, ints, to + 4);
+  }
+}
+
+// Weight of the lower one of two rows, 1.15.
+template <class P>
+HWY_INLINE hn::Vec<PlaceNumbers<P>> down_of(hn::Vec<PlaceNumbers<P>> y) {
+  const PlaceNumbers<P> d;
+  const PlaceWords<P> words;
+  return hn::BitCast(d, hn::And(hn::ShiftLeft<3>(hn::BitCast(words, y)), hn::Set(words, 0x7FFF)));
+}
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
+#endif
