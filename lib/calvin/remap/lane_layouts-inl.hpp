@@ -134,7 +134,7 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
 
 // Of indices below 32 the ones within the first 16 bytes; the others such that nothing is taken.
 HWY_INLINE Pairs within_segment(Pairs indices) {
-#if HWY_ARCH_X86
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
   // A lookup heeds four bits and the sign.
   return indices + hn::Set(Bytes(), 0x70);
 #else

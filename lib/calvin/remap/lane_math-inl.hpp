@@ -23,7 +23,7 @@ template <class V>
 HWY_INLINE V kept(V v) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3 && (HWY_COMPILER_GCC || HWY_COMPILER_CLANG)
   asm("" : "+v"(v.raw));
-#elif HWY_ARCH_X86 && HWY_COMPILER_GCC && !HWY_COMPILER_CLANG
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3 && HWY_COMPILER_GCC && !HWY_COMPILER_CLANG
   asm("" : "+x"(v.raw));
 #endif
   return v;

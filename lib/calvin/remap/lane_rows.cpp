@@ -210,7 +210,7 @@ HWY_INLINE hn::Vec<Ints> small_ints(hn::Vec<Floats> v) {
   return hn::Vec<Ints>{_mm512_cvtps_epi32(v.raw)};
 #elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
   return hn::Vec<Ints>{_mm256_cvtps_epi32(v.raw)};
-#elif HWY_ARCH_X86
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
   return hn::Vec<Ints>{_mm_cvtps_epi32(v.raw)};
 #else
   return hn::NearestInt(v);
