@@ -17,6 +17,8 @@ constexpr float kSigmas = 2;      // of the noise, which the median knows too
 constexpr float kSlack = 0.01F;   // px, what a fit may be off by beside its noise
 constexpr float kUnusual = 5;     // times the median
 constexpr int kFewForMedian = 6;  // differences of an order
+constexpr float kHigh = 2.5F;     // times the median, where that is high itself; up to
+constexpr float kHighest = 0.3F;  // of the spacing: the ends of a line are still confirmed
 constexpr float kRough = 1.5F;    // times the median, where nothing better is to be had
 // Bounds of what is usual, of the spacing, by the order. Upper: a board close to the rim of a
 // fisheye's picture. Without enough differences to take a median of: seen at a grazing angle from
@@ -97,7 +99,9 @@ void StrayCorners::set_tolerances() {
     if (sorted_.size() >= kFewForMedian) {
       const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
       std::nth_element(sorted_.begin(), middle, sorted_.end());
-      share = std::clamp(kUnusual * *middle, kLeastUsual[count - 1], kMostUsual[count - 1]);
+      // A board that fills the picture of a fisheye has squares of very different sizes.
+      const float most = std::max(kMostUsual[count - 1], std::min(kHigh * *middle, kHighest));
+      share = std::clamp(kUnusual * *middle, kLeastUsual[count - 1], most);
       // No board is bent by so much that three of its corners would confirm nothing.
       if (count == static_cast<int>(kFewest))
         share = std::min(share, std::max(kPresumed[count - 1], kRough * *middle));
