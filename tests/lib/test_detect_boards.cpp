@@ -82,5 +82,31 @@ TEST_P(EveryBoard, IsFoundWhole) {
   }
 }
 
+// Close before a fisheye the squares of a board are of very different sizes: from 60 mm, tilted by
+// 20 degrees, by 8 times.
+TEST(WideView, IsFilledByABoard) {
+  const Board board = parse_board("checkerboard:8x6:32.5mm").value();
+  const ImageSize size = {1032, 778};
+  const Camera camera =
+      Camera::make("fisheye", size, {336, 336, 543, 377, 0.003, -0.01, 0.0035, -0.0012}).value();
+  const auto detector = make_detector(board).value();
+  int whole = 0;
+  for (int n = 0; n < 12; ++n) {
+    const SE3 pose = {exp_so3({0.35 + 0.01 * (n % 4), 0.05, -0.01}),
+                      {-0.133 + 0.003 * (n / 4), -0.05, 0.0586}};
+    const Observation truth = true_observation(camera, board, pose);
+    ASSERT_EQ(static_cast<int>(truth.ids.size()), board.point_count()) << n;
+    RenderOptions options{.noise = 1, .blur = 0.7, .seed = static_cast<std::uint64_t>(n)};
+    const Detection d = detector->detect(render_board(camera, board, pose, options).view());
+    EXPECT_GE(10 * d.observation.ids.size(), 8 * truth.ids.size()) << n;
+    whole += d.observation.ids.size() == truth.ids.size() ? 1 : 0;
+    EXPECT_LT(std::min(largest_error(board, d.observation, truth, 0),
+                       largest_error(board, d.observation, truth, 2)),
+              0.2)
+        << n;
+  }
+  EXPECT_GE(whole, 10);
+}
+
 }  // namespace
 }  // namespace calvin
