@@ -149,7 +149,7 @@ TEST_P(Scatter, TellsOfErrorsThatSigmasDoNot) {
       node.sigma = static_cast<float>(kSigma);
       lattice.put({static_cast<int>(i) % 9, static_cast<int>(i) / 9}, node);
     }
-    sum += static_cast<double>(detect::scatter(lattice));
+    sum += static_cast<double>(detect::scatter(lattice, camera.image_size()));
   }
   std::cout << "  " << sum / boards << '\n';
   EXPECT_NEAR(sum / boards / GetParam().factor, 1, 0.1);
@@ -182,7 +182,7 @@ TEST(ScatterOfAPart, IsNotThatOfTheLens) {
       node.sigma = static_cast<float>(kSigma);
       lattice.put({seen.ids[i] % 9, seen.ids[i] / 9}, node);
     }
-    ratios.push_back(static_cast<double>(detect::scatter(lattice)));
+    ratios.push_back(static_cast<double>(detect::scatter(lattice, camera.image_size())));
   }
   double square = 0;
   for (const double ratio : ratios) square += ratio * ratio / static_cast<double>(ratios.size());
@@ -190,10 +190,49 @@ TEST(ScatterOfAPart, IsNotThatOfTheLens) {
   EXPECT_NEAR(std::sqrt(square), 1, 0.15);
 }
 
+// Nor where the board reaches from one side of a fisheye's view to the other; there is as much
+// scatter as there is.
+class ScatterBeforeAFisheye : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Factors, ScatterBeforeAFisheye, ::testing::Values(1.0, 3.0));
+
+TEST_P(ScatterBeforeAFisheye, IsNotThatOfTheLens) {
+  constexpr double kSigma = 0.005;  // px
+  scenes::Random random(5);
+  std::normal_distribution<double> noise(0, GetParam() * kSigma);
+  const ImageSize size = {1920, 1080};
+  detect::Lattice lattice(12);
+  double square = 0;
+  constexpr int kBoards = 100;
+  for (int n = 0; n < kBoards; ++n) {
+    const double f = size.width * uniform(random, 0.24, 0.34);
+    const Camera camera = Camera::make("fisheye", size,
+                                       {f, f, 955, 543, uniform(random, -0.02, 0.02),
+                                        uniform(random, -0.005, 0.005), 0, 0})
+                              .value();
+    // At the nearest 45 degrees to either side of it.
+    const double side = uniform(random, 0, 2 * std::numbers::pi);
+    const SE3 pose = {exp_so3({0.3 * std::cos(side), 0.3 * std::sin(side), 0}),
+                      Eigen::Vector3d(-0.1, -0.06, uniform(random, 0.1, 0.25))};
+    const Observation seen = true_observation(camera, scenes::kBoard, pose);
+    lattice.clear();
+    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+      detect::Node node;
+      node.x = static_cast<float>(seen.uv[i].u + noise(random));
+      node.y = static_cast<float>(seen.uv[i].v + noise(random));
+      node.sigma = static_cast<float>(kSigma);
+      lattice.put({seen.ids[i] % 9, seen.ids[i] / 9}, node);
+    }
+    const auto ratio = static_cast<double>(detect::scatter(lattice, size));
+    square += ratio * ratio / kBoards;
+  }
+  std::cout << "  " << std::sqrt(square) << '\n';
+  EXPECT_NEAR(std::sqrt(square) / GetParam(), 1, 0.15);
+}
+
 TEST(ScatterOfFewCorners, IsNotKnown) {
   detect::Lattice lattice(12);
   for (int i = 0; i < 12; ++i) lattice.put({i % 4, i / 4}, {});
-  EXPECT_EQ(detect::scatter(lattice), 1);
+  EXPECT_EQ(detect::scatter(lattice, {640, 480}), 1);
 }
 
 }  // namespace

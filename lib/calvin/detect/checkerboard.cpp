@@ -274,7 +274,7 @@ bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& resu
 
 void CheckerboardDetector::report(const Match& match, const Lattice& lattice, Detection& result) {
   Observation& o = result.observation;
-  const double ratio = static_cast<double>(scatter(lattice));
+  const double ratio = static_cast<double>(scatter(lattice, pyramid_.level(0).size()));
   for (int row = 0; row < board_.rows; ++row) {
     for (int col = 0; col < board_.cols; ++col) {
       const Cell cell = match.placement.cell({col, row});

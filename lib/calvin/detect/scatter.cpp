@@ -25,23 +25,54 @@ Place image_of(const Homography& h, Place p) {
   return {(h[0] * p.x + h[1] * p.y + h[2]) / w, (h[3] * p.x + h[4] * p.y + h[5]) / w};
 }
 
-// A grid and where it is in the image, both from the middle of the lattice so that numbers are
-// small; px.
+// What a wide lens makes of straight lines, by one number: a place r px from the middle of the
+// image is seen `bend` r radians off the axis. Before most fisheyes a board is a plane in this way.
+struct Lens {
+  Place middle;     // px
+  double bend = 0;  // 1/px; 0: none
+
+  [[nodiscard]] Place from_middle(const Node& node) const {
+    return {static_cast<double>(node.x) - middle.x, static_cast<double>(node.y) - middle.y};
+  }
+  // As a lens without distortion would show it.
+  [[nodiscard]] Place straight(const Node& node) const {
+    const Place p = from_middle(node);
+    const double angle = bend * std::hypot(p.x, p.y);
+    const double scale = angle > 0 ? std::tan(angle) / angle : 1;
+    return {scale * p.x, scale * p.y};
+  }
+  // A small way between straightened places, in px of the image around a node.
+  [[nodiscard]] Place seen(Place way, const Node& node) const {
+    const Place p = from_middle(node);
+    const double radius = std::hypot(p.x, p.y);
+    const double angle = bend * radius;
+    if (!(angle > 0)) return way;
+    const double across = angle / std::tan(angle);
+    // Of the way the part away from the middle; there lengths change more than across it.
+    const double outwards = (way.x * p.x + way.y * p.y) / (radius * radius);
+    const double more = outwards * (std::cos(angle) * std::cos(angle) - across);
+    return {across * way.x + more * p.x, across * way.y + more * p.y};
+  }
+};
+
+// A grid and where it is in the image, straightened, both from the middle of the lattice so that
+// numbers are small; px.
 class Flattened {
  public:
-  explicit Flattened(const Lattice& lattice) : lattice_(lattice) {
+  Flattened(const Lattice& lattice, const Lens& lens) : lattice_(lattice), lens_(lens) {
     lattice.for_each([&](Cell c, const Node& node) {
       const double n = ++count_;
+      const Place at = lens_.straight(node);
       middle_.x += (c.col - middle_.x) / n;
       middle_.y += (c.row - middle_.y) / n;
-      origin_.x += (static_cast<double>(node.x) - origin_.x) / n;
-      origin_.y += (static_cast<double>(node.y) - origin_.y) / n;
+      origin_.x += (at.x - origin_.x) / n;
+      origin_.y += (at.y - origin_.y) / n;
     });
     Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Identity() * 1e-9;
     Homography right = Homography::Zero();
     lattice.for_each([&](Cell c, const Node& node) {
       const Place p = from_middle(c);
-      const Place q = seen(node);
+      const Place q = straight(node);
       Homography u;
       Homography v;
       u << p.x, p.y, 1, 0, 0, 0, -q.x * p.x, -q.x * p.y;
@@ -52,25 +83,68 @@ class Flattened {
     homography_ = normal.ldlt().solve(right);
   }
 
-  // How far a node is from where the homography has it.
+  // How far a node is from where the homography has it, px of the image.
   [[nodiscard]] Place off(Cell c) const {
-    const Place at = seen(lattice_.at(c));
+    const Node& node = lattice_.at(c);
+    const Place at = straight(node);
     const Place expected = image_of(homography_, from_middle(c));
-    return {at.x - expected.x, at.y - expected.y};
+    return lens_.seen({at.x - expected.x, at.y - expected.y}, node);
+  }
+  [[nodiscard]] double square_off() const {
+    double sum = 0;
+    lattice_.for_each([&](Cell c, const Node& /*node*/) {
+      const Place o = off(c);
+      sum += o.x * o.x + o.y * o.y;
+    });
+    return sum;
   }
 
  private:
   [[nodiscard]] Place from_middle(Cell c) const { return {c.col - middle_.x, c.row - middle_.y}; }
-  [[nodiscard]] Place seen(const Node& node) const {
-    return {static_cast<double>(node.x) - origin_.x, static_cast<double>(node.y) - origin_.y};
+  [[nodiscard]] Place straight(const Node& node) const {
+    const Place at = lens_.straight(node);
+    return {at.x - origin_.x, at.y - origin_.y};
   }
 
   const Lattice& lattice_;
+  Lens lens_;
   int count_ = 0;
   Place middle_;
   Place origin_;
   Homography homography_;
 };
+
+// The bend before which the lattice is most like a plane.
+Lens lens_of(const Lattice& lattice, ImageSize image) {
+  constexpr double kWidest = 1.45;  // rad, of the farthest node
+  constexpr int kSteps = 15;
+  constexpr int kRounds = 8;
+  const Place middle = {0.5 * (image.width - 1), 0.5 * (image.height - 1)};
+  double farthest = 1;
+  lattice.for_each([&](Cell /*c*/, const Node& node) {
+    const Place p = Lens{middle}.from_middle(node);
+    farthest = std::max(farthest, std::hypot(p.x, p.y));
+  });
+  const double widest = kWidest / farthest;
+  Lens best = {middle, 0};
+  double least = Flattened(lattice, best).square_off();
+  const auto consider = [&](double bend) {
+    if (!(bend > 0 && bend <= widest)) return;
+    const double off = Flattened(lattice, {middle, bend}).square_off();
+    if (!(off < least)) return;
+    least = off;
+    best.bend = bend;
+  };
+  for (int i = 1; i <= kSteps; ++i) consider(widest * i / kSteps);
+  double step = widest / kSteps;
+  for (int round = 0; round < kRounds; ++round) {
+    step /= 2;
+    const double from = best.bend;
+    consider(from - step);
+    consider(from + step);
+  }
+  return best;
+}
 
 constexpr std::array<double, 4> kThird = {1, -3, 3, -1};
 constexpr std::array<double, 5> kFourth = {1, -4, 6, -4, 1};
@@ -115,18 +189,26 @@ struct Squares {
   }
 };
 
-}  // namespace
-
-float scatter(const Lattice& lattice) {
+// Of the corners' errors to their sigmas.
+double ratio_by(const Lattice& lattice, const Flattened& flat) {
   constexpr double kPresumed = 1;  // difference of a scatter of 1
-  constexpr int kFewestNodes = 15;
-  constexpr double kMost = 10;
-  constexpr double kEnough = 6;  // differences over six corners by five
-  if (lattice.count() < kFewestNodes) return 1;
-  const Flattened flat(lattice);
+  constexpr double kEnough = 6;    // differences over six corners by five
   Squares squares(lattice, flat, kFifth, kFourth);
   if (squares.count < kEnough) squares = Squares(lattice, flat, kFourth, kThird);
-  const double ratio = std::sqrt((squares.sum + kPresumed) / (squares.count + kPresumed));
+  return std::sqrt((squares.sum + kPresumed) / (squares.count + kPresumed));
+}
+
+}  // namespace
+
+float scatter(const Lattice& lattice, ImageSize image) {
+  constexpr int kFewestNodes = 15;
+  constexpr double kMost = 10;
+  constexpr double kLikely = 1.1;  // without a wide lens
+  if (lattice.count() < kFewestNodes) return 1;
+  double ratio = ratio_by(lattice, Flattened(lattice, {}));
+  if (ratio > kLikely) {
+    ratio = std::min(ratio, ratio_by(lattice, Flattened(lattice, lens_of(lattice, image))));
+  }
   return static_cast<float>(std::isfinite(ratio) ? std::min(ratio, kMost) : 1);
 }
 

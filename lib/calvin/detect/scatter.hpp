@@ -4,16 +4,18 @@
 // By how much the corners of a board are really off, as the board itself tells.
 #pragma once
 
+#include "calvin/core/image.hpp"
 #include "calvin/detect/lattice.hpp"
 
 namespace calvin::detect {
 
 // The ratio of the errors of the nodes of a fitted lattice, in px of the image, to their sigmas. A
-// grid is smooth, whatever the lens: what is left of a homography changes so slowly over six
-// corners by five (or five by four, where there are too few) that the corners' own errors are what
-// their mixed difference has. Over five by three a wide lens still shows. The compression of an
-// image, or a blur that is not the fit's, make errors that the noise in the window of one corner
-// does not tell. 1 where there are too few corners; the fewer, the nearer to it.
-[[nodiscard]] float scatter(const Lattice& lattice);
+// grid is smooth, whatever the lens: what is left of a homography, for a wide lens of one to the
+// image straightened, changes so slowly over six corners by five (or five by four, where there are
+// too few) that the corners' own errors are what their mixed difference has. Over five by three a
+// wide lens still shows. The compression of an image, or a blur that is not the fit's, make errors
+// that the noise in the window of one corner does not tell. 1 where there are too few corners; the
+// fewer, the nearer to it.
+[[nodiscard]] float scatter(const Lattice& lattice, ImageSize image);
 
 }  // namespace calvin::detect
