@@ -394,8 +394,11 @@ void CalibSolver::solve_now() {
 }
 
 void CalibSolver::reset() {
-  const std::lock_guard guard(lock_);
-  forget();
+  {
+    const std::lock_guard guard(lock_);
+    forget();
+  }
+  worker_.settle();  // afterwards nothing of the session before is posted
 }
 
 void CalibSolver::forget() {

@@ -42,6 +42,9 @@ class Worker {
   // told any more: those that listen may be gone, such as the bin that the element was in.
   bool deliver(const std::stop_token& stop, const std::function<void()>& tell);
 
+  // Returns when what a job is telling now has been told.
+  void settle() { const std::lock_guard guard(delivering_); }
+
   // Asks the running job to stop, forgets the waiting one, wakes drain() and refuses new jobs
   // until resume(). Returns at once, or when what a job is telling has been told.
   void cancel();
