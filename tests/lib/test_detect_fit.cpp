@@ -118,6 +118,19 @@ TEST_P(ExactCorners, AreFittedAsWellAsTheNoiseLets) {
   }
 }
 
+// The nodes where a board of 9x6 corners is seen, with their noise, told to `sigma` px.
+void put_noisy(const Observation& seen, double sigma, std::normal_distribution<double>& noise,
+               scenes::Random& random, detect::Lattice& lattice) {
+  lattice.clear();
+  for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+    detect::Node node;
+    node.x = static_cast<float>(seen.uv[i].u + noise(random));
+    node.y = static_cast<float>(seen.uv[i].v + noise(random));
+    node.sigma = static_cast<float>(sigma);
+    lattice.put({seen.ids[i] % 9, seen.ids[i] / 9}, node);
+  }
+}
+
 struct Grid {
   const char* model;
   double tilt;    // rad, at most
@@ -139,16 +152,7 @@ TEST_P(Scatter, TellsOfErrorsThatSigmasDoNot) {
   for (int n = 0; n < boards; ++n) {
     const SE3 pose =
         scenes::random_pose(camera, scenes::kBoard, random, uniform(random, 0, GetParam().tilt));
-    lattice.clear();
-    const auto points = scenes::kBoard.points();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Pixel at = camera.project(pose * points[i]).value();
-      detect::Node node;
-      node.x = static_cast<float>(at.u + noise(random));
-      node.y = static_cast<float>(at.v + noise(random));
-      node.sigma = static_cast<float>(kSigma);
-      lattice.put({static_cast<int>(i) % 9, static_cast<int>(i) / 9}, node);
-    }
+    put_noisy(true_observation(camera, scenes::kBoard, pose), kSigma, noise, random, lattice);
     sum += static_cast<double>(detect::scatter(lattice, camera.image_size()));
   }
   std::cout << "  " << sum / boards << '\n';
@@ -174,14 +178,7 @@ TEST(ScatterOfAPart, IsNotThatOfTheLens) {
                                       camera.fx() * scenes::kBoard.size / square)};
     const Observation seen = true_observation(camera, scenes::kBoard, pose);
     if (seen.ids.size() < 25 || seen.ids.size() > 40) continue;
-    lattice.clear();
-    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
-      detect::Node node;
-      node.x = static_cast<float>(seen.uv[i].u + noise(random));
-      node.y = static_cast<float>(seen.uv[i].v + noise(random));
-      node.sigma = static_cast<float>(kSigma);
-      lattice.put({seen.ids[i] % 9, seen.ids[i] / 9}, node);
-    }
+    put_noisy(seen, kSigma, noise, random, lattice);
     ratios.push_back(static_cast<double>(detect::scatter(lattice, camera.image_size())));
   }
   double square = 0;
@@ -214,14 +211,7 @@ TEST_P(ScatterBeforeAFisheye, IsNotThatOfTheLens) {
     const SE3 pose = {exp_so3({0.3 * std::cos(side), 0.3 * std::sin(side), 0}),
                       Eigen::Vector3d(-0.1, -0.06, uniform(random, 0.1, 0.25))};
     const Observation seen = true_observation(camera, scenes::kBoard, pose);
-    lattice.clear();
-    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
-      detect::Node node;
-      node.x = static_cast<float>(seen.uv[i].u + noise(random));
-      node.y = static_cast<float>(seen.uv[i].v + noise(random));
-      node.sigma = static_cast<float>(kSigma);
-      lattice.put({seen.ids[i] % 9, seen.ids[i] / 9}, node);
-    }
+    put_noisy(seen, kSigma, noise, random, lattice);
     const auto ratio = static_cast<double>(detect::scatter(lattice, size));
     square += ratio * ratio / kBoards;
   }

@@ -55,8 +55,8 @@ struct TwoErrors {
   HWY_INLINE TwoErrors(D d, V x, V y) {
     const ErrorFunction<V> error_x(d, x);
     const ErrorFunction<V> error_y(d, y);
-    // A step of Newton's makes a quick inverse of 11 bits one of 22, which is more than the error
-    // function has.
+    // A step of Newton's makes a quick inverse of at least 8 bits one of twice as many, which is
+    // more than the error function has.
     const V product = hn::Mul(error_x.p, error_y.p);
     const V near = hn::ApproximateReciprocal(product);
     const V inverse = hn::Mul(near, hn::NegMulAdd(near, product, hn::Set(d, 2)));

@@ -90,6 +90,7 @@ class Flattened {
     const Place expected = image_of(homography_, from_middle(c));
     return lens_.seen({at.x - expected.x, at.y - expected.y}, node);
   }
+  // The sum over the nodes of the square of that.
   [[nodiscard]] double square_off() const {
     double sum = 0;
     lattice_.for_each([&](Cell c, const Node& /*node*/) {
@@ -97,6 +98,14 @@ class Flattened {
       sum += o.x * o.x + o.y * o.y;
     });
     return sum;
+  }
+
+  // Whether the grid is bent by a part of its squares that no lens but a wide one makes of it.
+  [[nodiscard]] bool is_strongly_bent() const {
+    constexpr double kStrongly = 0.04;
+    const auto& h = homography_;
+    const double square = std::abs(h[0] * h[4] - h[1] * h[3]);  // px^2, in the middle
+    return square_off() > kStrongly * kStrongly * square * count_;
   }
 
  private:
@@ -205,8 +214,9 @@ float scatter(const Lattice& lattice, ImageSize image) {
   constexpr double kMost = 10;
   constexpr double kLikely = 1.1;  // without a wide lens
   if (lattice.count() < kFewestNodes) return 1;
-  double ratio = ratio_by(lattice, Flattened(lattice, {}));
-  if (ratio > kLikely) {
+  const Flattened flat(lattice, {});
+  double ratio = ratio_by(lattice, flat);
+  if (ratio > kLikely && flat.is_strongly_bent()) {
     ratio = std::min(ratio, ratio_by(lattice, Flattened(lattice, lens_of(lattice, image))));
   }
   return static_cast<float>(std::isfinite(ratio) ? std::min(ratio, kMost) : 1);

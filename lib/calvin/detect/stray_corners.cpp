@@ -103,8 +103,9 @@ void StrayCorners::set_tolerances() {
       const float most = std::max(kMostUsual[count - 1], std::min(kHigh * *middle, kHighest));
       share = std::clamp(kUnusual * *middle, kLeastUsual[count - 1], most);
       // No board is bent by so much that three of its corners would confirm nothing.
-      if (count == static_cast<int>(kFewest))
+      if (count == static_cast<int>(kFewest)) {
         share = std::min(share, std::max(kPresumed[count - 1], kRough * *middle));
+      }
     }
     for (Difference& d : differences_) {
       if (d.count == count) d.tolerance = kSigmas * d.noise + share * d.spacing;
