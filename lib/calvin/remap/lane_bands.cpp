@@ -35,9 +35,6 @@ void begin_band_of(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bou
 // How far places of a steady band are from a line down it, 1/2^14 of a sample.
 constexpr std::int32_t kMostBulge = 1 << (kPlaceBits - 2);
 
-// How far they are from a parabola.
-constexpr std::int32_t kMostOff = 4;
-
 // What a run's slope may be off a line down the band, twice as 16 times as large: 1/2000 of a
 // sample at its ends.
 constexpr std::int32_t kMostSway = 64;
@@ -56,8 +53,8 @@ struct BandAxis {
 // Between four nodes a column is a cubic, whose second derivative goes straight from the second
 // difference at the second node to that at the third.
 struct Bulge {
-  hn::Vec<Ints> line;      // how far the middles of the band's rows are from a line at most
-  hn::Vec<Ints> parabola;  // and from one through the first, the last, and the one amid them
+  hn::Vec<Ints> line;     // how far the middles of the band's rows are from a line at most
+  hn::Vec<Floats> twist;  // as in Band
 };
 HWY_INLINE Bulge bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot, float height) {
   const Floats d;
@@ -66,12 +63,15 @@ HWY_INLINE Bulge bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot,
   const auto lower = node(1) - node(2) - node(2) + node(3);
   const auto square = height * height;
   const auto most = hn::Max(hn::Abs(upper), hn::Abs(lower)) * hn::Set(d, square / 8);
-  // The largest t (t - 1/2) (t - 1) / 6.
-  const auto third = hn::Abs(lower - upper) * hn::Set(d, 0.00802F * square * height);
   // No number is beyond all bounds.
-  const auto bound = [&](hn::Vec<Floats> v)
-                         HWY_ATTR { return hn::NearestInt(hn::Min(v, hn::Set(d, 1e9F))); };
-  return {bound(most) + hn::Set(Ints(), 64), bound(third)};
+  const auto line = hn::NearestInt(hn::Min(most, hn::Set(d, 1e9F))) + hn::Set(Ints(), 64);
+  return {line, (lower - upper) * hn::Set(d, square * height / 6)};
+}
+
+// Halves are whole places of samples.
+HWY_INLINE hn::Vec<Ints> whole_place(hn::Vec<Ints> half) {
+  const Ints d;
+  return hn::And(half + hn::Set(d, 3), hn::Set(d, ~3));
 }
 
 // `reach` is how far from a middle the source is looked at, whether its run needs it or not.
@@ -84,7 +84,7 @@ HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* ami
   const Line a = line_of<8>(top);
   const Line b = line_of<8>(bottom);
   // Of a vector that is not steady it may be anything.
-  const auto half = hn::Max(half_of<8>(a), half_of<8>(b)) + slack;
+  const auto half = whole_place(hn::Max(half_of<8>(a), half_of<8>(b)) + slack);
   const auto around = hn::Max(half, hn::Set(Ints(), reach)) + slack;
   return {a,
           b,
@@ -134,19 +134,50 @@ HWY_INLINE bool is_empty(const BandAxis& x, const BandAxis& y, const SourceBound
 }
 
 // How the middles of a steady vector of runs go down the band.
-HWY_INLINE void begin_curve(const BandAxis& axis, const std::int32_t* amid, float* span,
-                            float* curve) {
+HWY_INLINE void begin_course(int j, const BandAxis& axis, const std::int32_t* amid,
+                             hn::Vec<Floats> twist, Band::Course& course) {
   const Ints d;
   const Floats floats;
   const auto down = axis.last.middle - axis.first.middle;
-  const auto half = hn::LoadU(d, amid) - axis.first.middle;
-  hn::Store(hn::ConvertTo(floats, down), floats, span);
-  hn::Store(hn::ConvertTo(floats, hn::ShiftLeft<2>(half) - hn::ShiftLeft<1>(down)), floats, curve);
+  const auto half = hn::LoadU(d, amid + j + kMargin) - axis.first.middle;
+  const auto curve = hn::ShiftLeft<2>(half) - hn::ShiftLeft<1>(down);
+  hn::Store(hn::ConvertTo(floats, down), floats, course.span + j);
+  hn::Store(hn::ConvertTo(floats, curve), floats, course.curve + j);
+  hn::Store(twist, floats, course.twist + j);
+}
+
+// Where the segments of a steady vector of runs begin in the first row. `to_middles` are records
+// of the places of the middles from there, less what the beginning is off a sample and a row.
+template <class P>
+HWY_INLINE void begin_segments(int j, const BandAxis& x, const BandAxis& y, hn::Vec<Ints> x_slack,
+                               Band& band, std::int32_t* to_middles) {
+  const Ints d;
+  const auto rounding = hn::Set(d, 2);
+  const auto y_half = P::kApart ? y.half : hn::Set(d, kHalfRow);
+  // Of three rows places are counted from the middle one.
+  const auto y_to_middle =
+      P::kApart ? hn::ShiftLeft<14>(y_half) : hn::Set(d, -(kHalfRow << (14 + P::kYShift)));
+  const auto y_from = y.first.middle - y_half;
+  hn::Store(P::kApart ? y_from + rounding : y_from, d, band.y_from + j);
+  const auto part = [&](auto which) HWY_ATTR {
+    constexpr int kPart = decltype(which)::value;
+    const auto half =
+        whole_place(hn::Max(part_half<P, kPart>(x.first), part_half<P, kPart>(x.last)) + x_slack);
+    hn::Store(x.first.middle - half + rounding, d, band.x_from[kPart] + j);
+    return packed(hn::ShiftRight<2>(half), y_to_middle);
+  };
+  const auto first = part(std::integral_constant<int, 0>());
+  if constexpr (P::kParts == 1) {
+    hn::Store(first, d, to_middles);
+  } else {
+    hn::StoreInterleaved2(first, part(std::integral_constant<int, 1>()), d, to_middles);
+  }
 }
 
 // What the samples of a steady vector of runs share.
 template <class P>
-HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y, Band& band) {
+HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
+                             const std::int32_t* to_middles, Band& band) {
   const Ints d;
   constexpr int kVector = static_cast<int>(hn::MaxLanes(d));
   const auto both = [&](hn::Vec<Ints> of_x, hn::Vec<Ints> of_y)
@@ -160,9 +191,10 @@ HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y, Band& 
     const int run = j + i;
     const Both<P> first = shape_of<P>(band.slope[0] + run, band.bend[0] + run);
     const Both<P> last = shape_of<P>(band.slope[1] + run, band.bend[1] + run);
+    const Both<P> middle = spread<P, P::kRun / P::kParts>(to_middles + i * P::kParts);
     const int at = run * P::kRun;
-    hn::Store(first.x, numbers, band.x_shape + at);
-    hn::Store(first.y, numbers, band.y_shape + at);
+    hn::Store(middle.x + first.x, numbers, band.x_shape + at);
+    hn::Store(middle.y + first.y, numbers, band.y_shape + at);
     hn::Store(last.x - first.x, numbers, band.x_turn + at);
     hn::Store(last.y - first.y, numbers, band.y_turn + at);
   }
@@ -174,7 +206,6 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
   const Ints d;
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   const auto most = hn::Set(d, kMostBulge);
-  const auto off = hn::Set(d, kMostOff);
   for (int j = 0; j < row.count; j += kVector) {
     const auto x_bulge = bulge(nodes.x, j + NodeRows::kFirst, slot, height);
     const auto y_bulge = bulge(nodes.y, j + NodeRows::kFirst, slot, height);
@@ -189,23 +220,14 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
       hn::Store(hn::Set(d, kSlowRun | kSlowGroup | kEmptyRun), d, row.rows + j);
       continue;
     }
-    band.steady[j] = tame &&
-                     hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.parabola, y_bulge.parabola), off)) &&
-                     is_steady<P>(x, y, bounds);
+    band.steady[j] = tame && is_steady<P>(x, y, bounds);
     if (!band.steady[j]) continue;
-    const auto half = [&](auto part) HWY_ATTR {
-      constexpr int kPart = decltype(part)::value;
-      return hn::Max(part_half<P, kPart>(x.first), part_half<P, kPart>(x.last)) + x_slack;
-    };
-    hn::Store(half(std::integral_constant<int, 0>()), d, band.x_half[0] + j);
-    if constexpr (P::kParts > 1) {
-      hn::Store(half(std::integral_constant<int, 1>()), d, band.x_half[1] + j);
-    }
-    hn::Store(P::kApart ? y.half : hn::Set(d, kHalfRow), d, band.y_half + j);
     hn::Store(hn::Set(d, kSteadyRows), d, row.rows + j);
-    begin_curve(x, band.x_amid + j + kMargin, band.x_span + j, band.x_curve + j);
-    begin_curve(y, band.y_amid + j + kMargin, band.y_span + j, band.y_curve + j);
-    begin_shapes<P>(j, x, y, band);
+    alignas(64) std::int32_t to_middles[P::kParts * kVector];
+    begin_segments<P>(j, x, y, x_slack, band, to_middles);
+    begin_shapes<P>(j, x, y, to_middles, band);
+    begin_course(j, x, band.x_amid, x_bulge.twist, band.x_course);
+    begin_course(j, y, band.y_amid, y_bulge.twist, band.y_course);
   }
 }
 

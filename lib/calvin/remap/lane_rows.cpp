@@ -217,13 +217,14 @@ HWY_INLINE hn::Vec<Ints> small_ints(hn::Vec<Floats> v) {
 #endif
 }
 
-// The middles of steady runs.
-HWY_INLINE hn::Vec<Ints> steady_middles(const std::int32_t* first, const float* span,
-                                        const float* curve, float way) {
+// What is added to where the segments of steady runs begin in the first row of the band.
+HWY_INLINE hn::Vec<Ints> course_at(const Band::Course& course, int j, float way) {
   const Floats d;
-  const auto added =
-      hn::Set(d, way) * hn::MulAdd(hn::Set(d, 1 - way), hn::Load(d, curve), hn::Load(d, span));
-  return hn::LoadU(Ints(), first) + small_ints(added);
+  const float bow = way * (1 - way);
+  const auto twist = hn::Set(d, bow * (0.5F - way)) * hn::Load(d, course.twist + j);
+  return small_ints(
+      hn::MulAdd(hn::Set(d, way), hn::Load(d, course.span + j),
+                 hn::MulAdd(hn::Set(d, bow), hn::Load(d, course.curve + j), twist)));
 }
 
 // describe_runs_at() where the band is steady: results lie between the row that is nearest to the
@@ -233,18 +234,12 @@ HWY_INLINE void describe_steady_at(int j, float way, const SourceBounds& b, cons
                                    RunRow& row) {
   const Ints d;
   const auto in_part = hn::Set(d, (1 << kPlaceBits) - 1);
-  const auto x = steady_middles(band.x_first + j + kMargin, band.x_span + j, band.x_curve + j, way);
-  const auto y_half = hn::Load(d, band.y_half + j);
-  const auto y =
-      steady_middles(band.y_first + j + kMargin, band.y_span + j, band.y_curve + j, way) - y_half;
-  const auto y_part = hn::And(y, in_part);
-  const auto y_place = P::kApart ? hn::ShiftLeft<14>(y_part + y_half + hn::Set(d, 2))
-                                 : hn::ShiftLeft<17>(y_part - y_half);
+  const auto x = course_at(band.x_course, j, way);
+  const auto y = hn::Load(d, band.y_from + j) + course_at(band.y_course, j, way);
+  const auto y_place = hn::ShiftLeft<14 + P::kYShift>(hn::And(y, in_part));
   const auto x_of = [&](auto part) HWY_ATTR {
-    const auto half = hn::Load(d, band.x_half[decltype(part)::value] + j);
-    const auto from = x - half;
-    return Part{hn::ShiftRight<kPlaceBits>(from),
-                hn::ShiftRight<2>(hn::And(from, in_part) + half + hn::Set(d, 2))};
+    const auto from = hn::Load(d, band.x_from[decltype(part)::value] + j) + x;
+    return Part{hn::ShiftRight<kPlaceBits>(from), hn::ShiftRight<2>(hn::And(from, in_part))};
   };
   store_lanes<P>(j, x_of, y_place, hn::ShiftRight<kPlaceBits>(y) * hn::Set(d, b.stride), row);
 }

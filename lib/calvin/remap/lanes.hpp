@@ -72,7 +72,7 @@ struct RunRow {
 };
 
 // Rows of the output that are prepared together: what varies little is taken once for all of them.
-inline constexpr int kBandRows = 16;
+inline constexpr int kBandRows = 32;
 
 // What a band's rows share of the runs that are well inside the source in all of them.
 struct Band {
@@ -85,20 +85,23 @@ struct Band {
   alignas(64) std::int32_t y_last[kRuns];
   alignas(64) std::int32_t x_amid[kRuns];
   alignas(64) std::int32_t y_amid[kRuns];
-  // Of runs that are steady: what is added to the middle until the last row, and how much it is
-  // bent on the way: t (1 - t) times this at part t of it.
-  alignas(64) float x_span[kRuns];
-  alignas(64) float y_span[kRuns];
-  alignas(64) float x_curve[kRuns];
-  alignas(64) float y_curve[kRuns];
-  // From the segment's first sample to the middle at most; of x by the lane.
-  alignas(64) std::int32_t x_half[RunRow::kMostParts][kRuns];
-  alignas(64) std::int32_t y_half[kRuns];
+  // Of runs that are steady. Where the segment begins in the first row; of x by the lane.
+  alignas(64) std::int32_t x_from[RunRow::kMostParts][kRuns];
+  alignas(64) std::int32_t y_from[kRuns];
+  // What is added to that, for a row at part t of the way to the last one: t times the span, and
+  // t (1 - t) times the curve, and t (1 - t) (1/2 - t) times the twist.
+  struct Course {
+    alignas(64) float span[kRuns];
+    alignas(64) float curve[kRuns];
+    alignas(64) float twist[kRuns];
+  };
+  Course x_course;
+  Course y_course;
   // RunRow::slope and bend in the first row and in the last.
   alignas(64) std::int32_t slope[2][kRuns];
   alignas(64) std::int32_t bend[2][kRuns];
-  // Of the samples: where they are from the middle in the first row, and what is added until the
-  // last one.
+  // Of the samples: where they are from the segment's beginning in the first row, less what that
+  // is off a sample and a row, and what is added until the last one.
   alignas(64) std::int16_t x_shape[kSamples];
   alignas(64) std::int16_t y_shape[kSamples];
   alignas(64) std::int16_t x_turn[kSamples];
