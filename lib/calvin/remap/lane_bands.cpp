@@ -168,7 +168,7 @@ HWY_INLINE void begin_segments(int j, const BandAxis& x, const BandAxis& y, hn::
   };
   const auto first = part(std::integral_constant<int, 0>());
   if constexpr (P::kParts == 1) {
-    hn::Store(first, d, to_middles);
+    hn::Store(in_order<P>(first), d, to_middles);
   } else {
     hn::StoreInterleaved2(first, part(std::integral_constant<int, 1>()), d, to_middles);
   }
@@ -180,8 +180,9 @@ HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
                              const std::int32_t* to_middles, Band& band) {
   const Ints d;
   constexpr int kVector = static_cast<int>(hn::MaxLanes(d));
-  const auto both = [&](hn::Vec<Ints> of_x, hn::Vec<Ints> of_y)
-                        HWY_ATTR { return packed(of_x, hn::ShiftLeft<16 + P::kYShift>(of_y)); };
+  const auto both = [&](hn::Vec<Ints> of_x, hn::Vec<Ints> of_y) HWY_ATTR {
+    return in_order<P>(packed(of_x, hn::ShiftLeft<16 + P::kYShift>(of_y)));
+  };
   hn::Store(both(x.first.slope, y.first.slope), d, band.slope[0] + j);
   hn::Store(both(x.last.slope, y.last.slope), d, band.slope[1] + j);
   hn::Store(both(x.first.bend, y.first.bend), d, band.bend[0] + j);

@@ -162,51 +162,86 @@ struct Planes {
   std::int32_t stride;
 };
 
+// A vector of results whose rows and offsets are those of run `j`.
+template <class L, bool kThree, bool kNearest>
+HWY_INLINE Numbers blend_rows(const RunRow& row, int j, const std::int32_t* offsets,
+                              const Taps& taps, const std::uint8_t* source, std::int32_t stride,
+                              const Blender<Bytes>& blender) {
+  const Numbers sum = kThree ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender)
+                             : blend_more_rows<L, kNearest>(source, offsets, stride,
+                                                            row.rows[j] % kSlowRun, taps, blender);
+  return blender.rounded(sum);
+}
+
 // The `v`th vector of the group of runs whose first one is `j`.
 template <class L, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
                              const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
   const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + j * L::kSpan + v * kLanes
                                             : row.offset + j + v * kLanes / L::kSpan;
-  const std::int32_t stride = planes.stride;
   for (int p = 0; p < kPlanes; ++p) {
-    const std::uint8_t* source = planes.sources[p];
     hwy::Prefetch(planes.ahead[p] + offsets[0]);
-    const Numbers sum = kThree
-                            ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender)
-                            : blend_more_rows<L, kNearest>(source, offsets, stride,
-                                                           row.rows[j] % kSlowRun, taps, blender);
-    store_results<L>(blender.rounded(sum), planes.outputs[p] + v * L::kOut);
+    store_results<L>(blend_rows<L, kThree, kNearest>(row, j, offsets, taps, planes.sources[p],
+                                                     planes.stride, blender),
+                     planes.outputs[p] + v * L::kOut);
+  }
+}
+
+// The first or the second of two vectors of a group whose first run is `j`: every other run.
+template <class L, bool kSteady, bool kThree, bool kNearest, int kSecond, int kPlanes>
+HWY_INLINE std::array<Numbers, kPlanes> blend_alternate(const RowTask& task, int j, Numbers way,
+                                                        const Planes<kPlanes>& planes,
+                                                        const Blender<Bytes>& blender) {
+  using P = PlacingOf<L>;
+  Both<P> at = places_of<P, kSteady>(task.row, task.band, j + kSecond * kLanes, way);
+  if constexpr (kNearest) at.x = rounded_place(Signed(), at.x);
+  const Taps taps = {hn::BitCast(Bytes(), bytes_of<P>(at.x)), across_of<P>(at.x), at.y};
+  const std::int32_t* offsets = task.row.offset + j;
+  std::array<Numbers, kPlanes> results;
+  for (int p = 0; p < kPlanes; ++p) {
+    hwy::Prefetch(planes.ahead[p] + offsets[kSecond * kLanes]);
+    results[p] = blend_rows<L, kThree, kNearest>(task.row, j, offsets + kSecond, taps,
+                                                 planes.sources[p], planes.stride, blender);
+  }
+  return results;
+}
+
+// The group of runs of a single component whose first one is `j`: the results of two vectors are
+// packed lane by lane.
+template <class L, bool kSteady, bool kThree, bool kNearest, int kPlanes>
+HWY_INLINE void blend_pair(const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
+                           const Blender<Bytes>& blender) {
+  const auto first =
+      blend_alternate<L, kSteady, kThree, kNearest, 0>(task, j, way, planes, blender);
+  const auto second =
+      blend_alternate<L, kSteady, kThree, kNearest, 1>(task, j, way, planes, blender);
+  for (int p = 0; p < kPlanes; ++p) {
+    hn::StoreU(pack_lanes(Bytes(), first[p], second[p]), Bytes(), planes.outputs[p]);
   }
 }
 
 // Runs of a single component: their samples stay in registers.
 template <class L, bool kNearest, int kPlanes>
 HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPlanes> planes) {
-  using P = PlacingOf<L>;
+  constexpr int kGroup = PlacingOf<L>::kGroup;
   const Blender<Bytes> blender;
   const auto way = kept(hn::Set(Signed(), static_cast<std::int16_t>(task.way * 0x7FFF)));
   const std::int32_t* marks = task.row.rows;
-  const auto taps_of = [](const Both<P>& at) HWY_ATTR {
-    return Taps{hn::BitCast(Bytes(), bytes_of<P>(at.x)), across_of<P>(at.x), at.y};
-  };
   const auto next = [&](int j) HWY_ATTR {
-    for (auto& output : planes.outputs) output += L::kOut;
-    return j + kLanes;
+    for (auto& output : planes.outputs) output += kGroup * L::kRunPixels;
+    return j + kGroup;
   };
   for (int j = begin; j < end;) {
     // Apart from the others, so that these keep their registers.
     for (; HWY_LIKELY(j < end && marks[j] == kSteadyRows); j = next(j)) {
-      const Taps taps = taps_of(segment_places<P, kNearest, true>(task, j, way));
-      blend_vector<L, true, kNearest>(task.row, j, 0, taps, planes, blender);
+      blend_pair<L, true, true, kNearest>(task, j, way, planes, blender);
     }
     for (; j < end && marks[j] != kSteadyRows; j = next(j)) {
       if (marks[j] >= kSlowGroup) continue;
-      const Taps taps = taps_of(segment_places<P, kNearest, false>(task, j, way));
       if (marks[j] % kSlowRun == 3) {
-        blend_vector<L, true, kNearest>(task.row, j, 0, taps, planes, blender);
+        blend_pair<L, false, true, kNearest>(task, j, way, planes, blender);
       } else {
-        blend_vector<L, false, kNearest>(task.row, j, 0, taps, planes, blender);
+        blend_pair<L, false, false, kNearest>(task, j, way, planes, blender);
       }
     }
   }

@@ -30,6 +30,8 @@ struct Layout {
   static constexpr int kSpan = kRun / kPixels;                            // lanes per run
   static constexpr int kWindow = 16 * kSpan * kSpacing;                   // bytes that hold a run
   static constexpr int kOut = kPixels * kComponents * kSpacing * kLanes;  // bytes per vector
+  // As Placing::kPaired: lanes are of every other run.
+  static constexpr int kEvery = kComponents * kSpacing == 1 ? 2 : 1;
 };
 
 // Whether any byte of a vector can be fetched to anywhere: then a run's samples are loaded at once.
@@ -86,15 +88,16 @@ HWY_INLINE Numbers numbers_of(const std::int16_t* samples) {
   return hn::BitCast(Signed(), hn::TableLookupBytes(all, hn::Load(d, kResults<L>.samples)));
 }
 
-// The 16 bytes that begin at each lane's offset.
-template <class D>
+// The 16 bytes that begin at each lane's offset, one of every `kEvery`.
+template <int kEvery, class D>
 HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::int32_t* offsets) {
   constexpr std::size_t kSize = hn::MaxLanes(D());
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
   // Combine() clears a half before it is written, and takes the port that shuffles need.
   if constexpr (kSize == 64) {
     const hn::FixedTag<std::uint8_t, 16> lane;
-    const auto at = [&](int l) HWY_ATTR { return hn::LoadU(lane, plane + offsets[l]).raw; };
+    const auto at = [&](int l)
+                        HWY_ATTR { return hn::LoadU(lane, plane + offsets[kEvery * l]).raw; };
     const auto lo = _mm256_inserti128_si256(_mm256_castsi128_si256(at(0)), at(1), 1);
     const auto hi = _mm256_inserti128_si256(_mm256_castsi128_si256(at(2)), at(3), 1);
     return hn::Vec<D>{_mm512_inserti32x8(_mm512_castsi256_si512(lo), hi, 1)};
@@ -102,8 +105,8 @@ HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::i
 #endif
   if constexpr (kSize > 16) {
     const hn::FixedTag<std::uint8_t, kSize / 2> half;
-    return hn::Combine(d, load_segments(half, plane, offsets + kSize / 32),
-                       load_segments(half, plane, offsets));
+    return hn::Combine(d, load_segments<kEvery>(half, plane, offsets + kEvery * kSize / 32),
+                       load_segments<kEvery>(half, plane, offsets));
   } else {
     return hn::LoadU(d, plane + offsets[0]);
   }
@@ -181,12 +184,12 @@ HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* off
   if constexpr (kByWindows<L>) return fetch_from_windows<L>(source, offsets, indices);
 #endif
   const Bytes d;
-  const Pairs segments = load_segments(d, source, offsets);
+  const Pairs segments = load_segments<L::kEvery>(d, source, offsets);
   if constexpr (L::kSpread == 1) {
     return hn::TableLookupBytes(segments, indices);
   } else {
     // Samples in every second byte lie in two segments.
-    const Pairs more = load_segments(d, source + 16, offsets);
+    const Pairs more = load_segments<L::kEvery>(d, source + 16, offsets);
     return hn::Or(hn::TableLookupBytesOr0(segments, within_segment(indices)),
                   hn::TableLookupBytesOr0(more, indices - hn::Set(d, 0x10)));
   }

@@ -27,7 +27,9 @@ struct Placing {
   static constexpr int kParts = kLaneParts;
   static constexpr int kStep = kBytesPerStep;
   static constexpr bool kApart = kOneByOne;
-  static constexpr int kGroup = kApart && kRun < 8 ? 4 : kLanes;
+  // The results of two vectors are packed lane by lane: the first of them has every other run.
+  static constexpr bool kPaired = kStep == 1;
+  static constexpr int kGroup = kPaired ? 2 * kLanes : kApart && kRun < 8 ? 4 : kLanes;
   // y is from the middle of three rows, and eight times as large.
   static constexpr int kYShift = kApart ? 0 : 3;
   // Samples in a vector: of 16 bits, and of no more than four runs or parts of such.
@@ -56,6 +58,29 @@ HWY_INLINE void with_placing(LaneLayout layout, int run, F f) {
       return whole ? f(Placing<8, 1, 4, kApart>()) : f(Placing<2, 1, 4, kApart>());
     default:
       return;
+  }
+}
+
+// The records of a vector of runs as the kernel takes them.
+struct RecordOrder {
+  alignas(64) std::int32_t from[16];
+};
+constexpr RecordOrder make_paired_order() {
+  RecordOrder order{};
+  for (int i = 0; i < 16; ++i) {
+    const int of_group = i % (2 * kLanes);
+    order.from[i] = i - of_group + 2 * (of_group % kLanes) + of_group / kLanes;
+  }
+  return order;
+}
+constexpr RecordOrder kPairedOrder = make_paired_order();
+
+template <class P>
+HWY_INLINE hn::Vec<Ints> in_order(hn::Vec<Ints> records) {
+  if constexpr (!P::kPaired || kLanes == 1) {
+    return records;
+  } else {
+    return hn::TableLookupLanes(records, hn::SetTableIndices(Ints(), kPairedOrder.from));
   }
 }
 

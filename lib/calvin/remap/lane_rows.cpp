@@ -76,6 +76,11 @@ template <int kGroup>
 HWY_INLINE hn::Vec<Ints> group_maximum(hn::Vec<Ints> rows) {
   if constexpr (kGroup >= 2) rows = hn::Max(rows, hn::Shuffle2301(rows));
   if constexpr (kGroup >= 4) rows = hn::Max(rows, hn::Shuffle1032(rows));
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  if constexpr (kGroup >= 8) rows = hn::Max(rows, hn::SwapAdjacentBlocks(rows));
+#else
+  static_assert(kGroup < 8);
+#endif
   return rows;
 }
 
@@ -157,7 +162,7 @@ HWY_INLINE void store_lanes(int j, X x_of, hn::Vec<Ints> y_place, hn::Vec<Ints> 
   const auto middle = packed(first.place, y_place);
   if constexpr (P::kParts == 1) {
     hn::Store(offset, d, row.offset + j);
-    hn::Store(middle, d, row.middle + j);
+    hn::Store(in_order<P>(middle), d, row.middle + j);
   } else {
     const Part second = x_of(std::integral_constant<int, 1>());
     hn::StoreInterleaved2(middle, packed(second.place, y_place), d, row.middle + 2 * j);
@@ -191,8 +196,11 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
     y_bend = hn::IfThenElse(three, hn::ShiftLeft<3>(y_bend), y_bend);
   }
   // The slow ones read the middle of the first column.
-  hn::Store(hn::IfThenZeroElse(is_slow, packed(x_line.slope, y_slope)), d, row.slope + j);
-  hn::Store(hn::IfThenZeroElse(is_slow, packed(x_line.bend, y_bend)), d, row.bend + j);
+  const auto record = [&](hn::Vec<Ints> of_x, hn::Vec<Ints> of_y) HWY_ATTR {
+    return in_order<P>(hn::IfThenZeroElse(is_slow, packed(of_x, of_y)));
+  };
+  hn::Store(record(x_line.slope, y_slope), d, row.slope + j);
+  hn::Store(record(x_line.bend, y_bend), d, row.bend + j);
   const auto x_of = [&](auto part) HWY_ATTR {
     const auto half = part_half<P, decltype(part)::value>(x_line);
     const auto column =
@@ -222,9 +230,8 @@ HWY_INLINE hn::Vec<Ints> course_at(const Band::Course& course, int j, float way)
   const Floats d;
   const float bow = way * (1 - way);
   const auto twist = hn::Set(d, bow * (0.5F - way)) * hn::Load(d, course.twist + j);
-  return small_ints(
-      hn::MulAdd(hn::Set(d, way), hn::Load(d, course.span + j),
-                 hn::MulAdd(hn::Set(d, bow), hn::Load(d, course.curve + j), twist)));
+  return small_ints(hn::MulAdd(hn::Set(d, way), hn::Load(d, course.span + j),
+                               hn::MulAdd(hn::Set(d, bow), hn::Load(d, course.curve + j), twist)));
 }
 
 // describe_runs_at() where the band is steady: results lie between the row that is nearest to the
