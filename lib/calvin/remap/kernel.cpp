@@ -166,19 +166,10 @@ class Chunk {
     const PlaneMap::Row* limits = map_.limits(y);
     // An uneven last sample is not where a run has it.
     const bool uneven = !map_.output_x().is_even();
-    const remap::RowNodes between = nodes_at(map_.level(y));
-    const bool all = wide_ || uneven || limits != nullptr;
-    if (all) remap::interpolate_runs(between, runs_, row_.x, row_.y);
-    if (limits != nullptr) take_middles(*limits);
+    const PlaneMap::Level level = map_.level(y);
     if (y >= band_end_) begin_band(y);
-    way_ = way_down_band(y);
-    bool slow = true;
-    if (wide_) {
-      std::fill_n(row_.rows, row_.count, 0);
-    } else {
-      slow = remap::describe_runs(lanes_, pixels_, bounds_, all ? nullptr : &between, band_, way_,
-                                  row_);
-    }
+    way_ = way_down_band(level);
+    const bool slow = describe(level, limits, wide_ || uneven || limits != nullptr);
     if (limits != nullptr) mark_invalid(*limits);
     if (uneven) mark_slow(whole_groups_ * group_, row_.count);
     blend(y);
@@ -186,6 +177,21 @@ class Chunk {
   }
 
  private:
+  // Where the runs lie; whether there is a slow one. `all`: somebody needs all of their middles.
+  bool describe(const PlaneMap::Level& level, const PlaneMap::Row* limits, bool all) noexcept {
+    const auto describe_with = [this](const remap::RowNodes* between) {
+      return remap::describe_runs(lanes_, pixels_, bounds_, between, band_, way_, row_);
+    };
+    if (!all && band_shared_) return describe_with(nullptr);
+    const remap::RowNodes between = nodes_at(level);
+    if (!all) return describe_with(&between);
+    remap::interpolate_runs(between, runs_, row_.x, row_.y);
+    if (limits != nullptr) take_middles(*limits);
+    if (!wide_) return describe_with(nullptr);
+    std::fill_n(row_.rows, row_.count, 0);
+    return true;
+  }
+
   // The band that a row lies in is the same whichever row comes first: threads share the rows.
   void begin_band(int y) noexcept {
     int first = y / remap::kBandRows * remap::kBandRows;
@@ -198,6 +204,7 @@ class Chunk {
     if (wide_ || map_.limits(y) != nullptr) {
       std::fill(std::begin(band_.steady), std::end(band_.steady), false);
       std::fill(std::begin(band_.empty), std::end(band_.empty), false);
+      band_shared_ = false;
       return;
     }
     const PlaneMap::Level top = map_.level(first);
@@ -209,14 +216,13 @@ class Chunk {
     band_top_ = top.between;
     band_height_ = bottom.between - band_top_;
     const double height = band_height_;
-    remap::begin_band(lanes_, pixels_, bounds_, nodes_, node_row % 4, static_cast<float>(height),
-                      band_, row_);
+    band_shared_ = remap::begin_band(lanes_, pixels_, bounds_, nodes_, node_row % 4,
+                                     static_cast<float>(height), band_, row_);
   }
 
-  [[nodiscard]] float way_down_band(int y) const noexcept {
+  [[nodiscard]] float way_down_band(const PlaneMap::Level& level) const noexcept {
     if (!(band_height_ > 0)) return 0;
-    const double way = (map_.level(y).between - band_top_) / band_height_;
-    return static_cast<float>(std::clamp(way, 0.0, 1.0));
+    return static_cast<float>(std::clamp((level.between - band_top_) / band_height_, 0.0, 1.0));
   }
 
   remap::RowNodes nodes_at(const PlaneMap::Level& level) noexcept {
@@ -368,7 +374,8 @@ class Chunk {
   int whole_groups_ = 0;
   std::array<int, 4> known_ = {-1, -1, -1, -1};
   int band_end_ = 0;
-  double band_top_ = 0;  // as PlaneMap::Level
+  bool band_shared_ = false;  // all of its runs are steady, or empty
+  double band_top_ = 0;       // as PlaneMap::Level
   double band_height_ = 0;
   float way_ = 0;  // of the row down the band
   NodeRows nodes_;

@@ -26,9 +26,11 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-void begin_band_of(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
+bool begin_band_of(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
                    const NodeRows& /*nodes*/, int /*slot*/, float /*height*/, Band& /*band*/,
-                   RunRow& /*row*/) {}
+                   RunRow& /*row*/) {
+  return false;
+}
 
 #else
 
@@ -202,11 +204,12 @@ HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
 }
 
 template <class P, bool kThird>
-HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, int slot,
+HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, int slot,
                             float height, Band& band, RunRow& row) {
   const Ints d;
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   const auto most = hn::Set(d, kMostBulge);
+  bool shared = true;
   for (int j = 0; j < row.count; j += kVector) {
     const auto x_bulge = bulge(nodes.x, j + NodeRows::kFirst, slot, height);
     const auto y_bulge = bulge(nodes.y, j + NodeRows::kFirst, slot, height);
@@ -222,7 +225,10 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
       continue;
     }
     band.steady[j] = tame && is_steady<P>(x, y, bounds);
-    if (!band.steady[j]) continue;
+    if (!band.steady[j]) {
+      shared = false;
+      continue;
+    }
     hn::Store(hn::Set(d, kSteadyRows), d, row.rows + j);
     alignas(64) std::int32_t to_middles[P::kParts * kVector];
     begin_segments<P>(j, x, y, x_slack, band, to_middles);
@@ -230,20 +236,23 @@ HWY_INLINE void begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
     begin_course(j, x, band.x_amid, x_bulge.twist, band.x_course);
     begin_course(j, y, band.y_amid, y_bulge.twist, band.y_course);
   }
+  return shared;
 }
 
-void begin_band_of(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
+bool begin_band_of(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
                    int slot, float height, Band& band, RunRow& row) {
   std::fill(std::begin(band.steady), std::end(band.steady), false);
   std::fill(std::begin(band.empty), std::end(band.empty), false);
-  if (run != 8) return;
+  bool shared = false;
+  if (run != 8) return shared;
   with_placing(layout, run, [&](auto placing) HWY_ATTR {
     using P = decltype(placing);
     if constexpr (P::kRun == 8) {
-      bounds.strongly_bent ? begin_bands<P, true>(bounds, nodes, slot, height, band, row)
-                           : begin_bands<P, false>(bounds, nodes, slot, height, band, row);
+      shared = bounds.strongly_bent ? begin_bands<P, true>(bounds, nodes, slot, height, band, row)
+                                    : begin_bands<P, false>(bounds, nodes, slot, height, band, row);
     }
   });
+  return shared;
 }
 
 #endif
@@ -256,9 +265,9 @@ namespace calvin::remap {
 
 HWY_EXPORT(begin_band_of);
 
-void begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
+bool begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
                 int slot, float height, Band& band, RunRow& row) noexcept {
-  HWY_DYNAMIC_DISPATCH(begin_band_of)(layout, run, bounds, nodes, slot, height, band, row);
+  return HWY_DYNAMIC_DISPATCH(begin_band_of)(layout, run, bounds, nodes, slot, height, band, row);
 }
 
 }  // namespace calvin::remap

@@ -33,6 +33,20 @@ inline constexpr int kMargin = 2;
 // Runs behind a row's last one that fill up its last vector.
 inline constexpr int kSpare = 3;
 
+// Where the middles of runs are between the columns of the map's nodes: the first of four, and the
+// weights of the first, the third and the fourth one.
+struct RunColumns {
+  const std::int32_t* column;
+  std::array<const float*, 3> weights;
+};
+
+// One coordinate of a row of nodes: `scale` times it, less `offset`, is a place of the source.
+struct NodeLine {
+  const float* nodes;
+  float scale;
+  float offset;
+};
+
 // A chunk of runs, and its margins, at four rows of the map's nodes. The first run is at kFirst, so
 // that vectors of runs are loaded at once.
 struct NodeRows {
@@ -194,21 +208,25 @@ struct PlaneRows {
   int planes = 1;
 };
 
+// Of the runs from `first` on.
+void expand_runs(const RunColumns& runs, int first, int count, const NodeLine& line,
+                 float* to) noexcept;
+
 // The first `runs` of the chunk, and its margins.
 void interpolate_runs(const RowNodes& between, int runs, std::int32_t* x, std::int32_t* y) noexcept;
 
 // Takes together what the rows of a band, whose first and last one's middles and those amid them
 // are known, have in common, for runs of `run` samples. All of them lie between the same of the
 // nodes' rows, the first of which is at `slot`; `height` is how much of the way between those the
-// band takes.
-void begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
+// band takes. Whether each of the runs is steady, or empty: then no row needs its middles.
+bool begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
                 int slot, float height, Band& band, RunRow& row) noexcept;
 
 // What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
 // lane has; whether there is a slow one. What is quick in a group of run_group() is so at the cost
 // of the slow ones' samples, which are written first. Middles of runs that are not steady are
-// interpolated on the way, unless `between` is nullptr and all of them are known; `way` is as in
-// RowTask.
+// interpolated on the way, unless `between` is nullptr and all of them are known or there are none;
+// `way` is as in RowTask.
 bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
                    const Band& band, float way, RunRow& row) noexcept;
 

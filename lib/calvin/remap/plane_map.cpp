@@ -22,7 +22,11 @@ PlaneMap::PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites,
   for (int j = -remap::kMargin; j < count + remap::kMargin + remap::kSpare; ++j) {
     const double u = middle(j);
     const int column = map_->cell_of(u, map_->columns() - 3);
-    runs_.push_back({column, cubic_weights(u / map_->step() - column)});
+    const auto weights = cubic_weights(u / map_->step() - column);
+    columns_.push_back(column);
+    weights_[0].push_back(weights[0]);
+    weights_[1].push_back(weights[2]);
+    weights_[2].push_back(weights[3]);
   }
 }
 
@@ -35,7 +39,7 @@ Pixel PlaneMap::to_samples(Pixel place) const noexcept {
 }
 
 std::size_t PlaneMap::bytes() const noexcept {
-  std::size_t sum = runs_.size() * sizeof(Run) + rows_.size() * sizeof(Row);
+  std::size_t sum = columns_.size() * 4 * sizeof(float) + rows_.size() * sizeof(Row);
   for (const Row& row : rows_) {
     sum += row.valid.size() * sizeof(Span) + row.middles.size() * sizeof(Middle);
   }
@@ -49,27 +53,18 @@ PlaneMap::Level PlaneMap::level(int y) const noexcept {
 }
 
 void PlaneMap::expand(int node_row, int first, int count, float* x, float* y) const noexcept {
-  const float* from_x = map_->x_row(node_row);
-  const float* from_y = map_->y_row(node_row);
-  const auto one = static_cast<float>(1 << remap::kPlaceBits);
-  const float scale_x = one / static_cast<float>(in_x_.scale());
-  const float scale_y = one / static_cast<float>(in_y_.scale());
-  const float offset_x = scale_x * static_cast<float>(in_x_.offset());
-  const float offset_y = scale_y * static_cast<float>(in_y_.offset());
-  const int known = std::min(count, static_cast<int>(runs_.size()) - first);
-  for (int j = 0; j < known; ++j) {
-    const Run& run = runs_[static_cast<std::size_t>(first + j)];
-    const auto& w = run.weights;
-    const float* px = from_x + run.column;
-    const float* py = from_y + run.column;
-    // By differences: a place that is far from the origin keeps its last bits.
-    const auto between = [&w](const float* p) {
-      return p[1] + (w[0] * (p[0] - p[1]) + w[2] * (p[2] - p[1]) + w[3] * (p[3] - p[1]));
-    };
-    x[j] = scale_x * between(px) - offset_x;
-    y[j] = scale_y * between(py) - offset_y;
-  }
-  for (int j = std::max(known, 0); j < count; ++j) x[j] = y[j] = -one;
+  const auto line = [](const float* nodes, const SampleAxis& axis) {
+    const auto one = static_cast<float>(1 << remap::kPlaceBits);
+    const float scale = one / static_cast<float>(axis.scale());
+    return remap::NodeLine{nodes, scale, scale * static_cast<float>(axis.offset())};
+  };
+  const remap::RunColumns runs = {columns_.data(),
+                                  {weights_[0].data(), weights_[1].data(), weights_[2].data()}};
+  const int known = std::clamp(static_cast<int>(columns_.size()) - first, 0, count);
+  remap::expand_runs(runs, first, known, line(map_->x_row(node_row), in_x_), x);
+  remap::expand_runs(runs, first, known, line(map_->y_row(node_row), in_y_), y);
+  std::fill(x + known, x + count, -1.0F);
+  std::fill(y + known, y + count, -1.0F);
 }
 
 // Looks at the ends of runs, where parabolas are worst, in a part of the rows.

@@ -4,6 +4,7 @@
 // A map as one plane of the frames sees it: by samples and by runs of samples.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -52,7 +53,7 @@ class PlaneMap {
   [[nodiscard]] const SampleAxis& output_x() const noexcept { return out_x_; }
   [[nodiscard]] int run_pixels() const noexcept { return run_pixels_; }
   [[nodiscard]] int runs() const noexcept {
-    return static_cast<int>(runs_.size()) - 2 * remap::kMargin - remap::kSpare;
+    return static_cast<int>(columns_.size()) - 2 * remap::kMargin - remap::kSpare;
   }
   // Whether parabolas alone do not follow it.
   [[nodiscard]] bool strongly_bent() const noexcept { return map_->step() < RemapMap::kCoarsest; }
@@ -77,11 +78,6 @@ class PlaneMap {
   }
 
  private:
-  struct Run {
-    std::int32_t column = 0;  // the first of four nodes
-    std::array<float, 4> weights{};
-  };
-
   PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int run_pixels);
   [[nodiscard]] double middle(int run) const noexcept;  // px of the output
   [[nodiscard]] Pixel to_samples(Pixel place) const noexcept;
@@ -97,7 +93,9 @@ class PlaneMap {
   SampleAxis out_y_;
   SampleAxis in_x_;
   SampleAxis in_y_;
-  std::vector<Run> runs_;  // with margins
+  // Of the runs and their margins, as remap::RunColumns.
+  std::vector<std::int32_t> columns_;
+  std::array<std::vector<float>, 3> weights_;
   std::vector<Row> rows_;
 };
 

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The middles of runs at a row of the map's nodes, for every instruction set.
+
+#include "calvin/remap/lane_targets.hpp"
+#include "calvin/remap/lanes.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calvin/remap/lane_nodes.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A vector of runs, or a single one.
+template <class D>
+HWY_INLINE void expand_at(D d, const RunColumns& runs, int run, const NodeLine& line, float* to) {
+  const hn::RebindToSigned<D> ints;
+  const auto column = hn::LoadU(ints, runs.column + run);
+  const auto node = [&](int c) HWY_ATTR { return hn::GatherIndex(d, line.nodes + c, column); };
+  const auto part = [&](int c) HWY_ATTR { return hn::LoadU(d, runs.weights[c] + run); };
+  // By differences: a place that is far from the origin keeps its last bits.
+  const auto second = node(1);
+  const auto between =
+      second + hn::MulAdd(part(0), node(0) - second,
+                          hn::MulAdd(part(1), node(2) - second, part(2) * (node(3) - second)));
+  hn::StoreU(between * hn::Set(d, line.scale) - hn::Set(d, line.offset), d, to);
+}
+
+void expand_row(const RunColumns& runs, int first, int count, const NodeLine& line, float* to) {
+  const hn::CappedTag<float, 16> vector;
+  const hn::CappedTag<float, 1> single;
+  constexpr int kVector = static_cast<int>(hn::MaxLanes(vector));
+  int j = 0;
+  for (; j + kVector <= count; j += kVector) expand_at(vector, runs, first + j, line, to + j);
+  for (; j < count; ++j) expand_at(single, runs, first + j, line, to + j);
+}
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace calvin::remap {
+
+HWY_EXPORT(expand_row);
+
+void expand_runs(const RunColumns& runs, int first, int count, const NodeLine& line,
+                 float* to) noexcept {
+  HWY_DYNAMIC_DISPATCH(expand_row)(runs, first, count, line, to);
+}
+
+}  // namespace calvin::remap
+#endif
