@@ -21,6 +21,7 @@
 #include <hwy/highway.h>
 
 #include "calvin/remap/lane_curves-inl.hpp"
+#include "calvin/remap/lane_math-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
@@ -107,7 +108,8 @@ HWY_INLINE void interpolate(const RowNodes& between, int begin, int count, std::
   }
 }
 
-// The first column of a part of a vector of runs, and the place of the middle from there, 4.12.
+// The first column of a part of a vector of runs, and the place of the middle from there, 4.12 in
+// the lower half of a record.
 struct Part {
   hn::Vec<Ints> column;
   hn::Vec<Ints> place;
@@ -159,13 +161,13 @@ HWY_INLINE void store_lanes(int j, X x_of, hn::Vec<Ints> y_place, hn::Vec<Ints> 
   const auto step = hn::Set(d, P::kStep);
   const Part first = x_of(std::integral_constant<int, 0>());
   const auto offset = row_offset + first.column * step;
-  const auto middle = packed(first.place, y_place);
+  const auto middle = hn::Or(first.place, y_place);
   if constexpr (P::kParts == 1) {
     hn::Store(offset, d, row.offset + j);
     hn::Store(in_order<P>(middle), d, row.middle + j);
   } else {
     const Part second = x_of(std::integral_constant<int, 1>());
-    hn::StoreInterleaved2(middle, packed(second.place, y_place), d, row.middle + 2 * j);
+    hn::StoreInterleaved2(middle, hn::Or(second.place, y_place), d, row.middle + 2 * j);
     hn::StoreInterleaved2(offset, row_offset + second.column * step, d, row.lane_offset + 2 * j);
   }
 }
@@ -205,8 +207,9 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
     const auto half = part_half<P, decltype(part)::value>(x_line);
     const auto column =
         hn::IfThenZeroElse(is_slow, hn::ShiftRight<kPlaceBits>(x_line.middle - half) - x.first);
+    const auto from_column = place(x.place - hn::ShiftLeft<kPlaceBits>(column));
     return Part{column, hn::IfThenElse(is_slow, hn::Set(d, 1 << 11),
-                                       place(x.place - hn::ShiftLeft<kPlaceBits>(column)))};
+                                       hn::And(from_column, hn::Set(d, 0xFFFF)))};
   };
   store_lanes<P>(j, x_of, hn::IfThenZeroElse(is_slow, y_place), reads.offset, row);
   return !hn::AllTrue(d, reads.slow == hn::Zero(d));
@@ -225,42 +228,60 @@ HWY_INLINE hn::Vec<Ints> small_ints(hn::Vec<Floats> v) {
 #endif
 }
 
-// What is added to where the segments of steady runs begin in the first row of the band.
-HWY_INLINE hn::Vec<Ints> course_at(const Band::Course& course, int j, float way) {
-  const Floats d;
-  const float bow = way * (1 - way);
-  const auto twist = hn::Set(d, bow * (0.5F - way)) * hn::Load(d, course.twist + j);
-  return small_ints(hn::MulAdd(hn::Set(d, way), hn::Load(d, course.span + j),
-                               hn::MulAdd(hn::Set(d, bow), hn::Load(d, course.curve + j), twist)));
-}
+// What the steady runs of a row share.
+struct SteadyRow {
+  SteadyRow(float part, std::int32_t stride_bytes) {
+    const Floats d;
+    const float product = part * (1 - part);
+    way = kept(hn::Set(d, part));
+    bow = kept(hn::Set(d, product));
+    twist = kept(hn::Set(d, product * (0.5F - part)));
+    in_part = kept(hn::Set(Ints(), (1 << kPlaceBits) - 1));
+    stride = kept(hn::Set(Ints(), stride_bytes));
+  }
+  // What is added to where the segments begin in the first row of the band.
+  [[nodiscard]] HWY_INLINE hn::Vec<Ints> at(const Band::Course& course, int j) const {
+    const Floats d;
+    const auto curved =
+        hn::MulAdd(bow, hn::Load(d, course.curve + j), twist * hn::Load(d, course.twist + j));
+    return small_ints(hn::MulAdd(way, hn::Load(d, course.span + j), curved));
+  }
+
+  hn::Vec<Floats> way;  // parts of what is in Band::Course
+  hn::Vec<Floats> bow;
+  hn::Vec<Floats> twist;
+  hn::Vec<Ints> in_part;  // of a place within a sample
+  hn::Vec<Ints> stride;
+};
 
 // describe_runs_at() where the band is steady: results lie between the row that is nearest to the
 // run's middle and the ones beside it.
 template <class P>
-HWY_INLINE void describe_steady_at(int j, float way, const SourceBounds& b, const Band& band,
-                                   RunRow& row) {
+HWY_INLINE void describe_steady_at(int j, const SteadyRow& steady, const Band& band, RunRow& row) {
   const Ints d;
-  const auto in_part = hn::Set(d, (1 << kPlaceBits) - 1);
-  const auto x = course_at(band.x_course, j, way);
-  const auto y = hn::Load(d, band.y_from + j) + course_at(band.y_course, j, way);
-  const auto y_place = hn::ShiftLeft<14 + P::kYShift>(hn::And(y, in_part));
+  const auto x = steady.at(band.x_course, j);
+  const auto y = hn::Load(d, band.y_from + j) + steady.at(band.y_course, j);
+  const auto y_part = hn::And(y, steady.in_part);
+  const auto y_place = P::kApart ? hn::ShiftLeft<16>(hn::ShiftRight<2>(y_part))
+                                 : hn::ShiftLeft<14 + P::kYShift>(y_part);
   const auto x_of = [&](auto part) HWY_ATTR {
     const auto from = hn::Load(d, band.x_from[decltype(part)::value] + j) + x;
-    return Part{hn::ShiftRight<kPlaceBits>(from), hn::ShiftRight<2>(hn::And(from, in_part))};
+    return Part{hn::ShiftRight<kPlaceBits>(from), hn::ShiftRight<2>(hn::And(from, steady.in_part))};
   };
-  store_lanes<P>(j, x_of, y_place, hn::ShiftRight<kPlaceBits>(y) * hn::Set(d, b.stride), row);
+  store_lanes<P>(j, x_of, y_place, hn::ShiftRight<kPlaceBits>(y) * steady.stride, row);
 }
 
 template <class P, bool kThird>
 HWY_INLINE bool describe_all(const SourceBounds& bounds, const RowNodes* between, const Band& band,
                              float way, RunRow& row) {
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
+  const SteadyRow steady(way, bounds.stride);
   bool slow = false;
   for (int j = 0; j < row.count; j += kVector) {
     if (P::kRun == 8 && band.empty[j]) {
       slow = true;
     } else if (P::kRun == 8 && band.steady[j]) {
-      describe_steady_at<P>(j, way, bounds, band, row);
+      describe_steady_at<P>(j, steady, band, row);
     } else {
       if (between != nullptr) interpolate(*between, j, kVector + 2 * kMargin, row.x, row.y);
       const Line x = line_of<P::kRun>(curve_at<kThird>(row.x + j));
