@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <optional>
 
+#include "calvin/remap/choice.hpp"
 #include "calvin/remap/lanes.hpp"
 #include "calvin/remap/pixel_kernel.hpp"
 
@@ -18,118 +17,8 @@ namespace calvin {
 
 namespace {
 
-using remap::LaneLayout;
 using remap::NodeRows;
 using remap::RunRow;
-
-constexpr bool kLittleEndian = std::endian::native == std::endian::little;
-
-LaneLayout lane_layout(const PlaneLayout& layout) {
-  if (layout.sample != SampleType::kU8) {
-    if (!kLittleEndian) return LaneLayout::kNone;
-    if (layout.components == 1 && layout.pixel_step == 2) return LaneLayout::kOneWord;
-    const bool pairs =
-        layout.components == 2 && layout.pixel_step == 4 && layout.component_step == 2;
-    return pairs ? LaneLayout::kTwoWords : LaneLayout::kNone;
-  }
-  const auto is = [&](int components, int pixel_step, int component_step) {
-    return layout.components == components && layout.pixel_step == pixel_step &&
-           (components == 1 || layout.component_step == component_step);
-  };
-  if (is(1, 1, 1)) return LaneLayout::kOne;
-  if (is(2, 2, 1)) return LaneLayout::kTwo;
-  if (is(3, 3, 1)) return LaneLayout::kThree;
-  if (is(4, 4, 1)) return LaneLayout::kFour;
-  if (is(1, 2, 2)) return LaneLayout::kOneSpread;
-  if (is(2, 4, 2)) return LaneLayout::kTwoSpread;
-  return LaneLayout::kNone;
-}
-
-bool is_words(LaneLayout layout) {
-  return layout == LaneLayout::kOneWord || layout == LaneLayout::kTwoWords;
-}
-
-bool is_spread(LaneLayout layout) {
-  return layout == LaneLayout::kOneSpread || layout == LaneLayout::kTwoSpread;
-}
-
-// What the vector kernel may take of a source plane.
-remap::SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayout lanes,
-                              std::span<const PlaneMemory<const std::uint8_t>> sources) {
-  const std::ptrdiff_t stride = sources.front().stride;
-  const bool alike = sources.back().stride == stride;
-  const ImageSize size = map.source_size();
-  remap::SourceBounds b;
-  b.stride = static_cast<std::int32_t>(stride);
-  // Beyond an uneven last sample places are no longer linear.
-  b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
-  b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
-  // Lanes of a run are read by 16 bytes, or all of them at once; words not at all by segments.
-  // Pixels of three and four bytes may be read each by itself, by 16 bytes too.
-  const int span = map.run_pixels() / std::min(lane_pixels(lanes), map.run_pixels());
-  const int lane = is_spread(lanes) ? 32 : 16;
-  const int parts = layout.components > 2 ? 5 : span == 1 ? 1 : span + 1;
-  const int segment = is_words(lanes) ? 0 : lane * parts;
-  const int columns = (15 - (layout.components - 1)) / layout.components;
-  b.widest = is_words(lanes) ? size.width : span == 1 ? columns : 15;
-  // The second of a lane's pixels, and of its neighbours, is in the segment too.
-  if (span > 1) b.steepest = 0x6800;
-  const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;
-  b.columns = size.width;
-  b.rows = size.height;
-  b.guarded_rows = bytes >= segment ? 1 : size.height;
-  b.last_segment = bytes - segment - 1;
-  b.strongly_bent = map.strongly_bent();
-  // Planes of one kind share their offsets, which are counted in 31 bits.
-  if (!alike || stride < bytes ||
-      stride > std::numeric_limits<std::int32_t>::max() / (size.height + 64)) {
-    b.last_row = -1;
-  }
-  return b;
-}
-
-}  // namespace
-
-int lane_pixels_of(const PlaneLayout& layout) noexcept {
-  return remap::lane_pixels(lane_layout(layout));
-}
-
-namespace {
-
-remap::WordFormat word_format(const PlaneLayout& layout) {
-  return {layout.sample == SampleType::kU16Big, layout.shift};
-}
-
-// What wide kernels take a plane as, if they do.
-std::optional<remap::WideFormat> wide_format(const PlaneMap& map, const PlaneLayout& layout,
-                                             Interpolation interpolation) {
-  const bool wide =
-      interpolation == Interpolation::kBicubic || interpolation == Interpolation::kLanczos;
-  const bool words = layout.sample != SampleType::kU8;
-  const auto bits = static_cast<int>(8 * layout.component_step);
-  const bool fits = (layout.components - 1) * bits + (words ? 16 : 8) <= 32;
-  if (!wide || !fits || !kLittleEndian || map.run_pixels() != 8) return std::nullopt;
-  remap::WideFormat format;
-  format.taps = interpolation == Interpolation::kBicubic ? 4 : 6;
-  format.components = layout.components;
-  format.component_bits = bits;
-  format.pixel_step = static_cast<int>(layout.pixel_step);
-  format.words = words;
-  format.word = word_format(layout);
-  const int depth = !words ? 8 : layout.bits > 0 ? layout.bits : 16 - layout.shift;
-  format.largest = static_cast<float>((1 << depth) - 1);
-  format.spare = (3 + format.pixel_step - 1) / format.pixel_step;
-  return format;
-}
-
-// How the vector kernels take a plane, if they do.
-LaneLayout usable_lanes(const PlaneMap& map, const PlaneLayout& layout, const Sampling& sampling) {
-  const LaneLayout lanes = lane_layout(layout);
-  const bool simple = sampling.interpolation == Interpolation::kNearest ||
-                      sampling.interpolation == Interpolation::kBilinear;
-  const bool fits = map.run_pixels() == 8 || map.run_pixels() == lane_pixels(lanes);
-  return simple && fits ? lanes : LaneLayout::kNone;
-}
 
 // One chunk of runs on its way down the rows.
 class Chunk {
@@ -142,21 +31,17 @@ class Chunk {
         sources_(sources),
         outputs_(outputs),
         sampling_(sampling),
-        lanes_(usable_lanes(map, layout, sampling)),
-        wide_(wide_format(map, layout, sampling.interpolation)),
-        bounds_(bounds_of(map, layout, lanes_, sources)),
-        group_(wide_ ? 1 : remap::run_group(lanes_, map.run_pixels())),
+        choice_(remap::choose_kernel(map, layout, sampling, sources)),
+        group_(choice_.wide ? 1 : remap::run_group(choice_.lanes, map.run_pixels())),
         pixels_(map.run_pixels()),
         first_run_(first_run),
         first_(first_run * map.run_pixels()) {
-    if (lanes_ == LaneLayout::kNone && !wide_) bounds_.last_row = -1;
-    bounds_.fills = sampling.outside == Outside::kFill;
     runs_ = std::min(remap::kChunkRuns, map.runs() - first_run);
     width_ = std::min(runs_ * pixels_, map.size().width - first_);
     row_.count = runs_;
     // What the last group of a row writes, and what follows it, must be the row's.
     const auto step = static_cast<int>(layout.pixel_step);
-    const int slack = (remap::run_slack(lanes_) + step - 1) / step;
+    const int slack = (remap::run_slack(choice_.lanes) + step - 1) / step;
     const int left = map.size().width - first_ - slack;
     whole_groups_ = std::max(left, 0) / (group_ * pixels_);
   }
@@ -169,7 +54,7 @@ class Chunk {
     const PlaneMap::Level level = map_.level(y);
     if (y >= band_end_) begin_band(y);
     way_ = way_down_band(level);
-    const bool slow = describe(level, limits, wide_ || uneven || limits != nullptr);
+    const bool slow = describe(level, limits, choice_.wide || uneven || limits != nullptr);
     if (limits != nullptr) mark_invalid(*limits);
     if (uneven) mark_slow(whole_groups_ * group_, row_.count);
     blend(y);
@@ -180,14 +65,15 @@ class Chunk {
   // Where the runs lie; whether there is a slow one. `all`: somebody needs all of their middles.
   bool describe(const PlaneMap::Level& level, const PlaneMap::Row* limits, bool all) noexcept {
     const auto describe_with = [this](const remap::RowNodes* between) {
-      return remap::describe_runs(lanes_, pixels_, bounds_, between, band_, way_, row_);
+      return remap::describe_runs(choice_.lanes, pixels_, choice_.bounds, between, band_, way_,
+                                  row_);
     };
     if (!all && band_shared_) return describe_with(nullptr);
     const remap::RowNodes between = nodes_at(level);
     if (!all) return describe_with(&between);
     remap::interpolate_runs(between, runs_, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
-    if (!wide_) return describe_with(nullptr);
+    if (!choice_.wide) return describe_with(nullptr);
     std::fill_n(row_.rows, row_.count, 0);
     return true;
   }
@@ -201,7 +87,7 @@ class Chunk {
     while (map_.level(last).node_row != node_row) --last;
     band_end_ = last + 1;
     // Where there is an end of the model rows have little in common.
-    if (wide_ || map_.limits(y) != nullptr) {
+    if (choice_.wide || map_.limits(y) != nullptr) {
       std::fill(std::begin(band_.steady), std::end(band_.steady), false);
       std::fill(std::begin(band_.empty), std::end(band_.empty), false);
       band_shared_ = false;
@@ -216,7 +102,7 @@ class Chunk {
     band_top_ = top.between;
     band_height_ = bottom.between - band_top_;
     const double height = band_height_;
-    band_shared_ = remap::begin_band(lanes_, pixels_, bounds_, nodes_, node_row % 4,
+    band_shared_ = remap::begin_band(choice_.lanes, pixels_, choice_.bounds, nodes_, node_row % 4,
                                      static_cast<float>(height), band_, row_);
   }
 
@@ -279,8 +165,8 @@ class Chunk {
   }
 
   void blend(int y) noexcept {
-    if (wide_) return blend_wide(y);
-    if (bounds_.last_row < 0) return;
+    if (choice_.wide) return blend_wide(y);
+    if (choice_.bounds.last_row < 0) return;
     const int whole = std::min(whole_groups_ * group_, row_.count);
     remap::PlaneRows planes{};
     planes.planes = static_cast<int>(sources_.size());
@@ -299,7 +185,7 @@ class Chunk {
     const int pixels = std::min(map_.size().width - first_ - run * pixels_, group_ * pixels_);
     const auto bytes = static_cast<std::size_t>((pixels - 1) * layout_.pixel_step +
                                                 (layout_.components - 1) * layout_.component_step +
-                                                (is_words(lanes_) ? 2 : 1));
+                                                (is_words(choice_.lanes) ? 2 : 1));
     std::array<std::array<std::uint8_t, kTail>, remap::kMaxPlanes> tails;
     for (std::size_t p = 0; p < sources_.size(); ++p) {
       std::memcpy(tails[p].data(), output_at(p, y, run), bytes);
@@ -315,19 +201,20 @@ class Chunk {
   void blend_wide(int y) noexcept {
     if (width_ % pixels_ != 0) mark_slow(row_.count - 1, row_.count);
     for (std::size_t p = 0; p < sources_.size(); ++p) {
-      remap::blend_wide_runs(*wide_, bounds_, row_, sources_[p].data, output_at(p, y, 0));
+      remap::blend_wide_runs(*choice_.wide, choice_.bounds, row_, sources_[p].data,
+                             output_at(p, y, 0));
     }
   }
 
   void blend(int begin, int end, const remap::PlaneRows& planes) noexcept {
     const bool nearest = sampling_.interpolation == Interpolation::kNearest;
-    if (is_words(lanes_)) {
-      remap::blend_word_runs(lanes_, word_format(layout_), row_, begin, end, bounds_.stride,
-                             nearest, planes);
+    if (is_words(choice_.lanes)) {
+      remap::blend_word_runs(choice_.lanes, remap::word_format(layout_), row_, begin, end,
+                             choice_.bounds.stride, nearest, planes);
       return;
     }
-    const remap::RowTask task = {row_, band_, way_, bounds_.stride, nearest};
-    remap::blend_runs(lanes_, pixels_, task, begin, end, planes);
+    const remap::RowTask task = {row_, band_, way_, choice_.bounds.stride, nearest};
+    remap::blend_runs(choice_.lanes, pixels_, task, begin, end, planes);
   }
 
   [[nodiscard]] std::uint8_t* output_at(std::size_t plane, int y, int run) const noexcept {
@@ -362,9 +249,7 @@ class Chunk {
   std::span<const PlaneMemory<const std::uint8_t>> sources_;
   std::span<const PlaneMemory<std::uint8_t>> outputs_;
   const Sampling& sampling_;
-  LaneLayout lanes_;
-  std::optional<remap::WideFormat> wide_;
-  remap::SourceBounds bounds_;
+  remap::KernelChoice choice_;
   int group_;
   int pixels_;     // of a run
   int first_run_;  // of the plane

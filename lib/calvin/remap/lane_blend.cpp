@@ -198,6 +198,7 @@ HWY_INLINE std::array<Numbers, kPlanes> blend_alternate(const RowTask& task, int
   const Taps taps = {hn::BitCast(Bytes(), bytes_of<P>(at.x)), across_of<P>(at.x), at.y};
   const std::int32_t* offsets = task.row.offset + j;
   std::array<Numbers, kPlanes> results;
+  HWY_UNROLL(kMaxPlanes)
   for (int p = 0; p < kPlanes; ++p) {
     hwy::Prefetch(planes.ahead[p] + offsets[kSecond * kLanes]);
     results[p] = blend_rows<L, kThree, kNearest>(task.row, j, offsets + kSecond, taps,
@@ -215,6 +216,7 @@ HWY_INLINE void blend_pair(const RowTask& task, int j, Numbers way, const Planes
       blend_alternate<L, kSteady, kThree, kNearest, 0>(task, j, way, planes, blender);
   const auto second =
       blend_alternate<L, kSteady, kThree, kNearest, 1>(task, j, way, planes, blender);
+  HWY_UNROLL(kMaxPlanes)
   for (int p = 0; p < kPlanes; ++p) {
     hn::StoreU(pack_lanes(Bytes(), first[p], second[p]), Bytes(), planes.outputs[p]);
   }

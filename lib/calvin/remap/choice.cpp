@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/remap/choice.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+namespace calvin::remap {
+
+namespace {
+
+constexpr bool kLittleEndian = std::endian::native == std::endian::little;
+
+LaneLayout lane_layout(const PlaneLayout& layout) {
+  if (layout.sample != SampleType::kU8) {
+    if (!kLittleEndian) return LaneLayout::kNone;
+    if (layout.components == 1 && layout.pixel_step == 2) return LaneLayout::kOneWord;
+    const bool pairs =
+        layout.components == 2 && layout.pixel_step == 4 && layout.component_step == 2;
+    return pairs ? LaneLayout::kTwoWords : LaneLayout::kNone;
+  }
+  const auto is = [&](int components, int pixel_step, int component_step) {
+    return layout.components == components && layout.pixel_step == pixel_step &&
+           (components == 1 || layout.component_step == component_step);
+  };
+  if (is(1, 1, 1)) return LaneLayout::kOne;
+  if (is(2, 2, 1)) return LaneLayout::kTwo;
+  if (is(3, 3, 1)) return LaneLayout::kThree;
+  if (is(4, 4, 1)) return LaneLayout::kFour;
+  if (is(1, 2, 2)) return LaneLayout::kOneSpread;
+  if (is(2, 4, 2)) return LaneLayout::kTwoSpread;
+  return LaneLayout::kNone;
+}
+
+bool is_spread(LaneLayout layout) {
+  return layout == LaneLayout::kOneSpread || layout == LaneLayout::kTwoSpread;
+}
+
+// What the vector kernel may take of a source plane.
+SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayout lanes,
+                       std::span<const PlaneMemory<const std::uint8_t>> sources) {
+  const std::ptrdiff_t stride = sources.front().stride;
+  const bool alike = sources.back().stride == stride;
+  const ImageSize size = map.source_size();
+  SourceBounds b;
+  b.stride = static_cast<std::int32_t>(stride);
+  // Beyond an uneven last sample places are no longer linear.
+  b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
+  b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
+  // Lanes of a run are read by 16 bytes, or all of them at once; words not at all by segments.
+  // Pixels of three and four bytes may be read each by itself, by 16 bytes too.
+  const int span = map.run_pixels() / std::min(lane_pixels(lanes), map.run_pixels());
+  const int lane = is_spread(lanes) ? 32 : 16;
+  const int parts = layout.components > 2 ? 5 : span == 1 ? 1 : span + 1;
+  const int segment = is_words(lanes) ? 0 : lane * parts;
+  const int columns = (15 - (layout.components - 1)) / layout.components;
+  b.widest = is_words(lanes) ? size.width : span == 1 ? columns : 15;
+  // The second of a lane's pixels, and of its neighbours, is in the segment too.
+  if (span > 1) b.steepest = 0x6800;
+  const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;
+  b.columns = size.width;
+  b.rows = size.height;
+  b.guarded_rows = bytes >= segment ? 1 : size.height;
+  b.last_segment = bytes - segment - 1;
+  b.strongly_bent = map.strongly_bent();
+  // Planes of one kind share their offsets, which are counted in 31 bits.
+  if (!alike || stride < bytes ||
+      stride > std::numeric_limits<std::int32_t>::max() / (size.height + 64)) {
+    b.last_row = -1;
+  }
+  return b;
+}
+
+// What wide kernels take a plane as, if they do.
+std::optional<WideFormat> wide_format(const PlaneMap& map, const PlaneLayout& layout,
+                                      Interpolation interpolation) {
+  const bool wide =
+      interpolation == Interpolation::kBicubic || interpolation == Interpolation::kLanczos;
+  const bool words = layout.sample != SampleType::kU8;
+  const auto bits = static_cast<int>(8 * layout.component_step);
+  const bool fits = (layout.components - 1) * bits + (words ? 16 : 8) <= 32;
+  if (!wide || !fits || !kLittleEndian || map.run_pixels() != 8) return std::nullopt;
+  WideFormat format;
+  format.taps = interpolation == Interpolation::kBicubic ? 4 : 6;
+  format.components = layout.components;
+  format.component_bits = bits;
+  format.pixel_step = static_cast<int>(layout.pixel_step);
+  format.words = words;
+  format.word = word_format(layout);
+  const int depth = !words ? 8 : layout.bits > 0 ? layout.bits : 16 - layout.shift;
+  format.largest = static_cast<float>((1 << depth) - 1);
+  format.spare = (3 + format.pixel_step - 1) / format.pixel_step;
+  return format;
+}
+
+// How the vector kernels take a plane, if they do.
+LaneLayout usable_lanes(const PlaneMap& map, const PlaneLayout& layout, const Sampling& sampling) {
+  const LaneLayout lanes = lane_layout(layout);
+  const bool simple = sampling.interpolation == Interpolation::kNearest ||
+                      sampling.interpolation == Interpolation::kBilinear;
+  const bool fits = map.run_pixels() == 8 || map.run_pixels() == lane_pixels(lanes);
+  return simple && fits ? lanes : LaneLayout::kNone;
+}
+
+}  // namespace
+
+WordFormat word_format(const PlaneLayout& layout) noexcept {
+  return {layout.sample == SampleType::kU16Big, layout.shift};
+}
+
+KernelChoice choose_kernel(const PlaneMap& map, const PlaneLayout& layout, const Sampling& sampling,
+                           std::span<const PlaneMemory<const std::uint8_t>> sources) noexcept {
+  KernelChoice choice;
+  choice.lanes = usable_lanes(map, layout, sampling);
+  choice.wide = wide_format(map, layout, sampling.interpolation);
+  choice.bounds = bounds_of(map, layout, choice.lanes, sources);
+  choice.bounds.fills = sampling.outside == Outside::kFill;
+  if (choice.lanes == LaneLayout::kNone && !choice.wide) choice.bounds.last_row = -1;
+  return choice;
+}
+
+}  // namespace calvin::remap
+
+namespace calvin {
+
+int lane_pixels_of(const PlaneLayout& layout) noexcept {
+  return remap::lane_pixels(remap::lane_layout(layout));
+}
+
+}  // namespace calvin
