@@ -17,12 +17,10 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A vector of runs, or a single one.
-template <class D>
-HWY_INLINE void expand_at(D d, const RunColumns& runs, int run, const NodeLine& line, float* to) {
-  const hn::RebindToSigned<D> ints;
-  const auto column = hn::LoadU(ints, runs.column + run);
-  const auto node = [&](int c) HWY_ATTR { return hn::GatherIndex(d, line.nodes + c, column); };
+// Between the four nodes that `node` gives.
+template <class D, class N>
+HWY_INLINE void expand_between(D d, const RunColumns& runs, int run, const NodeLine& line, N node,
+                               float* to) {
   const auto part = [&](int c) HWY_ATTR { return hn::LoadU(d, runs.weights[c] + run); };
   // By differences: a place that is far from the origin keeps its last bits.
   const auto second = node(1);
@@ -30,6 +28,28 @@ HWY_INLINE void expand_at(D d, const RunColumns& runs, int run, const NodeLine& 
       second + hn::MulAdd(part(0), node(0) - second,
                           hn::MulAdd(part(1), node(2) - second, part(2) * (node(3) - second)));
   hn::StoreU(between * hn::Set(d, line.scale) - hn::Set(d, line.offset), d, to);
+}
+
+// A vector of runs, or a single one.
+template <class D>
+HWY_INLINE void expand_at(D d, const RunColumns& runs, int run, const NodeLine& line, float* to) {
+  const hn::RebindToSigned<D> ints;
+  constexpr int kVector = static_cast<int>(hn::MaxLanes(D()));
+  const std::int32_t* columns = runs.column + run;
+  const std::int32_t first = columns[0];
+  const auto column = hn::LoadU(ints, columns);
+  // Where a vector holds all of the nodes: that is quicker than to gather them.
+  if (columns[kVector - 1] - first + 4 <= kVector && first + kVector <= line.count) {
+    const auto nodes = hn::LoadU(d, line.nodes + first);
+    const auto node = [&](int c) HWY_ATTR {
+      const auto which = column - hn::Set(ints, first - c);
+      return hn::TableLookupLanes(nodes, hn::IndicesFromVec(d, which));
+    };
+    expand_between(d, runs, run, line, node, to);
+  } else {
+    const auto node = [&](int c) HWY_ATTR { return hn::GatherIndex(d, line.nodes + c, column); };
+    expand_between(d, runs, run, line, node, to);
+  }
 }
 
 void expand_row(const RunColumns& runs, int first, int count, const NodeLine& line, float* to) {

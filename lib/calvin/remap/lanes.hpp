@@ -43,6 +43,7 @@ struct RunColumns {
 // One coordinate of a row of nodes: `scale` times it, less `offset`, is a place of the source.
 struct NodeLine {
   const float* nodes;
+  int count;
   float scale;
   float offset;
 };

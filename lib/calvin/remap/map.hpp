@@ -27,8 +27,9 @@ using PixelFunction = std::function<std::optional<Pixel>(Pixel)>;
   const double a = t + 1;
   const double b = t - 1;
   const double c = t - 2;
-  return {static_cast<float>(-t * b * c / 6), static_cast<float>(a * b * c / 2),
-          static_cast<float>(-a * t * c / 2), static_cast<float>(a * t * b / 6)};
+  constexpr double kSixth = 1.0 / 6;
+  return {static_cast<float>(-t * b * c * kSixth), static_cast<float>(a * b * c / 2),
+          static_cast<float>(-a * t * c / 2), static_cast<float>(a * t * b * kSixth)};
 }
 
 // Places on a square grid, in px of the source, to be interpolated bicubically. Immutable.

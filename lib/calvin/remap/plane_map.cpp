@@ -53,10 +53,11 @@ PlaneMap::Level PlaneMap::level(int y) const noexcept {
 }
 
 void PlaneMap::expand(int node_row, int first, int count, float* x, float* y) const noexcept {
-  const auto line = [](const float* nodes, const SampleAxis& axis) {
+  const auto line = [this](const float* nodes, const SampleAxis& axis) {
     const auto one = static_cast<float>(1 << remap::kPlaceBits);
     const float scale = one / static_cast<float>(axis.scale());
-    return remap::NodeLine{nodes, scale, scale * static_cast<float>(axis.offset())};
+    return remap::NodeLine{nodes, map_->columns(), scale,
+                           scale * static_cast<float>(axis.offset())};
   };
   const remap::RunColumns runs = {columns_.data(),
                                   {weights_[0].data(), weights_[1].data(), weights_[2].data()}};
