@@ -146,7 +146,7 @@ template <int kComponents>
 HWY_INLINE void blend_eight(const std::uint8_t* source, std::int32_t stride,
                             const PixelSamples& samples, int first, std::uint8_t* out,
                             const Blender<ApartBytes>& blender) {
-  constexpr int kAhead = 8;  // rows of the source that are fetched before they are needed
+  constexpr int kAhead = 5;  // rows of the source that are fetched before they are needed
   const ApartBytes bytes;
   hwy::Prefetch(source + samples.address[first] + static_cast<std::ptrdiff_t>(kAhead) * stride +
                 32);
