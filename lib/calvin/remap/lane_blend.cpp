@@ -162,21 +162,38 @@ struct Planes {
   std::int32_t stride;
 };
 
-// The `v`th vector of the group of runs whose first one is `j`.
+// The `v`th vector of the group of runs whose first one is `j`, of one plane.
 template <class L, bool kThree, bool kNearest, int kPlanes>
-HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
-                             const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
+HWY_INLINE Numbers vector_of(const RunRow& row, int j, int v, const Taps& taps,
+                             const Planes<kPlanes>& planes, int p, const Blender<Bytes>& blender) {
   const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + j * L::kSpan + v * kLanes
                                             : row.offset + j + v * kLanes / L::kSpan;
   const std::int32_t stride = planes.stride;
+  const std::uint8_t* source = planes.sources[p];
+  hwy::Prefetch(planes.ahead[p] + offsets[0]);
+  return blender.rounded(kThree
+                             ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender)
+                             : blend_more_rows<L, kNearest>(source, offsets, stride,
+                                                            row.rows[j] % kSlowRun, taps, blender));
+}
+
+template <class L, bool kThree, bool kNearest, int kPlanes>
+HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
+                             const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
   for (int p = 0; p < kPlanes; ++p) {
-    const std::uint8_t* source = planes.sources[p];
-    hwy::Prefetch(planes.ahead[p] + offsets[0]);
-    const Numbers sum = kThree
-                            ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender)
-                            : blend_more_rows<L, kNearest>(source, offsets, stride,
-                                                           row.rows[j] % kSlowRun, taps, blender);
-    store_results<L>(blender.rounded(sum), planes.outputs[p] + v * L::kOut);
+    store_results<L>(vector_of<L, kThree, kNearest>(row, j, v, taps, planes, p, blender),
+                     planes.outputs[p] + v * L::kOut);
+  }
+}
+
+// The `v`th one and the next.
+template <class L, bool kThree, bool kNearest, int kPlanes>
+HWY_INLINE void blend_pair(const RunRow& row, int j, int v, const Taps& first, const Taps& second,
+                           const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
+  for (int p = 0; p < kPlanes; ++p) {
+    const Numbers a = vector_of<L, kThree, kNearest>(row, j, v, first, planes, p, blender);
+    const Numbers b = vector_of<L, kThree, kNearest>(row, j, v + 1, second, planes, p, blender);
+    store_pair<L>(a, b, planes.outputs[p] + v * L::kOut);
   }
 }
 
@@ -220,9 +237,17 @@ HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPl
   const auto way = hn::Set(PlaceNumbers<P>(), static_cast<std::int16_t>(task.way * 0x7FFF));
   BlockSamples samples;
   const auto blend_group = [&](auto three, int j, int first) HWY_ATTR {
-    for (int v = 0; v < L::kSpan; ++v) {
-      const Taps taps = taps_at<L>(samples, first + v * L::kPixels * kLanes);
-      blend_vector<L, decltype(three)::value, kNearest>(task.row, j, v, taps, planes, blender);
+    constexpr bool kThree = decltype(three)::value;
+    const auto taps = [&](int v)
+                          HWY_ATTR { return taps_at<L>(samples, first + v * L::kPixels * kLanes); };
+    if constexpr (kByPairs<L>) {
+      for (int v = 0; v < L::kSpan; v += 2) {
+        blend_pair<L, kThree, kNearest>(task.row, j, v, taps(v), taps(v + 1), planes, blender);
+      }
+    } else {
+      for (int v = 0; v < L::kSpan; ++v) {
+        blend_vector<L, kThree, kNearest>(task.row, j, v, taps(v), planes, blender);
+      }
     }
   };
   for (int block = begin; block < end; block += kBlockRuns) {

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstring>
 
+#include "calvin/remap/lane_math-inl.hpp"
 #include "calvin/remap/lane_placing-inl.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
@@ -39,6 +40,10 @@ constexpr bool kByWindows = kMovesAllBytes&& L::kWindow > 16;
 // Whether lanes have offsets and lines of their own.
 template <class L>
 constexpr bool kByLanes = L::kSpan > 1 && !kMovesAllBytes;
+
+// Whether vectors of results are stored two at a time.
+template <class L>
+constexpr bool kByPairs = L::kSpan > 1 && L::kSpread == 1;
 
 template <class L>
 using PlacingOf = Placing<L::kRunPixels, kByLanes<L> ? L::kSpan : 1, L::kStep * L::kSpread>;
@@ -130,6 +135,44 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
   } else {
     hn::StoreU(hn::DemoteTo(d, results), d, out);
   }
+}
+
+// Of two vectors of results that follow each other in a run each lane's eight bytes in turn.
+struct PairOrder {
+  alignas(64) std::uint64_t halves[8] = {0, 2, 4, 6, 1, 3, 5, 7};
+  // Six of eight results of a lane are samples of three components.
+  alignas(64) std::uint8_t threes[64];
+};
+constexpr PairOrder make_pair_order() {
+  PairOrder order{};
+  for (int i = 0; i < 64; ++i) {
+    const int lane = i / 6 % 8;
+    const int result = i % 6 / 3 * 4 + i % 3;
+    order.threes[i] = static_cast<std::uint8_t>(lane % 4 * 16 + lane / 4 * 8 + result);
+  }
+  return order;
+}
+constexpr PairOrder kPairOrder = make_pair_order();
+
+template <class L>
+HWY_INLINE void store_pair(Numbers first, Numbers second, std::uint8_t* out) {
+  const Bytes d;
+  auto pair = pack_lanes(d, first, second);
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
+  if constexpr (L::kStep == 3) {
+    constexpr std::uint64_t kSamples = (std::uint64_t{1} << 48) - 1;
+    const auto order = hn::Load(d, kPairOrder.threes);
+    _mm512_mask_storeu_epi8(out, kSamples, _mm512_permutexvar_epi8(order.raw, pair.raw));
+    return;
+  }
+#endif
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  const hn::Repartition<std::uint64_t, Bytes> halves;
+  pair = Pairs{_mm512_permutexvar_epi64(hn::Load(halves, kPairOrder.halves).raw, pair.raw)};
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  pair = Pairs{_mm256_permute4x64_epi64(pair.raw, 0xD8)};
+#endif
+  hn::StoreU(pair, d, out);
 }
 
 // Of indices below 32 the ones within the first 16 bytes; the others such that nothing is taken.
