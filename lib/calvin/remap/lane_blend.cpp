@@ -64,24 +64,24 @@ HWY_INLINE Both<P> segment_places(const RowTask& task, int run, hn::Vec<PlaceNum
   return at;
 }
 
-template <class P>
+template <class L, class P>
 HWY_INLINE void store_places(const Both<P>& at, int to, BlockSamples& samples) {
   const PlaceNumbers<P> d;
-  hn::Store(bytes_of<P>(at.x), d, samples.bytes + to);
+  hn::Store(bytes_of<P, kIndexStep<L>>(at.x), d, samples.bytes + to);
   hn::Store(across_of<P>(at.x), d, samples.across + to);
   hn::Store(at.y, d, samples.down + to);
 }
 
-template <class P, bool kNearest>
+template <class L, bool kNearest, class P = PlacingOf<L>>
 HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<PlaceNumbers<P>> way,
                             BlockSamples& samples) {
   constexpr int kRuns = P::kSamples / P::kRun;
   int to = 0;
   for (int j = begin; j < end; j += kRuns, to += P::kSamples) {
     if (HWY_LIKELY(task.row.rows[j] == kSteadyRows)) {
-      store_places<P>(segment_places<P, kNearest, true>(task, j, way), to, samples);
+      store_places<L, P>(segment_places<P, kNearest, true>(task, j, way), to, samples);
     } else {
-      store_places<P>(segment_places<P, kNearest, false>(task, j, way), to, samples);
+      store_places<L, P>(segment_places<P, kNearest, false>(task, j, way), to, samples);
     }
   }
 }
@@ -252,7 +252,7 @@ HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPl
   };
   for (int block = begin; block < end; block += kBlockRuns) {
     const int last = std::min(block + kBlockRuns, end);
-    place_block<P, kNearest>(task, block, last, way, samples);
+    place_block<L, kNearest>(task, block, last, way, samples);
     int first = 0;
     for (int j = block; j < last; j += kLanes, first += kLanes * L::kRunPixels) {
       const std::int32_t mark = task.row.rows[j];
