@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Bilinear resampling of pixels of three or four bytes, each of which is fetched by its own
-// address: 8 bytes hold it and its neighbour. Compiled once per target of Highway: include it after
-// hwy/foreach_target.h.
+// address: 8 bytes hold it and its neighbour. lane_windows-inl.hpp takes most runs at once where it
+// can. Compiled once per target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_APART_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_APART_INL_HPP
 #undef CALVIN_REMAP_LANE_APART_INL_HPP
@@ -13,45 +13,12 @@
 
 #include <algorithm>
 
-#include <hwy/cache_control.h>
-
-#include "calvin/remap/lane_math-inl.hpp"
-#include "calvin/remap/lane_samples-inl.hpp"
+#include "calvin/remap/lane_windows-inl.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
-
-// Vectors of two lanes at most: to put more of them together costs more than they save. A lane is
-// four pixels, two at a time.
-constexpr int kApartLanes = std::min(kLanes, 2);
-using ApartBytes = hn::FixedTag<std::uint8_t, 16 * kApartLanes>;
-using ApartNumbers = NumbersOf<ApartBytes>;
-
-// Which bytes of two pixels and their neighbours are blended, and which bytes of the weights of
-// eight pixels are those of either two of a lane's four.
-struct ApartTables {
-  alignas(32) std::uint8_t neighbours[32];
-  alignas(32) std::uint8_t weights[4][32];
-  alignas(32) std::uint8_t front[32];  // three of each four bytes
-};
-constexpr ApartTables make_apart_tables(int components) {
-  ApartTables t{};
-  for (int i = 0; i < 32; ++i) {
-    const int result = i % 16 / 2;
-    const int component = result % 4 < components ? result % 4 : 0;
-    t.neighbours[i] = static_cast<std::uint8_t>(result / 4 * 8 + component + i % 2 * components);
-    for (int k = 0; k < 4; ++k) {
-      t.weights[k][i] =
-          static_cast<std::uint8_t>((2 * (i / 16 * 4 + 2 * k + result / 4) + i % 2) % 16);
-    }
-    t.front[i] = static_cast<std::uint8_t>(i % 16 < 12 ? i % 16 / 3 * 4 + i % 16 % 3 : 0);
-  }
-  return t;
-}
-template <int kComponents>
-constexpr ApartTables kApartTables = make_apart_tables(kComponents);
 
 // 16 bytes for each lane, from the first address of each four.
 template <class D>
@@ -80,40 +47,9 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_across(const std::uint8_t* source,
   return blender.across(hn::TableLookupBytes(hn::BitCast(bytes, both), which), across);
 }
 
-// What is known of the pixels of a block of runs.
-struct PixelSamples {
-  alignas(64) std::int32_t address[8 * kBlockRuns];
-  alignas(64) std::int16_t across[8 * kBlockRuns];
-  alignas(64) std::int16_t down[8 * kBlockRuns];
-};
-template <class P, bool kSteady>
-HWY_INLINE void place_pixels(const RowTask& task, int run, hn::Vec<PlaceNumbers<P>> way,
-                             Stride stride, int to, PixelSamples& samples) {
-  const PlaceNumbers<P> d;
-  Both<P> at = places_of<P, kSteady>(task.row, task.band, run, way);
-  auto down = down_of<P>(at.y);
-  if (task.nearest) {
-    at.x = rounded_place(d, at.x);
-    // The row behind the nearest one need not be there.
-    down = hn::IfThenElseZero(hn::Gt(down, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
-  }
-  store_addresses<P>(at, task.row.offset + run, stride, samples.address + to);
-  hn::Store(across_of<P>(at.x), d, samples.across + to);
-  hn::Store(down, d, samples.down + to);
-}
-
-// The weights of the `k`th two pixels of each lane, for each of their results; `samples` are eight.
-template <int kComponents>
-HWY_INLINE hn::Vec<ApartNumbers> weights_of(const std::int16_t* samples, int k) {
-  const ApartBytes bytes;
-  const auto all = hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(samples));
-  const auto which = hn::Load(bytes, kApartTables<kComponents>.weights[k]);
-  return hn::BitCast(ApartNumbers(), hn::TableLookupBytes(all, which));
-}
-
 // The values of the `k`th two pixels of each lane, of the eight pixels from `first` on.
 template <int kComponents>
-HWY_INLINE hn::Vec<ApartNumbers> blend_two(const std::uint8_t* source, std::int32_t stride,
+HWY_INLINE hn::Vec<ApartNumbers> blend_two(const std::uint8_t* source, std::ptrdiff_t stride,
                                            const PixelSamples& samples, int first, int k,
                                            const Blender<ApartBytes>& blender) {
   const std::int32_t* addresses = samples.address + first + 2 * k;
@@ -141,20 +77,52 @@ HWY_INLINE void store_apart(D d, hn::Vec<D> pixels, std::uint8_t* out) {
   }
 }
 
-// Eight pixels.
+// Eight pixels from `first` on.
 template <int kComponents>
-HWY_INLINE void blend_eight(const std::uint8_t* source, std::int32_t stride,
-                            const PixelSamples& samples, int first, std::uint8_t* out,
-                            const Blender<ApartBytes>& blender) {
-  constexpr int kAhead = 8;  // rows of the source that are fetched before they are needed
+HWY_INLINE void blend_eight(const ApartRow& row, std::int32_t offset, const PixelSamples& samples,
+                            int first, std::uint8_t* out) {
   const ApartBytes bytes;
-  hwy::Prefetch(source + samples.address[first] + static_cast<std::ptrdiff_t>(kAhead) * stride +
-                32);
+  const std::uint8_t* source = row.source + offset;
+  hwy::Prefetch(source + samples.address[first] + kApartAhead * row.stride + 32);
   for (int i = 0; i < 2 / kApartLanes; ++i) {
-    const auto a = blend_two<kComponents>(source, stride, samples, first, 2 * i, blender);
-    const auto b = blend_two<kComponents>(source, stride, samples, first, 2 * i + 1, blender);
+    const auto a = blend_two<kComponents>(source, row.stride, samples, first, 2 * i, row.blender);
+    const auto b =
+        blend_two<kComponents>(source, row.stride, samples, first, 2 * i + 1, row.blender);
     store_apart<kComponents>(bytes, pack_lanes(bytes, a, b), out + 4 * i * kComponents);
   }
+}
+
+// A vector of pixels that are fetched one by one.
+template <class P>
+HWY_INLINE void store_pixels(Both<P> at, const std::int32_t* offsets, Stride stride, bool nearest,
+                             int to, PixelSamples& samples) {
+  const PlaceNumbers<P> d;
+  auto down = down_of<P>(at.y);
+  if (nearest) {
+    at.x = rounded_place(d, at.x);
+    // The row behind the nearest one need not be there.
+    down = hn::IfThenElseZero(hn::Gt(down, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
+  }
+  store_addresses<P>(at, offsets, stride, samples.address + to);
+  hn::Store(across_of<P>(at.x), d, samples.across + to);
+  hn::Store(down, d, samples.down + to);
+}
+
+// A vector of steady runs; whether they are fetched by windows.
+template <class P>
+HWY_INLINE bool place_steady(const RowTask& task, int run, hn::Vec<PlaceNumbers<P>> way,
+                             Stride stride, int to, PixelSamples& samples) {
+  const Both<P> at = places_of<P, true>(task.row, task.band, run, way);
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  if constexpr (kHasWindows<P>) {
+    if (HWY_LIKELY(!task.nearest && (P::kStep == 4 ? place_columns<P>(at, to, samples)
+                                                   : place_threes<P>(at, to, samples)))) {
+      return true;
+    }
+  }
+#endif
+  store_pixels<P>(at, task.row.offset + run, stride, task.nearest, to, samples);
+  return false;
 }
 
 template <class P>
@@ -162,33 +130,59 @@ HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<Pla
                             Stride stride, PixelSamples& samples) {
   int to = 0;
   for (int j = begin; j < end; j += P::kSamples / P::kRun, to += P::kSamples) {
-    if (HWY_LIKELY(task.row.rows[j] == kSteadyRows)) {
-      place_pixels<P, true>(task, j, way, stride, to, samples);
+    if (HWY_LIKELY(is_steady(task.row.rows[j]))) {
+      samples.by_window[j - begin] = place_steady<P>(task, j, way, stride, to, samples);
     } else {
-      place_pixels<P, false>(task, j, way, stride, to, samples);
+      samples.by_window[j - begin] = false;
+      store_pixels<P>(places_of<P, false>(task.row, task.band, j, way), task.row.offset + j, stride,
+                      task.nearest, to, samples);
+    }
+  }
+}
+
+// The runs from `begin` to before `end`, whose pixels are known.
+template <class P>
+HWY_INLINE void blend_block(const ApartRow& row, const RunRow& runs, int begin, int end,
+                            const PixelSamples& samples, std::uint8_t* out) {
+  const std::int32_t* marks = runs.rows + begin;
+  const std::int32_t* offsets = runs.offset + begin;
+  constexpr int kRuns = P::kSamples / P::kRun;
+  // A vector is a group or a part of one.
+  for (int j = 0; j < end - begin; j += kRuns, out += P::kSamples * P::kStep) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+    if constexpr (kHasWindows<P>) {
+      if (HWY_LIKELY(samples.by_window[j])) {
+        blend_windows<P::kStep>(row, offsets + j, samples, 8 * j, out);
+        continue;
+      }
+    }
+#endif
+    if (HWY_UNLIKELY(marks[j] >= kSlowGroup)) continue;
+    for (int i = 0; i < P::kSamples; i += 8) {
+      blend_eight<P::kStep>(row, P::kRun < 8 ? 0 : offsets[j + i / P::kRun], samples,
+                            j * P::kRun + i, out + i * P::kStep);
     }
   }
 }
 
 // As blend_runs(), for runs of `kRun` samples.
 template <int kRun, int kComponents>
-void blend_apart(const RowTask& task, int begin, int end, const PlaneRows& planes) {
+void blend_apart(const RowTask& shared, int begin, int end, const PlaneRows& planes) {
   using P = Placing<kRun, 1, kComponents, true>;
+  // What is written may be anything for all that the compiler knows.
+  const RowTask task = shared;
   const Blender<ApartBytes> blender;
   const Stride stride(task.stride, kComponents);
   const auto way = hn::Set(PlaceNumbers<P>(), static_cast<std::int16_t>(task.way * 0x7FFF));
   PixelSamples samples;
-  for (int block = begin; block < end; block += kBlockRuns) {
-    const int last = std::min(block + kBlockRuns, end);
-    place_block<P>(task, block, last, way, stride, samples);
-    for (int p = 0; p < planes.planes; ++p) {
-      std::uint8_t* out = planes.output[p] + (block - begin) * kRun * kComponents;
-      for (int i = 0; i < (last - block) * kRun; i += 8) {
-        const int run = block + i / kRun;
-        if (HWY_UNLIKELY(task.row.rows[run] >= kSlowGroup)) continue;
-        const std::uint8_t* source = planes.source[p] + (kRun < 8 ? 0 : task.row.offset[run]);
-        blend_eight<kComponents>(source, task.stride, samples, i, out + i * kComponents, blender);
-      }
+  for (int p = 0; p < planes.planes; ++p) {
+    const ApartRow row = {planes.source[p], task.stride, blender};
+    std::uint8_t* out = planes.output[p];
+    for (int block = begin; block < end; block += kBlockRuns) {
+      const int last = std::min(block + kBlockRuns, end);
+      place_block<P>(task, block, last, way, stride, samples);
+      blend_block<P>(row, task.row, block, last, samples, out);
+      out += kBlockRuns * kRun * kComponents;
     }
   }
 }

@@ -216,8 +216,9 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
     const auto x_slack = hn::Min(x_bulge.line, most);
     const BandAxis x =
         band_axis<kThird>(band.x_first + j, band.x_amid + j, band.x_last + j, x_slack, 0);
-    const BandAxis y = band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
-                                         hn::Min(y_bulge.line, most), P::kApart ? 0 : kHalfRow);
+    const BandAxis y =
+        band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
+                          hn::Min(y_bulge.line, most), P::kApart ? 2 * kHalfRow : kHalfRow);
     const bool tame = hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.line, y_bulge.line), most));
     band.empty[j] = tame && bounds.fills && is_empty(x, y, bounds);
     if (band.empty[j]) {
@@ -229,7 +230,7 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
       shared = false;
       continue;
     }
-    hn::Store(hn::Set(d, kSteadyRows), d, row.rows + j);
+    hn::Store(hn::Set(d, kSteadyThree), d, row.rows + j);
     alignas(64) std::int32_t to_middles[P::kParts * kVector];
     begin_segments<P>(j, x, y, x_slack, band, to_middles);
     begin_shapes<P>(j, x, y, to_middles, band);

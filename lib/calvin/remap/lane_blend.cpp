@@ -64,24 +64,24 @@ HWY_INLINE Both<P> segment_places(const RowTask& task, int run, hn::Vec<PlaceNum
   return at;
 }
 
-template <class P>
+template <class L, class P>
 HWY_INLINE void store_places(const Both<P>& at, int to, BlockSamples& samples) {
   const PlaceNumbers<P> d;
-  hn::Store(bytes_of<P>(at.x), d, samples.bytes + to);
+  hn::Store(bytes_of<P, kIndexStep<L>>(at.x), d, samples.bytes + to);
   hn::Store(across_of<P>(at.x), d, samples.across + to);
   hn::Store(at.y, d, samples.down + to);
 }
 
-template <class P, bool kNearest>
+template <class L, bool kNearest, class P = PlacingOf<L>>
 HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<PlaceNumbers<P>> way,
                             BlockSamples& samples) {
   constexpr int kRuns = P::kSamples / P::kRun;
   int to = 0;
   for (int j = begin; j < end; j += kRuns, to += P::kSamples) {
-    if (HWY_LIKELY(task.row.rows[j] == kSteadyRows)) {
-      store_places<P>(segment_places<P, kNearest, true>(task, j, way), to, samples);
+    if (HWY_LIKELY(is_steady(task.row.rows[j]))) {
+      store_places<L, P>(segment_places<P, kNearest, true>(task, j, way), to, samples);
     } else {
-      store_places<P>(segment_places<P, kNearest, false>(task, j, way), to, samples);
+      store_places<L, P>(segment_places<P, kNearest, false>(task, j, way), to, samples);
     }
   }
 }
@@ -167,25 +167,14 @@ template <class L, bool kThree, bool kNearest>
 HWY_INLINE Numbers blend_rows(const RunRow& row, int j, const std::int32_t* offsets,
                               const Taps& taps, const std::uint8_t* source, std::int32_t stride,
                               const Blender<Bytes>& blender) {
-  const Numbers sum = kThree ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender)
-                             : blend_more_rows<L, kNearest>(source, offsets, stride,
-                                                            row.rows[j] % kSlowRun, taps, blender);
+  const Numbers sum = kThree
+                          ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender)
+                          : blend_more_rows<L, kNearest>(source, offsets, stride,
+                                                         row.rows[j] % kSteadyRows, taps, blender);
   return blender.rounded(sum);
 }
 
-// The `v`th vector of the group of runs whose first one is `j`.
-template <class L, bool kThree, bool kNearest, int kPlanes>
-HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
-                             const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
-  const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + j * L::kSpan + v * kLanes
-                                            : row.offset + j + v * kLanes / L::kSpan;
-  for (int p = 0; p < kPlanes; ++p) {
-    hwy::Prefetch(planes.ahead[p] + offsets[0]);
-    store_results<L>(blend_rows<L, kThree, kNearest>(row, j, offsets, taps, planes.sources[p],
-                                                     planes.stride, blender),
-                     planes.outputs[p] + v * L::kOut);
-  }
-}
+// ---- Runs of a single component: their samples stay in registers.
 
 // The first or the second of two vectors of a group whose first run is `j`: every other run.
 template <class L, bool kSteady, bool kThree, bool kNearest, int kSecond, int kPlanes>
@@ -207,11 +196,10 @@ HWY_INLINE std::array<Numbers, kPlanes> blend_alternate(const RowTask& task, int
   return results;
 }
 
-// The group of runs of a single component whose first one is `j`: the results of two vectors are
-// packed lane by lane.
+// The group whose first run is `j`: the results of two vectors are packed lane by lane.
 template <class L, bool kSteady, bool kThree, bool kNearest, int kPlanes>
-HWY_INLINE void blend_pair(const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
-                           const Blender<Bytes>& blender) {
+HWY_INLINE void blend_alternates(const RowTask& task, int j, Numbers way,
+                                 const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
   const auto first =
       blend_alternate<L, kSteady, kThree, kNearest, 0>(task, j, way, planes, blender);
   const auto second =
@@ -222,7 +210,21 @@ HWY_INLINE void blend_pair(const RowTask& task, int j, Numbers way, const Planes
   }
 }
 
-// Runs of a single component: their samples stay in registers.
+// Any but a steady group of three rows.
+template <class L, bool kNearest, int kPlanes>
+HWY_INLINE void blend_other(const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
+                            const Blender<Bytes>& blender) {
+  const std::int32_t mark = task.row.rows[j];
+  if (mark >= kSlowGroup) return;
+  if (is_steady(mark)) {
+    blend_alternates<L, true, false, kNearest>(task, j, way, planes, blender);
+  } else if (mark % kSteadyRows == 3) {
+    blend_alternates<L, false, true, kNearest>(task, j, way, planes, blender);
+  } else {
+    blend_alternates<L, false, false, kNearest>(task, j, way, planes, blender);
+  }
+}
+
 template <class L, bool kNearest, int kPlanes>
 HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPlanes> planes) {
   constexpr int kGroup = PlacingOf<L>::kGroup;
@@ -235,21 +237,48 @@ HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPl
   };
   for (int j = begin; j < end;) {
     // Apart from the others, so that these keep their registers.
-    for (; HWY_LIKELY(j < end && marks[j] == kSteadyRows); j = next(j)) {
-      blend_pair<L, true, true, kNearest>(task, j, way, planes, blender);
+    for (; HWY_LIKELY(j < end && marks[j] == kSteadyThree); j = next(j)) {
+      blend_alternates<L, true, true, kNearest>(task, j, way, planes, blender);
     }
-    for (; j < end && marks[j] != kSteadyRows; j = next(j)) {
-      if (marks[j] >= kSlowGroup) continue;
-      if (marks[j] % kSlowRun == 3) {
-        blend_pair<L, false, true, kNearest>(task, j, way, planes, blender);
-      } else {
-        blend_pair<L, false, false, kNearest>(task, j, way, planes, blender);
-      }
+    for (; j < end && marks[j] != kSteadyThree; j = next(j)) {
+      blend_other<L, kNearest>(task, j, way, planes, blender);
     }
   }
 }
 
-// Runs of other samples, block after block.
+// ---- Runs of other samples, block after block.
+
+// The `v`th vector of the group of runs whose first one is `j`, of one plane.
+template <class L, bool kThree, bool kNearest, int kPlanes>
+HWY_INLINE Numbers vector_of(const RunRow& row, int j, int v, const Taps& taps,
+                             const Planes<kPlanes>& planes, int p, const Blender<Bytes>& blender) {
+  const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + j * L::kSpan + v * kLanes
+                                            : row.offset + j + v * kLanes / L::kSpan;
+  hwy::Prefetch(planes.ahead[p] + offsets[0]);
+  return blend_rows<L, kThree, kNearest>(row, j, offsets, taps, planes.sources[p], planes.stride,
+                                         blender);
+}
+
+template <class L, bool kThree, bool kNearest, int kPlanes>
+HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
+                             const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
+  for (int p = 0; p < kPlanes; ++p) {
+    store_results<L>(vector_of<L, kThree, kNearest>(row, j, v, taps, planes, p, blender),
+                     planes.outputs[p] + v * L::kOut);
+  }
+}
+
+// The `v`th one and the next.
+template <class L, bool kThree, bool kNearest, int kPlanes>
+HWY_INLINE void blend_pair(const RunRow& row, int j, int v, const Taps& first, const Taps& second,
+                           const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
+  for (int p = 0; p < kPlanes; ++p) {
+    const Numbers a = vector_of<L, kThree, kNearest>(row, j, v, first, planes, p, blender);
+    const Numbers b = vector_of<L, kThree, kNearest>(row, j, v + 1, second, planes, p, blender);
+    store_pair<L>(a, b, planes.outputs[p] + v * L::kOut);
+  }
+}
+
 template <class L, bool kNearest, int kPlanes>
 HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPlanes> planes) {
   using P = PlacingOf<L>;
@@ -257,18 +286,26 @@ HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPl
   const auto way = hn::Set(PlaceNumbers<P>(), static_cast<std::int16_t>(task.way * 0x7FFF));
   BlockSamples samples;
   const auto blend_group = [&](auto three, int j, int first) HWY_ATTR {
-    for (int v = 0; v < L::kSpan; ++v) {
-      const Taps taps = taps_at<L>(samples, first + v * L::kPixels * kLanes);
-      blend_vector<L, decltype(three)::value, kNearest>(task.row, j, v, taps, planes, blender);
+    constexpr bool kThree = decltype(three)::value;
+    const auto taps = [&](int v)
+                          HWY_ATTR { return taps_at<L>(samples, first + v * L::kPixels * kLanes); };
+    if constexpr (kByPairs<L>) {
+      for (int v = 0; v < L::kSpan; v += 2) {
+        blend_pair<L, kThree, kNearest>(task.row, j, v, taps(v), taps(v + 1), planes, blender);
+      }
+    } else {
+      for (int v = 0; v < L::kSpan; ++v) {
+        blend_vector<L, kThree, kNearest>(task.row, j, v, taps(v), planes, blender);
+      }
     }
   };
   for (int block = begin; block < end; block += kBlockRuns) {
     const int last = std::min(block + kBlockRuns, end);
-    place_block<P, kNearest>(task, block, last, way, samples);
+    place_block<L, kNearest>(task, block, last, way, samples);
     int first = 0;
     for (int j = block; j < last; j += kLanes, first += kLanes * L::kRunPixels) {
       const std::int32_t mark = task.row.rows[j];
-      if (HWY_LIKELY(mark == kSteadyRows || (mark & ~kSlowRun) == 3)) {
+      if (mark < kSlowGroup && HWY_LIKELY(mark % kSteadyRows == 3)) {
         blend_group(std::true_type(), j, first);
       } else if (mark < kSlowGroup) {
         blend_group(std::false_type(), j, first);

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstring>
 
+#include "calvin/remap/lane_math-inl.hpp"
 #include "calvin/remap/lane_placing-inl.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
@@ -42,6 +43,15 @@ constexpr bool kByWindows = kMovesAllBytes&& L::kWindow > 16;
 template <class L>
 constexpr bool kByLanes = L::kSpan > 1 && !kMovesAllBytes;
 
+// Bytes from a step to the next where indices count: other bytes than the samples are left out, but
+// not of windows.
+template <class L>
+constexpr int kIndexStep = L::kStep*(kByWindows<L> ? L::kSpread : 1);
+
+// Whether vectors of results are stored two at a time.
+template <class L>
+constexpr bool kByPairs = L::kSpan > 1 && L::kSpread == 1;
+
 template <class L>
 using PlacingOf = Placing<L::kRunPixels, kByLanes<L> ? L::kSpan : 1, L::kStep * L::kSpread>;
 
@@ -54,9 +64,9 @@ struct Results {
 template <class L>
 constexpr Results make_results() {
   Results r{};
-  constexpr int kBytesPerStep = L::kStep * L::kSpread;
+  constexpr int kSpread = kIndexStep<L> / L::kStep;
   // What samples have for the first column.
-  constexpr int kFirst = 0x0FFF * 0x1010 * kBytesPerStep >> 16;
+  constexpr int kFirst = (0x0FFF * 0x1010 * kIndexStep<L>) >> 16;
   for (int i = 0; i < 32; ++i) {
     const int pixel = i / 8 * L::kPixels + i % 8 / L::kWidth;
     const int component = i % L::kWidth < L::kStep ? i % L::kWidth : 0;
@@ -64,7 +74,7 @@ constexpr Results make_results() {
     r.samples[2 * i] = static_cast<std::uint8_t>(2 * pixel % 16);
     r.samples[2 * i + 1] = static_cast<std::uint8_t>(2 * pixel % 16 + 1);
     r.neighbours[i] = static_cast<std::uint16_t>(
-        (component | (component + L::kStep) << 8) * L::kSpread + window * 0x101 - kFirst);
+        (component | (component + L::kStep) << 8) * kSpread + window * 0x101 - kFirst);
   }
   return r;
 }
@@ -135,16 +145,66 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
   }
 }
 
-// Of indices below 32 the ones within the first 16 bytes; the others such that nothing is taken.
-HWY_INLINE Pairs within_segment(Pairs indices) {
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
-  // A lookup heeds four bits and the sign.
-  return indices + hn::Set(Bytes(), 0x70);
+struct PairOrder {
+  // The lower halves of all lanes, then the upper ones.
+  alignas(64) std::uint64_t halves[8] = {0, 2, 4, 6, 1, 3, 5, 7};
+  // Six of eight results of a lane are samples of three components.
+  alignas(64) std::uint8_t threes[64];
+};
+constexpr PairOrder make_pair_order() {
+  PairOrder order{};
+  for (int i = 0; i < 64; ++i) {
+    const int lane = i / 6 % 8;
+    const int result = i % 6 / 3 * 4 + i % 3;
+    order.threes[i] = static_cast<std::uint8_t>(lane % 4 * 16 + lane / 4 * 8 + result);
+  }
+  return order;
+}
+constexpr PairOrder kPairOrder = make_pair_order();
+
+// All of the first vector's lanes that were packed, then the second one's.
+HWY_INLINE Pairs in_turn(Pairs packed) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  const hn::Repartition<std::uint64_t, Bytes> halves;
+  return Pairs{_mm512_permutexvar_epi64(hn::Load(halves, kPairOrder.halves).raw, packed.raw)};
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  return Pairs{_mm256_permute4x64_epi64(packed.raw, 0xD8)};
 #else
-  const Words d;
-  const auto words = hn::BitCast(d, indices);
-  return hn::BitCast(Bytes(), hn::Or(words, hn::ShiftLeft<3>(hn::And(words, hn::Set(d, 0x1010)))));
+  return packed;
 #endif
+}
+
+template <class L>
+HWY_INLINE void store_pair(Numbers first, Numbers second, std::uint8_t* out) {
+  const Bytes d;
+  const auto pair = pack_lanes(d, first, second);
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
+  if constexpr (L::kStep == 3) {
+    constexpr std::uint64_t kSamples = (std::uint64_t{1} << 48) - 1;
+    const auto order = hn::Load(d, kPairOrder.threes);
+    _mm512_mask_storeu_epi8(out, kSamples, _mm512_permutexvar_epi8(order.raw, pair.raw));
+    return;
+  }
+#endif
+  hn::StoreU(in_turn(pair), d, out);
+}
+
+// Every second one of the 32 bytes that begin at each lane's offset.
+HWY_INLINE Pairs load_every_second(const std::uint8_t* source, const std::int32_t* offsets) {
+  const Bytes d;
+  const Words words;
+  const auto samples = [&](Pairs bytes) HWY_ATTR {
+    return hn::BitCast(Signed(), hn::And(hn::BitCast(words, bytes), hn::Set(words, 0xFF)));
+  };
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  if constexpr (kLanes == 2) {
+    const auto both = pack_lanes(d, samples(hn::LoadU(d, source + offsets[0])),
+                                 samples(hn::LoadU(d, source + offsets[1])));
+    return in_turn(both);
+  }
+#endif
+  return pack_lanes(d, samples(load_segments<1>(d, source, offsets)),
+                    samples(load_segments<1>(d, source + 16, offsets)));
 }
 
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
@@ -183,15 +243,10 @@ HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* off
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
   if constexpr (kByWindows<L>) return fetch_from_windows<L>(source, offsets, indices);
 #endif
-  const Bytes d;
-  const Pairs segments = load_segments<L::kEvery>(d, source, offsets);
   if constexpr (L::kSpread == 1) {
-    return hn::TableLookupBytes(segments, indices);
+    return hn::TableLookupBytes(load_segments<L::kEvery>(Bytes(), source, offsets), indices);
   } else {
-    // Samples in every second byte lie in two segments.
-    const Pairs more = load_segments<L::kEvery>(d, source + 16, offsets);
-    return hn::Or(hn::TableLookupBytesOr0(segments, within_segment(indices)),
-                  hn::TableLookupBytesOr0(more, indices - hn::Set(d, 0x10)));
+    return hn::TableLookupBytes(load_every_second(source, offsets), indices);
   }
 }
 

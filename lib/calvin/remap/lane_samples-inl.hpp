@@ -65,12 +65,12 @@ HWY_INLINE hn::Vec<PlaceNumbers<P>> across_of(hn::Vec<PlaceNumbers<P>> x) {
 
 // Which bytes of the segment are blended: 257 times those to the column, and for the second one 256
 // times those of a step; lane_layouts-inl.hpp knows what is missing where a step is larger than 1.
-template <class P>
+template <class P, int kStep = P::kStep>
 HWY_INLINE hn::Vec<PlaceNumbers<P>> bytes_of(hn::Vec<PlaceNumbers<P>> x) {
   const PlaceNumbers<P> d;
   const PlaceWords<P> words;
   return hn::BitCast(d, hn::MulHigh(hn::Or(hn::BitCast(words, x), hn::Set(words, 0x0FFF)),
-                                    hn::Set(words, 0x1010 * P::kStep)));
+                                    hn::Set(words, 0x1010 * kStep)));
 }
 
 // ---- Pixels that are fetched one by one.

@@ -25,8 +25,12 @@ inline constexpr std::int32_t kSlowGroup = 128;
 // A slow run that shows nothing of the source: the fill.
 inline constexpr std::int32_t kEmptyRun = 256;
 
-// The rows of a run whose samples a band has in common.
+// What is added to the rows of runs whose samples a band has in common.
 inline constexpr std::int32_t kSteadyRows = 32;
+inline constexpr std::int32_t kSteadyThree = kSteadyRows + 3;
+[[nodiscard]] constexpr bool is_steady(std::int32_t rows) noexcept {
+  return (rows & kSteadyRows) != 0;
+}
 
 // Runs before the first one and behind the last one that a run's parabola is made with.
 inline constexpr int kMargin = 2;
@@ -73,7 +77,8 @@ struct RunRow {
   alignas(64) std::int32_t x[kRuns];
   alignas(64) std::int32_t y[kRuns];
   // Of the runs, without margins. Bytes from the beginning of the plane to the segment that
-  // holds the run's samples; rows of the source that its group takes, and kSlowRun and kSlowGroup.
+  // holds the run's samples; rows of the source that its group takes, and the marks
+  // above.
   alignas(64) std::int32_t offset[kRuns];
   alignas(64) std::int32_t rows[kRuns];
   // Two 16-bit numbers each, of x and of y. Slope, 2.14; what the parabola adds at the run's ends,

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Bilinear resampling of pixels of three or four bytes: runs that are fetched at once, from windows
+// into three rows of the source, on machines with vectors of 256 bits. Compiled once per target of
+// Highway: include it after hwy/foreach_target.h.
+#if defined(CALVIN_REMAP_LANE_WINDOWS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_REMAP_LANE_WINDOWS_INL_HPP
+#undef CALVIN_REMAP_LANE_WINDOWS_INL_HPP
+#else
+#define CALVIN_REMAP_LANE_WINDOWS_INL_HPP
+#endif
+
+#include <algorithm>
+
+#include <hwy/cache_control.h>
+
+#include "calvin/remap/lane_math-inl.hpp"
+#include "calvin/remap/lane_samples-inl.hpp"
+
+#if HWY_TARGET != HWY_SCALAR
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+// Vectors of two lanes at most: to put more of them together costs more than they save. A lane is
+// four pixels, two at a time.
+constexpr int kApartLanes = std::min(kLanes, 2);
+using ApartBytes = hn::FixedTag<std::uint8_t, 16 * kApartLanes>;
+using ApartNumbers = NumbersOf<ApartBytes>;
+
+// Rows of the source that are fetched before they are needed.
+constexpr int kApartAhead = 5;
+
+// A row of pixels that is being made.
+struct ApartRow {
+  const std::uint8_t* source;
+  std::ptrdiff_t stride;
+  const Blender<ApartBytes>& blender;
+};
+
+// Which bytes of two pixels and their neighbours are blended, and which bytes of the weights of
+// eight pixels are those of either two of a lane's four.
+struct ApartTables {
+  alignas(32) std::uint8_t neighbours[32];
+  alignas(32) std::uint8_t weights[4][32];
+  alignas(32) std::uint8_t front[32];  // three of each four bytes
+};
+constexpr ApartTables make_apart_tables(int components) {
+  ApartTables t{};
+  for (int i = 0; i < 32; ++i) {
+    const int result = i % 16 / 2;
+    const int component = result % 4 < components ? result % 4 : 0;
+    t.neighbours[i] = static_cast<std::uint8_t>(result / 4 * 8 + component + i % 2 * components);
+    for (int k = 0; k < 4; ++k) {
+      t.weights[k][i] =
+          static_cast<std::uint8_t>((2 * (i / 16 * 4 + 2 * k + result / 4) + i % 2) % 16);
+    }
+    t.front[i] = static_cast<std::uint8_t>(i % 16 < 12 ? i % 16 / 3 * 4 + i % 16 % 3 : 0);
+  }
+  return t;
+}
+template <int kComponents>
+constexpr ApartTables kApartTables = make_apart_tables(kComponents);
+
+// What is known of the pixels of a block of runs. To know it of many before the first one is
+// blended keeps the machine busy: it cannot look as far ahead as one takes.
+struct PixelSamples {
+  alignas(64) std::int32_t address[8 * kBlockRuns];  // of pixels by windows: their records
+  alignas(64) std::int16_t across[8 * kBlockRuns];
+  alignas(64) std::int16_t down[8 * kBlockRuns];
+  // By the first run of a vector.
+  bool by_window[kBlockRuns];
+  // Of pixels of three components by windows.
+  alignas(64) std::int16_t bytes[8 * kBlockRuns];
+  alignas(64) std::int16_t neighbours[3 * 8 * kBlockRuns];
+};
+// The weights of the `k`th two pixels of each lane, for each of their results; `samples` are eight.
+template <int kComponents>
+HWY_INLINE hn::Vec<ApartNumbers> weights_of(const std::int16_t* samples, int k) {
+  const ApartBytes bytes;
+  const auto all = hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(samples));
+  const auto which = hn::Load(bytes, kApartTables<kComponents>.weights[k]);
+  return hn::BitCast(ApartNumbers(), hn::TableLookupBytes(all, which));
+}
+
+// Whether there are windows.
+template <class P>
+constexpr bool kHasWindows = HWY_ARCH_X86&& HWY_TARGET <= HWY_AVX2&& P::kRun == 8;
+
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+// Runs in three rows: a pixel lies between the middle one and the one above or below.
+
+// From the middle row, 1.15; the lowest bit, which has no meaning, keeps it off -1.
+template <class P>
+HWY_INLINE hn::Vec<PlaceNumbers<P>> down_from_middle(hn::Vec<PlaceNumbers<P>> y) {
+  const PlaceWords<P> words;
+  return hn::BitCast(PlaceNumbers<P>(), hn::Xor(hn::ShiftLeft<3>(hn::BitCast(words, y)),
+                                                kept(hn::Set(words, 0x8001))));
+}
+
+// Pairs of neighbours in the middle row and in the other one, to results.
+HWY_INLINE hn::Vec<ApartNumbers> blend_rows(const ApartRow& row, hn::Vec<ApartBytes> middle,
+                                            hn::Vec<ApartBytes> outer, hn::Vec<ApartNumbers> across,
+                                            hn::Vec<ApartNumbers> down) {
+  const Blender<ApartBytes>& blender = row.blender;
+  return blender.rounded(
+      blender.between(blender.across(middle, across), blender.across(outer, across), down));
+}
+
+// ---- Four components: a permutation of 32 bits takes eight pixels from 32 bytes of a row, another
+// one their neighbours.
+
+using WindowInts = hn::FixedTag<std::int32_t, 8>;
+
+template <class P>
+HWY_INLINE bool fit_columns(const Both<P>& at) {
+  const PlaceWords<P> words;
+  const auto rows = hn::SaturatedAdd(hn::BitCast(words, at.y), kept(hn::Set(words, 0x6000)));
+  const auto too_far = hn::Or(hn::BitCast(words, at.x), rows);
+  return (_mm256_movemask_epi8(too_far.raw) & 0xAAAAAAAAU) == 0;
+}
+
+// Whether a vector of pixels can be taken thus. A record has a column in bits 12 to 14, and a sign.
+template <class P>
+HWY_INLINE bool place_columns(const Both<P>& at, int to, PixelSamples& samples) {
+  const PlaceNumbers<P> d;
+  const WindowInts ints;
+  if (HWY_UNLIKELY(!fit_columns(at))) return false;
+  const auto down = down_from_middle<P>(at.y);
+  hn::Store(across_of<P>(at.x), d, samples.across + to);
+  hn::Store(hn::Abs(down), d, samples.down + to);
+  const auto lower = hn::BitCast(ints, hn::InterleaveLower(at.x, down));
+  const auto upper = hn::BitCast(ints, hn::InterleaveUpper(d, at.x, down));
+  hn::Store(hn::ConcatLowerLower(ints, upper, lower), ints, samples.address + to);
+  hn::Store(hn::ConcatUpperUpper(ints, upper, lower), ints, samples.address + to + 8);
+  return true;
+}
+
+// Eight pixels and their neighbours.
+struct Columns {
+  hn::Vec<WindowInts> left;
+  hn::Vec<WindowInts> right;
+};
+HWY_INLINE Columns fetch_columns(const std::uint8_t* row, hn::Vec<WindowInts> columns) {
+  const hn::FixedTag<std::uint8_t, 32> bytes;
+  // It heeds three bits of an index.
+  const auto at = [&](const std::uint8_t* window) HWY_ATTR {
+    return hn::Vec<WindowInts>{
+        _mm256_permutevar8x32_epi32(hn::LoadU(bytes, window).raw, columns.raw)};
+  };
+  return {at(row), at(row + 4)};
+}
+
+// A run's eight pixels, from `first` on.
+HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset, const PixelSamples& samples,
+                              int first, std::uint8_t* out) {
+  const ApartBytes bytes;
+  const hn::FixedTag<float, 8> floats;
+  const std::uint8_t* source = row.source + offset;
+  hwy::Prefetch(source + kApartAhead * row.stride + 32);
+  const auto records = hn::Load(WindowInts(), samples.address + first);
+  const auto columns = hn::ShiftRight<12>(records);
+  const Columns above = fetch_columns(source, columns);
+  const Columns middle = fetch_columns(source + row.stride, columns);
+  const Columns below = fetch_columns(source + 2 * row.stride, columns);
+  const auto outer = [&](hn::Vec<WindowInts> which, hn::Vec<WindowInts> a,
+                         hn::Vec<WindowInts> b) HWY_ATTR {
+    return hn::BitCast(bytes,
+                       hn::IfNegativeThenElse(hn::BitCast(floats, which), hn::BitCast(floats, a),
+                                              hn::BitCast(floats, b)));
+  };
+  // GCC takes a sign as it is once; for a second use it compares.
+  const auto left = outer(records, above.left, below.left);
+  const auto right = outer(kept(records), above.right, below.right);
+  const auto middle_left = hn::BitCast(bytes, middle.left);
+  const auto middle_right = hn::BitCast(bytes, middle.right);
+  // Each lane's first two pixels, and its others.
+  const auto results = [&](auto near, auto far, int half) HWY_ATTR {
+    return blend_rows(row, near, far, weights_of<4>(samples.across + first, half),
+                      weights_of<4>(samples.down + first, half));
+  };
+  const auto lower =
+      results(hn::InterleaveLower(middle_left, middle_right), hn::InterleaveLower(left, right), 0);
+  const auto upper = results(hn::InterleaveUpper(bytes, middle_left, middle_right),
+                             hn::InterleaveUpper(bytes, left, right), 1);
+  hn::StoreU(pack_lanes(bytes, lower, upper), bytes, out);
+}
+// ---- Three components: a lane is eight results, of up to four pixels, which 16 bytes of a row
+// from the lane's first pixel on hold. Three vectors of two lanes are two runs.
+
+struct ThreeTables {
+  // Bytes of the numbers of the lane's run: of each result's pixel, and of the first one.
+  alignas(32) std::uint8_t samples[3][32];
+  alignas(32) std::uint8_t firsts[3][32];
+  alignas(32) std::int16_t neighbours[3][16];  // bytes of the sample in a pixel and the next one
+};
+constexpr int kThreeParts[3][2] = {{0, 2}, {1, 0}, {1, 2}};
+constexpr ThreeTables make_three_tables() {
+  ThreeTables t{};
+  for (int v = 0; v < 3; ++v) {
+    for (int i = 0; i < 16; ++i) {
+      const int part = kThreeParts[v][i / 8];
+      const int result = 8 * part + i % 8;
+      for (int b = 0; b < 2; ++b) {
+        t.samples[v][2 * i + b] = static_cast<std::uint8_t>(2 * (result / 3) + b);
+        t.firsts[v][2 * i + b] = static_cast<std::uint8_t>(2 * (8 * part / 3) + b);
+      }
+      t.neighbours[v][i] = static_cast<std::int16_t>(result % 3 * 0x101 + 0x300);
+    }
+  }
+  return t;
+}
+constexpr ThreeTables kThreeTables = make_three_tables();
+
+// Numbers of two runs' samples for each lane of a vector.
+template <int kVector>
+HWY_INLINE hn::Vec<ApartBytes> lane_runs(const std::int16_t* samples) {
+  const ApartBytes d;
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(samples);
+  if constexpr (kVector == 1) return hn::Load(d, bytes);
+  return hn::LoadDup128(d, bytes + kVector / 2 * 16);
+}
+HWY_INLINE hn::Vec<ApartNumbers> look_up(hn::Vec<ApartBytes> runs, const std::uint8_t* which) {
+  return hn::BitCast(ApartNumbers(), hn::TableLookupBytes(runs, hn::Load(ApartBytes(), which)));
+}
+template <int kVector>
+HWY_INLINE hn::Vec<ApartNumbers> lane_numbers(const std::int16_t* samples) {
+  return look_up(lane_runs<kVector>(samples), kThreeTables.samples[kVector]);
+}
+
+// Which bytes from the beginning of each lane a vector's results are made of.
+template <int kVector>
+HWY_INLINE hn::Vec<ApartNumbers> place_three(int to, PixelSamples& samples) {
+  const ApartNumbers d;
+  const auto runs = lane_runs<kVector>(samples.bytes + to);
+  const auto neighbours = hn::Load(d, kThreeTables.neighbours[kVector]) +
+                          look_up(runs, kThreeTables.samples[kVector]) -
+                          look_up(runs, kThreeTables.firsts[kVector]);
+  hn::Store(neighbours, d, samples.neighbours + 3 * to + 16 * kVector);
+  return neighbours;
+}
+
+// Whether a vector of pixels can be taken thus.
+template <class P>
+HWY_INLINE bool place_threes(const Both<P>& at, int to, PixelSamples& samples) {
+  const PlaceNumbers<P> d;
+  const PlaceWords<P> words;
+  hn::Store(bytes_of<P>(at.x), d, samples.bytes + to);
+  const auto lanes = hn::Or(hn::Or(place_three<0>(to, samples), place_three<1>(to, samples)),
+                            place_three<2>(to, samples));
+  const auto too_far =
+      hn::Or(hn::BitCast(words, lanes), hn::ShiftRight<9>(hn::BitCast(words, at.y)));
+  const auto limits = kept(hn::Set(words, 0xF0F0));
+  if (HWY_UNLIKELY(_mm256_testz_si256(too_far.raw, limits.raw) == 0)) return false;
+  hn::Store(across_of<P>(at.x), d, samples.across + to);
+  hn::Store(down_from_middle<P>(at.y), d, samples.down + to);
+  return true;
+}
+
+// A vector of results, from where each of its lanes begins in the first row.
+template <int kVector>
+HWY_INLINE hn::Vec<ApartNumbers> blend_three(const ApartRow& row, const std::uint8_t* lower,
+                                             const std::uint8_t* upper, const PixelSamples& samples,
+                                             int first) {
+  const ApartBytes bytes;
+  const ApartNumbers d;
+  const hn::FixedTag<std::uint8_t, 16> lane;
+  const auto which = hn::BitCast(bytes, hn::Load(d, samples.neighbours + 3 * first + 16 * kVector));
+  const auto load = [&](std::ptrdiff_t at) HWY_ATTR {
+    return hn::Combine(bytes, hn::LoadU(lane, upper + at), hn::LoadU(lane, lower + at));
+  };
+  const auto above = hn::TableLookupBytes(load(0), which);
+  const auto middle = hn::TableLookupBytes(load(row.stride), which);
+  const auto below = hn::TableLookupBytes(load(2 * row.stride), which);
+  const auto down = lane_numbers<kVector>(samples.down + first);
+  const auto is_above = hn::MaskFromVec(hn::BroadcastSignBit(down));
+  const auto outer = hn::IfThenElse(is_above, hn::BitCast(d, above), hn::BitCast(d, below));
+  return blend_rows(row, middle, hn::BitCast(bytes, outer),
+                    lane_numbers<kVector>(samples.across + first), hn::Abs(down));
+}
+
+// Two runs, from `first` on.
+HWY_INLINE void blend_threes(const ApartRow& row, const std::int32_t* offsets,
+                             const PixelSamples& samples, int first, std::uint8_t* out) {
+  const ApartBytes bytes;
+  const hn::FixedTag<std::uint8_t, 16> lane;
+  // What bytes_of() has for the first column.
+  constexpr int kFirstColumn = (0x0FFF * 0x3030 >> 16) & 0xFF;
+  const auto* columns = reinterpret_cast<const std::uint8_t*>(samples.bytes + first);
+  const std::uint8_t* run = row.source + offsets[0];
+  const std::uint8_t* next = row.source + offsets[1];
+  hwy::Prefetch(run + kApartAhead * row.stride + 32);
+  hwy::Prefetch(next + kApartAhead * row.stride + 32);
+  const auto lane_at = [&](const std::uint8_t* from, int pixel)
+                           HWY_ATTR { return from + columns[2 * pixel] - kFirstColumn; };
+  const auto a = blend_three<0>(row, lane_at(run, 0), lane_at(run, 5), samples, first);
+  const auto b = blend_three<1>(row, lane_at(run, 2), lane_at(next, 8), samples, first);
+  hn::StoreU(pack_lanes(bytes, a, b), bytes, out);
+  const auto c = blend_three<2>(row, lane_at(next, 10), lane_at(next, 13), samples, first);
+  const auto last = pack_lanes(bytes, c, c);
+  const hn::Vec<ApartBytes> in_turn{_mm256_permute4x64_epi64(last.raw, 8)};
+  hn::StoreU(hn::LowerHalf(in_turn), lane, out + 32);
+}
+
+// Two runs, from `first` on.
+template <int kComponents>
+HWY_INLINE void blend_windows(const ApartRow& row, const std::int32_t* offsets,
+                              const PixelSamples& samples, int first, std::uint8_t* out) {
+  if constexpr (kComponents == 4) {
+    blend_columns(row, offsets[0], samples, first, out);
+    blend_columns(row, offsets[1], samples, first + 8, out + 32);
+  } else {
+    blend_threes(row, offsets, samples, first, out);
+  }
+}
+#endif
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
+#endif
