@@ -86,7 +86,7 @@ HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* ami
   const Line a = line_of<8>(top);
   const Line b = line_of<8>(bottom);
   // Of a vector that is not steady it may be anything.
-  const auto half = whole_place(hn::Max(half_of<8>(a), half_of<8>(b)) + slack);
+  const auto half = whole_place(hn::Max(half_of<8>(a), half_of<8>(b)) + hn::Set(Ints(), kMostSway));
   const auto around = hn::Max(half, hn::Set(Ints(), reach)) + slack;
   return {a,
           b,
@@ -98,16 +98,26 @@ HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* ami
           hn::Abs(across + across - top.across - bottom.across)};
 }
 
-// Whether none of a vector of runs needs to be looked at again in the band: three rows, or few if
-// pixels are apart, and far from the ends of the source.
+// The rows of the source that each of a vector of runs reads.
 template <class P>
-HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
+HWY_INLINE int rows_of(const BandAxis& y) {
+  const Ints d;
+  const std::int32_t half = hn::GetLane(hn::MaxOfLanes(d, y.half));
+  // Of three rows the middle one is the nearest to the run's middle.
+  return P::kApart || half <= kHalfRow ? 3 : (half >> (kPlaceBits - 1)) + 3;
+}
+
+// Whether none of a vector of runs, which read so many rows, needs to be looked at again in the
+// band: it is far from the ends of the source.
+template <class P>
+HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBounds& b, int rows) {
   const Ints d;
   const auto last = [&](const BandAxis& axis)
                         HWY_ATTR { return hn::ShiftRight<kPlaceBits>(axis.most); };
   // Of three rows that begin half a row before the middle, the last one is behind the row of
   // `most`.
-  const auto last_row = hn::Set(d, std::min(b.last_row - 1, b.rows - b.guarded_rows - 2));
+  const int behind = rows == 3 ? 2 : rows;
+  const auto last_row = hn::Set(d, std::min(b.last_row - 1, b.rows - b.guarded_rows - behind));
   // Slopes change within the band.
   const auto room = [&](const BandAxis& axis, std::int32_t steepest) HWY_ATTR {
     return hn::Set(d, steepest - 0x400) - axis.steep - hn::ShiftLeft<3>(axis.bent);
@@ -115,9 +125,8 @@ HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBoun
   const auto across = [&](const BandAxis& axis)
                           HWY_ATTR { return hn::ShiftRight<kPlaceBits - 1>(axis.half); };
   auto spare = hn::Min(hn::Min(x.least, y.least), room(x, b.steepest));
-  spare = hn::Min(spare, P::kApart ? hn::Min(hn::Set(d, kMostRows - 2) - across(y),
-                                             room(y, std::int32_t{0x7FFF}))
-                                   : hn::Set(d, kHalfRow) - y.half);
+  spare = hn::Min(spare, hn::Min(hn::Set(d, kMostRows - 3) - across(y),
+                                 room(y, rows == 3 && !P::kApart ? kSteepest : 0x7FFF)));
   spare = hn::Min(spare, hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
   spare = hn::Min(spare, hn::Min(hn::Set(d, b.widest - 2) - across(x),
                                  hn::Set(d, kMostSway) - hn::Max(x.sway, y.sway)));
@@ -150,21 +159,21 @@ HWY_INLINE void begin_course(int j, const BandAxis& axis, const std::int32_t* am
 
 // Where the segments of a steady vector of runs begin in the first row. `to_middles` are records
 // of the places of the middles from there, less what the beginning is off a sample and a row.
-template <class P>
-HWY_INLINE void begin_segments(int j, const BandAxis& x, const BandAxis& y, hn::Vec<Ints> x_slack,
-                               Band& band, std::int32_t* to_middles) {
+template <class P, bool kThree>
+HWY_INLINE void begin_segments(int j, const BandAxis& x, const BandAxis& y, Band& band,
+                               std::int32_t* to_middles) {
   const Ints d;
   const auto rounding = hn::Set(d, 2);
-  const auto y_half = P::kApart ? y.half : hn::Set(d, kHalfRow);
+  const auto y_half = kThree ? hn::Set(d, kHalfRow) : y.half;
   // Of three rows places are counted from the middle one.
   const auto y_to_middle =
-      P::kApart ? hn::ShiftLeft<14>(y_half) : hn::Set(d, -(kHalfRow << (14 + P::kYShift)));
+      kThree ? hn::Set(d, -(kHalfRow << (14 + kThreeShift))) : hn::ShiftLeft<14>(y_half);
   const auto y_from = y.first.middle - y_half;
-  hn::Store(P::kApart ? y_from + rounding : y_from, d, band.y_from + j);
+  hn::Store(kThree ? y_from : y_from + rounding, d, band.y_from + j);
   const auto part = [&](auto which) HWY_ATTR {
     constexpr int kPart = decltype(which)::value;
-    const auto half =
-        whole_place(hn::Max(part_half<P, kPart>(x.first), part_half<P, kPart>(x.last)) + x_slack);
+    const auto half = whole_place(
+        hn::Max(part_half<P, kPart>(x.first), part_half<P, kPart>(x.last)) + hn::Set(d, kMostSway));
     hn::Store(x.first.middle - half + rounding, d, band.x_from[kPart] + j);
     return packed(hn::ShiftRight<2>(half), y_to_middle);
   };
@@ -177,13 +186,13 @@ HWY_INLINE void begin_segments(int j, const BandAxis& x, const BandAxis& y, hn::
 }
 
 // What the samples of a steady vector of runs share.
-template <class P>
+template <class P, bool kThree>
 HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
                              const std::int32_t* to_middles, Band& band) {
   const Ints d;
   constexpr int kVector = static_cast<int>(hn::MaxLanes(d));
   const auto both = [&](hn::Vec<Ints> of_x, hn::Vec<Ints> of_y) HWY_ATTR {
-    return in_order<P>(packed(of_x, hn::ShiftLeft<16 + P::kYShift>(of_y)));
+    return in_order<P>(packed(of_x, hn::ShiftLeft<16 + (kThree ? kThreeShift : 0)>(of_y)));
   };
   hn::Store(both(x.first.slope, y.first.slope), d, band.slope[0] + j);
   hn::Store(both(x.last.slope, y.last.slope), d, band.slope[1] + j);
@@ -203,6 +212,13 @@ HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
   }
 }
 
+template <class P, bool kThree>
+HWY_INLINE void begin_vector(int j, const BandAxis& x, const BandAxis& y, Band& band) {
+  alignas(64) std::int32_t to_middles[P::kParts * hn::MaxLanes(Ints())];
+  begin_segments<P, kThree>(j, x, y, band, to_middles);
+  begin_shapes<P, kThree>(j, x, y, to_middles, band);
+}
+
 template <class P, bool kThird>
 HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, int slot,
                             float height, Band& band, RunRow& row) {
@@ -213,9 +229,8 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
   for (int j = 0; j < row.count; j += kVector) {
     const auto x_bulge = bulge(nodes.x, j + NodeRows::kFirst, slot, height);
     const auto y_bulge = bulge(nodes.y, j + NodeRows::kFirst, slot, height);
-    const auto x_slack = hn::Min(x_bulge.line, most);
-    const BandAxis x =
-        band_axis<kThird>(band.x_first + j, band.x_amid + j, band.x_last + j, x_slack, 0);
+    const BandAxis x = band_axis<kThird>(band.x_first + j, band.x_amid + j, band.x_last + j,
+                                         hn::Min(x_bulge.line, most), 0);
     const BandAxis y =
         band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
                           hn::Min(y_bulge.line, most), P::kApart ? 2 * kHalfRow : kHalfRow);
@@ -225,15 +240,18 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
       hn::Store(hn::Set(d, kSlowRun | kSlowGroup | kEmptyRun), d, row.rows + j);
       continue;
     }
-    band.steady[j] = tame && is_steady<P>(x, y, bounds);
+    const int rows = rows_of<P>(y);
+    band.steady[j] = tame && is_steady<P>(x, y, bounds, rows);
     if (!band.steady[j]) {
       shared = false;
       continue;
     }
-    hn::Store(hn::Set(d, kSteadyThree), d, row.rows + j);
-    alignas(64) std::int32_t to_middles[P::kParts * kVector];
-    begin_segments<P>(j, x, y, x_slack, band, to_middles);
-    begin_shapes<P>(j, x, y, to_middles, band);
+    hn::Store(hn::Set(d, kSteadyRows + rows), d, row.rows + j);
+    if (!P::kApart && rows == 3) {
+      begin_vector<P, true>(j, x, y, band);
+    } else {
+      begin_vector<P, false>(j, x, y, band);
+    }
     begin_course(j, x, band.x_amid, x_bulge.twist, band.x_course);
     begin_course(j, y, band.y_amid, y_bulge.twist, band.y_course);
   }

@@ -23,6 +23,11 @@ constexpr std::int32_t kHalfRow = 1 << (kPlaceBits - 1);
 // Places of 4.12 reach over 16 rows.
 constexpr std::int32_t kMostRows = 15;
 
+// Of three rows, unless pixels are apart, y is counted from the middle one, and is larger by that.
+constexpr int kThreeShift = 3;
+// A slope down that still is 2.14 then.
+constexpr std::int32_t kSteepest = 0x0F00;
+
 // What a parabola through the middles of runs is made of, one per run.
 struct Curve {
   hn::Vec<Ints> middle;

@@ -30,8 +30,6 @@ struct Placing {
   // The results of two vectors are packed lane by lane: the first of them has every other run.
   static constexpr bool kPaired = kStep == 1;
   static constexpr int kGroup = kPaired ? 2 * kLanes : kApart && kRun < 8 ? 4 : kLanes;
-  // y is from the middle of three rows, and eight times as large.
-  static constexpr int kYShift = kApart ? 0 : 3;
   // Samples in a vector: of 16 bits, and of no more than four runs or parts of such.
   static constexpr int kSamples =
       std::min({static_cast<int>(kBytes) / 2, 4 * kRun / kParts, kApart ? 16 : 32});

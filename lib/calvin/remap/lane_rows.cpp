@@ -54,9 +54,6 @@ int group_of(LaneLayout /*layout*/, int /*run*/) { return 1; }
 
 // ---- Vectors of 32-bit numbers, one per run.
 
-// A slope down whose eightfold still is 2.14.
-constexpr std::int32_t kSteepest = 0x0F00;
-
 struct Axis {
   hn::Vec<Ints> first;  // sample
   hn::Vec<Ints> last;   // the last place's; its neighbour is the next one
@@ -254,16 +251,15 @@ struct SteadyRow {
   hn::Vec<Ints> stride;
 };
 
-// describe_runs_at() where the band is steady: results lie between the row that is nearest to the
-// run's middle and the ones beside it.
-template <class P>
+// describe_runs_at() where the band is steady.
+template <class P, bool kThree>
 HWY_INLINE void describe_steady_at(int j, const SteadyRow& steady, const Band& band, RunRow& row) {
   const Ints d;
   const auto x = steady.at(band.x_course, j);
   const auto y = hn::Load(d, band.y_from + j) + steady.at(band.y_course, j);
   const auto y_part = hn::And(y, steady.in_part);
-  const auto y_place = P::kApart ? hn::ShiftLeft<16>(hn::ShiftRight<2>(y_part))
-                                 : hn::ShiftLeft<14 + P::kYShift>(y_part);
+  const auto y_place = kThree ? hn::ShiftLeft<14 + kThreeShift>(y_part)
+                              : hn::ShiftLeft<16>(hn::ShiftRight<2>(y_part));
   const auto x_of = [&](auto part) HWY_ATTR {
     const auto from = hn::Load(d, band.x_from[decltype(part)::value] + j) + x;
     return Part{hn::ShiftRight<kPlaceBits>(from), hn::ShiftRight<2>(hn::And(from, steady.in_part))};
@@ -281,7 +277,11 @@ HWY_INLINE bool describe_all(const SourceBounds& bounds, const RowNodes* between
     if (P::kRun == 8 && band.empty[j]) {
       slow = true;
     } else if (P::kRun == 8 && band.steady[j]) {
-      describe_steady_at<P>(j, steady, band, row);
+      if (!P::kApart && row.rows[j] == kSteadyThree) {
+        describe_steady_at<P, true>(j, steady, band, row);
+      } else {
+        describe_steady_at<P, false>(j, steady, band, row);
+      }
     } else {
       if (between != nullptr) interpolate(*between, j, kVector + 2 * kMargin, row.x, row.y);
       const Line x = line_of<P::kRun>(curve_at<kThird>(row.x + j));

@@ -77,8 +77,7 @@ struct RunRow {
   alignas(64) std::int32_t x[kRuns];
   alignas(64) std::int32_t y[kRuns];
   // Of the runs, without margins. Bytes from the beginning of the plane to the segment that
-  // holds the run's samples; rows of the source that its group takes, and the marks
-  // above.
+  // holds the run's samples; rows of the source that its group takes, and the marks above.
   alignas(64) std::int32_t offset[kRuns];
   alignas(64) std::int32_t rows[kRuns];
   // Two 16-bit numbers each, of x and of y. Slope, 2.14; what the parabola adds at the run's ends,
@@ -126,7 +125,7 @@ struct Band {
   alignas(64) std::int16_t y_shape[kSamples];
   alignas(64) std::int16_t x_turn[kSamples];
   alignas(64) std::int16_t y_turn[kSamples];
-  // By the first run of a vector. RunRow::rows is kSteadyRows; or it says that the runs are empty.
+  // By the first run of a vector. RunRow::rows has kSteadyRows; or it says that the runs are empty.
   bool steady[kRuns];
   bool empty[kRuns];
 };
