@@ -123,30 +123,41 @@ HWY_INLINE Numbers blend_three_rows(const std::uint8_t* source, const std::int32
   return blender.between(middle, other, weight);
 }
 
-// `rows` source rows, each result between two of them.
+// `rows` source rows: a result lies between two of them, which are chosen first.
 template <class L, bool kNearest>
 HWY_INLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_t* offsets,
                                    std::int32_t stride, std::int32_t rows, const Taps& taps,
                                    const Blender<Bytes>& blender) {
   const Words words;
-  const Signed numbers;
-  // 15 bits do not hold the place.
-  const auto row = hn::Set(words, 4096);
-  const auto last = hn::Set(words, 4095);
-  auto down = hn::BitCast(words, taps.down);
-  if constexpr (kNearest) down = hn::And(down + hn::Set(words, 2048), hn::Set(words, 0xF000));
-  Numbers upper = blender.across(fetch_pairs<L>(source, offsets, taps.neighbours), taps.across);
-  Numbers sum = upper;
-  for (std::int32_t r = 1; r < rows; ++r) {
+  const Signed d;
+  const auto fetch = [&]() HWY_ATTR {
+    const Pairs pairs = fetch_pairs<L>(source, offsets, taps.neighbours);
     source += stride;
-    const Numbers lower =
-        blender.across(fetch_pairs<L>(source, offsets, taps.neighbours), taps.across);
-    const auto weight = hn::BitCast(numbers, hn::ShiftLeft<3>(hn::Min(down, last)));
-    sum = sum + hn::MulFixedPoint15(lower - upper, weight);
-    down = hn::SaturatedSub(down, row);
-    upper = lower;
+    return hn::BitCast(d, pairs);
+  };
+  // 15 bits do not hold the place: as a signed number, 0 is the least.
+  const auto down = hn::BitCast(words, taps.down);
+  const auto place = hn::BitCast(d, hn::Xor(down, hn::Set(words, 0x8000)));
+  const auto row = hn::Set(d, 4096);
+  Numbers upper = fetch();
+  Numbers lower = fetch();
+  Numbers last = lower;
+  Numbers before = hn::Set(d, -0x7001);  // what is larger lies behind the second row
+  for (std::int32_t r = 2; r < rows; ++r) {
+    const Numbers next = fetch();
+    const auto behind = hn::Gt(place, before);
+    upper = hn::IfThenElse(behind, last, upper);
+    lower = hn::IfThenElse(behind, next, lower);
+    last = next;
+    before = before + row;
   }
-  return sum;
+  auto weight = hn::BitCast(d, hn::And(hn::ShiftLeft<3>(down), hn::Set(words, 0x7FF8)));
+  if constexpr (kNearest) {
+    weight = hn::IfThenElseZero(hn::Gt(weight, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
+  }
+  const Bytes bytes;
+  return blender.between(blender.across(hn::BitCast(bytes, upper), taps.across),
+                         blender.across(hn::BitCast(bytes, lower), taps.across), weight);
 }
 
 // Rows of the source that are fetched before they are needed: the hardware does not foresee a walk
