@@ -54,16 +54,18 @@ class Chunk {
     const PlaneMap::Level level = map_.level(y);
     if (y >= band_end_) begin_band(y);
     way_ = way_down_band(level);
-    const bool slow = describe(level, limits, choice_.wide || uneven || limits != nullptr);
+    const bool all = choice_.wide || uneven || limits != nullptr;
+    const remap::SlowBlocks slow = describe(level, limits, all);
     if (limits != nullptr) mark_invalid(*limits);
     if (uneven) mark_slow(whole_groups_ * group_, row_.count);
     blend(y);
-    if (slow || uneven || limits != nullptr) sample_rest(y, limits);
+    sample_rest(y, limits, all ? remap::kAllSlow : slow);
   }
 
  private:
-  // Where the runs lie; whether there is a slow one. `all`: somebody needs all of their middles.
-  bool describe(const PlaneMap::Level& level, const PlaneMap::Row* limits, bool all) noexcept {
+  // Where the runs lie, and which are slow. `all`: somebody needs all of their middles.
+  remap::SlowBlocks describe(const PlaneMap::Level& level, const PlaneMap::Row* limits,
+                             bool all) noexcept {
     const auto describe_with = [this](const remap::RowNodes* between) {
       return remap::describe_runs(choice_.lanes, pixels_, choice_.bounds, between, band_, way_,
                                   row_);
@@ -75,7 +77,7 @@ class Chunk {
     if (limits != nullptr) take_middles(*limits);
     if (!choice_.wide) return describe_with(nullptr);
     std::fill_n(row_.rows, row_.count, 0);
-    return true;
+    return remap::kAllSlow;
   }
 
   // The band that a row lies in is the same whichever row comes first: threads share the rows.
@@ -221,11 +223,16 @@ class Chunk {
     return output_row(plane, y) + (first_ + run * pixels_) * layout_.pixel_step;
   }
 
-  void sample_rest(int y, const PlaneMap::Row* limits) noexcept {
+  void sample_rest(int y, const PlaneMap::Row* limits, remap::SlowBlocks slow) noexcept {
     const auto kind = [&](int j) { return row_.rows[j] & (remap::kSlowRun | remap::kEmptyRun); };
+    const auto in_slow_block = [&](int j) { return (slow & remap::slow_block(j)) != 0; };
     for (int j = 0, end = 0; j < row_.count; j = end) {
+      if (!in_slow_block(j)) {
+        end = (j / remap::kBlockOfRuns + 1) * remap::kBlockOfRuns;
+        continue;
+      }
       const std::int32_t of_first = kind(j);
-      for (end = j + 1; end < row_.count && kind(end) == of_first; ++end) {
+      for (end = j + 1; end < row_.count && in_slow_block(end) && kind(end) == of_first; ++end) {
       }
       if (of_first == 0) continue;
       const remap::Stretch stretch = {row_, first_, j * pixels_, std::min(end * pixels_, width_),

@@ -41,11 +41,11 @@ void interpolate_row(const RowNodes& between, int runs, std::int32_t* xs, std::i
   }
 }
 
-bool describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
-                  const RowNodes* between, const Band& /*band*/, float /*way*/, RunRow& row) {
+SlowBlocks describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
+                        const RowNodes* between, const Band& /*band*/, float /*way*/, RunRow& row) {
   if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
   std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
-  return true;
+  return kAllSlow;
 }
 
 int group_of(LaneLayout /*layout*/, int /*run*/) { return 1; }
@@ -169,6 +169,17 @@ HWY_INLINE void store_lanes(int j, X x_of, hn::Vec<Ints> y_place, hn::Vec<Ints> 
   }
 }
 
+// Which of a vector of runs lie outside of the source by a sample and more, so that there is
+// nothing but the fill; -1 or 0.
+HWY_INLINE hn::Vec<Ints> outside(const Axis& x, const Axis& y, const SourceBounds& b) {
+  const Ints d;
+  if (!b.fills) return hn::Zero(d);
+  const auto inside = [&](const Axis& axis, std::int32_t count) HWY_ATTR {
+    return hn::Min(axis.last + hn::Set(d, 2), hn::Set(d, count) - axis.first);
+  };
+  return hn::BroadcastSignBit(hn::Min(inside(x, b.columns), inside(y, b.rows)));
+}
+
 // A vector of runs whose first one is `j`; whether one is slow.
 template <class P>
 HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
@@ -178,8 +189,10 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
   const Axis y = describe<P::kRun>(y_line);
   const Reads reads = reads_of<P>(x, y, b);
   const auto is_slow = hn::MaskFromVec(reads.slow);
-  const auto marks = hn::Or(hn::And(reads.slow, hn::Set(d, kSlowRun)),
-                            hn::And(hn::BroadcastSignBit(reads.offset), hn::Set(d, kSlowGroup)));
+  const auto empty = hn::And(reads.slow, outside(x, y, b));
+  const auto marks = hn::Or(
+      hn::Or(hn::And(reads.slow, hn::Set(d, kSlowRun)), hn::And(empty, hn::Set(d, kEmptyRun))),
+      hn::And(hn::BroadcastSignBit(reads.offset), hn::Set(d, kSlowGroup)));
   hn::Store(hn::Or(reads.rows, marks), d, row.rows + j);
   hn::Store(reads.offset, d, row.offset + j);
   const auto place = [&](hn::Vec<Ints> from_first)
@@ -268,14 +281,14 @@ HWY_INLINE void describe_steady_at(int j, const SteadyRow& steady, const Band& b
 }
 
 template <class P, bool kThird>
-HWY_INLINE bool describe_all(const SourceBounds& bounds, const RowNodes* between, const Band& band,
-                             float way, RunRow& row) {
+HWY_INLINE SlowBlocks describe_all(const SourceBounds& bounds, const RowNodes* between,
+                                   const Band& band, float way, RunRow& row) {
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   const SteadyRow steady(way, bounds.stride);
-  bool slow = false;
+  SlowBlocks slow = 0;
   for (int j = 0; j < row.count; j += kVector) {
     if (P::kRun == 8 && band.empty[j]) {
-      slow = true;
+      slow |= slow_block(j);
     } else if (P::kRun == 8 && band.steady[j]) {
       if (!P::kApart && row.rows[j] == kSteadyThree) {
         describe_steady_at<P, true>(j, steady, band, row);
@@ -286,7 +299,7 @@ HWY_INLINE bool describe_all(const SourceBounds& bounds, const RowNodes* between
       if (between != nullptr) interpolate(*between, j, kVector + 2 * kMargin, row.x, row.y);
       const Line x = line_of<P::kRun>(curve_at<kThird>(row.x + j));
       const Line y = line_of<P::kRun>(curve_at<kThird>(row.y + j));
-      slow |= describe_runs_at<P>(j, x, y, bounds, row);
+      if (describe_runs_at<P>(j, x, y, bounds, row)) slow |= slow_block(j);
     }
   }
   return slow;
@@ -297,15 +310,15 @@ void interpolate_row(const RowNodes& between, int runs, std::int32_t* x, std::in
 }
 
 template <class P>
-bool describe_bends(const SourceBounds& bounds, const RowNodes* between, const Band& band,
-                    float way, RunRow& row) {
+SlowBlocks describe_bends(const SourceBounds& bounds, const RowNodes* between, const Band& band,
+                          float way, RunRow& row) {
   return bounds.strongly_bent ? describe_all<P, true>(bounds, between, band, way, row)
                               : describe_all<P, false>(bounds, between, band, way, row);
 }
 
-bool describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
-                  const Band& band, float way, RunRow& row) {
-  bool slow = true;
+SlowBlocks describe_row(LaneLayout layout, int run, const SourceBounds& bounds,
+                        const RowNodes* between, const Band& band, float way, RunRow& row) {
+  SlowBlocks slow = kAllSlow;
   switch (layout) {
     case LaneLayout::kOneWord:
       return describe_bends<Placing<8, 1, 2>>(bounds, between, band, way, row);
@@ -314,7 +327,7 @@ bool describe_row(LaneLayout layout, int run, const SourceBounds& bounds, const 
     case LaneLayout::kNone:
       if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
       std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
-      return true;
+      return kAllSlow;
     default:
       with_placing(layout, run, [&](auto placing) HWY_ATTR {
         slow = describe_bends<decltype(placing)>(bounds, between, band, way, row);
@@ -346,8 +359,9 @@ void interpolate_runs(const RowNodes& between, int runs, std::int32_t* x,
   HWY_DYNAMIC_DISPATCH(interpolate_row)(between, runs, x, y);
 }
 
-bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
-                   const Band& band, float way, RunRow& row) noexcept {
+SlowBlocks describe_runs(LaneLayout layout, int run, const SourceBounds& bounds,
+                         const RowNodes* between, const Band& band, float way,
+                         RunRow& row) noexcept {
   return HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, between, band, way, row);
 }
 

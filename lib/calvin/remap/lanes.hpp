@@ -18,12 +18,20 @@ inline constexpr int kPlaceBits = 14;
 // What is worked on at a time: its arrays stay in the nearest cache.
 inline constexpr int kChunkRuns = 256;
 
-// A run for which there is no quick way is marked by one more than any number of rows, and where
-// that is so for all of its group by another.
+// A run for which there is no quick way is marked by one more than any number of rows, one that
+// shows nothing of the source, but the fill, by another too, and where there is no quick way for
+// all of its group by a third.
 inline constexpr std::int32_t kSlowRun = 64;
-inline constexpr std::int32_t kSlowGroup = 128;
-// A slow run that shows nothing of the source: the fill.
-inline constexpr std::int32_t kEmptyRun = 256;
+inline constexpr std::int32_t kEmptyRun = 128;
+inline constexpr std::int32_t kSlowGroup = 256;
+
+// Which runs of a row are slow is known by blocks of so many.
+inline constexpr int kBlockOfRuns = 16;
+using SlowBlocks = std::uint32_t;  // a bit for each
+inline constexpr SlowBlocks kAllSlow = ~SlowBlocks{0};
+[[nodiscard]] constexpr SlowBlocks slow_block(int run) noexcept {
+  return SlowBlocks{1} << (run / kBlockOfRuns);
+}
 
 // What is added to the rows of runs whose samples a band has in common.
 inline constexpr std::int32_t kSteadyRows = 32;
@@ -228,12 +236,13 @@ bool begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const No
                 int slot, float height, Band& band, RunRow& row) noexcept;
 
 // What the vector kernel has to know of the `row.count` runs of `run` samples: 8, or as many as a
-// lane has; whether there is a slow one. What is quick in a group of run_group() is so at the cost
+// lane has; which of them are slow. What is quick in a group of run_group() is so at the cost
 // of the slow ones' samples, which are written first. Middles of runs that are not steady are
 // interpolated on the way, unless `between` is nullptr and all of them are known or there are none;
 // `way` is as in RowTask.
-bool describe_runs(LaneLayout layout, int run, const SourceBounds& bounds, const RowNodes* between,
-                   const Band& band, float way, RunRow& row) noexcept;
+SlowBlocks describe_runs(LaneLayout layout, int run, const SourceBounds& bounds,
+                         const RowNodes* between, const Band& band, float way,
+                         RunRow& row) noexcept;
 
 // A row whose runs are described.
 struct RowTask {
