@@ -235,16 +235,41 @@ class Chunk {
       for (end = j + 1; end < row_.count && in_slow_block(end) && kind(end) == of_first; ++end) {
       }
       if (of_first == 0) continue;
-      const remap::Stretch stretch = {row_, first_, j * pixels_, std::min(end * pixels_, width_),
-                                      limits};
       for (std::size_t p = 0; p < sources_.size(); ++p) {
+        const remap::Stretch stretch = {row_, first_, j * pixels_, std::min(end * pixels_, width_),
+                                        limits};
         if (of_first >= remap::kEmptyRun) {
           remap::fill_stretch(layout_, {output_row(p, y), 0}, stretch);
         } else {
-          remap::sample_stretch(map_, layout_, sources_[p], {output_row(p, y), 0}, sampling_,
-                                stretch);
+          sample_stretch(p, y, stretch);
         }
       }
+    }
+  }
+
+  // What is inside of the source is only too steep.
+  void sample_stretch(std::size_t plane, int y, remap::Stretch stretch) noexcept {
+    const int end = stretch.end;
+    const bool steep = pixels_ == 8 && !choice_.wide && stretch.limits == nullptr &&
+                       map_.output_x().is_even() && choice_.bounds.last_row >= 0;
+    const bool nearest = sampling_.interpolation == Interpolation::kNearest;
+    const auto blend_run = [&](int run) {
+      return steep && (run + 1) * pixels_ <= end &&
+             remap::blend_steep_run(choice_.lanes, choice_.bounds, row_, run, nearest,
+                                    sources_[plane].data, output_at(plane, y, run));
+    };
+    for (int run = stretch.begin / pixels_; run * pixels_ < end;) {
+      if (blend_run(run)) {
+        ++run;
+        continue;
+      }
+      // As many as are not at once.
+      stretch.begin = run * pixels_;
+      for (++run; run * pixels_ < end && !blend_run(run);) ++run;
+      stretch.end = std::min(run * pixels_, end);
+      remap::sample_stretch(map_, layout_, sources_[plane], {output_row(plane, y), 0}, sampling_,
+                            stretch);
+      ++run;
     }
   }
 

@@ -38,7 +38,6 @@ using Ints = hn::FixedTag<std::int32_t, kBytes / 4>;
 using Floats = hn::FixedTag<float, kBytes / 4>;
 using Pairs = hn::Vec<Bytes>;
 using Numbers = hn::Vec<Signed>;
-using Places = hn::Vec<Words>;
 
 // What a run's samples lie from its middle at most, in halves of a sample.
 constexpr int reach(int pixels) { return pixels - 1; }

@@ -20,7 +20,7 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
-#include "calvin/remap/lane_places-inl.hpp"
+#include "calvin/remap/lane_gathers-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
@@ -84,7 +84,7 @@ HWY_INLINE std::array<Values, 6> weights_at(std::integral_constant<int, 6> /*tap
 
 // All components of eight samples, or of a part of them.
 template <int kTaps, int kComponents, bool kWords>
-HWY_INLINE void blend_part(const WideFormat& format, const Places& x, const Places& y,
+HWY_INLINE void blend_part(const WideFormat& format, const RunPlaces& x, const RunPlaces& y,
                            std::int32_t stride, const std::uint8_t* source, std::uint32_t* out) {
   const Floats d;
   const Ints ints;
@@ -119,19 +119,6 @@ HWY_INLINE void blend_part(const WideFormat& format, const Places& x, const Plac
   }
 }
 
-// Whether all places have all their neighbours within the source, and the 32 bits of the last one.
-template <int kTaps>
-HWY_INLINE bool has_neighbours(const Places& x, const Places& y, const SourceBounds& bounds,
-                               int spare) {
-  const Ints d;
-  const auto within = [&](hn::Vec<Ints> first, int last) HWY_ATTR {
-    const auto held = hn::Max(first, hn::Set(d, kTaps / 2 - 1));
-    return hn::Eq(first, hn::Min(held, hn::Set(d, last - kTaps / 2)));
-  };
-  return hn::AllTrue(
-      d, hn::And(within(x.whole, bounds.last_column - spare), within(y.whole, bounds.last_row)));
-}
-
 void put(const WideFormat& format, const std::uint32_t* values, int components,
          std::uint8_t* output) {
   for (int i = 0; i < kPixels; ++i) {
@@ -161,9 +148,11 @@ void blend_runs(const WideFormat& format, const SourceBounds& bounds, RunRow& ro
     const RunParabola py(row.y + j, kPixels);
     bool inside = true;
     for (int i = 0; i < kPixels && inside; i += kStep) {
-      const Places x = places_at(px, i, false);
-      const Places y = places_at(py, i, false);
-      inside = has_neighbours<kTaps>(x, y, bounds, format.spare);
+      const RunPlaces x = places_at(px, i, false);
+      const RunPlaces y = places_at(py, i, false);
+      constexpr int kBefore = kTaps / 2 - 1;
+      inside = are_within(x, kBefore, kTaps / 2, bounds.last_column - format.spare) &&
+               are_within(y, kBefore, kTaps / 2, bounds.last_row);
       if (inside) {
         blend_part<kTaps, kComponents, kWords>(format, x, y, bounds.stride, source, values + i);
       }

@@ -15,7 +15,7 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
-#include "calvin/remap/lane_places-inl.hpp"
+#include "calvin/remap/lane_gathers-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
@@ -95,8 +95,8 @@ HWY_INLINE void blend_lane(const RunRow& row, int j, WordFormat format, std::int
   const RunParabola py(row.y + j, kPixels);
   constexpr int kStep = static_cast<int>(hn::MaxLanes(d));
   for (int i = 0; i < kPixels; i += kStep) {
-    const Places x = places_at(px, i, nearest);
-    const Places y = places_at(py, i, nearest);
+    const RunPlaces x = places_at(px, i, nearest);
+    const RunPlaces y = places_at(py, i, nearest);
     const auto offsets = y.whole * hn::Set(Ints(), stride) + hn::ShiftLeft<kComponents>(x.whole);
     for (int p = 0; p < planes.planes; ++p) {
       const std::uint8_t* source = planes.source[p];

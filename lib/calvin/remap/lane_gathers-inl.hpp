@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Samples that are gathered by 32 bits of memory each, as numbers of single precision. Compiled
+// once per target of Highway: include it after hwy/foreach_target.h.
+#if defined(CALVIN_REMAP_LANE_GATHERS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_REMAP_LANE_GATHERS_INL_HPP
+#undef CALVIN_REMAP_LANE_GATHERS_INL_HPP
+#else
+#define CALVIN_REMAP_LANE_GATHERS_INL_HPP
+#endif
+
+#include "calvin/remap/lane_places-inl.hpp"
+
+#if HWY_TARGET != HWY_SCALAR
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+using Floats = PlaceFloats;
+using Ints = PlaceInts;
+using Words = hn::RebindToUnsigned<Floats>;
+using Values = hn::Vec<Floats>;
+
+// Both bytes of each 16-bit half change places.
+HWY_INLINE hn::Vec<Words> swap_bytes(hn::Vec<Words> pairs) {
+  const auto bytes = hn::Set(Words(), 0x00FF00FF);
+  return hn::Or(hn::ShiftLeft<8>(hn::And(pairs, bytes)), hn::And(hn::ShiftRight<8>(pairs), bytes));
+}
+
+// The value that begins at a bit of 32 in memory: a byte, or a word of that format.
+template <bool kWords>
+HWY_INLINE Values value_at(hn::Vec<Words> memory, WordFormat format, int bit) {
+  const Words d;
+  if constexpr (kWords) {
+    if (format.swapped) memory = swap_bytes(memory);
+  }
+  auto value = hn::And(hn::ShiftRightSame(memory, bit), hn::Set(d, kWords ? 0xFFFF : 0xFF));
+  if constexpr (kWords) value = hn::ShiftRightSame(value, format.shift);
+  return hn::ConvertTo(Floats(), hn::BitCast(Ints(), value));
+}
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
+#endif
