@@ -34,6 +34,17 @@ const std::vector<PlaneLayout> kLayouts = {
     {{}, 1, 2, 2, {}, SampleType::kU16Little}  // GRAY16_LE
 };
 
+ViewOptions view_of(double alpha, double zoom, double roll) {
+  ViewOptions view;
+  view.alpha = alpha;
+  view.zoom = zoom;
+  view.roll = roll;
+  return view;
+}
+const std::vector<ViewOptions> kViews = {view_of(0, 1, 0),     view_of(0.6, 1, 0),
+                                         view_of(1, 1, 0),     view_of(0.5, 1, 0.35),
+                                         view_of(1, 0.4, 0.1), view_of(1, 0.25, 1.5)};
+
 // Memory between two pages that end the program when they are touched.
 class Fenced {
  public:
@@ -88,8 +99,8 @@ TEST(RemapMemory, NothingBesideAPlaneIsRead) {
       const double focal = 0.55 * size.width;
       const Camera source =
           reference::camera(lens, size, focal, 0.5 * size.width, 0.49 * size.height);
-      for (const double alpha : {0.0, 0.6, 1.0}) {
-        const auto undistorter = Undistorter::make(source, {alpha, {}}, kLayouts);
+      for (const ViewOptions& view : kViews) {
+        const auto undistorter = Undistorter::make(source, view, kLayouts);
         ASSERT_TRUE(undistorter.has_value());
         for (std::size_t i = 0; i < kLayouts.size(); ++i) {
           const auto [stride, bytes] = size_of(kLayouts[i], size);
