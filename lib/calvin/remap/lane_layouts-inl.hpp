@@ -127,10 +127,14 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
   constexpr std::size_t kHalf = kBytes / 2;
   const hn::FixedTag<std::uint8_t, kHalf> d;
   if constexpr (L::kSpread == 2) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+    _mm512_mask_storeu_epi8(out, 0x5555555555555555U, results.raw);
+#else
     const Words words;
     auto* at = reinterpret_cast<std::uint16_t*>(out);
     const auto others = hn::And(hn::LoadU(words, at), hn::Set(words, 0xFF00));
     hn::StoreU(hn::Or(others, hn::BitCast(words, results)), words, at);
+#endif
   } else if constexpr (L::kStep == 3) {
     // Six of eight results are samples: they go to the front, and the next lane's over the rest.
     alignas(16) static constexpr std::uint8_t kFront[16] = {0,  1,  2,  3,  4, 5, 8, 9,
