@@ -150,8 +150,9 @@ HWY_INLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_
 }
 
 // Rows of the source that are fetched before they are needed: the hardware does not foresee a walk
-// along a curve.
-constexpr int kAhead = 12;
+// along a curve. Of wide rows the nearest cache holds fewer.
+template <class L>
+constexpr int kAhead = L::kStep* L::kSpread < 4 ? 12 : 8;
 
 // What all of a row's runs are blended with.
 template <int kPlanes>
@@ -274,7 +275,7 @@ void blend(const RowTask& shared, int begin, int end, const PlaneRows& rows) {
   planes.stride = task.stride;
   for (int p = 0; p < kPlanes; ++p) {
     planes.sources[p] = rows.source[p];
-    planes.ahead[p] = rows.source[p] + static_cast<std::ptrdiff_t>(kAhead) * task.stride + 16;
+    planes.ahead[p] = rows.source[p] + static_cast<std::ptrdiff_t>(kAhead<L>) * task.stride + 16;
     planes.outputs[p] = rows.output[p];
   }
   if constexpr (L::kStep * L::kSpread == 1) {
