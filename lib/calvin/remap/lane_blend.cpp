@@ -182,6 +182,7 @@ template <class L, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
                              const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
   for (int p = 0; p < kPlanes; ++p) {
+    if constexpr (L::kSpread > 1) hwy::Prefetch(planes.outputs[p] + v * L::kOut + kWriteAhead);
     store_results<L>(vector_of<L, kThree, kNearest>(row, j, v, taps, planes, p, blender),
                      planes.outputs[p] + v * L::kOut);
   }
@@ -192,6 +193,7 @@ template <class L, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_pair(const RunRow& row, int j, int v, const Taps& first, const Taps& second,
                            const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
   for (int p = 0; p < kPlanes; ++p) {
+    hwy::Prefetch(planes.outputs[p] + v * L::kOut + kWriteAhead);
     const Numbers a = vector_of<L, kThree, kNearest>(row, j, v, first, planes, p, blender);
     const Numbers b = vector_of<L, kThree, kNearest>(row, j, v + 1, second, planes, p, blender);
     store_pair<L>(a, b, planes.outputs[p] + v * L::kOut);

@@ -21,6 +21,9 @@ namespace calvin::remap::HWY_NAMESPACE {
 // Runs whose samples are placed before they are blended.
 constexpr int kBlockRuns = 16;
 
+// Bytes of the output that are fetched before they are written: the lines must come first.
+constexpr int kWriteAhead = 1024;
+
 template <class P>
 using PlaceWords = hn::FixedTag<std::uint16_t, P::kSamples>;
 template <class P>
