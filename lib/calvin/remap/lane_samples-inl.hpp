@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
 // Runs whose samples are placed before they are blended.
-constexpr int kBlockRuns = 16;
+constexpr int kBlockRuns = 32;
 
 // Bytes of the output that are fetched before they are written: the lines must come first.
 constexpr int kWriteAhead = 1024;
