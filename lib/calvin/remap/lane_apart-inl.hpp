@@ -149,6 +149,7 @@ HWY_INLINE void blend_block(const ApartRow& row, const RunRow& runs, int begin, 
   constexpr int kRuns = P::kSamples / P::kRun;
   // A vector is a group or a part of one.
   for (int j = 0; j < end - begin; j += kRuns, out += P::kSamples * P::kStep) {
+    hwy::Prefetch(out + kWriteAhead);
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
     if constexpr (kHasWindows<P>) {
       if (HWY_LIKELY(samples.by_window[j])) {

@@ -161,8 +161,9 @@ HWY_INLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_
 }
 
 // Rows of the source that are fetched before they are needed: the hardware does not foresee a walk
-// along a curve.
-constexpr int kAhead = 12;
+// along a curve. Of wide rows the nearest cache holds fewer.
+template <class L>
+constexpr int kAhead = L::kStep* L::kSpread < 4 ? 12 : 8;
 
 // What all of a row's runs are blended with.
 template <int kPlanes>
@@ -274,6 +275,7 @@ template <class L, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
                              const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
   for (int p = 0; p < kPlanes; ++p) {
+    if constexpr (L::kSpread > 1) hwy::Prefetch(planes.outputs[p] + v * L::kOut + kWriteAhead);
     store_results<L>(vector_of<L, kThree, kNearest>(row, j, v, taps, planes, p, blender),
                      planes.outputs[p] + v * L::kOut);
   }
@@ -284,6 +286,7 @@ template <class L, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_pair(const RunRow& row, int j, int v, const Taps& first, const Taps& second,
                            const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
   for (int p = 0; p < kPlanes; ++p) {
+    hwy::Prefetch(planes.outputs[p] + v * L::kOut + kWriteAhead);
     const Numbers a = vector_of<L, kThree, kNearest>(row, j, v, first, planes, p, blender);
     const Numbers b = vector_of<L, kThree, kNearest>(row, j, v + 1, second, planes, p, blender);
     store_pair<L>(a, b, planes.outputs[p] + v * L::kOut);
@@ -334,7 +337,7 @@ void blend(const RowTask& shared, int begin, int end, const PlaneRows& rows) {
   planes.stride = task.stride;
   for (int p = 0; p < kPlanes; ++p) {
     planes.sources[p] = rows.source[p];
-    planes.ahead[p] = rows.source[p] + static_cast<std::ptrdiff_t>(kAhead) * task.stride + 16;
+    planes.ahead[p] = rows.source[p] + static_cast<std::ptrdiff_t>(kAhead<L>) * task.stride + 16;
     planes.outputs[p] = rows.output[p];
   }
   if constexpr (L::kStep * L::kSpread == 1) {

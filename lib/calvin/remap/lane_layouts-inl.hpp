@@ -58,7 +58,8 @@ using PlacingOf = Placing<L::kRunPixels, kByLanes<L> ? L::kSpan : 1, L::kStep * 
 // Where the results of a vector are in what is known of its samples, and what they add to the bytes
 // that samples have.
 struct Results {
-  alignas(64) std::uint8_t samples[64];      // bytes of their 16-bit numbers, by the 128 bits
+  alignas(64) std::uint16_t numbers[32];     // of their samples
+  alignas(64) std::uint8_t samples[64];      // bytes of these, by the 128 bits
   alignas(64) std::uint16_t neighbours[32];  // bytes of the two samples in a pixel and the next one
 };
 template <class L>
@@ -71,6 +72,7 @@ constexpr Results make_results() {
     const int pixel = i / 8 * L::kPixels + i % 8 / L::kWidth;
     const int component = i % L::kWidth < L::kStep ? i % L::kWidth : 0;
     const int window = kByWindows<L> ? i / 8 / L::kSpan * L::kWindow % 64 : 0;
+    r.numbers[i] = static_cast<std::uint16_t>(pixel);
     r.samples[2 * i] = static_cast<std::uint8_t>(2 * pixel % 16);
     r.samples[2 * i + 1] = static_cast<std::uint8_t>(2 * pixel % 16 + 1);
     r.neighbours[i] = static_cast<std::uint16_t>(
@@ -87,14 +89,15 @@ HWY_INLINE Numbers numbers_of(const std::int16_t* samples) {
   const Bytes d;
   constexpr std::size_t kSamples = static_cast<std::size_t>(L::kPixels) * kLanes;
   if constexpr (L::kWidth == 1) return hn::Load(Signed(), samples);
-  Pairs all;
-  const auto* from = reinterpret_cast<const std::uint8_t*>(samples);
-  if constexpr (kSamples > 8) {
-    const hn::FixedTag<std::uint8_t, kBytes / 2> half;
-    all = hn::Combine(d, hn::LoadDup128(half, from + 16), hn::LoadDup128(half, from));
-  } else {
-    all = hn::LoadDup128(d, from);
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  if constexpr (kSamples == 16) {
+    const auto all = _mm512_castsi256_si512(hn::Load(hn::Half<Signed>(), samples).raw);
+    const auto which = hn::Load(Words(), kResults<L>.numbers);
+    return Numbers{_mm512_permutexvar_epi16(which.raw, all)};
   }
+#endif
+  static_assert(L::kWidth == 1 || kSamples <= 8 || kBytes == 64);
+  const auto all = hn::LoadDup128(d, reinterpret_cast<const std::uint8_t*>(samples));
   return hn::BitCast(Signed(), hn::TableLookupBytes(all, hn::Load(d, kResults<L>.samples)));
 }
 
@@ -127,10 +130,14 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
   constexpr std::size_t kHalf = kBytes / 2;
   const hn::FixedTag<std::uint8_t, kHalf> d;
   if constexpr (L::kSpread == 2) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+    _mm512_mask_storeu_epi8(out, 0x5555555555555555U, results.raw);
+#else
     const Words words;
     auto* at = reinterpret_cast<std::uint16_t*>(out);
     const auto others = hn::And(hn::LoadU(words, at), hn::Set(words, 0xFF00));
     hn::StoreU(hn::Or(others, hn::BitCast(words, results)), words, at);
+#endif
   } else if constexpr (L::kStep == 3) {
     // Six of eight results are samples: they go to the front, and the next lane's over the rest.
     alignas(16) static constexpr std::uint8_t kFront[16] = {0,  1,  2,  3,  4, 5, 8, 9,

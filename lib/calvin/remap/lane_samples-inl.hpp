@@ -19,7 +19,10 @@ HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
 // Runs whose samples are placed before they are blended.
-constexpr int kBlockRuns = 16;
+constexpr int kBlockRuns = 32;
+
+// Bytes of the output that are fetched before they are written: the lines must come first.
+constexpr int kWriteAhead = 1024;
 
 template <class P>
 using PlaceWords = hn::FixedTag<std::uint16_t, P::kSamples>;
@@ -69,8 +72,8 @@ template <class P, int kStep = P::kStep>
 HWY_INLINE hn::Vec<PlaceNumbers<P>> bytes_of(hn::Vec<PlaceNumbers<P>> x) {
   const PlaceNumbers<P> d;
   const PlaceWords<P> words;
-  return hn::BitCast(d, hn::MulHigh(hn::Or(hn::BitCast(words, x), hn::Set(words, 0x0FFF)),
-                                    hn::Set(words, 0x1010 * kStep)));
+  return hn::BitCast(d, hn::MulHigh(hn::Or(hn::BitCast(words, x), kept(hn::Set(words, 0x0FFF))),
+                                    kept(hn::Set(words, 0x1010 * kStep))));
 }
 
 // ---- Pixels that are fetched one by one.
