@@ -253,23 +253,18 @@ class Chunk {
     const bool steep = pixels_ == 8 && !choice_.wide && stretch.limits == nullptr &&
                        map_.output_x().is_even() && choice_.bounds.last_row >= 0;
     const bool nearest = sampling_.interpolation == Interpolation::kNearest;
-    const auto blend_run = [&](int run) {
-      return steep && (run + 1) * pixels_ <= end &&
-             remap::blend_steep_run(choice_.lanes, choice_.bounds, row_, run, nearest,
-                                    sources_[plane].data, output_at(plane, y, run));
-    };
-    for (int run = stretch.begin / pixels_; run * pixels_ < end;) {
-      if (blend_run(run)) {
-        ++run;
-        continue;
+    const int whole = steep ? end / pixels_ : 0;
+    for (int run = stretch.begin / pixels_; run * pixels_ < end; ++run) {
+      if (run < whole) {
+        run = remap::blend_steep_runs(choice_.lanes, choice_.bounds, row_, run, whole, nearest,
+                                      sources_[plane].data, output_at(plane, y, run));
       }
-      // As many as are not at once.
+      if (run * pixels_ >= end) return;
       stretch.begin = run * pixels_;
-      for (++run; run * pixels_ < end && !blend_run(run);) ++run;
-      stretch.end = std::min(run * pixels_, end);
+      stretch.end = steep ? std::min(stretch.begin + pixels_, end) : end;
       remap::sample_stretch(map_, layout_, sources_[plane], {output_row(plane, y), 0}, sampling_,
                             stretch);
-      ++run;
+      if (!steep) return;
     }
   }
 

@@ -11,8 +11,6 @@
 #define CALVIN_REMAP_LANE_PLACES_INL_HPP
 #endif
 
-#include <cmath>
-
 #include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 // After lane_targets.hpp.
@@ -30,26 +28,47 @@ constexpr int kPixels = 8;
 using PlaceFloats = hn::CappedTag<float, kPixels>;
 using PlaceInts = hn::RebindToSigned<PlaceFloats>;
 
+// RunParabola of eight samples, from the sample that the middle is behind: differences of middles
+// are small, so that single precision holds all of them.
+struct RunCurve {
+  explicit RunCurve(const std::int32_t* middles) noexcept {
+    constexpr float kUnit = 1.0F / (1 << kPlaceBits);
+    const std::int32_t across = middles[3] - middles[1];
+    const std::int32_t third = middles[4] - middles[0] - 2 * across;
+    const std::int32_t second = middles[3] - middles[2] - (middles[2] - middles[1]);
+    base = middles[2] >> kPlaceBits;
+    rest = kUnit * static_cast<float>(middles[2] & ((1 << kPlaceBits) - 1));
+    slope = kUnit / (2 * kPixels) *
+            (static_cast<float>(across) - kThirdPart / 256.0F * static_cast<float>(third));
+    bend = kUnit / (2 * kPixels * kPixels) * static_cast<float>(second);
+  }
+
+  std::int32_t base;
+  float rest;
+  float slope;
+  float bend;
+};
+
 // Along one axis: whole samples, and the rest.
 struct RunPlaces {
   hn::Vec<PlaceInts> whole;
   hn::Vec<PlaceFloats> rest;
 };
 
+// Samples from the middle of a run; Highway's Iota() is a loop with some instruction sets.
+alignas(32) constexpr float kFromMiddle[kPixels] = {-3.5F, -2.5F, -1.5F, -0.5F,
+                                                    0.5F,  1.5F,  2.5F,  3.5F};
+
 // Of a vector of samples whose first one is `first` in the run.
-HWY_INLINE RunPlaces places_at(const RunParabola& parabola, int first, bool nearest) {
+HWY_INLINE RunPlaces places_at(const RunCurve& curve, int first, bool nearest) {
   const PlaceFloats d;
   const PlaceInts ints;
-  const double base = std::floor(parabola.middle);
-  const auto t = hn::Iota(d, static_cast<float>(first) - (kPixels - 1) / 2.0F);
-  const auto at = hn::MulAdd(t,
-                             hn::MulAdd(t, hn::Set(d, static_cast<float>(parabola.bend)),
-                                        hn::Set(d, static_cast<float>(parabola.slope))),
-                             hn::Set(d, static_cast<float>(parabola.middle - base)));
+  const auto t = hn::Load(d, kFromMiddle + first);
+  const auto at = hn::MulAdd(t, hn::MulAdd(t, hn::Set(d, curve.bend), hn::Set(d, curve.slope)),
+                             hn::Set(d, curve.rest));
   const auto down = hn::Floor(at);
   const auto rest = at - down;
-  const auto whole = hn::ConvertTo(ints, down) + hn::Set(ints, static_cast<std::int32_t>(base));
-  return {whole, nearest ? hn::Round(rest) : rest};
+  return {hn::ConvertTo(ints, down) + hn::Set(ints, curve.base), nearest ? hn::Round(rest) : rest};
 }
 
 // Whether all places have `before` samples before them and `behind` behind, of which the last one

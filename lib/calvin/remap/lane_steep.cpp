@@ -13,6 +13,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calvin/remap/lane_steep.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include <hwy/highway.h>
@@ -25,10 +26,10 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-bool blend_steep(LaneLayout /*layout*/, const SourceBounds& /*bounds*/, const RunRow& /*row*/,
-                 int /*run*/, bool /*nearest*/, const std::uint8_t* /*source*/,
-                 std::uint8_t* /*output*/) {
-  return false;
+int blend_steep(LaneLayout /*layout*/, const SourceBounds& /*bounds*/, const RunRow& /*row*/,
+                int begin, int /*end*/, bool /*nearest*/, const std::uint8_t* /*source*/,
+                std::uint8_t* /*output*/) {
+  return begin;
 }
 
 #else
@@ -85,16 +86,16 @@ HWY_INLINE bool place_run(const RunRow& row, int run, const SourceBounds& bounds
   const PlaceFloats d;
   const PlaceInts ints;
   const hn::Rebind<std::int16_t, PlaceInts> numbers;
-  const RunParabola px(row.x + run, kPixels);
-  const RunParabola py(row.y + run, kPixels);
+  const RunCurve px(row.x + run);
+  const RunCurve py(row.y + run);
   const auto number = [&](hn::Vec<PlaceFloats> value) HWY_ATTR {
     return hn::DemoteTo(numbers, hn::NearestInt(hn::Min(value, hn::Set(d, 32767))));
   };
   for (int i = 0; i < kPixels; i += static_cast<int>(hn::MaxLanes(d))) {
     const RunPlaces x = places_at(px, i, nearest);
     const RunPlaces y = places_at(py, i, nearest);
-    if (!are_within(x, 0, 1, bounds.last_column - S::kSpare) ||
-        !are_within(y, 0, 1, bounds.last_row)) {
+    if (HWY_UNLIKELY(!are_within(x, 0, 1, bounds.last_column - S::kSpare) ||
+                     !are_within(y, 0, 1, bounds.last_row))) {
       return false;
     }
     hn::StoreU(y.whole * hn::Set(ints, bounds.stride) + x.whole * hn::Set(ints, S::kPixelStep),
@@ -127,16 +128,14 @@ HWY_INLINE hn::Vec<Lane> fetch_set(const std::uint8_t* source, const std::int32_
                                          hn::Set(d, fetch_half<S>(source, offsets + S::kSet / 2))));
 }
 
+// A run whose pixels are placed.
 template <int kComponents, int kSpacing>
-bool blend_run(const SourceBounds& bounds, const RunRow& row, int run, bool nearest,
-               const std::uint8_t* source, std::uint8_t* output) {
+HWY_INLINE void blend_run(const SteepRun& pixels, const std::uint8_t* source, std::int32_t stride,
+                          std::uint8_t* output, const Blender<Lane>& blender) {
   using S = Steep<kComponents, kSpacing>;
   constexpr const SteepTables& kTables = kSteepTables<kComponents, kSpacing>;
-  SteepRun pixels;
-  if (!place_run<S>(row, run, bounds, nearest, pixels)) return false;
   const Lane d;
   const LaneNumbers numbers;
-  const Blender<Lane> blender;
   const auto which = hn::Load(d, kTables.neighbours);
   const auto weights = [&](const std::int16_t* of_run, int set) HWY_ATTR {
     const auto all = hn::BitCast(d, hn::Load(numbers, of_run));
@@ -149,9 +148,10 @@ bool blend_run(const SourceBounds& bounds, const RunRow& row, int run, bool near
       return blender.across(hn::TableLookupBytes(fetch_set<S>(from, offsets), which), across);
     };
     const auto sum =
-        blender.between(row_at(source), row_at(source + bounds.stride), weights(pixels.down, set));
+        blender.between(row_at(source), row_at(source + stride), weights(pixels.down, set));
+    const auto rounded = blender.rounded(sum);
     alignas(16) std::uint8_t results[16];
-    hn::Store(pack_lanes(d, blender.rounded(sum), blender.rounded(sum)), d, results);
+    hn::Store(pack_lanes(d, rounded, rounded), d, results);
     if constexpr (kSpacing == 1) {
       std::memcpy(output + set * S::kResults, results, S::kResults);
     } else {
@@ -160,26 +160,45 @@ bool blend_run(const SourceBounds& bounds, const RunRow& row, int run, bool near
       }
     }
   }
-  return true;
 }
 
-bool blend_steep(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int run,
-                 bool nearest, const std::uint8_t* source, std::uint8_t* output) {
+template <int kComponents, int kSpacing>
+int blend_runs(const SourceBounds& bounds, const RunRow& row, int begin, int end, bool nearest,
+               const std::uint8_t* source, std::uint8_t* output) {
+  using S = Steep<kComponents, kSpacing>;
+  const Blender<Lane> blender;
+  SteepRun pixels;
+  int run = begin;
+  for (; run < end && place_run<S>(row, run, bounds, nearest, pixels); ++run) {
+    // The next runs' lines, which go on as this one does.
+    const std::ptrdiff_t along = pixels.offsets[kPixels - 1] - pixels.offsets[0];
+    for (const std::ptrdiff_t ahead : {3 * along, 4 * along}) {
+      hwy::Prefetch(source + pixels.offsets[0] + ahead);
+      hwy::Prefetch(source + pixels.offsets[0] + ahead + bounds.stride);
+    }
+    blend_run<kComponents, kSpacing>(pixels, source, bounds.stride,
+                                     output + (run - begin) * kPixels * S::kPixelStep, blender);
+  }
+  return run;
+}
+
+int blend_steep(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
+                int end, bool nearest, const std::uint8_t* source, std::uint8_t* output) {
   switch (layout) {
     case LaneLayout::kOne:
-      return blend_run<1, 1>(bounds, row, run, nearest, source, output);
+      return blend_runs<1, 1>(bounds, row, begin, end, nearest, source, output);
     case LaneLayout::kTwo:
-      return blend_run<2, 1>(bounds, row, run, nearest, source, output);
+      return blend_runs<2, 1>(bounds, row, begin, end, nearest, source, output);
     case LaneLayout::kThree:
-      return blend_run<3, 1>(bounds, row, run, nearest, source, output);
+      return blend_runs<3, 1>(bounds, row, begin, end, nearest, source, output);
     case LaneLayout::kFour:
-      return blend_run<4, 1>(bounds, row, run, nearest, source, output);
+      return blend_runs<4, 1>(bounds, row, begin, end, nearest, source, output);
     case LaneLayout::kOneSpread:
-      return blend_run<1, 2>(bounds, row, run, nearest, source, output);
+      return blend_runs<1, 2>(bounds, row, begin, end, nearest, source, output);
     case LaneLayout::kTwoSpread:
-      return blend_run<2, 2>(bounds, row, run, nearest, source, output);
+      return blend_runs<2, 2>(bounds, row, begin, end, nearest, source, output);
     default:
-      return false;
+      return begin;
   }
 }
 
@@ -193,9 +212,11 @@ namespace calvin::remap {
 
 HWY_EXPORT(blend_steep);
 
-bool blend_steep_run(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int run,
-                     bool nearest, const std::uint8_t* source, std::uint8_t* output) noexcept {
-  return HWY_DYNAMIC_DISPATCH(blend_steep)(layout, bounds, row, run, nearest, source, output);
+int blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
+                     int end, bool nearest, const std::uint8_t* source,
+                     std::uint8_t* output) noexcept {
+  return HWY_DYNAMIC_DISPATCH(blend_steep)(layout, bounds, row, begin, end, nearest, source,
+                                           output);
 }
 
 }  // namespace calvin::remap

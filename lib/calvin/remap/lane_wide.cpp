@@ -144,8 +144,8 @@ void blend_runs(const WideFormat& format, const SourceBounds& bounds, RunRow& ro
   alignas(64) std::uint32_t values[kComponents * kPixels];
   for (int j = 0; j < row.count; ++j) {
     if (row.rows[j] >= kSlowRun) continue;
-    const RunParabola px(row.x + j, kPixels);
-    const RunParabola py(row.y + j, kPixels);
+    const RunCurve px(row.x + j);
+    const RunCurve py(row.y + j);
     bool inside = true;
     for (int i = 0; i < kPixels && inside; i += kStep) {
       const RunPlaces x = places_at(px, i, false);

@@ -91,8 +91,8 @@ template <int kComponents>
 HWY_INLINE void blend_lane(const RunRow& row, int j, WordFormat format, std::int32_t stride,
                            bool nearest, const PlaneRows& planes, std::ptrdiff_t begin) {
   const Floats d;
-  const RunParabola px(row.x + j, kPixels);
-  const RunParabola py(row.y + j, kPixels);
+  const RunCurve px(row.x + j);
+  const RunCurve py(row.y + j);
   constexpr int kStep = static_cast<int>(hn::MaxLanes(d));
   for (int i = 0; i < kPixels; i += kStep) {
     const RunPlaces x = places_at(px, i, nearest);

@@ -259,11 +259,13 @@ struct RowTask {
 void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int end,
                 const PlaneRows& planes) noexcept;
 
-// Writes the samples of a run of 8 whose middles, and those of its neighbours, are known, be it as
-// steep as it may. False, and nothing is written, where a sample has no neighbours in the source,
-// and for 16-bit samples.
-bool blend_steep_run(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int run,
-                     bool nearest, const std::uint8_t* source, std::uint8_t* output) noexcept;
+// Writes the samples of the runs of 8 from `begin` to before `end`, whose middles are known, be
+// they as steep as they may. Stops before a run with a sample that has no neighbours in the source,
+// and says which that is: `begin` for 16-bit samples, `end` where there is none. `output` is where
+// `begin` goes to.
+int blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
+                     int end, bool nearest, const std::uint8_t* source,
+                     std::uint8_t* output) noexcept;
 
 // How 16-bit samples hold their values.
 struct WordFormat {
