@@ -284,7 +284,7 @@ void register_frames(const char* format, ImageSize size, bool planes, bool chain
 
 int main(int argc, char** argv) {
   gst_init(&argc, &argv);
-  benchmark::Initialize(&argc, argv);
+  bench::initialize_interleaved(argc, argv);
   cv::setNumThreads(1);
   for (const ImageSize size : {kFullHd, kUhd}) {
     const bool chain = size == kFullHd;

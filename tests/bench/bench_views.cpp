@@ -121,7 +121,7 @@ void opencv(benchmark::State& state, Pictures& pictures) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
+  bench::initialize_interleaved(argc, argv);
   cv::setNumThreads(1);
   for (const NamedView& view : kViews) {
     const auto pictures = std::make_shared<Pictures>(view);

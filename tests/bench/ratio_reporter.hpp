@@ -4,6 +4,9 @@
 // Prints what Google Benchmark measures as a table: every subject beside ours, with the ratio.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -12,6 +15,20 @@
 #include <benchmark/benchmark.h>
 
 namespace bench {
+
+// benchmark::Initialize(), for subjects that take milliseconds: the medians of short runs of all of
+// them in any order, since the speed of a machine may change from second to second. What the
+// command line says comes last.
+inline void initialize_interleaved(int argc, char** argv) {
+  static std::array<std::string, 3> flags = {"--benchmark_repetitions=11",
+                                             "--benchmark_enable_random_interleaving=true",
+                                             "--benchmark_min_time=0.1"};
+  std::vector<char*> all = {argv[0]};
+  for (std::string& flag : flags) all.push_back(flag.data());
+  all.insert(all.end(), argv + 1, argv + argc);
+  auto count = static_cast<int>(all.size());
+  benchmark::Initialize(&count, all.data());
+}
 
 // Benchmarks are named "case|subject"; the subject "calvin" is the one that others are divided by.
 class RatioReporter : public benchmark::BenchmarkReporter {
@@ -26,31 +43,35 @@ class RatioReporter : public benchmark::BenchmarkReporter {
       const auto bar = name.find('|');
       if (bar == std::string::npos) continue;
       const std::string what = name.substr(0, bar);
-      if (rows_.find(what) == rows_.end()) order_.push_back(what);
       const double seconds =
           run.GetAdjustedCPUTime() / benchmark::GetTimeUnitMultiplier(run.time_unit);
-      rows_[what].emplace_back(name.substr(bar + 1), seconds);
+      rows_.push_back({run.family_index, what, name.substr(bar + 1), seconds});
+      if (rows_.back().subject == "calvin") ours_[what] = seconds;
     }
   }
 
   void Finalize() override {
+    // As they were registered, in whichever order they ran.
+    std::stable_sort(rows_.begin(), rows_.end(),
+                     [](const Row& a, const Row& b) { return a.index < b.index; });
     std::printf("%-28s %-28s %12s %8s\n", "case", "subject", "CPU, ms", "ratio");
-    for (const std::string& what : order_) {
-      double ours = 0;
-      for (const auto& [subject, seconds] : rows_[what]) {
-        if (subject == "calvin") ours = seconds;
-      }
-      for (const auto& [subject, seconds] : rows_[what]) {
-        std::printf("%-28s %-28s %12.4f", what.c_str(), subject.c_str(), 1e3 * seconds);
-        if (ours > 0) std::printf(" %8.1f", seconds / ours);
-        std::printf("\n");
-      }
+    for (const Row& row : rows_) {
+      std::printf("%-28s %-28s %12.4f", row.what.c_str(), row.subject.c_str(), 1e3 * row.seconds);
+      const auto ours = ours_.find(row.what);
+      if (ours != ours_.end()) std::printf(" %8.1f", row.seconds / ours->second);
+      std::printf("\n");
     }
   }
 
  private:
-  std::map<std::string, std::vector<std::pair<std::string, double>>> rows_;
-  std::vector<std::string> order_;
+  struct Row {
+    std::int64_t index;
+    std::string what;
+    std::string subject;
+    double seconds;
+  };
+  std::vector<Row> rows_;
+  std::map<std::string, double> ours_;
 };
 
 }  // namespace bench
