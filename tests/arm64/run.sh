@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# The undistorter's kernels on 64-bit ARM: cross-compiles them with their test and runs it under qemu.
-#   run.sh BUILD [ARGUMENTS OF THE TEST...]
+# The undistorter's kernels on 64-bit ARM: cross-compiles them with their tests and runs it under qemu.
+#   run.sh BUILD [ARGUMENTS OF THE TESTS...]
 # Needs g++-aarch64-linux-gnu qemu-user libhwy-dev:arm64 libfmt-dev:arm64 googletest, after
 # dpkg --add-architecture arm64.
 set -eu
@@ -17,7 +17,8 @@ flags="-std=c++20 -O2 -march=armv8-a+crypto -I$source/lib -I$source/tests/lib
   -isystem /usr/include/eigen3 -isystem $gtest/include -I$gtest"
 for file in "$source"/lib/calvin/core/*.cpp "$source"/lib/calvin/geometry/*.cpp \
   "$source"/lib/calvin/camera/*.cpp "$source"/lib/calvin/remap/*.cpp \
-  "$source/tests/lib/test_remap.cpp" "$gtest/src/gtest-all.cc" "$gtest/src/gtest_main.cc"; do
+  "$source/tests/lib/test_remap.cpp" "$source/tests/lib/test_remap_steep.cpp" \
+  "$gtest/src/gtest-all.cc" "$gtest/src/gtest_main.cc"; do
   object=$build/$(basename "$(dirname "$file")")-$(basename "$file").o
   [ "$object" -nt "$file" ] || echo "-c $file -o $object"
 done | xargs -r -P "$(nproc)" -L 1 aarch64-linux-gnu-g++ $flags

@@ -247,11 +247,13 @@ class Chunk {
     }
   }
 
-  // What is inside of the source is only too steep.
+  // Runs that are slow because they are steep, and not because they cross the border, have a
+  // kernel.
   void sample_stretch(std::size_t plane, int y, remap::Stretch stretch) noexcept {
     const int end = stretch.end;
-    const bool steep = pixels_ == 8 && !choice_.wide && stretch.limits == nullptr &&
-                       map_.output_x().is_even() && choice_.bounds.last_row >= 0;
+    const bool steep = pixels_ == 8 && !choice_.wide && !remap::is_words(choice_.lanes) &&
+                       stretch.limits == nullptr && map_.output_x().is_even() &&
+                       choice_.bounds.last_row >= 0;
     const bool nearest = sampling_.interpolation == Interpolation::kNearest;
     const int whole = steep ? end / pixels_ : 0;
     for (int run = stretch.begin / pixels_; run * pixels_ < end; ++run) {
