@@ -13,10 +13,12 @@
 
 #include "calvin/remap/undistorter.hpp"
 #include "ratio_reporter.hpp"
+#include "remap_reference.hpp"
 
 namespace {
 
 using namespace calvin;
+using reference::view_of;
 
 constexpr ImageSize kSource = {1920, 1080};
 constexpr int kFrames = 4;  // so that the next one is not in the nearest cache
@@ -26,15 +28,6 @@ struct NamedView {
   bool fisheye;
   ViewOptions options;
 };
-
-ViewOptions view_of(double alpha, double zoom, double roll, ImageSize output = {}) {
-  ViewOptions options;
-  options.alpha = alpha;
-  options.zoom = zoom;
-  options.roll = roll;
-  options.output = output;
-  return options;
-}
 
 ViewOptions projected(Projection projection) {
   ViewOptions options;

@@ -14,6 +14,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/remap/kernel.hpp"
+#include "calvin/remap/view.hpp"
 
 namespace calvin::reference {
 
@@ -77,6 +78,16 @@ inline Place source_place(const Lens& lens, const Camera& source, const Camera& 
   const double r = std::hypot(x, y);
   return {{source.fx() * d.u + source.cx(), source.fy() * d.v + source.cy()},
           lens.model == "fisheye" ? std::atan(r) : r};
+}
+
+// A view that is enlarged, and turned (radians).
+inline ViewOptions view_of(double alpha, double zoom, double roll, ImageSize output = {}) {
+  ViewOptions view;
+  view.alpha = alpha;
+  view.zoom = zoom;
+  view.roll = roll;
+  view.output = output;
+  return view;
 }
 
 // Where the samples of a plane lie along one axis of the frame, px.

@@ -17,6 +17,7 @@ namespace calvin {
 namespace {
 
 using reference::Lens;
+using reference::view_of;
 
 const std::vector<Lens> kLenses = {
     {"brown4 barrel", "brown4", {-0.28, 0.09, 5e-4, -7e-4}},
@@ -34,13 +35,6 @@ const std::vector<PlaneLayout> kLayouts = {
     {{}, 1, 2, 2, {}, SampleType::kU16Little}  // GRAY16_LE
 };
 
-ViewOptions view_of(double alpha, double zoom, double roll) {
-  ViewOptions view;
-  view.alpha = alpha;
-  view.zoom = zoom;
-  view.roll = roll;
-  return view;
-}
 const std::vector<ViewOptions> kViews = {view_of(0, 1, 0),     view_of(0.6, 1, 0),
                                          view_of(1, 1, 0),     view_of(0.5, 1, 0.35),
                                          view_of(1, 0.4, 0.1), view_of(1, 0.25, 1.5)};

@@ -19,24 +19,16 @@ struct NamedView {
   ViewOptions options;
 };
 
-ViewOptions turned(double roll, double zoom, double alpha) {
-  ViewOptions options;
-  options.alpha = alpha;
-  options.roll = roll;
-  options.zoom = zoom;
-  return options;
-}
-
 const std::vector<NamedView> kViews = {
-    {"rolled by 10 degrees", turned(0.17, 1, 0)},
-    {"by 20", turned(0.35, 1, 1)},
-    {"by 45", turned(0.79, 1, 0.5)},
-    {"by 90", turned(1.57, 1, 1)},
-    {"upside down", turned(3.1, 1, 0.5)},
-    {"half the size", turned(0, 0.5, 0.5)},
-    {"a third", turned(0.1, 0.33, 0.5)},
-    {"a fifth", turned(-0.3, 0.2, 1)},
-    {"four times the size", turned(0.3, 4, 0)},
+    {"rolled by 10 degrees", reference::view_of(0, 1, 0.17)},
+    {"by 20", reference::view_of(1, 1, 0.35)},
+    {"by 45", reference::view_of(0.5, 1, 0.79)},
+    {"by 90", reference::view_of(1, 1, 1.57)},
+    {"upside down", reference::view_of(0.5, 1, 3.1)},
+    {"half the size", reference::view_of(0.5, 0.5, 0)},
+    {"a third", reference::view_of(0.5, 0.33, 0.1)},
+    {"a fifth", reference::view_of(1, 0.2, -0.3)},
+    {"four times the size", reference::view_of(0, 4, 0.3)},
 };
 
 class RemapSteep : public ::testing::TestWithParam<ImageSize> {};
