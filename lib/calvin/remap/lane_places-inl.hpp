@@ -29,13 +29,17 @@ using PlaceFloats = hn::CappedTag<float, kPixels>;
 using PlaceInts = hn::RebindToSigned<PlaceFloats>;
 
 // RunParabola of eight samples, from the sample that the middle is behind: differences of middles
-// are small, so that single precision holds all of them.
+// near the source are small, so that single precision holds all of them. Those of middles that are
+// far from it need more than 32 bits.
 struct RunCurve {
   explicit RunCurve(const std::int32_t* middles) noexcept {
     constexpr float kUnit = 1.0F / (1 << kPlaceBits);
-    const std::int32_t across = middles[3] - middles[1];
-    const std::int32_t third = middles[4] - middles[0] - 2 * across;
-    const std::int32_t second = middles[3] - middles[2] - (middles[2] - middles[1]);
+    const auto difference = [middles](int a, int b) {
+      return static_cast<std::int64_t>(middles[a]) - middles[b];
+    };
+    const std::int64_t across = difference(3, 1);
+    const std::int64_t third = difference(4, 0) - 2 * across;
+    const std::int64_t second = difference(3, 2) - difference(2, 1);
     base = middles[2] >> kPlaceBits;
     rest = kUnit * static_cast<float>(middles[2] & ((1 << kPlaceBits) - 1));
     slope = kUnit / (2 * kPixels) *
