@@ -250,24 +250,30 @@ class Chunk {
   // Runs that are slow because they are steep, and not because they cross the border, have a
   // kernel.
   void sample_stretch(std::size_t plane, int y, remap::Stretch stretch) noexcept {
-    const int end = stretch.end;
     const bool steep = pixels_ == 8 && !choice_.wide && !remap::is_words(choice_.lanes) &&
                        stretch.limits == nullptr && map_.output_x().is_even() &&
                        choice_.bounds.last_row >= 0;
-    const bool nearest = sampling_.interpolation == Interpolation::kNearest;
-    const int whole = steep ? end / pixels_ : 0;
-    for (int run = stretch.begin / pixels_; run * pixels_ < end; ++run) {
-      if (run < whole) {
-        run = remap::blend_steep_runs(choice_.lanes, choice_.bounds, row_, run, whole, nearest,
-                                      sources_[plane].data, output_at(plane, y, run));
-      }
-      if (run * pixels_ >= end) return;
-      stretch.begin = run * pixels_;
-      stretch.end = steep ? std::min(stretch.begin + pixels_, end) : end;
+    const int first = stretch.begin / pixels_;
+    const int whole = steep ? stretch.end / pixels_ : first;
+    if (first < whole) {
+      const bool nearest = sampling_.interpolation == Interpolation::kNearest;
+      remap::blend_steep_runs(choice_.lanes, choice_.bounds, row_, first, whole, nearest,
+                              sources_[plane].data, output_at(plane, y, first), left_.data());
+    }
+    const auto sample = [&](std::ptrdiff_t run, std::ptrdiff_t end) {
+      stretch.begin = static_cast<int>(run) * pixels_;
+      stretch.end = static_cast<int>(end);
       remap::sample_stretch(map_, layout_, sources_[plane], {output_row(plane, y), 0}, sampling_,
                             stretch);
-      if (!steep) return;
+    };
+    const int end = stretch.end;
+    const auto behind = left_.begin() + (whole - first);
+    for (auto it = left_.begin(); (it = std::find(it, behind, true)) != behind;) {
+      const auto run = first + (it - left_.begin());
+      it = std::find(it, behind, false);
+      sample(run, (first + (it - left_.begin())) * pixels_);
     }
+    if (whole * pixels_ < end) sample(whole, end);
   }
 
   // What a group writes at most: 4 runs of 8 pairs of words, or of 8 times four bytes.
@@ -291,7 +297,8 @@ class Chunk {
   bool band_shared_ = false;  // all of its runs are steady, or empty
   double band_top_ = 0;       // as PlaneMap::Level
   double band_height_ = 0;
-  float way_ = 0;  // of the row down the band
+  float way_ = 0;                             // of the row down the band
+  std::array<bool, remap::kChunkRuns> left_;  // runs that must be sampled one by one
   NodeRows nodes_;
   remap::Band band_;
   RunRow row_;

@@ -29,6 +29,19 @@ HWY_INLINE V kept(V v) {
   return v;
 }
 
+// Small numbers, to the nearest.
+HWY_INLINE hn::Vec<Ints> small_ints(hn::Vec<Floats> v) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  return hn::Vec<Ints>{_mm512_cvtps_epi32(v.raw)};
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  return hn::Vec<Ints>{_mm256_cvtps_epi32(v.raw)};
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
+  return hn::Vec<Ints>{_mm_cvtps_epi32(v.raw)};
+#else
+  return hn::NearestInt(v);
+#endif
+}
+
 // A vector of bytes, and one of the same size of 16-bit numbers.
 template <class D>
 using NumbersOf = hn::RepartitionToWide<hn::RebindToSigned<D>>;

@@ -225,19 +225,6 @@ HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
   return !hn::AllTrue(d, reads.slow == hn::Zero(d));
 }
 
-// Small numbers, to the nearest.
-HWY_INLINE hn::Vec<Ints> small_ints(hn::Vec<Floats> v) {
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
-  return hn::Vec<Ints>{_mm512_cvtps_epi32(v.raw)};
-#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
-  return hn::Vec<Ints>{_mm256_cvtps_epi32(v.raw)};
-#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
-  return hn::Vec<Ints>{_mm_cvtps_epi32(v.raw)};
-#else
-  return hn::NearestInt(v);
-#endif
-}
-
 // What the steady runs of a row share.
 struct SteadyRow {
   SteadyRow(float part, std::int32_t stride_bytes) {

@@ -2,13 +2,15 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Bilinear resampling of 8-bit samples along lines of any slope, for every instruction set: each
-// pixel is fetched by its own address together with its neighbour, and as many of them as fill 128
-// bits are blended at a time. For runs whose samples lie too far apart for the other kernels: much
-// smaller outputs, wide views.
+// pixel is gathered by its own address together with its neighbour. For runs whose samples lie too
+// far apart for the other kernels: much smaller outputs, wide views. A vector has one pixel of each
+// of as many runs as it has 32-bit numbers, so that what is known of runs need not be spread.
 
 #include "calvin/remap/lane_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 
 #undef HWY_TARGET_INCLUDE
@@ -19,186 +21,336 @@
 #include <hwy/highway.h>
 
 #include "calvin/remap/lane_math-inl.hpp"
-#include "calvin/remap/lane_places-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-int blend_steep(LaneLayout /*layout*/, const SourceBounds& /*bounds*/, const RunRow& /*row*/,
-                int begin, int /*end*/, bool /*nearest*/, const std::uint8_t* /*source*/,
-                std::uint8_t* /*output*/) {
-  return begin;
+void blend_steep(LaneLayout /*layout*/, const SourceBounds& /*bounds*/, const RunRow& /*row*/,
+                 int begin, int end, bool /*nearest*/, const std::uint8_t* /*source*/,
+                 std::uint8_t* /*output*/, bool* left) {
+  std::fill_n(left, end - begin, true);
 }
 
 #else
 
-using Lane = hn::FixedTag<std::uint8_t, 16>;
-using LaneNumbers = NumbersOf<Lane>;
+constexpr int kPixels = 8;                           // of a run
+constexpr int kRuns = static_cast<int>(kBytes / 4);  // of a vector
+using Unsigned = hn::FixedTag<std::uint32_t, kRuns>;
 
 // Pixels of components that are `kSpacing` bytes apart.
 template <int kComponents, int kSpacing>
 struct Steep {
-  static constexpr int kPixelStep = kComponents * kSpacing;
-  // Bytes that are fetched for a pixel: it and its neighbour.
-  static constexpr int kFetch = kPixelStep > 2 ? 8 : 2 * kPixelStep;
-  static constexpr int kSet = 16 / kFetch;             // pixels at a time
-  static constexpr int kResults = kSet * kComponents;  // of eight
-  // Columns at the end of a row whose bytes reach beyond it.
-  static constexpr int kSpare = kSpacing > 1 || kComponents == 3 ? 1 : 0;
+  static constexpr int kStep = kComponents * kSpacing;
+  // Whether 32 bits hold a pixel and its neighbour; else there are two times 32.
+  static constexpr bool kNarrow = kStep <= 2;
+  // Bytes that are fetched for a pixel, and those that it has.
+  static constexpr int kFetch = kNarrow ? 4 : kStep + 4;
+  static constexpr int kOwn = (kComponents - 1) * kSpacing + 1;
+  // Two components fit into a 32-bit number as pairs of neighbours.
+  static constexpr int kVectors = kComponents > 2 ? 2 : 1;
+  static constexpr bool kSpread = kSpacing > 1;
 };
 
-// Which bytes of a set are blended, and which bytes of the weights of eight pixels are its own.
-struct SteepTables {
-  alignas(16) std::uint8_t neighbours[16];
-  alignas(16) std::uint8_t weights[kPixels][16];
-};
-template <int kComponents, int kSpacing>
-constexpr SteepTables make_steep_tables() {
-  using S = Steep<kComponents, kSpacing>;
-  SteepTables t{};
-  for (int i = 0; i < 16; ++i) {
-    const int result = i / 2 < S::kResults ? i / 2 : 0;
-    const int pixel = result / kComponents;
-    const int first = pixel * S::kFetch + result % kComponents * kSpacing;
-    t.neighbours[i] = static_cast<std::uint8_t>(first + i % 2 * S::kPixelStep);
-    for (int set = 0; set < kPixels / S::kSet; ++set) {
-      t.weights[set][i] = static_cast<std::uint8_t>(2 * (set * S::kSet + pixel) + i % 2);
-    }
-  }
-  return t;
-}
-template <int kComponents, int kSpacing>
-constexpr SteepTables kSteepTables = make_steep_tables<kComponents, kSpacing>();
+// ---- Where the pixels are.
 
-// What is known of a run's pixels.
-struct SteepRun {
-  alignas(32) std::int32_t offsets[kPixels];
-  alignas(16) std::int16_t across[kPixels];  // as Blender::across() has it
-  alignas(16) std::int16_t down[kPixels];    // 1.15
+// Parabolas through the middles of runs, as RunParabola, from the sample that each middle is
+// behind: differences of middles near the source are small, so that single precision holds all of
+// them.
+struct Curves {
+  hn::Vec<Ints> base;
+  hn::Vec<Floats> rest;
+  hn::Vec<Floats> slope;
+  hn::Vec<Floats> bend;
 };
 
-// False where a pixel has no neighbour in the source.
-template <class S>
-HWY_INLINE bool place_run(const RunRow& row, int run, const SourceBounds& bounds, bool nearest,
-                          SteepRun& to) {
-  const PlaceFloats d;
-  const PlaceInts ints;
-  const hn::Rebind<std::int16_t, PlaceInts> numbers;
-  const RunCurve px(row.x + run);
-  const RunCurve py(row.y + run);
-  const auto number = [&](hn::Vec<PlaceFloats> value) HWY_ATTR {
-    return hn::DemoteTo(numbers, hn::NearestInt(hn::Min(value, hn::Set(d, 32767))));
-  };
-  for (int i = 0; i < kPixels; i += static_cast<int>(hn::MaxLanes(d))) {
-    const RunPlaces x = places_at(px, i, nearest);
-    const RunPlaces y = places_at(py, i, nearest);
-    if (HWY_UNLIKELY(!are_within(x, 0, 1, bounds.last_column - S::kSpare) ||
-                     !are_within(y, 0, 1, bounds.last_row))) {
-      return false;
-    }
-    hn::StoreU(y.whole * hn::Set(ints, bounds.stride) + x.whole * hn::Set(ints, S::kPixelStep),
-               ints, to.offsets + i);
-    hn::StoreU(number(hn::MulSub(x.rest, hn::Set(d, 65536), hn::Set(d, 32768))), numbers,
-               to.across + i);
-    hn::StoreU(number(y.rest * hn::Set(d, 32768)), numbers, to.down + i);
+// `middles` of two runs before the first, and on.
+HWY_INLINE Curves curves_at(const std::int32_t* middles) {
+  constexpr float kUnit = 1.0F / (1 << kPlaceBits);
+  const Ints d;
+  const Floats floats;
+  const auto middle = hn::LoadU(d, middles + 2);
+  const auto before = middle - hn::LoadU(d, middles + 1);
+  const auto after = hn::LoadU(d, middles + 3) - middle;
+  const auto wide = hn::LoadU(d, middles + 4) - hn::LoadU(d, middles);
+  const auto across = hn::ConvertTo(floats, before + after);
+  const auto third = hn::ConvertTo(floats, wide) - across - across;
+  const auto part = hn::And(middle, hn::Set(d, (1 << kPlaceBits) - 1));
+  return {hn::ShiftRight<kPlaceBits>(middle), hn::ConvertTo(floats, part) * hn::Set(floats, kUnit),
+          hn::NegMulAdd(third, hn::Set(floats, kThirdPart / 256.0F), across) *
+              hn::Set(floats, kUnit / (2 * kPixels)),
+          hn::ConvertTo(floats, after - before) * hn::Set(floats, kUnit / (2 * kPixels * kPixels))};
+}
+
+// Differences of what lies farther out may not fit into 32 bits.
+constexpr std::int32_t kFarthest = 1 << 29;
+
+// The farthest of the middles that a vector of runs is made with.
+HWY_INLINE hn::Vec<Unsigned> farthest_of(const std::int32_t* middles) {
+  auto farthest = hn::Zero(Unsigned());
+  for (int k = 0; k <= 2 * kMargin; ++k) {
+    const auto far = hn::Abs(hn::LoadU(Ints(), middles + k));
+    farthest = hn::Max(farthest, hn::BitCast(Unsigned(), far));
   }
-  return true;
+  return farthest;
 }
 
-// The pixels of half a set, one behind the other.
+// Along one axis: whole samples, and the rest.
+struct Places {
+  hn::Vec<Unsigned> whole;  // what is negative is large
+  hn::Vec<Floats> rest;
+};
+// Of the pixels that lie `from_middle` samples from the middles of their runs.
+HWY_INLINE Places places_at(const Curves& curves, float from_middle, bool nearest) {
+  const Floats d;
+  const auto t = hn::Set(d, from_middle);
+  const auto at = hn::MulAdd(t, hn::MulAdd(t, curves.bend, curves.slope), curves.rest);
+  const auto down = hn::Floor(at);
+  const auto rest = at - down;
+  return {hn::BitCast(Unsigned(), small_ints(down) + curves.base),
+          nearest ? hn::Round(rest) : rest};
+}
+
+// Whether none of those that went into a maximum exceeds the limit.
+HWY_INLINE hn::Mask<Unsigned> all_within(hn::Vec<Unsigned> largest, std::int32_t limit) {
+  const auto bound = hn::Set(Unsigned(), static_cast<std::uint32_t>(limit));
+  return hn::Eq(hn::Max(largest, bound), bound);
+}
+
+// What the pixels of a block are fetched from.
+struct Picture {
+  const std::uint8_t* source;
+  std::int32_t stride;
+  hn::Vec<Unsigned> last_offset;  // behind which something may be read that is not the plane's
+  Blender<Bytes> blender;
+};
+
+// ---- What they are made of.
+
+// 32 bits of each, from its offset on.
+HWY_INLINE Pairs gather(const std::uint8_t* from, hn::Vec<Ints> offsets) {
+  return hn::BitCast(
+      Bytes(), hn::GatherOffset(Ints(), reinterpret_cast<const std::int32_t*>(from), offsets));
+}
+
+// Bytes at even places from the one, and at odd ones from the other.
+HWY_INLINE Pairs even_and_odd(Pairs even, Pairs odd) { return hn::OddEven(odd, even); }
+HWY_INLINE Pairs up(Pairs v) {
+  return hn::BitCast(Bytes(), hn::ShiftLeft<8>(hn::BitCast(Words(), v)));
+}
+HWY_INLINE Pairs down(Pairs v) {
+  return hn::BitCast(Bytes(), hn::ShiftRight<8>(hn::BitCast(Words(), v)));
+}
+
+// Pairs of neighbours: of the components 0 and 1 of two, 0 and 2, 1 and 3 of more.
 template <class S>
-HWY_INLINE std::uint64_t fetch_half(const std::uint8_t* source, const std::int32_t* offsets) {
-  std::uint64_t all = 0;
-  HWY_UNROLL(4)
-  for (int i = 0; i < S::kSet / 2; ++i) {
-    std::uint64_t pixel = 0;
-    std::memcpy(&pixel, source + offsets[i], S::kFetch);
-    all |= pixel << (8 * S::kFetch * i % 64);
-  }
-  return all;
-}
-
-template <class S>
-HWY_INLINE hn::Vec<Lane> fetch_set(const std::uint8_t* source, const std::int32_t* offsets) {
-  const hn::Repartition<std::uint64_t, Lane> d;
-  return hn::BitCast(Lane(),
-                     hn::InterleaveLower(hn::Set(d, fetch_half<S>(source, offsets)),
-                                         hn::Set(d, fetch_half<S>(source, offsets + S::kSet / 2))));
-}
-
-// A run whose pixels are placed.
-template <int kComponents, int kSpacing>
-HWY_INLINE void blend_run(const SteepRun& pixels, const std::uint8_t* source, std::int32_t stride,
-                          std::uint8_t* output, const Blender<Lane>& blender) {
-  using S = Steep<kComponents, kSpacing>;
-  constexpr const SteepTables& kTables = kSteepTables<kComponents, kSpacing>;
-  const Lane d;
-  const LaneNumbers numbers;
-  const auto which = hn::Load(d, kTables.neighbours);
-  const auto weights = [&](const std::int16_t* of_run, int set) HWY_ATTR {
-    const auto all = hn::BitCast(d, hn::Load(numbers, of_run));
-    return hn::BitCast(numbers, hn::TableLookupBytes(all, hn::Load(d, kTables.weights[set])));
-  };
-  for (int set = 0; set < kPixels / S::kSet; ++set) {
-    const std::int32_t* offsets = pixels.offsets + set * S::kSet;
-    const auto across = weights(pixels.across, set);
-    const auto row_at = [&](const std::uint8_t* from) HWY_ATTR {
-      return blender.across(hn::TableLookupBytes(fetch_set<S>(from, offsets), which), across);
-    };
-    const auto sum =
-        blender.between(row_at(source), row_at(source + stride), weights(pixels.down, set));
-    const auto rounded = blender.rounded(sum);
-    alignas(16) std::uint8_t results[16];
-    hn::Store(pack_lanes(d, rounded, rounded), d, results);
-    if constexpr (kSpacing == 1) {
-      std::memcpy(output + set * S::kResults, results, S::kResults);
+HWY_INLINE std::array<Pairs, S::kVectors> pairs_at(const std::uint8_t* from,
+                                                   hn::Vec<Ints> offsets) {
+  alignas(16) static constexpr std::uint8_t kTurned[16] = {0, 2,  1, 3,  4,  6,  5,  7,
+                                                           8, 10, 9, 11, 12, 14, 13, 15};
+  const Pairs first = gather(from, offsets);
+  if constexpr (S::kStep == 1) {
+    return {first};
+  } else if constexpr (S::kNarrow) {
+    return {hn::TableLookupBytes(first, hn::LoadDup128(Bytes(), kTurned))};
+  } else {
+    const Pairs second = gather(from + S::kStep, offsets);
+    const Pairs outer = even_and_odd(first, up(second));
+    if constexpr (S::kVectors == 1) {
+      return {outer};
     } else {
-      for (int i = 0; i < S::kResults; ++i) {
-        output[(set * S::kResults + i) * kSpacing] = results[i];
-      }
+      return {outer, even_and_odd(down(first), second)};
     }
   }
+}
+
+// 32-bit numbers that fit into 16, twice each.
+HWY_INLINE Numbers twice(hn::Vec<Ints> numbers) {
+  return hn::BitCast(Signed(), hn::OddEven(hn::BitCast(Signed(), hn::ShiftLeft<16>(numbers)),
+                                           hn::BitCast(Signed(), numbers)));
+}
+// 1.15.
+HWY_INLINE Numbers weight_of(hn::Vec<Floats> value) {
+  return twice(hn::Min(small_ints(value), hn::Set(Ints(), 0x7FFF)));
+}
+
+// The bytes of pixels in the order of memory; what is not theirs is anything.
+template <class S>
+HWY_INLINE hn::Vec<Ints> memory_of(const std::array<Numbers, S::kVectors>& values) {
+  const Pairs first = hn::BitCast(Bytes(), values[0]);
+  if constexpr (S::kVectors == 2) {
+    return hn::BitCast(Ints(), even_and_odd(first, up(hn::BitCast(Bytes(), values[1]))));
+  } else if constexpr (S::kStep == 2 && !S::kSpread) {
+    const auto both = hn::BitCast(Ints(), values[0]);
+    return hn::Or(both, hn::ShiftRight<8>(both));
+  } else {
+    return hn::BitCast(Ints(), first);
+  }
+}
+
+// The largest of what the pixels of a block asked for.
+struct Needs {
+  hn::Vec<Unsigned> column;
+  hn::Vec<Unsigned> row;
+  hn::Vec<Unsigned> offset;
+};
+
+// The pixels at `x` and `y`.
+template <class S>
+HWY_INLINE hn::Vec<Ints> pixels_at(const Picture& picture, const Places& x, const Places& y,
+                                   Needs& needs) {
+  const Floats d;
+  const Unsigned ints;
+  const auto offset = y.whole * hn::Set(ints, static_cast<std::uint32_t>(picture.stride)) +
+                      x.whole * hn::Set(ints, S::kStep);
+  needs.column = hn::Max(needs.column, x.whole);
+  needs.row = hn::Max(needs.row, y.whole);
+  needs.offset = hn::Max(needs.offset, offset);
+  const auto at = hn::BitCast(Ints(), hn::Min(offset, picture.last_offset));
+  const auto upper = pairs_at<S>(picture.source, at);
+  const auto lower = pairs_at<S>(picture.source + picture.stride, at);
+  const Numbers across = weight_of(hn::MulSub(x.rest, hn::Set(d, 65536), hn::Set(d, 32768)));
+  const Numbers weight = weight_of(y.rest * hn::Set(d, 32768));
+  std::array<Numbers, S::kVectors> values;
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    values[v] = picture.blender.rounded(
+        Blender<Bytes>::between(picture.blender.across(upper[v], across),
+                                picture.blender.across(lower[v], across), weight));
+  }
+  return memory_of<S>(values);
+}
+
+// ---- Runs.
+
+// The first of each two bytes, or of each two 16-bit numbers, of both.
+HWY_INLINE hn::Vec<Ints> join_bytes(hn::Vec<Ints> first, hn::Vec<Ints> second) {
+  return hn::BitCast(Ints(),
+                     even_and_odd(hn::BitCast(Bytes(), first), up(hn::BitCast(Bytes(), second))));
+}
+HWY_INLINE hn::Vec<Ints> join_words(hn::Vec<Ints> first, hn::Vec<Ints> second) {
+  return hn::BitCast(Ints(), hn::OddEven(hn::BitCast(Signed(), hn::ShiftLeft<16>(second)),
+                                         hn::BitCast(Signed(), first)));
+}
+
+// Vectors of pixels, each with one of every run, become runs in memory. Pixels of 3 and 4 bytes are
+// 32-bit words: all first halves of runs, then all second ones.
+template <class S>
+HWY_INLINE void turn_block(const std::int32_t* pixels, std::int32_t* to) {
+  const Ints d;
+  const auto pixel = [&](int i) HWY_ATTR { return hn::Load(d, pixels + i * kRuns); };
+  if constexpr (S::kStep == 1) {
+    const auto four = [&](int i) HWY_ATTR {
+      return join_words(join_bytes(pixel(i), pixel(i + 1)), join_bytes(pixel(i + 2), pixel(i + 3)));
+    };
+    hn::StoreInterleaved2(four(0), four(4), d, to);
+  } else if constexpr (S::kStep == 2) {
+    const auto two = [&](int i) HWY_ATTR { return join_words(pixel(i), pixel(i + 1)); };
+    hn::StoreInterleaved4(two(0), two(2), two(4), two(6), d, to);
+  } else {
+    for (int i = 0; i < kPixels; i += 4) {
+      hn::StoreInterleaved4(pixel(i), pixel(i + 1), pixel(i + 2), pixel(i + 3), d, to + i * kRuns);
+    }
+  }
+}
+
+// From turn_block() to where `runs` of them belong.
+template <class S>
+HWY_INLINE void put_block(const std::int32_t* from, int runs, std::uint8_t* output) {
+  const hn::FixedTag<std::uint8_t, 16> d;
+  const auto put = [&](const std::int32_t* pixels, std::uint8_t* to) HWY_ATTR {
+    auto bytes = hn::Load(d, reinterpret_cast<const std::uint8_t*>(pixels));
+    if constexpr (S::kSpread) {
+      const auto own = hn::BitCast(d, hn::Set(hn::FixedTag<std::uint16_t, 8>(), 0x00FF));
+      bytes = hn::Or(hn::And(own, bytes), hn::AndNot(own, hn::LoadU(d, to)));
+    }
+    if constexpr (S::kStep == 3) {
+      alignas(16) static constexpr std::uint8_t kFront[16] = {0,  1,  2,  4,  5, 6, 8, 9,
+                                                              10, 12, 13, 14, 0, 0, 0, 0};
+      alignas(16) std::uint8_t front[16];
+      hn::Store(hn::TableLookupBytes(bytes, hn::Load(d, kFront)), d, front);
+      std::memcpy(to, front, 12);
+    } else {
+      hn::StoreU(bytes, d, to);
+    }
+  };
+  if constexpr (S::kStep == 1) {
+    std::memcpy(output, from, static_cast<std::size_t>(runs) * kPixels);
+  } else if constexpr (S::kStep == 2) {
+    for (int r = 0; r < runs; ++r) put(from + 4 * r, output + 16 * r);
+  } else {
+    for (int r = 0; r < runs; ++r, output += kPixels * S::kStep) {
+      put(from + 4 * r, output);
+      put(from + 4 * (r + kRuns), output + 4 * S::kStep);
+    }
+  }
+}
+
+// A vector of runs, the first of which is `run`; which of them could be made.
+template <class S>
+HWY_INLINE hn::Mask<Unsigned> blend_block(const Picture& picture, const SourceBounds& bounds,
+                                          const RunRow& row, int run, bool nearest,
+                                          std::int32_t* to) {
+  const Curves x = curves_at(row.x + run);
+  const Curves y = curves_at(row.y + run);
+  alignas(64) std::int32_t pixels[kPixels * kRuns];
+  const auto none = hn::Zero(Unsigned());
+  Needs needs = {none, none, none};
+  for (int i = 0; i < kPixels; ++i) {
+    const float from_middle = static_cast<float>(2 * i - reach(kPixels)) / 2;
+    const auto values = pixels_at<S>(picture, places_at(x, from_middle, nearest),
+                                     places_at(y, from_middle, nearest), needs);
+    hn::Store(values, Ints(), pixels + i * kRuns);
+  }
+  turn_block<S>(pixels, to);
+  const auto far = hn::Max(farthest_of(row.x + run), farthest_of(row.y + run));
+  return hn::And(hn::And(all_within(needs.column, bounds.last_column - 1),
+                         all_within(needs.row, bounds.last_row - 1)),
+                 hn::And(hn::Eq(needs.offset, hn::Min(needs.offset, picture.last_offset)),
+                         all_within(far, kFarthest)));
 }
 
 template <int kComponents, int kSpacing>
-int blend_runs(const SourceBounds& bounds, const RunRow& row, int begin, int end, bool nearest,
-               const std::uint8_t* source, std::uint8_t* output) {
+void blend_runs(const SourceBounds& bounds, const RunRow& row, int begin, int end, bool nearest,
+                const std::uint8_t* source, std::uint8_t* output, bool* left) {
   using S = Steep<kComponents, kSpacing>;
-  const Blender<Lane> blender;
-  SteepRun pixels;
-  int run = begin;
-  for (; run < end && place_run<S>(row, run, bounds, nearest, pixels); ++run) {
-    // The next runs' lines, which go on as this one does.
-    const std::ptrdiff_t along = pixels.offsets[kPixels - 1] - pixels.offsets[0];
-    for (const std::ptrdiff_t ahead : {3 * along, 4 * along}) {
-      hwy::Prefetch(source + pixels.offsets[0] + ahead);
-      hwy::Prefetch(source + pixels.offsets[0] + ahead + bounds.stride);
-    }
-    blend_run<kComponents, kSpacing>(pixels, source, bounds.stride,
-                                     output + (run - begin) * kPixels * S::kPixelStep, blender);
+  const std::int32_t last =
+      (bounds.rows - 2) * bounds.stride + (bounds.columns - 1) * S::kStep + S::kOwn - S::kFetch;
+  if (last < 0) {
+    std::fill_n(left, end - begin, true);
+    return;
   }
-  return run;
+  const Picture picture = {
+      source, bounds.stride, hn::Set(Unsigned(), static_cast<std::uint32_t>(last)), {}};
+  alignas(64) std::int32_t words[kPixels * kRuns];
+  for (int j = begin; j < end; j += kRuns) {
+    const int runs = std::min(kRuns, end - j);
+    const auto made = blend_block<S>(picture, bounds, row, j, nearest, words);
+    put_block<S>(words, runs, output + static_cast<std::ptrdiff_t>(j - begin) * kPixels * S::kStep);
+    alignas(64) std::uint32_t is_made[kRuns];
+    hn::Store(hn::VecFromMask(Unsigned(), made), Unsigned(), is_made);
+    for (int r = 0; r < runs; ++r) left[j - begin + r] = is_made[r] == 0;
+  }
 }
 
-int blend_steep(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
-                int end, bool nearest, const std::uint8_t* source, std::uint8_t* output) {
+void blend_steep(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
+                 int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
+                 bool* left) {
   switch (layout) {
     case LaneLayout::kOne:
-      return blend_runs<1, 1>(bounds, row, begin, end, nearest, source, output);
+      return blend_runs<1, 1>(bounds, row, begin, end, nearest, source, output, left);
     case LaneLayout::kTwo:
-      return blend_runs<2, 1>(bounds, row, begin, end, nearest, source, output);
+      return blend_runs<2, 1>(bounds, row, begin, end, nearest, source, output, left);
     case LaneLayout::kThree:
-      return blend_runs<3, 1>(bounds, row, begin, end, nearest, source, output);
+      return blend_runs<3, 1>(bounds, row, begin, end, nearest, source, output, left);
     case LaneLayout::kFour:
-      return blend_runs<4, 1>(bounds, row, begin, end, nearest, source, output);
+      return blend_runs<4, 1>(bounds, row, begin, end, nearest, source, output, left);
     case LaneLayout::kOneSpread:
-      return blend_runs<1, 2>(bounds, row, begin, end, nearest, source, output);
+      return blend_runs<1, 2>(bounds, row, begin, end, nearest, source, output, left);
     case LaneLayout::kTwoSpread:
-      return blend_runs<2, 2>(bounds, row, begin, end, nearest, source, output);
+      return blend_runs<2, 2>(bounds, row, begin, end, nearest, source, output, left);
     default:
-      return begin;
+      std::fill_n(left, end - begin, true);
   }
 }
 
@@ -212,11 +364,11 @@ namespace calvin::remap {
 
 HWY_EXPORT(blend_steep);
 
-int blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
-                     int end, bool nearest, const std::uint8_t* source,
-                     std::uint8_t* output) noexcept {
-  return HWY_DYNAMIC_DISPATCH(blend_steep)(layout, bounds, row, begin, end, nearest, source,
-                                           output);
+void blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
+                      int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
+                      bool* left) noexcept {
+  HWY_DYNAMIC_DISPATCH(blend_steep)
+  (layout, bounds, row, begin, end, nearest, source, output, left);
 }
 
 }  // namespace calvin::remap

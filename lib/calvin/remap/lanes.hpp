@@ -260,12 +260,12 @@ void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int 
                 const PlaneRows& planes) noexcept;
 
 // Writes the samples of the runs of 8 from `begin` to before `end`, whose middles are known, be
-// they as steep as they may. Stops before a run with a sample that has no neighbours in the source,
-// and says which that is: `begin` for 16-bit samples, `end` where there is none. `output` is where
-// `begin` goes to.
-int blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
-                     int end, bool nearest, const std::uint8_t* source,
-                     std::uint8_t* output) noexcept;
+// they as steep as they may. `left` of each of them is whether it could not be taken, since a
+// sample has no neighbours in the source: then anything was written. `output` is where `begin` goes
+// to.
+void blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
+                      int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
+                      bool* left) noexcept;
 
 // How 16-bit samples hold their values.
 struct WordFormat {
