@@ -90,8 +90,7 @@ class Chunk {
     band_end_ = last + 1;
     // Where there is an end of the model rows have little in common.
     if (choice_.wide || map_.limits(y) != nullptr) {
-      std::fill(std::begin(band_.steady), std::end(band_.steady), false);
-      std::fill(std::begin(band_.empty), std::end(band_.empty), false);
+      std::fill(std::begin(band_.kind), std::end(band_.kind), remap::Band::Kind::kMixed);
       band_shared_ = false;
       return;
     }
@@ -255,11 +254,11 @@ class Chunk {
                        choice_.bounds.last_row >= 0;
     const int first = stretch.begin / pixels_;
     const int whole = steep ? stretch.end / pixels_ : first;
-    if (first < whole) {
-      const bool nearest = sampling_.interpolation == Interpolation::kNearest;
-      remap::blend_steep_runs(choice_.lanes, choice_.bounds, row_, first, whole, nearest,
-                              sources_[plane].data, output_at(plane, y, first), left_.data());
-    }
+    const bool nearest = sampling_.interpolation == Interpolation::kNearest;
+    const bool some_left =
+        first < whole &&
+        remap::blend_steep_runs(choice_.lanes, choice_.bounds, row_, first, whole, nearest,
+                                sources_[plane].data, output_at(plane, y, first), left_.data());
     const auto sample = [&](std::ptrdiff_t run, std::ptrdiff_t end) {
       stretch.begin = static_cast<int>(run) * pixels_;
       stretch.end = static_cast<int>(end);
@@ -267,7 +266,7 @@ class Chunk {
                             stretch);
     };
     const int end = stretch.end;
-    const auto behind = left_.begin() + (whole - first);
+    const auto behind = left_.begin() + (some_left ? whole - first : 0);
     for (auto it = left_.begin(); (it = std::find(it, behind, true)) != behind;) {
       const auto run = first + (it - left_.begin());
       it = std::find(it, behind, false);

@@ -144,6 +144,40 @@ HWY_INLINE bool is_empty(const BandAxis& x, const BandAxis& y, const SourceBound
   return hn::AllTrue(d, hn::Lt(hn::Min(inside(x, b.columns), inside(y, b.rows)), hn::Zero(d)));
 }
 
+// Whether all of a vector of runs are too steep for the kernels that fetch them at once.
+HWY_INLINE bool is_steep(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
+  const Ints d;
+  const auto across = [&](const BandAxis& axis)
+                          HWY_ATTR { return hn::ShiftRight<kPlaceBits - 1>(axis.half); };
+  const auto spare =
+      hn::Min(hn::Min(hn::Set(d, b.widest - 1) - across(x), hn::Set(d, b.steepest) - x.steep),
+              hn::Min(hn::Set(d, kMostRows - 2) - across(y), hn::Set(d, 0x7FFF) - y.steep));
+  return hn::AllTrue(d, hn::Lt(spare, hn::Zero(d)));
+}
+
+// Of a vector of runs whose middles are near a line down the band.
+template <class P>
+HWY_INLINE Band::Kind kind_of(const BandAxis& x, const BandAxis& y, const SourceBounds& bounds,
+                              int rows) {
+  if (bounds.fills && is_empty(x, y, bounds)) return Band::Kind::kEmpty;
+  if (is_steady<P>(x, y, bounds, rows)) return Band::Kind::kSteady;
+  return is_steep(x, y, bounds) ? Band::Kind::kSteep : Band::Kind::kMixed;
+}
+
+// RunRow::rows of a vector of runs that reads so many rows; of mixed ones it is not known yet.
+HWY_INLINE std::int32_t marks_of(Band::Kind kind, int rows) {
+  switch (kind) {
+    case Band::Kind::kSteady:
+      return kSteadyRows + rows;
+    case Band::Kind::kSteep:
+      return kSlowRun | kSlowGroup;
+    case Band::Kind::kEmpty:
+      return kSlowRun | kSlowGroup | kEmptyRun;
+    default:
+      return 0;
+  }
+}
+
 // How the middles of a steady vector of runs go down the band.
 HWY_INLINE void begin_course(int j, const BandAxis& axis, const std::int32_t* amid,
                              hn::Vec<Floats> twist, Band::Course& course) {
@@ -235,18 +269,12 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
         band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
                           hn::Min(y_bulge.line, most), P::kApart ? 2 * kHalfRow : kHalfRow);
     const bool tame = hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.line, y_bulge.line), most));
-    band.empty[j] = tame && bounds.fills && is_empty(x, y, bounds);
-    if (band.empty[j]) {
-      hn::Store(hn::Set(d, kSlowRun | kSlowGroup | kEmptyRun), d, row.rows + j);
-      continue;
-    }
     const int rows = rows_of<P>(y);
-    band.steady[j] = tame && is_steady<P>(x, y, bounds, rows);
-    if (!band.steady[j]) {
-      shared = false;
-      continue;
-    }
-    hn::Store(hn::Set(d, kSteadyRows + rows), d, row.rows + j);
+    if (tame) band.kind[j] = kind_of<P>(x, y, bounds, rows);
+    const Band::Kind kind = band.kind[j];
+    shared = shared && (kind == Band::Kind::kSteady || kind == Band::Kind::kEmpty);
+    hn::Store(hn::Set(d, marks_of(kind, rows)), d, row.rows + j);
+    if (kind != Band::Kind::kSteady) continue;
     if (!P::kApart && rows == 3) {
       begin_vector<P, true>(j, x, y, band);
     } else {
@@ -260,8 +288,7 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
 
 bool begin_band_of(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
                    int slot, float height, Band& band, RunRow& row) {
-  std::fill(std::begin(band.steady), std::end(band.steady), false);
-  std::fill(std::begin(band.empty), std::end(band.empty), false);
+  std::fill(std::begin(band.kind), std::end(band.kind), Band::Kind::kMixed);
   bool shared = false;
   if (run != 8) return shared;
   with_placing(layout, run, [&](auto placing) HWY_ATTR {

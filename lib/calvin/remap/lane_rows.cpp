@@ -274,16 +274,20 @@ HWY_INLINE SlowBlocks describe_all(const SourceBounds& bounds, const RowNodes* b
   const SteadyRow steady(way, bounds.stride);
   SlowBlocks slow = 0;
   for (int j = 0; j < row.count; j += kVector) {
-    if (P::kRun == 8 && band.empty[j]) {
+    const Band::Kind kind = P::kRun == 8 ? band.kind[j] : Band::Kind::kMixed;
+    const bool needs_middles = kind == Band::Kind::kSteep || kind == Band::Kind::kMixed;
+    if (needs_middles && between != nullptr) {
+      interpolate(*between, j, kVector + 2 * kMargin, row.x, row.y);
+    }
+    if (kind == Band::Kind::kSteep || kind == Band::Kind::kEmpty) {
       slow |= slow_block(j);
-    } else if (P::kRun == 8 && band.steady[j]) {
+    } else if (kind == Band::Kind::kSteady) {
       if (!P::kApart && row.rows[j] == kSteadyThree) {
         describe_steady_at<P, true>(j, steady, band, row);
       } else {
         describe_steady_at<P, false>(j, steady, band, row);
       }
     } else {
-      if (between != nullptr) interpolate(*between, j, kVector + 2 * kMargin, row.x, row.y);
       const Line x = line_of<P::kRun>(curve_at<kThird>(row.x + j));
       const Line y = line_of<P::kRun>(curve_at<kThird>(row.y + j));
       if (describe_runs_at<P>(j, x, y, bounds, row)) slow |= slow_block(j);

@@ -27,10 +27,11 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-void blend_steep(LaneLayout /*layout*/, const SourceBounds& /*bounds*/, const RunRow& /*row*/,
+bool blend_steep(LaneLayout /*layout*/, const SourceBounds& /*bounds*/, const RunRow& /*row*/,
                  int begin, int end, bool /*nearest*/, const std::uint8_t* /*source*/,
                  std::uint8_t* /*output*/, bool* left) {
   std::fill_n(left, end - begin, true);
+  return true;
 }
 
 #else
@@ -286,6 +287,20 @@ HWY_INLINE void put_block(const std::int32_t* from, int runs, std::uint8_t* outp
   }
 }
 
+// Where the middles of a vector of runs are: their lines are fetched before they are needed.
+template <class S>
+HWY_INLINE void store_middles(const Picture& picture, const RunRow& row, int run,
+                              std::uint32_t* to) {
+  const Unsigned d;
+  const auto whole = [&](const std::int32_t* middles) HWY_ATTR {
+    const auto middle = hn::LoadU(Ints(), middles + run + kMargin);
+    return hn::BitCast(d, hn::ShiftRight<kPlaceBits>(middle));
+  };
+  const auto offset = whole(row.y) * hn::Set(d, static_cast<std::uint32_t>(picture.stride)) +
+                      whole(row.x) * hn::Set(d, S::kStep);
+  hn::Store(hn::Min(offset, picture.last_offset), d, to);
+}
+
 // A vector of runs, the first of which is `run`; which of them could be made.
 template <class S>
 HWY_INLINE hn::Mask<Unsigned> blend_block(const Picture& picture, const SourceBounds& bounds,
@@ -294,9 +309,15 @@ HWY_INLINE hn::Mask<Unsigned> blend_block(const Picture& picture, const SourceBo
   const Curves x = curves_at(row.x + run);
   const Curves y = curves_at(row.y + run);
   alignas(64) std::int32_t pixels[kPixels * kRuns];
+  alignas(64) std::uint32_t next[kRuns];
+  store_middles<S>(picture, row, run + kRuns, next);
   const auto none = hn::Zero(Unsigned());
   Needs needs = {none, none, none};
   for (int i = 0; i < kPixels; ++i) {
+    for (int r = i * kRuns / kPixels; r < (i + 1) * kRuns / kPixels; ++r) {
+      hwy::Prefetch(picture.source + next[r]);
+      hwy::Prefetch(picture.source + picture.stride + next[r]);
+    }
     const float from_middle = static_cast<float>(2 * i - reach(kPixels)) / 2;
     const auto values = pixels_at<S>(picture, places_at(x, from_middle, nearest),
                                      places_at(y, from_middle, nearest), needs);
@@ -311,15 +332,16 @@ HWY_INLINE hn::Mask<Unsigned> blend_block(const Picture& picture, const SourceBo
 }
 
 template <int kComponents, int kSpacing>
-void blend_runs(const SourceBounds& bounds, const RunRow& row, int begin, int end, bool nearest,
+bool blend_runs(const SourceBounds& bounds, const RunRow& row, int begin, int end, bool nearest,
                 const std::uint8_t* source, std::uint8_t* output, bool* left) {
   using S = Steep<kComponents, kSpacing>;
   const std::int32_t last =
       (bounds.rows - 2) * bounds.stride + (bounds.columns - 1) * S::kStep + S::kOwn - S::kFetch;
   if (last < 0) {
     std::fill_n(left, end - begin, true);
-    return;
+    return true;
   }
+  bool any = false;
   const Picture picture = {
       source, bounds.stride, hn::Set(Unsigned(), static_cast<std::uint32_t>(last)), {}};
   alignas(64) std::int32_t words[kPixels * kRuns];
@@ -327,13 +349,20 @@ void blend_runs(const SourceBounds& bounds, const RunRow& row, int begin, int en
     const int runs = std::min(kRuns, end - j);
     const auto made = blend_block<S>(picture, bounds, row, j, nearest, words);
     put_block<S>(words, runs, output + static_cast<std::ptrdiff_t>(j - begin) * kPixels * S::kStep);
-    alignas(64) std::uint32_t is_made[kRuns];
-    hn::Store(hn::VecFromMask(Unsigned(), made), Unsigned(), is_made);
-    for (int r = 0; r < runs; ++r) left[j - begin + r] = is_made[r] == 0;
+    std::fill_n(left + (j - begin), runs, false);
+    if (HWY_UNLIKELY(!hn::AllTrue(Unsigned(), made))) {
+      alignas(64) std::uint32_t is_made[kRuns];
+      hn::Store(hn::VecFromMask(Unsigned(), made), Unsigned(), is_made);
+      for (int r = 0; r < runs; ++r) {
+        left[j - begin + r] = is_made[r] == 0;
+        any = any || is_made[r] == 0;
+      }
+    }
   }
+  return any;
 }
 
-void blend_steep(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
+bool blend_steep(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
                  int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
                  bool* left) {
   switch (layout) {
@@ -351,6 +380,7 @@ void blend_steep(LaneLayout layout, const SourceBounds& bounds, const RunRow& ro
       return blend_runs<2, 2>(bounds, row, begin, end, nearest, source, output, left);
     default:
       std::fill_n(left, end - begin, true);
+      return true;
   }
 }
 
@@ -364,11 +394,11 @@ namespace calvin::remap {
 
 HWY_EXPORT(blend_steep);
 
-void blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
+bool blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
                       int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
                       bool* left) noexcept {
-  HWY_DYNAMIC_DISPATCH(blend_steep)
-  (layout, bounds, row, begin, end, nearest, source, output, left);
+  return HWY_DYNAMIC_DISPATCH(blend_steep)(layout, bounds, row, begin, end, nearest, source, output,
+                                           left);
 }
 
 }  // namespace calvin::remap

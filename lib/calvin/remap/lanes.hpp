@@ -133,9 +133,11 @@ struct Band {
   alignas(64) std::int16_t y_shape[kSamples];
   alignas(64) std::int16_t x_turn[kSamples];
   alignas(64) std::int16_t y_turn[kSamples];
-  // By the first run of a vector. RunRow::rows has kSteadyRows; or it says that the runs are empty.
-  bool steady[kRuns];
-  bool empty[kRuns];
+  // What all rows have in common, by the first run of a vector: nothing; what is above, and that
+  // RunRow::rows has kSteadyRows; only RunRow::rows, by which there is no quick way, since the runs
+  // are too steep or empty.
+  enum class Kind : std::uint8_t { kMixed, kSteady, kSteep, kEmpty };
+  Kind kind[kRuns];
 };
 
 // The line of a run makes good for what a parabola cannot follow: this part, in 1/256, of the
@@ -261,9 +263,9 @@ void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int 
 
 // Writes the samples of the runs of 8 from `begin` to before `end`, whose middles are known, be
 // they as steep as they may. `left` of each of them is whether it could not be taken, since a
-// sample has no neighbours in the source: then anything was written. `output` is where `begin` goes
-// to.
-void blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
+// sample has no neighbours in the source: then anything was written; returns whether there is such
+// a run. `output` is where `begin` goes to.
+bool blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
                       int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
                       bool* left) noexcept;
 
