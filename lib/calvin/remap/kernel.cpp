@@ -249,16 +249,16 @@ class Chunk {
   // Runs that are slow because they are steep, and not because they cross the border, have a
   // kernel.
   void sample_stretch(std::size_t plane, int y, remap::Stretch stretch) noexcept {
-    const bool steep = pixels_ == 8 && !choice_.wide && !remap::is_words(choice_.lanes) &&
-                       stretch.limits == nullptr && map_.output_x().is_even() &&
-                       choice_.bounds.last_row >= 0;
+    const bool steep = pixels_ == 8 && !choice_.wide && stretch.limits == nullptr &&
+                       map_.output_x().is_even() && choice_.bounds.last_row >= 0;
     const int first = stretch.begin / pixels_;
     const int whole = steep ? stretch.end / pixels_ : first;
     const bool nearest = sampling_.interpolation == Interpolation::kNearest;
     const bool some_left =
         first < whole &&
-        remap::blend_steep_runs(choice_.lanes, choice_.bounds, row_, first, whole, nearest,
-                                sources_[plane].data, output_at(plane, y, first), left_.data());
+        remap::blend_steep_runs(choice_.lanes, remap::word_format(layout_), choice_.bounds, row_,
+                                first, whole, nearest, sources_[plane].data,
+                                output_at(plane, y, first), left_.data());
     const auto sample = [&](std::ptrdiff_t run, std::ptrdiff_t end) {
       stretch.begin = static_cast<int>(run) * pixels_;
       stretch.end = static_cast<int>(end);

@@ -10,34 +10,36 @@
 #define CALVIN_REMAP_LANE_GATHERS_INL_HPP
 #endif
 
-#include "calvin/remap/lane_places-inl.hpp"
+#include "calvin/remap/lane_targets.hpp"
+#include "calvin/remap/lanes.hpp"
+// After lane_targets.hpp.
+#include <hwy/highway.h>
 
 #if HWY_TARGET != HWY_SCALAR
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-using Floats = PlaceFloats;
-using Ints = PlaceInts;
-using Words = hn::RebindToUnsigned<Floats>;
-using Values = hn::Vec<Floats>;
+namespace hn = hwy::HWY_NAMESPACE;
 
 // Both bytes of each 16-bit half change places.
-HWY_INLINE hn::Vec<Words> swap_bytes(hn::Vec<Words> pairs) {
-  const auto bytes = hn::Set(Words(), 0x00FF00FF);
+template <class V>
+HWY_INLINE V swap_bytes(V pairs) {
+  const auto bytes = hn::Set(hn::DFromV<V>(), 0x00FF00FF);
   return hn::Or(hn::ShiftLeft<8>(hn::And(pairs, bytes)), hn::And(hn::ShiftRight<8>(pairs), bytes));
 }
 
 // The value that begins at a bit of 32 in memory: a byte, or a word of that format.
-template <bool kWords>
-HWY_INLINE Values value_at(hn::Vec<Words> memory, WordFormat format, int bit) {
-  const Words d;
+template <bool kWords, class V>
+HWY_INLINE auto value_at(V memory, WordFormat format, int bit) {
+  const hn::DFromV<V> d;
   if constexpr (kWords) {
     if (format.swapped) memory = swap_bytes(memory);
   }
   auto value = hn::And(hn::ShiftRightSame(memory, bit), hn::Set(d, kWords ? 0xFFFF : 0xFF));
   if constexpr (kWords) value = hn::ShiftRightSame(value, format.shift);
-  return hn::ConvertTo(Floats(), hn::BitCast(Ints(), value));
+  const hn::RebindToSigned<decltype(d)> numbers;
+  return hn::ConvertTo(hn::RebindToFloat<decltype(d)>(), hn::BitCast(numbers, value));
 }
 
 }  // namespace calvin::remap::HWY_NAMESPACE

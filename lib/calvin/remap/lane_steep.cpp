@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Bilinear resampling of 8-bit samples along lines of any slope, for every instruction set: each
+// Bilinear resampling along lines of any slope, for every instruction set: each
 // pixel is gathered by its own address together with its neighbour. For runs whose samples lie too
 // far apart for the other kernels: much smaller outputs, wide views. A vector has one pixel of each
 // of as many runs as it has 32-bit numbers, so that what is known of runs need not be spread.
@@ -10,7 +10,6 @@
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 
 #undef HWY_TARGET_INCLUDE
@@ -20,16 +19,16 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
-#include "calvin/remap/lane_math-inl.hpp"
+#include "calvin/remap/lane_gathered-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-bool blend_steep(LaneLayout /*layout*/, const SourceBounds& /*bounds*/, const RunRow& /*row*/,
-                 int begin, int end, bool /*nearest*/, const std::uint8_t* /*source*/,
-                 std::uint8_t* /*output*/, bool* left) {
+bool blend_steep(LaneLayout /*layout*/, WordFormat /*format*/, const SourceBounds& /*bounds*/,
+                 const RunRow& /*row*/, int begin, int end, bool /*nearest*/,
+                 const std::uint8_t* /*source*/, std::uint8_t* /*output*/, bool* left) {
   std::fill_n(left, end - begin, true);
   return true;
 }
@@ -38,21 +37,6 @@ bool blend_steep(LaneLayout /*layout*/, const SourceBounds& /*bounds*/, const Ru
 
 constexpr int kPixels = 8;                           // of a run
 constexpr int kRuns = static_cast<int>(kBytes / 4);  // of a vector
-using Unsigned = hn::FixedTag<std::uint32_t, kRuns>;
-
-// Pixels of components that are `kSpacing` bytes apart.
-template <int kComponents, int kSpacing>
-struct Steep {
-  static constexpr int kStep = kComponents * kSpacing;
-  // Whether 32 bits hold a pixel and its neighbour; else there are two times 32.
-  static constexpr bool kNarrow = kStep <= 2;
-  // Bytes that are fetched for a pixel, and those that it has.
-  static constexpr int kFetch = kNarrow ? 4 : kStep + 4;
-  static constexpr int kOwn = (kComponents - 1) * kSpacing + 1;
-  // Two components fit into a 32-bit number as pairs of neighbours.
-  static constexpr int kVectors = kComponents > 2 ? 2 : 1;
-  static constexpr bool kSpread = kSpacing > 1;
-};
 
 // ---- Where the pixels are.
 
@@ -119,76 +103,7 @@ HWY_INLINE hn::Mask<Unsigned> all_within(hn::Vec<Unsigned> largest, std::int32_t
   return hn::Eq(hn::Max(largest, bound), bound);
 }
 
-// What the pixels of a block are fetched from.
-struct Picture {
-  const std::uint8_t* source;
-  std::int32_t stride;
-  hn::Vec<Unsigned> last_offset;  // behind which something may be read that is not the plane's
-  Blender<Bytes> blender;
-};
-
-// ---- What they are made of.
-
-// 32 bits of each, from its offset on.
-HWY_INLINE Pairs gather(const std::uint8_t* from, hn::Vec<Ints> offsets) {
-  return hn::BitCast(
-      Bytes(), hn::GatherOffset(Ints(), reinterpret_cast<const std::int32_t*>(from), offsets));
-}
-
-// Bytes at even places from the one, and at odd ones from the other.
-HWY_INLINE Pairs even_and_odd(Pairs even, Pairs odd) { return hn::OddEven(odd, even); }
-HWY_INLINE Pairs up(Pairs v) {
-  return hn::BitCast(Bytes(), hn::ShiftLeft<8>(hn::BitCast(Words(), v)));
-}
-HWY_INLINE Pairs down(Pairs v) {
-  return hn::BitCast(Bytes(), hn::ShiftRight<8>(hn::BitCast(Words(), v)));
-}
-
-// Pairs of neighbours: of the components 0 and 1 of two, 0 and 2, 1 and 3 of more.
-template <class S>
-HWY_INLINE std::array<Pairs, S::kVectors> pairs_at(const std::uint8_t* from,
-                                                   hn::Vec<Ints> offsets) {
-  alignas(16) static constexpr std::uint8_t kTurned[16] = {0, 2,  1, 3,  4,  6,  5,  7,
-                                                           8, 10, 9, 11, 12, 14, 13, 15};
-  const Pairs first = gather(from, offsets);
-  if constexpr (S::kStep == 1) {
-    return {first};
-  } else if constexpr (S::kNarrow) {
-    return {hn::TableLookupBytes(first, hn::LoadDup128(Bytes(), kTurned))};
-  } else {
-    const Pairs second = gather(from + S::kStep, offsets);
-    const Pairs outer = even_and_odd(first, up(second));
-    if constexpr (S::kVectors == 1) {
-      return {outer};
-    } else {
-      return {outer, even_and_odd(down(first), second)};
-    }
-  }
-}
-
-// 32-bit numbers that fit into 16, twice each.
-HWY_INLINE Numbers twice(hn::Vec<Ints> numbers) {
-  return hn::BitCast(Signed(), hn::OddEven(hn::BitCast(Signed(), hn::ShiftLeft<16>(numbers)),
-                                           hn::BitCast(Signed(), numbers)));
-}
-// 1.15.
-HWY_INLINE Numbers weight_of(hn::Vec<Floats> value) {
-  return twice(hn::Min(small_ints(value), hn::Set(Ints(), 0x7FFF)));
-}
-
-// The bytes of pixels in the order of memory; what is not theirs is anything.
-template <class S>
-HWY_INLINE hn::Vec<Ints> memory_of(const std::array<Numbers, S::kVectors>& values) {
-  const Pairs first = hn::BitCast(Bytes(), values[0]);
-  if constexpr (S::kVectors == 2) {
-    return hn::BitCast(Ints(), even_and_odd(first, up(hn::BitCast(Bytes(), values[1]))));
-  } else if constexpr (S::kStep == 2 && !S::kSpread) {
-    const auto both = hn::BitCast(Ints(), values[0]);
-    return hn::Or(both, hn::ShiftRight<8>(both));
-  } else {
-    return hn::BitCast(Ints(), first);
-  }
-}
+// ---- Runs.
 
 // The largest of what the pixels of a block asked for.
 struct Needs {
@@ -198,31 +113,18 @@ struct Needs {
 };
 
 // The pixels at `x` and `y`.
-template <class S>
+template <class M>
 HWY_INLINE hn::Vec<Ints> pixels_at(const Picture& picture, const Places& x, const Places& y,
                                    Needs& needs) {
-  const Floats d;
-  const Unsigned ints;
-  const auto offset = y.whole * hn::Set(ints, static_cast<std::uint32_t>(picture.stride)) +
-                      x.whole * hn::Set(ints, S::kStep);
+  const Unsigned d;
+  const auto offset = y.whole * hn::Set(d, static_cast<std::uint32_t>(picture.stride)) +
+                      x.whole * hn::Set(d, M::kStep);
   needs.column = hn::Max(needs.column, x.whole);
   needs.row = hn::Max(needs.row, y.whole);
   needs.offset = hn::Max(needs.offset, offset);
   const auto at = hn::BitCast(Ints(), hn::Min(offset, picture.last_offset));
-  const auto upper = pairs_at<S>(picture.source, at);
-  const auto lower = pairs_at<S>(picture.source + picture.stride, at);
-  const Numbers across = weight_of(hn::MulSub(x.rest, hn::Set(d, 65536), hn::Set(d, 32768)));
-  const Numbers weight = weight_of(y.rest * hn::Set(d, 32768));
-  std::array<Numbers, S::kVectors> values;
-  for (std::size_t v = 0; v < values.size(); ++v) {
-    values[v] = picture.blender.rounded(
-        Blender<Bytes>::between(picture.blender.across(upper[v], across),
-                                picture.blender.across(lower[v], across), weight));
-  }
-  return memory_of<S>(values);
+  return M::pixels(picture, at, x.rest, y.rest);
 }
-
-// ---- Runs.
 
 // The first of each two bytes, or of each two 16-bit numbers, of both.
 HWY_INLINE hn::Vec<Ints> join_bytes(hn::Vec<Ints> first, hn::Vec<Ints> second) {
@@ -236,16 +138,16 @@ HWY_INLINE hn::Vec<Ints> join_words(hn::Vec<Ints> first, hn::Vec<Ints> second) {
 
 // Vectors of pixels, each with one of every run, become runs in memory. Pixels of 3 and 4 bytes are
 // 32-bit words: all first halves of runs, then all second ones.
-template <class S>
+template <class M>
 HWY_INLINE void turn_block(const std::int32_t* pixels, std::int32_t* to) {
   const Ints d;
   const auto pixel = [&](int i) HWY_ATTR { return hn::Load(d, pixels + i * kRuns); };
-  if constexpr (S::kStep == 1) {
+  if constexpr (M::kStep == 1) {
     const auto four = [&](int i) HWY_ATTR {
       return join_words(join_bytes(pixel(i), pixel(i + 1)), join_bytes(pixel(i + 2), pixel(i + 3)));
     };
     hn::StoreInterleaved2(four(0), four(4), d, to);
-  } else if constexpr (S::kStep == 2) {
+  } else if constexpr (M::kStep == 2) {
     const auto two = [&](int i) HWY_ATTR { return join_words(pixel(i), pixel(i + 1)); };
     hn::StoreInterleaved4(two(0), two(2), two(4), two(6), d, to);
   } else {
@@ -255,40 +157,43 @@ HWY_INLINE void turn_block(const std::int32_t* pixels, std::int32_t* to) {
   }
 }
 
-// From turn_block() to where `runs` of them belong.
-template <class S>
-HWY_INLINE void put_block(const std::int32_t* from, int runs, std::uint8_t* output) {
-  const hn::FixedTag<std::uint8_t, 16> d;
-  const auto put = [&](const std::int32_t* pixels, std::uint8_t* to) HWY_ATTR {
-    auto bytes = hn::Load(d, reinterpret_cast<const std::uint8_t*>(pixels));
-    if constexpr (S::kSpread) {
-      const auto own = hn::BitCast(d, hn::Set(hn::FixedTag<std::uint16_t, 8>(), 0x00FF));
-      bytes = hn::Or(hn::And(own, bytes), hn::AndNot(own, hn::LoadU(d, to)));
-    }
-    if constexpr (S::kStep == 3) {
-      alignas(16) static constexpr std::uint8_t kFront[16] = {0,  1,  2,  4,  5, 6, 8, 9,
-                                                              10, 12, 13, 14, 0, 0, 0, 0};
-      alignas(16) std::uint8_t front[16];
-      hn::Store(hn::TableLookupBytes(bytes, hn::Load(d, kFront)), d, front);
-      std::memcpy(to, front, 12);
-    } else {
-      hn::StoreU(bytes, d, to);
-    }
-  };
-  if constexpr (S::kStep == 1) {
-    std::memcpy(output, from, static_cast<std::size_t>(runs) * kPixels);
-  } else if constexpr (S::kStep == 2) {
-    for (int r = 0; r < runs; ++r) put(from + 4 * r, output + 16 * r);
+// Sixteen bytes from turn_block() to where they belong: what lies between components that are apart
+// is not ours.
+template <class M>
+HWY_INLINE void put_pixels(const std::int32_t* from, std::uint8_t* to) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(from);
+  if constexpr (M::kSpread) {
+    HWY_UNROLL(8)
+    for (int i = 0; i < 16; i += 2) to[i] = bytes[i];
+  } else if constexpr (M::kStep == 3) {
+    alignas(16) static constexpr std::uint8_t kFront[16] = {0,  1,  2,  4,  5, 6, 8, 9,
+                                                            10, 12, 13, 14, 0, 0, 0, 0};
+    const hn::FixedTag<std::uint8_t, 16> d;
+    alignas(16) std::uint8_t front[16];
+    hn::Store(hn::TableLookupBytes(hn::Load(d, bytes), hn::Load(d, kFront)), d, front);
+    std::memcpy(to, front, 12);
   } else {
-    for (int r = 0; r < runs; ++r, output += kPixels * S::kStep) {
-      put(from + 4 * r, output);
-      put(from + 4 * (r + kRuns), output + 4 * S::kStep);
+    std::memcpy(to, bytes, 16);
+  }
+}
+
+// As many runs.
+template <class M>
+HWY_INLINE void put_block(const std::int32_t* from, int runs, std::uint8_t* output) {
+  if constexpr (M::kStep == 1) {
+    std::memcpy(output, from, static_cast<std::size_t>(runs) * kPixels);
+  } else if constexpr (M::kStep == 2) {
+    for (int r = 0; r < runs; ++r) put_pixels<M>(from + 4 * r, output + 16 * r);
+  } else {
+    for (int r = 0; r < runs; ++r, output += kPixels * M::kStep) {
+      put_pixels<M>(from + 4 * r, output);
+      put_pixels<M>(from + 4 * (r + kRuns), output + 4 * M::kStep);
     }
   }
 }
 
 // Where the middles of a vector of runs are: their lines are fetched before they are needed.
-template <class S>
+template <class M>
 HWY_INLINE void store_middles(const Picture& picture, const RunRow& row, int run,
                               std::uint32_t* to) {
   const Unsigned d;
@@ -297,12 +202,12 @@ HWY_INLINE void store_middles(const Picture& picture, const RunRow& row, int run
     return hn::BitCast(d, hn::ShiftRight<kPlaceBits>(middle));
   };
   const auto offset = whole(row.y) * hn::Set(d, static_cast<std::uint32_t>(picture.stride)) +
-                      whole(row.x) * hn::Set(d, S::kStep);
+                      whole(row.x) * hn::Set(d, M::kStep);
   hn::Store(hn::Min(offset, picture.last_offset), d, to);
 }
 
 // A vector of runs, the first of which is `run`; which of them could be made.
-template <class S>
+template <class M>
 HWY_INLINE hn::Mask<Unsigned> blend_block(const Picture& picture, const SourceBounds& bounds,
                                           const RunRow& row, int run, bool nearest,
                                           std::int32_t* to) {
@@ -310,7 +215,7 @@ HWY_INLINE hn::Mask<Unsigned> blend_block(const Picture& picture, const SourceBo
   const Curves y = curves_at(row.y + run);
   alignas(64) std::int32_t pixels[kPixels * kRuns];
   alignas(64) std::uint32_t next[kRuns];
-  store_middles<S>(picture, row, run + kRuns, next);
+  store_middles<M>(picture, row, run + kRuns, next);
   const auto none = hn::Zero(Unsigned());
   Needs needs = {none, none, none};
   for (int i = 0; i < kPixels; ++i) {
@@ -319,11 +224,11 @@ HWY_INLINE hn::Mask<Unsigned> blend_block(const Picture& picture, const SourceBo
       hwy::Prefetch(picture.source + picture.stride + next[r]);
     }
     const float from_middle = static_cast<float>(2 * i - reach(kPixels)) / 2;
-    const auto values = pixels_at<S>(picture, places_at(x, from_middle, nearest),
+    const auto values = pixels_at<M>(picture, places_at(x, from_middle, nearest),
                                      places_at(y, from_middle, nearest), needs);
     hn::Store(values, Ints(), pixels + i * kRuns);
   }
-  turn_block<S>(pixels, to);
+  turn_block<M>(pixels, to);
   const auto far = hn::Max(farthest_of(row.x + run), farthest_of(row.y + run));
   return hn::And(hn::And(all_within(needs.column, bounds.last_column - 1),
                          all_within(needs.row, bounds.last_row - 1)),
@@ -331,24 +236,24 @@ HWY_INLINE hn::Mask<Unsigned> blend_block(const Picture& picture, const SourceBo
                          all_within(far, kFarthest)));
 }
 
-template <int kComponents, int kSpacing>
-bool blend_runs(const SourceBounds& bounds, const RunRow& row, int begin, int end, bool nearest,
-                const std::uint8_t* source, std::uint8_t* output, bool* left) {
-  using S = Steep<kComponents, kSpacing>;
+template <class M>
+bool blend_runs(WordFormat format, const SourceBounds& bounds, const RunRow& row, int begin,
+                int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
+                bool* left) {
   const std::int32_t last =
-      (bounds.rows - 2) * bounds.stride + (bounds.columns - 1) * S::kStep + S::kOwn - S::kFetch;
+      (bounds.rows - 2) * bounds.stride + (bounds.columns - 1) * M::kStep + M::kOwn - M::kFetch;
   if (last < 0) {
     std::fill_n(left, end - begin, true);
     return true;
   }
   bool any = false;
   const Picture picture = {
-      source, bounds.stride, hn::Set(Unsigned(), static_cast<std::uint32_t>(last)), {}};
+      source, bounds.stride, hn::Set(Unsigned(), static_cast<std::uint32_t>(last)), {}, format};
   alignas(64) std::int32_t words[kPixels * kRuns];
   for (int j = begin; j < end; j += kRuns) {
     const int runs = std::min(kRuns, end - j);
-    const auto made = blend_block<S>(picture, bounds, row, j, nearest, words);
-    put_block<S>(words, runs, output + static_cast<std::ptrdiff_t>(j - begin) * kPixels * S::kStep);
+    const auto made = blend_block<M>(picture, bounds, row, j, nearest, words);
+    put_block<M>(words, runs, output + static_cast<std::ptrdiff_t>(j - begin) * kPixels * M::kStep);
     std::fill_n(left + (j - begin), runs, false);
     if (HWY_UNLIKELY(!hn::AllTrue(Unsigned(), made))) {
       alignas(64) std::uint32_t is_made[kRuns];
@@ -362,22 +267,30 @@ bool blend_runs(const SourceBounds& bounds, const RunRow& row, int begin, int en
   return any;
 }
 
-bool blend_steep(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
-                 int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
-                 bool* left) {
+bool blend_steep(LaneLayout layout, WordFormat format, const SourceBounds& bounds,
+                 const RunRow& row, int begin, int end, bool nearest, const std::uint8_t* source,
+                 std::uint8_t* output, bool* left) {
+  const auto blend = [&](auto memory) {
+    return blend_runs<decltype(memory)>(format, bounds, row, begin, end, nearest, source, output,
+                                        left);
+  };
   switch (layout) {
     case LaneLayout::kOne:
-      return blend_runs<1, 1>(bounds, row, begin, end, nearest, source, output, left);
+      return blend(GatheredBytes<1, 1>());
     case LaneLayout::kTwo:
-      return blend_runs<2, 1>(bounds, row, begin, end, nearest, source, output, left);
+      return blend(GatheredBytes<2, 1>());
     case LaneLayout::kThree:
-      return blend_runs<3, 1>(bounds, row, begin, end, nearest, source, output, left);
+      return blend(GatheredBytes<3, 1>());
     case LaneLayout::kFour:
-      return blend_runs<4, 1>(bounds, row, begin, end, nearest, source, output, left);
+      return blend(GatheredBytes<4, 1>());
     case LaneLayout::kOneSpread:
-      return blend_runs<1, 2>(bounds, row, begin, end, nearest, source, output, left);
+      return blend(GatheredBytes<1, 2>());
     case LaneLayout::kTwoSpread:
-      return blend_runs<2, 2>(bounds, row, begin, end, nearest, source, output, left);
+      return blend(GatheredBytes<2, 2>());
+    case LaneLayout::kOneWord:
+      return blend(GatheredWords<1>());
+    case LaneLayout::kTwoWords:
+      return blend(GatheredWords<2>());
     default:
       std::fill_n(left, end - begin, true);
       return true;
@@ -394,11 +307,11 @@ namespace calvin::remap {
 
 HWY_EXPORT(blend_steep);
 
-bool blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
-                      int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
-                      bool* left) noexcept {
-  return HWY_DYNAMIC_DISPATCH(blend_steep)(layout, bounds, row, begin, end, nearest, source, output,
-                                           left);
+bool blend_steep_runs(LaneLayout layout, WordFormat format, const SourceBounds& bounds,
+                      const RunRow& row, int begin, int end, bool nearest,
+                      const std::uint8_t* source, std::uint8_t* output, bool* left) noexcept {
+  return HWY_DYNAMIC_DISPATCH(blend_steep)(layout, format, bounds, row, begin, end, nearest, source,
+                                           output, left);
 }
 
 }  // namespace calvin::remap

@@ -21,6 +21,7 @@
 #include <hwy/highway.h>
 
 #include "calvin/remap/lane_gathers-inl.hpp"
+#include "calvin/remap/lane_places-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
@@ -34,6 +35,11 @@ void blend_wide(const WideFormat& /*format*/, const SourceBounds& /*bounds*/, Ru
 }
 
 #else
+
+using Floats = PlaceFloats;
+using Ints = PlaceInts;
+using Words = hn::RebindToUnsigned<Floats>;
+using Values = hn::Vec<Floats>;
 
 // The weights of Catmull-Rom's spline (Keys 1981, a = -1/2) at `t` between the middle two of four.
 HWY_INLINE std::array<Values, 4> weights_at(std::integral_constant<int, 4> /*taps*/, Values t) {

@@ -16,6 +16,7 @@
 #include <hwy/highway.h>
 
 #include "calvin/remap/lane_gathers-inl.hpp"
+#include "calvin/remap/lane_places-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
@@ -28,6 +29,11 @@ void blend_words_of(LaneLayout /*layout*/, WordFormat /*format*/, const RunRow& 
                     const PlaneRows& /*planes*/) {}
 
 #else
+
+using Floats = PlaceFloats;
+using Ints = PlaceInts;
+using Words = hn::RebindToUnsigned<Floats>;
+using Values = hn::Vec<Floats>;
 
 // Two 16-bit samples of each result, as their values.
 struct Pair {

@@ -261,19 +261,19 @@ struct RowTask {
 void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int end,
                 const PlaneRows& planes) noexcept;
 
-// Writes the samples of the runs of 8 from `begin` to before `end`, whose middles are known, be
-// they as steep as they may. `left` of each of them is whether it could not be taken, since a
-// sample has no neighbours in the source: then anything was written; returns whether there is such
-// a run. `output` is where `begin` goes to.
-bool blend_steep_runs(LaneLayout layout, const SourceBounds& bounds, const RunRow& row, int begin,
-                      int end, bool nearest, const std::uint8_t* source, std::uint8_t* output,
-                      bool* left) noexcept;
-
 // How 16-bit samples hold their values.
 struct WordFormat {
   bool swapped = false;  // big-endian on a little-endian machine, or the other way round
   int shift = 0;         // bits below the value
 };
+
+// Writes the samples of the runs of 8 from `begin` to before `end`, whose middles are known, be
+// they as steep as they may. `left` of each of them is whether it could not be taken, since a
+// sample has no neighbours in the source: then anything was written; returns whether there is such
+// a run. `output` is where `begin` goes to.
+bool blend_steep_runs(LaneLayout layout, WordFormat format, const SourceBounds& bounds,
+                      const RunRow& row, int begin, int end, bool nearest,
+                      const std::uint8_t* source, std::uint8_t* output, bool* left) noexcept;
 
 // blend_runs() for 16-bit samples.
 void blend_word_runs(LaneLayout layout, WordFormat format, const RunRow& row, int begin, int end,
