@@ -107,10 +107,26 @@ HWY_INLINE int rows_of(const BandAxis& y) {
   return P::kApart || half <= kHalfRow ? 3 : (half >> (kPlaceBits - 1)) + 3;
 }
 
-// Whether none of a vector of runs, which read so many rows, needs to be looked at again in the
-// band: it is far from the ends of the source.
+// By how much the runs of a vector, which read so many rows, are less steep than what the kernels
+// can fetch at once; negative where they are steeper.
 template <class P>
-HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBounds& b, int rows) {
+HWY_INLINE hn::Vec<Ints> room_of(const BandAxis& x, const BandAxis& y, const SourceBounds& b,
+                                 int rows) {
+  const Ints d;
+  // Slopes change within the band.
+  const auto room = [&](const BandAxis& axis, std::int32_t steepest) HWY_ATTR {
+    return hn::Set(d, steepest - 0x400) - axis.steep - hn::ShiftLeft<3>(axis.bent);
+  };
+  const auto across = [&](const BandAxis& axis)
+                          HWY_ATTR { return hn::ShiftRight<kPlaceBits - 1>(axis.half); };
+  return hn::Min(
+      hn::Min(room(x, b.steepest), room(y, rows == 3 && !P::kApart ? kSteepest : 0x7FFF)),
+      hn::Min(hn::Set(d, b.widest - 2) - across(x), hn::Set(d, kMostRows - 3) - across(y)));
+}
+
+// How far they are from the ends of the source; negative where they reach beyond them.
+HWY_INLINE hn::Vec<Ints> margin_of(const BandAxis& x, const BandAxis& y, const SourceBounds& b,
+                                   int rows) {
   const Ints d;
   const auto last = [&](const BandAxis& axis)
                         HWY_ATTR { return hn::ShiftRight<kPlaceBits>(axis.most); };
@@ -118,19 +134,8 @@ HWY_INLINE bool is_steady(const BandAxis& x, const BandAxis& y, const SourceBoun
   // `most`.
   const int behind = rows == 3 ? 2 : rows;
   const auto last_row = hn::Set(d, std::min(b.last_row - 1, b.rows - b.guarded_rows - behind));
-  // Slopes change within the band.
-  const auto room = [&](const BandAxis& axis, std::int32_t steepest) HWY_ATTR {
-    return hn::Set(d, steepest - 0x400) - axis.steep - hn::ShiftLeft<3>(axis.bent);
-  };
-  const auto across = [&](const BandAxis& axis)
-                          HWY_ATTR { return hn::ShiftRight<kPlaceBits - 1>(axis.half); };
-  auto spare = hn::Min(hn::Min(x.least, y.least), room(x, b.steepest));
-  spare = hn::Min(spare, hn::Min(hn::Set(d, kMostRows - 3) - across(y),
-                                 room(y, rows == 3 && !P::kApart ? kSteepest : 0x7FFF)));
-  spare = hn::Min(spare, hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
-  spare = hn::Min(spare, hn::Min(hn::Set(d, b.widest - 2) - across(x),
-                                 hn::Set(d, kMostSway) - hn::Max(x.sway, y.sway)));
-  return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
+  return hn::Min(hn::Min(x.least, y.least),
+                 hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
 }
 
 // Whether all of a vector of runs lie outside of the source in all of the band, by a sample and
@@ -144,24 +149,23 @@ HWY_INLINE bool is_empty(const BandAxis& x, const BandAxis& y, const SourceBound
   return hn::AllTrue(d, hn::Lt(hn::Min(inside(x, b.columns), inside(y, b.rows)), hn::Zero(d)));
 }
 
-// Whether all of a vector of runs are too steep for the kernels that fetch them at once.
-HWY_INLINE bool is_steep(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
-  const Ints d;
-  const auto across = [&](const BandAxis& axis)
-                          HWY_ATTR { return hn::ShiftRight<kPlaceBits - 1>(axis.half); };
-  const auto spare =
-      hn::Min(hn::Min(hn::Set(d, b.widest - 1) - across(x), hn::Set(d, b.steepest) - x.steep),
-              hn::Min(hn::Set(d, kMostRows - 2) - across(y), hn::Set(d, 0x7FFF) - y.steep));
-  return hn::AllTrue(d, hn::Lt(spare, hn::Zero(d)));
-}
-
-// Of a vector of runs whose middles are near a line down the band.
+// Of a vector of runs, which read so many rows, and whose middles are near a line down the band.
 template <class P>
 HWY_INLINE Band::Kind kind_of(const BandAxis& x, const BandAxis& y, const SourceBounds& bounds,
                               int rows) {
+  const Ints d;
+  const auto none = [&](hn::Vec<Ints> spare)
+                        HWY_ATTR { return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d))); };
   if (bounds.fills && is_empty(x, y, bounds)) return Band::Kind::kEmpty;
-  if (is_steady<P>(x, y, bounds, rows)) return Band::Kind::kSteady;
-  return is_steep(x, y, bounds) ? Band::Kind::kSteep : Band::Kind::kMixed;
+  const auto room = room_of<P>(x, y, bounds, rows);
+  const bool inside = none(margin_of(x, y, bounds, rows));
+  if (!none(room)) {
+    // At the ends of the source there may be some that are quick.
+    const bool all = hn::AllTrue(d, hn::Lt(room, hn::Zero(d)));
+    return inside || all ? Band::Kind::kSteep : Band::Kind::kMixed;
+  }
+  const bool straight = none(hn::Set(d, kMostSway) - hn::Max(x.sway, y.sway));
+  return inside && straight ? Band::Kind::kSteady : Band::Kind::kMixed;
 }
 
 // RunRow::rows of a vector of runs that reads so many rows; of mixed ones it is not known yet.
