@@ -49,14 +49,16 @@ SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayou
   // Beyond an uneven last sample places are no longer linear.
   b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
   b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
-  // Lanes of a run are read by 16 bytes, or all of them at once; words not at all by segments.
+  // Lanes of a run are read by 16 bytes, or all of them at once.
   // Pixels of three and four bytes may be read each by itself, by 16 bytes too.
-  const int span = map.run_pixels() / std::min(lane_pixels(lanes), map.run_pixels());
+  const int step = is_words(lanes) ? 2 * layout.components : layout.components;
+  const int in_lane = is_words(lanes) ? 8 / step : lane_pixels(lanes);
+  const int span = map.run_pixels() / std::min(in_lane, map.run_pixels());
   const int lane = is_spread(lanes) ? 32 : 16;
-  const int parts = layout.components > 2 ? 5 : span == 1 ? 1 : span + 1;
-  const int segment = is_words(lanes) ? 0 : lane * parts;
-  const int columns = (15 - (layout.components - 1)) / layout.components;
-  b.widest = is_words(lanes) ? size.width : span == 1 ? columns : 15;
+  const int parts = step > 2 ? 5 : span == 1 ? 1 : span + 1;
+  const int segment = lane * parts;
+  const int columns = (15 - (step - 1)) / step;
+  b.widest = span == 1 ? columns : 15;
   // The second of a lane's pixels, and of its neighbours, is in the segment too.
   if (span > 1) b.steepest = 0x6800;
   const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;

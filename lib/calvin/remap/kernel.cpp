@@ -209,12 +209,8 @@ class Chunk {
 
   void blend(int begin, int end, const remap::PlaneRows& planes) noexcept {
     const bool nearest = sampling_.interpolation == Interpolation::kNearest;
-    if (is_words(choice_.lanes)) {
-      remap::blend_word_runs(choice_.lanes, remap::word_format(layout_), row_, begin, end,
-                             choice_.bounds.stride, nearest, planes);
-      return;
-    }
-    const remap::RowTask task = {row_, band_, way_, choice_.bounds.stride, nearest};
+    const remap::RowTask task = {
+        row_, band_, way_, choice_.bounds.stride, nearest, remap::word_format(layout_)};
     remap::blend_runs(choice_.lanes, pixels_, task, begin, end, planes);
   }
 

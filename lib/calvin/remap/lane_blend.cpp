@@ -80,11 +80,12 @@ HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<Pla
   }
 }
 
+// `of_results` as Results::neighbours.
 template <class L>
-HWY_INLINE Taps taps_at(const BlockSamples& samples, int first) {
+HWY_INLINE Taps taps_at(const BlockSamples& samples, int first, const std::uint16_t* of_results) {
   const Words words;
   const auto neighbours = hn::BitCast(words, numbers_of<L>(samples.bytes + first));
-  return {hn::BitCast(Bytes(), neighbours + hn::Load(words, kResults<L>.neighbours)),
+  return {hn::BitCast(Bytes(), neighbours + hn::Load(words, of_results)),
           numbers_of<L>(samples.across + first), numbers_of<L>(samples.down + first)};
 }
 
@@ -106,15 +107,15 @@ struct Planes {
 
 // The first or the second of two vectors of a group whose first run is `j`: every other run.
 template <class L, bool kSteady, bool kThree, bool kNearest, int kSecond, int kPlanes>
-HWY_INLINE std::array<Numbers, kPlanes> blend_alternate(const RowTask& task, int j, Numbers way,
-                                                        const Planes<kPlanes>& planes,
-                                                        const Blender<Bytes>& blender) {
+HWY_INLINE std::array<typename BlenderOf<L>::Sums, kPlanes> blend_alternate(
+    const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
+    const BlenderOf<L>& blender) {
   using P = PlacingOf<L>;
   Both<P> at = places_of<P, kSteady>(task.row, task.band, j + kSecond * kLanes, way);
   if constexpr (kNearest) at.x = rounded_place(Signed(), at.x);
   const Taps taps = {hn::BitCast(Bytes(), bytes_of<P>(at.x)), across_of<P>(at.x), at.y};
   const std::int32_t* offsets = task.row.offset + j;
-  std::array<Numbers, kPlanes> results;
+  std::array<typename BlenderOf<L>::Sums, kPlanes> results;
   HWY_UNROLL(kMaxPlanes)
   for (int p = 0; p < kPlanes; ++p) {
     hwy::Prefetch(planes.ahead[p] + offsets[kSecond * kLanes]);
@@ -127,21 +128,21 @@ HWY_INLINE std::array<Numbers, kPlanes> blend_alternate(const RowTask& task, int
 // The group whose first run is `j`: the results of two vectors are packed lane by lane.
 template <class L, bool kSteady, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_alternates(const RowTask& task, int j, Numbers way,
-                                 const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
+                                 const Planes<kPlanes>& planes, const BlenderOf<L>& blender) {
   const auto first =
       blend_alternate<L, kSteady, kThree, kNearest, 0>(task, j, way, planes, blender);
   const auto second =
       blend_alternate<L, kSteady, kThree, kNearest, 1>(task, j, way, planes, blender);
   HWY_UNROLL(kMaxPlanes)
   for (int p = 0; p < kPlanes; ++p) {
-    hn::StoreU(pack_lanes(Bytes(), first[p], second[p]), Bytes(), planes.outputs[p]);
+    hn::StoreU(blender.pack(first[p], second[p]), Bytes(), planes.outputs[p]);
   }
 }
 
 // Any but a steady group of three rows.
 template <class L, bool kNearest, int kPlanes>
 HWY_INLINE void blend_other(const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
-                            const Blender<Bytes>& blender) {
+                            const BlenderOf<L>& blender) {
   const std::int32_t mark = task.row.rows[j];
   if (mark >= kSlowGroup) return;
   if (is_steady(mark)) {
@@ -156,7 +157,7 @@ HWY_INLINE void blend_other(const RowTask& task, int j, Numbers way, const Plane
 template <class L, bool kNearest, int kPlanes>
 HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPlanes> planes) {
   constexpr int kGroup = PlacingOf<L>::kGroup;
-  const Blender<Bytes> blender;
+  const auto blender = make_blender<L>(task.format);
   const auto way = kept(hn::Set(Signed(), static_cast<std::int16_t>(task.way * 0x7FFF)));
   const std::int32_t* marks = task.row.rows;
   const auto next = [&](int j) HWY_ATTR {
@@ -178,8 +179,8 @@ HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPl
 
 // The `v`th vector of the group of runs whose first one is `j`, of one plane.
 template <class L, bool kThree, bool kNearest, int kPlanes>
-HWY_INLINE Numbers vector_of(const RunRow& row, int j, int v, const Taps& taps,
-                             const Planes<kPlanes>& planes, int p, const Blender<Bytes>& blender) {
+HWY_INLINE auto vector_of(const RunRow& row, int j, int v, const Taps& taps,
+                          const Planes<kPlanes>& planes, int p, const BlenderOf<L>& blender) {
   const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + j * L::kSpan + v * kLanes
                                             : row.offset + j + v * kLanes / L::kSpan;
   hwy::Prefetch(planes.ahead[p] + offsets[0]);
@@ -189,36 +190,39 @@ HWY_INLINE Numbers vector_of(const RunRow& row, int j, int v, const Taps& taps,
 
 template <class L, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
-                             const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
+                             const Planes<kPlanes>& planes, const BlenderOf<L>& blender) {
   for (int p = 0; p < kPlanes; ++p) {
     if constexpr (L::kSpread > 1) hwy::Prefetch(planes.outputs[p] + v * L::kOut + kWriteAhead);
-    store_results<L>(vector_of<L, kThree, kNearest>(row, j, v, taps, planes, p, blender),
-                     planes.outputs[p] + v * L::kOut);
+    const auto sums = vector_of<L, kThree, kNearest>(row, j, v, taps, planes, p, blender);
+    store_results<L>(blender.rounded(sums), planes.outputs[p] + v * L::kOut);
   }
 }
 
 // The `v`th one and the next.
 template <class L, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_pair(const RunRow& row, int j, int v, const Taps& first, const Taps& second,
-                           const Planes<kPlanes>& planes, const Blender<Bytes>& blender) {
+                           const Planes<kPlanes>& planes, const BlenderOf<L>& blender) {
   for (int p = 0; p < kPlanes; ++p) {
     hwy::Prefetch(planes.outputs[p] + v * L::kOut + kWriteAhead);
-    const Numbers a = vector_of<L, kThree, kNearest>(row, j, v, first, planes, p, blender);
-    const Numbers b = vector_of<L, kThree, kNearest>(row, j, v + 1, second, planes, p, blender);
-    store_pair<L>(a, b, planes.outputs[p] + v * L::kOut);
+    const auto a = vector_of<L, kThree, kNearest>(row, j, v, first, planes, p, blender);
+    const auto b = vector_of<L, kThree, kNearest>(row, j, v + 1, second, planes, p, blender);
+    store_pair<L>(blender.pack(a, b), planes.outputs[p] + v * L::kOut);
   }
 }
 
 template <class L, bool kNearest, int kPlanes>
 HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPlanes> planes) {
   using P = PlacingOf<L>;
-  const Blender<Bytes> blender;
+  const auto blender = make_blender<L>(task.format);
   const auto way = hn::Set(PlaceNumbers<P>(), static_cast<std::int16_t>(task.way * 0x7FFF));
+  const std::uint16_t* of_results =
+      task.format.swapped ? kResults<L>.swapped : kResults<L>.neighbours;
   BlockSamples samples;
   const auto blend_group = [&](auto three, int j, int first) HWY_ATTR {
     constexpr bool kThree = decltype(three)::value;
-    const auto taps = [&](int v)
-                          HWY_ATTR { return taps_at<L>(samples, first + v * L::kPixels * kLanes); };
+    const auto taps = [&](int v) HWY_ATTR {
+      return taps_at<L>(samples, first + v * L::kPixels * kLanes, of_results);
+    };
     if constexpr (kByPairs<L>) {
       for (int v = 0; v < L::kSpan; v += 2) {
         blend_pair<L, kThree, kNearest>(task.row, j, v, taps(v), taps(v + 1), planes, blender);
@@ -285,6 +289,12 @@ void blend_length(int run, const RowTask& task, int begin, int end, const PlaneR
            : blend_layout<Short>(task, begin, end, planes);
 }
 
+// Pixels of 16-bit samples, of so many bytes.
+template <int kPixelBytes>
+void blend_words(const RowTask& task, int begin, int end, const PlaneRows& planes) {
+  blend_layout<Layout<kPixelBytes, 1, 8, true>>(task, begin, end, planes);
+}
+
 // Pixels of more components than two.
 template <int kComponents>
 void blend_large(int run, const RowTask& task, int begin, int end, const PlaneRows& planes) {
@@ -311,6 +321,11 @@ void blend_row_of(LaneLayout layout, int run, const RowTask& task, int begin, in
       return blend_length<1, 2>(run, task, begin, end, planes);
     case LaneLayout::kTwoSpread:
       return blend_length<2, 2>(run, task, begin, end, planes);
+    case LaneLayout::kOneWord:
+      return blend_words<2>(task, begin, end, planes);
+    case LaneLayout::kTwoWords:
+      if constexpr (kMovesAllBytes) blend_words<4>(task, begin, end, planes);
+      return;
     default:
       return;
   }

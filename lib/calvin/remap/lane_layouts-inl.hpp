@@ -12,17 +12,21 @@
 
 #include <array>
 #include <cstring>
+#include <type_traits>
 
 #include "calvin/remap/lane_math-inl.hpp"
 #include "calvin/remap/lane_placing-inl.hpp"
+#include "calvin/remap/lane_word_math-inl.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-template <int kComponents, int kSpacing, int kRun>
+// Of samples of 16 bits, `kComponents` is the bytes.
+template <int kComponents, int kSpacing, int kRun, bool kWords = false>
 struct Layout {
+  static constexpr bool kOfWords = kWords;
   static constexpr int kSpread = kSpacing;                           // bytes per sample
   static constexpr int kStep = kComponents;                          // bytes, once gathered
   static constexpr int kWidth = kComponents == 3 ? 4 : kComponents;  // results per pixel
@@ -53,6 +57,17 @@ template <class L>
 constexpr bool kByPairs = L::kSpan > 1 && L::kSpread == 1;
 
 template <class L>
+using BlenderOf = std::conditional_t<L::kOfWords, WordBlender, Blender<Bytes>>;
+template <class L>
+HWY_INLINE BlenderOf<L> make_blender([[maybe_unused]] WordFormat format) {
+  if constexpr (L::kOfWords) {
+    return WordBlender(format);
+  } else {
+    return Blender<Bytes>();
+  }
+}
+
+template <class L>
 using PlacingOf = Placing<L::kRunPixels, kByLanes<L> ? L::kSpan : 1, L::kStep * L::kSpread>;
 
 // Where the results of a vector are in what is known of its samples, and what they add to the bytes
@@ -61,6 +76,7 @@ struct Results {
   alignas(64) std::uint16_t numbers[32];     // of their samples
   alignas(64) std::uint8_t samples[64];      // bytes of these, by the 128 bits
   alignas(64) std::uint16_t neighbours[32];  // bytes of the two samples in a pixel and the next one
+  alignas(64) std::uint16_t swapped[32];     // likewise, where the other byte of words comes first
 };
 template <class L>
 constexpr Results make_results() {
@@ -70,13 +86,19 @@ constexpr Results make_results() {
   constexpr int kFirst = (0x0FFF * 0x1010 * kIndexStep<L>) >> 16;
   for (int i = 0; i < 32; ++i) {
     const int pixel = i / 8 * L::kPixels + i % 8 / L::kWidth;
-    const int component = i % L::kWidth < L::kStep ? i % L::kWidth : 0;
+    const int of_pixel = i % L::kWidth;
+    const int component = of_pixel < L::kStep ? of_pixel : 0;
+    // A result of words is a sample, then its neighbour.
+    const int word = of_pixel / 2 * 2 + of_pixel % 2 * L::kStep;
+    const int bytes =
+        L::kOfWords ? word | (word + 1) << 8 : component | (component + L::kStep) << 8;
     const int window = kByWindows<L> ? i / 8 / L::kSpan * L::kWindow % 64 : 0;
     r.numbers[i] = static_cast<std::uint16_t>(pixel);
     r.samples[2 * i] = static_cast<std::uint8_t>(2 * pixel % 16);
     r.samples[2 * i + 1] = static_cast<std::uint8_t>(2 * pixel % 16 + 1);
-    r.neighbours[i] = static_cast<std::uint16_t>(
-        (component | (component + L::kStep) << 8) * kSpread + window * 0x101 - kFirst);
+    const int rest = window * 0x101 - kFirst;
+    r.neighbours[i] = static_cast<std::uint16_t>(bytes * kSpread + rest);
+    r.swapped[i] = static_cast<std::uint16_t>((bytes >> 8 | (bytes & 0xFF) << 8) + rest);
   }
   return r;
 }
@@ -181,10 +203,10 @@ HWY_INLINE Pairs in_turn(Pairs packed) {
 #endif
 }
 
+// Two vectors of results, packed lane by lane.
 template <class L>
-HWY_INLINE void store_pair(Numbers first, Numbers second, std::uint8_t* out) {
+HWY_INLINE void store_pair(Pairs pair, std::uint8_t* out) {
   const Bytes d;
-  const auto pair = pack_lanes(d, first, second);
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
   if constexpr (L::kStep == 3) {
     constexpr std::uint64_t kSamples = (std::uint64_t{1} << 48) - 1;

@@ -97,6 +97,8 @@ class Blender {
         difference_(kept(hn::BitCast(D(), hn::Set(NumbersOf<D>(), 0x40C0)))),
         to_bytes_(kept(hn::Set(NumbersOf<D>(), 256))) {}
 
+  using Sums = Numbers;
+
   // 128 times the values between neighbours; `across` is twice the weight of the second of them,
   // less 1; 1.15.
   [[nodiscard]] HWY_INLINE Numbers across(Pairs pairs, Numbers across) const {
@@ -124,6 +126,11 @@ class Blender {
   // 128 times values -> values.
   [[nodiscard]] HWY_INLINE Numbers rounded(Numbers numbers) const {
     return hn::MulFixedPoint15(numbers, to_bytes_);
+  }
+
+  // Two vectors of 128 times values, as memory: lane by lane.
+  [[nodiscard]] HWY_INLINE Pairs pack(Numbers first, Numbers second) const {
+    return pack_lanes(D(), rounded(first), rounded(second));
   }
 
  private:

@@ -50,6 +50,14 @@ HWY_INLINE void with_placing(LaneLayout layout, int run, F f) {
       return whole ? f(Placing<8, kParts, 2>()) : f(Placing<4, 1, 2>());
     case LaneLayout::kTwoSpread:
       return whole ? f(Placing<8, kParts, 4>()) : f(Placing<4, 1, 4>());
+    case LaneLayout::kOneWord:
+      if (whole) f(Placing<8, kParts, 2>());
+      return;
+    case LaneLayout::kTwoWords:
+      if constexpr (kMovesAllBytes) {
+        if (whole) f(Placing<8, 1, 4>());
+      }
+      return;
     case LaneLayout::kThree:
       return whole ? f(Placing<8, 1, 3, kApart>()) : f(Placing<2, 1, 3, kApart>());
     case LaneLayout::kFour:

@@ -310,21 +310,15 @@ SlowBlocks describe_bends(const SourceBounds& bounds, const RowNodes* between, c
 SlowBlocks describe_row(LaneLayout layout, int run, const SourceBounds& bounds,
                         const RowNodes* between, const Band& band, float way, RunRow& row) {
   SlowBlocks slow = kAllSlow;
-  switch (layout) {
-    case LaneLayout::kOneWord:
-      return describe_bends<Placing<8, 1, 2>>(bounds, between, band, way, row);
-    case LaneLayout::kTwoWords:
-      return describe_bends<Placing<8, 1, 4>>(bounds, between, band, way, row);
-    case LaneLayout::kNone:
-      if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
-      std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
-      return kAllSlow;
-    default:
-      with_placing(layout, run, [&](auto placing) HWY_ATTR {
-        slow = describe_bends<decltype(placing)>(bounds, between, band, way, row);
-      });
-      return slow;
-  }
+  bool known = false;
+  with_placing(layout, run, [&](auto placing) HWY_ATTR {
+    slow = describe_bends<decltype(placing)>(bounds, between, band, way, row);
+    known = true;
+  });
+  if (known) return slow;
+  if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
+  std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
+  return kAllSlow;
 }
 
 int group_of(LaneLayout layout, int run) {

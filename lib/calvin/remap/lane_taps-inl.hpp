@@ -34,32 +34,38 @@ HWY_INLINE auto negative(Numbers numbers) {
   return hn::MaskFromVec(numbers);
 }
 
+// Of two rows that are blended across; `weight` of the second one, 1.15.
+template <bool kNearest, class B>
+HWY_INLINE typename B::Sums blend_down(const B& blender, typename B::Sums first,
+                                       typename B::Sums second, Numbers weight) {
+  if constexpr (!kNearest) return blender.between(first, second, weight);
+  const Signed d;
+  const hn::DFromV<typename B::Sums> sums;
+  const auto behind = hn::Gt(weight, hn::Set(d, 0x3FFF));
+  return hn::BitCast(sums, hn::IfThenElse(behind, hn::BitCast(d, second), hn::BitCast(d, first)));
+}
+
 // Three source rows: a result lies between the middle one and one of the others.
 template <class L, bool kNearest>
-HWY_INLINE Numbers blend_three_rows(const std::uint8_t* source, const std::int32_t* offsets,
-                                    std::int32_t stride, const Taps& taps,
-                                    const Blender<Bytes>& blender) {
+HWY_INLINE auto blend_three_rows(const std::uint8_t* source, const std::int32_t* offsets,
+                                 std::int32_t stride, const Taps& taps,
+                                 const BlenderOf<L>& blender) {
   const Bytes bytes;
   const Signed d;
   const std::uint8_t* second = source + stride;
   const auto above = hn::BitCast(d, fetch_pairs<L>(source, offsets, taps.neighbours));
   const auto below = hn::BitCast(d, fetch_pairs<L>(second + stride, offsets, taps.neighbours));
   const auto outer = hn::IfThenElse(negative(taps.down), above, below);
-  const Numbers middle =
-      blender.across(fetch_pairs<L>(second, offsets, taps.neighbours), taps.across);
-  const Numbers other = blender.across(hn::BitCast(bytes, outer), taps.across);
-  auto weight = hn::Abs(taps.down);
-  if constexpr (kNearest) {
-    weight = hn::IfThenElseZero(hn::Gt(weight, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
-  }
-  return blender.between(middle, other, weight);
+  return blend_down<kNearest>(
+      blender, blender.across(fetch_pairs<L>(second, offsets, taps.neighbours), taps.across),
+      blender.across(hn::BitCast(bytes, outer), taps.across), hn::Abs(taps.down));
 }
 
 // `rows` source rows: a result lies between two of them, which are chosen first.
 template <class L, bool kNearest>
-HWY_INLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_t* offsets,
-                                   std::int32_t stride, std::int32_t rows, const Taps& taps,
-                                   const Blender<Bytes>& blender) {
+HWY_INLINE auto blend_more_rows(const std::uint8_t* source, const std::int32_t* offsets,
+                                std::int32_t stride, std::int32_t rows, const Taps& taps,
+                                const BlenderOf<L>& blender) {
   const Words words;
   const Signed d;
   const auto fetch = [&]() HWY_ATTR {
@@ -83,25 +89,23 @@ HWY_INLINE Numbers blend_more_rows(const std::uint8_t* source, const std::int32_
     last = next;
     before = before + row;
   }
-  auto weight = hn::BitCast(d, hn::And(hn::ShiftLeft<3>(down), hn::Set(words, 0x7FF8)));
-  if constexpr (kNearest) {
-    weight = hn::IfThenElseZero(hn::Gt(weight, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
-  }
+  const auto weight = hn::BitCast(d, hn::And(hn::ShiftLeft<3>(down), hn::Set(words, 0x7FF8)));
   const Bytes bytes;
-  return blender.between(blender.across(hn::BitCast(bytes, upper), taps.across),
-                         blender.across(hn::BitCast(bytes, lower), taps.across), weight);
+  return blend_down<kNearest>(blender, blender.across(hn::BitCast(bytes, upper), taps.across),
+                              blender.across(hn::BitCast(bytes, lower), taps.across), weight);
 }
 
-// A vector of results whose rows and offsets are those of run `j`.
+// A vector of results whose rows and offsets are those of run `j`, as the blender has sums.
 template <class L, bool kThree, bool kNearest>
-HWY_INLINE Numbers blend_rows(const RunRow& row, int j, const std::int32_t* offsets,
-                              const Taps& taps, const std::uint8_t* source, std::int32_t stride,
-                              const Blender<Bytes>& blender) {
-  const Numbers sum = kThree
-                          ? blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender)
-                          : blend_more_rows<L, kNearest>(source, offsets, stride,
-                                                         row.rows[j] % kSteadyRows, taps, blender);
-  return blender.rounded(sum);
+HWY_INLINE auto blend_rows(const RunRow& row, int j, const std::int32_t* offsets, const Taps& taps,
+                           const std::uint8_t* source, std::int32_t stride,
+                           const BlenderOf<L>& blender) {
+  if constexpr (kThree) {
+    return blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender);
+  } else {
+    return blend_more_rows<L, kNearest>(source, offsets, stride, row.rows[j] % kSteadyRows, taps,
+                                        blender);
+  }
 }
 
 }  // namespace calvin::remap::HWY_NAMESPACE

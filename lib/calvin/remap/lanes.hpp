@@ -246,6 +246,12 @@ SlowBlocks describe_runs(LaneLayout layout, int run, const SourceBounds& bounds,
                          const RowNodes* between, const Band& band, float way,
                          RunRow& row) noexcept;
 
+// How 16-bit samples hold their values.
+struct WordFormat {
+  bool swapped = false;  // big-endian on a little-endian machine, or the other way round
+  int shift = 0;         // bits below the value
+};
+
 // A row whose runs are described.
 struct RowTask {
   const RunRow& row;
@@ -253,6 +259,7 @@ struct RowTask {
   float way;  // how much of the band's height lies above the row, 0..1
   std::int32_t stride;
   bool nearest;
+  WordFormat format;  // of 16-bit samples
 };
 
 // Writes the samples of the groups of runs from `begin` to before `end` that are not slow,
@@ -261,12 +268,6 @@ struct RowTask {
 void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int end,
                 const PlaneRows& planes) noexcept;
 
-// How 16-bit samples hold their values.
-struct WordFormat {
-  bool swapped = false;  // big-endian on a little-endian machine, or the other way round
-  int shift = 0;         // bits below the value
-};
-
 // Writes the samples of the runs of 8 from `begin` to before `end`, whose middles are known, be
 // they as steep as they may. `left` of each of them is whether it could not be taken, since a
 // sample has no neighbours in the source: then anything was written; returns whether there is such
@@ -274,10 +275,6 @@ struct WordFormat {
 bool blend_steep_runs(LaneLayout layout, WordFormat format, const SourceBounds& bounds,
                       const RunRow& row, int begin, int end, bool nearest,
                       const std::uint8_t* source, std::uint8_t* output, bool* left) noexcept;
-
-// blend_runs() for 16-bit samples.
-void blend_word_runs(LaneLayout layout, WordFormat format, const RunRow& row, int begin, int end,
-                     std::int32_t stride, bool nearest, const PlaneRows& planes) noexcept;
 
 // Memory whose components lie within 32 bits, and the kernel that it is resampled with.
 struct WideFormat {
