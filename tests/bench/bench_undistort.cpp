@@ -198,7 +198,9 @@ void opencv(benchmark::State& state, const Frames& frames) {
     for (std::size_t i = 0; i < maps.size(); ++i) {
       const auto from = gst::memory_of(in, frames.planes[i]);
       const auto to = gst::memory_of(out, frames.planes[i]);
-      const int type = CV_8UC(frames.planes[i].layout.components);
+      const PlaneLayout& layout = frames.planes[i].layout;
+      const int depth = layout.sample == SampleType::kU8 ? CV_8U : CV_16U;
+      const int type = CV_MAKETYPE(depth, layout.components);
       const cv::Size size = size_of(frames.planes[i]);
       const cv::Mat source(size, type, from.data, static_cast<std::size_t>(from.stride));
       cv::Mat output(size, type, to.data, static_cast<std::size_t>(to.stride));
@@ -294,6 +296,8 @@ int main(int argc, char** argv) {
     register_frames("YUY2", size, false, chain);
     register_frames("BGRx", size, true, chain);
     register_frames("RGB", size, true, chain);
+    register_frames("GRAY16_LE", size, true, false);
+    register_frames("P010_10LE", size, true, false);
     const auto add = [size](const char* subject, auto run) {
       benchmark::RegisterBenchmark(("map " + name_of(size) + "|" + subject).c_str(),
                                    [run, size](benchmark::State& state) { run(state, size); })

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <array>
 #include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
@@ -208,19 +209,15 @@ HWY_INLINE void begin_segments(int j, const BandAxis& x, const BandAxis& y, Band
       kThree ? hn::Set(d, -(kHalfRow << (14 + kThreeShift))) : hn::ShiftLeft<14>(y_half);
   const auto y_from = y.first.middle - y_half;
   hn::Store(kThree ? y_from : y_from + rounding, d, band.y_from + j);
-  const auto part = [&](auto which) HWY_ATTR {
+  std::array<hn::Vec<Ints>, P::kParts> records;
+  for_parts<P>([&](auto which) HWY_ATTR {
     constexpr int kPart = decltype(which)::value;
     const auto half = whole_place(
         hn::Max(part_half<P, kPart>(x.first), part_half<P, kPart>(x.last)) + hn::Set(d, kMostSway));
     hn::Store(x.first.middle - half + rounding, d, band.x_from[kPart] + j);
-    return packed(hn::ShiftRight<2>(half), y_to_middle);
-  };
-  const auto first = part(std::integral_constant<int, 0>());
-  if constexpr (P::kParts == 1) {
-    hn::Store(in_order<P>(first), d, to_middles);
-  } else {
-    hn::StoreInterleaved2(first, part(std::integral_constant<int, 1>()), d, to_middles);
-  }
+    records[which] = in_order<P>(packed(hn::ShiftRight<2>(half), y_to_middle));
+  });
+  store_parts<P>([&](std::size_t part) HWY_ATTR { return records[part]; }, to_middles);
 }
 
 // What the samples of a steady vector of runs share.

@@ -324,8 +324,7 @@ void blend_row_of(LaneLayout layout, int run, const RowTask& task, int begin, in
     case LaneLayout::kOneWord:
       return blend_words<2>(task, begin, end, planes);
     case LaneLayout::kTwoWords:
-      if constexpr (kMovesAllBytes) blend_words<4>(task, begin, end, planes);
-      return;
+      return blend_words<4>(task, begin, end, planes);
     default:
       return;
   }

@@ -11,6 +11,7 @@
 #endif
 
 #include <algorithm>
+#include <utility>
 
 #include "calvin/remap/lane_vectors-inl.hpp"
 
@@ -54,9 +55,7 @@ HWY_INLINE void with_placing(LaneLayout layout, int run, F f) {
       if (whole) f(Placing<8, kParts, 2>());
       return;
     case LaneLayout::kTwoWords:
-      if constexpr (kMovesAllBytes) {
-        if (whole) f(Placing<8, 1, 4>());
-      }
+      if (whole) f(Placing < 8, kMovesAllBytes ? 1 : 4, 4 > ());
       return;
     case LaneLayout::kThree:
       return whole ? f(Placing<8, 1, 3, kApart>()) : f(Placing<2, 1, 3, kApart>());
@@ -81,12 +80,35 @@ constexpr RecordOrder make_paired_order() {
 }
 constexpr RecordOrder kPairedOrder = make_paired_order();
 
+// Calls f with the number of each part.
+template <class P, class F>
+HWY_INLINE void for_parts(F f) {
+  [&]<int... kPart>(std::integer_sequence<int, kPart...> /*parts*/) HWY_ATTR {
+    (f(std::integral_constant<int, kPart>()), ...);
+  }
+  (std::make_integer_sequence<int, P::kParts>());
+}
+
 template <class P>
 HWY_INLINE hn::Vec<Ints> in_order(hn::Vec<Ints> records) {
   if constexpr (!P::kPaired || kLanes == 1) {
     return records;
   } else {
     return hn::TableLookupLanes(records, hn::SetTableIndices(Ints(), kPairedOrder.from));
+  }
+}
+
+// What is known of the parts of a vector of runs, by the part: run after run.
+template <class P, class F>
+HWY_INLINE void store_parts(F part, std::int32_t* to) {
+  const Ints d;
+  if constexpr (P::kParts == 1) {
+    hn::Store(part(0), d, to);
+  } else if constexpr (P::kParts == 2) {
+    hn::StoreInterleaved2(part(0), part(1), d, to);
+  } else {
+    static_assert(P::kParts == 4);
+    hn::StoreInterleaved4(part(0), part(1), part(2), part(3), d, to);
   }
 }
 

@@ -155,18 +155,15 @@ template <class P, class X>
 HWY_INLINE void store_lanes(int j, X x_of, hn::Vec<Ints> y_place, hn::Vec<Ints> row_offset,
                             RunRow& row) {
   const Ints d;
-  const auto step = hn::Set(d, P::kStep);
-  const Part first = x_of(std::integral_constant<int, 0>());
-  const auto offset = row_offset + first.column * step;
-  const auto middle = hn::Or(first.place, y_place);
-  if constexpr (P::kParts == 1) {
-    hn::Store(offset, d, row.offset + j);
-    hn::Store(in_order<P>(middle), d, row.middle + j);
-  } else {
-    const Part second = x_of(std::integral_constant<int, 1>());
-    hn::StoreInterleaved2(middle, hn::Or(second.place, y_place), d, row.middle + 2 * j);
-    hn::StoreInterleaved2(offset, row_offset + second.column * step, d, row.lane_offset + 2 * j);
-  }
+  std::array<Part, P::kParts> parts;
+  for_parts<P>([&](auto which) HWY_ATTR { parts[which] = x_of(which); });
+  const auto offset = [&](std::size_t part) HWY_ATTR {
+    return row_offset + parts[part].column * hn::Set(d, P::kStep);
+  };
+  const auto middle = [&](std::size_t part)
+                          HWY_ATTR { return in_order<P>(hn::Or(parts[part].place, y_place)); };
+  store_parts<P>(middle, row.middle + j * P::kParts);
+  store_parts<P>(offset, P::kParts == 1 ? row.offset + j : row.lane_offset + j * P::kParts);
 }
 
 // Which of a vector of runs lie outside of the source by a sample and more, so that there is

@@ -80,7 +80,7 @@ struct RowNodes {
 struct RunRow {
   static constexpr int kRuns = NodeRows::kRuns;
   // Where runs fill several lanes each of them may have a segment of its own.
-  static constexpr int kMostParts = 2;
+  static constexpr int kMostParts = 4;
   // Middles of the runs, margins included.
   alignas(64) std::int32_t x[kRuns];
   alignas(64) std::int32_t y[kRuns];
