@@ -219,6 +219,7 @@ class Chunk {
   }
 
   void sample_rest(int y, const PlaneMap::Row* limits, remap::SlowBlocks slow) noexcept {
+    if (slow == 0) return;
     const auto kind = [&](int j) { return row_.rows[j] & (remap::kSlowRun | remap::kEmptyRun); };
     const auto in_slow_block = [&](int j) { return (slow & remap::slow_block(j)) != 0; };
     for (int j = 0, end = 0; j < row_.count; j = end) {

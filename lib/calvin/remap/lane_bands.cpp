@@ -10,8 +10,8 @@
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <array>
+#include <iterator>
 #include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
