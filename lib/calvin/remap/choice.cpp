@@ -7,6 +7,8 @@
 #include <bit>
 #include <limits>
 
+#include "calvin/remap/pixel_kernel.hpp"
+
 namespace calvin::remap {
 
 namespace {
@@ -75,6 +77,15 @@ SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayou
   return b;
 }
 
+// `last` px of the frame.
+AxisEnds ends_of(const SampleAxis& axis, double last) {
+  const auto place = [&](double pixel) {
+    return static_cast<float>((pixel - axis.offset()) / axis.scale());
+  };
+  const int samples = axis.count() - (axis.is_even() ? 1 : 2);
+  return {axis.count(), place(-kBorderSlack), place(last + kBorderSlack), samples, !axis.is_even()};
+}
+
 // What wide kernels take a plane as, if they do.
 std::optional<WideFormat> wide_format(const PlaneMap& map, const PlaneLayout& layout,
                                       Interpolation interpolation) {
@@ -120,6 +131,8 @@ KernelChoice choose_kernel(const PlaneMap& map, const PlaneLayout& layout, const
   choice.bounds = bounds_of(map, layout, choice.lanes, sources);
   choice.bounds.fills = sampling.outside == Outside::kFill;
   if (choice.lanes == LaneLayout::kNone && !choice.wide) choice.bounds.last_row = -1;
+  choice.x_ends = ends_of(map.source_x(), map.source_last().u);
+  choice.y_ends = ends_of(map.source_y(), map.source_last().v);
   return choice;
 }
 

@@ -17,6 +17,8 @@ struct KernelChoice {
   LaneLayout lanes = LaneLayout::kNone;
   std::optional<WideFormat> wide;
   SourceBounds bounds;  // without rows where there is no such kernel
+  AxisEnds x_ends;
+  AxisEnds y_ends;
 };
 
 // `sources` are as for remap_rows().

@@ -44,6 +44,10 @@ class Chunk {
     const int slack = (remap::run_slack(choice_.lanes) + step - 1) / step;
     const int left = map.size().width - first_ - slack;
     whole_groups_ = std::max(left, 0) / (group_ * pixels_);
+    // Four bytes hold a pixel of those that are gathered.
+    std::array<std::uint8_t, 16> pixel{};
+    remap::fill_stretch(layout, {pixel.data(), 0}, {row_, 0, 0, 1, nullptr});
+    std::memcpy(&fill_, pixel.data(), sizeof fill_);
   }
 
   // Row after row.
@@ -218,10 +222,14 @@ class Chunk {
     return output_row(plane, y) + (first_ + run * pixels_) * layout_.pixel_step;
   }
 
+  // What is slow.
   void sample_rest(int y, const PlaneMap::Row* limits, remap::SlowBlocks slow) noexcept {
     if (slow == 0) return;
     const auto kind = [&](int j) { return row_.rows[j] & (remap::kSlowRun | remap::kEmptyRun); };
     const auto in_slow_block = [&](int j) { return (slow & remap::slow_block(j)) != 0; };
+    // The last run may have less than all of its samples.
+    const int whole = gathers(limits) ? width_ / pixels_ : 0;
+    int gathered = 0;
     for (int j = 0, end = 0; j < row_.count; j = end) {
       if (!in_slow_block(j)) {
         end = (j / remap::kBlockOfRuns + 1) * remap::kBlockOfRuns;
@@ -231,45 +239,58 @@ class Chunk {
       for (end = j + 1; end < row_.count && in_slow_block(end) && kind(end) == of_first; ++end) {
       }
       if (of_first == 0) continue;
-      for (std::size_t p = 0; p < sources_.size(); ++p) {
-        const remap::Stretch stretch = {row_, first_, j * pixels_, std::min(end * pixels_, width_),
-                                        limits};
-        if (of_first >= remap::kEmptyRun) {
-          remap::fill_stretch(layout_, {output_row(p, y), 0}, stretch);
-        } else {
-          sample_stretch(p, y, stretch);
+      if (of_first >= remap::kEmptyRun) {
+        for (std::size_t p = 0; p < sources_.size(); ++p) {
+          remap::fill_stretch(layout_, {output_row(p, y), 0}, stretch_of(j, end, limits));
         }
+        continue;
       }
+      for (; j < std::min(whole, end); ++j) slow_runs_[gathered++] = j;
+      if (j < end) sample_stretch(y, j, end, limits);
+    }
+    for (std::size_t p = 0; p < sources_.size() && gathered > 0; ++p) gather(p, y, gathered);
+  }
+
+  // Whether slow runs have a kernel.
+  [[nodiscard]] bool gathers(const PlaneMap::Row* limits) const noexcept {
+    return pixels_ == 8 && !choice_.wide && limits == nullptr && map_.output_x().is_even() &&
+           choice_.bounds.last_row >= 0;
+  }
+
+  void gather(std::size_t plane, int y, int count) noexcept {
+    const bool nearest = sampling_.interpolation == Interpolation::kNearest;
+    const remap::GatherTask task = {row_,
+                                    choice_.bounds.stride,
+                                    choice_.x_ends,
+                                    choice_.y_ends,
+                                    nearest,
+                                    sampling_.outside == Outside::kFill,
+                                    sampling_.outside == Outside::kMirror,
+                                    fill_,
+                                    remap::word_format(layout_)};
+    if (!remap::gather_runs(choice_.lanes, task, slow_runs_.data(), count, sources_[plane].data,
+                            output_at(plane, y, 0), left_.data())) {
+      return;
+    }
+    for (int i = 0; i < count; ++i) {
+      const int run = slow_runs_[i];
+      if (left_[i]) sample_stretch(plane, y, stretch_of(run, run + 1, nullptr));
     }
   }
 
-  // Runs that are slow because they are steep, and not because they cross the border, have a
-  // kernel.
-  void sample_stretch(std::size_t plane, int y, remap::Stretch stretch) noexcept {
-    const bool steep = pixels_ == 8 && !choice_.wide && stretch.limits == nullptr &&
-                       map_.output_x().is_even() && choice_.bounds.last_row >= 0;
-    const int first = stretch.begin / pixels_;
-    const int whole = steep ? stretch.end / pixels_ : first;
-    const bool nearest = sampling_.interpolation == Interpolation::kNearest;
-    const bool some_left =
-        first < whole &&
-        remap::blend_steep_runs(choice_.lanes, remap::word_format(layout_), choice_.bounds, row_,
-                                first, whole, nearest, sources_[plane].data,
-                                output_at(plane, y, first), left_.data());
-    const auto sample = [&](std::ptrdiff_t run, std::ptrdiff_t end) {
-      stretch.begin = static_cast<int>(run) * pixels_;
-      stretch.end = static_cast<int>(end);
-      remap::sample_stretch(map_, layout_, sources_[plane], {output_row(plane, y), 0}, sampling_,
-                            stretch);
-    };
-    const int end = stretch.end;
-    const auto behind = left_.begin() + (some_left ? whole - first : 0);
-    for (auto it = left_.begin(); (it = std::find(it, behind, true)) != behind;) {
-      const auto run = first + (it - left_.begin());
-      it = std::find(it, behind, false);
-      sample(run, (first + (it - left_.begin())) * pixels_);
+  [[nodiscard]] remap::Stretch stretch_of(int begin, int end,
+                                          const PlaneMap::Row* limits) const noexcept {
+    return {row_, first_, begin * pixels_, std::min(end * pixels_, width_), limits};
+  }
+
+  void sample_stretch(int y, int begin, int end, const PlaneMap::Row* limits) noexcept {
+    for (std::size_t p = 0; p < sources_.size(); ++p) {
+      sample_stretch(p, y, stretch_of(begin, end, limits));
     }
-    if (whole * pixels_ < end) sample(whole, end);
+  }
+  void sample_stretch(std::size_t plane, int y, const remap::Stretch& stretch) noexcept {
+    remap::sample_stretch(map_, layout_, sources_[plane], {output_row(plane, y), 0}, sampling_,
+                          stretch);
   }
 
   // What a group writes at most: 4 runs of 8 pairs of words, or of 8 times four bytes.
@@ -293,8 +314,10 @@ class Chunk {
   bool band_shared_ = false;  // all of its runs are steady, or empty
   double band_top_ = 0;       // as PlaneMap::Level
   double band_height_ = 0;
-  float way_ = 0;                             // of the row down the band
-  std::array<bool, remap::kChunkRuns> left_;  // runs that must be sampled one by one
+  float way_ = 0;  // of the row down the band
+  std::array<std::int32_t, remap::kChunkRuns> slow_runs_;
+  std::array<bool, remap::kChunkRuns> left_;  // of these: those that have no kernel either
+  std::uint32_t fill_ = 0;                    // the memory of a pixel
   NodeRows nodes_;
   remap::Band band_;
   RunRow row_;

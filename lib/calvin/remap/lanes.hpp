@@ -268,13 +268,33 @@ struct RowTask {
 void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int end,
                 const PlaneRows& planes) noexcept;
 
-// Writes the samples of the runs of 8 from `begin` to before `end`, whose middles are known, be
-// they as steep as they may. `left` of each of them is whether it could not be taken, since a
-// sample has no neighbours in the source: then anything was written; returns whether there is such
-// a run. `output` is where `begin` goes to.
-bool blend_steep_runs(LaneLayout layout, WordFormat format, const SourceBounds& bounds,
-                      const RunRow& row, int begin, int end, bool nearest,
-                      const std::uint8_t* source, std::uint8_t* output, bool* left) noexcept;
+// The samples of the source along an axis, and between which places it shows something.
+struct AxisEnds {
+  int count = 0;
+  float low = 0;
+  float high = 0;
+  int last = 0;         // the last sample that is where its number says
+  bool uneven = false;  // there is one behind it
+};
+
+// A row of the output whose middles are known, and what the source shows there.
+struct GatherTask {
+  const RunRow& row;
+  std::int32_t stride;
+  AxisEnds x_ends;
+  AxisEnds y_ends;
+  bool nearest;
+  bool fills;          // what is outside of the source
+  bool mirrors;        // likewise; else it is replicated
+  std::uint32_t fill;  // the memory of a pixel, in its lowest bytes
+  WordFormat format;   // of 16-bit samples
+};
+
+// Writes the samples of `count` runs of 8, be they as steep as they may. `left` of each of them is
+// whether it could not be taken: then anything was written; returns whether there is such a run.
+// `output` is the first sample of the row's first run.
+bool gather_runs(LaneLayout layout, const GatherTask& task, const std::int32_t* runs, int count,
+                 const std::uint8_t* source, std::uint8_t* output, bool* left) noexcept;
 
 // Memory whose components lie within 32 bits, and the kernel that it is resampled with.
 struct WideFormat {

@@ -16,8 +16,6 @@ namespace {
 
 constexpr int kBits = 11;
 constexpr int kOne = 1 << kBits;
-// px; what misses the picture by that is on its border: places are known no better.
-constexpr double kSlack = 2 * RemapMap::kTolerance;
 
 // A sample in memory as a number; Sum holds kOne^2 times the largest.
 struct Byte {
@@ -112,7 +110,7 @@ struct AxisRule {
   // A place in linear samples -> samples, in 0..count-1; negative where there is none.
   [[nodiscard]] double resolve(double linear) const noexcept {
     const double pixel = axis.offset() + axis.scale() * linear;
-    if (pixel >= -kSlack && pixel <= last_pixel + kSlack) return axis.sample(pixel);
+    if (pixel >= -kBorderSlack && pixel <= last_pixel + kBorderSlack) return axis.sample(pixel);
     switch (outside) {
       case Outside::kReplicate:
         return axis.sample(std::clamp(pixel, 0.0, last_pixel));

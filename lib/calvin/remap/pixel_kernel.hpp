@@ -9,6 +9,9 @@
 
 namespace calvin::remap {
 
+// px; what misses the picture by that is on its border: places are known no better.
+inline constexpr double kBorderSlack = 2 * RemapMap::kTolerance;
+
 // A part of one row of the output.
 struct Stretch {
   const RunRow& row;  // its x and y are all that is needed

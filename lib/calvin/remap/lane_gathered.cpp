@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Bilinear resampling of runs that no other kernel takes, for every instruction set: along lines of
+// any slope, and across the borders of the source. Each pixel is gathered by its own address,
+// together with its neighbour. A vector has one pixel of each of as many runs as it has 32-bit
+// numbers, so that what is known of runs need not be spread.
+
+#include "calvin/remap/lane_targets.hpp"
+#include "calvin/remap/lanes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calvin/remap/lane_gathered.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include <hwy/highway.h>
+
+#include "calvin/remap/lane_turned-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::remap::HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_SCALAR
+
+bool gather(LaneLayout /*layout*/, const GatherTask& /*task*/, const std::int32_t* /*runs*/,
+            int count, const std::uint8_t* /*source*/, std::uint8_t* /*output*/, bool* left) {
+  std::fill_n(left, count, true);
+  return true;
+}
+
+#else
+
+// ---- Where the pixels are.
+
+using Middles = std::array<hn::Vec<Ints>, 2 * kMargin + 1>;
+
+// The middles of as many runs, from two before each of them on; `in_turn`: of one after the other.
+HWY_INLINE Middles middles_of(const std::int32_t* middles, const std::int32_t* runs, bool in_turn) {
+  const Ints d;
+  const auto which = hn::Load(d, runs);
+  Middles result;
+  for (std::size_t k = 0; k < result.size(); ++k) {
+    result[k] =
+        in_turn ? hn::LoadU(d, middles + runs[0] + k) : hn::GatherIndex(d, middles + k, which);
+  }
+  return result;
+}
+
+// Parabolas through the middles of runs, as RunParabola, from the sample that each middle is
+// behind: differences of middles near the source are small, so that single precision holds all of
+// them. The ends of the axis are counted from there too.
+struct Curves {
+  hn::Vec<Ints> base;
+  hn::Vec<Floats> rest;
+  hn::Vec<Floats> slope;
+  hn::Vec<Floats> bend;
+  hn::Vec<Floats> low;  // as AxisEnds
+  hn::Vec<Floats> high;
+  hn::Vec<Floats> first;
+  hn::Vec<Floats> last;
+};
+
+HWY_INLINE Curves curves_at(const Middles& middles, const AxisEnds& ends) {
+  constexpr float kUnit = 1.0F / (1 << kPlaceBits);
+  const Ints d;
+  const Floats floats;
+  const auto middle = middles[kMargin];
+  const auto before = middle - middles[kMargin - 1];
+  const auto after = middles[kMargin + 1] - middle;
+  const auto across = hn::ConvertTo(floats, before + after);
+  const auto third = hn::ConvertTo(floats, middles[4] - middles[0]) - across - across;
+  const auto part = hn::And(middle, hn::Set(d, (1 << kPlaceBits) - 1));
+  const auto base = hn::ShiftRight<kPlaceBits>(middle);
+  const auto from_base = [&](float place) HWY_ATTR {
+    return hn::Set(floats, place) - hn::ConvertTo(floats, base);
+  };
+  return {base,
+          hn::ConvertTo(floats, part) * hn::Set(floats, kUnit),
+          hn::NegMulAdd(third, hn::Set(floats, kThirdPart / 256.0F), across) *
+              hn::Set(floats, kUnit / (2 * kPixels)),
+          hn::ConvertTo(floats, after - before) * hn::Set(floats, kUnit / (2 * kPixels * kPixels)),
+          from_base(ends.low),
+          from_base(ends.high),
+          from_base(0),
+          from_base(static_cast<float>(ends.last))};
+}
+
+// Differences of what lies farther out may not fit into 32 bits.
+constexpr std::int32_t kFarthest = 1 << 29;
+
+// Which of the runs are made of such.
+HWY_INLINE hn::Mask<Unsigned> too_far(const Middles& middles) {
+  auto farthest = hn::Zero(Unsigned());
+  for (const auto& middle : middles) {
+    farthest = hn::Max(farthest, hn::BitCast(Unsigned(), hn::Abs(middle)));
+  }
+  const auto limit = hn::Set(Unsigned(), static_cast<std::uint32_t>(kFarthest));
+  return hn::Ne(hn::Min(farthest, limit), farthest);
+}
+
+// Whether all pixels of all runs have neighbours, but for `spare` samples at the end of the axis.
+HWY_INLINE bool are_inside(const Curves& curves, float spare) {
+  const Floats d;
+  constexpr float kEnd = reach(kPixels) / 2.0F;
+  const auto most = hn::MulAdd(hn::Set(d, kEnd), hn::Abs(curves.slope),
+                               hn::Set(d, kEnd * kEnd) * hn::Abs(curves.bend));
+  const auto below = hn::Lt(curves.rest - most, curves.first);
+  const auto above = hn::Gt(curves.rest + most, curves.last - hn::Set(d, spare));
+  return hn::AllFalse(d, hn::Or(below, above));
+}
+
+// Along one axis: samples that have a neighbour, and the weight of that, 0..1.
+struct Places {
+  hn::Vec<Unsigned> whole;
+  hn::Vec<Floats> rest;
+};
+HWY_INLINE Places places_of(const Curves& curves, hn::Vec<Floats> at, hn::Vec<Floats> down,
+                            bool nearest) {
+  const auto rest = at - down;
+  return {hn::BitCast(Unsigned(), small_ints(down) + curves.base),
+          nearest ? hn::Round(rest) : rest};
+}
+
+// ---- Runs.
+
+// As many runs as a vector has, and what is known of them.
+struct Block {
+  alignas(64) std::int32_t runs[kRuns];
+  alignas(64) std::int32_t middles[kRuns];  // bytes to them, for those that wait to be made
+  Curves x;
+  Curves y;
+  bool in_turn;                // one after the other
+  bool inside;                 // all of them
+  hn::Mask<Unsigned> unclear;  // what is to be seen of runs is not for us to say
+};
+
+// Of runs from `begin` on.
+template <class M>
+HWY_INLINE void prepare(const Picture& picture, const GatherTask& task, const std::int32_t* runs,
+                        int count, Block& block) {
+  const Ints d;
+  block.in_turn = false;
+  if (count >= kRuns) {
+    hn::Store(hn::LoadU(d, runs), d, block.runs);
+    block.in_turn = runs[kRuns - 1] - runs[0] == kRuns - 1;
+  } else {
+    for (int r = 0; r < kRuns; ++r) block.runs[r] = runs[std::min(r, count - 1)];
+  }
+  const Middles x = middles_of(task.row.x, block.runs, block.in_turn);
+  const Middles y = middles_of(task.row.y, block.runs, block.in_turn);
+  block.x = curves_at(x, task.x_ends);
+  block.y = curves_at(y, task.y_ends);
+  block.unclear = hn::Or(too_far(x), too_far(y));
+  // In the last rows something may be read that is not the plane's.
+  block.inside = are_inside(block.x, 1) && are_inside(block.y, 2);
+  const auto offset = block.y.base * hn::Set(d, task.stride) + block.x.base * hn::Set(d, M::kStep);
+  const auto held = hn::Min(hn::BitCast(Unsigned(), offset), picture.last_offset);
+  hn::Store(hn::BitCast(d, held), d, block.middles);
+}
+
+template <class M>
+HWY_INLINE hn::Vec<Unsigned> offset_of(const Picture& picture, const Places& x, const Places& y) {
+  const Unsigned d;
+  return y.whole * hn::Set(d, static_cast<std::uint32_t>(picture.stride)) +
+         x.whole * hn::Set(d, M::kStep);
+}
+
+// Pixels in runs that are inside of the source.
+template <class M>
+HWY_INLINE hn::Vec<Ints> pixels_inside(const Picture& picture, const GatherTask& task,
+                                       hn::Vec<Floats> x_at, hn::Vec<Floats> y_at,
+                                       const Block& block) {
+  const Places x = places_of(block.x, x_at, hn::Floor(x_at), task.nearest);
+  const Places y = places_of(block.y, y_at, hn::Floor(y_at), task.nearest);
+  const auto offset = hn::BitCast(Ints(), offset_of<M>(picture, x, y));
+  return M::pixels(picture, offset, x.rest, y.rest);
+}
+
+// Any pixels.
+template <class M>
+HWY_INLINE hn::Vec<Ints> pixels_at(const Picture& picture, const GatherTask& task,
+                                   hn::Vec<Floats> x_at, hn::Vec<Floats> y_at, Block& block) {
+  const Floats d;
+  const auto note = [&](hn::Mask<Floats> pixels) HWY_ATTR {
+    block.unclear = hn::Or(block.unclear, hn::RebindMask(Unsigned(), pixels));
+  };
+  const auto held = [&](const Curves& curves, hn::Vec<Floats> at, bool uneven) HWY_ATTR {
+    const auto place = hn::Min(hn::Max(at, curves.first), curves.last);
+    const auto down = hn::Min(hn::Floor(place), curves.last - hn::Set(d, 1));
+    if (uneven) note(hn::Gt(at, curves.last));
+    return places_of(curves, place, down, task.nearest);
+  };
+  const Places x = held(block.x, x_at, task.x_ends.uneven);
+  const Places y = held(block.y, y_at, task.y_ends.uneven);
+  const auto offset = offset_of<M>(picture, x, y);
+  const auto read = hn::Min(offset, picture.last_offset);
+  block.unclear = hn::Or(block.unclear, hn::Ne(offset, read));
+  const auto pixels = M::pixels(picture, hn::BitCast(Ints(), read), x.rest, y.rest);
+  const auto within = [&](const Curves& curves, hn::Vec<Floats> at) HWY_ATTR {
+    return hn::And(hn::Ge(at, curves.low), hn::Le(at, curves.high));
+  };
+  const auto inside = hn::And(within(block.x, x_at), within(block.y, y_at));
+  if (task.mirrors) note(hn::Not(inside));
+  if (!task.fills) return pixels;
+  return hn::IfThenElse(hn::RebindMask(Ints(), inside), pixels,
+                        hn::BitCast(Ints(), hn::Set(Unsigned(), task.fill)));
+}
+
+// All pixels of a block; what the next one reads is fetched meanwhile.
+template <class M>
+HWY_INLINE void blend_block(const Picture& picture, const GatherTask& task, Block& block,
+                            const Block& next, std::int32_t* to) {
+  const Floats d;
+  alignas(64) std::int32_t pixels[kPixels * kRuns];
+  for (int i = 0; i < kPixels; ++i) {
+    for (int r = i * kRuns / kPixels; r < (i + 1) * kRuns / kPixels; ++r) {
+      hwy::Prefetch(picture.source + next.middles[r]);
+      hwy::Prefetch(picture.source + picture.stride + next.middles[r]);
+    }
+    const auto t = hn::Set(d, static_cast<float>(2 * i - reach(kPixels)) / 2);
+    const auto at = [&](const Curves& curves) HWY_ATTR {
+      return hn::MulAdd(t, hn::MulAdd(t, curves.bend, curves.slope), curves.rest);
+    };
+    const auto made = block.inside
+                          ? pixels_inside<M>(picture, task, at(block.x), at(block.y), block)
+                          : pixels_at<M>(picture, task, at(block.x), at(block.y), block);
+    hn::Store(made, Ints(), pixels + i * kRuns);
+  }
+  turn_block<M>(pixels, to);
+}
+
+// The first `count` of a block's runs to where they belong.
+template <class M>
+HWY_INLINE void put_block(const std::int32_t* words, const Block& block, int count,
+                          std::uint8_t* output) {
+  constexpr std::ptrdiff_t kBytesOfRun = kPixels * M::kStep;
+  if constexpr (M::kStep <= 2 && !M::kSpread) {
+    if (block.in_turn) {
+      std::memcpy(output + block.runs[0] * kBytesOfRun, words, kRuns * kBytesOfRun);
+      return;
+    }
+  }
+  for (int r = 0; r < count; ++r) put_run<M>(words, r, output + block.runs[r] * kBytesOfRun);
+}
+
+// Which of the runs of a block are left; whether there are such.
+HWY_INLINE bool note_left(const Block& block, int count, bool* left) {
+  if (HWY_LIKELY(hn::AllFalse(Unsigned(), block.unclear))) return false;
+  alignas(64) std::uint32_t is_left[kRuns];
+  hn::Store(hn::VecFromMask(Unsigned(), block.unclear), Unsigned(), is_left);
+  for (int r = 0; r < count; ++r) left[r] = is_left[r] != 0;
+  return true;
+}
+
+template <class M>
+bool gather_runs_of(const GatherTask& task, const std::int32_t* runs, int count,
+                    const std::uint8_t* source, std::uint8_t* output, bool* left) {
+  const std::int32_t last = (task.y_ends.count - 2) * task.stride +
+                            (task.x_ends.count - 1) * M::kStep + M::kOwn - M::kFetch;
+  std::fill_n(left, count, last < 0);
+  if (last < 0 || count == 0) return last < 0;
+  const Picture picture = {
+      source, task.stride, hn::Set(Unsigned(), static_cast<std::uint32_t>(last)), {}, task.format};
+  bool any = false;
+  alignas(64) std::int32_t words[kPixels * kRuns];
+  std::array<Block, 2> blocks;
+  prepare<M>(picture, task, runs, count, blocks[0]);
+  for (int begin = 0, turn = 0; begin < count; begin += kRuns, turn = 1 - turn) {
+    const int here = std::min(kRuns, count - begin);
+    Block& block = blocks[turn];
+    Block& next = blocks[1 - turn];
+    const int more = count - begin - here;
+    if (more > 0) prepare<M>(picture, task, runs + begin + here, more, next);
+    blend_block<M>(picture, task, block, more > 0 ? next : block, words);
+    put_block<M>(words, block, here, output);
+    any = note_left(block, here, left + begin) || any;
+  }
+  return any;
+}
+
+bool gather(LaneLayout layout, const GatherTask& task, const std::int32_t* runs, int count,
+            const std::uint8_t* source, std::uint8_t* output, bool* left) {
+  const auto of = [&](auto memory) {
+    return gather_runs_of<decltype(memory)>(task, runs, count, source, output, left);
+  };
+  switch (layout) {
+    case LaneLayout::kOne:
+      return of(GatheredBytes<1, 1>());
+    case LaneLayout::kTwo:
+      return of(GatheredBytes<2, 1>());
+    case LaneLayout::kThree:
+      return of(GatheredBytes<3, 1>());
+    case LaneLayout::kFour:
+      return of(GatheredBytes<4, 1>());
+    case LaneLayout::kOneSpread:
+      return of(GatheredBytes<1, 2>());
+    case LaneLayout::kTwoSpread:
+      return of(GatheredBytes<2, 2>());
+    case LaneLayout::kOneWord:
+      return of(GatheredWords<1>());
+    case LaneLayout::kTwoWords:
+      return of(GatheredWords<2>());
+    default:
+      std::fill_n(left, count, true);
+      return true;
+  }
+}
+
+#endif
+
+}  // namespace calvin::remap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace calvin::remap {
+
+HWY_EXPORT(gather);
+
+bool gather_runs(LaneLayout layout, const GatherTask& task, const std::int32_t* runs, int count,
+                 const std::uint8_t* source, std::uint8_t* output, bool* left) noexcept {
+  return HWY_DYNAMIC_DISPATCH(gather)(layout, task, runs, count, source, output, left);
+}
+
+}  // namespace calvin::remap
+#endif
