@@ -13,10 +13,16 @@ namespace calvin::gst {
 
 namespace {
 
-// Bytes to the first sample of a part. Where it begins on an odd pixel chroma is half a pixel off.
+// Bytes to the first sample of a part.
 std::ptrdiff_t offset_of(const FramePart& part, const PlaneLayout& layout, std::ptrdiff_t stride) {
   return (part.y >> layout.subsampling.y_shift) * stride +
          (part.x >> layout.subsampling.x_shift) * layout.pixel_step;
+}
+
+// The first sample of a part covers what lies before it, where it begins on an odd pixel.
+void begin_at(const FramePart& part, Subsampling& subsampling) {
+  subsampling.x_before = part.x % (1 << subsampling.x_shift);
+  subsampling.y_before = part.y % (1 << subsampling.y_shift);
 }
 
 }  // namespace
@@ -45,6 +51,9 @@ void FrameWarp::set_frames(const FrameFormat& in, const FrameFormat& out,
   in_ = in;
   out_ = out;
   planes_ = planes_of(in, out);
+  if (part) {
+    for (FramePlane& plane : planes_) begin_at(*part, plane.layout.subsampling);
+  }
   ++frames_;
   begun_ = false;
   forget();

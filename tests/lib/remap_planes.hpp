@@ -47,6 +47,18 @@ inline const std::vector<NamedLayout> kLayouts = {
     {"ARGB64_BE", {{}, 4, 8, 2, {65535, 1, 2, 3}, kBig}, 65535},
     {"I420 chroma, JPEG to MPEG-2 siting",
      {{1, 1, false, false}, 1, 1, 1, {128}, SampleType::kU8, 0, Subsampling{1, 1, true, false}}},
+    {"I420 chroma of a part from an odd pixel on",
+     {{1, 1, true, false, 1, 1},
+      1,
+      1,
+      1,
+      {128},
+      SampleType::kU8,
+      0,
+      Subsampling{1, 1, true, false}}},
+    {"P010 chroma of such a part",
+     {{1, 1, false, false, 1, 1}, 2, 4, 2, {512, 511}, kLittle, 6, Subsampling{1, 1, false, false}},
+     1023},
 };
 
 inline int bytes_of(const PlaneLayout& layout) { return layout.sample == SampleType::kU8 ? 1 : 2; }
@@ -75,8 +87,11 @@ inline double scene(int x, int y, int c, int width, std::mt19937& random) {
 }
 
 inline ImageSize plane_size(ImageSize frame, const Subsampling& s) {
-  return {(frame.width + (1 << s.x_shift) - 1) >> s.x_shift,
-          (frame.height + (1 << s.y_shift) - 1) >> s.y_shift};
+  return {(s.x_before + frame.width + (1 << s.x_shift) - 1) >> s.x_shift,
+          (s.y_before + frame.height + (1 << s.y_shift) - 1) >> s.y_shift};
+}
+inline ImageSize output_size(ImageSize frame, const NamedLayout& named) {
+  return plane_size(frame, named.layout.sites().output);
 }
 
 inline Plane make_scene(ImageSize samples, const NamedLayout& named) {
@@ -128,9 +143,9 @@ inline Comparison compare(const Lens& lens, ImageSize frame, const PlaceFunction
   const Plane& output = planes.output;
   const PlaneLayout& layout = named.layout;
   const Subsampling& s = layout.subsampling;
-  const Subsampling& t = layout.output_subsampling ? *layout.output_subsampling : s;
-  const auto in_xs = reference::sites(frame.width, s.x_shift, s.x_cosited);
-  const auto in_ys = reference::sites(frame.height, s.y_shift, s.y_cosited);
+  const Subsampling t = layout.sites().output;
+  const auto in_xs = reference::sites(frame.width, s.x_shift, s.x_cosited, s.x_before);
+  const auto in_ys = reference::sites(frame.height, s.y_shift, s.y_cosited, s.y_before);
   const auto xs = reference::sites(frame.width, t.x_shift, t.x_cosited);
   const auto ys = reference::sites(frame.height, t.y_shift, t.y_cosited);
   const int width = static_cast<int>(xs.size());
@@ -163,9 +178,9 @@ inline Comparison compare(const Lens& lens, ImageSize frame, const PlaceFunction
                                  c * layout.component_step,
                              layout);
         };
-        const double exact =
-            reference::bilinear(read, width, height, reference::sample_at(in_xs, at.u),
-                                reference::sample_at(in_ys, at.v));
+        const double exact = reference::bilinear(
+            read, static_cast<int>(in_xs.size()), static_cast<int>(in_ys.size()),
+            reference::sample_at(in_xs, at.u), reference::sample_at(in_ys, at.v));
         ++result.valid;
         const double difference = std::abs(got - exact) * 255 / named.max;
         result.sum += difference;
@@ -191,8 +206,9 @@ inline Comparison compare(const Lens& lens, const Undistorter& undistorter,
 inline Planes undistort(const Undistorter& undistorter, std::size_t layout,
                         const Sampling& sampling = {}) {
   const PlaneLayout& l = kLayouts[layout].layout;
-  const ImageSize samples = plane_size(undistorter.output().image_size(), l.subsampling);
-  Planes planes{make_scene(samples, kLayouts[layout]), Plane(samples, l)};
+  const ImageSize frame = undistorter.output().image_size();
+  Planes planes{make_scene(plane_size(frame, l.subsampling), kLayouts[layout]),
+                Plane(output_size(frame, kLayouts[layout]), l)};
   undistorter.apply(layout, {planes.input.bytes.data(), planes.input.stride},
                     {planes.output.bytes.data(), planes.output.stride}, sampling);
   return planes;

@@ -91,9 +91,10 @@ inline ViewOptions view_of(double alpha, double zoom, double roll, ImageSize out
 }
 
 // Where the samples of a plane lie along one axis of the frame, px.
-inline std::vector<double> sites(int length, int shift, bool cosited) {
+// The first sample may cover pixels `before` them too.
+inline std::vector<double> sites(int length, int shift, bool cosited, int before = 0) {
   std::vector<double> all;
-  for (int first = 0; first < length; first += 1 << shift) {
+  for (int first = -before; first < length; first += 1 << shift) {
     const int last = std::min(first + (1 << shift), length) - 1;
     all.push_back(cosited ? first : (first + last) / 2.0);
   }

@@ -141,7 +141,7 @@ TEST(RemapLanes, EveryInstructionSetGivesTheSame) {
   const Undistorter undistorter = undistorter_for(source, 0.4);
   for (std::size_t l = 0; l < kLayouts.size(); ++l) {
     const NamedLayout& named = kLayouts[l];
-    const ImageSize samples = plane_size(size, named.layout.subsampling);
+    const ImageSize samples = output_size(size, named);
     for (const auto interpolation : {Interpolation::kNearest, Interpolation::kBilinear,
                                      Interpolation::kBicubic, Interpolation::kLanczos}) {
       const Sampling sampling = {interpolation, Outside::kReplicate};

@@ -79,7 +79,7 @@ TEST(RemapSteepLanes, EveryInstructionSetGivesTheSame) {
       const Sampling sampling = {Interpolation::kBilinear, Outside::kReplicate};
       const Planes best = undistort(undistorter, l, sampling);
       const NamedLayout& named = kLayouts[l];
-      const ImageSize samples = plane_size(size, named.layout.subsampling);
+      const ImageSize samples = output_size(size, named);
       // Bits below a target's are those of later instructions.
       for (const auto target : {HWY_AVX3, HWY_AVX2, HWY_SSE4, HWY_SSSE3, HWY_STATIC_TARGET}) {
         SCOPED_TRACE(std::string(view.name) + ", " + named.name + " " + hwy::TargetName(target));

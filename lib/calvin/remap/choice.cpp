@@ -48,6 +48,9 @@ SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayou
   const ImageSize size = map.source_size();
   SourceBounds b;
   b.stride = static_cast<std::int32_t>(stride);
+  // Places between a first sample before the frame and the next one may be before it too.
+  b.first_column = map.source_x().offset() < 0 ? 1 : 0;
+  b.first_row = map.source_y().offset() < 0 ? 1 : 0;
   // Beyond an uneven last sample places are no longer linear.
   b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
   b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
@@ -83,7 +86,8 @@ AxisEnds ends_of(const SampleAxis& axis, double last) {
     return static_cast<float>((pixel - axis.offset()) / axis.scale());
   };
   const int samples = axis.count() - (axis.is_even() ? 1 : 2);
-  return {axis.count(), place(-kBorderSlack), place(last + kBorderSlack), samples, !axis.is_even()};
+  return {axis.count(), place(-kBorderSlack), place(last + kBorderSlack), std::max(place(0), 0.0F),
+          samples,      !axis.is_even()};
 }
 
 // What wide kernels take a plane as, if they do.

@@ -135,7 +135,9 @@ HWY_INLINE hn::Vec<Ints> margin_of(const BandAxis& x, const BandAxis& y, const S
   // `most`.
   const int behind = rows == 3 ? 2 : rows;
   const auto last_row = hn::Set(d, std::min(b.last_row - 1, b.rows - b.guarded_rows - behind));
-  return hn::Min(hn::Min(x.least, y.least),
+  const auto first = [&](const BandAxis& axis, std::int32_t sample)
+                         HWY_ATTR { return axis.least - hn::Set(d, sample << kPlaceBits); };
+  return hn::Min(hn::Min(first(x, b.first_column), first(y, b.first_row)),
                  hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
 }
 

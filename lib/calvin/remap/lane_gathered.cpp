@@ -86,7 +86,7 @@ HWY_INLINE Curves curves_at(const Middles& middles, const AxisEnds& ends) {
           hn::ConvertTo(floats, after - before) * hn::Set(floats, kUnit / (2 * kPixels * kPixels)),
           from_base(ends.low),
           from_base(ends.high),
-          from_base(0),
+          from_base(ends.first),
           from_base(static_cast<float>(ends.last))};
 }
 

@@ -130,7 +130,9 @@ HWY_INLINE Reads reads_of(const Axis& x, const Axis& y, const SourceBounds& b) {
   }
   // Any of these is negative where the run cannot be taken quickly.
   const auto x_room = hn::Set(d, b.steepest) - x.steep - hn::ShiftLeft<3>(hn::Abs(x.bend));
-  auto spare = hn::Min(hn::Min(x.first, y.first), hn::Min(x_room, hn::Set(d, 0x7FFF) - y.steep));
+  auto spare =
+      hn::Min(hn::Min(x.first - hn::Set(d, b.first_column), y.first - hn::Set(d, b.first_row)),
+              hn::Min(x_room, hn::Set(d, 0x7FFF) - y.steep));
   spare = hn::Min(
       spare, hn::Min(hn::Set(d, b.last_column - 1) - x.last, hn::Set(d, b.last_row - 1) - y.last));
   spare = hn::Min(

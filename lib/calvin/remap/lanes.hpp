@@ -174,7 +174,9 @@ struct RunParabola {
 
 // How samples lie in the source plane, and which places may be taken quickly.
 struct SourceBounds {
-  std::int32_t stride = 0;       // bytes
+  std::int32_t stride = 0;        // bytes
+  std::int32_t first_column = 0;  // the first that shows something of the frame all by itself
+  std::int32_t first_row = 0;
   std::int32_t last_column = 0;  // the last with a place in 0..last: its neighbour is there
   std::int32_t last_row = 0;
   std::int32_t widest = 0;  // columns that a segment holds, less one
@@ -273,6 +275,7 @@ struct AxisEnds {
   int count = 0;
   float low = 0;
   float high = 0;
+  float first = 0;      // what is replicated before
   int last = 0;         // the last sample that is where its number says
   bool uneven = false;  // there is one behind it
 };

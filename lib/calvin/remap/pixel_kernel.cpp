@@ -120,6 +120,10 @@ struct AxisRule {
         return -1;
     }
   }
+  // The first place that is a sample's own: not before the picture.
+  [[nodiscard]] double first_linear() const noexcept {
+    return std::max(0.0, -axis.offset() / axis.scale());
+  }
   // The last place that is a sample's own: before an uneven end.
   [[nodiscard]] double last_linear() const noexcept {
     return axis.count() - (axis.is_even() ? 1 : 2);
@@ -163,6 +167,7 @@ class Sampler {
         interpolation_(sampling.interpolation),
         x_{map.source_x(), map.source_last().u, sampling.outside},
         y_{map.source_y(), map.source_last().v, sampling.outside},
+        first_{x_.first_linear(), y_.first_linear()},
         last_{x_.last_linear(), y_.last_linear()} {}
 
   void fill(std::uint8_t* out) const noexcept { fill_pixel(sample_, layout_, out); }
@@ -172,7 +177,8 @@ class Sampler {
 
   void write(Place linear, std::uint8_t* out) const noexcept {
     // Most are inside of the picture, where a place is the sample's.
-    if (linear.x >= 0 && linear.y >= 0 && linear.x <= last_.x && linear.y <= last_.y) {
+    if (linear.x >= first_.x && linear.y >= first_.y && linear.x <= last_.x &&
+        linear.y <= last_.y) {
       return write_sample(linear.x, linear.y, out);
     }
     const double x = x_.resolve(linear.x);
@@ -266,7 +272,8 @@ class Sampler {
   Interpolation interpolation_;
   AxisRule x_;
   AxisRule y_;
-  Place last_;  // up to which places are samples
+  Place first_;  // from which places are samples
+  Place last_;   // up to which
 };
 
 bool is_valid(const PlaneMap::Row& limits, int sample) {

@@ -14,10 +14,14 @@ namespace calvin {
 PlaneMap::PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int run_pixels)
     : map_(std::move(map)),
       run_pixels_(run_pixels),
-      out_x_(map_->output_size().width, sites.output.x_shift, sites.output.x_cosited),
-      out_y_(map_->output_size().height, sites.output.y_shift, sites.output.y_cosited),
-      in_x_(map_->source_size().width, sites.source.x_shift, sites.source.x_cosited),
-      in_y_(map_->source_size().height, sites.source.y_shift, sites.source.y_cosited) {
+      out_x_(map_->output_size().width, sites.output.x_shift, sites.output.x_cosited,
+             sites.output.x_before),
+      out_y_(map_->output_size().height, sites.output.y_shift, sites.output.y_cosited,
+             sites.output.y_before),
+      in_x_(map_->source_size().width, sites.source.x_shift, sites.source.x_cosited,
+            sites.source.x_before),
+      in_y_(map_->source_size().height, sites.source.y_shift, sites.source.y_cosited,
+            sites.source.y_before) {
   const int count = (out_x_.count() + run_pixels - 1) / run_pixels;
   for (int j = -remap::kMargin; j < count + remap::kMargin + remap::kSpare; ++j) {
     const double u = middle(j);

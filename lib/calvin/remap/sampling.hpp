@@ -18,6 +18,10 @@ struct Subsampling {
   int y_shift = 0;
   bool x_cosited = false;
   bool y_cosited = false;
+  // Luma pixels that the first sample covers and that are not the frame's: of a part of a picture
+  // that begins on an odd pixel.
+  int x_before = 0;
+  int y_before = 0;
 
   friend bool operator==(const Subsampling&, const Subsampling&) = default;
 };
@@ -34,11 +38,11 @@ struct PlaneSites {
 // The samples of a plane along one axis of the frame.
 class SampleAxis {
  public:
-  // `length` of the frame in px.
-  SampleAxis(int length, int shift, bool cosited) noexcept
-      : count_((length + (1 << shift) - 1) >> shift),
+  // `length` of the frame in px, less those `before` it that the first sample covers too.
+  SampleAxis(int length, int shift, bool cosited, int before) noexcept
+      : count_((before + length + (1 << shift) - 1) >> shift),
         scale_(1 << shift),
-        offset_(cosited ? 0 : (scale_ - 1) / 2),
+        offset_((cosited ? 0 : (scale_ - 1) / 2) - before),
         last_(length - 1) {}
 
   [[nodiscard]] int count() const noexcept { return count_; }
