@@ -31,6 +31,7 @@ struct Case {
   const char* behind;  // what the element behind wants
   Siting in;
   Siting out;
+  int before = 0;  // pixels of the picture in memory before the frame, each way: a crop
 };
 static const ImageSize kPal = {720, 576};
 static const ImageSize kHd = {1280, 720};
@@ -63,6 +64,12 @@ static const Case kCases[] = {
     {"NV12", kHd, ",chroma-site=jpeg", "video/x-raw,chroma-site=cosited", kJpeg, kCosited},
     {"I420", kHd, "", "video/x-raw,width=854,height=480", kMpeg2, kMpeg2},
     {"I420", kPal, "", "video/x-raw,width=1280,height=1024", kJpeg, kJpeg},
+    // A part that begins on an odd pixel, and on an even one.
+    {"I420", kPal, "", kAny, kJpeg, kJpeg, 1},
+    {"NV12", kHd, "", kAny, kMpeg2, kMpeg2, 1},
+    {"YUY2", kPal, "", kAny, kJpeg, kJpeg, 3},
+    {"I420_10LE", kHd, "", kAny, kMpeg2, kMpeg2, 1},
+    {"NV12", kHd, "", kAny, kMpeg2, kMpeg2, 2},
 };
 
 static constexpr double kRadial1 = -0.28;
@@ -105,11 +112,14 @@ struct Axes {
   std::vector<double> xs;
   std::vector<double> ys;
 };
-static Axes axes_of(const GstVideoInfo& info, guint c, Siting site) {
+// As px of the frame, which begins so many behind the picture.
+static Axes axes_of(const GstVideoInfo& info, guint c, Siting site, int before = 0) {
   const int xs = static_cast<int>(GST_VIDEO_FORMAT_INFO_W_SUB(info.finfo, c));
   const int ys = static_cast<int>(GST_VIDEO_FORMAT_INFO_H_SUB(info.finfo, c));
-  return {reference::sites(GST_VIDEO_INFO_WIDTH(&info), xs, xs > 0 && site.x_cosited),
-          reference::sites(GST_VIDEO_INFO_HEIGHT(&info), ys, ys > 0 && site.y_cosited)};
+  return {
+      reference::sites(GST_VIDEO_INFO_WIDTH(&info) - before, xs, xs > 0 && site.x_cosited, before),
+      reference::sites(GST_VIDEO_INFO_HEIGHT(&info) - before, ys, ys > 0 && site.y_cosited,
+                       before)};
 }
 
 static guint8* sample(const GstVideoFrame& frame, guint c, std::size_t x, std::size_t y) {
@@ -118,16 +128,17 @@ static guint8* sample(const GstVideoFrame& frame, guint c, std::size_t x, std::s
          static_cast<std::ptrdiff_t>(x) * GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, c);
 }
 
-// What the camera sees of the edge.
-static GstBuffer* render(const GstVideoInfo& info, const Edge& edge, Siting site) {
+// What the camera sees of the edge, and before the frame.
+static GstBuffer* render(const GstVideoInfo& info, const Edge& edge, Siting site, int before) {
   GstBuffer* buffer = gst_buffer_new_allocate(nullptr, info.size, nullptr);
   GstVideoFrame frame;
   fail_unless(gst_video_frame_map(&frame, &info, buffer, GST_MAP_WRITE));
-  const ImageSize size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  const ImageSize size = {GST_VIDEO_INFO_WIDTH(&info) - before,
+                          GST_VIDEO_INFO_HEIGHT(&info) - before};
   const double f = focal_of(size);
   for (guint c = 0; c < GST_VIDEO_INFO_N_COMPONENTS(&info); ++c) {
     const int depth = static_cast<int>(GST_VIDEO_INFO_COMP_DEPTH(&info, c));
-    const Axes axes = axes_of(info, c, site);
+    const Axes axes = axes_of(info, c, site, before);
     for (std::size_t j = 0; j < axes.ys.size(); ++j) {
       for (std::size_t i = 0; i < axes.xs.size(); ++i) {
         const Pixel at =
@@ -187,6 +198,25 @@ static Registration locate(const GstVideoFrame& frame, guint c, const Edge& edge
   return found;
 }
 
+// A buffer whose frame is of the format.
+static GstBuffer* picture_of(const Case& k, const GstVideoInfo& frame, const Edge& edge) {
+  if (k.before == 0) return render(frame, edge, k.in, 0);
+  GstVideoInfo info;
+  gst_video_info_set_format(&info, GST_VIDEO_INFO_FORMAT(&frame),
+                            static_cast<guint>(k.size.width + k.before),
+                            static_cast<guint>(k.size.height + k.before));
+  GstBuffer* buffer = render(info, edge, k.in, k.before);
+  gst_buffer_add_video_meta_full(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_INFO_FORMAT(&info),
+                                 static_cast<guint>(info.width), static_cast<guint>(info.height),
+                                 GST_VIDEO_INFO_N_PLANES(&info), info.offset, info.stride);
+  GstVideoCropMeta* crop = gst_buffer_add_video_crop_meta(buffer);
+  crop->x = static_cast<guint>(k.before);
+  crop->y = static_cast<guint>(k.before);
+  crop->width = static_cast<guint>(k.size.width);
+  crop->height = static_cast<guint>(k.size.height);
+  return buffer;
+}
+
 static void check_edge(const Case& k, const Edge& edge) {
   Fixture f((std::string("calibundistort ! capsfilter caps=") + k.behind).c_str());
   const double focal = focal_of(k.size);
@@ -203,7 +233,7 @@ static void check_edge(const Case& k, const Edge& edge) {
   GstVideoInfo in_info;
   fail_unless(gst_video_info_from_caps(&in_info, caps));
   gst_harness_set_src_caps(f.h, gst_caps_ref(caps));
-  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, render(in_info, edge, k.in));
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, picture_of(k, in_info, edge));
   g_autoptr(GstCaps) out_caps = gst_pad_get_current_caps(f.h->sinkpad);
   GstVideoInfo out_info;
   fail_unless(gst_video_info_from_caps(&out_info, out_caps));
