@@ -47,17 +47,18 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_across(const std::uint8_t* source,
   return blender.across(hn::TableLookupBytes(hn::BitCast(bytes, both), which), across);
 }
 
-// The values of the `k`th two pixels of each lane, of the eight pixels from `first` on.
-template <int kComponents>
+// The values of the `k`th two pixels of each lane, of the eight pixels from `first` on, which are
+// the `kPart`th of their vector.
+template <class P, int kPart>
 HWY_INLINE hn::Vec<ApartNumbers> blend_two(const std::uint8_t* source, std::ptrdiff_t stride,
                                            const PixelSamples& samples, int first, int k,
                                            const Blender<ApartBytes>& blender) {
   const std::int32_t* addresses = samples.address + first + 2 * k;
-  const auto across = weights_of<kComponents>(samples.across + first, k);
-  const auto upper = blend_across<kComponents>(source, addresses, across, blender);
-  const auto lower = blend_across<kComponents>(source + stride, addresses, across, blender);
+  const auto across = weights_of<P, kPart>(samples.across + first, k);
+  const auto upper = blend_across<P::kStep>(source, addresses, across, blender);
+  const auto lower = blend_across<P::kStep>(source + stride, addresses, across, blender);
   return blender.rounded(
-      blender.between(upper, lower, weights_of<kComponents>(samples.down + first, k)));
+      blender.between(upper, lower, weights_of<P, kPart>(samples.down + first, k)));
 }
 
 template <int kComponents, class D>
@@ -77,18 +78,28 @@ HWY_INLINE void store_apart(D d, hn::Vec<D> pixels, std::uint8_t* out) {
   }
 }
 
-// Eight pixels from `first` on.
-template <int kComponents>
+// Eight pixels from `first` on, which are the `kPart`th of their vector.
+template <class P, int kPart>
 HWY_INLINE void blend_eight(const ApartRow& row, std::int32_t offset, const PixelSamples& samples,
                             int first, std::uint8_t* out) {
   const ApartBytes bytes;
   const std::uint8_t* source = row.source + offset;
   hwy::Prefetch(source + samples.address[first] + kApartAhead * row.stride + 32);
   for (int i = 0; i < 2 / kApartLanes; ++i) {
-    const auto a = blend_two<kComponents>(source, row.stride, samples, first, 2 * i, row.blender);
-    const auto b =
-        blend_two<kComponents>(source, row.stride, samples, first, 2 * i + 1, row.blender);
-    store_apart<kComponents>(bytes, pack_lanes(bytes, a, b), out + 4 * i * kComponents);
+    const auto a = blend_two<P, kPart>(source, row.stride, samples, first, 2 * i, row.blender);
+    const auto b = blend_two<P, kPart>(source, row.stride, samples, first, 2 * i + 1, row.blender);
+    store_apart<P::kStep>(bytes, pack_lanes(bytes, a, b), out + 4 * i * P::kStep);
+  }
+}
+
+// A vector of pixels, from `first` on.
+template <class P>
+HWY_INLINE void blend_pixels(const ApartRow& row, const std::int32_t* offsets,
+                             const PixelSamples& samples, int first, std::uint8_t* out) {
+  const auto offset = [&](int run) HWY_ATTR { return P::kRun < 8 ? 0 : offsets[run]; };
+  blend_eight<P, 0>(row, offset(0), samples, first, out);
+  if constexpr (P::kSamples == 16) {
+    blend_eight<P, 1>(row, offset(1), samples, first + 8, out + 8 * P::kStep);
   }
 }
 
@@ -108,61 +119,46 @@ HWY_INLINE void store_pixels(Both<P> at, const std::int32_t* offsets, Stride str
   hn::Store(down, d, samples.down + to);
 }
 
-// A vector of steady runs; whether they are fetched by windows.
-template <class P>
-HWY_INLINE bool place_steady(const RowTask& task, int run, hn::Vec<PlaceNumbers<P>> way,
-                             Stride stride, int to, PixelSamples& samples) {
-  const Both<P> at = places_of<P, true>(task.row, task.band, run, way);
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
-  if constexpr (kHasWindows<P>) {
-    if (HWY_LIKELY(!task.nearest && (P::kStep == 4 ? place_columns<P>(at, to, samples)
-                                                   : place_threes<P>(at, to, samples)))) {
-      return true;
-    }
-  }
-#endif
-  store_pixels<P>(at, task.row.offset + run, stride, task.nearest, to, samples);
-  return false;
-}
-
 template <class P>
 HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<PlaceNumbers<P>> way,
                             Stride stride, PixelSamples& samples) {
   int to = 0;
   for (int j = begin; j < end; j += P::kSamples / P::kRun, to += P::kSamples) {
-    if (HWY_LIKELY(is_steady(task.row.rows[j]))) {
-      samples.by_window[j - begin] = place_steady<P>(task, j, way, stride, to, samples);
-    } else {
-      samples.by_window[j - begin] = false;
-      store_pixels<P>(places_of<P, false>(task.row, task.band, j, way), task.row.offset + j, stride,
-                      task.nearest, to, samples);
+    const std::int32_t mark = task.row.rows[j];
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+    if constexpr (kHasWindows<P>) {
+      if (HWY_LIKELY(by_windows<P>(task, mark))) {
+        place_window<P>(places_of<P, true>(task.row, task.band, j, way), to, samples);
+        continue;
+      }
     }
+#endif
+    const Both<P> at = is_steady(mark) ? places_of<P, true>(task.row, task.band, j, way)
+                                       : places_of<P, false>(task.row, task.band, j, way);
+    store_pixels<P>(at, task.row.offset + j, stride, task.nearest, to, samples);
   }
 }
 
 // The runs from `begin` to before `end`, whose pixels are known.
 template <class P>
-HWY_INLINE void blend_block(const ApartRow& row, const RunRow& runs, int begin, int end,
+HWY_INLINE void blend_block(const ApartRow& row, const RowTask& task, int begin, int end,
                             const PixelSamples& samples, std::uint8_t* out) {
-  const std::int32_t* marks = runs.rows + begin;
-  const std::int32_t* offsets = runs.offset + begin;
+  const std::int32_t* marks = task.row.rows + begin;
+  const std::int32_t* offsets = task.row.offset + begin;
   constexpr int kRuns = P::kSamples / P::kRun;
   // A vector is a group or a part of one.
   for (int j = 0; j < end - begin; j += kRuns, out += P::kSamples * P::kStep) {
     hwy::Prefetch(out + kWriteAhead);
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
     if constexpr (kHasWindows<P>) {
-      if (HWY_LIKELY(samples.by_window[j])) {
-        blend_windows<P::kStep>(row, offsets + j, samples, 8 * j, out);
+      if (HWY_LIKELY(by_windows<P>(task, marks[j]))) {
+        blend_windows<P>(row, offsets + j, samples, 8 * j, out);
         continue;
       }
     }
 #endif
     if (HWY_UNLIKELY(marks[j] >= kSlowGroup)) continue;
-    for (int i = 0; i < P::kSamples; i += 8) {
-      blend_eight<P::kStep>(row, P::kRun < 8 ? 0 : offsets[j + i / P::kRun], samples,
-                            j * P::kRun + i, out + i * P::kStep);
-    }
+    blend_pixels<P>(row, offsets + j, samples, j * P::kRun, out);
   }
 }
 
@@ -182,7 +178,7 @@ void blend_apart(const RowTask& shared, int begin, int end, const PlaneRows& pla
     for (int block = begin; block < end; block += kBlockRuns) {
       const int last = std::min(block + kBlockRuns, end);
       place_block<P>(task, block, last, way, stride, samples);
-      blend_block<P>(row, task.row, block, last, samples, out);
+      blend_block<P>(row, task, block, last, samples, out);
       out += kBlockRuns * kRun * kComponents;
     }
   }

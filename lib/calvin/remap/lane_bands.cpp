@@ -141,6 +141,26 @@ HWY_INLINE hn::Vec<Ints> margin_of(const BandAxis& x, const BandAxis& y, const S
                  hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
 }
 
+// Whether windows hold the pixels of a vector of steady runs: of four components eight columns from
+// a run's first one, of three 16 bytes from a lane's first pixel; and all the first three rows.
+template <class P>
+HWY_INLINE bool fit_windows(const BandAxis& x, const BandAxis& y) {
+  const Ints d;
+  auto spare = hn::Set(d, kHalfRow) - y.half;
+  if constexpr (P::kStep == 4) {
+    spare = hn::Min(spare, hn::Set(d, 7 * kHalfRow) - x.half);
+  } else {
+    // A lane has eight results: three steps to the first byte of its last pixel, or two to the last
+    // one.
+    const auto bent = hn::ShiftLeft<2>(x.bent) + hn::Set(d, kMostSway);
+    const auto upward = hn::Min(x.first.slope, x.last.slope) - bent;
+    const auto two = x.steep + x.steep + bent;
+    spare = hn::Min(hn::Min(spare, upward), hn::Min(hn::Set(d, 6 * kHalfRow) - two,
+                                                    hn::Set(d, 8 * kHalfRow) - two - x.steep));
+  }
+  return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
+}
+
 // Whether all of a vector of runs lie outside of the source in all of the band, by a sample and
 // more.
 HWY_INLINE bool is_empty(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
@@ -276,7 +296,9 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
     if (tame) band.kind[j] = kind_of<P>(x, y, bounds, rows);
     const Band::Kind kind = band.kind[j];
     shared = shared && (kind == Band::Kind::kSteady || kind == Band::Kind::kEmpty);
-    hn::Store(hn::Set(d, marks_of(kind, rows)), d, row.rows + j);
+    const bool by_windows = P::kApart && kind == Band::Kind::kSteady && fit_windows<P>(x, y);
+    const std::int32_t marks = marks_of(kind, rows) | (by_windows ? kWindowRows : 0);
+    hn::Store(hn::Set(d, marks), d, row.rows + j);
     if (kind != Band::Kind::kSteady) continue;
     if (!P::kApart && rows == 3) {
       begin_vector<P, true>(j, x, y, band);

@@ -34,6 +34,9 @@ struct Placing {
   // Samples in a vector: of 16 bits, and of no more than four runs or parts of such.
   static constexpr int kSamples =
       std::min({static_cast<int>(kBytes) / 2, 4 * kRun / kParts, kApart ? 16 : 32});
+  // Each of a vector's two lanes holds four samples of one run and four of another one. Thus what
+  // is interleaved with something else is in order.
+  static constexpr bool kSplit = kApart && kStep == 4 && kRun == 8 && kSamples == 16;
 };
 
 // Calls f with the placing of a layout; not at all for those that have no samples.
@@ -118,34 +121,36 @@ struct Halves {
   alignas(64) std::uint8_t low[64];
   alignas(64) std::uint8_t high[64];
 };
-constexpr Halves make_halves(int samples_per_record) {
+constexpr Halves make_halves(int samples_per_record, bool split) {
   Halves h{};
   for (int i = 0; i < 64; ++i) {
-    const int record = 4 * (i / 2 / samples_per_record) % 16;
+    const int sample = split ? i % 16 : i / 2;
+    const int record = 4 * (sample / samples_per_record) % 16;
     h.low[i] = static_cast<std::uint8_t>(record + i % 2);
     h.high[i] = static_cast<std::uint8_t>(record + i % 2 + 2);
   }
   return h;
 }
-template <int kSamplesPerRecord>
-constexpr Halves kHalves = make_halves(kSamplesPerRecord);
+template <int kSamplesPerRecord, bool kSplit>
+constexpr Halves kHalves = make_halves(kSamplesPerRecord, kSplit);
 
 // What each sample of a run has of its slope and of its bend.
 struct Arc {
   alignas(64) std::int16_t along[32];   // slope 2.14 -> place 4.12, through MulFixedPoint15
   alignas(64) std::int16_t square[32];  // bend -> place 4.12, likewise
 };
-constexpr Arc make_arc(int run) {
+constexpr Arc make_arc(int run, bool split) {
   Arc arc{};
   for (int i = 0; i < 32; ++i) {
-    const int halves = 2 * (i % run) - reach(run);
+    const int sample = split ? i / 8 * 4 + i % 4 : i;
+    const int halves = 2 * (sample % run) - reach(run);
     arc.along[i] = static_cast<std::int16_t>(halves * 4096);
     arc.square[i] = static_cast<std::int16_t>(halves * halves * 32767 / (reach(run) * reach(run)));
   }
   return arc;
 }
-template <int kRun>
-constexpr Arc kArc = make_arc(kRun);
+template <int kRun, bool kSplit>
+constexpr Arc kArc = make_arc(kRun, kSplit);
 
 template <class P>
 using PlaceNumbers = hn::FixedTag<std::int16_t, P::kSamples>;
@@ -162,7 +167,7 @@ template <class P, int kSamplesPerRecord>
 HWY_INLINE Both<P> spread(const std::int32_t* records) {
   const PlaceNumbers<P> numbers;
   const hn::Repartition<std::uint8_t, PlaceNumbers<P>> bytes;
-  constexpr const Halves& kWhich = kHalves<kSamplesPerRecord>;
+  constexpr const Halves& kWhich = kHalves<kSamplesPerRecord, P::kSplit>;
   const auto all = hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(records));
   return {hn::BitCast(numbers, hn::TableLookupBytes(all, hn::Load(bytes, kWhich.low))),
           hn::BitCast(numbers, hn::TableLookupBytes(all, hn::Load(bytes, kWhich.high)))};
@@ -172,11 +177,12 @@ HWY_INLINE Both<P> spread(const std::int32_t* records) {
 template <class P>
 HWY_INLINE Both<P> shape_of(const std::int32_t* slopes, const std::int32_t* bends) {
   const PlaceNumbers<P> numbers;
-  const auto along = hn::Load(numbers, kArc<P::kRun>.along);
+  constexpr const Arc& kAll = kArc<P::kRun, P::kSplit>;
+  const auto along = hn::Load(numbers, kAll.along);
   const Both<P> slope = spread<P, P::kRun>(slopes);
   Both<P> shape = {hn::MulFixedPoint15(slope.x, along), hn::MulFixedPoint15(slope.y, along)};
   if constexpr (P::kRun > 2) {
-    const auto square = hn::Load(numbers, kArc<P::kRun>.square);
+    const auto square = hn::Load(numbers, kAll.square);
     const Both<P> bend = spread<P, P::kRun>(bends);
     shape.x = shape.x + hn::MulFixedPoint15(bend.x, square);
     shape.y = shape.y + hn::MulFixedPoint15(bend.y, square);

@@ -155,7 +155,7 @@ HWY_INLINE void store_addresses(const Both<P>& at, const std::int32_t* run_offse
   const auto lower = address(hn::InterleaveLower(columns, rows), kBases<P::kRun>.lower);
   const auto upper = address(hn::InterleaveUpper(words, columns, rows), kBases<P::kRun>.upper);
   // The halves of vectors of 256 bits are interleaved each by itself.
-  if constexpr (P::kSamples == 16) {
+  if constexpr (P::kSamples == 16 && !P::kSplit) {
     const hn::Half<AddressInts<P>> half;
     hn::Store(hn::LowerHalf(lower), half, to);
     hn::Store(hn::LowerHalf(upper), half, to + 4);
@@ -163,7 +163,7 @@ HWY_INLINE void store_addresses(const Both<P>& at, const std::int32_t* run_offse
     hn::Store(hn::UpperHalf(half, upper), half, to + 12);
   } else {
     hn::Store(lower, ints, to);
-    hn::Store(upper, ints, to + 4);
+    hn::Store(upper, ints, to + P::kSamples / 2);
   }
 }
 
@@ -172,7 +172,8 @@ template <class P>
 HWY_INLINE hn::Vec<PlaceNumbers<P>> down_of(hn::Vec<PlaceNumbers<P>> y) {
   const PlaceNumbers<P> d;
   const PlaceWords<P> words;
-  return hn::BitCast(d, hn::And(hn::ShiftLeft<3>(hn::BitCast(words, y)), hn::Set(words, 0x7FFF)));
+  return hn::BitCast(
+      d, hn::And(hn::ShiftLeft<3>(hn::BitCast(words, y)), kept(hn::Set(words, 0x7FFF))));
 }
 
 }  // namespace calvin::remap::HWY_NAMESPACE

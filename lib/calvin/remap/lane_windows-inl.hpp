@@ -44,7 +44,8 @@ struct ApartRow {
 struct ApartTables {
   alignas(32) std::uint8_t neighbours[32];
   alignas(32) std::uint8_t weights[4][32];
-  alignas(32) std::uint8_t front[32];  // three of each four bytes
+  alignas(32) std::uint8_t split[2][2][32];  // weights of either run of Placing::kSplit
+  alignas(32) std::uint8_t front[32];        // three of each four bytes
 };
 constexpr ApartTables make_apart_tables(int components) {
   ApartTables t{};
@@ -53,8 +54,12 @@ constexpr ApartTables make_apart_tables(int components) {
     const int component = result % 4 < components ? result % 4 : 0;
     t.neighbours[i] = static_cast<std::uint8_t>(result / 4 * 8 + component + i % 2 * components);
     for (int k = 0; k < 4; ++k) {
-      t.weights[k][i] =
-          static_cast<std::uint8_t>((2 * (i / 16 * 4 + 2 * k + result / 4) + i % 2) % 16);
+      const int byte = 2 * (2 * k + result / 4) + i % 2;
+      t.weights[k][i] = static_cast<std::uint8_t>((i / 16 * 8 + byte) % 16);
+      if (k < 2) {
+        t.split[0][k][i] = static_cast<std::uint8_t>(byte);
+        t.split[1][k][i] = static_cast<std::uint8_t>(8 + byte);
+      }
     }
     t.front[i] = static_cast<std::uint8_t>(i % 16 < 12 ? i % 16 / 3 * 4 + i % 16 % 3 : 0);
   }
@@ -69,24 +74,37 @@ struct PixelSamples {
   alignas(64) std::int32_t address[8 * kBlockRuns];  // of pixels by windows: their records
   alignas(64) std::int16_t across[8 * kBlockRuns];
   alignas(64) std::int16_t down[8 * kBlockRuns];
-  // By the first run of a vector.
-  bool by_window[kBlockRuns];
   // Of pixels of three components by windows.
   alignas(64) std::int16_t bytes[8 * kBlockRuns];
   alignas(64) std::int16_t neighbours[3 * 8 * kBlockRuns];
 };
-// The weights of the `k`th two pixels of each lane, for each of their results; `samples` are eight.
-template <int kComponents>
+
+// The weights of the `k`th two pixels of each lane, for each of their results; `samples` are eight,
+// or the `kPart`th eight of a vector.
+template <class P, int kPart>
 HWY_INLINE hn::Vec<ApartNumbers> weights_of(const std::int16_t* samples, int k) {
   const ApartBytes bytes;
-  const auto all = hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(samples));
-  const auto which = hn::Load(bytes, kApartTables<kComponents>.weights[k]);
-  return hn::BitCast(ApartNumbers(), hn::TableLookupBytes(all, which));
+  constexpr const ApartTables& kTables = kApartTables<P::kStep>;
+  const auto* from = reinterpret_cast<const std::uint8_t*>(samples);
+  if constexpr (P::kSplit) {
+    const auto which = hn::Load(bytes, kTables.split[kPart][k]);
+    return hn::BitCast(ApartNumbers(),
+                       hn::TableLookupBytes(hn::Load(bytes, from - 16 * kPart), which));
+  } else {
+    const auto which = hn::Load(bytes, kTables.weights[k]);
+    return hn::BitCast(ApartNumbers(), hn::TableLookupBytes(hn::LoadDup128(bytes, from), which));
+  }
 }
 
 // Whether there are windows.
 template <class P>
 constexpr bool kHasWindows = HWY_ARCH_X86&& HWY_TARGET <= HWY_AVX2&& P::kRun == 8;
+
+// Whether a vector of runs is fetched from them.
+template <class P>
+HWY_INLINE bool by_windows(const RowTask& task, std::int32_t mark) {
+  return kHasWindows<P> && is_window(mark) && !task.nearest;
+}
 
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
 // Runs in three rows: a pixel lies between the middle one and the one above or below.
@@ -113,28 +131,18 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_rows(const ApartRow& row, hn::Vec<ApartBy
 
 using WindowInts = hn::FixedTag<std::int32_t, 8>;
 
+// A record has a column in bits 12 to 14, and a sign.
 template <class P>
-HWY_INLINE bool fit_columns(const Both<P>& at) {
-  const PlaceWords<P> words;
-  const auto rows = hn::SaturatedAdd(hn::BitCast(words, at.y), kept(hn::Set(words, 0x6000)));
-  const auto too_far = hn::Or(hn::BitCast(words, at.x), rows);
-  return (_mm256_movemask_epi8(too_far.raw) & 0xAAAAAAAAU) == 0;
-}
-
-// Whether a vector of pixels can be taken thus. A record has a column in bits 12 to 14, and a sign.
-template <class P>
-HWY_INLINE bool place_columns(const Both<P>& at, int to, PixelSamples& samples) {
+HWY_INLINE void place_columns(const Both<P>& at, int to, PixelSamples& samples) {
   const PlaceNumbers<P> d;
   const WindowInts ints;
-  if (HWY_UNLIKELY(!fit_columns(at))) return false;
   const auto down = down_from_middle<P>(at.y);
   hn::Store(across_of<P>(at.x), d, samples.across + to);
   hn::Store(hn::Abs(down), d, samples.down + to);
   const auto lower = hn::BitCast(ints, hn::InterleaveLower(at.x, down));
   const auto upper = hn::BitCast(ints, hn::InterleaveUpper(d, at.x, down));
-  hn::Store(hn::ConcatLowerLower(ints, upper, lower), ints, samples.address + to);
-  hn::Store(hn::ConcatUpperUpper(ints, upper, lower), ints, samples.address + to + 8);
-  return true;
+  hn::Store(lower, ints, samples.address + to);
+  hn::Store(upper, ints, samples.address + to + 8);
 }
 
 // Eight pixels and their neighbours.
@@ -152,7 +160,8 @@ HWY_INLINE Columns fetch_columns(const std::uint8_t* row, hn::Vec<WindowInts> co
   return {at(row), at(row + 4)};
 }
 
-// A run's eight pixels, from `first` on.
+// The eight pixels of a vector's `kPart`th run, from `first` on.
+template <class P, int kPart>
 HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset, const PixelSamples& samples,
                               int first, std::uint8_t* out) {
   const ApartBytes bytes;
@@ -177,8 +186,8 @@ HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset, const Pi
   const auto middle_right = hn::BitCast(bytes, middle.right);
   // Each lane's first two pixels, and its others.
   const auto results = [&](auto near, auto far, int half) HWY_ATTR {
-    return blend_rows(row, near, far, weights_of<4>(samples.across + first, half),
-                      weights_of<4>(samples.down + first, half));
+    return blend_rows(row, near, far, weights_of<P, kPart>(samples.across + first, half),
+                      weights_of<P, kPart>(samples.down + first, half));
   };
   const auto lower =
       results(hn::InterleaveLower(middle_left, middle_right), hn::InterleaveLower(left, right), 0);
@@ -231,31 +240,24 @@ HWY_INLINE hn::Vec<ApartNumbers> lane_numbers(const std::int16_t* samples) {
 
 // Which bytes from the beginning of each lane a vector's results are made of.
 template <int kVector>
-HWY_INLINE hn::Vec<ApartNumbers> place_three(int to, PixelSamples& samples) {
+HWY_INLINE void place_three(int to, PixelSamples& samples) {
   const ApartNumbers d;
   const auto runs = lane_runs<kVector>(samples.bytes + to);
   const auto neighbours = hn::Load(d, kThreeTables.neighbours[kVector]) +
                           look_up(runs, kThreeTables.samples[kVector]) -
                           look_up(runs, kThreeTables.firsts[kVector]);
   hn::Store(neighbours, d, samples.neighbours + 3 * to + 16 * kVector);
-  return neighbours;
 }
 
-// Whether a vector of pixels can be taken thus.
 template <class P>
-HWY_INLINE bool place_threes(const Both<P>& at, int to, PixelSamples& samples) {
+HWY_INLINE void place_threes(const Both<P>& at, int to, PixelSamples& samples) {
   const PlaceNumbers<P> d;
-  const PlaceWords<P> words;
   hn::Store(bytes_of<P>(at.x), d, samples.bytes + to);
-  const auto lanes = hn::Or(hn::Or(place_three<0>(to, samples), place_three<1>(to, samples)),
-                            place_three<2>(to, samples));
-  const auto too_far =
-      hn::Or(hn::BitCast(words, lanes), hn::ShiftRight<9>(hn::BitCast(words, at.y)));
-  const auto limits = kept(hn::Set(words, 0xF0F0));
-  if (HWY_UNLIKELY(_mm256_testz_si256(too_far.raw, limits.raw) == 0)) return false;
+  place_three<0>(to, samples);
+  place_three<1>(to, samples);
+  place_three<2>(to, samples);
   hn::Store(across_of<P>(at.x), d, samples.across + to);
   hn::Store(down_from_middle<P>(at.y), d, samples.down + to);
-  return true;
 }
 
 // A vector of results, from where each of its lanes begins in the first row.
@@ -303,13 +305,23 @@ HWY_INLINE void blend_threes(const ApartRow& row, const std::int32_t* offsets,
   hn::StoreU(hn::LowerHalf(in_turn), lane, out + 32);
 }
 
+// A vector of pixels.
+template <class P>
+HWY_INLINE void place_window(const Both<P>& at, int to, PixelSamples& samples) {
+  if constexpr (P::kStep == 4) {
+    place_columns<P>(at, to, samples);
+  } else {
+    place_threes<P>(at, to, samples);
+  }
+}
+
 // Two runs, from `first` on.
-template <int kComponents>
+template <class P>
 HWY_INLINE void blend_windows(const ApartRow& row, const std::int32_t* offsets,
                               const PixelSamples& samples, int first, std::uint8_t* out) {
-  if constexpr (kComponents == 4) {
-    blend_columns(row, offsets[0], samples, first, out);
-    blend_columns(row, offsets[1], samples, first + 8, out + 32);
+  if constexpr (P::kStep == 4) {
+    blend_columns<P, 0>(row, offsets[0], samples, first, out);
+    blend_columns<P, 1>(row, offsets[1], samples, first + 8, out + 32);
   } else {
     blend_threes(row, offsets, samples, first, out);
   }

@@ -40,6 +40,12 @@ inline constexpr std::int32_t kSteadyThree = kSteadyRows + 3;
   return (rows & kSteadyRows) != 0;
 }
 
+// Likewise of those whose pixels are where windows into three rows hold them in all of the band.
+inline constexpr std::int32_t kWindowRows = 16;
+[[nodiscard]] constexpr bool is_window(std::int32_t rows) noexcept {
+  return (rows & kWindowRows) != 0;
+}
+
 // Runs before the first one and behind the last one that a run's parabola is made with.
 inline constexpr int kMargin = 2;
 // Runs behind a row's last one that fill up its last vector.
