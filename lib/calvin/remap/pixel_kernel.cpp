@@ -146,11 +146,26 @@ void fill_pixel(const Sample& sample, const PlaneLayout& layout, std::uint8_t* o
   }
 }
 
+// Whether there is nothing between a pixel's components, and between pixels.
+bool is_dense(const PlaneLayout& layout) noexcept {
+  const std::ptrdiff_t bytes = layout.sample == SampleType::kU8 ? 1 : 2;
+  return layout.pixel_step == layout.components * bytes &&
+         (layout.components == 1 || layout.component_step == bytes);
+}
+
 template <typename Sample>
 void fill_pixels(const Sample& sample, const PlaneLayout& layout, std::uint8_t* out,
                  int count) noexcept {
   if (layout.components == 1 && layout.pixel_step == 1) {
     std::memset(out, layout.fill[0], static_cast<std::size_t>(count));
+    return;
+  }
+  if (count > 0 && is_dense(layout)) {
+    fill_pixel(sample, layout, out);
+    const std::ptrdiff_t all = count * layout.pixel_step;
+    for (std::ptrdiff_t done = layout.pixel_step; done < all; done *= 2) {
+      std::memcpy(out + done, out, static_cast<std::size_t>(std::min(done, all - done)));
+    }
     return;
   }
   for (int i = 0; i < count; ++i, out += layout.pixel_step) fill_pixel(sample, layout, out);
