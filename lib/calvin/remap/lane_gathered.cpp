@@ -27,8 +27,9 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-bool gather(LaneLayout /*layout*/, const GatherTask& /*task*/, const std::int32_t* /*runs*/,
-            int count, const std::uint8_t* /*source*/, std::uint8_t* /*output*/, bool* left) {
+bool gather_of_layout(LaneLayout /*layout*/, const GatherTask& /*task*/,
+                      const std::int32_t* /*runs*/, int count, const std::uint8_t* /*source*/,
+                      std::uint8_t* /*output*/, bool* left) {
   std::fill_n(left, count, true);
   return true;
 }
@@ -283,8 +284,8 @@ bool gather_runs_of(const GatherTask& task, const std::int32_t* runs, int count,
   return any;
 }
 
-bool gather(LaneLayout layout, const GatherTask& task, const std::int32_t* runs, int count,
-            const std::uint8_t* source, std::uint8_t* output, bool* left) {
+bool gather_of_layout(LaneLayout layout, const GatherTask& task, const std::int32_t* runs,
+                      int count, const std::uint8_t* source, std::uint8_t* output, bool* left) {
   const auto of = [&](auto memory) {
     return gather_runs_of<decltype(memory)>(task, runs, count, source, output, left);
   };
@@ -319,11 +320,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace calvin::remap {
 
-HWY_EXPORT(gather);
+HWY_EXPORT(gather_of_layout);
 
 bool gather_runs(LaneLayout layout, const GatherTask& task, const std::int32_t* runs, int count,
                  const std::uint8_t* source, std::uint8_t* output, bool* left) noexcept {
-  return HWY_DYNAMIC_DISPATCH(gather)(layout, task, runs, count, source, output, left);
+  return HWY_DYNAMIC_DISPATCH(gather_of_layout)(layout, task, runs, count, source, output, left);
 }
 
 }  // namespace calvin::remap
