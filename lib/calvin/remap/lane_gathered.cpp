@@ -108,8 +108,10 @@ HWY_INLINE hn::Mask<Unsigned> too_far(const Middles& middles) {
 HWY_INLINE bool are_inside(const Curves& curves, float spare) {
   const Floats d;
   constexpr float kEnd = reach(kPixels) / 2.0F;
-  const auto most = hn::MulAdd(hn::Set(d, kEnd), hn::Abs(curves.slope),
-                               hn::Set(d, kEnd * kEnd) * hn::Abs(curves.bend));
+  constexpr float kRounding = 1.0F / 1024;
+  const auto most =
+      hn::MulAdd(hn::Set(d, kEnd), hn::Abs(curves.slope),
+                 hn::MulAdd(hn::Set(d, kEnd * kEnd), hn::Abs(curves.bend), hn::Set(d, kRounding)));
   const auto below = hn::Lt(curves.rest - most, curves.first);
   const auto above = hn::Gt(curves.rest + most, curves.last - hn::Set(d, spare));
   return hn::AllFalse(d, hn::Or(below, above));
@@ -140,7 +142,7 @@ struct Block {
   hn::Mask<Unsigned> unclear;  // what is to be seen of runs is not for us to say
 };
 
-// Of runs from `begin` on.
+// The next of `count` runs.
 template <class M>
 HWY_INLINE void prepare(const Picture& picture, const GatherTask& task, const std::int32_t* runs,
                         int count, Block& block) {
