@@ -222,7 +222,7 @@ class Chunk {
     return output_row(plane, y) + (first_ + run * pixels_) * layout_.pixel_step;
   }
 
-  // What is slow.
+  // Writes the runs that are slow.
   void sample_rest(int y, const PlaneMap::Row* limits, remap::SlowBlocks slow) noexcept {
     if (slow == 0) return;
     const auto kind = [&](int j) { return row_.rows[j] & (remap::kSlowRun | remap::kEmptyRun); };

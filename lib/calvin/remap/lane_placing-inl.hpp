@@ -43,6 +43,7 @@ struct Placing {
 template <class F>
 HWY_INLINE void with_placing(LaneLayout layout, int run, F f) {
   constexpr int kParts = kMovesAllBytes ? 1 : 2;
+  constexpr int kPartsOfPairs = kMovesAllBytes ? 1 : 4;  // of 16-bit samples
   constexpr bool kApart = !kMovesAllBytes;
   const bool whole = run == 8;
   switch (layout) {
@@ -58,7 +59,7 @@ HWY_INLINE void with_placing(LaneLayout layout, int run, F f) {
       if (whole) f(Placing<8, kParts, 2>());
       return;
     case LaneLayout::kTwoWords:
-      if (whole) f(Placing < 8, kMovesAllBytes ? 1 : 4, 4 > ());
+      if (whole) f(Placing<8, kPartsOfPairs, 4>());
       return;
     case LaneLayout::kThree:
       return whole ? f(Placing<8, 1, 3, kApart>()) : f(Placing<2, 1, 3, kApart>());
@@ -86,10 +87,10 @@ constexpr RecordOrder kPairedOrder = make_paired_order();
 // Calls f with the number of each part.
 template <class P, class F>
 HWY_INLINE void for_parts(F f) {
-  [&]<int... kPart>(std::integer_sequence<int, kPart...> /*parts*/) HWY_ATTR {
+  const auto call = [&]<int... kPart>(std::integer_sequence<int, kPart...> /*parts*/) HWY_ATTR {
     (f(std::integral_constant<int, kPart>()), ...);
-  }
-  (std::make_integer_sequence<int, P::kParts>());
+  };
+  call(std::make_integer_sequence<int, P::kParts>());
 }
 
 template <class P>
