@@ -105,15 +105,21 @@ struct Planes {
 
 // ---- Runs of a single component: their samples stay in registers.
 
-// The first or the second of two vectors of a group whose first run is `j`: every other run.
+// A vector of the group whose first run is `j`: all of it, or every other run, the first or the
+// second of them.
 template <class L, bool kSteady, bool kThree, bool kNearest, int kSecond, int kPlanes>
-HWY_INLINE std::array<typename BlenderOf<L>::Sums, kPlanes> blend_alternate(
+HWY_INLINE std::array<typename BlenderOf<L>::Sums, kPlanes> blend_vector_of(
     const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
     const BlenderOf<L>& blender) {
   using P = PlacingOf<L>;
+  const Words words;
   Both<P> at = places_of<P, kSteady>(task.row, task.band, j + kSecond * kLanes, way);
   if constexpr (kNearest) at.x = rounded_place(Signed(), at.x);
-  const Taps taps = {hn::BitCast(Bytes(), bytes_of<P>(at.x)), across_of<P>(at.x), at.y};
+  auto neighbours = hn::BitCast(words, bytes_of<P, kIndexStep<L>>(at.x));
+  if constexpr (kByWindows<L>) {
+    neighbours = neighbours + kept(hn::Load(words, kResults<L>.neighbours));
+  }
+  const Taps taps = {hn::BitCast(Bytes(), neighbours), across_of<P>(at.x), at.y};
   const std::int32_t* offsets = task.row.offset + j;
   std::array<typename BlenderOf<L>::Sums, kPlanes> results;
   HWY_UNROLL(kMaxPlanes)
@@ -125,17 +131,26 @@ HWY_INLINE std::array<typename BlenderOf<L>::Sums, kPlanes> blend_alternate(
   return results;
 }
 
-// The group whose first run is `j`: the results of two vectors are packed lane by lane.
+// The group whose first run is `j`: the results of two vectors are packed lane by lane, or those of
+// one are stored.
 template <class L, bool kSteady, bool kThree, bool kNearest, int kPlanes>
-HWY_INLINE void blend_alternates(const RowTask& task, int j, Numbers way,
-                                 const Planes<kPlanes>& planes, const BlenderOf<L>& blender) {
+HWY_INLINE void blend_group(const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
+                            const BlenderOf<L>& blender) {
   const auto first =
-      blend_alternate<L, kSteady, kThree, kNearest, 0>(task, j, way, planes, blender);
-  const auto second =
-      blend_alternate<L, kSteady, kThree, kNearest, 1>(task, j, way, planes, blender);
-  HWY_UNROLL(kMaxPlanes)
-  for (int p = 0; p < kPlanes; ++p) {
-    hn::StoreU(blender.pack(first[p], second[p]), Bytes(), planes.outputs[p]);
+      blend_vector_of<L, kSteady, kThree, kNearest, 0>(task, j, way, planes, blender);
+  if constexpr (PlacingOf<L>::kPaired) {
+    const auto second =
+        blend_vector_of<L, kSteady, kThree, kNearest, 1>(task, j, way, planes, blender);
+    HWY_UNROLL(kMaxPlanes)
+    for (int p = 0; p < kPlanes; ++p) {
+      hn::StoreU(blender.pack(first[p], second[p]), Bytes(), planes.outputs[p]);
+    }
+  } else {
+    HWY_UNROLL(kMaxPlanes)
+    for (int p = 0; p < kPlanes; ++p) {
+      hwy::Prefetch(planes.outputs[p] + kWriteAhead);
+      store_results<L>(blender.rounded(first[p]), planes.outputs[p]);
+    }
   }
 }
 
@@ -146,11 +161,11 @@ HWY_INLINE void blend_other(const RowTask& task, int j, Numbers way, const Plane
   const std::int32_t mark = task.row.rows[j];
   if (mark >= kSlowGroup) return;
   if (is_steady(mark)) {
-    blend_alternates<L, true, false, kNearest>(task, j, way, planes, blender);
+    blend_group<L, true, false, kNearest>(task, j, way, planes, blender);
   } else if (mark % kSteadyRows == 3) {
-    blend_alternates<L, false, true, kNearest>(task, j, way, planes, blender);
+    blend_group<L, false, true, kNearest>(task, j, way, planes, blender);
   } else {
-    blend_alternates<L, false, false, kNearest>(task, j, way, planes, blender);
+    blend_group<L, false, false, kNearest>(task, j, way, planes, blender);
   }
 }
 
@@ -161,13 +176,13 @@ HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPl
   const auto way = kept(hn::Set(Signed(), static_cast<std::int16_t>(task.way * 0x7FFF)));
   const std::int32_t* marks = task.row.rows;
   const auto next = [&](int j) HWY_ATTR {
-    for (auto& output : planes.outputs) output += kGroup * L::kRunPixels;
+    for (auto& output : planes.outputs) output += kGroup * L::kRunPixels * L::kSpread;
     return j + kGroup;
   };
   for (int j = begin; j < end;) {
     // Apart from the others, so that these keep their registers.
     for (; HWY_LIKELY(j < end && marks[j] == kSteadyThree); j = next(j)) {
-      blend_alternates<L, true, true, kNearest>(task, j, way, planes, blender);
+      blend_group<L, true, true, kNearest>(task, j, way, planes, blender);
     }
     for (; j < end && marks[j] != kSteadyThree; j = next(j)) {
       blend_other<L, kNearest>(task, j, way, planes, blender);
@@ -218,7 +233,7 @@ HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPl
   const std::uint16_t* of_results =
       task.format.swapped ? kResults<L>.swapped : kResults<L>.neighbours;
   BlockSamples samples;
-  const auto blend_group = [&](auto three, int j, int first) HWY_ATTR {
+  const auto blend_runs_of = [&](auto three, int j, int first) HWY_ATTR {
     constexpr bool kThree = decltype(three)::value;
     const auto taps = [&](int v) HWY_ATTR {
       return taps_at<L>(samples, first + v * L::kPixels * kLanes, of_results);
@@ -240,9 +255,9 @@ HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPl
     for (int j = block; j < last; j += kLanes, first += kLanes * L::kRunPixels) {
       const std::int32_t mark = task.row.rows[j];
       if (mark < kSlowGroup && HWY_LIKELY(mark % kSteadyRows == 3)) {
-        blend_group(std::true_type(), j, first);
+        blend_runs_of(std::true_type(), j, first);
       } else if (mark < kSlowGroup) {
-        blend_group(std::false_type(), j, first);
+        blend_runs_of(std::false_type(), j, first);
       }
       for (auto& output : planes.outputs) output += L::kSpan * L::kOut;
     }
@@ -260,7 +275,7 @@ void blend(const RowTask& shared, int begin, int end, const PlaneRows& rows) {
     planes.ahead[p] = rows.source[p] + static_cast<std::ptrdiff_t>(kAhead<L>) * task.stride + 16;
     planes.outputs[p] = rows.output[p];
   }
-  if constexpr (L::kStep * L::kSpread == 1) {
+  if constexpr (L::kStep == 1) {
     blend_single<L, kNearest>(task, begin, end, planes);
   } else {
     blend_blocks<L, kNearest>(task, begin, end, planes);
