@@ -26,13 +26,16 @@ const std::vector<Lens> kLenses = {
 };
 
 const std::vector<PlaneLayout> kLayouts = {
-    {{}, 1, 1, 1},                             // GRAY8
-    {{1, 1, true, false}, 2, 2, 1},            // NV12 chroma
-    {{}, 1, 2, 1},                             // YUY2 luma
-    {{1, 0, true, false}, 2, 4, 2},            // its chroma
-    {{}, 3, 3, 1},                             // RGB
-    {{}, 4, 4, 1},                             // BGRx
-    {{}, 1, 2, 2, {}, SampleType::kU16Little}  // GRAY16_LE
+    {{}, 1, 1, 1},                                                  // GRAY8
+    {{1, 1, true, false}, 2, 2, 1},                                 // NV12 chroma
+    {{}, 1, 2, 1},                                                  // YUY2 luma
+    {{1, 0, true, false}, 2, 4, 2},                                 // its chroma
+    {{}, 3, 3, 1},                                                  // RGB
+    {{}, 4, 4, 1},                                                  // BGRx
+    {{}, 1, 2, 2, {}, SampleType::kU16Little},                      // GRAY16_LE
+    {{1, 1, true, false}, 2, 4, 2, {}, SampleType::kU16Little, 6},  // P010 chroma
+    // I420 chroma of a part from an odd pixel on
+    {{1, 1, true, false, 1, 1}, 1, 1, 1, {}, SampleType::kU8, 0, Subsampling{1, 1, true, false}},
 };
 
 const std::vector<ViewOptions> kViews = {view_of(0, 1, 0),     view_of(0.6, 1, 0),
@@ -67,10 +70,9 @@ struct PlaneSize {
   std::ptrdiff_t stride;
   std::size_t bytes;  // to the last sample's last byte
 };
-PlaneSize size_of(const PlaneLayout& layout, ImageSize frame) {
-  const Subsampling& s = layout.subsampling;
-  const int width = (frame.width + (1 << s.x_shift) - 1) >> s.x_shift;
-  const int height = (frame.height + (1 << s.y_shift) - 1) >> s.y_shift;
+PlaneSize size_of(const PlaneLayout& layout, const Subsampling& s, ImageSize frame) {
+  const int width = (s.x_before + frame.width + (1 << s.x_shift) - 1) >> s.x_shift;
+  const int height = (s.y_before + frame.height + (1 << s.y_shift) - 1) >> s.y_shift;
   const std::ptrdiff_t stride = width * layout.pixel_step;
   const std::ptrdiff_t last = (width - 1) * layout.pixel_step +
                               (layout.components - 1) * layout.component_step +
@@ -97,16 +99,19 @@ TEST(RemapMemory, NothingBesideAPlaneIsRead) {
         const auto undistorter = Undistorter::make(source, view, kLayouts);
         ASSERT_TRUE(undistorter.has_value());
         for (std::size_t i = 0; i < kLayouts.size(); ++i) {
-          const auto [stride, bytes] = size_of(kLayouts[i], size);
-          const Fenced input(bytes);
-          const Fenced output(bytes);
+          const PlaneSites sites = kLayouts[i].sites();
+          const PlaneSize in = size_of(kLayouts[i], sites.source, size);
+          const PlaneSize out = size_of(kLayouts[i], sites.output, size);
+          const Fenced input(in.bytes);
+          const Fenced output(out.bytes);
           for (const std::int64_t disabled : instruction_sets()) {
             hwy::DisableTargets(disabled);
             for (const auto way : {Interpolation::kNearest, Interpolation::kBilinear}) {
               // Flush with the pages before and behind.
-              undistorter->apply(i, {input.first(), stride}, {output.first(), stride}, {way});
-              undistorter->apply(i, {input.end() - bytes, stride}, {output.end() - bytes, stride},
+              undistorter->apply(i, {input.first(), in.stride}, {output.first(), out.stride},
                                  {way});
+              undistorter->apply(i, {input.end() - in.bytes, in.stride},
+                                 {output.end() - out.bytes, out.stride}, {way});
             }
             hwy::DisableTargets(0);
           }
@@ -121,13 +126,14 @@ TEST(RemapMemory, SharesOfTheRowsMakeTheSamePicture) {
   const Camera source = reference::camera(kLenses[0], size, 380, 322, 237);
   for (const PlaneLayout& layout : kLayouts) {
     const Undistorter undistorter = Undistorter::make(source, {0.5, {}}, {layout}).value();
-    const auto [stride, bytes] = size_of(layout, size);
-    const Fenced input(bytes);
-    std::vector<std::uint8_t> whole(bytes);
-    std::vector<std::uint8_t> shared(bytes);
-    undistorter.apply(0, {input.first(), stride}, {whole.data(), stride});
-    const std::vector<PlaneMemory<const std::uint8_t>> sources = {{input.first(), stride}};
-    const std::vector<PlaneMemory<std::uint8_t>> outputs = {{shared.data(), stride}};
+    const PlaneSize in = size_of(layout, layout.sites().source, size);
+    const PlaneSize out = size_of(layout, layout.sites().output, size);
+    const Fenced input(in.bytes);
+    std::vector<std::uint8_t> whole(out.bytes);
+    std::vector<std::uint8_t> shared(out.bytes);
+    undistorter.apply(0, {input.first(), in.stride}, {whole.data(), out.stride});
+    const std::vector<PlaneMemory<const std::uint8_t>> sources = {{input.first(), in.stride}};
+    const std::vector<PlaneMemory<std::uint8_t>> outputs = {{shared.data(), out.stride}};
     constexpr int kParts = 7;
     for (int part = 0; part < kParts; ++part) {
       undistorter.apply(sources, outputs, {}, part, kParts);
