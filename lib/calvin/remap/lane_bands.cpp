@@ -271,7 +271,8 @@ HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
 
 template <class P, bool kThree>
 HWY_INLINE void begin_vector(int j, const BandAxis& x, const BandAxis& y, Band& band) {
-  alignas(64) std::int32_t to_middles[P::kParts * hn::MaxLanes(Ints())];
+  // What is spread is read four at a time, from any of them on.
+  alignas(64) std::int32_t to_middles[P::kParts * hn::MaxLanes(Ints()) + 4];
   begin_segments<P, kThree>(j, x, y, band, to_middles);
   begin_shapes<P, kThree>(j, x, y, to_middles, band);
 }
