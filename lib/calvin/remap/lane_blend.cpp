@@ -46,9 +46,9 @@ void blend_row_of(LaneLayout /*layout*/, int /*run*/, const RowTask& /*task*/, i
 // What is known of the samples of a block of runs. To know it of many before the first one is
 // blended keeps the machine busy: it cannot look as far ahead as one sample takes.
 struct BlockSamples {
-  alignas(64) std::int16_t bytes[8 * kBlockRuns];
-  alignas(64) std::int16_t across[8 * kBlockRuns];
-  alignas(64) std::int16_t down[8 * kBlockRuns];
+  alignas(64) std::int16_t bytes[kBlockSamples];
+  alignas(64) std::int16_t across[kBlockSamples];
+  alignas(64) std::int16_t down[kBlockSamples];
 };
 // A vector of samples whose first run is `run`.
 template <class P, bool kNearest, bool kSteady>

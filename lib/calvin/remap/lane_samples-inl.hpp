@@ -20,6 +20,8 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 // Runs whose samples are placed before they are blended.
 constexpr int kBlockRuns = 32;
+// Their samples, and what is read beyond the last ones, which are taken eight at a time.
+constexpr int kBlockSamples = 8 * kBlockRuns + 8;
 
 // Bytes of the output that are fetched before they are written: the lines must come first.
 constexpr int kWriteAhead = 1024;
