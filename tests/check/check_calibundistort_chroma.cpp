@@ -206,14 +206,7 @@ static GstBuffer* picture_of(const Case& k, const GstVideoInfo& frame, const Edg
                             static_cast<guint>(k.size.width + k.before),
                             static_cast<guint>(k.size.height + k.before));
   GstBuffer* buffer = render(info, edge, k.in, k.before);
-  gst_buffer_add_video_meta_full(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_INFO_FORMAT(&info),
-                                 static_cast<guint>(info.width), static_cast<guint>(info.height),
-                                 GST_VIDEO_INFO_N_PLANES(&info), info.offset, info.stride);
-  GstVideoCropMeta* crop = gst_buffer_add_video_crop_meta(buffer);
-  crop->x = static_cast<guint>(k.before);
-  crop->y = static_cast<guint>(k.before);
-  crop->width = static_cast<guint>(k.size.width);
-  crop->height = static_cast<guint>(k.size.height);
+  add_crop(buffer, info, {{info.width, info.height}, k.before, k.before, k.size});
   return buffer;
 }
 

@@ -280,15 +280,7 @@ static GstBuffer* cropped_noise(const char* format, const FramePart& part, int n
   gst_video_info_set_format(&info, gst_video_format_from_string(format),
                             static_cast<guint>(part.whole.width),
                             static_cast<guint>(part.whole.height));
-  gst_buffer_add_video_meta_full(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_INFO_FORMAT(&info),
-                                 static_cast<guint>(part.whole.width),
-                                 static_cast<guint>(part.whole.height),
-                                 GST_VIDEO_INFO_N_PLANES(&info), info.offset, info.stride);
-  GstVideoCropMeta* crop = gst_buffer_add_video_crop_meta(buffer);
-  crop->x = static_cast<guint>(part.x);
-  crop->y = static_cast<guint>(part.y);
-  crop->width = static_cast<guint>(part.size.width);
-  crop->height = static_cast<guint>(part.size.height);
+  add_crop(buffer, info, part);
   return buffer;
 }
 

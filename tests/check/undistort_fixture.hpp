@@ -122,6 +122,19 @@ inline std::string output_calibration(const Fixture& f) {
   return text != nullptr ? text : "";
 }
 
+// Says of a buffer that holds a picture of the format that `part` of it is the frame.
+inline void add_crop(GstBuffer* buffer, GstVideoInfo info, const FramePart& part) {
+  gst_buffer_add_video_meta_full(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_INFO_FORMAT(&info),
+                                 static_cast<guint>(part.whole.width),
+                                 static_cast<guint>(part.whole.height),
+                                 GST_VIDEO_INFO_N_PLANES(&info), info.offset, info.stride);
+  GstVideoCropMeta* crop = gst_buffer_add_video_crop_meta(buffer);
+  crop->x = static_cast<guint>(part.x);
+  crop->y = static_cast<guint>(part.y);
+  crop->width = static_cast<guint>(part.size.width);
+  crop->height = static_cast<guint>(part.size.height);
+}
+
 // The calibration events that came out since the last call.
 inline std::vector<gst::CalibrationEvent> events_out(Fixture& f) {
   std::vector<gst::CalibrationEvent> all;
