@@ -86,9 +86,10 @@ class Chunk {
 
   // The band that a row lies in is the same whichever row comes first: threads share the rows.
   void begin_band(int y) noexcept {
-    int first = y / remap::kBandRows * remap::kBandRows;
-    int last = std::min(first + remap::kBandRows, map_.size().height) - 1;
     const int node_row = map_.level(y).node_row;
+    const int rows = map_.band_rows(node_row);
+    int first = y / rows * rows;
+    int last = std::min(first + rows, map_.size().height) - 1;
     while (map_.level(first).node_row != node_row) ++first;
     while (map_.level(last).node_row != node_row) --last;
     band_end_ = last + 1;

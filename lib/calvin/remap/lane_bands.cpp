@@ -38,10 +38,6 @@ bool begin_band_of(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bou
 // How far places of a steady band are from a line down it, 1/2^14 of a sample.
 constexpr std::int32_t kMostBulge = 1 << (kPlaceBits - 2);
 
-// What a run's slope may be off a line down the band, twice as 16 times as large: 1/2000 of a
-// sample at its ends.
-constexpr std::int32_t kMostSway = 64;
-
 // One axis of a vector of runs, in the first and in the last row of a band.
 struct BandAxis {
   Line first;
@@ -81,9 +77,13 @@ HWY_INLINE hn::Vec<Ints> whole_place(hn::Vec<Ints> half) {
 template <bool kThird>
 HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* amid,
                               const std::int32_t* last, hn::Vec<Ints> slack, std::int32_t reach) {
-  const Curve top = curve_at<kThird>(first);
-  const Curve bottom = curve_at<kThird>(last);
+  Curve top = curve_at<kThird>(first);
+  Curve bottom = curve_at<kThird>(last);
   const auto across = curve_at<kThird>(amid).across;
+  const auto sway = across + across - top.across - bottom.across;
+  // The line that slopes are the least off goes half way to the middle's.
+  top.across = top.across + hn::ShiftRight<2>(sway);
+  bottom.across = bottom.across + hn::ShiftRight<2>(sway);
   const Line a = line_of<8>(top);
   const Line b = line_of<8>(bottom);
   // Of a vector that is not steady it may be anything.
@@ -96,8 +96,40 @@ HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* ami
           hn::Max(a.middle, b.middle) + around,
           hn::Max(hn::Abs(a.slope), hn::Abs(b.slope)),
           hn::Max(hn::Abs(a.bend), hn::Abs(b.bend)),
-          hn::Abs(across + across - top.across - bottom.across)};
+          hn::Abs(sway)};
 }
+
+// Of a vector that has only so many runs of the row: what lies behind them is as the last of them,
+// so that it can be read and is no reason to be slow.
+class RunsHeld {
+  static constexpr int kAll = static_cast<int>(hn::MaxLanes(Ints()));
+
+ public:
+  explicit RunsHeld(int runs) : runs_(runs) {}
+
+  [[nodiscard]] HWY_INLINE hn::Vec<Ints> operator()(hn::Vec<Ints> v) const {
+    if (all()) return v;
+    alignas(64) std::int32_t lanes[kAll];
+    for (int i = 0; i < kAll; ++i) lanes[i] = std::min(i, runs_ - 1);
+    return hn::TableLookupLanes(v, hn::SetTableIndices(Ints(), lanes));
+  }
+  [[nodiscard]] HWY_INLINE hn::Vec<Floats> operator()(hn::Vec<Floats> v) const {
+    return all() ? v : hn::BitCast(Floats(), (*this)(hn::BitCast(Ints(), v)));
+  }
+  [[nodiscard]] HWY_INLINE BandAxis operator()(const BandAxis& axis) const {
+    if (all()) return axis;
+    const auto line = [&](const Line& l) HWY_ATTR {
+      return Line{(*this)(l.middle), (*this)(l.slope), (*this)(l.bend)};
+    };
+    return {line(axis.first),   line(axis.last),     (*this)(axis.half), (*this)(axis.least),
+            (*this)(axis.most), (*this)(axis.steep), (*this)(axis.bent), (*this)(axis.sway)};
+  }
+
+ private:
+  [[nodiscard]] bool all() const { return runs_ >= kAll; }
+
+  int runs_;
+};
 
 // The rows of the source that each of a vector of runs reads.
 template <class P>
@@ -206,12 +238,12 @@ HWY_INLINE std::int32_t marks_of(Band::Kind kind, int rows) {
 }
 
 // How the middles of a steady vector of runs go down the band.
-HWY_INLINE void begin_course(int j, const BandAxis& axis, const std::int32_t* amid,
-                             hn::Vec<Floats> twist, Band::Course& course) {
+HWY_INLINE void begin_course(int j, const BandAxis& axis, hn::Vec<Ints> amid, hn::Vec<Floats> twist,
+                             Band::Course& course) {
   const Ints d;
   const Floats floats;
   const auto down = axis.last.middle - axis.first.middle;
-  const auto half = hn::LoadU(d, amid + j + kMargin) - axis.first.middle;
+  const auto half = amid - axis.first.middle;
   const auto curve = hn::ShiftLeft<2>(half) - hn::ShiftLeft<1>(down);
   hn::Store(hn::ConvertTo(floats, down), floats, course.span + j);
   hn::Store(hn::ConvertTo(floats, curve), floats, course.curve + j);
@@ -287,12 +319,14 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
   for (int j = 0; j < row.count; j += kVector) {
     const auto x_bulge = bulge(nodes.x, j + NodeRows::kFirst, slot, height);
     const auto y_bulge = bulge(nodes.y, j + NodeRows::kFirst, slot, height);
-    const BandAxis x = band_axis<kThird>(band.x_first + j, band.x_amid + j, band.x_last + j,
-                                         hn::Min(x_bulge.line, most), 0);
+    const RunsHeld held(row.count - j);
+    const BandAxis x = held(band_axis<kThird>(band.x_first + j, band.x_amid + j, band.x_last + j,
+                                              hn::Min(x_bulge.line, most), 0));
     const BandAxis y =
-        band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
-                          hn::Min(y_bulge.line, most), P::kApart ? 2 * kHalfRow : kHalfRow);
-    const bool tame = hn::AllFalse(d, hn::Gt(hn::Max(x_bulge.line, y_bulge.line), most));
+        held(band_axis<kThird>(band.y_first + j, band.y_amid + j, band.y_last + j,
+                               hn::Min(y_bulge.line, most), P::kApart ? 2 * kHalfRow : kHalfRow));
+    const auto line = held(hn::Max(x_bulge.line, y_bulge.line));
+    const bool tame = hn::AllFalse(d, hn::Gt(line, most));
     const int rows = rows_of<P>(y);
     if (tame) band.kind[j] = kind_of<P>(x, y, bounds, rows);
     const Band::Kind kind = band.kind[j];
@@ -306,8 +340,10 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
     } else {
       begin_vector<P, false>(j, x, y, band);
     }
-    begin_course(j, x, band.x_amid, x_bulge.twist, band.x_course);
-    begin_course(j, y, band.y_amid, y_bulge.twist, band.y_course);
+    const auto amid = [&](const std::int32_t* middles)
+                          HWY_ATTR { return held(hn::LoadU(d, middles + j + kMargin)); };
+    begin_course(j, x, amid(band.x_amid), held(x_bulge.twist), band.x_course);
+    begin_course(j, y, amid(band.y_amid), held(y_bulge.twist), band.y_course);
   }
   return shared;
 }

@@ -104,8 +104,14 @@ struct RunRow {
   int count = 0;                                             // runs
 };
 
-// Rows of the output that are prepared together: what varies little is taken once for all of them.
+// Rows of the output that are prepared together, at most and at least: what varies little is taken
+// once for all of them.
 inline constexpr int kBandRows = 32;
+inline constexpr int kFewestBandRows = 8;
+
+// Twice as much as the distance of a run's neighbours may be off a line down a band in its middle,
+// 1/2^14 of a sample: the run's ends are 1/4500 of a sample off a line that goes half way to it.
+inline constexpr std::int32_t kMostSway = 64;
 
 // What a band's rows share of the runs that are well inside the source in all of them.
 struct Band {

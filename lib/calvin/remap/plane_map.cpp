@@ -11,6 +11,14 @@
 
 namespace calvin {
 
+namespace {
+
+// One in so many columns may be too bent for a band: to begin twice as many bands costs less than
+// what it saves where there are more.
+constexpr int kMostBent = 16;
+
+}  // namespace
+
 PlaneMap::PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int run_pixels)
     : map_(std::move(map)),
       run_pixels_(run_pixels),
@@ -32,6 +40,7 @@ PlaneMap::PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites,
     weights_[1].push_back(weights[2]);
     weights_[2].push_back(weights[3]);
   }
+  for (int row = 0; row + 3 < map_->rows(); ++row) band_rows_.push_back(count_band_rows(row));
 }
 
 double PlaneMap::middle(int run) const noexcept {
@@ -43,7 +52,8 @@ Pixel PlaneMap::to_samples(Pixel place) const noexcept {
 }
 
 std::size_t PlaneMap::bytes() const noexcept {
-  std::size_t sum = columns_.size() * 4 * sizeof(float) + rows_.size() * sizeof(Row);
+  std::size_t sum = columns_.size() * 4 * sizeof(float) + band_rows_.size() * sizeof(int) +
+                    rows_.size() * sizeof(Row);
   for (const Row& row : rows_) {
     sum += row.valid.size() * sizeof(Span) + row.middles.size() * sizeof(Middle);
   }
@@ -54,6 +64,54 @@ PlaneMap::Level PlaneMap::level(int y) const noexcept {
   const double v = out_y_.site(y);
   const int row = map_->cell_of(v, map_->rows() - 3);
   return {row, v / map_->step() - row};
+}
+
+// How far the distance of a run's neighbours in the middle of a cell is off a line down the cell;
+// 1/2^14 of a sample of the source. 0 where the source is not.
+double PlaneMap::sway_at(int column, int node_row) const noexcept {
+  const double x = map_->x_row(node_row + 1)[column];
+  const double y = map_->y_row(node_row + 1)[column];
+  const ImageSize source = source_size();
+  const int around = map_->step();
+  const bool matters = x > -around && y > -around && x < source.width * in_x_.scale() + around &&
+                       y < source.height * in_y_.scale() + around;
+  if (!matters) return 0;
+  // The largest change of a second difference down the nodes from a column to the next but one.
+  const auto change = [&](auto nodes) {
+    double largest = 0;
+    for (const int row : {node_row + 1, node_row + 2}) {
+      const auto bow = [&](int c) {
+        return nodes(row - 1)[c] - 2.0 * nodes(row)[c] + nodes(row + 1)[c];
+      };
+      largest = std::max(largest, std::abs(bow(column + 1) - bow(column - 1)));
+    }
+    return largest;
+  };
+  // In two runs, and what a cell's middle is off a line by.
+  const double part = run_pixels_ * out_x_.scale() / map_->step() / 4;
+  return (1 << remap::kPlaceBits) * part *
+         std::max(change([&](int row) { return map_->x_row(row); }) / in_x_.scale(),
+                  change([&](int row) { return map_->y_row(row); }) / in_y_.scale());
+}
+
+// As many as leave most of the columns straight enough: the sway grows with the square of the rows.
+int PlaneMap::count_band_rows(int node_row) const noexcept {
+  std::array<int, 3> bent{};  // columns, by the rows: the most, half of these, a quarter
+  for (int c = 1; c + 1 < map_->columns(); ++c) {
+    const double sway = sway_at(c, node_row);
+    double rows = remap::kBandRows * out_y_.scale() / map_->step();
+    for (int& count : bent) {
+      const double part = std::min(rows, 1.0);
+      if (sway * part * part > remap::kMostSway) ++count;
+      rows /= 2;
+    }
+  }
+  int rows = remap::kBandRows;
+  for (const int count : bent) {
+    if (count * kMostBent <= map_->columns() || rows == remap::kFewestBandRows) break;
+    rows /= 2;
+  }
+  return rows;
 }
 
 void PlaneMap::expand(int node_row, int first, int count, float* x, float* y) const noexcept {

@@ -55,8 +55,10 @@ class PlaneMap {
   [[nodiscard]] int runs() const noexcept {
     return static_cast<int>(columns_.size()) - 2 * remap::kMargin - remap::kSpare;
   }
-  // Whether parabolas alone do not follow it.
-  [[nodiscard]] bool strongly_bent() const noexcept { return map_->step() < RemapMap::kCoarsest; }
+  // Whether parabolas alone do not follow it, as runs of chroma, which are twice as long.
+  [[nodiscard]] bool strongly_bent() const noexcept {
+    return map_->step() < RemapMap::kCoarsest || out_x_.scale() > 1;
+  }
   // Of this alone; the map is shared.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
@@ -67,6 +69,11 @@ class PlaneMap {
     double between = 0;
   };
   [[nodiscard]] Level level(int y) const noexcept;
+
+  // How many rows of those between the same node rows have slopes in common.
+  [[nodiscard]] int band_rows(int node_row) const noexcept {
+    return band_rows_[static_cast<std::size_t>(node_row)];
+  }
 
   // The runs from first - kMargin on at a row of nodes; 1/2^14 of a sample of the source.
   void expand(int node_row, int first, int count, float* x, float* y) const noexcept;
@@ -81,6 +88,8 @@ class PlaneMap {
   PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int run_pixels);
   [[nodiscard]] double middle(int run) const noexcept;  // px of the output
   [[nodiscard]] Pixel to_samples(Pixel place) const noexcept;
+  [[nodiscard]] double sway_at(int column, int node_row) const noexcept;
+  [[nodiscard]] int count_band_rows(int node_row) const noexcept;
   [[nodiscard]] bool follows_the_map() const;
   [[nodiscard]] bool follows_row(double v, std::vector<std::int32_t>& x,
                                  std::vector<std::int32_t>& y) const;
@@ -96,6 +105,7 @@ class PlaneMap {
   // Of the runs and their margins, as remap::RunColumns.
   std::vector<std::int32_t> columns_;
   std::array<std::vector<float>, 3> weights_;
+  std::vector<int> band_rows_;  // by node row
   std::vector<Row> rows_;
 };
 
