@@ -106,7 +106,7 @@ struct RunRow {
 
 // Rows of the output that are prepared together, at most and at least: what varies little is taken
 // once for all of them.
-inline constexpr int kBandRows = 32;
+inline constexpr int kBandRows = 64;
 inline constexpr int kFewestBandRows = 8;
 
 // Twice as much as the distance of a run's neighbours may be off a line down a band in its middle,

@@ -17,12 +17,6 @@ constexpr double kFar = 30000;
 
 double clamp_far(double place, int length) { return std::clamp(place, -kFar, length + kFar); }
 
-// `overlooked` is how far outside the source a place may be and still matter to one inside.
-bool matters(Pixel place, ImageSize source, double overlooked) {
-  return place.u > -overlooked && place.v > -overlooked && place.u < source.width + overlooked &&
-         place.v < source.height + overlooked;
-}
-
 }  // namespace
 
 RemapMap::RemapMap(ImageSize source, ImageSize output, int step)
@@ -82,14 +76,33 @@ Pixel RemapMap::at(Pixel output) const noexcept {
   return place;
 }
 
-// Looks where interpolation is worst, in the middle of cells: every second one, as on a chessboard.
+// Whether a cell's places reach into the source: some of its corners lie on one side of an edge,
+// and some on the other, or inside.
+bool RemapMap::matters(int cell_column, int cell_row) const noexcept {
+  const auto reaches = [&](const std::vector<float>& places, int size) {
+    const auto first = index(cell_column + 1, cell_row + 1);
+    const auto second = index(cell_column + 1, cell_row + 2);
+    const auto [low, high] =
+        std::minmax({places[first], places[first + 1], places[second], places[second + 1]});
+    // What is bent reaches a little farther than its corners.
+    const float more = (high - low) / 4;
+    return high + more > -1 && low - more < static_cast<float>(size);
+  };
+  return reaches(x_, source_.width) && reaches(y_, source_.height);
+}
+
+// Looks where interpolation is worst, in the middle of cells: of many every second one, as on a
+// chessboard.
 bool RemapMap::good_enough(const PixelFunction& place_of) const {
+  constexpr int kFew = 500;
+  // Wide cells would lose too much of it where the model ends.
+  if (step_ == kCoarsest && !everywhere_smooth()) return false;
+  const bool many = (rows_ - 3) * (columns_ - 3) > kFew;
   for (int r = 0; r < rows_ - 3; ++r) {
-    for (int c = r % 2; c < columns_ - 3; c += 2) {
-      if (cell(c, r) != Cell::kSmooth) continue;
+    for (int c = many ? r % 2 : 0; c < columns_ - 3; c += many ? 2 : 1) {
+      if (cell(c, r) != Cell::kSmooth || !matters(c, r)) continue;
       const Pixel middle = {(c + 0.5) * step_, (r + 0.5) * step_};
       const Pixel found = at(middle);
-      if (!matters(found, source_, step_)) continue;
       const auto exact = place_of(middle);
       if (exact && !(std::abs(exact->u - found.u) <= kTolerance &&
                      std::abs(exact->v - found.v) <= kTolerance)) {

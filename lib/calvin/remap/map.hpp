@@ -37,9 +37,9 @@ class RemapMap {
  public:
   // What the interpolation may be wrong by, px: half a grey level at the sharpest edge there is.
   static constexpr double kTolerance = 1.0 / 1024;
-  static constexpr int kCoarsest = 32;  // px
+  static constexpr int kCoarsest = 64;  // px
 
-  // The grid is as coarse as kTolerance allows (32, 16, 8 or 4 px; measured between its nodes).
+  // The grid is as coarse as kTolerance allows (64, 32, 16, 8 or 4 px; measured between its nodes).
   // kCancelled soon after a stop was requested; kInvalidArgument where the memory does not suffice.
   static Result<RemapMap> build(ImageSize source, ImageSize output, const PixelFunction& place_of,
                                 const std::stop_token& stop = {});
@@ -76,6 +76,7 @@ class RemapMap {
            static_cast<std::size_t>(column);
   }
   [[nodiscard]] bool fill(const PixelFunction& place_of, const std::stop_token& stop);
+  [[nodiscard]] bool matters(int cell_column, int cell_row) const noexcept;
   [[nodiscard]] bool good_enough(const PixelFunction& place_of) const;
 
   ImageSize source_;

@@ -96,7 +96,7 @@ double PlaneMap::sway_at(int column, int node_row) const noexcept {
 
 // As many as leave most of the columns straight enough: the sway grows with the square of the rows.
 int PlaneMap::count_band_rows(int node_row) const noexcept {
-  std::array<int, 3> bent{};  // columns, by the rows: the most, half of these, a quarter
+  std::array<int, 4> bent{};  // columns, by the rows: the most, half of these, and so on
   for (int c = 1; c + 1 < map_->columns(); ++c) {
     const double sway = sway_at(c, node_row);
     double rows = remap::kBandRows * out_y_.scale() / map_->step();

@@ -57,7 +57,7 @@ class PlaneMap {
   }
   // Whether parabolas alone do not follow it, as runs of chroma, which are twice as long.
   [[nodiscard]] bool strongly_bent() const noexcept {
-    return map_->step() < RemapMap::kCoarsest || out_x_.scale() > 1;
+    return map_->step() < kStraight || out_x_.scale() > 1;
   }
   // Of this alone; the map is shared.
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -95,6 +95,9 @@ class PlaneMap {
                                  std::vector<std::int32_t>& y) const;
   [[nodiscard]] std::vector<Span> valid_samples(int y, const PixelFunction& place_of) const;
   void find_middles(int y, const PixelFunction& place_of, Row& row) const;
+
+  // Parabolas follow a map whose nodes may be this far apart, px.
+  static constexpr int kStraight = 32;
 
   std::shared_ptr<const RemapMap> map_;
   int run_pixels_;
