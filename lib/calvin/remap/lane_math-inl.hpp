@@ -62,6 +62,18 @@ HWY_INLINE N add_products(D /*d*/, V pairs, V weights) {
 #endif
 }
 
+// Of 16-bit numbers: sums of the products of pairs.
+template <class D, class V = hn::Vec<D>, class N = hn::Vec<hn::RepartitionToWide<D>>>
+HWY_INLINE N add_word_products(D /*d*/, V a, V b) {
+  if constexpr (sizeof(V) == 16) return N{_mm_madd_epi16(a.raw, b.raw)};
+#if HWY_TARGET <= HWY_AVX2
+  if constexpr (sizeof(V) == 32) return N{_mm256_madd_epi16(a.raw, b.raw)};
+#endif
+#if HWY_TARGET <= HWY_AVX3
+  if constexpr (sizeof(V) == 64) return N{_mm512_madd_epi16(a.raw, b.raw)};
+#endif
+}
+
 // Each 128 bits of both, one behind the other, as bytes.
 template <class D, class N = hn::Vec<NumbersOf<D>>, class V = hn::Vec<D>>
 HWY_INLINE V pack_lanes(D /*d*/, N first, N second) {
@@ -76,6 +88,16 @@ HWY_INLINE V pack_lanes(D /*d*/, N first, N second) {
 #else
 #undef CALVIN_REMAP_HAS_PRODUCTS
 #define CALVIN_REMAP_HAS_PRODUCTS 0
+
+template <class D, class V = hn::Vec<D>, class N = hn::Vec<hn::RepartitionToWide<D>>>
+HWY_INLINE N add_word_products(D /*d*/, V a, V b) {
+  const hn::RepartitionToWide<D> ints;
+  const auto low = [&](V v) HWY_ATTR {
+    return hn::ShiftRight<16>(hn::ShiftLeft<16>(hn::BitCast(ints, v)));
+  };
+  const auto high = [&](V v) HWY_ATTR { return hn::ShiftRight<16>(hn::BitCast(ints, v)); };
+  return low(a) * low(b) + high(a) * high(b);
+}
 
 template <class D, class N = hn::Vec<NumbersOf<D>>>
 HWY_INLINE hn::Vec<D> pack_lanes(D d, N first, N second) {

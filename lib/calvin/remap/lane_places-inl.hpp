@@ -28,23 +28,15 @@ constexpr int kPixels = 8;
 using PlaceFloats = hn::CappedTag<float, kPixels>;
 using PlaceInts = hn::RebindToSigned<PlaceFloats>;
 
-// RunParabola of eight samples, from the sample that the middle is behind: differences of middles
-// near the source are small, so that single precision holds all of them. Those of middles that are
-// far from it need more than 32 bits.
+// RunParabola of eight samples, from the sample that the middle is behind: single precision holds
+// all that is near the source from there.
 struct RunCurve {
   explicit RunCurve(const std::int32_t* middles) noexcept {
-    constexpr float kUnit = 1.0F / (1 << kPlaceBits);
-    const auto difference = [middles](int a, int b) {
-      return static_cast<std::int64_t>(middles[a]) - middles[b];
-    };
-    const std::int64_t across = difference(3, 1);
-    const std::int64_t third = difference(4, 0) - 2 * across;
-    const std::int64_t second = difference(3, 2) - difference(2, 1);
-    base = middles[2] >> kPlaceBits;
-    rest = kUnit * static_cast<float>(middles[2] & ((1 << kPlaceBits) - 1));
-    slope = kUnit / (2 * kPixels) *
-            (static_cast<float>(across) - kThirdPart / 256.0F * static_cast<float>(third));
-    bend = kUnit / (2 * kPixels * kPixels) * static_cast<float>(second);
+    const RunParabola parabola(middles, kPixels);
+    base = middles[kMargin] >> kPlaceBits;
+    rest = static_cast<float>(parabola.middle - base);
+    slope = static_cast<float>(parabola.slope);
+    bend = static_cast<float>(parabola.bend);
   }
 
   std::int32_t base;

@@ -10,6 +10,7 @@
 #define CALVIN_REMAP_LANE_SAMPLES_INL_HPP
 #endif
 
+#include "calvin/remap/lane_math-inl.hpp"
 #include "calvin/remap/lane_placing-inl.hpp"
 #include "calvin/remap/lanes.hpp"
 
@@ -97,30 +98,6 @@ constexpr Bases make_bases(int run) {
 template <int kRun>
 constexpr Bases kBases = make_bases(kRun);
 
-// For pairs of a row and a column, both positive: the bytes between the first and these.
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
-HWY_INLINE hn::Vec<hn::FixedTag<std::int32_t, 4>> add_word_products(
-    hn::Vec<hn::FixedTag<std::int16_t, 8>> a, hn::Vec<hn::FixedTag<std::int16_t, 8>> b) {
-  return hn::Vec<hn::FixedTag<std::int32_t, 4>>{_mm_madd_epi16(a.raw, b.raw)};
-}
-#if HWY_TARGET <= HWY_AVX2
-HWY_INLINE hn::Vec<hn::FixedTag<std::int32_t, 8>> add_word_products(
-    hn::Vec<hn::FixedTag<std::int16_t, 16>> a, hn::Vec<hn::FixedTag<std::int16_t, 16>> b) {
-  return hn::Vec<hn::FixedTag<std::int32_t, 8>>{_mm256_madd_epi16(a.raw, b.raw)};
-}
-#endif
-#else
-template <class V>
-HWY_INLINE auto add_word_products(V a, V b) {
-  const hn::RepartitionToWide<hn::DFromV<V>> d;
-  const auto low = [&](V v) HWY_ATTR {
-    return hn::ShiftRight<16>(hn::ShiftLeft<16>(hn::BitCast(d, v)));
-  };
-  const auto high = [&](V v) HWY_ATTR { return hn::ShiftRight<16>(hn::BitCast(d, v)); };
-  return low(a) * low(b) + high(a) * high(b);
-}
-#endif
-
 // A row of the source and a column, as the bytes to them; 15 bits of the stride are enough for
 // nearly all frames.
 struct Stride {
@@ -143,7 +120,7 @@ HWY_INLINE void store_addresses(const Both<P>& at, const std::int32_t* run_offse
   const auto rows = hn::ShiftRight<12>(hn::BitCast(words, at.y));
   const auto factors = hn::BitCast(numbers, hn::Set(ints, stride.products));
   const auto address = [&](auto pairs, const std::uint8_t* base) HWY_ATTR {
-    auto sum = add_word_products(hn::BitCast(numbers, pairs), factors);
+    auto sum = add_word_products(numbers, hn::BitCast(numbers, pairs), factors);
     if constexpr (P::kRun < 8) {
       const auto* offsets = reinterpret_cast<const std::uint8_t*>(run_offsets);
       sum = sum + hn::BitCast(ints, hn::TableLookupBytes(hn::LoadDup128(bytes, offsets),

@@ -18,24 +18,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// Sums of the products of pairs.
-HWY_INLINE hn::Vec<Ints> add_word_pairs(Numbers a, Numbers b) {
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
-  return hn::Vec<Ints>{_mm512_madd_epi16(a.raw, b.raw)};
-#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
-  return hn::Vec<Ints>{_mm256_madd_epi16(a.raw, b.raw)};
-#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
-  return hn::Vec<Ints>{_mm_madd_epi16(a.raw, b.raw)};
-#else
-  const Ints d;
-  const auto low = [&](Numbers v) HWY_ATTR {
-    return hn::ShiftRight<16>(hn::ShiftLeft<16>(hn::BitCast(d, v)));
-  };
-  const auto high = [&](Numbers v) HWY_ATTR { return hn::ShiftRight<16>(hn::BitCast(d, v)); };
-  return low(a) * low(b) + high(a) * high(b);
-#endif
-}
-
 // Each 128 bits of both, one behind the other, as 16-bit numbers.
 HWY_INLINE Numbers pack_word_lanes(hn::Vec<Ints> first, hn::Vec<Ints> second) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
@@ -68,7 +50,7 @@ class WordBlender {
   [[nodiscard]] HWY_INLINE Sums across(Pairs pairs, Numbers across) const {
     // 2^13 (1 - across) of the first, 2^13 (1 + across) of the second.
     const Numbers weights = hn::MulFixedPoint15(across, turn_) + half_;
-    return add_word_pairs(hn::Xor(hn::BitCast(Signed(), pairs), sign_), weights);
+    return add_word_products(Signed(), hn::Xor(hn::BitCast(Signed(), pairs), sign_), weights);
   }
 
   // `weight` of the second one, 1.15.
