@@ -17,7 +17,8 @@ flags="-std=c++20 -O2 -march=armv8-a+crypto -I$source/lib -I$source/tests/lib
   -isystem /usr/include/eigen3 -isystem $gtest/include -I$gtest"
 for file in "$source"/lib/calvin/core/*.cpp "$source"/lib/calvin/geometry/*.cpp \
   "$source"/lib/calvin/camera/*.cpp "$source"/lib/calvin/remap/*.cpp \
-  "$source/tests/lib/test_remap.cpp" "$source/tests/lib/test_remap_steep.cpp" \
+  "$source/tests/lib/test_remap.cpp" "$source/tests/lib/test_remap_random.cpp" \
+  "$source/tests/lib/test_remap_steep.cpp" \
   "$gtest/src/gtest-all.cc" "$gtest/src/gtest_main.cc"; do
   object=$build/$(basename "$(dirname "$file")")-$(basename "$file").o
   [ "$object" -nt "$file" ] || echo "-c $file -o $object"

@@ -151,7 +151,8 @@ TEST_P(RemapPlane, BicubicAndLanczosEqualDoublePrecisionWithinOneGreyLevel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, RemapPlane,
-                         ::testing::Values(ImageSize{641, 479}, ImageSize{322, 242}),
+                         ::testing::Values(ImageSize{641, 479}, ImageSize{322, 242},
+                                           ImageSize{255, 193}),
                          [](const auto& size) { return std::to_string(size.param.width); });
 
 #if HWY_ARCH_X86

@@ -39,10 +39,11 @@ class Chunk {
     runs_ = std::min(remap::kChunkRuns, map.runs() - first_run);
     width_ = std::min(runs_ * pixels_, map.size().width - first_);
     row_.count = runs_;
-    // What the last group of a row writes, and what follows it, must be the row's.
+    // What the last group of a row writes, and what follows it, must be the row's; an uneven last
+    // sample is in no group.
     const auto step = static_cast<int>(layout.pixel_step);
     const int slack = (remap::run_slack(choice_.lanes) + step - 1) / step;
-    const int left = map.size().width - first_ - slack;
+    const int left = map.size().width - first_ - slack - (map.output_x().is_even() ? 0 : 1);
     whole_groups_ = std::max(left, 0) / (group_ * pixels_);
     // Four bytes hold a pixel of those that are gathered.
     std::array<std::uint8_t, 16> pixel{};

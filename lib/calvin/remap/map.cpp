@@ -11,7 +11,9 @@ namespace calvin {
 
 namespace {
 
-constexpr int kFinest = 4;
+constexpr int kFinest = 1;
+// Where the model ends nodes need not be closer, px.
+constexpr int kFine = 4;
 // Places this far outside tell nothing more; differences of them still fit in 32 bits (lanes.hpp).
 constexpr double kFar = 30000;
 
@@ -98,9 +100,14 @@ bool RemapMap::good_enough(const PixelFunction& place_of) const {
   // Wide cells would lose too much of it where the model ends.
   if (step_ == kCoarsest && !everywhere_smooth()) return false;
   const bool many = (rows_ - 3) * (columns_ - 3) > kFew;
+  int smooth = 0;
+  int mixed = 0;
   for (int r = 0; r < rows_ - 3; ++r) {
     for (int c = many ? r % 2 : 0; c < columns_ - 3; c += many ? 2 : 1) {
-      if (cell(c, r) != Cell::kSmooth || !matters(c, r)) continue;
+      const Cell kind = cell(c, r);
+      if (kind == Cell::kMixed) ++mixed;
+      if (kind != Cell::kSmooth || !matters(c, r)) continue;
+      ++smooth;
       const Pixel middle = {(c + 0.5) * step_, (r + 0.5) * step_};
       const Pixel found = at(middle);
       const auto exact = place_of(middle);
@@ -110,7 +117,9 @@ bool RemapMap::good_enough(const PixelFunction& place_of) const {
       }
     }
   }
-  return true;
+  // What lies in mixed cells is found place by place, by parabolas alone, and between missing nodes
+  // there may be something.
+  return everywhere_smooth() || (smooth > 0 && 2 * mixed <= smooth) || step_ <= kFine;
 }
 
 Result<RemapMap> RemapMap::build(ImageSize source, ImageSize output, const PixelFunction& place_of,

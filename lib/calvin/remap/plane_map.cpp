@@ -17,6 +17,10 @@ namespace {
 // what it saves where there are more.
 constexpr int kMostBent = 16;
 
+// Places farther from the source than this tell nothing of what is near it; in 1/2^14 of a sample
+// they fit into 32 bits.
+constexpr double kFar = 1e5;
+
 }  // namespace
 
 PlaneMap::PlaneMap(std::shared_ptr<const RemapMap> map, const PlaneSites& sites, int run_pixels)
@@ -131,51 +135,88 @@ void PlaneMap::expand(int node_row, int first, int count, float* x, float* y) co
 }
 
 // Looks at the ends of runs, where parabolas are worst, in a part of the rows.
-bool PlaneMap::follows_the_map() const {
+bool PlaneMap::follows_the_map(const PixelFunction& place_of) const {
   constexpr int kRows = 20;
-  if (!strongly_bent()) return true;
-  std::vector<std::int32_t> x(static_cast<std::size_t>(runs()));
-  std::vector<std::int32_t> y(x.size());
+  if (!strongly_bent() && map_->everywhere_smooth()) return true;
+  Bent sum;
   for (int i = 0; i <= kRows; ++i) {
-    if (!follows_row(out_y_.site((out_y_.count() - 1) * i / kRows), x, y)) return false;
+    const Bent row = bent_runs((out_y_.count() - 1) * i / kRows, place_of);
+    if (row.on_the_map > 0) return false;
+    sum.beyond += row.beyond;
+    sum.all += row.all;
   }
-  return true;
+  // Where the model ends a map may be bent at will, and all of the others are not to wait for that.
+  return sum.beyond * 500 <= sum.all;
 }
 
-// At px `v` of the output; `x` and `y` are of use to the next row again.
-bool PlaneMap::follows_row(double v, std::vector<std::int32_t>& x,
-                           std::vector<std::int32_t>& y) const {
+// The runs of row `y` that show something of the source whose parabolas do not follow.
+PlaneMap::Bent PlaneMap::bent_runs(int y, const PixelFunction& place_of) const {
   constexpr double kTolerance = 1.0 / 512;
-  constexpr double kScale = 1 << remap::kPlaceBits;
-  constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::min();
-  const double end = (run_pixels_ - 1) / 2.0;
-  const auto at = [&](double sample) {
-    return to_samples(map_->at({out_x_.offset() + out_x_.scale() * sample, v}));
-  };
-  for (std::size_t j = 0; j < x.size(); ++j) {
-    const Pixel place = at(static_cast<double>(j) * run_pixels_ + end);
-    const bool known = std::isfinite(place.u) && std::isfinite(place.v);
-    x[j] = known ? static_cast<std::int32_t>(std::lrint(place.u * kScale)) : kUnknown;
-    y[j] = known ? static_cast<std::int32_t>(std::lrint(place.v * kScale)) : kUnknown;
-  }
-  for (std::size_t j = remap::kMargin; j + remap::kMargin < x.size(); ++j) {
-    // Beyond the map's smooth part middles come from find_middles().
-    const std::int32_t* around = &x[j - remap::kMargin];
-    if (std::count(around, around + 2 * remap::kMargin + 1, kUnknown) > 0) continue;
-    const remap::RunParabola px(around, run_pixels_);
-    const remap::RunParabola py(&y[j - remap::kMargin], run_pixels_);
-    if (!(px.middle > -1 && py.middle > -1 && px.middle < in_x_.count() &&
-          py.middle < in_y_.count())) {
-      continue;
-    }
-    for (const double t : {-end, end}) {
-      const Pixel exact = at(static_cast<double>(j) * run_pixels_ + end + t);
-      if (std::abs(px.at(t) - exact.u) > kTolerance || std::abs(py.at(t) - exact.v) > kTolerance) {
-        return false;
+  const Middles middles = middles_of(y);
+  Bent bent;
+  for (int run = 0; run < runs(); ++run) {
+    const remap::RunParabola px(&middles.x[static_cast<std::size_t>(run)], run_pixels_);
+    const remap::RunParabola py(&middles.y[static_cast<std::size_t>(run)], run_pixels_);
+    const Span valid = valid_part(y, run);
+    const bool shows = valid.begin < valid.end && px.middle > -1 && py.middle > -1 &&
+                       px.middle < in_x_.count() && py.middle < in_y_.count();
+    if (!shows) continue;
+    ++bent.all;
+    bool of_map = true;
+    const auto follows = [&](int sample) {
+      const double t = sample - run * run_pixels_ - (run_pixels_ - 1) / 2.0;
+      const Pixel at = {middle(run) + out_x_.scale() * t, out_y_.site(y)};
+      Pixel exact = map_->at(at);
+      if (!std::isfinite(exact.u) || !std::isfinite(exact.v)) {
+        of_map = false;
+        exact = place_of(at).value_or(Pixel{kFar, kFar});
       }
+      const Pixel place = to_samples(exact);
+      return std::abs(px.at(t) - place.u) <= kTolerance &&
+             std::abs(py.at(t) - place.v) <= kTolerance;
+    };
+    const bool both = follows(valid.begin) && follows(valid.end - 1);
+    if (!both) ++(of_map ? bent.on_the_map : bent.beyond);
+  }
+  return bent;
+}
+
+// Those of a row, margins included, as the kernels have them.
+PlaneMap::Middles PlaneMap::middles_of(int y) const {
+  constexpr double kScale = 1 << remap::kPlaceBits;
+  const auto number = [&](double place) {
+    return static_cast<std::int32_t>(std::lrint(std::clamp(place, -kFar, kFar) * kScale));
+  };
+  Middles middles;
+  for (int j = -remap::kMargin; j < runs() + remap::kMargin; ++j) {
+    const Pixel place = to_samples(map_->at({middle(j), out_y_.site(y)}));
+    const bool known = std::isfinite(place.u) && std::isfinite(place.v);
+    middles.x.push_back(known ? number(place.u) : 0);
+    middles.y.push_back(known ? number(place.v) : 0);
+  }
+  if (const Row* row = limits(y)) {
+    for (const Middle& found : row->middles) {
+      const auto j = static_cast<std::size_t>(found.run + remap::kMargin);
+      if (j >= middles.x.size()) continue;
+      middles.x[j] = number(found.place.u);
+      middles.y[j] = number(found.place.v);
     }
   }
-  return true;
+  return middles;
+}
+
+// The samples of a run that the model says something of, from the first to the last.
+PlaneMap::Span PlaneMap::valid_part(int y, int run) const {
+  const Span all = {run * run_pixels_, std::min((run + 1) * run_pixels_, out_x_.count())};
+  const Row* row = limits(y);
+  if (row == nullptr) return all;
+  Span part = {all.end, all.begin};
+  for (const Span& span : row->valid) {
+    if (span.end <= all.begin || span.begin >= all.end) continue;
+    part.begin = std::min(part.begin, std::max(span.begin, all.begin));
+    part.end = std::max(part.end, std::min(span.end, all.end));
+  }
+  return part;
 }
 
 std::vector<PlaneMap::Span> PlaneMap::valid_samples(int y, const PixelFunction& place_of) const {
@@ -234,26 +275,34 @@ void PlaneMap::find_middles(int y, const PixelFunction& place_of, Row& row) cons
   }
 }
 
+// What rows that cross the end of the model are made of. False: it was to stop.
+bool PlaneMap::find_limits(const PixelFunction& place_of, const std::stop_token& stop) {
+  if (map_->everywhere_smooth()) return true;
+  const bool known = !rows_.empty();
+  rows_.resize(static_cast<std::size_t>(out_y_.count()));
+  for (int y = 0; y < out_y_.count(); ++y) {
+    if (stop.stop_requested()) return false;
+    Row& row = rows_[static_cast<std::size_t>(y)];
+    if (!known) row.valid = valid_samples(y, place_of);
+    row.middles.clear();
+    find_middles(y, place_of, row);
+  }
+  return true;
+}
+
 Result<PlaneMap> PlaneMap::build(std::shared_ptr<const RemapMap> map, const PixelFunction& place_of,
                                  const PlaneSites& sites, int lane_pixels,
                                  const std::stop_token& stop) {
   try {
     PlaneMap plane(map, sites, 8);
-    while (plane.run_pixels_ > 1 && !plane.follows_the_map()) {
-      const bool first = plane.run_pixels_ > lane_pixels;
-      plane = PlaneMap(map, sites, first ? lane_pixels : plane.run_pixels_ / 2);
+    while (plane.find_limits(place_of, stop)) {
+      const int pixels = plane.run_pixels_;
+      if (pixels == 1 || plane.follows_the_map(place_of)) return plane;
+      std::vector<Row> rows = std::move(plane.rows_);
+      plane = PlaneMap(map, sites, pixels > lane_pixels ? lane_pixels : pixels / 2);
+      plane.rows_ = std::move(rows);
     }
-    if (plane.map_->everywhere_smooth()) return plane;
-    plane.rows_.resize(static_cast<std::size_t>(plane.out_y_.count()));
-    for (int y = 0; y < plane.out_y_.count(); ++y) {
-      if (stop.stop_requested()) {
-        return make_error(ErrorCode::kCancelled, "The work was cancelled.");
-      }
-      Row& row = plane.rows_[static_cast<std::size_t>(y)];
-      row.valid = plane.valid_samples(y, place_of);
-      plane.find_middles(y, place_of, row);
-    }
-    return plane;
+    return make_error(ErrorCode::kCancelled, "The work was cancelled.");
   } catch (const std::bad_alloc&) {
     return make_error(ErrorCode::kInvalidArgument,
                       "There is not enough memory for a map of that size.");

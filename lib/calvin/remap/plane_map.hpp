@@ -90,9 +90,22 @@ class PlaneMap {
   [[nodiscard]] Pixel to_samples(Pixel place) const noexcept;
   [[nodiscard]] double sway_at(int column, int node_row) const noexcept;
   [[nodiscard]] int count_band_rows(int node_row) const noexcept;
-  [[nodiscard]] bool follows_the_map() const;
-  [[nodiscard]] bool follows_row(double v, std::vector<std::int32_t>& x,
-                                 std::vector<std::int32_t>& y) const;
+  // Of a row's runs.
+  struct Bent {
+    int all = 0;         // that show something of the source
+    int on_the_map = 0;  // of these: those that a parabola does not follow
+    int beyond = 0;      // likewise, where the map's grid says nothing of it
+  };
+  // As RunRow::x and y.
+  struct Middles {
+    std::vector<std::int32_t> x;
+    std::vector<std::int32_t> y;
+  };
+  [[nodiscard]] bool follows_the_map(const PixelFunction& place_of) const;
+  [[nodiscard]] Bent bent_runs(int y, const PixelFunction& place_of) const;
+  [[nodiscard]] Middles middles_of(int y) const;
+  [[nodiscard]] Span valid_part(int y, int run) const;
+  [[nodiscard]] bool find_limits(const PixelFunction& place_of, const std::stop_token& stop);
   [[nodiscard]] std::vector<Span> valid_samples(int y, const PixelFunction& place_of) const;
   void find_middles(int y, const PixelFunction& place_of, Row& row) const;
 
