@@ -137,7 +137,7 @@ void PlaneMap::expand(int node_row, int first, int count, float* x, float* y) co
 // Looks at the ends of runs, where parabolas are worst, in a part of the rows.
 bool PlaneMap::follows_the_map(const PixelFunction& place_of) const {
   constexpr int kRows = 20;
-  if (!strongly_bent() && map_->everywhere_smooth()) return true;
+  if (!strongly_bent()) return true;
   Bent sum;
   for (int i = 0; i <= kRows; ++i) {
     const Bent row = bent_runs((out_y_.count() - 1) * i / kRows, place_of);

@@ -55,9 +55,10 @@ class PlaneMap {
   [[nodiscard]] int runs() const noexcept {
     return static_cast<int>(columns_.size()) - 2 * remap::kMargin - remap::kSpare;
   }
-  // Whether parabolas alone do not follow it, as runs of chroma, which are twice as long.
+  // Whether parabolas alone do not follow it, as runs of chroma, which are twice as long, or those
+  // near the end of the model.
   [[nodiscard]] bool strongly_bent() const noexcept {
-    return map_->step() < kStraight || out_x_.scale() > 1;
+    return map_->step() < kStraight || out_x_.scale() > 1 || !map_->everywhere_smooth();
   }
   // Of this alone; the map is shared.
   [[nodiscard]] std::size_t bytes() const noexcept;
