@@ -11,9 +11,10 @@ namespace calvin {
 
 namespace {
 
-constexpr int kFinest = 1;
-// Where the model ends nodes need not be closer, px.
+// Fine enough for all but small pictures, px; and where the model ends.
 constexpr int kFine = 4;
+// Closer nodes must not be more than these.
+constexpr int kMostFineNodes = 1 << 16;
 // Places this far outside tell nothing more; differences of them still fit in 32 bits (lanes.hpp).
 constexpr double kFar = 30000;
 
@@ -78,6 +79,11 @@ Pixel RemapMap::at(Pixel output) const noexcept {
   return place;
 }
 
+// Whether nodes that are half as far apart would be too many.
+bool RemapMap::is_finest() const noexcept {
+  return step_ == 1 || (step_ <= kFine && 4 * rows_ * columns_ > kMostFineNodes);
+}
+
 // Whether a cell's places reach into the source: some of its corners lie on one side of an edge,
 // and some on the other, or inside.
 bool RemapMap::matters(int cell_column, int cell_row) const noexcept {
@@ -130,7 +136,7 @@ Result<RemapMap> RemapMap::build(ImageSize source, ImageSize output, const Pixel
       if (!map.fill(place_of, stop)) {
         return make_error(ErrorCode::kCancelled, "The work was cancelled.");
       }
-      if (step == kFinest || map.good_enough(place_of)) return map;
+      if (map.is_finest() || map.good_enough(place_of)) return map;
     }
   } catch (const std::bad_alloc&) {
     return make_error(ErrorCode::kInvalidArgument,

@@ -39,7 +39,8 @@ class RemapMap {
   static constexpr double kTolerance = 1.0 / 1024;
   static constexpr int kCoarsest = 64;  // px
 
-  // The grid is as coarse as kTolerance allows (64, 32, 16, 8 or 4 px; measured between its nodes).
+  // The grid is as coarse as kTolerance allows (64 px, half of that, and so on to 4 px, or less in
+  // small pictures; measured between its nodes).
   // kCancelled soon after a stop was requested; kInvalidArgument where the memory does not suffice.
   static Result<RemapMap> build(ImageSize source, ImageSize output, const PixelFunction& place_of,
                                 const std::stop_token& stop = {});
@@ -76,6 +77,7 @@ class RemapMap {
            static_cast<std::size_t>(column);
   }
   [[nodiscard]] bool fill(const PixelFunction& place_of, const std::stop_token& stop);
+  [[nodiscard]] bool is_finest() const noexcept;
   [[nodiscard]] bool matters(int cell_column, int cell_row) const noexcept;
   [[nodiscard]] bool good_enough(const PixelFunction& place_of) const;
 
