@@ -21,6 +21,7 @@ inline const std::vector<Lens> kLenses = {
     {"brown4 barrel", "brown4", {-0.28, 0.09, 5e-4, -7e-4}},
     {"brown4 pincushion", "brown4", {0.12, -0.02, -1e-3, 1e-3}},
     {"brown5", "brown5", {-0.3, 0.12, 1e-3, -5e-4, -0.02}},
+    {"rational8", "rational8", {0.3, -0.02, 4e-4, -6e-4, 0.004, 0.6, 0.05, -0.003}},
     {"fisheye", "fisheye", {-0.02, 0.005, -0.003, 0.0005}},
 };
 

@@ -24,13 +24,18 @@ struct Lens {
   std::vector<double> k;  // in the model's order
 };
 
-inline double radial_slope(const Lens& lens, double r) {
+// Distorted over ideal radius.
+inline double radial_scale(const Lens& lens, double r) {
   const auto k = [&](std::size_t i) { return i < lens.k.size() ? lens.k[i] : 0.0; };
   const double s = r * r;
-  if (lens.model == "fisheye") {
-    return 1 + 3 * k(0) * s + 5 * k(1) * s * s + 7 * k(2) * s * s * s + 9 * k(3) * s * s * s * s;
-  }
-  return 1 + 3 * k(0) * s + 5 * k(1) * s * s + 7 * k(4) * s * s * s;
+  if (lens.model == "fisheye") return 1 + s * (k(0) + s * (k(1) + s * (k(2) + s * k(3))));
+  return (1 + s * (k(0) + s * (k(1) + s * k(4)))) / (1 + s * (k(5) + s * (k(6) + s * k(7))));
+}
+
+inline double radial_slope(const Lens& lens, double r) {
+  constexpr double kStep = 1e-5;
+  const auto distorted = [&](double radius) { return radius * radial_scale(lens, radius); };
+  return (distorted(r + kStep) - distorted(r - kStep)) / (2 * kStep);
 }
 
 // The radius (tan of the angle, or for a fisheye the angle) where the picture starts to fold back.
@@ -49,12 +54,11 @@ inline Pixel distort(const Lens& lens, double x, double y) {
     const double r = std::sqrt(r2);
     if (r == 0) return {x, y};
     const double t = std::atan(r);
-    const double d = t + k(0) * std::pow(t, 3) + k(1) * std::pow(t, 5) + k(2) * std::pow(t, 7) +
-                     k(3) * std::pow(t, 9);
+    const double d = t * radial_scale(lens, t);
     return {x * d / r, y * d / r};
   }
   if (lens.model == "pinhole") return {x, y};
-  const double g = 1 + k(0) * r2 + k(1) * r2 * r2 + k(4) * r2 * r2 * r2;
+  const double g = radial_scale(lens, std::sqrt(r2));
   return {x * g + 2 * k(2) * x * y + k(3) * (r2 + 2 * x * x),
           y * g + k(2) * (r2 + 2 * y * y) + 2 * k(3) * x * y};
 }

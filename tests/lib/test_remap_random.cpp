@@ -35,7 +35,13 @@ RandomCase make_case(unsigned seed) {
   c.size.width = static_cast<int>(48 * std::exp(between(0, 3.4)));
   c.size.height = static_cast<int>(c.size.width * between(0.4, 1.2)) + 9;
   const bool fisheye = seed % 3 == 0;
-  if (fisheye) {
+  const bool rational = seed % 3 == 1 && seed % 2 == 0;
+  if (rational) {
+    c.lens = {"rational8",
+              "rational8",
+              {between(-0.2, 0.4), between(-0.05, 0.05), between(-2e-3, 2e-3), between(-2e-3, 2e-3),
+               between(-0.01, 0.01), between(0, 0.7), between(0, 0.1), between(-4e-3, 4e-3)}};
+  } else if (fisheye) {
     c.lens = {
         "fisheye",
         "fisheye",
@@ -46,9 +52,9 @@ RandomCase make_case(unsigned seed) {
               {between(-0.35, 0.2), between(-0.1, 0.15), between(-2e-3, 2e-3), between(-2e-3, 2e-3),
                between(-0.03, 0.01)}};
   }
-  c.focal = c.size.width * (fisheye ? between(0.4, 0.8) : between(0.5, 1.5));
+  c.focal = c.size.width * (fisheye ? between(0.28, 0.8) : between(0.5, 1.5));
   c.centre = {c.size.width * between(0.45, 0.55), c.size.height * between(0.45, 0.55)};
-  c.view.alpha = between(0, fisheye ? 0.5 : 1);
+  c.view.alpha = between(0, 1);
   if (seed % 4 != 0) {
     c.view.roll = between(-0.3, 0.3) * (seed % 7 == 0 ? 10 : 1);
     c.view.pan = between(-0.2, 0.2);

@@ -117,8 +117,8 @@ bool RemapMap::good_enough(const PixelFunction& place_of) const {
       const Pixel middle = {(c + 0.5) * step_, (r + 0.5) * step_};
       const Pixel found = at(middle);
       const auto exact = place_of(middle);
-      if (exact && !(std::abs(exact->u - found.u) <= kTolerance &&
-                     std::abs(exact->v - found.v) <= kTolerance)) {
+      if (exact && !(std::abs(exact->u - found.u) <= tolerance() &&
+                     std::abs(exact->v - found.v) <= tolerance())) {
         return false;
       }
     }

@@ -35,11 +35,15 @@ using PixelFunction = std::function<std::optional<Pixel>(Pixel)>;
 // Places on a square grid, in px of the source, to be interpolated bicubically. Immutable.
 class RemapMap {
  public:
-  // What the interpolation may be wrong by, px: half a grey level at the sharpest edge there is.
+  // What the interpolation may be wrong by, px: a quarter of a grey level each way at the sharpest
+  // edge there is. Half of that in thumbnails, which are bent more and cost little.
   static constexpr double kTolerance = 1.0 / 1024;
+  [[nodiscard]] double tolerance() const noexcept {
+    return output_.width * output_.height <= kThumbnail ? kTolerance / 2 : kTolerance;
+  }
   static constexpr int kCoarsest = 64;  // px
 
-  // The grid is as coarse as kTolerance allows (64 px, half of that, and so on to 4 px, or less in
+  // The grid is as coarse as tolerance() allows (64 px, half of that, and so on to 4 px, or less in
   // small pictures; measured between its nodes).
   // kCancelled soon after a stop was requested; kInvalidArgument where the memory does not suffice.
   static Result<RemapMap> build(ImageSize source, ImageSize output, const PixelFunction& place_of,
@@ -69,6 +73,7 @@ class RemapMap {
   [[nodiscard]] Pixel at(Pixel output) const noexcept;
 
  private:
+  static constexpr int kThumbnail = 128 * 128;  // px
   static constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 
   RemapMap(ImageSize source, ImageSize output, int step);

@@ -151,7 +151,7 @@ bool PlaneMap::follows_the_map(const PixelFunction& place_of) const {
 
 // The runs of row `y` that show something of the source whose parabolas do not follow.
 PlaneMap::Bent PlaneMap::bent_runs(int y, const PixelFunction& place_of) const {
-  constexpr double kTolerance = 1.0 / 512;
+  const double tolerance = map_->tolerance();
   const Middles middles = middles_of(y);
   Bent bent;
   for (int run = 0; run < runs(); ++run) {
@@ -172,8 +172,7 @@ PlaneMap::Bent PlaneMap::bent_runs(int y, const PixelFunction& place_of) const {
         exact = place_of(at).value_or(Pixel{kFar, kFar});
       }
       const Pixel place = to_samples(exact);
-      return std::abs(px.at(t) - place.u) <= kTolerance &&
-             std::abs(py.at(t) - place.v) <= kTolerance;
+      return std::abs(px.at(t) - place.u) <= tolerance && std::abs(py.at(t) - place.v) <= tolerance;
     };
     const bool both = follows(valid.begin) && follows(valid.end - 1);
     if (!both) ++(of_map ? bent.on_the_map : bent.beyond);
