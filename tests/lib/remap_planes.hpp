@@ -137,8 +137,8 @@ inline const int kRowStep = std::getenv("CALVIN_FULL") != nullptr ? 1 : 3;
 // Where a pixel of an output comes from.
 using PlaceFunction = std::function<reference::Place(double, double)>;
 
-// Compares what undistorting `input` gave with the reference, every so many rows of it. So
-// close to the fold nothing is said: the reference does not know of tangential terms there.
+// Compares what undistorting `input` gave with the reference, every so many rows of it, but
+// for what is `near_fold`: the reference does not know of tangential terms there.
 inline Comparison compare(const Lens& lens, ImageSize frame, const PlaceFunction& place_of,
                           const NamedLayout& named, const Planes& planes, int row_step = kRowStep,
                           double near_fold = 2e-3) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 
 namespace calvin {
@@ -15,6 +16,8 @@ namespace {
 constexpr int kFine = 4;
 // Closer nodes must not be more than these.
 constexpr int kMostFineNodes = 1 << 16;
+// So many nodes that none of them shows anything tell that there is nothing to be seen.
+constexpr int kEmptyNodes = 1 << 12;
 // Places this far outside tell nothing more; differences of them still fit in 32 bits (lanes.hpp).
 constexpr double kFar = 30000;
 
@@ -84,16 +87,23 @@ bool RemapMap::is_finest() const noexcept {
   return step_ == 1 || (step_ <= kFine && 4 * rows_ * columns_ > kMostFineNodes);
 }
 
-// Whether a cell's places reach into the source: some of its corners lie on one side of an edge,
-// and some on the other, or inside.
 bool RemapMap::matters(int cell_column, int cell_row) const noexcept {
+  // The cell's corners, and what is bent reaches a little farther; where some of them are missing
+  // the nodes around them too.
+  const bool smooth = cell(cell_column, cell_row) == Cell::kSmooth;
+  const int around = smooth ? 0 : 1;
   const auto reaches = [&](const std::vector<float>& places, int size) {
-    const auto first = index(cell_column + 1, cell_row + 1);
-    const auto second = index(cell_column + 1, cell_row + 2);
-    const auto [low, high] =
-        std::minmax({places[first], places[first + 1], places[second], places[second + 1]});
-    // What is bent reaches a little farther than its corners.
-    const float more = (high - low) / 4;
+    float low = std::numeric_limits<float>::infinity();
+    float high = -low;
+    for (int r = cell_row + 1 - around; r <= cell_row + 2 + around; ++r) {
+      for (int c = cell_column + 1 - around; c <= cell_column + 2 + around; ++c) {
+        const float place = places[index(c, r)];
+        if (std::isnan(place)) continue;
+        low = std::min(low, place);
+        high = std::max(high, place);
+      }
+    }
+    const float more = smooth ? (high - low) / 4 : 0;
     return high + more > -1 && low - more < static_cast<float>(size);
   };
   return reaches(x_, source_.width) && reaches(y_, source_.height);
@@ -111,7 +121,7 @@ bool RemapMap::good_enough(const PixelFunction& place_of) const {
   for (int r = 0; r < rows_ - 3; ++r) {
     for (int c = many ? r % 2 : 0; c < columns_ - 3; c += many ? 2 : 1) {
       const Cell kind = cell(c, r);
-      if (kind == Cell::kMixed) ++mixed;
+      if (kind == Cell::kMixed && matters(c, r)) ++mixed;
       if (kind != Cell::kSmooth || !matters(c, r)) continue;
       ++smooth;
       const Pixel middle = {(c + 0.5) * step_, (r + 0.5) * step_};
@@ -123,9 +133,11 @@ bool RemapMap::good_enough(const PixelFunction& place_of) const {
       }
     }
   }
-  // What lies in mixed cells is found place by place, by parabolas alone, and between missing nodes
-  // there may be something.
-  return everywhere_smooth() || (smooth > 0 && 2 * mixed <= smooth) || step_ <= kFine;
+  if (everywhere_smooth() || step_ <= kFine) return true;
+  // Between missing nodes there may be something.
+  if (smooth + mixed == 0) return rows_ * columns_ >= kEmptyNodes;
+  // What lies in mixed cells is found place by place, by parabolas alone.
+  return 2 * mixed <= smooth;
 }
 
 Result<RemapMap> RemapMap::build(ImageSize source, ImageSize output, const PixelFunction& place_of,

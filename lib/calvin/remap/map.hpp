@@ -67,6 +67,8 @@ class RemapMap {
   [[nodiscard]] bool everywhere_smooth() const noexcept { return missing_ == 0; }
   enum class Cell { kSmooth, kMixed, kEmpty };  // empty: none of them exists
   [[nodiscard]] Cell cell(int cell_column, int cell_row) const noexcept;
+  // Whether what a cell shows may be in the source.
+  [[nodiscard]] bool matters(int cell_column, int cell_row) const noexcept;
   [[nodiscard]] int cell_of(double pixel, int cells) const noexcept;
 
   // The interpolated place; NaN where it is not smooth. For tests and tools: kernels walk rows.
@@ -83,7 +85,6 @@ class RemapMap {
   }
   [[nodiscard]] bool fill(const PixelFunction& place_of, const std::stop_token& stop);
   [[nodiscard]] bool is_finest() const noexcept;
-  [[nodiscard]] bool matters(int cell_column, int cell_row) const noexcept;
   [[nodiscard]] bool good_enough(const PixelFunction& place_of) const;
 
   ImageSize source_;

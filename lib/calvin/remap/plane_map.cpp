@@ -73,13 +73,7 @@ PlaneMap::Level PlaneMap::level(int y) const noexcept {
 // How far the distance of a run's neighbours in the middle of a cell is off a line down the cell;
 // 1/2^14 of a sample of the source. 0 where the source is not.
 double PlaneMap::sway_at(int column, int node_row) const noexcept {
-  const double x = map_->x_row(node_row + 1)[column];
-  const double y = map_->y_row(node_row + 1)[column];
-  const ImageSize source = source_size();
-  const int around = map_->step();
-  const bool matters = x > -around && y > -around && x < source.width * in_x_.scale() + around &&
-                       y < source.height * in_y_.scale() + around;
-  if (!matters) return 0;
+  if (!map_->matters(column - 1, node_row)) return 0;
   // The largest change of a second difference down the nodes from a column to the next but one.
   const auto change = [&](auto nodes) {
     double largest = 0;
@@ -99,21 +93,15 @@ double PlaneMap::sway_at(int column, int node_row) const noexcept {
 }
 
 // As many as leave most of the columns straight enough: the sway grows with the square of the rows.
-int PlaneMap::count_band_rows(int node_row) const noexcept {
-  std::array<int, 4> bent{};  // columns, by the rows: the most, half of these, and so on
-  for (int c = 1; c + 1 < map_->columns(); ++c) {
-    const double sway = sway_at(c, node_row);
-    double rows = remap::kBandRows * out_y_.scale() / map_->step();
-    for (int& count : bent) {
-      const double part = std::min(rows, 1.0);
-      if (sway * part * part > remap::kMostSway) ++count;
-      rows /= 2;
-    }
-  }
+int PlaneMap::count_band_rows(int node_row) const {
+  std::vector<double> sways;
+  for (int c = 1; c + 2 < map_->columns(); ++c) sways.push_back(sway_at(c, node_row));
   int rows = remap::kBandRows;
-  for (const int count : bent) {
-    if (count * kMostBent <= map_->columns() || rows == remap::kFewestBandRows) break;
-    rows /= 2;
+  for (; rows > remap::kFewestBandRows; rows /= 2) {
+    const double part = std::min(rows * out_y_.scale() / map_->step(), 1.0);
+    const auto is_bent = [&](double sway) { return sway * part * part > remap::kMostSway; };
+    const auto bent = std::count_if(sways.begin(), sways.end(), is_bent);
+    if (bent * kMostBent <= map_->columns()) break;
   }
   return rows;
 }

@@ -90,7 +90,7 @@ class PlaneMap {
   [[nodiscard]] double middle(int run) const noexcept;  // px of the output
   [[nodiscard]] Pixel to_samples(Pixel place) const noexcept;
   [[nodiscard]] double sway_at(int column, int node_row) const noexcept;
-  [[nodiscard]] int count_band_rows(int node_row) const noexcept;
+  [[nodiscard]] int count_band_rows(int node_row) const;
   // Of a row's runs.
   struct Bent {
     int all = 0;         // that show something of the source
