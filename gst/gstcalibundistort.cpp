@@ -34,7 +34,7 @@
 #include "properties.hpp"
 #include "refused_caps.hpp"
 #include "undistort_caps.hpp"
-#include "view_properties.hpp"
+#include "undistort_properties.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(calibundistort_debug);
 #define GST_CAT_DEFAULT calibundistort_debug
@@ -45,19 +45,12 @@ using gst::FrameWarp;
 
 namespace {
 
-enum Property { kCalibration = 1, kSettings, kEnabled, kOutputCalibration, kFirstOfView };
 GParamSpec* output_calibration_spec;
-
-struct Settings {
-  std::string calibration;
-  bool enabled = true;
-  gst::ViewSettings view;
-};
 
 struct State {
   std::mutex lock;
   // Under the lock.
-  Settings settings;
+  gst::UndistortSettings settings;
   bool calibration_changed = false;
   std::string output_calibration;
   EventPtr arrived_event;                    // a calibration event, not yet looked at
@@ -93,7 +86,7 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(
     GST_DEBUG_CATEGORY_INIT(calibundistort_debug, "calibundistort", 0, "undistorts video"))
 
 // The settings as they are now. What has changed goes to the input; that of an event is returned.
-static Settings take_settings(State& s, EventPtr& event) {
+static gst::UndistortSettings take_settings(State& s, EventPtr& event) {
   const std::lock_guard guard(s.lock);
   if (std::exchange(s.calibration_changed, false)) s.input.set_text(s.settings.calibration);
   event = std::move(s.arrived_event);
@@ -134,7 +127,7 @@ static void update(GstCalibUndistort* self) {
   GstBaseTransform* trans = GST_BASE_TRANSFORM(self);
   s.renegotiated = false;
   EventPtr event;
-  const Settings settings = take_settings(s, event);
+  const gst::UndistortSettings settings = take_settings(s, event);
   if (event) {
     const Status taken = s.input.take_event(event.get());
     if (!taken) gst::post_warning(GST_ELEMENT(self), taken.error());
@@ -332,24 +325,12 @@ static GstStateChangeReturn gst_calib_undistort_change_state(GstElement* element
   return GST_ELEMENT_CLASS(gst_calib_undistort_parent_class)->change_state(element, change);
 }
 
-static gst::Field gst_calib_undistort_field(State& s, guint id) {
-  switch (id) {
-    case kCalibration:
-    case kSettings:
-      return s.settings.calibration;
-    case kEnabled:
-      return s.settings.enabled;
-    default:
-      return gst::view_field(s.settings.view, id - kFirstOfView);
-  }
-}
-
 static void gst_calib_undistort_set_property(GObject* object, guint id, const GValue* value,
                                              GParamSpec* pspec) {
   State& s = *GST_CALIB_UNDISTORT(object)->state;
   const std::lock_guard guard(s.lock);
-  s.calibration_changed |= id == kCalibration || id == kSettings;
-  if (gst_calib_undistort_field(s, id).set(value)) return;
+  s.calibration_changed |= gst::tells_calibration(id);
+  if (gst::undistort_field(s.settings, id).set(value)) return;
   G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
 }
 
@@ -357,9 +338,9 @@ static void gst_calib_undistort_get_property(GObject* object, guint id, GValue* 
                                              GParamSpec* pspec) {
   State& s = *GST_CALIB_UNDISTORT(object)->state;
   const std::lock_guard guard(s.lock);
-  if (id == kOutputCalibration) {
+  if (id == gst::kUndistortOutputCalibration) {
     gst::set_string(value, s.output_calibration);
-  } else if (!gst_calib_undistort_field(s, id).get(value)) {
+  } else if (!gst::undistort_field(s.settings, id).get(value)) {
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
   }
 }
@@ -373,39 +354,6 @@ static void gst_calib_undistort_init(GstCalibUndistort* self) {
   self->state = new State;
   gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);
   gst::explain_refused_caps(GST_ELEMENT(self));
-}
-
-static void install_properties(GObjectClass* object_class) {
-  const auto install = [&](guint id, GParamSpec* spec) {
-    g_object_class_install_property(object_class, id, spec);
-  };
-  install(
-      kCalibration,
-      g_param_spec_string(
-          "calibration", "Calibration",
-          "The calibration: a file (native JSON, OpenCV, ROS), which may appear later and is read "
-          "again when it is replaced; or JSON text; or the settings of cameraundistort; or a list "
-          "such "
-          "as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the calibration "
-          "event of an element upstream",
-          nullptr, gst::kMutablePlaying));
-  install(kSettings,
-          g_param_spec_string("settings", "Settings",
-                              "The same as calibration, by the name that cameraundistort has for "
-                              "it: its pipelines work with this element in its place",
-                              nullptr, gst::kMutablePlaying));
-  install(kEnabled, g_param_spec_boolean("enabled", "Enabled",
-                                         "Undistort; off: the frames pass through untouched, "
-                                         "or scaled where the output has another size",
-                                         TRUE, gst::kMutablePlaying));
-  output_calibration_spec = g_param_spec_string(
-      "output-calibration", "Output Calibration",
-      "The calibration of the output as native JSON: a pinhole camera (or an ideal fisheye, where "
-      "that is the projection) while it is undistorted, what came from upstream while it passes "
-      "through or is scaled; empty where no model describes the projection",
-      nullptr, gst::kReadOnly);
-  install(kOutputCalibration, output_calibration_spec);
-  gst::install_view_properties(object_class, kFirstOfView);
 }
 
 static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
@@ -431,7 +379,8 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   trans_class->transform_ip_on_passthrough = FALSE;
   filter_class->set_info = gst_calib_undistort_set_info;
   filter_class->transform_frame = gst_calib_undistort_transform_frame;
-  install_properties(object_class);
+  gst::install_undistort_properties(object_class);
+  output_calibration_spec = g_object_class_find_property(object_class, "output-calibration");
   gst::add_undistort_pads(element_class);
   gst_element_class_set_static_metadata(
       element_class, "Camera undistortion", "Filter/Effect/Video",
