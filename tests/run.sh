@@ -8,9 +8,10 @@ set -eu
 
 source=$(cd "$(dirname "$0")/.." && pwd)
 build=${CALVIN_BUILD:-$source/build-tests}
+patience=1 # times as long as a test may take
 case "${1:-}" in
   "") ;;
-  --full) export CALVIN_FULL=1 ;;
+  --full) export CALVIN_FULL=1 patience=60 ;;
   *) sed -n '3,6s/^# *//p' "$0" >&2; exit 2 ;;
 esac
 
@@ -38,7 +39,8 @@ for sanitizer in address thread; do
     break
 done >"$build/sanitizers.log" 2>&1 &
 builder=$!
-meson test -C "$build" --no-rebuild --num-processes 2 --print-errorlogs || status=$?
+meson test -C "$build" --no-rebuild --num-processes 2 --print-errorlogs \
+  --timeout-multiplier $patience || status=$?
 wait "$builder" || true # what went wrong shows below
 for sanitizer in address thread; do
   "$source/tests/sanitizers/run.sh" $sanitizer "$build-$sanitizer" || status=$?

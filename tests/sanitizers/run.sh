@@ -10,6 +10,8 @@ set -eu
 source=$(cd "$(dirname "$0")/../.." && pwd)
 build=$2
 args=-g1
+patience=4 # times as long as a test may take
+[ -z "${CALVIN_FULL:-}" ] || patience=240
 case "$1" in
   address)
     sanitize=address,undefined suite=check
@@ -32,7 +34,7 @@ ninja -C "$build" "$suite-programs"
 [ -z "${CALVIN_BUILD_ONLY:-}" ] || exit 0
 run() {
   meson test -C "$build" --no-rebuild --num-processes 2 --print-errorlogs --suite "$suite" \
-    --timeout-multiplier 4
+    --timeout-multiplier $patience
 }
 run && exit 0
 status=$?
