@@ -214,7 +214,7 @@ void add_checks(Solution& solution, const Conclusion& from, const Camera& camera
   const Consistency found =
       consistency(from.fit, camera, from.shape, from.freedom, c, variance, stop);
   if (stop.stop_requested()) return;
-  solution.misfit = misfit(found, calibration.chi, degrees);
+  solution.misfit = misfit(found, calibration.chi, degrees, calibration.rms.value_or(0));
   solution.held_out = found.held_out;
   double sum = 0;
   double corners = 0;
