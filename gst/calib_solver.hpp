@@ -34,7 +34,6 @@ class CalibSolver {
   void change_settings(F f) {
     const std::lock_guard guard(lock_);
     f(settings_);
-    settings_changed_ = true;
   }
   [[nodiscard]] SolverSettings settings();
   // Whether final results are to take another look at the corners.
@@ -83,8 +82,10 @@ class CalibSolver {
  private:
   struct Job;
 
-  void adopt(SolverPlan plan);
-  // These with the lock held.
+  // False where another thread did it meanwhile, and it is to be tried again.
+  [[nodiscard]] bool try_update();
+  // These with the lock held; `writable`: its files. A word for the user, if any.
+  std::optional<Error> adopt(SolverPlan plan, bool writable);
   void forget();
   [[nodiscard]] bool enough_views() const;
   [[nodiscard]] std::string camera_name() const;
@@ -102,8 +103,9 @@ class CalibSolver {
 
   std::mutex lock_;  // of everything below, down to worker_
   SolverSettings settings_;
-  bool settings_changed_ = false;
+  SolverSettings seen_;                 // those that plan_ was made of, and what was refused
   SolverPlan plan_;                     // the settings in force
+  std::uint64_t plan_serial_ = 0;       // of seen_ and plan_
   std::optional<Calibration> initial_;  // plan_.initial, for frames of size_
   bool live_ = false;
   Session session_{SessionOptions{}};
