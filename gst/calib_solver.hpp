@@ -81,6 +81,10 @@ class CalibSolver {
 
  private:
   struct Job;
+  struct TakenView {
+    FrameTimes times;
+    Reason reason = Reason::kAccepted;  // or why the newest solve left it out
+  };
 
   // False where another thread did it meanwhile, and it is to be tried again.
   [[nodiscard]] bool try_update();
@@ -91,6 +95,8 @@ class CalibSolver {
   [[nodiscard]] std::string camera_name() const;
   [[nodiscard]] Error too_few_views() const;
   void consider();
+  // The views that this solve left out and the one before did not.
+  [[nodiscard]] std::vector<TakenView> newly_rejected(const Solution& solution);
   void request(bool final);
   [[nodiscard]] Status verdict() const;
   // These three on the worker.
@@ -109,6 +115,7 @@ class CalibSolver {
   std::optional<Calibration> initial_;  // plan_.initial, for frames of size_
   bool live_ = false;
   Session session_{SessionOptions{}};
+  std::vector<TakenView> taken_;  // the views of session_
   ImageSize size_;
   std::string camera_;                      // as the newest observation names it
   std::optional<Calibration> calibration_;  // newest solution
