@@ -34,7 +34,8 @@ Status CalibSolver::start() {
   {
     const std::lock_guard guard(lock_);
     plan_ = *std::move(plan);
-    settings_changed_ = false;
+    seen_ = plan_.settings;
+    ++plan_serial_;
     size_ = {};
     initial_.reset();
     write_failed_ = !writable;
@@ -45,46 +46,62 @@ Status CalibSolver::start() {
 }
 
 void CalibSolver::update() {
-  SolverSettings now;
-  {
-    const std::lock_guard guard(lock_);
-    if (!std::exchange(settings_changed_, false)) return;
-    now = settings_;
+  while (!try_update()) {
   }
-  auto plan = make_plan(now);
-  if (!plan) {
-    post_warning(element_,
-                 {plan.error().code, plan.error().message + " What was set before goes on."});
-    return;
-  }
-  adopt(*std::move(plan));
 }
 
-void CalibSolver::adopt(SolverPlan plan) {
-  const Status writable = can_write_all(plan.files);
+bool CalibSolver::try_update() {
+  SolverSettings now;
+  SolverSettings seen;
+  SolverPlan before;
+  std::uint64_t serial = 0;
+  {
+    const std::lock_guard guard(lock_);
+    if (settings_ == seen_) return true;
+    now = settings_;
+    seen = seen_;
+    before = plan_;
+    serial = plan_serial_;
+  }
+  PlanChange change = change_plan(before, seen, now);
+  const bool changed = change.plan.settings != before.settings;
+  const Status writable = changed ? can_write_all(change.plan.files) : Status();
   std::optional<Error> news;
   {
     const std::lock_guard guard(lock_);
-    const bool solve = solves_differently(plan.settings, plan_.settings);
-    const bool write = writes_elsewhere(plan.settings, plan_.settings);
-    plan_ = std::move(plan);
-    session_.set_options(plan_.session_options(live_));
-    finished_ = false;
-    if (solve) {
-      auto fitted = fit_initial(plan_, size_);
-      initial_ = std::move(fitted.calibration);
-      news = std::move(fitted.news);
-      ++generation_;  // what is being solved in the old way is of no use
-    }
-    if (write) write_failed_ = !writable;
-    if (solve || write) {
-      ++revision_;
-      anything_written_ = false;
-      if (enough_views()) request(false);
-    }
+    if (serial != plan_serial_) return false;  // another thread was quicker
+    ++plan_serial_;
+    seen_ = std::move(now);
+    if (changed) news = adopt(std::move(change.plan), writable.has_value());
+  }
+  for (const Error& error : change.refused) {
+    post_warning(element_, {error.code, error.message + " What was set before goes on."});
   }
   if (!writable) post_warning(element_, writable.error());
   if (news) post_warning(element_, *news);
+  return true;
+}
+
+std::optional<Error> CalibSolver::adopt(SolverPlan plan, bool writable) {
+  const bool solve = solves_differently(plan.settings, plan_.settings);
+  const bool write = writes_elsewhere(plan.settings, plan_.settings);
+  plan_ = std::move(plan);
+  session_.set_options(plan_.session_options(live_));
+  finished_ = false;
+  std::optional<Error> news;
+  if (solve) {
+    auto fitted = fit_initial(plan_, size_);
+    initial_ = std::move(fitted.calibration);
+    news = std::move(fitted.news);
+    ++generation_;  // what is being solved in the old way is of no use
+  }
+  if (write) write_failed_ = !writable;
+  if (solve || write) {
+    ++revision_;
+    anything_written_ = false;
+    if (enough_views()) request(false);
+  }
+  return news;
 }
 
 void CalibSolver::set_size(ImageSize size) {
@@ -135,7 +152,10 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times)
     if (plan_.settings.runs < 2) view.observation.patches.reset();
     reason = session_.offer(view);
     now = make_guidance(session_.progress(), calibration_);
-    if (reason == Reason::kAccepted) consider();
+    if (reason == Reason::kAccepted) {
+      taken_.push_back({times});
+      consider();
+    }
     // A rejection is news only when its reason is.
     if (reason != Reason::kAccepted && std::exchange(last_reason_, reason) == reason) return false;
     last_reason_ = reason;
@@ -294,6 +314,7 @@ void CalibSolver::reset() {
 void CalibSolver::forget() {
   ++generation_;
   session_.reset();
+  taken_.clear();
   calibration_.reset();
   anything_written_ = finished_ = announce_ = complained_ = false;
   final_owed_ = false;
@@ -306,6 +327,7 @@ void CalibSolver::forget() {
 bool CalibSolver::remove_view(unsigned index) {
   const std::lock_guard guard(lock_);
   if (!session_.remove_view(index)) return false;
+  taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
   ++generation_;  // what is being solved has the view in it
   finished_ = false;
   ++revision_;

@@ -34,7 +34,6 @@ class CalibSolver {
   void change_settings(F f) {
     const std::lock_guard guard(lock_);
     f(settings_);
-    settings_changed_ = true;
   }
   [[nodiscard]] SolverSettings settings();
   // Whether final results are to take another look at the corners.
@@ -82,14 +81,22 @@ class CalibSolver {
 
  private:
   struct Job;
+  struct TakenView {
+    FrameTimes times;
+    Reason reason = Reason::kAccepted;  // or why the newest solve left it out
+  };
 
-  void adopt(SolverPlan plan);
-  // These with the lock held.
+  // False where another thread did it meanwhile, and it is to be tried again.
+  [[nodiscard]] bool try_update();
+  // These with the lock held; `writable`: its files. A word for the user, if any.
+  std::optional<Error> adopt(SolverPlan plan, bool writable);
   void forget();
   [[nodiscard]] bool enough_views() const;
   [[nodiscard]] std::string camera_name() const;
   [[nodiscard]] Error too_few_views() const;
   void consider();
+  // The views that this solve left out and the one before did not.
+  [[nodiscard]] std::vector<TakenView> newly_rejected(const Solution& solution);
   void request(bool final);
   [[nodiscard]] Status verdict() const;
   // These three on the worker.
@@ -102,11 +109,13 @@ class CalibSolver {
 
   std::mutex lock_;  // of everything below, down to worker_
   SolverSettings settings_;
-  bool settings_changed_ = false;
+  SolverSettings seen_;                 // those that plan_ was made of, and what was refused
   SolverPlan plan_;                     // the settings in force
+  std::uint64_t plan_serial_ = 0;       // of seen_ and plan_
   std::optional<Calibration> initial_;  // plan_.initial, for frames of size_
   bool live_ = false;
   Session session_{SessionOptions{}};
+  std::vector<TakenView> taken_;  // the views of session_
   ImageSize size_;
   std::string camera_;                      // as the newest observation names it
   std::optional<Calibration> calibration_;  // newest solution

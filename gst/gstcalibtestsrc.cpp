@@ -235,12 +235,12 @@ static gboolean gst_calib_test_src_decide_allocation(GstBaseSrc* src, GstQuery* 
   return GST_BASE_SRC_CLASS(gst_calib_test_src_parent_class)->decide_allocation(src, query);
 }
 
-static bool gst_calib_test_src_draw(GstCalibTestSrc* self, const SE3& pose, GstBuffer* buffer) {
+static bool gst_calib_test_src_draw(GstCalibTestSrc* self, const gst::TestFrame& shown,
+                                    const RenderOptions& options, GstBuffer* buffer) {
   State* state = self->state;
-  const RenderOptions options = gst_calib_test_src_settings(self).render;
   GstVideoFrame frame;
   if (!gst_video_frame_map(&frame, &state->info, buffer, GST_MAP_WRITE)) return false;
-  gst::write_luma(state->scene->picture(pose, state->timeline.frame(), options), frame);
+  gst::write_luma(state->scene->picture(shown, options), frame);
   gst_video_frame_unmap(&frame);
   return true;
 }
@@ -252,9 +252,10 @@ static GstFlowReturn gst_calib_test_src_fill(GstPushSrc* push, GstBuffer* buffer
   const gst::FrameTimeline& timeline = state->timeline;
   if (timeline.is_over()) return GST_FLOW_EOS;  // played backwards to the start
 
-  const bool live = gst_base_src_is_live(GST_BASE_SRC(self));
-  const SE3 pose = state->scene->pose(timeline.frame(), timeline.time(), live);
-  if (!gst_calib_test_src_draw(self, pose, buffer)) {
+  const gst::TestSettings settings = gst_calib_test_src_settings(self);
+  const gst::TestFrame frame = {timeline.frame(), timeline.time(), settings.readout_time,
+                                gst_base_src_is_live(GST_BASE_SRC(self)) != FALSE};
+  if (!gst_calib_test_src_draw(self, frame, settings.render, buffer)) {
     GST_ELEMENT_ERROR(self, RESOURCE, WRITE, ("The frame's memory cannot be written."), (nullptr));
     return GST_FLOW_ERROR;
   }
@@ -264,7 +265,8 @@ static GstFlowReturn gst_calib_test_src_fill(GstPushSrc* push, GstBuffer* buffer
   GST_BUFFER_OFFSET(buffer) = static_cast<guint64>(timeline.frame());
   GST_BUFFER_OFFSET_END(buffer) = static_cast<guint64>(timeline.frame()) + 1;
 
-  const gst::TrueBoard board = {state->scene->observation(pose, timeline.time()), to_pose(pose)};
+  const gst::TrueBoard board = {state->scene->observation(frame),
+                                to_pose(state->scene->pose(frame))};
   gst::attach_ground_truth(buffer, {state->scene->truth_json(), {board}});
   state->timeline.advance();
   return GST_FLOW_OK;

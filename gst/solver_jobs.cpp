@@ -102,11 +102,25 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
   worker_.deliver(stop, [&] { announce(job, solution, now); });
 }
 
+std::vector<CalibSolver::TakenView> CalibSolver::newly_rejected(const Solution& solution) {
+  // Views that were taken since are behind those that were solved.
+  std::vector<Reason> reasons(taken_.size(), Reason::kAccepted);
+  for (const RejectedView& view : solution.rejected) reasons[view.index] = view.reason;
+  std::vector<TakenView> news;
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    const Reason before = std::exchange(taken_[i].reason, reasons[i]);
+    if (before == Reason::kAccepted && reasons[i] != before) news.push_back(taken_[i]);
+  }
+  return news;
+}
+
 void CalibSolver::announce(const Job& job, const Solution& solution, const Guidance& now) {
   const Calibration& calibration = solution.calibration;
+  std::vector<TakenView> rejected;
   {
     const std::lock_guard guard(lock_);
     if (job.generation != generation_) return;
+    rejected = newly_rejected(solution);
     if (job.final) {
       final_owed_ = false;
       final_revision_ = job.revision;
@@ -114,6 +128,9 @@ void CalibSolver::announce(const Job& job, const Solution& solution, const Guida
   }
   const auto json = print_calibration(calibration);
   const Posting posting(element_);
+  for (const TakenView& view : rejected) {
+    post_message(element_, view_message(view.times, calibration.camera, view.reason, now));
+  }
   post_message(element_, progress_message(job.times, calibration.camera, now));
   post_message(element_, result_message(job.times, solution, job.location,
                                         job.final && json ? json->c_str() : nullptr));

@@ -23,9 +23,17 @@ SessionOptions SolverPlan::session_options(bool live) const {
   return {mode, settings.min_views, settings.max_views};
 }
 
-Result<SolverPlan> make_plan(const SolverSettings& settings) {
-  SolverPlan plan;
-  plan.settings = settings;
+namespace {
+
+// Settings that work together or not at all.
+struct Group {
+  bool (*same)(const SolverSettings&, const SolverSettings&);
+  Status (*read)(SolverPlan&);  // from plan.settings into what follows from them
+  void (*keep)(SolverPlan&, const SolverPlan& before);
+};
+
+Status read_lens(SolverPlan& plan) {
+  const SolverSettings& settings = plan.settings;
   plan.options.model = settings.model;
   plan.options.warp = settings.warp;
   plan.options.skew = settings.skew;
@@ -42,19 +50,85 @@ Result<SolverPlan> make_plan(const SolverSettings& settings) {
   }
   SolveOptions complete = plan.options;
   complete.initial = plan.initial;
-  if (const Status usable = check(complete); !usable) {
-    return tl::unexpected<Error>(usable.error());
-  }
+  return check(complete);
+}
+
+void keep_lens(SolverPlan& plan, const SolverPlan& before) {
+  plan.options = before.options;
+  plan.initial = before.initial;
+  plan.settings.model = before.settings.model;
+  plan.settings.fix = before.settings.fix;
+  plan.settings.initial = before.settings.initial;
+  plan.settings.warp = before.settings.warp;
+  plan.settings.skew = before.settings.skew;
+}
+
+Status read_counts(SolverPlan& plan) {
+  const SolverSettings& settings = plan.settings;
   if (settings.max_views > 0 && settings.max_views < settings.min_views) {
     return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("max-views={} is less than min-views={}: raise max-views, or set "
                                   "it to 0 for no limit.",
                                   settings.max_views, settings.min_views));
   }
-  auto files = parse_calibration_files(settings.location, settings.exports);
+  return {};
+}
+
+void keep_counts(SolverPlan& plan, const SolverPlan& before) {
+  plan.settings.min_views = before.settings.min_views;
+  plan.settings.max_views = before.settings.max_views;
+}
+
+Status read_files(SolverPlan& plan) {
+  auto files = parse_calibration_files(plan.settings.location, plan.settings.exports);
   if (!files) return tl::unexpected<Error>(files.error());
   plan.files = *std::move(files);
+  return {};
+}
+
+void keep_files(SolverPlan& plan, const SolverPlan& before) {
+  plan.files = before.files;
+  plan.settings.location = before.settings.location;
+  plan.settings.exports = before.settings.exports;
+}
+
+constexpr Group kGroups[] = {
+    {[](const SolverSettings& a, const SolverSettings& b) {
+       return a.model == b.model && a.fix == b.fix && a.initial == b.initial && a.warp == b.warp &&
+              a.skew == b.skew;
+     },
+     read_lens, keep_lens},
+    {[](const SolverSettings& a, const SolverSettings& b) {
+       return a.min_views == b.min_views && a.max_views == b.max_views;
+     },
+     read_counts, keep_counts},
+    {[](const SolverSettings& a, const SolverSettings& b) {
+       return a.location == b.location && a.exports == b.exports;
+     },
+     read_files, keep_files},
+};
+
+}  // namespace
+
+Result<SolverPlan> make_plan(const SolverSettings& settings) {
+  SolverPlan plan;
+  plan.settings = settings;
+  for (const Group& group : kGroups) {
+    if (const Status read = group.read(plan); !read) return tl::unexpected<Error>(read.error());
+  }
   return plan;
+}
+
+PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
+                       const SolverSettings& now) {
+  PlanChange change;
+  change.plan.settings = now;
+  for (const Group& group : kGroups) {
+    const Status read = group.same(seen, now) ? Status() : group.read(change.plan);
+    if (!read) change.refused.push_back(read.error());
+    if (!read || group.same(seen, now)) group.keep(change.plan, before);
+  }
+  return change;
 }
 
 bool solves_differently(const SolverSettings& a, const SolverSettings& b) {

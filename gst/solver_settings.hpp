@@ -30,6 +30,8 @@ struct SolverSettings {
   int max_views = 0;        // 0: no limit
   double target_error = 0;  // px of expected error; 0: none
   int runs = 1;             // of a final solve
+
+  friend bool operator==(const SolverSettings&, const SolverSettings&) = default;
 };
 
 struct SolverPlan {
@@ -43,6 +45,15 @@ struct SolverPlan {
 
 // An error for settings that cannot work. Reads the file of `initial`.
 [[nodiscard]] Result<SolverPlan> make_plan(const SolverSettings& settings);
+
+// Settings that change while frames flow, from those `seen` last. What changed and cannot work goes
+// on as it was in `before`, with an error for it, and so does what was refused when it was seen.
+struct PlanChange {
+  SolverPlan plan;
+  std::vector<Error> refused;
+};
+[[nodiscard]] PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
+                                     const SolverSettings& now);
 
 // Whether the views are to be solved again, or the result is to be written again, when one set of
 // settings takes the place of another.

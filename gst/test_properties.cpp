@@ -16,8 +16,9 @@ enum Property : guint {
   kExposure,
   kSeed,
   kGroundTruth,
+  kReadoutTime,
 };
-static_assert(kGroundTruth == kTestSettings);
+static_assert(kReadoutTime == kTestSettings);
 
 GType motion_type() {
   static const GEnumValue kValues[] = {
@@ -79,6 +80,12 @@ void install_image_properties(GObjectClass* object_class) {
       g_param_spec_double("exposure", "Exposure",
                           "Factor on all grey levels; those above 255 are cut off", 0, 100, 1,
                           kMutablePlaying));
+  g_object_class_install_property(
+      object_class, kReadoutTime,
+      g_param_spec_uint64("readout-time", "Readout Time",
+                          "Time in ns from the first row of a frame to the last, as of a rolling "
+                          "shutter, in which an orbit or a hand goes on moving (0 = all at once)",
+                          0, GST_SECOND, 0, kMutablePlaying));
 }
 
 }  // namespace
@@ -107,6 +114,8 @@ Field test_field(TestSettings& settings, guint id) {
       return settings.scene.seed;
     case kGroundTruth:
       return settings.ground_truth;
+    case kReadoutTime:
+      return settings.readout_time;
     default:
       return {};
   }

@@ -18,10 +18,11 @@ struct TestSettings {
   SceneSettings scene;
   RenderOptions render{.noise = kDefaultNoise, .blur = kDefaultBlur};
   std::string ground_truth;
+  guint64 readout_time = 0;  // ns
 };
 
 // Properties 1..kTestSettings are kept in the settings, the one behind them by GstBaseSrc.
-inline constexpr guint kTestSettings = 8;
+inline constexpr guint kTestSettings = 9;
 inline constexpr guint kTestIsLive = kTestSettings + 1;
 
 void install_test_properties(GObjectClass* object_class);

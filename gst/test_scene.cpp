@@ -3,6 +3,7 @@
 
 #include "test_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 
@@ -84,25 +85,35 @@ Result<TestScene> TestScene::make(const SceneSource& source, ImageSize size) {
   }
 }
 
-SE3 TestScene::pose(std::int64_t number, std::uint64_t time, bool hold) const {
-  if (source_.motion != MotionKind::kRandom) {
-    return motion_.camera_from_board(static_cast<double>(time) * 1e-9);
+bool TestScene::rolls(const TestFrame& frame) const {
+  // A random pose is another place, not a motion to there.
+  return frame.readout > 0 &&
+         (source_.motion == MotionKind::kOrbit || source_.motion == MotionKind::kHand);
+}
+
+SE3 TestScene::pose(const TestFrame& frame, double v) const {
+  if (source_.motion == MotionKind::kRandom) {
+    const auto holds = static_cast<double>(frame.time / kHold);
+    return motion_.camera_from_board(frame.hold ? holds : static_cast<double>(frame.number));
   }
-  if (!hold) return motion_.camera_from_board(static_cast<double>(number));
-  const std::uint64_t holds = time / kHold;
-  return motion_.camera_from_board(static_cast<double>(holds));
+  const double rows = std::max(camera_.image_size().height - 1, 1);
+  const double later = static_cast<double>(frame.readout) * v / rows;
+  return motion_.camera_from_board((static_cast<double>(frame.time) + later) * 1e-9);
 }
 
-GrayImage TestScene::picture(const SE3& camera_from_board, std::int64_t number,
-                             RenderOptions options) const {
-  options.seed = noise_seed(source_.seed, static_cast<std::uint64_t>(number));
-  return renderer_.render(source_.board, camera_from_board, options);
+GrayImage TestScene::picture(const TestFrame& frame, RenderOptions options) const {
+  options.seed = noise_seed(source_.seed, static_cast<std::uint64_t>(frame.number));
+  if (!rolls(frame)) return renderer_.render(source_.board, pose(frame), options);
+  return renderer_.render(
+      source_.board, [&](double v) { return pose(frame, v); }, options);
 }
 
-Observation TestScene::observation(const SE3& camera_from_board, std::uint64_t time) const {
-  Observation truth = true_observation(camera_, source_.board, camera_from_board);
+Observation TestScene::observation(const TestFrame& frame) const {
+  Observation truth = rolls(frame) ? true_observation(camera_, source_.board,
+                                                      [&](double v) { return pose(frame, v); })
+                                   : true_observation(camera_, source_.board, pose(frame));
   truth.camera = truth_.camera;
-  truth.timestamp = time;
+  truth.timestamp = frame.time;
   return truth;
 }
 

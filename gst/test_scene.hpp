@@ -31,6 +31,13 @@ struct SceneSource {
 };
 [[nodiscard]] Result<SceneSource> read_scene_settings(const SceneSettings& settings);
 
+struct TestFrame {
+  std::int64_t number = 0;
+  std::uint64_t time = 0;     // ns
+  std::uint64_t readout = 0;  // ns from the first row to the last
+  bool hold = false;          // random poses stay for 0.5 s instead of one frame
+};
+
 // All that the frames of one size have in common. Immutable.
 class TestScene {
  public:
@@ -41,15 +48,17 @@ class TestScene {
   [[nodiscard]] const Calibration& truth() const { return truth_; }
   [[nodiscard]] const std::string& truth_json() const { return json_; }
 
-  // Frame `number` at `time` ns. `hold`: random poses stay for 0.5 s instead of one frame.
-  [[nodiscard]] SE3 pose(std::int64_t number, std::uint64_t time, bool hold) const;
+  // Where the board is at row `v` of a frame.
+  [[nodiscard]] SE3 pose(const TestFrame& frame, double v = 0) const;
   // The picture of the frame; options.seed is not used.
-  [[nodiscard]] GrayImage picture(const SE3& camera_from_board, std::int64_t number,
-                                  RenderOptions options) const;
-  [[nodiscard]] Observation observation(const SE3& camera_from_board, std::uint64_t time) const;
+  [[nodiscard]] GrayImage picture(const TestFrame& frame, RenderOptions options) const;
+  [[nodiscard]] Observation observation(const TestFrame& frame) const;
 
  private:
   TestScene(const SceneSource& source, const Camera& camera);
+
+  // Whether the board moves while a frame is taken.
+  [[nodiscard]] bool rolls(const TestFrame& frame) const;
 
   SceneSource source_;
   Camera camera_;

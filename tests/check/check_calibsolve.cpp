@@ -270,6 +270,40 @@ GST_START_TEST(test_solve_with_too_few_views_says_so) {
 }
 GST_END_TEST;
 
+// A view of another camera, which only the solve can tell.
+GST_START_TEST(test_an_outlier_is_named_with_the_time_of_its_frame) {
+  Fixture f;
+  constexpr int kWrong = 5;
+  for (int n = 0; n < 16; ++n) {
+    if (n != kWrong) {
+      gst_buffer_unref(f.push(n));
+      continue;
+    }
+    GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
+    GST_BUFFER_PTS(buffer) = kWrong * GST_SECOND / 30;
+    Observation o = f.seen(n);
+    o.timestamp = GST_BUFFER_PTS(buffer);
+    for (Pixel& p : o.uv) p.u = 320 + 0.7 * (p.u - 320);
+    gst::attach_observations(buffer, std::vector{o});
+    gst_buffer_unref(gst_harness_push_and_pull(f.h, buffer));
+  }
+  f.eos();
+  int named = 0;
+  for (const GstStructure* s : f.bus.named("calib-view")) {
+    if (g_strcmp0(gst_structure_get_string(s, "reason"), "outlier") != 0) continue;
+    guint64 timestamp = 0;
+    gboolean accepted = TRUE;
+    fail_unless(gst_structure_get_uint64(s, "timestamp", &timestamp));
+    fail_unless(gst_structure_get_boolean(s, "accepted", &accepted) && !accepted);
+    named += timestamp == kWrong * GST_SECOND / 30 ? 1 : 0;
+  }
+  fail_unless(named >= 1, "the outlier is not named");
+  int views = 0;
+  fail_unless(gst_structure_get_int(f.result("final"), "views", &views));
+  fail_unless_equals_int(views, 15);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_a_removed_view_makes_room_for_another) {
   Fixture f("max-views=10");
   f.push_views(10);
@@ -320,6 +354,7 @@ static Suite* calibsolve_suite() {
   tcase_add_test(tc, test_a_solve_that_was_asked_for_is_not_replaced_by_the_next);
   tcase_add_test(tc, test_a_solve_of_a_session_that_was_reset_is_thrown_away);
   tcase_add_test(tc, test_solve_with_too_few_views_says_so);
+  tcase_add_test(tc, test_an_outlier_is_named_with_the_time_of_its_frame);
   tcase_add_test(tc, test_a_removed_view_makes_room_for_another);
   tcase_add_test(tc, test_hostile_metas_are_ignored);
   return suite;

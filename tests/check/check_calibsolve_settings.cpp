@@ -87,6 +87,31 @@ GST_START_TEST(test_another_model_solves_the_views_again) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_what_is_wrong_holds_up_nothing_else) {
+  SolveFixture f;
+  f.push_views(10);
+  g_object_set(f.element, "model", "brown99", nullptr);
+  gst_buffer_unref(f.push(10));
+  g_object_set(f.element, "export", "pdf:a.pdf", nullptr);
+  gst_buffer_unref(f.push(11));
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "'brown99' is not known"));
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "'pdf:a.pdf' is wrong"));
+  g_object_set(f.element, "max-views", 12, nullptr);
+  gst_buffer_unref(f.push(12));
+  f.eos();
+  const GstStructure* r = f.result("final");
+  fail_unless(r != nullptr);
+  fail_unless_equals_string(gst_structure_get_string(r, "model"), "brown5");
+  fail_unless_equals_int(views_of(r), 12);
+  // Each is said once.
+  int said = 0;
+  for (const auto& text : f.bus.texts(GST_MESSAGE_WARNING)) {
+    said += text.find("brown99") != std::string::npos ? 1 : 0;
+  }
+  fail_unless_equals_int(said, 1);
+}
+GST_END_TEST;
+
 // The signal comes from the application's thread; what was set just before it counts.
 GST_START_TEST(test_solve_takes_what_was_set_just_before) {
   SolveFixture f;
@@ -172,6 +197,7 @@ static Suite* calibsolve_settings_suite() {
   tcase_add_test(tc, test_an_initial_calibration_is_scaled_to_the_frames);
   tcase_add_test(tc, test_an_initial_calibration_that_does_not_fit_is_left_out);
   tcase_add_test(tc, test_another_model_solves_the_views_again);
+  tcase_add_test(tc, test_what_is_wrong_holds_up_nothing_else);
   tcase_add_test(tc, test_solve_takes_what_was_set_just_before);
   tcase_add_test(tc, test_another_location_gets_the_result);
   tcase_add_test(tc, test_a_view_behind_a_final_solve_is_solved_at_eos);

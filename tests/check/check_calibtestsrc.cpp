@@ -108,6 +108,29 @@ GST_START_TEST(test_pictures_are_what_the_library_renders) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_a_rolling_shutter_shows_the_motion) {
+  Fixture f("motion=orbit noise=0 blur=0 readout-time=40000000", "video/x-raw,format=GRAY8");
+  const Camera camera = default_camera({640, 480});
+  const Board board = *parse_board(kDefaultBoard);
+  const Motion motion(MotionKind::kOrbit, camera, board, 0);
+  gst_buffer_unref(f.pull());
+  g_autoptr(GstBuffer) buffer = f.pull();
+  const double start = static_cast<double>(GST_BUFFER_PTS(buffer)) * 1e-9;
+  const auto pose = [&](double v) { return motion.camera_from_board(start + 0.04 * v / 479); };
+  fail_unless(luma_of(buffer, f.h).pixels == BoardRenderer(camera).render(board, pose).pixels);
+  const auto truth = gst::read_ground_truth(buffer);
+  fail_unless(truth.has_value() && truth->boards.size() == 1);
+  const Observation exact = true_observation(camera, board, pose);
+  const Observation& seen = truth->boards[0].observation;
+  fail_unless(seen.ids == exact.ids && seen.found());
+  for (std::size_t i = 0; i < exact.uv.size(); ++i) {
+    fail_unless(std::hypot(seen.uv[i].u - exact.uv[i].u, seen.uv[i].v - exact.uv[i].v) < 1e-6);
+  }
+  const Pose first = to_pose(pose(0));
+  fail_unless(first.translation == truth->boards[0].camera_from_board.translation);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_chroma_is_neutral) {
   Fixture f("", "video/x-raw,format=I420,width=65,height=33");
   g_autoptr(GstBuffer) buffer = f.pull();
@@ -324,6 +347,7 @@ static Suite* calibtestsrc_suite() {
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_defaults_are_a_vga_camera);
   tcase_add_loop_test(tests, test_pictures_are_what_the_library_renders, 0, G_N_ELEMENTS(kFormats));
+  tcase_add_test(tests, test_a_rolling_shutter_shows_the_motion);
   tcase_add_test(tests, test_chroma_is_neutral);
   tcase_add_test(tests, test_a_conversion_keeps_the_grey_levels);
   tcase_add_test(tests, test_times_come_from_the_frame_number);

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/solve/solve.hpp"
+#include "calvin/synth/render.hpp"
 #include "scenes.hpp"
 
 namespace calvin {
@@ -31,6 +32,20 @@ SolveOptions with_model(std::string_view model) {
   SolveOptions options;
   options.model = model;
   return options;
+}
+
+// About xi = 0, where ordinary lenses are, no views tell xi from alpha and the focal length. That
+// is not the fault of whoever holds the board.
+TEST(DoubleSphere, IsRefusedByItsNameForALensThatItCannotTell) {
+  const Camera camera = default_camera(kSize);
+  for (const unsigned seed : {1, 2, 3, 4, 5, 6}) {
+    Random random(seed);
+    const auto solution = solve(make_views(camera, random, 25), kSize, with_model("doublesphere"));
+    ASSERT_FALSE(solution.has_value());
+    EXPECT_NE(solution.error().message.find("coefficients of doublesphere apart"),
+              std::string::npos)
+        << solution.error().message;
+  }
 }
 
 class EveryModel : public ::testing::TestWithParam<std::string_view> {};

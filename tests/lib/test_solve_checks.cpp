@@ -96,6 +96,29 @@ TEST_P(Perfect, SessionsAreNotFlagged) {
   }
 }
 
+// A detector is a little too sure of its corners, and wrong alike in all of a view: nobody's fault.
+TEST(Checks, WhatADetectorMayGetWrongIsNotFlagged) {
+  constexpr double kSigma = 0.005;
+  const Fault fault = {{}, [](View& view, Random& random) {
+                         const double du = scenes::uniform(random, -0.003, 0.003);
+                         const double dv = scenes::uniform(random, -0.003, 0.003);
+                         for (std::size_t i = 0; i < view.observation.uv.size(); ++i) {
+                           Pixel& p = view.observation.uv[i];
+                           p = {p.u + du * std::sin(p.v / 60), p.v + dv * std::sin(p.u / 60)};
+                           view.observation.sigma[i] = 0.85 * kSigma;
+                         }
+                       }};
+  Random random(17);
+  const Camera camera = scenes::random_camera("brown5", random);
+  int found = 0;
+  for (int i = 0; i < sessions(); ++i) {
+    const auto solution = solve(session(camera, fault, random, kSigma), camera.image_size(), {});
+    ASSERT_TRUE(solution.has_value()) << solution.error().message;
+    found += solution->misfit.found() ? 1 : 0;
+  }
+  EXPECT_LE(static_cast<double>(found) / sessions(), most_false());
+}
+
 TEST(Checks, ABowedBoardIsFlagged) {
   for (const double depth : {0.3e-3, 1e-3}) {
     std::map<std::string, int> causes;

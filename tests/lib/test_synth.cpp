@@ -209,6 +209,29 @@ TEST(Renderer, ShowsTheBackAsABlankCard) {
   EXPECT_EQ(*values.rbegin(), 220);
 }
 
+TEST(Renderer, ARollingShutterShowsEachRowAsOfItsTime) {
+  const Camera cam = brown();
+  const Motion hand(MotionKind::kHand, cam, board(), 3);
+  const PoseOfRow pose = [&](double v) { return hand.camera_from_board(2 + 0.1 * v / 479); };
+  const BoardRenderer renderer(cam);
+  const GrayImage rolled = renderer.render(board(), pose);
+  for (const int y : {0, 100, 240, 333, 479}) {
+    const GrayImage still = renderer.render(board(), pose(y));
+    for (int x = 0; x < 640; ++x) ASSERT_EQ(rolled.view().at(x, y), still.view().at(x, y)) << y;
+  }
+  const Observation truth = true_observation(cam, board(), pose);
+  const Observation still = true_observation(cam, board(), pose(0));
+  ASSERT_EQ(truth.ids.size(), 54U);
+  double moved = 0;
+  for (std::size_t i = 0; i < truth.ids.size(); ++i) {
+    const Pixel p = truth.uv[i];
+    const Pixel q = cam.project(pose(p.v) * board().points()[i]).value();
+    EXPECT_LT(std::hypot(p.u - q.u, p.v - q.v), 1e-6);
+    moved = std::max(moved, std::hypot(p.u - still.uv[i].u, p.v - still.uv[i].v));
+  }
+  EXPECT_GT(moved, 1);  // px
+}
+
 TEST(Renderer, AddsGaussianNoise) {
   const Camera cam = default_camera({640, 480});
   const BoardRenderer renderer(cam);

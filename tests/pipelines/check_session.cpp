@@ -29,8 +29,9 @@ static const char kFisheye[] =
 
 static bool full() { return g_getenv("CALVIN_FULL") != nullptr; }
 
-// Runs a pipeline to its end; the JSON of its final result, empty where there was none.
-static std::string run(GstElement* pipeline) {
+// Runs a pipeline to its end; the JSON of its final result, empty where there was none. `misfit` is
+// the fault that it names, empty for none.
+static std::string run(GstElement* pipeline, std::string* misfit = nullptr) {
   std::string json;
   g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
   fail_if(gst_element_set_state(pipeline, GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE);
@@ -43,6 +44,8 @@ static std::string run(GstElement* pipeline) {
     if (s != nullptr && gst_structure_has_name(s, "calib-result")) {
       const char* text = gst_structure_get_string(s, "json");
       if (text != nullptr) json = text;
+      const char* cause = gst_structure_get_string(s, "misfit");
+      if (misfit != nullptr) *misfit = cause != nullptr ? cause : "";
     }
   }
   gst_bus_set_flushing(bus, TRUE);
@@ -55,6 +58,7 @@ struct Score {
   double normalised = 0;
   double sigma_fx = 0;
   double apart = 0;  // px, the largest over the image, the rotation taken out
+  std::string misfit;
 };
 
 static Score session(int seed, int frames, const char* model, const char* camera) {
@@ -76,7 +80,8 @@ static Score session(int seed, int frames, const char* model, const char* camera
         return GST_PAD_PROBE_REMOVE;
       },
       &truth_json, nullptr);
-  const auto found = parse_calibration(run(pipeline));
+  std::string misfit;
+  const auto found = parse_calibration(run(pipeline, &misfit));
   const auto truth = parse_calibration(truth_json);
   fail_unless(found.has_value() && truth.has_value(), "seed %d", seed);
 
@@ -93,7 +98,8 @@ static Score session(int seed, int frames, const char* model, const char* camera
   const Eigen::VectorXd scaled = scale.asDiagonal() * e;
   return {scaled.dot(correlation.ldlt().solve(scaled)) / static_cast<double>(n),
           *found->find("fx")->sigma,
-          difference(Camera::make(*found).value(), Camera::make(*truth).value()).value().image.max};
+          difference(Camera::make(*found).value(), Camera::make(*truth).value()).value().image.max,
+          misfit};
 }
 
 static void assert_honest(const char* model, const char* camera) {
@@ -101,8 +107,10 @@ static void assert_honest(const char* model, const char* camera) {
   double mean = 0;
   double worst = 0;
   double apart = 0;
+  int flagged = 0;
   for (int seed = 1; seed <= 20; ++seed) {
     const Score score = session(seed, frames, model, camera);
+    flagged += score.misfit.empty() ? 0 : 1;
     mean += score.normalised / 20;
     worst = std::max(worst, score.sigma_fx);
     apart += score.apart / 20;
@@ -113,6 +121,8 @@ static void assert_honest(const char* model, const char* camera) {
   fail_unless(mean > 0.4 && mean < 2.5, "mean e^T C^-1 e / n is %f, the cameras are %f px apart",
               mean, apart);
   fail_unless(worst < 1, "fx sigma %f", worst);
+  // Nothing is amiss in any of them. Of one in twenty it may be said, and twice is bad luck.
+  fail_unless(flagged <= 2, "%d of 20 perfect sessions are blamed for a misfit", flagged);
 }
 
 GST_START_TEST(test_brown5_sigmas_tell_the_truth) { assert_honest("brown5", ""); }

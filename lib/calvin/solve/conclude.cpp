@@ -90,12 +90,35 @@ int orientations(const Fit& fit) {
   return static_cast<int>(normals.size());
 }
 
+tl::unexpected<Error> inseparable(const Freedom& freedom) {
+  return degenerate(fmt::format(
+      "The views do not tell the coefficients of {} apart: take a model with fewer of them.",
+      freedom.model));
+}
+
+// The sigma of the focal length on the axis, of fx (0) or fy (1), over that length: doublesphere
+// has f / (1 + xi) there.
+double relative_axis_sigma(const Fit& fit, const Freedom& freedom, const Eigen::MatrixXd& c,
+                           int i) {
+  constexpr int kXi = 4;
+  const double f = fit.shared[static_cast<std::size_t>(i)];
+  if (freedom.model != "doublesphere") return std::sqrt(c(i, i)) / f;
+  const double by_xi = -1 / (1 + fit.shared[kXi]);
+  const double square = c(i, i) / (f * f) + 2 * c(i, kXi) * by_xi / f + c(kXi, kXi) * by_xi * by_xi;
+  return std::sqrt(std::max(square, 0.0));
+}
+
 // Whether the covariance leaves a camera to speak of.
-Status determined(const Fit& fit, const Eigen::MatrixXd& c, ImageSize size) {
+Status determined(const Fit& fit, const Freedom& freedom, const Eigen::MatrixXd& c,
+                  ImageSize size) {
   for (const int i : {0, 1}) {
     const double f = fit.shared[static_cast<std::size_t>(i)];
     const double sigma = std::sqrt(c(i, i));
     if (sigma > kWorstFocalSigma * f) {
+      // About xi = 0 another xi does what f and alpha do, whatever the views show.
+      if (relative_axis_sigma(fit, freedom, c, i) < kWorstFocalSigma) {
+        return inseparable(freedom);
+      }
       return degenerate(fmt::format(
           "The views do not determine the focal length ({:.0f} +- {:.0f} px): the board is too "
           "nearly parallel to the image, or always tilted the same way.",
@@ -214,7 +237,7 @@ void add_checks(Solution& solution, const Conclusion& from, const Camera& camera
   const Consistency found =
       consistency(from.fit, camera, from.shape, from.freedom, c, variance, stop);
   if (stop.stop_requested()) return;
-  solution.misfit = misfit(found, calibration.chi, degrees);
+  solution.misfit = misfit(found, calibration.chi, degrees, calibration.rms.value_or(0));
   solution.held_out = found.held_out;
   double sum = 0;
   double corners = 0;
@@ -292,14 +315,11 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
   const double told = from.scale.sigma * from.scale.sigma;
   const double variance = from.scale.known ? std::max(left, told) : left;
   const auto c = fit.converged ? covariance(fit, freedom, variance) : std::nullopt;
-  if (!c) {
-    return degenerate(
-        fit.converged ? fmt::format("The views do not tell the coefficients of {} apart: take a "
-                                    "model with fewer of them.",
-                                    freedom.model)
-                      : "The views do not determine the camera: the solve does not converge.");
+  if (!fit.converged) {
+    return degenerate("The views do not determine the camera: the solve does not converge.");
   }
-  if (const Status status = determined(fit, *c, size); !status) {
+  if (!c) return inseparable(freedom);
+  if (const Status status = determined(fit, freedom, *c, size); !status) {
     return tl::unexpected<Error>(status.error());
   }
   if (!fit.sound) {

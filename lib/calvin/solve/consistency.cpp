@@ -24,7 +24,10 @@ namespace {
 // One test in a hundred sees this much in noise.
 constexpr double kSignificant = 2.33;
 // What the detector's sigmas may be wrong by before chi means anything.
-constexpr double kSigmaTolerance = 1.1;
+constexpr double kSigmaTolerance = 1.25;
+// px: what corners of a detector have in common without anything being wrong, for what it takes for
+// an edge is never quite one. Against sigmas of as little it would be told from noise.
+constexpr double kDetectorBias = 0.003;
 // Smaller parts of the variance are significant at times, and never matter.
 constexpr double kSmallPart = 0.01;
 // Corners per part of the image.
@@ -245,8 +248,13 @@ class Judge {
   double predicted_ = 0;
 };
 
-bool significant(const Excess& excess, double all) {
-  return excess.deviations() > kSignificant && excess.sum - excess.degrees > kSmallPart * all;
+// Whether a part of the variance of residuals that are `rms` px as a whole is one to speak of.
+bool matters(double part, double rms) {
+  return part > kSmallPart && part * rms * rms > kDetectorBias * kDetectorBias;
+}
+
+bool significant(const Excess& excess, double all, double rms) {
+  return excess.deviations() > kSignificant && matters((excess.sum - excess.degrees) / all, rms);
 }
 
 }  // namespace
@@ -263,16 +271,16 @@ Consistency consistency(const Fit& fit, const Camera& camera, const BoardShape& 
   return Judge(fit, camera, shape, freedom, covariance, variance).run(stop);
 }
 
-Misfit misfit(const Consistency& c, std::optional<double> chi, double degrees) {
+Misfit misfit(const Consistency& c, std::optional<double> chi, double degrees, double rms) {
   Misfit result;
   result.halves = c.halves;
   const double chi_limit = kSigmaTolerance * (1 + kSignificant / std::sqrt(2 * degrees));
-  const bool noisy = chi && *chi > chi_limit;
+  const bool noisy = chi && *chi > chi_limit && matters(1 - 1 / (*chi * *chi), rms);
   // What belongs to a place or to a corner is told apart by how much of the residuals it explains;
   // views that contradict each other for either reason are not to blame.
-  const bool picture = significant(c.picture, degrees);
-  const bool board = significant(c.board, degrees);
-  const bool views = significant(c.views, degrees);
+  const bool picture = significant(c.picture, degrees, rms);
+  const bool board = significant(c.board, degrees, rms);
+  const bool views = significant(c.views, degrees, rms);
   if (picture || board) {
     const bool corner = c.board.sum - c.board.degrees > c.picture.sum - c.picture.degrees;
     result.cause = board && corner ? Misfit::Cause::kBoard : Misfit::Cause::kModel;

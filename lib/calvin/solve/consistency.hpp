@@ -51,8 +51,8 @@ struct Consistency {
                                       const Freedom& freedom, const Eigen::MatrixXd& covariance,
                                       double variance, const std::stop_token& stop);
 
-// The verdict. `chi` is absent where the detector told no sigma.
+// The verdict. `chi` is absent where the detector told no sigma; `rms` is that of the corners, px.
 [[nodiscard]] Misfit misfit(const Consistency& consistency, std::optional<double> chi,
-                            double degrees);
+                            double degrees, double rms);
 
 }  // namespace calvin

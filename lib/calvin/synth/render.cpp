@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/LU>
 
@@ -134,6 +135,31 @@ class Scene {
   double background_;
 };
 
+// Positive where the camera is in front of the board.
+double front_side(const SE3& camera_from_board) {
+  return camera_from_board.rotation.col(2).dot(camera_from_board.translation);
+}
+
+Eigen::Matrix3d plane_from_ray_of(const Board& board, const SE3& camera_from_board) {
+  Eigen::Matrix3d ray_from_plane;
+  ray_from_plane << board.size * camera_from_board.rotation.col(0),
+      board.size * camera_from_board.rotation.col(1), camera_from_board.translation;
+  // Seen edge-on, or from a pose that is no number, there is no board.
+  Eigen::Matrix3d plane_from_ray = ray_from_plane.inverse();
+  if (!plane_from_ray.allFinite()) plane_from_ray.setZero();
+  return plane_from_ray;
+}
+
+// What a camera sees of the board from one place.
+struct BoardView {
+  Scene scene;
+  Eigen::Matrix3d plane_from_ray;  // takes a ray to (x, y, 1) / distance
+
+  BoardView(const Board& board, const RenderOptions& options, const SE3& camera_from_board)
+      : scene(board, options, front_side(camera_from_board) < 0),
+        plane_from_ray(plane_from_ray_of(board, camera_from_board)) {}
+};
+
 // Where a row of the rays meets the board plane.
 struct NodeRow {
   std::vector<Eigen::Vector3d> at;  // (x, y, w) as in Vertex
@@ -141,12 +167,12 @@ struct NodeRow {
 
   explicit NodeRow(std::size_t count) : at(count), squares(count) {}
 
-  // plane_from_ray takes a ray to (x, y, 1) / distance.
-  void fill(const float* rays, const Eigen::Matrix3d& plane_from_ray, const Scene& scene) {
+  void fill(const float* rays, const BoardView& view) {
     for (std::size_t i = 0; i < at.size(); ++i, rays += 3) {
-      at[i] = plane_from_ray * Eigen::Map<const Eigen::Vector3f>(rays).cast<double>();
-      squares[i] = at[i].z() > 0 ? scene.square_at(at[i].x() / at[i].z(), at[i].y() / at[i].z())
-                                 : Square{kNothing, kNothing};
+      at[i] = view.plane_from_ray * Eigen::Map<const Eigen::Vector3f>(rays).cast<double>();
+      squares[i] = at[i].z() > 0
+                       ? view.scene.square_at(at[i].x() / at[i].z(), at[i].y() / at[i].z())
+                       : Square{kNothing, kNothing};
     }
   }
   [[nodiscard]] Vertex vertex(std::size_t i, float u, float v) const {
@@ -172,9 +198,18 @@ void render_row(const Scene& scene, const NodeRow& upper, const NodeRow& lower, 
   }
 }
 
-// Positive where the camera is in front of the board.
-double front_side(const SE3& camera_from_board) {
-  return camera_from_board.rotation.col(2).dot(camera_from_board.translation);
+// Where a point of the board is seen: in the row that is taken when it is seen there.
+std::optional<Pixel> project_in_row(const Camera& camera, const PoseOfRow& camera_from_board,
+                                    const Eigen::Vector3d& point) {
+  constexpr int kRounds = 30;
+  constexpr double kClose = 1e-9;  // px
+  double row = (camera.image_size().height - 1) / 2.0;
+  for (int i = 0; i < kRounds; ++i) {
+    const auto uv = camera.project(camera_from_board(row) * point);
+    if (!uv || std::abs(uv->v - row) < kClose) return uv;
+    row = uv->v;
+  }
+  return std::nullopt;  // it falls as fast as the rows are taken
 }
 
 }  // namespace
@@ -182,27 +217,38 @@ double front_side(const SE3& camera_from_board) {
 BoardRenderer::BoardRenderer(const Camera& camera)
     : size_(camera.image_size()), rays_(synth::pixel_corner_rays(camera)) {}
 
+const float* BoardRenderer::rays_above(int row) const {
+  return rays_.data() +
+         3 * (static_cast<std::size_t>(size_.width) + 1) * static_cast<std::size_t>(row);
+}
+
 GrayImage BoardRenderer::render(const Board& board, const SE3& camera_from_board,
                                 const RenderOptions& options) const {
-  const double side = front_side(camera_from_board);
-  const Scene scene(board, options, side < 0);
-  Eigen::Matrix3d ray_from_plane;
-  ray_from_plane << board.size * camera_from_board.rotation.col(0),
-      board.size * camera_from_board.rotation.col(1), camera_from_board.translation;
-  // Seen edge-on, or from a pose that is no number, there is no board.
-  Eigen::Matrix3d plane_from_ray = ray_from_plane.inverse();
-  if (!plane_from_ray.allFinite()) plane_from_ray.setZero();
+  return render_rows(
+      board, [&](double /*v*/) { return camera_from_board; }, false, options);
+}
 
+GrayImage BoardRenderer::render(const Board& board, const PoseOfRow& camera_from_board,
+                                const RenderOptions& options) const {
+  return render_rows(board, camera_from_board, true, options);
+}
+
+GrayImage BoardRenderer::render_rows(const Board& board, const PoseOfRow& camera_from_board,
+                                     bool moves, const RenderOptions& options) const {
   synth::FloatImage image(size_);
   const auto width = static_cast<std::size_t>(size_.width);
   NodeRow upper(width + 1);
   NodeRow lower(width + 1);
-  lower.fill(rays_.data(), plane_from_ray, scene);
+  BoardView view(board, options, camera_from_board(0));
+  lower.fill(rays_above(0), view);
   for (int y = 0; y < size_.height; ++y) {
     std::swap(upper, lower);
-    lower.fill(rays_.data() + 3 * (width + 1) * static_cast<std::size_t>(y + 1), plane_from_ray,
-               scene);
-    render_row(scene, upper, lower, image.row(y), width);
+    if (moves) {
+      view = BoardView(board, options, camera_from_board(y));
+      upper.fill(rays_above(y), view);
+    }
+    lower.fill(rays_above(y + 1), view);
+    render_row(view.scene, upper, lower, image.row(y), width);
   }
   synth::blur(image, options.blur);
   return synth::quantise(image, options.noise, options.seed);
@@ -219,13 +265,18 @@ GrayImage render_board(const Camera& camera, const Board& board, const SE3& came
 
 Observation true_observation(const Camera& camera, const Board& board,
                              const SE3& camera_from_board) {
+  return true_observation(camera, board, [&](double /*v*/) { return camera_from_board; });
+}
+
+Observation true_observation(const Camera& camera, const Board& board,
+                             const PoseOfRow& camera_from_board) {
   Observation observation;
   observation.board = board.text();
   observation.image_size = camera.image_size();
-  if (!(front_side(camera_from_board) > 0)) return observation;
+  if (!(front_side(camera_from_board(0)) > 0)) return observation;
   const auto points = board.points();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto uv = camera.project(camera_from_board * points[i]);
+    const auto uv = project_in_row(camera, camera_from_board, points[i]);
     if (!uv || !(uv->u >= -0.5) || !(uv->v >= -0.5) || !(uv->u < camera.image_size().width - 0.5) ||
         !(uv->v < camera.image_size().height - 0.5)) {
       continue;

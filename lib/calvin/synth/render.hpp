@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "calvin/camera/camera.hpp"
@@ -34,6 +35,10 @@ struct RenderOptions {
 // The seed of one frame's noise in a sequence: independent from frame to frame.
 [[nodiscard]] std::uint64_t noise_seed(std::uint64_t sequence, std::uint64_t frame) noexcept;
 
+// Where the board is while a row of the image is taken: a rolling shutter takes one after the
+// other.
+using PoseOfRow = std::function<SE3(double v)>;
+
 // Renders many views through one camera: what depends on the camera alone is computed once.
 // Immutable; safe to share between threads.
 class BoardRenderer {
@@ -44,8 +49,15 @@ class BoardRenderer {
   // pixels where the processor's rounding decides.
   [[nodiscard]] GrayImage render(const Board& board, const SE3& camera_from_board,
                                  const RenderOptions& options = {}) const;
+  // Each row as of its own pose.
+  [[nodiscard]] GrayImage render(const Board& board, const PoseOfRow& camera_from_board,
+                                 const RenderOptions& options = {}) const;
 
  private:
+  [[nodiscard]] const float* rays_above(int row) const;
+  [[nodiscard]] GrayImage render_rows(const Board& board, const PoseOfRow& camera_from_board,
+                                      bool moves, const RenderOptions& options) const;
+
   ImageSize size_;
   // Rays of the pixels' corners, (width + 1) * (height + 1), x y z; zero where not valid.
   std::vector<float> rays_;
@@ -60,6 +72,8 @@ class BoardRenderer {
 // board turns its back.
 [[nodiscard]] Observation true_observation(const Camera& camera, const Board& board,
                                            const SE3& camera_from_board);
+[[nodiscard]] Observation true_observation(const Camera& camera, const Board& board,
+                                           const PoseOfRow& camera_from_board);
 
 // A plausible camera for images of any size: brown5 with mild barrel distortion, pixels not quite
 // square and a principal point off the centre. `field_of_view` in rad is that of the longer side,
