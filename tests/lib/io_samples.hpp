@@ -5,9 +5,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "calvin/camera/camera.hpp"
 #include "calvin/core/calibration.hpp"
+#include "calvin_config.h"
 
 namespace calvin::test {
 
@@ -126,6 +131,27 @@ inline const std::vector<std::string>& sample_files() {
   static const std::vector<std::string> kFiles = {kRosFile, kOpenCvYamlFile, kOpenCvXmlFile,
                                                   kOpenCvJsonFile, kNativeFile};
   return kFiles;
+}
+
+// Points in front of a camera.
+inline std::vector<Eigen::Vector3d> grid() {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = -4; i <= 4; ++i) {
+    for (int j = -3; j <= 3; ++j) points.emplace_back(0.14 * i, 0.14 * j, 1 + 0.05 * i);
+  }
+  return points;
+}
+
+inline bool readable(std::string_view format) {
+  return CALVIN_HAVE_FORMATS || format == "calvin" || format == "opencv-json";
+}
+
+// The file formats of OpenCV and ROS know the lenses of their own programs only.
+inline bool holds(std::string_view format, std::string_view model) {
+  const std::size_t coefficients = parameter_names(model).size() - 4;
+  if (format == "calvin") return true;
+  if (model == "ucm" || model == "eucm" || model == "doublesphere") return false;
+  return format != "ros" || coefficients <= 8;
 }
 
 }  // namespace calvin::test

@@ -38,7 +38,7 @@ const Row& smallest_model(const std::vector<double>& d) {
 Result<std::string_view> model_for(const OpenCvCamera& camera) {
   const auto& d = camera.distortion;
   if (camera.fisheye) {
-    if (d.size() == kFisheyeOrder.size()) return "fisheye";
+    if (d.empty() || d.size() == kFisheyeOrder.size()) return "fisheye";
     return make_error(
         ErrorCode::kMalformed,
         fmt::format("a fisheye camera has 4 distortion coefficients, not {}", d.size()));
@@ -77,7 +77,8 @@ Result<Calibration> from_opencv(const OpenCvCamera& camera, ImageSize size) {
   const auto names =
       coefficient_names(camera.fisheye, camera.fisheye ? kFisheyeOrder.size() : row->count);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    calibration.parameters.push_back({std::string(names[i]), camera.distortion[i], {}});
+    const double value = camera.distortion.empty() ? 0 : camera.distortion[i];
+    calibration.parameters.push_back({std::string(names[i]), value, {}});
   }
   if (k[1] != 0) calibration.parameters.push_back({"skew", k[1], {}});
   return calibration;

@@ -117,10 +117,22 @@ Matrix sigma_matrix(const Calibration& calibration, const std::vector<std::strin
   return matrix;
 }
 
+// No numbers, and said so: a camera without distortion.
+bool is_empty_matrix(const Fields& matrix) {
+  const Node* data = matrix.find("data");
+  const auto is_zero = [&](std::string_view key) {
+    const Node* count = matrix.find(key);
+    return count != nullptr && count->text == "0";
+  };
+  return (is_zero("rows") || is_zero("cols")) &&
+         (data == nullptr || (data->items.empty() && data->text.empty()));
+}
+
 }  // namespace
 
 Matrix read_matrix(Fields& fields, std::string_view key) {
   Fields matrix = fields.map(key);
+  if (is_empty_matrix(matrix)) return {};
   const std::string dt = matrix.word("dt");
   if (!dt.empty() && dt != "d" && dt != "f" && dt != "i") {
     matrix.complain("dt", fmt::format("is '{}'; d, f and i are read", dt.substr(0, 8)));
