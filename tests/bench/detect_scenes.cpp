@@ -13,6 +13,7 @@
 #include "calvin/geometry/se3.hpp"
 #include "calvin/synth/random.hpp"
 #include "calvin/synth/render.hpp"
+#include "scene_drawing.hpp"
 
 namespace bench {
 
@@ -25,10 +26,6 @@ using calvin::SE3;
 using calvin::synth::Uniform;
 
 constexpr double kPi = std::numbers::pi;
-
-int whole(Uniform& random, int low, int high) {
-  return low + static_cast<int>(random(0, high - low + 1));
-}
 
 Camera camera_of(const SceneClass& kind, ImageSize size, Uniform& random) {
   if (!kind.fisheye) return calvin::default_camera(size, random(50, 80) * kPi / 180);
@@ -95,69 +92,23 @@ SE3 pose_of(const SceneClass& kind, const Camera& camera, const Board& board, Un
   }
 }
 
+// Where the board is in each row: its place is that of the middle one.
+calvin::PoseOfRow motion_of(const SceneClass& kind, const Camera& camera, const SE3& pose,
+                            Uniform& random) {
+  if (!(kind.rolling > 0)) return [pose](double /*v*/) { return pose; };
+  const double px = kind.rolling * random(0.3, 1);
+  const double angle = random(0, 2 * kPi);
+  const Eigen::Vector3d way = px * pose.translation.norm() / camera.fx() *
+                              Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+  const double rows = camera.image_size().height - 1;
+  return [pose, way, rows](double v) {
+    return SE3{pose.rotation, pose.translation + (v / rows - 0.5) * way};
+  };
+}
+
 cv::Mat to_mat(const calvin::GrayImage& image) {
   return cv::Mat(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()))
       .clone();
-}
-
-// Lines, discs, boxes, and words.
-cv::Mat clutter(ImageSize size, Uniform& random) {
-  cv::Mat image(size.height, size.width, CV_8UC1, cv::Scalar(random(60, 200)));
-  for (int i = 0; i < 120; ++i) {
-    const cv::Point a(whole(random, 0, size.width), whole(random, 0, size.height));
-    const cv::Point b(whole(random, 0, size.width), whole(random, 0, size.height));
-    const int reach = whole(random, 5, size.width / 12);
-    const cv::Scalar grey(whole(random, 10, 245));
-    switch (i % 4) {
-      case 0:
-        cv::line(image, a, b, grey, whole(random, 1, 6), cv::LINE_AA);
-        break;
-      case 1:
-        cv::circle(image, a, reach, grey, cv::FILLED, cv::LINE_AA);
-        break;
-      case 2:
-        cv::rectangle(image, a, a + cv::Point(reach, whole(random, 5, 80)), grey, cv::FILLED);
-        break;
-      default:
-        cv::putText(image, fmt::format("{:x}", whole(random, 1 << 20, 1 << 28)), a,
-                    cv::FONT_HERSHEY_SIMPLEX, random(0.4, 2), grey, whole(random, 1, 3),
-                    cv::LINE_AA);
-    }
-  }
-  return image;
-}
-
-void blur_along(cv::Mat& image, double length, double angle) {
-  const int reach = static_cast<int>(std::ceil(length / 2)) + 1;
-  cv::Mat kernel = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_32F);
-  for (int i = 0; i < 200; ++i) {
-    const double t = ((i + 0.5) / 200 - 0.5) * length;
-    const double x = reach + t * std::cos(angle);
-    const double y = reach + t * std::sin(angle);
-    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-    const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
-    kernel.at<float>(y0, x0) += (1 - fx) * (1 - fy) / 200;
-    kernel.at<float>(y0, x0 + 1) += fx * (1 - fy) / 200;
-    kernel.at<float>(y0 + 1, x0) += (1 - fx) * fy / 200;
-    kernel.at<float>(y0 + 1, x0 + 1) += fx * fy / 200;
-  }
-  cv::filter2D(image, image, -1, kernel, {-1, -1}, 0, cv::BORDER_REPLICATE);
-}
-
-// A card from a line on, anywhere but over the board's middle.
-void lay_card(cv::Mat& mask, cv::Point2d on, cv::Point2d middle, Uniform& random) {
-  const double angle = random(0, 2 * kPi);
-  const cv::Point2d out(std::cos(angle), std::sin(angle));
-  const double beyond = (on - middle).dot(out);
-  if (beyond < 15) on += (15 - beyond) * out;
-  const cv::Point2d along(-out.y, out.x);
-  const double reach = 2 * std::hypot(mask.cols, mask.rows);
-  std::vector<cv::Point> corners;
-  for (const cv::Point2d& p : {on - reach * along, on + reach * along, on + reach * (along + out),
-                               on + reach * (out - along)}) {
-    corners.emplace_back(cvRound(16 * p.x), cvRound(16 * p.y));
-  }
-  cv::fillConvexPoly(mask, corners, 255, cv::LINE_AA, 4);
 }
 
 // Draws fingers into the image from the board's rim, or a card; takes the corners that they cover,
@@ -215,8 +166,8 @@ Camera enlarged(const Camera& camera, int border, int fine) {
       .value();
 }
 
-cv::Mat rendered(const SceneClass& kind, const Camera& camera, const Board& board, const SE3& pose,
-                 Uniform& random) {
+cv::Mat rendered(const SceneClass& kind, const Camera& camera, const Board& board,
+                 const calvin::PoseOfRow& pose, Uniform& random) {
   // What is blurred comes from beyond the border of the picture too. A lens blurs before the pixels
   // sample, and ink does not run in steps of them: pixels that are blurred afterwards have moved
   // upright edges by a hundredth of a pixel before.
@@ -226,11 +177,16 @@ cv::Mat rendered(const SceneClass& kind, const Camera& camera, const Board& boar
   calvin::RenderOptions options;
   options.dark = kind.dark;
   options.light = kind.bright;
+  const calvin::PoseOfRow pose_of_row = [&](double v) {
+    return pose((v + 0.5) / fine - 0.5 - border);
+  };
   cv::Mat image;
   const auto render = [&](double background) {
     options.background = background;
     cv::Mat out;
-    to_mat(renderer.render(board, pose, options)).convertTo(out, CV_32F);
+    to_mat(kind.rolling > 0 ? renderer.render(board, pose_of_row, options)
+                            : renderer.render(board, pose(0), options))
+        .convertTo(out, CV_32F);
     return out;
   };
   if (kind.clutter) {
@@ -281,6 +237,7 @@ const std::vector<SceneClass>& scene_classes() {
       {.name = "large", .fill_from = 0.8, .fill_to = 1.0, .tilt = 0.3},
       {.name = "blur", .blur = 3.5, .square_from = 20, .square_to = 70},
       {.name = "motion", .motion = 10, .square_from = 20, .square_to = 70},
+      {.name = "rolling shutter", .rolling = 20},
       {.name = "noise", .noise = 15},
       {.name = "low contrast", .noise = 2, .dark = 110, .bright = 130},
       {.name = "uneven light", .light = 0.85},
@@ -314,7 +271,8 @@ Scene make_scene(const SceneClass& kind, ImageSize size, std::uint64_t seed) {
   const char* usual = seed % 3 == 0 ? "checkerboard:11x8:25mm" : "checkerboard:9x6:25mm";
   scene.board = calvin::parse_board(*kind.board != 0 ? kind.board : usual).value();
   const Camera camera = camera_of(kind, size, random);
-  const SE3 pose = pose_of(kind, camera, scene.board, random);
+  const calvin::PoseOfRow pose =
+      motion_of(kind, camera, pose_of(kind, camera, scene.board, random), random);
   scene.truth = calvin::true_observation(camera, scene.board, pose);
   cv::Mat image = rendered(kind, camera, scene.board, pose, random);
   // The colours tell which corner is which, and they are exchanged.
@@ -347,61 +305,16 @@ cv::Mat make_negative(ImageSize size, std::uint64_t seed) {
         calvin::parse_board(fmt::format("checkerboard:{}:25mm", kOthers[seed / 6 % 8])).value();
     const SceneClass scene{.name = "", .tilt = 0.6, .clutter = true};
     const Camera camera = camera_of(scene, size, random);
-    image = rendered(scene, camera, board, pose_of(scene, camera, board, random), random);
+    const SE3 pose = pose_of(scene, camera, board, random);
+    image = rendered(
+        scene, camera, board, [&](double /*v*/) { return pose; }, random);
     image.convertTo(image, CV_8U);
   } else if (kind == 1 || kind == 2) {
-    // A floor of tiles to the borders, in perspective; checkered, or with joints.
-    const double side = random(14, 90);
-    const int n = 80;
-    cv::Mat flat(n * 20, n * 20, CV_8UC1, cv::Scalar(random(120, 220)));
-    for (int y = 0; y < n; ++y) {
-      for (int x = 0; x < n; ++x) {
-        const double grey =
-            kind == 1 ? ((x + y) % 2 == 0 ? 50 : 200) + random(-15, 15) : random(100, 180);
-        const int gap = kind == 1 ? 0 : 1;
-        cv::rectangle(flat, {x * 20 + gap, y * 20 + gap, 20 - 2 * gap, 20 - 2 * gap}, grey,
-                      cv::FILLED);
-      }
-    }
-    const float w = static_cast<float>(size.width), h = static_cast<float>(size.height);
-    const auto lean = static_cast<float>(random(0.0, 0.35));
-    const auto reach = static_cast<float>(20 * std::max(w, h) / side / 2);
-    const float m = static_cast<float>(n) * 10;
-    const cv::Point2f from[4] = {{m - reach, m - reach},
-                                 {m + reach, m - reach},
-                                 {m + reach, m + reach},
-                                 {m - reach, m + reach}};
-    const cv::Point2f to[4] = {{-w * 0.2F + lean * w, -20},
-                               {w * 1.2F - lean * w, -20},
-                               {w * 1.3F, h * 1.3F},
-                               {-w * 0.3F, h * 1.3F}};
-    cv::warpPerspective(flat, image, cv::getPerspectiveTransform(from, to), image.size(),
-                        cv::INTER_AREA, cv::BORDER_CONSTANT, 128);
+    draw_tiles(image, kind == 1, random);
   } else if (kind == 3) {
-    // Textile: two waves.
-    const double a = random(0.2, 0.9), b = random(0.2, 0.9), turn = random(0, kPi);
-    for (int y = 0; y < image.rows; ++y) {
-      for (int x = 0; x < image.cols; ++x) {
-        const double u = x * std::cos(turn) + y * std::sin(turn),
-                     v = y * std::cos(turn) - x * std::sin(turn);
-        image.at<std::uint8_t>(y, x) =
-            cv::saturate_cast<std::uint8_t>(128 + 50 * std::sin(a * u) + 50 * std::sin(b * v));
-      }
-    }
+    draw_textile(image, random);
   } else if (kind == 4) {
-    // A page, or a keyboard.
-    image.setTo(230);
-    const double scale = random(0.4, 1.2);
-    for (int y = 20; y < image.rows; y += static_cast<int>(34 * scale)) {
-      for (int x = 10; x < image.cols; x += static_cast<int>(40 * scale)) {
-        if (seed % 12 == 4)
-          cv::rectangle(image, {x, y, static_cast<int>(30 * scale), static_cast<int>(26 * scale)},
-                        40, cv::FILLED);
-        cv::putText(image, std::string(1, static_cast<char>(whole(random, 65, 90))),
-                    {x + 4, y + static_cast<int>(20 * scale)}, cv::FONT_HERSHEY_SIMPLEX,
-                    scale * 0.7, whole(random, 0, 255), 2, cv::LINE_AA);
-      }
-    }
+    draw_page(image, seed % 12 == 4, random);
   }
   cv::GaussianBlur(image, image, {0, 0}, random(0.6, 1.5));
   cv::Mat noise(image.size(), CV_16S), sum;

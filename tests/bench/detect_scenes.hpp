@@ -23,6 +23,7 @@ struct SceneClass {
   double noise = 2;        // grey levels
   double blur = 1;         // px, 1 sigma, on top of the pixel's own square
   double motion = 0;       // px, length of the blur at most
+  double rolling = 0;      // px that the board moves at most while the rows are read
   double square_from = 0;  // px, side of a square; 0: as the board fills the picture
   double square_to = 0;
   double fill_from = 0.3;  // of the picture, by the board
