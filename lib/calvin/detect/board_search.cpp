@@ -157,6 +157,17 @@ bool guess_between(const ImageView& image, const Lattice& lattice, Cell cell, No
          guess(lattice, cell, *expected, node);
 }
 
+// Whether a node stands where another does: a lattice that was bent wrongly comes round to itself.
+bool is_doubled(const Lattice& lattice, Cell cell, const Node& node) {
+  const auto expected = lattice.expect(cell);
+  const float reach = kPrune * (expected ? expected->spacing : kLeastSpacing);
+  bool found = false;
+  lattice.for_each([&](Cell, const Node& other) {
+    found = found || std::hypot(other.x - node.x, other.y - node.y) < reach;
+  });
+  return found;
+}
+
 }  // namespace
 
 void BoardSearch::look(const ImageView& image, const SearchOptions& options) {
@@ -248,6 +259,7 @@ void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough,
             !(guessing && guess_between(image, lattice, cell, node))) {
           continue;
         }
+        if (is_doubled(lattice, cell, node)) continue;
         lattice.put(cell, node);
         added = true;
       }
