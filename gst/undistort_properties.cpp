@@ -7,7 +7,14 @@ namespace calvin::gst {
 
 namespace {
 
-enum Property : guint { kCalibration = 1, kSettings, kEnabled, kOutputCalibration, kFirstOfView };
+enum Property : guint {
+  kCalibration = 1,
+  kSettings,
+  kEnabled,
+  kUndistort,
+  kOutputCalibration,
+  kFirstOfView
+};
 static_assert(kOutputCalibration == kUndistortOutputCalibration);
 
 }  // namespace
@@ -18,6 +25,7 @@ Field undistort_field(UndistortSettings& settings, guint id) {
     case kSettings:
       return settings.calibration;
     case kEnabled:
+    case kUndistort:
       return settings.enabled;
     case kOutputCalibration:
       return {};
@@ -50,6 +58,10 @@ void install_undistort_properties(GObjectClass* object_class) {
                                          "Undistort; off: the frames pass through untouched, "
                                          "or scaled where the output has another size",
                                          TRUE, kMutablePlaying));
+  install(kUndistort,
+          g_param_spec_boolean("undistort", "Undistort",
+                               "The same as enabled, by the name that cameraundistort has for it",
+                               TRUE, kMutablePlaying));
   install(kOutputCalibration,
           g_param_spec_string("output-calibration", "Output Calibration",
                               "The calibration of the output as native JSON: a pinhole camera (or "

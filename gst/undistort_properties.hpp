@@ -17,7 +17,7 @@ struct UndistortSettings {
 };
 
 // The one that is not kept in the settings.
-inline constexpr guint kUndistortOutputCalibration = 4;
+inline constexpr guint kUndistortOutputCalibration = 5;
 
 void install_undistort_properties(GObjectClass* object_class);
 

@@ -150,6 +150,13 @@ GST_START_TEST(test_the_peers_settings_and_events_are_understood) {
   const auto want = push(property, 1);
   fail_unless(push(downstream, 1) == want);
   fail_unless(push(upstream, 1) == want);
+  g_object_set(property.element, "undistort", FALSE, nullptr);
+  Fixture plain("calibundistort");
+  plain.set_caps("GRAY8", kSize);
+  fail_unless(push(property, 2) == push(plain, 2));
+  gboolean enabled = TRUE;
+  g_object_get(property.element, "enabled", &enabled, nullptr);
+  fail_if(enabled);
   // It goes on to whoever else stands upstream.
   bool passed = false;
   while (GstEvent* event = gst_harness_try_pull_upstream_event(upstream.h)) {
