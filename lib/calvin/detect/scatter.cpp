@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
+
+#include "calvin/detect/board_search.hpp"
 
 namespace calvin::detect {
 
@@ -207,15 +210,70 @@ double ratio_by(const Lattice& lattice, const Flattened& flat) {
   return std::sqrt((squares.sum + kPresumed) / (squares.count + kPresumed));
 }
 
+// A surface through where the corners are off, for each axis: a polynomial of all powers up to the
+// fifth together, which takes what homographies and most lenses make of a grid.
+constexpr int kDegree = 5;
+constexpr int kTerms = (kDegree + 1) * (kDegree + 2) / 2;
+using Terms = Eigen::Matrix<double, kTerms, 1>;
+
+Terms terms_at(Place p) {
+  Terms terms;
+  int i = 0;
+  double x_power = 1;
+  for (int a = 0; a <= kDegree; ++a, x_power *= p.x) {
+    double power = x_power;
+    for (int b = 0; a + b <= kDegree; ++b, power *= p.y) terms[i++] = power;
+  }
+  return terms;
+}
+
+// The same ratio by what is left of the surface. It is of all corners, and so three times as sure
+// as that of differences, unless a lens bends the board more than the surface. Absent where corners
+// are few.
+std::optional<double> ratio_beside_surface(const Lattice& lattice, const Flattened& flat) {
+  constexpr int kFewestNodes = 2 * kTerms;
+  if (lattice.count() < kFewestNodes) return std::nullopt;
+  Box box;
+  lattice.for_each([&](Cell /*c*/, const Node& node) { box.add(node.x, node.y); });
+  // In the image a lens is such a polynomial itself, nearly.
+  const auto place = [&](const Node& node) {
+    const double width = box.right - box.left;
+    const double height = box.bottom - box.top;
+    return Place{2 * (node.x - box.left) / width - 1, 2 * (node.y - box.top) / height - 1};
+  };
+  Eigen::Matrix<double, kTerms, kTerms> normal =
+      Eigen::Matrix<double, kTerms, kTerms>::Identity() * 1e-9;
+  Eigen::Matrix<double, kTerms, 2> right = Eigen::Matrix<double, kTerms, 2>::Zero();
+  double sum = 0;
+  lattice.for_each([&](Cell c, const Node& node) {
+    const double weight = 1 / (static_cast<double>(node.sigma) * static_cast<double>(node.sigma));
+    const Terms terms = terms_at(place(node));
+    const Place off = flat.off(c);
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(terms, weight);
+    right.col(0) += weight * off.x * terms;
+    right.col(1) += weight * off.y * terms;
+    sum += weight * (off.x * off.x + off.y * off.y);
+  });
+  const Eigen::Matrix<double, kTerms, 2> surface = normal.ldlt().solve(right);
+  const double left = sum - surface.cwiseProduct(right).sum();
+  return std::sqrt(std::max(left, 0.0) / (2.0 * (lattice.count() - kTerms)));
+}
+
 }  // namespace
 
 float scatter(const Lattice& lattice, ImageSize image) {
   constexpr int kFewestNodes = 15;
   constexpr double kMost = 10;
-  constexpr double kLikely = 1.1;  // without a wide lens
+  constexpr double kLikely = 1.1;    // without a wide lens
+  constexpr double kUsual = 1.25;    // beside a surface
+  constexpr double kByChance = 1.7;  // times as much as differences say
   if (lattice.count() < kFewestNodes) return 1;
   const Flattened flat(lattice, {});
   double ratio = ratio_by(lattice, flat);
+  const auto beside = ratio_beside_surface(lattice, flat);
+  if (beside && *beside < std::max(kUsual, kByChance * ratio)) {
+    return static_cast<float>(std::min(*beside, kMost));
+  }
   if (ratio > kLikely && flat.is_strongly_bent()) {
     ratio = std::min(ratio, ratio_by(lattice, Flattened(lattice, lens_of(lattice, image))));
   }
