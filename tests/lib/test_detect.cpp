@@ -49,6 +49,7 @@ struct Score {
   double rms = 0;
   double worst = 0;
   double outward = 0;  // mean error away from the principal point
+  double chi = 0;      // of the errors, each by its sigma
 };
 
 Score score(const Camera& camera, const RenderOptions& options, int views) {
@@ -74,11 +75,13 @@ Score score(const Camera& camera, const RenderOptions& options, int views) {
       s.outward += ((found.uv[k].u - truth.uv[k].u) * du + (found.uv[k].v - truth.uv[k].v) * dv) /
                    std::hypot(du, dv);
       s.rms += e * e;
+      s.chi += e * e / (2 * found.sigma[k] * found.sigma[k]);
       s.worst = std::max(s.worst, e);
       ++points;
     }
   }
   s.rms = std::sqrt(s.rms / points);
+  s.chi = std::sqrt(s.chi / points);
   s.outward /= points;
   return s;
 }
@@ -107,6 +110,18 @@ TEST(Checkerboard, IsFoundThroughAFisheyeLens) {
   EXPECT_GE(s.found, views * 9 / 10);
   EXPECT_LT(s.rms, 0.01);
   EXPECT_LT(s.worst, 0.15);
+}
+
+// Of each corner, not only on the average over large and small ones.
+TEST(Checkerboard, TellsHowFarEachCornerIsOff) {
+  for (const double noise : {3, 10}) {
+    for (const int width : {640, 1280}) {
+      const Score s = score(default_camera({width, width * 3 / 4}), {.noise = noise, .blur = 0.8},
+                            full() ? 200 : 40);
+      EXPECT_GT(s.chi, 0.9) << noise << " " << width;
+      EXPECT_LT(s.chi, 1.1) << noise << " " << width;
+    }
+  }
 }
 
 TEST(Checkerboard, IsFoundInLargeImages) {
