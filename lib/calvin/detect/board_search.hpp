@@ -24,22 +24,6 @@ struct SearchOptions {
   float reach = 144;           // px, the largest distance between neighbours
 };
 
-// A part of an image, px.
-struct Box {
-  float left = 0;
-  float top = 0;
-  float right = -1;
-  float bottom = -1;
-
-  void add(float x, float y) {
-    const bool first = right < left;
-    left = first ? x : std::min(left, x);
-    right = first ? x : std::max(right, x);
-    top = first ? y : std::min(top, y);
-    bottom = first ? y : std::max(bottom, y);
-  }
-};
-
 // Keeps its memory.
 class BoardSearch {
  public:

@@ -4,6 +4,7 @@
 // Corners in rows and columns, some of them missing: a flat array around the first one.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <vector>
@@ -50,6 +51,22 @@ struct Extent {
   Cell last = {-1, -1};
   [[nodiscard]] int cols() const { return last.col - first.col + 1; }
   [[nodiscard]] int rows() const { return last.row - first.row + 1; }
+};
+
+// A part of an image, px.
+struct Box {
+  float left = 0;
+  float top = 0;
+  float right = -1;
+  float bottom = -1;
+
+  void add(float x, float y) {
+    const bool first = right < left;
+    left = first ? x : std::min(left, x);
+    right = first ? x : std::max(right, x);
+    top = first ? y : std::min(top, y);
+    bottom = first ? y : std::max(bottom, y);
+  }
 };
 
 class Lattice {

@@ -10,8 +10,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "calvin/detect/board_search.hpp"
-
 namespace calvin::detect {
 
 namespace {

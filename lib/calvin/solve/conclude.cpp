@@ -308,16 +308,16 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
   if (const Status status = enough(fit.views, fit.used, freedom, freedom.model); !status) {
     return tl::unexpected<Error>(status.error());
   }
-  if (fit.converged && 2 * orientations(fit) < freedom.pinhole_directions()) {
+  if (!fit.converged) {
+    return degenerate("The views do not determine the camera: the solve does not converge.");
+  }
+  if (2 * orientations(fit) < freedom.pinhole_directions()) {
     return degenerate("The board is parallel to itself in all views, which determines no camera.");
   }
   const double left = fit.cost / degrees_of_freedom(fit);
   const double told = from.scale.sigma * from.scale.sigma;
   const double variance = from.scale.known ? std::max(left, told) : left;
-  const auto c = fit.converged ? covariance(fit, freedom, variance) : std::nullopt;
-  if (!fit.converged) {
-    return degenerate("The views do not determine the camera: the solve does not converge.");
-  }
+  const auto c = covariance(fit, freedom, variance);
   if (!c) return inseparable(freedom);
   if (const Status status = determined(fit, freedom, *c, size); !status) {
     return tl::unexpected<Error>(status.error());
