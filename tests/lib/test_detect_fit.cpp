@@ -33,13 +33,28 @@ struct Picture {
   bool has_gain = false;  // the fit's
 };
 
-double edge(double distance, double blur) {
-  return 0.5 * (1 + std::erf(distance / (blur * std::numbers::sqrt2)));
+double edge(double distance) { return 0.5 * (1 + std::erf(distance / std::numbers::sqrt2)); }
+
+// How likely two normal numbers of correlation r are below a and below b: Plackett's integral of
+// their density over the correlation from 0 on, by Simpson's rule.
+double below_both(double a, double b, double r) {
+  constexpr int kSteps = 32;
+  double sum = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double at = r * i / kSteps;
+    const double free = 1 - at * at;
+    const double density = std::exp(-(a * a - 2 * at * a * b + b * b) / (2 * free)) /
+                           (2 * std::numbers::pi * std::sqrt(free));
+    sum += density * (i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2);
+  }
+  return edge(a) * edge(b) + sum * r / (3 * kSteps);
 }
 
-// The share of the two squares with a b > 0, each of them `gap` px from the other.
-double two_squares(double a, double b, double gap, double blur) {
-  return edge(a - gap, blur) * edge(b - gap, blur) + edge(-a - gap, blur) * edge(-b - gap, blur);
+// The share of the two squares with a b > 0 in a blurred picture, each of them `gap` px from the
+// other; `cosine` of the angle between the normals of their edges.
+double two_squares(double a, double b, double gap, double blur, double cosine) {
+  return below_both((a - gap) / blur, (b - gap) / blur, cosine) +
+         below_both((-a - gap) / blur, (-b - gap) / blur, cosine);
 }
 
 class ExactCorners : public ::testing::TestWithParam<Picture> {};
@@ -80,8 +95,9 @@ TEST_P(ExactCorners, AreFittedAsWellAsTheNoiseLets) {
           const double a = std::cos(angle) * (y - v) - std::sin(angle) * (x - u);
           const double b =
               (x - u) * std::sin(angle + opening) - (y - v) * std::cos(angle + opening);
-          const double bright = p.gain > 0 ? 1 - two_squares(a, -b, p.gain, p.blur)
-                                           : two_squares(a, b, -p.gain, p.blur);
+          const double cosine = -std::cos(opening);
+          const double bright = p.gain > 0 ? 1 - two_squares(a, -b, p.gain, p.blur, -cosine)
+                                           : two_squares(a, b, -p.gain, p.blur, cosine);
           const double grey = p.level + p.contrast * (2 * bright - 1) + noise * normal(random);
           image.row(y)[x] = static_cast<std::uint8_t>(std::lround(std::clamp(grey, 0.0, 255.0)));
         }

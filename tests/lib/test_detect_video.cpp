@@ -69,8 +69,9 @@ TEST_F(Videos, AreFollowedAsIfEachFrameWereSearched) {
     for (std::size_t i = 0; i < a.observation.uv.size(); ++i) {
       const Pixel p = a.observation.uv[i];
       const Pixel q = b.observation.uv[i];
-      // Fits of the same pixels from other starts; in rare ones another window.
-      EXPECT_LT(std::hypot(p.u - q.u, p.v - q.v), std::max(b.observation.sigma[i] / 2, 0.02)) << n;
+      // Fits of the same pixels from other starts, with the bends of edges that the frame before
+      // has told; in rare ones another window.
+      EXPECT_LT(std::hypot(p.u - q.u, p.v - q.v), std::max(b.observation.sigma[i] / 2, 0.03)) << n;
     }
   }
   std::cout << "  " << median(followed) << " ms a frame followed, " << median(searched)

@@ -175,6 +175,7 @@ class Steps {
 
  private:
   void sum(Sums sums) { accumulate(window_, fit_, radius_, x_, y_, sums, normal_); }
+  [[nodiscard]] bool has_gone_too_far() const;
   [[nodiscard]] bool find_change(bool last);
   void apply();
 
@@ -211,12 +212,25 @@ bool Steps::take(bool last) {
          std::abs(cross(fit_.along, fit_.down)) >= kLeastSine;
 }
 
+// With a gain, level and contrast are loose. Without one a step fails in what is no saddle yet; but
+// where much is cut off, pixels come and go, and their errors tell little.
+bool Steps::has_gone_too_far() const {
+  constexpr float kFarOff = 0.3F;  // of the contrast, RMS
+  constexpr float kMuchWorse = 2;
+  constexpr float kMostCut = 0.1F;
+  const float mean = normal_.square / pixels_;
+  if (fit_.has_gain) return mean > least_;
+  const float far = kFarOff * fit_.contrast;
+  return mean > kMuchWorse * least_ && mean > far * far &&
+         normal_.count > (1 - kMostCut) * static_cast<float>(window_.count);
+}
+
+// A step too far is taken back by half.
 bool Steps::find_change(bool last) {
   sum(fit_.has_gain ? Sums::kParted : Sums::kPlain);
   pixels_ = normal_.products[diagonal(kLevel)];
   if (pixels_ < 2 * kUnknowns) return false;
-  // A step too far is taken back by half: with a gain, level and contrast are loose.
-  is_taken_back_ = fit_.has_gain && normal_.square > pixels_ * least_ && !last;
+  is_taken_back_ = !last && has_gone_too_far();
   if (is_taken_back_) {
     fit_ = before_;
     x_ = before_x_;

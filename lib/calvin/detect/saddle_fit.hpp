@@ -4,12 +4,14 @@
 // A corner to a small fraction of a pixel: the least squares fit of a smooth saddle to the pixels
 // around it.
 //
-//   grey(p) = level + slope . p + (contrast + contrast_slope . p) e(a / wa) e(b / wb)
+//   grey(p) = level + slope . p + (contrast + contrast_slope . p) s(a / wa, b / wb)
 //
-// with e(x) = erf(x / sqrt 2), p from the corner, a the distance of the pixel from the edge in
-// direction `along`, to the side of `down`, and b its distance from the edge in direction `down`,
-// to the side of `along`; cut off at 255 and at 0, as an over-exposed image is. The edges may be
-// bent: a = straight distance - bend u^2 / 2, u the way along the edge. Estimated: place, both
+// with p from the corner, a the distance of the pixel from the edge in direction `along`, to the
+// side of `down`, and b its distance from the edge in direction `down`, to the side of `along`; cut
+// off at 255 and at 0, as an over-exposed image is. s is a Gaussian blur's: e(a / wa) e(b / wb)
+// with e(x) = erf(x / sqrt 2) where the edges are perpendicular, and more where they are not, see
+// saddle_model-inl.hpp. The edges may be bent: a = straight distance - bend (u^2 + wa^2) / 2, u the
+// way along the edge, of which the blur's part is the second. Estimated: place, both
 // directions, level, contrast and both widths. What a window this small tells badly - bends and
 // slopes, which are odd about the corner as its place is - is given by the caller, who knows the
 // neighbours: left free they cost 30 % of the accuracy.
@@ -33,8 +35,7 @@ struct SaddleFit {
   float level = 0;  // grey levels
   float contrast =
       0;  // half the difference of the squares; positive: bright between along and down
-  float along_width =
-      1.3F;  // px, of the edges' tanh; 0.83 times it is the sigma of a Gaussian blur
+  float along_width = 1.3F;  // px, 1 sigma of the blur across the edge
   float down_width = 1.3F;
 
   // Whether what parts the squares is estimated too, and how far the bright ones reach beyond the

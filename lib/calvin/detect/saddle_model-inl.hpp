@@ -72,26 +72,38 @@ struct Saddle {
   V by_a, by_b;
   V width_a, width_b;  // by the widths' logarithms, negative
   V gain;              // by the gain, in px
+  V shared;            // by what the edges share of the blur
+  V both;              // by a and b, of the product of the edges alone
 };
 
-// The edges meet in the corner.
+// The edges meet in the corner. What a blur moves across one of them is correlated by `shared` with
+// what it moves across the other unless they are perpendicular: a blurred corner is the product of
+// the blurred edges and a series in the correlation (Mehler's), of which two terms count.
 template <class D, class V>
-HWY_INLINE Saddle<V> plain_saddle(D d, V a, V b) {
+HWY_INLINE Saddle<V> plain_saddle(D d, V a, V b, V shared) {
   const TwoErrors<V> e(d, a, b);
   Saddle<V> s;
-  s.value = hn::Mul(e.first, e.second);
-  s.by_a = hn::Mul(e.second, e.first_slope);
-  s.by_b = hn::Mul(e.first, e.second_slope);
+  s.both = hn::Mul(e.first_slope, e.second_slope);
+  const V more = hn::Mul(shared, s.both);
+  const V half = hn::Set(d, 0.5F);
+  const V product = hn::Mul(shared, hn::Mul(a, b));
+  const V series = hn::Add(hn::Set(d, 1), product);
+  s.value = hn::MulAdd(hn::Mul(half, more), series, hn::Mul(e.first, e.second));
+  const V slope_a = hn::NegMulAdd(half, hn::Mul(shared, b), hn::Mul(series, a));
+  const V slope_b = hn::NegMulAdd(half, hn::Mul(shared, a), hn::Mul(series, b));
+  s.by_a = hn::NegMulAdd(more, slope_a, hn::Mul(e.second, e.first_slope));
+  s.by_b = hn::NegMulAdd(more, slope_b, hn::Mul(e.first, e.second_slope));
   s.width_a = hn::Mul(s.by_a, a);
   s.width_b = hn::Mul(s.by_b, b);
   s.gain = hn::Zero(d);
+  s.shared = hn::Mul(s.both, hn::Add(half, product));
   return s;
 }
 
 // The bright squares are larger by `gain` px on each side, or smaller: each of the two that are
 // smaller ends |gain| px before the corner. `wide`: 1 / width.
 template <class D, class V>
-HWY_INLINE Saddle<V> parted_saddle(D d, V a, V b, float gain, V wide_a, V wide_b) {
+HWY_INLINE Saddle<V> parted_saddle(D d, V a, V b, float gain, V wide_a, V wide_b, V shared) {
   const V one = hn::Set(d, 1);
   const V half = hn::Set(d, 0.5F);
   // With b and the sign exchanged the dark squares are the bright ones.
@@ -110,14 +122,26 @@ HWY_INLINE Saddle<V> parted_saddle(D d, V a, V b, float gain, V wide_a, V wide_b
   const V near_slope_a = hn::Mul(e.first_slope, in_f), far_slope_a = hn::Mul(e.second_slope, out_f);
   const V near_slope_b = hn::Mul(f.first_slope, in_e), far_slope_b = hn::Mul(f.second_slope, out_e);
   const V bright = hn::MulAdd(in_e, in_f, hn::Mul(out_e, out_f));
+  // Mehler's series for each of the two, see plain_saddle().
+  const V near_both = hn::Mul(e.first_slope, f.first_slope);
+  const V far_both = hn::Mul(e.second_slope, f.second_slope);
+  const V turned = hn::Mul(turn, shared);
+  const V near_more = hn::Mul(near_both, hn::MulAdd(hn::Mul(turned, near_a), near_b, one));
+  const V far_more = hn::Mul(far_both, hn::MulAdd(hn::Mul(turned, far_a), far_b, one));
+  const V quarter = hn::Mul(hn::Set(d, 0.25F), shared);
+  const V more_a = hn::Mul(half, hn::MulAdd(near_both, near_a, hn::Mul(far_both, far_a)));
+  const V more_b = hn::Mul(half, hn::MulAdd(near_both, near_b, hn::Mul(far_both, far_b)));
   Saddle<V> s;
-  s.value = hn::Mul(turn, hn::Sub(hn::Add(bright, bright), one));
-  s.by_a = hn::Mul(turn, hn::Sub(near_slope_a, far_slope_a));
-  s.by_b = hn::Sub(near_slope_b, far_slope_b);
+  s.value = hn::MulAdd(quarter, hn::Add(near_more, far_more),
+                       hn::Mul(turn, hn::Sub(hn::Add(bright, bright), one)));
+  s.by_a = hn::NegMulAdd(shared, more_a, hn::Mul(turn, hn::Sub(near_slope_a, far_slope_a)));
+  s.by_b = hn::NegMulAdd(turned, more_b, hn::Sub(near_slope_b, far_slope_b));
   s.width_a = hn::Mul(turn, hn::Sub(hn::Mul(near_slope_a, near_a), hn::Mul(far_slope_a, far_a)));
   s.width_b = hn::Mul(turn, hn::Sub(hn::Mul(near_slope_b, near_b), hn::Mul(far_slope_b, far_b)));
   s.gain = hn::MulAdd(wide_a, hn::Add(near_slope_a, far_slope_a),
                       hn::Mul(wide_b, hn::Add(near_slope_b, far_slope_b)));
+  s.shared = hn::Mul(hn::Set(d, 0.25F), hn::Add(near_both, far_both));
+  s.both = hn::Zero(d);
   return s;
 }
 

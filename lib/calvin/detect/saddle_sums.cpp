@@ -88,16 +88,27 @@ class Looks {
     const V down_x = set(fit_.down.x), down_y = set(fit_.down.y);
     const V wide_a = set(kRoot / fit_.along_width), wide_b = set(kRoot / fit_.down_width);
     const V half_bend_a = set(0.5F * fit_.along_bend), half_bend_b = set(0.5F * fit_.down_bend);
+    // Blur moves a bent edge towards its hollow side, as it evens out the heat around a wire.
+    const V blur_a = set(0.5F * fit_.along_bend * fit_.along_width * fit_.along_width);
+    const V blur_b = set(0.5F * fit_.down_bend * fit_.down_width * fit_.down_width);
     const V dx = hn::Sub(hn::LoadU(d, window_.x + i), set(x_));
     const V dy = hn::Sub(hn::LoadU(d, window_.y + i), set(y_));
     const V ua = hn::MulAdd(along_x, dx, hn::Mul(along_y, dy));
     const V ub = hn::MulAdd(down_x, dx, hn::Mul(down_y, dy));
     const V straight_a = hn::Sub(hn::Mul(along_x, dy), hn::Mul(along_y, dx));
     const V straight_b = hn::Sub(hn::Mul(down_y, dx), hn::Mul(down_x, dy));
-    const V a = hn::Mul(hn::NegMulAdd(half_bend_a, hn::Mul(ua, ua), straight_a), wide_a);
-    const V b = hn::Mul(hn::NegMulAdd(half_bend_b, hn::Mul(ub, ub), straight_b), wide_b);
-    const Saddle<V> saddle =
-        kParted ? parted_saddle(d, a, b, fit_.gain, wide_a, wide_b) : plain_saddle(d, a, b);
+    const V bent_a = hn::NegMulAdd(half_bend_a, hn::Mul(ua, ua), hn::Sub(straight_a, blur_a));
+    const V bent_b = hn::NegMulAdd(half_bend_b, hn::Mul(ub, ub), hn::Sub(straight_b, blur_b));
+    const V a = hn::Mul(bent_a, wide_a);
+    const V b = hn::Mul(bent_b, wide_b);
+    const V shared = set(-dot(fit_.along, fit_.down));
+    Saddle<V> saddle = kParted ? parted_saddle(d, a, b, fit_.gain, wide_a, wide_b, shared)
+                               : plain_saddle(d, a, b, shared);
+    // Where the edges cross, blur moves what is bent by more yet.
+    constexpr float kCrossing = 0.35355339F;  // sqrt(2) / 4
+    const V crossing = hn::MulAdd(set(kCrossing * fit_.along_bend * fit_.along_width), b,
+                                  hn::Mul(set(kCrossing * fit_.down_bend * fit_.down_width), a));
+    saddle.value = hn::NegMulAdd(saddle.both, crossing, saddle.value);
     const V local = hn::MulAdd(set(fit_.contrast_slope.x), dx,
                                hn::MulAdd(set(fit_.contrast_slope.y), dy, set(fit_.contrast)));
     const V base =
@@ -111,8 +122,9 @@ class Looks {
     const V by_b = hn::Mul(hn::Mul(scale, wide_b), saddle.by_b);
     j[kX] = hn::Sub(hn::Mul(by_a, along_y), hn::Mul(by_b, down_y));
     j[kY] = hn::Sub(hn::Mul(by_b, down_x), hn::Mul(by_a, along_x));
-    j[kAlong] = hn::Neg(hn::Mul(by_a, ua));
-    j[kDown] = hn::Mul(by_b, ub);
+    const V turn = hn::Mul(hn::Mul(scale, saddle.shared), set(cross(fit_.along, fit_.down)));
+    j[kAlong] = hn::NegMulSub(by_a, ua, turn);
+    j[kDown] = hn::MulAdd(by_b, ub, turn);
     j[kLevel] = in;
     j[kContrast] = hn::Mul(in, saddle.value);
     j[kAlongWidth] = hn::Neg(hn::Mul(scale, saddle.width_a));
