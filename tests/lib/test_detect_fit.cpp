@@ -9,8 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/detect/detector.hpp"
 #include "calvin/detect/saddle_fit.hpp"
 #include "calvin/detect/scatter.hpp"
+#include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "scenes.hpp"
 
@@ -239,6 +241,37 @@ TEST(ScatterOfFewCorners, IsNotKnown) {
   detect::Lattice lattice(12);
   for (int i = 0; i < 12; ++i) lattice.put({i % 4, i / 4}, {});
   EXPECT_EQ(detect::scatter(lattice, {640, 480}), 1);
+}
+
+// Blur moves an edge that a lens bends to its hollow side, and all corners of a fisheye with them
+// towards the middle of the picture.
+TEST(BlurBeforeAFisheye, DoesNotMoveCorners) {
+  const Camera camera =
+      Camera::make("fisheye", {640, 480}, {205, 206, 322, 238, -0.02, 0.005, -0.003, 5e-4}).value();
+  const BoardRenderer renderer(camera);
+  const Motion motion(MotionKind::kRandom, camera, scenes::kBoard, 3);
+  const auto detector = std::move(*make_detector(scenes::kBoard));
+  double outwards = 0;
+  double square = 0;
+  int corners = 0;
+  for (int view = 0; view < 60; ++view) {
+    const SE3 pose = motion.camera_from_board(view);
+    const Observation truth = true_observation(camera, scenes::kBoard, pose);
+    const GrayImage image = renderer.render(scenes::kBoard, pose, {.blur = 1.5});
+    const Observation seen = detector->detect(image.view()).observation;
+    ASSERT_EQ(seen.ids, truth.ids) << view;
+    for (std::size_t i = 0; i < seen.uv.size(); ++i) {
+      const Eigen::Vector2d off(seen.uv[i].u - truth.uv[i].u, seen.uv[i].v - truth.uv[i].v);
+      const Eigen::Vector2d way(truth.uv[i].u - camera.cx(), truth.uv[i].v - camera.cy());
+      outwards += off.dot(way.normalized());
+      square += off.squaredNorm() / 2;
+      ++corners;
+    }
+  }
+  std::cout << "  " << outwards / corners << " px outwards, RMS " << std::sqrt(square / corners)
+            << '\n';
+  EXPECT_NEAR(outwards / corners, 0, 5e-4);
+  EXPECT_LT(std::sqrt(square / corners), 0.0035);
 }
 
 }  // namespace
