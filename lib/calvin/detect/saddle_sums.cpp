@@ -88,7 +88,7 @@ class Looks {
     const V down_x = set(fit_.down.x), down_y = set(fit_.down.y);
     const V wide_a = set(kRoot / fit_.along_width), wide_b = set(kRoot / fit_.down_width);
     const V half_bend_a = set(0.5F * fit_.along_bend), half_bend_b = set(0.5F * fit_.down_bend);
-    // Blur moves a bent edge towards its hollow side, as it evens out the heat around a wire.
+    // Blur moves a bent edge towards its hollow side, by half its bend times the variance.
     const V blur_a = set(0.5F * fit_.along_bend * fit_.along_width * fit_.along_width);
     const V blur_b = set(0.5F * fit_.down_bend * fit_.down_width * fit_.down_width);
     const V dx = hn::Sub(hn::LoadU(d, window_.x + i), set(x_));
