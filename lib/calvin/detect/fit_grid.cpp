@@ -51,9 +51,9 @@ class Surface {
   // Estimation with Quadratic Loss, 1961). The higher ones, which only a wide lens has, must be
   // much more: the noise of compressed pictures is not independent, and larger than it seems.
   void solve(double variance) {
-    constexpr int kFirst = 1;  // degree in doubt
+    constexpr int kFirst = 3;  // degree in doubt
     constexpr int kUsual = 3;  // the highest degree without a wide lens
-    constexpr double kClearly = 4;
+    constexpr double kClearly = 3;
     constexpr double kMuchMore = 20;
     orthogonalise();
     for (int degree = kFirst; degree <= kDegree; ++degree) {
