@@ -56,11 +56,10 @@ class Chunk {
     const PlaneMap::Row* limits = map_.limits(y);
     // An uneven last sample is not where a run has it.
     const bool uneven = !map_.output_x().is_even();
-    const PlaneMap::Level level = map_.level(y);
     if (y >= band_end_) begin_band(y);
-    way_ = way_down_band(level);
+    way_ = std::min(static_cast<float>(y - band_begin_) * way_of_row_, 1.0F);
     const bool all = choice_.wide || uneven || limits != nullptr;
-    const remap::SlowBlocks slow = describe(level, limits, all);
+    const remap::SlowBlocks slow = describe(y, limits, all);
     if (limits != nullptr) mark_invalid(*limits);
     if (uneven) mark_slow(whole_groups_ * group_, row_.count);
     blend(y);
@@ -69,14 +68,13 @@ class Chunk {
 
  private:
   // Where the runs lie, and which are slow. `all`: somebody needs all of their middles.
-  remap::SlowBlocks describe(const PlaneMap::Level& level, const PlaneMap::Row* limits,
-                             bool all) noexcept {
+  remap::SlowBlocks describe(int y, const PlaneMap::Row* limits, bool all) noexcept {
     const auto describe_with = [this](const remap::RowNodes* between) {
       return remap::describe_runs(choice_.lanes, pixels_, choice_.bounds, between, band_, way_,
                                   row_);
     };
     if (!all && band_shared_) return describe_with(nullptr);
-    const remap::RowNodes between = nodes_at(level);
+    const remap::RowNodes between = nodes_at(map_.level(y));
     if (!all) return describe_with(&between);
     remap::interpolate_runs(between, runs_, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
@@ -93,10 +91,15 @@ class Chunk {
     int last = std::min(first + rows, map_.size().height) - 1;
     while (map_.level(first).node_row != node_row) ++first;
     while (map_.level(last).node_row != node_row) --last;
+    // An uneven last row is not as far from the one before as the others are.
+    const int even = map_.size().height - (map_.output_y().is_even() ? 0 : 1);
+    y < even ? last = std::min(last, even - 1) : first = last;
+    band_begin_ = first;
     band_end_ = last + 1;
+    way_of_row_ = 1.0F / static_cast<float>(std::max(last - first, 1));
     // Where there is an end of the model rows have little in common.
     if (choice_.wide || map_.limits(y) != nullptr) {
-      std::fill(std::begin(band_.kind), std::end(band_.kind), remap::Band::Kind::kMixed);
+      band_.clear();
       band_shared_ = false;
       return;
     }
@@ -106,16 +109,9 @@ class Chunk {
     remap::interpolate_runs(nodes_at(top), runs_, band_.x_first, band_.y_first);
     remap::interpolate_runs(nodes_at(amid), runs_, band_.x_amid, band_.y_amid);
     remap::interpolate_runs(nodes_at(bottom), runs_, band_.x_last, band_.y_last);
-    band_top_ = top.between;
-    band_height_ = bottom.between - band_top_;
-    const double height = band_height_;
+    const double height = bottom.between - top.between;
     band_shared_ = remap::begin_band(choice_.lanes, pixels_, choice_.bounds, nodes_, node_row % 4,
                                      static_cast<float>(height), band_, row_);
-  }
-
-  [[nodiscard]] float way_down_band(const PlaneMap::Level& level) const noexcept {
-    if (!(band_height_ > 0)) return 0;
-    return static_cast<float>(std::clamp((level.between - band_top_) / band_height_, 0.0, 1.0));
   }
 
   remap::RowNodes nodes_at(const PlaneMap::Level& level) noexcept {
@@ -312,11 +308,11 @@ class Chunk {
   int width_ = 0;  // samples
   int whole_groups_ = 0;
   std::array<int, 4> known_ = {-1, -1, -1, -1};
+  int band_begin_ = 0;
   int band_end_ = 0;
   bool band_shared_ = false;  // all of its runs are steady, or empty
-  double band_top_ = 0;       // as PlaneMap::Level
-  double band_height_ = 0;
-  float way_ = 0;  // of the row down the band
+  float way_of_row_ = 0;      // of each row: what it adds to the way down the band
+  float way_ = 0;             // of the row down the band
   std::array<std::int32_t, remap::kChunkRuns> slow_runs_;
   std::array<bool, remap::kChunkRuns> left_;  // of these: those that have no kernel either
   std::uint32_t fill_ = 0;                    // the memory of a pixel

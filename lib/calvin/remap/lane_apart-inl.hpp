@@ -47,18 +47,18 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_across(const std::uint8_t* source,
   return blender.across(hn::TableLookupBytes(hn::BitCast(bytes, both), which), across);
 }
 
-// The values of the `k`th two pixels of each lane, of the eight pixels from `first` on, which are
-// the `kPart`th of their vector.
+// The values of the `k`th two pixels of each lane, of the vector's `kPart`th eight pixels.
 template <class P, int kPart>
 HWY_INLINE hn::Vec<ApartNumbers> blend_two(const std::uint8_t* source, std::ptrdiff_t stride,
-                                           const PixelSamples& samples, int first, int k,
+                                           const PixelVector<P>& pixels, int k,
                                            const Blender<ApartBytes>& blender) {
-  const std::int32_t* addresses = samples.address + first + 2 * k;
-  const auto across = weights_of<P, kPart>(samples.across + first, k);
+  constexpr int kFirst = 8 * kPart;
+  const std::int32_t* addresses = pixels.address + kFirst + 2 * k;
+  const auto across = weights_of<P, kPart>(pixels.across + kFirst, k);
   const auto upper = blend_across<P::kStep>(source, addresses, across, blender);
   const auto lower = blend_across<P::kStep>(source + stride, addresses, across, blender);
   return blender.rounded(
-      blender.between(upper, lower, weights_of<P, kPart>(samples.down + first, k)));
+      blender.between(upper, lower, weights_of<P, kPart>(pixels.down + kFirst, k)));
 }
 
 template <int kComponents, class D>
@@ -78,35 +78,35 @@ HWY_INLINE void store_apart(D d, hn::Vec<D> pixels, std::uint8_t* out) {
   }
 }
 
-// Eight pixels from `first` on, which are the `kPart`th of their vector.
+// The `kPart`th eight pixels of a vector.
 template <class P, int kPart>
-HWY_INLINE void blend_eight(const ApartRow& row, std::int32_t offset, const PixelSamples& samples,
-                            int first, std::uint8_t* out) {
+HWY_INLINE void blend_eight(const ApartRow& row, std::int32_t offset, const PixelVector<P>& pixels,
+                            std::uint8_t* out) {
   const ApartBytes bytes;
   const std::uint8_t* source = row.source + offset;
-  hwy::Prefetch(source + samples.address[first] + kApartAhead * row.stride + 32);
+  fetch_ahead(source + pixels.address[8 * kPart] + kApartAhead * row.stride + 32);
   for (int i = 0; i < 2 / kApartLanes; ++i) {
-    const auto a = blend_two<P, kPart>(source, row.stride, samples, first, 2 * i, row.blender);
-    const auto b = blend_two<P, kPart>(source, row.stride, samples, first, 2 * i + 1, row.blender);
+    const auto a = blend_two<P, kPart>(source, row.stride, pixels, 2 * i, row.blender);
+    const auto b = blend_two<P, kPart>(source, row.stride, pixels, 2 * i + 1, row.blender);
     store_apart<P::kStep>(bytes, pack_lanes(bytes, a, b), out + 4 * i * P::kStep);
   }
 }
 
-// A vector of pixels, from `first` on.
+// A vector of pixels.
 template <class P>
 HWY_INLINE void blend_pixels(const ApartRow& row, const std::int32_t* offsets,
-                             const PixelSamples& samples, int first, std::uint8_t* out) {
+                             const PixelVector<P>& pixels, std::uint8_t* out) {
   const auto offset = [&](int run) HWY_ATTR { return P::kRun < 8 ? 0 : offsets[run]; };
-  blend_eight<P, 0>(row, offset(0), samples, first, out);
+  blend_eight<P, 0>(row, offset(0), pixels, out);
   if constexpr (P::kSamples == 16) {
-    blend_eight<P, 1>(row, offset(1), samples, first + 8, out + 8 * P::kStep);
+    blend_eight<P, 1>(row, offset(1), pixels, out + 8 * P::kStep);
   }
 }
 
 // A vector of pixels that are fetched one by one.
 template <class P>
 HWY_INLINE void store_pixels(Both<P> at, const std::int32_t* offsets, Stride stride, bool nearest,
-                             int to, PixelSamples& samples) {
+                             PixelVector<P>& pixels) {
   const PlaceNumbers<P> d;
   auto down = down_of<P>(at.y);
   if (nearest) {
@@ -114,51 +114,50 @@ HWY_INLINE void store_pixels(Both<P> at, const std::int32_t* offsets, Stride str
     // The row behind the nearest one need not be there.
     down = hn::IfThenElseZero(hn::Gt(down, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
   }
-  store_addresses<P>(at, offsets, stride, samples.address + to);
-  hn::Store(across_of<P>(at.x), d, samples.across + to);
-  hn::Store(down, d, samples.down + to);
+  store_addresses<P>(at, offsets, stride, pixels.address);
+  hn::Store(across_of<P>(at.x), d, pixels.across);
+  hn::Store(down, d, pixels.down);
 }
 
 template <class P>
 HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<PlaceNumbers<P>> way,
-                            Stride stride, PixelSamples& samples) {
-  int to = 0;
-  for (int j = begin; j < end; j += P::kSamples / P::kRun, to += P::kSamples) {
+                            Stride stride, PixelVector<P>* pixels) {
+  for (int j = begin; j < end; j += P::kSamples / P::kRun, ++pixels) {
     const std::int32_t mark = task.row.rows[j];
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
     if constexpr (kHasWindows<P>) {
       if (HWY_LIKELY(by_windows<P>(task, mark))) {
-        place_window<P>(places_of<P, true>(task.row, task.band, j, way), to, samples);
+        place_window<P>(places_of<P, true>(task.row, task.band, j, way), *pixels);
         continue;
       }
     }
 #endif
     const Both<P> at = is_steady(mark) ? places_of<P, true>(task.row, task.band, j, way)
                                        : places_of<P, false>(task.row, task.band, j, way);
-    store_pixels<P>(at, task.row.offset + j, stride, task.nearest, to, samples);
+    store_pixels<P>(at, task.row.offset + j, stride, task.nearest, *pixels);
   }
 }
 
 // The runs from `begin` to before `end`, whose pixels are known.
 template <class P>
 HWY_INLINE void blend_block(const ApartRow& row, const RowTask& task, int begin, int end,
-                            const PixelSamples& samples, std::uint8_t* out) {
+                            const PixelVector<P>* pixels, std::uint8_t* out) {
   const std::int32_t* marks = task.row.rows + begin;
   const std::int32_t* offsets = task.row.offset + begin;
   constexpr int kRuns = P::kSamples / P::kRun;
   // A vector is a group or a part of one.
-  for (int j = 0; j < end - begin; j += kRuns, out += P::kSamples * P::kStep) {
+  for (int j = 0; j < end - begin; j += kRuns, out += P::kSamples * P::kStep, ++pixels) {
     hwy::Prefetch(out + kWriteAhead);
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
     if constexpr (kHasWindows<P>) {
       if (HWY_LIKELY(by_windows<P>(task, marks[j]))) {
-        blend_windows<P>(row, offsets + j, samples, 8 * j, out);
+        blend_windows<P>(row, offsets + j, *pixels, out);
         continue;
       }
     }
 #endif
     if (HWY_UNLIKELY(marks[j] >= kSlowGroup)) continue;
-    blend_pixels<P>(row, offsets + j, samples, j * P::kRun, out);
+    blend_pixels<P>(row, offsets + j, *pixels, out);
   }
 }
 
@@ -171,14 +170,16 @@ void blend_apart(const RowTask& shared, int begin, int end, const PlaneRows& pla
   const Blender<ApartBytes> blender;
   const Stride stride(task.stride, kComponents);
   const auto way = hn::Set(PlaceNumbers<P>(), static_cast<std::int16_t>(task.way * 0x7FFF));
-  PixelSamples samples;
+  // To know them of many pixels before the first one is blended keeps the machine busy: it cannot
+  // look as far ahead as one takes.
+  PixelVector<P> pixels[kBlockRuns * P::kRun / P::kSamples];
   for (int p = 0; p < planes.planes; ++p) {
     const ApartRow row = {planes.source[p], task.stride, blender};
     std::uint8_t* out = planes.output[p];
     for (int block = begin; block < end; block += kBlockRuns) {
       const int last = std::min(block + kBlockRuns, end);
-      place_block<P>(task, block, last, way, stride, samples);
-      blend_block<P>(row, task, block, last, samples, out);
+      place_block<P>(task, block, last, way, stride, pixels);
+      blend_block<P>(row, task, block, last, pixels, out);
       out += kBlockRuns * kRun * kComponents;
     }
   }

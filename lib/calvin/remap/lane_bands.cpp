@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
@@ -334,6 +333,8 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
     const bool by_windows = P::kApart && kind == Band::Kind::kSteady && fit_windows<P>(x, y);
     const std::int32_t marks = marks_of(kind, rows) | (by_windows ? kWindowRows : 0);
     hn::Store(hn::Set(d, marks), d, row.rows + j);
+    const bool alike = j == 0 || marks == band.marks;
+    band.marks = kind == Band::Kind::kSteady && alike ? marks : 0;
     if (kind != Band::Kind::kSteady) continue;
     if (!P::kApart && rows == 3) {
       begin_vector<P, true>(j, x, y, band);
@@ -350,7 +351,7 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
 
 bool begin_band_of(LaneLayout layout, int run, const SourceBounds& bounds, const NodeRows& nodes,
                    int slot, float height, Band& band, RunRow& row) {
-  std::fill(std::begin(band.kind), std::end(band.kind), Band::Kind::kMixed);
+  band.clear();
   bool shared = false;
   if (run != 8) return shared;
   with_placing(layout, run, [&](auto placing) HWY_ATTR {

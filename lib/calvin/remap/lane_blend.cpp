@@ -124,7 +124,7 @@ HWY_INLINE std::array<typename BlenderOf<L>::Sums, kPlanes> blend_vector_of(
   std::array<typename BlenderOf<L>::Sums, kPlanes> results;
   HWY_UNROLL(kMaxPlanes)
   for (int p = 0; p < kPlanes; ++p) {
-    hwy::Prefetch(planes.ahead[p] + offsets[kSecond * kLanes]);
+    fetch_ahead(planes.ahead[p] + offsets[kSecond * kLanes]);
     results[p] = blend_rows<L, kThree, kNearest>(task.row, j, offsets + kSecond, taps,
                                                  planes.sources[p], planes.stride, blender);
   }
@@ -198,7 +198,7 @@ HWY_INLINE auto vector_of(const RunRow& row, int j, int v, const Taps& taps,
                           const Planes<kPlanes>& planes, int p, const BlenderOf<L>& blender) {
   const std::int32_t* offsets = kByLanes<L> ? row.lane_offset + j * L::kSpan + v * kLanes
                                             : row.offset + j + v * kLanes / L::kSpan;
-  hwy::Prefetch(planes.ahead[p] + offsets[0]);
+  fetch_ahead(planes.ahead[p] + offsets[0]);
   return blend_rows<L, kThree, kNearest>(row, j, offsets, taps, planes.sources[p], planes.stride,
                                          blender);
 }

@@ -266,11 +266,25 @@ HWY_INLINE void describe_steady_at(int j, const SteadyRow& steady, const Band& b
   store_lanes<P>(j, x_of, y_place, hn::ShiftRight<kPlaceBits>(y) * steady.stride, row);
 }
 
+// A row whose runs are all steady, and read as many rows.
+template <class P, bool kThree>
+void describe_alike(const SteadyRow& steady, const Band& band, RunRow& row) {
+  for (int j = 0; j < row.count; j += static_cast<int>(hn::MaxLanes(Ints()))) {
+    describe_steady_at<P, kThree>(j, steady, band, row);
+  }
+}
+
 template <class P, bool kThird>
 HWY_INLINE SlowBlocks describe_all(const SourceBounds& bounds, const RowNodes* between,
                                    const Band& band, float way, RunRow& row) {
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   const SteadyRow steady(way, bounds.stride);
+  if (band.marks != 0) {
+    const bool three = !P::kApart && band.marks == kSteadyThree;
+    three ? describe_alike<P, true>(steady, band, row)
+          : describe_alike<P, false>(steady, band, row);
+    return 0;
+  }
   SlowBlocks slow = 0;
   for (int j = 0; j < row.count; j += kVector) {
     const Band::Kind kind = P::kRun == 8 ? band.kind[j] : Band::Kind::kMixed;

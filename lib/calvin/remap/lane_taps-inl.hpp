@@ -26,14 +26,6 @@ struct Taps {
   Numbers down;      // as in RunRow
 };
 
-// Which of 16-bit numbers are negative.
-HWY_INLINE auto negative(Numbers numbers) {
-#if HWY_TARGET > HWY_AVX3 || !HWY_ARCH_X86
-  numbers = hn::BroadcastSignBit(numbers);
-#endif
-  return hn::MaskFromVec(numbers);
-}
-
 // Of two rows that are blended across; `weight` of the second one, 1.15.
 template <bool kNearest, class B>
 HWY_INLINE typename B::Sums blend_down(const B& blender, typename B::Sums first,
@@ -55,7 +47,7 @@ HWY_INLINE auto blend_three_rows(const std::uint8_t* source, const std::int32_t*
   const std::uint8_t* second = source + stride;
   const auto above = hn::BitCast(d, fetch_pairs<L>(source, offsets, taps.neighbours));
   const auto below = hn::BitCast(d, fetch_pairs<L>(second + stride, offsets, taps.neighbours));
-  const auto outer = hn::IfThenElse(negative(taps.down), above, below);
+  const auto outer = hn::IfVecThenElse(hn::BroadcastSignBit(taps.down), above, below);
   return blend_down<kNearest>(
       blender, blender.across(fetch_pairs<L>(second, offsets, taps.neighbours), taps.across),
       blender.across(hn::BitCast(bytes, outer), taps.across), hn::Abs(taps.down));

@@ -39,6 +39,16 @@ using Floats = hn::FixedTag<float, kBytes / 4>;
 using Pairs = hn::Vec<Bytes>;
 using Numbers = hn::Vec<Signed>;
 
+// For a line of the source that is read some rows later. Into the cache behind the nearest one:
+// that is full of what rows have in common.
+HWY_INLINE void fetch_ahead(const std::uint8_t* line) {
+#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
+  __builtin_prefetch(line, 0, 2);
+#else
+  hwy::Prefetch(line);
+#endif
+}
+
 // What a run's samples lie from its middle at most, in halves of a sample.
 constexpr int reach(int pixels) { return pixels - 1; }
 

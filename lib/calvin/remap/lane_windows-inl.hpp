@@ -68,15 +68,15 @@ constexpr ApartTables make_apart_tables(int components) {
 template <int kComponents>
 constexpr ApartTables kApartTables = make_apart_tables(kComponents);
 
-// What is known of the pixels of a block of runs. To know it of many before the first one is
-// blended keeps the machine busy: it cannot look as far ahead as one takes.
-struct PixelSamples {
-  alignas(64) std::int32_t address[8 * kBlockRuns];  // of pixels by windows: their records
-  alignas(64) std::int16_t across[8 * kBlockRuns];
-  alignas(64) std::int16_t down[8 * kBlockRuns];
+// What is known of the pixels of a vector.
+template <class P>
+struct PixelVector {
+  alignas(32) std::int32_t address[P::kSamples];  // of pixels by windows: their records
+  alignas(32) std::int16_t across[P::kSamples];
+  alignas(32) std::int16_t down[P::kSamples];
   // Of pixels of three components by windows.
-  alignas(64) std::int16_t bytes[8 * kBlockRuns];
-  alignas(64) std::int16_t neighbours[3 * 8 * kBlockRuns];
+  alignas(32) std::int16_t bytes[P::kSamples];
+  alignas(32) std::int16_t neighbours[3 * P::kSamples];
 };
 
 // The weights of the `k`th two pixels of each lane, for each of their results; `samples` are eight,
@@ -133,16 +133,16 @@ using WindowInts = hn::FixedTag<std::int32_t, 8>;
 
 // A record has a column in bits 12 to 14, and a sign.
 template <class P>
-HWY_INLINE void place_columns(const Both<P>& at, int to, PixelSamples& samples) {
+HWY_INLINE void place_columns(const Both<P>& at, PixelVector<P>& pixels) {
   const PlaceNumbers<P> d;
   const WindowInts ints;
   const auto down = down_from_middle<P>(at.y);
-  hn::Store(across_of<P>(at.x), d, samples.across + to);
-  hn::Store(hn::Abs(down), d, samples.down + to);
+  hn::Store(across_of<P>(at.x), d, pixels.across);
+  hn::Store(hn::Abs(down), d, pixels.down);
   const auto lower = hn::BitCast(ints, hn::InterleaveLower(at.x, down));
   const auto upper = hn::BitCast(ints, hn::InterleaveUpper(d, at.x, down));
-  hn::Store(lower, ints, samples.address + to);
-  hn::Store(upper, ints, samples.address + to + 8);
+  hn::Store(lower, ints, pixels.address);
+  hn::Store(upper, ints, pixels.address + 8);
 }
 
 // Eight pixels and their neighbours.
@@ -160,15 +160,16 @@ HWY_INLINE Columns fetch_columns(const std::uint8_t* row, hn::Vec<WindowInts> co
   return {at(row), at(row + 4)};
 }
 
-// The eight pixels of a vector's `kPart`th run, from `first` on.
+// The eight pixels of a vector's `kPart`th run.
 template <class P, int kPart>
-HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset, const PixelSamples& samples,
-                              int first, std::uint8_t* out) {
+HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset,
+                              const PixelVector<P>& pixels, std::uint8_t* out) {
   const ApartBytes bytes;
   const hn::FixedTag<float, 8> floats;
   const std::uint8_t* source = row.source + offset;
-  hwy::Prefetch(source + kApartAhead * row.stride + 32);
-  const auto records = hn::Load(WindowInts(), samples.address + first);
+  fetch_ahead(source + kApartAhead * row.stride + 32);
+  constexpr int kFirst = 8 * kPart;
+  const auto records = hn::Load(WindowInts(), pixels.address + kFirst);
   const auto columns = hn::ShiftRight<12>(records);
   const Columns above = fetch_columns(source, columns);
   const Columns middle = fetch_columns(source + row.stride, columns);
@@ -186,8 +187,8 @@ HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset, const Pi
   const auto middle_right = hn::BitCast(bytes, middle.right);
   // Each lane's first two pixels, and its others.
   const auto results = [&](auto near, auto far, int half) HWY_ATTR {
-    return blend_rows(row, near, far, weights_of<P, kPart>(samples.across + first, half),
-                      weights_of<P, kPart>(samples.down + first, half));
+    return blend_rows(row, near, far, weights_of<P, kPart>(pixels.across + kFirst, half),
+                      weights_of<P, kPart>(pixels.down + kFirst, half));
   };
   const auto lower =
       results(hn::InterleaveLower(middle_left, middle_right), hn::InterleaveLower(left, right), 0);
@@ -239,67 +240,68 @@ HWY_INLINE hn::Vec<ApartNumbers> lane_numbers(const std::int16_t* samples) {
 }
 
 // Which bytes from the beginning of each lane a vector's results are made of.
-template <int kVector>
-HWY_INLINE void place_three(int to, PixelSamples& samples) {
+template <int kVector, class P>
+HWY_INLINE void place_three(PixelVector<P>& pixels) {
   const ApartNumbers d;
-  const auto runs = lane_runs<kVector>(samples.bytes + to);
+  const auto runs = lane_runs<kVector>(pixels.bytes);
   const auto neighbours = hn::Load(d, kThreeTables.neighbours[kVector]) +
                           look_up(runs, kThreeTables.samples[kVector]) -
                           look_up(runs, kThreeTables.firsts[kVector]);
-  hn::Store(neighbours, d, samples.neighbours + 3 * to + 16 * kVector);
+  hn::Store(neighbours, d, pixels.neighbours + 16 * kVector);
 }
 
 template <class P>
-HWY_INLINE void place_threes(const Both<P>& at, int to, PixelSamples& samples) {
+HWY_INLINE void place_threes(const Both<P>& at, PixelVector<P>& pixels) {
   const PlaceNumbers<P> d;
-  hn::Store(bytes_of<P>(at.x), d, samples.bytes + to);
-  place_three<0>(to, samples);
-  place_three<1>(to, samples);
-  place_three<2>(to, samples);
-  hn::Store(across_of<P>(at.x), d, samples.across + to);
-  hn::Store(down_from_middle<P>(at.y), d, samples.down + to);
+  hn::Store(bytes_of<P>(at.x), d, pixels.bytes);
+  place_three<0>(pixels);
+  place_three<1>(pixels);
+  place_three<2>(pixels);
+  hn::Store(across_of<P>(at.x), d, pixels.across);
+  hn::Store(down_from_middle<P>(at.y), d, pixels.down);
 }
 
 // A vector of results, from where each of its lanes begins in the first row.
-template <int kVector>
+template <int kVector, class P>
 HWY_INLINE hn::Vec<ApartNumbers> blend_three(const ApartRow& row, const std::uint8_t* lower,
-                                             const std::uint8_t* upper, const PixelSamples& samples,
-                                             int first) {
+                                             const std::uint8_t* upper,
+                                             const PixelVector<P>& pixels) {
   const ApartBytes bytes;
   const ApartNumbers d;
   const hn::FixedTag<std::uint8_t, 16> lane;
-  const auto which = hn::BitCast(bytes, hn::Load(d, samples.neighbours + 3 * first + 16 * kVector));
+  const auto which = hn::BitCast(bytes, hn::Load(d, pixels.neighbours + 16 * kVector));
   const auto load = [&](std::ptrdiff_t at) HWY_ATTR {
     return hn::Combine(bytes, hn::LoadU(lane, upper + at), hn::LoadU(lane, lower + at));
   };
   const auto above = hn::TableLookupBytes(load(0), which);
   const auto middle = hn::TableLookupBytes(load(row.stride), which);
   const auto below = hn::TableLookupBytes(load(2 * row.stride), which);
-  const auto down = lane_numbers<kVector>(samples.down + first);
+  const auto down = lane_numbers<kVector>(pixels.down);
   const auto is_above = hn::MaskFromVec(hn::BroadcastSignBit(down));
   const auto outer = hn::IfThenElse(is_above, hn::BitCast(d, above), hn::BitCast(d, below));
-  return blend_rows(row, middle, hn::BitCast(bytes, outer),
-                    lane_numbers<kVector>(samples.across + first), hn::Abs(down));
+  return blend_rows(row, middle, hn::BitCast(bytes, outer), lane_numbers<kVector>(pixels.across),
+                    hn::Abs(down));
 }
 
-// Two runs, from `first` on.
+// Two runs.
+template <class P>
 HWY_INLINE void blend_threes(const ApartRow& row, const std::int32_t* offsets,
-                             const PixelSamples& samples, int first, std::uint8_t* out) {
+                             const PixelVector<P>& pixels, std::uint8_t* out) {
   const ApartBytes bytes;
   const hn::FixedTag<std::uint8_t, 16> lane;
   // What bytes_of() has for the first column.
   constexpr int kFirstColumn = (0x0FFF * 0x3030 >> 16) & 0xFF;
-  const auto* columns = reinterpret_cast<const std::uint8_t*>(samples.bytes + first);
+  const auto* columns = reinterpret_cast<const std::uint8_t*>(pixels.bytes);
   const std::uint8_t* run = row.source + offsets[0];
   const std::uint8_t* next = row.source + offsets[1];
-  hwy::Prefetch(run + kApartAhead * row.stride + 32);
-  hwy::Prefetch(next + kApartAhead * row.stride + 32);
+  fetch_ahead(run + kApartAhead * row.stride + 32);
+  fetch_ahead(next + kApartAhead * row.stride + 32);
   const auto lane_at = [&](const std::uint8_t* from, int pixel)
                            HWY_ATTR { return from + columns[2 * pixel] - kFirstColumn; };
-  const auto a = blend_three<0>(row, lane_at(run, 0), lane_at(run, 5), samples, first);
-  const auto b = blend_three<1>(row, lane_at(run, 2), lane_at(next, 8), samples, first);
+  const auto a = blend_three<0>(row, lane_at(run, 0), lane_at(run, 5), pixels);
+  const auto b = blend_three<1>(row, lane_at(run, 2), lane_at(next, 8), pixels);
   hn::StoreU(pack_lanes(bytes, a, b), bytes, out);
-  const auto c = blend_three<2>(row, lane_at(next, 10), lane_at(next, 13), samples, first);
+  const auto c = blend_three<2>(row, lane_at(next, 10), lane_at(next, 13), pixels);
   const auto last = pack_lanes(bytes, c, c);
   const hn::Vec<ApartBytes> in_turn{_mm256_permute4x64_epi64(last.raw, 8)};
   hn::StoreU(hn::LowerHalf(in_turn), lane, out + 32);
@@ -307,23 +309,23 @@ HWY_INLINE void blend_threes(const ApartRow& row, const std::int32_t* offsets,
 
 // A vector of pixels.
 template <class P>
-HWY_INLINE void place_window(const Both<P>& at, int to, PixelSamples& samples) {
+HWY_INLINE void place_window(const Both<P>& at, PixelVector<P>& pixels) {
   if constexpr (P::kStep == 4) {
-    place_columns<P>(at, to, samples);
+    place_columns<P>(at, pixels);
   } else {
-    place_threes<P>(at, to, samples);
+    place_threes<P>(at, pixels);
   }
 }
 
-// Two runs, from `first` on.
+// Two runs.
 template <class P>
 HWY_INLINE void blend_windows(const ApartRow& row, const std::int32_t* offsets,
-                              const PixelSamples& samples, int first, std::uint8_t* out) {
+                              const PixelVector<P>& pixels, std::uint8_t* out) {
   if constexpr (P::kStep == 4) {
-    blend_columns<P, 0>(row, offsets[0], samples, first, out);
-    blend_columns<P, 1>(row, offsets[1], samples, first + 8, out + 32);
+    blend_columns<P, 0>(row, offsets[0], pixels, out);
+    blend_columns<P, 1>(row, offsets[1], pixels, out + 32);
   } else {
-    blend_threes(row, offsets, samples, first, out);
+    blend_threes(row, offsets, pixels, out);
   }
 }
 #endif

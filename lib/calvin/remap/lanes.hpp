@@ -5,10 +5,12 @@
 // through the middles of a run and its neighbours (of 4 or 2 where the map is strongly bent).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 
 namespace calvin::remap {
 
@@ -150,6 +152,14 @@ struct Band {
   // are too steep or empty.
   enum class Kind : std::uint8_t { kMixed, kSteady, kSteep, kEmpty };
   Kind kind[kRuns];
+  // RunRow::rows of all runs, if they are steady and have it in common; else 0.
+  std::int32_t marks;
+
+  // Rows have nothing in common.
+  void clear() noexcept {
+    std::fill(std::begin(kind), std::end(kind), Kind::kMixed);
+    marks = 0;
+  }
 };
 
 // The line of a run makes good for what a parabola cannot follow: this part, in 1/256, of the

@@ -51,6 +51,7 @@ class PlaneMap {
   [[nodiscard]] const SampleAxis& source_x() const noexcept { return in_x_; }
   [[nodiscard]] const SampleAxis& source_y() const noexcept { return in_y_; }
   [[nodiscard]] const SampleAxis& output_x() const noexcept { return out_x_; }
+  [[nodiscard]] const SampleAxis& output_y() const noexcept { return out_y_; }
   [[nodiscard]] int run_pixels() const noexcept { return run_pixels_; }
   [[nodiscard]] int runs() const noexcept {
     return static_cast<int>(columns_.size()) - 2 * remap::kMargin - remap::kSpare;
