@@ -32,6 +32,10 @@ class Chunk {
         outputs_(outputs),
         sampling_(sampling),
         choice_(remap::choose_kernel(map, layout, sampling, sources)),
+        describe_runs_(
+            remap::run_describer(choice_.lanes, map.run_pixels(), choice_.bounds.strongly_bent)),
+        blend_runs_(remap::run_blender(choice_.lanes, map.run_pixels(), is_nearest(),
+                                       static_cast<int>(sources.size()))),
         group_(choice_.wide ? 1 : remap::run_group(choice_.lanes, map.run_pixels())),
         pixels_(map.run_pixels()),
         first_run_(first_run),
@@ -70,8 +74,7 @@ class Chunk {
   // Where the runs lie, and which are slow. `all`: somebody needs all of their middles.
   remap::SlowBlocks describe(int y, const PlaneMap::Row* limits, bool all) noexcept {
     const auto describe_with = [this](const remap::RowNodes* between) {
-      return remap::describe_runs(choice_.lanes, pixels_, choice_.bounds, between, band_, way_,
-                                  row_);
+      return describe_runs_(choice_.bounds, between, band_, way_, row_);
     };
     if (!all && band_shared_) return describe_with(nullptr);
     const remap::RowNodes between = nodes_at(map_.level(y));
@@ -163,6 +166,10 @@ class Chunk {
     }
   }
 
+  [[nodiscard]] bool is_nearest() const noexcept {
+    return sampling_.interpolation == Interpolation::kNearest;
+  }
+
   [[nodiscard]] std::uint8_t* output_row(std::size_t plane, int y) const noexcept {
     return outputs_[plane].data + y * outputs_[plane].stride;
   }
@@ -210,10 +217,9 @@ class Chunk {
   }
 
   void blend(int begin, int end, const remap::PlaneRows& planes) noexcept {
-    const bool nearest = sampling_.interpolation == Interpolation::kNearest;
-    const remap::RowTask task = {
-        row_, band_, way_, choice_.bounds.stride, nearest, remap::word_format(layout_)};
-    remap::blend_runs(choice_.lanes, pixels_, task, begin, end, planes);
+    blend_runs_(
+        {row_, band_, way_, choice_.bounds.stride, is_nearest(), remap::word_format(layout_)},
+        begin, end, planes);
   }
 
   [[nodiscard]] std::uint8_t* output_at(std::size_t plane, int y, int run) const noexcept {
@@ -256,12 +262,11 @@ class Chunk {
   }
 
   void gather(std::size_t plane, int y, int count) noexcept {
-    const bool nearest = sampling_.interpolation == Interpolation::kNearest;
     const remap::GatherTask task = {row_,
                                     choice_.bounds.stride,
                                     choice_.x_ends,
                                     choice_.y_ends,
-                                    nearest,
+                                    is_nearest(),
                                     sampling_.outside == Outside::kFill,
                                     sampling_.outside == Outside::kMirror,
                                     fill_,
@@ -300,6 +305,8 @@ class Chunk {
   std::span<const PlaneMemory<std::uint8_t>> outputs_;
   const Sampling& sampling_;
   remap::KernelChoice choice_;
+  remap::DescribeRuns describe_runs_;
+  remap::BlendRuns blend_runs_;
   int group_;
   int pixels_;     // of a run
   int first_run_;  // of the plane

@@ -161,7 +161,7 @@ HWY_INLINE void blend_block(const ApartRow& row, const RowTask& task, int begin,
   }
 }
 
-// As blend_runs(), for runs of `kRun` samples.
+// A BlendRuns, of runs of `kRun` samples.
 template <int kRun, int kComponents>
 void blend_apart(const RowTask& shared, int begin, int end, const PlaneRows& planes) {
   using P = Placing<kRun, 1, kComponents, true>;

@@ -38,8 +38,9 @@ namespace calvin::remap::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 // Without vectors every lane is slow.
 
-void blend_row_of(LaneLayout /*layout*/, int /*run*/, const RowTask& /*task*/, int /*begin*/,
-                  int /*end*/, const PlaneRows& /*planes*/) {}
+BlendRuns blender_of(LaneLayout /*layout*/, int /*run*/, bool /*nearest*/, int /*planes*/) {
+  return [](const RowTask& /*task*/, int /*begin*/, int /*end*/, const PlaneRows& /*planes*/) {};
+}
 
 #else
 
@@ -283,65 +284,68 @@ void blend(const RowTask& shared, int begin, int end, const PlaneRows& rows) {
 }
 
 template <class L>
-void blend_layout(const RowTask& task, int begin, int end, const PlaneRows& planes) {
-  if (task.nearest) {
-    for (int p = 0; p < planes.planes; ++p) {
-      blend<L, true, 1>(task, begin, end, {{planes.source[p]}, {planes.output[p]}, 1});
-    }
-  } else if (planes.planes == 2) {
-    blend<L, false, 2>(task, begin, end, planes);
-  } else {
-    blend<L, false, 1>(task, begin, end, planes);
+void blend_nearest(const RowTask& task, int begin, int end, const PlaneRows& planes) {
+  for (int p = 0; p < planes.planes; ++p) {
+    blend<L, true, 1>(task, begin, end, {{planes.source[p]}, {planes.output[p]}, 1});
   }
 }
 
-// Runs of 8 samples, or of one lane.
-template <int kComponents, int kSpacing>
-void blend_length(int run, const RowTask& task, int begin, int end, const PlaneRows& planes) {
-  using Long = Layout<kComponents, kSpacing, 8>;
-  using Short = Layout<kComponents, kSpacing, Long::kPixels>;
-  run == 8 ? blend_layout<Long>(task, begin, end, planes)
-           : blend_layout<Short>(task, begin, end, planes);
-}
-
-// Pixels of 16-bit samples, of so many bytes.
-template <int kPixelBytes>
-void blend_words(const RowTask& task, int begin, int end, const PlaneRows& planes) {
-  blend_layout<Layout<kPixelBytes, 1, 8, true>>(task, begin, end, planes);
-}
-
-// Pixels of more components than two.
-template <int kComponents>
-void blend_large(int run, const RowTask& task, int begin, int end, const PlaneRows& planes) {
-  if constexpr (kMovesAllBytes) {
-    blend_length<kComponents, 1>(run, task, begin, end, planes);
-  } else {
-    run == 8 ? blend_apart<8, kComponents>(task, begin, end, planes)
-             : blend_apart<2, kComponents>(task, begin, end, planes);
+// Which kernel takes a row.
+struct Chooser {
+  // Runs of 8 samples, or of one lane.
+  template <int kComponents, int kSpacing>
+  [[nodiscard]] BlendRuns length() const {
+    using Long = Layout<kComponents, kSpacing, 8>;
+    using Short = Layout<kComponents, kSpacing, Long::kPixels>;
+    return run == 8 ? layout<Long>() : layout<Short>();
   }
-}
 
-void blend_row_of(LaneLayout layout, int run, const RowTask& task, int begin, int end,
-                  const PlaneRows& planes) {
+  // Pixels of 16-bit samples, of so many bytes.
+  template <int kPixelBytes>
+  [[nodiscard]] BlendRuns words() const {
+    return layout<Layout<kPixelBytes, 1, 8, true>>();
+  }
+
+  // Pixels of more components than two.
+  template <int kComponents>
+  [[nodiscard]] BlendRuns large() const {
+    if constexpr (kMovesAllBytes) return length<kComponents, 1>();
+    return run == 8 ? &blend_apart<8, kComponents> : &blend_apart<2, kComponents>;
+  }
+
+  template <class L>
+  [[nodiscard]] BlendRuns layout() const {
+    if (nearest) return &blend_nearest<L>;
+    return planes == 2 ? &blend<L, false, 2> : &blend<L, false, 1>;
+  }
+
+  int run;
+  bool nearest;
+  int planes;
+};
+
+BlendRuns blender_of(LaneLayout layout, int run, bool nearest, int planes) {
+  const Chooser choose = {run, nearest, planes};
   switch (layout) {
     case LaneLayout::kOne:
-      return blend_length<1, 1>(run, task, begin, end, planes);
+      return choose.length<1, 1>();
     case LaneLayout::kTwo:
-      return blend_length<2, 1>(run, task, begin, end, planes);
+      return choose.length<2, 1>();
     case LaneLayout::kThree:
-      return blend_large<3>(run, task, begin, end, planes);
+      return choose.large<3>();
     case LaneLayout::kFour:
-      return blend_large<4>(run, task, begin, end, planes);
+      return choose.large<4>();
     case LaneLayout::kOneSpread:
-      return blend_length<1, 2>(run, task, begin, end, planes);
+      return choose.length<1, 2>();
     case LaneLayout::kTwoSpread:
-      return blend_length<2, 2>(run, task, begin, end, planes);
+      return choose.length<2, 2>();
     case LaneLayout::kOneWord:
-      return blend_words<2>(task, begin, end, planes);
+      return choose.words<2>();
     case LaneLayout::kTwoWords:
-      return blend_words<4>(task, begin, end, planes);
+      return choose.words<4>();
     default:
-      return;
+      return
+          [](const RowTask& /*task*/, int /*begin*/, int /*end*/, const PlaneRows& /*planes*/) {};
   }
 }
 
@@ -353,11 +357,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace calvin::remap {
 
-HWY_EXPORT(blend_row_of);
+HWY_EXPORT(blender_of);
 
-void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int end,
-                const PlaneRows& planes) noexcept {
-  HWY_DYNAMIC_DISPATCH(blend_row_of)(layout, run, task, begin, end, planes);
+BlendRuns run_blender(LaneLayout layout, int run, bool nearest, int planes) noexcept {
+  return HWY_DYNAMIC_DISPATCH(blender_of)(layout, run, nearest, planes);
 }
 
 }  // namespace calvin::remap

@@ -41,13 +41,6 @@ void interpolate_row(const RowNodes& between, int runs, std::int32_t* xs, std::i
   }
 }
 
-SlowBlocks describe_row(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bounds*/,
-                        const RowNodes* between, const Band& /*band*/, float /*way*/, RunRow& row) {
-  if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
-  std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
-  return kAllSlow;
-}
-
 int group_of(LaneLayout /*layout*/, int /*run*/) { return 1; }
 
 #else
@@ -275,8 +268,8 @@ void describe_alike(const SteadyRow& steady, const Band& band, RunRow& row) {
 }
 
 template <class P, bool kThird>
-HWY_INLINE SlowBlocks describe_all(const SourceBounds& bounds, const RowNodes* between,
-                                   const Band& band, float way, RunRow& row) {
+SlowBlocks describe_all(const SourceBounds& bounds, const RowNodes* between, const Band& band,
+                        float way, RunRow& row) {
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
   const SteadyRow steady(way, bounds.stride);
   if (band.marks != 0) {
@@ -313,27 +306,6 @@ void interpolate_row(const RowNodes& between, int runs, std::int32_t* x, std::in
   interpolate(between, 0, runs + 2 * kMargin + kSpare, x, y);
 }
 
-template <class P>
-SlowBlocks describe_bends(const SourceBounds& bounds, const RowNodes* between, const Band& band,
-                          float way, RunRow& row) {
-  return bounds.strongly_bent ? describe_all<P, true>(bounds, between, band, way, row)
-                              : describe_all<P, false>(bounds, between, band, way, row);
-}
-
-SlowBlocks describe_row(LaneLayout layout, int run, const SourceBounds& bounds,
-                        const RowNodes* between, const Band& band, float way, RunRow& row) {
-  SlowBlocks slow = kAllSlow;
-  bool known = false;
-  with_placing(layout, run, [&](auto placing) HWY_ATTR {
-    slow = describe_bends<decltype(placing)>(bounds, between, band, way, row);
-    known = true;
-  });
-  if (known) return slow;
-  if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
-  std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
-  return kAllSlow;
-}
-
 int group_of(LaneLayout layout, int run) {
   int group = kLanes;
   with_placing(layout, run, [&](auto placing) { group = decltype(placing)::kGroup; });
@@ -342,6 +314,26 @@ int group_of(LaneLayout layout, int run) {
 
 #endif
 
+// Runs that no vector kernel takes.
+SlowBlocks describe_slow(const SourceBounds& /*bounds*/, const RowNodes* between,
+                         const Band& /*band*/, float /*way*/, RunRow& row) {
+  if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
+  std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
+  return kAllSlow;
+}
+
+DescribeRuns describer_of([[maybe_unused]] LaneLayout layout, [[maybe_unused]] int run,
+                          [[maybe_unused]] bool strongly_bent) {
+  DescribeRuns describer = &describe_slow;
+#if HWY_TARGET != HWY_SCALAR
+  with_placing(layout, run, [&](auto placing) {
+    using P = decltype(placing);
+    describer = strongly_bent ? &describe_all<P, true> : &describe_all<P, false>;
+  });
+#endif
+  return describer;
+}
+
 }  // namespace calvin::remap::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -349,7 +341,7 @@ HWY_AFTER_NAMESPACE();
 namespace calvin::remap {
 
 HWY_EXPORT(interpolate_row);
-HWY_EXPORT(describe_row);
+HWY_EXPORT(describer_of);
 HWY_EXPORT(group_of);
 
 void interpolate_runs(const RowNodes& between, int runs, std::int32_t* x,
@@ -357,10 +349,8 @@ void interpolate_runs(const RowNodes& between, int runs, std::int32_t* x,
   HWY_DYNAMIC_DISPATCH(interpolate_row)(between, runs, x, y);
 }
 
-SlowBlocks describe_runs(LaneLayout layout, int run, const SourceBounds& bounds,
-                         const RowNodes* between, const Band& band, float way,
-                         RunRow& row) noexcept {
-  return HWY_DYNAMIC_DISPATCH(describe_row)(layout, run, bounds, between, band, way, row);
+DescribeRuns run_describer(LaneLayout layout, int run, bool strongly_bent) noexcept {
+  return HWY_DYNAMIC_DISPATCH(describer_of)(layout, run, strongly_bent);
 }
 
 int run_group(LaneLayout layout, int run) noexcept {

@@ -266,9 +266,9 @@ bool begin_band(LaneLayout layout, int run, const SourceBounds& bounds, const No
 // of the slow ones' samples, which are written first. Middles of runs that are not steady are
 // interpolated on the way, unless `between` is nullptr and all of them are known or there are none;
 // `way` is as in RowTask.
-SlowBlocks describe_runs(LaneLayout layout, int run, const SourceBounds& bounds,
-                         const RowNodes* between, const Band& band, float way,
-                         RunRow& row) noexcept;
+using DescribeRuns = SlowBlocks (*)(const SourceBounds& bounds, const RowNodes* between,
+                                    const Band& band, float way, RunRow& row);
+[[nodiscard]] DescribeRuns run_describer(LaneLayout layout, int run, bool strongly_bent) noexcept;
 
 // How 16-bit samples hold their values.
 struct WordFormat {
@@ -289,8 +289,8 @@ struct RowTask {
 // Writes the samples of the groups of runs from `begin` to before `end` that are not slow,
 // something for the slow runs in them, and run_slack() bytes that follow a group; what `planes`
 // name is where `begin` goes to.
-void blend_runs(LaneLayout layout, int run, const RowTask& task, int begin, int end,
-                const PlaneRows& planes) noexcept;
+using BlendRuns = void (*)(const RowTask& task, int begin, int end, const PlaneRows& planes);
+[[nodiscard]] BlendRuns run_blender(LaneLayout layout, int run, bool nearest, int planes) noexcept;
 
 // The samples of the source along an axis, and between which places it shows something.
 struct AxisEnds {
