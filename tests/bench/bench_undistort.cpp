@@ -27,6 +27,8 @@ namespace {
 using namespace calvin;
 
 constexpr int kFrames = 4;  // so that the next one is not in the nearest cache
+// So that it is in no cache, as what a camera wrote: more than the last cache of most machines.
+constexpr int kManyFrames = 64;
 constexpr ImageSize kFullHd = {1920, 1080};
 constexpr ImageSize kUhd = {3840, 2160};
 
@@ -90,7 +92,7 @@ cv::Mat natural(int width, int height) {
 
 // Frames of a format in memory, with what every subject needs of them.
 struct Frames {
-  Frames(const char* name, ImageSize frame_size)
+  Frames(const char* name, ImageSize frame_size, int count)
       : format(name),
         size(frame_size),
         caps(gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING, name, "width", G_TYPE_INT,
@@ -98,7 +100,7 @@ struct Frames {
                                  "framerate", GST_TYPE_FRACTION, 30, 1, nullptr)) {
     gst_video_info_from_caps(&info, caps);
     const cv::Mat gray = natural(size.width, size.height);
-    for (int i = 0; i < kFrames; ++i) {
+    for (int i = 0; i < count; ++i) {
       inputs.push_back(make(&gray));
       outputs.push_back(make(nullptr));
     }
@@ -139,18 +141,19 @@ struct Frames {
 // Calls f(input, output) for one pair of frames after the other.
 template <typename F>
 void over_frames(benchmark::State& state, const Frames& frames, F f) {
-  std::vector<GstVideoFrame> in(kFrames);
-  std::vector<GstVideoFrame> out(kFrames);
-  for (std::size_t i = 0; i < kFrames; ++i) {
+  const std::size_t count = frames.inputs.size();
+  std::vector<GstVideoFrame> in(count);
+  std::vector<GstVideoFrame> out(count);
+  for (std::size_t i = 0; i < count; ++i) {
     gst_video_frame_map(&in[i], &frames.info, frames.inputs[i], GST_MAP_READ);
     gst_video_frame_map(&out[i], &frames.info, frames.outputs[i], GST_MAP_WRITE);
   }
   std::size_t n = 0;
   for (auto _ : state) {
-    f(in[n % kFrames], out[n % kFrames]);
+    f(in[n % count], out[n % count]);
     ++n;
   }
-  for (std::size_t i = 0; i < kFrames; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     gst_video_frame_unmap(&in[i]);
     gst_video_frame_unmap(&out[i]);
   }
@@ -228,7 +231,8 @@ void pipeline(benchmark::State& state, const Frames& frames) {
   gst_harness_set_src_caps(h, gst_caps_ref(frames.caps));
   std::size_t n = 0;
   for (auto _ : state) {
-    GstBuffer* out = gst_harness_push_and_pull(h, gst_buffer_ref(frames.inputs[n++ % kFrames]));
+    GstBuffer* out =
+        gst_harness_push_and_pull(h, gst_buffer_ref(frames.inputs[n++ % frames.inputs.size()]));
     if (out == nullptr) {
       state.SkipWithError("no frame came out");
       break;
@@ -263,9 +267,11 @@ void opencv_map(benchmark::State& state, ImageSize size) {
 
 std::string name_of(ImageSize size) { return size == kFullHd ? "1080p" : "4K"; }
 
-void register_frames(const char* format, ImageSize size, bool planes, bool chain) {
-  const auto frames = std::make_shared<Frames>(format, size);
-  const std::string name = std::string(format) + " " + name_of(size) + "|";
+void register_frames(const char* format, ImageSize size, bool planes, bool chain,
+                     int count = kFrames) {
+  const auto frames = std::make_shared<Frames>(format, size, count);
+  const std::string name =
+      std::string(format) + " " + name_of(size) + (count > kFrames ? ", from memory|" : "|");
   const auto add = [&](const char* subject, auto run) {
     benchmark::RegisterBenchmark((name + subject).c_str(), [frames, run](benchmark::State& state) {
       run(state, *frames);
@@ -298,6 +304,7 @@ int main(int argc, char** argv) {
     register_frames("RGB", size, true, chain);
     register_frames("GRAY16_LE", size, true, false);
     register_frames("P010_10LE", size, true, false);
+    if (chain) register_frames("GRAY8", size, true, false, kManyFrames);
     const auto add = [size](const char* subject, auto run) {
       benchmark::RegisterBenchmark(("map " + name_of(size) + "|" + subject).c_str(),
                                    [run, size](benchmark::State& state) { run(state, size); })
