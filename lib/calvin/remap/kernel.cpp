@@ -36,6 +36,7 @@ class Chunk {
             remap::run_describer(choice_.lanes, map.run_pixels(), choice_.bounds.strongly_bent)),
         blend_runs_(remap::run_blender(choice_.lanes, map.run_pixels(), is_nearest(),
                                        static_cast<int>(sources.size()))),
+        words_(remap::word_format(layout)),
         group_(choice_.wide ? 1 : remap::run_group(choice_.lanes, map.run_pixels())),
         pixels_(map.run_pixels()),
         first_run_(first_run),
@@ -90,10 +91,10 @@ class Chunk {
   void begin_band(int y) noexcept {
     const int node_row = map_.level(y).node_row;
     const int rows = map_.band_rows(node_row);
-    int first = y / rows * rows;
-    int last = std::min(first + rows, map_.size().height) - 1;
-    while (map_.level(first).node_row != node_row) ++first;
-    while (map_.level(last).node_row != node_row) --last;
+    const int begin = y / rows * rows;
+    const int end = std::min(begin + rows, map_.size().height);
+    int first = first_row(node_row, begin, y);
+    int last = first_row(node_row + 1, y, end) - 1;
     // An uneven last row is not as far from the one before as the others are.
     const int even = map_.size().height - (map_.output_y().is_even() ? 0 : 1);
     y < even ? last = std::min(last, even - 1) : first = last;
@@ -115,6 +116,15 @@ class Chunk {
     const double height = bottom.between - top.between;
     band_shared_ = remap::begin_band(choice_.lanes, pixels_, choice_.bounds, nodes_, node_row % 4,
                                      static_cast<float>(height), band_, row_);
+  }
+
+  // The first row at or behind that row of the nodes, of those from `begin` to before `end`.
+  [[nodiscard]] int first_row(int node_row, int begin, int end) const noexcept {
+    while (begin < end) {
+      const int middle = begin + (end - begin) / 2;
+      map_.level(middle).node_row < node_row ? begin = middle + 1 : end = middle;
+    }
+    return begin;
   }
 
   remap::RowNodes nodes_at(const PlaneMap::Level& level) noexcept {
@@ -217,9 +227,8 @@ class Chunk {
   }
 
   void blend(int begin, int end, const remap::PlaneRows& planes) noexcept {
-    blend_runs_(
-        {row_, band_, way_, choice_.bounds.stride, is_nearest(), remap::word_format(layout_)},
-        begin, end, planes);
+    blend_runs_({row_, band_, way_, choice_.bounds.stride, is_nearest(), words_}, begin, end,
+                planes);
   }
 
   [[nodiscard]] std::uint8_t* output_at(std::size_t plane, int y, int run) const noexcept {
@@ -270,7 +279,7 @@ class Chunk {
                                     sampling_.outside == Outside::kFill,
                                     sampling_.outside == Outside::kMirror,
                                     fill_,
-                                    remap::word_format(layout_)};
+                                    words_};
     if (!remap::gather_runs(choice_.lanes, task, slow_runs_.data(), count, sources_[plane].data,
                             output_at(plane, y, 0), left_.data())) {
       return;
@@ -307,6 +316,7 @@ class Chunk {
   remap::KernelChoice choice_;
   remap::DescribeRuns describe_runs_;
   remap::BlendRuns blend_runs_;
+  remap::WordFormat words_;
   int group_;
   int pixels_;     // of a run
   int first_run_;  // of the plane
