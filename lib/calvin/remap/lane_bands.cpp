@@ -239,7 +239,6 @@ HWY_INLINE std::int32_t marks_of(Band::Kind kind, int rows) {
 // How the middles of a steady vector of runs go down the band.
 HWY_INLINE void begin_course(int j, const BandAxis& axis, hn::Vec<Ints> amid, hn::Vec<Floats> twist,
                              Band::Course& course) {
-  const Ints d;
   const Floats floats;
   const auto down = axis.last.middle - axis.first.middle;
   const auto half = amid - axis.first.middle;
