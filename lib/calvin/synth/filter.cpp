@@ -15,23 +15,35 @@ namespace {
 
 constexpr double kMaxBlur = 50;  // px
 
-// The discrete analogue of the Gaussian: exp(-t) I_n(t) with t = sigma^2. Unlike a sampled Gaussian
-// it has the variance asked for at any sigma (Lindeberg, Scale-Space for Discrete Signals, PAMI
-// 12(3), 1990). By the trapezoidal rule on its Fourier integral, which is exact to rounding here.
-std::vector<float> gaussian_kernel(double sigma) {
-  const double t = sigma * sigma;
-  const int radius = static_cast<int>(std::ceil(5 * sigma)) + 1;
-  const int steps = 4 * radius + 32;
-  std::vector<float> kernel(static_cast<std::size_t>(2 * radius + 1));
+// A sampled Gaussian, and its variance.
+double sample_gaussian(double spread, std::vector<double>& kernel) {
+  const int radius = static_cast<int>(kernel.size() / 2);
+  double sum = 0;
+  double square = 0;
   for (int n = -radius; n <= radius; ++n) {
-    double sum = 0;
-    for (int k = 0; k < steps; ++k) {
-      const double omega = 2 * std::numbers::pi * k / steps;
-      sum += std::cos(n * omega) * std::exp(t * (std::cos(omega) - 1));
-    }
-    kernel[static_cast<std::size_t>(n + radius)] = static_cast<float>(sum / steps);
+    const double weight = std::exp(-0.5 * n * n / spread);
+    kernel[static_cast<std::size_t>(n + radius)] = weight;
+    sum += weight;
+    square += weight * n * n;
   }
-  return kernel;
+  for (double& weight : kernel) weight /= sum;
+  return square / sum;
+}
+
+// Samples of the Gaussian that have the variance asked for, by bisection: below 0.6 px those of the
+// Gaussian itself have less. The discrete analogue (Lindeberg, Scale-Space for Discrete Signals,
+// PAMI 12(3), 1990) has it too, but heavier tails along the axes than across them, as no optics
+// have: edges look 10 % sharper than they are, and bent ones seem to be elsewhere.
+std::vector<float> gaussian_kernel(double sigma) {
+  const double variance = sigma * sigma;
+  std::vector<double> kernel(2 * static_cast<std::size_t>(std::ceil(5 * sigma)) + 3);
+  double less = 0;
+  double more = variance + 0.25;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = (less + more) / 2;
+    (sample_gaussian(middle, kernel) < variance ? less : more) = middle;
+  }
+  return {kernel.begin(), kernel.end()};
 }
 
 // out += weight * in
