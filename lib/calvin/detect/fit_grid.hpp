@@ -62,7 +62,8 @@ class FitGrid {
   std::vector<float> numbers_;
 };
 
-// Sets the bends of the fits, from the places of their neighbours.
+// Sets the bends of the fits, from the places of their neighbours, and moves the fits to where
+// those bends will have them.
 void set_bends(const Lattice& lattice, FitGrid& fits);
 
 // Sets the slopes of level and contrast, from the levels and contrasts of all.

@@ -264,6 +264,7 @@ void Steps::apply() {
 }
 
 void Steps::finish() {
+  fit_.radius = radius_;
   fit_.residual = std::sqrt(normal_.square / pixels_);
   fit_.cut = 1 - normal_.count / static_cast<float>(window_.count);
   fit_.noise =

@@ -51,6 +51,7 @@ struct SaddleFit {
   Direction contrast_slope = {0, 0};  // grey levels per px
 
   // Of the last step.
+  float radius = 0;    // px, of the window: how far a bend reaches
   float residual = 0;  // grey levels, RMS
   float noise = 0;     // grey levels, 1 sigma, from what differs between opposite pixels
   float sigma = 0;     // px, 1 sigma per coordinate, from `noise`
