@@ -66,6 +66,7 @@ class Surface {
     constexpr double kClearly = 3;
     orthogonalise();
     variance = std::max(variance, measured(variance));
+    variance_ = variance;
     for (int degree = kFirst; degree <= kDegree; ++degree) {
       const int first = terms_of(degree - 1);
       auto block = right_.segment(first, terms_of(degree) - first);
@@ -80,6 +81,8 @@ class Surface {
     }
   }
   [[nodiscard]] double at(Spot s) const { return terms(s).dot(coefficients_); }
+  // Of a value of weight 1, as the values tell.
+  [[nodiscard]] double variance() const { return variance_; }
 
  private:
   // Takes the normal matrix to its factor of Cholesky, and the right side to the coefficients of
@@ -125,6 +128,7 @@ class Surface {
   Terms coefficients_ = Terms::Zero();
   double square_ = 0;  // of the values, weighted
   double count_ = 0;
+  double variance_ = 0;
 };
 
 // Through the numbers of the nodes that have one, but for those that stand out: something lies over
@@ -235,6 +239,21 @@ double reach(const SaddleFit& fit, float width_along) {
   return radius * radius * radius / (6 * seen) + 0.5 * width * width;
 }
 
+// Whether the ends of lines say of the bends what the nodes between them do. They do not where the
+// directions of edges are off: motion that is oblique to them turns how all of them look.
+bool ends_agree(const Lattice& lattice, const Line& line, const Surface<5>& between) {
+  constexpr double kMost = 3;  // times what they differ by their variance alone
+  double sum = 0;
+  int ends = 0;
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    if (line.has_both(c) || !line.has_any(c)) return;
+    const double off = line.bend(c) - between.at(line.spot(c));
+    sum += off * off / line.variance(c);
+    ++ends;
+  });
+  return sum <= kMost * between.variance() * ends;
+}
+
 // The bends of all rows, or of all columns; the fits are moved to where they will be with them.
 void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
   const Line line(lattice, fits, step);
@@ -244,7 +263,11 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
   });
   const auto spot = [&](Cell c) { return line.spot(c); };
   const auto weight = [&](Cell c) { return 1 / line.variance(c); };
-  const auto surface = surface_of<5>(lattice, fits, has, spot, weight, 1);
+  const auto has_both = [&](Cell c) { return line.has_both(c); };
+  auto surface = surface_of<5>(lattice, fits, has_both, spot, weight, 1);
+  if (ends_agree(lattice, line, surface)) {
+    surface = surface_of<5>(lattice, fits, has, spot, weight, 1);
+  }
   // Three nodes tell the mean of the bend over two squares, which is off by 1/12 of how the bends
   // of neighbours differ from it; a window reaches half as far and is off by less.
   constexpr double kOfChange = 1.0 / 15;
