@@ -274,5 +274,52 @@ TEST(BlurBeforeAFisheye, DoesNotMoveCorners) {
   EXPECT_LT(std::sqrt(square / corners), 0.0035);
 }
 
+// A board that moves by `px` while the shutter is open, and is at `pose` in the middle of that.
+GrayImage moving(const Camera& camera, const BoardRenderer& renderer, const SE3& pose, double px) {
+  constexpr int kSteps = 24;
+  std::vector<double> sums(static_cast<std::size_t>(camera.image_size().width) *
+                           static_cast<std::size_t>(camera.image_size().height));
+  for (int i = 0; i < kSteps; ++i) {
+    SE3 then = pose;
+    then.translation.x() += ((i + 0.5) / kSteps - 0.5) * px / camera.fx() * pose.translation.z();
+    const GrayImage image = renderer.render(scenes::kBoard, then, {.blur = 0.8});
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += image.pixels[k];
+  }
+  GrayImage mean(camera.image_size().width, camera.image_size().height);
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    mean.pixels[k] = static_cast<std::uint8_t>(std::lround(sums[k] / kSteps));
+  }
+  return mean;
+}
+
+// It turns how all edges look that it is oblique to, which is not to be taken for their bends.
+TEST(Motion, DoesNotMoveTheBordersOfABoard) {
+  const Camera camera = Camera::make("pinhole", {640, 480}, {600, 600, 319.5, 239.5}).value();
+  const BoardRenderer renderer(camera);
+  const Motion motion(MotionKind::kRandom, camera, scenes::kBoard, 5);
+  const auto detector = std::move(*make_detector(scenes::kBoard));
+  double worst = 0;
+  int seen = 0;
+  for (int view = 0; view < 10; ++view) {
+    const SE3 pose = motion.camera_from_board(view);
+    const GrayImage image = moving(camera, renderer, pose, 8);
+    const Observation found = detector->detect(image.view()).observation;
+    if (!found.found()) continue;
+    ++seen;
+    const Observation truth = true_observation(camera, scenes::kBoard, pose);
+    ASSERT_EQ(found.ids, truth.ids) << view;
+    double square = 0;
+    for (std::size_t i = 0; i < found.uv.size(); ++i) {
+      square += (std::pow(found.uv[i].u - truth.uv[i].u, 2) +
+                 std::pow(found.uv[i].v - truth.uv[i].v, 2)) /
+                static_cast<double>(found.uv.size());
+    }
+    worst = std::max(worst, std::sqrt(square));
+  }
+  std::cout << "  " << seen << " views, RMS at most " << worst << " px\n";
+  EXPECT_GE(seen, 8);
+  EXPECT_LT(worst, 0.03);
+}
+
 }  // namespace
 }  // namespace calvin
