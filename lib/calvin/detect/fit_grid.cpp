@@ -254,20 +254,11 @@ bool ends_agree(const Lattice& lattice, const Line& line, const Surface<5>& betw
   return sum <= kMost * between.variance() * ends;
 }
 
-// The bends of all rows, or of all columns; the fits are moved to where they will be with them.
-void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
-  const Line line(lattice, fits, step);
-  const auto has = [&](Cell c) { return line.has_any(c); };
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    if (has(c)) fits.number(c) = static_cast<float>(line.bend(c));
-  });
-  const auto spot = [&](Cell c) { return line.spot(c); };
-  const auto weight = [&](Cell c) { return 1 / line.variance(c); };
-  const auto has_both = [&](Cell c) { return line.has_both(c); };
-  auto surface = surface_of<5>(lattice, fits, has_both, spot, weight, 1);
-  if (ends_agree(lattice, line, surface)) {
-    surface = surface_of<5>(lattice, fits, has, spot, weight, 1);
-  }
+// The bends of all rows, or of all columns, as the surface has them; the fits are moved to where
+// they will be with them.
+template <int kDegree>
+void take_bends(const Lattice& lattice, Cell step, const Line& line,
+                const Surface<kDegree>& surface, FitGrid& fits) {
   // Three nodes tell the mean of the bend over two squares, which is off by 1/12 of how the bends
   // of neighbours differ from it; a window reaches half as far and is off by less.
   constexpr double kOfChange = 1.0 / 15;
@@ -285,6 +276,29 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
     f.y += move * static_cast<double>(side.y);
     own = static_cast<float>(bend);
   });
+}
+
+void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
+  // Nodes of a line that tell how its bend changes: what fewer seem to say grows towards its ends.
+  constexpr int kLong = 6;
+  const Line line(lattice, fits, step);
+  const auto has = [&](Cell c) { return line.has_any(c); };
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    if (has(c)) fits.number(c) = static_cast<float>(line.bend(c));
+  });
+  const auto spot = [&](Cell c) { return line.spot(c); };
+  const auto weight = [&](Cell c) { return 1 / line.variance(c); };
+  const auto has_both = [&](Cell c) { return line.has_both(c); };
+  const int length = line.is_row() ? lattice.extent().cols() : lattice.extent().rows();
+  if (length < kLong) {
+    const auto plain = surface_of<2>(lattice, fits, has_both, spot, weight, 1);
+    return take_bends(lattice, step, line, plain, fits);
+  }
+  auto surface = surface_of<5>(lattice, fits, has_both, spot, weight, 1);
+  if (ends_agree(lattice, line, surface)) {
+    surface = surface_of<5>(lattice, fits, has, spot, weight, 1);
+  }
+  take_bends(lattice, step, line, surface, fits);
 }
 
 }  // namespace
