@@ -184,14 +184,12 @@ class Line {
   [[nodiscard]] double bend(Cell c) const {
     double square = 0;
     double off = 0;
-    int ways = 0;
     const Direction side = normal(c);
     for (const Cell next : {c + step_, c - step_}) {
       if (!lattice_.has(next)) continue;
       const auto [u, v] = way(c, next);
       off += static_cast<double>(side.x) * u + static_cast<double>(side.y) * v;
       square += u * u + v * v;
-      ++ways;
     }
     return 2 * off / square;
   }
