@@ -387,7 +387,8 @@ bool Refinement::refine_again(const ImageView& image, const FitGrid& before, Lat
   drop_uncertain(lattice);
   stray_corners_.remove_from(lattice);
   if (lattice.count() < count) return false;
-  // For the next frame.
+  // For the next frame; and these fits, which know the bends of the one before, are moved to where
+  // their own will have them.
   set_bends(lattice, fits_);
   set_slopes(lattice, fits_);
   return true;
