@@ -173,7 +173,8 @@ HWY_INLINE hn::Vec<Ints> margin_of(const BandAxis& x, const BandAxis& y, const S
 }
 
 // Whether windows hold the pixels of a vector of steady runs: of four components eight columns from
-// a run's first one, of three 16 bytes from a lane's first pixel; and all the first three rows.
+// a run's first one, of three 16 bytes from there or from a lane's first pixel; and all the first
+// three rows.
 template <class P>
 HWY_INLINE bool fit_windows(const BandAxis& x, const BandAxis& y) {
   const Ints d;
@@ -184,10 +185,13 @@ HWY_INLINE bool fit_windows(const BandAxis& x, const BandAxis& y) {
     // A lane has eight results: three steps to the first byte of its last pixel, or two to the last
     // one.
     const auto bent = hn::ShiftLeft<2>(x.bent) + hn::Set(d, kMostSway);
-    const auto upward = hn::Min(x.first.slope, x.last.slope) - bent;
+    const auto least = hn::Min(x.first.slope, x.last.slope);
     const auto two = x.steep + x.steep + bent;
-    spare = hn::Min(hn::Min(spare, upward), hn::Min(hn::Set(d, 6 * kHalfRow) - two,
-                                                    hn::Set(d, 8 * kHalfRow) - two - x.steep));
+    // From the run's beginning to its third pixel, which is one and a half before the middle.
+    const auto begins = x.half - least - hn::ShiftRight<1>(least) + bent;
+    spare = hn::Min(hn::Min(spare, least - bent),
+                    hn::Min(hn::Set(d, 6 * kHalfRow) - hn::Max(two, begins),
+                            hn::Set(d, 8 * kHalfRow) - two - x.steep));
   }
   return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
 }

@@ -74,9 +74,7 @@ struct PixelVector {
   alignas(32) std::int32_t address[P::kSamples];  // of pixels by windows: their records
   alignas(32) std::int16_t across[P::kSamples];
   alignas(32) std::int16_t down[P::kSamples];
-  // Of pixels of three components by windows.
-  alignas(32) std::int16_t bytes[P::kSamples];
-  alignas(32) std::int16_t neighbours[3 * P::kSamples];
+  alignas(32) std::int16_t bytes[P::kSamples];  // of pixels of three components by windows
 };
 
 // The weights of the `k`th two pixels of each lane, for each of their results; `samples` are eight,
@@ -197,90 +195,102 @@ HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset,
   hn::StoreU(pack_lanes(bytes, lower, upper), bytes, out);
 }
 // ---- Three components: a lane is eight results, of up to four pixels, which 16 bytes of a row
-// from the lane's first pixel on hold. Three vectors of two lanes are two runs.
+// hold, from where the run begins or from the lane's first pixel on. Three vectors are two runs,
+// each of which has a lane.
 
 struct ThreeTables {
-  // Bytes of the numbers of the lane's run: of each result's pixel, and of the first one.
+  // Bytes of the numbers of a run: of each result's pixel, and of the lane's first one.
   alignas(32) std::uint8_t samples[3][32];
   alignas(32) std::uint8_t firsts[3][32];
   alignas(32) std::int16_t neighbours[3][16];  // bytes of the sample in a pixel and the next one
 };
-constexpr int kThreeParts[3][2] = {{0, 2}, {1, 0}, {1, 2}};
+constexpr int first_of_three(int vector) { return 8 * vector / 3; }
+// What bytes_of() has for the first column.
+constexpr int kFirstOfThree = (0x0FFF * 0x3030) >> 16;
 constexpr ThreeTables make_three_tables() {
   ThreeTables t{};
   for (int v = 0; v < 3; ++v) {
     for (int i = 0; i < 16; ++i) {
-      const int part = kThreeParts[v][i / 8];
-      const int result = 8 * part + i % 8;
+      const int result = 8 * v + i % 8;
       for (int b = 0; b < 2; ++b) {
         t.samples[v][2 * i + b] = static_cast<std::uint8_t>(2 * (result / 3) + b);
-        t.firsts[v][2 * i + b] = static_cast<std::uint8_t>(2 * (8 * part / 3) + b);
+        t.firsts[v][2 * i + b] = static_cast<std::uint8_t>(2 * first_of_three(v) + b);
       }
-      t.neighbours[v][i] = static_cast<std::int16_t>(result % 3 * 0x101 + 0x300);
+      const int before = v == 0 ? kFirstOfThree : 0;
+      t.neighbours[v][i] = static_cast<std::int16_t>(result % 3 * 0x101 + 0x300 - before);
     }
   }
   return t;
 }
 constexpr ThreeTables kThreeTables = make_three_tables();
 
-// Numbers of two runs' samples for each lane of a vector.
-template <int kVector>
-HWY_INLINE hn::Vec<ApartBytes> lane_runs(const std::int16_t* samples) {
-  const ApartBytes d;
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(samples);
-  if constexpr (kVector == 1) return hn::Load(d, bytes);
-  return hn::LoadDup128(d, bytes + kVector / 2 * 16);
-}
-HWY_INLINE hn::Vec<ApartNumbers> look_up(hn::Vec<ApartBytes> runs, const std::uint8_t* which) {
-  return hn::BitCast(ApartNumbers(), hn::TableLookupBytes(runs, hn::Load(ApartBytes(), which)));
-}
-template <int kVector>
-HWY_INLINE hn::Vec<ApartNumbers> lane_numbers(const std::int16_t* samples) {
-  return look_up(lane_runs<kVector>(samples), kThreeTables.samples[kVector]);
-}
-
-// Which bytes from the beginning of each lane a vector's results are made of.
-template <int kVector, class P>
-HWY_INLINE void place_three(PixelVector<P>& pixels) {
-  const ApartNumbers d;
-  const auto runs = lane_runs<kVector>(pixels.bytes);
-  const auto neighbours = hn::Load(d, kThreeTables.neighbours[kVector]) +
-                          look_up(runs, kThreeTables.samples[kVector]) -
-                          look_up(runs, kThreeTables.firsts[kVector]);
-  hn::Store(neighbours, d, pixels.neighbours + 16 * kVector);
-}
-
 template <class P>
 HWY_INLINE void place_threes(const Both<P>& at, PixelVector<P>& pixels) {
   const PlaceNumbers<P> d;
   hn::Store(bytes_of<P>(at.x), d, pixels.bytes);
-  place_three<0>(pixels);
-  place_three<1>(pixels);
-  place_three<2>(pixels);
   hn::Store(across_of<P>(at.x), d, pixels.across);
   hn::Store(down_from_middle<P>(at.y), d, pixels.down);
 }
 
+// What is known of the pixels of two runs.
+struct Threes {
+  hn::Vec<ApartBytes> bytes;
+  hn::Vec<ApartBytes> across;
+  hn::Vec<ApartBytes> down;
+};
+HWY_INLINE hn::Vec<ApartNumbers> look_up(hn::Vec<ApartBytes> runs, const std::uint8_t* which) {
+  return hn::BitCast(ApartNumbers(), hn::TableLookupBytes(runs, hn::Load(ApartBytes(), which)));
+}
+
+// Which bytes from the beginning of each lane a vector's results are made of.
+template <int kVector>
+HWY_INLINE hn::Vec<ApartBytes> neighbours_of(const Threes& pixels) {
+  auto neighbours = hn::Load(ApartNumbers(), kThreeTables.neighbours[kVector]) +
+                    look_up(pixels.bytes, kThreeTables.samples[kVector]);
+  if constexpr (kVector > 0) {
+    neighbours = neighbours - look_up(pixels.bytes, kThreeTables.firsts[kVector]);
+  }
+  return hn::BitCast(ApartBytes(), neighbours);
+}
+
 // A vector of results, from where each of its lanes begins in the first row.
-template <int kVector, class P>
+template <int kVector>
 HWY_INLINE hn::Vec<ApartNumbers> blend_three(const ApartRow& row, const std::uint8_t* lower,
-                                             const std::uint8_t* upper,
-                                             const PixelVector<P>& pixels) {
+                                             const std::uint8_t* upper, const Threes& pixels) {
   const ApartBytes bytes;
   const ApartNumbers d;
   const hn::FixedTag<std::uint8_t, 16> lane;
-  const auto which = hn::BitCast(bytes, hn::Load(d, pixels.neighbours + 16 * kVector));
+  const std::uint8_t* samples = kThreeTables.samples[kVector];
+  const auto which = neighbours_of<kVector>(pixels);
+  // Lanes that are loaded to both halves leave the port of the shuffles alone, one that is inserted
+  // takes an instruction less; some of each is the quickest.
   const auto load = [&](std::ptrdiff_t at) HWY_ATTR {
-    return hn::Combine(bytes, hn::LoadU(lane, upper + at), hn::LoadU(lane, lower + at));
+    return hn::ConcatUpperLower(bytes, hn::LoadDup128(bytes, upper + at),
+                                hn::LoadDup128(bytes, lower + at));
   };
   const auto above = hn::TableLookupBytes(load(0), which);
-  const auto middle = hn::TableLookupBytes(load(row.stride), which);
   const auto below = hn::TableLookupBytes(load(2 * row.stride), which);
-  const auto down = lane_numbers<kVector>(pixels.down);
+  const auto middle = hn::TableLookupBytes(
+      hn::Combine(bytes, hn::LoadU(lane, upper + row.stride), hn::LoadU(lane, lower + row.stride)),
+      which);
+  const auto down = look_up(pixels.down, samples);
   const auto is_above = hn::MaskFromVec(hn::BroadcastSignBit(down));
   const auto outer = hn::IfThenElse(is_above, hn::BitCast(d, above), hn::BitCast(d, below));
-  return blend_rows(row, middle, hn::BitCast(bytes, outer), lane_numbers<kVector>(pixels.across),
+  return blend_rows(row, middle, hn::BitCast(bytes, outer), look_up(pixels.across, samples),
                     hn::Abs(down));
+}
+
+// The `kVector`th of three vectors of two runs, which begin at `run` and `next`.
+template <int kVector, class P>
+HWY_INLINE hn::Vec<ApartNumbers> blend_part(const ApartRow& row, const std::uint8_t* run,
+                                            const std::uint8_t* next, const Threes& both,
+                                            const PixelVector<P>& pixels) {
+  if constexpr (kVector == 0) return blend_three<0>(row, run, next, both);
+  const auto* columns = reinterpret_cast<const std::uint8_t*>(pixels.bytes);
+  const auto lane_at = [&](const std::uint8_t* from, int pixel)
+                           HWY_ATTR { return from + columns[2 * pixel] - (kFirstOfThree & 0xFF); };
+  constexpr int kFirst = first_of_three(kVector);
+  return blend_three<kVector>(row, lane_at(run, kFirst), lane_at(next, P::kRun + kFirst), both);
 }
 
 // Two runs.
@@ -289,22 +299,24 @@ HWY_INLINE void blend_threes(const ApartRow& row, const std::int32_t* offsets,
                              const PixelVector<P>& pixels, std::uint8_t* out) {
   const ApartBytes bytes;
   const hn::FixedTag<std::uint8_t, 16> lane;
-  // What bytes_of() has for the first column.
-  constexpr int kFirstColumn = (0x0FFF * 0x3030 >> 16) & 0xFF;
-  const auto* columns = reinterpret_cast<const std::uint8_t*>(pixels.bytes);
   const std::uint8_t* run = row.source + offsets[0];
   const std::uint8_t* next = row.source + offsets[1];
   fetch_ahead(run + kApartAhead * row.stride + 32);
   fetch_ahead(next + kApartAhead * row.stride + 32);
-  const auto lane_at = [&](const std::uint8_t* from, int pixel)
-                           HWY_ATTR { return from + columns[2 * pixel] - kFirstColumn; };
-  const auto a = blend_three<0>(row, lane_at(run, 0), lane_at(run, 5), pixels);
-  const auto b = blend_three<1>(row, lane_at(run, 2), lane_at(next, 8), pixels);
-  hn::StoreU(pack_lanes(bytes, a, b), bytes, out);
-  const auto c = blend_three<2>(row, lane_at(next, 10), lane_at(next, 13), pixels);
-  const auto last = pack_lanes(bytes, c, c);
-  const hn::Vec<ApartBytes> in_turn{_mm256_permute4x64_epi64(last.raw, 8)};
-  hn::StoreU(hn::LowerHalf(in_turn), lane, out + 32);
+  const auto numbers = [&](const std::int16_t* of) HWY_ATTR {
+    return hn::Load(bytes, reinterpret_cast<const std::uint8_t*>(of));
+  };
+  const Threes both = {numbers(pixels.bytes), numbers(pixels.across), numbers(pixels.down)};
+  const auto first = blend_part<0>(row, run, next, both, pixels);
+  const auto amid = blend_part<1>(row, run, next, both, pixels);
+  const auto last = blend_part<2>(row, run, next, both, pixels);
+  // What is before a run's last eight bytes is written over.
+  const auto ends = pack_lanes(bytes, last, last);
+  hn::StoreU(hn::LowerHalf(ends), lane, out + 8);
+  hn::StoreU(hn::UpperHalf(lane, ends), lane, out + 32);
+  const auto begins = pack_lanes(bytes, first, amid);
+  hn::StoreU(hn::LowerHalf(begins), lane, out);
+  hn::StoreU(hn::UpperHalf(lane, begins), lane, out + 24);
 }
 
 // A vector of pixels.
