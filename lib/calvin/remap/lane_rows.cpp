@@ -261,8 +261,11 @@ HWY_INLINE void describe_steady_at(int j, const SteadyRow& steady, const Band& b
 
 // A row whose runs are all steady, and read as many rows.
 template <class P, bool kThree>
-void describe_alike(const SteadyRow& steady, const Band& band, RunRow& row) {
-  for (int j = 0; j < row.count; j += static_cast<int>(hn::MaxLanes(Ints()))) {
+void describe_alike(float way, std::int32_t stride, const Band& band, RunRow& row) {
+  // What is written may be anything for all that the compiler knows.
+  const int count = row.count;
+  const SteadyRow steady(way, stride);
+  for (int j = 0; j < count; j += static_cast<int>(hn::MaxLanes(Ints()))) {
     describe_steady_at<P, kThree>(j, steady, band, row);
   }
 }
@@ -271,13 +274,13 @@ template <class P, bool kThird>
 SlowBlocks describe_all(const SourceBounds& bounds, const RowNodes* between, const Band& band,
                         float way, RunRow& row) {
   constexpr int kVector = static_cast<int>(hn::MaxLanes(Ints()));
-  const SteadyRow steady(way, bounds.stride);
   if (band.marks != 0) {
     const bool three = !P::kApart && band.marks == kSteadyThree;
-    three ? describe_alike<P, true>(steady, band, row)
-          : describe_alike<P, false>(steady, band, row);
+    three ? describe_alike<P, true>(way, bounds.stride, band, row)
+          : describe_alike<P, false>(way, bounds.stride, band, row);
     return 0;
   }
+  const SteadyRow steady(way, bounds.stride);
   SlowBlocks slow = 0;
   for (int j = 0; j < row.count; j += kVector) {
     const Band::Kind kind = P::kRun == 8 ? band.kind[j] : Band::Kind::kMixed;
