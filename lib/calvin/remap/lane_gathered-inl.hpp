@@ -26,6 +26,7 @@ using Unsigned = hn::RebindToUnsigned<Ints>;
 // What the pixels are fetched from.
 struct Picture {
   const std::uint8_t* source;
+  const std::uint8_t* second_row;  // nothing that compilers add to each offset
   std::int32_t stride;
   hn::Vec<Unsigned> last_offset;  // behind which something may be read that is not the plane's
   Blender<Bytes> blender;
@@ -33,9 +34,22 @@ struct Picture {
 };
 
 // 32 bits of each, from its offset on.
-HWY_INLINE Pairs gather(const std::uint8_t* from, hn::Vec<Ints> offsets) {
-  return hn::BitCast(
-      Bytes(), hn::GatherOffset(Ints(), reinterpret_cast<const std::int32_t*>(from), offsets));
+HWY_INLINE Pairs gather(const std::uint8_t* from, const std::int32_t* offsets) {
+  return hn::BitCast(Bytes(), load_each(Ints(), from, offsets));
+}
+
+// 32 bits of each from its offset on, and 32 from `kStep` bytes behind that on.
+template <int kStep>
+HWY_INLINE std::array<Pairs, 2> gather_two(const std::uint8_t* from, const std::int32_t* offsets) {
+  const hn::RepartitionToWide<Unsigned> d;
+  const auto even = load_each<2>(d, from, offsets);
+  const auto odd = load_each<2>(d, from, offsets + 1);
+  const auto in_turn = [&](auto of_odd, auto of_even) HWY_ATTR {
+    return hn::BitCast(
+        Bytes(), hn::OddEven(hn::BitCast(Unsigned(), of_odd), hn::BitCast(Unsigned(), of_even)));
+  };
+  return {in_turn(hn::ShiftLeft<32>(odd), even),
+          in_turn(hn::ShiftLeft<32 - 8 * kStep>(odd), hn::ShiftRight<8 * kStep>(even))};
 }
 
 // Bytes at even places from the one, and at odd ones from the other.
@@ -62,10 +76,10 @@ template <int kComponents, int kSpacing>
 struct GatheredBytes {
   static constexpr int kStep = kComponents * kSpacing;
   static constexpr bool kSpread = kSpacing > 1;
-  // Whether 32 bits hold a pixel and its neighbour; else there are two times 32.
+  // Whether 32 bits hold a pixel and its neighbour; else 64 do.
   static constexpr bool kNarrow = kStep <= 2;
   // Bytes that are fetched for a pixel, and those that it has.
-  static constexpr int kFetch = kNarrow ? 4 : kStep + 4;
+  static constexpr int kFetch = kNarrow ? 4 : 8;
   static constexpr int kOwn = (kComponents - 1) * kSpacing + 1;
   // Two components fit into a 32-bit number as pairs of neighbours: 0 and 1 of two, 0 and 2, 1 and
   // 3 of more.
@@ -74,18 +88,17 @@ struct GatheredBytes {
 
   // A row of pixels that are `across` from `at` to their neighbours.
   static HWY_INLINE Components row(const Picture& picture, const std::uint8_t* from,
-                                   hn::Vec<Ints> at, Numbers across) {
+                                   const std::int32_t* at, Numbers across) {
     alignas(16) static constexpr std::uint8_t kTurned[16] = {0, 2,  1, 3,  4,  6,  5,  7,
                                                              8, 10, 9, 11, 12, 14, 13, 15};
     const Blender<Bytes>& blender = picture.blender;
-    const Pairs first = gather(from, at);
     if constexpr (kStep == 1) {
-      return {blender.across(first, across)};
+      return {blender.across(gather(from, at), across)};
     } else if constexpr (kNarrow) {
-      const auto turned = hn::TableLookupBytes(first, hn::LoadDup128(Bytes(), kTurned));
+      const auto turned = hn::TableLookupBytes(gather(from, at), hn::LoadDup128(Bytes(), kTurned));
       return {blender.across(turned, across)};
     } else {
-      const Pairs second = gather(from + kStep, at);
+      const auto [first, second] = gather_two<kStep>(from, at);
       const Numbers even = blender.across(even_and_odd(first, up(second)), across);
       if constexpr (kVectors == 1)
         return {even};
@@ -107,13 +120,13 @@ struct GatheredBytes {
     }
   }
 
-  static HWY_INLINE hn::Vec<Ints> pixels(const Picture& picture, hn::Vec<Ints> at,
+  static HWY_INLINE hn::Vec<Ints> pixels(const Picture& picture, const std::int32_t* at,
                                          hn::Vec<Floats> right, hn::Vec<Floats> below) {
     const Floats d;
     const Numbers across = weight_of(hn::MulSub(right, hn::Set(d, 65536), hn::Set(d, 32768)));
     const Numbers weight = weight_of(below * hn::Set(d, 32768));
     const Components upper = row(picture, picture.source, at, across);
-    const Components lower = row(picture, picture.source + picture.stride, at, across);
+    const Components lower = row(picture, picture.second_row, at, across);
     Components values;
     for (std::size_t v = 0; v < values.size(); ++v) {
       values[v] = picture.blender.rounded(Blender<Bytes>::between(upper[v], lower[v], weight));
@@ -137,24 +150,24 @@ struct GatheredWords {
   }
 
   static HWY_INLINE Components row(const Picture& picture, const std::uint8_t* from,
-                                   hn::Vec<Ints> at, Values across) {
+                                   const std::int32_t* at, Values across) {
     const auto value = [&](Pairs memory, int bit) HWY_ATTR {
       return value_at<true>(hn::BitCast(Unsigned(), memory), picture.format, bit);
     };
-    const Pairs first = gather(from, at);
     if constexpr (kComponents == 1) {
-      return {between(value(first, 0), value(first, 16), across)};
+      const Pairs both = gather(from, at);
+      return {between(value(both, 0), value(both, 16), across)};
     } else {
-      const Pairs second = gather(from + kStep, at);
+      const auto [first, second] = gather_two<kStep>(from, at);
       return {between(value(first, 0), value(second, 0), across),
               between(value(first, 16), value(second, 16), across)};
     }
   }
 
-  static HWY_INLINE hn::Vec<Ints> pixels(const Picture& picture, hn::Vec<Ints> at, Values right,
-                                         Values below) {
+  static HWY_INLINE hn::Vec<Ints> pixels(const Picture& picture, const std::int32_t* at,
+                                         Values right, Values below) {
     const Components upper = row(picture, picture.source, at, right);
-    const Components lower = row(picture, picture.source + picture.stride, at, right);
+    const Components lower = row(picture, picture.second_row, at, right);
     const auto word = [&](std::size_t c) HWY_ATTR {
       const auto value = small_ints(between(upper[c], lower[c], below));
       return hn::ShiftLeftSame(hn::BitCast(Unsigned(), value), picture.format.shift);

@@ -173,24 +173,40 @@ HWY_INLINE hn::Vec<Unsigned> offset_of(const Picture& picture, const Places& x, 
          x.whole * hn::Set(d, M::kStep);
 }
 
+// What is known of the pixels of a block, the first ones of all runs first. To know it of all of
+// them before the first one is fetched keeps the memory busy.
+struct BlockPixels {
+  static constexpr int kCount = kPixels * kRuns;
+  alignas(64) std::int32_t offset[kCount];
+  alignas(64) float right[kCount];  // weights of the neighbours
+  alignas(64) float below[kCount];
+  alignas(64) std::uint32_t shown[kCount];  // whether the source shows something there: all bits
+};
+
+HWY_INLINE void store_places(hn::Vec<Unsigned> offset, const Places& x, const Places& y, int first,
+                             BlockPixels& pixels) {
+  hn::Store(hn::BitCast(Ints(), offset), Ints(), pixels.offset + first);
+  hn::Store(x.rest, Floats(), pixels.right + first);
+  hn::Store(y.rest, Floats(), pixels.below + first);
+}
+
 // Pixels in runs that are inside of the source.
 template <class M>
-HWY_INLINE hn::Vec<Ints> pixels_inside(const Picture& picture, const GatherTask& task,
-                                       hn::Vec<Floats> x_at, hn::Vec<Floats> y_at,
-                                       const Block& block) {
+HWY_INLINE void place_inside(const Picture& picture, const GatherTask& task, hn::Vec<Floats> x_at,
+                             hn::Vec<Floats> y_at, const Block& block, int first,
+                             BlockPixels& pixels) {
   const Places x = places_of(block.x, x_at, hn::Floor(x_at), task.nearest);
   const Places y = places_of(block.y, y_at, hn::Floor(y_at), task.nearest);
-  const auto offset = hn::BitCast(Ints(), offset_of<M>(picture, x, y));
-  return M::pixels(picture, offset, x.rest, y.rest);
+  store_places(offset_of<M>(picture, x, y), x, y, first, pixels);
 }
 
 // Any pixels.
 template <class M>
-HWY_INLINE hn::Vec<Ints> pixels_at(const Picture& picture, const GatherTask& task,
-                                   hn::Vec<Floats> x_at, hn::Vec<Floats> y_at, Block& block) {
+HWY_INLINE void place_any(const Picture& picture, const GatherTask& task, hn::Vec<Floats> x_at,
+                          hn::Vec<Floats> y_at, Block& block, int first, BlockPixels& pixels) {
   const Floats d;
-  const auto note = [&](hn::Mask<Floats> pixels) HWY_ATTR {
-    block.unclear = hn::Or(block.unclear, hn::RebindMask(Unsigned(), pixels));
+  const auto note = [&](hn::Mask<Floats> noted) HWY_ATTR {
+    block.unclear = hn::Or(block.unclear, hn::RebindMask(Unsigned(), noted));
   };
   const auto held = [&](const Curves& curves, hn::Vec<Floats> at, bool uneven) HWY_ATTR {
     const auto place = hn::Min(hn::Max(at, curves.first), curves.last);
@@ -203,38 +219,58 @@ HWY_INLINE hn::Vec<Ints> pixels_at(const Picture& picture, const GatherTask& tas
   const auto offset = offset_of<M>(picture, x, y);
   const auto read = hn::Min(offset, picture.last_offset);
   block.unclear = hn::Or(block.unclear, hn::Ne(offset, read));
-  const auto pixels = M::pixels(picture, hn::BitCast(Ints(), read), x.rest, y.rest);
+  store_places(read, x, y, first, pixels);
   const auto within = [&](const Curves& curves, hn::Vec<Floats> at) HWY_ATTR {
     return hn::And(hn::Ge(at, curves.low), hn::Le(at, curves.high));
   };
   const auto inside = hn::And(within(block.x, x_at), within(block.y, y_at));
   if (task.mirrors) note(hn::Not(inside));
-  if (!task.fills) return pixels;
-  return hn::IfThenElse(hn::RebindMask(Ints(), inside), pixels,
-                        hn::BitCast(Ints(), hn::Set(Unsigned(), task.fill)));
+  hn::Store(hn::VecFromMask(Unsigned(), hn::RebindMask(Unsigned(), inside)), Unsigned(),
+            pixels.shown + first);
+}
+
+template <class M>
+HWY_INLINE void place_block(const Picture& picture, const GatherTask& task, Block& block,
+                            BlockPixels& pixels) {
+  const Floats d;
+  for (int i = 0; i < kPixels; ++i) {
+    const auto t = hn::Set(d, static_cast<float>(2 * i - reach(kPixels)) / 2);
+    const auto at = [&](const Curves& curves) HWY_ATTR {
+      return hn::MulAdd(t, hn::MulAdd(t, curves.bend, curves.slope), curves.rest);
+    };
+    if (block.inside) {
+      place_inside<M>(picture, task, at(block.x), at(block.y), block, i * kRuns, pixels);
+    } else {
+      place_any<M>(picture, task, at(block.x), at(block.y), block, i * kRuns, pixels);
+    }
+  }
 }
 
 // All pixels of a block; what the next one reads is fetched meanwhile.
 template <class M>
 HWY_INLINE void blend_block(const Picture& picture, const GatherTask& task, Block& block,
                             const Block& next, std::int32_t* to) {
-  const Floats d;
-  alignas(64) std::int32_t pixels[kPixels * kRuns];
+  BlockPixels pixels;
+  place_block<M>(picture, task, block, pixels);
+  const bool fills = task.fills && !block.inside;
+  const auto fill = hn::Set(Unsigned(), task.fill);
+  alignas(64) std::int32_t made[BlockPixels::kCount];
   for (int i = 0; i < kPixels; ++i) {
-    for (int r = i * kRuns / kPixels; r < (i + 1) * kRuns / kPixels; ++r) {
+    const int first = i * kRuns;
+    for (int r = first / kPixels; r < (first + kRuns) / kPixels; ++r) {
       hwy::Prefetch(picture.source + next.middles[r]);
-      hwy::Prefetch(picture.source + picture.stride + next.middles[r]);
+      hwy::Prefetch(picture.second_row + next.middles[r]);
     }
-    const auto t = hn::Set(d, static_cast<float>(2 * i - reach(kPixels)) / 2);
-    const auto at = [&](const Curves& curves) HWY_ATTR {
-      return hn::MulAdd(t, hn::MulAdd(t, curves.bend, curves.slope), curves.rest);
-    };
-    const auto made = block.inside
-                          ? pixels_inside<M>(picture, task, at(block.x), at(block.y), block)
-                          : pixels_at<M>(picture, task, at(block.x), at(block.y), block);
-    hn::Store(made, Ints(), pixels + i * kRuns);
+    auto here = hn::BitCast(Unsigned(), M::pixels(picture, pixels.offset + first,
+                                                  hn::Load(Floats(), pixels.right + first),
+                                                  hn::Load(Floats(), pixels.below + first)));
+    if (fills) {
+      const auto shown = hn::Load(Unsigned(), pixels.shown + first);
+      here = hn::Or(hn::And(shown, here), hn::AndNot(shown, fill));
+    }
+    hn::Store(hn::BitCast(Ints(), here), Ints(), made + first);
   }
-  turn_block<M>(pixels, to);
+  turn_block<M>(made, to);
 }
 
 // The first `count` of a block's runs to where they belong.
@@ -268,7 +304,13 @@ bool gather_runs_of(const GatherTask& task, const std::int32_t* runs, int count,
   std::fill_n(left, count, last < 0);
   if (last < 0 || count == 0) return last < 0;
   const Picture picture = {
-      source, task.stride, hn::Set(Unsigned(), static_cast<std::uint32_t>(last)), {}, task.format};
+      .source = source,
+      .second_row = source + task.stride,
+      .stride = task.stride,
+      .last_offset = hn::Set(Unsigned(), static_cast<std::uint32_t>(last)),
+      .blender = {},
+      .format = task.format,
+  };
   bool any = false;
   alignas(64) std::int32_t words[kPixels * kRuns];
   std::array<Block, 2> blocks;

@@ -101,15 +101,16 @@ HWY_INLINE void blend_part(const WideFormat& format, const RunPlaces& x, const R
   constexpr int kBefore = kTaps / 2 - 1;
   auto offsets = (y.whole - hn::Set(ints, kBefore)) * hn::Set(ints, stride) +
                  (x.whole - hn::Set(ints, kBefore)) * hn::Set(ints, format.pixel_step);
+  alignas(64) std::int32_t at[hn::MaxLanes(d)];
   std::array<Values, kComponents> sums;
   sums.fill(hn::Zero(d));
   for (std::size_t r = 0; r < kTaps; ++r) {
+    hn::Store(offsets, ints, at);
     std::array<Values, kComponents> row;
     row.fill(hn::Zero(d));
     for (std::size_t k = 0; k < kTaps; ++k) {
       const auto step = static_cast<std::ptrdiff_t>(k) * format.pixel_step;
-      const auto pixels =
-          hn::GatherOffset(words, reinterpret_cast<const std::uint32_t*>(source + step), offsets);
+      const auto pixels = load_each(words, source + step, at);
       for (std::size_t c = 0; c < kComponents; ++c) {
         const int bit = static_cast<int>(c) * format.component_bits;
         row[c] = hn::MulAdd(value_at<kWords>(pixels, format.word, bit), across[k], row[c]);
