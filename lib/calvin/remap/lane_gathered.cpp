@@ -134,13 +134,33 @@ HWY_INLINE Places places_of(const Curves& curves, hn::Vec<Floats> at, hn::Vec<Fl
 // As many runs as a vector has, and what is known of them.
 struct Block {
   alignas(64) std::int32_t runs[kRuns];
-  alignas(64) std::int32_t middles[kRuns];  // bytes to them, for those that wait to be made
+  alignas(64) std::int32_t ahead[2 * kRuns];  // bytes to some pixels of those that wait to be made
   Curves x;
   Curves y;
   bool in_turn;                // one after the other
   bool inside;                 // all of them
   hn::Mask<Unsigned> unclear;  // what is to be seen of runs is not for us to say
 };
+
+// Pixels of a run that are fetched before it is made.
+template <class M>
+constexpr int kAhead = M::kStep > 2 ? 2 : 1;
+
+// Amid each run, or amid its halves.
+template <class M>
+HWY_INLINE void look_ahead(const Picture& picture, const GatherTask& task, Block& block) {
+  const Ints d;
+  for (int i = 0; i < kAhead<M>; ++i) {
+    const auto t = hn::Set(Floats(), kAhead<M> == 1 ? 0.0F : static_cast<float>(4 * i - 2));
+    const auto whole = [&](const Curves& c) HWY_ATTR {
+      return c.base + small_ints(hn::MulAdd(t, hn::MulAdd(t, c.bend, c.slope), c.rest));
+    };
+    const auto offset =
+        whole(block.y) * hn::Set(d, task.stride) + whole(block.x) * hn::Set(d, M::kStep);
+    const auto held = hn::Min(hn::BitCast(Unsigned(), offset), picture.last_offset);
+    hn::Store(hn::BitCast(d, held), d, block.ahead + i * kRuns);
+  }
+}
 
 // The next of `count` runs.
 template <class M>
@@ -161,9 +181,7 @@ HWY_INLINE void prepare(const Picture& picture, const GatherTask& task, const st
   block.unclear = hn::Or(too_far(x), too_far(y));
   // In the last rows something may be read that is not the plane's.
   block.inside = are_inside(block.x, 1) && are_inside(block.y, 2);
-  const auto offset = block.y.base * hn::Set(d, task.stride) + block.x.base * hn::Set(d, M::kStep);
-  const auto held = hn::Min(hn::BitCast(Unsigned(), offset), picture.last_offset);
-  hn::Store(hn::BitCast(d, held), d, block.middles);
+  look_ahead<M>(picture, task, block);
 }
 
 template <class M>
@@ -257,9 +275,10 @@ HWY_INLINE void blend_block(const Picture& picture, const GatherTask& task, Bloc
   alignas(64) std::int32_t made[BlockPixels::kCount];
   for (int i = 0; i < kPixels; ++i) {
     const int first = i * kRuns;
-    for (int r = first / kPixels; r < (first + kRuns) / kPixels; ++r) {
-      hwy::Prefetch(picture.source + next.middles[r]);
-      hwy::Prefetch(picture.second_row + next.middles[r]);
+    constexpr int kAll = kAhead<M> * kRuns;
+    for (int a = i * kAll / kPixels; a < (i + 1) * kAll / kPixels; ++a) {
+      hwy::Prefetch(picture.source + next.ahead[a]);
+      hwy::Prefetch(picture.second_row + next.ahead[a]);
     }
     auto here = hn::BitCast(Unsigned(), M::pixels(picture, pixels.offset + first,
                                                   hn::Load(Floats(), pixels.right + first),
