@@ -67,7 +67,7 @@ inline calvin::SE3 random_pose(const calvin::Camera& camera, const calvin::Board
     if (!ray) continue;
     const Eigen::Matrix3d turn = calvin::rotation_between(Eigen::Vector3d::UnitZ(), *ray) *
                                  calvin::exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0});
-    const calvin::SE3 pose = {turn, *ray * distance - turn * centre};
+    calvin::SE3 pose = {turn, *ray * distance - turn * centre};
     const bool inside = std::all_of(points.begin(), points.end(), [&](const Eigen::Vector3d& p) {
       const auto at = camera.project(pose * p);
       return at && at->u >= 0 && at->v >= 0 && at->u <= kSize.width - 1 &&

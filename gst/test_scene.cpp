@@ -93,8 +93,9 @@ bool TestScene::rolls(const TestFrame& frame) const {
 
 SE3 TestScene::pose(const TestFrame& frame, double v) const {
   if (source_.motion == MotionKind::kRandom) {
-    const auto holds = static_cast<double>(frame.time / kHold);
-    return motion_.camera_from_board(frame.hold ? holds : static_cast<double>(frame.number));
+    const auto holds = frame.time / kHold;
+    return motion_.camera_from_board(frame.hold ? static_cast<double>(holds)
+                                                : static_cast<double>(frame.number));
   }
   const double rows = std::max(camera_.image_size().height - 1, 1);
   const double later = static_cast<double>(frame.readout) * v / rows;

@@ -81,7 +81,7 @@ SE3 pose_of(const SceneClass& kind, const Camera& camera, const Board& board, Un
         calvin::rotation_between(Eigen::Vector3d::UnitZ(), *ray) *
         calvin::exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0}) *
         calvin::exp_so3({0, 0, random(0, 2 * kPi)});
-    const SE3 pose = {rotation, *ray * distance - rotation * middle};
+    SE3 pose = {rotation, *ray * distance - rotation * middle};
     const auto truth = calvin::true_observation(camera, board, pose);
     if (truth.ids.size() < 12 || least_square(truth, board) < 8) continue;
     const double seen = static_cast<double>(truth.ids.size()) / board.point_count();
@@ -305,7 +305,7 @@ cv::Mat make_negative(ImageSize size, std::uint64_t seed) {
         calvin::parse_board(fmt::format("checkerboard:{}:25mm", kOthers[seed / 6 % 8])).value();
     const SceneClass scene{.name = "", .tilt = 0.6, .clutter = true};
     const Camera camera = camera_of(scene, size, random);
-    const SE3 pose = pose_of(scene, camera, board, random);
+    SE3 pose = pose_of(scene, camera, board, random);
     image = rendered(
         scene, camera, board, [&](double /*v*/) { return pose; }, random);
     image.convertTo(image, CV_8U);

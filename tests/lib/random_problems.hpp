@@ -73,7 +73,7 @@ inline bool has_a_border(const Camera& camera) {
 inline Camera strongly_distorted(Random& random) {
   for (;;) {
     const double fx = kSize.width * uniform(random, 0.5, 0.75);
-    const Camera camera =
+    Camera camera =
         Camera::make(
             "brown5", kSize,
             {fx, fx * uniform(random, 0.997, 1.003), kSize.width * uniform(random, .48, .52),

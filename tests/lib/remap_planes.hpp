@@ -154,6 +154,7 @@ inline Comparison compare(const Lens& lens, ImageSize frame, const PlaceFunction
   const int width = static_cast<int>(xs.size());
   const int height = static_cast<int>(ys.size());
   const double fold = reference::fold(lens);
+  const int left_half = frame.width / 2;
   std::vector<bool> ours(output.bytes.size());
   Comparison result;
   for (int j = 0; j < height; ++j) {
@@ -188,7 +189,7 @@ inline Comparison compare(const Lens& lens, ImageSize frame, const PlaceFunction
         const double difference = std::abs(got - exact) * 255 / named.max;
         result.sum += difference;
         result.worst = std::max(result.worst, difference);
-        if (at.u < frame.width / 2 - 8) result.smooth = std::max(result.smooth, difference);
+        if (at.u < left_half - 8) result.smooth = std::max(result.smooth, difference);
       }
     }
   }

@@ -145,7 +145,7 @@ TYPED_TEST(CameraModel, TurningFollowsThePicture) {
         EXPECT_EQ(result.error().code, ErrorCode::kUnsupported);
         continue;
       }
-      const Camera turned = result.value();
+      const Camera& turned = result.value();
       EXPECT_EQ(turned.image_size(), o.transpose ? (ImageSize{480, 640}) : (ImageSize{640, 480}));
       const Eigen::Vector3d point(0.2, -0.15, 1);
       const Pixel at = camera->project(point).value();

@@ -95,8 +95,9 @@ TEST(WideView, IsFilledByABoard) {
   const auto detector = make_detector(board).value();
   int whole = 0;
   for (int n = 0; n < 12; ++n) {
+    const int place = n / 4;
     const SE3 pose = {exp_so3({0.35 + 0.01 * (n % 4), 0.05, -0.01}),
-                      {-0.133 + 0.003 * (n / 4), -0.05, 0.0586}};
+                      {-0.133 + 0.003 * place, -0.05, 0.0586}};
     const Observation truth = true_observation(camera, board, pose);
     ASSERT_EQ(static_cast<int>(truth.ids.size()), board.point_count()) << n;
     RenderOptions options{.noise = 1, .blur = 0.7, .seed = static_cast<std::uint64_t>(n)};

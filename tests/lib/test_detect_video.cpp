@@ -85,12 +85,13 @@ TEST_F(Videos, GiveALostBoardBackInTheNextFrame) {
   for (int n = 0; n < 40; ++n) {
     // Away for two frames in seven, and elsewhere when it comes back.
     const bool away = n % 7 >= 5;
-    const GrayImage image = away ? GrayImage(1280, 720, 128) : frame(n, n / 7 * 3.7 + n / 30.0);
+    const int visit = n / 7;
+    const GrayImage image = away ? GrayImage(1280, 720, 128) : frame(n, visit * 3.7 + n / 30.0);
     const auto seen = follower->follow(image.view(), now += kFrame).observation;
     EXPECT_EQ(seen.found(), !away) << n;
     if (away || !seen.found()) continue;
     const Observation truth =
-        true_observation(camera_, kBoard, motion_.camera_from_board(n / 7 * 3.7 + n / 30.0));
+        true_observation(camera_, kBoard, motion_.camera_from_board(visit * 3.7 + n / 30.0));
     ASSERT_EQ(seen.ids, truth.ids) << n;
     for (std::size_t i = 0; i < seen.uv.size(); ++i) {
       EXPECT_LT(std::hypot(seen.uv[i].u - truth.uv[i].u, seen.uv[i].v - truth.uv[i].v), 0.1);

@@ -43,7 +43,7 @@ double normalised_pose_error(const Camera& camera, const View& view, const SE3& 
   constexpr double kStep = 1e-6;
   double squares = 0;
   for (const int id : view.observation.ids) {
-    const Eigen::Vector3d point = board[static_cast<std::size_t>(id)];
+    const Eigen::Vector3d& point = board[static_cast<std::size_t>(id)];
     const auto moved = [&](double factor) {
       const SE3 by = {exp_so3(factor * d.head<3>()), factor * d.tail<3>()};
       return camera.project(by * (truth * point)).value();

@@ -11,8 +11,11 @@ namespace calvin::detect {
 namespace {
 
 int pixel(const ImageView& image, float x, float y) {
-  const int u = std::clamp(static_cast<int>(x + 0.5F), 0, image.width - 1);
-  const int v = std::clamp(static_cast<int>(y + 0.5F), 0, image.height - 1);
+  // What is before the picture is held at its border, be it cut off upwards or down.
+  const float up_x = x + 0.5F;
+  const float up_y = y + 0.5F;
+  const int u = std::clamp(static_cast<int>(up_x), 0, image.width - 1);
+  const int v = std::clamp(static_cast<int>(up_y), 0, image.height - 1);
   return image.at(u, v);
 }
 
@@ -38,7 +41,8 @@ bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std
   const int samples = std::max(3, static_cast<int>(length / kEvery));
   int misses = samples / kForgiven;
   for (int i = 0; i < samples; ++i) {
-    const float off = static_cast<float>((i + 1) / 2) / static_cast<float>(samples);
+    const int steps = (i + 1) / 2;
+    const float off = static_cast<float>(steps) / static_cast<float>(samples);
     const float share = 0.5F + kInner * ((i & 1) != 0 ? off : -off);
     const float x = from.x + share * step.x;
     const float y = from.y + share * step.y;

@@ -18,7 +18,8 @@ struct Spot {
   double row;
 
   Spot(double at_col, double at_row) : col(at_col), row(at_row) {}
-  Spot(Cell c) : col(c.col), row(c.row) {}
+  // Every cell is one.
+  Spot(Cell c) : col(c.col), row(c.row) {}  // NOLINT(google-explicit-constructor)
 };
 
 // A polynomial over columns and rows, by least squares.

@@ -145,7 +145,7 @@ class Chunk {
 
   void take_middles(const PlaneMap::Row& limits) noexcept {
     constexpr double kScale = 1 << remap::kPlaceBits;
-    constexpr double kMost = std::numeric_limits<std::int32_t>::max() / 4;
+    constexpr double kMost = std::numeric_limits<std::int32_t>::max() / 4.0;
     for (const PlaneMap::Middle& middle : limits.middles) {
       const int at = middle.run - first_run_ + remap::kMargin;
       if (at < 0 || at >= runs_ + 2 * remap::kMargin) continue;

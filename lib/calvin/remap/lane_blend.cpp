@@ -297,7 +297,11 @@ struct Chooser {
   [[nodiscard]] BlendRuns length() const {
     using Long = Layout<kComponents, kSpacing, 8>;
     using Short = Layout<kComponents, kSpacing, Long::kPixels>;
-    return run == 8 ? layout<Long>() : layout<Short>();
+    if constexpr (std::is_same_v<Long, Short>) {
+      return layout<Long>();
+    } else {
+      return run == 8 ? layout<Long>() : layout<Short>();
+    }
   }
 
   // Pixels of 16-bit samples, of so many bytes.

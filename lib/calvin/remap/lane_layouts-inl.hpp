@@ -11,6 +11,7 @@
 #endif
 
 #include <array>
+#include <bit>
 #include <cstring>
 #include <type_traits>
 
@@ -27,10 +28,10 @@ namespace calvin::remap::HWY_NAMESPACE {
 template <int kComponents, int kSpacing, int kRun, bool kWords = false>
 struct Layout {
   static constexpr bool kOfWords = kWords;
-  static constexpr int kSpread = kSpacing;                           // bytes per sample
-  static constexpr int kStep = kComponents;                          // bytes, once gathered
-  static constexpr int kWidth = kComponents == 3 ? 4 : kComponents;  // results per pixel
-  static constexpr int kPixels = 8 / kWidth;                         // per lane
+  static constexpr int kSpread = kSpacing;                             // bytes per sample
+  static constexpr int kStep = kComponents;                            // bytes, once gathered
+  static constexpr int kWidth = std::bit_ceil(unsigned{kComponents});  // results per pixel
+  static constexpr int kPixels = 8 / kWidth;                           // per lane
   static constexpr int kRunPixels = kRun;
   static constexpr int kSpan = kRun / kPixels;                            // lanes per run
   static constexpr int kWindow = 16 * kSpan * kSpacing;                   // bytes that hold a run

@@ -119,7 +119,7 @@ HWY_INLINE void store_addresses(const Both<P>& at, const std::int32_t* run_offse
   const auto columns = hn::ShiftRight<12>(hn::BitCast(words, at.x));
   const auto rows = hn::ShiftRight<12>(hn::BitCast(words, at.y));
   const auto factors = hn::BitCast(numbers, hn::Set(ints, stride.products));
-  const auto address = [&](auto pairs, const std::uint8_t* base) HWY_ATTR {
+  const auto address = [&](auto pairs, [[maybe_unused]] const std::uint8_t* base) HWY_ATTR {
     auto sum = add_word_products(numbers, hn::BitCast(numbers, pairs), factors);
     if constexpr (P::kRun < 8) {
       const auto* offsets = reinterpret_cast<const std::uint8_t*>(run_offsets);

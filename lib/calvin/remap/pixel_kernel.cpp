@@ -59,12 +59,13 @@ using Weights = std::array<float, kTaps>;
 
 template <int kTaps, typename Kernel>
 std::array<Weights<kTaps>, kSteps + 1> make_table(Kernel kernel) {
+  constexpr int kBefore = kTaps / 2 - 1;
   std::array<Weights<kTaps>, kSteps + 1> table;
   for (std::size_t i = 0; i < table.size(); ++i) {
     std::array<double, kTaps> exact;
     double sum = 0;
     for (int k = 0; k < kTaps; ++k) {
-      sum += exact[k] = kernel(static_cast<double>(i) / kSteps - k + (kTaps / 2 - 1));
+      sum += exact[k] = kernel(static_cast<double>(i) / kSteps - k + kBefore);
     }
     for (int k = 0; k < kTaps; ++k) table[i][k] = static_cast<float>(exact[k] / sum);
   }
@@ -231,8 +232,11 @@ class Sampler {
   }
 
   void bilinear(double x, double y, std::uint8_t* out) const noexcept {
-    const auto fixed_x = static_cast<std::int32_t>(x * kOne + 0.5);
-    const auto fixed_y = static_cast<std::int32_t>(y * kOne + 0.5);
+    // They are not negative: to cut them off is to round them down.
+    const double up_x = x * kOne + 0.5;
+    const double up_y = y * kOne + 0.5;
+    const auto fixed_x = static_cast<std::int32_t>(up_x);
+    const auto fixed_y = static_cast<std::int32_t>(up_y);
     const int fx = fixed_x & (kOne - 1);
     const int fy = fixed_y & (kOne - 1);
     const std::uint8_t* top = at(fixed_x >> kBits, fixed_y >> kBits);

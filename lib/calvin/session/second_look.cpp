@@ -134,9 +134,10 @@ class SecondLook {
     const ImageView patch = patch_view(*seen_.patches, i);
     const double room = std::min({f.x, f.y, patch.width - 1 - f.x, patch.height - 1 - f.y});
     const float width = std::max(f.along_width, f.down_width);
+    const int middle = patch.width / 2;
     const float radius =
         std::min(detect::last_radius(static_cast<float>(local_[i]->spacing()), width),
-                 static_cast<float>(patch.width / 2 - kRoom));
+                 static_cast<float>(middle - kRoom));
     const bool good = room > 1 && fit_saddle(patch, radius, kSteps, f, kSettled);
     const Pixel to = place(i, f);
     if (!good || !(std::hypot(to.u - seen_.uv[i].u, to.v - seen_.uv[i].v) < kFarthest)) {

@@ -24,7 +24,7 @@ std::optional<Eigen::MatrixXd> scaled_solve(const Eigen::MatrixXd& m, const Eige
 }
 
 Eigen::MatrixXd restrict_to(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& lower) {
-  const Eigen::MatrixXd m = lower.selfadjointView<Eigen::Lower>();
+  Eigen::MatrixXd m = lower.selfadjointView<Eigen::Lower>();
   if (basis.rows() == basis.cols() && basis.isIdentity(0)) return m;
   return basis.transpose().lazyProduct(m.lazyProduct(basis).eval());
 }

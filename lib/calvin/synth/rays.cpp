@@ -70,7 +70,7 @@ class Interpolator {
 
   // Where rays are missing around it, as it is.
   Eigen::Vector3d corner(int i, int j) const {
-    const Eigen::Vector3d ray = exact(i, j);
+    Eigen::Vector3d ray = exact(i, j);
     if (ray.isZero()) return ray;
     Eigen::Vector3d bend = Eigen::Vector3d::Zero();
     for (const auto& [u, v] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
