@@ -3,6 +3,7 @@
 # Installs what is missing, builds, and runs every test.
 #   run.sh           every claim at a reduced count
 #   run.sh --full    the counts that docs and issues name
+# CALVIN_WERROR=true makes warnings errors, as .ci/run does.
 # Real pictures are taken from the folder that CALVIN_DATA names, ../shared/data where it is there.
 set -eu
 
@@ -12,7 +13,7 @@ patience=1 # times as long as a test may take
 case "${1:-}" in
   "") ;;
   --full) export CALVIN_FULL=1 patience=60 ;;
-  *) sed -n '3,6s/^# *//p' "$0" >&2; exit 2 ;;
+  *) sed -n '3,7s/^# *//p' "$0" >&2; exit 2 ;;
 esac
 
 "$source/examples/install-packages.sh" build test
@@ -21,7 +22,7 @@ if [ -z "${CALVIN_DATA:-}" ] && [ -d "$source/../shared/data" ]; then
 fi
 export CALVIN_DATA="${CALVIN_DATA:-}"
 
-[ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Ddebug=false
+[ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dwerror="${CALVIN_WERROR:-false}"
 ninja -C "$build"
 
 # A language whose numbers have commas, without touching the system.

@@ -28,6 +28,7 @@ esac
 if [ ! -f "$build/build.ninja" ]; then
   # With b_lundef a sanitized library does not link: its run-time is in the program.
   meson setup "$build" "$source" --buildtype=plain -Doptimization=1 -Dcpp_args="$args" \
+    -Dwerror="${CALVIN_WERROR:-false}" \
     -Db_sanitize=$sanitize -Db_lundef=false -Dexamples=false
 fi
 ninja -C "$build" "$suite-programs"
