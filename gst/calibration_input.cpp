@@ -11,6 +11,7 @@
 
 #include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "frame_planes.hpp"
 #include "values.hpp"
 
 namespace calvin::gst {
@@ -130,6 +131,14 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
     say({ErrorCode::kUnsupported,
          "The video is interlaced, its fields show different moments: insert deinterlace before "
          "this element. Until then the frames pass unchanged."},
+        errors);
+    return;
+  }
+  if (!has_extent(frames_)) {
+    say({ErrorCode::kUnsupported,
+         fmt::format("Frames of {}x{} px are too small to be undistorted and pass unchanged: they "
+                     "need at least two columns and two rows.",
+                     frames_.width, frames_.height)},
         errors);
     return;
   }

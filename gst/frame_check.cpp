@@ -44,6 +44,31 @@ bool components_fit(const GstVideoFrame& frame) {
   return true;
 }
 
+tl::unexpected<Error> beyond_memory() {
+  return make_error(ErrorCode::kMalformed,
+                    fmt::format("The rows of a frame reach beyond its memory. {}", kAdvice));
+}
+
+// Why a frame could not be mapped: there is too little of it, or its memory gives no access.
+tl::unexpected<Error> unmapped(const GstVideoInfo& info, GstBuffer* buffer) {
+  const gsize size = gst_buffer_get_size(buffer);
+  if (size < info.size) {
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("A frame has {} bytes, but {} of {}x{} px needs {}. {}", size,
+                                  GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
+                                  GST_VIDEO_INFO_HEIGHT(&info), info.size, kAdvice));
+  }
+  GstMapInfo map;
+  if (gst_buffer_map(buffer, &map, GST_MAP_READ)) {
+    gst_buffer_unmap(buffer, &map);
+    return beyond_memory();
+  }
+  return make_error(ErrorCode::kUnsupported,
+                    "The memory of a frame cannot be read: the system gives no access to it, or "
+                    "somebody is writing to it. Have the element upstream send frames in system "
+                    "memory, v4l2src for example with io-mode=mmap.");
+}
+
 }  // namespace
 
 Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
@@ -59,19 +84,19 @@ Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
                     GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
                     GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
   }
-  GstVideoFrame frame;
-  if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ)) {
+  if (meta != nullptr && meta->n_planes != GST_VIDEO_INFO_N_PLANES(&info)) {
     return make_error(
         ErrorCode::kMalformed,
-        fmt::format("A frame has {} bytes, but {} of {}x{} px needs {}. {}",
-                    gst_buffer_get_size(buffer), GST_VIDEO_INFO_NAME(&info),
-                    GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), info.size, kAdvice));
+        fmt::format("The GstVideoMeta of a frame tells of {} planes, but {} has {}. {}",
+                    meta->n_planes, GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_N_PLANES(&info),
+                    kAdvice));
   }
+  GstVideoFrame frame;
+  if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ)) return unmapped(info, buffer);
   const bool fits = components_fit(frame);
   gst_video_frame_unmap(&frame);
   if (fits) return {};
-  return make_error(ErrorCode::kMalformed,
-                    fmt::format("The rows of a frame reach beyond its memory. {}", kAdvice));
+  return beyond_memory();
 }
 
 }  // namespace calvin::gst

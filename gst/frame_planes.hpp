@@ -38,6 +38,9 @@ struct FrameFormat {
   [[nodiscard]] bool same_places(const FrameFormat& other) const;
 };
 
+// Whether frames show a picture that can be moved: a view of one column has no width.
+[[nodiscard]] inline bool has_extent(ImageSize size) { return size.width > 1 && size.height > 1; }
+
 // Components that share their places in one plane of a frame.
 struct FramePlane {
   PlaneLayout layout;

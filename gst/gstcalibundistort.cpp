@@ -66,8 +66,9 @@ struct State {
   std::optional<FramePart> part;  // of the last buffer
   bool distort = false;           // the frames that come out have the lens in them
   std::optional<std::pair<gst::FrameFormat, std::optional<FramePart>>> fitted;  // `input` is
-  std::optional<bool> live;   // unknown: not asked since the last caps
-  bool renegotiated = false;  // since the last update()
+  std::optional<bool> live;    // unknown: not asked since the last caps
+  bool renegotiated = false;   // since the last update()
+  bool frame_refused = false;  // and the user was told so
   gst::OutputEvent output;
 };
 
@@ -199,17 +200,25 @@ static GstFlowReturn gst_calib_undistort_transform_frame(GstVideoFilter* filter,
 }
 
 // GstVideoFilter would send on what the output's memory held before for a frame that cannot be
-// read.
+// read. One such frame does not stop the others.
 static GstFlowReturn gst_calib_undistort_transform(GstBaseTransform* trans, GstBuffer* in,
                                                    GstBuffer* out) {
   GstVideoFilter* filter = GST_VIDEO_FILTER(trans);
-  const auto& part = GST_CALIB_UNDISTORT(trans)->state->part;
-  const GstVideoInfo whole = part ? gst::with_size(filter->in_info, part->whole) : filter->in_info;
-  for (const auto& [info, buffer] : {std::pair(whole, in), {filter->out_info, out}}) {
-    if (const Status checked = gst::check_frame(info, buffer); !checked) {
-      gst::post_error(GST_ELEMENT(trans), checked.error());
-      return GST_FLOW_ERROR;
+  State& s = *GST_CALIB_UNDISTORT(trans)->state;
+  const GstVideoInfo whole =
+      s.part ? gst::with_size(filter->in_info, s.part->whole) : filter->in_info;
+  if (const Status readable = gst::check_frame(whole, in); !readable) {
+    GST_WARNING_OBJECT(trans, "drops a frame: %s", readable.error().message.c_str());
+    if (!std::exchange(s.frame_refused, true)) {
+      gst::post_warning(
+          GST_ELEMENT(trans),
+          {readable.error().code, readable.error().message + " Such frames are left out."});
     }
+    return GST_BASE_TRANSFORM_FLOW_DROPPED;
+  }
+  if (const Status writable = gst::check_frame(filter->out_info, out); !writable) {
+    gst::post_error(GST_ELEMENT(trans), writable.error());
+    return GST_FLOW_ERROR;
   }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->transform(trans, in, out);
 }
@@ -232,16 +241,14 @@ static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in
   const gst::FrameFormat in(*in_info, in_caps);
   const gst::FrameFormat out(*out_info, out_caps);
   if (s.warp.has_frames() && s.in == in && s.out == out) return TRUE;
-  if (GST_VIDEO_INFO_IS_INTERLACED(in_info) && !in.same_places(out)) {
-    GST_ELEMENT_ERROR(filter, STREAM, FORMAT,
-                      ("Interlaced video cannot be scaled: insert deinterlace before this "
-                       "element."),
-                      (nullptr));
+  if (const Status moves = gst::check_move(in, out); !moves) {
+    gst::post_error(GST_ELEMENT(filter), moves.error());
     return FALSE;
   }
   s.in = in;
   s.out = out;
   s.part.reset();  // until the next buffer says more
+  s.frame_refused = false;
   s.warp.set_frames(in, out);
   s.live.reset();
   s.renegotiated = true;

@@ -32,7 +32,7 @@ void configure_meta_filter(GstBaseTransform* trans) {
 }
 
 void add_raw_video_pads(GstElementClass* element_class) {
-  g_autoptr(GstCaps) caps = gst_caps_from_string(GST_VIDEO_CAPS_MAKE(GST_VIDEO_FORMATS_ALL));
+  g_autoptr(GstCaps) caps = gst_caps_from_string(CALVIN_RAW_CAPS(GST_VIDEO_FORMATS_ALL));
   gst_element_class_add_pad_template(
       element_class, gst_pad_template_new("sink", GST_PAD_SINK, GST_PAD_ALWAYS, caps));
   gst_element_class_add_pad_template(

@@ -6,6 +6,18 @@
 #pragma once
 
 #include <gst/base/gstbasetransform.h>
+#include <gst/video/video.h>
+
+// Caps of raw video in system memory. What a GstVideoOverlayComposition on the frames will draw is
+// not in the picture yet, so they are taken with that too; GStreamer knows two ways to write so.
+#define CALVIN_RAW_CAPS(formats)                                                                               \
+  GST_VIDEO_CAPS_MAKE(formats)                                                                                 \
+  "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES(                                                                      \
+      GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION,                                                     \
+      formats) "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES(GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY                    \
+                                                      ","                                                      \
+                                                      " " GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION, \
+                                                      formats)
 
 namespace calvin::gst {
 
@@ -21,7 +33,7 @@ gboolean propose_uncropped_allocation(GstBaseTransform* trans, GstQuery* decide_
 // Passthrough with transform_ip on every buffer, no QoS (it would drop video, not work).
 void configure_meta_filter(GstBaseTransform* trans);
 
-// Any raw video in system memory, on both pads.
+// Any raw video in system memory, with overlays that wait to be drawn or without, on both pads.
 void add_raw_video_pads(GstElementClass* element_class);
 
 // True unless the LATENCY query upstream says that the source is not live: one that cannot answer

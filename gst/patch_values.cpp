@@ -39,8 +39,9 @@ std::shared_ptr<const CornerPatches> get_patches(const GstStructure* structure,
   auto patches = std::make_shared<CornerPatches>();
   gst_structure_get_int(structure, "patch-side", &patches->side);
   const std::vector<int> origin = get_ints(structure, "patch-origin");
-  if (value == nullptr || !G_VALUE_HOLDS(value, G_TYPE_BYTES) || patches->side < 1 ||
-      patches->side > kLargestSide || origin.size() != 2 * corners) {
+  if (value == nullptr || !G_VALUE_HOLDS(value, G_TYPE_BYTES) ||
+      g_value_get_boxed(value) == nullptr || patches->side < 1 || patches->side > kLargestSide ||
+      origin.size() != 2 * corners) {
     return nullptr;
   }
   for (std::size_t i = 0; i < corners; ++i) {

@@ -36,6 +36,10 @@ constexpr std::array<Converter, 4> kFromMedia = {{{"video/x-raw", "videoconvert"
                                                   {"image/jpeg", "jpegdec"},
                                                   {"image/png", "pngdec"}}};
 
+constexpr char kGood[] =
+    "send video/x-raw in system memory, in a format of this element's sink pad and with at least "
+    "one pixel";
+
 template <std::size_t N>
 std::string_view find(const std::array<Converter, N>& table, std::string_view of) {
   for (const Converter& row : table) {
@@ -46,18 +50,60 @@ std::string_view find(const std::array<Converter, N>& table, std::string_view of
 
 struct Refused {
   std::string what;
-  std::string insert;  // empty: nothing helps
+  std::string advice;
 };
 
-// The first memory of `features` that is not system memory; empty where there is none.
-std::string_view foreign_memory(const GstCapsFeatures* features) {
+std::string insertion(std::string_view element) {
+  return fmt::format("insert {} before this element", element);
+}
+
+// The first feature of `features` that is not plain system memory; empty where there is none.
+std::string_view foreign_feature(const GstCapsFeatures* features) {
   for (guint i = 0; features != nullptr && i < gst_caps_features_get_size(features); ++i) {
     const std::string_view feature = gst_caps_features_get_nth(features, i);
-    if (feature.starts_with("memory:") && feature != GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY) {
+    if (feature != GST_CAPS_FEATURE_MEMORY_SYSTEM_MEMORY &&
+        feature != GST_CAPS_FEATURE_META_GST_VIDEO_OVERLAY_COMPOSITION) {
       return feature;
     }
   }
   return {};
+}
+
+Refused refused_feature(std::string_view feature) {
+  if (!feature.starts_with("memory:")) {
+    return {fmt::format("Video with the caps feature {}", feature),
+            fmt::format("send plain video/x-raw, or insert an element that takes it without {}",
+                        feature)};
+  }
+  const std::string_view insert = find(kFromMemory, feature);
+  return {fmt::format("Video in {}", feature),
+          insertion(insert.empty() ? fmt::format("an element that downloads {}", feature)
+                                   : std::string(insert))};
+}
+
+// What is missing in the caps of frames that will come: GStreamer refuses those, and gives no
+// reason. It does without a framerate.
+std::optional<Refused> incomplete(const GstStructure* s) {
+  struct Needed {
+    const char* field;
+    GType type;
+    std::string_view example;
+  };
+  static const std::array<Needed, 3> kAll = {{{"format", G_TYPE_STRING, "format=NV12"},
+                                              {"width", G_TYPE_INT, "width=640"},
+                                              {"height", G_TYPE_INT, "height=480"}}};
+  std::string missing;
+  std::string examples;
+  for (const Needed& needed : kAll) {
+    if (gst_structure_has_field_typed(s, needed.field, needed.type) != FALSE) continue;
+    missing += fmt::format("{}no {}", missing.empty() ? "" : " and ", needed.field);
+    examples += fmt::format("{}{}", examples.empty() ? "" : ",", needed.example);
+  }
+  if (missing.empty()) return std::nullopt;
+  return Refused{fmt::format("Video whose caps name {}", missing),
+                 fmt::format("complete the caps of the element upstream, those of an appsrc for "
+                             "example, as in video/x-raw,{}",
+                             examples)};
 }
 
 Refused refused_raw(const GstStructure* s) {
@@ -67,34 +113,36 @@ Refused refused_raw(const GstStructure* s) {
   const bool sized = gst_structure_get_int(s, "width", &width) != FALSE &&
                      gst_structure_get_int(s, "height", &height) != FALSE;
   if (sized && (width < 1 || height < 1)) {
-    return {fmt::format("Video of {}x{} px has no pixels and", width, height), ""};
+    return {fmt::format("Video of {}x{} px has no pixels and", width, height), kGood};
   }
-  if (format != nullptr &&
-      (!sized || gst_video_format_from_string(format) == GST_VIDEO_FORMAT_UNKNOWN)) {
-    return {fmt::format("Video of the unknown format '{}' or without a size", format), ""};
+  if (format != nullptr && gst_video_format_from_string(format) == GST_VIDEO_FORMAT_UNKNOWN) {
+    return {fmt::format("Video of the unknown format '{}'", format), kGood};
   }
-  if (format != nullptr) return {fmt::format("Video of the format {}", format), "videoconvert"};
-  return {"Raw video of these formats", "videoconvert"};
+  return {format != nullptr ? fmt::format("Video of the format {}", format)
+                            : "Raw video of these formats",
+          insertion("videoconvert")};
 }
 
 Refused refused(const GstStructure* s, const GstCapsFeatures* features) {
   const std::string_view media = gst_structure_get_name(s);
-  if (const std::string_view memory = foreign_memory(features); !memory.empty()) {
-    const std::string_view insert = find(kFromMemory, memory);
-    return {
-        fmt::format("Video in {}", memory),
-        insert.empty() ? fmt::format("an element that downloads {}", memory) : std::string(insert)};
-  }
+  const std::string_view feature = foreign_feature(features);
+  if (!feature.empty()) return refused_feature(feature);
   if (media == "video/x-raw") return refused_raw(s);
   if (const std::string_view insert = find(kFromMedia, media); !insert.empty()) {
-    return {std::string(media), std::string(insert)};
+    return {std::string(media), insertion(insert)};
   }
   const bool pictures = media.starts_with("video/") || media.starts_with("image/");
-  return {std::string(media), pictures ? "decodebin" : ""};
+  return {std::string(media), pictures ? insertion("decodebin") : kGood};
 }
 
-// Of fixed caps that fit the pad, whether no memory could hold a frame of them.
-std::optional<Error> too_large(const GstCaps* caps) {
+Error error_of(const Refused& refused) {
+  return {ErrorCode::kUnsupported,
+          fmt::format("{} cannot be used here: {}.", refused.what, refused.advice)};
+}
+
+// Of caps that fit the pad and are set, whether they make no frames all the same.
+std::optional<Error> useless(const GstCaps* caps) {
+  if (const auto lacks = incomplete(gst_caps_get_structure(caps, 0))) return error_of(*lacks);
   GstVideoInfo info;
   if (!gst_caps_is_fixed(caps) || gst_video_info_from_caps(&info, caps)) return std::nullopt;
   g_autofree char* text = gst_caps_to_string(caps);
@@ -163,18 +211,8 @@ GstPadProbeReturn watch_query(GstPad* pad, GstPadProbeInfo* info, gpointer data)
 
 std::optional<Error> explain_refusal(const GstCaps* caps, const GstCaps* accepted, bool set) {
   if (gst_caps_is_any(caps) || gst_caps_is_empty(caps)) return std::nullopt;
-  // Caps that are set say everything; those that may be set yet can lack the size, say.
-  const bool fits =
-      set ? gst_caps_is_subset(caps, accepted) : gst_caps_can_intersect(caps, accepted);
-  if (fits) return set ? too_large(caps) : std::nullopt;
-  const Refused first = refused(gst_caps_get_structure(caps, 0), gst_caps_get_features(caps, 0));
-  return Error{ErrorCode::kUnsupported,
-               first.insert.empty()
-                   ? fmt::format("{} cannot be used here: send video/x-raw in system memory, in a "
-                                 "format of this element's sink pad and with at least one pixel.",
-                                 first.what)
-                   : fmt::format("{} cannot be used here: insert {} before this element.",
-                                 first.what, first.insert)};
+  if (gst_caps_can_intersect(caps, accepted)) return set ? useless(caps) : std::nullopt;
+  return error_of(refused(gst_caps_get_structure(caps, 0), gst_caps_get_features(caps, 0)));
 }
 
 void explain_refused_caps(GstElement* element) {
@@ -183,6 +221,8 @@ void explain_refused_caps(GstElement* element) {
   // The event probe owns the watch; a pad drops both probes at the same time.
   gst_pad_add_probe(sink, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, watch_event, watch,
                     [](gpointer data) { delete static_cast<Watch*>(data); });
+  // As every filter does: what caps leave open, such as the framerate, is no reason to refuse them.
+  GST_PAD_SET_ACCEPT_INTERSECT(sink);
   // A bin refuses caps for its children, but asks them what they take.
   if (GST_IS_BIN(element)) return;
   gst_pad_add_probe(

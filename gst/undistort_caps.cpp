@@ -7,13 +7,14 @@
 
 #include <algorithm>
 
-#include "frame_planes.hpp"
+#include <fmt/format.h>
+
+#include "meta_filter.hpp"
 
 namespace calvin::gst {
 
 namespace {
 
-constexpr int kSmallest = 2;     // a view of one column has no width
 constexpr int kLargest = 65536;  // as for a calibration
 
 int rounded_ratio(int value, int numerator, int denominator) {
@@ -63,8 +64,8 @@ GstCaps* undistort_transform_caps(GstBaseTransform* /*trans*/, GstPadDirection /
       continue;
     }
     GstStructure* any = gst_structure_copy(gst_caps_get_structure(caps, i));
-    gst_structure_set(any, "width", GST_TYPE_INT_RANGE, kSmallest, kLargest, "height",
-                      GST_TYPE_INT_RANGE, kSmallest, kLargest, nullptr);
+    gst_structure_set(any, "width", GST_TYPE_INT_RANGE, 1, kLargest, "height", GST_TYPE_INT_RANGE,
+                      1, kLargest, nullptr);
     gst_structure_remove_field(any, "chroma-site");
     others = gst_caps_merge_structure(others, any);
   }
@@ -97,10 +98,27 @@ GstCaps* undistort_fixate_caps(GstBaseTransform* /*trans*/, GstPadDirection dire
   return gst_caps_fixate(othercaps);
 }
 
+Status check_move(const FrameFormat& in, const FrameFormat& out) {
+  if (in.same_places(out)) return {};
+  if (GST_VIDEO_INFO_IS_INTERLACED(&in.info)) {
+    return make_error(ErrorCode::kUnsupported,
+                      "Interlaced video cannot be scaled: insert deinterlace before this element.");
+  }
+  if (!has_extent(in.size()) || !has_extent(out.size())) {
+    return make_error(
+        ErrorCode::kUnsupported,
+        fmt::format(
+            "Frames of {}x{} px cannot be made into frames of {}x{}: both need at least two "
+            "columns and two rows. Insert videoscale where the smaller ones are.",
+            in.size().width, in.size().height, out.size().width, out.size().height));
+  }
+  return {};
+}
+
 void add_undistort_pads(GstElementClass* element_class) {
   // Alternating fields are taken only to say that they need deinterlace.
-  g_autoptr(GstCaps) caps = gst_caps_from_string(GST_VIDEO_CAPS_MAKE(
-      CALVIN_PLANE_FORMATS) "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
+  g_autoptr(GstCaps) caps = gst_caps_from_string(
+      CALVIN_RAW_CAPS(CALVIN_PLANE_FORMATS) "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
           GST_CAPS_FEATURE_FORMAT_INTERLACED, CALVIN_PLANE_FORMATS) ", interlace-mode = "
                                                                     "alternate");
   gst_element_class_add_pad_template(

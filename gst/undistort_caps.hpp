@@ -6,6 +6,9 @@
 
 #include <gst/base/gstbasetransform.h>
 
+#include "calvin/core/result.hpp"
+#include "frame_planes.hpp"
+
 namespace calvin::gst {
 
 // For GstBaseTransformClass: the same caps first, then those with any size and chroma siting.
@@ -17,6 +20,10 @@ GstCaps* undistort_transform_caps(GstBaseTransform* trans, GstPadDirection direc
 // the input's caps leave to the number of lines is said where the output has another one.
 GstCaps* undistort_fixate_caps(GstBaseTransform* trans, GstPadDirection direction, GstCaps* caps,
                                GstCaps* othercaps);
+
+// Whether frames of the one kind can be made into frames of the other without a calibration: as
+// they are, or scaled.
+[[nodiscard]] Status check_move(const FrameFormat& in, const FrameFormat& out);
 
 void add_undistort_pads(GstElementClass* element_class);
 

@@ -18,6 +18,7 @@ namespace calvin::check {
 enum class After {
   kRefused,  // ERROR, and it does not start
   kStopped,  // ERROR, and the stream ends there
+  kDropped,  // WARNING, and the frame does not come out, but the others do
   kGoesOn,   // WARNING, and the frames come out as they did before
 };
 
@@ -72,7 +73,8 @@ class Rig {
   }
 
   [[nodiscard]] GstElement* element() const { return GST_ELEMENT(element_); }
-  [[nodiscard]] bool goes_on() const { return bad_.after == After::kGoesOn; }
+  [[nodiscard]] bool goes_on() const { return bad_.after >= After::kDropped; }
+  [[nodiscard]] bool drops() const { return bad_.after == After::kDropped; }
   [[nodiscard]] const char* what() const { return bad_.what; }
   [[nodiscard]] std::string in_folder(std::string text) const {
     for (auto at = text.find('@'); at != std::string::npos; at = text.find('@', at)) {

@@ -58,6 +58,17 @@ GST_START_TEST(test_lists_of_different_lengths_are_no_observation) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_patches_without_pixels_are_none) {
+  g_autoptr(GstStructure) s = gst::observations_to_structure(std::vector{example()});
+  GstStructure* item = gst_structure_copy(gst::get_structures(s, "observations")[0]);
+  gst_structure_set(item, "patches", G_TYPE_BYTES, nullptr, nullptr);
+  gst::take_structures(s, "observations", std::vector{item});
+  const auto all = gst::observations_from_structure(s);
+  fail_unless_equals_int(all.size(), 1);
+  fail_unless(all[0].patches == nullptr);
+}
+GST_END_TEST;
+
 // Pushes one 320x240 frame with the meta through an element; the buffer that comes out.
 static GstBuffer* through(const char* launch, const char* out_caps) {
   GstHarness* h = gst_harness_new_parse(launch);
@@ -123,6 +134,7 @@ static Suite* metas_suite() {
   tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
   tcase_add_test(tc, test_observation_round_trip);
   tcase_add_test(tc, test_lists_of_different_lengths_are_no_observation);
+  tcase_add_test(tc, test_patches_without_pixels_are_none);
   tcase_add_test(tc, test_scaling_scales_the_corners);
   tcase_add_test(tc, test_cropping_drops_the_corners);
   tcase_add_test(tc, test_guidance_and_ground_truth_round_trip);
