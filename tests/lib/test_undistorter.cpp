@@ -53,6 +53,36 @@ TEST(Undistorter, PointsFollowThePixels) {
   EXPECT_NEAR(mapped.sigma[3], 0.1 * undistorter.output().fx() / undistorter.source().fx(), 2e-3);
 }
 
+// An observation of one corner in the middle of the picture, with all that an observation can hold.
+Observation seen_in_the_middle() {
+  Observation seen;
+  seen.ids = {0};
+  seen.uv = {{327, 233}};
+  seen.sigma = {0.1};
+  seen.blur = 0.8;
+  seen.patches = std::make_shared<CornerPatches>(
+      CornerPatches{3, {{326, 232}}, std::make_shared<std::uint8_t[]>(9, std::uint8_t{7})});
+  return seen;
+}
+
+TEST(Undistorter, LengthsAroundCornersGrowWithThePicture) {
+  for (const ImageSize size : {kSize, ImageSize{320, 240}, ImageSize{1280, 960}}) {
+    const Undistorter undistorter = undistorter_of(kBarrel, 480, {0, size});
+    const Observation mapped = undistorter.to_output(seen_in_the_middle());
+    ASSERT_EQ(mapped.ids.size(), 1u);
+    // At the centre of the lens the picture is scaled by the ratio of the focal lengths.
+    const double scale = undistorter.output().fx() / undistorter.source().fx();
+    EXPECT_NEAR(mapped.sigma[0], 0.1 * scale, 1e-4 * scale);
+    EXPECT_NEAR(mapped.blur, 0.8 * scale, 1e-3 * scale);
+  }
+}
+
+// The pixels of patches are the source's: whoever looks at them again would take them for ours.
+TEST(Undistorter, PatchesOfAnotherPictureAreLeftOut) {
+  const Undistorter undistorter = undistorter_of(kBarrel, 480, {0, {}});
+  EXPECT_EQ(undistorter.to_output(seen_in_the_middle()).patches, nullptr);
+}
+
 // The box around all output pixels that come from within a box of the source, found one by one.
 std::optional<Rectangle> box_of_pixels(const Lens& lens, const Undistorter& undistorter,
                                        const Rectangle& box) {

@@ -181,14 +181,20 @@ Observation Undistorter::to_output(const Observation& observation) const {
   mapped.ids.clear();
   mapped.uv.clear();
   mapped.sigma.clear();
+  mapped.patches.reset();
+  double larger = 0;  // the sum of the corners' magnifications
   for (std::size_t i = 0; i < observation.uv.size(); ++i) {
     const auto pixel = to_output(observation.uv[i]);
     if (!pixel) continue;
+    const double factor = magnification(source_, output_, observation.uv[i], *pixel);
     mapped.ids.push_back(observation.ids[i]);
     mapped.uv.push_back(*pixel);
-    mapped.sigma.push_back(observation.sigma[i] *
-                           magnification(source_, output_, observation.uv[i], *pixel));
+    mapped.sigma.push_back(observation.sigma[i] * factor);
+    larger += factor;
   }
+  // What is not known of the corners is not known of their edges.
+  mapped.blur =
+      mapped.uv.empty() ? 0 : observation.blur * larger / static_cast<double>(mapped.uv.size());
   return mapped;
 }
 
