@@ -87,11 +87,19 @@ Status CalibDetector::update_recheck() {
 
 Status CalibDetector::set_format(const GstVideoInfo& info) {
   luma_.reset();
+  if (Status readable = read_pictures(info); !readable) return readable;
+  info_ = info;
+  mode_known_ = frame_refused_ = false;
+  return {};
+}
+
+Status CalibDetector::read_pictures(const GstVideoInfo& info) {
+  const ImageSize size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  if (luma_ && size == luma_size_) return {};
   auto reader = LumaReader::make(info);
   if (!reader) return tl::unexpected<Error>(reader.error());
   luma_ = std::move(*reader);
-  info_ = info;
-  mode_known_ = frame_refused_ = false;
+  luma_size_ = size;
   return {};
 }
 
@@ -123,12 +131,22 @@ void CalibDetector::skip() {
   ++skipped_;
 }
 
+Status CalibDetector::prepare(GstBuffer* buffer, Job& job) {
+  job.part = part_of(buffer, info_);
+  const GstVideoInfo whole = job.part ? with_size(info_, job.part->whole) : info_;
+  if (Status checked = check_frame(whole, buffer); !checked) return checked;
+  if (Status readable = read_pictures(whole); !readable) return readable;
+  job.luma = luma_;
+  job.picture = async_ ? luma_->keep(buffer) : luma_->borrow(buffer);
+  return {};
+}
+
 std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
                                                             const FrameTimes& times) {
   for (const Status& updated : {update_boards(), update_recheck()}) {
     if (!updated) post_warning(element_, updated.error());
   }
-  Job job{times, settings(), detectors_, check_, luma_, {}, 0};
+  Job job{times, settings(), detectors_, check_, nullptr, {}, {}, 0};
   {
     const std::lock_guard guard(lock_);
     ++frames_;
@@ -140,12 +158,11 @@ std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
     skip();
     return std::nullopt;
   }
-  if (const Status checked = check_frame(info_, buffer); !checked) {
+  if (const Status checked = prepare(buffer, job); !checked) {
     if (!std::exchange(frame_refused_, true)) post_warning(element_, checked.error());
     skip();
     return std::nullopt;
   }
-  job.picture = async_ ? luma_->keep(buffer) : luma_->borrow(buffer);
   if (!async_) return wait_for(std::move(job));
   const auto shared = std::make_shared<const Job>(std::move(job));
   worker_.offer([this, shared](const std::stop_token& stop) {
@@ -186,7 +203,7 @@ void CalibDetector::next_stretch() {
 
 std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_token& stop) {
   std::vector<Observation> found;
-  const ImageView image = job.luma->view(job.picture);
+  const ImageView image = frame_of(job.luma->view(job.picture), job.part);
   for (const BoardDetector& wanted : *job.detectors) {
     const Board& board = wanted.board;
     const auto begin = std::chrono::steady_clock::now();

@@ -18,6 +18,7 @@
 #include "calvin/detect/detector.hpp"
 #include "calvin/target/board_names.hpp"
 #include "frame_luma.hpp"
+#include "frame_part.hpp"
 #include "messages.hpp"
 #include "worker.hpp"
 
@@ -99,6 +100,7 @@ class CalibDetector {
     std::shared_ptr<CalibrationCheck> check;
     std::shared_ptr<LumaReader> luma;
     Picture picture;
+    std::optional<FramePart> part;  // of the picture that is the frame
     guint64 generation = 0;
     bool patches = false;
   };
@@ -106,6 +108,10 @@ class CalibDetector {
   // Reads the properties again that changed. Keeps the old ones on an error.
   [[nodiscard]] Status update_boards();
   [[nodiscard]] Status update_recheck();
+  // From here on pictures in memory have this format.
+  [[nodiscard]] Status read_pictures(const GstVideoInfo& info);
+  // How the frame lies in the buffer, and that it can be read.
+  [[nodiscard]] Status prepare(GstBuffer* buffer, Job& job);
   [[nodiscard]] bool is_due(const FrameTimes& times, double max_rate);
   void skip();
   [[nodiscard]] std::optional<std::vector<Observation>> wait_for(Job job);
@@ -130,6 +136,7 @@ class CalibDetector {
   // Streaming thread only. What the worker uses of it goes along with the job.
   GstVideoInfo info_{};
   std::shared_ptr<LumaReader> luma_;
+  ImageSize luma_size_;
   Detectors detectors_;
   std::shared_ptr<CalibrationCheck> check_;
   bool async_ = false;

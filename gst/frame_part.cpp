@@ -28,10 +28,28 @@ std::optional<FramePart> part_of(GstBuffer* buffer, const GstVideoInfo& info) {
                    {static_cast<int>(crop->width), static_cast<int>(crop->height)}};
 }
 
+ImageView frame_of(const ImageView& picture, const std::optional<FramePart>& part) {
+  if (!part || picture.size() != part->whole) return picture;
+  return {picture.data + part->y * picture.stride + part->x * picture.step, part->size.width,
+          part->size.height, picture.stride, picture.step};
+}
+
 GstVideoInfo with_size(const GstVideoInfo& info, ImageSize size) {
-  GstVideoInfo other = info;
-  GST_VIDEO_INFO_WIDTH(&other) = size.width;
-  GST_VIDEO_INFO_HEIGHT(&other) = size.height;
+  GstVideoInfo other;
+  // Sizes that no memory can hold are found out when a frame is looked at.
+  if (!gst_video_info_set_interlaced_format(
+          &other, GST_VIDEO_INFO_FORMAT(&info), GST_VIDEO_INFO_INTERLACE_MODE(&info),
+          static_cast<guint>(size.width), static_cast<guint>(size.height))) {
+    other = info;
+    GST_VIDEO_INFO_WIDTH(&other) = size.width;
+    GST_VIDEO_INFO_HEIGHT(&other) = size.height;
+  }
+  other.colorimetry = info.colorimetry;
+  other.chroma_site = info.chroma_site;
+  other.fps_n = info.fps_n;
+  other.fps_d = info.fps_d;
+  other.par_n = info.par_n;
+  other.par_d = info.par_d;
   return other;
 }
 

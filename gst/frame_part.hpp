@@ -8,7 +8,7 @@
 
 #include <gst/video/video.h>
 
-#include "calvin/core/result.hpp"
+#include "calvin/core/image.hpp"
 #include "calvin/remap/fit.hpp"
 
 namespace calvin::gst {
@@ -16,6 +16,9 @@ namespace calvin::gst {
 // px of the picture in memory, whose size GstVideoMeta tells or else the caps. Absent: the frame is
 // all of it, and of the size in the caps.
 [[nodiscard]] std::optional<FramePart> part_of(GstBuffer* buffer, const GstVideoInfo& info);
+
+// What is the frame of a picture in memory.
+[[nodiscard]] ImageView frame_of(const ImageView& picture, const std::optional<FramePart>& part);
 
 // The format of what is in memory, where only the part is the frame, and of the frame.
 [[nodiscard]] GstVideoInfo with_size(const GstVideoInfo& info, ImageSize size);

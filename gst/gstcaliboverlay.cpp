@@ -13,6 +13,7 @@
  * ]|
  */
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,6 +26,7 @@
 #include "caption.hpp"
 #include "elements.hpp"
 #include "frame_check.hpp"
+#include "frame_part.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
 #include "metas.hpp"
@@ -66,6 +68,7 @@ struct State {
   std::vector<OverlayTile> tiles;  // of the buffer at hand
   gst::Caption caption;
   const OverlayTile* words = nullptr;  // the caption's tile for the buffer at hand
+  std::optional<FramePart> part;       // of the buffer's picture that is the frame
   bool blending_failed = false;
   bool frame_refused = false;  // and the user was told so
 
@@ -153,7 +156,9 @@ static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* /*in
 
 static bool may_draw_on(GstBaseTransform* trans, GstBuffer* buffer) {
   State& state = *GST_CALIB_OVERLAY(trans)->state;
-  const Status checked = gst::check_frame(GST_VIDEO_FILTER(trans)->in_info, buffer);
+  const GstVideoInfo& info = GST_VIDEO_FILTER(trans)->in_info;
+  const Status checked =
+      gst::check_frame(state.part ? gst::with_size(info, state.part->whole) : info, buffer);
   if (!checked && !std::exchange(state.frame_refused, true)) {
     gst::post_warning(GST_ELEMENT(trans), checked.error());
   }
@@ -164,7 +169,9 @@ static bool may_draw_on(GstBaseTransform* trans, GstBuffer* buffer) {
 static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffer* buffer) {
   State& state = *GST_CALIB_OVERLAY(trans)->state;
   const GstVideoInfo& info = GST_VIDEO_FILTER(trans)->in_info;
-  const ImageSize frame{GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  state.part = gst::part_of(buffer, info);
+  const ImageSize whole{GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  const ImageSize frame = state.part ? state.part->size : whole;
   read_metas(state, buffer);
 
   std::optional<OverlayProgress> progress = state.progress.value;
@@ -185,8 +192,11 @@ static GstFlowReturn gst_calib_overlay_transform_frame_ip(GstVideoFilter* filter
                                                           GstVideoFrame* frame) {
   State& state = *GST_CALIB_OVERLAY(filter)->state;
   bool blended = true;
-  for (const OverlayTile& tile : state.tiles) blended = gst::blend_tile(frame, tile) && blended;
-  if (state.words != nullptr) blended = gst::blend_tile(frame, *state.words) && blended;
+  const auto blend = [&](const OverlayTile& tile) {
+    blended = gst::blend_tile(frame, tile, state.part) && blended;
+  };
+  std::for_each(state.tiles.begin(), state.tiles.end(), blend);
+  if (state.words != nullptr) blend(*state.words);
   if (!blended && !state.blending_failed) {
     state.blending_failed = true;
     GST_ELEMENT_WARNING(filter, STREAM, FORMAT,

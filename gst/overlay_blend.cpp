@@ -23,9 +23,9 @@ bool has_simple_pixels(const GstVideoFormatInfo* format) {
          !GST_VIDEO_FORMAT_INFO_HAS_PALETTE(format);
 }
 
-// The part of a mapped frame that a tile covers, as a frame: gst_video_blend() converts whole
-// lines, and lines of the tile's length are much cheaper. Borrows the map.
-GstVideoFrame part_of(const GstVideoFrame& frame, const OverlayTile& tile) {
+// The part of a mapped frame that a tile at (left, top) covers, as a frame: gst_video_blend()
+// converts whole lines, and lines of the tile's length are much cheaper. Borrows the map.
+GstVideoFrame covered(const GstVideoFrame& frame, const OverlayTile& tile, int left, int top) {
   GstVideoFrame part = frame;
   const GstVideoFormatInfo* format = frame.info.finfo;
   part.info.width = tile.width;
@@ -34,8 +34,8 @@ GstVideoFrame part_of(const GstVideoFrame& frame, const OverlayTile& tile) {
     gint components[GST_VIDEO_MAX_COMPONENTS];
     gst_video_format_info_component(format, plane, components);
     const gint c = components[0];
-    const int x = tile.x >> GST_VIDEO_FORMAT_INFO_W_SUB(format, c);
-    const int y = tile.y >> GST_VIDEO_FORMAT_INFO_H_SUB(format, c);
+    const int x = left >> GST_VIDEO_FORMAT_INFO_W_SUB(format, c);
+    const int y = top >> GST_VIDEO_FORMAT_INFO_H_SUB(format, c);
     part.data[plane] = static_cast<guint8*>(frame.data[plane]) +
                        static_cast<gssize>(y) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane) +
                        static_cast<gssize>(x) * GST_VIDEO_FORMAT_INFO_PSTRIDE(format, c);
@@ -45,7 +45,10 @@ GstVideoFrame part_of(const GstVideoFrame& frame, const OverlayTile& tile) {
 
 }  // namespace
 
-bool blend_tile(GstVideoFrame* frame, const OverlayTile& tile) {
+bool blend_tile(GstVideoFrame* frame, const OverlayTile& tile,
+                const std::optional<FramePart>& part) {
+  const int left = tile.x + (part ? part->x : 0);
+  const int top = tile.y + (part ? part->y : 0);
   GstVideoInfo info;
   gst_video_info_set_format(&info, GST_VIDEO_OVERLAY_COMPOSITION_FORMAT_RGB,
                             static_cast<guint>(tile.width), static_cast<guint>(tile.height));
@@ -56,12 +59,11 @@ bool blend_tile(GstVideoFrame* frame, const OverlayTile& tile) {
   GstVideoFrame source;
   if (!gst_video_frame_map(&source, &info, pixels, GST_MAP_READ)) return false;
   gboolean blended = FALSE;
-  if (has_simple_pixels(frame->info.finfo) && tile.x % kAlignment == 0 &&
-      tile.y % kAlignment == 0) {
-    GstVideoFrame part = part_of(*frame, tile);
-    blended = gst_video_blend(&part, &source, 0, 0, 1);
+  if (has_simple_pixels(frame->info.finfo) && left % kAlignment == 0 && top % kAlignment == 0) {
+    GstVideoFrame under = covered(*frame, tile, left, top);
+    blended = gst_video_blend(&under, &source, 0, 0, 1);
   } else {
-    blended = gst_video_blend(frame, &source, tile.x, tile.y, 1);
+    blended = gst_video_blend(frame, &source, left, top, 1);
   }
   gst_video_frame_unmap(&source);
   return blended != FALSE;

@@ -7,11 +7,13 @@
 #include <gst/video/video.h>
 
 #include "calvin/draw/overlay.hpp"
+#include "frame_part.hpp"
 
 namespace calvin::gst {
 
-// `frame` must be mapped for reading and writing. False where libgstvideo cannot blend onto the
-// format.
-bool blend_tile(GstVideoFrame* frame, const OverlayTile& tile);
+// `frame` must be mapped for reading and writing; the tile belongs on `part` of it, if there is
+// one. False where libgstvideo cannot blend onto the format.
+bool blend_tile(GstVideoFrame* frame, const OverlayTile& tile,
+                const std::optional<FramePart>& part = {});
 
 }  // namespace calvin::gst
