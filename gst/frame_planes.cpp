@@ -93,18 +93,23 @@ void add_unnamed(FramePlane& joined) {
   joined.offset = 0;
 }
 
+// The siting of frames whose caps say nothing of it. Only from caps does GstVideoInfo get it in
+// every version: gst_video_info_set_format() of 1.26 leaves it unknown.
+GstVideoChromaSite default_site(const GstVideoInfo& info) {
+  g_autoptr(GstCaps) plain = gst_caps_new_simple(
+      "video/x-raw", "format", G_TYPE_STRING, GST_VIDEO_INFO_NAME(&info), "width", G_TYPE_INT,
+      GST_VIDEO_INFO_WIDTH(&info), "height", G_TYPE_INT, GST_VIDEO_INFO_HEIGHT(&info), nullptr);
+  GstVideoInfo read;
+  return gst_video_info_from_caps(&read, plain) ? GST_VIDEO_INFO_CHROMA_SITE(&read)
+                                                : GST_VIDEO_CHROMA_SITE_UNKNOWN;
+}
+
 }  // namespace
 
 FrameFormat::FrameFormat(const GstVideoInfo& video, const GstCaps* caps) : info(video) {
   const char* said = gst_structure_get_string(gst_caps_get_structure(caps, 0), "chroma-site");
   if (said != nullptr) site = gst_video_chroma_site_from_string(said);
-  if (site == GST_VIDEO_CHROMA_SITE_UNKNOWN) {
-    GstVideoInfo plain;
-    gst_video_info_set_format(&plain, GST_VIDEO_INFO_FORMAT(&video),
-                              static_cast<guint>(GST_VIDEO_INFO_WIDTH(&video)),
-                              static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&video)));
-    site = GST_VIDEO_INFO_CHROMA_SITE(&plain);
-  }
+  if (site == GST_VIDEO_CHROMA_SITE_UNKNOWN) site = default_site(video);
 }
 
 bool FrameFormat::same_places(const FrameFormat& other) const {
