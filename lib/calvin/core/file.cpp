@@ -7,10 +7,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -72,7 +74,8 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-// Follows symbolic links so that the rename replaces the file and not the link.
+// Follows symbolic links, so that the rename replaces the file and not the link. Of links that go
+// in a circle one is left over, and stat() refuses it.
 fs::path resolved(const std::string& path) {
   std::error_code error;
   fs::path target(path);
@@ -84,6 +87,18 @@ fs::path resolved(const std::string& path) {
   return target;
 }
 
+// Absent where one of them is not there.
+std::optional<bool> are_one(const fs::path& a, const fs::path& b) {
+  struct stat info_a {};
+  struct stat info_b {};
+  if (::stat(a.c_str(), &info_a) != 0 || ::stat(b.c_str(), &info_b) != 0) return std::nullopt;
+  return info_a.st_dev == info_b.st_dev && info_a.st_ino == info_b.st_ino;
+}
+
+bool may_write(const fs::path& path, int more = 0) noexcept {
+  return ::faccessat(AT_FDCWD, path.c_str(), W_OK | more, AT_EACCESS) == 0;
+}
+
 Status write_directly(const std::string& path, std::string_view bytes) {
   // O_NONBLOCK: opening a pipe must not wait for its reader.
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK));
@@ -91,28 +106,75 @@ Status write_directly(const std::string& path, std::string_view bytes) {
   return {};
 }
 
-// A name of its own for every call, so that two writers never share a temporary file.
-std::string temporary_name(const fs::path& target) {
-  static std::atomic<unsigned> counter{0};
-  return fmt::format("{}.{}-{}.tmp", target.string(), ::getpid(), counter.fetch_add(1));
+bool write_at(int fd, std::string_view bytes, std::size_t offset) noexcept {
+  return ::lseek(fd, static_cast<off_t>(offset), SEEK_SET) >= 0 && write_all(fd, bytes);
 }
 
-Status write_and_rename(const fs::path& target, std::string_view bytes, const mode_t* mode) {
-  const std::string temporary = temporary_name(target);
-  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+bool cut(int fd, std::size_t size) noexcept {
+  return ::ftruncate(fd, static_cast<off_t>(size)) == 0;
+}
+
+// What is longer than before goes first: a full disk then refuses it before anything is lost.
+bool overwrite(int fd, std::string_view bytes, std::size_t old_size) noexcept {
+  const std::size_t head = std::min(bytes.size(), old_size);
+  return write_at(fd, bytes.substr(head), head) && write_at(fd, bytes.substr(0, head), 0) &&
+         cut(fd, bytes.size()) && ::fsync(fd) == 0;
+}
+
+// For a file that no other may take the place of. Where writing fails the old content comes back.
+Status write_in_place(const fs::path& target, std::string_view bytes) {
+  Descriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC));
   if (!file) return not_written(target.string(), errno);
+  const auto old = read_file(target.string());
+  struct stat info {};
+  if (::fstat(file.get(), &info) != 0) return not_written(target.string(), errno);
+  const auto old_size = static_cast<std::size_t>(info.st_size);
+  if (!overwrite(file.get(), bytes, old_size)) {
+    const int error = errno;
+    if (cut(file.get(), old_size) && old && write_at(file.get(), *old, 0)) ::fsync(file.get());
+    return not_written(target.string(), error);
+  }
+  if (!file.close()) return not_written(target.string(), errno);
+  return {};
+}
+
+// A new file beside the target, with a name of its own: a process with the same number may have
+// left one behind, as the first process of every container has.
+Descriptor create_temporary(const fs::path& target, std::string& name) {
+  static std::atomic<unsigned> counter{0};
+  constexpr int kMostLeftBehind = 1000;
+  int fd = -1;
+  for (int i = 0; i < kMostLeftBehind; ++i) {
+    name = fmt::format("{}.{}-{}.tmp", target.string(), ::getpid(), counter.fetch_add(1));
+    fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd >= 0 || errno != EEXIST) break;
+  }
+  return Descriptor(fd);
+}
+
+// The reason where it fails, else 0.
+int write_and_rename(const fs::path& target, std::string_view bytes, const mode_t* mode) {
+  std::string temporary;
+  Descriptor file = create_temporary(target, temporary);
+  if (!file) return errno;
   const bool written = (mode == nullptr || ::fchmod(file.get(), *mode) == 0) &&
                        write_all(file.get(), bytes) && ::fsync(file.get()) == 0 && file.close() &&
                        ::rename(temporary.c_str(), target.c_str()) == 0;
   if (!written) {
     const int error = errno;
     ::unlink(temporary.c_str());
-    return not_written(target.string(), error);
+    return error;
   }
   // Makes the rename itself last; a folder that cannot be opened or synced still holds the file.
   const Descriptor folder(::open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder) ::fsync(folder.get());
-  return {};
+  return 0;
+}
+
+// The file itself may be writable nonetheless: a mount point of its own, or in a folder that takes
+// no new files.
+bool cannot_be_replaced(int error) noexcept {
+  return error == EBUSY || error == EXDEV || error == EACCES || error == EPERM || error == EROFS;
 }
 
 Result<std::string> read_all(int fd, const std::string& path, std::size_t max_bytes) {
@@ -153,27 +215,43 @@ Status write_file(const std::string& path, std::string_view bytes) {
   if (path.empty()) return not_written(path, ENOENT);
   const fs::path target = resolved(path);
   struct stat info {};
-  if (::stat(target.c_str(), &info) != 0) return write_and_rename(target, bytes, nullptr);
-  if (S_ISDIR(info.st_mode)) return not_written(path, EISDIR);
-  if (!S_ISREG(info.st_mode)) return write_directly(path, bytes);
-  if (::access(target.c_str(), W_OK) != 0) return not_written(path, errno);
+  const bool exists = ::stat(target.c_str(), &info) == 0;
+  if (!exists && errno != ENOENT) return not_written(path, errno);
+  if (exists && S_ISDIR(info.st_mode)) return not_written(path, EISDIR);
+  if (exists && !S_ISREG(info.st_mode)) return write_directly(path, bytes);
+  if (exists && !may_write(target)) return not_written(path, errno);
   const mode_t mode = info.st_mode & 07777;
-  return write_and_rename(target, bytes, &mode);
+  const int error = write_and_rename(target, bytes, exists ? &mode : nullptr);
+  if (error == 0) return {};
+  if (exists && cannot_be_replaced(error)) return write_in_place(target, bytes);
+  return not_written(target.string(), error);
 }
 
 Status check_writable(const std::string& path) {
   if (path.empty()) return not_written(path, ENOENT);
   const fs::path target = resolved(path);
   struct stat info {};
-  const bool exists = ::stat(target.c_str(), &info) == 0;
-  if (exists && S_ISDIR(info.st_mode)) return not_written(path, EISDIR);
-  if (exists && ::access(target.c_str(), W_OK) != 0) return not_written(path, errno);
-  if (exists && !S_ISREG(info.st_mode)) return {};
+  if (::stat(target.c_str(), &info) == 0) {
+    if (S_ISDIR(info.st_mode)) return not_written(path, EISDIR);
+    if (!may_write(target)) return not_written(path, errno);
+    return {};
+  }
+  if (errno != ENOENT) return not_written(path, errno);
   const fs::path folder = folder_of(target);
   if (::stat(folder.c_str(), &info) != 0) return not_written(path, errno);
   if (!S_ISDIR(info.st_mode)) return not_written(path, ENOTDIR);
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) return not_written(path, errno);
+  if (!may_write(folder, X_OK)) return not_written(path, errno);
   return {};
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  const fs::path first = resolved(a);
+  const fs::path second = resolved(b);
+  if (const auto one = are_one(first, second)) return *one;
+  // Of a file that is not there yet the folder and the name tell.
+  return first.filename() == second.filename() &&
+         are_one(folder_of(first), folder_of(second))
+             .value_or(first.lexically_normal() == second.lexically_normal());
 }
 
 }  // namespace calvin

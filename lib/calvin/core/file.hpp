@@ -20,7 +20,9 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{64} << 20;
                                             std::size_t max_bytes = kMaxFileBytes);
 
 // Replaces the content of `path`, or creates it: a temporary file beside it is written, fsynced and
-// renamed, so that a crash leaves the old content or the new. A symbolic link stays one and what it
+// renamed, so that a crash leaves the old content or the new. A file that no other can take the
+// place of, as a mount point or one in a folder that takes no new files, is overwritten and fsynced
+// instead; where that fails its old content is put back. A symbolic link stays one and what it
 // points to is replaced; the mode of an existing file is kept; a device is written directly. kIo
 // where the system refuses. The inverse of read_file().
 [[nodiscard]] Status write_file(const std::string& path, std::string_view bytes);
@@ -28,5 +30,9 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{64} << 20;
 // An error that write_file() would give at once (no such folder, no permission), without touching
 // the file: for a warning before long work.
 [[nodiscard]] Status check_writable(const std::string& path);
+
+// Whether both paths lead to one file, be it there already or not: through relative paths, symbolic
+// links, hard links and mounts.
+[[nodiscard]] bool is_same_file(const std::string& a, const std::string& b);
 
 }  // namespace calvin
