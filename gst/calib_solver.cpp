@@ -13,6 +13,7 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/target/board.hpp"
 #include "solve_messages.hpp"
+#include "values.hpp"
 
 namespace calvin::gst {
 
@@ -226,7 +227,8 @@ void CalibSolver::consider() {
 
 void CalibSolver::post_solve_progress(GstProgressType type, const std::string& text) {
   gst_element_post_message(
-      element_, gst_message_new_progress(GST_OBJECT(element_), type, "calibrate", text.c_str()));
+      element_,
+      gst_message_new_progress(GST_OBJECT(element_), type, "calibrate", displayed(text).c_str()));
 }
 
 Error CalibSolver::too_few_views() const {

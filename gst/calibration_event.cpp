@@ -12,8 +12,9 @@ namespace calvin::gst {
 GstEvent* new_calibration_event(const CalibrationEvent& calibration) {
   return gst_event_new_custom(
       GST_EVENT_CUSTOM_DOWNSTREAM_STICKY,
-      gst_structure_new(kCalibrationEvent, "camera", G_TYPE_STRING, calibration.camera.c_str(),
-                        "json", G_TYPE_STRING, calibration.json.c_str(), nullptr));
+      gst_structure_new(kCalibrationEvent, "camera", G_TYPE_STRING,
+                        displayed(calibration.camera).c_str(), "json", G_TYPE_STRING,
+                        displayed(calibration.json).c_str(), nullptr));
 }
 
 std::optional<CalibrationEvent> parse_calibration_event(GstEvent* event) {

@@ -6,13 +6,14 @@
 #include "calibration_files.hpp"
 
 #include <algorithm>
-#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/solve/auto_model.hpp"
 
 namespace calvin::gst {
 
@@ -22,10 +23,7 @@ namespace {
 const CalibrationFile* written_twice(const std::vector<CalibrationFile>& files) {
   for (auto file = files.begin(); file != files.end(); ++file) {
     const auto other = std::find_if(files.begin(), file, [&](const CalibrationFile& f) {
-      const auto plain = [](const std::string& path) {
-        return std::filesystem::path(path).lexically_normal();
-      };
-      return plain(f.path) == plain(file->path);
+      return is_same_file(f.path, file->path);
     });
     if (other != file) return &*file;
   }
@@ -61,6 +59,14 @@ Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& 
                                   file->path));
   }
   return files;
+}
+
+Status can_hold_all(const std::vector<CalibrationFile>& files, const std::string& model) {
+  if (model == kAutoModel) return {};
+  for (const CalibrationFile& file : files) {
+    if (Status status = can_hold(file.format, model); !status) return status;
+  }
+  return {};
 }
 
 Status can_write_all(const std::vector<CalibrationFile>& files) {

@@ -21,6 +21,10 @@ struct CalibrationFile {
 [[nodiscard]] Result<std::vector<CalibrationFile>> parse_calibration_files(
     const std::string& location, const std::string& exports);
 
+// The first file whose format has no camera model of that name. A model of `auto` may be any.
+[[nodiscard]] Status can_hold_all(const std::vector<CalibrationFile>& files,
+                                  const std::string& model);
+
 // The first file that could not be written now.
 [[nodiscard]] Status can_write_all(const std::vector<CalibrationFile>& files);
 

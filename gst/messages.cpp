@@ -5,6 +5,8 @@
 
 #include "messages.hpp"
 
+#include "values.hpp"
+
 namespace calvin::gst {
 
 namespace {
@@ -35,8 +37,9 @@ GstCode gst_code(ErrorCode code) {
 
 void post(GstElement* element, GstMessageType type, const Error& error) {
   const GstCode code = gst_code(error.code);
-  gst_element_message_full(element, type, code.domain, code.code, g_strdup(error.message.c_str()),
-                           nullptr, __FILE__, GST_FUNCTION, __LINE__);
+  gst_element_message_full(element, type, code.domain, code.code,
+                           g_strdup(displayed(error.message).c_str()), nullptr, __FILE__,
+                           GST_FUNCTION, __LINE__);
 }
 
 }  // namespace
@@ -60,7 +63,7 @@ GstStructure* new_message(const char* name, const FrameTimes& times, const std::
   return gst_structure_new(name, "timestamp", G_TYPE_UINT64, times.timestamp, "stream-time",
                            G_TYPE_UINT64, times.stream_time, "running-time", G_TYPE_UINT64,
                            times.running_time, "duration", G_TYPE_UINT64, times.duration, "camera",
-                           G_TYPE_STRING, camera.c_str(), nullptr);
+                           G_TYPE_STRING, displayed(camera).c_str(), nullptr);
 }
 
 void post_message(GstElement* element, GstStructure* structure) {

@@ -103,9 +103,10 @@ GstStructure* observation_to_structure(const Observation& o) {
 }
 
 void set_frame(GstStructure* s, const Observation* first) {
-  gst_structure_set(s, "camera", G_TYPE_STRING, first != nullptr ? first->camera.c_str() : "",
-                    "width", G_TYPE_INT, first != nullptr ? first->image_size.width : 0, "height",
-                    G_TYPE_INT, first != nullptr ? first->image_size.height : 0, nullptr);
+  gst_structure_set(s, "camera", G_TYPE_STRING,
+                    first != nullptr ? displayed(first->camera).c_str() : "", "width", G_TYPE_INT,
+                    first != nullptr ? first->image_size.width : 0, "height", G_TYPE_INT,
+                    first != nullptr ? first->image_size.height : 0, nullptr);
 }
 
 std::optional<double> get_double(const GstStructure* s, const char* field) {

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "values.hpp"
+
 namespace calvin::gst {
 
 namespace {
@@ -85,7 +87,9 @@ GstStructure* result_message(const FrameTimes& times, const Solution& solution,
                       fmt::format("{}", fmt::join(solution.remarks, " ")).c_str(), nullptr);
   }
   set_optional(s, "expected-error", c.expected_error);
-  if (!location.empty()) gst_structure_set(s, "location", G_TYPE_STRING, location.c_str(), nullptr);
+  if (!location.empty()) {
+    gst_structure_set(s, "location", G_TYPE_STRING, displayed(location).c_str(), nullptr);
+  }
   if (json != nullptr) gst_structure_set(s, "json", G_TYPE_STRING, json, nullptr);
   return s;
 }

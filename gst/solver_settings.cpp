@@ -53,6 +53,13 @@ Status read_lens(SolverPlan& plan) {
   return check(complete);
 }
 
+// Before the files are the ones of `plan`, where both change.
+Status read_lens_and_files(SolverPlan& plan) {
+  if (const Status read = read_lens(plan); !read) return read;
+  const auto files = parse_calibration_files(plan.settings.location, plan.settings.exports);
+  return files ? can_hold_all(*files, plan.settings.model) : Status();
+}
+
 void keep_lens(SolverPlan& plan, const SolverPlan& before) {
   plan.options = before.options;
   plan.initial = before.initial;
@@ -83,7 +90,7 @@ Status read_files(SolverPlan& plan) {
   auto files = parse_calibration_files(plan.settings.location, plan.settings.exports);
   if (!files) return tl::unexpected<Error>(files.error());
   plan.files = *std::move(files);
-  return {};
+  return can_hold_all(plan.files, plan.settings.model);
 }
 
 void keep_files(SolverPlan& plan, const SolverPlan& before) {
@@ -97,7 +104,7 @@ constexpr Group kGroups[] = {
        return a.model == b.model && a.fix == b.fix && a.initial == b.initial && a.warp == b.warp &&
               a.skew == b.skew;
      },
-     read_lens, keep_lens},
+     read_lens_and_files, keep_lens},
     {[](const SolverSettings& a, const SolverSettings& b) {
        return a.min_views == b.min_views && a.max_views == b.max_views;
      },

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Lists in GstStructures.
+// Values in GstStructures.
 
 #include "values.hpp"
 
@@ -91,6 +91,11 @@ std::vector<Pixel> get_pixels(const GstStructure* structure, const char* field) 
 std::vector<const GstStructure*> get_structures(const GstStructure* structure, const char* field) {
   return get_array<const GstStructure*>(structure, field, GST_TYPE_STRUCTURE,
                                         gst_value_get_structure);
+}
+
+std::string displayed(const std::string& text) {
+  g_autofree char* valid = g_utf8_make_valid(text.data(), static_cast<gssize>(text.size()));
+  return valid;
 }
 
 std::string get_string(const GstStructure* structure, const char* field) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Lists in GstStructures: GST_TYPE_ARRAY of plain numbers, strings or structures.
+// Values in GstStructures: text, and lists (GST_TYPE_ARRAY) of plain numbers, strings or
+// structures.
 #pragma once
 
 #include <span>
@@ -32,6 +33,10 @@ void take_structures(GstStructure* structure, const char* field,
 // Borrowed from `structure`.
 [[nodiscard]] std::vector<const GstStructure*> get_structures(const GstStructure* structure,
                                                               const char* field);
+
+// The text as it may be shown, for names and paths may be any bytes: what is not UTF-8 in it, which
+// GStreamer takes nowhere, is replaced.
+[[nodiscard]] std::string displayed(const std::string& text);
 
 [[nodiscard]] std::string get_string(const GstStructure* structure, const char* field);
 

@@ -102,12 +102,10 @@ inline GstHarness* harness_of(GstElement* element) {
   return harness;
 }
 
-// The texts of the errors that an element posts when it cannot start; empty where it can.
-inline std::vector<std::string> errors_at_start(const char* factory, const char* property,
-                                                const char* value) {
-  GstElement* element = gst_element_factory_make(factory, nullptr);
+// The texts of the errors that an element posts when it cannot start; empty where it can. The
+// element goes.
+inline std::vector<std::string> errors_at_start(GstElement* element) {
   gst_object_ref_sink(element);
-  gst_util_set_object_arg(G_OBJECT(element), property, value);
   std::vector<std::string> texts;
   {
     Bus bus(element);
@@ -119,6 +117,12 @@ inline std::vector<std::string> errors_at_start(const char* factory, const char*
   gst_element_set_state(element, GST_STATE_NULL);
   gst_object_unref(element);
   return texts;
+}
+inline std::vector<std::string> errors_at_start(const char* factory, const char* property,
+                                                const char* value) {
+  GstElement* element = gst_element_factory_make(factory, nullptr);
+  gst_util_set_object_arg(G_OBJECT(element), property, value);
+  return errors_at_start(element);
 }
 
 // The n-th pose of one synthetic session.

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // The formats of a calibration file, one source file each. Readers take a Document that they
-// recognised; none of them checks the camera itself, which calibration_io does for all.
+// recognised; none of them checks the camera itself, which calibration_io does for all. Writers are
+// kUnsupported for a camera model that the format does not hold.
 #pragma once
 
 #include <string>
@@ -25,10 +26,12 @@ inline constexpr int kNativeVersion = 1;
 [[nodiscard]] Result<std::string> print_opencv_yaml(const Calibration& calibration);
 [[nodiscard]] Result<std::string> print_opencv_xml(const Calibration& calibration);
 [[nodiscard]] Result<std::string> print_opencv_json(const Calibration& calibration);
+[[nodiscard]] bool opencv_holds(std::string_view model);
 
 // The YAML of ROS's camera_info_manager and camera_calibration_parsers.
 [[nodiscard]] bool is_ros(const Node& root);
 [[nodiscard]] Result<Calibration> read_ros(const Node& root);
 [[nodiscard]] Result<std::string> print_ros(const Calibration& calibration);
+[[nodiscard]] bool ros_holds(std::string_view model);
 
 }  // namespace calvin::io

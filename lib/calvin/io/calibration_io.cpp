@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -32,16 +33,36 @@ constexpr std::array<Reader, 3> kReaders = {{{io::is_native, io::read_native},
 struct Writer {
   std::string_view format;
   Result<std::string> (*print)(const Calibration&);
+  bool (*holds)(std::string_view model);
 };
-constexpr std::array<Writer, 5> kWriters = {{{"calvin", io::print_native},
-                                             {"opencv-yaml", io::print_opencv_yaml},
-                                             {"opencv-xml", io::print_opencv_xml},
-                                             {"opencv-json", io::print_opencv_json},
-                                             {"ros", io::print_ros}}};
+constexpr std::array<Writer, 5> kWriters = {
+    {{"calvin", io::print_native, [](std::string_view) { return true; }},
+     {"opencv-yaml", io::print_opencv_yaml, io::opencv_holds},
+     {"opencv-xml", io::print_opencv_xml, io::opencv_holds},
+     {"opencv-json", io::print_opencv_json, io::opencv_holds},
+     {"ros", io::print_ros, io::ros_holds}}};
 
 constexpr std::string_view kKnown =
     "Give a calibration in the native JSON, OpenCV's YAML, XML or JSON or ROS's camera_info, or "
     "calibrate again.";
+
+Result<const Writer*> find_writer(std::string_view format) {
+  const auto writer = std::find_if(kWriters.begin(), kWriters.end(),
+                                   [&](const Writer& w) { return w.format == format; });
+  if (writer != kWriters.end()) return &*writer;
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("There is no calibration format '{}'. Known formats: {}.", format,
+                                fmt::join(calibration_formats(), ", ")));
+}
+
+tl::unexpected<Error> not_held(const Writer& writer, std::string_view model) {
+  std::vector<std::string_view> held;
+  std::copy_if(model_names().begin(), model_names().end(), std::back_inserter(held), writer.holds);
+  return make_error(ErrorCode::kUnsupported,
+                    fmt::format("The file format {} has no camera model like {}. Write the format "
+                                "calvin, which holds every model, or calibrate with one of {}.",
+                                writer.format, model, fmt::join(held, ", ")));
+}
 
 bool is_control(char c) {
   return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f';
@@ -119,21 +140,26 @@ Result<Calibration> read_calibration(const std::filesystem::path& path) {
 }
 
 Result<std::string> print_calibration(const Calibration& calibration, std::string_view format) {
-  const auto writer = std::find_if(kWriters.begin(), kWriters.end(),
-                                   [&](const Writer& w) { return w.format == format; });
-  if (writer == kWriters.end()) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("There is no calibration format '{}'. Known formats: {}.", format,
-                                  fmt::join(calibration_formats(), ", ")));
-  }
+  const auto writer = find_writer(format);
+  if (!writer) return tl::unexpected(writer.error());
   if (const auto status = check(calibration); !status) return tl::unexpected(status.error());
   try {
-    return writer->print(calibration);
+    auto text = (*writer)->print(calibration);
+    const bool held = text || text.error().code != ErrorCode::kUnsupported;
+    if (!held) return not_held(**writer, calibration.model);
+    return text;
   } catch (const std::exception& exception) {
     return make_error(
         ErrorCode::kInvalidArgument,
         fmt::format("The calibration cannot be written as {}: {}.", format, exception.what()));
   }
+}
+
+Status can_hold(std::string_view format, std::string_view model) {
+  const auto writer = find_writer(format);
+  if (!writer) return tl::unexpected(writer.error());
+  if (!(*writer)->holds(model)) return not_held(**writer, model);
+  return {};
 }
 
 Status write_calibration(const std::filesystem::path& path, const Calibration& calibration,

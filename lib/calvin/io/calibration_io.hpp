@@ -33,7 +33,12 @@ namespace calvin {
 [[nodiscard]] Result<std::string> print_calibration(const Calibration& calibration,
                                                     std::string_view format = "calvin");
 
-// print_calibration(), then write_file() (core/file.hpp): a reader sees the old file or the new.
+// kUnsupported where the format has no camera model of that name, whatever its numbers: for whoever
+// knows both before there is a calibration. kInvalidArgument for an unknown format.
+[[nodiscard]] Status can_hold(std::string_view format, std::string_view model);
+
+// print_calibration(), then write_file() (core/file.hpp): a reader sees the old file or the new,
+// but for one that can only be overwritten.
 [[nodiscard]] Status write_calibration(const std::filesystem::path& path,
                                        const Calibration& calibration,
                                        std::string_view format = "calvin");

@@ -60,6 +60,13 @@ std::vector<std::string_view> coefficient_names(bool fisheye, std::size_t count)
           kBrownOrder.begin() + static_cast<std::ptrdiff_t>(std::min(count, kBrownOrder.size()))};
 }
 
+std::optional<std::size_t> coefficient_count(std::string_view model) {
+  if (model == "fisheye") return kFisheyeOrder.size();
+  const auto row = std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
+                                [&](const Row& r) { return r.model == model; });
+  return row == kBrownFamily.end() ? std::nullopt : std::optional(row->count);
+}
+
 Result<Calibration> from_opencv(const OpenCvCamera& camera, ImageSize size) {
   const auto& k = camera.k;
   if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
@@ -72,10 +79,7 @@ Result<Calibration> from_opencv(const OpenCvCamera& camera, ImageSize size) {
   calibration.image_size = size;
   calibration.model = *model;
   calibration.parameters = {{"fx", k[0], {}}, {"fy", k[4], {}}, {"cx", k[2], {}}, {"cy", k[5], {}}};
-  const auto row = std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
-                                [&](const Row& r) { return r.model == *model; });
-  const auto names =
-      coefficient_names(camera.fisheye, camera.fisheye ? kFisheyeOrder.size() : row->count);
+  const auto names = coefficient_names(camera.fisheye, coefficient_count(*model).value_or(0));
   for (std::size_t i = 0; i < names.size(); ++i) {
     const double value = camera.distortion.empty() ? 0 : camera.distortion[i];
     calibration.parameters.push_back({std::string(names[i]), value, {}});
@@ -91,19 +95,11 @@ Result<OpenCvCamera> to_opencv(const Calibration& calibration) {
   };
   OpenCvCamera camera;
   camera.fisheye = calibration.model == "fisheye";
-  const auto row = std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
-                                [&](const Row& r) { return r.model == calibration.model; });
-  if (!camera.fisheye && row == kBrownFamily.end()) {
-    return make_error(
-        ErrorCode::kUnsupported,
-        fmt::format("OpenCV and ROS have no camera model like {}; write the format calvin, "
-                    "or calibrate with the model brown5 or fisheye.",
-                    calibration.model));
-  }
+  const auto count = coefficient_count(calibration.model);
+  if (!count) return make_error(ErrorCode::kUnsupported, "OpenCV has no such camera model.");
   camera.k = {value("fx"), value("skew"), value("cx"), 0, value("fy"), value("cy"), 0, 0, 1};
-  const std::size_t count =
-      camera.fisheye ? kFisheyeOrder.size() : std::max<std::size_t>(row->count, 4);
-  for (const std::string_view name : coefficient_names(camera.fisheye, count)) {
+  for (const std::string_view name :
+       coefficient_names(camera.fisheye, std::max<std::size_t>(*count, 4))) {
     camera.distortion.push_back(value(name));
   }
   // As it will be read again.

@@ -30,6 +30,9 @@ struct OpenCvCamera {
 // OpenCV does not have.
 [[nodiscard]] Result<OpenCvCamera> to_opencv(const Calibration& calibration);
 
+// How many coefficients a model has in OpenCV; absent where it is none of OpenCV's.
+[[nodiscard]] std::optional<std::size_t> coefficient_count(std::string_view model);
+
 // The names of the coefficients, in OpenCV's order.
 [[nodiscard]] std::vector<std::string_view> coefficient_names(bool fisheye, std::size_t count);
 

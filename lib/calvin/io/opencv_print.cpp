@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calvin/io/calibration_formats.hpp"
+#include "calvin/io/opencv_camera.hpp"
 #include "calvin/io/opencv_storage.hpp"
 
 namespace calvin::io {
@@ -72,6 +73,8 @@ Result<std::string> print_opencv(const Syntax& syntax, const Calibration& calibr
 }
 
 }  // namespace
+
+bool opencv_holds(std::string_view model) { return coefficient_count(model).has_value(); }
 
 Result<std::string> print_opencv_yaml(const Calibration& calibration) {
   return print_opencv(kYaml, calibration);

@@ -33,6 +33,14 @@ const Row* find_model(std::string_view name) {
   return it == kDistortionModels.end() ? nullptr : &*it;
 }
 
+// The first that holds that many coefficients, or nullptr.
+const Row* model_for(bool fisheye, std::size_t coefficients) {
+  const auto it = std::find_if(
+      kDistortionModels.begin(), kDistortionModels.end(),
+      [&](const Row& row) { return row.fisheye == fisheye && row.most >= coefficients; });
+  return it == kDistortionModels.end() ? nullptr : &*it;
+}
+
 // A name with any character in it is as good YAML as it is JSON.
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -44,6 +52,11 @@ std::string print_matrix(std::string_view name, const Matrix& matrix) {
 }
 
 }  // namespace
+
+bool ros_holds(std::string_view model) {
+  const auto count = coefficient_count(model);
+  return count && model_for(model == "fisheye", *count) != nullptr;
+}
 
 bool is_ros(const Node& root) { return root.find("distortion_model") != nullptr; }
 
@@ -86,14 +99,9 @@ Result<std::string> print_ros(const Calibration& calibration) {
   auto camera = to_opencv(calibration);
   if (!camera) return tl::unexpected(camera.error());
   auto& d = camera->distortion;
-  const auto model = std::find_if(
-      kDistortionModels.begin(), kDistortionModels.end(),
-      [&](const Row& row) { return row.fisheye == camera->fisheye && row.most >= d.size(); });
-  if (model == kDistortionModels.end()) {
-    return make_error(ErrorCode::kUnsupported,
-                      fmt::format("ROS has no camera model like {}; write the format calvin or "
-                                  "opencv-yaml, or calibrate with the model brown5 or fisheye.",
-                                  calibration.model));
+  const Row* model = model_for(camera->fisheye, d.size());
+  if (model == nullptr) {
+    return make_error(ErrorCode::kUnsupported, "ROS has no such camera model.");
   }
   d.resize(model->most);
   const auto& k = camera->k;

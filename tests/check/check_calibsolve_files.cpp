@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibsolve: the files that it writes, under whatever names and in whatever places.
+
+#include <sys/mount.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "calvin/io/calibration_io.hpp"
+#include "solve_fixture.hpp"
+
+#include <gst/check/gstcheck.h>
+
+using namespace calvin;
+using check::SolveFixture;
+
+static int warnings(SolveFixture& f) {
+  return static_cast<int>(f.bus.texts(GST_MESSAGE_WARNING).size());
+}
+
+// A file that a container was given alone: it cannot be replaced, only overwritten.
+GST_START_TEST(test_a_location_that_is_a_mount_point_is_written) {
+  check::TemporaryFolder folder;
+  const std::string outside = folder / "outside.json";
+  const std::string location = folder / "cam.json";
+  std::ofstream(outside) << std::string(100000, 'x');
+  std::ofstream(location).close();
+  if (mount(outside.c_str(), location.c_str(), nullptr, MS_BIND, nullptr) != 0) {
+    g_print("skipped: a mount takes the rights of root\n");
+    return;
+  }
+  {
+    SolveFixture f("location=" + location);
+    f.push_views(10);
+    f.eos();
+    fail_unless_equals_int(warnings(f), 0);
+    fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  }
+  umount(location.c_str());
+  const auto read = read_calibration(outside);
+  fail_unless(read.has_value(), "%s", read ? "" : read.error().message.c_str());
+  fail_unless_equals_int(read->views.size(), 10);
+}
+GST_END_TEST;
+
+// The second format would replace the first one, at every solve.
+GST_START_TEST(test_two_names_of_one_file_are_refused) {
+  check::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "sub");
+  std::filesystem::create_symlink("cam.json", folder / "link.json");
+  const std::string before = std::filesystem::current_path();
+  std::filesystem::current_path(folder / "sub");
+  for (const std::string& other : {folder / "link.json", std::string("../cam.json")}) {
+    const auto texts = check::errors_at_start(
+        "calibsolve", "export", ("calvin:" + folder / "cam.json" + ",ros:" + other).c_str());
+    fail_unless(texts.size() == 1 && texts[0].find("twice") != std::string::npos, "%s",
+                other.c_str());
+  }
+  std::filesystem::current_path(before);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_links_in_a_circle_are_no_location) {
+  check::TemporaryFolder folder;
+  const std::string location = folder / "a";
+  std::filesystem::create_symlink("b", location);
+  std::filesystem::create_symlink("a", folder / "b");
+  SolveFixture f("location=" + location);
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, location.c_str()));
+  f.push_views(10);
+  f.eos();
+  fail_unless(f.bus.says(GST_MESSAGE_ERROR, location.c_str()));
+  fail_unless(std::filesystem::is_symlink(location));
+}
+GST_END_TEST;
+
+// Names of files are bytes; what is shown of them is UTF-8. GStreamer says of other text "please
+// file a bug", which ends a test.
+GST_START_TEST(test_names_need_not_be_utf8) {
+  check::TemporaryFolder folder;
+  const std::string location = folder / "caf\xe9.json";
+  SolveFixture f;
+  g_object_set(f.element, "location", location.c_str(), "camera", "c\xe9line", nullptr);
+  f.push_views(10);
+  f.eos();
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  const auto read = read_calibration(location);
+  fail_unless(read.has_value());
+  fail_unless_equals_string(read->camera.c_str(), "c\xef\xbf\xbdline");
+  const GstStructure* r = f.result("final");
+  const std::string shown = folder / "caf\xef\xbf\xbd.json";
+  fail_unless_equals_string(gst_structure_get_string(r, "location"), shown.c_str());
+  fail_unless_equals_string(gst_structure_get_string(r, "camera"), "c\xef\xbf\xbdline");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_what_is_said_of_names_is_utf8) {
+  SolveFixture f;
+  g_object_set(f.element, "location", "/nowhere/caf\xe9.json", nullptr);
+  gst_buffer_unref(f.push(0));
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "/nowhere/caf\xef\xbf\xbd.json"));
+}
+GST_END_TEST;
+
+static const struct {
+  const char* model;
+  const char* format;
+} kNotHeld[] = {{"ucm", "opencv-yaml"},
+                {"eucm", "opencv-xml"},
+                {"doublesphere", "ros"},
+                {"doublesphere", "opencv-json"},
+                {"tilted14", "ros"}};
+
+GST_START_TEST(test_a_lens_that_a_format_does_not_hold_is_an_error_at_the_start) {
+  const auto& [model, format] = kNotHeld[__i__];
+  GstElement* element = gst_element_factory_make("calibsolve", nullptr);
+  g_object_set(element, "model", model, "export", (std::string(format) + ":/tmp/a").c_str(),
+               nullptr);
+  const auto texts = check::errors_at_start(element);
+  fail_unless_equals_int(texts.size(), 1);
+  fail_unless(texts[0].find(std::string("format ") + format) != std::string::npos, "%s",
+              texts[0].c_str());
+  fail_unless(texts[0].find(std::string("like ") + model) != std::string::npos);
+  // The other programs' names have no place there.
+  for (const char* other : {"ros", "ROS", "OpenCV", "opencv-yaml"}) {
+    fail_if(texts[0].find(other) != std::string::npos && other != std::string(format), "%s",
+            texts[0].c_str());
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_such_a_lens_is_refused_while_frames_flow) {
+  check::TemporaryFolder folder;
+  SolveFixture f("export=ros:" + folder / "cam.yaml");
+  f.push_views(10);
+  g_object_set(f.element, "model", "doublesphere", nullptr);
+  gst_buffer_unref(f.push(10));
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "format ros has no camera model like doublesphere"));
+  f.eos();
+  fail_unless_equals_int(warnings(f), 1);
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  fail_unless_equals_string(read_calibration(folder / "cam.yaml")->model.c_str(), "brown5");
+}
+GST_END_TEST;
+
+// Nobody knows before the first result which lens it will be.
+GST_START_TEST(test_model_auto_says_it_at_the_first_result) {
+  check::TemporaryFolder folder;
+  check::Scene wide;
+  wide.camera =
+      Camera::make("doublesphere", wide.size, {190, 190, 319.5, 239.5, -0.2, 0.6}).value();
+  wide.motion = Motion(MotionKind::kRandom, wide.camera, wide.board, 1);
+  SolveFixture f("model=auto min-views=8 export=opencv-yaml:" + folder / "cam.yaml", wide);
+  f.push_views(8);
+  for (int i = 0; i < 3000 && f.result("intermediate") == nullptr; ++i) g_usleep(10000);
+  fail_unless(f.result("intermediate") != nullptr);
+  const GstStructure* first = f.bus.named("calib-result").front();
+  const std::string model = gst_structure_get_string(first, "model");
+  fail_if(can_hold("opencv-yaml", model).has_value(), "%s tests nothing", model.c_str());
+  const std::string said = "The file format opencv-yaml has no camera model like " + model;
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, said.c_str()));
+}
+GST_END_TEST;
+
+static Suite* calibsolve_files_suite() {
+  Suite* suite = suite_create("calibsolve_files");
+  TCase* tc = tcase_create("general");
+  tcase_set_timeout(tc, 60);
+  suite_add_tcase(suite, tc);
+  tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
+  tcase_add_test(tc, test_a_location_that_is_a_mount_point_is_written);
+  tcase_add_test(tc, test_two_names_of_one_file_are_refused);
+  tcase_add_test(tc, test_links_in_a_circle_are_no_location);
+  tcase_add_test(tc, test_names_need_not_be_utf8);
+  tcase_add_test(tc, test_what_is_said_of_names_is_utf8);
+  tcase_add_loop_test(tc, test_a_lens_that_a_format_does_not_hold_is_an_error_at_the_start, 0,
+                      static_cast<int>(std::size(kNotHeld)));
+  tcase_add_test(tc, test_such_a_lens_is_refused_while_frames_flow);
+  tcase_add_test(tc, test_model_auto_says_it_at_the_first_result);
+  return suite;
+}
+
+GST_CHECK_MAIN(calibsolve_files)
