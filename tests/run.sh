@@ -64,4 +64,9 @@ for build in sys.argv[1:]:
 failed = [r for r in results if r not in ("OK", "SKIP")]
 print(f"{results.count('OK')} passed, {len(failed)} failed, {results.count('SKIP')} skipped")
 END
+
+# Whether the tests would notice mistakes.
+if [ -n "${CALVIN_FULL:-}" ]; then
+  "$source/tests/mutants/run.py" --dir "$build-mutants" --jobs 2 || status=$?
+fi
 exit "$status"
