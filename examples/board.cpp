@@ -30,7 +30,7 @@ DPI is the resolution of a PNG, {} if not given.
 )";
 
 std::string usage() {
-  return fmt::format(fmt::runtime(kUsage), fmt::join(calvin::paper_names(), ", "),
+  return fmt::format(fmt::runtime(kUsage), calvin::join(calvin::paper_names(), ", "),
                      calvin::kDefaultDpi);
 }
 

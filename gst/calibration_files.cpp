@@ -8,7 +8,6 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
@@ -48,7 +47,7 @@ Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& 
                         fmt::format("The export '{}' is wrong. A right text is "
                                     "'ros:camera.yaml', several separated by commas; the formats "
                                     "are {}.",
-                                    item, fmt::join(formats, ", ")));
+                                    item, join(formats, ", ")));
     }
     files.push_back({std::string(format), std::string(item.substr(colon + 1))});
   }

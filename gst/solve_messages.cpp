@@ -7,8 +7,7 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include "calvin/core/text.hpp"
 
 #include "values.hpp"
 
@@ -83,8 +82,7 @@ GstStructure* result_message(const FrameTimes& times, const Solution& solution,
     gst_structure_set(s, "misfit", G_TYPE_STRING, cause.c_str(), nullptr);
   }
   if (!solution.remarks.empty()) {
-    gst_structure_set(s, "remarks", G_TYPE_STRING,
-                      fmt::format("{}", fmt::join(solution.remarks, " ")).c_str(), nullptr);
+    gst_structure_set(s, "remarks", G_TYPE_STRING, join(solution.remarks, " ").c_str(), nullptr);
   }
   set_optional(s, "expected-error", c.expected_error);
   if (!location.empty()) {

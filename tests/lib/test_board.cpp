@@ -179,7 +179,9 @@ TEST_F(BoardNames, SeveralBoardsAtOnce) {
 TEST_F(BoardNames, WrongListsShowARightText) {
   std::string many;
   for (int i = 0; i <= kMaxBoards; ++i) {
-    many += (i > 0 ? ";" : "") + ("checkerboard:9x" + std::to_string(3 + i)) + ":25mm";
+    if (i > 0) many += ';';
+    many += "checkerboard:9x";
+    many += std::to_string(3 + i) + ":25mm";
   }
   for (const std::string& wrong :
        {std::string(";"), std::string("checkerboard:9x6:25mm;"),

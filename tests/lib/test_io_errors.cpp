@@ -111,7 +111,7 @@ TEST(BadContent, NotACalibration) {
       {"%YAML:1.0\n---\n" + repeated("[", 1'000'000), ""},
       {"{\"format\": [" + repeated("1,", 3'000'000) + "1]}", "values"},
       {std::string(1'000'000, 'a'), ""},
-      {"\"" + std::string(1'000'000, 'a'), ""},
+      {'"' + std::string(1'000'000, 'a'), ""},
       {repeated("? ", 100'000), ""},
   };
   for (const Bad& bad : table) {

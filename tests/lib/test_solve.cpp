@@ -4,10 +4,9 @@
 // The solve: honest covariance, plain least squares, outliers, data that determine little.
 #include <limits>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include "calvin/core/text.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin/synth/render.hpp"
 #include "scenes.hpp"
@@ -333,8 +332,7 @@ TEST_F(Solve, ViewsThatAllTiltTheSameWayAreRemarkedOn) {
     if (scenes::sees_all(camera_, kBoard, pose)) poses.push_back(pose);
   }
   const auto solution = solve(scenes::observe_all(camera_, kBoard, poses, 0.5, random_), kSize);
-  const std::string all =
-      solution ? fmt::format("{}", fmt::join(solution->remarks, " ")) : solution.error().message;
+  const std::string all = solution ? join(solution->remarks, " ") : solution.error().message;
   EXPECT_NE(all.find("tilted"), std::string::npos) << all;
 }
 

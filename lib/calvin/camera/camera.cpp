@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <Eigen/Geometry>
 
 #include "calvin/camera/models.hpp"
+#include "calvin/core/text.hpp"
 
 namespace calvin {
 
@@ -53,7 +54,7 @@ tl::unexpected<Error> unknown_model(std::string_view name) {
   return make_error(
       ErrorCode::kUnsupported,
       fmt::format("The camera model '{}' is not known to this version. Known models: {}.", name,
-                  fmt::join(model_names(), ", ")));
+                  join(model_names(), ", ")));
 }
 
 }  // namespace
@@ -81,7 +82,7 @@ Result<Camera> Camera::make(const Calibration& calibration) {
     if (p == nullptr) {
       return make_error(ErrorCode::kMalformed,
                         fmt::format("The calibration has no '{}', which the model {} needs ({}).",
-                                    name, f->name, fmt::join(f->parameters, " ")));
+                                    name, f->name, join(f->parameters, " ")));
     }
     values.push_back(p->value);
   }
@@ -94,7 +95,7 @@ Result<Camera> Camera::make(const Calibration& calibration) {
       return make_error(
           ErrorCode::kMalformed,
           fmt::format("The calibration has a '{}', which the model {} does not know ({}).", p.name,
-                      f->name, fmt::join(f->parameters, " ")));
+                      f->name, join(f->parameters, " ")));
     }
   }
   return make(calibration.model, calibration.image_size, values, skew);
@@ -115,7 +116,7 @@ Result<Camera> Camera::make(std::string_view model, ImageSize size,
   if (parameters.size() != names.size()) {
     return make_error(ErrorCode::kMalformed,
                       fmt::format("The model {} has {} parameters ({}), not {}.", model,
-                                  names.size(), fmt::join(names, " "), parameters.size()));
+                                  names.size(), join(names, " "), parameters.size()));
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (!std::isfinite(parameters[i]) || std::abs(parameters[i]) > 1e12) {
@@ -143,7 +144,7 @@ Result<Camera> Camera::make(std::string_view model, ImageSize size,
     return make_error(
         ErrorCode::kMalformed,
         fmt::format("With these coefficients the model {} sees nothing ({}): check them.", model,
-                    fmt::join(names.begin() + 4, names.end(), " ")));
+                    join(std::span(names).subspan(4), " ")));
   }
   return camera;
 }

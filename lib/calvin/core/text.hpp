@@ -20,6 +20,22 @@ namespace calvin {
 
 // The fields between separators, white space around each removed; "" gives one empty field.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
+// What split() takes apart: the parts, a separator between each two.
+template <typename Range>
+[[nodiscard]] std::string join(const Range& parts, std::string_view separator) {
+  std::string text;
+  std::string_view between;
+  for (const auto& part : parts) {
+    text.append(between).append(part);
+    between = separator;
+  }
+  return text;
+}
 [[nodiscard]] std::string_view trim(std::string_view text) noexcept;
+
+// Whether it is a control character of ASCII. A char is signed on x86 only.
+[[nodiscard]] constexpr bool is_control(char c) noexcept {
+  return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+}
 
 }  // namespace calvin

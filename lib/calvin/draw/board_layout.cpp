@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "calvin/core/text.hpp"
 #include "calvin/draw/board_drawing.hpp"
 #include "calvin/draw/page.hpp"
 
@@ -148,7 +149,7 @@ Result<BoardLayout> lay_out_board(const Board& board, std::string_view paper) {
   if (name == "auto") return made_to_measure(board);
   return make_error(ErrorCode::kInvalidArgument,
                     fmt::format("There is no paper called '{}'; use auto, fit or one of {}.", paper,
-                                fmt::join(paper_names(), ", ")));
+                                join(paper_names(), ", ")));
 }
 
 std::vector<std::string> paper_names() {

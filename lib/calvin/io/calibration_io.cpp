@@ -8,7 +8,6 @@
 #include <iterator>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
@@ -52,7 +51,7 @@ Result<const Writer*> find_writer(std::string_view format) {
   if (writer != kWriters.end()) return &*writer;
   return make_error(ErrorCode::kInvalidArgument,
                     fmt::format("There is no calibration format '{}'. Known formats: {}.", format,
-                                fmt::join(calibration_formats(), ", ")));
+                                join(calibration_formats(), ", ")));
 }
 
 tl::unexpected<Error> not_held(const Writer& writer, std::string_view model) {
@@ -61,7 +60,7 @@ tl::unexpected<Error> not_held(const Writer& writer, std::string_view model) {
   return make_error(ErrorCode::kUnsupported,
                     fmt::format("The file format {} has no camera model like {}. Write the format "
                                 "calvin, which holds every model, or calibrate with one of {}.",
-                                writer.format, model, fmt::join(held, ", ")));
+                                writer.format, model, join(held, ", ")));
 }
 
 bool is_control(char c) {

@@ -8,7 +8,6 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
@@ -59,7 +58,7 @@ Result<std::string> take_model(Keys& keys) {
     const auto& known = model_names();
     if (std::find(known.begin(), known.end(), model) == known.end()) {
       return wrong(fmt::format("there is no camera model '{}'; there are {}",
-                               io::shortened(model, 40), fmt::join(known, ", ")),
+                               io::shortened(model, 40), join(known, ", ")),
                    ErrorCode::kUnsupported);
     }
     return model;
@@ -74,7 +73,7 @@ Result<std::string> take_model(Keys& keys) {
       std::find_if(keys.begin(), keys.end(), [&](auto& k) { return !knows(largest, k.first); });
   return wrong(fmt::format("'{}' is not of {} ({}) and no model is named (model=fisheye)",
                            io::shortened(unknown->first, 40), largest,
-                           fmt::join(parameter_names(largest), " ")));
+                           join(parameter_names(largest), " ")));
 }
 
 // Takes `width` and `height` out of the keys; 0x0 where neither is there.
@@ -111,7 +110,7 @@ Result<std::vector<Parameter>> read_parameters(const std::string& model, const K
                                  [k = key](const Parameter& p) { return p.name == k; });
     if (it == parameters.end()) {
       return wrong(fmt::format("'{}' is not of the model {} ({})", io::shortened(key, 40), model,
-                               fmt::join(parameter_names(model), " ")));
+                               join(parameter_names(model), " ")));
     }
     const auto value = parse_double(text);
     if (!value) {

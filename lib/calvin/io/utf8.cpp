@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "calvin/core/text.hpp"
+
 namespace calvin::io {
 
 namespace {
@@ -51,7 +53,7 @@ std::string shortened(std::string_view text, std::size_t length) {
   }
   if (result.size() > length) result.resize(length);
   for (char& c : result) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+    if (is_control(c)) c = ' ';
   }
   return text.size() > length ? result + "..." : result;
 }

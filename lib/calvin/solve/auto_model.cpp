@@ -11,7 +11,8 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+
+#include "calvin/core/text.hpp"
 
 namespace calvin {
 
@@ -112,7 +113,7 @@ std::string explain(const std::vector<Trial>& trials, std::size_t best) {
                                  sigmas > 0 ? "better" : "worse", std::abs(sigmas)));
   }
   return fmt::format("The views ask for the model {}. On views held out: {}.", trials[best].model,
-                     fmt::join(others, ", "));
+                     join(others, ", "));
 }
 
 }  // namespace

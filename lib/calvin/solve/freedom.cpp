@@ -9,7 +9,6 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/models.hpp"
@@ -117,7 +116,7 @@ class Reader {
         ErrorCode::kInvalidArgument,
         fmt::format("'{}' cannot be fixed. What can: aspect, center, {}, and two of them tied to "
                     "one value, as in fx=fy.",
-                    word, fmt::join(names_, ", ")));
+                    word, join(names_, ", ")));
   }
 
   Freedom& freedom_;
@@ -228,7 +227,7 @@ Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size, int mo
     return make_error(ErrorCode::kUnsupported,
                       fmt::format("The camera model '{}' is not known to this version. Known "
                                   "models: {}.",
-                                  options.model, fmt::join(model_names(), ", ")));
+                                  options.model, join(model_names(), ", ")));
   }
   Freedom freedom;
   freedom.model = options.model;

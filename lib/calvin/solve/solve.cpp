@@ -8,9 +8,9 @@
 #include <iterator>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/core/text.hpp"
 #include "calvin/solve/auto_model.hpp"
 #include "calvin/solve/board_shape.hpp"
 #include "calvin/solve/freedom.hpp"
@@ -112,7 +112,7 @@ std::string board_text(std::span<const View> views, const std::vector<RejectedVi
       texts.push_back(std::move(text));
     }
   }
-  return fmt::format("{}", fmt::join(texts, ";"));
+  return join(texts, ";");
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ constexpr std::size_t kLongest = 100;
 // What a user typed, fit for one line of a log.
 std::string one_line(std::string text) {
   for (char& c : text) {
-    if ((c >= 0 && c < ' ') || c == 127) c = '?';
+    if (is_control(c)) c = '?';
   }
   return text;
 }

@@ -85,7 +85,7 @@ std::string names_of(const std::vector<NamedBoard>& boards) {
     names.push_back(names.size() < kEnough ? "'" + board.name + "'" : "...");
     if (names.size() > kEnough) break;
   }
-  return fmt::format("{}", fmt::join(names, ", "));
+  return join(names, ", ");
 }
 
 Result<Board> named_board(std::string_view text) {
@@ -113,9 +113,8 @@ Result<Board> named_board(std::string_view text) {
 }
 
 Status check_name(std::string_view name) {
-  const bool control = std::any_of(name.begin(), name.end(), [](char c) {
-    return c == '#' || c == ';' || (c >= 0 && c < ' ') || c == 127;
-  });
+  const bool control = std::any_of(name.begin(), name.end(),
+                                   [](char c) { return c == '#' || c == ';' || is_control(c); });
   if (!name.empty() && name.size() <= kMaxName && !control && trim(name) == name) return {};
   return make_error(
       ErrorCode::kInvalidArgument,
