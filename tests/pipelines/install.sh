@@ -1,26 +1,44 @@
 #!/bin/sh
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# What `meson install` leaves: a plugin that works where it lies, and a library to build against.
-#   install.sh BUILD PREFIX LIBDIR
+# What `meson install` leaves: a plugin that works where it lies or is linked into a program, and a
+# library to build against.
+#   install.sh BUILD PREFIX LIBDIR STATIC_PLUGIN.c
 set -eu
 build=$1
+prefix=$2
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 meson install -C "$build" --no-rebuild --quiet --destdir "$folder"
-libdir=$folder$2/$3
+libdir=$folder$prefix/$3
+plugin=$libdir/gstreamer-1.0/libgstcalvin
+export GST_REGISTRY="$folder/registry" GST_PRESET_PATH="$folder$prefix/share/gstreamer-1.0/presets"
 
-export GST_PLUGIN_PATH_1_0="$libdir/gstreamer-1.0" GST_REGISTRY="$folder/registry"
-gst-inspect-1.0 calibrate | grep -q "Filename *$libdir/gstreamer-1.0/libgstcalvin.so"
-gst-launch-1.0 -q calibtestsrc num-buffers=2 ! fakesink
+try_plugin() {
+  export GST_PLUGIN_PATH_1_0="$libdir/gstreamer-1.0"
+  gst-inspect-1.0 calibrate | grep -q "Filename *$plugin.so"
+  gst-launch-1.0 -q calibtestsrc num-buffers=2 ! fakesink
+  for finder in calibdetect calibrate; do
+    gst-launch-1.0 -m calibtestsrc num-buffers=1 ! \
+      $finder post-messages=true '@preset=ROS 8x6 108mm' ! fakesink |
+      grep -q 'calib-detection.*checkerboard:8x6:108mm'
+  done
+}
 
-export GST_PRESET_PATH="$folder$2/share/gstreamer-1.0/presets"
-for finder in calibdetect calibrate; do
-  gst-launch-1.0 -m calibtestsrc num-buffers=1 ! \
-    $finder post-messages=true '@preset=ROS 8x6 108mm' ! fakesink |
-    grep -q 'calib-detection.*checkerboard:8x6:108mm'
-done
+# The libraries that packages name, without the folders, which are not yet where it says.
+libraries() {
+  PKG_CONFIG_PATH="$libdir/pkgconfig:$libdir/gstreamer-1.0/pkgconfig" \
+    pkg-config --libs-only-l "$@"
+}
 
-cat >"$folder/use.cpp" <<'END'
+try_static_plugin() {
+  # shellcheck disable=SC2046 # several words
+  cc -Wall -Werror "$1" -o "$folder/static" $(pkg-config --cflags gstreamer-1.0) \
+    "-L$libdir/gstreamer-1.0" "-L$libdir" $(libraries --static gstcalvin)
+  LD_LIBRARY_PATH="$libdir" GST_PLUGIN_PATH_1_0="" "$folder/static"
+}
+
+try_library() {
+  cat >"$folder/use.cpp" <<'END'
 #include <cstdio>
 
 #include <calvin/camera/camera.hpp>
@@ -40,9 +58,15 @@ int main() {
   return calvin::read_calibration("/nowhere").has_value();
 }
 END
-export PKG_CONFIG_PATH="$libdir/pkgconfig" PKG_CONFIG_SYSROOT_DIR="$folder"
-# shellcheck disable=SC2046 # several words
-c++ -std=c++20 -Wall -Werror "$folder/use.cpp" -o "$folder/use" \
-  "-I$folder$2/include" $(PKG_CONFIG_SYSROOT_DIR='' pkg-config --cflags eigen3) \
-  "-L$libdir" $(pkg-config --libs-only-l calvin)
-[ "$(LD_LIBRARY_PATH="$libdir" "$folder/use")" = "320 240" ]
+  # shellcheck disable=SC2046 # several words
+  c++ -std=c++20 -Wall -Werror "$folder/use.cpp" -o "$folder/use" \
+    "-I$folder$prefix/include" $(pkg-config --cflags eigen3) "-L$libdir" $(libraries $static calvin)
+  [ "$(LD_LIBRARY_PATH="$libdir" "$folder/use")" = "320 240" ]
+}
+
+static=""
+[ -e "$libdir/libcalvin.so" ] || static=--static
+[ ! -e "$plugin.so" ] || try_plugin
+[ ! -e "$plugin.a" ] || try_static_plugin "$4"
+[ -e "$plugin.so" ] || [ -e "$plugin.a" ]
+try_library
