@@ -23,6 +23,7 @@
 #include "calvin/synth/render.hpp"
 #include "detect_scenes.hpp"
 #include "detect_subjects.hpp"
+#include "spread.hpp"
 
 namespace bench {
 namespace {
@@ -174,25 +175,19 @@ void classes(const std::vector<Subject>& all, int images, calvin::ImageSize size
   }
 }
 
-// How many times as long as ours a peer takes in the median, in the pictures in which it was asked.
-double times_ours(std::vector<double> ours, const std::vector<double>& peer) {
-  for (std::size_t i = 0; i < ours.size(); ++i) {
-    if (std::isnan(peer[i])) ours[i] = NAN;
-  }
-  return quantile(peer, 0.5) / quantile(ours, 0.5);
-}
-
-// `all_ms`: of each subject, in the order of the pictures.
+// `all_ms`: of each subject, in the order of the pictures. The ratios are of single pictures, in
+// which the peer was asked.
 void print_times(const char* what, const std::vector<Subject>& all,
                  const std::vector<std::vector<double>>& all_ms, const std::vector<int>& found) {
-  std::printf("\n%-18s %-20s %8s %8s %8s %8s %8s %10s\n", what, "", "images", "found", "median",
-              "p95", "max ms", "of ours");
+  std::printf("\n%-18s %-20s %8s %8s %8s %8s %8s   %s\n", what, "", "images", "found", "median",
+              "p95", "max ms", "of ours, median (from .. to)");
   for (std::size_t k = 0; k < all.size(); ++k) {
     const std::vector<double>& ms = all_ms[k];
     const auto asked = std::count_if(ms.begin(), ms.end(), [](double m) { return !std::isnan(m); });
-    std::printf("%-18s %-20s %8d %8d %8.2f %8.2f %8.2f %9.1fx\n", "", all[k].name.c_str(),
-                static_cast<int>(asked), found[k], quantile(ms, 0.5), quantile(ms, 0.95),
-                quantile(ms, 1), times_ours(all_ms[0], ms));
+    const Spread ratio = spread_of(ratios(ms, all_ms[0]));
+    std::printf("%-18s %-20s %8d %8d %8.2f %8.2f %8.2f   %.1f (%.1f .. %.1f)\n", "",
+                all[k].name.c_str(), static_cast<int>(asked), found[k], quantile(ms, 0.5),
+                quantile(ms, 0.95), quantile(ms, 1), ratio.median, ratio.least, ratio.most);
   }
 }
 
@@ -222,9 +217,10 @@ void videos(int frames) {
   const auto searcher = std::move(*calvin::make_detector(board));
   std::vector<double> followed;
   std::vector<double> searched;
+  std::vector<double> shares;  // of each scene
   int found = 0;
+  constexpr int kScene = 60;  // frames, 2 s
   for (int n = 0; n < frames; ++n) {
-    constexpr int kScene = 60;  // frames, 2 s
     const auto seed = static_cast<std::uint64_t>(n / kScene);
     const calvin::Motion motion(calvin::MotionKind::kHand, camera, board, seed);
     const calvin::GrayImage image =
@@ -237,12 +233,21 @@ void videos(int frames) {
     followed.push_back(middle - begin);
     searched.push_back(thread_ms() - middle);
     found += seen.observation.found();
+    if ((n + 1) % kScene == 0) {
+      const auto middle_of = [n](const std::vector<double>& ms) {
+        return quantile({ms.begin() + n + 1 - kScene, ms.begin() + n + 1}, 0.5);
+      };
+      shares.push_back(middle_of(followed) / middle_of(searched));
+    }
   }
   std::printf("\n%-18s %8s %8s %8s %8s\n", "hand video, 720p", "frames", "found", "median", "p95");
   std::printf("%-18s %8d %8d %8.2f %8.2f\n", "followed", frames, found, quantile(followed, 0.5),
               quantile(followed, 0.95));
   std::printf("%-18s %8d %8s %8.2f %8.2f\n", "searched", frames, "", quantile(searched, 0.5),
               quantile(searched, 0.95));
+  const Spread share = spread_of(shares);
+  std::printf("followed / searched, scenes of %d frames: %.2f (%.2f .. %.2f)\n", kScene,
+              share.median, share.least, share.most);
   std::fflush(stdout);
 }
 

@@ -113,7 +113,7 @@ void register_case(const std::string& name, const char* format, ImageSize size,
 
 int main(int argc, char** argv) {
   gst_init(&argc, &argv);
-  benchmark::Initialize(&argc, argv);
+  bench::initialize_interleaved(argc, argv);
   const std::string convert = "videoconvert n-threads=1";
   for (const char* format : {"GRAY8", "NV12", "RGB"}) {
     register_case(std::string("board, async, 1080p ") + format, format, kFullHd,

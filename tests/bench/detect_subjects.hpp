@@ -12,7 +12,9 @@
 #include <string>
 #include <vector>
 
+#if BENCH_HAVE_MRGINGHAM
 #include <mrgingham/mrgingham.hh>
+#endif
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -93,6 +95,7 @@ inline calvin::Observation by_opencv_sb(const cv::Mat& image, const calvin::Boar
   return observation_of(corners);
 }
 
+#if BENCH_HAVE_MRGINGHAM
 inline calvin::Observation by_mrgingham(const cv::Mat& image, const calvin::Board& board) {
   std::vector<mrgingham::PointDouble> points;
   if (mrgingham::find_chessboard_from_image_array(points, nullptr, board.cols, image) < 0)
@@ -104,11 +107,15 @@ inline calvin::Observation by_mrgingham(const cv::Mat& image, const calvin::Boar
   return observation_of(corners);
 }
 
+#endif
+
 inline std::vector<Subject> subjects() {
-  return {{"calvin", by_calvin},
-          {"OpenCV FAST_CHECK", by_opencv},
-          {"OpenCV SB", by_opencv_sb},
-          {"mrgingham", by_mrgingham, true}};
+  std::vector<Subject> all = {
+      {"calvin", by_calvin}, {"OpenCV FAST_CHECK", by_opencv}, {"OpenCV SB", by_opencv_sb}};
+#if BENCH_HAVE_MRGINGHAM
+  all.emplace_back("mrgingham", by_mrgingham, true);
+#endif
+  return all;
 }
 
 }  // namespace bench
