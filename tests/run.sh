@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what is missing, builds, and runs every test.
 #   run.sh           every claim at a reduced count
-#   run.sh --full    the counts that docs and issues name
+#   run.sh --full    the counts that docs and issues name, and every other build (tests/builds/run.sh)
 # CALVIN_WERROR=true makes warnings errors, as .ci/run does.
 # Real pictures are taken from the folder that CALVIN_DATA names, ../shared/data where it is there.
 set -eu
@@ -47,16 +47,24 @@ for sanitizer in address thread; do
   "$source/tests/sanitizers/run.sh" $sanitizer "$build-$sanitizer" || status=$?
 done
 
+# The other build types, compilers and systems, one after the other; each is counted as a test.
+others=""
+if [ -n "${CALVIN_FULL:-}" ]; then
+  others=$build-others
+  "$source/tests/builds/run.sh" "$others" || status=$?
+fi
+
 # The closing line, counted from meson's own lists. A build that failed has none and is a failure.
-python3 - "$build" "$build-address" "$build-thread" <<'END'
+python3 - "$build" "$build-address" "$build-thread" ${others:+"$others"} <<'END'
 import json
 import os
 import sys
 
 results = []
 for build in sys.argv[1:]:
-    path = os.path.join(build, "meson-logs", "testlog.json")
-    if not os.path.exists(path):
+    logs = [os.path.join(build, name) for name in ("meson-logs/testlog.json", "results.json")]
+    path = next(filter(os.path.exists, logs), None)
+    if path is None:
         results.append("ERROR")
         continue
     with open(path) as log:

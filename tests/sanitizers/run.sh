@@ -3,8 +3,8 @@
 # Builds the plugin and its tests under a sanitizer, and runs them.
 #   run.sh address BUILD   address and undefined behaviour: the suite `memory`
 #   run.sh thread BUILD    data races: the suite `threads`
-# CALVIN_BUILD_ONLY=1 does not run them. CALVIN_FULL=1 also checks what takes as long to compile as all the rest, pointers that are null or
-# not aligned, and runs all of tests/check for the first.
+# CALVIN_BUILD_ONLY=1 does not run them. CALVIN_FULL=1 also checks what takes as long to compile as
+# all the rest, pointers that are null or not aligned, and runs all of tests/check for the first.
 set -eu
 
 source=$(cd "$(dirname "$0")/../.." && pwd)

@@ -1,0 +1,105 @@
+#!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Builds the project in other ways than tests/run.sh does, and tries what comes out: a line for each.
+#   run.sh [NAME...] DIR
+# A NAME is one of these; without any it does all:
+#   debug debugoptimized plain minsize   gcc, the build types but release
+#   clang       release, by clang++
+#   nofeatures  without OpenCV, Cairo, Pango, YAML and XML, with all tests
+#   static      archives, and a program in C that holds the plugin
+#   aarch64     64-bit ARM: the library's tests, the plugin and a pipeline under qemu
+#   benches     each benchmark at its smallest size
+#   debian12 debian13   both commands of the README in a fresh system (needs root)
+# DIR/NAME.log holds what a build says, DIR/NAME what it leaves. With CALVIN_WERROR=true warnings are
+# errors.
+set -eu
+
+usage() {
+  sed -n '3,14s/^# *//p' "$0" >&2
+  exit 2
+}
+
+source=$(cd "$(dirname "$0")/../.." && pwd)
+all="debug debugoptimized plain minsize clang nofeatures static aarch64 benches debian12 debian13"
+names=""
+while [ $# -gt 1 ]; do
+  case " $all " in
+    *" $1 "*) names="$names $1" ;;
+    *) usage ;;
+  esac
+  shift
+done
+[ $# -eq 1 ] || usage
+mkdir -p "$1"
+dir=$(cd "$1" && pwd)
+unset CALVIN_FULL # builds are what is tried here
+
+# build NAME [OPTION OF MESON...]: everything, tests and examples included.
+build() {
+  folder=$dir/$1
+  shift
+  [ -f "$folder/build.ninja" ] ||
+    meson setup "$folder" "$source" -Dwerror="${CALVIN_WERROR:-false}" "$@"
+  ninja -C "$folder"
+}
+
+smoke() { "$source/tests/builds/smoke.sh" "$@"; }
+
+build_aarch64() {
+  # What the library and the plugin are compiled against, and what the tests need besides.
+  # shellcheck disable=SC2046 # several words
+  "$source/tests/builds/sysroot.sh" arm64 "$dir/sysroot" \
+    $("$source/examples/install-packages.sh" --print build test | grep -e '-dev$' |
+      grep -v opencv) gstreamer1.0-tools gstreamer1.0-plugins-base
+  printf "[constants]\nsysroot = '%s'\n" "$dir/sysroot" >"$dir/sysroot.ini"
+  build aarch64 --cross-file "$dir/sysroot.ini" --cross-file "$source/tests/builds/aarch64.ini" \
+    -Dopencv=disabled
+  CALVIN_SYSROOT="$dir/sysroot" smoke "$dir/aarch64" --suite lib
+}
+
+build_named() {
+  case "$1" in
+    clang)
+      export CC=clang CXX=clang++
+      build clang
+      smoke "$dir/clang"
+      ;;
+    nofeatures)
+      build nofeatures -Dopencv=disabled -Ddraw=disabled -Dtext=disabled -Dformats=disabled
+      smoke "$dir/nofeatures" --no-suite style
+      ;;
+    static)
+      build static -Ddefault_library=static
+      smoke "$dir/static" install geometry board io
+      ;;
+    aarch64) build_aarch64 ;;
+    benches)
+      export CALVIN_BENCH_BUILD="$dir/benches"
+      "$source/tests/bench/run.sh" --smallest
+      ;;
+    debian12) "$source/tests/builds/debian.sh" bookworm "$dir/debian12" ;;
+    debian13) "$source/tests/builds/debian.sh" trixie "$dir/debian13" ;;
+    *)
+      build "$1" --buildtype="$1"
+      smoke "$dir/$1"
+      ;;
+  esac
+}
+
+status=0
+: >"$dir/results.json" # one line each, as in meson's testlog.json
+"$source/examples/install-packages.sh" build test builds
+for name in ${names:-$all}; do
+  begin=$(date +%s)
+  # Not in a condition, in which the shell would go on after an error.
+  set +e
+  (set -e; build_named "$name") >"$dir/$name.log" 2>&1
+  code=$?
+  set -e
+  result=OK
+  [ $code -eq 0 ] || result=FAIL
+  echo "{\"name\": \"$name\", \"result\": \"$result\"}" >>"$dir/results.json"
+  printf '%-15s %-5s %5d s\n' "$name" "$result" $(($(date +%s) - begin))
+  [ $result = OK ] || { status=1; echo "  see $dir/$name.log"; }
+done
+exit $status
