@@ -167,8 +167,6 @@ TEST(Consistency, OfNoiseIsNone) {
   }
   const double mean = 4 / std::sqrt(sessions);
   const double square = 4 * std::sqrt(2.0 / sessions);
-  std::cout << "  views " << views[0] << " " << views[1] << ", board " << board[0] << " "
-            << board[1] << ", picture " << picture << '\n';
   EXPECT_NEAR(views[0], 0, mean);
   EXPECT_NEAR(views[1], 1, square);
   EXPECT_NEAR(board[0], 0, mean);
