@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calvin/camera/camera.hpp"
@@ -176,6 +177,22 @@ TEST(BadContent, Native) {
       {native("\"device\": {}", "\"sensor_crop\": [0, 0, 0, 480]"), "'sensor_crop'"},
   };
   for (const Bad& bad : table) expect_refused(bad);
+}
+
+// 100,000 of them once took 20 s, and four times as long each time that they were twice as many.
+TEST(BadContent, NamesWithoutEndAreRefusedBeforeTheyAreLookedUp) {
+  std::string names;
+  for (int i = 0; names.size() < kMaxCalibrationBytes - 1000; ++i) {
+    names += fmt::format("\"a{}\": 1, ", i);
+  }
+  expect_refused(
+      {native("\"fx\": 520", names + "\"fx\": 520"), "no camera model has more than 64"});
+}
+
+TEST(BadContent, TooLarge) {
+  const std::string space(kMaxCalibrationBytes - std::string(test::kNativeFile).size(), ' ');
+  EXPECT_TRUE(parse_calibration(test::kNativeFile + space));
+  expect_refused({test::kNativeFile + space + " ", "16 MiB"});
 }
 
 TEST(BadContent, OtherFormats) {

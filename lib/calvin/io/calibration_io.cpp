@@ -82,6 +82,11 @@ Status check(Calibration calibration) {
 }
 
 Result<Calibration> parse_text(std::string_view content) {
+  if (content.size() > kMaxCalibrationBytes) {
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("it is larger than the {} MiB that a calibration may have",
+                                  kMaxCalibrationBytes >> 20));
+  }
   if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
   if (const auto control = std::find_if(content.begin(), content.end(), is_control);
       control != content.end()) {
@@ -131,7 +136,7 @@ Result<Calibration> parse_calibration(std::string_view content, std::string_view
 }
 
 Result<Calibration> read_calibration(const std::filesystem::path& path) {
-  auto content = read_file(path.string());
+  auto content = read_file(path.string(), kMaxCalibrationBytes);
   if (content) return parse_calibration(*content, path.string());
   Error error = std::move(content.error());
   error.message = io::shortened(error.message, 400) + " " + std::string(kKnown);

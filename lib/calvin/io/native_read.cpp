@@ -37,8 +37,16 @@ void read_head(Fields& fields) {
 }
 
 std::vector<Parameter> read_parameters(Fields& fields) {
+  // No camera model has as many. The names are looked up one by one, so that more would take their
+  // time before anybody saw that they are unknown.
+  constexpr std::size_t kMost = 64;
   std::vector<Parameter> parameters;
   Fields values = fields.map("parameters");
+  if (values.keys().size() > kMost) {
+    fields.complain("parameters", fmt::format("has {} names; no camera model has more than {}",
+                                              values.keys().size(), kMost));
+    return parameters;
+  }
   for (const std::string& name : values.keys()) {
     parameters.push_back({name, values.number(name), {}});
   }
