@@ -162,6 +162,46 @@ TEST_P(EveryModel, AChangedCameraHasMovedByWhatItHas) {
   }
 }
 
+Camera with_skew(const Camera& camera, double skew) {
+  return Camera::make(camera.model(), camera.image_size(), camera.parameters(), skew).value();
+}
+
+// The covariance counts for a calibration that has a skew too: what few views left unsure is no
+// change of the camera.
+TEST(Recheck, OfACameraWithSkewTakesItsCovarianceIntoAccount) {
+  constexpr int kSessions = 30;
+  int alarms = 0;
+  for (int session = 0; session < kSessions; ++session) {
+    Random random(session);
+    const Camera camera = with_skew(scenes::random_camera("brown4", random), 2);
+    SolveOptions options;
+    options.model = "brown4";
+    options.skew = true;
+    const auto solution = solve(views_of(camera, random, 6, 0.1), kSize, options);
+    ASSERT_TRUE(solution) << solution.error().message;
+    Recheck recheck(Camera::make(solution->calibration).value(), solution->calibration);
+    double moved = 0;
+    for (const View& view : views_of(camera, random, 25, 0.1)) moved = recheck.add(view)->moved;
+    alarms += moved > 0.5 * solution->calibration.expected_error.value();
+  }
+  // Two standard deviations off at the worst place of the picture: a few of a hundred.
+  EXPECT_LE(alarms, kSessions / 5);
+}
+
+TEST(Recheck, ASkewThatChangedHasMoved) {
+  Random random(21);
+  const Camera plain = scenes::random_camera("brown5", random);
+  const Camera camera = with_skew(plain, 1);
+  const Camera now = with_skew(plain, 7);
+  Calibration calibration = camera.to_calibration();
+  for (Parameter& p : calibration.parameters) p.sigma = 1e-6;
+  const double truth = true_change(camera, now);
+  Recheck recheck(camera, calibration);
+  double moved = 0;
+  for (const View& view : views_of(now, random, 20, 0.05)) moved = recheck.add(view)->moved;
+  EXPECT_NEAR(moved, truth, 0.15 * truth);
+}
+
 TEST_P(EveryModel, TheReportedPoseIsThatOfTheBoard) {
   Random random(3);
   const Camera camera = scenes::random_camera(GetParam(), random);

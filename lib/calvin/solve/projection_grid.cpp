@@ -3,8 +3,9 @@
 
 #include "calvin/solve/projection_grid.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -67,6 +68,18 @@ std::vector<Cell> grid_of(const Camera& camera, const std::vector<int>& columns)
 }
 
 }  // namespace
+
+std::optional<std::vector<int>> estimated_columns(const Calibration& calibration) {
+  const auto names = parameter_names(calibration.model);
+  std::vector<int> columns;
+  for (const Parameter& p : calibration.parameters) {
+    if (!p.sigma) continue;
+    const auto at = std::find(names.begin(), names.end(), p.name);
+    if (at == names.end() && p.name != "skew") return std::nullopt;
+    columns.push_back(at == names.end() ? kSkewColumn : static_cast<int>(at - names.begin()));
+  }
+  return columns;
+}
 
 ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& columns) {
   std::vector<Cell> cells;

@@ -5,16 +5,22 @@
 // out. Internal.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/core/calibration.hpp"
 
 namespace calvin {
 
 // Columns of parameters in the model's order; this one stands for skew.
 inline constexpr int kSkewColumn = -1;
+
+// The estimated parameters as such columns, in the order of the calibration's. Absent where one is
+// of another model.
+[[nodiscard]] std::optional<std::vector<int>> estimated_columns(const Calibration& calibration);
 
 // At each pixel of a grid of 33x25 that reaches the border of the image, for a point at infinity:
 // the derivative of its projection (px, 2 rows) by the parameters `columns`, less what the best

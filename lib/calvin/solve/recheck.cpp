@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "calvin/solve/board_shape.hpp"
@@ -22,17 +23,13 @@ constexpr double kPriorWidth = 0.02;  // of the image width
 constexpr double kSimilar = 0.02;     // of the image diagonal: boards nearer than this are one view
 constexpr double kSigmas = 2;         // of noise that are taken off
 
-// The columns of what the calibration estimated; all parameters where it does not say.
+// The columns of what the calibration estimated; all parameters of the model where it does not say.
 std::vector<int> columns_of(const Camera& camera, const Calibration& calibration) {
-  const auto names = parameter_names(camera.model());
-  const bool known = std::any_of(calibration.parameters.begin(), calibration.parameters.end(),
-                                 [](const Parameter& p) { return p.sigma.has_value(); });
-  std::vector<int> columns;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const Parameter* p = calibration.find(names[i]);
-    if (!known || (p != nullptr && p->sigma)) columns.push_back(static_cast<int>(i));
-  }
-  return columns;
+  auto estimated = estimated_columns(calibration).value_or(std::vector<int>());
+  if (!estimated.empty()) return estimated;
+  std::vector<int> all(camera.parameters().size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 // The calibration's covariance in px of the frames; zero where it has none that fits.
@@ -52,7 +49,9 @@ Eigen::MatrixXd covariance_of(const Camera& camera, const Calibration& calibrati
       covariance(i, j) = calibration.covariance[static_cast<std::size_t>(i * n + j)];
       for (const Eigen::Index k : {i, j}) {
         const int column = columns[static_cast<std::size_t>(k)];
-        if (column < 4) covariance(i, j) *= scale[column % 2];
+        // Skew is along the rows, as fx and cx are.
+        if (column == kSkewColumn) covariance(i, j) *= scale[0];
+        if (column >= 0 && column < 4) covariance(i, j) *= scale[column % 2];
       }
     }
   }
@@ -77,17 +76,20 @@ std::vector<Pixel> box_of(const std::vector<Pixel>& points) {
   return {low, high};
 }
 
-// The normal equations of one view over all parameters of the model, its pose eliminated.
+// The normal equations of one view over all parameters of the model and its skew, which comes last,
+// the pose eliminated.
 std::optional<CameraProblem::Reduced> condense(const PointSet& view, const Camera& camera,
                                                const SE3& pose) {
-  const auto n = static_cast<Eigen::Index>(camera.parameters().size());
+  std::vector<double> parameters = camera.parameters();
   CameraUnknowns unknowns;
   unknowns.model = camera.model();
-  unknowns.layout.coefficients = static_cast<int>(n) - 4;
-  unknowns.skew = camera.skew();
+  unknowns.layout.coefficients = static_cast<int>(parameters.size()) - 4;
+  unknowns.layout.skew = true;
+  parameters.push_back(camera.skew());
+  const auto n = static_cast<Eigen::Index>(parameters.size());
   unknowns.basis = Eigen::MatrixXd::Identity(n, n);
   const ViewPoints points(view, {});
-  CameraProblem problem({&points}, std::move(unknowns), {camera.parameters(), {pose}}, Loss{});
+  CameraProblem problem({&points}, std::move(unknowns), {std::move(parameters), {pose}}, Loss{});
   if (!problem.valid()) return std::nullopt;
   auto reduced = problem.reduced();
   if (!reduced || !reduced->information.allFinite()) return std::nullopt;
@@ -117,8 +119,11 @@ Result<RecheckReport> Recheck::add(const View& view) {
     Condensed condensed;
     condensed.board = view.board.text();
     condensed.corners = box_of(view.observation.uv);
-    condensed.information = normal->information(columns_, columns_);
-    condensed.gradient = normal->gradient(columns_);
+    std::vector<int> rows = columns_;
+    const int skew = static_cast<int>(camera_.parameters().size());
+    std::replace(rows.begin(), rows.end(), kSkewColumn, skew);
+    condensed.information = normal->information(rows, rows);
+    condensed.gradient = normal->gradient(rows);
     condensed.cost = normal->cost;
     condensed.freedom = 2 * static_cast<double>(points.used()) - 6;
     keep(std::move(condensed));

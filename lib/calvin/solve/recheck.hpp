@@ -56,7 +56,7 @@ class Recheck {
   [[nodiscard]] double moved() const;
 
   Camera camera_;
-  std::vector<int> columns_;
+  std::vector<int> columns_;                                    // of the grid
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> grid_;  // see solve/projection_grid.hpp
   Eigen::MatrixXd prior_;                                       // information
   Eigen::MatrixXd covariance_;                                  // of the calibration

@@ -15,23 +15,6 @@
 
 namespace calvin {
 
-namespace {
-
-// The estimated parameters as columns of projection_grid(). Absent where one is unknown.
-std::optional<std::vector<int>> estimated_columns(const Calibration& calibration) {
-  const auto names = parameter_names(calibration.model);
-  std::vector<int> columns;
-  for (const Parameter& p : calibration.parameters) {
-    if (!p.sigma) continue;
-    const auto at = std::find(names.begin(), names.end(), p.name);
-    if (at == names.end() && p.name != "skew") return std::nullopt;
-    columns.push_back(at == names.end() ? kSkewColumn : static_cast<int>(at - names.begin()));
-  }
-  return columns;
-}
-
-}  // namespace
-
 std::optional<double> expected_error(const Calibration& calibration) {
   const auto camera = Camera::make(calibration);
   const auto columns = estimated_columns(calibration);
