@@ -159,6 +159,45 @@ TEST(Initial, IsAMeasurementWhereItIsAPrior) {
   EXPECT_NEAR(with_sigmas(1e-4).find("fx")->value, alone.find("fx")->value, 1e-4);
 }
 
+// Nine measurements more are nine degrees of freedom more: with few corners they decide what chi
+// and the sigmas are.
+TEST(Initial, AsAPriorLeavesChiAndCovarianceHonest) {
+  const Board small = {BoardKind::kCheckerboard, 4, 3, 0.05};
+  constexpr double kSigmas[] = {3, 3, 3, 3, 3e-3, 3e-3, 3e-4, 3e-4, 3e-3};
+  constexpr int kSessions = 200;
+  // What the fit leaves over: 48 residuals and 9 priors less 12 + 9 unknowns.
+  constexpr double kDegrees = 36;
+  Random random(17);
+  std::normal_distribution<double> noise(0, 1);
+  SolveOptions options;
+  options.reject_outliers = false;
+  options.initial_is_prior = true;
+  double chi = 0;
+  double error = 0;
+  for (int i = 0; i < kSessions; ++i) {
+    const Camera camera = scenes::random_camera("brown5", random);
+    options.initial = camera.to_calibration();
+    for (std::size_t k = 0; k < std::size(kSigmas); ++k) {
+      options.initial->parameters[k].value += kSigmas[k] * noise(random);
+      options.initial->parameters[k].sigma = kSigmas[k];
+    }
+    auto views = scenes::observe_all(camera, small, scenes::random_poses(camera, small, random, 2),
+                                     1, random);
+    const auto told = solve(views, kSize, options);
+    ASSERT_TRUE(told) << told.error().message;
+    chi += std::pow(*told->calibration.chi, 2) / kSessions;
+    // Where the corners come without, their sigma is what is left over.
+    for (View& view : views) view.observation.sigma.clear();
+    const auto measured = solve(views, kSize, options);
+    ASSERT_TRUE(measured) << measured.error().message;
+    error += scenes::normalised_error(measured->calibration, camera) / kSessions;
+  }
+  // Three standard deviations of either mean; the second is one of Fisher's F.
+  EXPECT_NEAR(chi, 1, 3 * std::sqrt(2 / (kDegrees - 9) / kSessions));
+  EXPECT_NEAR(error, kDegrees / (kDegrees - 2),
+              3 * std::sqrt((2.0 / 9 + 2 / kDegrees) / kSessions));
+}
+
 struct Refused {
   std::vector<std::string> fix;
   bool initial;

@@ -232,7 +232,7 @@ void add_shape(Solution& solution, const Conclusion& from, const Eigen::MatrixXd
 void add_checks(Solution& solution, const Conclusion& from, const Camera& camera,
                 const Eigen::MatrixXd& c, double variance, const std::stop_token& stop) {
   Calibration& calibration = solution.calibration;
-  const double degrees = degrees_of_freedom(from.fit);
+  const double degrees = degrees_of_freedom(from.fit, from.freedom);
   calibration.expected_error = expected_error(calibration);
   const Consistency found =
       consistency(from.fit, camera, from.shape, from.freedom, c, variance, stop);
@@ -314,7 +314,7 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
   if (2 * orientations(fit) < freedom.pinhole_directions()) {
     return degenerate("The board is parallel to itself in all views, which determines no camera.");
   }
-  const double left = fit.cost / degrees_of_freedom(fit);
+  const double left = fit.cost / degrees_of_cost(fit, freedom);
   const double told = from.scale.sigma * from.scale.sigma;
   const double variance = from.scale.known ? std::max(left, told) : left;
   const auto c = covariance(fit, freedom, variance);

@@ -17,6 +17,7 @@
 #include "calvin/solve/projection_grid.hpp"
 #include "calvin/solve/scaled_solve.hpp"
 
+#include "calvin/solve/weights.hpp"
 namespace calvin {
 
 namespace {
@@ -122,7 +123,7 @@ class Judge {
     }
     Consistency result;
     result.views = views_;
-    result.views.degrees -= static_cast<double>(covariance_.rows());
+    result.views.degrees -= told_;
     const double kept = std::clamp(1 - unknowns_ / residuals_, 0.1, 1.0);
     result.picture = picture_.excess(variance_, kept, 0);
     // A board that moves, turns or grows as a whole is one with other poses.
@@ -143,7 +144,8 @@ class Judge {
       residuals_ += 2 * static_cast<double>(fit_.views[v].used());
       unknowns_ += 6;
     }
-    unknowns_ += static_cast<double>(covariance_.rows());
+    told_ = static_cast<double>(covariance_.rows()) - told_by_priors(fit_, freedom_);
+    unknowns_ += told_;
     const double parts = std::clamp(residuals_ / 2 / kCornersPerPart, 1.0, 400.0);
     const double aspect =
         static_cast<double>(camera_.image_size().width) / camera_.image_size().height;
@@ -244,6 +246,7 @@ class Judge {
   Excess views_;
   Scores picture_;
   Scores board_;
+  double told_ = 0;  // of the directions: by the corners
   double observed_ = 0;
   double predicted_ = 0;
 };

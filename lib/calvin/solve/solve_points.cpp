@@ -63,7 +63,7 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
                      image_size, *freedom, options, stop);
     before = common;
   }
-  const double chi = fit.converged ? chi_of(fit, told, scale) : 1;
+  const double chi = fit.converged ? chi_of(fit, *freedom, told, scale) : 1;
   return conclude({fit, *freedom, shape, scale, chi}, image_size, options, stop);
 }
 

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <vector>
 
+#include "calvin/solve/scaled_solve.hpp"
+
 namespace calvin {
 
 namespace {
@@ -95,12 +97,36 @@ WeightScale normalise_weights(std::span<PointSet> views) {
   return scale;
 }
 
-double degrees_of_freedom(const Fit& fit) {
-  double degrees = -static_cast<double>(fit.information.rows());
+double told_by_priors(const Fit& fit, const Freedom& freedom) {
+  if (freedom.priors.empty()) return 0;
+  const Eigen::Index n = fit.information.rows();
+  const auto covariance =
+      scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), kLeastPivot);
+  if (!covariance) return 0;
+  double told = 0;
+  for (const auto& prior : freedom.priors) {
+    const Eigen::RowVectorXd along = freedom.basis.row(prior.unknown);
+    told += (along * *covariance).dot(along) / (prior.sigma * prior.sigma);
+  }
+  return told;
+}
+
+double degrees_of_freedom(const Fit& fit, const Freedom& freedom) {
+  double degrees = told_by_priors(fit, freedom) - static_cast<double>(fit.information.rows());
   for (std::size_t v = 0; v < fit.views.size(); ++v) {
     if (fit.used[v]) degrees += 2 * static_cast<double>(fit.views[v].used()) - 6;
   }
   return degrees;
+}
+
+double degrees_of_cost(const Fit& fit, const Freedom& freedom) {
+  // The prior of a parameter that is held has nothing left over.
+  const auto counts = [&freedom](const auto& prior) {
+    return freedom.basis.row(prior.unknown).any();
+  };
+  const auto priors = std::count_if(freedom.priors.begin(), freedom.priors.end(), counts);
+  return degrees_of_freedom(fit, freedom) + static_cast<double>(priors) -
+         told_by_priors(fit, freedom);
 }
 
 Weights weights_of(std::span<const PointSet> views) {
@@ -125,7 +151,8 @@ std::vector<PointSet> with_common_sigma(std::vector<PointSet> views, const Weigh
   return views;
 }
 
-double chi_of(const Fit& fit, const Weights& told, const WeightScale& scale) {
+double chi_of(const Fit& fit, const Freedom& freedom, const Weights& told,
+              const WeightScale& scale) {
   double sum = 0;
   for (std::size_t v = 0; v < told.size(); ++v) {
     for (std::size_t i = 0; fit.used[v] && i < told[v].size(); ++i) {
@@ -133,7 +160,7 @@ double chi_of(const Fit& fit, const Weights& told, const WeightScale& scale) {
       if (fit.views[v].weight[i] > 0) sum += fit.squares[v][i] * w * w;
     }
   }
-  return std::sqrt(sum / degrees_of_freedom(fit));
+  return std::sqrt(sum / degrees_of_freedom(fit, freedom));
 }
 
 }  // namespace calvin

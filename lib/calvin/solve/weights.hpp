@@ -27,8 +27,15 @@ WeightScale normalise_weights(std::span<PointSet> views);
 using Weights = std::vector<std::vector<double>>;
 [[nodiscard]] Weights weights_of(std::span<const PointSet> views);
 
-// Residuals less what was fitted to them.
-[[nodiscard]] double degrees_of_freedom(const Fit& fit);
+// Of the directions, how many the priors tell and not the corners: no whole number. It is the trace
+// of the priors' information times the covariance of all.
+[[nodiscard]] double told_by_priors(const Fit& fit, const Freedom& freedom);
+
+// The corners' residuals less what was fitted to them.
+[[nodiscard]] double degrees_of_freedom(const Fit& fit, const Freedom& freedom);
+
+// The same of all that Fit::cost is a sum of: the priors' residuals too.
+[[nodiscard]] double degrees_of_cost(const Fit& fit, const Freedom& freedom);
 
 // sigma^2 = sigma_i^2 + sigma_0^2: where corners are worse than their sigmas say, sigma_0 (px) is
 // what all of them have in common. By the median of the corners, so that outliers have no say.
@@ -42,6 +49,7 @@ using Weights = std::vector<std::vector<double>>;
 
 // The square root of chi^2 per degree of freedom, against the sigmas that were told, over the
 // corners that the fit used.
-[[nodiscard]] double chi_of(const Fit& fit, const Weights& told, const WeightScale& scale);
+[[nodiscard]] double chi_of(const Fit& fit, const Freedom& freedom, const Weights& told,
+                            const WeightScale& scale);
 
 }  // namespace calvin
