@@ -30,8 +30,7 @@ struct Fault {
 };
 
 std::vector<View> session(const Camera& camera, const Fault& fault, Random& random,
-                          double sigma = kNoise) {
-  const Board& board = scenes::kBoard;
+                          double sigma = kNoise, const Board& board = scenes::kBoard) {
   std::normal_distribution<double> noise(0, sigma);
   std::vector<View> views;
   for (const SE3& pose : scenes::random_poses(camera, board, random, kViews)) {
@@ -51,9 +50,10 @@ std::vector<View> session(const Camera& camera, const Fault& fault, Random& rand
 }
 
 // How a board bends along its long side, by `depth` m in the middle.
-std::function<Eigen::Vector3d(const Eigen::Vector3d&)> bow(double depth) {
-  return [depth](const Eigen::Vector3d& p) {
-    const double x = 2 * p.x() / (scenes::kBoard.size * (scenes::kBoard.cols - 1)) - 1;
+std::function<Eigen::Vector3d(const Eigen::Vector3d&)> bow(double depth,
+                                                           const Board& board = scenes::kBoard) {
+  return [depth, length = board.size * (board.cols - 1)](const Eigen::Vector3d& p) {
+    const double x = 2 * p.x() / length - 1;
     return Eigen::Vector3d(p.x(), p.y(), depth * (1 - x * x));
   };
 }
@@ -130,6 +130,29 @@ TEST(Checks, ABowedBoardIsFlagged) {
 }
 
 TEST(Checks, ALensThatIsRicherThanTheModelIsFlagged) {
+// Corners of one id on two boards are two corners: boards that bend against each other are bent.
+TEST(Checks, TwoBoardsAreJudgedEachByItself) {
+  const Board large = {BoardKind::kCheckerboard, 9, 6, 0.03};
+  for (const double depth : {0.0, 0.5e-3}) {
+    Random random(19);
+    int found = 0;
+    for (int i = 0; i < sessions(); ++i) {
+      const Camera camera = scenes::random_camera("brown5", random);
+      auto views = session(camera, {bow(depth), {}}, random);
+      const auto more = session(camera, {bow(-depth, large), {}}, random, kNoise, large);
+      views.insert(views.end(), more.begin(), more.end());
+      const auto solution = solve(views, camera.image_size(), {});
+      ASSERT_TRUE(solution.has_value()) << solution.error().message;
+      found += solution->misfit.cause == Misfit::Cause::kBoard ? 1 : 0;
+    }
+    if (depth > 0) {
+      EXPECT_GE(found, 0.8 * sessions());
+    } else {
+      EXPECT_LE(found, most_false() * sessions());
+    }
+  }
+}
+
   std::map<std::string, int> causes;
   EXPECT_GE(flagged("brown5", "pinhole", {}, true, &causes), fewest_found());
 }

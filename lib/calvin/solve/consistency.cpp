@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -16,8 +17,8 @@
 #include "calvin/solve/camera_problem.hpp"
 #include "calvin/solve/projection_grid.hpp"
 #include "calvin/solve/scaled_solve.hpp"
-
 #include "calvin/solve/weights.hpp"
+
 namespace calvin {
 
 namespace {
@@ -78,8 +79,9 @@ Excess quadratic(const Eigen::MatrixXd& m, const Eigen::VectorXd& v) {
 // shift, and its information.
 class Scores {
  public:
-  void add(int key, double score, double information) {
-    auto& [sum, total] = scores_[key];
+  // Of the part `part` of what is number `of`.
+  void add(std::size_t of, int part, double score, double information) {
+    auto& [sum, total] = scores_[{of, part}];
     sum += score;
     total += information;
   }
@@ -98,7 +100,7 @@ class Scores {
   }
 
  private:
-  std::map<int, std::pair<double, double>> scores_;
+  std::map<std::pair<std::size_t, int>, std::pair<double, double>> scores_;
 };
 
 class Judge {
@@ -130,7 +132,8 @@ class Judge {
     constexpr double kRigid = 7;
     // Corners that were each given their place have nothing more to tell.
     if (shape_.offsets == 0) {
-      result.board = board_.excess(variance_, kept, kRigid + freedom_.layout.modes);
+      const double rigid = kRigid * static_cast<double>(boards_.size());
+      result.board = board_.excess(variance_, kept, rigid + freedom_.layout.modes);
     }
     result.held_out = std::move(held_out_);
     if (predicted_ > 0) result.halves = std::sqrt(observed_ / predicted_);
@@ -143,6 +146,7 @@ class Judge {
       if (!fit_.used[v]) continue;
       residuals_ += 2 * static_cast<double>(fit_.views[v].used());
       unknowns_ += 6;
+      boards_.insert(fit_.views[v].board);
     }
     told_ = static_cast<double>(covariance_.rows()) - told_by_priors(fit_, freedom_);
     unknowns_ += told_;
@@ -222,13 +226,15 @@ class Judge {
       const auto column = [&](int c) { return (k == 0 ? rows.u(c) : rows.v(c))[at]; };
       const double residual = column(RowLayout::kResidual);
       const double w = view.weight[i];
-      picture_.add(2 * cell + k, w * residual, w * w);
+      picture_.add(0, 2 * cell + k, w * residual, w * w);
       const Eigen::Vector3d along =
           turn.transpose() * Eigen::Vector3d(column(3), column(4), column(5));
       score += residual * along;
       information += along.cwiseAbs2();
     }
-    for (int k = 0; k < 3; ++k) board_.add(3 * view.ids[i] + k, score[k], information[k]);
+    for (int k = 0; k < 3; ++k) {
+      board_.add(view.board, 3 * view.ids[i] + k, score[k], information[k]);
+    }
   }
 
   const Fit& fit_;
@@ -240,13 +246,14 @@ class Judge {
   Eigen::MatrixXd metric_;
   double residuals_ = 0;
   double unknowns_ = 0;
+  double told_ = 0;  // of the directions: by the corners
   int across_ = 1;
   int down_ = 1;
+  std::set<std::size_t> boards_;  // that were seen
   std::vector<double> held_out_;
   Excess views_;
   Scores picture_;
   Scores board_;
-  double told_ = 0;  // of the directions: by the corners
   double observed_ = 0;
   double predicted_ = 0;
 };

@@ -42,7 +42,7 @@ struct Consistency {
 
   Excess views;    // of what single views say of the unknowns
   Excess picture;  // of mean residuals in parts of the image: a lens that is not the model's
-  Excess board;    // of mean residuals by corner, along the axes of the board
+  Excess board;    // of mean residuals by corner, along the axes of its board
 };
 
 // `variance` is that of a residual of weight 1, px^2; `covariance` that of the unknowns. Means

@@ -29,6 +29,7 @@ std::size_t PointSet::used() const noexcept {
 PointSet PointSet::without_corners() const {
   PointSet bare;
   bare.index = index;
+  bare.board = board;
   bare.timestamp = timestamp;
   bare.sigma_known = sigma_known;
   return bare;

@@ -18,6 +18,7 @@ namespace calvin {
 // One view, structure of arrays. The points lie in the plane z = 0 of the board frame.
 struct PointSet {
   std::size_t index = 0;  // of the view it was made from
+  std::size_t board = 0;  // equal for views of one board
   std::uint64_t timestamp = kNoTimestamp;
   std::vector<int> ids;
   std::vector<Eigen::Vector3d> points;  // m, board frame

@@ -62,8 +62,11 @@ struct Gathered {
 
 Result<Gathered> gather(std::span<const View> views, ImageSize size) {
   Gathered gathered;
-  std::vector<Eigen::Vector3d> printed;
-  const Board* board = nullptr;  // of which
+  struct Printed {
+    const Board* board;
+    std::vector<Eigen::Vector3d> points;
+  };
+  std::vector<Printed> boards;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Observation& seen = views[i].observation;
     if (!seen.found()) {
@@ -77,12 +80,15 @@ Result<Gathered> gather(std::span<const View> views, ImageSize size) {
     if (const Status status = check(views[i], size); !status) {
       return make_error(status.error().code, fmt::format("View {}: {}", i, status.error().message));
     }
-    if (board == nullptr || !same_grid(*board, views[i].board)) {
-      board = &views[i].board;
-      printed = board->points();
-    }
-    PointSet points = to_points(printed, seen);
+    const Board& board = views[i].board;
+    const auto known = std::find_if(boards.begin(), boards.end(), [&board](const Printed& p) {
+      return same_grid(*p.board, board);
+    });
+    const auto number = static_cast<std::size_t>(known - boards.begin());
+    if (known == boards.end()) boards.push_back({&board, board.points()});
+    PointSet points = to_points(boards[number].points, seen);
     points.index = i;
+    points.board = number;
     if (!spans_plane(points)) {
       gathered.rejected.push_back({i, Reason::kTooFewPoints});
       continue;
