@@ -145,8 +145,12 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
     if (gain(trials[best], trials[i]) > kGain) best = i;
   }
   Solution solution = trials[best].solution;
-  solution.rejected = judge.rejected;
-  solution.rejected_corners = judge.rejected_corners;
+  // Beside what the judge left out, the best may have lost a view that shows it too little.
+  const auto add = [](auto& all, const auto& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  add(solution.rejected, judge.rejected);
+  add(solution.rejected_corners, judge.rejected_corners);
   solution.remarks.push_back(explain(trials, best));
   return solution;
 }
