@@ -32,6 +32,21 @@ void keep_first_corners(std::vector<View>& views, std::size_t count) {
   }
 }
 
+// A board that is moved and never tilted any further, before the camera that is returned.
+Camera parallel_views(std::vector<View>& views, int count, double tilt = 0) {
+  Random random(3);
+  const Camera camera = scenes::random_camera("pinhole", random);
+  views.clear();
+  while (static_cast<int>(views.size()) < count) {
+    const SE3 pose = {exp_so3({tilt, 0, 0}),
+                      {scenes::uniform(random, -0.3, 0.1), scenes::uniform(random, -0.2, 0.1),
+                       scenes::uniform(random, 0.3, 0.6)}};
+    if (!scenes::sees_all(camera, kBoard, pose)) continue;
+    views.push_back(scenes::observe(camera, kBoard, pose, 0, random));
+  }
+  return camera;
+}
+
 const BadInput kBadInputs[] = {
     {"NoViews", [](auto& views, auto&, auto&) { views.clear(); }, ErrorCode::kDegenerate,
      "no view"},
@@ -40,7 +55,7 @@ const BadInput kBadInputs[] = {
     {"OneView", [](auto& views, auto&, auto&) { views.resize(1); }, ErrorCode::kDegenerate,
      "at least 3 views"},
     {"SameViewTenTimes", [](auto& views, auto&, auto&) { views.assign(10, views[0]); },
-     ErrorCode::kDegenerate, "tilted"},
+     ErrorCode::kDegenerate, "same place"},
     {"Collinear", [](auto& views, auto&, auto&) { keep_first_corners(views, 9); },
      ErrorCode::kDegenerate, "one line"},
     {"ThreeCorners", [](auto& views, auto&, auto&) { keep_first_corners(views, 3); },
@@ -100,7 +115,41 @@ const BadInput kBadInputs[] = {
      [](auto& views, auto&, auto&) {
        views = {views[0], views[0]};
      },
-     ErrorCode::kDegenerate, "parallel"},
+     ErrorCode::kDegenerate, "same place"},
+    {"HeldInOnePose",
+     [](auto& views, auto&, auto&) {
+       Random random(3);
+       views.assign(10, views[0]);
+       for (View& view : views) {
+         for (Pixel& p : view.observation.uv) {
+           p = {p.u + scenes::uniform(random, -0.1, 0.1), p.v + scenes::uniform(random, -0.1, 0.1)};
+         }
+       }
+     },
+     ErrorCode::kDegenerate, "All 10 views show the board in the same place"},
+    {"MovedAndNeverTilted",
+     [](auto& views, auto&, auto& options) {
+       const Camera camera = parallel_views(views, 2);
+       options.model = camera.model();
+     },
+     ErrorCode::kDegenerate, "never tilted"},
+    {"TwoTiltsForASkew",
+     [](auto& views, auto&, auto& options) {
+       views.resize(2);
+       options.model = "pinhole";
+       options.skew = true;
+     },
+     ErrorCode::kDegenerate, "2 views cannot determine"},
+    {"TwoTiltsInManyViewsForASkew",
+     [](auto& views, auto&, auto& options) {
+       const Camera camera = parallel_views(views, 2);
+       std::vector<View> other;
+       parallel_views(other, 2, 0.5);
+       views.insert(views.end(), other.begin(), other.end());
+       options.model = camera.model();
+       options.skew = true;
+     },
+     ErrorCode::kDegenerate, "2 tilts"},
     {"AllCornersInOnePlace",
      [](auto& views, auto&, auto&) {
        for (View& view : views) std::fill_n(view.observation.uv.begin(), 54, Pixel{300, 300});

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/monotone.hpp"
@@ -15,6 +15,7 @@
 #include "calvin/solve/consistency.hpp"
 #include "calvin/solve/scaled_solve.hpp"
 #include "calvin/solve/uncertainty.hpp"
+#include "calvin/solve/variety.hpp"
 
 namespace calvin {
 
@@ -28,18 +29,7 @@ constexpr double kWorstCenterSigma = 0.1;  // of the image width
 constexpr double kWeakFocalSigma = 0.02;
 constexpr double kWeakCenterSigma = 0.02;
 
-// Boards closer to parallel than this count as parallel, rad.
-constexpr double kParallel = 0.0175;
-
 constexpr const char* kStopped = "The solve was stopped.";
-
-constexpr const char* kAdvice =
-    "Show the board in at least 3 views, tilted differently (30 to 45 degrees, to the left, to the "
-    "right, up and down).";
-
-tl::unexpected<Error> degenerate(std::string what) {
-  return make_error(ErrorCode::kDegenerate, fmt::format("{} {}", what, kAdvice));
-}
 
 // Sigma^2 (J^T J)^-1 over all unknowns. Absent where it does not exist.
 std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom, double variance) {
@@ -70,24 +60,6 @@ Eigen::MatrixXd with_rivals(const Eigen::MatrixXd& c, const Fit& fit, double var
     sum += likelihood;
   }
   return c + spread / sum;
-}
-
-// Each orientation of the plane gives two equations for fx fy cx cy and parallel planes the same
-// two (Zhang 2000, section 4.4). The covariance alone would believe a still board seen a hundred
-// times.
-int orientations(const Fit& fit) {
-  constexpr std::size_t kEnough = 3;  // no camera needs more
-  std::vector<Eigen::Vector3d> normals;
-  for (std::size_t v = 0; v < fit.views.size(); ++v) {
-    if (!fit.used[v]) continue;
-    const Eigen::Vector3d normal = fit.camera_from_board[v].rotation.col(2);
-    const auto parallel = [&normal](const Eigen::Vector3d& other) {
-      return normal.cross(other).norm() < std::sin(kParallel);
-    };
-    if (std::none_of(normals.begin(), normals.end(), parallel)) normals.push_back(normal);
-    if (normals.size() == kEnough) break;
-  }
-  return static_cast<int>(normals.size());
 }
 
 tl::unexpected<Error> inseparable(const Freedom& freedom) {
@@ -276,32 +248,8 @@ void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& cam
   }
 }
 
-}  // namespace
-
-Status enough(const std::vector<PointSet>& views, const std::vector<bool>& used,
-              const Freedom& freedom, std::string_view model) {
-  const auto n = static_cast<int>(std::count(used.begin(), used.end(), true));
-  if (n == 0) {
-    return degenerate(
-        "There is no view to calibrate from: none shows at least 4 corners of the board that do "
-        "not lie on one line.");
-  }
-  if (2 * n < freedom.pinhole_directions()) {
-    return degenerate(fmt::format("{} view{} cannot determine the camera model {}.", n,
-                                  n == 1 ? "" : "s", model));
-  }
-  std::size_t corners = 0;
-  for (std::size_t v = 0; v < views.size(); ++v) corners += used[v] ? views[v].used() : 0;
-  const auto unknowns = static_cast<std::size_t>(6 * n + freedom.basis.cols());
-  if (2 * corners <= unknowns) {
-    return degenerate(fmt::format("{} corners give {} equations for {} unknowns: too few.", corners,
-                                  2 * corners, unknowns));
-  }
-  return {};
-}
-
-Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOptions& options,
-                          const std::stop_token& stop) {
+Result<Solution> judged(const Conclusion& from, ImageSize size, const SolveOptions& options,
+                        const std::stop_token& stop) {
   const Fit& fit = from.fit;
   const Freedom& freedom = from.freedom;
   if (fit.cancelled) return make_error(ErrorCode::kCancelled, kStopped);
@@ -311,8 +259,8 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
   if (!fit.converged) {
     return degenerate("The views do not determine the camera: the solve does not converge.");
   }
-  if (2 * orientations(fit) < freedom.pinhole_directions()) {
-    return degenerate("The board is parallel to itself in all views, which determines no camera.");
+  if (const Status status = tilted_enough(fit, freedom); !status) {
+    return tl::unexpected<Error>(status.error());
   }
   const double left = fit.cost / degrees_of_cost(fit, freedom);
   const double told = from.scale.sigma * from.scale.sigma;
@@ -350,6 +298,43 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
     add_remarks(solution, promised, *camera, freedom);
   }
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, kStopped);
+  return solution;
+}
+
+}  // namespace
+
+Status enough(const std::vector<PointSet>& views, const std::vector<bool>& used,
+              const Freedom& freedom, std::string_view model) {
+  const auto n = static_cast<int>(std::count(used.begin(), used.end(), true));
+  if (n == 0) {
+    return degenerate(
+        "There is no view to calibrate from: none shows at least 4 corners of the board that do "
+        "not lie on one line.");
+  }
+  if (2 * n < freedom.pinhole_directions()) {
+    return degenerate(fmt::format("{} view{} cannot determine the camera model {}.", n,
+                                  n == 1 ? "" : "s", model));
+  }
+  std::size_t corners = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) corners += used[v] ? views[v].used() : 0;
+  const auto unknowns = static_cast<std::size_t>(6 * n + freedom.basis.cols());
+  if (2 * corners <= unknowns) {
+    return degenerate(fmt::format("{} corners give {} equations for {} unknowns: too few.", corners,
+                                  2 * corners, unknowns));
+  }
+  return {};
+}
+
+Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOptions& options,
+                          const std::stop_token& stop) {
+  auto solution = judged(from, size, options, stop);
+  const std::size_t views = from.fit.views.size();
+  if (!solution && solution.error().code == ErrorCode::kDegenerate && views > 1 &&
+      in_one_place(from.fit, size)) {
+    return degenerate(fmt::format(
+        "All {} views show the board in the same place, which counts as one: move and tilt it.",
+        views));
+  }
   return solution;
 }
 

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/solve/variety.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+namespace calvin {
+
+namespace {
+
+// Boards closer to parallel than this count as parallel, rad.
+constexpr double kParallel = 0.0175;
+
+// Boards whose corners moved by less are in one place, in parts of the image diagonal.
+constexpr double kStill = 0.02;
+
+constexpr const char* kAdvice =
+    "Show the board in at least 3 views, tilted differently (30 to 45 degrees, to the left, to the "
+    "right, up and down).";
+
+// Each orientation of the plane gives two equations for fx fy cx cy and parallel planes the same
+// two (Zhang 2000, section 4.4). The covariance alone would believe a still board seen a hundred
+// times.
+int orientations(const Fit& fit) {
+  constexpr std::size_t kEnough = 3;  // no camera needs more
+  std::vector<Eigen::Vector3d> normals;
+  for (std::size_t v = 0; v < fit.views.size(); ++v) {
+    if (!fit.used[v]) continue;
+    const Eigen::Vector3d normal = fit.camera_from_board[v].rotation.col(2);
+    const auto parallel = [&normal](const Eigen::Vector3d& other) {
+      return normal.cross(other).norm() < std::sin(kParallel);
+    };
+    if (std::none_of(normals.begin(), normals.end(), parallel)) normals.push_back(normal);
+    if (normals.size() == kEnough) break;
+  }
+  return static_cast<int>(normals.size());
+}
+
+// Whether the corners that two views have in common are about where they were: some tell.
+bool same_place(const PointSet& a, const PointSet& b, double near) {
+  constexpr std::size_t kSome = 32;
+  bool common = false;
+  for (std::size_t i = 0; i < a.size(); i += a.size() / kSome + 1) {
+    const auto at = std::find(b.ids.begin(), b.ids.end(), a.ids[i]);
+    if (at == b.ids.end()) continue;
+    const Pixel& p = b.uv[static_cast<std::size_t>(at - b.ids.begin())];
+    if (std::hypot(p.u - a.uv[i].u, p.v - a.uv[i].v) > near) return false;
+    common = true;
+  }
+  return common && a.board == b.board;
+}
+
+}  // namespace
+
+tl::unexpected<Error> degenerate(std::string what) {
+  return make_error(ErrorCode::kDegenerate, fmt::format("{} {}", what, kAdvice));
+}
+
+Status tilted_enough(const Fit& fit, const Freedom& freedom) {
+  const int seen = orientations(fit);
+  if (2 * seen >= freedom.pinhole_directions()) return {};
+  if (seen > 1) {
+    return degenerate(fmt::format(
+        "The board is seen at {} tilts only, which do not determine a skew beside the camera.",
+        seen));
+  }
+  return degenerate(
+      "The board is moved but never tilted: it is parallel to itself in all views, which "
+      "determines "
+      "no camera.");
+}
+
+bool in_one_place(const Fit& fit, ImageSize size) {
+  const double near = kStill * std::hypot(size.width, size.height);
+  return std::all_of(fit.views.begin(), fit.views.end(), [&](const PointSet& view) {
+    return same_place(fit.views.front(), view, near);
+  });
+}
+
+}  // namespace calvin
