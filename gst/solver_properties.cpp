@@ -114,7 +114,7 @@ void install_solver_properties(GObjectClass* object_class) {
                         capture_mode_type(), kCaptureDefault, kMutablePlaying));
   g_object_class_install_property(
       object_class, kMinViews,
-      g_param_spec_int("min-views", "Minimum Views", "Views that a calibration needs at least", 3,
+      g_param_spec_int("min-views", "Minimum Views", "Views that a calibration needs at least", 2,
                        1000, 3, kMutablePlaying));
   g_object_class_install_property(
       object_class, kMaxViews,

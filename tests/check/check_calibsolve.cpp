@@ -52,6 +52,31 @@ GST_START_TEST(test_solves_at_eos_and_says_so) {
 }
 GST_END_TEST;
 
+// Two views are four equations for the four numbers of a pinhole, where they are tilted apart.
+GST_START_TEST(test_two_views_are_enough_where_they_differ) {
+  for (const bool differ : {true, false}) {
+    Fixture f("min-views=2 fix=k2,p1,p2,k3");
+    gst_buffer_unref(f.push(0));
+    gst_buffer_unref(f.push(differ ? 5 : 0));
+    f.eos();
+    const GstStructure* r = f.result("final");
+    if (differ) {
+      fail_unless(r != nullptr);
+      int views = 0;
+      gst_structure_get_int(r, "views", &views);
+      fail_unless_equals_int(views, 2);
+      fail_unless(std::abs(get(r, "fx") / f.scene.camera.fx() - 1) < 0.05, "%f", get(r, "fx"));
+    } else {
+      fail_unless(r == nullptr);
+      const auto warnings = f.bus.texts(GST_MESSAGE_WARNING);
+      fail_unless_equals_int(warnings.size(), 1);
+      fail_unless(warnings[0].find("same place") != std::string::npos, "%s", warnings[0].c_str());
+      fail_unless(warnings[0].find("tilt") != std::string::npos, "%s", warnings[0].c_str());
+    }
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_writes_its_files) {
   check::TemporaryFolder folder;
   Fixture f("location=" + folder / "cam.json" + " export=ros:" + folder / "ros.yaml" +
@@ -339,6 +364,7 @@ static Suite* calibsolve_suite() {
   suite_add_tcase(suite, tc);
   tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
   tcase_add_test(tc, test_solves_at_eos_and_says_so);
+  tcase_add_test(tc, test_two_views_are_enough_where_they_differ);
   tcase_add_test(tc, test_writes_its_files);
   tcase_add_test(tc, test_the_file_is_there_before_eos);
   tcase_add_test(tc, test_the_event_precedes_eos_and_is_sticky);
