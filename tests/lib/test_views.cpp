@@ -11,6 +11,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "calvin/remap/opencv_rectangles.hpp"
 #include "calvin/remap/undistorter.hpp"
 #include "calvin/remap/view_range.hpp"
 #include "remap_reference.hpp"
@@ -141,23 +142,70 @@ TEST(OutputView, WiderThanTheProjectionCanShowIsLimitedAndSaysSo) {
   EXPECT_TRUE(output_view(wide(), options).has_value());
 }
 
-TEST(OutputView, InTheModeOpenCvIsOpenCvs) {
-  const Camera source = barrel();
+// Mild, strong enough that five steps of the inverse leave pixels, and a tilted sensor.
+const reference::Lens kOpenCvLenses[] = {
+    {"pinhole", "pinhole", {}},
+    kBarrel,
+    {"strong_barrel", "brown4", {-0.4, 0.12, 1e-3, -2e-3}},
+    {"pincushion", "brown5", {0.2, -0.1, 1e-3, 5e-4, 0.01}},
+    {"rational", "rational8", {0.4, 0.1, 1e-3, -1e-3, 0.01, 0.8, 0.2, 0.02}},
+    {"prism", "thinprism12", {-0.2, 0.05, 0, 0, 0, 0, 0, 0, 3e-3, -1e-3, -2e-3, 1e-3}},
+    {"tilted", "tilted14", {-0.2, 0.05, 0, 0, 0, 0, 0, 0, 1e-3, 0, 1e-3, 0, 0.05, -0.03}},
+    {"folds_back", "brown4", {-0.9, 0.1, 0, 0}}};
+
+class OpenCvView : public ::testing::TestWithParam<reference::Lens> {};
+INSTANTIATE_TEST_SUITE_P(OutputView, OpenCvView, ::testing::ValuesIn(kOpenCvLenses),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(OpenCvView, InTheModeOpenCvIsOpenCvs) {
+  const Camera source = reference::camera(GetParam(), {640, 480}, 400, 330, 230);
   const cv::Mat k =
       (cv::Mat_<double>(3, 3) << source.fx(), 0, source.cx(), 0, source.fy(), source.cy(), 0, 0, 1);
-  const cv::Mat d(kBarrel.k);
+  const cv::Mat d = GetParam().k.empty() ? cv::Mat::zeros(1, 4, CV_64F) : cv::Mat(GetParam().k);
   for (const double alpha : {0.0, 0.4, 1.0}) {
-    const cv::Mat view = cv::getOptimalNewCameraMatrix(k, d, {640, 480}, alpha);
-    ViewOptions options;
-    options.alpha = alpha;
-    options.alpha_mode = AlphaMode::kOpenCv;
-    const Camera ours = output_camera(source, options).value();
-    // OpenCV undistorts its points in five steps and in single precision.
-    EXPECT_NEAR(ours.fx(), view.at<double>(0, 0), 0.2) << alpha;
-    EXPECT_NEAR(ours.fy(), view.at<double>(1, 1), 0.2) << alpha;
-    EXPECT_NEAR(ours.cx(), view.at<double>(0, 2), 0.2) << alpha;
-    EXPECT_NEAR(ours.cy(), view.at<double>(1, 2), 0.2) << alpha;
+    for (const ImageSize size : {ImageSize{640, 480}, ImageSize{321, 200}}) {
+      const cv::Mat view =
+          cv::getOptimalNewCameraMatrix(k, d, {640, 480}, alpha, {size.width, size.height});
+      ViewOptions options;
+      options.alpha = alpha;
+      options.output = size;
+      options.alpha_mode = AlphaMode::kOpenCv;
+      const Camera ours = output_camera(source, options).value();
+      // OpenCV 4.6 has rectangles of single precision.
+      const double rounding = 1e-6 * std::max(ours.fx(), ours.fy());
+      EXPECT_NEAR(ours.fx(), view.at<double>(0, 0), rounding) << alpha;
+      EXPECT_NEAR(ours.fy(), view.at<double>(1, 1), rounding) << alpha;
+      EXPECT_NEAR(ours.cx(), view.at<double>(0, 2), rounding) << alpha;
+      EXPECT_NEAR(ours.cy(), view.at<double>(1, 2), rounding) << alpha;
+    }
   }
+}
+
+// A matrix of OpenCV 4.7 that is published with the camera that it belongs to
+// (github.com/opencv/opencv, issue 27156), and one that 4.10.0 printed: whichever OpenCV this was
+// built with. Since 4.8 a picture without distortion stays as it is (issue 23304 there).
+TEST(OpenCvGrids, AreThoseOfBothVersions) {
+  const auto filled = [](const Camera& source, OpenCvGrid grid) {
+    const PlaneBox r = opencv_rectangles(source, Projection::kRectilinear, grid).inner;
+    const double fx = (source.image_size().width - 1) / (r.high.u - r.low.u);
+    const double fy = (source.image_size().height - 1) / (r.high.v - r.low.v);
+    return std::vector<double>{fx, fy, -fx * r.low.u, -fy * r.low.v};
+  };
+  const Camera published =
+      Camera::make("brown4", {1920, 1080},
+                   {2.08421566e+03, 2.08421566e+03, 9.82199407e+02, 6.46842288e+02, 0.05522256,
+                    -0.36009276, 0.00062108, 0.00139739})
+          .value();
+  const double before[] = {2.07294434e+03, 2.08679199e+03, 9.84632052e+02, 6.46684370e+02};
+  const auto old = filled(published, OpenCvGrid::kPastTheEdge);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(old[i], before[i], 1e-3);
+  const double printed[] = {325.659789, 347.683299, 332.452911, 227.868841};
+  const Camera source = reference::camera(kBarrel, {640, 480}, 400, 330, 230);
+  const auto now = filled(source, OpenCvGrid::kPixels);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(now[i], printed[i], 1e-6);
+  const Camera plain = Camera::make("pinhole", {101, 101}, {70, 80, 50, 45}).value();
+  const auto same = filled(plain, OpenCvGrid::kPixels);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(same[i], plain.parameters()[i], 1e-9);
 }
 
 // What was found for one view serves all that differ in nothing but how they look around.

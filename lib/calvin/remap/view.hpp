@@ -13,7 +13,8 @@
 namespace calvin {
 
 // What `alpha` means. kOpenCv: as cv::getOptimalNewCameraMatrix() does, which is what
-// cameraundistort shows: fx and fy each fill the picture, looked at in 9 x 9 points.
+// cameraundistort shows: fx and fy each fill the picture, looked at in 9 x 9 points. It is that of
+// the OpenCV which the library was built with; without one, that of 4.8 and newer.
 enum class AlphaMode : std::uint8_t { kCalvin, kOpenCv };
 
 struct ViewOptions {

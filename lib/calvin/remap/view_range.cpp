@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "calvin/remap/opencv_rectangles.hpp"
 
 namespace calvin {
 
@@ -328,36 +329,13 @@ Status ViewRange::find_frames(const Camera& source) {
   return {};
 }
 
-// cv::getOptimalNewCameraMatrix() of OpenCV 4: the inner and the outer rectangle around 9 x 9
-// points.
-void ViewRange::find_rectangles(const Camera& source) {
-  constexpr int kPoints = 9;
-  const Scene scene = {source, asked_.projection};
-  const ImageSize seen = source.image_size();
-  const double infinity = std::numeric_limits<double>::infinity();
-  inner_ = {{-infinity, -infinity}, {infinity, infinity}};
-  outer_ = {{infinity, infinity}, {-infinity, -infinity}};
-  for (int j = 0; j < kPoints; ++j) {
-    for (int i = 0; i < kPoints; ++i) {
-      // One column and one row further than the last pixels.
-      const auto p = scene.ideal_point(
-          {i * (0.0 + seen.width) / (kPoints - 1), j * (0.0 + seen.height) / (kPoints - 1)});
-      if (!p) continue;
-      outer_.low = {std::min(outer_.low.u, p->u), std::min(outer_.low.v, p->v)};
-      outer_.high = {std::max(outer_.high.u, p->u), std::max(outer_.high.v, p->v)};
-      if (i == 0) inner_.low.u = std::max(inner_.low.u, p->u);
-      if (i == kPoints - 1) inner_.high.u = std::min(inner_.high.u, p->u);
-      if (j == 0) inner_.low.v = std::max(inner_.low.v, p->v);
-      if (j == kPoints - 1) inner_.high.v = std::min(inner_.high.v, p->v);
-    }
-  }
-}
-
 Result<ViewRange> ViewRange::find(const Camera& source, const ViewOptions& options) {
   const bool given = options.output.width > 0 && options.output.height > 0;
   ViewRange range(options, given ? options.output : source.image_size());
   if (options.alpha_mode == AlphaMode::kOpenCv) {
-    range.find_rectangles(source);
+    const auto found = opencv_rectangles(source, options.projection, opencv_grid());
+    range.inner_ = {found.inner.low, found.inner.high};
+    range.outer_ = {found.outer.low, found.outer.high};
   } else if (const Status found = range.find_frames(source); !found) {
     return tl::unexpected(found.error());
   }

@@ -33,7 +33,6 @@ class ViewRange {
 
   ViewRange(const ViewOptions& asked, ImageSize size) : asked_(asked), size_(size) {}
   Status find_frames(const Camera& source);
-  void find_rectangles(const Camera& source);
   [[nodiscard]] Result<Camera> plane(double alpha) const;
 
   ViewOptions asked_;
