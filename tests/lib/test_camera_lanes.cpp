@@ -3,7 +3,7 @@
 
 // The lenses over vectors give what they give over doubles, with the instructions of every target
 // that this machine has.
-#include "calvin/camera/lane_targets.hpp"
+#include "calvin/core/vector_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "test_camera_lanes.cpp"

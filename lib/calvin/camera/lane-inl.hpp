@@ -6,7 +6,7 @@
 // `typename T` is thus one text for a point and for a vector of points.
 //
 // Compiled once per target of Highway, as its own *-inl.h: include it after hwy/foreach_target.h in
-// a file that has that (lane_targets.hpp before it), and plainly elsewhere. A comparison of Lanes
+// a file that has that (vector_targets.hpp before it), and plainly elsewhere. A comparison of Lanes
 // gives a Mask, one of doubles a bool; MaskOf<T> is either. No branch may depend on a mask: compute
 // both sides and select().
 #if defined(CALVIN_CAMERA_LANE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
@@ -21,14 +21,14 @@
 #include <cstddef>
 #include <numbers>
 
-#include "calvin/camera/lane_targets.hpp"
-// After lane_targets.hpp.
+#include "calvin/core/vector_targets.hpp"
+// After vector_targets.hpp.
 #include <hwy/highway.h>
 // After highway.h.
 #include <hwy/contrib/math/math-inl.h>
 
 #if HWY_HAVE_SCALABLE
-#error "Include calvin/camera/lane_targets.hpp before the headers of Highway."
+#error "Include calvin/core/vector_targets.hpp before the headers of Highway."
 #endif
 
 HWY_BEFORE_NAMESPACE();

@@ -6,7 +6,7 @@
 // As lane_blend.cpp.
 #define HWY_WANT_AVX3_DL 1
 
-#include "calvin/remap/lane_targets.hpp"
+#include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>
@@ -303,8 +303,10 @@ HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
   }
 }
 
+// Not inlined: it is the same for both kinds of curves, and half of what this file takes to
+// compile.
 template <class P, bool kThree>
-HWY_INLINE void begin_vector(int j, const BandAxis& x, const BandAxis& y, Band& band) {
+HWY_NOINLINE void begin_vector(int j, const BandAxis& x, const BandAxis& y, Band& band) {
   // What is spread is read four at a time, from any of them on.
   alignas(64) std::int32_t to_middles[P::kParts * hn::MaxLanes(Ints()) + 4];
   begin_segments<P, kThree>(j, x, y, band, to_middles);

@@ -13,7 +13,7 @@
 // Ice Lake and Zen 4 permute all bytes of a vector.
 #define HWY_WANT_AVX3_DL 1
 
-#include "calvin/remap/lane_targets.hpp"
+#include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>
@@ -283,10 +283,12 @@ void blend(const RowTask& shared, int begin, int end, const PlaneRows& rows) {
   }
 }
 
-template <class L>
-void blend_nearest(const RowTask& task, int begin, int end, const PlaneRows& planes) {
+// Planes one after the other. Only planes of a single component come by twos (the chroma of I420),
+// and only for them it pays to blend both with what is known of their samples.
+template <class L, bool kNearest>
+void blend_each(const RowTask& task, int begin, int end, const PlaneRows& planes) {
   for (int p = 0; p < planes.planes; ++p) {
-    blend<L, true, 1>(task, begin, end, {{planes.source[p]}, {planes.output[p]}, 1});
+    blend<L, kNearest, 1>(task, begin, end, {{planes.source[p]}, {planes.output[p]}, 1});
   }
 }
 
@@ -319,8 +321,12 @@ struct Chooser {
 
   template <class L>
   [[nodiscard]] BlendRuns layout() const {
-    if (nearest) return &blend_nearest<L>;
-    return planes == 2 ? &blend<L, false, 2> : &blend<L, false, 1>;
+    constexpr bool kSingle = L::kStep * L::kSpread == (L::kOfWords ? 2 : 1);
+    if (nearest) return &blend_each<L, true>;
+    if constexpr (kSingle) {
+      if (planes == 2) return &blend<L, false, 2>;
+    }
+    return &blend_each<L, false>;
   }
 
   int run;

@@ -6,7 +6,7 @@
 // together with its neighbour. A vector has one pixel of each of as many runs as it has 32-bit
 // numbers, so that what is known of runs need not be spread.
 
-#include "calvin/remap/lane_targets.hpp"
+#include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>

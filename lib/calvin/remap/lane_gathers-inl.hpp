@@ -10,9 +10,9 @@
 #define CALVIN_REMAP_LANE_GATHERS_INL_HPP
 #endif
 
-#include "calvin/remap/lane_targets.hpp"
+#include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/lanes.hpp"
-// After lane_targets.hpp.
+// After vector_targets.hpp.
 #include <hwy/highway.h>
 
 #if HWY_TARGET != HWY_SCALAR

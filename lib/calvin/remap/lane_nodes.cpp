@@ -3,7 +3,7 @@
 
 // The middles of runs at a row of the map's nodes, for every instruction set.
 
-#include "calvin/remap/lane_targets.hpp"
+#include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #undef HWY_TARGET_INCLUDE

@@ -6,7 +6,7 @@
 // As lane_blend.cpp.
 #define HWY_WANT_AVX3_DL 1
 
-#include "calvin/remap/lane_targets.hpp"
+#include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #include <algorithm>
@@ -172,10 +172,11 @@ HWY_INLINE hn::Vec<Ints> outside(const Axis& x, const Axis& y, const SourceBound
   return hn::BroadcastSignBit(hn::Min(inside(x, b.columns), inside(y, b.rows)));
 }
 
-// A vector of runs whose first one is `j`; whether one is slow.
+// A vector of runs whose first one is `j`; whether one is slow. Not inlined: it is the same for
+// both kinds of curves, and most of what this file takes to compile.
 template <class P>
-HWY_INLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
-                                 const SourceBounds& b, RunRow& row) {
+HWY_NOINLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
+                                   const SourceBounds& b, RunRow& row) {
   const Ints d;
   const Axis x = describe<P::kRun>(x_line);
   const Axis y = describe<P::kRun>(y_line);

@@ -13,12 +13,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "calvin/remap/lane_targets.hpp"
-// After lane_targets.hpp.
+#include "calvin/core/vector_targets.hpp"
+// After vector_targets.hpp.
 #include <hwy/highway.h>
 
 #if HWY_HAVE_SCALABLE
-#error "Include calvin/remap/lane_targets.hpp before the headers of Highway."
+#error "Include calvin/core/vector_targets.hpp before the headers of Highway."
 #endif
 
 #if HWY_TARGET != HWY_SCALAR

@@ -5,7 +5,7 @@
 // gathers its own neighbours, all components of one at a time, and is summed up in single
 // precision. For memory of every kind whose components lie within 32 bits.
 
-#include "calvin/remap/lane_targets.hpp"
+#include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/lanes.hpp"
 
 #include <array>

@@ -3,6 +3,8 @@
 
 #include "calvin/solve/products.hpp"
 
+#include "calvin/core/vector_targets.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calvin/solve/products.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
