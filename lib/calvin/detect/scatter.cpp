@@ -8,7 +8,7 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Cholesky>
+#include "calvin/geometry/dense.hpp"
 
 namespace calvin::detect {
 
@@ -81,7 +81,7 @@ class Flattened {
       normal += u * u.transpose() + v * v.transpose();
       right += q.x * u + q.y * v;
     });
-    homography_ = normal.ldlt().solve(right);
+    homography_ = solve_symmetric(normal, right);
   }
 
   // How far a node is from where the homography has it, px of the image.
@@ -252,7 +252,7 @@ std::optional<double> ratio_beside_surface(const Lattice& lattice, const Flatten
     right.col(1) += weight * off.y * terms;
     sum += weight * (off.x * off.x + off.y * off.y);
   });
-  const Eigen::Matrix<double, kTerms, 2> surface = normal.ldlt().solve(right);
+  const Eigen::Matrix<double, kTerms, 2> surface = solve_symmetric(normal, right);
   const double left = sum - surface.cwiseProduct(right).sum();
   return std::sqrt(std::max(left, 0.0) / (2.0 * (lattice.count() - kTerms)));
 }

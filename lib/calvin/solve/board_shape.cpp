@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include <Eigen/QR>
+#include "calvin/geometry/dense.hpp"
 
 namespace calvin {
 
@@ -53,9 +53,7 @@ Eigen::MatrixXd offset_fields(const Points& points) {
   const auto rows = 3 * static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd known(rows, static_cast<Eigen::Index>(std::size(others)));
   for (Eigen::Index i = 0; i < known.cols(); ++i) known.col(i) = field_over(points, others[i]);
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(known);
-  const Eigen::MatrixXd all = qr.householderQ() * Eigen::MatrixXd::Identity(rows, rows);
-  return all.rightCols(rows - known.cols());
+  return orthogonal_complement(known);
 }
 
 class Maker {

@@ -12,6 +12,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/monotone.hpp"
 #include "calvin/geometry/convex_hull.hpp"
+#include "calvin/geometry/dense.hpp"
 #include "calvin/solve/consistency.hpp"
 #include "calvin/solve/scaled_solve.hpp"
 #include "calvin/solve/uncertainty.hpp"
@@ -194,7 +195,7 @@ void add_shape(Solution& solution, const Conclusion& from, const Eigen::MatrixXd
       moves.col(static_cast<Eigen::Index>(m)) =
           shape.displacement[i * shape.modes + shape.first_offset() + m];
     }
-    const Eigen::MatrixXd spread = moves * covariance;
+    const Eigen::MatrixXd spread = product(moves, covariance);
     solution.corner_offsets.push_back(
         {moves * values, spread.cwiseProduct(moves).rowwise().sum().cwiseSqrt()});
   }

@@ -11,8 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/LU>
-
+#include "calvin/geometry/dense.hpp"
 #include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/camera_problem.hpp"
 #include "calvin/solve/projection_grid.hpp"
@@ -55,8 +54,7 @@ Eigen::MatrixXd projection_metric(const Camera& camera, const Freedom& freedom) 
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
   for (const auto& cell : grid) sum += cell.transpose().lazyProduct(cell);
   const Eigen::MatrixXd basis = freedom.basis.topRows(n);
-  return basis.transpose() * sum * basis /
-         static_cast<double>(std::max<std::size_t>(grid.size(), 1));
+  return congruent(sum, basis) / static_cast<double>(std::max<std::size_t>(grid.size(), 1));
 }
 
 // v^T m^+ v over the directions in which m is not nothing, and their number.
@@ -112,8 +110,9 @@ class Judge {
       : fit_(fit), camera_(camera), shape_(shape), freedom_(freedom), variance_(variance) {
     // Over the directions: the basis has one unknown of its own for each.
     const Eigen::MatrixXd& basis = freedom.basis;
-    const Eigen::MatrixXd pick = (basis.transpose() * basis).inverse() * basis.transpose();
-    covariance_ = pick * covariance * pick.transpose();
+    const Eigen::MatrixXd pick =
+        solve_symmetric(product(basis.transpose(), basis), basis.transpose());
+    covariance_ = congruent(covariance, pick.transpose());
   }
 
   Consistency run(const std::stop_token& stop) {
@@ -188,13 +187,13 @@ class Judge {
     // The optimum of all views takes its part of each: I - I C I is what is left of I.
     const Eigen::MatrixXd information = view.information / variance_;
     const Eigen::VectorXd gradient = view.gradient / variance_;
-    const Eigen::MatrixXd left = information - information * covariance_ * information;
+    const Eigen::MatrixXd left = information - congruent(covariance_, information);
     const Excess excess = quadratic(information, gradient);
     views_.sum += excess.sum;
     views_.degrees += excess.degrees;
     const Eigen::VectorXd step = covariance_ * gradient;
     observed_ += step.dot(metric_ * step);
-    predicted_ += (metric_ * covariance_ * left * covariance_).trace();
+    predicted_ += metric_.cwiseProduct(congruent(left, covariance_)).sum();
   }
 
   void add_residuals(std::size_t v, const ViewPoints& points) {

@@ -3,7 +3,7 @@
 
 #include "calvin/solve/scaled_solve.hpp"
 
-#include <Eigen/Cholesky>
+#include "calvin/geometry/dense.hpp"
 
 namespace calvin {
 
@@ -13,13 +13,10 @@ std::optional<Eigen::MatrixXd> scaled_solve(const Eigen::MatrixXd& m, const Eige
   if (!(diagonal.minCoeff() > 0) || !diagonal.allFinite()) return std::nullopt;
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * m * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(scaled);
-  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > least_pivot)) {
-    return std::nullopt;
-  }
-  Eigen::MatrixXd x = ldlt.solve(scale.asDiagonal() * right);
-  x = scale.asDiagonal() * x;
-  if (!x.allFinite()) return std::nullopt;
+  auto x = solve_definite(scaled, scale.asDiagonal() * right, least_pivot);
+  if (!x) return std::nullopt;
+  *x = scale.asDiagonal() * *x;
+  if (!x->allFinite()) return std::nullopt;
   return x;
 }
 
