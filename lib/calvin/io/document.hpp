@@ -57,6 +57,10 @@ class DocumentBuilder {
 [[nodiscard]] Result<Node> parse_yaml(std::string_view content);
 [[nodiscard]] Result<Node> parse_xml(std::string_view content);
 
+// A text as a JSON string, quotes and all, which is a YAML one too. Bytes that are no UTF-8 are
+// replaced.
+[[nodiscard]] std::string json_string(std::string_view text);
+
 // "in line 3" for a position in bytes, or that the text ends too early.
 [[nodiscard]] std::string place(std::string_view content, std::size_t offset);
 

@@ -62,6 +62,11 @@ std::string word_at(std::string_view content, std::size_t offset) {
 
 }  // namespace
 
+std::string json_string(std::string_view text) {
+  using Json = nlohmann::json;
+  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 Result<Node> parse_json(std::string_view content) {
   Handler handler;
   nlohmann::json::sax_parse(content.begin(), content.end(), &handler);

@@ -17,24 +17,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string quoted(const std::string& text) {
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 // On one line; numbers are the shortest that read back as the same.
 void print_inline(const Json& json, std::string& out) {
   if (json.is_object() || json.is_array()) {
     out += json.is_object() ? '{' : '[';
     for (auto it = json.begin(); it != json.end(); ++it) {
       if (it != json.begin()) out += ", ";
-      if (json.is_object()) out += quoted(it.key()) + ": ";
+      if (json.is_object()) out += json_string(it.key()) + ": ";
       print_inline(*it, out);
     }
     out += json.is_object() ? '}' : ']';
   } else if (json.is_number_float()) {
     out += format_double(json.get<double>());
   } else {
-    out += json.is_string() ? quoted(json.get_ref<const std::string&>()) : json.dump();
+    out += json.is_string() ? json_string(json.get_ref<const std::string&>()) : json.dump();
   }
 }
 
@@ -43,7 +39,7 @@ std::string print_lines(const Json& json) {
   std::string out = "{";
   for (auto it = json.begin(); it != json.end(); ++it) {
     out += it == json.begin() ? "\n  " : ",\n  ";
-    out += quoted(it.key()) + ": ";
+    out += json_string(it.key()) + ": ";
     if (!it->is_array() || it->empty() || !it->front().is_structured()) {
       print_inline(*it, out);
       continue;

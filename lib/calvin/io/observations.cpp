@@ -4,7 +4,6 @@
 #include "calvin/io/observations.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
@@ -19,11 +18,6 @@ using io::Node;
 
 constexpr std::string_view kFormat = "calvin-observations";
 constexpr int kVersion = 1;
-
-std::string to_json(std::string_view text) {
-  using Json = nlohmann::json;
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 void read_header(Fields& fields, ObservationFile& file) {
   const std::string format = fields.string("format");
@@ -138,12 +132,13 @@ Result<ObservationFile> read_observations(const std::filesystem::path& path) {
 
 std::string print_observation_header(std::string_view board) {
   return fmt::format("{{\"format\":\"{}\",\"version\":{},\"board\":{}}}\n", kFormat, kVersion,
-                     to_json(board));
+                     io::json_string(board));
 }
 
 std::string print_observation(const Observation& seen, std::string_view board_of_file) {
-  std::string line = fmt::format("{{\"camera\":{}", to_json(seen.camera));
-  if (seen.board != board_of_file) line += fmt::format(",\"board\":{}", to_json(seen.board));
+  std::string line = fmt::format("{{\"camera\":{}", io::json_string(seen.camera));
+  if (seen.board != board_of_file)
+    line += fmt::format(",\"board\":{}", io::json_string(seen.board));
   if (seen.timestamp != kNoTimestamp) line += fmt::format(",\"timestamp\":{}", seen.timestamp);
   line += fmt::format(",\"image_size\":[{},{}],\"points\":[", seen.image_size.width,
                       seen.image_size.height);

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/opencv_camera.hpp"
@@ -39,11 +38,6 @@ const Row* model_for(bool fisheye, std::size_t coefficients) {
       kDistortionModels.begin(), kDistortionModels.end(),
       [&](const Row& row) { return row.fisheye == fisheye && row.most >= coefficients; });
   return it == kDistortionModels.end() ? nullptr : &*it;
-}
-
-// A name with any character in it is as good YAML as it is JSON.
-std::string quoted(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::string print_matrix(std::string_view name, const Matrix& matrix) {
@@ -107,7 +101,7 @@ Result<std::string> print_ros(const Calibration& calibration) {
   const auto& k = camera->k;
   std::string text = fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n",
                                  calibration.image_size.width, calibration.image_size.height,
-                                 quoted(calibration.camera));
+                                 json_string(calibration.camera));
   text += print_matrix("camera_matrix", {3, 3, {k.begin(), k.end()}});
   text += fmt::format("distortion_model: {}\n", model->name);
   text += print_matrix("distortion_coefficients", {1, static_cast<int>(d.size()), d});
