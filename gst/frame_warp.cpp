@@ -9,6 +9,8 @@
 #include <span>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace calvin::gst {
 
 namespace {
@@ -66,10 +68,12 @@ void FrameWarp::adopt(const UndistorterBuilder::Built& built, std::vector<Error>
     slot(built.key) = {built.key, *built.undistorter, built.turn};
     const bool limited = (*built.undistorter)->limited();
     if (limited && !told_limited_) {
-      errors.push_back({ErrorCode::kInvalidArgument,
-                        "The view is wider than its projection can show and is limited: to 150 "
-                        "degrees where rectilinear. Set a smaller alpha, a larger zoom or another "
-                        "projection."});
+      errors.push_back(
+          {ErrorCode::kInvalidArgument,
+           fmt::format("The view is wider than its projection can show and is limited: to {} "
+                       "degrees where rectilinear. Set a smaller alpha, a larger zoom or another "
+                       "projection.",
+                       150)});
     }
     told_limited_ = limited;
     return;

@@ -21,6 +21,7 @@ if [ -z "${CALVIN_DATA:-}" ] && [ -d "$source/../shared/data" ]; then
   CALVIN_DATA=$(cd "$source/../shared/data" && pwd)
 fi
 export CALVIN_DATA="${CALVIN_DATA:-}"
+export CCACHE_SLOPPINESS=pch_defines,time_macros # precompiled headers, where there is ccache
 
 [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dwerror="${CALVIN_WERROR:-false}"
 ninja -C "$build"
