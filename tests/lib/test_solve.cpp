@@ -314,6 +314,55 @@ TEST_P(EveryModel, ParallelViewsAreRefused) {
   }
 }
 
+// Two views are four equations for fx fy cx cy (Zhang 2000). They depend on each other where the
+// board faces the camera in one, is tilted about the same axis of the picture in both, or in one as
+// the other's mirror image has it: by symmetry two of them know nothing of three of the unknowns.
+// What is left is a family of cameras, of which a lens that distorts would seem to choose one.
+TEST(TwoViews, AreEnoughWhereTheirEquationsAreIndependent) {
+  struct Pair {
+    Eigen::Vector3d first;
+    Eigen::Vector3d second;
+    bool enough;
+  };
+  const Pair pairs[] = {
+      {{0.5, 0, 0}, {0, 0.5, 0}, true},       {{0.4, 0.2, 0}, {-0.4, -0.2, 0}, true},
+      {{0.4, 0.2, 0}, {-0.4, 0.2, 0}, false}, {{0.5, 0, 0}, {-0.3, 0, 0}, false},
+      {{0, 0.3, 0}, {0, 0.6, 0}, false},      {{0, 0, 0}, {0.4, 0.3, 0}, false}};
+  constexpr int kTrials = 20;
+  for (const char* model : {"pinhole", "brown5", "fisheye"}) {
+    for (const Pair& pair : pairs) {
+      // The angles of a wide lens tell its focal length.
+      const bool enough = pair.enough || scenes::is_wide(model);
+      Random random(4);
+      double error = 0;
+      for (int i = 0; i < kTrials; ++i) {
+        const Camera camera = scenes::random_camera(model, random);
+        std::vector<View> views;
+        while (views.size() < 2) {
+          const SE3 pose = {exp_so3(views.empty() ? pair.first : pair.second),
+                            {scenes::uniform(random, -0.3, 0.1), scenes::uniform(random, -0.2, 0.1),
+                             scenes::uniform(random, 0.3, 0.6)}};
+          if (!scenes::sees_all(camera, kBoard, pose)) continue;
+          views.push_back(scenes::observe(camera, kBoard, pose, kNoise, random));
+        }
+        const auto solution = solve(views, kSize, with_model(model));
+        ASSERT_EQ(solution.has_value(), enough) << model << ' ' << pair.second.transpose()
+                                                << (solution ? "" : solution.error().message);
+        if (solution) {
+          error += scenes::normalised_error(solution->calibration, camera) / kTrials;
+        } else {
+          EXPECT_EQ(solution.error().code, ErrorCode::kDegenerate);
+          EXPECT_NE(solution.error().message.find("tilted differently"), std::string::npos);
+        }
+      }
+      // A mean of chi^2 of four degrees of freedom and more.
+      if (enough) {
+        EXPECT_NEAR(error, 1, 4 * std::sqrt(2.0 / 4 / kTrials)) << model;
+      }
+    }
+  }
+}
+
 TEST_F(Solve, ASecondViewOfAPoseDoesNoHarm) {
   auto views = make_views(camera_, random_, 8);
   views.push_back(views[3]);

@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "calvin/geometry/symmetric.hpp"
+
 namespace calvin {
 
 namespace {
@@ -18,6 +20,10 @@ constexpr double kParallel = 0.0175;
 
 // Boards whose corners moved by less are in one place, in parts of the image diagonal.
 constexpr double kStill = 0.02;
+
+// Two tilts that hold the pinhole less firmly do not determine it: as two that are 5 degrees each,
+// about x and about y.
+constexpr double kLoose = 0.005;
 
 constexpr const char* kAdvice =
     "Show the board in at least 3 views, tilted differently (30 to 45 degrees, to the left, to the "
@@ -39,6 +45,38 @@ int orientations(const Fit& fit) {
     if (normals.size() == kEnough) break;
   }
   return static_cast<int>(normals.size());
+}
+
+// How firmly the boards hold the pinhole, 0 where some change of it leaves every one of them a
+// board: with K moved to K (1 + E), the two sides of a board stay at right angles and of one length
+// where E + E^T is a multiple of 1 in its plane. The least that a change of fx fy cx cy by its own
+// size, in focal lengths, does to that.
+double firmness(const Fit& fit, const Freedom& freedom) {
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index c = 0; c < freedom.basis.cols(); ++c) {
+    if (freedom.basis.col(c).head(4).any()) columns.push_back(c);
+  }
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd change(4, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector4d by = freedom.basis.col(columns[static_cast<std::size_t>(i)]).head(4);
+    change.col(i) = by.normalized();
+  }
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t v = 0; v < fit.views.size(); ++v) {
+    if (!fit.used[v]) continue;
+    const Eigen::Vector3d x = fit.camera_from_board[v].rotation.col(0);
+    const Eigen::Vector3d y = fit.camera_from_board[v].rotation.col(1);
+    Eigen::Matrix<double, 2, 4> by;
+    by << 2 * x[0] * y[0], 2 * x[1] * y[1], x[0] * y[2] + x[2] * y[0], x[1] * y[2] + x[2] * y[1],
+        x[0] * x[0] - y[0] * y[0], x[1] * x[1] - y[1] * y[1], x[0] * x[2] - y[0] * y[2],
+        x[1] * x[2] - y[1] * y[2];
+    const Eigen::MatrixXd rows = by.lazyProduct(change);
+    sum += rows.transpose().lazyProduct(rows);
+  }
+  const auto views = static_cast<double>(std::count(fit.used.begin(), fit.used.end(), true));
+  const auto eigen = symmetric_eigen(sum / views);
+  return eigen ? std::sqrt(std::max(eigen->values[0], 0.0)) : 0;
 }
 
 // Whether the corners that two views have in common are about where they were: some tell.
@@ -63,7 +101,13 @@ tl::unexpected<Error> degenerate(std::string what) {
 
 Status tilted_enough(const Fit& fit, const Freedom& freedom) {
   const int seen = orientations(fit);
-  if (2 * seen >= freedom.pinhole_directions()) return {};
+  if (2 * seen >= freedom.pinhole_directions()) {
+    // Two tilts are just enough, and not any two; the angles of a wide lens tell more.
+    const bool loose = seen == 2 && freedom.lens.perspective && firmness(fit, freedom) < kLoose;
+    if (!loose) return {};
+    return degenerate(
+        "The board is seen at two tilts only, and these two leave more cameras than one.");
+  }
   if (seen > 1) {
     return degenerate(fmt::format(
         "The board is seen at {} tilts only, which do not determine a skew beside the camera.",
