@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "frame_unpacking.hpp"
+
 namespace calvin::gst {
 
 namespace {
@@ -22,9 +24,12 @@ bool component_fits(const GstVideoFrame& frame, guint c) {
   const auto plane = static_cast<guint>(GST_VIDEO_FORMAT_INFO_PLANE(f, c));
   const std::int64_t rows = GST_VIDEO_FRAME_COMP_HEIGHT(&frame, c);
   const std::int64_t columns = GST_VIDEO_FRAME_COMP_WIDTH(&frame, c);
-  const std::int64_t row_end = GST_VIDEO_FORMAT_INFO_POFFSET(f, c) +
-                               (columns - 1) * GST_VIDEO_FORMAT_INFO_PSTRIDE(f, c) +
-                               (GST_VIDEO_FORMAT_INFO_DEPTH(f, c) + 7) / 8;
+  const std::int64_t step = GST_VIDEO_FORMAT_INFO_PSTRIDE(f, c);
+  // Of what is unpacked GStreamer does not tell where in the pixel it lies.
+  const std::int64_t row_end = needs_unpacking(f)
+                                   ? columns * step
+                                   : GST_VIDEO_FORMAT_INFO_POFFSET(f, c) + (columns - 1) * step +
+                                         (GST_VIDEO_FORMAT_INFO_DEPTH(f, c) + 7) / 8;
   const std::int64_t last = (rows - 1) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane);
   const GstMapInfo& map = frame.map[frame.meta == nullptr ? 0 : plane];
   const std::int64_t first = static_cast<const guint8*>(frame.data[plane]) - map.data;
@@ -32,10 +37,41 @@ bool component_fits(const GstVideoFrame& frame, guint c) {
          first + std::max<std::int64_t>(last, 0) + row_end <= static_cast<std::int64_t>(map.size);
 }
 
-bool components_fit(const GstVideoFrame& frame) {
-  // Tiles, packed groups of pixels and palettes have rows of another kind.
-  if (GST_VIDEO_FORMAT_INFO_IS_COMPLEX(frame.info.finfo) ||
-      GST_VIDEO_FORMAT_INFO_HAS_PALETTE(frame.info.finfo)) {
+// The same of what has no place of its own per sample: a plane of groups of pixels or of tiles has
+// at least the rows, or tiles, that GStreamer gives it.
+bool plane_fits(const GstVideoFrame& frame, const GstVideoInfo& plain, guint p) {
+  const GstVideoFormatInfo* f = frame.info.finfo;
+  const gint stride = GST_VIDEO_FRAME_PLANE_STRIDE(&frame, p);
+  const gint least = GST_VIDEO_INFO_PLANE_STRIDE(&plain, p);
+  const bool is_last = p + 1 == GST_VIDEO_INFO_N_PLANES(&plain);
+  std::int64_t bytes = static_cast<std::int64_t>(is_last ? plain.size : plain.offset[p + 1]) -
+                       static_cast<std::int64_t>(plain.offset[p]);
+  if (GST_VIDEO_FORMAT_INFO_IS_TILED(f)) {
+    if (GST_VIDEO_TILE_X_TILES(stride) < GST_VIDEO_TILE_X_TILES(least) ||
+        GST_VIDEO_TILE_Y_TILES(stride) < GST_VIDEO_TILE_Y_TILES(least)) {
+      return false;
+    }
+    const auto tiles = [](std::int64_t s) {
+      return GST_VIDEO_TILE_X_TILES(s) * GST_VIDEO_TILE_Y_TILES(s);
+    };
+    bytes = bytes / tiles(least) * tiles(stride);
+  } else {
+    if (stride < least) return false;
+    bytes = std::int64_t{stride} * (GST_VIDEO_FRAME_COMP_HEIGHT(&frame, p) - 1) + least;
+  }
+  const GstMapInfo& map = frame.map[frame.meta == nullptr ? 0 : p];
+  const std::int64_t first = static_cast<const guint8*>(frame.data[p]) - map.data;
+  return first >= 0 && first + bytes <= static_cast<std::int64_t>(map.size);
+}
+
+bool all_fits(const GstVideoFrame& frame, const GstVideoInfo& plain) {
+  const GstVideoFormatInfo* f = frame.info.finfo;
+  if (GST_VIDEO_FORMAT_INFO_HAS_PALETTE(f)) return true;
+  if (needs_unpacking(f) &&
+      (GST_VIDEO_FORMAT_INFO_IS_TILED(f) || GST_VIDEO_FORMAT_INFO_PSTRIDE(f, 0) == 0)) {
+    for (guint p = 0; p < GST_VIDEO_FRAME_N_PLANES(&frame); ++p) {
+      if (!plane_fits(frame, plain, p)) return false;
+    }
     return true;
   }
   for (guint c = 0; c < GST_VIDEO_FRAME_N_COMPONENTS(&frame); ++c) {
@@ -93,7 +129,7 @@ Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
   }
   GstVideoFrame frame;
   if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ)) return unmapped(info, buffer);
-  const bool fits = components_fit(frame);
+  const bool fits = all_fits(frame, info);
   gst_video_frame_unmap(&frame);
   if (fits) return {};
   return beyond_memory();

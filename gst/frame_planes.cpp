@@ -7,6 +7,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+
+#include "frame_unpacking.hpp"
 
 namespace calvin::gst {
 
@@ -58,9 +61,8 @@ Values fill_of(const GstVideoInfo& info) {
   Values offsets{};
   Values scales{};
   gst_video_color_range_offsets(info.colorimetry.range, info.finfo, offsets.data(), scales.data());
-  if (GST_VIDEO_FORMAT_INFO_HAS_ALPHA(info.finfo)) {
-    offsets[GST_VIDEO_COMP_A] = scales[GST_VIDEO_COMP_A];
-  }
+  // Some formats have it and do not say so. Where there is none, nobody asks.
+  offsets[GST_VIDEO_COMP_A] = scales[GST_VIDEO_COMP_A];
   return offsets;
 }
 
@@ -70,6 +72,7 @@ void place(const GstVideoFormatInfo* f, const std::vector<guint>& components, Fr
   const guint first = components.front();
   const std::ptrdiff_t bytes = layout.sample == SampleType::kU8 ? 1 : 2;
   layout.pixel_step = GST_VIDEO_FORMAT_INFO_PSTRIDE(f, first);
+  layout.shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_SHIFT(f, first));
   if (layout.pixel_step == bytes * layout.components) {
     // Nothing between them: GStreamer's table counts the offsets of P010 in samples.
     layout.component_step = bytes;
@@ -104,6 +107,31 @@ GstVideoChromaSite default_site(const GstVideoInfo& info) {
                                                 : GST_VIDEO_CHROMA_SITE_UNKNOWN;
 }
 
+// A plane of one component, wherever it lies.
+FramePlane plane_for(const FrameFormat& in, const FrameFormat& out, guint component, gint fill) {
+  FramePlane plane;
+  plane.layout.subsampling = subsampling_of(in, component);
+  plane.layout.output_subsampling = subsampling_of(out, component);
+  plane.layout.bits = static_cast<int>(GST_VIDEO_FORMAT_INFO_DEPTH(in.info.finfo, component));
+  plane.layout.fill[0] = static_cast<std::uint16_t>(fill);
+  return plane;
+}
+
+// The planes of an UnpackedFrame.
+std::vector<FramePlane> unpacked_planes(const FrameFormat& in, const FrameFormat& out,
+                                        const Values& fill) {
+  constexpr bool kBig = std::endian::native == std::endian::big;
+  std::vector<FramePlane> planes;
+  for (guint c = 0; c < GST_VIDEO_FORMAT_INFO_N_COMPONENTS(in.info.finfo); ++c) {
+    FramePlane plane = plane_for(in, out, c, fill[c]);
+    plane.plane = c;
+    plane.layout.sample = kBig ? SampleType::kU16Big : SampleType::kU16Little;
+    plane.layout.pixel_step = plane.layout.component_step = sizeof(std::uint16_t);
+    planes.push_back(plane);
+  }
+  return planes;
+}
+
 }  // namespace
 
 FrameFormat::FrameFormat(const GstVideoInfo& video, const GstCaps* caps) : info(video) {
@@ -123,18 +151,15 @@ bool FrameFormat::same_places(const FrameFormat& other) const {
 std::vector<FramePlane> planes_of(const FrameFormat& in, const FrameFormat& out) {
   const GstVideoFormatInfo* f = in.info.finfo;
   const Values fill = fill_of(out.info);
+  if (needs_unpacking(f)) return unpacked_planes(in, out, fill);
   std::vector<FramePlane> planes;
   for (const std::vector<guint>& group : groups_of(in)) {
     const guint first = group.front();
-    FramePlane joined;
+    FramePlane joined = plane_for(in, out, first, fill[first]);
     joined.plane = static_cast<guint>(GST_VIDEO_FORMAT_INFO_PLANE(f, first));
     PlaneLayout& layout = joined.layout;
-    layout.subsampling = subsampling_of(in, first);
-    layout.output_subsampling = subsampling_of(out, first);
     layout.components = static_cast<int>(group.size());
     layout.sample = sample_type(f, first);
-    layout.shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_SHIFT(f, first));
-    layout.bits = static_cast<int>(GST_VIDEO_FORMAT_INFO_DEPTH(f, first));
     for (std::size_t i = 0; i < group.size(); ++i) {
       layout.fill[i] = static_cast<std::uint16_t>(fill[group[i]]);
     }

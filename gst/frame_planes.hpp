@@ -12,11 +12,22 @@
 
 namespace calvin::gst {
 
-// The formats that planes_of() knows, for GST_VIDEO_CAPS_MAKE.
-#define CALVIN_PLANE_FORMATS                                                                 \
-  "{ GRAY8, I420, YV12, NV12, NV21, YUY2, UYVY, YVYU, VYUY, Y42B, NV16, NV61, Y444, NV24, "  \
-  "AYUV, I420_10LE, P010_10LE, I422_10LE, Y444_10LE, GRAY16_LE, GRAY16_BE, RGB, BGR, RGBx, " \
-  "BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, ABGR }"
+// The formats that planes_of() knows, for GST_VIDEO_CAPS_MAKE: all but those with a palette, whose
+// numbers have nothing between them. What is usual comes first.
+#define CALVIN_PLANE_FORMATS                                                                      \
+  "{ GRAY8, I420, YV12, NV12, NV21, YUY2, UYVY, YVYU, VYUY, Y42B, NV16, NV61, Y444, NV24, "       \
+  "AYUV, I420_10LE, P010_10LE, I422_10LE, Y444_10LE, GRAY16_LE, GRAY16_BE, RGB, BGR, RGBx, "      \
+  "BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, ABGR, "                                                    \
+  "VUYA, v308, IYU2, Y41B, YUV9, YVU9, A420, AV12, RGBP, BGRP, GBR, GBRA, "                       \
+  "I420_10BE, I422_10BE, Y444_10BE, P010_10BE, GBR_10LE, GBR_10BE, GBRA_10LE, GBRA_10BE, "        \
+  "A420_10LE, A420_10BE, A422_10LE, A422_10BE, A444_10LE, A444_10BE, Y210, "                      \
+  "I420_12LE, I420_12BE, I422_12LE, I422_12BE, Y444_12LE, Y444_12BE, P012_LE, P012_BE, "          \
+  "GBR_12LE, GBR_12BE, GBRA_12LE, GBRA_12BE, Y212_LE, Y212_BE, Y412_LE, Y412_BE, "                \
+  "P016_LE, P016_BE, Y444_16LE, Y444_16BE, v216, AYUV64, ARGB64, ARGB64_LE, ARGB64_BE, "          \
+  "ABGR64_LE, ABGR64_BE, RGBA64_LE, RGBA64_BE, BGRA64_LE, BGRA64_BE, "                            \
+  "v210, UYVP, GRAY10_LE32, NV12_10LE32, NV16_10LE32, NV12_10LE40, Y410, r210, RGB10A2_LE, "      \
+  "BGR10A2_LE, RGB16, BGR16, RGB15, BGR15, IYU1, NV12_4L4, NV12_32L32, NV12_16L32S, NV12_64Z32, " \
+  "NV12_8L128, NV12_10BE_8L128 }"
 
 // What frames are, with their true siting.
 struct FrameFormat {
@@ -44,7 +55,7 @@ struct FrameFormat {
 // Components that share their places in one plane of a frame.
 struct FramePlane {
   PlaneLayout layout;
-  guint plane = 0;   // of the GstVideoFrame
+  guint plane = 0;   // of the GstVideoFrame, or of the UnpackedFrame where the format needs that
   guint offset = 0;  // of the first component, bytes
 };
 

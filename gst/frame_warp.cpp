@@ -27,6 +27,12 @@ void begin_at(const FramePart& part, Subsampling& subsampling) {
   subsampling.y_before = part.y % (1 << subsampling.y_shift);
 }
 
+// Where the samples lie that the kernels read or write: in the frame, or unpacked from it.
+PlaneMemory<std::uint8_t> memory(const GstVideoFrame& frame, std::optional<UnpackedFrame>& unpacked,
+                                 const FramePlane& plane) {
+  return unpacked ? unpacked->plane(plane.plane) : memory_of(frame, plane);
+}
+
 }  // namespace
 
 void FrameWarp::start() {
@@ -169,17 +175,34 @@ Status FrameWarp::apply(const GstVideoFrame& in, const GstVideoFrame& out) const
     return make_error(ErrorCode::kInvalidArgument,
                       "A frame is not of the size that was negotiated.");
   }
+  const bool unpacks = needs_unpacking(in.info.finfo);
+  if (unpacks && !can_pack_into(out)) {
+    return make_error(ErrorCode::kUnsupported,
+                      "Downstream wants frames whose pixels begin at odd places of memory: insert "
+                      "videoconvert behind this element, with another format before it.");
+  }
+  if (!unpacks) {
+    unpacked_in_.reset();
+    unpacked_out_.reset();
+  } else {
+    if (!unpacked_in_ || !unpacked_in_->is_for(in.info)) unpacked_in_.emplace(in.info);
+    if (!unpacked_out_ || !unpacked_out_->is_for(out.info)) unpacked_out_.emplace(out.info);
+    workers_.run([&](int part, int parts) { unpacked_in_->unpack(in, part, parts); });
+  }
   std::array<PlaneMemory<const std::uint8_t>, GST_VIDEO_MAX_COMPONENTS> sources;
   std::array<PlaneMemory<std::uint8_t>, GST_VIDEO_MAX_COMPONENTS> outputs;
   for (std::size_t i = 0; i < planes_.size(); ++i) {
-    const auto source = memory_of(in, planes_[i]);
+    const auto source = memory(in, unpacked_in_, planes_[i]);
     sources[i] = {source.data, source.stride};
     if (part_) sources[i].data += offset_of(*part_, planes_[i].layout, source.stride);
-    outputs[i] = memory_of(out, planes_[i]);
+    outputs[i] = memory(out, unpacked_out_, planes_[i]);
   }
   const auto from = std::span(sources).first(planes_.size());
   const auto to = std::span(outputs).first(planes_.size());
   workers_.run([&](int part, int parts) { current_->apply(from, to, sampling_, part, parts); });
+  if (unpacks) {
+    workers_.run([&](int part, int parts) { unpacked_out_->pack(out, part, parts); });
+  }
   return {};
 }
 

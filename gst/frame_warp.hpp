@@ -11,6 +11,7 @@
 
 #include "calibration_input.hpp"
 #include "frame_planes.hpp"
+#include "frame_unpacking.hpp"
 #include "row_workers.hpp"
 #include "undistorter_builder.hpp"
 
@@ -90,6 +91,9 @@ class FrameWarp {
   bool told_limited_ = false;
   Sampling sampling_;
   mutable RowWorkers workers_;
+  // The last frames that came and went, where they have to be unpacked.
+  mutable std::optional<UnpackedFrame> unpacked_in_;
+  mutable std::optional<UnpackedFrame> unpacked_out_;
   std::optional<Key> requested_;  // of the worker, the last one
   std::optional<Key> failed_;     // what could not be made, the last one
   Error failure_;                 // why

@@ -43,7 +43,8 @@ class SampleAxis {
       : count_((before + length + (1 << shift) - 1) >> shift),
         scale_(1 << shift),
         offset_((cosited ? 0 : (scale_ - 1) / 2) - before),
-        last_(length - 1) {}
+        last_(cosited ? offset_ + scale_ * (count_ - 1)
+                      : (scale_ * (count_ - 1) - before + length - 1) / 2) {}
 
   [[nodiscard]] int count() const noexcept { return count_; }
   // px between samples, and px of the first one: a sample i lies at offset + scale i, but for the
@@ -52,7 +53,8 @@ class SampleAxis {
   [[nodiscard]] double offset() const noexcept { return offset_; }
   [[nodiscard]] bool is_even() const noexcept { return offset_ + scale_ * (count_ - 1) <= last_; }
 
-  // Sample -> px of the frame. The last sample of an odd length covers one pixel only.
+  // Sample -> px of the frame. The last sample may cover fewer pixels than the others, and is in the
+  // middle of those.
   [[nodiscard]] double site(int sample) const noexcept {
     return std::min(offset_ + scale_ * sample, last_);
   }
@@ -72,7 +74,7 @@ class SampleAxis {
   int count_;
   double scale_;
   double offset_;
-  double last_;
+  double last_;  // px of the last sample
 };
 
 }  // namespace calvin
