@@ -38,8 +38,7 @@ Result<CalibrationEvent> parse_event(GstEvent* event) {
 
 }  // namespace
 
-void CalibrationInput::reset() {
-  setting_.set(text_);
+std::vector<Error> CalibrationInput::start() {
   from_setting_.reset();
   from_event_.reset();
   event_.reset();
@@ -48,6 +47,11 @@ void CalibrationInput::reset() {
   upright_ = {};
   camera_.reset();
   changed_ = true;
+  setting_.set(text_);
+  setting_.start();
+  std::vector<Error> errors;
+  if (auto news = setting_.read(CalibrationReader::Clock::now())) take(*std::move(news), errors);
+  return errors;
 }
 
 void CalibrationInput::set_text(const std::string& text) {
@@ -94,19 +98,23 @@ Status CalibrationInput::take_event(GstEvent* event) {
   return {};
 }
 
-std::vector<Error> CalibrationInput::update(CalibrationSetting::Clock::time_point now) {
-  std::vector<Error> errors;
-  if (auto news = setting_.poll(now)) {
-    if (*news) {
-      from_setting_ = **std::move(news);
-      changed_ = true;
-    } else {
-      errors.push_back(news->error());
-      if (news->error().code == ErrorCode::kNotFound) {
-        errors.back().message += " The frames go on as before until the file appears.";
-      }
-    }
+void CalibrationInput::take(CalibrationReader::News news, std::vector<Error>& errors) {
+  if (news) {
+    from_setting_ = *std::move(news);
+    changed_ = true;
+    return;
   }
+  errors.push_back(std::move(news.error()));
+  std::string& message = errors.back().message;
+  if (errors.back().code == ErrorCode::kNotFound) {
+    message += " The frames go on as before until the file appears";
+    message += from_setting_ ? " again: the calibration that there was stays in force." : ".";
+  }
+}
+
+std::vector<Error> CalibrationInput::update(CalibrationReader::Clock::time_point now) {
+  std::vector<Error> errors;
+  if (auto news = setting_.poll(now)) take(*std::move(news), errors);
   if (changed_ && frames_.width > 0) {
     changed_ = false;
     fit(errors);

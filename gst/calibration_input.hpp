@@ -11,7 +11,7 @@
 
 #include <gst/video/video.h>
 
-#include "calibration_setting.hpp"
+#include "calibration_reader.hpp"
 #include "calvin/camera/camera.hpp"
 #include "calvin/remap/fit.hpp"
 #include "event_ptr.hpp"
@@ -21,8 +21,11 @@ namespace calvin::gst {
 // Streaming thread, or before it starts. What is broken never takes the place of what worked.
 class CalibrationInput {
  public:
-  // Forgets the stream: its format and its events; the setting is read anew.
-  void reset();
+  // Forgets the stream, its format and its events, and reads the setting before it returns: the
+  // first frame has the file that is named now. What the user should hear of it.
+  [[nodiscard]] std::vector<Error> start();
+  // Returns at once, whatever is being read.
+  void stop() { setting_.stop(); }
   void set_text(const std::string& text);
   // `part`: where the frames lie in a larger picture.
   void set_frames(const GstVideoInfo& info, const std::optional<FramePart>& part = {});
@@ -37,8 +40,9 @@ class CalibrationInput {
   // The last one, as it came, or nullptr.
   [[nodiscard]] GstEvent* event() const { return event_.get(); }
 
-  // Takes in what is new, and returns what the user should hear of it, in order.
-  [[nodiscard]] std::vector<Error> update(CalibrationSetting::Clock::time_point now);
+  // Takes in what is new, and returns what the user should hear of it, in order. Waits for no disk:
+  // a file that is named or replaced meanwhile is taken in when it has been read.
+  [[nodiscard]] std::vector<Error> update(CalibrationReader::Clock::time_point now);
 
   // The camera of the frames; absent without a calibration that fits. `serial` counts its changes.
   [[nodiscard]] const std::optional<Camera>& camera() const { return camera_; }
@@ -46,11 +50,12 @@ class CalibrationInput {
   [[nodiscard]] int serial() const { return serial_; }
 
  private:
+  void take(CalibrationReader::News news, std::vector<Error>& errors);
   void fit(std::vector<Error>& errors);
   void say(Error error, std::vector<Error>& errors);
 
   std::string text_;
-  CalibrationSetting setting_;
+  CalibrationReader setting_;
   std::optional<Calibration> from_setting_;
   std::optional<Calibration> from_event_;
   EventPtr event_;

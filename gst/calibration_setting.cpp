@@ -22,9 +22,16 @@ void CalibrationSetting::set(const std::string& text) {
   doubt_.reset();
 }
 
+bool CalibrationSetting::is_due(Clock::time_point now) const {
+  return !text_.empty() && (changed_ || (is_path_ && now >= next_look_));
+}
+
+bool CalibrationSetting::may_wait() const {
+  return changed_ ? may_be_calibration_path(text_) : is_path_;
+}
+
 std::optional<Result<Calibration>> CalibrationSetting::poll(Clock::time_point now) {
-  if (text_.empty()) return std::nullopt;
-  if (!changed_ && (!is_path_ || now < next_look_)) return std::nullopt;
+  if (!is_due(now)) return std::nullopt;
   next_look_ = now + kPause;
   if (!std::exchange(changed_, false)) return look_again();
   is_path_ = is_calibration_path(text_);
@@ -35,7 +42,6 @@ std::optional<Result<Calibration>> CalibrationSetting::poll(Clock::time_point no
 
 std::optional<Result<Calibration>> CalibrationSetting::look_again() {
   const auto stamp = look();
-  if (!stamp) return std::nullopt;
   if (stamp == stamp_) {
     if (!doubt_) return std::nullopt;
     return tl::unexpected(*std::exchange(doubt_, std::nullopt));

@@ -22,11 +22,14 @@ class CalibrationSetting {
   void set(const std::string& text);
   [[nodiscard]] bool empty() const { return text_.empty(); }
 
-  // What is new: the calibration, or why it cannot be read (kNotFound: the file is not there yet).
-  // Absent where nothing has changed. Looks at the file at most twice a second; a file that went
-  // away is no news. A file that changes and cannot be read has another look before that is said:
-  // it may be half written.
+  // What is new: the calibration, or why it cannot be read (kNotFound: the file is not there, or
+  // not any more). Absent where nothing has changed. Looks at the file at most twice a second. A
+  // file that changes and cannot be read, or is gone, has another look before that is said: it may
+  // be half written, or about to be replaced.
   [[nodiscard]] std::optional<Result<Calibration>> poll(Clock::time_point now);
+  // Whether poll() would take a look now, and whether that may wait for a disk or a network.
+  [[nodiscard]] bool is_due(Clock::time_point now) const;
+  [[nodiscard]] bool may_wait() const;
 
  private:
   // What tells one file from the next under the same name.

@@ -136,7 +136,7 @@ static void update(GstCalibUndistort* self) {
   if (!s.live) s.live = gst::upstream_is_live(trans);
   s.distort = settings.view.distort();
   fit_input(s);
-  auto errors = s.input.update(gst::CalibrationSetting::Clock::now());
+  auto errors = s.input.update(gst::CalibrationReader::Clock::now());
   const gst::ViewSettings& view = settings.view;
   const auto more = s.warp.update(s.input, {settings.enabled, view.view(), view.distort(), *s.live,
                                             view.sampling(), view.threads});
@@ -299,13 +299,13 @@ static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
   s.tags.reset();
   EventPtr stale;
   take_settings(s, stale);
-  s.input.reset();
   s.fitted.reset();
   set_output_calibration(self, "");
   gst_base_transform_set_passthrough(trans, TRUE);
-  for (const Error& error : s.input.update(gst::CalibrationSetting::Clock::now())) {
+  for (const Error& error : s.input.start()) {
     if (error.code != ErrorCode::kNotFound) {
       gst::post_error(GST_ELEMENT(self), error);
+      s.input.stop();
       return FALSE;
     }
     gst::post_warning(GST_ELEMENT(self), error);
@@ -316,6 +316,7 @@ static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
 
 static gboolean gst_calib_undistort_stop(GstBaseTransform* trans) {
   State& s = *GST_CALIB_UNDISTORT(trans)->state;
+  s.input.stop();
   s.warp.stop();
   s.output.reset();
   const std::lock_guard guard(s.lock);

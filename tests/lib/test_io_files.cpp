@@ -118,6 +118,12 @@ TEST_F(Folder, SettingInItsOrder) {
   EXPECT_NE(code(std::string(100000, 'x')), -1);
   EXPECT_FALSE(is_calibration_path("fx=520"));
   EXPECT_FALSE(is_calibration_path(" {}"));
+  for (const char* text : {"", " {}", "<a/>", "%YAML:1.0", "fx=520"}) {
+    EXPECT_FALSE(may_be_calibration_path(text)) << text;
+  }
+  for (const char* text : {"cam.json", "/no/such/cam.json", "/no/such/fx=1.json"}) {
+    EXPECT_TRUE(may_be_calibration_path(text)) << text;
+  }
 
   // A file whose name has an equals sign is a file.
   const std::string odd = (folder_ / "fx=1.json").string();

@@ -17,21 +17,31 @@ namespace {
 
 enum class Setting { kText, kFile, kKeyList };
 
-Setting kind_of(std::string_view text) {
+bool is_content(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const std::string_view start = trim(text);
-  if (start.empty() || start.starts_with('{') || start.starts_with('<') ||
-      start.starts_with("%YAML")) {
-    return Setting::kText;
-  }
+  return start.empty() || start.starts_with('{') || start.starts_with('<') ||
+         start.starts_with("%YAML");
+}
+
+Setting kind_of(std::string_view text) {
+  if (is_content(text)) return Setting::kText;
+  if (text.find('=') == std::string_view::npos) return Setting::kFile;
   std::error_code error;
-  if (std::filesystem::exists(std::filesystem::path(text), error)) return Setting::kFile;
-  return text.find('=') != std::string_view::npos ? Setting::kKeyList : Setting::kFile;
+  const bool exists = std::filesystem::exists(std::filesystem::path(text), error);
+  return exists ? Setting::kFile : Setting::kKeyList;
 }
 
 }  // namespace
 
 bool is_calibration_path(std::string_view text) { return kind_of(text) == Setting::kFile; }
+
+bool may_be_calibration_path(std::string_view text) {
+  // No key list has a slash; other folders than the current one may be far away.
+  const bool elsewhere = text.find('/') != std::string_view::npos;
+  const bool told = text.find('=') == std::string_view::npos || !elsewhere;
+  return told ? is_calibration_path(text) : !is_content(text);
+}
 
 Result<Calibration> parse_calibration_setting(std::string_view text) {
   switch (kind_of(text)) {

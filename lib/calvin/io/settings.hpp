@@ -20,4 +20,8 @@ namespace calvin {
 // may be worth looking again for a newer one.
 [[nodiscard]] bool is_calibration_path(std::string_view text);
 
+// False only where the text tells its calibration by itself. Does not look into any folder but the
+// current one: for whoever must not wait for a disk or a network.
+[[nodiscard]] bool may_be_calibration_path(std::string_view text);
+
 }  // namespace calvin
