@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibration_event.hpp"
+#include "calvin/camera/usable_area.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "frame_planes.hpp"
 #include "values.hpp"
@@ -47,6 +48,7 @@ std::vector<Error> CalibrationInput::start() {
   upright_ = {};
   camera_.reset();
   changed_ = true;
+  new_ = poor_ = false;
   setting_.set(text_);
   setting_.start();
   std::vector<Error> errors;
@@ -56,7 +58,7 @@ std::vector<Error> CalibrationInput::start() {
 
 void CalibrationInput::set_text(const std::string& text) {
   // Without a text the event is in force at once; a new text is so when it has been read.
-  if (text.empty() && !text_.empty()) changed_ = true;
+  if (text.empty() && !text_.empty()) changed_ = new_ = true;
   text_ = text;
   if (text_.empty()) from_setting_.reset();
   setting_.set(text_);
@@ -94,14 +96,14 @@ Status CalibrationInput::take_event(GstEvent* event) {
   }
   event_.reset(gst_event_ref(event));
   from_event_ = std::move(calibration);
-  changed_ = changed_ || text_.empty();
+  if (text_.empty()) changed_ = new_ = true;
   return {};
 }
 
 void CalibrationInput::take(CalibrationReader::News news, std::vector<Error>& errors) {
   if (news) {
     from_setting_ = *std::move(news);
-    changed_ = true;
+    changed_ = new_ = true;
     return;
   }
   errors.push_back(std::move(news.error()));
@@ -126,6 +128,17 @@ void CalibrationInput::say(Error error, std::vector<Error>& errors) {
   if (error.message == said_) return;
   said_ = error.message;
   errors.push_back(std::move(error));
+}
+
+// Once for each calibration: the frames may be another part of it every time. Of many poor ones, as
+// the first solves of a stream may give, only the first one is said.
+void CalibrationInput::judge(const Calibration& known, std::vector<Error>& errors) {
+  if (!std::exchange(new_, false)) return;
+  const auto camera = Camera::make(known);
+  if (!camera) return;
+  const Status usable = check_usable_area(*camera);
+  if (!usable && !poor_) errors.push_back(usable.error());
+  poor_ = !usable;
 }
 
 void CalibrationInput::fit(std::vector<Error>& errors) {
@@ -175,6 +188,7 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
                      frames_.height)},
         errors);
   }
+  judge(*known, errors);
   camera_ = std::move(fitted->camera);
   name_ = known->camera;
   ++serial_;

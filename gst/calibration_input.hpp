@@ -52,6 +52,7 @@ class CalibrationInput {
  private:
   void take(CalibrationReader::News news, std::vector<Error>& errors);
   void fit(std::vector<Error>& errors);
+  void judge(const Calibration& known, std::vector<Error>& errors);
   void say(Error error, std::vector<Error>& errors);
 
   std::string text_;
@@ -68,7 +69,9 @@ class CalibrationInput {
   std::optional<Camera> camera_;
   std::string name_;
   int serial_ = 0;
-  std::string said_;  // the last message on how the calibration fits: each is said once
+  bool new_ = false;   // the calibration in force was not judged yet
+  bool poor_ = false;  // the last one was, and found wanting
+  std::string said_;   // the last message on how the calibration fits: each is said once
 };
 
 }  // namespace calvin::gst

@@ -101,6 +101,42 @@ GST_START_TEST(test_a_file_is_taken_in_when_it_appears_and_when_it_is_replaced) 
 }
 GST_END_TEST;
 
+// Numbers that make a picture of one colour are heard of once, be they set or sent.
+GST_START_TEST(test_a_calibration_that_is_valid_nearly_nowhere_is_said) {
+  static const char* const kPoor[] = {"fx=480,fy=478,cx=325,cy=236,k1=-1e6,width=640,height=480",
+                                      "fx=1e-3,fy=1e-3,cx=325,cy=236,width=640,height=480"};
+  for (const bool sent : {false, true}) {
+    Fixture f("calibundistort");
+    f.set_caps("GRAY8", kSize);
+    int n = 0;
+    const auto take = [&](const char* text) {
+      if (sent) {
+        gst_harness_push_event(f.h, event_of(text));
+      } else {
+        g_object_set(f.element, "calibration", text, nullptr);
+      }
+      for (int i = 0; i < 3; ++i) gst_buffer_unref(f.push(kSize, n++));
+    };
+    const auto said = [&] {
+      int count = 0;
+      for (const auto& text : f.bus.texts(GST_MESSAGE_WARNING)) {
+        count += text.find("% of its picture") != std::string::npos ? 1 : 0;
+      }
+      return count;
+    };
+    take(kBarrel);
+    fail_unless_equals_int(said(), 0);
+    take(kPoor[__i__]);
+    fail_unless_equals_int(said(), 1);
+    take(kBarrel);
+    take("fx=193,fy=193,cx=320,cy=240,model=fisheye,width=640,height=480");
+    fail_unless_equals_int(said(), 1);
+    take(kPoor[1 - __i__]);
+    fail_unless_equals_int(said(), 2);
+  }
+}
+GST_END_TEST;
+
 // A clock that goes when the test says so, and a file written by a writer that renames nothing.
 GST_START_TEST(test_a_half_written_file_is_waited_for) {
   check::TemporaryFolder folder;
@@ -145,6 +181,7 @@ static Suite* calibundistort_files_suite() {
   tcase_add_loop_test(tc, test_an_unreadable_calibration_is_an_error_at_the_start, 0, broken);
   tcase_add_loop_test(tc, test_an_unreadable_calibration_while_running_is_a_warning, 0, broken);
   tcase_add_loop_test(tc, test_a_file_is_taken_in_when_it_appears_and_when_it_is_replaced, 0, 2);
+  tcase_add_loop_test(tc, test_a_calibration_that_is_valid_nearly_nowhere_is_said, 0, 2);
   tcase_add_test(tc, test_a_half_written_file_is_waited_for);
   suite_add_tcase(suite, tc);
   return suite;
