@@ -336,10 +336,14 @@ static GstStateChangeReturn gst_calib_undistort_change_state(GstElement* element
 static void gst_calib_undistort_set_property(GObject* object, guint id, const GValue* value,
                                              GParamSpec* pspec) {
   State& s = *GST_CALIB_UNDISTORT(object)->state;
-  const std::lock_guard guard(s.lock);
-  s.calibration_changed |= gst::tells_calibration(id);
-  if (gst::undistort_field(s.settings, id).set(value)) return;
-  G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  {
+    const std::lock_guard guard(s.lock);
+    s.calibration_changed |= gst::tells_calibration(id);
+    if (!gst::undistort_field(s.settings, id).set(value)) {
+      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    }
+  }
+  if (const char* other = gst::other_name(id)) g_object_notify(object, other);
 }
 
 static void gst_calib_undistort_get_property(GObject* object, guint id, GValue* value,

@@ -34,6 +34,21 @@ Field undistort_field(UndistortSettings& settings, guint id) {
   }
 }
 
+const char* other_name(guint id) {
+  switch (id) {
+    case kCalibration:
+      return "settings";
+    case kSettings:
+      return "calibration";
+    case kEnabled:
+      return "undistort";
+    case kUndistort:
+      return "enabled";
+    default:
+      return nullptr;
+  }
+}
+
 bool tells_calibration(guint id) { return id == kCalibration || id == kSettings; }
 
 void install_undistort_properties(GObjectClass* object_class) {

@@ -24,6 +24,9 @@ void install_undistort_properties(GObjectClass* object_class);
 // Where the property of that number is kept; nowhere for kUndistortOutputCalibration.
 [[nodiscard]] Field undistort_field(UndistortSettings& settings, guint id);
 
+// The other name of a property that has two, else nullptr: whoever listens to that one is told too.
+[[nodiscard]] const char* other_name(guint id);
+
 // Whether the calibration is set by the property of that number.
 [[nodiscard]] bool tells_calibration(guint id);
 

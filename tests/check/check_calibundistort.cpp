@@ -110,6 +110,35 @@ GST_START_TEST(test_the_property_beats_the_event) {
 }
 GST_END_TEST;
 
+// Two names of one value: whoever listens to either hears of it, once, and reads the same.
+GST_START_TEST(test_both_names_of_a_property_are_notified) {
+  GstElement* element = gst_element_factory_make("calibundistort", nullptr);
+  gst_object_ref_sink(element);
+  std::string heard;
+  g_signal_connect(element, "notify",
+                   G_CALLBACK(+[](GObject*, GParamSpec* spec, std::string* names) {
+                     names->append(spec->name).append(" ");
+                   }),
+                   &heard);
+  for (const char* name : {"calibration", "settings"}) {
+    heard.clear();
+    g_object_set(element, name, kBarrel, nullptr);
+    const bool both = heard == "calibration settings " || heard == "settings calibration ";
+    fail_unless(both, "%s: %s", name, heard.c_str());
+  }
+  for (const char* name : {"enabled", "undistort"}) {
+    heard.clear();
+    g_object_set(element, name, FALSE, nullptr);
+    fail_unless(heard == "enabled undistort " || heard == "undistort enabled ", "%s: %s", name,
+                heard.c_str());
+  }
+  heard.clear();
+  g_object_set(element, "alpha", 0.5, nullptr);
+  fail_unless_equals_string(heard.c_str(), "alpha ");
+  gst_object_unref(element);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_disabled_it_forwards_the_event_untouched) {
   Fixture f("calibundistort enabled=false");
   f.set_caps("GRAY8", kSize);
@@ -314,6 +343,7 @@ static Suite* calibundistort_suite() {
   tcase_add_test(tc, test_a_second_one_does_not_undo_twice);
   tcase_add_test(tc, test_the_event_of_cameracalibrate_is_understood);
   tcase_add_test(tc, test_the_property_beats_the_event);
+  tcase_add_test(tc, test_both_names_of_a_property_are_notified);
   tcase_add_test(tc, test_disabled_it_forwards_the_event_untouched);
   tcase_add_test(tc, test_a_change_is_exact_to_the_frame_where_nothing_is_live);
   tcase_add_test(tc, test_a_change_in_a_live_stream_shows_no_third_picture);
