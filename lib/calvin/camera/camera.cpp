@@ -37,10 +37,12 @@ CameraFunctions functions_of() {
           &Lens::undistort};
 }
 
+// Never freed, as the names below: while a program ends, its other threads may still be at work.
 const std::vector<CameraFunctions>& table() {
-  static const auto kTable = []<typename... Lens>(std::tuple<Lens...>*) {
-    return std::vector<CameraFunctions>{functions_of<Lens>()...};
-  }(static_cast<AllLenses*>(nullptr));
+  static const auto& kTable = []<typename... Lens>(std::tuple<Lens...>*) -> auto& {
+    return *new std::vector<CameraFunctions>{functions_of<Lens>()...};
+  }
+  (static_cast<AllLenses*>(nullptr));
   return kTable;
 }
 
@@ -60,11 +62,12 @@ tl::unexpected<Error> unknown_model(std::string_view name) {
 }  // namespace
 
 const std::vector<std::string_view>& model_names() {
-  static const auto kNames = [] {
-    std::vector<std::string_view> names;
+  static const auto& kNames = []() -> auto& {
+    auto& names = *new std::vector<std::string_view>;
     for (const CameraFunctions& f : table()) names.push_back(f.name);
     return names;
-  }();
+  }
+  ();
   return kNames;
 }
 

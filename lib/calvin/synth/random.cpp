@@ -42,7 +42,8 @@ std::vector<float> make_table() {
 }  // namespace
 
 const std::vector<float>& normal_quantiles() {
-  static const std::vector<float> kTable = make_table();
+  // Never freed: while a program ends, its other threads may still be at work.
+  static const auto& kTable = *new std::vector<float>(make_table());
   return kTable;
 }
 
