@@ -18,7 +18,7 @@
  * ]|
  */
 
-#include <array>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -32,14 +32,20 @@
 GST_DEBUG_CATEGORY_STATIC(calibrate_debug);
 #define GST_CAT_DEFAULT calibrate_debug
 
+namespace {
+
+struct Unref {
+  void operator()(GstElement* element) const { gst_object_unref(element); }
+};
+using ElementPtr = std::unique_ptr<GstElement, Unref>;
+
+}  // namespace
+
 G_DECLARE_FINAL_TYPE(GstCalibrate, gst_calibrate, GST, CALIBRATE, GstBin)
 
+// Nothing is kept of the children: an application may take them out, or put others in their place.
 struct _GstCalibrate {
   GstBin parent;
-  GstElement* detect;  // owned by the bin, as the next two
-  GstElement* solve;
-  GstElement* overlay;  // nullptr: left out
-  GstPad* src;          // ghost
 };
 
 G_DEFINE_FINAL_TYPE_WITH_CODE(GstCalibrate, gst_calibrate, GST_TYPE_BIN,
@@ -57,8 +63,13 @@ static std::vector<const char*>& gst_calibrate_forwarded() {
   return names;
 }
 
-static std::array<GstElement*, 3> gst_calibrate_children(GstCalibrate* self) {
-  return {self->detect, self->solve, self->overlay};
+static constexpr const char* kDetect = "detect";
+static constexpr const char* kSolve = "solve";
+static constexpr const char* kOverlay = "overlay";
+
+// The child of that name, nullptr where there is none.
+static ElementPtr gst_calibrate_child(GstCalibrate* self, const char* name) {
+  return ElementPtr(gst_bin_get_by_name(GST_BIN(self), name));
 }
 
 static bool gst_calibrate_has(GstElement* child, const char* name) {
@@ -66,24 +77,44 @@ static bool gst_calibrate_has(GstElement* child, const char* name) {
          g_object_class_find_property(G_OBJECT_GET_CLASS(child), name) != nullptr;
 }
 
+static void gst_calibrate_notify(GObject* /*child*/, GParamSpec* spec, GstCalibrate* self) {
+  if (g_object_class_find_property(G_OBJECT_GET_CLASS(self), spec->name) != nullptr &&
+      std::string_view(spec->name) != "name" && std::string_view(spec->name) != "parent") {
+    g_object_notify(G_OBJECT(self), spec->name);
+  }
+}
+
+// A new child, linked behind the one of that name.
+static void gst_calibrate_add(GstCalibrate* self, const char* factory, const char* name,
+                              const char* before) {
+  GstElement* child = gst_element_factory_make(factory, name);
+  gst_bin_add(GST_BIN(self), child);
+  // A child may outlive the bin.
+  g_signal_connect_object(child, "notify", G_CALLBACK(gst_calibrate_notify), self,
+                          static_cast<GConnectFlags>(0));
+  const ElementPtr upstream = before != nullptr ? gst_calibrate_child(self, before) : nullptr;
+  if (upstream) gst_element_link(upstream.get(), child);
+}
+
 // Links the end of the chain to the ghost pad, with the overlay or without it.
 static void gst_calibrate_set_overlay(GstCalibrate* self, bool wanted) {
-  if (wanted == (self->overlay != nullptr)) return;
+  ElementPtr overlay = gst_calibrate_child(self, kOverlay);
+  if (wanted == (overlay != nullptr)) return;
+  GST_INFO_OBJECT(self, "the overlay is %s", wanted ? "put in" : "left out");
+  g_autoptr(GstPad) src = gst_element_get_static_pad(GST_ELEMENT(self), "src");
   // A pad has one peer: the chain is opened before it is longer or shorter.
-  gst_ghost_pad_set_target(GST_GHOST_PAD(self->src), nullptr);
+  gst_ghost_pad_set_target(GST_GHOST_PAD(src), nullptr);
   if (wanted) {
-    self->overlay = gst_element_factory_make("caliboverlay", "overlay");
-    gst_bin_add(GST_BIN(self), self->overlay);
-    gst_element_link(self->solve, self->overlay);
-    gst_element_sync_state_with_parent(self->overlay);
+    gst_calibrate_add(self, "caliboverlay", kOverlay, kSolve);
+    gst_element_sync_state_with_parent(gst_calibrate_child(self, kOverlay).get());
   } else {
-    gst_element_set_state(self->overlay, GST_STATE_NULL);
-    gst_bin_remove(GST_BIN(self), self->overlay);
-    self->overlay = nullptr;
+    gst_element_set_state(overlay.get(), GST_STATE_NULL);
+    gst_bin_remove(GST_BIN(self), overlay.get());
   }
-  GstElement* last = self->overlay != nullptr ? self->overlay : self->solve;
-  g_autoptr(GstPad) pad = gst_element_get_static_pad(last, "src");
-  gst_ghost_pad_set_target(GST_GHOST_PAD(self->src), pad);
+  const ElementPtr last = gst_calibrate_child(self, wanted ? kOverlay : kSolve);
+  if (!last) return;
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(last.get(), "src");
+  gst_ghost_pad_set_target(GST_GHOST_PAD(src), pad);
 }
 
 static void gst_calibrate_set_property(GObject* object, guint id, const GValue* value,
@@ -100,70 +131,74 @@ static void gst_calibrate_set_property(GObject* object, guint id, const GValue* 
     gst_calibrate_set_overlay(self, g_value_get_boolean(value));
     return;
   }
-  for (GstElement* child : gst_calibrate_children(self)) {
-    if (gst_calibrate_has(child, spec->name)) {
-      g_object_set_property(G_OBJECT(child), spec->name, value);
-    }
+  bool known = false;
+  for (const char* name : {kDetect, kSolve, kOverlay}) {
+    const ElementPtr child = gst_calibrate_child(self, name);
+    if (!gst_calibrate_has(child.get(), spec->name)) continue;
+    GST_DEBUG_OBJECT(self, "%s goes to %s", spec->name, name);
+    g_object_set_property(G_OBJECT(child.get()), spec->name, value);
+    known = true;
   }
+  if (!known) GST_WARNING_OBJECT(self, "the child with the property %s is gone", spec->name);
 }
 
 static void gst_calibrate_get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
   GstCalibrate* self = GST_CALIBRATE(object);
   if (id == PROP_OVERLAY) {
-    g_value_set_boolean(value, self->overlay != nullptr);
+    g_value_set_boolean(value, gst_calibrate_child(self, kOverlay) != nullptr);
     return;
   }
   // Settings of both are set on both; of the findings, the solver's count.
   const bool setting = (spec->flags & G_PARAM_WRITABLE) != 0;
-  GstElement* first = setting ? self->detect : self->solve;
-  GstElement* second = setting ? self->solve : self->detect;
-  for (GstElement* child : {first, second, self->overlay}) {
-    if (!gst_calibrate_has(child, spec->name)) continue;
-    g_object_get_property(G_OBJECT(child), spec->name, value);
+  const char* first = setting ? kDetect : kSolve;
+  const char* second = setting ? kSolve : kDetect;
+  for (const char* name : {first, second, kOverlay}) {
+    const ElementPtr child = gst_calibrate_child(self, name);
+    if (!gst_calibrate_has(child.get(), spec->name)) continue;
+    g_object_get_property(G_OBJECT(child.get()), spec->name, value);
     return;
   }
+  g_param_value_set_default(spec, value);
 }
 
-static void gst_calibrate_notify(GObject* /*child*/, GParamSpec* spec, GstCalibrate* self) {
-  if (g_object_class_find_property(G_OBJECT_GET_CLASS(self), spec->name) != nullptr &&
-      std::string_view(spec->name) != "name" && std::string_view(spec->name) != "parent") {
-    g_object_notify(G_OBJECT(self), spec->name);
+// Emits an action signal of the solver, if there is one.
+template <typename... Arguments>
+static void gst_calibrate_emit(GstCalibrate* self, const char* signal, Arguments... arguments) {
+  const ElementPtr solve = gst_calibrate_child(self, kSolve);
+  if (!solve || g_signal_lookup(signal, G_OBJECT_TYPE(solve.get())) == 0) {
+    GST_WARNING_OBJECT(self, "the child for the signal %s is gone", signal);
+    return;
   }
+  g_signal_emit_by_name(solve.get(), signal, arguments...);
 }
 
 static void gst_calibrate_capture_view(GstCalibrate* self) {
-  g_signal_emit_by_name(self->solve, "capture-view");
+  gst_calibrate_emit(self, "capture-view");
 }
 
-static void gst_calibrate_solve(GstCalibrate* self) { g_signal_emit_by_name(self->solve, "solve"); }
+static void gst_calibrate_solve(GstCalibrate* self) { gst_calibrate_emit(self, "solve"); }
 
-static void gst_calibrate_reset(GstCalibrate* self) { g_signal_emit_by_name(self->solve, "reset"); }
+static void gst_calibrate_reset(GstCalibrate* self) { gst_calibrate_emit(self, "reset"); }
 
 static gboolean gst_calibrate_remove_view(GstCalibrate* self, guint index) {
   gboolean removed = FALSE;
-  g_signal_emit_by_name(self->solve, "remove-view", index, &removed);
+  gst_calibrate_emit(self, "remove-view", index, &removed);
   return removed;
 }
 
-static void gst_calibrate_init(GstCalibrate* self) {
-  self->detect = gst_element_factory_make("calibdetect", "detect");
-  self->solve = gst_element_factory_make("calibsolve", "solve");
-  gst_bin_add_many(GST_BIN(self), self->detect, self->solve, nullptr);
-  gst_element_link(self->detect, self->solve);
-  for (GstElement* child : {self->detect, self->solve}) {
-    // A child may outlive the bin.
-    g_signal_connect_object(child, "notify", G_CALLBACK(gst_calibrate_notify), self,
-                            static_cast<GConnectFlags>(0));
-  }
+// A ghost pad for the pad of that name of a child.
+static void gst_calibrate_expose(GstCalibrate* self, const char* child, const char* name) {
+  const ElementPtr element = gst_calibrate_child(self, child);
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(element.get(), name);
+  g_autoptr(GstPadTemplate) pad_template = gst_pad_get_pad_template(pad);
+  gst_element_add_pad(GST_ELEMENT(self), gst_ghost_pad_new_from_template(name, pad, pad_template));
+}
 
-  g_autoptr(GstPad) sink = gst_element_get_static_pad(self->detect, "sink");
-  g_autoptr(GstPadTemplate) sink_template = gst_pad_get_pad_template(sink);
-  gst_element_add_pad(GST_ELEMENT(self),
-                      gst_ghost_pad_new_from_template("sink", sink, sink_template));
-  g_autoptr(GstPad) src = gst_element_get_static_pad(self->solve, "src");
-  g_autoptr(GstPadTemplate) src_template = gst_pad_get_pad_template(src);
-  self->src = gst_ghost_pad_new_from_template("src", src, src_template);
-  gst_element_add_pad(GST_ELEMENT(self), self->src);
+static void gst_calibrate_init(GstCalibrate* self) {
+  gst_calibrate_add(self, "calibdetect", kDetect, nullptr);
+  gst_calibrate_add(self, "calibsolve", kSolve, kDetect);
+  gst_calibrate_expose(self, kDetect, "sink");
+  gst_calibrate_expose(self, kSolve, "src");
   gst_calibrate_set_overlay(self, true);
   calvin::gst::explain_refused_caps(GST_ELEMENT(self));
 }

@@ -81,6 +81,59 @@ GST_START_TEST(test_the_overlay_can_be_left_out_and_put_back) {
 }
 GST_END_TEST;
 
+// Whoever takes a child out, or puts another in its place: the bin keeps nothing that is gone.
+GST_START_TEST(test_children_may_be_taken_out) {
+  for (const char* name : {"detect", "solve", "overlay"}) {
+    g_autoptr(GstElement) bin = own(gst_element_factory_make("calibrate", nullptr));
+    g_autoptr(GstElement) child = gst_bin_get_by_name(GST_BIN(bin), name);
+    fail_unless(gst_bin_remove(GST_BIN(bin), child));
+    g_clear_object(&child);
+    gboolean removed = TRUE;
+    g_object_set(bin, "board", "checkerboard:7x5:1cm", "min-views", 5, nullptr);
+    for (const char* signal : {"reset", "solve", "capture-view"}) {
+      g_signal_emit_by_name(bin, signal);
+    }
+    g_signal_emit_by_name(bin, "remove-view", 0U, &removed);
+    fail_if(removed);
+    g_autofree char* board = nullptr;
+    g_autofree char* json = nullptr;
+    g_object_get(bin, "board", &board, "calibration", &json, nullptr);
+    fail_unless_equals_string(
+        board, g_str_equal(name, "detect") ? "checkerboard:9x6:25mm" : "checkerboard:7x5:1cm");
+    for (const bool wanted : {false, true}) g_object_set(bin, "overlay", wanted, nullptr);
+    g_autoptr(GstElement) overlay = gst_bin_get_by_name(GST_BIN(bin), "overlay");
+    fail_unless(overlay != nullptr);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_child_in_the_place_of_another_gets_the_settings) {
+  g_autoptr(GstElement) bin = own(gst_element_factory_make("calibrate", nullptr));
+  g_autoptr(GstElement) old = gst_bin_get_by_name(GST_BIN(bin), "solve");
+  fail_unless(gst_bin_remove(GST_BIN(bin), old));
+  GstElement* solve = gst_element_factory_make("calibsolve", "solve");
+  fail_unless(gst_bin_add(GST_BIN(bin), solve));
+  g_object_set(bin, "min-views", 9, nullptr);
+  int views = 0;
+  g_object_get(solve, "min-views", &views, nullptr);
+  fail_unless_equals_int(views, 9);
+}
+GST_END_TEST;
+
+// A property of two children is one of the bin.
+GST_START_TEST(test_a_change_is_notified_once) {
+  g_autoptr(GstElement) bin = own(gst_element_factory_make("calibrate", nullptr));
+  for (const char* property : {"camera", "location", "board", "overlay"}) {
+    int notified = 0;
+    const std::string signal = std::string("notify::") + property;
+    g_signal_connect(bin, signal.c_str(),
+                     G_CALLBACK(+[](GObject*, GParamSpec*, int* count) { ++*count; }), &notified);
+    gst_util_set_object_arg(G_OBJECT(bin), property, "false");
+    fail_unless(notified == 1, "%s is notified %d times", property, notified);
+  }
+}
+GST_END_TEST;
+
 // One pipeline through its life: signals, state cycles, a restart, removal of nothing.
 GST_START_TEST(test_signals_and_state_cycles) {
   g_autoptr(GstElement) pipeline = gst_parse_launch(
@@ -119,6 +172,9 @@ static Suite* calibrate_suite() {
   tcase_add_test(tc, test_every_default_is_the_childs);
   tcase_add_test(tc, test_changes_of_a_child_are_notified);
   tcase_add_test(tc, test_the_overlay_can_be_left_out_and_put_back);
+  tcase_add_test(tc, test_children_may_be_taken_out);
+  tcase_add_test(tc, test_a_child_in_the_place_of_another_gets_the_settings);
+  tcase_add_test(tc, test_a_change_is_notified_once);
   tcase_add_test(tc, test_signals_and_state_cycles);
   return suite;
 }
