@@ -45,8 +45,7 @@ Status CalibDetector::start() {
   last_detection_ = GST_CLOCK_TIME_NONE;
   if (Status updated = update_boards(); !updated) return updated;
   if (Status updated = update_recheck(); !updated) return updated;
-  worker_.start();
-  return {};
+  return worker_.start();
 }
 
 Status CalibDetector::update_boards() {
@@ -65,6 +64,7 @@ Status CalibDetector::update_boards() {
     detectors->push_back({board, std::move(*detector)});
   }
   detectors_ = std::move(detectors);
+  GST_INFO_OBJECT(element_, "looks for %s", text.c_str());
   return {};
 }
 
@@ -82,6 +82,7 @@ Status CalibDetector::update_recheck() {
   auto check = CalibrationCheck::make(text);
   if (!check) return tl::unexpected<Error>(check.error());
   check_ = std::move(*check);
+  GST_INFO_OBJECT(element_, "holds boards against %s", text.c_str());
   return {};
 }
 
@@ -100,6 +101,8 @@ Status CalibDetector::read_pictures(const GstVideoInfo& info) {
   if (!reader) return tl::unexpected<Error>(reader.error());
   luma_ = std::move(*reader);
   luma_size_ = size;
+  GST_INFO_OBJECT(element_, "frames of %s, %dx%d px", GST_VIDEO_INFO_NAME(&info),
+                  GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info));
   return {};
 }
 
@@ -155,6 +158,8 @@ std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
   }
   // A frame that waited for a worker that is at another one would be stale when its turn came.
   if ((async_ && !worker_.idle()) || !is_due(times, job.settings.max_rate)) {
+    GST_LOG_OBJECT(element_, "the frame at %" GST_TIME_FORMAT " is not looked at",
+                   GST_TIME_ARGS(times.timestamp));
     skip();
     return std::nullopt;
   }
@@ -168,7 +173,11 @@ std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
   worker_.offer([this, shared](const std::stop_token& stop) {
     auto found = run(*shared, stop);
     const std::lock_guard guard(lock_);
-    if (stop.stop_requested() || shared->generation != generation_) return;
+    if (stop.stop_requested() || shared->generation != generation_) {
+      GST_DEBUG_OBJECT(element_, "what was found at %" GST_TIME_FORMAT " comes too late",
+                       GST_TIME_ARGS(shared->times.timestamp));
+      return;
+    }
     result_ = std::move(found);
   });
   return std::nullopt;
@@ -193,6 +202,7 @@ std::optional<std::vector<Observation>> CalibDetector::take_waiting() {
 }
 
 void CalibDetector::next_stretch() {
+  GST_DEBUG_OBJECT(element_, "another stretch of the stream begins");
   last_detection_ = GST_CLOCK_TIME_NONE;
   const std::lock_guard guard(lock_);
   ++generation_;
@@ -218,7 +228,7 @@ std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_toke
     }
     if (!stop.stop_requested()) {
       const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
-      worker_.deliver(stop, [&] { report(job, detection, board, static_cast<guint64>(us)); });
+      report(job, detection, board, static_cast<guint64>(us), stop);
     }
     found.push_back(std::move(detection.observation));
   }
@@ -228,10 +238,13 @@ std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_toke
 }
 
 void CalibDetector::report(const Job& job, const Detection& detection, const Board& board,
-                           guint64 latency_us) {
+                           guint64 latency_us, const std::stop_token& stop) {
   const Observation& o = detection.observation;
-  if (!job.settings.post_messages && !job.check) return;
-  const Posting posting(element_);
+  GST_LOG_OBJECT(element_,
+                 "%s on the frame at %" GST_TIME_FORMAT ": %s, %" G_GSIZE_FORMAT
+                 " corners, %" G_GUINT64_FORMAT " us",
+                 o.board.c_str(), GST_TIME_ARGS(job.times.timestamp),
+                 std::string(to_string(detection.reason)).c_str(), o.ids.size(), latency_us);
   if (job.settings.post_messages) {
     GstStructure* s = new_message("calib-detection", job.times, o.camera);
     gst_structure_set(s, "board", G_TYPE_STRING, o.board.c_str(), "found", G_TYPE_BOOLEAN,
@@ -243,13 +256,27 @@ void CalibDetector::report(const Job& job, const Detection& detection, const Boa
       const std::string seen = fmt::format("{}x{}", detection.seen_cols, detection.seen_rows);
       gst_structure_set(s, "seen", G_TYPE_STRING, seen.c_str(), nullptr);
     }
-    post_message(element_, s);
+    say(s, stop);
   }
-  if (!job.check || !o.found()) return;
+  if (job.check && o.found()) recheck(job, o, board, stop);
+}
+
+void CalibDetector::recheck(const Job& job, const Observation& seen, const Board& board,
+                            const std::stop_token& stop) {
   std::vector<Error> news;
-  GstStructure* checked = job.check->check({o, board}, job.times, news);
-  for (const Error& error : news) post_warning(element_, error);
-  if (checked != nullptr) post_message(element_, checked);
+  GstStructure* checked = job.check->check({seen, board}, job.times, news);
+  for (const Error& error : news) {
+    if (const auto telling = worker_.begin_telling(stop, element_)) post_warning(element_, error);
+  }
+  if (checked != nullptr) say(checked, stop);
+}
+
+void CalibDetector::say(GstStructure* message, const std::stop_token& stop) {
+  if (const auto telling = worker_.begin_telling(stop, element_)) {
+    post_message(element_, message);
+  } else {
+    gst_structure_free(message);
+  }
 }
 
 }  // namespace calvin::gst

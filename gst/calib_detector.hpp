@@ -57,8 +57,6 @@ class CalibDetector {
   void cancel() { worker_.cancel(); }
   void resume() { worker_.resume(); }
   void stop() { worker_.stop(); }
-  // Before the element goes.
-  void join() { worker_.join(); }
   // Somebody downstream wants to look at the corners again.
   void send_patches() {
     const std::lock_guard guard(lock_);
@@ -118,7 +116,11 @@ class CalibDetector {
 
   // On the worker.
   [[nodiscard]] std::vector<Observation> run(const Job& job, const std::stop_token& stop);
-  void report(const Job& job, const Detection& detection, const Board& board, guint64 latency_us);
+  void report(const Job& job, const Detection& detection, const Board& board, guint64 latency_us,
+              const std::stop_token& stop);
+  void say(GstStructure* message, const std::stop_token& stop);
+  void recheck(const Job& job, const Observation& seen, const Board& board,
+               const std::stop_token& stop);
 
   GstElement* element_;
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The session behind calibsolve: collects views and obeys commands; solver_jobs.cpp solves.
+// The session behind calibsolve: collects views and obeys commands; solver_jobs.cpp solves, and
+// solver_finish.cpp waits for it.
 
 #include "calib_solver.hpp"
 
@@ -14,6 +15,9 @@
 #include "calvin/target/board.hpp"
 #include "solve_messages.hpp"
 #include "values.hpp"
+
+GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
+#define GST_CAT_DEFAULT calibsolve_debug
 
 namespace calvin::gst {
 
@@ -40,10 +44,11 @@ Status CalibSolver::start() {
     size_ = {};
     initial_.reset();
     write_failed_ = !writable;
+    GST_INFO_OBJECT(element_, "solves %s from %d views on, %" G_GSIZE_FORMAT " files",
+                    plan_.settings.model.c_str(), plan_.settings.min_views, plan_.files.size());
   }
   reset();
-  worker_.start();
-  return {};
+  return worker_.start();
 }
 
 void CalibSolver::update() {
@@ -96,10 +101,12 @@ std::optional<Error> CalibSolver::adopt(SolverPlan plan, bool writable) {
     news = std::move(fitted.news);
     ++generation_;  // what is being solved in the old way is of no use
   }
+  GST_INFO_OBJECT(element_, "other settings: the views are %s, the files %s",
+                  solve ? "solved again" : "as they were", write ? "written again" : "the same");
   if (write) write_failed_ = !writable;
   if (solve || write) {
     ++revision_;
-    anything_written_ = false;
+    published_ = false;
     if (enough_views()) request(false);
   }
   return news;
@@ -110,6 +117,8 @@ void CalibSolver::set_size(ImageSize size) {
   {
     const std::lock_guard guard(lock_);
     if (std::exchange(size_, size) == size) return;
+    GST_INFO_OBJECT(element_, "frames of %dx%d px: %s", size.width, size.height,
+                    session_.views().empty() ? "no view was taken before" : "a new session begins");
     auto fitted = fit_initial(plan_, size);
     initial_ = std::move(fitted.calibration);
     news = std::move(fitted.news);
@@ -122,6 +131,11 @@ void CalibSolver::set_live(bool live) {
   const std::lock_guard guard(lock_);
   live_ = live;
   session_.set_options(plan_.session_options(live));
+  const CaptureMode mode = session_.options().mode;
+  GST_INFO_OBJECT(element_, "the source is %s: %s", live ? "live" : "not live",
+                  mode == CaptureMode::kAll    ? "every view is kept"
+                  : mode == CaptureMode::kAuto ? "still, large and new views are kept"
+                                               : "views are kept on the signal capture-view");
 }
 
 void CalibSolver::resume() {
@@ -133,9 +147,24 @@ void CalibSolver::resume() {
 
 // ---- Collecting: on the streaming thread --------------------------------------------------------
 
+Result<Board> CalibSolver::board_of(const std::string& text) {
+  constexpr std::size_t kMany = 16;
+  const std::lock_guard guard(lock_);
+  if (const auto known = boards_.find(text); known != boards_.end()) return known->second;
+  auto board = parse_board(text);
+  if (!board) return board;
+  if (boards_.size() >= kMany) boards_.clear();
+  boards_.emplace(text, *board);
+  return board;
+}
+
 bool CalibSolver::offer(const Observation& observation, const FrameTimes& times) {
-  if (!observation.found()) return false;
-  const auto board = parse_board(observation.board);
+  if (!observation.found()) {
+    GST_LOG_OBJECT(element_, "no board on the frame at %" GST_TIME_FORMAT,
+                   GST_TIME_ARGS(times.timestamp));
+    return false;
+  }
+  const auto board = board_of(observation.board);
   if (!board) {
     complain(board.error());
     return false;
@@ -145,7 +174,12 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times)
   std::string camera;
   {
     const std::lock_guard guard(lock_);
-    if (finished_ || observation.image_size != size_) return false;
+    if (finished_ || observation.image_size != size_) {
+      GST_LOG_OBJECT(element_, "the view at %" GST_TIME_FORMAT " is of no use: %s",
+                     GST_TIME_ARGS(times.timestamp),
+                     finished_ ? "the session is finished" : "its frame has another size");
+      return false;
+    }
     camera_ = observation.camera;
     camera = camera_name();
     times_ = times;
@@ -154,8 +188,15 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times)
     reason = session_.offer(view);
     now = make_guidance(session_.progress(), calibration_);
     if (reason == Reason::kAccepted) {
+      GST_DEBUG_OBJECT(
+          element_, "view %d is the one at %" GST_TIME_FORMAT ", with %" G_GSIZE_FORMAT " corners",
+          now.views, GST_TIME_ARGS(times.timestamp), observation.ids.size());
       taken_.push_back({times});
       consider();
+    }
+    if (reason != Reason::kAccepted) {
+      GST_LOG_OBJECT(element_, "the view at %" GST_TIME_FORMAT " is not kept: %s",
+                     GST_TIME_ARGS(times.timestamp), std::string(to_string(reason)).c_str());
     }
     // A rejection is news only when its reason is.
     if (reason != Reason::kAccepted && std::exchange(last_reason_, reason) == reason) return false;
@@ -214,6 +255,8 @@ void CalibSolver::consider() {
   const bool good = plan_.settings.target_error > 0 && calibration_ &&
                     calibration_->expected_error.value_or(HUGE_VAL) <= plan_.settings.target_error;
   if (full || good) {
+    GST_INFO_OBJECT(element_, "nothing more is captured: %s is reached",
+                    full ? "max-views" : "target-error");
     finished_ = true;
     request(true);
   } else if (views >= next_solve_) {
@@ -223,71 +266,11 @@ void CalibSolver::consider() {
   }
 }
 
-// ---- The end of the stream ----------------------------------------------------------------------
-
-void CalibSolver::post_solve_progress(GstProgressType type, const std::string& text) {
-  gst_element_post_message(
-      element_,
-      gst_message_new_progress(GST_OBJECT(element_), type, "calibrate", displayed(text).c_str()));
-}
-
-Error CalibSolver::too_few_views() const {
-  const std::size_t views = session_.views().size();
-  return {
-      ErrorCode::kDegenerate,
-      fmt::format("No calibration: {} taken, at least {} are needed. Show the whole board, flat "
-                  "and sharp, in different places and tilts, and check that the property "
-                  "`board` tells its inner corners.",
-                  views == 0   ? "no view of the board was"
-                  : views == 1 ? "only one view of the board was"
-                               : fmt::format("only {} views of the board were", views),
-                  plan_.settings.min_views)};
-}
-
-Status CalibSolver::verdict() const {
-  if (!solve_error_.empty()) {
-    return make_error(ErrorCode::kDegenerate,
-                      (calibration_ ? "The final solve failed and the one before it stays: "
-                                    : "No calibration: ") +
-                          solve_error_);
-  }
-  if (calibration_) return written_;
-  return tl::unexpected<Error>(too_few_views());
-}
-
-void CalibSolver::finish() {
-  update();
-  if (!worker_.drain()) return;
-  bool solving = false;
-  {
-    const std::lock_guard guard(lock_);
-    solving = final_revision_ != revision_ && enough_views();
-    if (solving) request(true);
-  }
-  // A START outside PLAYING would make applications wait for it during preroll.
-  const bool announce = solving && GST_STATE(element_) == GST_STATE_PLAYING;
-  if (announce) post_solve_progress(GST_PROGRESS_TYPE_START, "Solving the camera");
-  if (solving && !worker_.drain()) {
-    if (announce) post_solve_progress(GST_PROGRESS_TYPE_CANCELED, "The solve was cancelled");
-    return;
-  }
-  Status status;
-  bool wanted = false;
-  {
-    const std::lock_guard guard(lock_);
-    status = verdict();
-    wanted = !plan_.files.empty();
-  }
-  if (announce && status) post_solve_progress(GST_PROGRESS_TYPE_COMPLETE, "The camera is solved");
-  if (announce && !status) post_solve_progress(GST_PROGRESS_TYPE_ERROR, status.error().message);
-  if (!status && wanted) post_error(element_, status.error());
-  if (!status && !wanted) post_warning(element_, status.error());
-}
-
 // ---- Commands -----------------------------------------------------------------------------------
 
 void CalibSolver::capture_view() {
   const std::lock_guard guard(lock_);
+  GST_INFO_OBJECT(element_, "the next view is kept whatever else it is");
   session_.capture_next();
 }
 
@@ -306,20 +289,20 @@ void CalibSolver::solve_now() {
 }
 
 void CalibSolver::reset() {
-  {
-    const std::lock_guard guard(lock_);
-    forget();
-  }
-  worker_.settle();  // afterwards nothing of the session before is posted
+  GST_INFO_OBJECT(element_, "a new session begins: all views are forgotten");
+  const std::lock_guard guard(lock_);
+  forget();
 }
 
 void CalibSolver::forget() {
   ++generation_;
+  ++session_number_;
   session_.reset();
   taken_.clear();
   calibration_.reset();
-  anything_written_ = finished_ = announce_ = complained_ = false;
+  published_ = finished_ = announce_ = complained_ = kept_told_ = false;
   final_owed_ = false;
+  last_reason_ = Reason::kAccepted;
   ++revision_;
   written_ = {};
   solve_error_.clear();
@@ -328,10 +311,15 @@ void CalibSolver::forget() {
 
 bool CalibSolver::remove_view(unsigned index) {
   const std::lock_guard guard(lock_);
-  if (!session_.remove_view(index)) return false;
+  if (!session_.remove_view(index)) {
+    GST_WARNING_OBJECT(element_, "there is no view %u to remove", index);
+    return false;
+  }
+  GST_INFO_OBJECT(element_, "view %u is removed, %" G_GSIZE_FORMAT " are left", index,
+                  session_.views().size());
   taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
-  ++generation_;  // what is being solved has the view in it
-  finished_ = false;
+  ++generation_;                   // what is being solved has the view in it
+  finished_ = published_ = false;  // and the files have it
   ++revision_;
   next_solve_ = 0;
   if (enough_views()) {

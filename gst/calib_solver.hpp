@@ -6,6 +6,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -19,12 +22,14 @@
 #include "calvin/solve/solve.hpp"
 #include "messages.hpp"
 #include "metas.hpp"
+#include "session_files.hpp"
 #include "solver_settings.hpp"
 #include "worker.hpp"
 
 namespace calvin::gst {
 
-// Every function may be called from any thread and returns at once, but for finish() and stop().
+// Every function may be called from any thread and returns at once, but for finish() and join().
+// None holds a lock while it posts or notifies.
 class CalibSolver {
  public:
   explicit CalibSolver(GstElement* element) : element_(element) {}
@@ -46,8 +51,6 @@ class CalibSolver {
   // A solve that cancel() cut short is asked for again.
   void resume();
   void stop() { worker_.stop(); }
-  // Before the element goes.
-  void join() { worker_.join(); }
 
   // Brings settings that changed into force. Those that cannot work are a warning, and the ones
   // before them stay.
@@ -72,6 +75,8 @@ class CalibSolver {
 
   void capture_view();
   void solve_now();
+  // From when it returns nothing of the session before is begun to be written, posted or announced;
+  // what another thread has begun by then, one message or file at the most, it ends.
   void reset();
   bool remove_view(unsigned index);
 
@@ -94,20 +99,28 @@ class CalibSolver {
   [[nodiscard]] bool enough_views() const;
   [[nodiscard]] std::string camera_name() const;
   [[nodiscard]] Error too_few_views() const;
+  [[nodiscard]] Result<Board> board_of(const std::string& text);
   void consider();
   // The views that this solve left out and the one before did not.
   [[nodiscard]] std::vector<TakenView> newly_rejected(const Solution& solution);
   void request(bool final);
   [[nodiscard]] Status verdict() const;
-  // These three on the worker.
+  void post_solve_progress(GstProgressType type, const std::string& text);
+  // The rest on the worker.
   void run(const Job& job, const std::stop_token& stop);
   void publish(const Job& job, const Solution& solution, const std::stop_token& stop);
-  void announce(const Job& job, const Solution& solution, const Guidance& now);
-  void post_solve_progress(GstProgressType type, const std::string& text);
+  void write(const Job& job, const Calibration& calibration, const std::stop_token& stop);
+  void announce(const Job& job, const Solution& solution, const Guidance& now,
+                const std::stop_token& stop);
+  // nullptr where the session has gone on without what that job was made of; `settles`: what is
+  // told is the result, and what the job owed is paid.
+  [[nodiscard]] std::unique_ptr<Worker::Telling> begin_telling(const Job& job,
+                                                               const std::stop_token& stop,
+                                                               bool settles = false);
 
   GstElement* element_;
 
-  std::mutex lock_;  // of everything below, down to worker_
+  std::mutex lock_;  // of everything below, down to files_
   SolverSettings settings_;
   SolverSettings seen_;                 // those that plan_ was made of, and what was refused
   SolverPlan plan_;                     // the settings in force
@@ -119,13 +132,14 @@ class CalibSolver {
   ImageSize size_;
   std::string camera_;                      // as the newest observation names it
   std::optional<Calibration> calibration_;  // newest solution
-  std::optional<double> written_error_;     // expected error of what the files hold
-  bool anything_written_ = false;
-  bool announce_ = false;    // calibration_ waits to be announced
-  bool complained_ = false;  // of broken observations
+  bool published_ = false;                  // a calibration has gone to the files
+  std::optional<double> published_error_;   // its expected error
+  bool announce_ = false;                   // calibration_ waits to be announced
+  bool complained_ = false;                 // of broken observations
   std::string solve_error_;
   Status written_;
   bool write_failed_ = false;  // and the user was told so
+  bool kept_told_ = false;     // that another session's file stays
   Reason last_reason_ = Reason::kAccepted;
   FrameTimes times_;                             // of the newest frame with a board
   std::size_t next_solve_ = 0;                   // number of views
@@ -133,7 +147,11 @@ class CalibSolver {
   bool final_owed_ = false;                      // somebody waits for a final result
   std::uint64_t revision_ = 0;                   // of the views kept and of what is made of them
   std::optional<std::uint64_t> final_revision_;  // the one whose final result was posted
-  std::uint64_t generation_ = 0;  // of the session: a solve of an older one is thrown away
+  std::uint64_t session_number_ = 0;             // whose files they are
+  std::uint64_t generation_ = 0;  // of what is solved: a solve of an older one is thrown away
+  std::map<std::string, Board> boards_;  // by their texts, of the newest frames
+
+  SessionFiles files_;  // on the worker
 
   Worker worker_;
 };

@@ -35,9 +35,9 @@ PlaneMemory<std::uint8_t> memory(const GstVideoFrame& frame, std::optional<Unpac
 
 }  // namespace
 
-void FrameWarp::start() {
+Status FrameWarp::start() {
   planes_.clear();
-  builder_.start();
+  return builder_.start();
 }
 
 void FrameWarp::stop() {

@@ -29,7 +29,7 @@ class FrameWarp {
     int threads = 1;
   };
 
-  void start();
+  [[nodiscard]] Status start();
   // Makes what is being built end soon. Any thread.
   void cancel() { builder_.cancel(); }
   void stop();

@@ -137,6 +137,7 @@ static gboolean gst_calib_detect_set_caps(GstBaseTransform* trans, GstCaps* caps
 static void gst_calib_detect_push_waiting(GstCalibDetect* self) {
   const auto result = self->detector->take_waiting();
   if (!result) return;
+  GST_DEBUG_OBJECT(self, "what no frame could take goes ahead as an event");
   gst_pad_push_event(
       GST_BASE_TRANSFORM_SRC_PAD(self),
       gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM, gst::observations_to_structure(*result)));
@@ -145,6 +146,7 @@ static void gst_calib_detect_push_waiting(GstCalibDetect* self) {
 static gboolean gst_calib_detect_src_event(GstBaseTransform* trans, GstEvent* event) {
   if (GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_UPSTREAM &&
       gst_event_has_name(event, gst::kWantPatchesName)) {
+    GST_INFO_OBJECT(trans, "corners are sent with the pixels around them from now on");
     GST_CALIB_DETECT(trans)->detector->send_patches();
     gst_event_unref(event);
     return TRUE;
@@ -197,8 +199,8 @@ static GstStateChangeReturn gst_calib_detect_change_state(GstElement* element,
 }
 
 static void gst_calib_detect_dispose(GObject* object) {
-  // While there is an element that the worker can post messages of.
-  GST_CALIB_DETECT(object)->detector->join();
+  // From here on no job begins to post in the name of the element.
+  GST_CALIB_DETECT(object)->detector->stop();
   G_OBJECT_CLASS(gst_calib_detect_parent_class)->dispose(object);
 }
 

@@ -149,6 +149,7 @@ static gboolean gst_calib_overlay_sink_event(GstBaseTransform* trans, GstEvent* 
 static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* /*in_caps*/,
                                            GstVideoInfo* /*in*/, GstCaps* /*out_caps*/,
                                            GstVideoInfo* /*out*/) {
+  GST_INFO_OBJECT(filter, "another format: what was held is forgotten");
   GST_CALIB_OVERLAY(filter)->state->forget();
   GST_CALIB_OVERLAY(filter)->state->frame_refused = false;
   return TRUE;
@@ -159,6 +160,7 @@ static bool may_draw_on(GstBaseTransform* trans, GstBuffer* buffer) {
   const GstVideoInfo& info = GST_VIDEO_FILTER(trans)->in_info;
   const Status checked =
       gst::check_frame(state.part ? gst::with_size(info, state.part->whole) : info, buffer);
+  if (!checked) GST_DEBUG_OBJECT(trans, "not drawn on: %s", checked.error().message.c_str());
   if (!checked && !std::exchange(state.frame_refused, true)) {
     gst::post_warning(GST_ELEMENT(trans), checked.error());
   }
@@ -185,6 +187,9 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
     state.tiles.clear();
   }
   const bool drawing = !state.tiles.empty() || state.words != nullptr;
+  GST_LOG_OBJECT(trans, "%" GST_TIME_FORMAT ": %" G_GSIZE_FORMAT " marks, %s",
+                 GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), state.tiles.size(),
+                 state.words != nullptr ? "a caption" : "no caption");
   gst_base_transform_set_passthrough(trans, !drawing || !may_draw_on(trans, buffer));
 }
 

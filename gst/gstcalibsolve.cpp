@@ -107,6 +107,7 @@ static gboolean gst_calib_solve_remove_view(GstCalibSolve* self, guint index) {
 
 static void gst_calib_solve_push_calibration(GstCalibSolve* self) {
   if (const auto event = self->state->solver.take_event()) {
+    GST_INFO_OBJECT(self, "the calibration of %s goes downstream", event->camera.c_str());
     gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self), gst::new_calibration_event(*event));
   }
 }
@@ -126,6 +127,7 @@ static bool gst_calib_solve_offer(GstCalibSolve* self, const std::vector<Observa
 static void gst_calib_solve_want_patches(GstCalibSolve* self) {
   if (self->state->patches_asked || !self->state->solver.looks_again()) return;
   self->state->patches_asked = true;
+  GST_INFO_OBJECT(self, "asks upstream for the pixels around the corners");
   gst_pad_push_event(GST_BASE_TRANSFORM_SINK_PAD(self),
                      gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM,
                                           gst_structure_new_empty(gst::kWantPatchesName)));
@@ -211,8 +213,8 @@ static GstStateChangeReturn gst_calib_solve_change_state(GstElement* element,
 }
 
 static void gst_calib_solve_dispose(GObject* object) {
-  // While there is an element that the worker can post messages of.
-  GST_CALIB_SOLVE(object)->state->solver.join();
+  // From here on no job begins to post in the name of the element.
+  GST_CALIB_SOLVE(object)->state->solver.stop();
   G_OBJECT_CLASS(gst_calib_solve_parent_class)->dispose(object);
 }
 
@@ -251,14 +253,15 @@ static void gst_calib_solve_install_signals(GType type) {
   /**
    * GstCalibSolve::reset:
    *
-   * Forgets all views and the calibration; files stay as they are.
+   * Forgets all views and the calibration; files stay as they are. Returns at once; afterwards
+   * nothing of the session before is begun to be posted.
    */
   signals[SIGNAL_RESET] = action("reset", gst_calib_solve_reset);
   /**
    * GstCalibSolve::remove-view:
    * @index: of the view, from 0
    *
-   * Forgets one view and solves again. Returns: whether there was such a view.
+   * Forgets one view and solves again, also into the files. Returns: whether there was such a view.
    */
   signals[SIGNAL_REMOVE_VIEW] = g_signal_new_class_handler(
       "remove-view", type, kAction, G_CALLBACK(gst_calib_solve_remove_view), nullptr, nullptr,

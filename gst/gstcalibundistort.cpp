@@ -310,8 +310,9 @@ static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
     }
     gst::post_warning(GST_ELEMENT(self), error);
   }
-  s.warp.start();
-  return TRUE;
+  const Status started = s.warp.start();
+  if (!started) gst::post_error(GST_ELEMENT(self), started.error());
+  return started.has_value();
 }
 
 static gboolean gst_calib_undistort_stop(GstBaseTransform* trans) {

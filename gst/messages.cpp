@@ -5,6 +5,8 @@
 
 #include "messages.hpp"
 
+#include <utility>
+
 #include "values.hpp"
 
 namespace calvin::gst {
@@ -70,6 +72,10 @@ void post_message(GstElement* element, GstStructure* structure) {
   gst_element_post_message(element, gst_message_new_element(GST_OBJECT(element), structure));
 }
 
+void post_info(GstElement* element, const std::string& text) {
+  post(element, GST_MESSAGE_INFO, {ErrorCode::kInvalidArgument, text});
+}
+
 void post_error(GstElement* element, const Error& error) {
   post(element, GST_MESSAGE_ERROR, error);
 }
@@ -86,10 +92,21 @@ void warn_if_late(GstElement* element, const GParamSpec* spec) {
                              "at the next start from READY."});
 }
 
+Posting::Posting(GstElement* element) : element_(element) {
+  auto* object = GST_OBJECT(gst_object_ref(element));
+  for (; object != nullptr; object = gst_object_get_parent(object)) family_.push_back(object);
+}
+
 Posting::~Posting() {
   gst_element_call_async(
-      element_, [](GstElement* element, gpointer /*data*/) { gst_object_unref(element); }, nullptr,
-      nullptr);
+      element_,
+      [](GstElement* /*element*/, gpointer family) {
+        for (GstObject* object : *static_cast<std::vector<GstObject*>*>(family)) {
+          gst_object_unref(object);
+        }
+      },
+      new std::vector(std::move(family_)),
+      [](gpointer family) { delete static_cast<std::vector<GstObject*>*>(family); });
 }
 
 }  // namespace calvin::gst

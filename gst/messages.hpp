@@ -5,6 +5,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <gst/gst.h>
 
@@ -32,6 +33,9 @@ struct FrameTimes {
 // Posts it as an element message; takes the structure. Any thread.
 void post_message(GstElement* element, GstStructure* structure);
 
+// What the user may want to know, as an INFO of the element.
+void post_info(GstElement* element, const std::string& text);
+
 // A library error as an ERROR or WARNING of the element, in the matching GStreamer domain.
 void post_error(GstElement* element, const Error& error);
 void post_warning(GstElement* element, const Error& error);
@@ -42,16 +46,18 @@ void warn_if_late(GstElement* element, const GParamSpec* spec);
 
 // To be held by a worker while it posts or notifies. Both take a reference for a moment; where the
 // rest of the program lets go of the element meanwhile, that one is the last, and freeing the
-// element would make the worker wait for itself. The reference of this is dropped elsewhere.
+// element would make the worker wait for itself. The references of this are dropped elsewhere. The
+// bins around the element, whose buses pass its messages on, stay as long.
 class Posting {
  public:
-  explicit Posting(GstElement* element) : element_(GST_ELEMENT(gst_object_ref(element))) {}
+  explicit Posting(GstElement* element);
   Posting(const Posting&) = delete;
   Posting& operator=(const Posting&) = delete;
   ~Posting();
 
  private:
   GstElement* element_;
+  std::vector<GstObject*> family_;  // the element, its parent, that one's and so on
 };
 
 }  // namespace calvin::gst

@@ -7,6 +7,8 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "calib_solver.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/session/second_look.hpp"
@@ -18,13 +20,14 @@ GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
 namespace calvin::gst {
 
 struct CalibSolver::Job {
-  std::vector<View> views;
+  Session::Views views;
   ImageSize size;
   SolveOptions options;
   int runs = 1;
   std::vector<CalibrationFile> files;
   std::string location;
   FrameTimes times;
+  std::uint64_t session = 0;
   std::uint64_t generation = 0;
   std::uint64_t revision = 0;
   bool final = false;
@@ -37,6 +40,7 @@ void CalibSolver::request(bool final) {
   job->files = plan_.files;
   job->location = plan_.settings.location;
   job->times = times_;
+  job->session = session_number_;
   job->generation = generation_;
   job->revision = revision_;
   // The newest job replaces one that waits, and takes over what it owes.
@@ -46,14 +50,23 @@ void CalibSolver::request(bool final) {
   if (job->final) job->runs = plan_.settings.runs;
   job->options.camera = camera_name();
   job->options.initial = initial_;
+  GST_DEBUG_OBJECT(element_, "%s solve of %" G_GSIZE_FORMAT " views asked for",
+                   job->final ? "final" : "intermediate", job->views.size());
   worker_.offer([this, job](const std::stop_token& stop) { run(*job, stop); });
 }
 
 void CalibSolver::run(const Job& job, const std::stop_token& stop) {
-  auto solution = solve_in_runs(job.views, job.size, job.options, job.runs, stop);
-  if (stop.stop_requested()) return;
+  std::vector<View> views;
+  views.reserve(job.views.size());
+  for (const auto& view : job.views) views.push_back(*view);
+  auto solution = solve_in_runs(views, job.size, job.options, job.runs, stop);
+  if (stop.stop_requested()) {
+    GST_DEBUG_OBJECT(element_, "the solve of %" G_GSIZE_FORMAT " views was cancelled",
+                     views.size());
+    return;
+  }
   if (!solution) {
-    GST_INFO_OBJECT(element_, "no solution from %" G_GSIZE_FORMAT " views: %s", job.views.size(),
+    GST_INFO_OBJECT(element_, "no solution from %" G_GSIZE_FORMAT " views: %s", views.size(),
                     solution.error().message.c_str());
     const std::lock_guard guard(lock_);
     if (job.generation != generation_) return;
@@ -69,37 +82,62 @@ void CalibSolver::run(const Job& job, const std::stop_token& stop) {
 
 void CalibSolver::publish(const Job& job, const Solution& solution, const std::stop_token& stop) {
   const Calibration& calibration = solution.calibration;
+  const double error = calibration.expected_error.value_or(HUGE_VAL);
   Guidance now;
   bool better = false;
   {
     const std::lock_guard guard(lock_);
-    if (job.generation != generation_) return;
+    if (job.generation != generation_) {
+      GST_INFO_OBJECT(element_, "a solve is thrown away: what it was made of has changed");
+      return;
+    }
     calibration_ = calibration;
     solve_error_.clear();
     now = make_guidance(session_.progress(), calibration_);
-    better = job.final || !anything_written_ ||
-             calibration.expected_error.value_or(HUGE_VAL) < written_error_.value_or(HUGE_VAL);
+    better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
     announce_ |= better;
   }
-  if (better) {
-    const Status written = write_all(job.files, calibration);
-    bool news = false;
-    {
-      const std::lock_guard guard(lock_);
-      news = !written && !write_failed_;
-      write_failed_ |= !written;
-      written_ = written;
-      anything_written_ = true;
-      written_error_ = calibration.expected_error;
-    }
-    if (news) {
-      worker_.deliver(stop, [&] {
-        const Posting posting(element_);
-        post_warning(element_, written.error());
-      });
+  GST_INFO_OBJECT(element_,
+                  "%s result of %" G_GSIZE_FORMAT
+                  " views: %s, rms %.4f px, expected error %.4f "
+                  "px%s",
+                  job.final ? "final" : "intermediate", job.views.size(), calibration.model.c_str(),
+                  calibration.rms.value_or(HUGE_VAL), error,
+                  better ? "" : ": no better than the one before");
+  if (better) write(job, calibration, stop);
+  announce(job, solution, now, stop);
+}
+
+void CalibSolver::write(const Job& job, const Calibration& calibration,
+                        const std::stop_token& stop) {
+  const auto [written, kept] = files_.write(job.files, calibration, job.final, job.session);
+  GST_DEBUG_OBJECT(element_, "%" G_GSIZE_FORMAT " files: %s", job.files.size(),
+                   written ? "written" : written.error().message.c_str());
+  if (!kept.empty()) GST_INFO_OBJECT(element_, "'%s' stays another session's", kept.c_str());
+  bool failed = false;
+  bool held = false;
+  {
+    const std::lock_guard guard(lock_);
+    // While the file was written, a new session may have begun, whose own results count.
+    if (job.generation != generation_) return;
+    failed = !written && !std::exchange(write_failed_, true);
+    held = !kept.empty() && !std::exchange(kept_told_, true);
+    written_ = written;
+    published_ = true;
+    published_error_ = calibration.expected_error;
+  }
+  if (failed) {
+    if (const auto telling = begin_telling(job, stop)) post_warning(element_, written.error());
+  }
+  if (held) {
+    if (const auto telling = begin_telling(job, stop)) {
+      post_info(element_,
+                fmt::format("'{}' holds the calibration of another session, which stays until this "
+                            "one's is final or as good: end with EOS (gst-launch-1.0 -e) or emit "
+                            "the signal solve to replace it.",
+                            kept));
     }
   }
-  worker_.deliver(stop, [&] { announce(job, solution, now); });
 }
 
 std::vector<CalibSolver::TakenView> CalibSolver::newly_rejected(const Solution& solution) {
@@ -114,27 +152,48 @@ std::vector<CalibSolver::TakenView> CalibSolver::newly_rejected(const Solution& 
   return news;
 }
 
-void CalibSolver::announce(const Job& job, const Solution& solution, const Guidance& now) {
+std::unique_ptr<Worker::Telling> CalibSolver::begin_telling(const Job& job,
+                                                            const std::stop_token& stop,
+                                                            bool settles) {
+  const std::lock_guard guard(lock_);
+  if (job.generation != generation_) return nullptr;
+  auto telling = worker_.begin_telling(stop, element_);
+  if (telling && settles && job.final) {
+    final_owed_ = false;
+    final_revision_ = job.revision;
+  }
+  return telling;
+}
+
+void CalibSolver::announce(const Job& job, const Solution& solution, const Guidance& now,
+                           const std::stop_token& stop) {
   const Calibration& calibration = solution.calibration;
   std::vector<TakenView> rejected;
   {
     const std::lock_guard guard(lock_);
-    if (job.generation != generation_) return;
+    if (job.generation != generation_ || stop.stop_requested()) return;
     rejected = newly_rejected(solution);
-    if (job.final) {
-      final_owed_ = false;
-      final_revision_ = job.revision;
+  }
+  // Each by itself: what is told may end the session.
+  for (const TakenView& view : rejected) {
+    GST_DEBUG_OBJECT(element_, "the view at %" GST_TIME_FORMAT " is left out: %s",
+                     GST_TIME_ARGS(view.times.timestamp),
+                     std::string(to_string(view.reason)).c_str());
+    if (const auto telling = begin_telling(job, stop)) {
+      post_message(element_, view_message(view.times, calibration.camera, view.reason, now));
     }
   }
-  const auto json = print_calibration(calibration);
-  const Posting posting(element_);
-  for (const TakenView& view : rejected) {
-    post_message(element_, view_message(view.times, calibration.camera, view.reason, now));
+  if (const auto telling = begin_telling(job, stop)) {
+    post_message(element_, progress_message(job.times, calibration.camera, now));
   }
-  post_message(element_, progress_message(job.times, calibration.camera, now));
-  post_message(element_, result_message(job.times, solution, job.location,
-                                        job.final && json ? json->c_str() : nullptr));
-  g_object_notify(G_OBJECT(element_), "calibration");
+  const auto json = print_calibration(calibration);
+  if (const auto telling = begin_telling(job, stop, true)) {
+    post_message(element_, result_message(job.times, solution, job.location,
+                                          job.final && json ? json->c_str() : nullptr));
+  }
+  if (const auto telling = begin_telling(job, stop)) {
+    g_object_notify(G_OBJECT(element_), "calibration");
+  }
 }
 
 }  // namespace calvin::gst

@@ -78,7 +78,7 @@ void install_solver_properties(GObjectClass* object_class) {
   };
   text(kLocation, "location", "Location",
        "File for the calibration (native JSON), written at the first solve and whenever it got "
-       "better",
+       "better; that of another session is replaced by the final result, or by one as good",
        nullptr, kMutablePlaying);
   text(kExport, "export", "Export",
        "Further files in other formats, FORMAT:PATH,FORMAT:PATH with the formats calvin, ros, "

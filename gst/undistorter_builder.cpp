@@ -20,12 +20,12 @@ UndistorterBuilder::Time thread_time() {
 
 }  // namespace
 
-void UndistorterBuilder::start() {
+Status UndistorterBuilder::start() {
   const std::lock_guard guard(lock_);
   stop_ = std::stop_source();
   finished_.reset();
   past_ = {};
-  worker_.start();
+  return worker_.start();
 }
 
 void UndistorterBuilder::cancel() {

@@ -42,7 +42,7 @@ class UndistorterBuilder {
   // Of a processor: what other programs take meanwhile does not count.
   using Time = std::chrono::nanoseconds;
 
-  void start();
+  [[nodiscard]] Status start();
   // Makes what is being built end soon, wherever it runs. Any thread.
   void cancel();
   // cancel(), then joins the worker.

@@ -5,7 +5,11 @@
 
 #include "worker.hpp"
 
+#include <pthread.h>
+
+#include <chrono>
 #include <set>
+#include <system_error>
 #include <utility>
 
 namespace calvin::gst {
@@ -17,15 +21,17 @@ namespace {
 class Everyone {
  public:
   // What is registered last goes first: call it when the libraries have made what they keep.
-  static void join_at_exit() { static const JoinAtExit kAtExit; }
+  static void stop_at_exit() { static const StopAtExit kAtExit; }
 
   static void add(Worker* worker) {
-    const std::lock_guard guard(members().lock);
-    members().workers.insert(worker);
+    Members& all = members();
+    const std::lock_guard guard(all.lock);
+    all.workers.insert(worker);
   }
   static void remove(Worker* worker) {
-    const std::lock_guard guard(members().lock);
-    members().workers.erase(worker);
+    Members& all = members();
+    const std::lock_guard guard(all.lock);
+    all.workers.erase(worker);
   }
 
  private:
@@ -33,36 +39,52 @@ class Everyone {
     std::mutex lock;
     std::set<Worker*> workers;
   };
-  // Never freed: workers may go later than any static object.
+  // Never freed: workers may go later than any static object. A child that the process forks has
+  // none of its threads, and perhaps one of its locks for ever: it begins with no members.
   static Members& members() {
-    static auto* const kMembers = new Members;
-    return *kMembers;
+    static Members* all = [] {
+      pthread_atfork(nullptr, nullptr, [] { all = new Members; });
+      return new Members;
+    }();
+    return *all;
   }
-  struct JoinAtExit {
-    ~JoinAtExit() {
+  struct StopAtExit {
+    ~StopAtExit() {
+      Members& all = members();
       // Whoever frees one of them meanwhile waits in remove().
-      const std::lock_guard guard(members().lock);
-      for (Worker* worker : members().workers) worker->join();
+      const std::lock_guard guard(all.lock);
+      for (Worker* worker : all.workers) worker->stop_at_exit();
     }
   };
 };
 
 }  // namespace
 
-void Worker::start() {
+Status Worker::start() {
   stop();
   {
     const std::lock_guard guard(lock_);
     quit_ = false;
     cancelled_ = false;
-    if (std::exchange(alive_, true)) return;  // still at an old job, and good for new ones
+    if (std::exchange(alive_, true)) return {};  // still at an old job, and good for new ones
   }
-  {
+  try {
     const std::lock_guard guard(joining_);
     if (thread_.joinable()) thread_.join();
     thread_ = std::thread([this] { run(); });
+  } catch (const std::system_error& error) {
+    const std::lock_guard guard(lock_);
+    alive_ = false;
+    cancelled_ = quit_ = true;
+    changed_.notify_all();
+    return make_error(ErrorCode::kIo,
+                      "The system does not give the element a thread of its own (" +
+                          error.code().message() +
+                          "): end other programs, or raise the limit of processes (ulimit -u, or "
+                          "that of the container).");
   }
   Everyone::add(this);
+  return {};
 }
 
 bool Worker::idle() {
@@ -84,22 +106,26 @@ bool Worker::drain() {
   return !cancelled_;
 }
 
-bool Worker::deliver(const std::stop_token& stop, const std::function<void()>& tell) {
-  const std::lock_guard guard(delivering_);
-  if (stop.stop_requested()) return false;
-  tell();
-  return true;
+std::unique_ptr<Worker::Telling> Worker::begin_telling(const std::stop_token& stop,
+                                                       GstElement* element) {
+  const std::lock_guard guard(lock_);
+  if (stop.stop_requested()) return nullptr;
+  telling_ = true;
+  return std::unique_ptr<Telling>(new Telling(*this, element));
+}
+
+Worker::Telling::~Telling() {
+  const std::lock_guard guard(worker_.lock_);
+  worker_.telling_ = false;
+  worker_.changed_.notify_all();
 }
 
 void Worker::cancel() {
-  {
-    const std::lock_guard guard(lock_);
-    cancelled_ = true;
-    waiting_ = nullptr;
-    running_.request_stop();
-    changed_.notify_all();
-  }
-  const std::lock_guard guard(delivering_);
+  const std::lock_guard guard(lock_);
+  cancelled_ = true;
+  waiting_ = nullptr;
+  running_.request_stop();
+  changed_.notify_all();
 }
 
 void Worker::resume() {
@@ -108,10 +134,13 @@ void Worker::resume() {
 }
 
 void Worker::stop() {
+  // Told in less, unless a handler waits; and a program that ends next finds nobody at work.
+  constexpr std::chrono::milliseconds kMoment{200};
   cancel();
-  const std::lock_guard guard(lock_);
+  std::unique_lock guard(lock_);
   quit_ = true;
   changed_.notify_all();
+  changed_.wait_for(guard, kMoment, [this] { return !telling_ || on_own_thread(); });
 }
 
 Worker::~Worker() {
@@ -125,8 +154,19 @@ void Worker::join() {
   if (thread_.joinable()) thread_.join();
 }
 
+void Worker::stop_at_exit() {
+  stop();
+  {
+    std::unique_lock guard(lock_);
+    changed_.wait(guard, [this] { return !alive_ || telling_ || on_own_thread(); });
+    if (alive_) return;
+  }
+  join();
+}
+
 void Worker::run() {
   std::unique_lock guard(lock_);
+  runner_ = std::this_thread::get_id();
   for (;;) {
     changed_.wait(guard, [this] { return quit_ || waiting_; });
     if (quit_) break;
@@ -136,12 +176,14 @@ void Worker::run() {
     guard.unlock();
     job(running_.get_token());
     job = nullptr;  // with all that it holds, before anybody is told
-    Everyone::join_at_exit();
+    Everyone::stop_at_exit();
     guard.lock();
     busy_ = false;
     changed_.notify_all();
   }
   alive_ = false;
+  runner_ = {};
+  changed_.notify_all();
 }
 
 }  // namespace calvin::gst

@@ -6,9 +6,15 @@
 
 #include <condition_variable>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <stop_token>
 #include <thread>
+
+#include <gst/gst.h>
+
+#include "calvin/core/result.hpp"
+#include "messages.hpp"
 
 namespace calvin::gst {
 
@@ -20,12 +26,29 @@ class Worker {
  public:
   using Job = std::function<void(std::stop_token)>;
 
+  // To be held by a job while it posts one message or notifies of one property. No lock of ours is
+  // held meanwhile: whoever is told may wait for another thread, and that one for us.
+  class Telling {
+   public:
+    Telling(const Telling&) = delete;
+    Telling& operator=(const Telling&) = delete;
+    ~Telling();
+
+   private:
+    friend class Worker;
+    Telling(Worker& worker, GstElement* element) : worker_(worker), posting_(element) {}
+
+    Worker& worker_;
+    Posting posting_;
+  };
+
   Worker() = default;
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
   ~Worker();
 
-  void start();
+  // An error where the system has no thread for it; then no job is taken.
+  [[nodiscard]] Status start();
 
   // Whether a job that is offered now begins at once.
   [[nodiscard]] bool idle();
@@ -38,35 +61,40 @@ class Worker {
   // came first.
   bool drain();
 
-  // For a job, with its own token: calls `tell`, unless it was cancelled. After cancel() nothing is
-  // told any more: those that listen may be gone, such as the bin that the element was in.
-  bool deliver(const std::stop_token& stop, const std::function<void()>& tell);
-
-  // Returns when what a job is telling now has been told.
-  void settle() { const std::lock_guard guard(delivering_); }
+  // For a job, with its own token: may it tell something in the name of the element? nullptr once
+  // it was cancelled. What has begun to be told by then is told.
+  [[nodiscard]] std::unique_ptr<Telling> begin_telling(const std::stop_token& stop,
+                                                       GstElement* element);
 
   // Asks the running job to stop, forgets the waiting one, wakes drain() and refuses new jobs
-  // until resume(). Returns at once, or when what a job is telling has been told.
+  // until resume(). Returns at once.
   void cancel();
   void resume();
 
-  // cancel(), and the thread ends soon. Returns at once.
+  // cancel(), and the thread ends soon. Returns at once, or when what is being told has been told,
+  // but never waits longer than a moment: that may wait for whoever stops. An element does so in
+  // its dispose(): afterwards no job begins to tell anything, and none takes a reference of it.
   void stop();
-  // stop(), and waits for the thread: for whoever owns what the jobs use, before that goes. At the
-  // end of a program two threads may do so at once.
+  // stop(), and waits for the thread: for whoever owns what the jobs use, before that goes.
   void join();
+  // join() for the end of a program, but does not wait for what a job is telling: that may be what
+  // ends the program, or wait for a lock of the thread that does.
+  void stop_at_exit();
 
  private:
   void run();
+  [[nodiscard]] bool on_own_thread() const { return runner_ == std::this_thread::get_id(); }
 
-  std::mutex lock_;
-  std::condition_variable changed_;
-  std::recursive_mutex delivering_;  // whoever is told something may cancel
   std::mutex joining_;
   std::thread thread_;  // under joining_
+
+  std::mutex lock_;  // of everything below
+  std::condition_variable changed_;
+  std::thread::id runner_;
   Job waiting_;
   std::stop_source running_;
   bool busy_ = false;
+  bool telling_ = false;
   bool cancelled_ = true;
   bool quit_ = false;
   bool alive_ = false;  // the thread has not left run() yet

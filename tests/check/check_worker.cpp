@@ -8,11 +8,13 @@
 #include <memory>
 #include <thread>
 
-#include <gst/check/gstcheck.h>
-
+#include "gate.hpp"
 #include "worker.hpp"
 
+#include <gst/check/gstcheck.h>
+
 using calvin::gst::Worker;
+namespace check = calvin::check;
 
 // Waits for the stop request, at the most ten seconds.
 static void busy_until_stopped(std::stop_token stop) {
@@ -23,7 +25,7 @@ static void busy_until_stopped(std::stop_token stop) {
 
 GST_START_TEST(test_drain_waits_for_the_job) {
   Worker worker;
-  worker.start();
+  fail_unless(worker.start().has_value());
   std::atomic<bool> done = false;
   fail_unless(worker.offer([&](std::stop_token) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -36,7 +38,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_only_the_newest_waiting_job_runs) {
   Worker worker;
-  worker.start();
+  fail_unless(worker.start().has_value());
   std::atomic<bool> go = false;
   std::atomic<bool> begun = false;
   std::atomic<int> ran = 0;
@@ -54,7 +56,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_cancel_wakes_a_drain_and_refuses_jobs) {
   Worker worker;
-  worker.start();
+  fail_unless(worker.start().has_value());
   worker.offer(busy_until_stopped);
   std::thread canceller([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -78,7 +80,7 @@ GST_START_TEST(test_stop_does_not_wait_for_a_stubborn_job) {
   std::atomic<int> ran = 0;
   {
     Worker worker;
-    worker.start();
+    fail_unless(worker.start().has_value());
     worker.offer([&](std::stop_token) {
       begun = true;
       while (!go) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -87,7 +89,7 @@ GST_START_TEST(test_stop_does_not_wait_for_a_stubborn_job) {
     while (!begun) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     worker.stop();
     fail_unless_equals_int(ended, 0);
-    worker.start();
+    fail_unless(worker.start().has_value());
     fail_if(worker.idle());
     worker.offer([&](std::stop_token stop) { ran += stop.stop_requested() ? 100 : 1; });
     fail_unless_equals_int(ran, 0);
@@ -113,7 +115,7 @@ GST_END_TEST;
 // What a job holds is gone when drain() returns: a frame, say, must be writable again.
 GST_START_TEST(test_drain_leaves_no_job_in_memory) {
   Worker worker;
-  worker.start();
+  fail_unless(worker.start().has_value());
   for (int i = 0; i < 200; ++i) {
     auto held = std::make_shared<int>(i);
     worker.offer([held](std::stop_token) {});
@@ -126,7 +128,7 @@ GST_END_TEST;
 GST_START_TEST(test_start_works_again_after_stop) {
   Worker worker;
   for (int i = 0; i < 20; ++i) {
-    worker.start();
+    fail_unless(worker.start().has_value());
     worker.offer(busy_until_stopped);
     worker.stop();
     fail_if(worker.offer([](std::stop_token) {}));
@@ -134,29 +136,110 @@ GST_START_TEST(test_start_works_again_after_stop) {
 }
 GST_END_TEST;
 
-GST_START_TEST(test_nothing_is_told_after_cancel) {
+// In whose name something is told.
+struct Element {
+  Element() : element(GST_ELEMENT(gst_object_ref_sink(gst_bin_new(nullptr)))) {}
+  Element(const Element&) = delete;
+  Element& operator=(const Element&) = delete;
+  ~Element() { gst_object_unref(element); }
+  GstElement* element;
+};
+
+GST_START_TEST(test_nothing_begins_to_be_told_after_cancel) {
   for (int i = 0; i < 200; ++i) {
+    Element e;
     Worker worker;
-    worker.start();
-    std::atomic<bool> listening = true;
+    fail_unless(worker.start().has_value());
+    std::atomic<bool> cancelled = false;
     std::atomic<bool> begun = false;
+    std::atomic<bool> late = false;
     worker.offer([&](std::stop_token stop) {
-      do {
+      for (;;) {
+        const bool before = cancelled;
+        const auto telling = worker.begin_telling(stop, e.element);
         begun = true;
-      } while (worker.deliver(stop, [&] { fail_unless(listening); }));
+        if (!telling) return;
+        late = late || before;
+      }
     });
     while (!begun) std::this_thread::yield();
     worker.cancel();
-    listening = false;
+    cancelled = true;
     worker.join();
+    fail_if(late);
   }
+}
+GST_END_TEST;
+
+// What is told may wait for whoever cancels.
+GST_START_TEST(test_nobody_waits_for_what_is_told) {
+  Element e;
+  check::Gate gate;
+  Worker worker;
+  fail_unless(worker.start().has_value());
+  gate.close();
+  worker.offer([&](std::stop_token stop) {
+    const auto telling = worker.begin_telling(stop, e.element);
+    gate.pass();
+  });
+  fail_unless(gate.reached());
+  worker.cancel();
+  worker.resume();
+  fail_unless(worker.offer([](std::stop_token) {}));
+  worker.stop();
+  fail_unless(worker.start().has_value());
+  worker.stop_at_exit();
+  gate.open();
+  worker.join();
+  fail_if(gate.forced());
+}
+GST_END_TEST;
+
+// A bin's bus passes the messages on of what is in it, and is gone with the bin.
+GST_START_TEST(test_bins_stay_while_something_in_them_is_told) {
+  static std::atomic<int> gone;
+  gone = 0;
+  auto* outer = GST_BIN(gst_object_ref_sink(gst_bin_new(nullptr)));
+  GstElement* inner = gst_bin_new(nullptr);
+  GstElement* element = gst_bin_new(nullptr);
+  gst_bin_add(outer, inner);
+  gst_bin_add(GST_BIN(inner), element);
+  for (gpointer object : {gpointer(outer), gpointer(inner), gpointer(element)}) {
+    g_object_weak_ref(
+        G_OBJECT(object), [](gpointer, GObject*) { ++gone; }, nullptr);
+  }
+  check::Gate gate;
+  Worker worker;
+  fail_unless(worker.start().has_value());
+  gate.close();
+  worker.offer([&](std::stop_token stop) {
+    const auto telling = worker.begin_telling(stop, element);
+    gate.pass();
+  });
+  fail_unless(gate.reached());
+  gst_object_unref(outer);
+  fail_unless_equals_int(gone, 0);
+  gate.open();
+  worker.join();
+  for (int i = 0; i < 1000 && gone < 3; ++i) g_usleep(10000);
+  fail_unless_equals_int(gone, 3);
+}
+GST_END_TEST;
+
+// At the end of a program, which a job itself may bring about.
+GST_START_TEST(test_at_exit_a_worker_does_not_wait_for_itself) {
+  Worker worker;
+  fail_unless(worker.start().has_value());
+  worker.offer([&](std::stop_token) { worker.stop_at_exit(); });
+  fail_if(worker.drain());
+  worker.join();
 }
 GST_END_TEST;
 
 GST_START_TEST(test_two_threads_may_join) {
   for (int i = 0; i < 200; ++i) {
     Worker worker;
-    worker.start();
+    fail_unless(worker.start().has_value());
     worker.offer([](std::stop_token) {});
     std::thread other([&] { worker.join(); });
     worker.join();
@@ -175,7 +258,10 @@ static Suite* worker_suite() {
   tcase_add_test(tc, test_drain_leaves_no_job_in_memory);
   tcase_add_test(tc, test_start_works_again_after_stop);
   suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_nothing_is_told_after_cancel);
+  tcase_add_test(tc, test_nothing_begins_to_be_told_after_cancel);
+  tcase_add_test(tc, test_nobody_waits_for_what_is_told);
+  tcase_add_test(tc, test_bins_stay_while_something_in_them_is_told);
+  tcase_add_test(tc, test_at_exit_a_worker_does_not_wait_for_itself);
   tcase_add_test(tc, test_two_threads_may_join);
   return suite;
 }

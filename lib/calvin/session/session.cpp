@@ -92,7 +92,7 @@ Reason Session::usable(const View& view) const {
   const Observation& seen = view.observation;
   if (!seen.found()) return Reason::kNotFound;
   if (seen.image_size.width < 1 || seen.image_size.height < 1) return Reason::kOffSize;
-  if (!views_.empty() && seen.image_size != views_.front().observation.image_size) {
+  if (!views_.empty() && seen.image_size != views_.front()->observation.image_size) {
     return Reason::kOffSize;
   }
   if (!check(view, seen.image_size)) return Reason::kWrongBoard;
@@ -138,9 +138,9 @@ std::optional<Observation> Session::take_previous(const std::string& board) {
 bool Session::is_new(const View& view) const {
   const double scale = diagonal(view.observation.image_size);
   const double extent = std::sqrt(hull_area(view.observation));
-  return std::all_of(views_.begin(), views_.end(), [&](const View& kept) {
-    if (kept.observation.board != view.observation.board) return true;
-    const Motion m = motion(kept.observation, view.observation);
+  return std::all_of(views_.begin(), views_.end(), [&](const auto& kept) {
+    if (kept->observation.board != view.observation.board) return true;
+    const Motion m = motion(kept->observation, view.observation);
     return m.shared < kFewestCorners || m.center > kNewPosition * scale ||
            m.about_center > kNewShape * extent;
   });
@@ -152,7 +152,7 @@ bool Session::full() const noexcept {
 
 void Session::keep(const View& view) {
   asked_ = false;
-  views_.push_back(view);
+  views_.push_back(std::make_shared<const View>(view));
   spread_.add(view);
 }
 
@@ -168,7 +168,7 @@ bool Session::remove_view(std::size_t index) {
   if (index >= views_.size()) return false;
   views_.erase(views_.begin() + static_cast<std::ptrdiff_t>(index));
   spread_.clear();
-  for (const View& view : views_) spread_.add(view);
+  for (const auto& view : views_) spread_.add(*view);
   return true;
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -76,7 +77,9 @@ class Session {
   // False where there is no such view.
   bool remove_view(std::size_t index);
 
-  [[nodiscard]] const std::vector<View>& views() const noexcept { return views_; }
+  // Shared: whoever solves them elsewhere keeps them without a copy.
+  using Views = std::vector<std::shared_ptr<const View>>;
+  [[nodiscard]] const Views& views() const noexcept { return views_; }
   [[nodiscard]] Progress progress() const;
 
   // At least min_views, and max_views reached or, in kAuto, the ranges of Progress spanned; without
@@ -96,7 +99,7 @@ class Session {
   [[nodiscard]] double readout_share(const Observation& before, const Observation& now) const;
 
   SessionOptions options_;
-  std::vector<View> views_;
+  Views views_;
   Spread spread_;
   std::vector<Observation> previous_;  // the last of each board, unless it was not usable
   bool asked_ = false;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The files of a session that goes on, which may hold what another session left.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "calibration_files.hpp"
+
+namespace calvin::gst {
+
+// On the worker.
+class SessionFiles {
+ public:
+  struct Outcome {
+    Status status;     // the first error
+    std::string kept;  // the first file that stays as another session left it, or empty
+  };
+
+  // Writes a final result to all files. One on the way to it does not take the place of another
+  // session's calibration, unless may_replace() says that nothing is lost; it goes to files that
+  // are not there yet or hold no calibration, and to those that this session has written before.
+  [[nodiscard]] Outcome write(const std::vector<CalibrationFile>& files,
+                              const Calibration& calibration, bool final, std::uint64_t session);
+
+ private:
+  std::uint64_t session_ = 0;
+  std::set<std::string> ours_;  // paths that session_ has written
+};
+
+}  // namespace calvin::gst

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+#include "calvin/session/replacement.hpp"
+
+namespace calvin {
+
+bool may_replace(const Calibration& now, std::span<const Calibration> others) {
+  bool told = false;
+  for (const Calibration& other : others) {
+    if (!other.expected_error) continue;
+    told = true;
+    if (other.camera != now.camera || other.image_size != now.image_size) return false;
+    if (!now.expected_error || *now.expected_error > *other.expected_error) return false;
+  }
+  return told;
+}
+
+}  // namespace calvin

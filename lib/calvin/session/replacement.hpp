@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Whether what a session knows so far may take the place of what others left.
+#pragma once
+
+#include <span>
+
+#include "calvin/core/calibration.hpp"
+
+namespace calvin {
+
+// `others` is what the files hold that a calibration is to be written to while its session goes on.
+// True where one of them at least tells its expected error, and each that tells one is of the same
+// camera and image size and no better: then nothing is lost.
+[[nodiscard]] bool may_replace(const Calibration& now, std::span<const Calibration> others);
+
+}  // namespace calvin

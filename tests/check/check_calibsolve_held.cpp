@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibsolve while its worker is held at a place of the test's choice: what an application does
+// meanwhile returns at once, and nothing of what it has ended is written, posted or announced.
+
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "calibration_event.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "gate.hpp"
+#include "solve_fixture.hpp"
+
+#include <gst/check/gstcheck.h>
+
+using namespace calvin;
+using check::Gate;
+using check::SolveFixture;
+
+// ---- Where the worker is held -------------------------------------------------------------------
+
+static Gate solved;     // a solution is there, and nobody knows of it yet
+static Gate written;    // a file has its bytes, but not its name; then it has the name too
+static Gate unsolved;   // there is no solution, and nobody knows of it yet
+static Gate progress;   // the bus has a message calib-progress of the worker
+static Gate announced;  // the property `calibration` is notified
+static std::thread::id tester;
+
+// These stand before the libraries' own.
+extern "C" {
+GST_EXPORT GDateTime* g_date_time_new_now_utc() {
+  if (std::this_thread::get_id() != tester) solved.pass();
+  return g_date_time_new_from_unix_utc(g_get_real_time() / G_USEC_PER_SEC);
+}
+GST_EXPORT int fsync(int fd) {
+  written.pass();
+  return static_cast<int>(syscall(SYS_fsync, fd));
+}
+}
+
+static void hold_where_unsolved(GstDebugCategory* category, GstDebugLevel, const char*, const char*,
+                                int, GObject*, GstDebugMessage* message, gpointer) {
+  const bool ours = g_strcmp0(gst_debug_category_get_name(category), "calibsolve") == 0;
+  if (ours && std::strstr(gst_debug_message_get(message), "no solution") != nullptr) {
+    unsolved.pass();
+  }
+}
+
+static GstBusSyncReply hold_at_progress(GstBus*, GstMessage* message, gpointer) {
+  const GstStructure* s = gst_message_get_structure(message);
+  if (s != nullptr && gst_structure_has_name(s, "calib-progress") &&
+      std::this_thread::get_id() != tester) {
+    progress.pass();
+  }
+  return GST_BUS_PASS;
+}
+
+static void set_up() {
+  tester = std::this_thread::get_id();
+  gst::register_metas();
+  for (Gate* gate : {&solved, &written, &unsolved, &progress, &announced}) gate->open();
+}
+
+// Elements that are not gone yet: what a handler holds may be the last reference.
+static std::atomic<int> living;
+
+static void tear_down() {
+  for (int i = 0; i < 1000 && living > 0; ++i) g_usleep(10000);
+  fail_unless_equals_int(living, 0);
+  for (Gate* gate : {&solved, &written, &unsolved, &progress, &announced}) {
+    fail_if(gate->forced(), "the test waited for what waited for it");
+  }
+}
+
+// A fixture whose worker may be held at what it tells.
+struct HeldFixture : SolveFixture {
+  explicit HeldFixture(const std::string& properties = "") : SolveFixture(properties) {
+    ++living;
+    g_object_weak_ref(
+        G_OBJECT(element), [](gpointer, GObject*) { --living; }, nullptr);
+    g_autoptr(GstBus) posts = gst_element_get_bus(element);
+    gst_bus_set_sync_handler(posts, hold_at_progress, nullptr, nullptr);
+    g_signal_connect(element, "notify::calibration",
+                     G_CALLBACK(+[](GObject*, GParamSpec*, gpointer) { announced.pass(); }),
+                     nullptr);
+  }
+  void segment() {
+    GstSegment s;
+    gst_segment_init(&s, GST_FORMAT_TIME);
+    gst_harness_push_event(h, gst_event_new_segment(&s));
+  }
+  void flush_stop() {
+    gst_harness_push_event(h, gst_event_new_flush_stop(TRUE));
+    segment();
+  }
+  // From here on frames and boards have half the size.
+  void halve() {
+    scene = check::Scene{{320, 240}};
+    gst_harness_set_src_caps(h, check::caps_of("GRAY8", scene.size));
+  }
+  std::string calibration() {
+    g_autofree char* json = nullptr;
+    g_object_get(element, "calibration", &json, nullptr);
+    return json != nullptr ? json : "";
+  }
+  // The views of the calibration that downstream knows, or -1.
+  int views_announced() {
+    g_autoptr(GstPad) src = gst_element_get_static_pad(element, "src");
+    g_autoptr(GstEvent) event =
+        gst_pad_get_sticky_event(src, GST_EVENT_CUSTOM_DOWNSTREAM_STICKY, 0);
+    if (event == nullptr) return -1;
+    return static_cast<int>(
+        parse_calibration(gst::parse_calibration_event(event)->json)->views.size());
+  }
+  std::vector<int> views_of_results() {
+    std::vector<int> all;
+    for (const GstStructure* s : bus.named("calib-result")) {
+      all.push_back(0);
+      gst_structure_get_int(s, "views", &all.back());
+    }
+    return all;
+  }
+};
+
+// What ends a session.
+static const struct {
+  const char* name;
+  void (*end)(HeldFixture&);
+} kEnds[] = {
+    {"reset", [](HeldFixture& f) { g_signal_emit_by_name(f.element, "reset"); }},
+    {"new caps", [](HeldFixture& f) { f.halve(); }},
+    {"new run",
+     [](HeldFixture& f) {
+       gst_element_set_state(f.element, GST_STATE_READY);
+       gst_element_set_state(f.element, GST_STATE_PLAYING);
+       gst_harness_push_event(f.h, gst_event_new_stream_start("again"));
+       gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
+     }},
+};
+
+// ---- A solve that is held -----------------------------------------------------------------------
+
+GST_START_TEST(test_a_held_solve_of_a_session_that_ends_is_thrown_away) {
+  check::TemporaryFolder folder;
+  HeldFixture f("location=" + folder / "cam.json");
+  solved.close();
+  f.push_views(3);
+  fail_unless(solved.reached());
+  kEnds[__i__].end(f);
+  solved.open();
+  f.eos();
+  const char* name = kEnds[__i__].name;
+  fail_unless(f.bus.named("calib-result").empty(), "%s: a result is posted", name);
+  fail_unless(f.calibration().empty(), "%s: there is a calibration", name);
+  fail_unless_equals_int(f.views_announced(), -1);
+  fail_if(std::filesystem::exists(folder / "cam.json"), "%s: a file is written", name);
+  fail_unless(f.bus.says(GST_MESSAGE_ERROR, "no view of the board was taken"), "%s", name);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_held_solve_with_a_view_that_is_removed_is_thrown_away) {
+  check::TemporaryFolder folder;
+  HeldFixture f("location=" + folder / "cam.json");
+  solved.close();
+  f.push_views(12);
+  fail_unless(solved.reached());
+  gboolean removed = FALSE;
+  g_signal_emit_by_name(f.element, "remove-view", 5U, &removed);
+  fail_unless(removed);
+  solved.open();
+  // No EOS: the file follows by itself.
+  for (int i = 0; i < 1000 && f.views_of_results().empty(); ++i) g_usleep(10000);
+  fail_unless(f.views_of_results() == std::vector<int>{11});
+  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 11);
+  gst_harness_push_event(f.h, gst_event_new_eos());
+  fail_unless_equals_int(f.views_announced(), 11);
+  for (const int views : f.views_of_results()) fail_unless_equals_int(views, 11);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_the_failure_of_a_held_solve_is_forgotten_with_its_session) {
+  check::TemporaryFolder folder;
+  HeldFixture f("location=" + folder / "cam.json");
+  gst_debug_add_log_function(hold_where_unsolved, nullptr, nullptr);
+  gst_debug_set_threshold_for_name("calibsolve", GST_LEVEL_INFO);
+  unsolved.close();
+  for (int i = 0; i < 3; ++i) gst_buffer_unref(f.push(3));
+  fail_unless(unsolved.reached());
+  kEnds[__i__].end(f);
+  unsolved.open();
+  f.eos();
+  fail_unless(f.bus.says(GST_MESSAGE_ERROR, "no view of the board was taken"), "%s",
+              kEnds[__i__].name);
+  gst_debug_unset_threshold_for_name("calibsolve");
+  gst_debug_remove_log_function(hold_where_unsolved);
+}
+GST_END_TEST;
+
+// ---- A write that is held -----------------------------------------------------------------------
+
+// As on a card that takes seconds. What the next session finds counts, however good the last was.
+GST_START_TEST(test_a_held_write_does_not_count_for_the_next_session) {
+  check::TemporaryFolder folder;
+  HeldFixture f("min-views=5 location=" + folder / "cam.json");
+  f.push_views(24);
+  g_signal_emit_by_name(f.element, "solve");
+  for (int i = 0; i < 1000 && f.result("final") == nullptr; ++i) g_usleep(10000);
+  fail_unless(f.result("final") != nullptr);
+  written.close();
+  g_signal_emit_by_name(f.element, "solve");
+  fail_unless(written.reached());
+  const auto before = f.bus.named("calib-result").size();
+  kEnds[__i__].end(f);
+  written.open();
+  fail_unless(written.reached(2));  // file and folder
+  std::filesystem::remove(folder / "cam.json");
+  fail_unless(f.calibration().empty());
+  f.push_views(5);
+  const char* name = kEnds[__i__].name;
+  for (int i = 0; i < 1000 && f.bus.named("calib-result").size() == before; ++i) g_usleep(10000);
+  fail_unless_equals_int(f.views_of_results().at(before), 5);
+  gst_buffer_unref(f.push(5));
+  fail_unless(f.views_announced() < 24, "%s: the event is the old one", name);
+  const auto file = read_calibration(folder / "cam.json");
+  fail_unless(file.has_value() && file->views.size() < 24, "%s: no file", name);
+  f.eos();
+  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 6);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_view_that_is_removed_during_a_write_leaves_the_file) {
+  check::TemporaryFolder folder;
+  HeldFixture f("location=" + folder / "cam.json");
+  written.close();
+  f.push_views(12);
+  fail_unless(written.reached());
+  gboolean removed = FALSE;
+  g_signal_emit_by_name(f.element, "remove-view", 0U, &removed);
+  fail_unless(removed);
+  written.open();
+  for (int i = 0; i < 1000 && f.views_of_results().empty(); ++i) g_usleep(10000);
+  fail_unless(f.views_of_results() == std::vector<int>{11});
+  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 11);
+}
+GST_END_TEST;
+
+// ---- Whoever is told waits for the application --------------------------------------------------
+
+// The handler waits as for a lock that the application has while it does this.
+static const struct {
+  const char* name;
+  void (*act)(HeldFixture&);
+} kActs[] = {
+    {"reset", [](HeldFixture& f) { g_signal_emit_by_name(f.element, "reset"); }},
+    {"remove-view",
+     [](HeldFixture& f) {
+       gboolean removed = FALSE;
+       g_signal_emit_by_name(f.element, "remove-view", 0U, &removed);
+       g_signal_emit_by_name(f.element, "remove-view", 0U, &removed);
+     }},
+    {"flush", [](HeldFixture& f) { gst_harness_push_event(f.h, gst_event_new_flush_start()); }},
+    {"READY", [](HeldFixture& f) { gst_element_set_state(f.element, GST_STATE_READY); }},
+    {"solve", [](HeldFixture& f) { g_signal_emit_by_name(f.element, "solve"); }},
+    {"caps", [](HeldFixture& f) { f.halve(); }},
+    {"setting", [](HeldFixture& f) { g_object_set(f.element, "model", "brown4", nullptr); }},
+    {"reading", [](HeldFixture& f) { fail_if(f.calibration().empty()); }},
+};
+
+GST_START_TEST(test_nothing_waits_for_a_handler) {
+  for (Gate* gate : {&progress, &announced}) {
+    HeldFixture f;
+    gate->close();
+    f.push_views(3);
+    fail_unless(gate->reached());
+    kActs[__i__].act(f);
+    gate->open();
+    fail_if(gate->forced(), "%s waits for a handler", kActs[__i__].name);
+  }
+}
+GST_END_TEST;
+
+// The element itself goes while a handler of its is at work.
+GST_START_TEST(test_the_last_reference_does_not_wait_for_a_handler) {
+  auto f = std::make_unique<HeldFixture>();
+  announced.close();
+  f->push_views(3);
+  fail_unless(announced.reached());
+  f.reset();
+  fail_unless_equals_int(living, 1);
+  announced.open();
+}
+GST_END_TEST;
+
+// ---- What has begun to be told is the last ------------------------------------------------------
+
+GST_START_TEST(test_behind_a_held_message_nothing_of_the_session_is_posted) {
+  HeldFixture f;
+  progress.close();
+  f.push_views(3);
+  fail_unless(progress.reached());
+  kEnds[__i__].end(f);
+  progress.open();
+  f.eos();
+  fail_unless(f.bus.named("calib-result").empty(), "%s", kEnds[__i__].name);
+}
+GST_END_TEST;
+
+// A flush ends what is told, and the final result that is owed comes after it.
+GST_START_TEST(test_behind_a_held_message_a_flush_ends_what_is_told) {
+  HeldFixture f;
+  f.push_views(2);
+  progress.close();
+  gst_buffer_unref(f.push(2));
+  fail_unless(progress.reached());
+  gst_harness_push_event(f.h, gst_event_new_flush_start());
+  progress.open();
+  f.flush_stop();
+  f.eos();
+  fail_unless(f.result("intermediate") == nullptr);
+  fail_unless(f.result("final") != nullptr);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_final_result_that_a_removal_overtakes_is_still_owed) {
+  HeldFixture f;
+  f.push_views(12);
+  // The last one on the way.
+  const auto views = [&] { return f.views_of_results(); };
+  for (int i = 0; i < 1000 && (views().empty() || views().back() < 11); ++i) g_usleep(10000);
+  solved.close();
+  g_signal_emit_by_name(f.element, "solve");
+  fail_unless(solved.reached());
+  progress.close();
+  solved.open();
+  fail_unless(progress.reached());
+  gboolean removed = FALSE;
+  g_signal_emit_by_name(f.element, "remove-view", 0U, &removed);
+  progress.open();
+  for (int i = 0; i < 1000 && f.result("final") == nullptr; ++i) g_usleep(10000);
+  const GstStructure* r = f.result("final");
+  fail_unless(r != nullptr);
+  fail_unless_equals_int(views().back(), 11);
+}
+GST_END_TEST;
+
+static Suite* calibsolve_held_suite() {
+  Suite* suite = suite_create("calibsolve_held");
+  TCase* tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_checked_fixture(tc, set_up, tear_down);
+  const int ends = G_N_ELEMENTS(kEnds);
+  tcase_add_loop_test(tc, test_a_held_solve_of_a_session_that_ends_is_thrown_away, 0, ends);
+  tcase_add_test(tc, test_a_held_solve_with_a_view_that_is_removed_is_thrown_away);
+  tcase_add_loop_test(tc, test_the_failure_of_a_held_solve_is_forgotten_with_its_session, 0, ends);
+  tcase_add_loop_test(tc, test_a_held_write_does_not_count_for_the_next_session, 0, ends);
+  tcase_add_test(tc, test_a_view_that_is_removed_during_a_write_leaves_the_file);
+  tcase_add_loop_test(tc, test_nothing_waits_for_a_handler, 0, G_N_ELEMENTS(kActs));
+  tcase_add_test(tc, test_the_last_reference_does_not_wait_for_a_handler);
+  tcase_add_loop_test(tc, test_behind_a_held_message_nothing_of_the_session_is_posted, 0, ends);
+  tcase_add_test(tc, test_behind_a_held_message_a_flush_ends_what_is_told);
+  tcase_add_test(tc, test_a_final_result_that_a_removal_overtakes_is_still_owed);
+  return suite;
+}
+
+GST_CHECK_MAIN(calibsolve_held)

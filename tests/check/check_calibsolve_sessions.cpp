@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibsolve and files that hold something already: another session's calibration is not lost to
+// the first result of a new one, and what this session has written follows it.
+
+#include <fstream>
+#include <functional>
+
+#include "calvin/io/calibration_io.hpp"
+#include "solve_fixture.hpp"
+
+#include <gst/check/gstcheck.h>
+
+using namespace calvin;
+using check::SolveFixture;
+
+static constexpr const char* kMark = "another session";
+
+// What another session left there: a calibration with that expected error, if any.
+static void leave(const std::string& path, const SolveFixture& f, std::optional<double> error,
+                  const char* camera = "left") {
+  Calibration left = f.scene.camera.to_calibration();
+  left.camera = camera;
+  left.expected_error = error;
+  left.created = kMark;
+  fail_unless(write_calibration(path, left).has_value());
+}
+static bool is_left(const std::string& path) {
+  const auto found = read_calibration(path);
+  return found && found->created == kMark;
+}
+
+static void wait_for_results(SolveFixture& f, std::size_t count) {
+  for (int i = 0; i < 1000 && f.bus.named("calib-result").size() < count; ++i) g_usleep(10000);
+  fail_unless(f.bus.named("calib-result").size() >= count);
+}
+// One result after each view, so that every one of them has its turn at the file.
+static void push_slowly(SolveFixture& f, int count) {
+  const std::size_t before = f.bus.named("calib-result").size();
+  f.push_views(3);
+  wait_for_results(f, before + 1);
+  for (int n = 3; n < count; ++n) {
+    const std::size_t seen = f.bus.named("calib-result").size();
+    g_object_set(f.element, "skew", n % 2 != 0, nullptr);  // solves again
+    gst_buffer_unref(f.push(n));
+    wait_for_results(f, seen + 1);
+  }
+}
+static int infos(SolveFixture& f) {
+  int count = 0;
+  for (GstMessage* message : f.bus.messages()) {
+    count += GST_MESSAGE_TYPE(message) == GST_MESSAGE_INFO ? 1 : 0;
+  }
+  return count;
+}
+
+GST_START_TEST(test_a_good_calibration_stays_until_the_result_is_final) {
+  check::TemporaryFolder folder;
+  SolveFixture f("location=" + folder / "cam.json");
+  leave(folder / "cam.json", f, 1e-6);
+  push_slowly(f, 6);
+  fail_unless(is_left(folder / "cam.json"));
+  fail_unless_equals_int(infos(f), 1);  // the user is told, once
+  // Other files have nothing to lose.
+  f.eos();
+  fail_unless(f.result("final") != nullptr);
+  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 6);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_the_signal_solve_replaces_it) {
+  check::TemporaryFolder folder;
+  SolveFixture f("location=" + folder / "cam.json");
+  leave(folder / "cam.json", f, 1e-6);
+  push_slowly(f, 3);
+  g_signal_emit_by_name(f.element, "solve");
+  for (int i = 0; i < 1000 && f.result("final") == nullptr; ++i) g_usleep(10000);
+  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 3);
+  // From here on it is this session's own: what is better takes its place.
+  push_slowly(f, 12);
+  fail_unless(read_calibration(folder / "cam.json")->views.size() > 3);
+}
+GST_END_TEST;
+
+// Of the same camera and size, and worse than any result: nothing is lost, and nobody need wait.
+GST_START_TEST(test_what_is_as_good_replaces_it_at_once) {
+  check::TemporaryFolder folder;
+  SolveFixture f("location=" + folder / "cam.json export=ros:" + folder / "cam.yaml");
+  leave(folder / "cam.json", f, 1e6);
+  fail_unless(
+      write_calibration(folder / "cam.yaml", f.scene.camera.to_calibration(), "ros").has_value());
+  const auto before = read_calibration(folder / "cam.yaml");
+  push_slowly(f, 3);
+  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 3);
+  fail_if(read_calibration(folder / "cam.yaml")->find("fx")->value == before->find("fx")->value);
+  fail_unless_equals_int(infos(f), 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_what_cannot_be_compared_stays) {
+  check::TemporaryFolder folder;
+  const std::function<void(const std::string&, const SolveFixture&)> kLeft[] = {
+      [](const std::string& path, const SolveFixture& f) { leave(path, f, 1e6, "right"); },
+      [](const std::string& path, const SolveFixture& f) { leave(path, f, std::nullopt); },
+      [](const std::string& path, const SolveFixture&) {
+        SolveFixture half("", check::Scene{{320, 240}});
+        leave(path, half, 1e6);
+      },
+  };
+  for (const auto& make : kLeft) {
+    SolveFixture f("location=" + folder / "cam.json");
+    make(folder / "cam.json", f);
+    push_slowly(f, 3);
+    fail_unless(is_left(folder / "cam.json"));
+  }
+}
+GST_END_TEST;
+
+// A pipeline that is killed must leave what it found: where nothing stands in its way, it does.
+GST_START_TEST(test_what_is_no_calibration_does_not_stay) {
+  check::TemporaryFolder folder;
+  for (const char* content : {"", "{", "what is this?"}) {
+    std::ofstream(folder / "cam.json") << content;
+    SolveFixture f("location=" + folder / "cam.json");
+    push_slowly(f, 3);
+    fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 3);
+  }
+  // Each file for itself.
+  SolveFixture f("location=" + folder / "new.json export=opencv-yaml:" + folder / "old.yaml");
+  leave(folder / "old.yaml", f, 1e-6);
+  push_slowly(f, 3);
+  fail_unless(is_left(folder / "old.yaml"));
+  fail_unless_equals_int(read_calibration(folder / "new.json")->views.size(), 3);
+}
+GST_END_TEST;
+
+// A new session begins with a reset, a new size or a new run of the same pipeline.
+GST_START_TEST(test_the_session_before_is_another_one) {
+  const std::function<void(SolveFixture&)> kBegins[] = {
+      [](SolveFixture& f) { g_signal_emit_by_name(f.element, "reset"); },
+      [](SolveFixture& f) {
+        f.scene = check::Scene{{320, 240}};
+        gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
+      },
+      [](SolveFixture& f) {
+        gst_element_set_state(f.element, GST_STATE_READY);
+        gst_element_set_state(f.element, GST_STATE_PLAYING);
+        gst_harness_push_event(f.h, gst_event_new_stream_start("again"));
+        gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
+      },
+  };
+  check::TemporaryFolder folder;
+  SolveFixture f("location=" + folder / "cam.json");
+  f.push_views(20);
+  g_signal_emit_by_name(f.element, "solve");
+  for (int i = 0; i < 1000 && f.result("final") == nullptr; ++i) g_usleep(10000);
+  kBegins[__i__](f);
+  push_slowly(f, 3);
+  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 20);
+  f.eos();
+  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 3);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_removed_view_leaves_the_file) {
+  check::TemporaryFolder folder;
+  SolveFixture f("location=" + folder / "cam.json");
+  f.push_views(20);
+  g_signal_emit_by_name(f.element, "solve");
+  for (int i = 0; i < 1000 && f.result("final") == nullptr; ++i) g_usleep(10000);
+  const std::size_t before = f.bus.named("calib-result").size();
+  gboolean removed = FALSE;
+  g_signal_emit_by_name(f.element, "remove-view", 19U, &removed);
+  fail_unless(removed);
+  wait_for_results(f, before + 1);
+  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 19);
+}
+GST_END_TEST;
+
+static Suite* calibsolve_sessions_suite() {
+  Suite* suite = suite_create("calibsolve_sessions");
+  TCase* tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
+  tcase_add_test(tc, test_a_good_calibration_stays_until_the_result_is_final);
+  tcase_add_test(tc, test_the_signal_solve_replaces_it);
+  tcase_add_test(tc, test_what_is_as_good_replaces_it_at_once);
+  tcase_add_test(tc, test_what_cannot_be_compared_stays);
+  tcase_add_test(tc, test_what_is_no_calibration_does_not_stay);
+  tcase_add_loop_test(tc, test_the_session_before_is_another_one, 0, 3);
+  tcase_add_test(tc, test_a_removed_view_leaves_the_file);
+  return suite;
+}
+
+GST_CHECK_MAIN(calibsolve_sessions)
