@@ -153,28 +153,40 @@ struct Grid {
   const char* model;
   double tilt;    // rad, at most
   double factor;  // of the errors, of what their sigmas say
+  // How many numbers tell the scatter: 54 corners less 21 terms of a surface, or before a fisheye
+  // the 13 differences over six by five, of which about half are independent.
+  double numbers = 66;
+  double sigma = 0.01;  // px
 };
 class Scatter : public ::testing::TestWithParam<Grid> {};
 INSTANTIATE_TEST_SUITE_P(Grids, Scatter,
                          ::testing::Values(Grid{"brown5", 0.5, 1}, Grid{"brown5", 1.1, 1},
-                                           Grid{"fisheye", 0.5, 1}, Grid{"brown5", 0.7, 3}));
+                                           Grid{"fisheye", 0.5, 1, 6}, Grid{"brown5", 0.7, 3},
+                                           Grid{"brown5", 0.7, 1, 66, 0.003}));
 
 TEST_P(Scatter, TellsOfErrorsThatSigmasDoNot) {
-  constexpr double kSigma = 0.01;  // px
+  const auto& [model, tilt, factor, numbers, sigma] = GetParam();
   scenes::Random random(2);
-  std::normal_distribution<double> noise(0, kSigma * GetParam().factor);
-  const Camera camera = scenes::random_camera(GetParam().model, random);
+  std::normal_distribution<double> noise(0, sigma * factor);
+  const Camera camera = scenes::random_camera(model, random);
   detect::Lattice lattice(12);
   double sum = 0;
+  double squares = 0;  // of what a corner's error is of its sigma
   const int boards = 60;
   for (int n = 0; n < boards; ++n) {
-    const SE3 pose =
-        scenes::random_pose(camera, scenes::kBoard, random, uniform(random, 0, GetParam().tilt));
-    put_noisy(true_observation(camera, scenes::kBoard, pose), kSigma, noise, random, lattice);
-    sum += static_cast<double>(detect::scatter(lattice, camera.image_size()));
+    const SE3 pose = scenes::random_pose(camera, scenes::kBoard, random, uniform(random, 0, tilt));
+    put_noisy(true_observation(camera, scenes::kBoard, pose), sigma, noise, random, lattice);
+    const double ratio =
+        static_cast<double>(detect::scatter(lattice, camera.image_size())) / factor;
+    sum += ratio / boards;
+    squares += 1 / (ratio * ratio) / boards;
   }
-  std::cout << "  " << sum / boards << '\n';
-  EXPECT_NEAR(sum / boards / GetParam().factor, 1, 0.1);
+  std::cout << "  " << sum << ", squares " << squares << '\n';
+  EXPECT_NEAR(sum, 1, 0.1);
+  // The mean of the inverse of the mean of n squares is n / (n - 2). A view of which the scatter is
+  // taken for less than it is would be believed too much.
+  const double spread = numbers * std::sqrt(2 / (numbers - 4)) / (numbers - 2);
+  EXPECT_NEAR(squares, numbers / (numbers - 2), 4 * spread / std::sqrt(boards));
 }
 
 // Some of the corners of a large board before a wide lens, told to a 400th of a pixel: what its

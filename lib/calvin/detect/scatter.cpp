@@ -262,17 +262,22 @@ std::optional<double> ratio_beside_surface(const Lattice& lattice, const Flatten
 float scatter(const Lattice& lattice, ImageSize image) {
   constexpr int kFewestNodes = 15;
   constexpr double kMost = 10;
-  constexpr double kLikely = 1.1;    // without a wide lens
-  constexpr double kUsual = 1.25;    // beside a surface
-  constexpr double kByChance = 1.7;  // times as much as differences say
+  constexpr double kLikely = 1.1;  // without a wide lens
+  constexpr double kUsual = 1.25;  // beside a surface
+  // How many times less differences say by chance. They are few: a board of 9x6 has about six that
+  // are independent, of which one in two hundred says a third. A wide lens is the likelier reason
+  // earlier.
+  constexpr double kByChance = 3;
+  constexpr double kBeforeAWideLens = 1.7;
   if (lattice.count() < kFewestNodes) return 1;
   const Flattened flat(lattice, {});
   double ratio = ratio_by(lattice, flat);
   const auto beside = ratio_beside_surface(lattice, flat);
-  if (beside && *beside < std::max(kUsual, kByChance * ratio)) {
+  const bool wide = flat.is_strongly_bent();
+  if (beside && *beside < std::max(kUsual, (wide ? kBeforeAWideLens : kByChance) * ratio)) {
     return static_cast<float>(std::min(*beside, kMost));
   }
-  if (ratio > kLikely && flat.is_strongly_bent()) {
+  if (ratio > kLikely && wide) {
     ratio = std::min(ratio, ratio_by(lattice, Flattened(lattice, lens_of(lattice, image))));
   }
   return static_cast<float>(std::isfinite(ratio) ? std::min(ratio, kMost) : 1);
