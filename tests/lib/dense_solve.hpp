@@ -146,7 +146,10 @@ struct Solve {
   Eigen::MatrixXd information;  // over the directions, with the priors
   double cost = 0;              // with the priors
   double corners_cost = 0;
-  double degrees = 0;
+  double degrees = 0;  // of all of the cost: corners and priors less unknowns
+  // Of the corners alone: what priors tell is not fitted to them. It is the trace of the priors'
+  // information times the covariance of all.
+  double corners_degrees = 0;
 
   // `sigmas`: whether those of the corners are believed, else each is 1 px.
   Solve(const Unknowns& u, const std::vector<View>& seen, const std::vector<SE3>& poses,
@@ -165,6 +168,13 @@ struct Solve {
       const Eigen::VectorXd row = basis.row(prior.unknown);
       information += row * row.transpose() / (prior.sigma * prior.sigma);
       cost += std::pow((u.at(prior.unknown) - prior.value) / prior.sigma, 2);
+    }
+    corners_degrees = degrees;
+    degrees += static_cast<double>(u.priors.size());
+    const Eigen::MatrixXd covariance = inverse();
+    for (const Prior& prior : u.priors) {
+      const Eigen::VectorXd row = basis.row(prior.unknown);
+      corners_degrees += row.dot(covariance * row) / (prior.sigma * prior.sigma);
     }
   }
   [[nodiscard]] Eigen::MatrixXd inverse() const {

@@ -307,7 +307,7 @@ TEST_P(Covariance, AndChiAndRmsAreThoseOfTheResiduals) {
   ASSERT_EQ(c.chi.has_value(), GetParam().known);
   // One degree of freedom is a thousandth of a variance.
   if (c.chi) {
-    EXPECT_NEAR(*c.chi / std::sqrt(whole.corners_cost / whole.degrees), 1, 1e-5);
+    EXPECT_NEAR(*c.chi / std::sqrt(whole.corners_cost / whole.corners_degrees), 1, 1e-5);
   }
   double squares = 0;
   std::size_t corners = 0;
