@@ -14,6 +14,8 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import GObject, Gst  # noqa: E402
 
+from enum_values import enum_values  # noqa: E402
+
 HEAD = "| property | type | default | changes | what it does |"
 MUTABLE = {
     1 << (GObject.PARAM_USER_SHIFT + 2): "READY",
@@ -30,8 +32,8 @@ def type_and_default(spec):
         return "structure", ""
     default = spec.default_value
     if kind == "GParamEnum":
-        values = [v.value_nick for v in spec.enum_class.__enum_values__.values()]
-        return " ".join(values), default.value_nick
+        values = enum_values(spec)
+        return " ".join(v.value_nick for v in values.values()), values[int(default)].value_nick
     if kind == "GParamBoolean":
         return "boolean", "true" if default else "false"
     if kind == "GParamString":

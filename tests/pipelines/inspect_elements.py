@@ -14,6 +14,8 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import GObject, Gst  # noqa: E402
 
+from enum_values import enum_values  # noqa: E402
+
 CLASSES = {"Filter", "Analyzer", "Video", "Effect", "Source", "Converter"}
 MUTABLE = [1 << (GObject.PARAM_USER_SHIFT + n) for n in (2, 3, 4)]
 NUMBERS = {
@@ -33,7 +35,7 @@ def describe_enum(spec):
         yield f"{kind.name} is not marked as plugin API"
     if not kind.name.startswith("GstCalib"):
         yield f"{kind.name} is not named after its element"
-    for value in spec.enum_class.__enum_values__.values():
+    for value in enum_values(spec).values():
         if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", value.value_nick):
             yield f"the nick '{value.value_nick}' is not in lower case"
         if len(value.value_name.split()) < 2 or not value.value_name[0].isupper():
