@@ -74,15 +74,25 @@ run_images() {
   "$build/examples/show" camera.json
 }
 
+# What a camera sends, for a pipeline: raw video where it has any, JPEG pictures otherwise.
+frames_of() {
+  if gst-launch-1.0 -q v4l2src device="$1" num-buffers=1 ! video/x-raw ! fakesink >/dev/null 2>&1; then
+    echo video/x-raw
+  else
+    echo image/jpeg ! jpegdec
+  fi
+}
+
 run_camera() {
   device=${1:-/dev/video0}
   board=${2:-checkerboard:9x6:25mm}
   sink="videoconvert ! autovideosink"
   [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || sink="fakesink sync=true"
   echo "Show the board ($board) to $device; Ctrl-C ends. The result goes to $output/camera.json."
+  frames=$(frames_of "$device")
   trap : INT # Ctrl-C ends the pipeline, not this script
   # shellcheck disable=SC2086 # several words
-  gst-launch-1.0 -e -m v4l2src device="$device" ! decodebin ! \
+  gst-launch-1.0 -e -m v4l2src device="$device" ! $frames ! \
     calibrate board="$board" location=camera.json ! $sink
   "$build/examples/show" camera.json
 }
