@@ -20,6 +20,7 @@
 #include <gst/video/video.h>
 
 #include "calib_detector.hpp"
+#include "dma_caps.hpp"
 #include "elements.hpp"
 #include "field.hpp"
 #include "messages.hpp"
@@ -127,7 +128,7 @@ static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstB
 static gboolean gst_calib_detect_set_caps(GstBaseTransform* trans, GstCaps* caps,
                                           GstCaps* /*out_caps*/) {
   GstVideoInfo info;
-  if (!gst_video_info_from_caps(&info, caps)) return FALSE;
+  if (!gst::video_info_of(info, caps)) return FALSE;
   const Status set = GST_CALIB_DETECT(trans)->detector->set_format(info);
   if (!set) gst::post_error(GST_ELEMENT(trans), set.error());
   return set.has_value();
@@ -270,6 +271,7 @@ static void gst_calib_detect_class_init(GstCalibDetectClass* klass) {
   element_class->change_state = gst_calib_detect_change_state;
   trans_class->start = gst_calib_detect_start;
   trans_class->stop = gst_calib_detect_stop;
+  trans_class->transform_caps = gst::share_memory_transform_caps;
   trans_class->set_caps = gst_calib_detect_set_caps;
   trans_class->sink_event = gst_calib_detect_sink_event;
   trans_class->src_event = gst_calib_detect_src_event;

@@ -24,6 +24,7 @@
 
 #include "calvin/draw/overlay.hpp"
 #include "caption.hpp"
+#include "dma_caps.hpp"
 #include "elements.hpp"
 #include "frame_check.hpp"
 #include "frame_part.hpp"
@@ -146,6 +147,12 @@ static gboolean gst_calib_overlay_sink_event(GstBaseTransform* trans, GstEvent* 
   return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->sink_event(trans, event);
 }
 
+// GstVideoFilter knows no frames in DMA memory.
+static gboolean gst_calib_overlay_set_caps(GstBaseTransform* trans, GstCaps* in, GstCaps* out) {
+  g_autoptr(GstCaps) mapped = gst::mapped_caps(in);
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->set_caps(trans, mapped, out);
+}
+
 static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* /*in_caps*/,
                                            GstVideoInfo* /*in*/, GstCaps* /*out_caps*/,
                                            GstVideoInfo* /*out*/) {
@@ -232,6 +239,9 @@ static void gst_calib_overlay_class_init(GstCalibOverlayClass* klass) {
   transform_class->start = gst_calib_overlay_start;
   transform_class->stop = gst_calib_overlay_stop;
   transform_class->sink_event = gst_calib_overlay_sink_event;
+  transform_class->transform_caps = gst::map_memory_transform_caps;
+  transform_class->set_caps = gst_calib_overlay_set_caps;
+  transform_class->get_unit_size = gst::mapped_unit_size;
   transform_class->propose_allocation = gst::propose_uncropped_allocation;
   transform_class->before_transform = gst_calib_overlay_before_transform;
   transform_class->transform_ip_on_passthrough = FALSE;

@@ -26,6 +26,7 @@
 #include <gst/video/video.h>
 
 #include "calib_solver.hpp"
+#include "dma_caps.hpp"
 #include "elements.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
@@ -157,7 +158,7 @@ static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
                                          GstCaps* /*out_caps*/) {
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
   GstVideoInfo info;
-  if (!gst_video_info_from_caps(&info, caps)) return FALSE;
+  if (!gst::video_info_of(info, caps)) return FALSE;
   self->state->mode_known = self->state->patches_asked = false;
   self->state->solver.set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
   gst_calib_solve_want_patches(self);
@@ -279,6 +280,7 @@ static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
   element_class->change_state = gst_calib_solve_change_state;
   trans_class->start = gst_calib_solve_start;
   trans_class->stop = gst_calib_solve_stop;
+  trans_class->transform_caps = gst::share_memory_transform_caps;
   trans_class->set_caps = gst_calib_solve_set_caps;
   trans_class->sink_event = gst_calib_solve_sink_event;
   trans_class->prepare_output_buffer = gst::share_input_buffer;

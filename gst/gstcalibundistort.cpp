@@ -23,6 +23,7 @@
 
 #include "calibration_event.hpp"
 #include "calibration_input.hpp"
+#include "dma_caps.hpp"
 #include "elements.hpp"
 #include "frame_check.hpp"
 #include "frame_mapping.hpp"
@@ -234,6 +235,12 @@ static gboolean gst_calib_undistort_transform_meta(GstBaseTransform* trans, GstB
       ->transform_meta(trans, out, meta, in);
 }
 
+// GstVideoFilter knows no frames in DMA memory.
+static gboolean gst_calib_undistort_set_caps(GstBaseTransform* trans, GstCaps* in, GstCaps* out) {
+  g_autoptr(GstCaps) mapped = gst::mapped_caps(in);
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->set_caps(trans, mapped, out);
+}
+
 static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in_caps,
                                              GstVideoInfo* in_info, GstCaps* out_caps,
                                              GstVideoInfo* out_info) {
@@ -384,6 +391,8 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   trans_class->src_event = gst_calib_undistort_src_event;
   trans_class->transform_caps = gst::undistort_transform_caps;
   trans_class->fixate_caps = gst::undistort_fixate_caps;
+  trans_class->set_caps = gst_calib_undistort_set_caps;
+  trans_class->get_unit_size = gst::mapped_unit_size;
   trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->before_transform = gst_calib_undistort_before_transform;
   trans_class->prepare_output_buffer = gst_calib_undistort_prepare_output_buffer;

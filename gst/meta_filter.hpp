@@ -27,13 +27,15 @@ GstFlowReturn share_input_buffer(GstBaseTransform* trans, GstBuffer* in, GstBuff
 
 // For GstBaseTransformClass::propose_allocation of a class derived directly from GStreamer's: as
 // its parent, without the crop meta that a sink may offer. Frames then are as large as their caps.
+// For frames in DMA memory that go on as others no pool is proposed.
 gboolean propose_uncropped_allocation(GstBaseTransform* trans, GstQuery* decide_query,
                                       GstQuery* query);
 
 // Passthrough with transform_ip on every buffer, no QoS (it would drop video, not work).
 void configure_meta_filter(GstBaseTransform* trans);
 
-// Any raw video in system memory, with overlays that wait to be drawn or without, on both pads.
+// Any raw video in system memory, with overlays that wait to be drawn or without, or in DMA memory
+// under a name that there is for it, on both pads.
 void add_raw_video_pads(GstElementClass* element_class);
 
 // True unless the LATENCY query upstream says that the source is not live: one that cannot answer

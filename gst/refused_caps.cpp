@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <gst/video/video.h>
 
+#include "dma_caps.hpp"
 #include "messages.hpp"
 
 namespace calvin::gst {
@@ -24,13 +25,14 @@ struct Converter {
   std::string_view of;
   std::string_view insert;
 };
-constexpr std::array<Converter, 7> kFromMemory = {{{"memory:GLMemory", "gldownload"},
-                                                   {"memory:DMABuf", "glupload ! gldownload"},
-                                                   {"memory:VAMemory", "vapostproc"},
-                                                   {"memory:VASurface", "vaapipostproc"},
-                                                   {"memory:CUDAMemory", "cudadownload"},
-                                                   {"memory:D3D11Memory", "d3d11download"},
-                                                   {"memory:NVMM", "nvvidconv"}}};
+constexpr std::array<Converter, 7> kFromMemory = {
+    {{"memory:GLMemory", "gldownload"},
+     {"memory:DMABuf", "glupload ! gldownload or vapostproc"},
+     {"memory:VAMemory", "vapostproc"},
+     {"memory:VASurface", "vaapipostproc"},
+     {"memory:CUDAMemory", "cudadownload"},
+     {"memory:D3D11Memory", "d3d11download"},
+     {"memory:NVMM", "nvvidconv"}}};
 constexpr std::array<Converter, 4> kFromMedia = {{{"video/x-raw", "videoconvert"},
                                                   {"video/x-bayer", "bayer2rgb"},
                                                   {"image/jpeg", "jpegdec"},
@@ -69,14 +71,22 @@ std::string_view foreign_feature(const GstCapsFeatures* features) {
   return {};
 }
 
-Refused refused_feature(std::string_view feature) {
+// Which frames in DMA memory they are, where that is said: those with a modifier are tiled.
+std::string dma_format(const GstStructure* s) {
+  const char* format = gst_structure_get_string(s, "drm-format");
+  if (format == nullptr) return {};
+  const bool tiled = std::string_view(format).find(':') != std::string_view::npos;
+  return fmt::format(" of the {}format {}", tiled ? "tiled " : "", format);
+}
+
+Refused refused_feature(std::string_view feature, const GstStructure* s) {
   if (!feature.starts_with("memory:")) {
     return {fmt::format("Video with the caps feature {}", feature),
             fmt::format("send plain video/x-raw, or insert an element that takes it without {}",
                         feature)};
   }
   const std::string_view insert = find(kFromMemory, feature);
-  return {fmt::format("Video in {}", feature),
+  return {fmt::format("Video in {}{}", feature, dma_format(s)),
           insertion(insert.empty() ? fmt::format("an element that downloads {}", feature)
                                    : std::string(insert))};
 }
@@ -126,7 +136,7 @@ Refused refused_raw(const GstStructure* s) {
 Refused refused(const GstStructure* s, const GstCapsFeatures* features) {
   const std::string_view media = gst_structure_get_name(s);
   const std::string_view feature = foreign_feature(features);
-  if (!feature.empty()) return refused_feature(feature);
+  if (!feature.empty()) return refused_feature(feature, s);
   if (media == "video/x-raw") return refused_raw(s);
   if (const std::string_view insert = find(kFromMedia, media); !insert.empty()) {
     return {std::string(media), insertion(insert)};
@@ -144,7 +154,7 @@ Error error_of(const Refused& refused) {
 std::optional<Error> useless(const GstCaps* caps) {
   if (const auto lacks = incomplete(gst_caps_get_structure(caps, 0))) return error_of(*lacks);
   GstVideoInfo info;
-  if (!gst_caps_is_fixed(caps) || gst_video_info_from_caps(&info, caps)) return std::nullopt;
+  if (!gst_caps_is_fixed(caps) || video_info_of(info, caps)) return std::nullopt;
   g_autofree char* text = gst_caps_to_string(caps);
   return Error{ErrorCode::kUnsupported,
                fmt::format("No memory can hold a frame of the caps {}: insert videoscale, or ask "

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "dma_caps.hpp"
 #include "meta_filter.hpp"
 
 namespace calvin::gst {
@@ -54,21 +55,24 @@ void keep_meaning(GstStructure* to, const FrameFormat& in) {
 
 }  // namespace
 
-GstCaps* undistort_transform_caps(GstBaseTransform* /*trans*/, GstPadDirection /*direction*/,
+GstCaps* undistort_transform_caps(GstBaseTransform* /*trans*/, GstPadDirection direction,
                                   GstCaps* caps, GstCaps* filter) {
-  GstCaps* others = gst_caps_copy(caps);
-  for (guint i = 0; i < gst_caps_get_size(caps); ++i) {
+  g_autoptr(GstCaps) mapped = mapped_caps(caps);
+  GstCaps* others = gst_caps_copy(mapped);
+  for (guint i = 0; i < gst_caps_get_size(mapped); ++i) {
     // The fields of an interlaced frame pass as they are or not at all.
-    if (!gst_caps_features_is_equal(gst_caps_get_features(caps, i),
+    if (!gst_caps_features_is_equal(gst_caps_get_features(mapped, i),
                                     GST_CAPS_FEATURES_MEMORY_SYSTEM_MEMORY)) {
       continue;
     }
-    GstStructure* any = gst_structure_copy(gst_caps_get_structure(caps, i));
+    GstStructure* any = gst_structure_copy(gst_caps_get_structure(mapped, i));
     gst_structure_set(any, "width", GST_TYPE_INT_RANGE, 1, kLargest, "height", GST_TYPE_INT_RANGE,
                       1, kLargest, nullptr);
     gst_structure_remove_field(any, "chroma-site");
     others = gst_caps_merge_structure(others, any);
   }
+  // The frames that come out lie in system memory, those that come in in either.
+  if (direction == GST_PAD_SRC) others = with_dma_caps(others);
   if (filter != nullptr) {
     GstCaps* both = gst_caps_intersect_full(filter, others, GST_CAPS_INTERSECT_FIRST);
     gst_caps_unref(others);
@@ -82,7 +86,7 @@ GstCaps* undistort_fixate_caps(GstBaseTransform* /*trans*/, GstPadDirection dire
   othercaps = gst_caps_make_writable(gst_caps_truncate(othercaps));
   GstStructure* to = gst_caps_get_structure(othercaps, 0);
   GstVideoInfo in;
-  if (gst_video_info_from_caps(&in, caps)) {
+  if (video_info_of(in, caps)) {
     const FrameFormat format(in, caps);
     fixate_size(to, format.size());
     othercaps = gst_caps_fixate(othercaps);
@@ -121,8 +125,9 @@ void add_undistort_pads(GstElementClass* element_class) {
       CALVIN_RAW_CAPS(CALVIN_PLANE_FORMATS) "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES(
           GST_CAPS_FEATURE_FORMAT_INTERLACED, CALVIN_PLANE_FORMATS) ", interlace-mode = "
                                                                     "alternate");
+  g_autoptr(GstCaps) both = with_dma_caps(gst_caps_copy(caps));
   gst_element_class_add_pad_template(
-      element_class, gst_pad_template_new("sink", GST_PAD_SINK, GST_PAD_ALWAYS, caps));
+      element_class, gst_pad_template_new("sink", GST_PAD_SINK, GST_PAD_ALWAYS, both));
   gst_element_class_add_pad_template(
       element_class, gst_pad_template_new("src", GST_PAD_SRC, GST_PAD_ALWAYS, caps));
 }
