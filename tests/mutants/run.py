@@ -243,7 +243,7 @@ def tests_for(mutant, tests, near_only):
     listed = [t for word in near.split() for t in lib + check if t.short == word]
     below = " ".join(TESTS[room] for room in ROOMS[ROOMS.index(mutant.room) + 1 :])
     rest = [test for test in lib if begins_with(test, below)] + check
-    if near_only and mutant.room != "gst":
+    if near_only and own + listed:
         rest = []
     return list(dict.fromkeys(own + listed + rest))
 
