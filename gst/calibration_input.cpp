@@ -50,7 +50,7 @@ std::vector<Error> CalibrationInput::start() {
   changed_ = true;
   new_ = poor_ = false;
   setting_.set(text_);
-  setting_.start();
+  if (const Status started = setting_.start(); !started) return {started.error()};
   std::vector<Error> errors;
   if (auto news = setting_.read(CalibrationReader::Clock::now())) take(*std::move(news), errors);
   return errors;

@@ -20,11 +20,11 @@ void CalibrationReader::set(const std::string& text) {
   desk_->setting.set(text);
 }
 
-void CalibrationReader::leave_worker() {
+Status CalibrationReader::leave_worker() {
   worker_->stop();
   hung_.push_back(std::exchange(worker_, std::make_unique<Worker>()));
-  worker_->start();
   set(text_);
+  return worker_->start();
 }
 
 void CalibrationReader::ask(Clock::time_point now) {
@@ -54,7 +54,9 @@ std::optional<CalibrationReader::News> CalibrationReader::poll(Clock::time_point
     hangs = desk_->busy && !desk_->begun && now - asked_ > kPatience && hung_.size() < kMostHung;
     if (desk_->busy && !hangs) return std::nullopt;
   }
-  if (hangs) leave_worker();
+  if (hangs) {
+    if (const Status left = leave_worker(); !left) return tl::unexpected(left.error());
+  }
   CalibrationSetting& setting = desk_->setting;
   if (!setting.is_due(now)) return std::nullopt;
   if (!setting.may_wait()) return setting.poll(now);

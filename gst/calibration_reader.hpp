@@ -24,7 +24,8 @@ class CalibrationReader {
 
   CalibrationReader() : desk_(std::make_shared<Desk>()), worker_(std::make_unique<Worker>()) {}
 
-  void start() { worker_->start(); }
+  // See Worker::start().
+  [[nodiscard]] Status start() { return worker_->start(); }
   // Returns at once.
   void stop() { worker_->stop(); }
 
@@ -48,8 +49,8 @@ class CalibrationReader {
   void ask(Clock::time_point now);
   // On the worker.
   static void look(Desk& desk, Clock::time_point now);
-  // To the file that it hangs at.
-  void leave_worker();
+  // To the file that it hangs at. An error where there is no thread for another one.
+  [[nodiscard]] Status leave_worker();
 
   std::string text_;
   std::shared_ptr<Desk> desk_;

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "io_samples.hpp"
 
@@ -135,7 +135,7 @@ std::string yaml_of(const std::vector<Field>& fields) {
       text += fmt::format(
           "{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n"
           "   data: [ {} ]\n",
-          f.name, f.rows, f.cols, fmt::join(f.numbers, ", "));
+          f.name, f.rows, f.cols, join(f.numbers, ", "));
     }
   }
   return text;
@@ -150,7 +150,7 @@ std::string xml_of(const std::vector<Field>& fields) {
       text += fmt::format(
           "<{0} type_id=\"opencv-matrix\">\n  <rows>{1}</rows>\n"
           "  <cols>{2}</cols>\n  <dt>d</dt>\n  <data>\n    {3}</data></{0}>\n",
-          f.name, f.rows, f.cols, fmt::join(f.numbers, " "));
+          f.name, f.rows, f.cols, join(f.numbers, " "));
     }
   }
   return text + "</opencv_storage>\n";
@@ -165,10 +165,10 @@ std::string json_of(const std::vector<Field>& fields) {
       items.push_back(fmt::format(
           "    \"{}\": {{\n        \"type_id\": \"opencv-matrix\",\n        \"rows\": {},\n"
           "        \"cols\": {},\n        \"dt\": \"d\",\n        \"data\": [ {} ]\n    }}",
-          f.name, f.rows, f.cols, fmt::join(f.numbers, ", ")));
+          f.name, f.rows, f.cols, join(f.numbers, ", ")));
     }
   }
-  return fmt::format("{{\n{}\n}}\n", fmt::join(items, ",\n"));
+  return fmt::format("{{\n{}\n}}\n", join(items, ",\n"));
 }
 
 std::string ros_of(const std::string& model) {
@@ -178,9 +178,9 @@ std::string ros_of(const std::string& model) {
   std::string text =
       "image_width: 1003\nimage_height: 702\ncamera_name: \"left\"\n"
       "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [";
-  text += fmt::format("{}]\ndistortion_model: {}\n", fmt::join(matrix_of_camera(), ", "), name);
+  text += fmt::format("{}]\ndistortion_model: {}\n", join(matrix_of_camera(), ", "), name);
   text += fmt::format("distortion_coefficients:\n  rows: 1\n  cols: {}\n  data: [{}]\n", count,
-                      fmt::join(d, ", "));
+                      join(d, ", "));
   return text +
          "rectification_matrix:\n  rows: 3\n  cols: 3\n"
          "  data: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\n"
@@ -200,7 +200,7 @@ std::string native_of(const std::string& model) {
     Words numbers;
     for (std::size_t i = 0; i < sigmas.size(); ++i)
       numbers.push_back(std::to_string(entry(row, i)));
-    rows.push_back(fmt::format("    [{}]", fmt::join(numbers, ", ")));
+    rows.push_back(fmt::format("    [{}]", join(numbers, ", ")));
   }
   return fmt::format(R"({{
   "format": "calvin-calibration",
@@ -216,8 +216,7 @@ std::string native_of(const std::string& model) {
   "rms": 0.625
 }}
 )",
-                     model, fmt::join(parameters, ", "), fmt::join(sigmas, ", "),
-                     fmt::join(rows, ",\n"));
+                     model, join(parameters, ", "), join(sigmas, ", "), join(rows, ",\n"));
 }
 
 // What `format` should hold; empty where it cannot.

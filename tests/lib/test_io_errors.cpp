@@ -141,7 +141,7 @@ TEST(BadContent, Native) {
       {native("\"k3\": 0", "\"k3\": 0,"), "line 4"},
       {native("\"brown5\"", "\"rational9\""), "rational9"},
       {native("\"brown5\"", "5"), "'model'"},
-      {native("\"brown5\"", "\"" + std::string(100'000, 'x') + "\""), "xxx"},
+      {native("\"brown5\"", fmt::format("\"{}\"", std::string(100'000, 'x'))), "xxx"},
       {native("\"model\": \"brown5\",", ""), "'model' is missing"},
       {native("[640, 480]", "[640]"), "image_size"},
       {native("[640, 480]", "[640, 480, 3]"), "image_size"},

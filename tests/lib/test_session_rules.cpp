@@ -267,9 +267,9 @@ TEST(Complete, AtTheLastViewOrWhereAllIsSpanned) {
   }
   EXPECT_EQ(limited.views().size(), 3U);
   // Those that were kept first.
-  EXPECT_EQ(limited.views().back().observation.uv.front().u, 500);
+  EXPECT_EQ(limited.views().back()->observation.uv.front().u, 500);
   EXPECT_TRUE(limited.remove_view(0));
-  EXPECT_EQ(limited.views().front().observation.uv.front().u, 375);
+  EXPECT_EQ(limited.views().front()->observation.uv.front().u, 375);
   EXPECT_FALSE(limited.complete());
 }
 
