@@ -208,6 +208,22 @@ TEST(OpenCvGrids, AreThoseOfBothVersions) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(same[i], plain.parameters()[i], 1e-9);
 }
 
+// OpenCV knows no skew: the rows of a skewed sensor lie aside by 5 y px.
+TEST(OpenCvGrids, FollowASkew) {
+  const Camera skewed = Camera::make("pinhole", {101, 101}, {70, 80, 50, 45}, 5).value();
+  const auto found = opencv_rectangles(skewed, Projection::kRectilinear, OpenCvGrid::kPixels);
+  const double top = -45.0 / 80;
+  const double bottom = 55.0 / 80;
+  EXPECT_NEAR(found.inner.low.u, (-50 - 5 * top) / 70, 1e-12);
+  EXPECT_NEAR(found.inner.high.u, (50 - 5 * bottom) / 70, 1e-12);
+  EXPECT_NEAR(found.outer.low.u, (-50 - 5 * bottom) / 70, 1e-12);
+  EXPECT_NEAR(found.outer.high.u, (50 - 5 * top) / 70, 1e-12);
+  for (const PlaneBox& box : {found.inner, found.outer}) {
+    EXPECT_NEAR(box.low.v, top, 1e-12);
+    EXPECT_NEAR(box.high.v, bottom, 1e-12);
+  }
+}
+
 // What was found for one view serves all that differ in nothing but how they look around.
 TEST(ViewRange, ServesEveryAlphaZoomAndDirection) {
   for (const Camera& source : {barrel(), wide()}) {
