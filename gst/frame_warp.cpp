@@ -157,6 +157,15 @@ std::vector<Error> FrameWarp::update(const CalibrationInput& input, const Wish& 
   return errors;
 }
 
+std::string FrameWarp::describe() const {
+  if (!current_) return "passes frames as they are";
+  const ImageSize from = current_->source().image_size();
+  const ImageSize to = current_->output().image_size();
+  return fmt::format("{} frames of {}x{} px to {}x{} by a map of {} bytes",
+                     undistorts_ ? "undistorts" : "scales", from.width, from.height, to.width,
+                     to.height, current_->map_bytes());
+}
+
 std::optional<Camera> FrameWarp::output_of(const std::optional<Camera>& camera) const {
   if (undistorts()) return current_->output_model();
   if (!camera || !current_) return camera;

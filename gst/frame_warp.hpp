@@ -7,6 +7,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "calibration_input.hpp"
@@ -52,6 +53,8 @@ class FrameWarp {
   // How the frames are moved; nullptr: not at all.
   [[nodiscard]] const std::shared_ptr<const Undistorter>& current() const { return current_; }
   [[nodiscard]] bool undistorts() const { return current_ && undistorts_; }
+  // What happens to the frames, in words for a log.
+  [[nodiscard]] std::string describe() const;
   // The camera of the frames that come out, where `camera` is that of the ones that come in. Absent
   // where none is known, or none describes the projection.
   [[nodiscard]] std::optional<Camera> output_of(const std::optional<Camera>& camera) const;

@@ -143,7 +143,10 @@ static gboolean gst_calib_overlay_stop(GstBaseTransform* trans) {
 }
 
 static gboolean gst_calib_overlay_sink_event(GstBaseTransform* trans, GstEvent* event) {
-  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP) GST_CALIB_OVERLAY(trans)->state->forget();
+  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP) {
+    GST_DEBUG_OBJECT(trans, "a flush: forgets what it drew");
+    GST_CALIB_OVERLAY(trans)->state->forget();
+  }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->sink_event(trans, event);
 }
 
@@ -153,10 +156,10 @@ static gboolean gst_calib_overlay_set_caps(GstBaseTransform* trans, GstCaps* in,
   return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->set_caps(trans, mapped, out);
 }
 
-static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* /*in_caps*/,
+static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* in_caps,
                                            GstVideoInfo* /*in*/, GstCaps* /*out_caps*/,
                                            GstVideoInfo* /*out*/) {
-  GST_INFO_OBJECT(filter, "another format: what was held is forgotten");
+  GST_INFO_OBJECT(filter, "draws on %" GST_PTR_FORMAT, static_cast<void*>(in_caps));
   GST_CALIB_OVERLAY(filter)->state->forget();
   GST_CALIB_OVERLAY(filter)->state->frame_refused = false;
   return TRUE;
@@ -167,7 +170,7 @@ static bool may_draw_on(GstBaseTransform* trans, GstBuffer* buffer) {
   const GstVideoInfo& info = GST_VIDEO_FILTER(trans)->in_info;
   const Status checked =
       gst::check_frame(state.part ? gst::with_size(info, state.part->whole) : info, buffer);
-  if (!checked) GST_DEBUG_OBJECT(trans, "not drawn on: %s", checked.error().message.c_str());
+  if (!checked) GST_WARNING_OBJECT(trans, "draws nothing: %s", checked.error().message.c_str());
   if (!checked && !std::exchange(state.frame_refused, true)) {
     gst::post_warning(GST_ELEMENT(trans), checked.error());
   }
@@ -190,13 +193,14 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
   if (tiles) {
     state.tiles = std::move(*tiles);
   } else {
-    GST_DEBUG_OBJECT(trans, "%s", tiles.error().message.c_str());
+    GST_DEBUG_OBJECT(trans, "draws nothing: %s", tiles.error().message.c_str());
     state.tiles.clear();
   }
   const bool drawing = !state.tiles.empty() || state.words != nullptr;
-  GST_LOG_OBJECT(trans, "%" GST_TIME_FORMAT ": %" G_GSIZE_FORMAT " marks, %s",
-                 GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), state.tiles.size(),
-                 state.words != nullptr ? "a caption" : "no caption");
+  GST_LOG_OBJECT(
+      trans, "%" GST_PTR_FORMAT ": %" G_GSIZE_FORMAT " boards, %s words, %" G_GSIZE_FORMAT " tiles",
+      static_cast<void*>(buffer), state.observations.value.size(),
+      state.words != nullptr ? "with" : "no", state.tiles.size());
   gst_base_transform_set_passthrough(trans, !drawing || !may_draw_on(trans, buffer));
 }
 

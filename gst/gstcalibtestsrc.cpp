@@ -135,6 +135,8 @@ static Status gst_calib_test_src_build_scene(GstCalibTestSrc* self, ImageSize si
   if (!location.empty()) {
     if (Status written = write_calibration(location, scene->truth()); !written) return written;
   }
+  GST_INFO_OBJECT(self, "renders %s through %s, %dx%d px", scene->truth().board.c_str(),
+                  scene->truth().model.c_str(), size.width, size.height);
   self->state->scene = std::move(*scene);
   return {};
 }
@@ -156,6 +158,7 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
     const std::lock_guard guard(state->lock);
     state->info = info;
   }
+  GST_INFO_OBJECT(self, "makes %" GST_PTR_FORMAT, static_cast<void*>(caps));
   state->timeline.set_rate(GST_VIDEO_INFO_FPS_N(&info), GST_VIDEO_INFO_FPS_D(&info));
   gst_base_src_set_blocksize(src, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
   return TRUE;
@@ -250,7 +253,10 @@ static GstFlowReturn gst_calib_test_src_fill(GstPushSrc* push, GstBuffer* buffer
   State* state = self->state;
   if (!state->scene) return GST_FLOW_NOT_NEGOTIATED;
   const gst::FrameTimeline& timeline = state->timeline;
-  if (timeline.is_over()) return GST_FLOW_EOS;  // played backwards to the start
+  if (timeline.is_over()) {
+    GST_DEBUG_OBJECT(self, "was played backwards to the start");
+    return GST_FLOW_EOS;
+  }
 
   const gst::TestSettings settings = gst_calib_test_src_settings(self);
   const gst::TestFrame frame = {timeline.frame(), timeline.time(), settings.readout_time,
@@ -268,6 +274,8 @@ static GstFlowReturn gst_calib_test_src_fill(GstPushSrc* push, GstBuffer* buffer
   const gst::TrueBoard board = {state->scene->observation(frame),
                                 to_pose(state->scene->pose(frame))};
   gst::attach_ground_truth(buffer, {state->scene->truth_json(), {board}});
+  GST_LOG_OBJECT(self, "frame %" G_GINT64_FORMAT ": %" G_GSIZE_FORMAT " corners in view",
+                 timeline.frame(), board.observation.ids.size());
   state->timeline.advance();
   return GST_FLOW_OK;
 }
@@ -275,6 +283,7 @@ static GstFlowReturn gst_calib_test_src_fill(GstPushSrc* push, GstBuffer* buffer
 static gboolean gst_calib_test_src_is_seekable(GstBaseSrc* /*src*/) { return TRUE; }
 
 static gboolean gst_calib_test_src_do_seek(GstBaseSrc* src, GstSegment* segment) {
+  GST_DEBUG_OBJECT(src, "seeks to %" GST_SEGMENT_FORMAT, static_cast<void*>(segment));
   segment->time = segment->start;
   GST_CALIB_TEST_SRC(src)->state->timeline.seek(segment->position, segment->rate < 0);
   return TRUE;

@@ -108,6 +108,7 @@ static void announce(GstCalibUndistort* self) {
   State& s = *self->state;
   EventPtr event = s.output.next(s.warp, s.input);
   if (!event) return;
+  GST_DEBUG_OBJECT(self, "announces %" GST_PTR_FORMAT, static_cast<void*>(event.get()));
   const auto calibration = gst::parse_calibration_event(event.get());
   gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self), event.release());
   set_output_calibration(self, calibration ? calibration->json : "");
@@ -136,6 +137,8 @@ static void update(GstCalibUndistort* self) {
   }
   if (!s.live) s.live = gst::upstream_is_live(trans);
   s.distort = settings.view.distort();
+  const int serial = s.input.serial();
+  const auto before = s.warp.current();
   fit_input(s);
   auto errors = s.input.update(gst::CalibrationReader::Clock::now());
   const gst::ViewSettings& view = settings.view;
@@ -143,6 +146,10 @@ static void update(GstCalibUndistort* self) {
                                             view.sampling(), view.threads});
   errors.insert(errors.end(), more.begin(), more.end());
   for (const Error& error : errors) gst::post_warning(GST_ELEMENT(self), error);
+  if (serial != s.input.serial()) {
+    GST_INFO_OBJECT(self, "%s calibration", s.input.camera() ? "takes a" : "has no");
+  }
+  if (before != s.warp.current()) GST_DEBUG_OBJECT(self, "%s", s.warp.describe().c_str());
   {
     const std::lock_guard guard(s.lock);
     s.shown = s.warp.current();
@@ -158,9 +165,11 @@ static void update(GstCalibUndistort* self) {
 }
 
 // The frame may be another part of the buffer's picture from now on.
-static void follow_crop(State& s, GstBuffer* buffer) {
+static void follow_crop(GstCalibUndistort* self, GstBuffer* buffer) {
+  State& s = *self->state;
   const auto part = gst::part_of(buffer, s.in.info);
   if (part == std::exchange(s.part, part)) return;
+  GST_DEBUG_OBJECT(self, "the frame is %s of the picture in memory", part ? "a part" : "all");
   gst::FrameFormat in = s.in;
   if (part) in.info = gst::with_size(s.in.info, part->size);
   s.warp.set_frames(in, s.out, part);
@@ -170,13 +179,15 @@ static void gst_calib_undistort_before_transform(GstBaseTransform* trans, GstBuf
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
   State& s = *self->state;
   if (!s.warp.has_frames()) return;
-  follow_crop(s, buffer);
+  follow_crop(self, buffer);
   const auto times = gst::frame_times(&trans->segment, buffer);
   if (GST_CLOCK_TIME_IS_VALID(times.stream_time)) {
     gst_object_sync_values(GST_OBJECT(self), times.stream_time);
   }
   update(self);
   s.warp.begin();
+  GST_LOG_OBJECT(self, "%s: %" GST_PTR_FORMAT, s.warp.describe().c_str(),
+                 static_cast<void*>(buffer));
 }
 
 // GstBaseTransform looks after before_transform whether downstream wants other frames.
@@ -184,7 +195,7 @@ static GstFlowReturn gst_calib_undistort_prepare_output_buffer(GstBaseTransform*
                                                                GstBuffer* in, GstBuffer** out) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
   if (self->state->renegotiated) {
-    follow_crop(*self->state, in);
+    follow_crop(self, in);
     update(self);
   }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
@@ -252,6 +263,8 @@ static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in
     gst::post_error(GST_ELEMENT(filter), moves.error());
     return FALSE;
   }
+  GST_INFO_OBJECT(filter, "%" GST_PTR_FORMAT " become %" GST_PTR_FORMAT,
+                  static_cast<void*>(in_caps), static_cast<void*>(out_caps));
   s.in = in;
   s.out = out;
   s.part.reset();  // until the next buffer says more
@@ -266,6 +279,7 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
   State& s = *self->state;
   if (gst::CalibrationInput::is_calibration(event)) {
+    GST_DEBUG_OBJECT(self, "got %" GST_PTR_FORMAT, static_cast<void*>(event));
     // It goes on as it is, or as the calibration of the output. The peer's event is not serialized:
     // it waits for the next frame, as any does before the first caps.
     const bool now =

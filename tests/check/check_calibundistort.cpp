@@ -3,8 +3,10 @@
 
 // calibundistort: which calibration is in force when, and what downstream hears of it.
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <map>
 #include <thread>
 
 #include "undistort_fixture.hpp"
@@ -334,6 +336,42 @@ GST_START_TEST(test_a_state_change_does_not_wait_for_a_map) {
 }
 GST_END_TEST;
 
+// What the element said to GST_DEBUG, by its level.
+static std::map<GstDebugLevel, std::vector<std::string>> logged;
+static void take_log(GstDebugCategory* category, GstDebugLevel level, const gchar*, const gchar*,
+                     gint, GObject*, GstDebugMessage* message, gpointer) {
+  if (std::string(gst_debug_category_get_name(category)) != "calibundistort") return;
+  logged[level].emplace_back(gst_debug_message_get(message));
+}
+static int lines_with(GstDebugLevel level, const char* part) {
+  const auto& lines = logged[level];
+  return static_cast<int>(std::count_if(lines.begin(), lines.end(), [&](const std::string& line) {
+    return line.find(part) != std::string::npos;
+  }));
+}
+
+GST_START_TEST(test_decisions_are_logged_once_and_frames_each) {
+  Fixture f("calibundistort");
+  gst_debug_set_threshold_for_name("calibundistort", GST_LEVEL_LOG);
+  gst_debug_add_log_function(take_log, nullptr, nullptr);
+  f.set_caps("GRAY8", kSize);
+  for (int n = 0; n < 6; ++n) {
+    if (n == 2) g_object_set(f.element, "calibration", kBarrel, nullptr);
+    if (n == 4) g_object_set(f.element, "alpha", 1.0, nullptr);
+    g_autoptr(GstBuffer) out = f.push(kSize, n);
+  }
+  gst_debug_remove_log_function(take_log);
+  gst_debug_unset_threshold_for_name("calibundistort");
+  fail_unless_equals_int(lines_with(GST_LEVEL_INFO, "become"), 1);
+  fail_unless_equals_int(lines_with(GST_LEVEL_INFO, "takes a calibration"), 1);
+  // One map for each view.
+  fail_unless_equals_int(lines_with(GST_LEVEL_DEBUG, "undistorts frames of 640x480 px"), 2);
+  fail_unless_equals_int(lines_with(GST_LEVEL_LOG, "passes frames as they are: buffer"), 2);
+  fail_unless_equals_int(lines_with(GST_LEVEL_LOG, "undistorts frames of 640x480 px"), 4);
+  logged.clear();
+}
+GST_END_TEST;
+
 static Suite* calibundistort_suite() {
   Suite* suite = suite_create("calibundistort");
   TCase* tc = tcase_create("general");
@@ -351,6 +389,7 @@ static Suite* calibundistort_suite() {
   tcase_add_loop_test(tc, test_a_board_is_where_the_announced_camera_sees_it, 0, 3);
   tcase_add_loop_test(tc, test_a_state_change_does_not_wait_for_a_map, 0, 2);
   tcase_add_test(tc, test_states_come_and_go);
+  tcase_add_test(tc, test_decisions_are_logged_once_and_frames_each);
   suite_add_tcase(suite, tc);
   return suite;
 }
