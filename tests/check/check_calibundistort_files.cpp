@@ -137,6 +137,23 @@ GST_START_TEST(test_a_calibration_that_is_valid_nearly_nowhere_is_said) {
 }
 GST_END_TEST;
 
+// Names of files are bytes; what is shown of them is UTF-8.
+GST_START_TEST(test_a_name_need_not_be_utf8) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "caf\xe9.json";
+  Fixture f("calibundistort");
+  g_object_set(f.element, "calibration", path.c_str(), nullptr);
+  f.set_caps("GRAY8", kSize);
+  int n = 0;
+  while (!f.bus.says(GST_MESSAGE_WARNING, "caf")) gst_buffer_unref(f.push(kSize, n++));
+  for (const std::string& text : f.bus.texts(GST_MESSAGE_WARNING)) {
+    fail_unless(g_utf8_validate(text.c_str(), -1, nullptr), "%s", text.c_str());
+  }
+  fail_unless(write_calibration(path, calibration_of(kBarrel)).has_value());
+  fail_unless(comes_to(f, expected_gray(kBarrel, kSize), n));
+}
+GST_END_TEST;
+
 // A clock that goes when the test says so, and a file written by a writer that renames nothing.
 GST_START_TEST(test_a_half_written_file_is_waited_for) {
   check::TemporaryFolder folder;
@@ -182,6 +199,7 @@ static Suite* calibundistort_files_suite() {
   tcase_add_loop_test(tc, test_an_unreadable_calibration_while_running_is_a_warning, 0, broken);
   tcase_add_loop_test(tc, test_a_file_is_taken_in_when_it_appears_and_when_it_is_replaced, 0, 2);
   tcase_add_loop_test(tc, test_a_calibration_that_is_valid_nearly_nowhere_is_said, 0, 2);
+  tcase_add_test(tc, test_a_name_need_not_be_utf8);
   tcase_add_test(tc, test_a_half_written_file_is_waited_for);
   suite_add_tcase(suite, tc);
   return suite;

@@ -35,7 +35,7 @@ ROOMS = ("core geometry camera target io detect solve remap session draw synth g
 TESTS = {
     "core": "file",
     "geometry": "geometry",
-    "camera": "camera",
+    "camera": "camera usable_area",
     "target": "board",
     "io": "io observations",
     "detect": "detect",
