@@ -235,6 +235,39 @@ GST_START_TEST(test_a_held_write_does_not_count_for_the_next_session) {
 }
 GST_END_TEST;
 
+// The solution names a view of a session that has none any more.
+GST_START_TEST(test_a_held_write_with_an_outlier_is_forgotten_with_its_session) {
+  check::TemporaryFolder folder;
+  HeldFixture f("min-views=16 location=" + folder / "cam.json");
+  for (int n = 0; n < 15; ++n) gst_buffer_unref(f.push(n));
+  written.close();
+  gst_buffer_unref(f.push(15, 0.7));
+  fail_unless(written.reached());
+  const auto told = f.bus.named("calib-view").size();
+  kEnds[__i__].end(f);
+  written.open();
+  f.eos();
+  fail_unless_equals_int(f.bus.named("calib-view").size(), told);
+  fail_unless(f.bus.named("calib-result").empty());
+}
+GST_END_TEST;
+
+// Who asked for a final result asked for one of the views that were there.
+GST_START_TEST(test_a_final_result_that_is_owed_is_not_of_the_next_session) {
+  HeldFixture f;
+  solved.close();
+  f.push_views(3);
+  fail_unless(solved.reached());
+  g_signal_emit_by_name(f.element, "solve");
+  kEnds[__i__].end(f);
+  solved.open();
+  f.push_views(3);
+  for (int i = 0; i < 1000 && f.bus.named("calib-result").empty(); ++i) g_usleep(10000);
+  fail_unless(f.result("intermediate") != nullptr, "%s", kEnds[__i__].name);
+  fail_unless(f.result("final") == nullptr, "%s", kEnds[__i__].name);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_a_view_that_is_removed_during_a_write_leaves_the_file) {
   check::TemporaryFolder folder;
   HeldFixture f("location=" + folder / "cam.json");
@@ -360,6 +393,8 @@ static Suite* calibsolve_held_suite() {
   tcase_add_test(tc, test_a_held_solve_with_a_view_that_is_removed_is_thrown_away);
   tcase_add_loop_test(tc, test_the_failure_of_a_held_solve_is_forgotten_with_its_session, 0, ends);
   tcase_add_loop_test(tc, test_a_held_write_does_not_count_for_the_next_session, 0, ends);
+  tcase_add_loop_test(tc, test_a_held_write_with_an_outlier_is_forgotten_with_its_session, 0, ends);
+  tcase_add_loop_test(tc, test_a_final_result_that_is_owed_is_not_of_the_next_session, 0, ends);
   tcase_add_test(tc, test_a_view_that_is_removed_during_a_write_leaves_the_file);
   tcase_add_loop_test(tc, test_nothing_waits_for_a_handler, 0, G_N_ELEMENTS(kActs));
   tcase_add_test(tc, test_the_last_reference_does_not_wait_for_a_handler);

@@ -62,7 +62,11 @@ GST_START_TEST(test_a_good_calibration_stays_until_the_result_is_final) {
   push_slowly(f, 6);
   fail_unless(is_left(folder / "cam.json"));
   fail_unless_equals_int(infos(f), 1);  // the user is told, once
-  // Other files have nothing to lose.
+  // A new session says so again.
+  g_signal_emit_by_name(f.element, "reset");
+  push_slowly(f, 6);
+  fail_unless(is_left(folder / "cam.json"));
+  fail_unless_equals_int(infos(f), 2);
   f.eos();
   fail_unless(f.result("final") != nullptr);
   fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 6);
@@ -80,6 +84,12 @@ GST_START_TEST(test_the_signal_solve_replaces_it) {
   // From here on it is this session's own: what is better takes its place.
   push_slowly(f, 12);
   fail_unless(read_calibration(folder / "cam.json")->views.size() > 3);
+  // One solve was asked for, and one result is final.
+  int finals = 0;
+  for (const GstStructure* s : f.bus.named("calib-result")) {
+    finals += g_str_equal(gst_structure_get_string(s, "state"), "final") ? 1 : 0;
+  }
+  fail_unless_equals_int(finals, 1);
 }
 GST_END_TEST;
 

@@ -136,6 +136,21 @@ GST_START_TEST(test_a_stream_of_another_size_begins_a_session) {
 }
 GST_END_TEST;
 
+// What kept one stream from being solved is not what keeps the next.
+GST_START_TEST(test_the_failure_of_a_stream_is_not_told_of_the_next) {
+  SolveFixture f;
+  for (int i = 0; i < 4; ++i) gst_buffer_unref(f.push(3));
+  f.eos();
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 1);
+  begin_stream(f.h, "second", {320, 240});
+  f.eos();
+  const auto said = f.bus.texts(GST_MESSAGE_WARNING);
+  fail_unless_equals_int(said.size(), 2);
+  fail_unless(said[1].find("no view of the board was taken") != std::string::npos, "%s",
+              said[1].c_str());
+}
+GST_END_TEST;
+
 // A rejection is posted when its reason is new; in a new session every reason is.
 GST_START_TEST(test_a_new_session_tells_its_rejections) {
   SolveFixture f("capture-mode=manual", {}, "");
@@ -145,6 +160,19 @@ GST_START_TEST(test_a_new_session_tells_its_rejections) {
   g_signal_emit_by_name(f.element, "reset");
   f.push_views(3);
   fail_unless_equals_int(rejections(), 2);
+}
+GST_END_TEST;
+
+// A camera, and then its recording: of that every view is kept.
+GST_START_TEST(test_each_stream_is_asked_whether_it_is_live) {
+  SolveFixture f("", {}, "");
+  f.push_views(1);
+  fail_unless_equals_int(views_of(f.element), 0);
+  gst_harness_set_live(f.h, FALSE);
+  begin_stream(f.h, "second", {320, 240});
+  f.scene = check::Scene{{320, 240}};
+  f.push_views(1);
+  fail_unless_equals_int(views_of(f.element), 1);
 }
 GST_END_TEST;
 
@@ -175,7 +203,9 @@ static Suite* streams_suite() {
   tcase_add_test(tc, test_the_first_frame_of_a_stream_is_looked_at);
   tcase_add_test(tc, test_another_stream_of_the_same_size_goes_on_with_the_session);
   tcase_add_test(tc, test_a_stream_of_another_size_begins_a_session);
+  tcase_add_test(tc, test_the_failure_of_a_stream_is_not_told_of_the_next);
   tcase_add_test(tc, test_a_new_session_tells_its_rejections);
+  tcase_add_test(tc, test_each_stream_is_asked_whether_it_is_live);
   tcase_add_test(tc, test_each_stream_is_asked_for_patches);
   return suite;
 }
