@@ -269,12 +269,17 @@ std::string name_of(ImageSize size) { return size == kFullHd ? "1080p" : "4K"; }
 
 void register_frames(const char* format, ImageSize size, bool planes, bool chain,
                      int count = kFrames) {
-  const auto frames = std::make_shared<Frames>(format, size, count);
+  // Made by the first who asks for them: a filter may leave them out.
+  const auto made = std::make_shared<std::unique_ptr<Frames>>();
+  const auto frames = [=]() -> const Frames& {
+    if (!*made) *made = std::make_unique<Frames>(format, size, count);
+    return **made;
+  };
   const std::string name =
       std::string(format) + " " + name_of(size) + (count > kFrames ? ", from memory|" : "|");
   const auto add = [&](const char* subject, auto run) {
     benchmark::RegisterBenchmark((name + subject).c_str(), [frames, run](benchmark::State& state) {
-      run(state, *frames);
+      run(state, frames());
     })->Unit(benchmark::kMillisecond);
   };
   add("calvin", [](auto& state, const Frames& f) { ours(state, f, 0); });
