@@ -102,8 +102,10 @@ tl::unexpected<Error> degenerate(std::string what) {
 Status tilted_enough(const Fit& fit, const Freedom& freedom) {
   const int seen = orientations(fit);
   if (2 * seen >= freedom.pinhole_directions()) {
-    // Two tilts are just enough, and not any two; the angles of a wide lens tell more.
-    const bool loose = seen == 2 && freedom.lens.perspective && firmness(fit, freedom) < kLoose;
+    // Two tilts are just enough, and not any two; the angles of a wide lens tell more, and so does
+    // what was measured before.
+    const bool alone = freedom.lens.perspective && freedom.priors.empty();
+    const bool loose = seen == 2 && alone && firmness(fit, freedom) < kLoose;
     if (!loose) return {};
     return degenerate(
         "The board is seen at two tilts only, and these two leave more cameras than one.");
