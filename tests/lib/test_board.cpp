@@ -49,6 +49,15 @@ TEST(Board, UnitsAndCanonicalText) {
   }
 }
 
+// To a nanometre: a thousandth of a micrometre over ten squares is nothing, a micrometre is not.
+TEST(Board, TheTextKeepsTheLength) {
+  for (const char* text : {"checkerboard:9x6:0.3334in", "checkerboard:9x6:25.4005mm",
+                           "checkerboard:9x6:0.0248012345m"}) {
+    const Board board = parse_board(text).value();
+    EXPECT_NEAR(parse_board(board.text()).value().size, board.size, 0.51e-9) << board.text();
+  }
+}
+
 TEST(Board, LengthsInEveryUnit) {
   EXPECT_DOUBLE_EQ(*parse_length("25mm"), 0.025);
   EXPECT_DOUBLE_EQ(*parse_length("2.5cm"), 0.025);

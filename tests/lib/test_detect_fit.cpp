@@ -59,6 +59,31 @@ double two_squares(double a, double b, double gap, double blur, double cosine) {
          below_both((-a - gap) / blur, (-b - gap) / blur, cosine);
 }
 
+// A corner of which one edge is at an angle to the rows, the other one `opening` further.
+GrayImage corner_picture(const Picture& p, int side, Pixel at, double angle, double opening,
+                         double noise, scenes::Random& random) {
+  std::normal_distribution<double> normal(0, 1);
+  const double cosine = -std::cos(opening);
+  GrayImage image(side, side);
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      const double du = x - at.u;
+      const double dv = y - at.v;
+      const double a = std::cos(angle) * dv - std::sin(angle) * du;
+      const double b = du * std::sin(angle + opening) - dv * std::cos(angle + opening);
+      const double bright = p.gain > 0 ? 1 - two_squares(a, -b, p.gain, p.blur, -cosine)
+                                       : two_squares(a, b, -p.gain, p.blur, cosine);
+      const double grey = p.level + p.contrast * (2 * bright - 1) + noise * normal(random);
+      image.row(y)[x] = static_cast<std::uint8_t>(std::lround(std::clamp(grey, 0.0, 255.0)));
+    }
+  }
+  return image;
+}
+
+Direction direction(double angle) {
+  return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
+}
+
 class ExactCorners : public ::testing::TestWithParam<Picture> {};
 INSTANTIATE_TEST_SUITE_P(
     Pictures, ExactCorners,
@@ -78,7 +103,6 @@ TEST_P(ExactCorners, AreFittedAsWellAsTheNoiseLets) {
   const Picture& p = GetParam();
   for (const double noise : {0.0, p.noise}) {
     scenes::Random random(4);
-    std::normal_distribution<double> normal(0, 1);
     double square = 0;
     double predicted = 0;
     const int corners = 150;
@@ -88,22 +112,7 @@ TEST_P(ExactCorners, AreFittedAsWellAsTheNoiseLets) {
       const double v = uniform(random, 69.5, 70.5);
       const double angle = uniform(random, 0, 2 * std::numbers::pi);
       const double opening = uniform(random, 1.0, 2.1);
-      const auto direction = [](double a) {
-        return Direction{static_cast<float>(std::cos(a)), static_cast<float>(std::sin(a))};
-      };
-      GrayImage image(141, 141);
-      for (int y = 0; y < 141; ++y) {
-        for (int x = 0; x < 141; ++x) {
-          const double a = std::cos(angle) * (y - v) - std::sin(angle) * (x - u);
-          const double b =
-              (x - u) * std::sin(angle + opening) - (y - v) * std::cos(angle + opening);
-          const double cosine = -std::cos(opening);
-          const double bright = p.gain > 0 ? 1 - two_squares(a, -b, p.gain, p.blur, -cosine)
-                                           : two_squares(a, b, -p.gain, p.blur, cosine);
-          const double grey = p.level + p.contrast * (2 * bright - 1) + noise * normal(random);
-          image.row(y)[x] = static_cast<std::uint8_t>(std::lround(std::clamp(grey, 0.0, 255.0)));
-        }
-      }
+      const GrayImage image = corner_picture(p, 141, {u, v}, angle, opening, noise, random);
       SaddleFit fit;
       fit.x = u + uniform(random, -0.3, 0.3);
       fit.y = v + uniform(random, -0.3, 0.3);
@@ -134,6 +143,36 @@ TEST_P(ExactCorners, AreFittedAsWellAsTheNoiseLets) {
       EXPECT_NEAR(std::sqrt(predicted / (corners - lost)) / rms, 1, 0.15);
     }
   }
+}
+
+// Edges at an acute angle, the middle between them half way between rows and columns: what one
+// knows of u beside v is far better than what one knows of it.
+TEST(ObliqueCorners, AreAsFarOffAsTheySay) {
+  const Picture p = {"oblique", 125, 95, 1.04, 0, 2, 14, 0};
+  constexpr double kOpening = 0.7;
+  scenes::Random random(8);
+  double square[2] = {0, 0};
+  double predicted = 0;
+  const int corners = scenes::full_count() ? 3000 : 400;
+  for (int n = 0; n < corners; ++n) {
+    const Pixel at = {uniform(random, 19.5, 20.5), uniform(random, 19.5, 20.5)};
+    const double angle = std::numbers::pi / 4 - kOpening / 2;
+    const GrayImage image = corner_picture(p, 41, at, angle, kOpening, p.noise, random);
+    SaddleFit fit;
+    fit.x = at.u;
+    fit.y = at.v;
+    fit.along = direction(angle);
+    fit.down = direction(angle + kOpening);
+    ASSERT_TRUE(detect::fit_saddle(image.view(), 8, 8, fit));
+    ASSERT_TRUE(detect::fit_saddle(image.view(), p.radius, 8, fit));
+    square[0] += (fit.x - at.u) * (fit.x - at.u) / corners;
+    square[1] += (fit.y - at.v) * (fit.y - at.v) / corners;
+    predicted += std::pow(static_cast<double>(fit.sigma), 2) / corners;
+  }
+  // A variance from n numbers is off by sqrt(2 / n) of itself.
+  const double spread = std::sqrt(2.0 / corners);
+  EXPECT_NEAR(predicted / square[0], 1, 0.05 + 3 * spread);
+  EXPECT_NEAR(predicted / square[1], 1, 0.05 + 3 * spread);
 }
 
 // The nodes where a board of 9x6 corners is seen, with their noise, told to `sigma` px.

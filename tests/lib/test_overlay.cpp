@@ -159,6 +159,26 @@ TEST(Overlay, CornersScaleWithTheFrame) {
   EXPECT_EQ(picture.near(200, 200).alpha, 0u);
 }
 
+// A pixel of an observation of a quarter of the size covers four by four: its middle is at 1.5.
+TEST(Overlay, CornersAreInTheMiddleOfTheirPixels) {
+  Observation board = flat_board({160, 120}, 25, 20, 10);
+  Picture picture = drawn({640, 480}, {board});
+  double sum = 0;
+  double u = 0;
+  double v = 0;
+  for (int y = 70; y < 95; ++y) {
+    for (int x = 90; x < 115; ++x) {
+      const double alpha = picture.at(x, y).alpha;
+      sum += alpha;
+      u += alpha * x;
+      v += alpha * y;
+    }
+  }
+  // The line to the next corner pulls to the right.
+  EXPECT_GT(u / sum, 101);
+  EXPECT_NEAR(v / sum, 81.5, 0.25);
+}
+
 TEST(Overlay, TheCostIsBounded) {
   const ImageSize size{1920, 1080};
   const double pixels = 1920.0 * 1080.0;

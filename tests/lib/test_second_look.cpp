@@ -101,6 +101,41 @@ TEST_P(SecondLook, FindsCornersAsWellAsTheDetectorFromNearTheirPlace) {
   EXPECT_NEAR(std::sqrt(disturbed / again), 1, 1e-3);
 }
 
+// A lamp beside the board: corners are not drawn to its brighter side, at its border neither.
+TEST(SecondLook, IsNotDrawnToTheLight) {
+  scenes::Random random(6);
+  Album album = make_album(scenes::random_camera("brown5", random), 12);
+  const BoardRenderer renderer(album.camera);
+  Eigen::Vector2d inside = Eigen::Vector2d::Zero();
+  Eigen::Vector2d border = Eigen::Vector2d::Zero();
+  double variance = 0;  // px^2, of the mean of those at the border
+  int count[2] = {0, 0};
+  for (Picture& p : album.pictures) {
+    GrayImage image = renderer.render(scenes::kBoard, p.pose, {.blur = 1});
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const double grey = image.row(y)[x] * (1 - 0.8 * x / image.width);
+        image.row(y)[x] = static_cast<std::uint8_t>(std::lround(grey));
+      }
+    }
+    p.view.observation.patches = cut_patches(image.view(), p.view.observation, scenes::kBoard);
+    const Observation seen = look_again(p.view.observation, scenes::kBoard, album.camera, p.pose);
+    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+      const int col = seen.ids[i] % 9;
+      const int row = seen.ids[i] / 9;
+      const bool out = col == 0 || row == 0 || col == 8 || row == 5;
+      const Eigen::Vector2d off(seen.uv[i].u - p.truth.uv[i].u, seen.uv[i].v - p.truth.uv[i].v);
+      (out ? border : inside) += off;
+      ++count[out ? 1 : 0];
+      if (out) variance += off.squaredNorm() / 2;
+    }
+  }
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_NEAR(border[k] / count[1], 0, 4 * std::sqrt(variance) / count[1]);
+    EXPECT_NEAR(inside[k] / count[0], 0, 4 * std::sqrt(variance) / count[0]);
+  }
+}
+
 TEST(SolveInRuns, TakesOutWhatAPoorDetectorPutIn) {
   scenes::Random random(7);
   const Album album = make_album(scenes::random_camera("brown5", random), 12);

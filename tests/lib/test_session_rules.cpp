@@ -137,12 +137,12 @@ TEST(Ranges, AreTheSpansOverWhatCounts) {
 // Of 16 by 12 cells, those of which the centre is inside.
 TEST(Coverage, CountsCellsOnce) {
   Spread spread;
-  spread.add(look({{200, 300}}));  // columns 3..6 from 262, rows 4..6 from 337 to 487 px
-  EXPECT_NEAR(spread.coverage(), 4 * 3 / 192.0, 1e-12);
-  spread.add(look({{200, 300}}));
-  EXPECT_NEAR(spread.coverage(), 4 * 3 / 192.0, 1e-12);
-  spread.add(look({{350, 300}}));  // two columns more
-  EXPECT_NEAR(spread.coverage(), 6 * 3 / 192.0, 1e-12);
+  spread.add(look({{260, 300}}));  // columns from 262 to 562, rows from 337 to 487 px
+  EXPECT_NEAR(spread.coverage(), 5 * 3 / 192.0, 1e-12);
+  spread.add(look({{260, 300}}));
+  EXPECT_NEAR(spread.coverage(), 5 * 3 / 192.0, 1e-12);
+  spread.add(look({{410, 300}}));  // two columns more
+  EXPECT_NEAR(spread.coverage(), 7 * 3 / 192.0, 1e-12);
 }
 
 // Keeps `first`, then says what becomes of `then`, held still.
@@ -158,7 +158,13 @@ TEST(New, IsEightHundredthsOfTheDiagonalAway) {
   const View first = look({});
   EXPECT_EQ(after(first, shifted(first, 0.079 * kDiagonal, 0)), Reason::kTooSimilar);
   EXPECT_EQ(after(first, shifted(first, 0.081 * kDiagonal, 0)), Reason::kAccepted);
+  EXPECT_EQ(after(first, shifted(first, 0, 0.079 * kDiagonal)), Reason::kTooSimilar);
   EXPECT_EQ(after(first, shifted(first, 0.048 * kDiagonal, -0.066 * kDiagonal)), Reason::kAccepted);
+  // Another board may be in the same place.
+  View other = first;
+  other.board.size = 0.03;
+  other.observation.board = other.board.text();
+  EXPECT_EQ(after(first, other), Reason::kAccepted);
 }
 
 TEST(New, IsAnotherShapeByAFortiethOfItsSize) {
@@ -271,6 +277,22 @@ TEST(Complete, AtTheLastViewOrWhereAllIsSpanned) {
   EXPECT_TRUE(limited.remove_view(0));
   EXPECT_EQ(limited.views().front()->observation.uv.front().u, 375);
   EXPECT_FALSE(limited.complete());
+}
+
+TEST(Reset, ForgetsAll) {
+  Session session({CaptureMode::kAuto, 1, 0});
+  const View view = look({});
+  session.offer(timed(view, 1));
+  EXPECT_EQ(session.offer(timed(view, 1.01)), Reason::kAccepted);
+  session.capture_next();
+  session.reset();
+  const Progress none = session.progress();
+  EXPECT_EQ(none.views + none.coverage + none.x + none.y + none.size + none.skew, 0);
+  EXPECT_EQ(none.hint, Session().progress().hint);
+  EXPECT_FALSE(session.complete());
+  // Nor does it know what was before, that a view was asked for, or how long a frame takes.
+  EXPECT_EQ(session.offer(timed(view, 2)), Reason::kMoving);
+  EXPECT_EQ(session.offer(timed(shifted(view, 0.15, 0), 2.02)), Reason::kMoving);
 }
 
 TEST(Usable, SixCorners) {
