@@ -245,9 +245,11 @@ void videos(int frames) {
               quantile(followed, 0.95));
   std::printf("%-18s %8d %8s %8.2f %8.2f\n", "searched", frames, "", quantile(searched, 0.5),
               quantile(searched, 0.95));
-  const Spread share = spread_of(shares);
-  std::printf("followed / searched, scenes of %d frames: %.2f (%.2f .. %.2f)\n", kScene,
-              share.median, share.least, share.most);
+  if (!shares.empty()) {
+    const Spread share = spread_of(shares);
+    std::printf("followed / searched, scenes of %d frames: %.2f (%.2f .. %.2f)\n", kScene,
+                share.median, share.least, share.most);
+  }
   std::fflush(stdout);
 }
 
