@@ -15,7 +15,6 @@ namespace calvin::io {
 
 namespace {
 
-constexpr std::size_t kMaxDepth = 64;
 constexpr int kMaxValues = 2'000'000;
 
 const Node kNothing;

@@ -27,6 +27,9 @@ struct Node {
   [[nodiscard]] const Node* find(std::string_view key) const noexcept;
 };
 
+// How deep lists and maps may lie in each other.
+inline constexpr std::size_t kMaxDepth = 64;
+
 // What the three parsers feed. Every call answers whether to go on: it refuses what no calibration
 // holds and what would exhaust memory or stack (nesting, number of values), and repeated keys.
 class DocumentBuilder {

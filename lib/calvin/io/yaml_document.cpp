@@ -73,9 +73,25 @@ tl::unexpected<Error> broken(int line, std::string_view why) {
                     fmt::format("the YAML is broken in line {}: {}", line + 1, why));
 }
 
+// The parser keeps 240 bytes of every bracket that is open before it tells of the first one: they
+// are counted before, those in quotes too.
+bool is_too_deep(std::string_view content) {
+  std::size_t depth = 0;
+  for (const char c : content) {
+    if (c == '[' || c == '{') ++depth;
+    if ((c == ']' || c == '}') && depth > 0) --depth;
+    if (depth > kMaxDepth) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<Node> parse_yaml(std::string_view content) {
+  if (is_too_deep(content)) {
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("values are nested more than {} deep", kMaxDepth));
+  }
   std::string text(content);
   // "%YAML:1.0" lacks the space that makes a directive.
   if (text.starts_with("%YAML")) text[0] = '#';
