@@ -39,9 +39,11 @@ GstCode gst_code(ErrorCode code) {
 
 void post(GstElement* element, GstMessageType type, const Error& error) {
   const GstCode code = gst_code(error.code);
-  gst_element_message_full(element, type, code.domain, code.code,
-                           g_strdup(displayed(error.message).c_str()), nullptr, __FILE__,
-                           GST_FUNCTION, __LINE__);
+  const std::string text = displayed(error.message);
+  // Of an INFO, gst-launch-1.0 prints what is meant for debugging, and nothing else.
+  const char* again = type == GST_MESSAGE_INFO ? text.c_str() : nullptr;
+  gst_element_message_full(element, type, code.domain, code.code, g_strdup(text.c_str()),
+                           g_strdup(again), __FILE__, GST_FUNCTION, __LINE__);
 }
 
 }  // namespace

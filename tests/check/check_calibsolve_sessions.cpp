@@ -47,10 +47,16 @@ static void push_slowly(SolveFixture& f, int count) {
     wait_for_results(f, seen + 1);
   }
 }
+// Of an INFO gst-launch-1.0 shows the text for debugging alone.
 static int infos(SolveFixture& f) {
   int count = 0;
   for (GstMessage* message : f.bus.messages()) {
-    count += GST_MESSAGE_TYPE(message) == GST_MESSAGE_INFO ? 1 : 0;
+    if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_INFO) continue;
+    g_autoptr(GError) info = nullptr;
+    g_autofree char* shown = nullptr;
+    gst_message_parse_info(message, &info, &shown);
+    fail_unless(std::string(shown).find(info->message) != std::string::npos, "%s", shown);
+    ++count;
   }
   return count;
 }
