@@ -110,10 +110,14 @@ for name in ${names:-$all}; do
   (set -e; build_named "$name") >"$dir/$name.log" 2>&1
   code=$?
   set -e
-  result=OK
-  [ $code -eq 0 ] || result=FAIL
+  case $code in
+    0) result=OK ;;
+    77) result=SKIP ;; # as meson has it
+    *) result=FAIL ;;
+  esac
   echo "{\"name\": \"$name\", \"result\": \"$result\"}" >>"$dir/results.json"
   printf '%-15s %-5s %5d s\n' "$name" "$result" $(($(date +%s) - begin))
-  [ $result = OK ] || { status=1; echo "  see $dir/$name.log"; }
+  [ $result != SKIP ] || tail -n 1 "$dir/$name.log"
+  [ $result != FAIL ] || { status=1; echo "  see $dir/$name.log"; }
 done
 exit $status
