@@ -5,8 +5,6 @@
 
 #include "messages.hpp"
 
-#include <utility>
-
 #include "values.hpp"
 
 namespace calvin::gst {
@@ -96,19 +94,15 @@ void warn_if_late(GstElement* element, const GParamSpec* spec) {
 
 Posting::Posting(GstElement* element) : element_(element) {
   auto* object = GST_OBJECT(gst_object_ref(element));
-  for (; object != nullptr; object = gst_object_get_parent(object)) family_.push_back(object);
+  for (; object != nullptr; object = gst_object_get_parent(object)) {
+    family_ = g_slist_prepend(family_, object);
+  }
 }
 
 Posting::~Posting() {
   gst_element_call_async(
-      element_,
-      [](GstElement* /*element*/, gpointer family) {
-        for (GstObject* object : *static_cast<std::vector<GstObject*>*>(family)) {
-          gst_object_unref(object);
-        }
-      },
-      new std::vector(std::move(family_)),
-      [](gpointer family) { delete static_cast<std::vector<GstObject*>*>(family); });
+      element_, [](GstElement* /*element*/, gpointer /*family*/) {}, family_,
+      [](gpointer family) { g_slist_free_full(static_cast<GSList*>(family), gst_object_unref); });
 }
 
 }  // namespace calvin::gst

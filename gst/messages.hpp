@@ -5,7 +5,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <gst/gst.h>
 
@@ -57,7 +56,7 @@ class Posting {
 
  private:
   GstElement* element_;
-  std::vector<GstObject*> family_;  // the element, its parent, that one's and so on
+  GSList* family_ = nullptr;  // the element, its parent, that one's and so on
 };
 
 }  // namespace calvin::gst

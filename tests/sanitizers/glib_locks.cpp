@@ -65,6 +65,14 @@ void gst_mini_object_unref(GstMiniObject* object) {
   kReal(object);
 }
 
+// Whoever frees an object knows what all did who have let go of it before.
+void g_object_unref(gpointer object) {
+  static auto* const kReal = next<void(gpointer)>("g_object_unref");
+  __tsan_release(object);
+  __tsan_acquire(object);
+  kReal(object);
+}
+
 GstFlowReturn gst_buffer_pool_acquire_buffer(GstBufferPool* pool, GstBuffer** buffer,
                                              GstBufferPoolAcquireParams* params) {
   static auto* const kReal =
