@@ -15,9 +15,9 @@ namespace calvin::gst {
 // The formats that planes_of() knows, for GST_VIDEO_CAPS_MAKE: all but those with a palette, whose
 // numbers have nothing between them. What is usual comes first.
 #define CALVIN_PLANE_FORMATS                                                                      \
-  "{ GRAY8, I420, YV12, NV12, NV21, YUY2, UYVY, YVYU, VYUY, Y42B, NV16, NV61, Y444, NV24, "       \
+  "{ I420, NV12, YUY2, BGRx, GRAY8, YV12, NV21, UYVY, YVYU, VYUY, Y42B, NV16, NV61, Y444, NV24, " \
   "AYUV, I420_10LE, P010_10LE, I422_10LE, Y444_10LE, GRAY16_LE, GRAY16_BE, RGB, BGR, RGBx, "      \
-  "BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, ABGR, "                                                    \
+  "xRGB, xBGR, RGBA, BGRA, ARGB, ABGR, "                                                          \
   "VUYA, v308, IYU2, Y41B, YUV9, YVU9, A420, AV12, RGBP, BGRP, GBR, GBRA, "                       \
   "I420_10BE, I422_10BE, Y444_10BE, P010_10BE, GBR_10LE, GBR_10BE, GBRA_10LE, GBRA_10BE, "        \
   "A420_10LE, A420_10BE, A422_10LE, A422_10BE, A444_10LE, A444_10BE, Y210, "                      \

@@ -36,6 +36,11 @@ bool needs_unpacking(const GstVideoFormatInfo* format) {
          GST_VIDEO_FORMAT_INFO_IS_COMPLEX(format) || GST_VIDEO_FORMAT_INFO_IS_TILED(format);
 }
 
+bool has_wide_lines(const GstVideoFormatInfo* format) {
+  return format->unpack_format == GST_VIDEO_FORMAT_AYUV64 ||
+         format->unpack_format == GST_VIDEO_FORMAT_ARGB64;
+}
+
 bool can_pack_into(const GstVideoFrame& frame) {
   const auto unit =
       static_cast<std::uintptr_t>(std::max(GST_VIDEO_FORMAT_INFO_PSTRIDE(frame.info.finfo, 0), 1));
@@ -51,8 +56,7 @@ UnpackedFrame::UnpackedFrame(const GstVideoInfo& info)
     : format_(info.finfo),
       width_(GST_VIDEO_INFO_WIDTH(&info)),
       height_(GST_VIDEO_INFO_HEIGHT(&info)),
-      has_wide_lines_(format_->unpack_format == GST_VIDEO_FORMAT_AYUV64 ||
-                      format_->unpack_format == GST_VIDEO_FORMAT_ARGB64) {
+      has_wide_lines_(has_wide_lines(format_)) {
   const int lane_bits = has_wide_lines_ ? 16 : 8;
   for (guint c = 0; c < GST_VIDEO_FORMAT_INFO_N_COMPONENTS(format_); ++c) {
     Plane plane;

@@ -18,6 +18,9 @@ namespace calvin::gst {
 // that the kernels know.
 [[nodiscard]] bool needs_unpacking(const GstVideoFormatInfo* format);
 
+// Whether GStreamer unpacks the format to lines of 16 bits a sample, not of 8.
+[[nodiscard]] bool has_wide_lines(const GstVideoFormatInfo* format);
+
 // Whether frames can be packed into that memory: GStreamer's packers want whole pixels from where
 // they can be written at once.
 [[nodiscard]] bool can_pack_into(const GstVideoFrame& frame);

@@ -28,6 +28,7 @@
 
 #include "calvin/io/calibration_io.hpp"
 #include "elements.hpp"
+#include "frame_planes.hpp"
 #include "frame_timeline.hpp"
 #include "luma_writer.hpp"
 #include "messages.hpp"
@@ -44,11 +45,12 @@ namespace {
 
 using namespace calvin;
 
-constexpr char kCaps[] =
-    "video/x-raw, format = (string) { I420, NV12, YUY2, BGRx, GRAY8 }, "
-    "width = (int) [ 16, 8192 ], height = (int) [ 16, 8192 ], "
-    "framerate = (fraction) [ 1, 240 ], pixel-aspect-ratio = (fraction) 1/1, "
-    "interlace-mode = (string) progressive";
+// I420 where downstream has no wish.
+constexpr char kCaps[] = "video/x-raw, format = (string) " CALVIN_PLANE_FORMATS
+                         ", "
+                         "width = (int) [ 16, 8192 ], height = (int) [ 16, 8192 ], "
+                         "framerate = (fraction) [ 1, 240 ], pixel-aspect-ratio = (fraction) 1/1, "
+                         "interlace-mode = (string) progressive";
 constexpr ImageSize kDefaultSize = {640, 480};
 
 struct State {
@@ -180,11 +182,12 @@ static gboolean gst_calib_test_src_negotiate(GstBaseSrc* src) {
   if (wanted != nullptr && gst_caps_is_empty(wanted)) {
     // Elements that have stopped already may take nothing: the next frame finds them flushing.
     if (GST_CALIB_TEST_SRC(src)->state->scene && gst_calib_test_src_goes_down(src)) return TRUE;
-    gst::post_error(GST_ELEMENT(src),
-                    {ErrorCode::kUnsupported,
-                     "Downstream takes no video that calibtestsrc makes (I420, NV12, YUY2, BGRx or "
-                     "GRAY8, 16x16 to 8192x8192 px, 1 to 240 frames per second): insert "
-                     "videoconvert, videoscale or videorate behind it."});
+    gst::post_error(
+        GST_ELEMENT(src),
+        {ErrorCode::kUnsupported,
+         "Downstream takes no video that calibtestsrc makes (raw video of all formats but "
+         "RGB8P, 16x16 to 8192x8192 px, 1 to 240 frames per second): insert "
+         "videoconvert, videoscale or videorate behind it."});
     return FALSE;
   }
   return GST_BASE_SRC_CLASS(gst_calib_test_src_parent_class)->negotiate(src);

@@ -10,8 +10,9 @@
 
 namespace calvin::gst {
 
-// Y of GRAY8, I420, NV12 and YUY2, or B, G and R of BGRx, become the grey levels; chroma is
-// neutral. The frame is mapped for writing and has the picture's size.
+// Y, or R, G and B become the grey levels, of which 255 is the largest value of the format; chroma
+// is neutral, alpha opaque. The frame is mapped for writing and has the picture's size; its format
+// has no palette.
 void write_luma(const GrayImage& picture, GstVideoFrame& frame);
 
 }  // namespace calvin::gst

@@ -126,7 +126,7 @@ inline const std::vector<BadInput>& bad_streams() {
        "image/jpeg cannot be used here", "insert jpegdec", After::kStopped},
 
       // What is asked of the source.
-      {"a source asked for RGB", "calibtestsrc", asked_for, "video/x-raw,format=RGB",
+      {"a source asked for a palette", "calibtestsrc", asked_for, "video/x-raw,format=RGB8P",
        "Downstream takes no video that calibtestsrc makes", "insert videoconvert", After::kStopped},
       {"a source asked for a size beyond its own", "calibtestsrc", asked_for,
        "video/x-raw,width=100000", "16x16 to 8192x8192", "videoscale", After::kStopped},

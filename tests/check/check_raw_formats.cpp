@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calibdetect and caliboverlay take every raw format there is, without a conversion before them.
+// calibdetect and caliboverlay take every raw format there is, without a conversion before them,
+// and calibtestsrc makes it.
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -12,18 +15,6 @@
 #include <gst/check/gstcheck.h>
 
 using namespace calvin;
-
-static std::vector<std::string> raw_formats() {
-  guint count = 0;
-  const GstVideoFormat* formats = gst_video_formats_raw(&count);
-  std::vector<std::string> names;
-  for (guint i = 0; i < count; ++i) {
-    // DMA_DRM and its like are no pixels in memory.
-    const GstVideoFormatInfo* info = gst_video_format_get_info(formats[i]);
-    if (info->unpack_func != nullptr) names.emplace_back(GST_VIDEO_FORMAT_INFO_NAME(info));
-  }
-  return names;
-}
 
 // Of the frame as GStreamer unpacks it, so that padding does not count.
 static std::vector<guint8> pixels_of(GstBuffer* buffer, const char* format, ImageSize size) {
@@ -46,7 +37,7 @@ static std::vector<guint8> pixels_of(GstBuffer* buffer, const char* format, Imag
 }
 
 GST_START_TEST(test_every_raw_format) {
-  const std::string format = raw_formats()[static_cast<std::size_t>(__i__)];
+  const std::string format = check::raw_formats()[static_cast<std::size_t>(__i__)];
   const check::Scene scene;
   GstBuffer* in = check::frame_of(scene.picture(3), format.c_str(), 0);
   const auto before = pixels_of(in, format.c_str(), scene.size);
@@ -78,11 +69,71 @@ GST_START_TEST(test_every_raw_format) {
 }
 GST_END_TEST;
 
+// Grey levels of as many bits as the format has, without colour and opaque, as GStreamer reads
+// them.
+template <typename Lane>
+static void assert_gray(const GstVideoFrame& frame, const GrayImage& wanted) {
+  const GstVideoFormatInfo* f = frame.info.finfo;
+  const int bits = std::numeric_limits<Lane>::digits;
+  const auto top = [&](Lane value, int depth) { return value >> (bits - std::min(depth, 8)); };
+  std::vector<Lane> line(static_cast<std::size_t>(4 * (wanted.width + 64)));
+  int wrong = 0;
+  for (int y = 0; y < wanted.height; ++y) {
+    f->unpack_func(f, GST_VIDEO_PACK_FLAG_TRUNCATE_RANGE, line.data(), frame.data,
+                   frame.info.stride, 0, y, wanted.width);
+    for (int x = 0; x < wanted.width; ++x) {
+      const Lane* pixel = &line[static_cast<std::size_t>(4 * x)];
+      const int level = wanted.pixels[static_cast<std::size_t>(y * wanted.width + x)];
+      if (GST_VIDEO_FORMAT_INFO_N_COMPONENTS(f) > 3) {
+        const int depth = static_cast<int>(GST_VIDEO_FORMAT_INFO_DEPTH(f, 3));
+        wrong += top(pixel[0], depth) == (1 << std::min(depth, 8)) - 1 ? 0 : 1;
+      }
+      for (guint c = 0; c < std::min(GST_VIDEO_FORMAT_INFO_N_COMPONENTS(f), 3U); ++c) {
+        const int depth = static_cast<int>(GST_VIDEO_FORMAT_INFO_DEPTH(f, c));
+        const bool chroma = c > 0 && !GST_VIDEO_FORMAT_INFO_IS_RGB(f);
+        const int want = (chroma ? 128 : level) >> (8 - std::min(depth, 8));
+        wrong += top(pixel[c + 1], depth) == want ? 0 : 1;
+      }
+    }
+  }
+  fail_unless_equals_int(wrong, 0);
+}
+
+GST_START_TEST(test_the_source_makes_every_format) {
+  const std::string format = check::formats_without_palette()[static_cast<std::size_t>(__i__)];
+  const check::Scene scene;
+  GstHarness* h = gst_harness_new_with_element(
+      check::make_element("calibtestsrc seed=1 noise=2 blur=1"), nullptr, "src");
+  gst_object_unref(h->element);
+  g_autoptr(GstCaps) caps = check::caps_of(format.c_str(), scene.size);
+  gst_harness_set_sink_caps(h, gst_caps_ref(caps));
+  gst_harness_play(h);
+  g_autoptr(GstBuffer) buffer = gst_harness_pull(h);
+  GstVideoInfo info;
+  fail_unless(gst_video_info_from_caps(&info, caps));
+  GstVideoFrame frame;
+  fail_unless(gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ));
+  RenderOptions options = {.noise = 2, .blur = 1};
+  options.seed = noise_seed(1, 0);
+  const GrayImage wanted = render_board(scene.camera, scene.board, scene.pose(0), options);
+  const auto unpacked = info.finfo->unpack_format;
+  if (unpacked == GST_VIDEO_FORMAT_AYUV64 || unpacked == GST_VIDEO_FORMAT_ARGB64) {
+    assert_gray<std::uint16_t>(frame, wanted);
+  } else {
+    assert_gray<std::uint8_t>(frame, wanted);
+  }
+  gst_video_frame_unmap(&frame);
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
 static Suite* raw_formats_suite() {
   gst::register_metas();
   Suite* suite = suite_create("raw_formats");
   TCase* tc = tcase_create("general");
-  tcase_add_loop_test(tc, test_every_raw_format, 0, static_cast<int>(raw_formats().size()));
+  tcase_add_loop_test(tc, test_every_raw_format, 0, static_cast<int>(check::raw_formats().size()));
+  tcase_add_loop_test(tc, test_the_source_makes_every_format, 0,
+                      static_cast<int>(check::formats_without_palette().size()));
   suite_add_tcase(suite, tc);
   return suite;
 }

@@ -187,6 +187,28 @@ inline GstBuffer* frame_of(const GrayImage& image, const char* format, int n) {
   return to;
 }
 
+// Every raw format whose pixels are in memory, unlike DMA_DRM and its like.
+inline std::vector<std::string> raw_formats() {
+  guint count = 0;
+  const GstVideoFormat* formats = gst_video_formats_raw(&count);
+  std::vector<std::string> names;
+  for (guint i = 0; i < count; ++i) {
+    const GstVideoFormatInfo* info = gst_video_format_get_info(formats[i]);
+    if (info->unpack_func != nullptr) names.emplace_back(GST_VIDEO_FORMAT_INFO_NAME(info));
+  }
+  return names;
+}
+
+// Those of them whose values have others between them.
+inline std::vector<std::string> formats_without_palette() {
+  std::vector<std::string> names = raw_formats();
+  std::erase_if(names, [](const std::string& name) {
+    const auto format = gst_video_format_from_string(name.c_str());
+    return GST_VIDEO_FORMAT_INFO_HAS_PALETTE(gst_video_format_get_info(format));
+  });
+  return names;
+}
+
 // A folder that is removed with everything in it.
 class TemporaryFolder {
  public:
