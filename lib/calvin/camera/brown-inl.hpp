@@ -33,6 +33,8 @@ namespace calvin::lens::HWY_NAMESPACE {
 inline constexpr std::array<std::string_view, 14> kBrownNames = {
     "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "taux", "tauy"};
 
+// The models that derive from it add no function. Their files go without Highway's pragmas: clang
+// 19 warns of those where there is none.
 template <int kCoefficients>
 struct Brown {
   static_assert(kCoefficients == 4 || kCoefficients == 5 || kCoefficients == 8 ||

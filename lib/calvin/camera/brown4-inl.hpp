@@ -11,7 +11,6 @@
 
 #include "calvin/camera/brown-inl.hpp"
 
-HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {
 
 struct Brown4 : Brown<4> {
@@ -19,6 +18,5 @@ struct Brown4 : Brown<4> {
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
 
 #endif  // CALVIN_CAMERA_BROWN4_INL_HPP

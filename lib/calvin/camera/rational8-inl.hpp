@@ -12,7 +12,6 @@
 
 #include "calvin/camera/brown-inl.hpp"
 
-HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {
 
 struct Rational8 : Brown<8> {
@@ -20,6 +19,5 @@ struct Rational8 : Brown<8> {
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
 
 #endif  // CALVIN_CAMERA_RATIONAL8_INL_HPP

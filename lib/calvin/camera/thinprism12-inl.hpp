@@ -12,7 +12,6 @@
 
 #include "calvin/camera/brown-inl.hpp"
 
-HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {
 
 struct ThinPrism12 : Brown<12> {
@@ -20,6 +19,5 @@ struct ThinPrism12 : Brown<12> {
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
 
 #endif  // CALVIN_CAMERA_THINPRISM12_INL_HPP

@@ -12,7 +12,6 @@
 
 #include "calvin/camera/brown-inl.hpp"
 
-HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {
 
 struct Tilted14 : Brown<14> {
@@ -20,6 +19,5 @@ struct Tilted14 : Brown<14> {
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
 
 #endif  // CALVIN_CAMERA_TILTED14_INL_HPP
