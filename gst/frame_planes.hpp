@@ -12,6 +12,22 @@
 
 namespace calvin::gst {
 
+// Those that newer versions of GStreamer have besides, without MT2110T and MT2110R: their last
+// column is lost where the width is odd.
+#if GST_CHECK_VERSION(1, 24, 0)
+#define CALVIN_PLANE_FORMATS_1_24                                                          \
+  ", A422, A444, RBGA, A420_12LE, A420_12BE, A422_12LE, A422_12BE, A444_12LE, A444_12BE, " \
+  "A420_16LE, A420_16BE, A422_16LE, A422_16BE, A444_16LE, A444_16BE, GBR_16LE, GBR_16BE, " \
+  "NV12_10LE40_4L4"
+#else
+#define CALVIN_PLANE_FORMATS_1_24 ""
+#endif
+#if GST_CHECK_VERSION(1, 26, 0)
+#define CALVIN_PLANE_FORMATS_1_26 ", GRAY10_LE16, Y216_LE, Y216_BE, Y416_LE, Y416_BE"
+#else
+#define CALVIN_PLANE_FORMATS_1_26 ""
+#endif
+
 // The formats that planes_of() knows, for GST_VIDEO_CAPS_MAKE: all but those with a palette, whose
 // numbers have nothing between them. What is usual comes first.
 #define CALVIN_PLANE_FORMATS                                                                      \
@@ -27,7 +43,7 @@ namespace calvin::gst {
   "ABGR64_LE, ABGR64_BE, RGBA64_LE, RGBA64_BE, BGRA64_LE, BGRA64_BE, "                            \
   "v210, UYVP, GRAY10_LE32, NV12_10LE32, NV16_10LE32, NV12_10LE40, Y410, r210, RGB10A2_LE, "      \
   "BGR10A2_LE, RGB16, BGR16, RGB15, BGR15, IYU1, NV12_4L4, NV12_32L32, NV12_16L32S, NV12_64Z32, " \
-  "NV12_8L128, NV12_10BE_8L128 }"
+  "NV12_8L128, NV12_10BE_8L128" CALVIN_PLANE_FORMATS_1_24 CALVIN_PLANE_FORMATS_1_26 " }"
 
 // What frames are, with their true siting.
 struct FrameFormat {
