@@ -87,6 +87,24 @@ TEST_P(EveryBoard, IsFoundWhole) {
 
 // Close before a fisheye the squares of a board are of very different sizes: from 60 mm, tilted by
 // 20 degrees, by 8 times.
+// The middle of a board, with none of its edges: any board could be that, or a floor. One edge more
+// tells that it is one.
+TEST(PartsOfABoard, AreNoneWithoutAnEdge) {
+  const Board b = parse_board("checkerboard:13x10:25mm").value();
+  const Camera camera = default_camera({640, 480});
+  const auto detector = std::move(*make_detector(b));
+  const auto found = [&](double x) {
+    const SE3 pose = {exp_so3({0.05, -0.08, 0.1}), {x, -0.1, 0.17}};
+    const auto seen =
+        detector->detect(render_board(camera, b, pose, {.noise = 2, .blur = 0.7}).view());
+    const std::size_t corners = true_observation(camera, b, pose).ids.size();
+    EXPECT_GT(corners, 0.3 * b.point_count()) << x;
+    return seen.observation.found();
+  };
+  EXPECT_FALSE(found(-0.15));
+  EXPECT_TRUE(found(-0.06));
+}
+
 TEST(WideView, IsFilledByABoard) {
   const Board board = parse_board("checkerboard:8x6:32.5mm").value();
   const ImageSize size = {1032, 778};

@@ -103,24 +103,32 @@ TEST(Bytes, AreNoBoardAndTakeNoLongerThanTheirPixels) {
   std::cout << "  at most " << worst << " ns a pixel\n";
 }
 
+// RGB, BGR, RGBA, BGRA, ARGB, ABGR: (77 R + 150 G + 29 B) / 256, rounded, whatever is beside them.
 TEST(Bytes, OfColoursAreTakenAsTheyAre) {
+  struct Layout {
+    int step, red, green, blue;
+  };
   std::mt19937 random(9);
   for (const int width : {1, 7, 16, 33, 100}) {
-    for (const int step : {3, 4}) {
+    for (const Layout l : {Layout{3, 0, 1, 2},
+                           {3, 2, 1, 0},
+                           {4, 0, 1, 2},
+                           {4, 2, 1, 0},
+                           {4, 1, 2, 3},
+                           {4, 3, 2, 1}}) {
       const int height = 3;
-      const int stride = width * step + 5;
-      const auto size = static_cast<std::size_t>((height - 1) * stride + width * step);
+      const int stride = width * l.step + 5;
+      const auto size = static_cast<std::size_t>((height - 1) * stride + width * l.step);
       const auto data = std::make_unique<std::uint8_t[]>(size);
       for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::uint8_t>(random());
-      const RgbView view = {data.get(), width, height, stride, step, step - 1, 1, 0};
       GrayImage gray;
-      take_luma(view, gray);
+      take_luma({data.get(), width, height, stride, l.step, l.red, l.green, l.blue}, gray);
       ASSERT_EQ(gray.size(), (ImageSize{width, height}));
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-          const std::uint8_t* p = data.get() + y * stride + x * step;
-          const double luma = 0.299 * p[step - 1] + 0.587 * p[1] + 0.114 * p[0];
-          EXPECT_NEAR(gray.row(y)[x], luma, 1.1) << x << "," << y;
+          const std::uint8_t* p = data.get() + y * stride + x * l.step;
+          const double luma = (77 * p[l.red] + 150 * p[l.green] + 29 * p[l.blue]) / 256.0;
+          ASSERT_EQ(gray.row(y)[x], std::floor(luma + 0.5)) << x << "," << y;
         }
       }
     }

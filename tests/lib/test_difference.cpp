@@ -157,6 +157,22 @@ TEST(Difference, FocusIsWhereTheRotationIsFitted) {
   EXPECT_GT(corner->image.rms, whole->image.rms);
 }
 
+// What both calibrations covered is inside of both polygons.
+TEST(Difference, FocusIsWhatAllPolygonsHave) {
+  const Camera camera = Camera::make("pinhole", {1281, 961}, {1000, 1000, 640, 480}).value();
+  DifferenceOptions options;
+  options.columns = 33;
+  options.rows = 25;
+  options.focus = {{{-1, -1}, {650, -1}, {650, 961}, {-1, 961}},
+                   {{-1, -1}, {1281, -1}, {1281, 490}, {-1, 490}}};
+  const Difference found = difference(camera, camera, options).value();
+  EXPECT_EQ(found.image.cells, 33 * 25);
+  EXPECT_EQ(found.focus.cells, 17 * 13);  // to 640 and to 480 px, in steps of 40
+  for (const Difference::Cell& cell : found.cells) {
+    EXPECT_EQ(cell.in_focus, cell.at.u < 650 && cell.at.v < 490);
+  }
+}
+
 TEST(Difference, PixelsThatAModelDoesNotKnowAreLeftOut) {
   // The polynomial of `a` has its largest radius at 447 px from the centre of a larger image.
   const Camera a =

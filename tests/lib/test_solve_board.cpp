@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/QR>
 
+#include "calvin/solve/board_shape.hpp"
 #include "scenes.hpp"
 
 namespace calvin {
@@ -73,6 +74,19 @@ void expect_camera(const Calibration& found, const Camera& truth) {
   for (std::size_t i = 0; i < truth.parameters().size(); ++i) {
     const Parameter& p = found.parameters[i];
     EXPECT_NEAR((p.value - truth.parameters()[i]) / *p.sigma, 0, 4) << p.name;
+  }
+}
+
+// z = kx (1 - x^2) + ky (1 - y^2), x and y in -1..1 over the board.
+TEST(BoardShape, BendsAreThoseOfTheFile) {
+  const auto points = bent_points(kBoard, {3e-3, -5e-3});
+  const auto printed = kBoard.points();
+  ASSERT_EQ(points.size(), printed.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double x = static_cast<double>(i % 9) / 4 - 1;
+    const double y = static_cast<double>(i / 9) / 2.5 - 1;
+    const Eigen::Vector3d bend(0, 0, 3e-3 * (1 - x * x) - 5e-3 * (1 - y * y));
+    EXPECT_LT((points[i] - printed[i] - bend).norm(), 1e-12) << i;
   }
 }
 

@@ -258,6 +258,10 @@ TEST_P(Covariance, IsThatOfTheNormalEquations) {
     estimated.push_back(i);
     EXPECT_NEAR(*p.sigma / std::sqrt(expected(i, i)), 1, kExact) << p.name;
   }
+  if (unknowns_.basis().row(2).isZero()) {
+    EXPECT_EQ(c.find("cx")->value, (kSize.width - 1) / 2.0);
+    EXPECT_EQ(c.find("cy")->value, (kSize.height - 1) / 2.0);
+  }
   ASSERT_EQ(c.covariance.size(), estimated.size() * estimated.size());
   for (std::size_t i = 0; i < estimated.size(); ++i) {
     for (std::size_t k = 0; k < estimated.size(); ++k) {
