@@ -189,18 +189,28 @@ TEST(Covered, IsTheHullOfTheCornersUsed) {
   }
   views.push_back(wrong);
   views[0].observation.uv[0] = {5, 5};
+  // Views are named by their place among those given, those without a board too.
+  View none = views[0];
+  none.observation.ids.clear();
+  none.observation.uv.clear();
+  none.observation.sigma.clear();
+  views.insert(views.begin(), none);
   const auto solution = solve(views, kSize, options);
   ASSERT_TRUE(solution.has_value()) << solution.error().message;
-  ASSERT_EQ(solution->rejected.size(), 1U);
-  EXPECT_EQ(solution->rejected[0].index, 8U);
+  ASSERT_EQ(solution->rejected.size(), 2U);
+  EXPECT_EQ(solution->rejected[0].index, 0U);
+  EXPECT_EQ(solution->rejected[0].reason, Reason::kNotFound);
+  EXPECT_EQ(solution->rejected[1].index, 9U);
+  EXPECT_EQ(solution->rejected[1].reason, Reason::kOutlier);
   ASSERT_EQ(solution->rejected_corners.size(), 1U);
+  EXPECT_EQ(solution->rejected_corners[0].view, 1U);
   EXPECT_EQ(solution->rejected_corners[0].id, 0);
   double left = HUGE_VAL;
   double right = 0;
   double top = HUGE_VAL;
   double bottom = 0;
-  for (std::size_t v = 0; v < 8; ++v) {
-    for (std::size_t i = v == 0 ? 1 : 0; i < 54; ++i) {
+  for (std::size_t v = 1; v < 9; ++v) {
+    for (std::size_t i = v == 1 ? 1 : 0; i < 54; ++i) {
       const Pixel& p = views[v].observation.uv[i];
       left = std::min(left, p.u);
       right = std::max(right, p.u);
