@@ -60,6 +60,13 @@ void gradient(Grey& grey) {
   }
 }
 
+// A lamp close by: a quarter less light every hundred pixels.
+void lamp(Grey& grey) {
+  for (int y = 0; y < kPicture.height; ++y) {
+    for (int x = 0; x < kPicture.width; ++x) at(grey, x, y) *= std::exp(-x / 350.0);
+  }
+}
+
 // A bright middle.
 void vignette(Grey& grey) {
   for (int y = 0; y < kPicture.height; ++y) {
@@ -278,6 +285,12 @@ INSTANTIATE_TEST_SUITE_P(
              .most_tilt = 60,
              .light = gradient,
              .bias = 0.001},
+        Kind{.name = "Lamp",
+             .options = {.noise = 0.3, .blur = 0.8},
+             .light = lamp,
+             .least = 0.4,
+             .upright = true,
+             .bias = 0.0005},
         Kind{.name = "Vignette", .light = vignette, .bias = 0.001},
         Kind{.name = "UnevenBlur", .light = uneven_blur, .least = 0.4, .bias = kBiasOfBlur},
         Kind{.name = "Smear", .most_tilt = 10, .light = smear, .least = 0.4, .upright = true},
