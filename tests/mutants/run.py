@@ -5,6 +5,7 @@
 #   run.py [NAME|ROOM...]   all, or those of these names or rooms
 #   --dir DIR      where the copy and its build are (build-mutants beside the sources)
 #   --jobs N       compile N files at a time (1)
+#   --check        only whether all patches still apply
 #   --near         only the tests of the room itself and those that are listed for it
 #   --no-baseline  do not run the tests without a mutant first; times are those of the last run
 #   --report FILE  keep a line for each mutant there, those of earlier runs too
@@ -143,12 +144,12 @@ class Tree:
         with open(log, "a") as out:
             return subprocess.call(command, stdout=out, stderr=out) == 0
 
-    def apply(self, mutant):
-        # A repository around the copy would make git look for the files there.
-        env = dict(os.environ, GIT_CEILING_DIRECTORIES=str(self.folder))
-        command = ["git", "apply", "-C1", "--recount", str(mutant.path)]
-        done = subprocess.run(command, cwd=self.tree, env=env, capture_output=True)
-        return done.returncode == 0
+
+def apply(folder, mutant, *how):
+    # A repository around the copy would make git look for the files there.
+    env = dict(os.environ, GIT_CEILING_DIRECTORIES=str(folder.parent))
+    command = ["git", "apply", "-C1", "--recount", *how, str(mutant.path)]
+    return subprocess.run(command, cwd=folder, env=env, capture_output=True).returncode == 0
 
 
 class Test:
@@ -268,7 +269,7 @@ def baseline(tree, tests, wanted):
 
 def judge(tree, mutant, tests):
     """What killed it, "survived", or why it is none."""
-    if not tree.apply(mutant):
+    if not apply(tree.tree, mutant):
         return "does not apply"
     log = tree.folder / "test.log"
     build_log = tree.folder / f"{mutant.name}.log"
@@ -281,7 +282,7 @@ def judge(tree, mutant, tests):
         if why and test.suite == "check":
             why = test.run(log) and why
         if why:
-            build_log.unlink()
+            build_log.unlink(missing_ok=True)
             return f"killed by {test.name}: {why}"
     build_log.unlink(missing_ok=True)
     return "survived"
@@ -333,6 +334,7 @@ def options():
     parser.add_argument("names", nargs="*", help="mutants or rooms")
     parser.add_argument("--dir", type=pathlib.Path, default=SOURCE / "build-mutants")
     parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--check", action="store_true")
     parser.add_argument("--near", action="store_true")
     parser.add_argument("--no-baseline", action="store_true")
     parser.add_argument("--report", type=pathlib.Path)
@@ -351,6 +353,10 @@ def chosen(names):
 def main():
     args = options()
     mutants = chosen(args.names)
+    if args.check:
+        stale = [m.name for m in mutants if not apply(SOURCE, m, "--check")]
+        print(f"{len(mutants) - len(stale)} of {len(mutants)} patches apply", *stale)
+        return 1 if stale else 0
     folder = args.dir.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     tree = Tree(folder, args.jobs)
