@@ -199,8 +199,8 @@ inline std::vector<std::string> raw_formats() {
   return names;
 }
 
-// Those of them whose values have others between them, without two that GStreamer 1.24 packs wrongly
-// (see CALVIN_PLANE_FORMATS_1_24).
+// Those of them whose values have others between them, without two that GStreamer 1.24 packs
+// wrongly (see CALVIN_PLANE_FORMATS_1_24).
 inline std::vector<std::string> formats_without_palette() {
   std::vector<std::string> names = raw_formats();
   std::erase_if(names, [](const std::string& name) {
