@@ -18,9 +18,10 @@ namespace calvin {
 // A calibration of 4,400 views has over 1 MB. More than this is no calibration.
 inline constexpr std::size_t kMaxCalibrationBytes = std::size_t{16} << 20;
 
-// Any known format, of at most kMaxCalibrationBytes; the time grows as the length. What comes back makes a Camera: Camera::make() has checked it. One thing may
-// be missing: OpenCV's files need not say their image size, which is then 0x0, and the caller's
-// images tell it. An OpenCV file of a stereo pair gives its first camera.
+// Any known format, of at most kMaxCalibrationBytes; the time grows as the length. What comes back
+// makes a Camera: Camera::make() has checked it. One thing may be missing: OpenCV's files need not
+// say their image size, which is then 0x0, and the caller's images tell it. An OpenCV file of a
+// stereo pair gives its first camera.
 // kMalformed for broken content, kUnsupported for what this version or build cannot read. The
 // message names `name` (a path, or empty) and says what is wrong and what to do.
 [[nodiscard]] Result<Calibration> parse_calibration(std::string_view content,

@@ -53,8 +53,8 @@ class SampleAxis {
   [[nodiscard]] double offset() const noexcept { return offset_; }
   [[nodiscard]] bool is_even() const noexcept { return offset_ + scale_ * (count_ - 1) <= last_; }
 
-  // Sample -> px of the frame. The last sample may cover fewer pixels than the others, and is in the
-  // middle of those.
+  // Sample -> px of the frame. The last sample may cover fewer pixels than the others, and is in
+  // the middle of those.
   [[nodiscard]] double site(int sample) const noexcept {
     return std::min(offset_ + scale_ * sample, last_);
   }
