@@ -167,6 +167,20 @@ GST_START_TEST(test_model_auto_says_it_at_the_first_result) {
 }
 GST_END_TEST;
 
+// A file that fails keeps no other one from being written.
+GST_START_TEST(test_a_file_that_fails_is_the_only_one) {
+  check::TemporaryFolder folder;
+  {
+    SolveFixture f("export=ros:" + folder / "gone/a.yaml" + ",opencv-yaml:" + folder / "b.yml");
+    f.push_views(10);
+    f.eos();
+    fail_unless(f.bus.says(GST_MESSAGE_ERROR, "a.yaml"));
+  }
+  const auto read = read_calibration(folder / "b.yml");
+  fail_unless(read.has_value(), "%s", read ? "" : read.error().message.c_str());
+}
+GST_END_TEST;
+
 static Suite* calibsolve_files_suite() {
   Suite* suite = suite_create("calibsolve_files");
   TCase* tc = tcase_create("general");
@@ -176,6 +190,7 @@ static Suite* calibsolve_files_suite() {
   tcase_add_test(tc, test_a_location_that_is_a_mount_point_is_written);
   tcase_add_test(tc, test_two_names_of_one_file_are_refused);
   tcase_add_test(tc, test_links_in_a_circle_are_no_location);
+  tcase_add_test(tc, test_a_file_that_fails_is_the_only_one);
   tcase_add_test(tc, test_names_need_not_be_utf8);
   tcase_add_test(tc, test_what_is_said_of_names_is_utf8);
   tcase_add_loop_test(tc, test_a_lens_that_a_format_does_not_hold_is_an_error_at_the_start, 0,

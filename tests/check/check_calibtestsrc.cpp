@@ -177,6 +177,24 @@ GST_START_TEST(test_times_come_from_the_frame_number) {
 }
 GST_END_TEST;
 
+// Frames go on where they were; those of the new rate are as far apart as it says.
+GST_START_TEST(test_times_go_on_at_another_frame_rate) {
+  Fixture f("motion=static", "video/x-raw,format=GRAY8,width=32,height=32,framerate=30/1");
+  GstClockTime next = 0;
+  const auto pull = [&] {
+    g_autoptr(GstBuffer) buffer = f.pull();
+    fail_unless_equals_uint64(GST_BUFFER_PTS(buffer), next);
+    next = GST_BUFFER_PTS(buffer) + GST_BUFFER_DURATION(buffer);
+    return GST_BUFFER_DURATION(buffer);
+  };
+  for (int n = 0; n < 9; ++n) pull();
+  gst_harness_set_sink_caps_str(f.h, "video/x-raw,format=GRAY8,width=32,height=32,framerate=10/1");
+  int slower = 0;
+  for (int n = 0; n < 60 && slower < 9; ++n) slower += pull() == GST_SECOND / 10 ? 1 : 0;
+  fail_unless_equals_int(slower, 9);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_the_seed_chooses_poses_and_noise_not_the_camera) {
   const char* caps = "video/x-raw,format=GRAY8,width=320,height=240";
   Fixture a("seed=3", caps);
@@ -351,6 +369,7 @@ static Suite* calibtestsrc_suite() {
   tcase_add_test(tests, test_chroma_is_neutral);
   tcase_add_test(tests, test_a_conversion_keeps_the_grey_levels);
   tcase_add_test(tests, test_times_come_from_the_frame_number);
+  tcase_add_test(tests, test_times_go_on_at_another_frame_rate);
   tcase_add_test(tests, test_the_seed_chooses_poses_and_noise_not_the_camera);
   tcase_add_test(tests, test_a_seek_gives_the_same_frames);
   tcase_add_test(tests, test_a_seek_before_the_start_is_kept);

@@ -231,6 +231,27 @@ GST_START_TEST(test_a_calibration_of_the_sensor_holds_whatever_the_orientation) 
 }
 GST_END_TEST;
 
+// Files one after the other, as from a playlist: what the first one says of its pictures is not
+// true of the second.
+GST_START_TEST(test_an_orientation_ends_with_its_stream) {
+  Fixture f("calibundistort");
+  g_object_set(f.element, "calibration", kUpright, nullptr);
+  gst_harness_push_event(f.h, gst_event_new_stream_start("one"));
+  f.set_caps("GRAY8", kSize);
+  gst_harness_push_event(f.h, orientation_event("rotate-90", GST_TAG_SCOPE_STREAM));
+  const auto passes = [&](int n) {
+    GstBuffer* in = Fixture::noise("GRAY8", kSize, n);
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
+    return in == out;
+  };
+  fail_if(passes(0));
+  gst_harness_push_event(f.h, gst_event_new_stream_start("two"));
+  f.set_caps("GRAY8", kSize);
+  fail_unless(passes(1));
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "another aspect"));
+}
+GST_END_TEST;
+
 static Suite* calibundistort_frames_suite() {
   Suite* suite = suite_create("calibundistort_frames");
   TCase* tc = tcase_create("general");
@@ -243,6 +264,7 @@ static Suite* calibundistort_frames_suite() {
   tcase_add_loop_test(tc, test_a_calibration_of_the_upright_picture_is_turned_to_the_frames, 0,
                       turns);
   tcase_add_test(tc, test_the_tag_of_the_stream_beats_that_of_the_medium);
+  tcase_add_test(tc, test_an_orientation_ends_with_its_stream);
   tcase_add_loop_test(tc, test_a_calibration_of_the_sensor_holds_whatever_the_orientation, 0,
                       turns);
   suite_add_tcase(suite, tc);

@@ -21,6 +21,7 @@ static Observation example() {
   o.ids = {0, 5};
   o.uv = {{10, 20}, {30.5, 40.25}};
   o.sigma = {0.1, 0.2};
+  o.blur = 0.8;
   o.ambiguous = {"rotate180"};
   o.patches = std::make_shared<CornerPatches>(
       CornerPatches{3, {{9, 19}, {29, 39}}, std::make_shared<std::uint8_t[]>(18, std::uint8_t{7})});
@@ -90,6 +91,8 @@ GST_START_TEST(test_scaling_scales_the_corners) {
   fail_unless_equals_int(all[0].image_size.height, 480);
   fail_unless_equals_float(all[0].uv[0].u, 0.5 * 10.5 - 0.5);
   fail_unless_equals_float(all[0].uv[0].v, 2 * 20.5 - 0.5);
+  // A length has the mean of both scales: 0.5 and 2.
+  fail_unless_equals_float(all[0].blur, 1.25 * 0.8);
   // They are of the picture as it was.
   fail_unless(all[0].patches == nullptr);
 }

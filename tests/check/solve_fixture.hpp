@@ -48,12 +48,16 @@ struct SolveFixture {
   }
   // `width`: of the board in the picture, over the true one: what another camera would see.
   GstBuffer* push(int n, double width = 1) {
+    Observation o = seen(n);
+    for (Pixel& p : o.uv) p.u = scene.camera.cx() + width * (p.u - scene.camera.cx());
+    return push_observation(o, n);
+  }
+  // On the frame of that number.
+  GstBuffer* push_observation(Observation o, int n) {
     GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
     GST_BUFFER_PTS(buffer) = static_cast<guint64>(n) * GST_SECOND / 30;
     GST_BUFFER_DURATION(buffer) = GST_SECOND / 30;
-    Observation o = seen(n);
     o.timestamp = GST_BUFFER_PTS(buffer);
-    for (Pixel& p : o.uv) p.u = scene.camera.cx() + width * (p.u - scene.camera.cx());
     gst::attach_observations(buffer, std::vector{o});
     return gst_harness_push_and_pull(h, buffer);
   }

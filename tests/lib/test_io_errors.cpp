@@ -176,6 +176,8 @@ TEST(BadContent, Native) {
        "'views[0].camera_from_board.rotation'"},
       {native("\"device\": {}", "\"warp\": {\"kx\": 1}"), "'warp.ky' is missing"},
       {native("\"device\": {}", "\"sensor_crop\": [0, 0, 0, 480]"), "'sensor_crop'"},
+      {native("\"device\": {}", "\"sensor_crop\": [0, 0, 641, 480]"), "'sensor_crop'"},
+      {native("\"device\": {}", "\"sensor_crop\": [0, 1, 640, 480]"), "'sensor_crop'"},
   };
   for (const Bad& bad : table) expect_refused(bad);
 }
