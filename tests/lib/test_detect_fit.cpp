@@ -101,6 +101,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(ExactCorners, AreFittedAsWellAsTheNoiseLets) {
   const Picture& p = GetParam();
+  const int side = p.radius > 20 ? 141 : 61;  // px
   for (const double noise : {0.0, p.noise}) {
     scenes::Random random(4);
     double square = 0;
@@ -108,11 +109,11 @@ TEST_P(ExactCorners, AreFittedAsWellAsTheNoiseLets) {
     const int corners = 150;
     int lost = 0;
     for (int n = 0; n < corners; ++n) {
-      const double u = uniform(random, 69.5, 70.5);
-      const double v = uniform(random, 69.5, 70.5);
+      const double u = side / 2 + uniform(random, -0.5, 0.5);
+      const double v = side / 2 + uniform(random, -0.5, 0.5);
       const double angle = uniform(random, 0, 2 * std::numbers::pi);
       const double opening = uniform(random, 1.0, 2.1);
-      const GrayImage image = corner_picture(p, 141, {u, v}, angle, opening, noise, random);
+      const GrayImage image = corner_picture(p, side, {u, v}, angle, opening, noise, random);
       SaddleFit fit;
       fit.x = u + uniform(random, -0.3, 0.3);
       fit.y = v + uniform(random, -0.3, 0.3);
