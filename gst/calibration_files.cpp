@@ -75,13 +75,4 @@ Status can_write_all(const std::vector<CalibrationFile>& files) {
   return {};
 }
 
-Status write_all(const std::vector<CalibrationFile>& files, const Calibration& calibration) {
-  Status first;
-  for (const CalibrationFile& file : files) {
-    Status status = write_calibration(file.path, calibration, file.format);
-    if (!status && first) first = status;
-  }
-  return first;
-}
-
 }  // namespace calvin::gst

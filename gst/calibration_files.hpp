@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "calvin/core/calibration.hpp"
 #include "calvin/core/result.hpp"
 
 namespace calvin::gst {
@@ -27,9 +26,5 @@ struct CalibrationFile {
 
 // The first file that could not be written now.
 [[nodiscard]] Status can_write_all(const std::vector<CalibrationFile>& files);
-
-// Writes all of them, also behind one that fails; the first error.
-[[nodiscard]] Status write_all(const std::vector<CalibrationFile>& files,
-                               const Calibration& calibration);
 
 }  // namespace calvin::gst

@@ -30,7 +30,7 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
       if (outcome.kept.empty()) outcome.kept = file.path;
       continue;
     }
-    Status written = write_all({file}, calibration);
+    Status written = write_calibration(file.path, calibration, file.format);
     if (written) ours_.insert(file.path);
     if (!written && outcome.status) outcome.status = std::move(written);
   }
