@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "calibration_files.hpp"
+#include "calvin/core/calibration.hpp"
 
 namespace calvin::gst {
 
