@@ -107,6 +107,7 @@ std::optional<Error> CalibSolver::adopt(SolverPlan plan, bool writable) {
   if (solve || write) {
     ++revision_;
     published_ = false;
+    unwritten_.reset();
     if (enough_views()) request(false);
   }
   return news;
@@ -305,6 +306,7 @@ void CalibSolver::forget() {
   last_reason_ = Reason::kAccepted;
   ++revision_;
   written_ = {};
+  unwritten_.reset();
   solve_error_.clear();
   next_solve_ = 0;
 }
@@ -320,6 +322,7 @@ bool CalibSolver::remove_view(unsigned index) {
   taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
   ++generation_;                   // what is being solved has the view in it
   finished_ = published_ = false;  // and the files have it
+  unwritten_.reset();
   ++revision_;
   next_solve_ = 0;
   if (enough_views()) {

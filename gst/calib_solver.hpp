@@ -103,7 +103,9 @@ class CalibSolver {
   void consider();
   // The views that this solve left out and the one before did not.
   [[nodiscard]] std::vector<TakenView> newly_rejected(const Solution& solution);
+  [[nodiscard]] std::shared_ptr<Job> make_job() const;
   void request(bool final);
+  void request_write();  // of unwritten_
   [[nodiscard]] Status verdict() const;
   void post_solve_progress(GstProgressType type, const std::string& text);
   // The rest on the worker.
@@ -132,14 +134,15 @@ class CalibSolver {
   ImageSize size_;
   std::string camera_;                      // as the newest observation names it
   std::optional<Calibration> calibration_;  // newest solution
-  bool published_ = false;                  // a calibration has gone to the files
+  bool published_ = false;                  // a calibration was good enough for the files
   std::optional<double> published_error_;   // its expected error
   bool announce_ = false;                   // calibration_ waits to be announced
   bool complained_ = false;                 // of broken observations
   std::string solve_error_;
   Status written_;
-  bool write_failed_ = false;  // and the user was told so
-  bool kept_told_ = false;     // that another session's file stays
+  std::optional<Calibration> unwritten_;  // for the files, which do not all have it
+  bool write_failed_ = false;             // and the user was told so
+  bool kept_told_ = false;                // that another session's file stays
   Reason last_reason_ = Reason::kAccepted;
   FrameTimes times_;                             // of the newest frame with a board
   std::size_t next_solve_ = 0;                   // number of views

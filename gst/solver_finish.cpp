@@ -44,10 +44,13 @@ void CalibSolver::finish() {
   update();
   if (!worker_.drain()) return;
   bool solving = false;
+  bool writing = false;  // what a disk that was full may have room for now
   {
     const std::lock_guard guard(lock_);
     solving = final_revision_ != revision_ && enough_views();
     if (solving) request(true);
+    writing = !solving && unwritten_;
+    if (writing) request_write();
   }
   // A START outside PLAYING would make applications wait for it during preroll.
   const bool announce = solving && GST_STATE(element_) == GST_STATE_PLAYING;
@@ -56,6 +59,7 @@ void CalibSolver::finish() {
     if (announce) post_solve_progress(GST_PROGRESS_TYPE_CANCELED, "The solve was cancelled");
     return;
   }
+  if (writing && !worker_.drain()) return;
   Status status;
   bool wanted = false;
   {

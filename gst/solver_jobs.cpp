@@ -33,7 +33,7 @@ struct CalibSolver::Job {
   bool final = false;
 };
 
-void CalibSolver::request(bool final) {
+std::shared_ptr<CalibSolver::Job> CalibSolver::make_job() const {
   auto job = std::make_shared<Job>();
   job->views = session_.views();
   job->size = size_;
@@ -43,6 +43,11 @@ void CalibSolver::request(bool final) {
   job->session = session_number_;
   job->generation = generation_;
   job->revision = revision_;
+  return job;
+}
+
+void CalibSolver::request(bool final) {
+  auto job = make_job();
   // The newest job replaces one that waits, and takes over what it owes.
   final_owed_ |= final;
   job->final = final_owed_;
@@ -53,6 +58,15 @@ void CalibSolver::request(bool final) {
   GST_DEBUG_OBJECT(element_, "%s solve of %" G_GSIZE_FORMAT " views asked for",
                    job->final ? "final" : "intermediate", job->views.size());
   worker_.offer([this, job](const std::stop_token& stop) { run(*job, stop); });
+}
+
+void CalibSolver::request_write() {
+  auto job = make_job();
+  job->final = true;
+  GST_DEBUG_OBJECT(element_, "the files are tried again");
+  worker_.offer([this, job, calibration = *unwritten_](const std::stop_token& stop) {
+    write(*job, calibration, stop);
+  });
 }
 
 void CalibSolver::run(const Job& job, const std::stop_token& stop) {
@@ -85,6 +99,7 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
   const double error = calibration.expected_error.value_or(HUGE_VAL);
   Guidance now;
   bool better = false;
+  std::optional<Calibration> due;
   {
     const std::lock_guard guard(lock_);
     if (job.generation != generation_) {
@@ -96,6 +111,8 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
     now = make_guidance(session_.progress(), calibration_);
     better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
     announce_ |= better;
+    if (better) unwritten_ = calibration;
+    due = unwritten_;
   }
   GST_INFO_OBJECT(element_,
                   "%s result of %" G_GSIZE_FORMAT
@@ -104,7 +121,7 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
                   job.final ? "final" : "intermediate", job.views.size(), calibration.model.c_str(),
                   calibration.rms.value_or(HUGE_VAL), error,
                   better ? "" : ": no better than the one before");
-  if (better) write(job, calibration, stop);
+  if (due) write(job, *due, stop);
   announce(job, solution, now, stop);
 }
 
@@ -123,6 +140,7 @@ void CalibSolver::write(const Job& job, const Calibration& calibration,
     failed = !written && !std::exchange(write_failed_, true);
     held = !kept.empty() && !std::exchange(kept_told_, true);
     written_ = written;
+    if (written) unwritten_.reset();
     published_ = true;
     published_error_ = calibration.expected_error;
   }

@@ -107,6 +107,46 @@ GST_START_TEST(test_what_is_said_of_names_is_utf8) {
 }
 GST_END_TEST;
 
+// What a disk does not take at one moment it may take at another.
+GST_START_TEST(test_a_final_result_that_could_not_be_written_is_tried_again_at_the_end) {
+  check::TemporaryFolder folder;
+  const std::string location = folder / "later/cam.json";
+  SolveFixture f("max-views=10 location=" + location);
+  f.push_views(10);
+  for (int i = 0; i < 3000 && f.result("final") == nullptr; ++i) g_usleep(10000);
+  fail_unless(f.result("final") != nullptr);
+  std::filesystem::create_directory(folder / "later");
+  f.eos();
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  fail_unless_equals_int(warnings(f), 1);  // the one at the start
+  fail_unless_equals_int(f.bus.named("calib-result").size(), 1);
+  const auto read = read_calibration(location);
+  fail_unless(read.has_value(), "%s", read ? "" : read.error().message.c_str());
+  fail_unless_equals_int(read->views.size(), 10);
+}
+GST_END_TEST;
+
+// Of the results on the way the best one, though the next is worse.
+GST_START_TEST(test_a_result_that_could_not_be_written_is_tried_again_with_the_next) {
+  check::TemporaryFolder folder;
+  const std::string location = folder / "later/cam.json";
+  SolveFixture f("min-views=10 location=" + location);
+  const auto wait_for_results = [&](std::size_t count) {
+    for (int i = 0; i < 3000 && f.bus.named("calib-result").size() < count; ++i) g_usleep(10000);
+    fail_unless_equals_int(f.bus.named("calib-result").size(), count);
+    return check::get(f.bus.named("calib-result").back(), "expected-error");
+  };
+  f.push_views(10);
+  const double best = wait_for_results(1);
+  std::filesystem::create_directory(folder / "later");
+  for (int n = 10; n < 13; ++n) gst_buffer_unref(f.push(n, 1.005));  // as after a change of zoom
+  fail_unless(wait_for_results(2) > best, "nothing is tested");
+  const auto read = read_calibration(location);
+  fail_unless(read.has_value(), "%s", read ? "" : read.error().message.c_str());
+  fail_unless_equals_int(read->views.size(), 10);
+}
+GST_END_TEST;
+
 static const struct {
   const char* model;
   const char* format;
@@ -193,6 +233,8 @@ static Suite* calibsolve_files_suite() {
   tcase_add_test(tc, test_a_file_that_fails_is_the_only_one);
   tcase_add_test(tc, test_names_need_not_be_utf8);
   tcase_add_test(tc, test_what_is_said_of_names_is_utf8);
+  tcase_add_test(tc, test_a_final_result_that_could_not_be_written_is_tried_again_at_the_end);
+  tcase_add_test(tc, test_a_result_that_could_not_be_written_is_tried_again_with_the_next);
   tcase_add_loop_test(tc, test_a_lens_that_a_format_does_not_hold_is_an_error_at_the_start, 0,
                       static_cast<int>(std::size(kNotHeld)));
   tcase_add_test(tc, test_such_a_lens_is_refused_while_frames_flow);
