@@ -4,6 +4,8 @@
 #include "calvin/core/file.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -14,6 +16,7 @@
 #include <filesystem>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -54,16 +57,52 @@ tl::unexpected<Error> refused(std::string_view verb, const std::string& path, in
                                       std::generic_category().message(error)));
 }
 
+const char* advice(int error) noexcept {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return "Make room on the disk, or choose a place on another one.";
+    case EFBIG:
+      return "Raise the limit of a file's size (ulimit -f), or choose a place on another disk.";
+    case EMFILE:
+    case ENFILE:
+      return "Close files that the program has open, or raise their limit (ulimit -n).";
+    case EROFS:
+      return "Nothing can be changed there: choose a place on another disk.";
+    case EIO:
+      return "The disk or the network fails: choose a place on another one.";
+    case ENAMETOOLONG:
+      return "Choose a shorter name.";
+    case ENXIO:
+    case EPIPE:
+    case EAGAIN:
+      return "Start the program that is to read from it, and let it read to the end.";
+    default:
+      return "Choose a place in a folder that exists and may be written to.";
+  }
+}
+
 tl::unexpected<Error> not_written(const std::string& path, int error) {
   auto result = refused("write", path, error);
   result.value().code = ErrorCode::kIo;
+  result.value().message += fmt::format(" {}", advice(error));
   return result;
+}
+
+// Whether a pipe that is full takes more, before a reader is given up.
+bool wait_for_reader(int fd) noexcept {
+  constexpr int kPatience = 5000;  // ms
+  pollfd pipe = {fd, POLLOUT, 0};
+  const int ready = ::poll(&pipe, 1, kPatience);
+  if (ready == 0) errno = EAGAIN;
+  return ready > 0 || (ready < 0 && errno == EINTR);
 }
 
 bool write_all(int fd, std::string_view bytes) noexcept {
   while (!bytes.empty()) {
     const ssize_t n = ::write(fd, bytes.data(), bytes.size());
     if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && errno == EAGAIN && wait_for_reader(fd)) continue;
     if (n <= 0) return false;
     bytes.remove_prefix(static_cast<std::size_t>(n));
   }
@@ -99,7 +138,33 @@ bool may_write(const fs::path& path, int more = 0) noexcept {
   return ::faccessat(AT_FDCWD, path.c_str(), W_OK | more, AT_EACCESS) == 0;
 }
 
+// A reader that is gone must not end the program.
+class PipeSignalBlocked {
+ public:
+  PipeSignalBlocked() noexcept {
+    sigemptyset(&pipe_);
+    sigaddset(&pipe_, SIGPIPE);
+    sigset_t pending;
+    sigpending(&pending);
+    was_pending_ = sigismember(&pending, SIGPIPE) == 1;
+    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  PipeSignalBlocked(const PipeSignalBlocked&) = delete;
+  PipeSignalBlocked& operator=(const PipeSignalBlocked&) = delete;
+  ~PipeSignalBlocked() {
+    const timespec at_once = {};
+    if (!was_pending_) sigtimedwait(&pipe_, nullptr, &at_once);
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+
+ private:
+  sigset_t pipe_{};
+  sigset_t before_{};
+  bool was_pending_ = false;
+};
+
 Status write_directly(const std::string& path, std::string_view bytes) {
+  const PipeSignalBlocked blocked;
   // O_NONBLOCK: opening a pipe must not wait for its reader.
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file || !write_all(file.get(), bytes) || !file.close()) return not_written(path, errno);
@@ -114,11 +179,19 @@ bool cut(int fd, std::size_t size) noexcept {
   return ::ftruncate(fd, static_cast<off_t>(size)) == 0;
 }
 
+// True too where the file system has no such thing, as some on networks and in user space.
+bool sync(int fd) noexcept {
+  return ::fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS || errno == ENOTSUP;
+}
+bool set_mode(int fd, mode_t mode) noexcept {
+  return ::fchmod(fd, mode) == 0 || errno == ENOSYS || errno == ENOTSUP;
+}
+
 // What is longer than before goes first: a full disk then refuses it before anything is lost.
 bool overwrite(int fd, std::string_view bytes, std::size_t old_size) noexcept {
   const std::size_t head = std::min(bytes.size(), old_size);
   return write_at(fd, bytes.substr(head), head) && write_at(fd, bytes.substr(0, head), 0) &&
-         cut(fd, bytes.size()) && ::fsync(fd) == 0;
+         cut(fd, bytes.size()) && sync(fd);
 }
 
 // For a file that no other may take the place of. Where writing fails the old content comes back.
@@ -139,14 +212,18 @@ Status write_in_place(const fs::path& target, std::string_view bytes) {
 }
 
 // A new file beside the target, with a name of its own: a process with the same number may have
-// left one behind, as the first process of every container has.
+// left one behind, as the first process of every container has. Where the target's name leaves no
+// room for more, another one does.
 Descriptor create_temporary(const fs::path& target, std::string& name) {
   static std::atomic<unsigned> counter{0};
   constexpr int kMostLeftBehind = 1000;
+  const std::string other = (folder_of(target) / "calvin").string();
+  std::string stem = target.string();
   int fd = -1;
   for (int i = 0; i < kMostLeftBehind; ++i) {
-    name = fmt::format("{}.{}-{}.tmp", target.string(), ::getpid(), counter.fetch_add(1));
+    name = fmt::format("{}.{}-{}.tmp", stem, ::getpid(), counter.fetch_add(1));
     fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0 && errno == ENAMETOOLONG && std::exchange(stem, other) != other) continue;
     if (fd >= 0 || errno != EEXIST) break;
   }
   return Descriptor(fd);
@@ -157,8 +234,8 @@ int write_and_rename(const fs::path& target, std::string_view bytes, const mode_
   std::string temporary;
   Descriptor file = create_temporary(target, temporary);
   if (!file) return errno;
-  const bool written = (mode == nullptr || ::fchmod(file.get(), *mode) == 0) &&
-                       write_all(file.get(), bytes) && ::fsync(file.get()) == 0 && file.close() &&
+  const bool written = (mode == nullptr || set_mode(file.get(), *mode)) &&
+                       write_all(file.get(), bytes) && sync(file.get()) && file.close() &&
                        ::rename(temporary.c_str(), target.c_str()) == 0;
   if (!written) {
     const int error = errno;
@@ -205,21 +282,26 @@ Result<std::string> read_file(const std::string& path, std::size_t max_bytes) {
   if (::fstat(file.get(), &info) != 0) return refused("read", path, errno);
   if (S_ISDIR(info.st_mode)) return refused("read", path, EISDIR);
   if (!S_ISREG(info.st_mode)) {
-    return make_error(ErrorCode::kIo,
-                      fmt::format("Cannot read '{}': it is not a regular file.", path));
+    return make_error(
+        ErrorCode::kIo,
+        fmt::format("Cannot read '{}': it is not a regular file. Save what is to be read to a "
+                    "file first.",
+                    path));
   }
   return read_all(file.get(), path, max_bytes);
 }
 
 Status write_file(const std::string& path, std::string_view bytes) {
   if (path.empty()) return not_written(path, ENOENT);
-  const fs::path target = resolved(path);
   struct stat info {};
-  const bool exists = ::stat(target.c_str(), &info) == 0;
+  const bool exists = ::stat(path.c_str(), &info) == 0;
   if (!exists && errno != ENOENT) return not_written(path, errno);
   if (exists && S_ISDIR(info.st_mode)) return not_written(path, EISDIR);
   if (exists && !S_ISREG(info.st_mode)) return write_directly(path, bytes);
-  if (exists && !may_write(target)) return not_written(path, errno);
+  if (exists && !may_write(path)) return not_written(path, errno);
+  const fs::path target = resolved(path);
+  // What a program has open, under its name in /proc, may have no other name any more.
+  if (exists && !are_one(path, target).value_or(false)) return write_in_place(path, bytes);
   const mode_t mode = info.st_mode & 07777;
   const int error = write_and_rename(target, bytes, exists ? &mode : nullptr);
   if (error == 0) return {};
@@ -229,15 +311,14 @@ Status write_file(const std::string& path, std::string_view bytes) {
 
 Status check_writable(const std::string& path) {
   if (path.empty()) return not_written(path, ENOENT);
-  const fs::path target = resolved(path);
   struct stat info {};
-  if (::stat(target.c_str(), &info) == 0) {
+  if (::stat(path.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) return not_written(path, EISDIR);
-    if (!may_write(target)) return not_written(path, errno);
+    if (!may_write(path)) return not_written(path, errno);
     return {};
   }
   if (errno != ENOENT) return not_written(path, errno);
-  const fs::path folder = folder_of(target);
+  const fs::path folder = folder_of(resolved(path));
   if (::stat(folder.c_str(), &info) != 0) return not_written(path, errno);
   if (!S_ISDIR(info.st_mode)) return not_written(path, ENOTDIR);
   if (!may_write(folder, X_OK)) return not_written(path, errno);
@@ -245,9 +326,9 @@ Status check_writable(const std::string& path) {
 }
 
 bool is_same_file(const std::string& a, const std::string& b) {
+  if (const auto one = are_one(a, b)) return *one;
   const fs::path first = resolved(a);
   const fs::path second = resolved(b);
-  if (const auto one = are_one(first, second)) return *one;
   // Of a file that is not there yet the folder and the name tell.
   return first.filename() == second.filename() &&
          are_one(folder_of(first), folder_of(second))

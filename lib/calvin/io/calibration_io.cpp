@@ -117,11 +117,6 @@ std::string explain(std::string_view name, std::string_view why) {
                      reason.ends_with('.') ? "" : ".", kKnown);
 }
 
-tl::unexpected<Error> not_writable(Error error) {
-  error.message += " Choose a place in a folder that exists and may be written to.";
-  return tl::unexpected(std::move(error));
-}
-
 }  // namespace
 
 Result<Calibration> parse_calibration(std::string_view content, std::string_view name) {
@@ -170,14 +165,10 @@ Status write_calibration(const std::filesystem::path& path, const Calibration& c
                          std::string_view format) {
   const auto text = print_calibration(calibration, format);
   if (!text) return tl::unexpected(text.error());
-  if (auto status = write_file(path.string(), *text); !status) return not_writable(status.error());
-  return {};
+  return write_file(path.string(), *text);
 }
 
-Status can_write(const std::filesystem::path& path) {
-  if (auto status = check_writable(path.string()); !status) return not_writable(status.error());
-  return {};
-}
+Status can_write(const std::filesystem::path& path) { return check_writable(path.string()); }
 
 std::vector<std::string_view> calibration_formats() {
   std::vector<std::string_view> formats;
