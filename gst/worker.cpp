@@ -7,6 +7,7 @@
 
 #include <pthread.h>
 
+#include <atomic>
 #include <chrono>
 #include <set>
 #include <system_error>
@@ -20,6 +21,11 @@ namespace {
 // libraries that the jobs use tear down what they keep.
 class Everyone {
  public:
+  // How many forks this process is behind the first one.
+  static unsigned process() {
+    members();
+    return generation;
+  }
   // What is registered last goes first: call it when the libraries have made what they keep.
   static void stop_at_exit() { static const StopAtExit kAtExit; }
 
@@ -43,11 +49,15 @@ class Everyone {
   // none of its threads, and perhaps one of its locks for ever: it begins with no members.
   static Members& members() {
     static Members* all = [] {
-      pthread_atfork(nullptr, nullptr, [] { all = new Members; });
+      pthread_atfork(nullptr, nullptr, [] {
+        all = new Members;
+        ++generation;
+      });
       return new Members;
     }();
     return *all;
   }
+  static inline std::atomic<unsigned> generation{0};
   struct StopAtExit {
     ~StopAtExit() {
       Members& all = members();
@@ -60,23 +70,53 @@ class Everyone {
 
 }  // namespace
 
+struct Worker::State {
+  [[nodiscard]] bool on_own_thread() const { return runner == std::this_thread::get_id(); }
+
+  const unsigned process = Everyone::process();
+
+  std::mutex joining;
+  std::thread thread;  // under joining
+
+  std::mutex lock;  // of everything below
+  std::condition_variable changed;
+  std::thread::id runner;
+  Job waiting;
+  std::stop_source running;
+  bool busy = false;
+  bool telling = false;
+  bool cancelled = true;
+  bool quit = false;
+  bool alive = false;  // the thread has not left run() yet
+};
+
+Worker::Worker() : state_(new State) {}
+
+Worker::State& Worker::state() {
+  State* now = state_;
+  if (now->process == Everyone::process()) return *now;
+  auto fresh = std::make_unique<State>();
+  return state_.compare_exchange_strong(now, fresh.get()) ? *fresh.release() : *now;
+}
+
 Status Worker::start() {
   stop();
+  State& s = state();
   {
-    const std::lock_guard guard(lock_);
-    quit_ = false;
-    cancelled_ = false;
-    if (std::exchange(alive_, true)) return {};  // still at an old job, and good for new ones
+    const std::lock_guard guard(s.lock);
+    s.quit = false;
+    s.cancelled = false;
+    if (std::exchange(s.alive, true)) return {};  // still at an old job, and good for new ones
   }
   try {
-    const std::lock_guard guard(joining_);
-    if (thread_.joinable()) thread_.join();
-    thread_ = std::thread([this] { run(); });
+    const std::lock_guard guard(s.joining);
+    if (s.thread.joinable()) s.thread.join();
+    s.thread = std::thread([&s] { run(s); });
   } catch (const std::system_error& error) {
-    const std::lock_guard guard(lock_);
-    alive_ = false;
-    cancelled_ = quit_ = true;
-    changed_.notify_all();
+    const std::lock_guard guard(s.lock);
+    s.alive = false;
+    s.cancelled = s.quit = true;
+    s.changed.notify_all();
     return make_error(ErrorCode::kIo,
                       "The system does not give the element a thread of its own (" +
                           error.code().message() +
@@ -88,102 +128,112 @@ Status Worker::start() {
 }
 
 bool Worker::idle() {
-  const std::lock_guard guard(lock_);
-  return !busy_ && !waiting_;
+  State& s = state();
+  const std::lock_guard guard(s.lock);
+  return !s.busy && !s.waiting;
 }
 
 bool Worker::offer(Job job) {
-  const std::lock_guard guard(lock_);
-  if (cancelled_) return false;
-  waiting_ = std::move(job);
-  changed_.notify_all();
+  State& s = state();
+  const std::lock_guard guard(s.lock);
+  if (s.cancelled) return false;
+  s.waiting = std::move(job);
+  s.changed.notify_all();
   return true;
 }
 
 bool Worker::drain() {
-  std::unique_lock guard(lock_);
-  changed_.wait(guard, [this] { return cancelled_ || (!busy_ && !waiting_); });
-  return !cancelled_;
+  State& s = state();
+  std::unique_lock guard(s.lock);
+  s.changed.wait(guard, [&s] { return s.cancelled || (!s.busy && !s.waiting); });
+  return !s.cancelled;
 }
 
 std::unique_ptr<Worker::Telling> Worker::begin_telling(const std::stop_token& stop,
                                                        GstElement* element) {
-  const std::lock_guard guard(lock_);
+  State& s = state();
+  const std::lock_guard guard(s.lock);
   if (stop.stop_requested()) return nullptr;
-  telling_ = true;
-  return std::unique_ptr<Telling>(new Telling(*this, element));
+  s.telling = true;
+  return std::unique_ptr<Telling>(new Telling(s, element));
 }
 
 Worker::Telling::~Telling() {
-  const std::lock_guard guard(worker_.lock_);
-  worker_.telling_ = false;
-  worker_.changed_.notify_all();
+  const std::lock_guard guard(state_.lock);
+  state_.telling = false;
+  state_.changed.notify_all();
 }
 
 void Worker::cancel() {
-  const std::lock_guard guard(lock_);
-  cancelled_ = true;
-  waiting_ = nullptr;
-  running_.request_stop();
-  changed_.notify_all();
+  State& s = state();
+  const std::lock_guard guard(s.lock);
+  s.cancelled = true;
+  s.waiting = nullptr;
+  s.running.request_stop();
+  s.changed.notify_all();
 }
 
 void Worker::resume() {
-  const std::lock_guard guard(lock_);
-  cancelled_ = quit_;
+  State& s = state();
+  const std::lock_guard guard(s.lock);
+  s.cancelled = s.quit;
 }
 
 void Worker::stop() {
+  State& s = state();
   // Told in less, unless a handler waits; and a program that ends next finds nobody at work.
   constexpr std::chrono::milliseconds kMoment{200};
   cancel();
-  std::unique_lock guard(lock_);
-  quit_ = true;
-  changed_.notify_all();
-  changed_.wait_for(guard, kMoment, [this] { return !telling_ || on_own_thread(); });
+  std::unique_lock guard(s.lock);
+  s.quit = true;
+  s.changed.notify_all();
+  s.changed.wait_for(guard, kMoment, [&s] { return !s.telling || s.on_own_thread(); });
 }
 
 Worker::~Worker() {
   Everyone::remove(this);
   join();
+  delete &state();
 }
 
 void Worker::join() {
+  State& s = state();
   stop();
-  const std::lock_guard guard(joining_);
-  if (thread_.joinable()) thread_.join();
+  const std::lock_guard guard(s.joining);
+  if (s.thread.joinable()) s.thread.join();
 }
 
 void Worker::stop_at_exit() {
+  State& s = state();
   stop();
   {
-    std::unique_lock guard(lock_);
-    changed_.wait(guard, [this] { return !alive_ || telling_ || on_own_thread(); });
-    if (alive_) return;
+    std::unique_lock guard(s.lock);
+    s.changed.wait(guard, [&s] { return !s.alive || s.telling || s.on_own_thread(); });
+    if (s.alive) return;
   }
   join();
 }
 
-void Worker::run() {
-  std::unique_lock guard(lock_);
-  runner_ = std::this_thread::get_id();
+void Worker::run(State& s) {
+  std::unique_lock guard(s.lock);
+  s.runner = std::this_thread::get_id();
   for (;;) {
-    changed_.wait(guard, [this] { return quit_ || waiting_; });
-    if (quit_) break;
-    Job job = std::exchange(waiting_, nullptr);
-    running_ = std::stop_source();
-    busy_ = true;
+    s.changed.wait(guard, [&s] { return s.quit || s.waiting; });
+    if (s.quit) break;
+    Job job = std::exchange(s.waiting, nullptr);
+    s.running = std::stop_source();
+    s.busy = true;
     guard.unlock();
-    job(running_.get_token());
+    job(s.running.get_token());
     job = nullptr;  // with all that it holds, before anybody is told
     Everyone::stop_at_exit();
     guard.lock();
-    busy_ = false;
-    changed_.notify_all();
+    s.busy = false;
+    s.changed.notify_all();
   }
-  alive_ = false;
-  runner_ = {};
-  changed_.notify_all();
+  s.alive = false;
+  s.runner = {};
+  s.changed.notify_all();
 }
 
 }  // namespace calvin::gst

@@ -4,6 +4,7 @@
 // One thread beside the streaming thread, with room for one job that waits.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -21,8 +22,11 @@ namespace calvin::gst {
 // All functions may be called from any thread; start() and stop() not against each other.
 //
 // A job that cannot be interrupted at once holds nobody up: the thread then ends by itself after
-// it, and is joined by the next start() or by join().
+// it, and is joined by the next start() or by join(). A child that the process forks has no such
+// thread: there a worker is as if it had never been started.
 class Worker {
+  struct State;
+
  public:
   using Job = std::function<void(std::stop_token)>;
 
@@ -36,13 +40,13 @@ class Worker {
 
    private:
     friend class Worker;
-    Telling(Worker& worker, GstElement* element) : worker_(worker), posting_(element) {}
+    Telling(State& state, GstElement* element) : state_(state), posting_(element) {}
 
-    Worker& worker_;
+    State& state_;
     Posting posting_;
   };
 
-  Worker() = default;
+  Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
   ~Worker();
@@ -82,22 +86,12 @@ class Worker {
   void stop_at_exit();
 
  private:
-  void run();
-  [[nodiscard]] bool on_own_thread() const { return runner_ == std::this_thread::get_id(); }
+  // In a forked child a new one, and the parent's is left: what its thread waits at cannot be
+  // destroyed there.
+  [[nodiscard]] State& state();
+  static void run(State& s);
 
-  std::mutex joining_;
-  std::thread thread_;  // under joining_
-
-  std::mutex lock_;  // of everything below
-  std::condition_variable changed_;
-  std::thread::id runner_;
-  Job waiting_;
-  std::stop_source running_;
-  bool busy_ = false;
-  bool telling_ = false;
-  bool cancelled_ = true;
-  bool quit_ = false;
-  bool alive_ = false;  // the thread has not left run() yet
+  std::atomic<State*> state_;
 };
 
 }  // namespace calvin::gst

@@ -84,6 +84,21 @@ static void end_at_message(const char* name) {
   play(pipeline);
 }
 
+// The child has none of the threads that the elements of its parent have.
+static void free_in_a_child(const char* factory) {
+  GstElement* element = check::make_element(factory);
+  gst_object_ref_sink(element);
+  gst_element_set_state(element, GST_STATE_PAUSED);
+  g_usleep(200000);  // until they wait
+  as_child([&] {
+    gst_element_set_state(element, GST_STATE_NULL);
+    gst_element_set_state(element, GST_STATE_PAUSED);
+    gst_element_set_state(element, GST_STATE_NULL);
+    gst_object_unref(element);
+    end();
+  });
+}
+
 // Never freed: at the end of a forked child somebody seems to wait at it still.
 static check::Gate& in_handler = *new check::Gate;
 static std::mutex application;
@@ -136,6 +151,10 @@ static const struct {
        at_notify(pipeline, 3, end_as_child);
        play(pipeline);
      }},
+    {"a child frees a calibdetect", [] { free_in_a_child("calibdetect"); }},
+    {"a child frees a calibsolve", [] { free_in_a_child("calibsolve"); }},
+    {"a child frees a calibrate", [] { free_in_a_child("calibrate"); }},
+    {"a child frees a calibundistort", [] { free_in_a_child("calibundistort"); }},
     {"a child calibrates",
      [] {
        GstElement* element = check::make_element("calibsolve");
