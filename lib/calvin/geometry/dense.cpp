@@ -10,10 +10,16 @@
 
 namespace calvin {
 
-Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return a * b; }
+Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  // The packing for Eigen's fast product takes longer than a small one itself.
+  constexpr Eigen::Index kSmall = 64;
+  if (a.rows() + a.cols() + b.cols() < kSmall) return a.lazyProduct(b);
+  return a * b;
+}
 
 Eigen::MatrixXd congruent(const Eigen::MatrixXd& m, const Eigen::MatrixXd& a) {
-  return product(a.transpose(), product(m, a));
+  const Eigen::MatrixXd right = product(m, a);
+  return product(a.transpose(), right);
 }
 
 Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& m, const Eigen::MatrixXd& right) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <set>
 #include <utility>
 #include <vector>
@@ -79,26 +78,37 @@ class Scores {
  public:
   // Of the part `part` of what is number `of`.
   void add(std::size_t of, int part, double score, double information) {
-    auto& [sum, total] = scores_[{of, part}];
-    sum += score;
-    total += information;
+    if (scores_.size() <= of) scores_.resize(of + 1);
+    auto& parts = scores_[of];
+    const auto at = static_cast<std::size_t>(part);
+    if (parts.size() <= at) parts.resize(at + 1);
+    parts[at].sum += score;
+    parts[at].information += information;
   }
   // `kept` is the part of the variance that the fit has left.
   [[nodiscard]] Excess excess(double variance, double kept, double absorbed) const {
     Excess result;
     double largest = 0;
-    for (const auto& [key, score] : scores_) largest = std::max(largest, score.second);
-    for (const auto& [key, score] : scores_) {
-      if (score.second < 1e-3 * largest) continue;
-      result.sum += score.first * score.first / (score.second * variance * kept);
-      result.degrees += 1;
+    for (const auto& parts : scores_) {
+      for (const Score& score : parts) largest = std::max(largest, score.information);
+    }
+    for (const auto& parts : scores_) {
+      for (const Score& score : parts) {
+        if (!(score.information > 0) || score.information < 1e-3 * largest) continue;
+        result.sum += score.sum * score.sum / (score.information * variance * kept);
+        result.degrees += 1;
+      }
     }
     result.degrees = std::max(0.0, result.degrees - absorbed);
     return result;
   }
 
  private:
-  std::map<std::pair<std::size_t, int>, std::pair<double, double>> scores_;
+  struct Score {
+    double sum = 0;
+    double information = 0;
+  };
+  std::vector<std::vector<Score>> scores_;  // by `of`, then by `part`
 };
 
 class Judge {
