@@ -26,9 +26,10 @@ case "$1" in
 esac
 
 if [ ! -f "$build/build.ninja" ]; then
+  # gcc sees ghosts in instrumented code: its warnings count in the other builds alone.
   # With b_lundef a sanitized library does not link: its run-time is in the program.
   meson setup "$build" "$source" --buildtype=plain -Doptimization=1 -Dcpp_args="$args" \
-    -Dwerror="${CALVIN_WERROR:-false}" \
+    -Dwerror=false \
     -Db_sanitize=$sanitize -Db_lundef=false -Dexamples=false
 fi
 ninja -C "$build" "$suite-programs"
