@@ -44,7 +44,7 @@ Status CalibDetector::start() {
   async_ = mode_known_ = frame_refused_ = false;
   last_detection_ = GST_CLOCK_TIME_NONE;
   if (Status updated = update_boards(); !updated) return updated;
-  if (Status updated = update_recheck(); !updated) return updated;
+  if (Status started = start_recheck(); !started) return started;
   return worker_.start();
 }
 
@@ -68,21 +68,41 @@ Status CalibDetector::update_boards() {
   return {};
 }
 
-Status CalibDetector::update_recheck() {
+void CalibDetector::name_recheck() {
   std::string text;
   {
     const std::lock_guard guard(lock_);
-    if (!std::exchange(recheck_changed_, false)) return {};
+    if (!std::exchange(recheck_changed_, false)) return;
     text = settings_.recheck;
   }
-  if (text.empty()) {
-    check_.reset();
-    return {};
+  recheck_.set(text);
+  if (text.empty()) check_.reset();
+}
+
+Status CalibDetector::start_recheck() {
+  check_.reset();
+  name_recheck();
+  if (Status started = recheck_.start(); !started) return started;
+  auto news = recheck_.read(CalibrationReader::Clock::now());
+  return news ? take_recheck(*std::move(news)) : Status();
+}
+
+Status CalibDetector::update_recheck() {
+  name_recheck();
+  auto news = recheck_.poll(CalibrationReader::Clock::now());
+  if (!news) return {};
+  Status taken = take_recheck(*std::move(news));
+  if (!taken && check_) taken.error().message += " The calibration that recheck had goes on.";
+  return taken;
+}
+
+Status CalibDetector::take_recheck(CalibrationReader::News news) {
+  if (!news) {
+    return make_error(news.error().code,
+                      "The calibration to check against (recheck): " + news.error().message);
   }
-  auto check = CalibrationCheck::make(text);
-  if (!check) return tl::unexpected<Error>(check.error());
-  check_ = std::move(*check);
-  GST_INFO_OBJECT(element_, "holds boards against %s", text.c_str());
+  check_ = std::make_shared<CalibrationCheck>(*std::move(news));
+  GST_INFO_OBJECT(element_, "holds boards against another calibration");
   return {};
 }
 

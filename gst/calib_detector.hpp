@@ -14,6 +14,7 @@
 #include <gst/gst.h>
 
 #include "calibration_check.hpp"
+#include "calibration_reader.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/detect/detector.hpp"
 #include "calvin/target/board_names.hpp"
@@ -56,7 +57,10 @@ class CalibDetector {
   // Any thread: whoever waits for a detection goes on without it.
   void cancel() { worker_.cancel(); }
   void resume() { worker_.resume(); }
-  void stop() { worker_.stop(); }
+  void stop() {
+    worker_.stop();
+    recheck_.stop();
+  }
   // Somebody downstream wants to look at the corners again.
   void send_patches() {
     const std::lock_guard guard(lock_);
@@ -105,7 +109,12 @@ class CalibDetector {
 
   // Reads the properties again that changed. Keeps the old ones on an error.
   [[nodiscard]] Status update_boards();
+  // `recheck` is read before the first frame; a file that is named or replaced while frames flow is
+  // used when it has been read.
+  [[nodiscard]] Status start_recheck();
   [[nodiscard]] Status update_recheck();
+  void name_recheck();
+  [[nodiscard]] Status take_recheck(CalibrationReader::News news);
   // From here on pictures in memory have this format.
   [[nodiscard]] Status read_pictures(const GstVideoInfo& info);
   // How the frame lies in the buffer, and that it can be read.
@@ -140,6 +149,7 @@ class CalibDetector {
   std::shared_ptr<LumaReader> luma_;
   ImageSize luma_size_;
   Detectors detectors_;
+  CalibrationReader recheck_;
   std::shared_ptr<CalibrationCheck> check_;
   bool async_ = false;
   bool mode_known_ = false;

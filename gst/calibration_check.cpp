@@ -14,31 +14,6 @@
 
 namespace calvin::gst {
 
-Result<std::shared_ptr<CalibrationCheck>> CalibrationCheck::make(const std::string& text) {
-  auto check = std::make_shared<CalibrationCheck>();
-  check->setting_.set(text);
-  auto read = check->setting_.poll(CalibrationSetting::Clock::now());
-  if (!read || !*read) {
-    Error error = read ? read->error() : Error{ErrorCode::kInvalidArgument, "There is none."};
-    error.message = "The calibration to check against (recheck): " + error.message;
-    return tl::unexpected<Error>(std::move(error));
-  }
-  check->calibration_ = **std::move(read);
-  return check;
-}
-
-void CalibrationCheck::poll(std::vector<Error>& news) {
-  auto read = setting_.poll(CalibrationSetting::Clock::now());
-  if (!read) return;
-  if (!*read) {
-    news.push_back(read->error());
-    news.back().message += " The calibration that recheck had goes on.";
-    return;
-  }
-  calibration_ = **std::move(read);
-  size_ = {};
-}
-
 void CalibrationCheck::fit(ImageSize size, std::vector<Error>& news) {
   if (std::exchange(size_, size) == size) return;
   recheck_.reset();
@@ -59,7 +34,6 @@ void CalibrationCheck::fit(ImageSize size, std::vector<Error>& news) {
 
 GstStructure* CalibrationCheck::check(const View& view, const FrameTimes& times,
                                       std::vector<Error>& news) {
-  poll(news);
   fit(view.observation.image_size, news);
   if (!recheck_) return nullptr;
   const auto report = recheck_->add(view);

@@ -4,14 +4,13 @@
 // The property `recheck`: each board found is held against an existing calibration.
 #pragma once
 
-#include <memory>
 #include <optional>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include <gst/gst.h>
 
-#include "calibration_setting.hpp"
+#include "calvin/core/calibration.hpp"
 #include "calvin/solve/recheck.hpp"
 #include "messages.hpp"
 
@@ -20,8 +19,7 @@ namespace calvin::gst {
 // One thread at a time.
 class CalibrationCheck {
  public:
-  // `text` as in parse_calibration_setting(); a file is read again when it is replaced.
-  static Result<std::shared_ptr<CalibrationCheck>> make(const std::string& text);
+  explicit CalibrationCheck(Calibration calibration) : calibration_(std::move(calibration)) {}
 
   // The message `calib-check` for a board that was found, nullptr where it says nothing. What the
   // user should hear beside it is added to `news`.
@@ -29,11 +27,9 @@ class CalibrationCheck {
                                     std::vector<Error>& news);
 
  private:
-  void poll(std::vector<Error>& news);
   // Makes the check for frames of that size; says once why there is none.
   void fit(ImageSize size, std::vector<Error>& news);
 
-  CalibrationSetting setting_;
   Calibration calibration_;
   ImageSize size_;
   std::optional<Recheck> recheck_;

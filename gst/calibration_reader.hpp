@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Reads the property `calibration` beside the streaming thread.
+// Reads the properties `calibration` and `recheck` beside the streaming thread.
 #pragma once
 
 #include <memory>

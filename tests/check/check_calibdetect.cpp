@@ -279,9 +279,12 @@ GST_START_TEST(test_recheck_that_cannot_be_read) {
   g_object_set(f.element, "recheck", calibration_of(f.scene, 1).c_str(), nullptr);
   gst_harness_push(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 0));
   g_object_set(f.element, "recheck", "/no/such/file.json", nullptr);
-  gst_harness_push(f.h, check::frame_of(f.scene.picture(1), "GRAY8", 1));
-  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "/no/such/file.json"));
-  fail_unless_equals_int(f.bus.named("calib-check").size(), 2);
+  int n = 1;
+  while (!f.bus.says(GST_MESSAGE_WARNING, "/no/such/file.json")) {
+    gst_harness_push(f.h, check::frame_of(f.scene.picture(1), "GRAY8", n++));
+  }
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "The calibration that recheck had goes on."));
+  fail_unless_equals_int(f.bus.named("calib-check").size(), n);
 }
 GST_END_TEST;
 

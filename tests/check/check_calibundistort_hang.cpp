@@ -5,13 +5,9 @@
 // do changes of state and of the property. What would hang does not end by itself: whoever waits
 // for it ends with the time limit of the test.
 
-#include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-#include <atomic>
-#include <cstring>
-
+#include "hung_files.hpp"
 #include "undistort_fixture.hpp"
 
 #include <gst/check/gstcheck.h>
@@ -19,36 +15,6 @@
 
 using namespace calvin;
 using namespace calvin::check;
-
-// ---- Files whose name has "hung" in it do not answer, as on a server that is down ---------------
-
-static std::atomic<bool> down = false;
-static std::atomic<int> waiting = 0;
-
-static void wait_for_server(const char* path) {
-  if (std::strstr(path, "hung") == nullptr) return;
-  ++waiting;
-  while (down) g_usleep(1000);
-  --waiting;
-}
-
-// In the place of the C library's, for the libraries too. With 64-bit offsets open() is open64().
-extern "C" {
-int hung_open(const char* path, int flags, mode_t mode) asm("open64");
-int hung_open(const char* path, int flags, mode_t mode) {
-  wait_for_server(path);
-  return openat(AT_FDCWD, path, flags, mode);
-}
-int hung_stat64(const char* path, struct stat* info) asm("stat64");
-int hung_stat64(const char* path, struct stat* info) {
-  wait_for_server(path);
-  return fstatat(AT_FDCWD, path, info, 0);
-}
-int hung_stat(const char* path, struct stat* info) asm("stat");
-int hung_stat(const char* path, struct stat* info) { return hung_stat64(path, info); }
-}
-
-// ---- The tests ----------------------------------------------------------------------------------
 
 // Looks at a frame every 10 ms: each looks as `now`, until something is done, or one looks as
 // `later`.
@@ -85,8 +51,6 @@ struct Pictures {
   std::vector<guint8> barrel = expected_gray(kBarrel, kSize);
   std::vector<guint8> pincushion = expected_gray(kPincushion, kSize);
 };
-
-static bool is_waiting() { return waiting > 0; }
 
 GST_START_TEST(test_a_file_that_is_named_and_does_not_answer_stops_nothing) {
   const Pictures pictures;
