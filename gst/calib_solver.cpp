@@ -48,22 +48,57 @@ Status CalibSolver::start() {
                     plan_.settings.model.c_str(), plan_.settings.min_views, plan_.files.size());
   }
   reset();
+  if (Status started = updater_.start(); !started) return started;
   return worker_.start();
 }
 
+bool CalibSolver::is_up_to_date() {
+  const std::lock_guard guard(lock_);
+  return settings_ == seen_;
+}
+
 void CalibSolver::update() {
-  while (!try_update()) {
+  bool waits = false;
+  {
+    const std::lock_guard guard(lock_);
+    if (settings_ == seen_) return;
+    waits = may_wait(seen_, settings_);
+  }
+  if (!waits) {
+    for (const Error& error : update_now()) post_warning(element_, error);
+  } else if (updater_.idle()) {
+    updater_.offer([this](const std::stop_token& stop) {
+      for (const Error& error : update_now()) {
+        if (const auto telling = updater_.begin_telling(stop, element_)) {
+          post_warning(element_, error);
+        }
+      }
+    });
   }
 }
 
-bool CalibSolver::try_update() {
+bool CalibSolver::update_and_wait() {
+  do {
+    update();
+    if (!updater_.drain()) return false;
+  } while (!is_up_to_date());
+  return true;
+}
+
+std::vector<Error> CalibSolver::update_now() {
+  for (;;) {
+    if (auto news = try_update()) return *std::move(news);
+  }
+}
+
+std::optional<std::vector<Error>> CalibSolver::try_update() {
   SolverSettings now;
   SolverSettings seen;
   SolverPlan before;
   std::uint64_t serial = 0;
   {
     const std::lock_guard guard(lock_);
-    if (settings_ == seen_) return true;
+    if (settings_ == seen_) return std::vector<Error>();
     now = settings_;
     seen = seen_;
     before = plan_;
@@ -75,17 +110,16 @@ bool CalibSolver::try_update() {
   std::optional<Error> news;
   {
     const std::lock_guard guard(lock_);
-    if (serial != plan_serial_) return false;  // another thread was quicker
+    if (serial != plan_serial_) return std::nullopt;
     ++plan_serial_;
     seen_ = std::move(now);
     if (changed) news = adopt(std::move(change.plan), writable.has_value());
   }
-  for (const Error& error : change.refused) {
-    post_warning(element_, {error.code, error.message + " What was set before goes on."});
-  }
-  if (!writable) post_warning(element_, writable.error());
-  if (news) post_warning(element_, *news);
-  return true;
+  std::vector<Error> said = std::move(change.refused);
+  for (Error& error : said) error.message += " What was set before goes on.";
+  if (!writable) said.push_back(writable.error());
+  if (news) said.push_back(*std::move(news));
+  return said;
 }
 
 std::optional<Error> CalibSolver::adopt(SolverPlan plan, bool writable) {
@@ -141,6 +175,7 @@ void CalibSolver::set_live(bool live) {
 
 void CalibSolver::resume() {
   worker_.resume();
+  updater_.resume();
   const std::lock_guard guard(lock_);
   next_solve_ = 0;
   if (final_owed_) request(true);

@@ -47,13 +47,20 @@ class CalibSolver {
   // An error for settings that cannot work; a file that cannot be written now is only a warning
   // on the bus.
   [[nodiscard]] Status start();
-  void cancel() { worker_.cancel(); }
+  void cancel() {
+    worker_.cancel();
+    updater_.cancel();
+  }
   // A solve that cancel() cut short is asked for again.
   void resume();
-  void stop() { worker_.stop(); }
+  void stop() {
+    worker_.stop();
+    updater_.stop();
+  }
 
   // Brings settings that changed into force. Those that cannot work are a warning, and the ones
-  // before them stay.
+  // before them stay. A file that may have to be waited for is read beside, and they take effect
+  // when it has been.
   void update();
 
   // A new size begins a new session.
@@ -92,7 +99,13 @@ class CalibSolver {
   };
 
   // False where another thread did it meanwhile, and it is to be tried again.
-  [[nodiscard]] bool try_update();
+  [[nodiscard]] bool is_up_to_date();
+  // update(), however long that takes; false when it was cancelled.
+  [[nodiscard]] bool update_and_wait();
+  // What the user should hear.
+  [[nodiscard]] std::vector<Error> update_now();
+  // Absent where another thread was quicker.
+  [[nodiscard]] std::optional<std::vector<Error>> try_update();
   // These with the lock held; `writable`: its files. A word for the user, if any.
   std::optional<Error> adopt(SolverPlan plan, bool writable);
   void forget();
@@ -157,6 +170,7 @@ class CalibSolver {
   SessionFiles files_;  // on the worker
 
   Worker worker_;
+  Worker updater_;  // goes first: what it brings into force is solved
 };
 
 }  // namespace calvin::gst

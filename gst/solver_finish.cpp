@@ -41,8 +41,7 @@ Status CalibSolver::verdict() const {
 }
 
 void CalibSolver::finish() {
-  update();
-  if (!worker_.drain()) return;
+  if (!update_and_wait() || !worker_.drain()) return;
   bool solving = false;
   bool writing = false;  // what a disk that was full may have room for now
   {

@@ -25,7 +25,7 @@ SessionOptions SolverPlan::session_options(bool live) const {
 
 namespace {
 
-// Settings that work together or not at all.
+// Settings that work together or not at all. The first ones have the calibration to start from.
 struct Group {
   bool (*same)(const SolverSettings&, const SolverSettings&);
   Status (*read)(SolverPlan&);  // from plan.settings into what follows from them
@@ -136,6 +136,11 @@ PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
     if (!read || group.same(seen, now)) group.keep(change.plan, before);
   }
   return change;
+}
+
+bool may_wait(const SolverSettings& seen, const SolverSettings& now) {
+  return !kGroups[0].same(seen, now) && !now.initial.empty() &&
+         may_be_calibration_path(now.initial);
 }
 
 bool solves_differently(const SolverSettings& a, const SolverSettings& b) {

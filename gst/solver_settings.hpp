@@ -55,6 +55,9 @@ struct PlanChange {
 [[nodiscard]] PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
                                      const SolverSettings& now);
 
+// Whether change_plan() may have to wait for the disk that `initial` is on.
+[[nodiscard]] bool may_wait(const SolverSettings& seen, const SolverSettings& now);
+
 // Whether the views are to be solved again, or the result is to be written again, when one set of
 // settings takes the place of another.
 [[nodiscard]] bool solves_differently(const SolverSettings& a, const SolverSettings& b);
