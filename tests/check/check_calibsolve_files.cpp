@@ -6,6 +6,7 @@
 #include <sched.h>
 #include <sys/mount.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -107,6 +108,10 @@ GST_START_TEST(test_what_is_said_of_names_is_utf8) {
 }
 GST_END_TEST;
 
+static bool is_final(const GstStructure* result) {
+  return g_strcmp0(gst_structure_get_string(result, "state"), "final") == 0;
+}
+
 // What a disk does not take at one moment it may take at another.
 GST_START_TEST(test_a_final_result_that_could_not_be_written_is_tried_again_at_the_end) {
   check::TemporaryFolder folder;
@@ -119,7 +124,8 @@ GST_START_TEST(test_a_final_result_that_could_not_be_written_is_tried_again_at_t
   f.eos();
   fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
   fail_unless_equals_int(warnings(f), 1);  // the one at the start
-  fail_unless_equals_int(f.bus.named("calib-result").size(), 1);
+  const auto results = f.bus.named("calib-result");
+  fail_unless_equals_int(std::count_if(results.begin(), results.end(), is_final), 1);
   const auto read = read_calibration(location);
   fail_unless(read.has_value(), "%s", read ? "" : read.error().message.c_str());
   fail_unless_equals_int(read->views.size(), 10);
