@@ -28,7 +28,7 @@
 
 namespace calvin::gst {
 
-// Every function may be called from any thread and returns at once, but for finish() and join().
+// Every function may be called from any thread and returns at once, but for finish().
 // None holds a lock while it posts or notifies.
 class CalibSolver {
  public:

@@ -85,6 +85,13 @@ tl::unexpected<Error> beyond_memory() {
                     fmt::format("The rows of a frame reach beyond its memory. {}", kAdvice));
 }
 
+// GStreamer answers what is no format by nothing, and UNKNOWN by a CRITICAL.
+const char* name_of(GstVideoFormat format) {
+  const bool unknown = format == GST_VIDEO_FORMAT_UNKNOWN;
+  const char* name = unknown ? nullptr : gst_video_format_to_string(format);
+  return name == nullptr ? "UNKNOWN" : name;
+}
+
 // Why a frame could not be mapped: there is too little of it, or its memory gives no access.
 tl::unexpected<Error> unmapped(const GstVideoInfo& info, GstBuffer* buffer) {
   const gsize size = gst_buffer_get_size(buffer);
@@ -116,9 +123,8 @@ Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
     return make_error(
         ErrorCode::kMalformed,
         fmt::format("A frame is {} of {}x{} px, but {} of {}x{} was negotiated. {}",
-                    gst_video_format_to_string(meta->format), meta->width, meta->height,
-                    GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
-                    GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
+                    name_of(meta->format), meta->width, meta->height, GST_VIDEO_INFO_NAME(&info),
+                    GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
   }
   if (meta != nullptr && meta->n_planes != GST_VIDEO_INFO_N_PLANES(&info)) {
     return make_error(

@@ -187,6 +187,14 @@ inline void frame_of_other_size(Rig& rig, const std::string& /*input*/) {
   push_bad(rig, buffer);
 }
 
+// Which GStreamer has no name for.
+inline void frame_of_no_format(Rig& rig, const std::string& input) {
+  GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
+  gst_buffer_add_video_meta(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_GRAY8, 640, 480)
+      ->format = static_cast<GstVideoFormat>(std::stoi(input));
+  push_bad(rig, buffer);
+}
+
 // Of no plane at all, which GStreamer itself takes for a mistake of the program.
 inline void frame_without_planes(Rig& rig, const std::string& /*input*/) {
   GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
