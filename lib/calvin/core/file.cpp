@@ -4,9 +4,11 @@
 #include "calvin/core/file.hpp"
 
 #include <fcntl.h>
+#include <linux/magic.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/stat.h>
+#include <sys/statfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -113,17 +115,41 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
+constexpr int kMostLinks = 40;  // as the system
+
+// Puts what a symbolic link points to in its place; false where it is none.
+bool follow_link(fs::path& target) {
+  std::error_code error;
+  if (!fs::is_symlink(target, error)) return false;
+  const fs::path next = fs::read_symlink(target, error);
+  if (error) return false;
+  target = next.is_absolute() ? next : target.parent_path() / next;
+  return true;
+}
+
 // Follows symbolic links, so that the rename replaces the file and not the link. Of links that go
 // in a circle one is left over, and stat() refuses it.
 fs::path resolved(const std::string& path) {
-  std::error_code error;
   fs::path target(path);
-  for (int i = 0; i < 40 && fs::is_symlink(target, error); ++i) {
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) break;
-    target = next.is_absolute() ? next : target.parent_path() / next;
+  for (int i = 0; i < kMostLinks; ++i) {
+    if (!follow_link(target)) break;
   }
   return target;
+}
+
+// Whether the name is one that /proc gives to what a program has open, as /dev/stdout and
+// /dev/fd/3.
+bool is_open_file(const std::string& path) {
+  fs::path target(path);
+  std::error_code error;
+  for (int i = 0; i < kMostLinks; ++i) {
+    struct statfs system {};
+    const bool of_proc =
+        ::statfs(folder_of(target).c_str(), &system) == 0 && system.f_type == PROC_SUPER_MAGIC;
+    if (of_proc && fs::is_symlink(target, error)) return true;
+    if (!follow_link(target)) return false;
+  }
+  return false;
 }
 
 // Absent where one of them is not there.
@@ -300,8 +326,9 @@ Status write_file(const std::string& path, std::string_view bytes) {
   if (exists && !S_ISREG(info.st_mode)) return write_directly(path, bytes);
   if (exists && !may_write(path)) return not_written(path, errno);
   const fs::path target = resolved(path);
-  // What a program has open, under its name in /proc, may have no other name any more.
-  if (exists && !are_one(path, target).value_or(false)) return write_in_place(path, bytes);
+  // Whoever has opened the file wants it, not another one in its place; it may have no name any
+  // more.
+  if (exists && is_open_file(path)) return write_in_place(path, bytes);
   const mode_t mode = info.st_mode & 07777;
   const int error = write_and_rename(target, bytes, exists ? &mode : nullptr);
   if (error == 0) return {};

@@ -23,8 +23,8 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{64} << 20;
 // renamed, so that a crash leaves the old content or the new. A file that no other can take the
 // place of, as a mount point or one in a folder that takes no new files, is overwritten and fsynced
 // instead; where that fails its old content is put back. A symbolic link stays one and what it
-// points to is replaced; the mode of an existing file is kept; a device or a pipe, /dev/stdout too, is
-// written directly. kIo where the system refuses, with what to do. The inverse of read_file().
+// points to is replaced; the mode of an existing file is kept; a device or a pipe, /dev/stdout too,
+// is written directly. kIo where the system refuses, with what to do. The inverse of read_file().
 [[nodiscard]] Status write_file(const std::string& path, std::string_view bytes);
 
 // An error that write_file() would give at once (no such folder, no permission), without touching
