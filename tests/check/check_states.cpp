@@ -24,6 +24,8 @@ static void for_each_element(const std::function<void(GstElement*)>& f) {
     fail_unless(element != nullptr);
     gst_object_ref_sink(element);
     f(element);
+    // A worker lets go of the element a moment after it has told something.
+    for (int i = 0; i < 200 && GST_OBJECT_REFCOUNT_VALUE(element) > 1; ++i) g_usleep(10000);
     ASSERT_OBJECT_REFCOUNT(element, GST_OBJECT_NAME(element), 1);
     gst_object_unref(element);
     ++count;
