@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -85,10 +86,18 @@ tl::unexpected<Error> beyond_memory() {
                     fmt::format("The rows of a frame reach beyond its memory. {}", kAdvice));
 }
 
+// The number in a meta that any program may have written, and that need not be one of a format.
+int format_of(const GstVideoMeta& meta) {
+  int number = 0;
+  static_assert(sizeof(number) == sizeof(meta.format));
+  std::memcpy(&number, &meta.format, sizeof(number));
+  return number;
+}
+
 // GStreamer answers what is no format by nothing, and UNKNOWN by a CRITICAL.
-const char* name_of(GstVideoFormat format) {
-  const bool unknown = format == GST_VIDEO_FORMAT_UNKNOWN;
-  const char* name = unknown ? nullptr : gst_video_format_to_string(format);
+const char* name_of(int format) {
+  if (format == GST_VIDEO_FORMAT_UNKNOWN) return "UNKNOWN";
+  const char* name = gst_video_format_to_string(static_cast<GstVideoFormat>(format));
   return name == nullptr ? "UNKNOWN" : name;
 }
 
@@ -117,14 +126,14 @@ tl::unexpected<Error> unmapped(const GstVideoInfo& info, GstBuffer* buffer) {
 Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
   // gst_video_frame_map() takes these on trust, or for a mistake of the program.
   const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
-  if (meta != nullptr && (meta->format != GST_VIDEO_INFO_FORMAT(&info) ||
+  if (meta != nullptr && (format_of(*meta) != GST_VIDEO_INFO_FORMAT(&info) ||
                           meta->width != static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) ||
                           meta->height != static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)))) {
-    return make_error(
-        ErrorCode::kMalformed,
-        fmt::format("A frame is {} of {}x{} px, but {} of {}x{} was negotiated. {}",
-                    name_of(meta->format), meta->width, meta->height, GST_VIDEO_INFO_NAME(&info),
-                    GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("A frame is {} of {}x{} px, but {} of {}x{} was negotiated. {}",
+                                  name_of(format_of(*meta)), meta->width, meta->height,
+                                  GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
+                                  GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
   }
   if (meta != nullptr && meta->n_planes != GST_VIDEO_INFO_N_PLANES(&info)) {
     return make_error(
