@@ -98,7 +98,7 @@ class CalibSolver {
     Reason reason = Reason::kAccepted;  // or why the newest solve left it out
   };
 
-  // False where another thread did it meanwhile, and it is to be tried again.
+  // Whether the settings in force are those that were set last.
   [[nodiscard]] bool is_up_to_date();
   // update(), however long that takes; false when it was cancelled.
   [[nodiscard]] bool update_and_wait();

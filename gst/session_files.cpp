@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Which files a session writes, and which stay as another session left them.
+
 #include "session_files.hpp"
 
 #include <utility>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// How much of its picture a camera covers, over cells of solid angle.
+
 #include "calvin/camera/usable_area.hpp"
 
 #include <optional>

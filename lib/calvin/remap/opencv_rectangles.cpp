@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The rectangles by which cv::getOptimalNewCameraMatrix() chooses its view, as OpenCV has them.
+
 #include "calvin/remap/opencv_rectangles.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Whether a result may replace what files hold of another session.
+
 #include "calvin/session/replacement.hpp"
 
 namespace calvin {

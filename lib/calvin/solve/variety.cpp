@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Whether the views differ enough to determine a camera.
+
 #include "calvin/solve/variety.hpp"
 
 #include <algorithm>
