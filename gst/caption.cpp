@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Draws the words with Pango on a dark box in the middle of the lower edge.
+
 #include "caption.hpp"
 
 #include "calvin_config.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Converts between frame numbers and times with the rate as a fraction, forwards and backwards.
+
 #include "frame_timeline.hpp"
 
 namespace calvin::gst {

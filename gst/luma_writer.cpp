@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Writes the luma plane of plain formats directly, and all others through GStreamer's own packer.
+
 #include "luma_writer.hpp"
 
 #include <algorithm>

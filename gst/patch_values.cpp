@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Puts patches into a GstStructure, and takes them out where their sizes agree with each other and
+// with the number of corners.
+
 #include "patch_values.hpp"
 
 #include <vector>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Every thread waits for its turn, works on its part and counts itself out; the caller works on the
+// first part.
+
 #include "row_workers.hpp"
 
 #include <system_error>

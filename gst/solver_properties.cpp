@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Installs the properties of calibsolve and names the setting behind each.
+
 #include "solver_properties.hpp"
 
 namespace calvin::gst {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Makes camera, board, motion and renderer from the settings, and renders frame after frame.
+
 #include "test_scene.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Installs the properties of the view, and gives them to the library in its units.
+
 #include "view_properties.hpp"
 
 #include <numbers>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Chooses cameras and poses of boards from a seed and renders them with blur, noise and clutter.
+
 #include "detect_scenes.hpp"
 
 #include <cmath>

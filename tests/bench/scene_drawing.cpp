@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Draws clutter, tiles, textiles, printed pages and covering cards with OpenCV, and blurs along a
+// direction.
+
 #include "scene_drawing.hpp"
 
 #include <cmath>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The promises of each parser: what it accepts is sound and survives being written and read again.
+
 #include "targets.hpp"
 
 #include <unistd.h>

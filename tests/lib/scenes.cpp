@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The error of an estimate in units of its predicted standard deviation.
+
 #include "scenes.hpp"
 
 #include <Eigen/Cholesky>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Answers the ioctls of a capture device and fills its buffers with the frames of a Film.
+
 #undef _FILE_OFFSET_BITS  // mmap and ftruncate under their own names
 #include "device.hpp"
 

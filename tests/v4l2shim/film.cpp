@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Renders each pose of the board, in YUYV or as JPEG, when it is first asked for.
+
 #include "film.hpp"
 
 #include <linux/videodev2.h>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Finds the functions of a model by its name and makes a Camera of a calibration, or says what the
+// calibration lacks.
+
 #include "calvin/camera/camera.hpp"
 
 #include <algorithm>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Takes the pixels of the border and of a grid along their rays and back, and tells the first that
+// has no ray.
+
 #include "calvin/camera/monotone.hpp"
 
 #include <cmath>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Looks up a parameter of a calibration by its name.
+
 #include "calvin/core/calibration.hpp"
 
 #include <algorithm>

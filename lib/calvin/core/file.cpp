@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Reads and writes whole files: through links and mount points, with a temporary file that is
+// renamed, and with an error message that says what a user can do.
+
 #include "calvin/core/file.hpp"
 
 #include <fcntl.h>

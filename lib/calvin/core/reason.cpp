@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The words that messages and logs use for each Reason.
+
 #include "calvin/core/reason.hpp"
 
 namespace calvin {

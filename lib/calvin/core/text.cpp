@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Parses and prints numbers with std::from_chars and fmt, which know no locale, and splits text.
+
 #include "calvin/core/text.hpp"
 
 #include <charconv>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Draws a board with Cairo as SVG, PDF or PNG, with a ruler that shows whether the printer kept the
+// scale.
+
 #include "calvin/draw/board_drawing.hpp"
 
 #include "calvin_config.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The shapes of the overlay for one frame: rows of corners, the bars of progress, the border.
+
 #include "calvin/draw/overlay.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Inserts the chunk pHYs behind a PNG file's header.
+
 #include "calvin/draw/png.hpp"
 
 #include <cmath>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Andrew's monotone chain, after the points that cannot lie on the hull were dropped.
+
 #include "calvin/geometry/convex_hull.hpp"
 
 #include <algorithm>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Fits a homography by the direct linear transform on normalised points (Hartley, In Defense of the
+// Eight-Point Algorithm, PAMI 19(6), 1997).
+
 #include "calvin/geometry/homography.hpp"
 
 #include <cmath>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Finds the smallest positive root by bisection between the sign changes of the derivatives, from
+// the lowest degree up.
+
 #include "calvin/geometry/polynomial.hpp"
 
 #include <algorithm>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The exponential and the logarithm of rotations, the closest rotation to a matrix, and the poses
+// that files hold.
+
 #include "calvin/geometry/se3.hpp"
 
 #include <cmath>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The one instantiation of Eigen's eigenvalue solver for small symmetric matrices.
+
 #include "calvin/geometry/symmetric.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Recognises the format of a calibration file by its content and hands the content to the reader of
+// that format; the table of all writers.
+
 #include "calvin/io/calibration_io.hpp"
 
 #include <algorithm>

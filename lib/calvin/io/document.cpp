@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Builds the tree from the events of a parser, with bounds on its depth and on the number of
+// values; checked access to nodes.
+
 #include "calvin/io/document.hpp"
 
 #include <algorithm>

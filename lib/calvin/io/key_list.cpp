@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Parses `fx=..,fy=..,width=..`; every wrong key or number is named in the error.
+
 #include "calvin/io/key_list.hpp"
 
 #include <algorithm>

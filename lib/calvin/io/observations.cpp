@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Reads and writes observations as JSON lines.
+
 #include "calvin/io/observations.hpp"
 
 #include <fmt/format.h>

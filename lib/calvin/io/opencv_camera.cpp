@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Converts between a calibration and OpenCV's camera matrix and distortion vector; finds the
+// smallest model that holds the coefficients.
+
 #include "calvin/io/opencv_camera.hpp"
 
 #include <algorithm>

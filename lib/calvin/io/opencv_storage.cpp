@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Finds the matrices of a calibration in OpenCV's files under the keys that its programs and their
+// descendants write.
+
 #include "calvin/io/opencv_storage.hpp"
 
 #include <algorithm>

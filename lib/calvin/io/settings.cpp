@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Tells text that is a calibration from text that names a file, in the order that
+// docs/elements/calibundistort.md gives.
+
 #include "calvin/io/settings.hpp"
 
 #include <filesystem>

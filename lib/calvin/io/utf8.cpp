@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Replaces bytes that are no UTF-8 and shortens text at the border of a character.
+
 #include "calvin/io/utf8.hpp"
 
 #include <cstdint>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Fits each corner again with the local picture of the board that the known camera predicts, then
+// solves with the new corners.
+
 #include "calvin/session/second_look.hpp"
 
 #include <algorithm>

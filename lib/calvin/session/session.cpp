@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Judges each observation (usable, still, unlike the views before) and keeps the views that add to
+// what is known.
+
 #include "calvin/session/session.hpp"
 
 #include <algorithm>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Where the board was seen, how large and how tilted, as shares of what the image has room for; the
+// hint names the least of them.
+
 #include "calvin/session/spread.hpp"
 
 #include <algorithm>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Blurs rows, then columns, with a Gaussian of exactly the variance that is asked for; noise and
+// rounding to grey levels.
+
 #include "calvin/synth/filter.hpp"
 
 #include <algorithm>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The pose of the board at any time for each kind of motion, placed so that the board lies in the
+// image.
+
 #include "calvin/synth/motion.hpp"
 
 #include <algorithm>

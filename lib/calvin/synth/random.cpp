@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The quantiles of the normal distribution as a table, which makes Gaussian noise of 16 random
+// bits.
+
 #include "calvin/synth/random.hpp"
 
 #include <cmath>

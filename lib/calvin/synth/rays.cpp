@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Interpolates rays bicubically between the nodes of a coarse grid; where nodes have no ray, each
+// pixel is unprojected.
+
 #include "calvin/synth/rays.hpp"
 
 #include <algorithm>

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The mean of the board over each pixel: the polygon that the pixel covers on the board is cut at
+// the edges of the squares.
+
 #include "calvin/synth/render.hpp"
 
 #include <algorithm>

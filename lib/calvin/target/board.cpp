@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Parses and prints the text of one board; its control points and its symmetries.
+
 #include "calvin/target/board.hpp"
 
 #include <array>

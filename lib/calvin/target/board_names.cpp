@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Reads and writes files of named boards, and resolves a list of board texts and names.
+
 #include "calvin/target/board_names.hpp"
 
 #include <algorithm>
