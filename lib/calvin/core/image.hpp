@@ -23,6 +23,11 @@ struct ImageSize {
   friend bool operator==(const ImageSize&, const ImageSize&) = default;
 };
 
+// Pixel coordinates of the centre of the image.
+[[nodiscard]] inline Pixel image_center(ImageSize size) {
+  return {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
+}
+
 // 8-bit grey pixels that somebody else owns; the luma of a YUV frame is viewed in place.
 struct ImageView {
   const std::uint8_t* data = nullptr;

@@ -12,8 +12,8 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/models.hpp"
+#include "calvin/core/image.hpp"
 #include "calvin/core/text.hpp"
-#include "calvin/solve/start.hpp"
 
 namespace calvin {
 

@@ -10,7 +10,9 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "calvin/solve/view_points.hpp"
+#include <algorithm>
+
+#include "calvin/solve/aligned.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::HWY_NAMESPACE {

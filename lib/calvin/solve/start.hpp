@@ -20,11 +20,6 @@ namespace calvin {
 // fx fy cx cy, px; no distortion.
 using Guess = std::array<double, 4>;
 
-// Pixel coordinates of the centre of the image.
-[[nodiscard]] inline Pixel image_center(ImageSize size) {
-  return {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
-}
-
 // From a view's board to the plane one image width before a pinhole whose axis meets the centre of
 // the image: numbers near 1. Absent where the corners determine none.
 [[nodiscard]] std::optional<Eigen::Matrix3d> view_homography(const PointSet& view, ImageSize size);
