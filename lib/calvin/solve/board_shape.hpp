@@ -9,7 +9,8 @@
 
 #include <Eigen/Core>
 
-#include "calvin/solve/solve.hpp"
+#include "calvin/core/calibration.hpp"
+#include "calvin/solve/options.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {

@@ -14,8 +14,8 @@
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/dense.hpp"
 #include "calvin/solve/consistency.hpp"
+#include "calvin/solve/projection_error.hpp"
 #include "calvin/solve/scaled_solve.hpp"
-#include "calvin/solve/uncertainty.hpp"
 #include "calvin/solve/variety.hpp"
 
 namespace calvin {
@@ -206,7 +206,7 @@ void add_checks(Solution& solution, const Conclusion& from, const Camera& camera
                 const Eigen::MatrixXd& c, double variance, const std::stop_token& stop) {
   Calibration& calibration = solution.calibration;
   const double degrees = degrees_of_freedom(from.fit, from.freedom);
-  calibration.expected_error = expected_error(calibration);
+  calibration.expected_error = projection_error(calibration);
   const Consistency found =
       consistency(from.fit, camera, from.shape, from.freedom, c, variance, stop);
   if (stop.stop_requested()) return;
@@ -337,42 +337,6 @@ Result<Solution> conclude(const Conclusion& from, ImageSize size, const SolveOpt
         views));
   }
   return solution;
-}
-
-std::string_view to_string(Misfit::Cause cause) {
-  switch (cause) {
-    case Misfit::Cause::kNone:
-      return "none";
-    case Misfit::Cause::kNoise:
-      return "noise";
-    case Misfit::Cause::kModel:
-      return "model";
-    case Misfit::Cause::kBoard:
-      return "board";
-    case Misfit::Cause::kMotion:
-      return "motion";
-  }
-  return "";
-}
-
-std::string advice(Misfit::Cause cause) {
-  switch (cause) {
-    case Misfit::Cause::kNone:
-      return {};
-    case Misfit::Cause::kNoise:
-      return "The corners are less exact than the detector believes: look for blur, low light or "
-             "compression.";
-    case Misfit::Cause::kModel:
-      return "The lens distorts in ways that the camera model does not have: take a richer one, or "
-             "model=auto.";
-    case Misfit::Cause::kBoard:
-      return "The board is not flat, or not as it was printed: fix it to a stiff plate and measure "
-             "its squares.";
-    case Misfit::Cause::kMotion:
-      return "The views contradict each other: hold board and camera still in every view, or "
-             "shorten the exposure.";
-  }
-  return {};
 }
 
 }  // namespace calvin

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "calvin/solve/fit.hpp"
+#include "calvin/solve/options.hpp"
+#include "calvin/solve/solution.hpp"
 #include "calvin/solve/weights.hpp"
 
 namespace calvin {

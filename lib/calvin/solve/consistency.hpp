@@ -12,7 +12,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/solve/fit.hpp"
-#include "calvin/solve/solve.hpp"
+#include "calvin/solve/misfit.hpp"
 
 namespace calvin {
 

@@ -12,8 +12,8 @@
 #include "calvin/core/image.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/solve/freedom.hpp"
+#include "calvin/solve/options.hpp"
 #include "calvin/solve/points.hpp"
-#include "calvin/solve/solve.hpp"
 #include "calvin/solve/view_points.hpp"
 
 namespace calvin {

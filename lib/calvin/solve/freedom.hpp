@@ -14,7 +14,7 @@
 
 #include "calvin/core/result.hpp"
 #include "calvin/solve/camera_problem.hpp"
-#include "calvin/solve/solve.hpp"
+#include "calvin/solve/options.hpp"
 #include "calvin/solve/view_rows.hpp"
 
 namespace calvin {

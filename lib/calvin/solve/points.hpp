@@ -11,7 +11,6 @@
 
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
-#include "calvin/solve/solve.hpp"
 
 namespace calvin {
 

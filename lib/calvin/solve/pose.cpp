@@ -10,6 +10,7 @@
 
 #include "calvin/solve/board_shape.hpp"
 #include "calvin/solve/pose_fit.hpp"
+#include "calvin/solve/view.hpp"
 #include "calvin/solve/weights.hpp"
 
 namespace calvin {

@@ -11,7 +11,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/result.hpp"
-#include "calvin/solve/solve.hpp"
+#include "calvin/solve/view.hpp"
 
 namespace calvin {
 

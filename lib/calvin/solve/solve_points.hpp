@@ -7,8 +7,9 @@
 #include <stop_token>
 #include <vector>
 
+#include "calvin/solve/options.hpp"
 #include "calvin/solve/points.hpp"
-#include "calvin/solve/solve.hpp"
+#include "calvin/solve/solution.hpp"
 #include "calvin/solve/view_points.hpp"
 
 namespace calvin {

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The verdict on a converged fit: whether its residuals are noise, and the likely cause if not.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace calvin {
+
+// Why a fit may be worse than its covariance says, though it converged.
+struct Misfit {
+  enum class Cause {
+    kNone,    // the residuals are noise
+    kNoise,   // the residuals are larger than the detector's sigmas say
+    kModel,   // residuals belong to places in the image: the lens is richer than the model
+    kBoard,   // residuals belong to corners: the board is not flat, or not as it was printed
+    kMotion,  // views contradict each other: the board moved or bent while it was seen
+  };
+  Cause cause = Cause::kNone;
+  double halves = 1;  // the ratio that two halves of the views differ by, docs/conventions.md
+
+  [[nodiscard]] bool found() const { return cause != Cause::kNone; }
+};
+
+// "none", "noise", "model", "board", "motion"; and a sentence for the user, empty for kNone.
+[[nodiscard]] std::string_view to_string(Misfit::Cause cause);
+[[nodiscard]] std::string advice(Misfit::Cause cause);
+
+}  // namespace calvin

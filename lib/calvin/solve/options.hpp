@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a user may ask of solve(): the model, what is estimated, what is known before.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+
+namespace calvin {
+
+struct SolveOptions {
+  // One of model_names(), or "auto": the simplest model for which no richer one predicts the views
+  // that were held out better by more than 2 sigma.
+  std::string model = "brown5";
+  std::string camera;           // name for the result; empty: that of the first view
+  int max_iterations = 100;     // of each least-squares solve
+  bool reject_outliers = true;  // false: plain least squares over all corners
+
+  // A calibration of images of the same size to start from: it makes a solve sure where the views
+  // alone are few, and gives the values at which parameters are held. Coefficients of an unrelated
+  // model do not count.
+  std::optional<Calibration> initial;
+  // Whether each parameter of `initial` counts as a measurement with its sigma.
+  bool initial_is_prior = false;
+
+  // Whether the covariance is checked too: expected error, chi and halves, see Solution. False: the
+  // fit and its covariance alone.
+  bool checks = true;
+
+  // Estimates the two curvatures of the board (BoardWarp) too, from 8 views of one board on.
+  bool warp = true;
+
+  // Estimates the aspect of the board too, and the place of every single corner: see Solution. With
+  // the offsets a solve takes tenths of a second instead of a millisecond.
+  bool aspect = false;
+  bool offsets = false;
+
+  // Estimates the skew of the pixel axes (u = fx x + skew y + cx) too; else the skew of `initial`
+  // is kept, or 0.
+  bool skew = false;
+
+  // What is not estimated: the name of a parameter, held at its value in `initial`, or else a
+  // coefficient at 0 and "cx", "cy" at the centre of the image; "center" is both of these. What is
+  // tied: "aspect" keeps fy / fx as in `initial`, or else at 1, and "fx=fy" or "k1=k2" gives two
+  // parameters one value.
+  std::vector<std::string> fix;
+};
+
+}  // namespace calvin

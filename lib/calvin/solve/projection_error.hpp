@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What the covariance of a calibration's parameters means for projections. Internal.
+#pragma once
+
+#include <optional>
+
+#include "calvin/core/calibration.hpp"
+
+namespace calvin {
+
+// Calibration::expected_error before any misfit enlarges it, px: see expected_error().
+[[nodiscard]] std::optional<double> projection_error(const Calibration& calibration);
+
+}  // namespace calvin

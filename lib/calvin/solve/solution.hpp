@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What solve() returns: the calibration, what was left out, the verdict and the measured board.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/reason.hpp"
+#include "calvin/solve/misfit.hpp"
+
+namespace calvin {
+
+struct RejectedView {
+  std::size_t index = 0;  // in the views given
+  Reason reason = Reason::kOutlier;
+};
+
+struct RejectedCorner {
+  std::size_t view = 0;  // index in the views given
+  int id = 0;
+};
+
+// How much farther apart the rows of the board are than its columns.
+struct BoardAspect {
+  double value = 1;
+  double sigma = 0;
+};
+
+// How far a corner is from where it was printed, and 1 sigma of it, m, board frame.
+struct CornerOffset {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
+};
+
+struct Solution {
+  // `created` is left empty. `views` lists the views used, in the order given; `covered` is the
+  // convex hull of the corners used; `board` the boards of the views used, joined by ';'.
+  Calibration calibration;
+  std::vector<RejectedView> rejected;
+  std::vector<RejectedCorner> rejected_corners;  // of views that are otherwise used
+  int iterations = 0;                            // of all least-squares solves together
+  // Where one is found, expected_error is multiplied by max(1, chi, halves).
+  Misfit misfit;
+  // Per view of calibration.views, in px^2 per corner: how far its corners are from where a camera
+  // of all other views puts them, the 6 parameters of its pose allowed for; weighted, and to first
+  // order. calibration.held_out_rms is their mean's root: information, it decides nothing.
+  std::vector<double> held_out;
+  // Of the board, where they were estimated. Offsets are by the id of the control point; the sum of
+  // all is no shift, turn, scale, shear, tilt or curvature of the board.
+  std::optional<BoardAspect> board_aspect;
+  std::vector<CornerOffset> corner_offsets;
+  std::vector<std::string> remarks;  // sentences for the user: what is weak, and what to do
+};
+
+}  // namespace calvin

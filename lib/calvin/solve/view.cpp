@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The checks of views before any arithmetic sees them.
+
+#include "calvin/solve/view.hpp"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace calvin {
+
+namespace {
+
+// Corners may lie this far beyond the border, in parts of the image size.
+constexpr double kMargin = 0.05;
+
+bool within(Pixel p, ImageSize size) {
+  const double du = kMargin * size.width;
+  const double dv = kMargin * size.height;
+  return p.u >= -0.5 - du && p.u <= size.width - 0.5 + du && p.v >= -0.5 - dv &&
+         p.v <= size.height - 0.5 + dv;
+}
+
+Status check_board(const Board& board) {
+  if (board.cols < 1 || board.rows < 1 || board.cols > 10000 || board.rows > 10000 ||
+      !std::isfinite(board.size) || !(board.size > 0)) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("A board of {}x{} corners {} m apart does not exist.", board.cols,
+                                  board.rows, board.size));
+  }
+  return {};
+}
+
+}  // namespace
+
+Status check_image_size(ImageSize size) {
+  if (size.width < 1 || size.height < 1 || size.width > 65536 || size.height > 65536) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("An image of {}x{} px cannot be calibrated; give the size of the "
+                                  "frames that the board was seen in.",
+                                  size.width, size.height));
+  }
+  return {};
+}
+
+Status check(const View& view, ImageSize image_size) {
+  if (Status status = check_image_size(image_size); !status) return status;
+  if (Status status = check_board(view.board); !status) return status;
+  const Observation& seen = view.observation;
+  const auto refuse = [](std::string message) {
+    return make_error(ErrorCode::kInvalidArgument, std::move(message));
+  };
+  if (seen.ids.size() != seen.uv.size()) {
+    return refuse(fmt::format("{} ids and {} corners were given; each corner needs its id.",
+                              seen.ids.size(), seen.uv.size()));
+  }
+  std::vector<bool> known(static_cast<std::size_t>(view.board.point_count()), false);
+  for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+    const int id = seen.ids[i];
+    if (id < 0 || id >= view.board.point_count()) {
+      return refuse(
+          fmt::format("The corner id {} is not on the board {}, which has {} corners. "
+                      "Is this the board that was seen?",
+                      id, view.board.text(), view.board.point_count()));
+    }
+    if (known[static_cast<std::size_t>(id)]) {
+      return refuse(fmt::format("The corner id {} is given twice.", id));
+    }
+    known[static_cast<std::size_t>(id)] = true;
+    if (!within(seen.uv[i], image_size)) {
+      return refuse(fmt::format("The corner {} at ({}, {}) is outside the image of {}x{} px.", id,
+                                seen.uv[i].u, seen.uv[i].v, image_size.width, image_size.height));
+    }
+  }
+  return {};
+}
+
+}  // namespace calvin

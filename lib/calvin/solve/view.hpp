@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// A view: the corners of one board in one frame, the measurement from which cameras are solved.
+#pragma once
+
+#include "calvin/core/image.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+
+// One board as seen in one frame. A corner counts by 1 / sigma^2; a sigma that is missing or not
+// positive counts as 1 px, and then only the ratios of the sigmas are believed. Where corners are
+// worse than their sigmas say, a sigma that all of them have in common is added.
+struct View {
+  Observation observation;
+  Board board;
+};
+
+// kInvalidArgument for a size of less than 1 or more than 65536 px.
+[[nodiscard]] Status check_image_size(ImageSize size);
+
+// Whether a view can be fed to solve(): ids within the board and none twice, as many corners as
+// ids, all finite and within the image (5 % of its size beyond the border are tolerated).
+// kInvalidArgument otherwise. Whether the corners are enough is not looked at.
+[[nodiscard]] Status check(const View& view, ImageSize image_size);
+
+}  // namespace calvin
