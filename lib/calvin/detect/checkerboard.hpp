@@ -11,7 +11,8 @@
 
 #include <memory>
 
-#include "calvin/detect/detector.hpp"
+#include "calvin/detect/detection.hpp"
+#include "calvin/target/board.hpp"
 
 namespace calvin::detect {
 
