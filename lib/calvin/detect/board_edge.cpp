@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Brightness profiles across the outermost line of corners, and what they say of the margin.
+
 #include "calvin/detect/board_edge.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Every way to lay a board over a lattice, and the choice among the ways that fit.
+
 #include "calvin/detect/board_match.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Corners of one level grouped by the graph, laid out as lattices and completed.
+
 #include "calvin/detect/board_search.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The search through the levels of the pyramid, and what is reported of the board found.
+
 #include "calvin/detect/checkerboard.hpp"
 
 #include <algorithm>

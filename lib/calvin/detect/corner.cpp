@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Samples the ring around a pixel and reads the directions of two edges from its changes.
+
 #include "calvin/detect/corner.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Links between mutual neighbours, kept where the image shows the edge between them.
+
 #include "calvin/detect/corner_graph.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The choice of the detector by the kind of the board.
+
 #include "calvin/detect/detector.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Polynomial surfaces through the fits of a board: the bends of its edges, the fall of light.
+
 #include "calvin/detect/fit_grid.hpp"
 
 #include <cmath>

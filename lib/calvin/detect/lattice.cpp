@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Nodes in a flat array, predictions from neighbours, and the removal of nodes that break them.
+
 #include "calvin/detect/lattice.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Corners sorted into cells of the image, and the nearest one along each edge among them.
+
 #include "calvin/core/vector_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE

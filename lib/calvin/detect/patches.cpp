@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Cuts squares of pixels around corners out of an image.
+
 #include "calvin/detect/patches.hpp"
 
 #include <algorithm>

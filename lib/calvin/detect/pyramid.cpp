@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Averages of 2x2 pixels, level after level.
+
 #include "calvin/core/vector_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// First fits, fits with the bends of the board, and the removal of corners that fail the tests.
+
 #include "calvin/detect/refine.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Damped Gauss-Newton steps for one corner, and the tests that end them.
+
 #include "calvin/detect/saddle_fit.hpp"
 
 #include <algorithm>

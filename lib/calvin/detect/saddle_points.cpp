@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The corner response of all pixels and its peaks, a vector at a time.
+
 #include "calvin/core/vector_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE

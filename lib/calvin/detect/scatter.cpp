@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Differences and residuals of a lattice laid flat, compared with the sigmas of its corners.
+
 #include "calvin/detect/scatter.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Divided differences along rows and columns, and the verdict on each corner from them.
+
 #include "calvin/detect/stray_corners.hpp"
 
 #include <algorithm>

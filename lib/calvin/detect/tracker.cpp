@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Extrapolates the corners of the last two frames to the time of the next.
+
 #include "calvin/detect/tracker.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The sums of the normal equations, block by block, and the elimination of the small blocks.
+
 #include "calvin/solve/arrowhead.hpp"
 
 #include <algorithm>

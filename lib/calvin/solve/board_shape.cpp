@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The displacement fields by which a board may differ from the printed one, with their priors.
+
 #include "calvin/solve/board_shape.hpp"
 
 #include <functional>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The normal equations of a camera and its poses, and the damped steps that they give.
+
 #include "calvin/solve/camera_problem.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Turns a finished fit into a Solution, or into an error that says which views are missing.
+
 #include "calvin/solve/conclude.hpp"
 
 #include <algorithm>

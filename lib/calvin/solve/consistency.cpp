@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Tests of the residuals by view, by part of the image and by corner of the board.
+
 #include "calvin/solve/consistency.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// A rotation fitted between two cameras, and the changes of projection that it leaves.
+
 #include "calvin/solve/difference.hpp"
 
 #include <algorithm>

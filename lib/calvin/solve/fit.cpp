@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Follows starts to their optima, leaves out outliers on the way, and keeps the best optimum.
+
 #include "calvin/solve/fit.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Reads `fix` and `initial` into held values, ties and the basis of the directions.
+
 #include "calvin/solve/freedom.hpp"
 
 #include <algorithm>

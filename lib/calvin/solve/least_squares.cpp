@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// One minimisation over some views, the distances of corners after it, and poses for a camera.
+
 #include "calvin/solve/least_squares.hpp"
 
 #include <algorithm>

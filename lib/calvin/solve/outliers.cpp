@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Medians of distances, and the limits for corners and views that are multiples of them.
+
 #include "calvin/solve/outliers.hpp"
 
 #include <algorithm>

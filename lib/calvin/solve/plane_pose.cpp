@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The homography of a plane by an eigenvector of its normal matrix, and the pose in it.
+
 #include "calvin/solve/plane_pose.hpp"
 
 #include <algorithm>

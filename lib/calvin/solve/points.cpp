@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Observations as points with weights.
+
 #include "calvin/solve/points.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Checks an observation, fits its pose and measures both tilts that a plane leaves open.
+
 #include "calvin/solve/pose.hpp"
 
 #include <algorithm>

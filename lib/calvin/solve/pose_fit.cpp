@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Levenberg-Marquardt over the six unknowns of one pose, from both of a plane's tilts.
+
 #include "calvin/solve/pose_fit.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Products of columns and triangular solves, compiled for every kind of vector.
+
 #include "calvin/solve/products.hpp"
 
 #include "calvin/core/vector_targets.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Derivatives of projections over a grid of pixels, the common rotation taken out.
+
 #include "calvin/solve/projection_grid.hpp"
 
 #include <algorithm>

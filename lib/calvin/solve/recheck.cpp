@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Gathers what single views say of the parameters, and tests the step that they ask for.
+
 #include "calvin/solve/recheck.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Linear systems solved after scaling their diagonals to 1.
+
 #include "calvin/solve/scaled_solve.hpp"
 
 #include "calvin/geometry/dense.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Checks what the caller gives, makes points of it, and lets one model or several be solved.
+
 #include "calvin/solve/solve.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The chain of one model: weights, fit, common sigma, conclusion.
+
 #include "calvin/solve/solve_points.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Focal lengths and poses from homographies: Zhang's closed form, and a grid of focal lengths.
+
 #include "calvin/solve/start.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Tries starts on a sample of the views and ranks the cameras that they lead to.
+
 #include "calvin/solve/start_search.hpp"
 
 #include <algorithm>

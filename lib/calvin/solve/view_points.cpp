@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Copies the corners in use into padded arrays, and shares the printed part between views.
+
 #include "calvin/solve/view_points.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The memory of the rows, and the choice of the function that fills them.
+
 #include "calvin/solve/view_rows.hpp"
 
 #include <algorithm>

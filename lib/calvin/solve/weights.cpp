@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Weights from sigmas, the sigma that all corners share, and chi.
+
 #include "calvin/solve/weights.hpp"
 
 #include <algorithm>
