@@ -14,17 +14,17 @@ namespace calvin::detect {
 
 namespace {
 
-// A place in a lattice, between its nodes too.
+// A place in a lattice, in columns and rows; may lie between nodes.
 struct Spot {
   double col;
   double row;
 
   Spot(double at_col, double at_row) : col(at_col), row(at_row) {}
-  // Every cell is one.
+  // Every cell is a place.
   Spot(Cell c) : col(c.col), row(c.row) {}  // NOLINT(google-explicit-constructor)
 };
 
-// A polynomial over columns and rows, by least squares.
+// A polynomial of degree kDegree over columns and rows, fitted by weighted least squares.
 template <int kDegree>
 class Surface {
  public:
@@ -38,13 +38,14 @@ class Surface {
         half_cols_(std::max(0.5 * (extent.cols() - 1), 1.0)),
         half_rows_(std::max(0.5 * (extent.rows() - 1), 1.0)) {}
 
-  // Those of a lower degree first. From -1 to 1 over the lattice.
+  // The monomials at a place, those of a lower degree first, in coordinates that run from -1 to 1
+  // over the lattice.
   [[nodiscard]] Terms terms(Spot s) const {
     const double x = (s.col - middle_col_) / half_cols_;
     const double y = (s.row - middle_row_) / half_rows_;
     Terms t;
     t[0] = 1;
-    int before = 0;  // the first of a degree less
+    int before = 0;  // index of the first term of the degree below
     int k = 1;
     for (int degree = 1; degree <= kDegree; before += degree++) {
       for (int i = 0; i < degree; ++i) t[k++] = x * t[before + i];
@@ -52,7 +53,7 @@ class Surface {
     }
     return t;
   }
-  // `weight`: 1 / the variance of the value, where it is known.
+  // `weight` is 1 / variance of the value, up to a factor that all values share.
   void add(Spot s, double value, double weight) {
     const Terms t = terms(s);
     normal_.template selfadjointView<Eigen::Lower>().rankUpdate(t, weight);
@@ -60,13 +61,14 @@ class Surface {
     square_ += weight * value * value;
     ++count_;
   }
-  // Of as high a degree as the data tell; without any it is 0. `variance`: of a value of weight 1,
-  // at the least. Terms of a degree that are not clearly more than it makes them are left out, for
-  // noise in them is largest at the border of the lattice; others are made smaller by its share
-  // (James and Stein, Estimation with Quadratic Loss, 1961).
+  // Finds the coefficients; without values all are 0. `variance` is the least variance of a value
+  // of weight 1. Orthonormal terms have that variance each: from the third degree on, the terms of
+  // a degree are left out together where their mean square is not kClearly times the variance,
+  // because noise in high terms is largest at the border of the lattice. Terms that stay are shrunk
+  // by the share of noise in their square (James and Stein, Estimation with Quadratic Loss, 1961).
   void solve(double variance) {
-    constexpr int kFirst = 3;  // degree in doubt
-    constexpr double kClearly = 3;
+    constexpr int kFirst = 3;       // lowest degree in doubt
+    constexpr double kClearly = 3;  // ratio of variances; noise alone exceeds it once in 60 times
     orthogonalise();
     variance = std::max(variance, measured(variance));
     variance_ = variance;
@@ -84,15 +86,15 @@ class Surface {
     }
   }
   [[nodiscard]] double at(Spot s) const { return terms(s).dot(coefficients_); }
-  // Of a value of weight 1, as the values tell.
+  // The variance of a value of weight 1, measured by the residuals.
   [[nodiscard]] double variance() const { return variance_; }
 
  private:
-  // Takes the normal matrix to its factor of Cholesky, and the right side to the coefficients of
-  // terms that are orthonormal over the data: each has the variance of a value. Terms that cannot
-  // be told from those before are left out, 0.
+  // Replaces the normal matrix by its Cholesky factor, and the right side by the coefficients of
+  // terms that are orthonormal over the data: each coefficient has the variance of one value. A
+  // term that depends linearly on the terms before it gets the coefficient 0.
   void orthogonalise() {
-    constexpr double kNew = 1e-3;  // of a term's square
+    constexpr double kNew = 1e-3;  // share of a term's square that the terms before do not explain
     const Terms squares = normal_.diagonal();
     for (int k = 0; k < kTerms; ++k) {
       const bool is_new = normal_(k, k) > kNew * squares[k];
@@ -113,10 +115,10 @@ class Surface {
     }
   }
 
-  // The variance by what all terms together leave, as if some values more had the one presumed:
-  // the noise of compressed pictures is larger than it seems.
+  // The variance of the residuals of all terms together, averaged with kPresumed values of the
+  // variance `presumed`: a compressed picture has more noise than single windows show.
   [[nodiscard]] double measured(double presumed) const {
-    constexpr double kPresumed = 4;
+    constexpr double kPresumed = 4;  // values
     const double left = std::max(square_ - right_.squaredNorm(), 0.0);
     const auto terms = static_cast<double>((right_.array() != 0).count());
     return (left + kPresumed * presumed) / (std::max(count_ - terms, 0.0) + kPresumed);
@@ -134,12 +136,13 @@ class Surface {
   double variance_ = 0;
 };
 
-// Through the numbers of the nodes that have one, but for those that stand out: something lies over
-// a part of the board. `spot(cell)`: where it is of; `weight(cell)`, `variance`: as in Surface.
+// The surface through the numbers of the nodes for which has(cell). Nodes that stand out from a
+// first surface are left out, because something may lie over a part of the board. spot(cell) is the
+// place that a number belongs to; weight(cell) and `variance` are those of Surface.
 template <int kDegree, typename H, typename S, typename W>
 Surface<kDegree> surface_of(const Lattice& lattice, FitGrid& fits, H has, S spot, W weight,
                             double variance) {
-  constexpr float kOut = 5;  // times the median
+  constexpr float kOut = 5;  // times the median distance from the first surface
   const auto through = [&](auto is_in) {
     Surface<kDegree> surface(lattice.extent());
     lattice.for_each([&](Cell c, const Node& /*node*/) {
@@ -159,14 +162,14 @@ Surface<kDegree> surface_of(const Lattice& lattice, FitGrid& fits, H has, S spot
   return none ? all : through(is_in);
 }
 
-// How a line bends, as the nodes next to each other on it tell.
+// A row or a column of corners, and how it bends: from three nodes in a row at a time.
 class Line {
  public:
   Line(const Lattice& lattice, const FitGrid& fits, Cell step)
       : lattice_(lattice), fits_(fits), step_(step) {}
 
   [[nodiscard]] bool is_row() const { return step_.row == 0; }
-  // The side to which it bends.
+  // The unit vector to the side to which a positive bend goes.
   [[nodiscard]] Direction normal(Cell c) const {
     const SaddleFit& f = fits_.at(c);
     return is_row() ? Direction{-f.along.y, f.along.x} : Direction{f.down.y, -f.down.x};
@@ -177,13 +180,15 @@ class Line {
   [[nodiscard]] bool has_any(Cell c) const {
     return lattice_.has(c) && (lattice_.has(c + step_) || lattice_.has(c - step_));
   }
-  // The same node, or the next one to an end: beyond it nothing tells how bends change.
+  // The node itself, or at an end the inner neighbour: second differences of bends exist only
+  // where both neighbours do.
   [[nodiscard]] Cell within(Cell c) const {
     if (has_both(c)) return c;
     if (has_both(c + step_)) return c + step_;
     return has_both(c - step_) ? c - step_ : c;
   }
-  // 1/px: by the nodes before and after it, or at an end by the next one and its own direction.
+  // The curvature at a node, 1/px: from its distance to the chord of both neighbours, or at an end
+  // of the line from one neighbour and the direction of the edge in the node's own fit.
   [[nodiscard]] double bend(Cell c) const {
     double square = 0;
     double off = 0;
@@ -196,16 +201,18 @@ class Line {
     }
     return 2 * off / square;
   }
+  // The variance of bend(c), 1/px^2.
   [[nodiscard]] double variance(Cell c) const {
     const SaddleFit& f = fits_.at(c);
     const auto sigma = static_cast<double>(f.sigma);
     const double square = square_to_next(c);
     if (has_both(c)) return 6 * sigma * sigma / (square * square);
-    // A direction is told to 3 sigma^2 / radius^2.
+    // The variance of a fitted direction is 3 sigma^2 / radius^2.
     const auto radius = static_cast<double>(f.radius);
     return sigma * sigma * (8 / square + 12 / (radius * radius)) / square;
   }
-  // Where it bends as much: an end sees to the next node, less what its own window takes of it.
+  // The place whose curvature bend(c) is: at an end the mean over the way to the neighbour, less
+  // the part that the node's own window has taken into its direction.
   [[nodiscard]] Spot spot(Cell c) const {
     if (has_both(c)) return c;
     const auto radius = static_cast<double>(fits_.at(c).radius);
@@ -228,11 +235,13 @@ class Line {
   Cell step_;
 };
 
-// How far a fit that does not know of a bend is off, px^2 times the bend: by the mean over its
-// window of half the square of the way along the edge, which says little next to the corner, and by
-// what blur adds to it.
+// The error of a fitted place per bend of an edge that the fit took for straight, px^2. The place
+// is off by the mean of u^2 / 2 over the part of the window in which the edge can be seen (u: way
+// along the edge from the corner, px), and by the square of the blur over 2.
 double reach(const SaddleFit& fit, float width_along) {
-  constexpr double kDark = 1.13;    // widths of the edge that crosses, next to which none is seen
+  // Widths of the crossing edge within which the edge is not seen: the integral of 1 - e(x)^2 over
+  // x > 0, which is 2 / sqrt(pi).
+  constexpr double kDark = 1.13;
   constexpr double kLeastSeen = 2;  // widths
   const auto radius = static_cast<double>(fit.radius);
   const auto width = static_cast<double>(width_along);
@@ -240,10 +249,11 @@ double reach(const SaddleFit& fit, float width_along) {
   return radius * radius * radius / (6 * seen) + 0.5 * width * width;
 }
 
-// Whether the ends of lines say of the bends what the nodes between them do. They do not where the
-// directions of edges are off: motion that is oblique to them turns how all of them look.
+// Whether the bends at the ends of lines agree with the surface through the bends between them. The
+// ends use directions of edges, which are wrong where a motion blur oblique to the edges turns
+// them.
 bool ends_agree(const Lattice& lattice, const Line& line, const Surface<5>& between) {
-  constexpr double kMost = 3;  // times what they differ by their variance alone
+  constexpr double kMost = 3;  // ratio of the mean square difference to its variance
   double sum = 0;
   int ends = 0;
   lattice.for_each([&](Cell c, const Node& /*node*/) {
@@ -255,13 +265,13 @@ bool ends_agree(const Lattice& lattice, const Line& line, const Surface<5>& betw
   return sum <= kMost * between.variance() * ends;
 }
 
-// The bends of all rows, or of all columns, as the surface has them; the fits are moved to where
-// they will be with them.
+// Sets the bends of all rows, or of all columns, to the values of the surface, and moves each fit
+// to where a fit with that bend will find its corner.
 template <int kDegree>
 void take_bends(const Lattice& lattice, Cell step, const Line& line,
                 const Surface<kDegree>& surface, FitGrid& fits) {
-  // Three nodes tell the mean of the bend over two squares, which is off by 1/12 of how the bends
-  // of neighbours differ from it; a window reaches half as far and is off by less.
+  // Three nodes give the mean of the bend over two squares, weighted by a triangle: off by 1/12 of
+  // the second difference of the bends. A window reaches half as far and is off by a part of that.
   constexpr double kOfChange = 1.0 / 15;
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     const Cell within = line.within(c);
@@ -280,7 +290,8 @@ void take_bends(const Lattice& lattice, Cell step, const Line& line,
 }
 
 void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
-  // Nodes of a line that tell how its bend changes: what fewer seem to say grows towards its ends.
+  // The fewest nodes of a line for a surface of the fifth degree: from fewer, its error grows
+  // without bound towards the ends of the line.
   constexpr int kLong = 6;
   const Line line(lattice, fits, step);
   const auto has = [&](Cell c) { return line.has_any(c); };
@@ -305,7 +316,8 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
 }  // namespace
 
 void set_bends(const Lattice& lattice, FitGrid& fits) {
-  // The first fits are off by what they do not know of the bends, and so are the bends by them.
+  // The first fits took edges for straight and are off, and so are the bends computed from them:
+  // the second round starts from places that the first has corrected.
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds; ++round) {
     set_bends_of(lattice, {1, 0}, fits);
@@ -314,8 +326,9 @@ void set_bends(const Lattice& lattice, FitGrid& fits) {
 }
 
 void set_slopes(const Lattice& lattice, FitGrid& fits) {
-  // Where the squares are cut off at white, level and contrast are not known well enough.
-  constexpr float kMostCut = 0.05F;
+  // Where more pixels than this are cut off at white or black, level and contrast are too
+  // uncertain.
+  constexpr float kMostCut = 0.05F;  // share of the window's pixels
   if (fits.median(lattice, [](const SaddleFit& f) { return f.cut; }) > kMostCut) return;
   const auto surface_through = [&](auto number) {
     lattice.for_each([&](Cell c, const Node& /*node*/) { fits.number(c) = number(fits.at(c)); });
@@ -328,7 +341,7 @@ void set_slopes(const Lattice& lattice, FitGrid& fits) {
   const auto contrast = surface_through([](const SaddleFit& f) { return std::abs(f.contrast); });
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     SaddleFit& f = fits.at(c);
-    // The steps of a column and of a row, px, take the changes per cell to a gradient.
+    // The steps of a column and of a row, px, turn changes per cell into a gradient per px.
     Direction step[2];
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const Cell ahead = lattice.has(c + kAround[axis]) ? c + kAround[axis] : c;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The fits of all nodes of a lattice, and what they tell of each other: how edges bend and how the
-// light falls, which one window is too small for.
+// The fits of all nodes of a lattice, and the two properties that only neighbours can tell, because
+// one window is too small: how edges bend and how the light falls.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ class FitGrid {
   [[nodiscard]] bool empty() const { return fits_.empty(); }
   [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_[index(c)]; }
   [[nodiscard]] SaddleFit& at(Cell c) { return fits_[index(c)]; }
-  // A number of each node, for whoever needs one.
+  // A scratch number of each node, for the computation that needs one.
   [[nodiscard]] float& number(Cell c) { return number_[index(c)]; }
 
   // The median of a number of each node of the lattice.
@@ -34,7 +34,7 @@ class FitGrid {
     lattice.for_each([&](Cell c, const Node& /*node*/) { numbers_.push_back(number(at(c))); });
     return middle();
   }
-  // Likewise, where `has(cell)`, of number(cell).
+  // The median of number(cell) over the nodes for which has(cell).
   template <typename H, typename F>
   [[nodiscard]] float median_where(const Lattice& lattice, H has, F number) {
     numbers_.clear();
@@ -62,11 +62,11 @@ class FitGrid {
   std::vector<float> numbers_;
 };
 
-// Sets the bends of the fits, from the places of their neighbours, and moves the fits to where
-// those bends will have them.
+// Sets the bends of the fits from the places of their neighbours, and moves each fit to where a fit
+// with these bends will find its corner.
 void set_bends(const Lattice& lattice, FitGrid& fits);
 
-// Sets the slopes of level and contrast, from the levels and contrasts of all.
+// Sets the slopes of level and contrast, from the levels and contrasts of all fits.
 void set_slopes(const Lattice& lattice, FitGrid& fits);
 
 }  // namespace calvin::detect

@@ -28,16 +28,17 @@ Place image_of(const Homography& h, Place p) {
   return {(h[0] * p.x + h[1] * p.y + h[2]) / w, (h[3] * p.x + h[4] * p.y + h[5]) / w};
 }
 
-// What a wide lens makes of straight lines, by one number: a place r px from the middle of the
-// image is seen `bend` r radians off the axis. Before most fisheyes a board is a plane in this way.
+// A one-parameter model of a wide lens, equidistant: a place r px from the middle of the image is
+// seen at an angle of `bend` r radians to the axis. It makes a plane of a board before most
+// fisheyes.
 struct Lens {
   Place middle;     // px
-  double bend = 0;  // 1/px; 0: none
+  double bend = 0;  // rad/px; 0: a pinhole
 
   [[nodiscard]] Place from_middle(const Node& node) const {
     return {static_cast<double>(node.x) - middle.x, static_cast<double>(node.y) - middle.y};
   }
-  // As a lens without distortion would show it.
+  // The place, from the middle, where a lens without distortion would show a node.
   [[nodiscard]] Place straight(const Node& node) const {
     const Place p = from_middle(node);
     const double angle = bend * std::hypot(p.x, p.y);
@@ -51,15 +52,15 @@ struct Lens {
     const double angle = bend * radius;
     if (!(angle > 0)) return way;
     const double across = angle / std::tan(angle);
-    // Of the way the part away from the middle; there lengths change more than across it.
+    // The radial part of the way; lengths change more along the radius than across it.
     const double outwards = (way.x * p.x + way.y * p.y) / (radius * radius);
     const double more = outwards * (std::cos(angle) * std::cos(angle) - across);
     return {across * way.x + more * p.x, across * way.y + more * p.y};
   }
 };
 
-// A grid and where it is in the image, straightened, both from the middle of the lattice so that
-// numbers are small; px.
+// A grid, and its places in the straightened image (px) with the homography between them. Both are
+// taken from the middle of the lattice, which keeps the normal equations well conditioned.
 class Flattened {
  public:
   Flattened(const Lattice& lattice, const Lens& lens) : lattice_(lattice), lens_(lens) {
@@ -93,7 +94,7 @@ class Flattened {
     const Place expected = image_of(homography_, from_middle(c));
     return lens_.seen({at.x - expected.x, at.y - expected.y}, node);
   }
-  // The sum over the nodes of the square of that.
+  // The sum over the nodes of the square of off().
   [[nodiscard]] double square_off() const {
     double sum = 0;
     lattice_.for_each([&](Cell c, const Node& /*node*/) {
@@ -103,9 +104,9 @@ class Flattened {
     return sum;
   }
 
-  // Whether the grid is bent by a part of its squares that no lens but a wide one makes of it.
+  // Whether the root mean square of off() is a part of the squares that only wide lenses reach.
   [[nodiscard]] bool is_strongly_bent() const {
-    constexpr double kStrongly = 0.04;
+    constexpr double kStrongly = 0.04;  // of a square's side
     const auto& h = homography_;
     const double square = std::abs(h[0] * h[4] - h[1] * h[3]);  // px^2, in the middle
     return square_off() > kStrongly * kStrongly * square * count_;
@@ -126,7 +127,7 @@ class Flattened {
   Homography homography_;
 };
 
-// The bend before which the lattice is most like a plane.
+// The lens before which the lattice is most like a plane, by a search over its bend.
 Lens lens_of(const Lattice& lattice, ImageSize image) {
   constexpr double kWidest = 1.45;  // rad, of the farthest node
   constexpr int kSteps = 15;
@@ -162,12 +163,12 @@ constexpr std::array<double, 4> kThird = {1, -3, 3, -1};
 constexpr std::array<double, 5> kFourth = {1, -4, 6, -4, 1};
 constexpr std::array<double, 6> kFifth = {1, -5, 10, -10, 5, -1};
 
-// The squares of differences beside what the corners' sigmas have them be.
+// The sum of the squares of mixed differences, each over its variance by the corners' sigmas.
 struct Squares {
   double sum = 0;
   double count = 0;
 
-  // Of all places where the lattice has the corners of a difference, in both directions.
+  // Takes every place where the lattice has all corners of the difference, in both directions.
   template <std::size_t kLong, std::size_t kShort>
   Squares(const Lattice& lattice, const Flattened& flat, const std::array<double, kLong>& along,
           const std::array<double, kShort>& aside) {
@@ -201,17 +202,17 @@ struct Squares {
   }
 };
 
-// Of the corners' errors to their sigmas.
+// The ratio of the corners' errors to their sigmas, by differences.
 double ratio_by(const Lattice& lattice, const Flattened& flat) {
-  constexpr double kPresumed = 1;  // difference of a scatter of 1
-  constexpr double kEnough = 6;    // differences over six corners by five
+  constexpr double kPresumed = 1;  // this many differences are added that say 1
+  constexpr double kEnough = 6;    // differences over six corners by five, else five by four
   Squares squares(lattice, flat, kFifth, kFourth);
   if (squares.count < kEnough) squares = Squares(lattice, flat, kFourth, kThird);
   return std::sqrt((squares.sum + kPresumed) / (squares.count + kPresumed));
 }
 
-// A surface through where the corners are off, for each axis: a polynomial of all powers up to the
-// fifth together, which takes what homographies and most lenses make of a grid.
+// For each axis a surface through the distances from the homography: a polynomial of total degree
+// five, which follows what most lenses make of a grid.
 constexpr int kDegree = 5;
 constexpr int kTerms = (kDegree + 1) * (kDegree + 2) / 2;
 using Terms = Eigen::Matrix<double, kTerms, 1>;
@@ -227,15 +228,15 @@ Terms terms_at(Place p) {
   return terms;
 }
 
-// The same ratio by what is left of the surface. It is of all corners, and so three times as sure
-// as that of differences, unless a lens bends the board more than the surface. Absent where corners
-// are few.
+// The ratio by the residuals of the surface. It uses all corners, and so its standard deviation is
+// a third of that by differences, unless a lens bends the board more than the surface. Absent where
+// corners are few.
 std::optional<double> ratio_beside_surface(const Lattice& lattice, const Flattened& flat) {
   constexpr int kFewestNodes = 2 * kTerms;
   if (lattice.count() < kFewestNodes) return std::nullopt;
   Box box;
   lattice.for_each([&](Cell /*c*/, const Node& node) { box.add(node.x, node.y); });
-  // In the image a lens is such a polynomial itself, nearly.
+  // Over places in the image, where the distortion itself is nearly such a polynomial.
   const auto place = [&](const Node& node) {
     const double width = box.right - box.left;
     const double height = box.bottom - box.top;
@@ -263,12 +264,12 @@ std::optional<double> ratio_beside_surface(const Lattice& lattice, const Flatten
 
 float scatter(const Lattice& lattice, ImageSize image) {
   constexpr int kFewestNodes = 15;
-  constexpr double kMost = 10;
-  constexpr double kLikely = 1.1;  // without a wide lens
-  constexpr double kUsual = 1.25;  // beside a surface
-  // How many times less differences say by chance. They are few: a board of 9x6 has about six that
-  // are independent, of which one in two hundred says a third. A wide lens is the likelier reason
-  // earlier.
+  constexpr double kMost = 10;     // no larger ratio is reported
+  constexpr double kLikely = 1.1;  // up to this, a wide lens need not be looked for
+  constexpr double kUsual = 1.25;  // up to this, the surface is believed whatever differences say
+  // How many times smaller the ratio by differences may be by chance than that by the surface. A
+  // board of 9x6 has about six independent differences: one board in two hundred gets a third. On a
+  // strongly bent board the wide lens is the likelier reason from 1.7 on.
   constexpr double kByChance = 3;
   constexpr double kBeforeAWideLens = 1.7;
   if (lattice.count() < kFewestNodes) return 1;

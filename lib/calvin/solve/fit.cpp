@@ -22,34 +22,34 @@ namespace calvin {
 
 namespace {
 
-// Of the predicted decrease, relative to the cost: beyond this is rounding.
+// The last step's predicted decrease, relative to the cost: a smaller decrease is rounding.
 constexpr double kTolerance = 1e-13;
 
-// Of the predicted decrease, in variances of a corner: a step that moves no parameter by more than
-// 1e-3 sigma.
+// A predicted decrease, in variances of a corner: the square of 1e-3 sigma, so that a step with a
+// smaller decrease moves no parameter by more than that.
 constexpr double kSmall = 1e-6;
 
 // The damping where the start is likely near the optimum, and where it may be anywhere.
 constexpr double kNearLambda = 1e-8;
 constexpr double kFarLambda = 1e-4;
 
-// Optima whose costs differ by less are one.
+// Optima whose costs differ by a smaller part are the same.
 constexpr double kSame = 1e-6;
 
-// Where a course ends.
+// Where the path from one start ends, or has come to so far.
 struct Ending {
   std::vector<double> shared;
   Poses poses;                           // of all views that have one
-  std::optional<CameraProblem> problem;  // over those in use; refers to `views`
+  std::optional<CameraProblem> problem;  // over the views in use; refers to `views`
   std::vector<ViewMask> masks;
   std::vector<const FitView*> views;  // without the corners that are masked
-  std::vector<FitView> masked;        // those of them that are not as they came
+  std::vector<FitView> masked;        // the views of which corners are left out
   std::vector<bool> used;
   bool converged = false;
-  bool sound = false;             // converged, and nothing is left undetermined or impossible
-  Eigen::MatrixXd information;    // of the problem
+  bool sound = false;             // converged, every unknown is determined, every corner seen
+  Eigen::MatrixXd information;    // of the directions of the problem, poses eliminated
   std::vector<double> distances;  // of all corners from where they belong, px
-  double scale = std::numeric_limits<double>::infinity();  // of these, see robust_scale()
+  double scale = std::numeric_limits<double>::infinity();  // robust_scale() of the distances, px
 };
 
 Eigen::Vector3d center_of(const PointSet& view) {
@@ -58,7 +58,7 @@ Eigen::Vector3d center_of(const PointSet& view) {
   return sum / static_cast<double>(view.size());
 }
 
-// A few thousand of them tell a scale as well as all.
+// A few thousand values evenly spread: their median is as good as that of all.
 std::vector<double> some_of(const std::vector<double>& values) {
   constexpr std::size_t kMany = 4096;
   const std::size_t step = values.size() / kMany + 1;
@@ -68,7 +68,7 @@ std::vector<double> some_of(const std::vector<double>& values) {
   return some;
 }
 
-// Whether an end is better than the best one yet.
+// Whether `a` is a better end than `b`.
 bool better(const Ending& a, const Ending& b) {
   if (!std::isfinite(b.scale)) return std::isfinite(a.scale);
   if (a.sound != b.sound) return a.sound;
@@ -112,11 +112,11 @@ class Course {
  private:
   [[nodiscard]] bool good(const Ending& end) const { return end.sound && !search_.far(end.scale); }
 
-  // Follows the starts and keeps the best end.
+  // Follows every start that may be right and keeps the best end.
   void explore() {
     Ending best = std::move(end_);
     std::vector<Candidate> starts = search_.thorough(all_);
-    // The first is likely right where there are views enough.
+    // With many views the likeliest start is nearly always right.
     constexpr std::size_t kPlenty = 2;
     if (!search_.many_valleys(all_) && !search_.rich() && starts.size() > kPlenty) {
       starts.resize(kPlenty);
@@ -132,8 +132,8 @@ class Course {
     if (end_.converged && all_.size() < kFewViews) mirror_views();
   }
 
-  // A small board or one that is hardly tilted fits nearly as well in the mirrored tilt, and few
-  // views do not tell which of them is wrong.
+  // Tries the mirrored tilt of each view: a board that is small or hardly tilted fits nearly as
+  // well in it, and few views do not tell which pose is wrong.
   void mirror_views() {
     for (std::size_t v = 0; v < views_.size() && !least_squares_.cancelled(); ++v) {
       if (!end_.used[v] || !mirrored_fits(v)) continue;
@@ -148,15 +148,15 @@ class Course {
     }
   }
 
-  // Not much worse, before the same camera.
+  // Whether a view fits not much worse in the mirrored tilt, before the same camera.
   bool mirrored_fits(std::size_t v) {
-    constexpr double kMuchWorse = 10;
+    constexpr double kMuchWorse = 10;  // ratio of the costs
     const auto camera = least_squares_.camera(end_.shared);
     const auto fit = camera ? fit_pose(end_.views[v]->set, *camera, Loss{}) : std::nullopt;
     return fit && fit->other_cost < kMuchWorse * fit->cost;
   }
 
-  // Two ends of one cost are one.
+  // Keeps a sound end as a possible rival of the best; two ends of one cost are the same.
   void remember() {
     if (!end_.sound) return;
     const double cost = end_.problem->cost();
@@ -165,7 +165,7 @@ class Course {
     found_.push_back({{end_.shared, cost}, end_.masks, end_.used});
   }
 
-  // Where a start leads.
+  // Solves from a start, without the outliers that show on the way.
   void follow(Candidate start) {
     end_ = Ending();
     end_.shared = std::move(start.shared);
@@ -189,7 +189,8 @@ class Course {
     return !search_.rich() || sees_corners();
   }
 
-  // Rational functions like to have a pole between two corners.
+  // Whether every corner in use has a projection: a rational lens may have a pole between two
+  // corners.
   [[nodiscard]] bool sees_corners() const {
     const auto camera = least_squares_.camera(end_.shared);
     if (!camera) return false;
@@ -213,7 +214,8 @@ class Course {
     return masks;
   }
 
-  // Huber's loss keeps its pull bounded whatever the start; Cauchy's then lets go of the gross.
+  // Finds outliers. Huber's loss bounds the pull of each corner whatever the start; Cauchy's loss
+  // then takes the pull of gross ones away.
   std::vector<ViewMask> robust_fit() {
     if (least_squares_.cancelled()) return {};
     robust_step(Loss::Kind::kHuber, 1e-5);
@@ -225,7 +227,7 @@ class Course {
     return judge();
   }
 
-  // Of all corners from where they belong.
+  // The distances of all corners from where the end so far puts them, px.
   std::vector<double> distances() {
     std::vector<double> all;
     all.reserve(views_.empty() ? 0 : views_.size() * views_.front().set.size());
@@ -242,8 +244,8 @@ class Course {
                                        {options_.max_iterations, tolerance, 0, lambda_});
   }
 
-  // A view that looks wrong gets a second chance from a fresh pose: its own may have been drawn
-  // into the mirrored tilt. One that has lost its pose gets it where no view may be left out, too.
+  // The outliers at the end so far. A view that looks wrong gets a second chance from a fresh pose,
+  // because its own may have been drawn into the mirrored tilt; so does a view without a pose.
   std::vector<ViewMask> judge() {
     std::vector<std::vector<double>> distances;
     for (std::size_t v = 0; v < views_.size(); ++v) {
@@ -265,7 +267,7 @@ class Course {
     return moved_ ? find_outliers(distances) : masks;
   }
 
-  // The final least squares; who is left out is looked at again with its result.
+  // The final least squares without the outliers, which are judged anew by its result.
   void plain_fit(std::vector<ViewMask> masks) {
     constexpr int kRounds = 4;
     for (int round = 0; round < kRounds && !least_squares_.cancelled(); ++round) {
@@ -306,7 +308,7 @@ class Course {
       end_.views.push_back(&view);
       views.push_back(masks[v].view && spans_plane(view.set) ? &view : nullptr);
     }
-    // The long and bent valley of a rich lens asks for more than one go.
+    // The basin of a rich lens is long and bent: one run of the iteration may end half way.
     const int goes = search_.rich() ? 3 : 1;
     for (int go = 0; go < goes; ++go) {
       end_.problem = least_squares_.minimise_over(views, end_.shared, end_.poses, freedom_.basis,
@@ -327,7 +329,7 @@ class Course {
     return {options_.max_iterations, kTolerance, kSmall / residuals, lambda_};
   }
 
-  // Of weighted distances, not weighted, px^2.
+  // The squares of distances, their weights taken off, px^2.
   static std::vector<double> squares(const std::vector<double>& weight, const double* distance) {
     std::vector<double> result(weight.size());
     for (std::size_t i = 0; i < weight.size(); ++i) {
@@ -341,10 +343,10 @@ class Course {
     Fit fit;
     fit.iterations = least_squares_.iterations();
     end_.used.resize(views_.size(), false);
-    std::size_t corner = 0;  // of all views
+    std::size_t corner = 0;  // index among the corners of all views
     for (std::size_t v = 0; v < views_.size(); ++v) {
       fit.camera_from_board.push_back(end_.used[v] ? *end_.poses[v] : SE3{});
-      // Of the corners that were left out too.
+      // Corners that were left out have their squares too.
       fit.squares.emplace_back();
       if (end_.used[v]) fit.squares[v] = squares(views_[v].set.weight, &end_.distances[corner]);
       corner += views_[v].set.size();
@@ -365,7 +367,7 @@ class Course {
     return fit;
   }
 
-  // Those of the end, which has no use for them any more.
+  // Moves the views out of the end, which needs them no more.
   std::vector<PointSet> take_views() {
     std::vector<PointSet> taken;
     taken.reserve(end_.views.size());
@@ -392,7 +394,7 @@ class Course {
   };
   std::vector<Found> found_;
   Ending end_;
-  bool moved_ = false;  // a pose, by the last judge()
+  bool moved_ = false;  // whether the last judge() moved a pose
   double lambda_ = kFarLambda;
 };
 

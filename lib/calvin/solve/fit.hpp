@@ -26,13 +26,13 @@ struct Rival {
 
 struct Fit {
   std::vector<double> shared;                // in the order of RowLayout
-  std::vector<SE3> camera_from_board;        // per view; of those used
+  std::vector<SE3> camera_from_board;        // per view; valid for the views used
   std::vector<PointSet> views;               // corners left out have weight 0
   std::vector<bool> used;                    // per view
-  std::vector<std::vector<double>> squares;  // per view used: of each corner's distance, px^2
+  std::vector<std::vector<double>> squares;  // per view used: each corner's squared distance, px^2
   double cost = 0;                           // weighted, px^2, over the corners used
   Eigen::MatrixXd information;               // over Freedom's directions, for residuals of 1 px
-  std::vector<Rival> rivals;                 // of the same corners
+  std::vector<Rival> rivals;                 // over the same corners
   int iterations = 0;
   bool converged = false;
   bool sound = false;  // converged to a camera that is determined and sees all corners used
