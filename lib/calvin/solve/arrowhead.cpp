@@ -16,7 +16,7 @@ namespace {
 
 std::size_t square(int n) { return static_cast<std::size_t>(n) * static_cast<std::size_t>(n); }
 
-// Of a block by itself, with its rows kept aligned.
+// Numbers of a block by itself, rounded up so that what follows it in memory is aligned.
 std::size_t own_size(const ArrowLayout& layout) {
   return (square(layout.block) + kLanes - 1) / kLanes * kLanes;
 }

@@ -15,11 +15,11 @@
 
 namespace calvin {
 
-// Sizes, and the layout of what is stored. Rows of matrices are `stride` apart, so that vectors
-// may walk them.
+// The sizes of an arrowhead problem, and how its matrices are stored: rows are `stride` apart, a
+// multiple of the widest vector.
 struct ArrowLayout {
   int block = 6;   // unknowns of a small block; up to 6
-  int shared = 0;  // unknowns of the shared one
+  int shared = 0;  // unknowns of the shared block
   std::size_t blocks = 0;
 
   // A row holds the gradient and then a value for each shared unknown.
@@ -34,8 +34,8 @@ class ArrowEquations {
 
   void clear();
 
-  // Adds the products of the rows of one block: the lower triangle of a matrix whose columns are
-  // those of the block, the residual, and those of the shared unknowns.
+  // Adds the products of the columns of one block: the lower triangle of a matrix over the unknowns
+  // of the block, then the residual, then the shared unknowns.
   void add(std::size_t block, const double* products, std::size_t stride);
   // Adds to the shared block alone: information and gradient of one unknown.
   void add_prior(int unknown, double information, double gradient);
@@ -54,7 +54,7 @@ class ArrowEquations {
   ArrowLayout layout_;
   AlignedArray blocks_;
   AlignedArray shared_;
-  std::vector<bool> filled_;  // per block: since clear(); the others hold nothing
+  std::vector<bool> filled_;  // per block: whether add() was called since clear()
 };
 
 // Eliminates each small block by its Cholesky factor. What is left is a system over the shared
@@ -64,11 +64,11 @@ class ArrowElimination {
  public:
   explicit ArrowElimination(const ArrowLayout& layout);
 
-  // With every diagonal element of a block times 1 + lambda. False where a block is not positive
-  // definite.
+  // Every diagonal element of a block is multiplied by 1 + lambda first. False where a block is not
+  // positive definite.
   [[nodiscard]] bool eliminate(const ArrowEquations& equations, double lambda);
 
-  // Of the last elimination; the shared block is not damped.
+  // The Schur complement and gradient of the last elimination; the shared block is not damped.
   [[nodiscard]] Eigen::MatrixXd schur() const;
   [[nodiscard]] Eigen::VectorXd reduced_gradient() const;
   // r^T r where every block takes the step that suits it best.

@@ -13,16 +13,16 @@ namespace calvin {
 
 namespace {
 
-// 1 sigma: a board bends by less than this of its size, its rows are as far apart as its columns
-// to this part, and a corner is off by less than this of a square.
-constexpr double kBend = 0.01;
-constexpr double kAspect = 0.01;
-constexpr double kOffset = 0.05;
+// Priors, 1 sigma, wide for any board that was made with care.
+constexpr double kBend = 0.01;    // of the diagonal of the board
+constexpr double kAspect = 0.01;  // of the aspect 1
+constexpr double kOffset = 0.05;  // of a square's side
 
 using Points = std::vector<Eigen::Vector3d>;
 using Field = std::function<Eigen::Vector3d(double x, double y)>;
 
-// x and y in -1..1 over the board, as BoardWarp has them.
+// The displacements that a field gives all points; its x and y run from -1 to 1 over the board, as
+// in BoardWarp.
 Eigen::VectorXd field_over(const Points& points, const Field& field) {
   const Eigen::Vector3d& last = points.back();
   Eigen::VectorXd values(3 * static_cast<Eigen::Index>(points.size()));
@@ -37,7 +37,8 @@ Eigen::VectorXd field_over(const Points& points, const Field& field) {
 Eigen::Vector3d bent_along_x(double x, double /*y*/) { return {0, 0, 1 - x * x}; }
 Eigen::Vector3d bent_along_y(double /*x*/, double y) { return {0, 0, 1 - y * y}; }
 
-// Every column a field; what is left of all displacements without those that others have.
+// An orthonormal basis, in columns, of the displacements that are orthogonal to the fields of
+// poses, focal lengths and warp.
 Eigen::MatrixXd offset_fields(const Points& points) {
   const Field others[] = {
       [](double, double) { return Eigen::Vector3d(1, 0, 0); },

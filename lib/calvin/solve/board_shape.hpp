@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What of a board's shape a solve estimates beside the camera. Internal.
+// The shape of a board as unknowns of a solve: its modes of displacement. Internal.
 #pragma once
 
 #include <cstddef>
@@ -21,20 +21,20 @@ namespace calvin {
 struct BoardShape {
   std::size_t modes = 0;
   std::vector<Eigen::Vector3d> displacement;
-  std::vector<double> prior;  // per mode: what keeps it where the views tell nothing of it, 1 sigma
+  std::vector<double> prior;  // per mode, 1 sigma: holds modes that the views do not determine
   bool warp = false;
   bool aspect = false;
-  std::size_t offsets = 0;  // the number of their modes
+  std::size_t offsets = 0;  // the number of modes of single corners
 
   [[nodiscard]] std::size_t first_offset() const { return modes - offsets; }
 };
 
-// Of a board that lies flat as it was printed, as far as the options ask. The offsets of single
-// corners are those that are no shift, turn, scale or shear of the board, no tilt of it, and no
-// curvature: poses, focal lengths and the other modes have these.
+// The modes that the options ask for, about a board that is flat as it was printed. The modes of
+// single corners are orthogonal to every shift, turn, scale, shear, tilt and curvature of the
+// board, which poses, focal lengths and the other modes explain.
 [[nodiscard]] BoardShape make_shape(const Board& board, const SolveOptions& options);
 
-// The control points of a board that is bent so, m, board frame.
+// The control points of a board with this warp, m, board frame.
 [[nodiscard]] std::vector<Eigen::Vector3d> bent_points(const Board& board, const BoardWarp& warp);
 
 }  // namespace calvin

@@ -22,7 +22,7 @@ namespace calvin {
 // exp(d) * pose, d as in RowLayout.
 [[nodiscard]] SE3 moved(const SE3& pose, const double* d);
 
-// What the camera model, the board and the caller make of the shared unknowns.
+// The shared unknowns: their layout, the directions in which they may move, and their priors.
 struct CameraUnknowns {
   std::string_view model;
   RowLayout layout;
@@ -43,8 +43,8 @@ struct CameraPoint {
 
 class CameraProblem {
  public:
-  // `views` and the poses of `start` correspond; what the views point to stays where it is. Where
-  // `stop` is requested, points have no projection: an iteration over many views ends early.
+  // `views` and the poses of `start` correspond; the views must outlive the problem. Once `stop` is
+  // requested, a linearisation over many views ends early, as if points had no projection.
   CameraProblem(std::vector<const ViewPoints*> views, CameraUnknowns unknowns, CameraPoint start,
                 const Loss& loss, std::stop_token stop = {});
 
@@ -62,9 +62,9 @@ class CameraProblem {
     current_.cost = std::max(0.0, current_.cost - predicted);
   }
 
-  // What is left for the unknowns where every pose takes the step that suits it best: over the
-  // directions of the basis, not damped, for residuals of 1 px. `information` is the inverse of
-  // their marginal covariance. Absent where a pose is not determined.
+  // The normal equations over the directions of the basis, poses eliminated, not damped, for
+  // residuals of 1 px. `information` is the inverse of the marginal covariance. Absent where a pose
+  // is not determined.
   struct Reduced {
     Eigen::MatrixXd information;
     Eigen::VectorXd gradient;

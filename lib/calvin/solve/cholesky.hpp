@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Cholesky factors of small matrices, row-major. A factor holds the reciprocals of its diagonal:
-// what follows multiplies by them over and over. Internal.
+// Cholesky factors of small matrices, row-major. A factor holds the reciprocals of its diagonal,
+// because solving with it multiplies by them. Internal.
 #pragma once
 
 #include <cmath>
@@ -28,7 +28,7 @@ template <int kSize>
   return true;
 }
 
-// The blocks that arrowhead problems have.
+// The factor of a block of an arrowhead problem: 6x6 (a pose) or 3x3 (a free point).
 [[nodiscard]] inline bool cholesky(const double* m, int size, double lambda, double* l) {
   return size == 6 ? cholesky_of<6>(m, lambda, l) : size == 3 && cholesky_of<3>(m, lambda, l);
 }
@@ -51,7 +51,7 @@ void solve_lower(const double* l, double* x) {
   }
 }
 
-// The same for the blocks that arrowhead problems have.
+// x = L^-T x for a block of an arrowhead problem.
 inline void solve_upper(const double* l, int size, double* x) {
   size == 6 ? solve_upper<6>(l, x) : solve_upper<3>(l, x);
 }

@@ -24,17 +24,17 @@ namespace calvin {
 
 namespace {
 
-// Beyond these a camera is not determined, whatever the least squares says.
+// A solve with a larger sigma than these is refused.
 constexpr double kWorstFocalSigma = 0.1;   // of the focal length
 constexpr double kWorstCenterSigma = 0.1;  // of the image width
 
-// Beyond these the user is told.
-constexpr double kWeakFocalSigma = 0.02;
-constexpr double kWeakCenterSigma = 0.02;
+// A solve with a larger sigma than these gets a remark.
+constexpr double kWeakFocalSigma = 0.02;   // of the focal length
+constexpr double kWeakCenterSigma = 0.02;  // of the image width
 
 constexpr const char* kStopped = "The solve was stopped.";
 
-// Sigma^2 (J^T J)^-1 over all unknowns. Absent where it does not exist.
+// The covariance sigma^2 (J^T J)^-1 over all unknowns. Absent where J^T J is singular.
 std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom, double variance) {
   const Eigen::Index n = fit.information.rows();
   const auto inverse = scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), kLeastPivot);
@@ -44,10 +44,11 @@ std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Freedom& freedom
   return c;
 }
 
-// Another optimum may be the one near the truth, and noise have put it above the best: it adds its
-// distance by its likelihood.
+// The covariance with the rivals of the fit: another optimum may be the one near the truth, lifted
+// above the best by noise. Each rival adds its squared distance, weighted by its likelihood.
 Eigen::MatrixXd with_rivals(const Eigen::MatrixXd& c, const Fit& fit, double variance) {
-  // What is less likely says nothing of where most errors are, and its square would drown them.
+  // A rival that is less likely does not count: its large distance would dominate the sigmas, which
+  // are to say where two thirds of all errors lie.
   constexpr double kUnlikely = 0.02;
   Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(c.rows(), c.cols());
   double sum = 1;
@@ -83,7 +84,7 @@ double relative_axis_sigma(const Fit& fit, const Freedom& freedom, const Eigen::
   return std::sqrt(std::max(square, 0.0));
 }
 
-// Whether the covariance leaves a camera to speak of.
+// Whether focal lengths and principal point are determined well enough to be a camera.
 Status determined(const Fit& fit, const Freedom& freedom, const Eigen::MatrixXd& c,
                   ImageSize size) {
   for (const int i : {0, 1}) {
@@ -111,7 +112,7 @@ Status determined(const Fit& fit, const Freedom& freedom, const Eigen::MatrixXd&
   return {};
 }
 
-// The sum over the corners in use, px^2.
+// The sum of the squared distances of the corners in use, px^2.
 double squares_of(const Fit& fit, std::size_t v) {
   double sum = 0;
   for (std::size_t i = 0; i < fit.squares[v].size(); ++i) {
@@ -130,7 +131,7 @@ ViewRecord record(const Fit& fit, std::size_t v) {
   return r;
 }
 
-// `c` is over all unknowns; those of the camera come first.
+// Copies sigmas and covariance of the parameters; `c` is over all unknowns, the parameters first.
 void add_sigmas(Calibration& calibration, const Eigen::MatrixXd& c, const Freedom& freedom) {
   const std::vector<bool>& estimated = freedom.estimated;
   const auto count = static_cast<std::size_t>(freedom.layout.shared() - freedom.layout.modes);
@@ -171,7 +172,7 @@ void add_corners(Solution& solution, const Fit& fit) {
   calibration.covered = convex_hull(std::move(corners));
 }
 
-// What the solve says of the board. `c` is over all unknowns; its modes come last.
+// Copies the measured shape of the board; `c` is over all unknowns, the board's modes last.
 void add_shape(Solution& solution, const Conclusion& from, const Eigen::MatrixXd& c) {
   const BoardShape& shape = from.shape;
   const auto first = static_cast<std::size_t>(from.freedom.layout.shared()) - shape.modes;
@@ -203,7 +204,7 @@ void add_shape(Solution& solution, const Conclusion& from, const Eigen::MatrixXd
   }
 }
 
-// The promise, and whether it can be kept.
+// The expected error, and the tests of the residuals that may enlarge it.
 void add_checks(Solution& solution, const Conclusion& from, const Camera& camera,
                 const Eigen::MatrixXd& c, double variance, const std::stop_token& stop) {
   Calibration& calibration = solution.calibration;
@@ -226,7 +227,7 @@ void add_checks(Solution& solution, const Conclusion& from, const Camera& camera
       std::max({1.0, calibration.chi.value_or(1), solution.misfit.halves});
 }
 
-// What is weakly determined, though it can be told.
+// Adds remarks on parameters that are weak but not refused, on the misfit and on the lens.
 void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,
                  const Freedom& freedom) {
   const ImageSize size = camera.image_size();

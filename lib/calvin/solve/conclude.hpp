@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// From the last least squares to what the user is told. Internal.
+// From the last least squares to the Solution that the user gets. Internal.
 #pragma once
 
 #include <stop_token>
@@ -23,12 +23,12 @@ struct Conclusion {
   double chi = 1;  // against the detector's sigmas alone
 };
 
-// Whether there is enough to begin with, or left to end with.
+// Whether the views in use have equations enough for the unknowns: before a fit, and after it.
 [[nodiscard]] Status enough(const std::vector<PointSet>& views, const std::vector<bool>& used,
                             const Freedom& freedom, std::string_view model);
 
-// Whether the result means anything, and what it is worth. Calibration::camera and board are left
-// empty.
+// The solution of a fit, or kDegenerate with the reason why it determines no camera.
+// Calibration::camera and board are left empty.
 [[nodiscard]] Result<Solution> conclude(const Conclusion& from, ImageSize size,
                                         const SolveOptions& options, const std::stop_token& stop);
 

@@ -23,16 +23,16 @@ namespace calvin {
 
 namespace {
 
-// One test in a hundred sees this much in noise.
+// Standard deviations; one test in a hundred exceeds it by noise.
 constexpr double kSignificant = 2.33;
-// What the detector's sigmas may be wrong by before chi means anything.
+// Ratio: the detector's sigmas may be too small by this much before chi counts as a misfit.
 constexpr double kSigmaTolerance = 1.25;
-// px: what corners of a detector have in common without anything being wrong, for what it takes for
-// an edge is never quite one. Against sigmas of as little it would be told from noise.
+// px: the error that corners nearby have in common by the detector itself, whose model of an edge
+// is never exact. Misfits of this size are not reported, however significant.
 constexpr double kDetectorBias = 0.003;
-// Smaller parts of the variance are significant at times, and never matter.
+// Of the variance: a smaller part may be significant but does not matter.
 constexpr double kSmallPart = 0.01;
-// Corners per part of the image.
+// Corners in each part of the image, on average.
 constexpr double kCornersPerPart = 40;
 
 CameraUnknowns unknowns_of(const Freedom& freedom) {
@@ -58,9 +58,9 @@ Eigen::MatrixXd projection_metric(const Camera& camera, const Freedom& freedom) 
   return congruent(sum, basis) / static_cast<double>(std::max<std::size_t>(grid.size(), 1));
 }
 
-// v^T m^+ v over the directions in which m is not nothing, and their number.
+// v^T m^+ v over the directions in which m is not singular, and the number of these.
 Excess quadratic(const Eigen::MatrixXd& m, const Eigen::VectorXd& v) {
-  constexpr double kNothing = 1e-10;
+  constexpr double kNothing = 1e-10;  // of the largest eigenvalue
   const Eigen::VectorXd scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const auto eigen = symmetric_eigen(scale.asDiagonal() * m * scale.asDiagonal());
   Excess result;
@@ -74,11 +74,10 @@ Excess quadratic(const Eigen::MatrixXd& m, const Eigen::VectorXd& v) {
   return result;
 }
 
-// Residuals that should have the mean 0, gathered by where or what they belong to: the score of a
-// shift, and its information.
+// Residuals in groups whose means should be 0: per group the score of a shift and its information.
 class Scores {
  public:
-  // Of the part `part` of what is number `of`.
+  // Adds a residual to the group `part` of the image or board with the number `of`.
   void add(std::size_t of, int part, double score, double information) {
     if (scores_.size() <= of) scores_.resize(of + 1);
     auto& parts = scores_[of];
@@ -87,7 +86,8 @@ class Scores {
     parts[at].sum += score;
     parts[at].information += information;
   }
-  // `kept` is the part of the variance that the fit has left.
+  // `kept` is the share of the variance that the fit leaves in residuals; `absorbed` is the number
+  // of means that the unknowns of the fit have set to 0.
   [[nodiscard]] Excess excess(double variance, double kept, double absorbed) const {
     Excess result;
     double largest = 0;
@@ -120,7 +120,7 @@ class Judge {
   Judge(const Fit& fit, const Camera& camera, const BoardShape& shape, const Freedom& freedom,
         const Eigen::MatrixXd& covariance, double variance)
       : fit_(fit), camera_(camera), shape_(shape), freedom_(freedom), variance_(variance) {
-    // Over the directions: the basis has one unknown of its own for each.
+    // From unknowns to directions, by the pseudo-inverse of the basis.
     const Eigen::MatrixXd& basis = freedom.basis;
     const Eigen::MatrixXd pick =
         solve_symmetric(product(basis.transpose(), basis), basis.transpose());
@@ -139,9 +139,9 @@ class Judge {
     result.views.degrees -= told_;
     const double kept = std::clamp(1 - unknowns_ / residuals_, 0.1, 1.0);
     result.picture = picture_.excess(variance_, kept, 0);
-    // A board that moves, turns or grows as a whole is one with other poses.
+    // Shift, turn and scale of a whole board are explained by poses and focal length.
     constexpr double kRigid = 7;
-    // Corners that were each given their place have nothing more to tell.
+    // Where each corner has its own offset, the means by corner are 0 anyway.
     if (shape_.offsets == 0) {
       const double rigid = kRigid * static_cast<double>(boards_.size());
       result.board = board_.excess(variance_, kept, rigid + freedom_.layout.modes);
@@ -182,8 +182,8 @@ class Judge {
     add_residuals(v, points);
   }
 
-  // The optimum without a view is one step away: (H - I) d = g. Weights depend on how well a model
-  // tells the views: a mean over them has the unit of the corners.
+  // The optimum without the view is one step away: (H - I) d = g. The cost is divided by the mean
+  // squared weight, which depends on the model, so that the result is in px^2 whatever the model.
   double held_out(const CameraProblem::Reduced& view, const PointSet& points) const {
     const auto step = scaled_solve(fit_.information - view.information, view.gradient, 0);
     if (!step) return kUnknown;
@@ -196,7 +196,7 @@ class Judge {
   }
 
   void add_view(const CameraProblem::Reduced& view) {
-    // The optimum of all views takes its part of each: I - I C I is what is left of I.
+    // The fit to all views has absorbed a part of each: the gradient has the covariance I - I C I.
     const Eigen::MatrixXd information = view.information / variance_;
     const Eigen::VectorXd gradient = view.gradient / variance_;
     const Eigen::MatrixXd left = information - congruent(covariance_, information);
@@ -257,10 +257,10 @@ class Judge {
   Eigen::MatrixXd metric_;
   double residuals_ = 0;
   double unknowns_ = 0;
-  double told_ = 0;  // of the directions: by the corners
+  double told_ = 0;  // how many of the directions the corners determine, not the priors
   int across_ = 1;
   int down_ = 1;
-  std::set<std::size_t> boards_;  // that were seen
+  std::set<std::size_t> boards_;  // the boards that were seen, by number
   std::vector<double> held_out_;
   Excess views_;
   Scores picture_;
@@ -269,7 +269,7 @@ class Judge {
   double predicted_ = 0;
 };
 
-// Whether a part of the variance of residuals that are `rms` px as a whole is one to speak of.
+// Whether a part of the variance matters, of residuals that are `rms` px altogether.
 bool matters(double part, double rms) {
   return part > kSmallPart && part * rms * rms > kDetectorBias * kDetectorBias;
 }
@@ -297,8 +297,8 @@ Misfit misfit(const Consistency& c, std::optional<double> chi, double degrees, d
   result.halves = c.halves;
   const double chi_limit = kSigmaTolerance * (1 + kSignificant / std::sqrt(2 * degrees));
   const bool noisy = chi && *chi > chi_limit && matters(1 - 1 / (*chi * *chi), rms);
-  // What belongs to a place or to a corner is told apart by how much of the residuals it explains;
-  // views that contradict each other for either reason are not to blame.
+  // Lens or board: the cause is the one that explains more of the residuals. Either makes views
+  // contradict each other too, so motion is the cause only where neither is.
   const bool picture = significant(c.picture, degrees, rms);
   const bool board = significant(c.board, degrees, rms);
   const bool views = significant(c.views, degrees, rms);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Whether what a fit leaves over is noise: the promise of the covariance, checked. Internal.
+// Whether the residuals of a fit are noise, as its covariance supposes. Internal.
 #pragma once
 
 #include <optional>
@@ -16,42 +16,44 @@
 
 namespace calvin {
 
-// A sum of squares that is `degrees` for noise alone, up to sqrt(2 degrees).
+// A chi^2 statistic: a sum of squares that for noise alone is `degrees`, give or take
+// sqrt(2 degrees).
 struct Excess {
   double sum = 0;
   double degrees = 0;
 
-  // In standard deviations, by the cube root that makes chi^2 nearly normal (E. Wilson, M.
-  // Hilferty, PNAS 17, 1931).
+  // The excess in standard deviations, by the cube root that makes chi^2 nearly normal (E. Wilson,
+  // M. Hilferty, PNAS 17, 1931).
   [[nodiscard]] double deviations() const;
-  // How much more variance there is than noise gives, 1 for noise.
+  // The variance over that of noise: 1 for noise.
   [[nodiscard]] double ratio() const { return degrees > 0 ? sum / degrees : 1; }
 };
 
 struct Consistency {
-  // The projection difference of the solves of two halves of the views, a turn of the camera
+  // The projection difference of the solves of two halves of the views, a rotation of the camera
   // removed, over its predicted value: root mean square over the image and over all ways to halve
-  // the views. To first order, from what each view says of the camera by itself at the optimum of
-  // all, which is sum(g g^T) in place of sum(information) in the covariance of the halves.
+  // the views. To first order at the optimum of all views: the covariance of the halves has
+  // sum(g g^T) over the gradients of the views in place of sum(information).
   double halves = 1;
 
-  // Per view used: the weighted squares of its corners at a camera of all other views, px^2 per
-  // corner, corrected for its own pose; to first order too. Infinite where the others tell no
-  // camera.
+  // Per view used: the weighted squares of its corners before a camera of all other views, px^2 per
+  // corner, corrected for its own pose; to first order too. Infinite where the other views
+  // determine no camera.
   std::vector<double> held_out;
 
-  Excess views;    // of what single views say of the unknowns
-  Excess picture;  // of mean residuals in parts of the image: a lens that is not the model's
+  Excess views;    // of the gradients of single views
+  Excess picture;  // of mean residuals in parts of the image: the lens is not of this model
   Excess board;    // of mean residuals by corner, along the axes of its board
 };
 
-// `variance` is that of a residual of weight 1, px^2; `covariance` that of the unknowns. Means
-// nothing where `stop` was requested.
+// `variance` is the variance of a residual of weight 1, px^2; `covariance` is over the unknowns.
+// The result means nothing where `stop` was requested.
 [[nodiscard]] Consistency consistency(const Fit& fit, const Camera& camera, const BoardShape& shape,
                                       const Freedom& freedom, const Eigen::MatrixXd& covariance,
                                       double variance, const std::stop_token& stop);
 
-// The verdict. `chi` is absent where the detector told no sigma; `rms` is that of the corners, px.
+// The verdict. `chi` is absent where the detector gave no sigmas; `degrees` are the degrees of
+// freedom of the fit, `rms` its residual, px.
 [[nodiscard]] Misfit misfit(const Consistency& consistency, std::optional<double> chi,
                             double degrees, double rms);
 

@@ -30,8 +30,8 @@ struct Target {
   Eigen::Vector3d ray;
 };
 
-// What a rotation leaves: the squared change of each target (px^2; absent where `b` has no value
-// for it), and the normal equations of a further small rotation about the axes of `b`.
+// The state after a rotation: the squared change of each target (px^2; absent where `b` has no
+// value for it), and the normal equations of a further small rotation about the axes of `b`.
 struct Normal {
   std::vector<std::optional<double>> squares;
   int count = 0;
@@ -86,7 +86,8 @@ Eigen::Matrix3d first_rotation(const Camera& b, const std::vector<Target>& targe
   return count < 3 ? Eigen::Matrix3d::Identity() : closest_rotation(products);
 }
 
-// Whether `next` is better over the targets that both rotations leave a value for, and keeps most.
+// Whether `next` has the smaller sum over the targets for which both rotations have a value, and
+// keeps at least half of the targets.
 bool improves(const Normal& next, const Normal& at) {
   double change = 0;
   for (std::size_t i = 0; i < at.squares.size(); ++i) {

@@ -20,7 +20,7 @@ struct DifferenceOptions {
   int rows = 49;
 
   // Where the rotation is fitted: within all of these convex polygons (px, ordered as convex_hull()
-  // does), say within what either calibration covered. None: in the whole image.
+  // does), for example within the covered regions of both calibrations. None: in the whole image.
   std::vector<std::vector<Pixel>> focus;
 };
 
@@ -38,7 +38,7 @@ struct Difference {
     int cells = 0;
   };
 
-  // Rodrigues vector, rad: takes a ray in the frame of `a` to that in the frame of `b`.
+  // Rodrigues vector, rad: takes a ray in the frame of `a` to the frame of `b`.
   std::array<double, 3> rotation{};
   Summary image;
   Summary focus;            // equal to `image` where no focus was given

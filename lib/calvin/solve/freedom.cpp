@@ -137,7 +137,7 @@ LensTraits traits_of(std::string_view model) {
   return traits;
 }
 
-// Tied to what is held, a parameter is held too; a chain of ties ends at one that is free.
+// A parameter that is tied to a held one is held too; a chain of ties ends at a free parameter.
 Status resolve_ties(Freedom& freedom, const Names& names) {
   for (bool changed = true; changed;) {
     changed = false;
@@ -195,7 +195,7 @@ RowPoint Freedom::row_point(const std::vector<double>& shared) const {
 int Freedom::pinhole_directions() const {
   int directions = 0;
   for (Eigen::Index c = 0; c < basis.cols(); ++c) directions += basis.col(c).head(4).any() ? 1 : 0;
-  // The board tells the angle between its sides too.
+  // Skew takes one more equation of the boards.
   if (layout.skew) ++directions;
   return directions;
 }

@@ -19,7 +19,7 @@
 
 namespace calvin {
 
-// What a solve has to know of a lens.
+// The properties of a lens that a solve depends on.
 struct LensTraits {
   bool perspective = true;                  // a pinhole where its coefficients are zero
   std::vector<std::vector<double>> starts;  // coefficients to start from
@@ -46,19 +46,19 @@ struct Freedom {
   };
   std::vector<Tie> ties;
 
-  // Where the rows are taken for these values of the unknowns, which stay where they are.
+  // The point at which rows are taken for these unknowns; refers to `shared`.
   [[nodiscard]] RowPoint row_point(const std::vector<double>& shared) const;
   // How many of fx fy cx cy the boards have to determine.
   [[nodiscard]] int pinhole_directions() const;
-  // Puts parameters onto what is held and tied. For tied focal lengths it keeps their product.
+  // Sets held and tied parameters to their values. For tied focal lengths it keeps their product.
   void hold(double* parameters) const;
   // fy / fx where the two are tied or both held, else 1.
   [[nodiscard]] double aspect() const;
 };
 
-// For the model, `fix` and `initial` of the options. `size` of the image, px; 0x0 where only the
+// The parameterisation for the model, `fix` and `initial` of the options, and `modes` of the
+// board's shape, which are estimated from zero. `size` is that of the image, px; 0x0 where only the
 // options are to be checked.
-// `modes` of the board's shape are estimated from zero.
 [[nodiscard]] Result<Freedom> make_freedom(const SolveOptions& options, ImageSize size,
                                            int modes = 0);
 

@@ -82,7 +82,7 @@ std::vector<double> LeastSquares::distances(const FitView& view, const std::vect
     }
     return result;
   }
-  // Some corner has no projection: the others by themselves.
+  // Some corner has no projection, so the rows are void: each corner is projected by itself.
   const auto seen_by = camera(shared);
   for (std::size_t i = 0; seen_by && i < result.size(); ++i) {
     const auto at = seen_by->project(*pose * view.set.points[i]);

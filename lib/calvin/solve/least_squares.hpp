@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What every stage of a solve does: fits the camera and the poses of some views, and looks at what
-// is left. Internal.
+// One least-squares problem as every stage of a solve has it: camera and poses of some views are
+// fitted, and the distances of corners measured. Internal.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@
 
 namespace calvin {
 
-// A view and the same as arrays, part of which another view may share.
+// A view as points and as arrays; the arrays of the printed board may be shared with another view.
 struct FitView {
   PointSet set;
   ViewPoints points;
@@ -45,13 +45,14 @@ class LeastSquares {
                                              const LmOptions& options,
                                              const std::vector<CameraUnknowns::Prior>& more = {});
 
-  // Weighted distance of every corner from where it belongs, px, never above kFarthest; all of
-  // them that where the view has no pose.
+  // Weighted distance of every corner from its projection, px, at most kFarthest; kFarthest for all
+  // corners of a view without a pose.
   [[nodiscard]] std::vector<double> distances(const FitView& view,
                                               const std::vector<double>& shared,
                                               const std::optional<SE3>& pose);
 
-  // Absent for parameters that are none. poses_for() leaves out the rest where it is cancelled.
+  // Absent for parameters of no camera. Once cancelled, poses_for() leaves out the views that
+  // remain.
   [[nodiscard]] std::optional<Camera> camera(const std::vector<double>& shared) const;
   [[nodiscard]] Poses poses_for(const std::vector<double>& shared,
                                 const std::vector<const FitView*>& views) const;

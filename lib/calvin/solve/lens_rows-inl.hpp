@@ -50,7 +50,7 @@ class LensRows {
  private:
   static constexpr int kCount = Lens::kCount;
 
-  // The two rows of one coordinate of a projection.
+  // The row of one coordinate (u or v) of a projection.
   struct Row {
     double* column;      // the first one
     std::size_t stride;  // to the next
@@ -107,7 +107,7 @@ class LensRows {
     }
   }
 
-  // What the rows are multiplied by: the weight, and what the loss leaves of it.
+  // The factor of the rows: the weight times the square root of the derivative of the loss.
   Lane weigh(Lane weight, Lane du, Lane dv, Lane& cost) const {
     const Lane squared = weight * weight * (du * du + dv * dv);
     const double c = loss_.scale;
@@ -138,7 +138,8 @@ class LensRows {
     for (int k = 0; k < 3; ++k) row.put(3 + k, g[k]);
   }
 
-  // By the intrinsics. The columns that are zero for one coordinate stay so.
+  // The derivatives by the intrinsics. Columns that are always zero for one coordinate are not
+  // written.
   void camera(const Row& u, const Row& v, const Lane* xy, const Lane* jd, Lane scale) const {
     const double* q = point_.parameters;
     constexpr int kFirst = RowLayout::kFirstShared;
@@ -156,7 +157,7 @@ class LensRows {
   void modes(const Row& row, std::size_t at, const Lane* g) const {
     const int first = RowLayout::kFirstShared + 4 + kCount + (rows_.layout().skew ? 1 : 0);
     if (rows_.layout().modes == 0) return;
-    Lane b[3];  // by the point in the board frame
+    Lane b[3];  // the derivatives by the point in the board frame
     for (int k = 0; k < 3; ++k) {
       b[k] = g[0] * turn_[k] + g[1] * turn_[3 + k] + g[2] * turn_[6 + k];
     }

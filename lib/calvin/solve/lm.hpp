@@ -12,9 +12,12 @@ namespace calvin {
 
 struct LmOptions {
   int max_iterations = 100;
-  double tolerance = 1e-13;  // of the predicted decrease, relative to the cost: the last step
-  double small = 0;          // the same: a last step that is taken without looking where it leads
-  double lambda = 1e-4;      // to begin with
+  // Of the predicted decrease, relative to the cost. A step below `tolerance` is the last one; a
+  // step below `small` may be the last, and is then taken without evaluating where it leads. Below
+  // 1e-15 rounding begins.
+  double tolerance = 1e-13;
+  double small = 0;
+  double lambda = 1e-4;  // the damping to begin with
 };
 
 struct LmReport {
@@ -23,11 +26,11 @@ struct LmReport {
   int iterations = 0;
 };
 
-// Whether a step is the last to tell of: small, after one that was far larger, so that the next
-// will be far smaller; or next to nothing.
+// Whether a step ends the iteration: its predicted decrease is small after one that was far larger,
+// so that the next one will be far smaller; or it is next to nothing.
 [[nodiscard]] inline bool settled(double predicted, double before, double small) {
-  constexpr double kFast = 1e-2;
-  constexpr double kNothing = 1e-4;
+  constexpr double kFast = 1e-2;     // of the decrease before
+  constexpr double kNothing = 1e-4;  // of `small`
   return predicted <= kNothing * small || (predicted <= small && predicted <= kFast * before);
 }
 

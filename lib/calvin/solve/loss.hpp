@@ -8,7 +8,7 @@
 
 namespace calvin {
 
-// What a corner costs, as a function of its weighted distance from where it belongs, px.
+// The cost of a corner as a function of its weighted distance from its projection, px.
 struct Loss {
   enum class Kind { kSquare, kHuber, kCauchy };
   Kind kind = Kind::kSquare;

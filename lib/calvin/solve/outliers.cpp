@@ -13,10 +13,11 @@ namespace calvin {
 
 namespace {
 
-constexpr double kCornerLimit = 6;
-constexpr double kViewFactor = 4;
-constexpr double kViewDeviations = 6;
-constexpr std::size_t kFewestViews = 4;
+// See find_outliers() for where these come from.
+constexpr double kCornerLimit = 6;          // scales of the corners
+constexpr double kViewFactor = 4;           // times the median scale of the views
+constexpr double kViewDeviations = 6;       // standard deviations of the scales of the views
+constexpr std::size_t kFewestViews = 4;     // for views to be judged
 constexpr double kMadToSigma = 1.4826;      // of a Gaussian
 constexpr double kRayleighMedian = 1.1774;  // of the distance, in sigmas per coordinate
 

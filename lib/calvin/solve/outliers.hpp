@@ -9,16 +9,17 @@
 
 namespace calvin {
 
-// What of one view takes part in the solve.
+// Which corners of one view take part in the solve.
 struct ViewMask {
   bool view = true;           // false: the whole view is an outlier
-  std::vector<bool> corners;  // per corner; all of them where the view is one
+  std::vector<bool> corners;  // per corner; all false where the view is an outlier
 
   friend bool operator==(const ViewMask&, const ViewMask&) = default;
 };
 
 // The standard deviation per coordinate of distances of Gaussian points from their mean, by the
-// median, so that up to half of them may be gross; never below kLeastScale. 0 corners: the latter.
+// median, so that up to half of them may be gross; never below kLeastScale, which it is for no
+// corners.
 [[nodiscard]] double robust_scale(std::vector<double> distances);
 inline constexpr double kLeastScale = 0.01;  // px, below what any detector reaches
 

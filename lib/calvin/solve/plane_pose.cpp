@@ -52,8 +52,8 @@ Normalisation normalisation(const std::vector<Eigen::Vector3d>& points,
   return n;
 }
 
-// The linear map that takes a narrow bundle of rays to a wide one about z: in a narrow bundle one
-// ray for all points fits nearly as well as the truth.
+// The linear map that takes a narrow bundle of rays to a wide one about z. It conditions the
+// homography: in a narrow bundle, the same ray for all points fits nearly as well as the truth.
 Eigen::Matrix3d spreading(const std::vector<Eigen::Vector3d>& rays) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& ray : rays) mean += ray;
@@ -97,8 +97,8 @@ Matrix9 normal_matrix(const std::vector<Eigen::Vector3d>& points,
 // The eigenvector of the smallest eigenvalue, by inverse iteration. Absent where another eigenvalue
 // is as small, next to the largest: more than one homography fits.
 std::optional<Vector9> smallest_eigenvector(Matrix9 m) {
-  constexpr double kFloor = 1e-15;  // of the trace: keeps an exact fit from being singular
-  constexpr double kSecond = 1e-12;
+  constexpr double kFloor = 1e-15;   // of the trace: keeps an exact fit from being singular
+  constexpr double kSecond = 1e-12;  // of the trace: the least second eigenvalue of one homography
   const double trace = m.trace();
   m.diagonal().array() += kFloor * trace;
   double factor[81];
@@ -126,7 +126,7 @@ std::optional<Vector9> smallest_eigenvector(Matrix9 m) {
   return first;
 }
 
-// Of a ray, which is of length 1 or 0, seen through spreading().
+// The direction of a ray that has gone through spreading(), of length 1; a zero ray stays zero.
 Eigen::Vector3d unit(const Eigen::Vector3d& ray) {
   const double length = ray.norm();
   return length > 0 ? Eigen::Vector3d(ray / length) : ray;
@@ -158,7 +158,7 @@ std::optional<Eigen::Matrix3d> weighted_homography(const std::vector<Eigen::Vect
 bool reweight(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& rays,
               const Eigen::Matrix3d& h, std::vector<double>& weights) {
   constexpr double kFarOff = 4;  // medians; the largest of 1000 Gaussian distances is at 3.2
-  std::vector<double> angles;    // their chords, which grow with them
+  std::vector<double> angles;    // the chords of the angles, which grow with them
   std::vector<double> sorted;
   angles.reserve(points.size());
   sorted.reserve(points.size());

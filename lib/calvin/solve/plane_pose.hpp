@@ -21,8 +21,9 @@ namespace calvin {
 [[nodiscard]] std::optional<Eigen::Matrix3d> plane_homography(
     const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& rays);
 
-// camera_from_board: a rigid motion near such a homography, whose first two columns are turned
-// until they are at right angles, each as far as the other. Absent for a broken one.
+// camera_from_board: the rigid motion near a plane_homography(), whose first two columns are turned
+// towards or from each other by equal angles until they are at right angles. Absent for a singular
+// homography.
 [[nodiscard]] std::optional<SE3> pose_from_homography(const Eigen::Matrix3d& h);
 [[nodiscard]] std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
                                                 const std::vector<Eigen::Vector3d>& rays);

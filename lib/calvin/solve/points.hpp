@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What the least squares works on: known points and where one frame shows them. Internal.
+// The input of the least squares: known points, and where one frame shows them. Internal.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct PointSet {
   std::vector<Eigen::Vector3d> points;  // m, board frame
   std::vector<Pixel> uv;                // px
   std::vector<double> weight;           // 1 / sigma; 0: left out
-  bool sigma_known = true;              // every corner came with one
+  bool sigma_known = true;              // every corner came with a sigma
 
   [[nodiscard]] std::size_t size() const noexcept { return points.size(); }
   [[nodiscard]] std::size_t used() const noexcept;

@@ -19,7 +19,7 @@ namespace calvin {
 
 namespace {
 
-// Of the corners in use, all alike.
+// The root mean square distance of the corners in use, not weighted, px.
 double rms_of(const PointSet& view, const Camera& camera, const SE3& camera_from_board) {
   double sum = 0;
   double count = 0;

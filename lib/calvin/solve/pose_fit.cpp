@@ -69,7 +69,7 @@ class PoseProblem {
 
   struct State {
     SE3 pose;
-    // The products of the columns of the pose and, as a last row, of the residual.
+    // The products of the pose columns with each other and, as a last row, with the residual.
     std::array<double, static_cast<std::size_t>(kPose + 1) * kPose> products{};
     double cost = 0;
 

@@ -19,13 +19,13 @@ namespace calvin {
 // The unit rays of the corners in use, camera frame; zero where the model has none.
 [[nodiscard]] std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const Camera& camera);
 
-// The linear solution, which no distance in the image has refined.
+// The pose of the linear solution, not refined by distances in the image.
 [[nodiscard]] std::optional<SE3> start_pose(const PointSet& view, const Camera& camera);
 
 struct PoseFit {
   SE3 camera_from_board;
   double cost = 0;  // px^2
-  // Of the mirrored tilt; the same where there is no minimum of its own.
+  // Pose and cost of the mirrored tilt; those of the best where it has no minimum of its own.
   SE3 other;
   double other_cost = 0;
 };

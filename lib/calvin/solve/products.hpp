@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The inner loops of the least squares, for the widest vectors that this machine has. Internal.
+// The inner loops of the least squares, by the widest vectors of the machine. Internal.
 #pragma once
 
 #include <cstddef>

@@ -18,6 +18,7 @@ namespace calvin {
 
 namespace {
 
+// Pixels of the grid, both borders included; projections vary smoothly between them.
 constexpr int kGridWidth = 33;
 constexpr int kGridHeight = 25;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What a change of a camera's parameters does all over its image, a mere turn of the camera left
-// out. Internal.
+// The change of projections all over the image per change of a camera's parameters, the best common
+// rotation of the camera taken out. Internal.
 #pragma once
 
 #include <optional>
@@ -15,11 +15,11 @@
 
 namespace calvin {
 
-// Columns of parameters in the model's order; this one stands for skew.
+// The column of skew; other parameters have columns in the model's order.
 inline constexpr int kSkewColumn = -1;
 
-// The estimated parameters as such columns, in the order of the calibration's. Absent where one is
-// of another model.
+// The columns of the estimated parameters, in the order of the calibration. Absent where a
+// parameter is of another model.
 [[nodiscard]] std::optional<std::vector<int>> estimated_columns(const Calibration& calibration);
 
 // At each pixel of a grid of 33x25 that reaches the border of the image, for a point at infinity:

@@ -20,12 +20,12 @@ namespace calvin {
 
 namespace {
 
-constexpr std::size_t kMostViews = 30;
-constexpr double kPriorWidth = 0.02;  // of the image width
-constexpr double kSimilar = 0.02;     // of the image diagonal: boards nearer than this are one view
-constexpr double kSigmas = 2;         // of noise that are taken off
+constexpr std::size_t kMostViews = 30;  // the latest ones
+constexpr double kPriorWidth = 0.02;    // of the image width, 1 sigma of a parameter's effect
+constexpr double kSimilar = 0.02;  // of the image diagonal: boards nearer than this are one view
+constexpr double kSigmas = 2;      // of noise that are taken off the displacement
 
-// The columns of what the calibration estimated; all parameters of the model where it does not say.
+// The columns of the parameters with a sigma; of all parameters where none has one.
 std::vector<int> columns_of(const Camera& camera, const Calibration& calibration) {
   auto estimated = estimated_columns(calibration).value_or(std::vector<int>());
   if (!estimated.empty()) return estimated;
@@ -34,7 +34,7 @@ std::vector<int> columns_of(const Camera& camera, const Calibration& calibration
   return all;
 }
 
-// The calibration's covariance in px of the frames; zero where it has none that fits.
+// The calibration's covariance in px of the frames; zero where it has none of the right size.
 Eigen::MatrixXd covariance_of(const Camera& camera, const Calibration& calibration,
                               const std::vector<int>& columns) {
   const auto n = static_cast<Eigen::Index>(columns.size());
@@ -138,8 +138,8 @@ Result<RecheckReport> Recheck::add(const View& view) {
   return report;
 }
 
-// A board that is held still says no more in a hundred frames than in one: its errors are the same
-// in all of them.
+// Replaces a view of the same board in the same place, or else the oldest: a still board adds no
+// information from frame to frame, because its errors are the same in all of them.
 void Recheck::keep(Condensed view) {
   const ImageSize size = camera_.image_size();
   const double near = kSimilar * std::hypot(size.width, size.height);
@@ -173,7 +173,8 @@ double Recheck::moved() const {
     freedom += view.freedom;
   }
   if (!(freedom > 0)) return 0;
-  // Twice: the noise is what the step leaves over, and the prior is stated in its units.
+  // Two rounds: the noise is estimated by the residuals after the step, and the step depends on the
+  // noise by the prior.
   double variance = cost / freedom;
   std::optional<Eigen::MatrixXd> step;
   Eigen::MatrixXd total;

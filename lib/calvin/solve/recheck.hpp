@@ -18,18 +18,19 @@ namespace calvin {
 struct RecheckReport {
   Pose camera_from_board;
   double rms = 0;    // px, of this view's corners around its best pose
-  double moved = 0;  // px, by all views so far, see Recheck
+  double moved = 0;  // px, by all views so far: see Recheck
   int points = 0;
 };
 
-// Each view gets the pose that fits it best; the camera stays as it is. What the poses leave over
-// is condensed to what it says of the parameters: one Gauss-Newton step from the calibration over
-// the latest views that differ from each other, with a weak prior (any one parameter moves the
-// picture by 2 % of its width at most, 1 sigma). `moved` is the largest change of projection that
-// this step makes over the image, a mere turn of the camera left out, less twice the standard
-// deviation that the noise of the corners and the covariance of the calibration give it: 0 unless
-// the views prove that the camera is another one now. For a camera that moved much it is an
-// estimate of first order. The board that the calibration was made with is bent as it was then.
+// Each view gets the pose that fits it best; the camera stays as it is. The residuals are reduced
+// to their normal equations over the parameters, which give one Gauss-Newton step from the
+// calibration over the latest views that differ from each other, with a weak prior (any one
+// parameter moves the picture by 2 % of its width at most, 1 sigma). `moved` is the largest change
+// of projection that this step makes over the image, a mere turn of the camera left out, less twice
+// the standard deviation that the noise of the corners and the covariance of the calibration give
+// it: 0 unless the views prove that the camera is another one now. For a camera that moved much it
+// is an estimate of first order. The board that the calibration was made with is bent as it was
+// then.
 //
 // Not thread-safe.
 class Recheck {
@@ -38,14 +39,14 @@ class Recheck {
   // what was estimated.
   Recheck(const Camera& camera, const Calibration& calibration);
 
-  // As solve_pose() for what a single view can lack.
+  // Fails as solve_pose() does for a view that determines no pose.
   [[nodiscard]] Result<RecheckReport> add(const View& view);
 
  private:
   // One view, its pose eliminated: information and gradient over the parameters in `columns_`.
   struct Condensed {
     std::string board;
-    std::vector<Pixel> corners;  // of the hull's box: what tells views apart
+    std::vector<Pixel> corners;  // of the box around its points, by which views are told apart
     Eigen::MatrixXd information;
     Eigen::VectorXd gradient;
     double cost = 0;     // squares of residuals over their sigmas
@@ -60,9 +61,9 @@ class Recheck {
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> grid_;  // see solve/projection_grid.hpp
   Eigen::MatrixXd prior_;                                       // information
   Eigen::MatrixXd covariance_;                                  // of the calibration
-  std::string board_;                                           // that it was made with
-  BoardWarp warp_;                                              // of that
-  std::vector<Condensed> views_;                                // the latest last
+  std::string board_;                                           // of the calibration
+  BoardWarp warp_;                                              // of that board
+  std::vector<Condensed> views_;                                // in order of time
 };
 
 }  // namespace calvin

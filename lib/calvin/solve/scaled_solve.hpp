@@ -10,7 +10,8 @@
 
 namespace calvin {
 
-// What an information matrix, scaled to a diagonal of 1, must have left of every unknown.
+// The least pivot of an information matrix scaled to a diagonal of 1: below it an unknown cannot be
+// told from the others in double precision.
 inline constexpr double kLeastPivot = 1e-14;
 
 // The X with m X = right for a positive definite m, factorised after scaling to a unit diagonal, so
@@ -20,7 +21,7 @@ inline constexpr double kLeastPivot = 1e-14;
                                                           const Eigen::MatrixXd& right,
                                                           double least_pivot);
 
-// B^T m B for the symmetric m whose lower triangle is given. In functions of their own, as Eigen's
+// B^T m B for the symmetric m whose lower triangle is given. A function of its own, as Eigen's
 // products take long to compile.
 [[nodiscard]] Eigen::MatrixXd restrict_to(const Eigen::MatrixXd& basis,
                                           const Eigen::MatrixXd& lower);

@@ -70,7 +70,7 @@ Result<Gathered> gather(std::span<const View> views, ImageSize size) {
   return gathered;
 }
 
-// What the options ask for, where there are views of one board enough to tell it.
+// The shape that the options ask for; none unless there are views enough, all of one board.
 BoardShape shape_of(std::span<const View> views, std::size_t usable, const SolveOptions& options) {
   constexpr std::size_t kViews = 8;
   if (usable < kViews) return {};

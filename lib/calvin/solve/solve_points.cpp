@@ -18,11 +18,11 @@ namespace calvin {
 
 namespace {
 
-// The common sigma is found when it changes by less than this part.
+// The common sigma has converged where it changes by a smaller part than this.
 constexpr double kSettled = 0.02;
 
-// What `initial` tells of the parameters, in units of `sigma` px. Of another model the pinhole
-// alone means the same.
+// The priors that `initial` gives, in units of `sigma` px. Coefficients of another model mean
+// something else, so that only fx fy cx cy of it count.
 std::vector<CameraUnknowns::Prior> initial_priors(const SolveOptions& options, double sigma) {
   std::vector<CameraUnknowns::Prior> priors;
   if (!options.initial || !options.initial_is_prior) return priors;

@@ -14,7 +14,8 @@
 
 namespace calvin {
 
-// Solution::calibration lacks camera and board text. `shape` is what of the board may be estimated.
+// Solves for one model. `shape` has the modes of the board that are estimated. Camera and board
+// text of Solution::calibration are left empty.
 [[nodiscard]] Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& shape,
                                             ImageSize image_size, const SolveOptions& options,
                                             const std::stop_token& stop = {});

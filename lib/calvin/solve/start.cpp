@@ -18,7 +18,7 @@ namespace calvin {
 
 namespace {
 
-// Focal lengths outside of this, in image widths, are no camera's.
+// The range of focal lengths of cameras, in image widths.
 constexpr double kShortest = 0.1;
 constexpr double kLongest = 30;
 

@@ -26,18 +26,18 @@ using Guess = std::array<double, 4>;
 
 // From these homographies, for lenses near enough to a pinhole: Zhang's closed form, and with the
 // principal point at the centre of the image, the focal length by least squares over all views and
-// the median over single ones (which a wrong view does not move). Those of the three whose signs
-// and sizes are possible; OpenCV's initCameraMatrix2D takes roots of absolute values instead and so
+// the median over single views (which a wrong view does not move). Guesses with impossible signs or
+// sizes are left out; OpenCV's initCameraMatrix2D takes roots of absolute values instead and so
 // returns a wrong camera where it should fail.
 [[nodiscard]] std::vector<Guess> closed_form_guesses(std::span<const Eigen::Matrix3d> homographies,
                                                      ImageSize size);
 
-// camera_from_board of a view_homography() for such a camera.
+// camera_from_board of a view_homography() for a guessed camera.
 [[nodiscard]] std::optional<SE3> pose_by_guess(const Eigen::Matrix3d& homography,
                                                const Guess& guess, ImageSize size);
 
-// Focal lengths from very wide to tele, principal point at the centre; `perspective` leaves out
-// what no perspective lens has.
+// Cameras with focal lengths from very wide to tele, principal point at the centre; `perspective`
+// leaves out focal lengths that no perspective lens has.
 [[nodiscard]] std::vector<Guess> focal_grid(ImageSize size, bool perspective);
 
 }  // namespace calvin

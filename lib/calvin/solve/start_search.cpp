@@ -17,25 +17,26 @@ namespace calvin {
 
 namespace {
 
-constexpr std::size_t kTrialViews = 12;
-constexpr std::size_t kTrials = 4;
+// The trials of thorough().
+constexpr std::size_t kTrialViews = 12;  // views on which a start is tried
+constexpr std::size_t kTrials = 4;       // starts that are improved over all these views
 constexpr std::size_t kTrialsOfFew = 8;  // where there are few views
 
-// Of these one focal length is found that leads to all others.
+// The sample of quick(): one focal length found on it gives the poses of all views.
 constexpr std::size_t kQuickViews = 6;
 constexpr std::size_t kQuickCorners = 16;  // of a view
 constexpr std::size_t kPoseCorners = 10;   // of a view whose camera is known nearly
-constexpr std::size_t kJump = 7;           // goes round all of them
+constexpr std::size_t kJump = 7;           // prime to kQuickCorners: visits every place of a part
 
-// What brings a start near the optimum: the steps that are left to go are small.
+// Few and rough iterations, which bring a start near the optimum.
 constexpr LmOptions kRough = {8, 1e-2, 0, 1e-6};
 
-// More coefficients than these are no start from nothing.
+// A lens with more coefficients than this does not start with all of them free.
 constexpr int kPlainLens = 5;
 
-// A start that is farther off than this, in image widths, is in the wrong valley.
+// Robust scale, in image widths, from which on a start is in the wrong basin.
 constexpr double kFar = 1e-3;
-// Of the best scale: what lies beyond need not be followed.
+// Times the best scale: a start with a larger scale is not followed.
 constexpr double kHopeless = 4;
 
 StartSearch::Views sample_of(const StartSearch::Views& views, std::size_t most) {
@@ -45,8 +46,8 @@ StartSearch::Views sample_of(const StartSearch::Views& views, std::size_t most) 
   return sample;
 }
 
-// A few of the corners: one of each part of equal length, at a different place in each, as the
-// parts may be as long as the rows of the board.
+// A few of the corners: one of each of equal parts of the list, at a different place in each part,
+// because a part may be as long as a row of the board.
 PointSet thinned(const PointSet& all, std::size_t most = kQuickCorners) {
   PointSet few = all.without_corners();
   const std::size_t n = std::min(all.size(), most);
@@ -236,7 +237,8 @@ Eigen::MatrixXd StartSearch::leading(int coefficients) const {
   return some;
 }
 
-// First the focal length, then the strongest coefficients, then all others.
+// The directions of each stage: first the focal length, then also the strongest coefficients, then
+// all.
 std::vector<Eigen::MatrixXd> StartSearch::stages() const {
   std::vector<Eigen::MatrixXd> result;
   if (!freedom_.held[0] && !freedom_.held[1]) {
@@ -267,7 +269,8 @@ void StartSearch::improve(Candidate& c, const Views& sample, Rein rein) {
   }
 }
 
-// What makes numerator and denominator of a rational function cancel is nothing to begin with.
+// Priors at 0 for the higher coefficients: at the start nothing keeps numerator and denominator of
+// a rational lens from growing together and cancelling.
 StartSearch::Priors StartSearch::small(double sigma) const {
   Priors priors;
   for (int i = kPlainLens; i < freedom_.layout.coefficients; ++i)

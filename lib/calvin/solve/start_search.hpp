@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Where a solve starts: the valley of the true optimum, tried on a few views. Internal.
+// Where a solve starts: the basin of the true optimum, searched on a few views. Internal.
 #pragma once
 
 #include <limits>
@@ -31,24 +31,24 @@ class StartSearch {
 
   // Shared unknowns and a pose for each view; the scale is infinite where nothing leads anywhere.
   //
-  // For many views: from a few corners of a few of them, by the closed form for a lens near enough
-  // to a pinhole and at several focal lengths for others. Nearly always right, and ten to hundreds
-  // of times cheaper than what follows.
+  // For many views: from a few corners of a few views, by the closed form for a lens near enough to
+  // a pinhole and at several focal lengths for others. Nearly always right, and ten to hundreds of
+  // times cheaper than thorough().
   [[nodiscard]] Candidate quick(const Views& views);
-  // From all the starts there are, each tried on a few views: those that lead to different places
-  // which may be right, the likeliest first.
+  // All starts there are, each tried on a few views: the different cameras that they lead to and
+  // that may be right, the likeliest first.
   [[nodiscard]] std::vector<Candidate> thorough(const Views& views);
 
-  // Whether what is left of a fit, as robust_scale(), is too much for the right valley.
+  // Whether a robust_scale() of the distances is too large for the basin of the true optimum.
   [[nodiscard]] bool far(double scale) const;
-  // Whether there may be more than one valley in which a fit looks right.
+  // Whether there may be more than one basin in which a fit looks right.
   [[nodiscard]] bool many_valleys(const Views& views) const;
 
   // Whether the lens has so many coefficients that they can conspire.
   [[nodiscard]] bool rich() const;
 
-  // The directions of the freedom that move no coefficient but the first ones. A lens of many
-  // coefficients finds its valley as one of few.
+  // The directions that move no coefficient but the first ones. A lens of many coefficients finds
+  // its basin as a lens of few.
   [[nodiscard]] Eigen::MatrixXd leading(int coefficients) const;
 
  private:

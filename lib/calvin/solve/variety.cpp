@@ -20,7 +20,7 @@ namespace {
 // Boards closer to parallel than this count as parallel, rad.
 constexpr double kParallel = 0.0175;
 
-// Boards whose corners moved by less are in one place, in parts of the image diagonal.
+// Boards whose corners move by less than this are in one place, in parts of the image diagonal.
 constexpr double kStill = 0.02;
 
 // Two tilts that hold the pinhole less firmly do not determine it: as two that are 5 degrees each,
@@ -81,7 +81,8 @@ double firmness(const Fit& fit, const Freedom& freedom) {
   return eigen ? std::sqrt(std::max(eigen->values[0], 0.0)) : 0;
 }
 
-// Whether the corners that two views have in common are about where they were: some tell.
+// Whether the corners that two views have in common are in about the same places; some of them
+// tell.
 bool same_place(const PointSet& a, const PointSet& b, double near) {
   constexpr std::size_t kSome = 32;
   bool common = false;
@@ -104,8 +105,8 @@ tl::unexpected<Error> degenerate(std::string what) {
 Status tilted_enough(const Fit& fit, const Freedom& freedom) {
   const int seen = orientations(fit);
   if (2 * seen >= freedom.pinhole_directions()) {
-    // Two tilts are just enough, and not any two; the angles of a wide lens tell more, and so does
-    // what was measured before.
+    // Two tilts give just enough equations, and not any two do. The angles of a wide lens, or
+    // priors, give more.
     const bool alone = freedom.lens.perspective && freedom.priors.empty();
     const bool loose = seen == 2 && alone && firmness(fit, freedom) < kLoose;
     if (!loose) return {};

@@ -16,11 +16,11 @@
 
 namespace calvin {
 
-// The corners in use of a view: those with a weight. Every array has padded() values; what is
-// beyond count() repeats the first corner and weighs nothing.
+// The corners in use of a view, which are those with a weight. Every array has padded() values;
+// values from count() on repeat the first corner with the weight 0.
 class ViewPoints {
  public:
-  // What tells of the board alone is shared with another view that shows the same points of it.
+  // The arrays of the printed board are shared with `other` where that shows the same points.
   ViewPoints(const PointSet& view, const BoardShape& shape, const ViewPoints* other = nullptr);
 
   [[nodiscard]] std::size_t count() const { return printed_->ids.size(); }
@@ -41,7 +41,7 @@ class ViewPoints {
     std::vector<int> ids;
     AlignedArray arrays;  // x y z, then those of every mode
 
-    // Whether it is of these corners and their points.
+    // Whether these are the arrays of the corners in use of `view`.
     [[nodiscard]] bool shows(const PointSet& view, std::size_t padded) const;
   };
   [[nodiscard]] Printed printed(const PointSet& view, const BoardShape& shape) const;

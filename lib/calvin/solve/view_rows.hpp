@@ -20,7 +20,7 @@ namespace calvin {
 //   6          the pose, which moves by exp(d) from the left: rotation (rad), translation (m)
 //   1          the residuals, px
 //   shared()   fx fy cx cy, the lens' coefficients, skew where it is estimated, the board's modes
-// What depends on one view alone comes first: a pose by itself needs no more than seven columns.
+// Columns that depend on one view alone come first, so that a pose by itself needs seven columns.
 struct RowLayout {
   static constexpr int kPose = 6;
   static constexpr int kResidual = 6;
@@ -34,14 +34,14 @@ struct RowLayout {
   [[nodiscard]] int columns() const { return kFirstShared + shared(); }
 };
 
-// What the rows are taken at.
+// The values of the shared unknowns at which rows are taken.
 struct RowPoint {
   const double* parameters = nullptr;  // fx fy cx cy d0 d1 ...
   double skew = 0;                     // px
   const double* shape = nullptr;       // coefficients of the board's modes
 };
 
-// `shared` in the order of RowLayout; `skew` is that where it is not estimated.
+// `shared` is in the order of RowLayout; `skew` is the value of a skew that is not estimated.
 [[nodiscard]] inline RowPoint row_point(const RowLayout& layout, const double* shared,
                                         double skew) {
   const int extra = 4 + layout.coefficients;
@@ -53,7 +53,7 @@ class ViewRows {
  public:
   explicit ViewRows(const RowLayout& layout) : layout_(layout) {}
 
-  // Room for views of this size. What no lens ever writes is zero.
+  // Makes room for views of this size. Entries that no lens writes are zero.
   void resize(std::size_t padded);
 
   [[nodiscard]] const RowLayout& layout() const { return layout_; }
@@ -80,11 +80,11 @@ struct RowSums {
 using FillRows = RowSums (*)(const ViewPoints& view, const RowPoint& point,
                              const SE3& camera_from_board, const Loss& loss, ViewRows& rows);
 
-// The one of a lens in models.hpp, for the widest vectors that this machine has.
+// The function of a lens in models.hpp, for the widest vectors of the machine.
 template <typename Lens>
 [[nodiscard]] FillRows fill_rows_of();
 
-// By the name of a model that exists.
+// The function of a model by its name, which must exist.
 [[nodiscard]] FillRows fill_rows_of(std::string_view model);
 
 }  // namespace calvin

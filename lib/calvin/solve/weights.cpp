@@ -17,12 +17,13 @@ namespace calvin {
 
 namespace {
 
-// Sigmas further apart than this are taken as this far: one absurd value must not decide alone.
+// Ratio to the median sigma: sigmas are clamped to this range, for one absurd value must not decide
+// alone.
 constexpr double kWidestRatio = 1e3;
 
 struct Corner {
-  double square = 0;    // of its distance, px^2
-  double variance = 0;  // px^2, by the detector
+  double square = 0;    // of the distance from its projection, px^2
+  double variance = 0;  // by the detector, px^2
 };
 
 // All corners of the views used, those left out too.
@@ -55,8 +56,9 @@ bool nearly_equal(const Fit& fit, const Weights& told) {
   return most * most < kNearlyEqual * least * least;
 }
 
-// The median of square / (variance + common) is that of two Gaussians' squares, by bisection: it
-// falls as `common` grows. 0 where it is less without.
+// The common variance for which the median of square / (variance + common) is that of the sum of
+// two squared standard normals, 2 ln 2; by bisection, as the median falls with `common`. 0 where
+// the median is smaller without it.
 double common_variance(const std::vector<Corner>& corners, const std::stop_token& stop) {
   const double wanted = 2 * std::numbers::ln2;
   std::vector<double> ratios(corners.size());
@@ -122,7 +124,7 @@ double degrees_of_freedom(const Fit& fit, const Freedom& freedom) {
 }
 
 double degrees_of_cost(const Fit& fit, const Freedom& freedom) {
-  // The prior of a parameter that is held has nothing left over.
+  // The prior of a held parameter has no residual.
   const auto counts = [&freedom](const auto& prior) {
     return freedom.basis.row(prior.unknown).any();
   };

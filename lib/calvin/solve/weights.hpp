@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// How much each corner counts. Internal.
+// The weights of corners, from their sigmas and from the residuals of a fit. Internal.
 #pragma once
 
 #include <span>
@@ -23,32 +23,31 @@ struct WeightScale {
 // Makes the median weight 1.
 WeightScale normalise_weights(std::span<PointSet> views);
 
-// Those that a fit began with, per view: it may leave corners out.
+// The weights per view before a fit, which sets those of outliers to 0.
 using Weights = std::vector<std::vector<double>>;
 [[nodiscard]] Weights weights_of(std::span<const PointSet> views);
 
-// Of the directions, how many the priors tell and not the corners: no whole number. It is the trace
+// How many of the directions the priors determine and not the corners, no whole number: the trace
 // of the priors' information times the covariance of all.
 [[nodiscard]] double told_by_priors(const Fit& fit, const Freedom& freedom);
 
-// The corners' residuals less what was fitted to them.
+// The number of the corners' residuals less the number of unknowns that were fitted to them.
 [[nodiscard]] double degrees_of_freedom(const Fit& fit, const Freedom& freedom);
 
-// The same of all that Fit::cost is a sum of: the priors' residuals too.
+// The degrees of freedom of Fit::cost, which has the priors' residuals as well.
 [[nodiscard]] double degrees_of_cost(const Fit& fit, const Freedom& freedom);
 
 // sigma^2 = sigma_i^2 + sigma_0^2: where corners are worse than their sigmas say, sigma_0 (px) is
-// what all of them have in common. By the median of the corners, so that outliers have no say.
-// `told` are the weights before any were changed. 0 where it would change nothing: all sigmas
-// nearly equal, or large enough. Means nothing where `stop` was requested.
+// what all of them have in common. It is estimated by a median, so that outliers have no say.
+// `told` are the weights before any were changed. 0 where a common sigma would change nothing: all
+// sigmas nearly equal, or large enough. Means nothing where `stop` was requested.
 [[nodiscard]] double common_sigma(const Fit& fit, const Weights& told, const WeightScale& scale,
                                   const std::stop_token& stop);
 [[nodiscard]] std::vector<PointSet> with_common_sigma(std::vector<PointSet> views,
                                                       const Weights& told, const WeightScale& scale,
                                                       double common);
 
-// The square root of chi^2 per degree of freedom, against the sigmas that were told, over the
-// corners that the fit used.
+// The square root of chi^2 per degree of freedom over the corners in use, by the detector's sigmas.
 [[nodiscard]] double chi_of(const Fit& fit, const Freedom& freedom, const Weights& told,
                             const WeightScale& scale);
 
