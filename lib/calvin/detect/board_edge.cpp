@@ -14,16 +14,18 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr int kSamples = 27;                         // on the way outwards
-constexpr float kFrom = 0.3F;                        // squares beyond the line
-constexpr float kTo[] = {1.6F, 1.3F, 1.12F, 1.05F};  // the farthest that is in the image
-constexpr float kLeastMargin = 3;                    // px, beyond a square's end
-constexpr float kMargin = 0.45F;   // of the way there from a square's end on it is margin
-constexpr float kEdgeFrom = 0.8F;  // where a square of the last row may end
+// A profile runs from kFrom to the first of kTo (squares beyond the line) that finds an edge.
+constexpr int kSamples = 27;  // of a profile
+constexpr float kFrom = 0.3F;
+constexpr float kTo[] = {1.6F, 1.3F, 1.12F, 1.05F};
+constexpr float kLeastMargin = 3;  // px of a profile beyond a square's end
+constexpr float kMargin =
+    0.45F;  // share of the way from a square's end to the profile's: margin from there
+constexpr float kEdgeFrom = 0.8F;  // squares beyond the line, between which the last row may end
 constexpr float kEdgeTo = 1.25F;
-constexpr float kRagged = 0.15F;   // how much further one of them may
-constexpr float kDiffers = 0.65F;  // of the contrast: another colour
-constexpr float kSame = 0.3F;
+constexpr float kRagged = 0.15F;     // squares, between the nearest end and the farthest
+constexpr float kDiffers = 0.65F;    // of the contrast: more is another colour
+constexpr float kSame = 0.3F;        // of the contrast: less is the same colour
 constexpr float kLeastSeen = 0.5F;   // of the line's squares; a finger hides behind fewer
 constexpr int kLeastEnds = 2;        // squares that differ from the margin
 constexpr float kLeastShare = 0.8F;  // of the squares in view that are as they should
@@ -47,7 +49,7 @@ std::optional<float> grey(const ImageView& image, Point p) {
          fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
 }
 
-// Where the line's next node outwards would be.
+// The place of the next node outwards of a line, extrapolated from its last two or three nodes.
 std::optional<Point> beyond(const Lattice& lattice, Cell cell, Cell outwards) {
   if (!lattice.has(cell) || !lattice.has(cell - outwards)) return std::nullopt;
   const Node& a = lattice.at(cell);
@@ -63,10 +65,10 @@ std::optional<Point> beyond(const Lattice& lattice, Cell cell, Cell outwards) {
 struct Profile {
   float inside = 0;   // grey levels of the square
   float outside = 0;  // of what lies beyond it
-  float ends = 0;     // squares beyond the line, where the colour changes
+  float ends = 0;     // where the colour changes, squares beyond the line
 };
 
-// Outwards through the middle of the square between two nodes of the line.
+// The profile outwards through the middle of the square between two nodes of the line.
 std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, Cell cell, Cell step,
                                Cell outwards, float reach) {
   const auto a = beyond(lattice, cell, outwards);
@@ -107,15 +109,15 @@ std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, C
   return p;
 }
 
-// Whether the board ends beyond a line, by what is in sight up to `reach` squares from it.
+// Whether the board ends beyond a line, by profiles of `reach` squares.
 Edge look_up_to(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
                 Cell outwards, float reach) {
-  // By the colour of the squares: [0] those of even cells, [1] of odd ones.
+  // The squares of one colour: [0] those of even cells, [1] those of odd cells.
   struct Squares {
     int ends = 0;
     int goes_on = 0;
-    float brightness = 0;  // of those that end, less the margin's
-    float from = kEdgeTo;  // where they end
+    float brightness = 0;  // of squares that end less that of the margin, summed
+    float from = kEdgeTo;  // the nearest and the farthest end
     float to = kEdgeFrom;
   };
   std::array<Squares, 2> colours;
@@ -153,7 +155,7 @@ Edge look_up_to(const ImageView& image, const Lattice& lattice, Cell first, Cell
 Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
                    Cell outwards) {
   if (image.width < 2 || image.height < 2) return Edge::kNotSeen;
-  // The image may end soon, or the margin.
+  // Shorter profiles too: the image may end soon, or the margin.
   for (const float reach : kTo) {
     const Edge edge = look_up_to(image, lattice, first, step, count, outwards, reach);
     if (edge != Edge::kNotSeen) return edge;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Where a board ends.
+// The edge of a board: whether margin or more squares lie beyond a line of corners.
 #pragma once
 
 #include "calvin/core/image.hpp"
@@ -12,9 +12,10 @@ namespace calvin::detect {
 enum class Edge { kNotSeen, kDarkMargin, kBrightMargin };
 
 // Whether beyond a line of nodes (`count` cells from `first` on, some of them missing) there is one
-// more row of squares and then the margin, dark or bright: those squares that differ from it end
-// together, a square's side beyond the line, and the others go on. `outwards` is a cell's step.
-// Not seen too where it is out of the image, or covered.
+// more row of squares and then the margin, dark or bright: the squares of the other colour end
+// together, a square's side beyond the line, and the squares of the margin's colour go on.
+// `outwards` is the step of a cell away from the board. kNotSeen where the edge is out of the image
+// or covered.
 [[nodiscard]] Edge look_for_edge(const ImageView& image, const Lattice& lattice, Cell first,
                                  Cell step, int count, Cell outwards);
 

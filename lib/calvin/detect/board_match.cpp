@@ -19,11 +19,11 @@ namespace calvin::detect {
 
 namespace {
 
-// Of a part of a board, so that nothing else is taken for it.
+// The least part of a board that is reported, so that nothing else is taken for one.
 constexpr int kLeastNodes = 9;
 constexpr double kLeastShare = 0.2;  // of the control points
-constexpr double kEdgelessShare =
-    0.5;  // of them, where no edge is in view but all rows and columns
+// Of the control points, where all rows and columns are in view but no edge of the board.
+constexpr double kEdgelessShare = 0.5;
 
 int length(const Extent& e, int axis) { return axis == 0 ? e.cols() : e.rows(); }
 
@@ -54,8 +54,8 @@ int nodes_on(const Lattice& lattice, const Line& line) {
   return count;
 }
 
-// Takes stray nodes off until the lattice is no larger than the board. False where a line that
-// would have to go is no stray one: most of its nodes are there.
+// Removes the outermost lines of stray nodes until the lattice is no larger than the board. False
+// where most nodes of a line that would have to go are there: then it is not stray.
 bool trim(const Board& board, Lattice& lattice) {
   for (Extent e = lattice.extent(); !fits(e, board); e = lattice.extent()) {
     int weakest = 0;
@@ -80,8 +80,8 @@ bool trim(const Board& board, Lattice& lattice) {
   return true;
 }
 
-// Control point 0 stands on a dark square of the board's edge, diagonally beyond it; so is the
-// square it opens into.
+// Whether the colours are those of a board: diagonally beyond control point 0 is a dark square, and
+// the square that it opens into is dark too.
 bool colours_fit(const Placement& placement) {
   const bool bright = Lattice::is_even(placement.cell({0, 0})) != (placement.quarter % 2 == 1);
   return !bright;
@@ -135,8 +135,8 @@ std::vector<Placement> placements(const Board& board, const Extent& e, const Edg
   for (int quarter = 0; quarter < 4; ++quarter) {
     const int cols = quarter % 2 == 0 ? board.cols : board.rows;
     const int rows = quarter % 2 == 0 ? board.rows : board.cols;
-    // From the window that ends where the nodes do to the one that begins with them; an edge that
-    // was seen leaves one of them.
+    // Windows from the one that ends where the nodes do to the one that begins where they do; an
+    // edge that was seen fixes one of these.
     Cell first = {e.last.col - cols + 1, e.last.row - rows + 1};
     Cell last = e.first;
     if (edges.seen[0]) last.col = std::min(last.col, first.col);
@@ -153,7 +153,8 @@ std::vector<Placement> placements(const Board& board, const Extent& e, const Edg
   return all;
 }
 
-// Where control point 0 is or would be: the lattice as a plane, from its middle.
+// The place of a cell in the image, px: of its node, or else extrapolated from the middle of the
+// lattice by its mean steps.
 std::pair<double, double> place_of(const Lattice& lattice, Cell cell) {
   if (lattice.has(cell)) return {lattice.at(cell).x, lattice.at(cell).y};
   double n = 0, x = 0, y = 0, col = 0, row = 0;
@@ -178,7 +179,7 @@ std::pair<double, double> place_of(const Lattice& lattice, Cell cell) {
   return {x / n + dc * step[0] + dr * step[2], y / n + dc * step[1] + dr * step[3]};
 }
 
-// Of equal ones, the one whose control point 0 is nearest to the top left of the image.
+// Among equal placements the one whose control point 0 is nearest to the top left of the image.
 std::size_t choose(const Lattice& lattice, const std::vector<Placement>& all) {
   std::size_t best = 0;
   double least = 0;
@@ -197,7 +198,8 @@ int quarters_between(const Placement& from, const Placement& to) {
   return (from.quarter - to.quarter + 4) % 4;
 }
 
-// What turns the numbers of `from` into those of `to`.
+// The turn and shift, as Observation::ambiguous has them, that take labels of `from` to those of
+// `to`.
 std::string difference(const Board& board, const Placement& from, const Placement& to) {
   const int quarters = quarters_between(from, to);
   Cell turned = from.point(from.origin);
@@ -283,7 +285,7 @@ Match match_board(const ImageView& image, const Board& board, Lattice& lattice) 
   const Edges edges = match.whole ? Edges{} : edges_of(image, lattice, e);
   if (!is_enough(lattice, board, e, edges)) return match;
   auto all = placements(board, e, edges);
-  // Inverted, or printed with the other colours: where all of it is there they tell nothing more.
+  // Inverted, or printed with exchanged colours: a whole board is accepted all the same.
   if (all.empty() && match.whole) all = placements(board, e, edges, true);
   if (all.empty()) {
     match.reason = Reason::kWrongBoard;

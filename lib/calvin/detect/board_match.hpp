@@ -35,7 +35,7 @@ struct Match {
   Placement placement;
   std::vector<std::string> ambiguous;  // the other placements, see Observation
   bool certain = false;                // kWrongBoard: too large, or all four edges are in view
-  int seen_cols = 0;                   // of the lattice, turned as the board where that fits
+  int seen_cols = 0;                   // of the lattice, its longer side where the board has it
   int seen_rows = 0;
 };
 

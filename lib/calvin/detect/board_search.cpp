@@ -14,14 +14,14 @@ namespace {
 
 constexpr std::size_t kMostGroups = 4;   // lattices in an image
 constexpr int kPasses = 14;              // rows or columns that may be missing side by side
-constexpr float kAsymmetry = 0.55F;      // of a corner that is looked for
-constexpr float kAsymmetryInGap = 0.8F;  // of one that is expected
-constexpr int kWeakResponse = 3;
-constexpr float kLeastSpacing = 4.5F;  // px
-constexpr float kPrune = 0.45F;        // of the spacing
-constexpr int kFewestNodes = 6;        // to build on
+constexpr float kAsymmetry = 0.55F;      // of check_ring(), for any corner
+constexpr float kAsymmetryInGap = 0.8F;  // of check_ring(), for a corner that is expected
+constexpr int kWeakResponse = 3;         // grey levels, for a corner that is expected
+constexpr float kLeastSpacing = 4.5F;    // px
+constexpr float kPrune = 0.45F;          // of the spacing, from where a node is expected
+constexpr int kFewestNodes = 6;          // to build on
 
-// The peak of the response around its largest pixel.
+// Sets the place of a corner to the centroid of the response around its peak.
 void centre(const ImageView& image, const SaddlePoint& p, Corner& corner) {
   constexpr int kReach = 2;
   ResponsePatch patch;
@@ -60,7 +60,7 @@ Node node_of(const Corner& corner, bool even, Direction along, Direction down) {
   return node;
 }
 
-// The step from a cell that leaving its node on a way means.
+// The step to the next cell when the corner of a node is left on a way.
 Cell step_of(const Corner& corner, const Node& node, int way, bool even) {
   const bool is_rising = way < 2;
   const Direction line = is_rising ? corner.rising : corner.falling;
@@ -69,8 +69,8 @@ Cell step_of(const Corner& corner, const Node& node, int way, bool even) {
   return {0, dot(line, node.down) > 0 ? sign : -sign};
 }
 
-// Whether a corner lies where the nodes so far let one expect it. Across a finger, which hides two
-// of them, the next one has the right colours too.
+// Whether a corner lies where the nodes so far let it be expected. Colours alone do not tell:
+// across a finger, which hides two corners, the next corner has the right colours too.
 bool is_expected(const Lattice& lattice, Cell cell, const Corner& corner) {
   const auto expected = lattice.expect(cell);
   return !expected || std::hypot(corner.x - expected->x, corner.y - expected->y) <=
@@ -79,7 +79,7 @@ bool is_expected(const Lattice& lattice, Cell cell, const Corner& corner) {
 
 // Whether a corner's edges run as those of the lattice next to it.
 bool runs_along(const Corner& corner, bool even, const Node& near) {
-  constexpr float kTurn = 0.5F;  // sine
+  constexpr float kTurn = 0.5F;  // sine of the angle between them
   const Direction along = even ? corner.rising : corner.falling;
   const Direction down = even ? corner.falling : corner.rising;
   return std::abs(cross(along, near.along)) < kTurn && std::abs(cross(down, near.down)) < kTurn;
@@ -113,7 +113,7 @@ bool inside(const ImageView& image, const Expected& at) {
          at.y <= static_cast<float>(image.height) - 1.5F;
 }
 
-// A node that stands where nothing can be seen at this level, by one that was seen.
+// A node at an expected place where nothing can be seen at this level, copied from a neighbour.
 bool guess(const Lattice& lattice, Cell cell, const Expected& expected, Node& node) {
   for (const Cell step : kAround) {
     if (!lattice.has(cell + step) || lattice.at(cell + step).guessed) continue;
@@ -149,7 +149,8 @@ bool find_node(const ImageView& image, const Lattice& lattice, Cell cell, Node& 
   return true;
 }
 
-// Where ink or light has parted the squares there is no corner to be seen from close up.
+// A node between neighbours on two sides or more: where ink or light has parted the squares, no
+// corner can be seen from close up.
 bool guess_between(const ImageView& image, const Lattice& lattice, Cell cell, Node& node) {
   const auto sides = std::count_if(kAround.begin(), kAround.end(),
                                    [&](Cell step) { return lattice.has(cell + step); });
@@ -187,7 +188,7 @@ void BoardSearch::look(const ImageView& image, const SearchOptions& options) {
     centre(image, p, corner);
     corners_.push_back(corner);
   }
-  // Too few for a board: this is what makes an image without one cheap.
+  // Too few corners for a board: this test makes images without one cheap.
   if (static_cast<int>(corners_.size()) < options.least_nodes) return;
   graph_.build(image, corners_, options.reach);
   find_groups();

@@ -16,10 +16,10 @@
 
 namespace calvin::detect {
 
-// What is looked for.
+// The limits of a search.
 struct SearchOptions {
-  std::uint8_t threshold = 5;  // grey levels, of the response
-  int most_points = 600;       // of the response
+  std::uint8_t threshold = 5;  // least response of a corner, grey levels
+  int most_points = 600;       // peaks of the response that are looked at
   int least_nodes = 9;         // of a lattice
   float reach = 144;           // px, the largest distance between neighbours
 };
@@ -33,11 +33,12 @@ class BoardSearch {
   // Moves to the next lattice of at least `least_nodes` corners, the largest first, its stray
   // corners removed; false where none is left.
   [[nodiscard]] bool next(Lattice& lattice);
-  // Around all corners that hang together with it, which may be more than a lattice takes.
+  // The box around all corners that are linked with the current lattice, also those beyond its
+  // reach.
   [[nodiscard]] const Box& box() const { return groups_[next_group_ - 1].box; }
 
   // Adds the nodes that are missing inside of a lattice and next to it, until it has `enough`. With
-  // `guessing`, those too that cannot be seen but have neighbours on two sides.
+  // `guessing`, also nodes that cannot be seen but have neighbours on two sides.
   static void complete(const ImageView& image, Lattice& lattice, int enough, bool guessing);
 
  private:

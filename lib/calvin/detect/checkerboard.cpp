@@ -22,16 +22,16 @@ namespace calvin::detect {
 namespace {
 
 constexpr int kLeastSide = 16;       // px; no board is in a smaller image
-constexpr int kBeyond = 3;           // rows around a board that tell that it is another one
+constexpr int kBeyond = 3;           // rows around a board that are kept, to see that it is larger
 constexpr double kLeastShare = 0.2;  // of a board's corners
-// How many peaks of the response are looked at, the strongest first.
+// Peaks of the response that are looked at, the strongest first.
 constexpr int kPointsPerCorner = 15;
 constexpr int kFewestPoints = 800;
-// How far a neighbour may be: of the image divided by the squares of the board; px of the level.
-constexpr float kLargestSquare = 2.2F;
-constexpr float kLeastReach = 48;
-constexpr float kMostReach = 144;
-constexpr float kFineReach = 64;  // where a smaller level has looked for larger squares
+// How far a neighbour may be.
+constexpr float kLargestSquare = 2.2F;  // times the image's longer side per square of the board
+constexpr float kLeastReach = 48;       // px of the level
+constexpr float kMostReach = 144;       // px of the smallest level
+constexpr float kFineReach = 64;        // px of other levels: smaller ones have looked further
 
 // Where a lattice lies in the image, and how large its squares are there about, px.
 struct Area {
@@ -51,7 +51,7 @@ struct Area {
     return box.left <= other.right && other.left <= box.right && box.top <= other.bottom &&
            other.top <= box.bottom;
   }
-  // Whether the other one is likely a part of this.
+  // Whether the other area is likely a part of this one.
   [[nodiscard]] bool has(const Area& other) const {
     constexpr float kLike = 1.7F;  // ratio of the squares' sides
     const float u = 0.5F * (other.box.left + other.box.right);
@@ -92,15 +92,15 @@ class CheckerboardDetector final : public Detector {
   [[nodiscard]] Detection nothing(const ImageView& image) const;
   Detection look_ahead_or_search(const ImageView& image, std::uint64_t timestamp,
                                  const std::stop_token& stop);
-  // Whether all of the board is where `lattice_` tells.
+  // Whether all of the board is where `lattice_` predicts it.
   [[nodiscard]] bool look_ahead(const ImageView& image, Detection& result);
   Detection search(const ImageView& image, const std::stop_token& stop);
   void look_in_level(int level, Detection& result);
   [[nodiscard]] bool is_all_there_is(int level) const;
-  // Whether `lattice_`, in px of a level, is what a smaller level has seen to be no board of ours.
+  // Whether `lattice_`, in px of a level, is part of another board that a smaller level has seen.
   [[nodiscard]] bool is_known_other(int level) const;
-  // `lattice_` in px of the image is a board of another size, or may be the part of one.
-  // False where a larger one was seen.
+  // Notes that `lattice_`, in px of the image, is a board of another size, or may be a part of one.
+  // False where a larger one was noted.
   bool note_other(int cols, int rows, bool sure, Detection& result);
   [[nodiscard]] bool accept(Match match, Lattice& lattice, Detection& result);
   void report(const Match& match, const Lattice& lattice, Detection& result);
@@ -112,13 +112,13 @@ class CheckerboardDetector final : public Detector {
   BoardSearch search_;
   Refinement refinement_;
   Lattice lattice_;
-  Placement placement_;  // of what was reported last, which is lattice_ where it is whole
-  Lattice part_;         // of the board, the largest seen so far, in px of the image
-  Match part_match_;     // of it
-  int part_level_ = 0;   // where it was seen first
+  Placement placement_;  // of the board reported last, whose lattice is lattice_ where it is whole
+  Lattice part_;         // the largest part of the board seen so far, in px of the image
+  Match part_match_;     // of that part
+  int part_level_ = 0;   // where that part was seen first
   Area other_area_;
-  Lattice other_;               // the largest of another board, likewise
-  bool other_is_sure_ = false;  // and no part of the one that is looked for
+  Lattice other_;               // the largest lattice of another board, in px of the image
+  bool other_is_sure_ = false;  // whether other_ is no part of the board that is looked for
 };
 
 Detection CheckerboardDetector::nothing(const ImageView& image) const {
@@ -173,7 +173,7 @@ Detection CheckerboardDetector::search(const ImageView& image, const std::stop_t
     if (result.observation.found()) return result;
     if (is_all_there_is(level)) break;
   }
-  // What was a part of the board at one level may be another board at the next.
+  // A part of the board at one level may be seen as another board at the next.
   const bool is_other =
       other_.count() >= part_.count() && Area(other_, 0).meets(Area(part_, 0).box);
   if (part_.count() > 0 && !is_other) (void)accept(part_match_, part_, result);
@@ -209,7 +209,7 @@ void CheckerboardDetector::look_in_level(int level, Detection& result) {
       continue;
     }
     refinement_.to_image(pyramid_, level, lattice_, true);
-    // What is too fine, or too near to the border, to be seen in the level.
+    // Corners that are too fine, or too near to the border, to be seen in the level.
     BoardSearch::complete(full, lattice_, enough, true);
     refinement_.look_at_guesses(full, lattice_);
     const Match match = match_board(full, board_, lattice_);
@@ -225,8 +225,9 @@ void CheckerboardDetector::look_in_level(int level, Detection& result) {
   }
 }
 
-// Most of a board, of which a level with room enough in its squares has shown no more than the one
-// before: what is not seen is covered, or out of the image. A few corners are worth another look.
+// Whether the rest of the board is covered or out of the image: most of it was seen, and a level
+// with squares large enough has shown no more than the level before. For a few missing corners
+// another level is worth its time.
 bool CheckerboardDetector::is_all_there_is(int level) const {
   constexpr float kRoom = 10;    // px of the level
   constexpr double kFew = 0.04;  // of the board's corners
@@ -237,7 +238,7 @@ bool CheckerboardDetector::is_all_there_is(int level) const {
 
 bool CheckerboardDetector::is_known_other(int level) const {
   if (!other_is_sure_ || !other_area_.has(Area(lattice_, level))) return false;
-  // A board may lie on a floor of tiles.
+  // The board may lie on a floor of tiles, which is the other one.
   const bool may_be_on_it = other_.count() > board_.point_count() &&
                             lattice_.count() <= board_.point_count() &&
                             2 * lattice_.count() > board_.point_count();
@@ -255,9 +256,9 @@ bool CheckerboardDetector::note_other(int cols, int rows, bool sure, Detection& 
   return true;
 }
 
-// What all corners near each other are off by, px, which neither noise nor scatter tell. It does
-// not average out over the views: a sigma that knew of the noise alone would promise too much of a
-// calibration.
+// px, 1 sigma: the error that corners near each other have in common, which neither noise nor
+// scatter show. It does not average out over the views, so that sigmas of the noise alone would
+// make a calibration seem better than it is.
 constexpr double kBias = 0.001;
 
 bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& result) {
@@ -265,8 +266,8 @@ bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& resu
   const int before = lattice.count();
   if (!refinement_.refine(image, lattice)) return false;
   if (!match.whole || lattice.count() < before) {
-    // Some of its corners may have been none, and where the others are tells the board's edge from
-    // something else that covers a row up to the next.
+    // Some nodes may have been no corners, and the refined places of the others tell the edge of
+    // the board from something that covers it up to the next row.
     match = match_board(image, board_, lattice);
     if (match.reason != Reason::kAccepted) return false;
   }

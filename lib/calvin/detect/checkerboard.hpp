@@ -3,10 +3,10 @@
 
 // The checkerboard detector.
 //
-// In levels of half the size, the smallest first: peaks of a response to corners, a look at a ring
+// In levels of half the size, the smallest first: peaks of a response to corners, a test of a ring
 // of pixels around each, the graph of neighbours whose edges have opposite colours, lattices out of
-// it; then, where one is the board, a fit of every corner at full resolution. The work is bounded
-// for any image, and nothing is allocated for an image no larger than those before.
+// the graph; then, where a lattice is the board, a fit of every corner at full resolution. The work
+// is bounded for any image, and nothing is allocated for an image no larger than those before.
 #pragma once
 
 #include <memory>

@@ -18,7 +18,7 @@ namespace calvin::detect {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr int kLeastContrast = 8;     // grey levels
+constexpr int kLeastContrast = 8;     // grey levels between the extremes of the ring
 constexpr float kLargestKink = 0.6F;  // rad, between the two halves of an edge
 constexpr float kLeastAngle = 0.3F;   // rad, between the edges
 
@@ -47,10 +47,10 @@ struct Ring {
   }
 };
 
-constexpr int kScale = 8;  // of Samples::grey
+constexpr int kScale = 8;  // units of Samples::grey in a grey level
 
-// Smoothed along the ring. Whole numbers, and loops of a known length, which the compiler turns
-// into vectors: this is done for every peak of the response.
+// The grey levels of a ring, smoothed along it. Whole numbers, and loops of a known length, which
+// the compiler turns into vectors: every peak of the response is sampled.
 template <int kCount>
 struct Samples {
   std::array<int, kCount> grey{};  // kScale x grey levels, less the middle between the extremes

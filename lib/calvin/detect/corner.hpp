@@ -33,7 +33,8 @@ inline constexpr int kRingReach = 5;  // px, of the larger ring
 
 // Looks at a ring of pixels around (x, y), at least kRingReach from the border: a corner has
 // exactly four changes of colour on it, in opposite pairs, and looks the same turned by 180
-// degrees: `asymmetry` is how much it may differ, 0 to 1. Fills in all but the place.
+// degrees: `asymmetry` is how much opposite samples may differ, 0 to 1. Sets everything of `corner`
+// but its place.
 [[nodiscard]] bool check_ring(const ImageView& image, int x, int y, RingSize size, float asymmetry,
                               Corner& corner) noexcept;
 

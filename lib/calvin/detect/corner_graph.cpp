@@ -13,7 +13,7 @@ namespace calvin::detect {
 namespace {
 
 int pixel(const ImageView& image, float x, float y) {
-  // What is before the picture is held at its border, be it cut off upwards or down.
+  // Places outside of the image are moved to its border.
   const float up_x = x + 0.5F;
   const float up_y = y + 0.5F;
   const int u = std::clamp(static_cast<int>(up_x), 0, image.width - 1);
@@ -27,7 +27,7 @@ bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std
   constexpr float kAside = 0.25F;  // of the way
   constexpr float kLeastAside = 1.2F;
   constexpr float kMostAside = 3;  // px: the squares across may be narrow
-  constexpr float kLeast = 0.12F;  // of the corners' contrast
+  constexpr float kLeast = 0.12F;  // of the corners' contrast, between the two sides of the edge
   constexpr float kEvery = 3;      // px
   constexpr float kInner = 0.6F;   // of the way; close to the corners the ring has looked
   constexpr int kForgiven = 8;     // of so many samples one
@@ -38,8 +38,8 @@ bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std
   const float side = way < 2 ? aside : -aside;
   const Direction across = {-side * step.y, side * step.x};
   const float least = kLeast * std::min(from.contrast, to.contrast);
-  // As close together as the sides of the smallest squares are long; from the middle outwards,
-  // which is where they tell soonest. A speck on the edge is forgiven.
+  // Samples as close together as the smallest squares are long, from the middle outwards, where a
+  // wrong link shows first. A speck on the edge is forgiven.
   const int samples = std::max(3, static_cast<int>(length / kEvery));
   int misses = samples / kForgiven;
   for (int i = 0; i < samples; ++i) {
@@ -57,7 +57,7 @@ bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std
 
 }  // namespace
 
-// Whether a link is far longer than that of its corner's other side: then it skips some.
+// Whether a link is far longer than the one on the other side of its corner: then it skips corners.
 bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const {
   const Corner& a = corners[static_cast<std::size_t>(from)];
   const auto square = [&](int other) {

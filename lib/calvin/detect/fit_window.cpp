@@ -29,7 +29,8 @@ struct Range {
   int last = -1;
 };
 
-// Where |offset - slope x| <= limit. The same turned by 180 degrees for the negative offset.
+// The whole x with |offset - slope x| <= limit. The negative offset gives the range turned by 180
+// degrees.
 inline Range within(float offset, float slope, float limit, Range bounds) {
   constexpr float kFlat = 1e-3F;
   if (std::abs(slope) < kFlat) return std::abs(offset) <= limit ? bounds : Range{};
@@ -47,7 +48,8 @@ namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Some pixels of a row, at the middle of which `row` is; it ends before `end`.
+// Appends some pixels of a row to a window. `row` points to the window's middle column, the image
+// ends before column `end`.
 void append(const std::uint8_t* row, Range range, int end, float y, Window& window) {
   const hn::ScalableTag<float> d;
   const hn::RebindToSigned<decltype(d)> integers;
@@ -55,7 +57,7 @@ void append(const std::uint8_t* row, Range range, int end, float y, Window& wind
   const auto lanes = static_cast<int>(hn::Lanes(d));
   const auto height = hn::Set(d, y);
   int dx = range.first;
-  // What the last vector has too much is overwritten by the next one.
+  // Lanes of the last vector beyond the range are overwritten by the next row.
   for (; dx <= range.last && dx + lanes <= end; dx += lanes) {
     const int at = window.count + dx - range.first;
     const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
@@ -80,7 +82,7 @@ void gather(const ImageView& image, int x, int y, float radius, float band, Dire
   window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
   const int top = std::max(-reach, -y);
   const int bottom = std::min(reach, image.height - 1 - y);
-  // A frame of a video is not in the cache, and rows far from each other are not foreseen.
+  // A frame of a video is not in the cache, and the processor foresees no rows that are far apart.
   for (int dy = top; dy <= bottom; ++dy) {
     const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
     hwy::Prefetch(row - std::min(reach, x));
@@ -95,12 +97,12 @@ void gather(const ImageView& image, int x, int y, float radius, float band, Dire
     Range b = within(down.x * v, down.y, band, disc);
     if (b.first < a.first) std::swap(a, b);
     if (a.first > a.last) std::swap(a, b);
-    // The second without what the first has.
+    // The second range without the pixels of the first.
     b.first = std::max(b.first, a.last + 1);
     append(row, a, image.width - x, v, window);
     append(row, b, image.width - x, v, window);
   }
-  // What the last vectors read beyond them is multiplied by 0, so it must be a number.
+  // The last vectors read beyond the pixels and multiply by 0 there, so these must be numbers.
   std::fill_n(window.x + window.count, kBeyond, 0.0F);
   std::fill_n(window.y + window.count, kBeyond, 0.0F);
   std::fill_n(window.grey + window.count, kBeyond, 0.0F);

@@ -12,9 +12,10 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr float kLeastSpacing = 3;  // px, so that a misfit of pixels is not a share of nothing
+constexpr float kLeastSpacing =
+    3;  // px; smaller ones count as this, for places are rounded to pixels
 
-// A sum of places, and of the distances between the nodes they came from.
+// Weighted sums of predicted places, and of the spacings of the nodes that predict them.
 struct Votes {
   float x = 0;
   float y = 0;
@@ -92,7 +93,7 @@ std::optional<Expected> Lattice::expect(Cell c) const {
     if (!has(c + step)) continue;
     const Node& a = at(c + step);
     if (has(c + 2 * step)) {
-      // Onwards from the line's next nodes: half straight, half with its bend.
+      // Extrapolation of the line's next nodes: the mean of a straight line and a parabola.
       const Node& b = at(c + 2 * step);
       float x = 2 * a.x - b.x;
       float y = 2 * a.y - b.y;

@@ -13,17 +13,17 @@
 
 namespace calvin::detect {
 
-// A corner with its place in the lattice told. `along` and `down` are the directions of its edges
+// A corner that has a place in a lattice. `along` and `down` are the directions of its edges
 // towards the next corner of the row and of the column; cross(along, down) > 0.
 struct Node {
   float x = 0;
   float y = 0;
   Direction along;
   Direction down;
-  float contrast = 0;
-  float width = 1;   // px, the blur of the edges as far as known
-  float sigma = 0;   // px, of the place, once it was fitted
-  float misfit = 0;  // of prune()
+  float contrast = 0;  // grey levels
+  float width = 1;     // px, the blur of the edges as far as known
+  float sigma = 0;     // px, of the place, once it was fitted
+  float misfit = 0;    // of the last prune(), in parts of the spacing
   bool used = false;
   bool guessed = false;  // lies where its neighbours let it expect, and was not looked at yet
 };
@@ -42,10 +42,10 @@ inline constexpr std::array<Cell, 4> kAround = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1
 struct Expected {
   float x = 0;
   float y = 0;
-  float spacing = 0;  // px between the nodes it was taken from
+  float spacing = 0;  // px between the nodes that it is expected from
 };
 
-// Where the nodes are; empty where first > last.
+// The range of columns and rows of nodes, both ends included; empty where first > last.
 struct Extent {
   Cell first = {0, 0};
   Cell last = {-1, -1};
@@ -90,11 +90,11 @@ class Lattice {
   // between -along and +down. The first node put decides for all.
   [[nodiscard]] static bool is_even(Cell c) { return ((c.col + c.row) & 1) == 0; }
 
-  // From the nodes around, not from the one in the cell itself. Absent where too few are there.
+  // Where the nodes around a cell let its node be expected. Absent where too few are there.
   [[nodiscard]] std::optional<Expected> expect(Cell c) const;
 
-  // Removes, worst first, what lies further than `share` of the spacing from where it is expected;
-  // then what has fewer than two neighbours.
+  // Removes, worst first, nodes that lie further than `share` of the spacing from where they are
+  // expected; then nodes that have fewer than two neighbours.
   void prune(float share);
 
   template <typename F>

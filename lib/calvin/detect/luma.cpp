@@ -16,7 +16,7 @@
 #ifndef CALVIN_DETECT_LUMA_WEIGHTS
 #define CALVIN_DETECT_LUMA_WEIGHTS
 namespace calvin {
-// By the bytes of a pixel; the sum is 256.
+// The weight of each byte of a pixel; their sum is 256.
 struct LumaWeights {
   std::uint16_t of[4] = {0, 0, 0, 0};
 };
@@ -76,7 +76,7 @@ void halves_row(const std::uint8_t* from, std::uint8_t* to, std::size_t count) {
 #if HWY_TARGET != HWY_SCALAR
   const hn::ScalableTag<std::uint8_t> d;
   const std::size_t lanes = hn::Lanes(d);
-  // Not the last ones: behind the last pixel's byte the memory may end.
+  // Not the last pixels: the memory may end at the last pixel's first byte.
   for (; i + lanes < count; i += lanes) {
     hn::Vec<decltype(d)> even, odd;
     hn::LoadInterleaved2(d, from + 2 * i, even, odd);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Grey out of pixels that hold more than that.
+// Grey images out of frames whose pixels hold more than luma.
 #pragma once
 
 #include <cstddef>

@@ -27,7 +27,7 @@ inline constexpr float kCone = 0.3F;       // tangent of how far off the edge a 
 inline constexpr float kOffEdge = 2.5F;  // how much a px off the edge counts more than one along it
 inline constexpr float kTurn = 0.39F;    // sine of how far an edge may turn on the way
 inline constexpr int kMostLookedAt = 48;  // a board's neighbours are among the first of them
-inline constexpr float kContrast = 2.9F;  // ratio of the contrasts
+inline constexpr float kContrast = 2.9F;  // largest ratio of the contrasts of neighbours
 inline constexpr int kLongestVector = 8;
 inline int cell_of(float x) { return static_cast<int>(x / kCell); }
 }  // namespace calvin::detect
@@ -38,7 +38,7 @@ namespace calvin::detect::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The nearest of one corner, lane by lane.
+// The nearest corners of one corner, by lanes of vectors.
 class Nearest {
  public:
   Nearest(const CornerCells& cells, int self, float reach)
@@ -143,7 +143,7 @@ class Nearest {
               integers, best_[way]);
   }
 
-  // One further off than this is no neighbour: there is a nearer one, or it skips some.
+  // A corner further off than this is no neighbour: a nearer one was found, or it skips corners.
   [[nodiscard]] float farthest() const {
     float least[kWays];
     for (int way = 0; way < kWays; ++way) {

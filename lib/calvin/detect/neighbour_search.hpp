@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The nearest corners along the edges of each.
+// The nearest corner along each edge of each corner.
 #pragma once
 
 #include <array>
@@ -17,15 +17,16 @@ namespace calvin::detect {
 inline constexpr int kWays = 4;
 inline constexpr int kNoCorner = -1;
 
-// A link this much longer than that of its corner's other side skips corners.
+// A link skips corners if it is this many times longer than the one on the other side of its
+// corner.
 inline constexpr float kLongestLink = 2;
 
 // Corners in square cells of the image, by cells in rows.
 struct CornerCells {
-  const int* begin = nullptr;  // of each cell, and the end
+  const int* begin = nullptr;  // the first corner of each cell, and the end
   int across = 0;
   int down = 0;
-  // Of the corners in that order: as Corner, and where it was in the list.
+  // The corners in the order of the cells: the fields of Corner, and the index in the list.
   const float* x = nullptr;
   const float* y = nullptr;
   const float* rising_x = nullptr;
@@ -50,7 +51,7 @@ class NeighbourSearch {
 
   std::vector<int> begin_;
   std::vector<int> index_;
-  std::vector<float> numbers_;  // of CornerCells, one after the other
+  std::vector<float> numbers_;  // the arrays of CornerCells, one after the other
 };
 
 }  // namespace calvin::detect

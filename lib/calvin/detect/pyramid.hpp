@@ -29,8 +29,8 @@ class Pyramid {
  private:
   int count_ = 0;
   ImageView views_[kMaxLevels];
-  std::vector<std::uint8_t> pixels_[kMaxLevels];  // of the further levels
-  GrayImage own_;                                 // of an image that is not grey alone
+  std::vector<std::uint8_t> pixels_[kMaxLevels];  // of levels 1 and up
+  GrayImage own_;  // level 0 of an image whose pixels do not lie side by side
 };
 
 }  // namespace calvin::detect

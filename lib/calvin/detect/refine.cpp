@@ -15,15 +15,15 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr float kFirstRadius = 8;     // px
-constexpr float kCloseRadius = 4.5F;  // px
-constexpr float kSmaller = 0.75F;     // than a window with something else in it is the next one
-constexpr float kPrune = 0.3F;        // of the spacing
+constexpr float kFirstRadius = 8;     // px, of the first fit
+constexpr float kCloseRadius = 4.5F;  // px, of a fit with something else near it
+constexpr float kSmaller = 0.75F;  // ratio of a window to the one before, which had something in it
+constexpr float kPrune = 0.3F;     // of the spacing
 constexpr int kFewestNodes = 4;
-constexpr float kRoughly = 0.1F;         // px, where a better fit follows
+constexpr float kRoughly = 0.1F;         // px, last step of a fit that a better one follows
 constexpr float kLevelRadius = 5;        // px, in a smaller level
 constexpr float kLeastContrast = 0.25F;  // of the median
-// What a hand or a shadow on a corner leaves of it is not symmetric, and shows as noise.
+// A corner that a hand or a shadow covers in part is not symmetric, which shows as noise.
 constexpr float kNoisiest = 3;       // of the median
 constexpr float kNoisy = 1.5F;       // of the median: something else is in the window
 constexpr float kMostNoise = 0.15F;  // of the contrast
@@ -31,20 +31,20 @@ constexpr float kMostNoise = 0.15F;  // of the contrast
 constexpr float kUncertain = 20;             // of the median sigma
 constexpr float kUncertainInNoise = 6;       // likewise, beside a fixed part
 constexpr float kUncertainInNoisePx = 0.3F;  // px
-constexpr float kOfNoise = 1.4F;             // a residual that the noise does not explain
+constexpr float kOfNoise = 1.4F;             // of the noise: a larger residual has another reason
 constexpr float kMostResidual = 0.9F;        // of the contrast
 constexpr float kLargestWidth = 8;           // px, of an edge
 constexpr float kLargestMove = 0.35F;        // of the spacing, between levels
-constexpr float kLargestError = 0.2F;        // of the spacing, of what neighbours tell
+constexpr float kLargestError = 0.2F;        // of the spacing, from where neighbours predict it
 
-// The least distance to the grid lines around a node, px.
+// The distance from a node to the nearest of the next grid lines, px.
 float spacing_at(const Lattice& lattice, Cell c) {
   const Node& node = lattice.at(c);
   float least = 1e6F;
   for (const Cell step : kAround) {
     if (!lattice.has(c + step)) continue;
     const Node& next = lattice.at(c + step);
-    // From the edge that crosses the way there.
+    // The distance from the edge that crosses the way to the next node.
     const Direction edge = step.row == 0 ? node.down : node.along;
     least = std::min(least, std::abs(cross(edge, {next.x - node.x, next.y - node.y})));
   }
@@ -77,7 +77,7 @@ float distance(const SaddleFit& fit, const Node& node) {
   return std::hypot(static_cast<float>(fit.x) - node.x, static_cast<float>(fit.y) - node.y);
 }
 
-// Fits once more as squares that do not meet, for light or ink has parted them; keeps the better.
+// Fits once more with squares that light or ink has parted; keeps the better fit.
 void fit_parted(const ImageView& image, float radius, int steps, SaddleFit& fit) {
   constexpr float kOfSwing = 0.06F;  // the residual that no noise explains
   constexpr float kPartedWidth = 2;  // px, from which the steps find the gap
@@ -184,7 +184,7 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
     const bool good =
         fit_saddle(pyramid.level(level), radius, 6, f, kRoughly) && colours_fit(f, c) &&
         std::hypot(f.x - fit(c).x, f.y - fit(c).y) < std::max(1.5F, kLargestMove * spacing);
-    // One that runs away keeps its first place: the fit in the image will tell.
+    // A fit that runs away is dropped: the fit in the image will tell.
     if (good) fit(c) = f;
   });
   lattice.for_each([&](Cell c, const Node& /*node*/) {
@@ -237,7 +237,7 @@ double Refinement::blur(const Lattice& lattice) {
   return static_cast<double>(std::max(along, down));
 }
 
-// Its noise is infinite where there is no corner.
+// A fit of a node by itself; its noise is infinite where there is no corner.
 SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
                                 float radius, float width, int steps) const {
   const Node& node = lattice.at(c);
@@ -254,7 +254,7 @@ SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, 
 
 bool Refinement::confirm(const ImageView& image, Lattice& lattice) const {
   const Extent e = lattice.extent();
-  // By the last column and the last row.
+  // How far the outermost nodes have moved, px: [last column][last row].
   Direction moved[2][2];
   for (const int col : {0, 1}) {
     for (const int row : {0, 1}) {
@@ -278,12 +278,11 @@ bool Refinement::confirm(const ImageView& image, Lattice& lattice) const {
   return true;
 }
 
-// From where the node was found.
+// The first fit, from where the node was found.
 SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
   const float width = lattice.at(c).width;
   SaddleFit best = quick_fit(image, lattice, c, kFirstRadius, width, 8);
-  // One that was placed badly in a level needs a wider look; one with something else near it a
-  // closer one.
+  // A badly placed node needs a larger window, one with something else near it a smaller one.
   for (const bool wide : {true, false}) {
     if (best.noise <= kMostNoise * best.swing()) break;
     const SaddleFit f =
@@ -294,8 +293,8 @@ SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, 
   return best;
 }
 
-// With all that the first fits of the lattice have told, in as large a window as there is nothing
-// else in: no next edge, no finger, no end of the paper.
+// The last fit, with the bends and slopes from the first fits, in the largest window that has
+// nothing else in it: no next edge, no finger, no end of the paper.
 SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
   const float spacing = spacing_at(lattice, c);
   const SaddleFit& first = at(c);
@@ -389,8 +388,8 @@ bool Refinement::refine_again(const ImageView& image, const FitGrid& before, Lat
   drop_uncertain(lattice);
   stray_corners_.remove_from(lattice);
   if (lattice.count() < count) return false;
-  // For the next frame; and these fits, which know the bends of the one before, are moved to where
-  // their own will have them.
+  // Bends and slopes for the next frame. The fits have used those of the frame before, and are
+  // moved to where fits with their own bends would be.
   set_bends(lattice, fits_);
   set_slopes(lattice, fits_);
   return true;

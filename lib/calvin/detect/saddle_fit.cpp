@@ -30,14 +30,14 @@ constexpr float kDamping = 1e-3F;        // Levenberg's, of the diagonal
 constexpr float kFarthest = 0.6F;        // of the radius, from where the fit began
 constexpr double kOffMiddle = 0.9;       // px, from where a window is gathered anew
 constexpr float kLeastSine = 0.15F;      // between the edges
-// A pixel tells of an edge as far as its blur reaches, and as one does not know the edge's place:
-// from a first look, or from a fit.
-constexpr float kNearEdge = 3;  // widths
-constexpr float kNearEdgePx = 2.5F;
-constexpr float kNearFittedEdgePx = 1;
+// A window takes pixels up to this far from an edge: kNearEdge widths of its blur, and as many px
+// as its place is uncertain, before a fit or after one.
+constexpr float kNearEdge = 3;          // widths
+constexpr float kNearEdgePx = 2.5F;     // before a fit
+constexpr float kNearFittedEdgePx = 1;  // after a fit
 constexpr float kRounding = 1.0F / 12;  // grey levels^2, the variance of a whole number's rounding
 
-// The first level and contrast; its sign from the squares themselves.
+// The first level and contrast; the pixels decide the sign of the contrast.
 void start(const Window& window, SaddleFit& fit, float x, float y) {
   float sum[2] = {0, 0};
   int count[2] = {0, 0};
@@ -64,10 +64,10 @@ float widened(float width, float step) {
   return std::clamp(width * std::exp(std::clamp(step, -0.5F, 0.5F)), kLeastWidth, kLargestWidth);
 }
 
-// What differs between pixels opposite of the corner is noise: a saddle looks the same turned by
-// 180 degrees, whatever its optics, ink or exposure did to it. Returns the variance.
-// `pixels`: the sum of their weights; `count`: of those that tell something, the others have no
-// error.
+// The variance of the noise, from the differences between pixels on opposite sides of the corner: a
+// saddle looks the same turned by 180 degrees, whatever optics, ink or exposure did to it. `pixels`
+// is the sum of their weights; `count` is the number of pixels that are not cut off, which alone
+// have errors.
 float noise_variance(const Window& window, float square, float pixels, float count) {
   constexpr int kOddUnknowns = 2;  // the place
   if (!window.whole) return square / std::max(pixels - static_cast<float>(kUnknowns), 1.0F);
@@ -77,8 +77,8 @@ float noise_variance(const Window& window, float square, float pixels, float cou
   return 0.5F * sum / std::max(0.5F * count - kOddUnknowns, 1.0F);
 }
 
-// L L^T = A, of which the upper triangle is given row by row; L by its columns. The unknowns before
-// `first` are no unknowns.
+// The factor L of A = L L^T, by columns; A is given by its upper triangle, row by row. Unknowns
+// before `first` are left out.
 struct Factor {
   float l[kUnknowns][kUnknowns];  // [column][row]
   int first = 0;
@@ -149,7 +149,7 @@ struct StepSize {
   [[nodiscard]] bool is_settled(float place) const {
     return moved < place && widened < kSettledWidth && gained < kSettledGain;
   }
-  // What is known of the unknowns here holds where the step leads too.
+  // Whether the factor of the normal equations is still good where the step leads.
   [[nodiscard]] bool is_small() const {
     constexpr float kSmallMove = 0.15F;
     constexpr float kSmallTurn = 0.02F;
@@ -214,8 +214,9 @@ bool Steps::take(bool last) {
          std::abs(cross(fit_.along, fit_.down)) >= kLeastSine;
 }
 
-// With a gain, level and contrast are loose. Without one a step fails in what is no saddle yet; but
-// where much is cut off, pixels come and go, and their errors tell little.
+// With a gain, level and contrast are loosely determined, so that any larger error counts. Without
+// one, a step fails only far from a saddle; where much is cut off, pixels come and go between steps
+// and their mean error says little.
 bool Steps::has_gone_too_far() const {
   constexpr float kFarOff = 0.3F;  // of the contrast, RMS
   constexpr float kMuchWorse = 2;
@@ -227,7 +228,7 @@ bool Steps::has_gone_too_far() const {
          normal_.count > (1 - kMostCut) * static_cast<float>(window_.count);
 }
 
-// A step too far is taken back by half.
+// Finds the next step, or half of the way back where the last step went too far.
 bool Steps::find_change(bool last) {
   sum(fit_.has_gain ? Sums::kParted : Sums::kPlain);
   pixels_ = normal_.products[diagonal(kLevel)];
@@ -274,7 +275,7 @@ void Steps::finish() {
   fit_.sigma = fit_.noise * std::sqrt(factor_.place_variance());
 }
 
-// The steps in a window about the pixel in which the corner is.
+// Takes steps in a window about the pixel in which the corner is.
 bool fit_in_window(const ImageView& image, float radius, int steps, float settled, SaddleFit& fit) {
   const int middle_x = static_cast<int>(std::lround(fit.x));
   const int middle_y = static_cast<int>(std::lround(fit.y));
@@ -310,7 +311,7 @@ bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
   const double u = fit.x;
   const double v = fit.y;
   if (!fit_in_window(image, radius, steps, settled, fit)) return false;
-  // A corner that was elsewhere: its noise is that about its own middle.
+  // The corner was in another pixel: a window about that is symmetric, which gives the noise.
   const auto off = [](double from, double to) { return std::abs(to - std::round(from)); };
   if (std::max(off(u, fit.x), off(v, fit.y)) < kOffMiddle) return true;
   return fit_in_window(image, radius, steps, settled, fit) &&

@@ -11,10 +11,10 @@
 // off at 255 and at 0, as an over-exposed image is. s is a Gaussian blur's: e(a / wa) e(b / wb)
 // with e(x) = erf(x / sqrt 2) where the edges are perpendicular, and more where they are not, see
 // saddle_model-inl.hpp. The edges may be bent: a = straight distance - bend (u^2 + wa^2) / 2, u the
-// way along the edge, of which the blur's part is the second. Estimated: place, both
-// directions, level, contrast and both widths. What a window this small tells badly - bends and
-// slopes, which are odd about the corner as its place is - is given by the caller, who knows the
-// neighbours: left free they cost 30 % of the accuracy.
+// way along the edge; the term in wa^2 is the effect of the blur. Estimated: place, both
+// directions, level, contrast and both widths. Bends and slopes are given by the caller, who knows
+// the neighbours: a small window cannot tell them from the place, as all are odd about the corner,
+// and left free they cost 30 % of the accuracy.
 #pragma once
 
 #include <algorithm>
@@ -33,25 +33,25 @@ struct SaddleFit {
   Direction along;
   Direction down;
   float level = 0;  // grey levels
-  float contrast =
-      0;  // half the difference of the squares; positive: bright between along and down
+  // Half the difference of the squares, grey levels; positive: bright between along and down.
+  float contrast = 0;
   float along_width = 1.3F;  // px, 1 sigma of the blur across the edge
   float down_width = 1.3F;
 
-  // Whether what parts the squares is estimated too, and how far the bright ones reach beyond the
-  // edges, px: white that is over-exposed does, and between them, where ink has run, they end
-  // before the corner.
+  // Whether the gain is estimated too, and the gain: how far bright squares reach beyond the edges,
+  // px. Over-exposed white reaches further; where ink has run, bright squares end before the
+  // corner.
   bool has_gain = false;
   float gain = 0;
 
-  // Given.
+  // Given by the caller.
   float along_bend = 0;  // 1/px
   float down_bend = 0;
   Direction slope = {0, 0};           // grey levels per px
   Direction contrast_slope = {0, 0};  // grey levels per px
 
-  // Of the last step.
-  float radius = 0;    // px, of the window: how far a bend reaches
+  // Results of the last step.
+  float radius = 0;    // px, of the window
   float residual = 0;  // grey levels, RMS
   float noise = 0;     // grey levels, 1 sigma, from what differs between opposite pixels
   float sigma = 0;     // px, 1 sigma per coordinate, from `noise`
@@ -67,10 +67,10 @@ struct SaddleFit {
 };
 
 // Improves the fit in at most `steps` steps of Gauss and Newton, until one moves the place by less
-// than `settled` px, which leaves about the square of it. The pixels within `radius` px of
-// the corner count, as far as they are in the image (of step 1). `contrast` 0: it and the level are
-// taken from the image first. False where it runs away, more than 0.6 radius, or where there is no
-// saddle; the fit is then spoilt.
+// than `settled` px, which leaves an error of about the square of that. Pixels within `radius` px
+// of the corner count, as far as they are in the image (of step 1). With a `contrast` of 0, level
+// and contrast are taken from the image first. False where the fit runs away, by more than 0.6
+// radius, or where there is no saddle; the fit is then spoilt.
 [[nodiscard]] bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
                               float settled = 0.02F) noexcept;
 

@@ -65,7 +65,7 @@ struct TwoErrors {
   }
 };
 
-// By a and b: the distances from the edges in their widths.
+// A saddle and its derivatives by a and b, which are the distances from the edges in their widths.
 template <class V>
 struct Saddle {
   V value;

@@ -84,7 +84,7 @@ void response_row(const std::uint8_t* at, std::ptrdiff_t stride, std::uint8_t* o
   for (; i < count; ++i) hn::StoreU(response_at(one, at + i, stride), one, out + i);
 }
 
-// Of a patch whose pixels from (x, y) on lie in the image, as far from its border as needed.
+// The responses of a patch whose pixels from (x, y) on are far enough from the border of the image.
 void response_patch(const ImageView& image, int x, int y, int width, int height,
                     std::uint8_t* out) {
   const hn::CappedTag<std::uint8_t, kPatchWidth> d;
@@ -167,7 +167,7 @@ HWY_INLINE bool is_peak(const std::uint8_t* const* rows, int count, std::ptrdiff
 #endif
 }
 
-// Clears the bits of those that are no peaks among `count` rows.
+// Clears the bits of pixels that are no peaks among `count` rows.
 void keep_peaks(const std::uint8_t* const* rows, int count, std::uint8_t* bits, std::size_t width) {
   for (std::size_t first = 0; first < width; first += 64) {
     std::uint64_t marked = 0;
@@ -201,15 +201,15 @@ HWY_EXPORT(response_patch);
 HWY_EXPORT(mark_peaks);
 HWY_EXPORT(keep_peaks);
 
-// Rows that are looked at: the response of a corner is some five px wide, so every other one tells
-// of each, and the place is made good afterwards.
+// Every other row is looked at: the response of a corner is some five px wide, so that none is
+// missed; climb() corrects the place.
 constexpr int kRowStep = 2;
-constexpr int kPeakRows = 1;           // of those rows, on either side of a peak
+constexpr int kPeakRows = 1;           // rows looked at on either side of a peak
 constexpr std::size_t kPadding = 128;  // bytes on either side of a row, at least a vector
 constexpr std::size_t kMaxPoints = 2;  // times those wanted, before the threshold goes up
 constexpr int kRingRows = 4;           // at least 2 * kPeakRows + 1, a power of two
 
-// To the greatest response next to a point.
+// Moves a point to the greatest response next to it.
 void climb(const ImageView& image, SaddlePoint& p) {
   ResponsePatch patch;
   saddle_responses(image, p.x - 1, p.y - 1, 3, patch);
@@ -226,7 +226,7 @@ void climb(const ImageView& image, SaddlePoint& p) {
 
 void saddle_responses(const ImageView& image, int x, int y, int height,
                       ResponsePatch& patch) noexcept {
-  // The vectors must lie in the image; what is asked for may reach over its border.
+  // A patch may reach over the border of the image, but vectors must not.
   const int left = std::max(x, kResponseRadius);
   const int right = std::min(x + kPatchWidth, image.width - kResponseRadius);
   const int top = std::max(y, kResponseRadius);
@@ -238,7 +238,7 @@ void saddle_responses(const ImageView& image, int x, int y, int height,
   (image, left, top, width, bottom - top, patch.at[top - y] + left - x);
 }
 
-// Keeps the strongest half: no weaker one can be among those wanted.
+// Keeps the strongest half of the points: weaker ones cannot be among those wanted.
 void SaddleSearch::raise_threshold() {
   std::size_t counts[256] = {};
   for (const SaddlePoint& p : points_) ++counts[p.response];

@@ -22,7 +22,7 @@
 #define CALVIN_DETECT_SADDLE_SUMS_PAIRS
 namespace calvin::detect {
 
-// The two of each product, in this order.
+// The two unknowns of each product, in the order of Normal::products.
 struct Pairs {
   int first[kProducts];
   int second[kProducts];
@@ -67,7 +67,7 @@ HWY_INLINE void add_products(const V (*j)[kUnknowns], const V* e, [[maybe_unused
    ...);
 }
 
-// What the pixels of a window say about a fit, a vector at a time.
+// Rows of J and errors of the pixels of a window, a vector at a time.
 template <bool kParted, class D>
 class Looks {
  public:
@@ -108,7 +108,7 @@ class Looks {
     const V shared = set(-dot(fit_.along, fit_.down));
     Saddle<V> saddle = kParted ? parted_saddle(d, a, b, fit_.gain, wide_a, wide_b, shared)
                                : plain_saddle(d, a, b, shared);
-    // Where the edges cross, blur moves what is bent by more yet.
+    // Next to the corner, where both edges are blurred, blur moves bent edges further.
     constexpr float kCrossing = 0.35355339F;  // sqrt(2) / 4
     const V crossing = hn::MulAdd(set(kCrossing * fit_.along_bend * fit_.along_width), b,
                                   hn::Mul(set(kCrossing * fit_.down_bend * fit_.down_width), a));
@@ -140,12 +140,12 @@ class Looks {
   [[nodiscard]] float count() const { return hn::GetLane(hn::SumOfLanes(d_, count_)); }
 
  private:
-  // The square roots of the weights, and the errors, which the window keeps.
+  // Returns the square roots of the weights; writes the errors here and into the window.
   HWY_INLINE V weight(int i, V dx, V dy, V model, V& error) {
     const D d = d_;
     const auto set = [d](float v) { return hn::Set(d, v); };
-    // The last vectors may reach beyond the window. A white pixel only tells that it is no darker,
-    // a black one that it is no brighter.
+    // The last vectors may reach beyond the window. A white pixel is a lower bound only, a black
+    // pixel an upper bound.
     const auto inside = hn::FirstN(d, static_cast<std::size_t>(std::max(window_.count - i, 0)));
     const V grey = hn::LoadU(d, window_.grey + i);
     const V below = hn::IfThenElse(hn::Ge(grey, set(kWhite)), hn::Min(model, grey), model);
@@ -154,8 +154,8 @@ class Looks {
     error = hn::IfThenElseZero(told, hn::Sub(grey, model));
     hn::StoreU(error, d, window_.error + i);
     count_ = hn::Add(count_, hn::IfThenElseZero(told, set(1)));
-    // The disc is one about the corner, not about a pixel: its rim has pixels in part, the square
-    // root of their weight falls from 1 to 0.
+    // The disc is about the corner, not about a pixel: along its rim, which cuts pixels, the square
+    // root of the weight falls from 1 to 0.
     const V square_distance = hn::MulAdd(dx, dx, hn::Mul(dy, dy));
     const V rim = hn::MulAdd(square_distance, set(-0.5F / radius_), set(0.5F * radius_ + 0.5F));
     return hn::IfThenElseZero(told, hn::Min(hn::Max(rim, hn::Zero(d)), set(1)));

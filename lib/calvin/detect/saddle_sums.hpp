@@ -26,24 +26,24 @@ enum Unknown {
 };
 inline constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
 
-// What is summed over a window: for a saddle with a gain, for one without, or for the latter the
-// gradient alone.
+// Which sums are taken over a window: those of a saddle with a gain, those of a saddle without, or
+// of the latter the gradient alone.
 enum class Sums { kParted, kPlain, kGradient };
 
-// J^T W J (upper triangle, row by row), J^T W e and e^T W e. Where there is no gain its numbers are
-// left as they are.
+// J^T W J (upper triangle, row by row), J^T W e and e^T W e. Numbers of a gain that is not
+// estimated are left as they are.
 struct Normal {
   float products[kProducts];
   float gradient[kUnknowns];
   float square;
-  float count;  // of pixels that tell something
+  float count;  // of pixels that are not cut off at white or black
 };
 
-// Of the diagonal in Normal::products.
+// The index of a diagonal element in Normal::products.
 constexpr int diagonal(int unknown) { return unknown * kUnknowns - unknown * (unknown - 1) / 2; }
 
-// `x`, `y`: of the fit's corner from the window's middle. The errors of the window's pixels are
-// written too.
+// Sums over a window; (x, y) is the corner of the fit from the middle of the window. Writes the
+// errors of the window's pixels too.
 void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y, Sums sums,
                 Normal& normal) noexcept;
 

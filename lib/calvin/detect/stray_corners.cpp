@@ -15,25 +15,28 @@ namespace {
 constexpr std::size_t kFewest = 3;  // nodes of a difference
 constexpr std::size_t kMost = 5;
 constexpr int kLongest = 8;       // steps over gaps
-constexpr float kSigmas = 2;      // of the noise, which the median knows too
+constexpr float kSigmas = 2;      // of the noise, which is in the median as well
 constexpr float kSlack = 0.01F;   // px, what a fit may be off by beside its noise
 constexpr float kUnusual = 5;     // times the median
 constexpr int kFewForMedian = 6;  // differences of an order
 constexpr float kHigh = 2.5F;     // times the median, where that is high itself; up to
 constexpr float kHighest = 0.3F;  // of the spacing: the ends of a line are still confirmed
 constexpr float kRough = 1.5F;    // times the median, where nothing better is to be had
-// Bounds of what is usual, of the spacing, by the order. Upper: a board close to the rim of a
-// fisheye's picture. Without enough differences to take a median of: seen at a grazing angle from
-// close up, where the depth changes by a tenth per square.
+// Tolerated differences by order, of the spacing: bounds of a multiple of the median, and the value
+// without enough differences for a median. The upper bound is a board close to the rim of a
+// fisheye's picture; the presumed value is one at a grazing angle from close up, where the depth
+// changes by a tenth per square.
 constexpr float kLeastUsual[] = {0, 0, 0.02F, 0.006F, 0.003F};
 constexpr float kMostUsual[] = {0, 0, 0.5F, 0.3F, 0.2F};
 constexpr float kPresumed[] = {0, 0, 0.25F, 0.08F, 0.03F};
-constexpr float kLike = 0.35F;  // of a difference
+constexpr float kLike = 0.35F;  // of a difference: neighbours that differ by less are alike
 constexpr int kLinesAside = 2;
 constexpr int kFewestAlike = 2;
-constexpr float kUncertain = 6;           // of the median sigma: then there may be something else,
+// A node is something else if its sigma is above kUncertain medians and kUncertainLeast, and its
+// place is off by kUncertainError.
+constexpr float kUncertain = 6;
 constexpr float kUncertainLeast = 0.06F;  // px
-constexpr float kUncertainError = 0.5F;   // px, if it lies this far off too
+constexpr float kUncertainError = 0.5F;   // px
 constexpr float kLeastPrecise = 0.35F;    // of the spacing, to which a place must be confirmed
 
 }  // namespace
@@ -90,7 +93,8 @@ void StrayCorners::take_differences(const Lattice& lattice) {
   }
 }
 
-// What perspective and lens make of the differences is told by the board itself.
+// The tolerance of each order is a multiple of its median over the board, which perspective and
+// lens make large or small.
 void StrayCorners::set_tolerances() {
   for (int count = static_cast<int>(kFewest); count <= static_cast<int>(kMost); ++count) {
     sorted_.clear();
@@ -118,8 +122,8 @@ void StrayCorners::set_tolerances() {
   }
 }
 
-// Towards the rim of a fisheye's picture lines bend ever more, but side by side all in the same
-// way.
+// Whether parallel lines nearby have a similar difference: towards the rim of a fisheye's picture
+// lines bend ever more, but neighbours alike.
 bool StrayCorners::is_like_its_neighbours(const Difference& d) const {
   const Cell aside = {d.step.row, d.step.col};
   const float tolerance = std::max(d.tolerance, kLike * std::hypot(d.x, d.y));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Corners that are good ones, of something else: where the edge of a finger or of a card crosses
-// the board's.
+// Good corners of something else: where the edge of a finger or of a card crosses an edge of the
+// board.
 #pragma once
 
 #include <cmath>
@@ -18,8 +18,8 @@ namespace calvin::detect {
 // difference is a small share of the spacing, the same everywhere on a board. Keeps its memory.
 class StrayCorners {
  public:
-  // Removes the nodes of a fitted lattice, in px of the image, that spoil the differences of the
-  // lines they are on, the one that explains most first, and those that no line confirms.
+  // Removes nodes of a fitted lattice, in px of the image: those that make the differences of their
+  // lines too large, the one that explains most first, and those that no line confirms.
   void remove_from(Lattice& lattice);
 
  private:
@@ -34,10 +34,10 @@ class StrayCorners {
     float spacing = 0;         // px
     float tolerance = 0;       // px
     Cell step;                 // of the line
-    std::uint64_t places = 0;  // on it, by bits
+    std::uint64_t places = 0;  // of the nodes on that line, a bit each
     bool fails = false;
   };
-  // What the differences of a node say about its place.
+  // The verdict of all differences on the place of one node.
   struct Verdict {
     float x = 0;
     float y = 0;

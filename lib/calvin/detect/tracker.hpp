@@ -28,11 +28,12 @@ class Tracker {
                 ImageSize size, std::uint64_t timestamp, bool searched);
   void forget() { frames_ = 0; }
 
-  // Where the board is expected to be, its control point 0 in the cell {1, 0}. False where it is
-  // not known, and once a second, when the whole image is to be searched.
+  // Where the board is expected to be, its control point 0 in the cell {1, 0}. False where no board
+  // was remembered, and once a second, when the whole image is to be searched.
   [[nodiscard]] bool predict(ImageSize size, std::uint64_t timestamp, Lattice& lattice) const;
 
-  // The last fits of that lattice; empty where they are those of a lattice that lay otherwise.
+  // The last fits of the predicted lattice; empty where the lattice lay otherwise when it was
+  // fitted.
   [[nodiscard]] const FitGrid& fits() const { return fits_; }
 
  private:
