@@ -8,7 +8,7 @@
 
 #include <gst/video/video.h>
 
-#include "calvin/remap/kernel.hpp"
+#include "calvin/remap/plane_layout.hpp"
 
 namespace calvin::gst {
 

@@ -8,15 +8,24 @@
 #include <optional>
 #include <span>
 
-#include "calvin/remap/kernel.hpp"
-#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/lane_layout.hpp"
+#include "calvin/remap/lane_wide.hpp"
+#include "calvin/remap/plane_layout.hpp"
+#include "calvin/remap/plane_map.hpp"
+#include "calvin/remap/source_bounds.hpp"
 
-namespace calvin::remap {
+namespace calvin {
+
+// The samples of a run for planes of that layout where runs of eight are too long: those of a lane.
+// PlaneMap::build() asks for this number.
+[[nodiscard]] int lane_pixels_of(const PlaneLayout& layout) noexcept;
+
+namespace remap {
 
 struct KernelChoice {
-  LaneLayout lanes = LaneLayout::kNone;
-  std::optional<WideFormat> wide;
-  SourceBounds bounds;  // without rows where there is no such kernel
+  LaneLayout lanes = LaneLayout::kNone;  // kNone: the bilinear and gather kernels take no run
+  std::optional<WideFormat> wide;        // absent: not bicubic or Lanczos, or no kernel for it
+  SourceBounds bounds;                   // last_row = -1 where neither of them takes the plane
   AxisEnds x_ends;
   AxisEnds y_ends;
 };
@@ -26,11 +35,13 @@ struct KernelChoice {
     const PlaneMap& map, const PlaneLayout& layout, const Sampling& sampling,
     std::span<const PlaneMemory<const std::uint8_t>> sources) noexcept;
 
-// Of 16-bit samples.
+// How the 16-bit samples of a plane hold their values.
 [[nodiscard]] WordFormat word_format(const PlaneLayout& layout) noexcept;
 
 [[nodiscard]] constexpr bool is_words(LaneLayout layout) noexcept {
   return layout == LaneLayout::kOneWord || layout == LaneLayout::kTwoWords;
 }
 
-}  // namespace calvin::remap
+}  // namespace remap
+
+}  // namespace calvin

@@ -10,6 +10,8 @@
 #include <limits>
 
 #include "calvin/remap/choice.hpp"
+#include "calvin/remap/lane_gathered.hpp"
+#include "calvin/remap/lane_wide.hpp"
 #include "calvin/remap/lanes.hpp"
 #include "calvin/remap/pixel_kernel.hpp"
 

@@ -11,6 +11,7 @@
 #endif
 
 #include "calvin/remap/lane_placing-inl.hpp"
+#include "calvin/remap/runs.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
 

@@ -7,7 +7,7 @@
 // numbers, so that what is known of runs need not be spread.
 
 #include "calvin/core/vector_targets.hpp"
-#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/lane_gathered.hpp"
 
 #include <algorithm>
 #include <array>

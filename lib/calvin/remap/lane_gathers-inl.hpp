@@ -11,7 +11,7 @@
 #endif
 
 #include "calvin/core/vector_targets.hpp"
-#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/lane_layout.hpp"
 // After vector_targets.hpp.
 #include <hwy/highway.h>
 

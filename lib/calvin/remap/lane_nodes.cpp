@@ -4,7 +4,7 @@
 // The middles of runs at a row of the map's nodes, for every instruction set.
 
 #include "calvin/core/vector_targets.hpp"
-#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/run_middles.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "calvin/remap/lane_nodes.cpp"

@@ -12,7 +12,7 @@
 #endif
 
 #include "calvin/core/vector_targets.hpp"
-#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/runs.hpp"
 // After vector_targets.hpp.
 #include <hwy/highway.h>
 

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "calvin/remap/lane_layout.hpp"
 #include "calvin/remap/lane_vectors-inl.hpp"
 
 #if HWY_TARGET != HWY_SCALAR

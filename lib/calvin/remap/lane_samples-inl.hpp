@@ -10,9 +10,10 @@
 #define CALVIN_REMAP_LANE_SAMPLES_INL_HPP
 #endif
 
+#include "calvin/remap/band.hpp"
 #include "calvin/remap/lane_math-inl.hpp"
 #include "calvin/remap/lane_placing-inl.hpp"
-#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/run_row.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
 

@@ -12,7 +12,7 @@
 
 #include "calvin/remap/lane_layouts-inl.hpp"
 #include "calvin/remap/lane_math-inl.hpp"
-#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/run_row.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
 

@@ -6,7 +6,7 @@
 // precision. For memory of every kind whose components lie within 32 bits.
 
 #include "calvin/core/vector_targets.hpp"
-#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/lane_wide.hpp"
 
 #include <array>
 #include <cmath>

@@ -10,8 +10,8 @@
 #define CALVIN_REMAP_LANE_WORD_MATH_INL_HPP
 #endif
 
+#include "calvin/remap/lane_layout.hpp"
 #include "calvin/remap/lane_math-inl.hpp"
-#include "calvin/remap/lanes.hpp"
 
 #if HWY_TARGET != HWY_SCALAR
 

@@ -4,8 +4,9 @@
 // Resampling one sample at a time: borders, wide steps, and whatever the vector kernel lacks.
 #pragma once
 
-#include "calvin/remap/kernel.hpp"
-#include "calvin/remap/lanes.hpp"
+#include "calvin/remap/plane_layout.hpp"
+#include "calvin/remap/plane_map.hpp"
+#include "calvin/remap/run_row.hpp"
 
 namespace calvin::remap {
 

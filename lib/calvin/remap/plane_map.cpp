@@ -9,6 +9,8 @@
 #include <new>
 #include <utility>
 
+#include "calvin/remap/run_middles.hpp"
+
 namespace calvin {
 
 namespace {

@@ -9,8 +9,8 @@
 #include <memory>
 #include <vector>
 
-#include "calvin/remap/lanes.hpp"
 #include "calvin/remap/map.hpp"
+#include "calvin/remap/runs.hpp"
 #include "calvin/remap/sampling.hpp"
 
 namespace calvin {

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "calvin/remap/choice.hpp"
+#include "calvin/remap/kernel.hpp"
+
 namespace calvin {
 
 namespace {

@@ -9,7 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "calvin/remap/kernel.hpp"
+#include "calvin/remap/plane_layout.hpp"
+#include "calvin/remap/plane_map.hpp"
 #include "calvin/remap/view.hpp"
 
 namespace calvin {
