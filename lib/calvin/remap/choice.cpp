@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Chooses the kernels for a plane by its memory layout and by the interpolation, and finds what
+// they may read of the source.
+
 #include "calvin/remap/choice.hpp"
 
 #include <algorithm>
@@ -40,7 +43,7 @@ bool is_spread(LaneLayout layout) {
   return layout == LaneLayout::kOneSpread || layout == LaneLayout::kTwoSpread;
 }
 
-// What the vector kernel may take of a source plane.
+// What the bilinear and the bicubic kernels may read of a source plane.
 SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayout lanes,
                        std::span<const PlaneMemory<const std::uint8_t>> sources) {
   const std::ptrdiff_t stride = sources.front().stride;
@@ -48,14 +51,14 @@ SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayou
   const ImageSize size = map.source_size();
   SourceBounds b;
   b.stride = static_cast<std::int32_t>(stride);
-  // Places between a first sample before the frame and the next one may be before it too.
+  // Where the first sample lies before the frame, so may coordinates between it and the next one.
   b.first_column = map.source_x().offset() < 0 ? 1 : 0;
   b.first_row = map.source_y().offset() < 0 ? 1 : 0;
-  // Beyond an uneven last sample places are no longer linear.
+  // The distance to an uneven last sample is not that of the others: coordinates end before it.
   b.last_column = size.width - (map.source_x().is_even() ? 1 : 2);
   b.last_row = size.height - (map.source_y().is_even() ? 1 : 2);
-  // Lanes of a run are read by 16 bytes, or all of them at once.
-  // Pixels of three and four bytes may be read each by itself, by 16 bytes too.
+  // A lane reads 16 bytes, and one with samples in every second byte 32; a run of several lanes may
+  // be read as one window. Pixels with addresses of their own are read by 16 bytes, too.
   const int step = is_words(lanes) ? 2 * layout.components : layout.components;
   const int in_lane = is_words(lanes) ? 8 / step : lane_pixels(lanes);
   const int span = map.run_pixels() / std::min(in_lane, map.run_pixels());
@@ -64,7 +67,8 @@ SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayou
   const int segment = lane * parts;
   const int columns = (15 - (step - 1)) / step;
   b.widest = span == 1 ? columns : 15;
-  // The second of a lane's pixels, and of its neighbours, is in the segment too.
+  // 0x6800 / 2^14 = 1.625 samples: the last pixel of a lane and its neighbour must lie in the
+  // segment.
   if (span > 1) b.steepest = 0x6800;
   const auto bytes = static_cast<std::int32_t>(layout.pixel_step) * size.width;
   b.columns = size.width;
@@ -72,7 +76,7 @@ SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayou
   b.guarded_rows = bytes >= segment ? 1 : size.height;
   b.last_segment = bytes - segment - 1;
   b.strongly_bent = map.strongly_bent();
-  // Planes of one kind share their offsets, which are counted in 31 bits.
+  // The two planes share their offsets, which must fit into 31 bits.
   if (!alike || stride < bytes ||
       stride > std::numeric_limits<std::int32_t>::max() / (size.height + 64)) {
     b.last_row = -1;
@@ -80,7 +84,7 @@ SourceBounds bounds_of(const PlaneMap& map, const PlaneLayout& layout, LaneLayou
   return b;
 }
 
-// `last` px of the frame.
+// `last` is the centre of the frame's last pixel, px.
 AxisEnds ends_of(const SampleAxis& axis, double last) {
   const auto place = [&](double pixel) {
     return static_cast<float>((pixel - axis.offset()) / axis.scale());
@@ -90,7 +94,7 @@ AxisEnds ends_of(const SampleAxis& axis, double last) {
           samples,      !axis.is_even()};
 }
 
-// What wide kernels take a plane as, if they do.
+// How the bicubic kernel takes a plane, if it does.
 std::optional<WideFormat> wide_format(const PlaneMap& map, const PlaneLayout& layout,
                                       Interpolation interpolation) {
   const bool wide =
@@ -112,7 +116,7 @@ std::optional<WideFormat> wide_format(const PlaneMap& map, const PlaneLayout& la
   return format;
 }
 
-// How the vector kernels take a plane, if they do.
+// How the bilinear and the gather kernels take a plane, if they do.
 LaneLayout usable_lanes(const PlaneMap& map, const PlaneLayout& layout, const Sampling& sampling) {
   const LaneLayout lanes = lane_layout(layout);
   const bool simple = sampling.interpolation == Interpolation::kNearest ||

@@ -16,8 +16,8 @@
 
 namespace calvin {
 
-// The samples of a run for planes of that layout where runs of eight are too long: those of a lane.
-// PlaneMap::build() asks for this number.
+// The samples of a lane for planes of that layout: the length of runs where eight samples are too
+// long. PlaneMap::build() asks for this number.
 [[nodiscard]] int lane_pixels_of(const PlaneLayout& layout) noexcept;
 
 namespace remap {

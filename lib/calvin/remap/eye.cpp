@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Rays and pixels of a virtual camera.
+
 #include "calvin/remap/eye.hpp"
 
 namespace calvin {

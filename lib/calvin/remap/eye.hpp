@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What sees a picture: a camera, or a virtual one that has a projection and looks elsewhere.
+// The camera of a picture: a real one, or a virtual one that has a projection and looks elsewhere.
 #pragma once
 
 #include <optional>
@@ -24,13 +24,14 @@ class Eye {
 
   [[nodiscard]] ImageSize image_size() const noexcept { return camera_.image_size(); }
   [[nodiscard]] std::optional<Eigen::Vector3d> ray(Pixel pixel) const noexcept;
-  // The result may lie outside of the picture.
+  // The pixel of a direction, absent where the camera does not see it; it may lie outside of the
+  // picture.
   [[nodiscard]] std::optional<Pixel> project(const Eigen::Vector3d& direction) const noexcept;
 
-  // The camera itself, or the plane.
+  // The real camera itself; of a virtual camera the pinhole that lays out its plane.
   [[nodiscard]] const Camera& plane() const noexcept { return camera_; }
-  // The model of what it sees, in the axes that it looks along; absent for projections that no
-  // model describes.
+  // The camera model of the picture, in axes along the view; absent for projections that no model
+  // describes.
   [[nodiscard]] std::optional<Camera> model() const;
 
  private:
@@ -39,8 +40,8 @@ class Eye {
   Eigen::Matrix3d camera_from_view_ = Eigen::Matrix3d::Identity();
 };
 
-// px of one eye -> px of another one at the same place. Absent where the ray of the pixel is not
-// seen by the other; the result may lie outside of its picture.
+// px of one camera -> px of another camera at the same position. Absent where the other one does
+// not see the ray of the pixel; the result may lie outside of its picture.
 [[nodiscard]] std::optional<Pixel> transfer(const Eye& from, const Eye& to, Pixel pixel) noexcept;
 
 }  // namespace calvin

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The camera of frames that are scaled, cropped or turned, from a calibration of the whole picture.
+
 #include "calvin/remap/fit.hpp"
 
 #include <cmath>

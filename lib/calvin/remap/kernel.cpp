@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The row renderer: takes a chunk of runs down the rows of a plane, band by band, and gives each
+// run to the quickest kernel that can take it.
+
 #include "calvin/remap/kernel.hpp"
 
 #include <algorithm>
@@ -22,7 +25,7 @@ namespace {
 using remap::NodeRows;
 using remap::RunRow;
 
-// One chunk of runs on its way down the rows.
+// A chunk of runs on its way down the rows, with the scratch memory for them.
 class Chunk {
  public:
   Chunk(const PlaneMap& map, const PlaneLayout& layout,
@@ -46,22 +49,22 @@ class Chunk {
     runs_ = std::min(remap::kChunkRuns, map.runs() - first_run);
     width_ = std::min(runs_ * pixels_, map.size().width - first_);
     row_.count = runs_;
-    // What the last group of a row writes, and what follows it, must be the row's; an uneven last
-    // sample is in no group.
+    // A group is whole where all that it writes, with the slack behind it, is within the row. An
+    // uneven last sample is in no group.
     const auto step = static_cast<int>(layout.pixel_step);
     const int slack = (remap::run_slack(choice_.lanes) + step - 1) / step;
     const int left = map.size().width - first_ - slack - (map.output_x().is_even() ? 0 : 1);
     whole_groups_ = std::max(left, 0) / (group_ * pixels_);
-    // Four bytes hold a pixel of those that are gathered.
+    // fill_ has the first four bytes of a filled pixel: the gather kernel takes no larger ones.
     std::array<std::uint8_t, 16> pixel{};
     remap::fill_stretch(layout, {pixel.data(), 0}, {row_, 0, 0, 1, nullptr});
     std::memcpy(&fill_, pixel.data(), sizeof fill_);
   }
 
-  // Row after row.
+  // Renders the row `y` of the output; rows must come in order.
   void row(int y) noexcept {
     const PlaneMap::Row* limits = map_.limits(y);
-    // An uneven last sample is not where a run has it.
+    // An uneven last sample is not where the parabola of its run says.
     const bool uneven = !map_.output_x().is_even();
     if (y >= band_end_) begin_band(y);
     way_ = std::min(static_cast<float>(y - band_begin_) * way_of_row_, 1.0F);
@@ -74,7 +77,7 @@ class Chunk {
   }
 
  private:
-  // Where the runs lie, and which are slow. `all`: somebody needs all of their middles.
+  // Finds where the runs lie and which of them are slow. `all`: all middles are needed.
   remap::SlowBlocks describe(int y, const PlaneMap::Row* limits, bool all) noexcept {
     const auto describe_with = [this](const remap::RowNodes* between) {
       return describe_runs_(choice_.bounds, between, band_, way_, row_);
@@ -89,7 +92,8 @@ class Chunk {
     return remap::kAllSlow;
   }
 
-  // The band that a row lies in is the same whichever row comes first: threads share the rows.
+  // Begins the band of row `y`. It does not depend on which of its rows is rendered first: threads
+  // share the rows, and pictures must not depend on how.
   void begin_band(int y) noexcept {
     const int node_row = map_.level(y).node_row;
     const int rows = map_.band_rows(node_row);
@@ -97,13 +101,13 @@ class Chunk {
     const int end = std::min(begin + rows, map_.size().height);
     int first = first_row(node_row, begin, y);
     int last = first_row(node_row + 1, y, end) - 1;
-    // An uneven last row is not as far from the one before as the others are.
+    // An uneven last row is a band of its own: its distance from the row before is a different one.
     const int even = map_.size().height - (map_.output_y().is_even() ? 0 : 1);
     y < even ? last = std::min(last, even - 1) : first = last;
     band_begin_ = first;
     band_end_ = last + 1;
     way_of_row_ = 1.0F / static_cast<float>(std::max(last - first, 1));
-    // Where there is an end of the model rows have little in common.
+    // Where the camera model ends, rows have little in common.
     if (choice_.wide || map_.limits(y) != nullptr) {
       band_.clear();
       band_shared_ = false;
@@ -120,7 +124,8 @@ class Chunk {
                                      static_cast<float>(height), band_, row_);
   }
 
-  // The first row at or behind that row of the nodes, of those from `begin` to before `end`.
+  // The first row, of those from `begin` to before `end`, whose level is at `node_row` or behind
+  // it.
   [[nodiscard]] int first_row(int node_row, int begin, int end) const noexcept {
     while (begin < end) {
       const int middle = begin + (end - begin) / 2;
@@ -129,6 +134,8 @@ class Chunk {
     return begin;
   }
 
+  // The nodes to interpolate a row from. Rows of nodes are expanded when first needed; of the four
+  // slots each has the rows of nodes whose number modulo 4 is its own.
   remap::RowNodes nodes_at(const PlaneMap::Level& level) noexcept {
     constexpr int kBefore = remap::NodeRows::kFirst - remap::kMargin;
     const auto weights = cubic_weights(level.between);
@@ -145,6 +152,7 @@ class Chunk {
     return between;
   }
 
+  // Takes over the middles where the map's grid says nothing of them.
   void take_middles(const PlaneMap::Row& limits) noexcept {
     constexpr double kScale = 1 << remap::kPlaceBits;
     constexpr double kMost = std::numeric_limits<std::int32_t>::max() / 4.0;
@@ -158,7 +166,7 @@ class Chunk {
     }
   }
 
-  // All groups of runs that are not valid from the first sample to the last.
+  // Marks as slow all groups of runs that are not valid from their first sample to their last.
   void mark_invalid(const PlaneMap::Row& limits) noexcept {
     const int pixels = group_ * pixels_;
     int done = 0;  // groups
@@ -202,7 +210,7 @@ class Chunk {
     }
   }
 
-  // A group at the end of a row, which writes more than the row has.
+  // Blends a group at the end of a row, which would write beyond the row, into memory beside it.
   void blend_beside(int y, int run, remap::PlaneRows planes) noexcept {
     const int pixels = std::min(map_.size().width - first_ - run * pixels_, group_ * pixels_);
     const auto bytes = static_cast<std::size_t>((pixels - 1) * layout_.pixel_step +
@@ -219,7 +227,7 @@ class Chunk {
     }
   }
 
-  // What one plane's memory does not allow is left to the other kernel for all of them.
+  // Runs that the bicubic kernel leaves in one plane are left to the scalar kernel in all planes.
   void blend_wide(int y) noexcept {
     if (width_ % pixels_ != 0) mark_slow(row_.count - 1, row_.count);
     for (std::size_t p = 0; p < sources_.size(); ++p) {
@@ -237,12 +245,12 @@ class Chunk {
     return output_row(plane, y) + (first_ + run * pixels_) * layout_.pixel_step;
   }
 
-  // Writes the runs that are slow.
+  // Writes the slow runs: the fill, by the gather kernel, or by the scalar kernel.
   void sample_rest(int y, const PlaneMap::Row* limits, remap::SlowBlocks slow) noexcept {
     if (slow == 0) return;
     const auto kind = [&](int j) { return row_.rows[j] & (remap::kSlowRun | remap::kEmptyRun); };
     const auto in_slow_block = [&](int j) { return (slow & remap::slow_block(j)) != 0; };
-    // The last run may have less than all of its samples.
+    // The gather kernel takes whole runs; the last run of a row may be shorter.
     const int whole = gathers(limits) ? width_ / pixels_ : 0;
     int gathered = 0;
     for (int j = 0, end = 0; j < row_.count; j = end) {
@@ -266,7 +274,7 @@ class Chunk {
     for (std::size_t p = 0; p < sources_.size() && gathered > 0; ++p) gather(p, y, gathered);
   }
 
-  // Whether slow runs have a kernel.
+  // Whether the gather kernel takes slow runs.
   [[nodiscard]] bool gathers(const PlaneMap::Row* limits) const noexcept {
     return pixels_ == 8 && !choice_.wide && limits == nullptr && map_.output_x().is_even() &&
            choice_.bounds.last_row >= 0;
@@ -307,7 +315,7 @@ class Chunk {
                           stretch);
   }
 
-  // What a group writes at most: 4 runs of 8 pairs of words, or of 8 times four bytes.
+  // Bytes that a group writes at most: 4 runs of 8 pixels of four bytes, and the slack.
   static constexpr std::size_t kTail = 128 + 16;
 
   const PlaneMap& map_;
@@ -329,12 +337,12 @@ class Chunk {
   std::array<int, 4> known_ = {-1, -1, -1, -1};
   int band_begin_ = 0;
   int band_end_ = 0;
-  bool band_shared_ = false;  // all of its runs are steady, or empty
-  float way_of_row_ = 0;      // of each row: what it adds to the way down the band
-  float way_ = 0;             // of the row down the band
+  bool band_shared_ = false;  // all runs of the band are steady or empty
+  float way_of_row_ = 0;      // what each row adds to way_
+  float way_ = 0;             // the fraction of the band's height above the row, 0..1
   std::array<std::int32_t, remap::kChunkRuns> slow_runs_;
-  std::array<bool, remap::kChunkRuns> left_;  // of these: those that have no kernel either
-  std::uint32_t fill_ = 0;                    // the memory of a pixel
+  std::array<bool, remap::kChunkRuns> left_;  // those of slow_runs_ that gather() has left
+  std::uint32_t fill_ = 0;                    // a filled pixel as it is in memory
   NodeRows nodes_;
   remap::Band band_;
   RunRow row_;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Bilinear resampling of pixels of three or four bytes, each of which is fetched by its own
-// address: 8 bytes hold it and its neighbour. lane_windows-inl.hpp takes most runs at once where it
-// can. Compiled once per target of Highway: include it after hwy/foreach_target.h.
+// Bilinear resampling of pixels of three or four bytes, each of which has an address of its own: 8
+// bytes hold the pixel and its right neighbour. Where windows hold a run, it goes the quicker way
+// of remap/lane_windows-inl.hpp. Compiled once per target of Highway: include it after
+// hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_APART_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_APART_INL_HPP
 #undef CALVIN_REMAP_LANE_APART_INL_HPP
@@ -20,7 +21,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// 16 bytes for each lane, from the first address of each four.
+// Loads 16 bytes for each lane; a lane has four addresses, of which the first one counts.
 template <class D>
 HWY_INLINE hn::Vec<D> load_lanes(D d, const std::uint8_t* source, const std::int32_t* addresses) {
   const hn::FixedTag<std::uint8_t, 16> lane;
@@ -32,7 +33,7 @@ HWY_INLINE hn::Vec<D> load_lanes(D d, const std::uint8_t* source, const std::int
   }
 }
 
-// Two pixels of each lane, which are the first ones of four, blended across.
+// Blends two pixels of each lane across: the first two of its four addresses.
 template <int kComponents>
 HWY_INLINE hn::Vec<ApartNumbers> blend_across(const std::uint8_t* source,
                                               const std::int32_t* addresses,
@@ -47,7 +48,7 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_across(const std::uint8_t* source,
   return blender.across(hn::TableLookupBytes(hn::BitCast(bytes, both), which), across);
 }
 
-// The values of the `k`th two pixels of each lane, of the vector's `kPart`th eight pixels.
+// Blends the `k`th two pixels of each lane, in the `kPart`th eight pixels of a vector.
 template <class P, int kPart>
 HWY_INLINE hn::Vec<ApartNumbers> blend_two(const std::uint8_t* source, std::ptrdiff_t stride,
                                            const PixelVector<P>& pixels, int k,
@@ -61,6 +62,7 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_two(const std::uint8_t* source, std::ptrd
       blender.between(upper, lower, weights_of<P, kPart>(pixels.down + kFirst, k)));
 }
 
+// Stores the pixels of a vector: four per lane.
 template <int kComponents, class D>
 HWY_INLINE void store_apart(D d, hn::Vec<D> pixels, std::uint8_t* out) {
   if constexpr (kComponents == 4) {
@@ -71,14 +73,14 @@ HWY_INLINE void store_apart(D d, hn::Vec<D> pixels, std::uint8_t* out) {
     if constexpr (hn::MaxLanes(D()) == 16) {
       hn::StoreU(front, lane, out);
     } else {
-      // What is behind a lane's twelve bytes is written over.
+      // The four bytes behind a lane's twelve are written over by the next store.
       hn::StoreU(hn::LowerHalf(front), lane, out);
       hn::StoreU(hn::UpperHalf(lane, front), lane, out + 12);
     }
   }
 }
 
-// The `kPart`th eight pixels of a vector.
+// Blends the `kPart`th eight pixels of a vector.
 template <class P, int kPart>
 HWY_INLINE void blend_eight(const ApartRow& row, std::int32_t offset, const PixelVector<P>& pixels,
                             std::uint8_t* out) {
@@ -92,7 +94,7 @@ HWY_INLINE void blend_eight(const ApartRow& row, std::int32_t offset, const Pixe
   }
 }
 
-// A vector of pixels.
+// Blends a vector of pixels.
 template <class P>
 HWY_INLINE void blend_pixels(const ApartRow& row, const std::int32_t* offsets,
                              const PixelVector<P>& pixels, std::uint8_t* out) {
@@ -103,7 +105,7 @@ HWY_INLINE void blend_pixels(const ApartRow& row, const std::int32_t* offsets,
   }
 }
 
-// A vector of pixels that are fetched one by one.
+// Locates a vector of pixels that have addresses of their own.
 template <class P>
 HWY_INLINE void store_pixels(Both<P> at, const std::int32_t* offsets, Stride stride, bool nearest,
                              PixelVector<P>& pixels) {
@@ -111,7 +113,8 @@ HWY_INLINE void store_pixels(Both<P> at, const std::int32_t* offsets, Stride str
   auto down = down_of<P>(at.y);
   if (nearest) {
     at.x = rounded_place(d, at.x);
-    // The row behind the nearest one need not be there.
+    // y is not rounded as x is: the row behind the nearest one may be missing. One of the two rows
+    // gets all the weight instead.
     down = hn::IfThenElseZero(hn::Gt(down, hn::Set(d, 0x3FFF)), hn::Set(d, 0x7FFF));
   }
   store_addresses<P>(at, offsets, stride, pixels.address);
@@ -119,6 +122,7 @@ HWY_INLINE void store_pixels(Both<P> at, const std::int32_t* offsets, Stride str
   hn::Store(down, d, pixels.down);
 }
 
+// Locates the pixels of the runs from `begin` to before `end`.
 template <class P>
 HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<PlaceNumbers<P>> way,
                             Stride stride, PixelVector<P>* pixels) {
@@ -138,14 +142,14 @@ HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<Pla
   }
 }
 
-// The runs from `begin` to before `end`, whose pixels are known.
+// Blends the runs from `begin` to before `end`, whose pixels are located.
 template <class P>
 HWY_INLINE void blend_block(const ApartRow& row, const RowTask& task, int begin, int end,
                             const PixelVector<P>* pixels, std::uint8_t* out) {
   const std::int32_t* marks = task.row.rows + begin;
   const std::int32_t* offsets = task.row.offset + begin;
   constexpr int kRuns = P::kSamples / P::kRun;
-  // A vector is a group or a part of one.
+  // A vector is a group of runs, or a part of one: it has one mark.
   for (int j = 0; j < end - begin; j += kRuns, out += P::kSamples * P::kStep, ++pixels) {
     hwy::Prefetch(out + kWriteAhead);
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
@@ -165,13 +169,13 @@ HWY_INLINE void blend_block(const ApartRow& row, const RowTask& task, int begin,
 template <int kRun, int kComponents>
 void blend_apart(const RowTask& shared, int begin, int end, const PlaneRows& planes) {
   using P = Placing<kRun, 1, kComponents, true>;
-  // What is written may be anything for all that the compiler knows.
+  // A copy: for all that the compiler knows, each store of pixels might change `shared`.
   const RowTask task = shared;
   const Blender<ApartBytes> blender;
   const Stride stride(task.stride, kComponents);
   const auto way = hn::Set(PlaceNumbers<P>(), static_cast<std::int16_t>(task.way * 0x7FFF));
-  // To know them of many pixels before the first one is blended keeps the machine busy: it cannot
-  // look as far ahead as one takes.
+  // The pixels of a block are located before the first of them is blended: a processor cannot look
+  // as far ahead as it takes to locate and blend one.
   PixelVector<P> pixels[kBlockRuns * P::kRun / P::kSamples];
   for (int p = 0; p < planes.planes; ++p) {
     const ApartRow row = {planes.source[p], task.stride, blender};

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What a few rows of runs have in common, for every instruction set.
+// Begins a band, for every instruction set: finds the runs that are well inside the source in all
+// of its rows and change nearly linearly, and prepares the source coordinates of their samples.
 
-// As lane_blend.cpp.
+// Ice Lake and Zen 4 permute all bytes of a vector, as remap/lane_blend.cpp needs it.
 #define HWY_WANT_AVX3_DL 1
 
 #include "calvin/core/vector_targets.hpp"
@@ -34,24 +35,27 @@ bool begin_band_of(LaneLayout /*layout*/, int /*run*/, const SourceBounds& /*bou
 
 #else
 
-// How far places of a steady band are from a line down it, 1/2^14 of a sample.
+// How far the middles of a steady run may deviate from a line down the band: a quarter of a sample,
+// in 1/2^14. A run is inside the source if its first and last row are, by more than this.
 constexpr std::int32_t kMostBulge = 1 << (kPlaceBits - 2);
 
-// One axis of a vector of runs, in the first and in the last row of a band.
+// One axis of a vector of runs in a band. Coordinates and distances are in 1/2^14 of a sample.
 struct BandAxis {
-  Line first;
-  Line last;
-  hn::Vec<Ints> half;
-  hn::Vec<Ints> least;  // place
-  hn::Vec<Ints> most;
-  hn::Vec<Ints> steep;
-  hn::Vec<Ints> bent;
-  hn::Vec<Ints> sway;
+  Line first;           // in the first row
+  Line last;            // in the last row
+  hn::Vec<Ints> half;   // the largest distance of a sample from the run's middle
+  hn::Vec<Ints> least;  // the smallest coordinate in the band
+  hn::Vec<Ints> most;   // the largest
+  hn::Vec<Ints> steep;  // the largest absolute value of the slope, 2.14
+  hn::Vec<Ints> bent;   // likewise of the bend, 4.12
+  hn::Vec<Ints> sway;   // as kMostSway
 };
-// Between four nodes a column is a cubic, whose second derivative goes straight from the second
-// difference at the second node to that at the third.
+
+// The middles of a run down the band. Between four nodes they are a cubic whose second derivative
+// changes linearly from the second difference at the second node to the one at the third. A
+// function whose second derivative is at most d deviates from its chord over h by d h^2 / 8.
 struct Bulge {
-  hn::Vec<Ints> line;     // how far the middles of the band's rows are from a line at most
+  hn::Vec<Ints> line;     // the largest deviation from a line, 1/2^14 of a sample
   hn::Vec<Floats> twist;  // as in Band
 };
 HWY_INLINE Bulge bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot, float height) {
@@ -61,18 +65,19 @@ HWY_INLINE Bulge bulge(const float (&rows)[4][NodeRows::kRuns], int j, int slot,
   const auto lower = node(1) - node(2) - node(2) + node(3);
   const auto square = height * height;
   const auto most = hn::Max(hn::Abs(upper), hn::Abs(lower)) * hn::Set(d, square / 8);
-  // No number is beyond all bounds.
+  // NearestInt() needs numbers that fit into 32 bits. 64 more are for rounding.
   const auto line = hn::NearestInt(hn::Min(most, hn::Set(d, 1e9F))) + hn::Set(Ints(), 64);
   return {line, (lower - upper) * hn::Set(d, square * height / 6)};
 }
 
-// Halves are whole places of samples.
+// Rounded up to a multiple of 4: in 4.12 it is then exact.
 HWY_INLINE hn::Vec<Ints> whole_place(hn::Vec<Ints> half) {
   const Ints d;
   return hn::And(half + hn::Set(d, 3), hn::Set(d, ~3));
 }
 
-// `reach` is how far from a middle the source is looked at, whether its run needs it or not.
+// `reach` is how far from the middle the kernel reads even where the run needs less; `slack` is how
+// far the middles may deviate from a line down the band.
 template <bool kThird>
 HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* amid,
                               const std::int32_t* last, hn::Vec<Ints> slack, std::int32_t reach) {
@@ -80,12 +85,12 @@ HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* ami
   Curve bottom = curve_at<kThird>(last);
   const auto across = curve_at<kThird>(amid).across;
   const auto sway = across + across - top.across - bottom.across;
-  // The line that slopes are the least off goes half way to the middle's.
+  // The line is off by the least half way towards the value in the middle of the band.
   top.across = top.across + hn::ShiftRight<2>(sway);
   bottom.across = bottom.across + hn::ShiftRight<2>(sway);
   const Line a = line_of<8>(top);
   const Line b = line_of<8>(bottom);
-  // Of a vector that is not steady it may be anything.
+  // Where the vector is not steady, `half` may be too small: it is not used then.
   const auto half = whole_place(hn::Max(half_of<8>(a), half_of<8>(b)) + hn::Set(Ints(), kMostSway));
   const auto around = hn::Max(half, hn::Set(Ints(), reach)) + slack;
   return {a,
@@ -98,8 +103,8 @@ HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* ami
           hn::Abs(sway)};
 }
 
-// Of a vector that has only so many runs of the row: what lies behind them is as the last of them,
-// so that it can be read and is no reason to be slow.
+// Replaces what lies behind a row's last run by a copy of that run, which never makes a vector
+// slow.
 class RunsHeld {
   static constexpr int kAll = static_cast<int>(hn::MaxLanes(Ints()));
 
@@ -135,17 +140,17 @@ template <class P>
 HWY_INLINE int rows_of(const BandAxis& y) {
   const Ints d;
   const std::int32_t half = hn::GetLane(hn::MaxOfLanes(d, y.half));
-  // Of three rows the middle one is the nearest to the run's middle.
+  // Where three rows suffice, the middle one is nearest to the run's middle.
   return P::kApart || half <= kHalfRow ? 3 : (half >> (kPlaceBits - 1)) + 3;
 }
 
-// By how much the runs of a vector, which read so many rows, are less steep than what the kernels
-// can fetch at once; negative where they are steeper.
+// How much is left between the slopes of the runs and the highest slopes for which a segment holds
+// all samples of a run; negative where a slope is too high. `rows` is what the runs read.
 template <class P>
 HWY_INLINE hn::Vec<Ints> room_of(const BandAxis& x, const BandAxis& y, const SourceBounds& b,
                                  int rows) {
   const Ints d;
-  // Slopes change within the band.
+  // 0x400 / 2^14 = 1/16: slopes change within the band.
   const auto room = [&](const BandAxis& axis, std::int32_t steepest) HWY_ATTR {
     return hn::Set(d, steepest - 0x400) - axis.steep - hn::ShiftLeft<3>(axis.bent);
   };
@@ -156,14 +161,13 @@ HWY_INLINE hn::Vec<Ints> room_of(const BandAxis& x, const BandAxis& y, const Sou
       hn::Min(hn::Set(d, b.widest - 2) - across(x), hn::Set(d, kMostRows - 3) - across(y)));
 }
 
-// How far they are from the ends of the source; negative where they reach beyond them.
+// How far the runs are from the ends of the source; negative where they reach beyond.
 HWY_INLINE hn::Vec<Ints> margin_of(const BandAxis& x, const BandAxis& y, const SourceBounds& b,
                                    int rows) {
   const Ints d;
   const auto last = [&](const BandAxis& axis)
                         HWY_ATTR { return hn::ShiftRight<kPlaceBits>(axis.most); };
-  // Of three rows that begin half a row before the middle, the last one is behind the row of
-  // `most`.
+  // Three rows begin half a row before the middle: the last one is the row behind that of `most`.
   const int behind = rows == 3 ? 2 : rows;
   const auto last_row = hn::Set(d, std::min(b.last_row - 1, b.rows - b.guarded_rows - behind));
   const auto first = [&](const BandAxis& axis, std::int32_t sample)
@@ -172,9 +176,9 @@ HWY_INLINE hn::Vec<Ints> margin_of(const BandAxis& x, const BandAxis& y, const S
                  hn::Min(hn::Set(d, b.last_column - 1) - last(x), last_row - last(y)));
 }
 
-// Whether windows hold the pixels of a vector of steady runs: of four components eight columns from
-// a run's first one, of three 16 bytes from there or from a lane's first pixel; and all the first
-// three rows.
+// Whether windows hold all pixels of a vector of steady runs. A window is three rows of the source
+// from the run's first row on: with four components eight columns from the run's first column on,
+// with three components 16 bytes, from there or from a lane's first pixel on.
 template <class P>
 HWY_INLINE bool fit_windows(const BandAxis& x, const BandAxis& y) {
   const Ints d;
@@ -182,12 +186,13 @@ HWY_INLINE bool fit_windows(const BandAxis& x, const BandAxis& y) {
   if constexpr (P::kStep == 4) {
     spare = hn::Min(spare, hn::Set(d, 7 * kHalfRow) - x.half);
   } else {
-    // A lane has eight results: three steps to the first byte of its last pixel, or two to the last
-    // one.
+    // A lane has eight results of three components. From its first pixel that is three steps to the
+    // first byte of the last pixel, or two steps to its last byte.
     const auto bent = hn::ShiftLeft<2>(x.bent) + hn::Set(d, kMostSway);
     const auto least = hn::Min(x.first.slope, x.last.slope);
     const auto two = x.steep + x.steep + bent;
-    // From the run's beginning to its third pixel, which is one and a half before the middle.
+    // The first lane begins with the run, `half` before its middle, and ends in its third
+    // pixel, 1.5 samples before the middle.
     const auto begins = x.half - least - hn::ShiftRight<1>(least) + bent;
     spare = hn::Min(hn::Min(spare, least - bent),
                     hn::Min(hn::Set(d, 6 * kHalfRow) - hn::Max(two, begins),
@@ -196,7 +201,7 @@ HWY_INLINE bool fit_windows(const BandAxis& x, const BandAxis& y) {
   return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
 }
 
-// Whether all of a vector of runs lie outside of the source in all of the band, by a sample and
+// Whether all runs of a vector lie outside of the source in all rows of the band, by a sample or
 // more.
 HWY_INLINE bool is_empty(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
   const Ints d;
@@ -207,7 +212,7 @@ HWY_INLINE bool is_empty(const BandAxis& x, const BandAxis& y, const SourceBound
   return hn::AllTrue(d, hn::Lt(hn::Min(inside(x, b.columns), inside(y, b.rows)), hn::Zero(d)));
 }
 
-// Of a vector of runs, which read so many rows, and whose middles are near a line down the band.
+// The kind of a vector of runs, with middles near a line down the band, that read `rows` rows.
 template <class P>
 HWY_INLINE Band::Kind kind_of(const BandAxis& x, const BandAxis& y, const SourceBounds& bounds,
                               int rows) {
@@ -218,7 +223,7 @@ HWY_INLINE Band::Kind kind_of(const BandAxis& x, const BandAxis& y, const Source
   const auto room = room_of<P>(x, y, bounds, rows);
   const bool inside = none(margin_of(x, y, bounds, rows));
   if (!none(room)) {
-    // At the ends of the source there may be some that are quick.
+    // At the ends of the source some of the runs may still be taken, row by row.
     const bool all = hn::AllTrue(d, hn::Lt(room, hn::Zero(d)));
     return inside || all ? Band::Kind::kSteep : Band::Kind::kMixed;
   }
@@ -226,7 +231,7 @@ HWY_INLINE Band::Kind kind_of(const BandAxis& x, const BandAxis& y, const Source
   return inside && straight ? Band::Kind::kSteady : Band::Kind::kMixed;
 }
 
-// RunRow::rows of a vector of runs that reads so many rows; of mixed ones it is not known yet.
+// RunRow::rows of a vector of runs that reads `rows` rows; for mixed runs it is found row by row.
 HWY_INLINE std::int32_t marks_of(Band::Kind kind, int rows) {
   switch (kind) {
     case Band::Kind::kSteady:
@@ -240,7 +245,7 @@ HWY_INLINE std::int32_t marks_of(Band::Kind kind, int rows) {
   }
 }
 
-// How the middles of a steady vector of runs go down the band.
+// Writes the way of a steady vector of runs down the band.
 HWY_INLINE void begin_course(int j, const BandAxis& axis, hn::Vec<Ints> amid, hn::Vec<Floats> twist,
                              Band::Course& course) {
   const Floats floats;
@@ -252,15 +257,15 @@ HWY_INLINE void begin_course(int j, const BandAxis& axis, hn::Vec<Ints> amid, hn
   hn::Store(twist, floats, course.twist + j);
 }
 
-// Where the segments of a steady vector of runs begin in the first row. `to_middles` are records
-// of the places of the middles from there, less what the beginning is off a sample and a row.
+// Writes where the segments of a steady vector of runs begin in the first row. `to_middles` become
+// records of the distance to the middles, without the beginning's part of a sample or row.
 template <class P, bool kThree>
 HWY_INLINE void begin_segments(int j, const BandAxis& x, const BandAxis& y, Band& band,
                                std::int32_t* to_middles) {
   const Ints d;
   const auto rounding = hn::Set(d, 2);
   const auto y_half = kThree ? hn::Set(d, kHalfRow) : y.half;
-  // Of three rows places are counted from the middle one.
+  // With three rows y is counted from the middle row, which is half a row behind the beginning.
   const auto y_to_middle =
       kThree ? hn::Set(d, -(kHalfRow << (14 + kThreeShift))) : hn::ShiftLeft<14>(y_half);
   const auto y_from = y.first.middle - y_half;
@@ -276,7 +281,7 @@ HWY_INLINE void begin_segments(int j, const BandAxis& x, const BandAxis& y, Band
   store_parts<P>([&](std::size_t part) HWY_ATTR { return records[part]; }, to_middles);
 }
 
-// What the samples of a steady vector of runs share.
+// Writes Band::slope, bend, shape and turn of a steady vector of runs.
 template <class P, bool kThree>
 HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
                              const std::int32_t* to_middles, Band& band) {
@@ -303,16 +308,17 @@ HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
   }
 }
 
-// Not inlined: it is the same for both kinds of curves, and half of what this file takes to
-// compile.
+// Prepares a steady vector of runs. Not inlined: it is the same with and without third differences,
+// and half of the work of compiling this file.
 template <class P, bool kThree>
 HWY_NOINLINE void begin_vector(int j, const BandAxis& x, const BandAxis& y, Band& band) {
-  // What is spread is read four at a time, from any of them on.
+  // spread() reads four records at a time, from any record on: hence four more.
   alignas(64) std::int32_t to_middles[P::kParts * hn::MaxLanes(Ints()) + 4];
   begin_segments<P, kThree>(j, x, y, band, to_middles);
   begin_shapes<P, kThree>(j, x, y, to_middles, band);
 }
 
+// As begin_band(), for a Placing. `kThird`: third differences count.
 template <class P, bool kThird>
 HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, int slot,
                             float height, Band& band, RunRow& row) {

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Bilinear resampling, many samples at a time, for every instruction set that there is.
+// Blends rows of runs: bilinear and nearest-neighbour resampling, many samples at a time, for every
+// instruction set.
 //
 // A vector is as many 128-bit lanes as the machine has, and a lane eight results: samples that lie
-// next to each other in the output. Their places in the source lie next to each other too, so that
-// 16 bytes of each source row hold all of them. One byte shuffle fetches the pairs of neighbours,
+// next to each other in the output. They come from source samples next to each other, so that 16
+// bytes of each source row hold all of them. One byte shuffle fetches the pairs of neighbours,
 // one multiplication of pairs blends them across, and two such rows are blended down. The results
 // of a run fill one lane, or two or four of them where pixels have several components.
-// Everything that differs between memory layouts is in lane_layouts-inl.hpp.
+// Everything that differs between memory layouts is in remap/lane_layouts-inl.hpp; pixels of three
+// and four bytes are in remap/lane_apart-inl.hpp unless all bytes of a vector can be permuted.
 
-// Ice Lake and Zen 4 permute all bytes of a vector.
+// Compiles for AVX3_DL, too: Ice Lake and Zen 4 permute all bytes of a vector.
 #define HWY_WANT_AVX3_DL 1
 
 #include "calvin/core/vector_targets.hpp"
@@ -36,7 +38,7 @@ HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
-// Without vectors every lane is slow.
+// Without vectors every run is slow.
 
 BlendRuns blender_of(LaneLayout /*layout*/, int /*run*/, bool /*nearest*/, int /*planes*/) {
   return [](const RowTask& /*task*/, int /*begin*/, int /*end*/, const PlaneRows& /*planes*/) {};
@@ -44,14 +46,16 @@ BlendRuns blender_of(LaneLayout /*layout*/, int /*run*/, bool /*nearest*/, int /
 
 #else
 
-// What is known of the samples of a block of runs. To know it of many before the first one is
-// blended keeps the machine busy: it cannot look as far ahead as one sample takes.
+// The samples of a block of runs, located before the first of them is blended: a processor cannot
+// look as far ahead as it takes to locate and blend one sample, so that doing both in turn leaves
+// it idle.
 struct BlockSamples {
-  alignas(64) std::int16_t bytes[kBlockSamples];
-  alignas(64) std::int16_t across[kBlockSamples];
-  alignas(64) std::int16_t down[kBlockSamples];
+  alignas(64) std::int16_t bytes[kBlockSamples];   // as bytes_of()
+  alignas(64) std::int16_t across[kBlockSamples];  // as across_of()
+  alignas(64) std::int16_t down[kBlockSamples];    // as RunRow::middle
 };
-// A vector of samples whose first run is `run`.
+
+// The source coordinates of a vector of samples, which begins with the run `run`.
 template <class P, bool kNearest, bool kSteady>
 HWY_INLINE Both<P> segment_places(const RowTask& task, int run, hn::Vec<PlaceNumbers<P>> way) {
   Both<P> at = places_of<P, kSteady>(task.row, task.band, run, way);
@@ -81,7 +85,8 @@ HWY_INLINE void place_block(const RowTask& task, int begin, int end, hn::Vec<Pla
   }
 }
 
-// `of_results` as Results::neighbours.
+// The taps of the vector of results whose first sample is `first`. `of_results` is as
+// Results::neighbours.
 template <class L>
 HWY_INLINE Taps taps_at(const BlockSamples& samples, int first, const std::uint16_t* of_results) {
   const Words words;
@@ -90,12 +95,13 @@ HWY_INLINE Taps taps_at(const BlockSamples& samples, int first, const std::uint1
           numbers_of<L>(samples.across + first), numbers_of<L>(samples.down + first)};
 }
 
-// Rows of the source that are fetched before they are needed: the hardware does not foresee a walk
-// along a curve. Of wide rows the nearest cache holds fewer.
+// How many rows before its use a row of the source is prefetched: the hardware does not foresee a
+// walk along a curve. The cache holds fewer rows where pixels have more bytes. To be tuned
+// with `tests/bench/run.sh undistort`.
 template <class L>
 constexpr int kAhead = L::kStep* L::kSpread < 4 ? 12 : 8;
 
-// What all of a row's runs are blended with.
+// The planes that a row is blended from and to; `ahead` is where `sources` are prefetched.
 template <int kPlanes>
 struct Planes {
   std::array<const std::uint8_t*, kPlanes> sources;
@@ -106,8 +112,8 @@ struct Planes {
 
 // ---- Runs of a single component: their samples stay in registers.
 
-// A vector of the group whose first run is `j`: all of it, or every other run, the first or the
-// second of them.
+// Blends a vector of the group of runs whose first run is `j`: the whole group, or every other run
+// of it, from the first run (kSecond = 0) or from the second one (1) on.
 template <class L, bool kSteady, bool kThree, bool kNearest, int kSecond, int kPlanes>
 HWY_INLINE std::array<typename BlenderOf<L>::Sums, kPlanes> blend_vector_of(
     const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
@@ -132,8 +138,8 @@ HWY_INLINE std::array<typename BlenderOf<L>::Sums, kPlanes> blend_vector_of(
   return results;
 }
 
-// The group whose first run is `j`: the results of two vectors are packed lane by lane, or those of
-// one are stored.
+// Blends the group whose first run is `j`: it is two vectors, whose results are packed lane by
+// lane, or one.
 template <class L, bool kSteady, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_group(const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
                             const BlenderOf<L>& blender) {
@@ -155,7 +161,7 @@ HWY_INLINE void blend_group(const RowTask& task, int j, Numbers way, const Plane
   }
 }
 
-// Any but a steady group of three rows.
+// Blends any group but a steady one of three rows.
 template <class L, bool kNearest, int kPlanes>
 HWY_INLINE void blend_other(const RowTask& task, int j, Numbers way, const Planes<kPlanes>& planes,
                             const BlenderOf<L>& blender) {
@@ -181,7 +187,7 @@ HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPl
     return j + kGroup;
   };
   for (int j = begin; j < end;) {
-    // Apart from the others, so that these keep their registers.
+    // A loop of its own for the most frequent kind, so that its constants stay in registers.
     for (; HWY_LIKELY(j < end && marks[j] == kSteadyThree); j = next(j)) {
       blend_group<L, true, true, kNearest>(task, j, way, planes, blender);
     }
@@ -191,9 +197,9 @@ HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPl
   }
 }
 
-// ---- Runs of other samples, block after block.
+// ---- Runs of several components or of 16-bit samples, block after block.
 
-// The `v`th vector of the group of runs whose first one is `j`, of one plane.
+// Blends the `v`th vector of the group of runs whose first run is `j`, in the plane `p`.
 template <class L, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE auto vector_of(const RunRow& row, int j, int v, const Taps& taps,
                           const Planes<kPlanes>& planes, int p, const BlenderOf<L>& blender) {
@@ -214,7 +220,7 @@ HWY_INLINE void blend_vector(const RunRow& row, int j, int v, const Taps& taps,
   }
 }
 
-// The `v`th one and the next.
+// Blends the `v`th vector and the next one.
 template <class L, bool kThree, bool kNearest, int kPlanes>
 HWY_INLINE void blend_pair(const RunRow& row, int j, int v, const Taps& first, const Taps& second,
                            const Planes<kPlanes>& planes, const BlenderOf<L>& blender) {
@@ -265,9 +271,10 @@ HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPl
   }
 }
 
+// A BlendRuns for `kPlanes` planes at once.
 template <class L, bool kNearest, int kPlanes>
 void blend(const RowTask& shared, int begin, int end, const PlaneRows& rows) {
-  // What is written may be anything for all that the compiler knows.
+  // A copy: for all that the compiler knows, each store of pixels might change `shared`.
   const RowTask task = shared;
   Planes<kPlanes> planes;
   planes.stride = task.stride;
@@ -283,8 +290,8 @@ void blend(const RowTask& shared, int begin, int end, const PlaneRows& rows) {
   }
 }
 
-// Planes one after the other. Only planes of a single component come by twos (the chroma of I420),
-// and only for them it pays to blend both with what is known of their samples.
+// Blends planes one after the other. Only planes of a single component come by twos (the chroma of
+// I420), and only for them it pays to locate the samples once for both.
 template <class L, bool kNearest>
 void blend_each(const RowTask& task, int begin, int end, const PlaneRows& planes) {
   for (int p = 0; p < planes.planes; ++p) {
@@ -292,9 +299,9 @@ void blend_each(const RowTask& task, int begin, int end, const PlaneRows& planes
   }
 }
 
-// Which kernel takes a row.
+// Chooses the instance of blend() or blend_apart() for a layout.
 struct Chooser {
-  // Runs of 8 samples, or of one lane.
+  // For runs of eight samples, or of one lane.
   template <int kComponents, int kSpacing>
   [[nodiscard]] BlendRuns length() const {
     using Long = Layout<kComponents, kSpacing, 8>;
@@ -306,13 +313,13 @@ struct Chooser {
     }
   }
 
-  // Pixels of 16-bit samples, of so many bytes.
+  // For pixels of 16-bit samples that have `kPixelBytes` bytes.
   template <int kPixelBytes>
   [[nodiscard]] BlendRuns words() const {
     return layout<Layout<kPixelBytes, 1, 8, true>>();
   }
 
-  // Pixels of more components than two.
+  // For pixels of three or four components.
   template <int kComponents>
   [[nodiscard]] BlendRuns large() const {
     if constexpr (kMovesAllBytes) return length<kComponents, 1>();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What describes runs: vectors of 32-bit numbers, one per run. Compiled once per target of Highway:
-// include it after hwy/foreach_target.h.
+// The parabolas of runs in fixed point, a vector of runs at a time: 32-bit numbers, one per run.
+// Compiled once per target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_CURVES_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_CURVES_INL_HPP
 #undef CALVIN_REMAP_LANE_CURVES_INL_HPP
@@ -18,25 +18,27 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// Half a row of the source, as places are counted.
+// Half a row of the source, in 1/2^14.
 constexpr std::int32_t kHalfRow = 1 << (kPlaceBits - 1);
 
-// Places of 4.12 reach over 16 rows.
+// Rows of the source that a run may read: 4.12 reaches over 16 rows.
 constexpr std::int32_t kMostRows = 15;
 
-// Of three rows, unless pixels are apart, y is counted from the middle one, and is larger by that.
+// Where a run takes three rows, y is counted from the middle one and shifted left by this: 1.15.
+// (Not where pixels have addresses of their own.)
 constexpr int kThreeShift = 3;
-// A slope down that still is 2.14 then.
+// The largest slope down a run, 2.14, that eight times as large still fits into 16 bits: a little
+// less than 0x7FFF / 8.
 constexpr std::int32_t kSteepest = 0x0F00;
 
-// What a parabola through the middles of runs is made of, one per run.
+// The middle of each run and the differences to its neighbours, 1/2^14 of a sample.
 struct Curve {
   hn::Vec<Ints> middle;
-  hn::Vec<Ints> across;  // from the run before to the one behind
-  hn::Vec<Ints> second;  // difference
+  hn::Vec<Ints> across;  // from the middle of the run before to the middle of the run behind
+  hn::Vec<Ints> second;  // the second difference of these three middles
 };
 
-// `places` of two runs before, of the run, and of two behind.
+// `places` are the middles of two runs before, of the run, and of two runs behind.
 template <bool kThird>
 HWY_INLINE Curve curve_at(const std::int32_t* places) {
   const Ints d;
@@ -51,28 +53,30 @@ HWY_INLINE Curve curve_at(const std::int32_t* places) {
   return {middle, across, before + after - middle - middle};
 }
 
-// What a run needs of an axis.
+// The parabola of each run along one axis.
 struct Line {
-  hn::Vec<Ints> middle;
-  hn::Vec<Ints> slope;  // 2.14
-  hn::Vec<Ints> bend;   // 4.12
+  hn::Vec<Ints> middle;  // 1/2^14 of a sample
+  hn::Vec<Ints> slope;   // per sample of the output, 2.14
+  hn::Vec<Ints> bend;    // what the parabola adds at the ends of the run, 4.12
 };
 
 template <int kRun>
 HWY_INLINE Line line_of(const Curve& curve) {
-  // Second difference -> what the parabola adds at the ends, and half of the width for the slope.
+  // The ends are (kRun - 1) / 2 samples from the middle, the parabola's second coefficient is
+  // second / (2 kRun^2), and 2^14 becomes 2^12: for eight samples the bend is second * 49 / 2^11,
+  // for four second * 9 / 2^9. The slope is across / (2 kRun).
   constexpr int kFactor = kRun == 8 ? 49 : 9;
   constexpr int kShift = kRun == 8 ? 11 : 9;
   constexpr int kSlopeShift = kRun == 8 ? 4 : kRun == 4 ? 3 : 2;
   const auto slope = hn::ShiftRight<kSlopeShift>(curve.across);
-  // Two samples lie on a line, beside the parabola's middle.
+  // Two samples lie on a line; the parabola at half a sample is second / 2^5 off its middle.
   if constexpr (kRun == 2) {
     return {curve.middle + hn::ShiftRight<5>(curve.second), slope, hn::Zero(Ints())};
   }
   return {curve.middle, slope, hn::ShiftRight<kShift>(curve.second * hn::Set(Ints(), kFactor))};
 }
 
-// What the places of a run are away from its middle at most, and a little.
+// A bound of the distance from the middle of a run to its ends, 1/2^14 of a sample.
 template <int kRun>
 HWY_INLINE hn::Vec<Ints> half_of(const Line& line) {
   const auto steep = hn::Abs(line.slope);
@@ -84,7 +88,8 @@ HWY_INLINE hn::Vec<Ints> half_of(const Line& line) {
   return half;
 }
 
-// The same of a part of a run, to its first column: it is negative where that is behind the middle.
+// As half_of(), from the middle of the run to the first column of its part `kPart`: negative where
+// that column is behind the middle.
 template <class P, int kPart>
 HWY_INLINE hn::Vec<Ints> part_half(const Line& line) {
   const Ints d;
@@ -97,12 +102,12 @@ HWY_INLINE hn::Vec<Ints> part_half(const Line& line) {
     return hn::ShiftRight<1>(line.slope * hn::Set(d, halves)) +
            hn::ShiftRight<12>(line.bend * hn::Set(d, square));
   };
-  // Rounding, and what the parabola is bent between the ends.
+  // 1/64 of a sample for rounding, and for a parabola that is bent between the part's ends.
   const auto slack = hn::Set(d, 256);
   return hn::Min(all, slack - hn::Min(at(kFirst), at(kLast)));
 }
 
-// Two 16-bit numbers in 32 bits.
+// Records of two 16-bit numbers; the high one comes in the upper half of its 32 bits.
 HWY_INLINE hn::Vec<Ints> packed(hn::Vec<Ints> low, hn::Vec<Ints> high_shifted) {
   const Ints d;
   const hn::Repartition<std::int16_t, Ints> halves;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Bilinear resampling of pixels of any memory layout that are gathered, each by its own address: a
-// vector of 32-bit numbers has one pixel in each. Compiled once per target of Highway: include it
-// after hwy/foreach_target.h.
+// Bilinear resampling of pixels of any memory layout, each gathered from its own address: a vector
+// has a pixel in each of its 32-bit numbers. Compiled once per target of Highway: include it after
+// hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_GATHERED_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_GATHERED_INL_HPP
 #undef CALVIN_REMAP_LANE_GATHERED_INL_HPP
@@ -23,22 +23,22 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 using Unsigned = hn::RebindToUnsigned<Ints>;
 
-// What the pixels are fetched from.
+// The source plane that pixels are gathered from.
 struct Picture {
   const std::uint8_t* source;
-  const std::uint8_t* second_row;  // nothing that compilers add to each offset
+  const std::uint8_t* second_row;  // a pointer, lest compilers add the stride to each offset
   std::int32_t stride;
-  hn::Vec<Unsigned> last_offset;  // behind which something may be read that is not the plane's
+  hn::Vec<Unsigned> last_offset;  // a pixel farther on may be read beyond the end of the plane
   Blender<Bytes> blender;
   WordFormat format;
 };
 
-// 32 bits of each, from its offset on.
+// Loads 32 bits for each pixel, from its offset on.
 HWY_INLINE Pairs gather(const std::uint8_t* from, const std::int32_t* offsets) {
   return hn::BitCast(Bytes(), load_each(Ints(), from, offsets));
 }
 
-// 32 bits of each from its offset on, and 32 from `kStep` bytes behind that on.
+// Loads 32 bits for each pixel from its offset on, and 32 bits from `kStep` bytes behind it on.
 template <int kStep>
 HWY_INLINE std::array<Pairs, 2> gather_two(const std::uint8_t* from, const std::int32_t* offsets) {
   const hn::RepartitionToWide<Unsigned> d;
@@ -52,8 +52,10 @@ HWY_INLINE std::array<Pairs, 2> gather_two(const std::uint8_t* from, const std::
           in_turn(hn::ShiftLeft<32 - 8 * kStep>(odd), hn::ShiftRight<8 * kStep>(even))};
 }
 
-// Bytes at even places from the one, and at odd ones from the other.
+// The even bytes of the one, and the odd bytes of the other.
 HWY_INLINE Pairs even_and_odd(Pairs even, Pairs odd) { return hn::OddEven(odd, even); }
+// Moves even bytes to the odd places behind them, or odd bytes to the even places before them; the
+// others are lost.
 HWY_INLINE Pairs up(Pairs v) {
   return hn::BitCast(Bytes(), hn::ShiftLeft<8>(hn::BitCast(Words(), v)));
 }
@@ -61,12 +63,12 @@ HWY_INLINE Pairs down(Pairs v) {
   return hn::BitCast(Bytes(), hn::ShiftRight<8>(hn::BitCast(Words(), v)));
 }
 
-// 32-bit numbers that fit into 16, twice each.
+// 32-bit numbers that fit into 16 bits, each of them twice.
 HWY_INLINE Numbers twice(hn::Vec<Ints> numbers) {
   return hn::BitCast(Signed(), hn::OddEven(hn::BitCast(Signed(), hn::ShiftLeft<16>(numbers)),
                                            hn::BitCast(Signed(), numbers)));
 }
-// 1.15.
+// A weight in 1.15, where `value` is 2^15 times as large.
 HWY_INLINE Numbers weight_of(hn::Vec<Floats> value) {
   return twice(hn::Min(small_ints(value), hn::Set(Ints(), 0x7FFF)));
 }
@@ -78,15 +80,15 @@ struct GatheredBytes {
   static constexpr bool kSpread = kSpacing > 1;
   // Whether 32 bits hold a pixel and its neighbour; else 64 do.
   static constexpr bool kNarrow = kStep <= 2;
-  // Bytes that are fetched for a pixel, and those that it has.
+  // Bytes that are loaded for a pixel, and bytes from its first to its last.
   static constexpr int kFetch = kNarrow ? 4 : 8;
   static constexpr int kOwn = (kComponents - 1) * kSpacing + 1;
-  // Two components fit into a 32-bit number as pairs of neighbours: 0 and 1 of two, 0 and 2, 1 and
-  // 3 of more.
+  // A 32-bit number has room for the pairs of neighbours of two components: 0 and 1 where there are
+  // two; else one vector has 0 and 2, a second one 1 and 3.
   static constexpr int kVectors = kComponents > 2 ? 2 : 1;
   using Components = std::array<Numbers, kVectors>;
 
-  // A row of pixels that are `across` from `at` to their neighbours.
+  // Blends pixels at the offsets `at` across with their right neighbours.
   static HWY_INLINE Components row(const Picture& picture, const std::uint8_t* from,
                                    const std::int32_t* at, Numbers across) {
     alignas(16) static constexpr std::uint8_t kTurned[16] = {0, 2,  1, 3,  4,  6,  5,  7,
@@ -107,7 +109,7 @@ struct GatheredBytes {
     }
   }
 
-  // In the order of memory; what is not theirs is anything.
+  // The components in the order of memory; other bytes are undefined.
   static HWY_INLINE hn::Vec<Ints> memory_of(const Components& values) {
     const Pairs first = hn::BitCast(Bytes(), values[0]);
     if constexpr (kVectors == 2) {
@@ -120,6 +122,7 @@ struct GatheredBytes {
     }
   }
 
+  // The pixels at the offsets `at`, as in memory; `right` and `below` are the neighbours' weights.
   static HWY_INLINE hn::Vec<Ints> pixels(const Picture& picture, const std::int32_t* at,
                                          hn::Vec<Floats> right, hn::Vec<Floats> below) {
     const Floats d;
@@ -135,7 +138,7 @@ struct GatheredBytes {
   }
 };
 
-// Pixels of 16-bit samples, blended in single precision.
+// As GatheredBytes, for pixels of 16-bit samples, which are blended in single precision.
 template <int kComponents>
 struct GatheredWords {
   static constexpr int kStep = 2 * kComponents;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Bilinear resampling of runs that no other kernel takes, for every instruction set: along lines of
-// any slope, and across the borders of the source. Each pixel is gathered by its own address,
-// together with its neighbour. A vector has one pixel of each of as many runs as it has 32-bit
-// numbers, so that what is known of runs need not be spread.
+// Bilinear resampling of runs that the bilinear kernels do not take, for every instruction set:
+// along lines of any slope, and across the borders of the source. Each pixel is gathered from its
+// own address, together with its right neighbour. A vector has one pixel of each of as many runs as
+// it has 32-bit numbers, so that it can take the numbers of runs as they are.
 
-#include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/lane_gathered.hpp"
+#include "calvin/core/vector_targets.hpp"
 
 #include <algorithm>
 #include <array>
@@ -36,11 +36,12 @@ bool gather_of_layout(LaneLayout /*layout*/, const GatherTask& /*task*/,
 
 #else
 
-// ---- Where the pixels are.
+// ---- Source coordinates.
 
 using Middles = std::array<hn::Vec<Ints>, 2 * kMargin + 1>;
 
-// The middles of as many runs, from two before each of them on; `in_turn`: of one after the other.
+// The middles of a vector of runs and of two neighbours on either side; `in_turn`: the runs are
+// consecutive.
 HWY_INLINE Middles middles_of(const std::int32_t* middles, const std::int32_t* runs, bool in_turn) {
   const Ints d;
   const auto which = hn::Load(d, runs);
@@ -52,9 +53,8 @@ HWY_INLINE Middles middles_of(const std::int32_t* middles, const std::int32_t* r
   return result;
 }
 
-// Parabolas through the middles of runs, as RunParabola, from the sample that each middle is
-// behind: differences of middles near the source are small, so that single precision holds all of
-// them. The ends of the axis are counted from there too.
+// Parabolas as RunParabola, one per run, counted from `base`, the whole sample before the run's
+// middle: single precision suffices near the source. The ends of the axis are counted likewise.
 struct Curves {
   hn::Vec<Ints> base;
   hn::Vec<Floats> rest;
@@ -91,10 +91,10 @@ HWY_INLINE Curves curves_at(const Middles& middles, const AxisEnds& ends) {
           from_base(static_cast<float>(ends.last))};
 }
 
-// Differences of what lies farther out may not fit into 32 bits.
+// Larger coordinates, in 1/2^14 of a sample, may have differences that do not fit into 32 bits.
 constexpr std::int32_t kFarthest = 1 << 29;
 
-// Which of the runs are made of such.
+// Which of the runs have such coordinates.
 HWY_INLINE hn::Mask<Unsigned> too_far(const Middles& middles) {
   auto farthest = hn::Zero(Unsigned());
   for (const auto& middle : middles) {
@@ -104,7 +104,8 @@ HWY_INLINE hn::Mask<Unsigned> too_far(const Middles& middles) {
   return hn::Ne(hn::Min(farthest, limit), farthest);
 }
 
-// Whether all pixels of all runs have neighbours, but for `spare` samples at the end of the axis.
+// Whether all pixels of all runs have neighbours, even without the last `spare` samples of the
+// axis.
 HWY_INLINE bool are_inside(const Curves& curves, float spare) {
   const Floats d;
   constexpr float kEnd = reach(kPixels) / 2.0F;
@@ -117,7 +118,8 @@ HWY_INLINE bool are_inside(const Curves& curves, float spare) {
   return hn::AllFalse(d, hn::Or(below, above));
 }
 
-// Along one axis: samples that have a neighbour, and the weight of that, 0..1.
+// Source coordinates along one axis: a sample, and the weight of its right or lower neighbour,
+// 0..1.
 struct Places {
   hn::Vec<Unsigned> whole;
   hn::Vec<Floats> rest;
@@ -131,22 +133,22 @@ HWY_INLINE Places places_of(const Curves& curves, hn::Vec<Floats> at, hn::Vec<Fl
 
 // ---- Runs.
 
-// As many runs as a vector has, and what is known of them.
+// A vector of runs.
 struct Block {
   alignas(64) std::int32_t runs[kRuns];
-  alignas(64) std::int32_t ahead[2 * kRuns];  // bytes to some pixels of those that wait to be made
+  alignas(64) std::int32_t ahead[2 * kRuns];  // offsets of the pixels that are prefetched
   Curves x;
   Curves y;
-  bool in_turn;                // one after the other
-  bool inside;                 // all of them
-  hn::Mask<Unsigned> unclear;  // what is to be seen of runs is not for us to say
+  bool in_turn;                // the runs are consecutive
+  bool inside;                 // are_inside(), along both axes
+  hn::Mask<Unsigned> unclear;  // runs that this kernel cannot take
 };
 
-// Pixels of a run that are fetched before it is made.
+// Pixels of each run that are prefetched while the block before is blended.
 template <class M>
 constexpr int kAhead = M::kStep > 2 ? 2 : 1;
 
-// Amid each run, or amid its halves.
+// Finds the pixels to prefetch: in the middle of each run, or in the middles of its halves.
 template <class M>
 HWY_INLINE void look_ahead(const Picture& picture, const GatherTask& task, Block& block) {
   const Ints d;
@@ -162,7 +164,7 @@ HWY_INLINE void look_ahead(const Picture& picture, const GatherTask& task, Block
   }
 }
 
-// The next of `count` runs.
+// Fills in a block with the first of `count` runs.
 template <class M>
 HWY_INLINE void prepare(const Picture& picture, const GatherTask& task, const std::int32_t* runs,
                         int count, Block& block) {
@@ -179,7 +181,7 @@ HWY_INLINE void prepare(const Picture& picture, const GatherTask& task, const st
   block.x = curves_at(x, task.x_ends);
   block.y = curves_at(y, task.y_ends);
   block.unclear = hn::Or(too_far(x), too_far(y));
-  // In the last rows something may be read that is not the plane's.
+  // In the last two rows a pixel may be read beyond the end of the plane.
   block.inside = are_inside(block.x, 1) && are_inside(block.y, 2);
   look_ahead<M>(picture, task, block);
 }
@@ -191,14 +193,14 @@ HWY_INLINE hn::Vec<Unsigned> offset_of(const Picture& picture, const Places& x, 
          x.whole * hn::Set(d, M::kStep);
 }
 
-// What is known of the pixels of a block, the first ones of all runs first. To know it of all of
-// them before the first one is fetched keeps the memory busy.
+// The pixels of a block, the first ones of all runs first, located before the first of them is
+// loaded: that keeps the memory busy.
 struct BlockPixels {
   static constexpr int kCount = kPixels * kRuns;
   alignas(64) std::int32_t offset[kCount];
-  alignas(64) float right[kCount];  // weights of the neighbours
+  alignas(64) float right[kCount];  // the neighbours' weights
   alignas(64) float below[kCount];
-  alignas(64) std::uint32_t shown[kCount];  // whether the source shows something there: all bits
+  alignas(64) std::uint32_t shown[kCount];  // all bits where the source shows something, else none
 };
 
 HWY_INLINE void store_places(hn::Vec<Unsigned> offset, const Places& x, const Places& y, int first,
@@ -208,7 +210,7 @@ HWY_INLINE void store_places(hn::Vec<Unsigned> offset, const Places& x, const Pl
   hn::Store(y.rest, Floats(), pixels.below + first);
 }
 
-// Pixels in runs that are inside of the source.
+// Locates a vector of pixels, one of each run, where all runs are inside the source.
 template <class M>
 HWY_INLINE void place_inside(const Picture& picture, const GatherTask& task, hn::Vec<Floats> x_at,
                              hn::Vec<Floats> y_at, const Block& block, int first,
@@ -218,7 +220,7 @@ HWY_INLINE void place_inside(const Picture& picture, const GatherTask& task, hn:
   store_places(offset_of<M>(picture, x, y), x, y, first, pixels);
 }
 
-// Any pixels.
+// Locates a vector of pixels anywhere.
 template <class M>
 HWY_INLINE void place_any(const Picture& picture, const GatherTask& task, hn::Vec<Floats> x_at,
                           hn::Vec<Floats> y_at, Block& block, int first, BlockPixels& pixels) {
@@ -264,7 +266,7 @@ HWY_INLINE void place_block(const Picture& picture, const GatherTask& task, Bloc
   }
 }
 
-// All pixels of a block; what the next one reads is fetched meanwhile.
+// Blends all pixels of a block, and prefetches some of the next one's.
 template <class M>
 HWY_INLINE void blend_block(const Picture& picture, const GatherTask& task, Block& block,
                             const Block& next, std::int32_t* to) {
@@ -292,7 +294,7 @@ HWY_INLINE void blend_block(const Picture& picture, const GatherTask& task, Bloc
   turn_block<M>(made, to);
 }
 
-// The first `count` of a block's runs to where they belong.
+// Copies the first `count` runs of a block to the output.
 template <class M>
 HWY_INLINE void put_block(const std::int32_t* words, const Block& block, int count,
                           std::uint8_t* output) {
@@ -306,7 +308,7 @@ HWY_INLINE void put_block(const std::int32_t* words, const Block& block, int cou
   for (int r = 0; r < count; ++r) put_run<M>(words, r, output + block.runs[r] * kBytesOfRun);
 }
 
-// Which of the runs of a block are left; whether there are such.
+// Notes which of the first `count` runs of a block are left; returns whether there are any.
 HWY_INLINE bool note_left(const Block& block, int count, bool* left) {
   if (HWY_LIKELY(hn::AllFalse(Unsigned(), block.unclear))) return false;
   alignas(64) std::uint32_t is_left[kRuns];

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Samples that are gathered by 32 bits of memory each, as numbers of single precision. Compiled
-// once per target of Highway: include it after hwy/foreach_target.h.
+// Gathers: vectors of 32 or 64 bits from any addresses, and the samples in them as numbers of
+// single precision. Compiled once per target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_GATHERS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_GATHERS_INL_HPP
 #undef CALVIN_REMAP_LANE_GATHERS_INL_HPP
@@ -22,8 +22,8 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// As many bits as a number of D has from each offset, or from every second one. These are loads: on
-// most machines the instructions that gather take longer.
+// Loads a number of D from each offset, or with kEvery = 2 from every second one. It is done with
+// plain loads: on most machines the instructions that gather take longer.
 template <int kEvery = 1, class D>
 HWY_INLINE hn::Vec<D> load_each(D d, const std::uint8_t* from, const std::int32_t* offsets) {
   constexpr std::size_t kCount = hn::MaxLanes(D());
@@ -36,14 +36,14 @@ HWY_INLINE hn::Vec<D> load_each(D d, const std::uint8_t* from, const std::int32_
   }
 }
 
-// Both bytes of each 16-bit half change places.
+// Swaps the two bytes of each 16-bit half.
 template <class V>
 HWY_INLINE V swap_bytes(V pairs) {
   const auto bytes = hn::Set(hn::DFromV<V>(), 0x00FF00FF);
   return hn::Or(hn::ShiftLeft<8>(hn::And(pairs, bytes)), hn::And(hn::ShiftRight<8>(pairs), bytes));
 }
 
-// The value that begins at a bit of 32 in memory: a byte, or a word of that format.
+// The value that begins at bit `bit` of each 32 bits: a byte, or a word of that format.
 template <bool kWords, class V>
 HWY_INLINE auto value_at(V memory, WordFormat format, int bit) {
   const hn::DFromV<V> d;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// How samples lie in memory, and how a vector of them is fetched and stored. Compiled once per
+// How samples lie in memory, and how vectors of them are loaded and stored. Compiled once per
 // target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_LAYOUTS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_LAYOUTS_INL_HPP
@@ -24,32 +24,34 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// Of samples of 16 bits, `kComponents` is the bytes.
+// A memory layout, and how runs of `kRun` pixels of it fill lanes. With samples of 16 bits
+// `kComponents` is the number of bytes per pixel.
 template <int kComponents, int kSpacing, int kRun, bool kWords = false>
 struct Layout {
   static constexpr bool kOfWords = kWords;
   static constexpr int kSpread = kSpacing;                             // bytes per sample
-  static constexpr int kStep = kComponents;                            // bytes, once gathered
+  static constexpr int kStep = kComponents;                            // bytes per pixel, packed
   static constexpr int kWidth = std::bit_ceil(unsigned{kComponents});  // results per pixel
   static constexpr int kPixels = 8 / kWidth;                           // per lane
   static constexpr int kRunPixels = kRun;
   static constexpr int kSpan = kRun / kPixels;                            // lanes per run
   static constexpr int kWindow = 16 * kSpan * kSpacing;                   // bytes that hold a run
   static constexpr int kOut = kPixels * kComponents * kSpacing * kLanes;  // bytes per vector
-  // As Placing::kPaired: lanes are of every other run.
+  // As Placing::kPaired: the lanes of a vector are of every other run.
   static constexpr int kEvery = kComponents * kSpacing == 1 ? 2 : 1;
 };
 
-// Whether any byte of a vector can be fetched to anywhere: then a run's samples are loaded at once.
+// Whether the samples of a run are loaded at once, as one window: where any byte of a vector can be
+// permuted to anywhere.
 template <class L>
 constexpr bool kByWindows = kMovesAllBytes&& L::kWindow > 16;
 
-// Whether lanes have offsets and lines of their own.
+// Whether each lane has a segment of its own.
 template <class L>
 constexpr bool kByLanes = L::kSpan > 1 && !kMovesAllBytes;
 
-// Bytes from a step to the next where indices count: other bytes than the samples are left out, but
-// not of windows.
+// Bytes from a pixel to the next as byte indices count them: bytes between samples are left out
+// when segments are loaded, but not in windows.
 template <class L>
 constexpr int kIndexStep = L::kStep*(kByWindows<L> ? L::kSpread : 1);
 
@@ -71,25 +73,26 @@ HWY_INLINE BlenderOf<L> make_blender([[maybe_unused]] WordFormat format) {
 template <class L>
 using PlacingOf = Placing<L::kRunPixels, kByLanes<L> ? L::kSpan : 1, L::kStep * L::kSpread>;
 
-// Where the results of a vector are in what is known of its samples, and what they add to the bytes
-// that samples have.
+// By result of a vector: where the numbers of its sample are, and what is added to the byte indices
+// of bytes_of().
 struct Results {
-  alignas(64) std::uint16_t numbers[32];     // of their samples
-  alignas(64) std::uint8_t samples[64];      // bytes of these, by the 128 bits
-  alignas(64) std::uint16_t neighbours[32];  // bytes of the two samples in a pixel and the next one
+  alignas(64) std::uint16_t numbers[32];     // the index of its pixel
+  alignas(64) std::uint8_t samples[64];      // the same as a byte shuffle within 128 bits
+  alignas(64) std::uint16_t neighbours[32];  // byte indices of the sample and its right neighbour
   alignas(64) std::uint16_t swapped[32];     // likewise, where the other byte of words comes first
 };
 template <class L>
 constexpr Results make_results() {
   Results r{};
   constexpr int kSpread = kIndexStep<L> / L::kStep;
-  // What samples have for the first column.
+  // What bytes_of() gives for the first column.
   constexpr int kFirst = (0x0FFF * 0x1010 * kIndexStep<L>) >> 16;
   for (int i = 0; i < 32; ++i) {
     const int pixel = i / 8 * L::kPixels + i % 8 / L::kWidth;
     const int of_pixel = i % L::kWidth;
     const int component = of_pixel < L::kStep ? of_pixel : 0;
-    // A result of words is a sample, then its neighbour.
+    // With words two results are one sum: the pair of bytes of a sample, then that of its
+    // neighbour.
     const int word = of_pixel / 2 * 2 + of_pixel % 2 * L::kStep;
     const int bytes =
         L::kOfWords ? word | (word + 1) << 8 : component | (component + L::kStep) << 8;
@@ -106,7 +109,7 @@ constexpr Results make_results() {
 template <class L>
 constexpr Results kResults = make_results<L>();
 
-// The numbers of samples for the results of a vector.
+// Gives each result of a vector the number of its sample.
 template <class L>
 HWY_INLINE Numbers numbers_of(const std::int16_t* samples) {
   const Bytes d;
@@ -124,7 +127,7 @@ HWY_INLINE Numbers numbers_of(const std::int16_t* samples) {
   return hn::BitCast(Signed(), hn::TableLookupBytes(all, hn::Load(d, kResults<L>.samples)));
 }
 
-// The 16 bytes that begin at each lane's offset, one of every `kEvery`.
+// Loads 16 bytes for each lane from its offset on; of `offsets` every `kEvery`th one counts.
 template <int kEvery, class D>
 HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::int32_t* offsets) {
   constexpr std::size_t kSize = hn::MaxLanes(D());
@@ -148,6 +151,7 @@ HWY_INLINE hn::Vec<D> load_segments(D d, const std::uint8_t* plane, const std::i
   }
 }
 
+// Stores a vector of results, as bytes.
 template <class L>
 HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
   constexpr std::size_t kHalf = kBytes / 2;
@@ -162,7 +166,8 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
     hn::StoreU(hn::Or(others, hn::BitCast(words, results)), words, at);
 #endif
   } else if constexpr (L::kStep == 3) {
-    // Six of eight results are samples: they go to the front, and the next lane's over the rest.
+    // Six of the eight results of a lane are samples: they go to the front, and the next lane is
+    // stored over the other two.
     alignas(16) static constexpr std::uint8_t kFront[16] = {0,  1,  2,  3,  4, 5, 8, 9,
                                                             10, 11, 12, 13, 0, 0, 0, 0};
     const Bytes all;
@@ -175,6 +180,7 @@ HWY_INLINE void store_results(Numbers results, std::uint8_t* out) {
   }
 }
 
+// The order of bytes and of 64-bit halves in which store_pair() writes.
 struct PairOrder {
   // The lower halves of all lanes, then the upper ones.
   alignas(64) std::uint64_t halves[8] = {0, 2, 4, 6, 1, 3, 5, 7};
@@ -192,7 +198,7 @@ constexpr PairOrder make_pair_order() {
 }
 constexpr PairOrder kPairOrder = make_pair_order();
 
-// All of the first vector's lanes that were packed, then the second one's.
+// Two vectors that were packed lane by lane: all lanes of the first one, then those of the second.
 HWY_INLINE Pairs in_turn(Pairs packed) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
   const hn::Repartition<std::uint64_t, Bytes> halves;
@@ -204,7 +210,7 @@ HWY_INLINE Pairs in_turn(Pairs packed) {
 #endif
 }
 
-// Two vectors of results, packed lane by lane.
+// Stores two vectors of results that were packed lane by lane.
 template <class L>
 HWY_INLINE void store_pair(Pairs pair, std::uint8_t* out) {
   const Bytes d;
@@ -219,7 +225,7 @@ HWY_INLINE void store_pair(Pairs pair, std::uint8_t* out) {
   hn::StoreU(in_turn(pair), d, out);
 }
 
-// Every second one of the 32 bytes that begin at each lane's offset.
+// Loads every second one of the 32 bytes that begin at each lane's offset.
 HWY_INLINE Pairs load_every_second(const std::uint8_t* source, const std::int32_t* offsets) {
   const Bytes d;
   const Words words;
@@ -238,7 +244,7 @@ HWY_INLINE Pairs load_every_second(const std::uint8_t* source, const std::int32_
 }
 
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
-// Of as many runs as fill a vector.
+// Loads the windows of as many runs as fill a vector: one or two.
 template <int kWindow>
 HWY_INLINE Pairs load_windows(const std::uint8_t* source, const std::int32_t* offsets) {
   const Bytes d;
@@ -251,7 +257,7 @@ HWY_INLINE Pairs load_windows(const std::uint8_t* source, const std::int32_t* of
   }
 }
 
-// Highway 1.0.3 has no permutation of all bytes.
+// Fetches pairs of neighbours from windows. Highway 1.0.3 has no permutation of all bytes.
 template <class L>
 HWY_INLINE Pairs fetch_from_windows(const std::uint8_t* source, const std::int32_t* offsets,
                                     Pairs indices) {
@@ -266,7 +272,8 @@ HWY_INLINE Pairs fetch_from_windows(const std::uint8_t* source, const std::int32
 }
 #endif
 
-// `offsets`: of each run of the vector where the samples come by windows, else of each lane.
+// Fetches the pairs of neighbours of a vector of results, whose byte indices are `indices`.
+// `offsets` has one number per run where kByWindows, else one per lane.
 template <class L>
 HWY_INLINE Pairs fetch_pairs(const std::uint8_t* source, const std::int32_t* offsets,
                              Pairs indices) {

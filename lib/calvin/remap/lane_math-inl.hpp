@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The arithmetic that all bilinear kernels of 8-bit samples share, for vectors of any size.
+// The arithmetic that all bilinear kernels for 8-bit samples share, for vectors of any size.
 // Compiled once per target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_MATH_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_MATH_INL_HPP
@@ -17,8 +17,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// Compilers make constants anew at every use, on the port that shuffles need. One that they do not
-// know stays in its register.
+// Keeps a constant in its register. Compilers make constants anew at every use, on the port that
+// shuffles need; a value that comes out of inline assembly is none for them.
 template <class V>
 HWY_INLINE V kept(V v) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3 && (HWY_COMPILER_GCC || HWY_COMPILER_CLANG)
@@ -29,7 +29,8 @@ HWY_INLINE V kept(V v) {
   return v;
 }
 
-// Small numbers, to the nearest.
+// Rounds to the nearest integer; the numbers must fit into 32 bits (NearestInt() also handles
+// others).
 HWY_INLINE hn::Vec<Ints> small_ints(hn::Vec<Floats> v) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
   return hn::Vec<Ints>{_mm512_cvtps_epi32(v.raw)};
@@ -42,12 +43,12 @@ HWY_INLINE hn::Vec<Ints> small_ints(hn::Vec<Floats> v) {
 #endif
 }
 
-// A vector of bytes, and one of the same size of 16-bit numbers.
+// The tag of 16-bit numbers for a vector as large as one of bytes with the tag D.
 template <class D>
 using NumbersOf = hn::RepartitionToWide<hn::RebindToSigned<D>>;
 
 // Highway 1.0.3 has no multiplication of unsigned by signed bytes that adds up pairs, and no
-// packing of two vectors.
+// packing of two vectors. N is the vector of results.
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
 #undef CALVIN_REMAP_HAS_PRODUCTS
 #define CALVIN_REMAP_HAS_PRODUCTS 1
@@ -62,7 +63,7 @@ HWY_INLINE N add_products(D /*d*/, V pairs, V weights) {
 #endif
 }
 
-// Of 16-bit numbers: sums of the products of pairs.
+// Multiplies 16-bit numbers, and adds up the products of each pair.
 template <class D, class V = hn::Vec<D>, class N = hn::Vec<hn::RepartitionToWide<D>>>
 HWY_INLINE N add_word_products(D /*d*/, V a, V b) {
   if constexpr (sizeof(V) == 16) return N{_mm_madd_epi16(a.raw, b.raw)};
@@ -74,7 +75,7 @@ HWY_INLINE N add_word_products(D /*d*/, V a, V b) {
 #endif
 }
 
-// Each 128 bits of both, one behind the other, as bytes.
+// Packs 16-bit numbers into bytes: by lane, those of `first` and then those of `second`.
 template <class D, class N = hn::Vec<NumbersOf<D>>, class V = hn::Vec<D>>
 HWY_INLINE V pack_lanes(D /*d*/, N first, N second) {
   if constexpr (sizeof(V) == 16) return V{_mm_packus_epi16(first.raw, second.raw)};
@@ -107,7 +108,7 @@ HWY_INLINE hn::Vec<D> pack_lanes(D d, N first, N second) {
 }
 #endif
 
-// Bytes of a vector that are pairs of neighbours.
+// Blends pairs of neighbours, which are two bytes next to each other in a vector.
 template <class D>
 class Blender {
  public:
@@ -121,11 +122,11 @@ class Blender {
 
   using Sums = Numbers;
 
-  // 128 times the values between neighbours; `across` is twice the weight of the second of them,
-  // less 1; 1.15.
+  // 128 times the values between neighbours. `across` is twice the weight of the right one, less 1;
+  // 1.15. With w that weight, 128 (a + w (b - a)) = 64 (a + b) + 64 (b - a) (2 w - 1).
   [[nodiscard]] HWY_INLINE Numbers across(Pairs pairs, Numbers across) const {
 #if CALVIN_REMAP_HAS_PRODUCTS
-    // 64 times the sum of the two, and 64 times the second less the first.
+    // The factors are 64 and 64 for the sum, -64 and 64 for the difference.
     const Numbers sum = add_products(D(), pairs, sum_);
     const Numbers difference = add_products(D(), pairs, difference_);
 #else
@@ -140,7 +141,7 @@ class Blender {
     return sum + hn::MulFixedPoint15(difference, across);
   }
 
-  // `weight` of the second one, 1.15.
+  // The value between two; `weight` is that of the second one, 1.15.
   [[nodiscard]] static HWY_INLINE Numbers between(Numbers first, Numbers second, Numbers weight) {
     return first + hn::MulFixedPoint15(second - first, weight);
   }
@@ -150,7 +151,7 @@ class Blender {
     return hn::MulFixedPoint15(numbers, to_bytes_);
   }
 
-  // Two vectors of 128 times values, as memory: lane by lane.
+  // Two vectors of 128 times values -> bytes, packed lane by lane.
   [[nodiscard]] HWY_INLINE Pairs pack(Numbers first, Numbers second) const {
     return pack_lanes(D(), rounded(first), rounded(second));
   }

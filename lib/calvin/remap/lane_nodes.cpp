@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The middles of runs at a row of the map's nodes, for every instruction set.
+// The source coordinates of the middles of runs at one row of the map's nodes, for every
+// instruction set.
 
 #include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/run_middles.hpp"
@@ -17,12 +18,12 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Between the four nodes that `node` gives.
+// Interpolates between four nodes; node(0) to node(3) give them for a vector of runs.
 template <class D, class N>
 HWY_INLINE void expand_between(D d, const RunColumns& runs, int run, const NodeLine& line, N node,
                                float* to) {
   const auto part = [&](int c) HWY_ATTR { return hn::LoadU(d, runs.weights[c] + run); };
-  // By differences: a place that is far from the origin keeps its last bits.
+  // Differences to the second node are small: coordinates far from the origin keep their last bits.
   const auto second = node(1);
   const auto between =
       second + hn::MulAdd(part(0), node(0) - second,
@@ -30,7 +31,7 @@ HWY_INLINE void expand_between(D d, const RunColumns& runs, int run, const NodeL
   hn::StoreU(between * hn::Set(d, line.scale) - hn::Set(d, line.offset), d, to);
 }
 
-// A vector of runs, or a single one.
+// Expands a vector of runs, or a single run.
 template <class D>
 HWY_INLINE void expand_at(D d, const RunColumns& runs, int run, const NodeLine& line, float* to) {
   const hn::RebindToSigned<D> ints;
@@ -38,7 +39,7 @@ HWY_INLINE void expand_at(D d, const RunColumns& runs, int run, const NodeLine& 
   const std::int32_t* columns = runs.column + run;
   const std::int32_t first = columns[0];
   const auto column = hn::LoadU(ints, columns);
-  // Where a vector holds all of the nodes: that is quicker than to gather them.
+  // Where one vector holds all nodes, a permutation of it is quicker than gathering them.
   if (columns[kVector - 1] - first + 4 <= kVector && first + kVector <= line.count) {
     const auto nodes = hn::LoadU(d, line.nodes + first);
     const auto node = [&](int c) HWY_ATTR {

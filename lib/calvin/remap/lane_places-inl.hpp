@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Where each of the eight samples of a run comes from, for kernels that fetch them one by one: in
-// single precision from the sample that the run's middle is behind. Compiled once per target of
-// Highway: include it after hwy/foreach_target.h.
+// The source coordinates of the eight samples of a run in single precision, for the bicubic kernel.
+// Compiled once per target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_PLACES_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_PLACES_INL_HPP
 #undef CALVIN_REMAP_LANE_PLACES_INL_HPP
@@ -28,8 +27,8 @@ constexpr int kPixels = 8;
 using PlaceFloats = hn::CappedTag<float, kPixels>;
 using PlaceInts = hn::RebindToSigned<PlaceFloats>;
 
-// RunParabola of eight samples, from the sample that the middle is behind: single precision holds
-// all that is near the source from there.
+// RunParabola of eight samples, counted from `base`, the whole sample before the run's middle:
+// single precision suffices for coordinates that near.
 struct RunCurve {
   explicit RunCurve(const std::int32_t* middles) noexcept {
     const RunParabola parabola(middles, kPixels);
@@ -45,7 +44,7 @@ struct RunCurve {
   float bend;
 };
 
-// Along one axis: whole samples, and the rest.
+// Source coordinates along one axis: whole samples, and the rest, 0..1.
 struct RunPlaces {
   hn::Vec<PlaceInts> whole;
   hn::Vec<PlaceFloats> rest;
@@ -55,7 +54,7 @@ struct RunPlaces {
 alignas(32) constexpr float kFromMiddle[kPixels] = {-3.5F, -2.5F, -1.5F, -0.5F,
                                                     0.5F,  1.5F,  2.5F,  3.5F};
 
-// Of a vector of samples whose first one is `first` in the run.
+// The coordinates of a vector of samples that begins with the run's sample `first`.
 HWY_INLINE RunPlaces places_at(const RunCurve& curve, int first, bool nearest) {
   const PlaceFloats d;
   const PlaceInts ints;
@@ -67,8 +66,8 @@ HWY_INLINE RunPlaces places_at(const RunCurve& curve, int first, bool nearest) {
   return {hn::ConvertTo(ints, down) + hn::Set(ints, curve.base), nearest ? hn::Round(rest) : rest};
 }
 
-// Whether all places have `before` samples before them and `behind` behind, of which the last one
-// is `last`.
+// Whether all coordinates have `before` samples before them and `behind` samples behind them, where
+// the axis has the samples 0..last.
 HWY_INLINE bool are_within(const RunPlaces& places, int before, int behind, std::int32_t last) {
   const PlaceInts d;
   const auto held = hn::Max(places.whole, hn::Set(d, before));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// How runs become samples, by memory layout. Compiled once per target of Highway: include it after
-// hwy/foreach_target.h.
+// How runs become vectors of samples, by memory layout. Compiled once per target of Highway:
+// include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_PLACING_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_PLACING_INL_HPP
 #undef CALVIN_REMAP_LANE_PLACING_INL_HPP
@@ -21,26 +21,28 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// Runs of `kRunSamples`, which are cut into `kLaneParts` with segments of their own;
-// `kBytesPerStep` from a sample to the next. Pixels that are apart have addresses of their own.
+// Runs of `kRunSamples` samples that are cut into `kLaneParts` parts with segments of their own,
+// and whose samples are `kBytesPerStep` bytes apart. With `kOneByOne` each pixel has an address of
+// its own.
 template <int kRunSamples, int kLaneParts, int kBytesPerStep, bool kOneByOne = false>
 struct Placing {
   static constexpr int kRun = kRunSamples;
   static constexpr int kParts = kLaneParts;
   static constexpr int kStep = kBytesPerStep;
   static constexpr bool kApart = kOneByOne;
-  // The results of two vectors are packed lane by lane: the first of them has every other run.
+  // The results of two vectors are packed lane by lane: the first vector has every other run.
   static constexpr bool kPaired = kStep == 1;
   static constexpr int kGroup = kPaired ? 2 * kLanes : kApart && kRun < 8 ? 4 : kLanes;
-  // Samples in a vector: of 16 bits, and of no more than four runs or parts of such.
+  // Samples in a vector of 16-bit numbers: those of four runs, or parts of runs, at most, since a
+  // lane has four records.
   static constexpr int kSamples =
       std::min({static_cast<int>(kBytes) / 2, 4 * kRun / kParts, kApart ? 16 : 32});
-  // Each of a vector's two lanes holds four samples of one run and four of another one. Thus what
-  // is interleaved with something else is in order.
+  // Each of a vector's two lanes holds four samples of one run and four of another one:
+  // interleaving works by lanes, and so gives the samples in order.
   static constexpr bool kSplit = kApart && kStep == 4 && kRun == 8 && kSamples == 16;
 };
 
-// Calls f with the placing of a layout; not at all for those that have no samples.
+// Calls f with the Placing of a layout; not at all where there is no kernel.
 template <class F>
 HWY_INLINE void with_placing(LaneLayout layout, int run, F f) {
   constexpr int kParts = kMovesAllBytes ? 1 : 2;
@@ -71,7 +73,7 @@ HWY_INLINE void with_placing(LaneLayout layout, int run, F f) {
   }
 }
 
-// The records of a vector of runs as the kernel takes them.
+// The order in which the kernel takes the records of a vector of runs, by their index.
 struct RecordOrder {
   alignas(64) std::int32_t from[16];
 };
@@ -85,7 +87,7 @@ constexpr RecordOrder make_paired_order() {
 }
 constexpr RecordOrder kPairedOrder = make_paired_order();
 
-// Calls f with the number of each part.
+// Calls f with the number of each part, as a constant.
 template <class P, class F>
 HWY_INLINE void for_parts(F f) {
   const auto call = [&]<int... kPart>(std::integer_sequence<int, kPart...> /*parts*/) HWY_ATTR {
@@ -103,7 +105,7 @@ HWY_INLINE hn::Vec<Ints> in_order(hn::Vec<Ints> records) {
   }
 }
 
-// What is known of the parts of a vector of runs, by the part: run after run.
+// Stores a record of each part of a vector of runs: all parts of a run, then those of the next one.
 template <class P, class F>
 HWY_INLINE void store_parts(F part, std::int32_t* to) {
   const Ints d;
@@ -117,8 +119,8 @@ HWY_INLINE void store_parts(F part, std::int32_t* to) {
   }
 }
 
-// Which bytes of 32-bit records, one per run or per part of it, go to the 16-bit samples that they
-// are of.
+// Byte shuffles that give each 16-bit sample its half of the record of its run, or of its part of a
+// run.
 struct Halves {
   alignas(64) std::uint8_t low[64];
   alignas(64) std::uint8_t high[64];
@@ -136,10 +138,11 @@ constexpr Halves make_halves(int samples_per_record, bool split) {
 template <int kSamplesPerRecord, bool kSplit>
 constexpr Halves kHalves = make_halves(kSamplesPerRecord, kSplit);
 
-// What each sample of a run has of its slope and of its bend.
+// The factors of slope and bend for each sample of a run: t and t^2, of the distance t from the
+// middle.
 struct Arc {
-  alignas(64) std::int16_t along[32];   // slope 2.14 -> place 4.12, through MulFixedPoint15
-  alignas(64) std::int16_t square[32];  // bend -> place 4.12, likewise
+  alignas(64) std::int16_t along[32];   // slope 2.14 -> distance 4.12, through MulFixedPoint15
+  alignas(64) std::int16_t square[32];  // bend -> distance 4.12, likewise
 };
 constexpr Arc make_arc(int run, bool split) {
   Arc arc{};
@@ -157,14 +160,14 @@ constexpr Arc kArc = make_arc(kRun, kSplit);
 template <class P>
 using PlaceNumbers = hn::FixedTag<std::int16_t, P::kSamples>;
 
-// Both axes of a vector of samples.
+// A number of each axis for a vector of samples.
 template <class P>
 struct Both {
   hn::Vec<PlaceNumbers<P>> x;
   hn::Vec<PlaceNumbers<P>> y;
 };
 
-// What the records of four runs, or parts of runs, say of their samples.
+// Gives each sample the two numbers in the record of its run, or part of a run: four records.
 template <class P, int kSamplesPerRecord>
 HWY_INLINE Both<P> spread(const std::int32_t* records) {
   const PlaceNumbers<P> numbers;
@@ -175,7 +178,7 @@ HWY_INLINE Both<P> spread(const std::int32_t* records) {
           hn::BitCast(numbers, hn::TableLookupBytes(all, hn::Load(bytes, kWhich.high)))};
 }
 
-// Where samples are from the middles of their runs.
+// The distances of samples from the middles of their runs, 4.12.
 template <class P>
 HWY_INLINE Both<P> shape_of(const std::int32_t* slopes, const std::int32_t* bends) {
   const PlaceNumbers<P> numbers;

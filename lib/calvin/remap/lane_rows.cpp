@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Preparation of a row of runs: where each lies in the source, for every instruction set.
+// Describes a row of runs for the bilinear kernels, for every instruction set: where each run lies
+// in the source, how many rows of the source it needs, and which runs the kernels cannot take.
 
-// As lane_blend.cpp.
+// Ice Lake and Zen 4 permute all bytes of a vector, as remap/lane_blend.cpp needs it.
 #define HWY_WANT_AVX3_DL 1
 
 #include "calvin/core/vector_targets.hpp"
@@ -27,7 +28,7 @@ HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
-// Without vectors every lane is slow.
+// Without vectors every run is slow.
 
 void interpolate_row(const RowNodes& between, int runs, std::int32_t* xs, std::int32_t* ys) {
   const auto at = [&](const float(&rows)[4][NodeRows::kRuns], int i) {
@@ -47,11 +48,12 @@ int group_of(LaneLayout /*layout*/, int /*run*/) { return 1; }
 
 // ---- Vectors of 32-bit numbers, one per run.
 
+// What a run needs of the source along one axis.
 struct Axis {
   hn::Vec<Ints> first;  // sample
-  hn::Vec<Ints> last;   // the last place's; its neighbour is the next one
-  hn::Vec<Ints> place;  // of the middle from the first sample
-  hn::Vec<Ints> steep;  // size of the slope, 2.14
+  hn::Vec<Ints> last;   // sample before the last coordinate; the one behind it is read, too
+  hn::Vec<Ints> place;  // of the middle from the first sample, 1/2^14 of a sample
+  hn::Vec<Ints> steep;  // absolute value of the slope, 2.14
   hn::Vec<Ints> bend;   // 4.12
 };
 template <int kRun>
@@ -62,7 +64,7 @@ HWY_INLINE Axis describe(const Line& line) {
           line.middle - hn::ShiftLeft<kPlaceBits>(first), hn::Abs(line.slope), line.bend};
 }
 
-// The largest of the runs that make a group, in each of them.
+// The largest number of a group of runs, for each of its runs.
 template <int kGroup>
 HWY_INLINE hn::Vec<Ints> group_maximum(hn::Vec<Ints> rows) {
   if constexpr (kGroup >= 2) rows = hn::Max(rows, hn::Shuffle2301(rows));
@@ -75,7 +77,7 @@ HWY_INLINE hn::Vec<Ints> group_maximum(hn::Vec<Ints> rows) {
   return rows;
 }
 
-// The middles of runs from the `i`th place of the nodes on.
+// The middles of a vector of runs, from the index `i` of NodeRows on.
 HWY_INLINE hn::Vec<Ints> middles_at(const float (&rows)[4][NodeRows::kRuns],
                                     const std::array<float, 4>& weights, int i) {
   const Floats d;
@@ -87,7 +89,7 @@ HWY_INLINE hn::Vec<Ints> middles_at(const float (&rows)[4][NodeRows::kRuns],
                         first);
 }
 
-// The first `count` of a row's middles from `begin` on, margins included.
+// Writes `count` of a row's middles from `begin` on, which counts from the first of the margin.
 HWY_INLINE void interpolate(const RowNodes& between, int begin, int count, std::int32_t* x,
                             std::int32_t* y) {
   const Ints d;
@@ -98,8 +100,8 @@ HWY_INLINE void interpolate(const RowNodes& between, int begin, int count, std::
   }
 }
 
-// The first column of a part of a vector of runs, and the place of the middle from there, 4.12 in
-// the lower half of a record.
+// The first column of a part of the runs, and the distance of the middle from it: 4.12, in the
+// lower half of a record.
 struct Part {
   hn::Vec<Ints> column;
   hn::Vec<Ints> place;
@@ -108,7 +110,7 @@ struct Part {
 // What a vector of runs reads of the source.
 struct Reads {
   hn::Vec<Ints> rows;    // the same for all runs of a group
-  hn::Vec<Ints> offset;  // negative where all of the group are slow
+  hn::Vec<Ints> offset;  // bytes; negative where all runs of the group are slow
   hn::Vec<Ints> slow;    // -1 or 0
 };
 template <class P>
@@ -116,12 +118,13 @@ HWY_INLINE Reads reads_of(const Axis& x, const Axis& y, const SourceBounds& b) {
   const Ints d;
   auto rows = y.last - y.first + hn::Set(d, 2);
   if constexpr (!P::kApart) {
-    // Three rows, of which a result needs two, go quickest; steep lines do not fit eight times.
+    // The kernel for three rows is the quickest, and eight times as large y still fit unless the
+    // slope is high.
     rows = hn::Max(rows, hn::Min(hn::Set(d, 3), hn::Set(d, b.rows) - y.first));
     const auto too_steep = hn::BroadcastSignBit(hn::Set(d, kSteepest) - y.steep);
     rows = hn::Max(rows, hn::And(too_steep, hn::Set(d, 4)));
   }
-  // Any of these is negative where the run cannot be taken quickly.
+  // `spare` becomes negative where one of the bounds is violated: the run is slow.
   const auto x_room = hn::Set(d, b.steepest) - x.steep - hn::ShiftLeft<3>(hn::Abs(x.bend));
   auto spare =
       hn::Min(hn::Min(x.first - hn::Set(d, b.first_column), y.first - hn::Set(d, b.first_row)),
@@ -130,22 +133,22 @@ HWY_INLINE Reads reads_of(const Axis& x, const Axis& y, const SourceBounds& b) {
       spare, hn::Min(hn::Set(d, b.last_column - 1) - x.last, hn::Set(d, b.last_row - 1) - y.last));
   spare = hn::Min(
       spare, hn::Min(hn::Set(d, b.widest - 1) - (x.last - x.first), hn::Set(d, kMostRows) - rows));
-  // All runs of a group read as many rows as the one that needs most.
+  // All runs of a group read as many rows as the run that needs most.
   rows = group_maximum<P::kGroup>(hn::AndNot(hn::BroadcastSignBit(spare), rows));
   const auto begin = x.first * hn::Set(d, P::kStep);
   const auto left = hn::Set(d, b.rows) - y.first - rows;
-  // Segments may end behind a row, but for the last one.
+  // A segment may end behind its row, unless that is one of the guarded rows.
   spare = hn::Min(hn::Min(spare, left),
                   hn::Max(left - hn::Set(d, b.guarded_rows), hn::Set(d, b.last_segment) - begin));
   const auto slow = hn::BroadcastSignBit(spare);
-  // The slow ones of a group that has others read what one of these does.
+  // A slow run reads the segment of another run in its group: the segments must be valid memory.
   const auto is_slow = hn::MaskFromVec(slow);
   const auto own = hn::IfThenElse(is_slow, slow, y.first * hn::Set(d, b.stride) + begin);
   return {rows, hn::IfThenElse(is_slow, group_maximum<P::kGroup>(own), own), slow};
 }
 
-// Stores what is by the lane, of a vector of runs whose first one is `j`: the place of the middle
-// from each lane's segment, and where that is.
+// Stores what a RunRow has by part, for the vector of runs from `j` on: where each part's segment
+// is, and the distance of the run's middle from there.
 template <class P, class X>
 HWY_INLINE void store_lanes(int j, X x_of, hn::Vec<Ints> y_place, hn::Vec<Ints> row_offset,
                             RunRow& row) {
@@ -161,8 +164,8 @@ HWY_INLINE void store_lanes(int j, X x_of, hn::Vec<Ints> y_place, hn::Vec<Ints> 
   store_parts<P>(offset, P::kParts == 1 ? row.offset + j : row.lane_offset + j * P::kParts);
 }
 
-// Which of a vector of runs lie outside of the source by a sample and more, so that there is
-// nothing but the fill; -1 or 0.
+// -1 for runs that lie outside of the source by a sample or more, so that they show nothing but the
+// fill; else 0.
 HWY_INLINE hn::Vec<Ints> outside(const Axis& x, const Axis& y, const SourceBounds& b) {
   const Ints d;
   if (!b.fills) return hn::Zero(d);
@@ -172,8 +175,9 @@ HWY_INLINE hn::Vec<Ints> outside(const Axis& x, const Axis& y, const SourceBound
   return hn::BroadcastSignBit(hn::Min(inside(x, b.columns), inside(y, b.rows)));
 }
 
-// A vector of runs whose first one is `j`; whether one is slow. Not inlined: it is the same for
-// both kinds of curves, and most of what this file takes to compile.
+// Describes the vector of runs from `j` on; returns whether one of them is slow. The function is
+// not inlined because it is the same with and without third differences, and compiling it is most
+// of the work for this file.
 template <class P>
 HWY_NOINLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line,
                                    const SourceBounds& b, RunRow& row) {
@@ -200,7 +204,8 @@ HWY_NOINLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line
     y_slope = hn::IfThenElse(three, hn::ShiftLeft<3>(y_slope), y_slope);
     y_bend = hn::IfThenElse(three, hn::ShiftLeft<3>(y_bend), y_bend);
   }
-  // The slow ones read the middle of the first column.
+  // Slow runs in a group with others get records that stay within the segment: no slope, and the
+  // middle of its first column.
   const auto record = [&](hn::Vec<Ints> of_x, hn::Vec<Ints> of_y) HWY_ATTR {
     return in_order<P>(hn::IfThenZeroElse(is_slow, packed(of_x, of_y)));
   };
@@ -218,7 +223,7 @@ HWY_NOINLINE bool describe_runs_at(int j, const Line& x_line, const Line& y_line
   return !hn::AllTrue(d, reads.slow == hn::Zero(d));
 }
 
-// What the steady runs of a row share.
+// What the steady runs of a row share: the weights of Band::Course at the row.
 struct SteadyRow {
   SteadyRow(float part, std::int32_t stride_bytes) {
     const Floats d;
@@ -229,7 +234,7 @@ struct SteadyRow {
     in_part = kept(hn::Set(Ints(), (1 << kPlaceBits) - 1));
     stride = kept(hn::Set(Ints(), stride_bytes));
   }
-  // What is added to where the segments begin in the first row of the band.
+  // How far the segments have moved since the first row of the band, 1/2^14 of a sample.
   [[nodiscard]] HWY_INLINE hn::Vec<Ints> at(const Band::Course& course, int j) const {
     const Floats d;
     const auto curved =
@@ -237,14 +242,14 @@ struct SteadyRow {
     return small_ints(hn::MulAdd(way, hn::Load(d, course.span + j), curved));
   }
 
-  hn::Vec<Floats> way;  // parts of what is in Band::Course
+  hn::Vec<Floats> way;  // weights of span, curve and twist
   hn::Vec<Floats> bow;
   hn::Vec<Floats> twist;
-  hn::Vec<Ints> in_part;  // of a place within a sample
+  hn::Vec<Ints> in_part;  // the bits of a coordinate below a whole sample
   hn::Vec<Ints> stride;
 };
 
-// describe_runs_at() where the band is steady.
+// As describe_runs_at(), for runs that are steady.
 template <class P, bool kThree>
 HWY_INLINE void describe_steady_at(int j, const SteadyRow& steady, const Band& band, RunRow& row) {
   const Ints d;
@@ -260,10 +265,10 @@ HWY_INLINE void describe_steady_at(int j, const SteadyRow& steady, const Band& b
   store_lanes<P>(j, x_of, y_place, hn::ShiftRight<kPlaceBits>(y) * steady.stride, row);
 }
 
-// A row whose runs are all steady, and read as many rows.
+// Describes a row whose runs are all steady and read the same number of rows.
 template <class P, bool kThree>
 void describe_alike(float way, std::int32_t stride, const Band& band, RunRow& row) {
-  // What is written may be anything for all that the compiler knows.
+  // A copy: for all that the compiler knows, each store into `row` might change row.count.
   const int count = row.count;
   const SteadyRow steady(way, stride);
   for (int j = 0; j < count; j += static_cast<int>(hn::MaxLanes(Ints()))) {
@@ -271,6 +276,7 @@ void describe_alike(float way, std::int32_t stride, const Band& band, RunRow& ro
   }
 }
 
+// A DescribeRuns. `kThird`: third differences of the middles count.
 template <class P, bool kThird>
 SlowBlocks describe_all(const SourceBounds& bounds, const RowNodes* between, const Band& band,
                         float way, RunRow& row) {
@@ -318,7 +324,7 @@ int group_of(LaneLayout layout, int run) {
 
 #endif
 
-// Runs that no vector kernel takes.
+// A DescribeRuns for layouts without a bilinear kernel.
 SlowBlocks describe_slow(const SourceBounds& /*bounds*/, const RowNodes* between,
                          const Band& /*band*/, float /*way*/, RunRow& row) {
   if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Where each sample of a run comes from: vectors of 16-bit numbers, one per sample. Compiled once
-// per target of Highway: include it after hwy/foreach_target.h.
+// The source coordinates of each sample of a run, and the bytes and weights that follow from them:
+// vectors of 16-bit numbers, one per sample. Compiled once per target of Highway: include it after
+// hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_SAMPLES_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_SAMPLES_INL_HPP
 #undef CALVIN_REMAP_LANE_SAMPLES_INL_HPP
@@ -20,12 +21,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// Runs whose samples are placed before they are blended.
+// Runs whose samples are located before the first of them is blended. To be tuned with
+// `tests/bench/run.sh undistort`.
 constexpr int kBlockRuns = 32;
-// Their samples, and what is read beyond the last ones, which are taken eight at a time.
+// The samples of such a block, and eight more: samples are read eight at a time.
 constexpr int kBlockSamples = 8 * kBlockRuns + 8;
 
-// Bytes of the output that are fetched before they are written: the lines must come first.
+// How many bytes before it is written the output is prefetched: a cache line must be loaded before
+// a part of it can be written. To be tuned likewise.
 constexpr int kWriteAhead = 1024;
 
 template <class P>
@@ -33,8 +36,8 @@ using PlaceWords = hn::FixedTag<std::uint16_t, P::kSamples>;
 template <class P>
 using AddressInts = hn::FixedTag<std::int32_t, P::kSamples / 2>;
 
-// The places of a vector of samples whose first run is `run`, as RunRow::middle counts them.
-// `way` is how much of the band's height lies above the row, 1.15; it matters to steady runs.
+// The source coordinates of the vector of samples that begins with the run `run`, counted as
+// RunRow::middle. `way` is as in RowTask, 1.15; only steady runs need it.
 template <class P, bool kSteady>
 HWY_INLINE Both<P> places_of(const RunRow& row, const Band& band, int run,
                              hn::Vec<PlaceNumbers<P>> way) {
@@ -54,14 +57,14 @@ HWY_INLINE Both<P> places_of(const RunRow& row, const Band& band, int run,
   return at;
 }
 
-// To the nearest sample.
+// Coordinates in 4.12, rounded to the nearest sample.
 template <class D>
 HWY_INLINE hn::Vec<D> rounded_place(D d, hn::Vec<D> place) {
   const hn::RebindToUnsigned<D> words;
   return hn::And(place + hn::Set(d, 2048), hn::BitCast(d, hn::Set(words, 0xF000)));
 }
 
-// Twice the weight of the second of two neighbours, less 1; 1.15.
+// Twice the weight of the right one of two neighbours, less 1; 1.15.
 template <class P>
 HWY_INLINE hn::Vec<PlaceNumbers<P>> across_of(hn::Vec<PlaceNumbers<P>> x) {
   const PlaceNumbers<P> d;
@@ -70,8 +73,10 @@ HWY_INLINE hn::Vec<PlaceNumbers<P>> across_of(hn::Vec<PlaceNumbers<P>> x) {
       d, hn::Xor(hn::ShiftLeft<4>(hn::BitCast(words, x)), kept(hn::Set(words, 0x8000))));
 }
 
-// Which bytes of the segment are blended: 257 times those to the column, and for the second one 256
-// times those of a step; lane_layouts-inl.hpp knows what is missing where a step is larger than 1.
+// Which two bytes of the segment are blended, as a pair of byte indices in 16 bits: 0x0101 times
+// the bytes before the left sample, plus 0x0100 times those of a step for the right one. A step s
+// that is larger than 1 makes the left index too large by s - 1: the tables of
+// remap/lane_layouts-inl.hpp and remap/lane_windows-inl.hpp take that away.
 template <class P, int kStep = P::kStep>
 HWY_INLINE hn::Vec<PlaceNumbers<P>> bytes_of(hn::Vec<PlaceNumbers<P>> x) {
   const PlaceNumbers<P> d;
@@ -80,9 +85,10 @@ HWY_INLINE hn::Vec<PlaceNumbers<P>> bytes_of(hn::Vec<PlaceNumbers<P>> x) {
                                     kept(hn::Set(words, 0x1010 * kStep))));
 }
 
-// ---- Pixels that are fetched one by one.
+// ---- Pixels with addresses of their own.
 
-// Which bytes of the offsets of runs go to the halves of their samples that are interleaved.
+// Byte shuffles that give each sample the offset of its run, for the lower and the upper half of a
+// vector whose columns and rows are interleaved.
 struct Bases {
   alignas(64) std::uint8_t lower[64];
   alignas(64) std::uint8_t upper[64];
@@ -99,8 +105,9 @@ constexpr Bases make_bases(int run) {
 template <int kRun>
 constexpr Bases kBases = make_bases(kRun);
 
-// A row of the source and a column, as the bytes to them; 15 bits of the stride are enough for
-// nearly all frames.
+// The bytes to a row and to a column of the source, as factors of one multiplication: the low 15
+// bits of the stride and the step. `rest` are the other bits of the stride, 0 for nearly all
+// frames.
 struct Stride {
   Stride(std::int32_t stride, int step)
       : products(static_cast<std::int32_t>(stride & 0x7FFF) << 16 | step), rest(stride & ~0x7FFF) {}
@@ -108,8 +115,8 @@ struct Stride {
   std::int32_t rest;
 };
 
-// Of the pixels of a vector: from their run's offset, or from the beginning of the plane where
-// there are several runs in eight pixels.
+// Stores the addresses of the pixels of a vector: in bytes from their run's offset, or from the
+// beginning of the plane where eight pixels are of several runs.
 template <class P>
 HWY_INLINE void store_addresses(const Both<P>& at, const std::int32_t* run_offsets, Stride stride,
                                 std::int32_t* to) {
@@ -134,7 +141,7 @@ HWY_INLINE void store_addresses(const Both<P>& at, const std::int32_t* run_offse
   };
   const auto lower = address(hn::InterleaveLower(columns, rows), kBases<P::kRun>.lower);
   const auto upper = address(hn::InterleaveUpper(words, columns, rows), kBases<P::kRun>.upper);
-  // The halves of vectors of 256 bits are interleaved each by itself.
+  // The two halves of a vector of 256 bits are interleaved each by itself.
   if constexpr (P::kSamples == 16 && !P::kSplit) {
     const hn::Half<AddressInts<P>> half;
     hn::Store(hn::LowerHalf(lower), half, to);
@@ -147,7 +154,7 @@ HWY_INLINE void store_addresses(const Both<P>& at, const std::int32_t* run_offse
   }
 }
 
-// Weight of the lower one of two rows, 1.15.
+// The weight of the lower one of two rows, 1.15.
 template <class P>
 HWY_INLINE hn::Vec<PlaceNumbers<P>> down_of(hn::Vec<PlaceNumbers<P>> y) {
   const PlaceNumbers<P> d;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// A vector of results from three rows of the source or more. Compiled once per target of Highway:
-// include it after hwy/foreach_target.h.
+// Blends a vector of results from the taps in three rows of the source, or in more. Compiled once
+// per target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_TAPS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_TAPS_INL_HPP
 #undef CALVIN_REMAP_LANE_TAPS_INL_HPP
@@ -19,14 +19,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// What a vector of results takes from the source.
+// The bytes of the source that a vector of results is blended from, and their weights.
 struct Taps {
-  Pairs neighbours;  // which bytes, from the beginning of the segment
-  Numbers across;    // twice the weight of the second of two neighbours, less 1; 1.15
-  Numbers down;      // as in RunRow
+  Pairs neighbours;  // byte indices, from the beginning of the segment
+  Numbers across;    // twice the weight of the right one of two neighbours, less 1; 1.15
+  Numbers down;      // y as in RunRow::middle
 };
 
-// Of two rows that are blended across; `weight` of the second one, 1.15.
+// Blends two rows that are blended across already; `weight` is that of the second one, 1.15.
 template <bool kNearest, class B>
 HWY_INLINE typename B::Sums blend_down(const B& blender, typename B::Sums first,
                                        typename B::Sums second, Numbers weight) {
@@ -37,7 +37,8 @@ HWY_INLINE typename B::Sums blend_down(const B& blender, typename B::Sums first,
   return hn::BitCast(sums, hn::IfThenElse(behind, hn::BitCast(d, second), hn::BitCast(d, first)));
 }
 
-// Three source rows: a result lies between the middle one and one of the others.
+// With three source rows a result lies between the middle one and one of the other two, which the
+// sign of taps.down tells.
 template <class L, bool kNearest>
 HWY_INLINE auto blend_three_rows(const std::uint8_t* source, const std::int32_t* offsets,
                                  std::int32_t stride, const Taps& taps,
@@ -53,7 +54,7 @@ HWY_INLINE auto blend_three_rows(const std::uint8_t* source, const std::int32_t*
       blender.across(hn::BitCast(bytes, outer), taps.across), hn::Abs(taps.down));
 }
 
-// `rows` source rows: a result lies between two of them, which are chosen first.
+// With more rows a result lies between two rows next to each other, which are selected first.
 template <class L, bool kNearest>
 HWY_INLINE auto blend_more_rows(const std::uint8_t* source, const std::int32_t* offsets,
                                 std::int32_t stride, std::int32_t rows, const Taps& taps,
@@ -65,14 +66,14 @@ HWY_INLINE auto blend_more_rows(const std::uint8_t* source, const std::int32_t* 
     source += stride;
     return hn::BitCast(d, pairs);
   };
-  // 15 bits do not hold the place: as a signed number, 0 is the least.
+  // 4.12 needs all 16 bits: with the highest one turned over, signed comparisons work.
   const auto down = hn::BitCast(words, taps.down);
   const auto place = hn::BitCast(d, hn::Xor(down, hn::Set(words, 0x8000)));
   const auto row = hn::Set(d, 4096);
   Numbers upper = fetch();
   Numbers lower = fetch();
   Numbers last = lower;
-  Numbers before = hn::Set(d, -0x7001);  // what is larger lies behind the second row
+  Numbers before = hn::Set(d, -0x7001);  // larger coordinates lie behind the second row
   for (std::int32_t r = 2; r < rows; ++r) {
     const Numbers next = fetch();
     const auto behind = hn::Gt(place, before);
@@ -87,7 +88,7 @@ HWY_INLINE auto blend_more_rows(const std::uint8_t* source, const std::int32_t* 
                               blender.across(hn::BitCast(bytes, lower), taps.across), weight);
 }
 
-// A vector of results whose rows and offsets are those of run `j`, as the blender has sums.
+// Blends a vector of results; it has as many rows as the run `j`. The result is the blender's Sums.
 template <class L, bool kThree, bool kNearest>
 HWY_INLINE auto blend_rows(const RunRow& row, int j, const std::int32_t* offsets, const Taps& taps,
                            const std::uint8_t* source, std::int32_t stride,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Vectors of pixels, each with one of every run, become runs in memory. Compiled once per target of
-// Highway: include it after hwy/foreach_target.h.
+// Transposes gathered pixels: vectors with one pixel of each run become runs in memory. Compiled
+// once per target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_TURNED_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_TURNED_INL_HPP
 #undef CALVIN_REMAP_LANE_TURNED_INL_HPP
@@ -22,7 +22,7 @@ namespace calvin::remap::HWY_NAMESPACE {
 constexpr int kPixels = 8;                           // of a run
 constexpr int kRuns = static_cast<int>(kBytes / 4);  // of a vector
 
-// The first of each two bytes, or of each two 16-bit numbers, of both.
+// Joins the first of each two bytes, or of each two 16-bit numbers, of both vectors.
 HWY_INLINE hn::Vec<Ints> join_bytes(hn::Vec<Ints> first, hn::Vec<Ints> second) {
   return hn::BitCast(Ints(),
                      even_and_odd(hn::BitCast(Bytes(), first), up(hn::BitCast(Bytes(), second))));
@@ -32,8 +32,8 @@ HWY_INLINE hn::Vec<Ints> join_words(hn::Vec<Ints> first, hn::Vec<Ints> second) {
                                          hn::BitCast(Signed(), first)));
 }
 
-// Vectors of pixels, each with one of every run, become runs in memory. Pixels of 3 and 4 bytes are
-// 32-bit words: all first halves of runs, then all second ones.
+// Transposes a block of pixels. Pixels of 3 and 4 bytes come out as 32-bit words: the first halves
+// of all runs, then the second halves.
 template <class M>
 HWY_INLINE void turn_block(const std::int32_t* pixels, std::int32_t* to) {
   const Ints d;
@@ -53,8 +53,8 @@ HWY_INLINE void turn_block(const std::int32_t* pixels, std::int32_t* to) {
   }
 }
 
-// Sixteen bytes from turn_block() to where they belong: what lies between components that are apart
-// is not ours.
+// Copies sixteen bytes of turn_block() to the output. Bytes between spaced components must stay as
+// they are: they belong to other planes.
 template <class M>
 HWY_INLINE void put_pixels(const std::int32_t* from, std::uint8_t* to) {
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(from);
@@ -73,7 +73,7 @@ HWY_INLINE void put_pixels(const std::int32_t* from, std::uint8_t* to) {
   }
 }
 
-// The `r`th of the runs from turn_block().
+// Copies the `r`th of the runs of turn_block() to the output.
 template <class M>
 HWY_INLINE void put_run(const std::int32_t* from, int r, std::uint8_t* to) {
   if constexpr (M::kStep == 1) {

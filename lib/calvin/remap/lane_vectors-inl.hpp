@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The vectors that rows of lanes are prepared and blended with: as many 128-bit lanes as the
+// The vector types of the bilinear and gather kernels: as many lanes, of 128 bits each, as the
 // machine has. Compiled once per target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_VECTORS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_VECTORS_INL_HPP
@@ -28,8 +28,8 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kBytes = HWY_LANES(std::uint8_t);
-constexpr int kLanes = kBytes / 16;
+constexpr std::size_t kBytes = HWY_LANES(std::uint8_t);  // of a vector
+constexpr int kLanes = kBytes / 16;                      // of a vector
 
 using Bytes = hn::FixedTag<std::uint8_t, kBytes>;
 using Words = hn::FixedTag<std::uint16_t, kBytes / 2>;
@@ -39,8 +39,8 @@ using Floats = hn::FixedTag<float, kBytes / 4>;
 using Pairs = hn::Vec<Bytes>;
 using Numbers = hn::Vec<Signed>;
 
-// For a line of the source that is read some rows later. Into the cache behind the nearest one:
-// that is full of what rows have in common.
+// Prefetches a cache line of the source that is read some rows later: into the second cache, since
+// the nearest one is full of what the rows of a band share.
 HWY_INLINE void fetch_ahead(const std::uint8_t* line) {
 #if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
   __builtin_prefetch(line, 0, 2);
@@ -49,10 +49,10 @@ HWY_INLINE void fetch_ahead(const std::uint8_t* line) {
 #endif
 }
 
-// What a run's samples lie from its middle at most, in halves of a sample.
+// The distance from the middle of a run to its ends, in halves of a sample.
 constexpr int reach(int pixels) { return pixels - 1; }
 
-// Whether any byte of a vector can be moved to anywhere at once: then a run's samples need not be
+// Whether one instruction permutes all bytes of a vector: then the samples of a run need not lie
 // within 16 bytes.
 constexpr bool kMovesAllBytes = HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL;
 

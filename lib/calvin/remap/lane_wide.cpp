@@ -2,11 +2,11 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Bicubic and Lanczos resampling, eight samples at a time, for every instruction set: each result
-// gathers its own neighbours, all components of one at a time, and is summed up in single
-// precision. For memory of every kind whose components lie within 32 bits.
+// gathers its 4x4 or 6x6 neighbours, all components of one neighbour at a time, and is summed up in
+// single precision. For every memory layout whose components lie within 32 bits.
 
-#include "calvin/core/vector_targets.hpp"
 #include "calvin/remap/lane_wide.hpp"
+#include "calvin/core/vector_targets.hpp"
 
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@ HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
-// Without vectors every lane is slow.
+// Without vectors every run is slow.
 
 void blend_wide(const WideFormat& /*format*/, const SourceBounds& /*bounds*/, RunRow& row,
                 const std::uint8_t* /*source*/, std::uint8_t* /*output*/) {
@@ -51,13 +51,14 @@ HWY_INLINE std::array<Values, 4> weights_at(std::integral_constant<int, 4> /*tap
           half * hn::MulAdd(t, hn::NegMulAdd(t, c(3), c(4)), c(1)), half * t * (t - c(1))};
 }
 
-// Lanczos' with three lobes: sinc(x) sinc(x / 3) at x = t - k. A sine of pi x is the same for all k
-// but for its sign, and goes with the sum that they are divided by; that of pi x / 3 comes from
-// those of pi t / 3.
+// Lanczos' kernel with three lobes: sinc(x) sinc(x / 3) at x = t - k. sin(pi x) is the same for all
+// k but for its sign, and cancels out when the weights are divided by their sum; sin(pi x / 3)
+// follows from the sine and cosine of pi t / 3, which are Taylor series here.
 HWY_INLINE std::array<Values, 6> weights_at(std::integral_constant<int, 6> /*taps*/, Values t) {
   const Floats d;
   const auto c = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<float>(value)); };
-  // At 0 and 1 one weight is all there is; so it is, to single precision, this close to them.
+  // At 0 and at 1 one weight is 1 and the formula divides by 0; 1e-5 beside them one weight is
+  // still 1 to single precision.
   t = hn::Min(hn::Max(t, c(1e-5)), c(1 - 1e-5));
   const auto a = t * c(std::numbers::pi / 3);
   const auto s = a * a;
@@ -88,7 +89,7 @@ HWY_INLINE std::array<Values, 6> weights_at(std::integral_constant<int, 6> /*tap
   return weights;
 }
 
-// All components of eight samples, or of a part of them.
+// Resamples all components of a vector of samples: eight, or a part of the run.
 template <int kTaps, int kComponents, bool kWords>
 HWY_INLINE void blend_part(const WideFormat& format, const RunPlaces& x, const RunPlaces& y,
                            std::int32_t stride, const std::uint8_t* source, std::uint32_t* out) {
@@ -126,6 +127,7 @@ HWY_INLINE void blend_part(const WideFormat& format, const RunPlaces& x, const R
   }
 }
 
+// Writes the eight pixels of a run; `values` are ordered by component.
 void put(const WideFormat& format, const std::uint32_t* values, int components,
          std::uint8_t* output) {
   for (int i = 0; i < kPixels; ++i) {

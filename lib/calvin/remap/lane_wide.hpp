@@ -25,8 +25,8 @@ struct WideFormat {
   int spare = 3;        // columns at the right end whose 32 bits may reach beyond the row
 };
 
-// Resamples those of the `row.count` runs of eight that are not slow. Runs that reach beyond the
-// source are not written and marked as slow. `output` is where the first sample of the chunk goes.
+// Resamples the `row.count` runs of eight samples except slow ones. Runs that reach beyond the
+// source are marked as slow and not written. `output` is where the first sample of the chunk goes.
 void blend_wide_runs(const WideFormat& format, const SourceBounds& bounds, RunRow& row,
                      const std::uint8_t* source, std::uint8_t* output) noexcept;
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Bilinear resampling of pixels of three or four bytes: runs that are fetched at once, from windows
-// into three rows of the source, on machines with vectors of 256 bits. Compiled once per target of
-// Highway: include it after hwy/foreach_target.h.
+// Bilinear resampling of pixels of three or four bytes, a run at a time, from windows into three
+// rows of the source; for machines with vectors of 256 bits. Compiled once per target of Highway:
+// include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_WINDOWS_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_WINDOWS_INL_HPP
 #undef CALVIN_REMAP_LANE_WINDOWS_INL_HPP
@@ -23,28 +23,30 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// Vectors of two lanes at most: to put more of them together costs more than they save. A lane is
-// four pixels, two at a time.
+// Vectors of two lanes at most: to put more lanes together costs more than they save. A lane has
+// two of four pixels at a time.
 constexpr int kApartLanes = std::min(kLanes, 2);
 using ApartBytes = hn::FixedTag<std::uint8_t, 16 * kApartLanes>;
 using ApartNumbers = NumbersOf<ApartBytes>;
 
-// Rows of the source that are fetched before they are needed.
+// How many rows before its use a row of the source is prefetched. To be tuned with
+// `tests/bench/run.sh undistort`.
 constexpr int kApartAhead = 5;
 
-// A row of pixels that is being made.
+// The source of a row of the output.
 struct ApartRow {
   const std::uint8_t* source;
   std::ptrdiff_t stride;
   const Blender<ApartBytes>& blender;
 };
 
-// Which bytes of two pixels and their neighbours are blended, and which bytes of the weights of
-// eight pixels are those of either two of a lane's four.
+// Byte shuffles: `neighbours` makes pairs of the components of two pixels and of their right
+// neighbours; weights[k] takes, from the weights of eight pixels, those of the `k`th two pixels of
+// each lane.
 struct ApartTables {
   alignas(32) std::uint8_t neighbours[32];
   alignas(32) std::uint8_t weights[4][32];
-  alignas(32) std::uint8_t split[2][2][32];  // weights of either run of Placing::kSplit
+  alignas(32) std::uint8_t split[2][2][32];  // weights, of either run where Placing::kSplit
   alignas(32) std::uint8_t front[32];        // three of each four bytes
 };
 constexpr ApartTables make_apart_tables(int components) {
@@ -68,17 +70,17 @@ constexpr ApartTables make_apart_tables(int components) {
 template <int kComponents>
 constexpr ApartTables kApartTables = make_apart_tables(kComponents);
 
-// What is known of the pixels of a vector.
+// A vector of pixels that are located.
 template <class P>
 struct PixelVector {
-  alignas(32) std::int32_t address[P::kSamples];  // of pixels by windows: their records
-  alignas(32) std::int16_t across[P::kSamples];
-  alignas(32) std::int16_t down[P::kSamples];
-  alignas(32) std::int16_t bytes[P::kSamples];  // of pixels of three components by windows
+  alignas(32) std::int32_t address[P::kSamples];  // of four components in windows: records of them
+  alignas(32) std::int16_t across[P::kSamples];   // as across_of()
+  alignas(32) std::int16_t down[P::kSamples];  // weight of the lower row, or of the outer one; 1.15
+  alignas(32) std::int16_t bytes[P::kSamples];  // as bytes_of(), of three components in windows
 };
 
-// The weights of the `k`th two pixels of each lane, for each of their results; `samples` are eight,
-// or the `kPart`th eight of a vector.
+// The weights of the `k`th two pixels of each lane, for each of their results. `samples` are the
+// weights of eight pixels: the `kPart`th eight of a vector.
 template <class P, int kPart>
 HWY_INLINE hn::Vec<ApartNumbers> weights_of(const std::int16_t* samples, int k) {
   const ApartBytes bytes;
@@ -94,20 +96,21 @@ HWY_INLINE hn::Vec<ApartNumbers> weights_of(const std::int16_t* samples, int k) 
   }
 }
 
-// Whether there are windows.
+// Whether a layout can have windows on this machine.
 template <class P>
 constexpr bool kHasWindows = HWY_ARCH_X86&& HWY_TARGET <= HWY_AVX2&& P::kRun == 8;
 
-// Whether a vector of runs is fetched from them.
+// Whether a vector of runs is blended from windows; `mark` is its RunRow::rows.
 template <class P>
 HWY_INLINE bool by_windows(const RowTask& task, std::int32_t mark) {
   return kHasWindows<P> && is_window(mark) && !task.nearest;
 }
 
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
-// Runs in three rows: a pixel lies between the middle one and the one above or below.
+// A pixel of a run in three rows lies between the middle row and the one above it or below it.
 
-// From the middle row, 1.15; the lowest bit, which has no meaning, keeps it off -1.
+// The distance down from the middle row, 1.15. The lowest bit is below the precision of 4.12; set,
+// it keeps the number off -1, which has no absolute value in 1.15.
 template <class P>
 HWY_INLINE hn::Vec<PlaceNumbers<P>> down_from_middle(hn::Vec<PlaceNumbers<P>> y) {
   const PlaceWords<P> words;
@@ -115,7 +118,7 @@ HWY_INLINE hn::Vec<PlaceNumbers<P>> down_from_middle(hn::Vec<PlaceNumbers<P>> y)
                                                 kept(hn::Set(words, 0x8001))));
 }
 
-// Pairs of neighbours in the middle row and in the other one, to results.
+// Blends pairs of neighbours in the middle row and in the outer one.
 HWY_INLINE hn::Vec<ApartNumbers> blend_rows(const ApartRow& row, hn::Vec<ApartBytes> middle,
                                             hn::Vec<ApartBytes> outer, hn::Vec<ApartNumbers> across,
                                             hn::Vec<ApartNumbers> down) {
@@ -124,12 +127,13 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_rows(const ApartRow& row, hn::Vec<ApartBy
       blender.between(blender.across(middle, across), blender.across(outer, across), down));
 }
 
-// ---- Four components: a permutation of 32 bits takes eight pixels from 32 bytes of a row, another
-// one their neighbours.
+// ---- Four components: a permutation of 32-bit numbers takes eight pixels from 32 bytes of a row,
+// and another one their right neighbours.
 
 using WindowInts = hn::FixedTag<std::int32_t, 8>;
 
-// A record has a column in bits 12 to 14, and a sign.
+// Locates a vector of pixels. A record has the column in its bits 12 to 14, and in its sign whether
+// the outer row is the one above.
 template <class P>
 HWY_INLINE void place_columns(const Both<P>& at, PixelVector<P>& pixels) {
   const PlaceNumbers<P> d;
@@ -143,14 +147,14 @@ HWY_INLINE void place_columns(const Both<P>& at, PixelVector<P>& pixels) {
   hn::Store(upper, ints, pixels.address + 8);
 }
 
-// Eight pixels and their neighbours.
+// Eight pixels and their right neighbours.
 struct Columns {
   hn::Vec<WindowInts> left;
   hn::Vec<WindowInts> right;
 };
 HWY_INLINE Columns fetch_columns(const std::uint8_t* row, hn::Vec<WindowInts> columns) {
   const hn::FixedTag<std::uint8_t, 32> bytes;
-  // It heeds three bits of an index.
+  // The permutation looks at the lowest three bits of an index only.
   const auto at = [&](const std::uint8_t* window) HWY_ATTR {
     return hn::Vec<WindowInts>{
         _mm256_permutevar8x32_epi32(hn::LoadU(bytes, window).raw, columns.raw)};
@@ -158,7 +162,7 @@ HWY_INLINE Columns fetch_columns(const std::uint8_t* row, hn::Vec<WindowInts> co
   return {at(row), at(row + 4)};
 }
 
-// The eight pixels of a vector's `kPart`th run.
+// Blends the eight pixels of a vector's `kPart`th run.
 template <class P, int kPart>
 HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset,
                               const PixelVector<P>& pixels, std::uint8_t* out) {
@@ -178,12 +182,12 @@ HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset,
                        hn::IfNegativeThenElse(hn::BitCast(floats, which), hn::BitCast(floats, a),
                                               hn::BitCast(floats, b)));
   };
-  // GCC takes a sign as it is once; for a second use it compares.
+  // kept(): where GCC sees the sign used a second time, it compares with 0 first.
   const auto left = outer(records, above.left, below.left);
   const auto right = outer(kept(records), above.right, below.right);
   const auto middle_left = hn::BitCast(bytes, middle.left);
   const auto middle_right = hn::BitCast(bytes, middle.right);
-  // Each lane's first two pixels, and its others.
+  // The first two pixels of each lane, then the other two.
   const auto results = [&](auto near, auto far, int half) HWY_ATTR {
     return blend_rows(row, near, far, weights_of<P, kPart>(pixels.across + kFirst, half),
                       weights_of<P, kPart>(pixels.down + kFirst, half));
@@ -194,18 +198,22 @@ HWY_INLINE void blend_columns(const ApartRow& row, std::int32_t offset,
                              hn::InterleaveUpper(bytes, left, right), 1);
   hn::StoreU(pack_lanes(bytes, lower, upper), bytes, out);
 }
-// ---- Three components: a lane is eight results, of up to four pixels, which 16 bytes of a row
-// hold, from where the run begins or from the lane's first pixel on. Three vectors are two runs,
+
+// ---- Three components: a lane has eight results of up to four pixels, which lie in 16 bytes of a
+// row, from where the run begins or from the lane's first pixel on. Three vectors are two runs,
 // each of which has a lane.
 
+// By vector, for the eight results of a lane.
 struct ThreeTables {
-  // Bytes of the numbers of a run: of each result's pixel, and of the lane's first one.
+  // Byte shuffles of the numbers of a run: that of each result's pixel, and that of the lane's
+  // first.
   alignas(32) std::uint8_t samples[3][32];
   alignas(32) std::uint8_t firsts[3][32];
-  alignas(32) std::int16_t neighbours[3][16];  // bytes of the sample in a pixel and the next one
+  alignas(32) std::int16_t neighbours[3][16];  // byte indices of the sample and its right neighbour
 };
+// The pixel that the first result of a vector's lane is of.
 constexpr int first_of_three(int vector) { return 8 * vector / 3; }
-// What bytes_of() has for the first column.
+// What bytes_of() gives for the first column.
 constexpr int kFirstOfThree = (0x0FFF * 0x3030) >> 16;
 constexpr ThreeTables make_three_tables() {
   ThreeTables t{};
@@ -232,7 +240,7 @@ HWY_INLINE void place_threes(const Both<P>& at, PixelVector<P>& pixels) {
   hn::Store(down_from_middle<P>(at.y), d, pixels.down);
 }
 
-// What is known of the pixels of two runs.
+// The pixels of two runs, located: as PixelVector has them.
 struct Threes {
   hn::Vec<ApartBytes> bytes;
   hn::Vec<ApartBytes> across;
@@ -242,7 +250,7 @@ HWY_INLINE hn::Vec<ApartNumbers> look_up(hn::Vec<ApartBytes> runs, const std::ui
   return hn::BitCast(ApartNumbers(), hn::TableLookupBytes(runs, hn::Load(ApartBytes(), which)));
 }
 
-// Which bytes from the beginning of each lane a vector's results are made of.
+// The byte indices, from where each lane begins, of a vector's results.
 template <int kVector>
 HWY_INLINE hn::Vec<ApartBytes> neighbours_of(const Threes& pixels) {
   auto neighbours = hn::Load(ApartNumbers(), kThreeTables.neighbours[kVector]) +
@@ -253,7 +261,7 @@ HWY_INLINE hn::Vec<ApartBytes> neighbours_of(const Threes& pixels) {
   return hn::BitCast(ApartBytes(), neighbours);
 }
 
-// A vector of results, from where each of its lanes begins in the first row.
+// Blends a vector of results whose two lanes begin at `lower` and `upper` in the first row.
 template <int kVector>
 HWY_INLINE hn::Vec<ApartNumbers> blend_three(const ApartRow& row, const std::uint8_t* lower,
                                              const std::uint8_t* upper, const Threes& pixels) {
@@ -262,8 +270,8 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_three(const ApartRow& row, const std::uin
   const hn::FixedTag<std::uint8_t, 16> lane;
   const std::uint8_t* samples = kThreeTables.samples[kVector];
   const auto which = neighbours_of<kVector>(pixels);
-  // Lanes that are loaded to both halves leave the port of the shuffles alone, one that is inserted
-  // takes an instruction less; some of each is the quickest.
+  // A lane that is loaded to both halves needs no shuffle, one that is inserted takes an
+  // instruction less. Two rows of the one kind and one of the other are the quickest.
   const auto load = [&](std::ptrdiff_t at) HWY_ATTR {
     return hn::ConcatUpperLower(bytes, hn::LoadDup128(bytes, upper + at),
                                 hn::LoadDup128(bytes, lower + at));
@@ -280,7 +288,7 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_three(const ApartRow& row, const std::uin
                     hn::Abs(down));
 }
 
-// The `kVector`th of three vectors of two runs, which begin at `run` and `next`.
+// Blends the `kVector`th of three vectors of two runs, which begin at `run` and `next`.
 template <int kVector, class P>
 HWY_INLINE hn::Vec<ApartNumbers> blend_part(const ApartRow& row, const std::uint8_t* run,
                                             const std::uint8_t* next, const Threes& both,
@@ -293,7 +301,7 @@ HWY_INLINE hn::Vec<ApartNumbers> blend_part(const ApartRow& row, const std::uint
   return blend_three<kVector>(row, lane_at(run, kFirst), lane_at(next, P::kRun + kFirst), both);
 }
 
-// Two runs.
+// Blends two runs.
 template <class P>
 HWY_INLINE void blend_threes(const ApartRow& row, const std::int32_t* offsets,
                              const PixelVector<P>& pixels, std::uint8_t* out) {
@@ -310,7 +318,7 @@ HWY_INLINE void blend_threes(const ApartRow& row, const std::int32_t* offsets,
   const auto first = blend_part<0>(row, run, next, both, pixels);
   const auto amid = blend_part<1>(row, run, next, both, pixels);
   const auto last = blend_part<2>(row, run, next, both, pixels);
-  // What is before a run's last eight bytes is written over.
+  // The first eight bytes of each of these are written over by the next two stores.
   const auto ends = pack_lanes(bytes, last, last);
   hn::StoreU(hn::LowerHalf(ends), lane, out + 8);
   hn::StoreU(hn::UpperHalf(lane, ends), lane, out + 32);
@@ -319,7 +327,7 @@ HWY_INLINE void blend_threes(const ApartRow& row, const std::int32_t* offsets,
   hn::StoreU(hn::UpperHalf(lane, begins), lane, out + 24);
 }
 
-// A vector of pixels.
+// Locates a vector of pixels.
 template <class P>
 HWY_INLINE void place_window(const Both<P>& at, PixelVector<P>& pixels) {
   if constexpr (P::kStep == 4) {
@@ -329,7 +337,7 @@ HWY_INLINE void place_window(const Both<P>& at, PixelVector<P>& pixels) {
   }
 }
 
-// Two runs.
+// Blends a vector of pixels, which is two runs.
 template <class P>
 HWY_INLINE void blend_windows(const ApartRow& row, const std::int32_t* offsets,
                               const PixelVector<P>& pixels, std::uint8_t* out) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// As Blender of lane_math-inl.hpp, for samples of 16 bits: a result takes 32 bits. Compiled once
-// per target of Highway: include it after hwy/foreach_target.h.
+// As Blender of remap/lane_math-inl.hpp, for samples of 16 bits: a result takes 32 bits. Compiled
+// once per target of Highway: include it after hwy/foreach_target.h.
 #if defined(CALVIN_REMAP_LANE_WORD_MATH_INL_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_REMAP_LANE_WORD_MATH_INL_HPP
 #undef CALVIN_REMAP_LANE_WORD_MATH_INL_HPP
@@ -18,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace calvin::remap::HWY_NAMESPACE {
 
-// Each 128 bits of both, one behind the other, as 16-bit numbers.
+// Packs 32-bit numbers into 16 bits: by lane, those of `first` and then those of `second`.
 HWY_INLINE Numbers pack_word_lanes(hn::Vec<Ints> first, hn::Vec<Ints> second) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
   return Numbers{_mm512_packs_epi32(first.raw, second.raw)};
@@ -33,8 +33,8 @@ HWY_INLINE Numbers pack_word_lanes(hn::Vec<Ints> first, hn::Vec<Ints> second) {
 #endif
 }
 
-// 32 bits are a pair of neighbours, and then what lies between them. What is known of a sample
-// comes twice.
+// Blends pairs of neighbours, which are two 16-bit samples next to each other in a vector; the
+// value between them takes their 32 bits. The weights of a sample come twice, once for each half.
 class WordBlender {
  public:
   using Sums = hn::Vec<Ints>;
@@ -46,14 +46,14 @@ class WordBlender {
         rounding_(hn::Set(Ints(), 1 << (kBits - 1 + format.shift))),
         format_(format) {}
 
-  // 2^14 times the values between neighbours, less 2^15 of them; `across` as Blender::across().
+  // 2^14 times the values between neighbours, each less 2^15; `across` as in Blender::across().
   [[nodiscard]] HWY_INLINE Sums across(Pairs pairs, Numbers across) const {
-    // 2^13 (1 - across) of the first, 2^13 (1 + across) of the second.
+    // The weights are 2^13 (1 - across) for the left one and 2^13 (1 + across) for the right one.
     const Numbers weights = hn::MulFixedPoint15(across, turn_) + half_;
     return add_word_products(Signed(), hn::Xor(hn::BitCast(Signed(), pairs), sign_), weights);
   }
 
-  // `weight` of the second one, 1.15.
+  // The value between two; `weight` is that of the second one, 1.15.
   [[nodiscard]] static HWY_INLINE Sums between(Sums first, Sums second, Numbers weight) {
     const Floats d;
     const auto part = hn::ConvertTo(d, hn::ShiftRight<16>(hn::BitCast(Ints(), weight)));
@@ -61,7 +61,7 @@ class WordBlender {
     return first + small_ints(difference * (part * hn::Set(d, 1.0F / 32768)));
   }
 
-  // What across() and between() gave of two vectors, as memory: lane by lane.
+  // Two vectors of sums -> samples as they are in memory, packed lane by lane.
   [[nodiscard]] HWY_INLINE Pairs pack(Sums first, Sums second) const {
     const auto value = [&](Sums sum) HWY_ATTR {
       const auto whole = hn::ShiftRightSame(sum + rounding_, kBits + format_.shift);

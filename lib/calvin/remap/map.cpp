@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Builds the map: halves the distance of its nodes until the interpolation is good enough.
+
 #include "calvin/remap/map.hpp"
 
 #include <algorithm>
@@ -12,13 +14,15 @@ namespace calvin {
 
 namespace {
 
-// Fine enough for all but small pictures, px; and where the model ends.
+// The distance of nodes, px, below which only small pictures go, and pictures in which the model
+// ends.
 constexpr int kFine = 4;
-// Closer nodes must not be more than these.
+// Nodes of a map that is finer than that, at most: 512 KB.
 constexpr int kMostFineNodes = 1 << 16;
-// So many nodes that none of them shows anything tell that there is nothing to be seen.
+// Where so many nodes show nothing of the source, the picture is taken as empty.
 constexpr int kEmptyNodes = 1 << 12;
-// Places this far outside tell nothing more; differences of them still fit in 32 bits (lanes.hpp).
+// Coordinates are clamped this far outside of the source, px: what is farther off is not seen
+// anyway, and 32 bits hold differences of clamped ones in 1/2^14 of a sample (remap/runs.hpp).
 constexpr double kFar = 30000;
 
 double clamp_far(double place, int length) { return std::clamp(place, -kFar, length + kFar); }
@@ -82,14 +86,14 @@ Pixel RemapMap::at(Pixel output) const noexcept {
   return place;
 }
 
-// Whether nodes that are half as far apart would be too many.
+// Whether there would be too many nodes at half their distance.
 bool RemapMap::is_finest() const noexcept {
   return step_ == 1 || (step_ <= kFine && 4 * rows_ * columns_ > kMostFineNodes);
 }
 
 bool RemapMap::matters(int cell_column, int cell_row) const noexcept {
-  // The cell's corners, and what is bent reaches a little farther; where some of them are missing
-  // the nodes around them too.
+  // The corners of the cell tell, and a quarter of their extent more since the cell is bent. Where
+  // nodes are missing, those around the corners count, too.
   const bool smooth = cell(cell_column, cell_row) == Cell::kSmooth;
   const int around = smooth ? 0 : 1;
   const auto reaches = [&](const std::vector<float>& places, int size) {
@@ -109,11 +113,11 @@ bool RemapMap::matters(int cell_column, int cell_row) const noexcept {
   return reaches(x_, source_.width) && reaches(y_, source_.height);
 }
 
-// Looks where interpolation is worst, in the middle of cells: of many every second one, as on a
-// chessboard.
+// Whether the interpolation is within the tolerance in the middles of cells, where it is worst. Of
+// many cells every second one is looked at, as on a chessboard.
 bool RemapMap::good_enough(const PixelFunction& place_of) const {
   constexpr int kFew = 500;
-  // Wide cells would lose too much of it where the model ends.
+  // Where the model ends, large cells would lose too much of the picture.
   if (step_ == kCoarsest && !everywhere_smooth()) return false;
   const bool many = (rows_ - 3) * (columns_ - 3) > kFew;
   int smooth = 0;
@@ -134,9 +138,9 @@ bool RemapMap::good_enough(const PixelFunction& place_of) const {
     }
   }
   if (everywhere_smooth() || step_ <= kFine) return true;
-  // Between missing nodes there may be something.
+  // No cell shows anything; between nodes that are close enough there is nothing either.
   if (smooth + mixed == 0) return rows_ * columns_ >= kEmptyNodes;
-  // What lies in mixed cells is found place by place, by parabolas alone.
+  // Runs in mixed cells are costly: each of their middles is found by itself (PlaneMap::Middle).
   return 2 * mixed <= smooth;
 }
 

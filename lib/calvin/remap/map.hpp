@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// For every pixel of an output frame: where in the source frame it comes from. A lens bends the
-// picture smoothly, so a coarse grid of places says it all.
+// The map: for every pixel of an output frame the source coordinates, where in the source frame it
+// comes from. A lens bends the picture smoothly, so that a coarse grid of nodes tells them all.
 #pragma once
 
 #include <array>
@@ -32,19 +32,20 @@ using PixelFunction = std::function<std::optional<Pixel>(Pixel)>;
           static_cast<float>(-a * t * c / 2), static_cast<float>(a * t * b * kSixth)};
 }
 
-// Places on a square grid, in px of the source, to be interpolated bicubically. Immutable.
+// Source coordinates, px, on a square grid of nodes, between which they are interpolated
+// bicubically. Immutable.
 class RemapMap {
  public:
-  // What the interpolation may be wrong by, px: a quarter of a grey level each way at the sharpest
-  // edge there is. Half of that in thumbnails, which are bent more and cost little.
+  // The largest error of the interpolation, px: a quarter of a grey level along each axis at the
+  // sharpest edge that 8 bits can show. Thumbnails, which are bent more and cost little, get half.
   static constexpr double kTolerance = 1.0 / 1024;
   [[nodiscard]] double tolerance() const noexcept {
     return output_.width * output_.height <= kThumbnail ? kTolerance / 2 : kTolerance;
   }
   static constexpr int kCoarsest = 64;  // px
 
-  // The grid is as coarse as tolerance() allows (64 px, half of that, and so on to 4 px, or less in
-  // small pictures; measured between its nodes).
+  // The grid is as coarse as tolerance() allows: 64 px, 32 px, and so on to 4 px, or less in small
+  // pictures. The error is measured half way between nodes.
   // kCancelled soon after a stop was requested; kInvalidArgument where the memory does not suffice.
   static Result<RemapMap> build(ImageSize source, ImageSize output, const PixelFunction& place_of,
                                 const std::stop_token& stop = {});
@@ -62,16 +63,18 @@ class RemapMap {
     return (x_.size() + y_.size()) * sizeof(float);
   }
 
-  // Cells lie between four nodes. One is smooth where all sixteen nodes that its places are
-  // interpolated from exist; elsewhere the interpolation says nothing.
+  // A cell lies between four nodes. It is smooth where all sixteen nodes exist that its coordinates
+  // are interpolated from, mixed where some of them exist, and empty where none does. Only in
+  // smooth cells does the interpolation mean something.
   [[nodiscard]] bool everywhere_smooth() const noexcept { return missing_ == 0; }
-  enum class Cell { kSmooth, kMixed, kEmpty };  // empty: none of them exists
+  enum class Cell { kSmooth, kMixed, kEmpty };
   [[nodiscard]] Cell cell(int cell_column, int cell_row) const noexcept;
-  // Whether what a cell shows may be in the source.
+  // Whether a cell may show something of the source.
   [[nodiscard]] bool matters(int cell_column, int cell_row) const noexcept;
   [[nodiscard]] int cell_of(double pixel, int cells) const noexcept;
 
-  // The interpolated place; NaN where it is not smooth. For tests and tools: kernels walk rows.
+  // The interpolated coordinates; NaN in cells that are not smooth. Kernels do not call this, they
+  // walk rows.
   [[nodiscard]] Pixel at(Pixel output) const noexcept;
 
  private:

@@ -20,10 +20,11 @@ namespace {
 
 constexpr int kPoints = 9;  // along each side
 
-// In OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 taux tauy.
+// Distortion coefficients in OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 taux tauy.
 using Coefficients = std::array<double, 14>;
 
-// Absent for a model that OpenCV undistorts by another function, or not at all.
+// The coefficients of a camera; absent for a model that OpenCV undistorts by another function, or
+// not at all.
 std::optional<Coefficients> coefficients_of(const Camera& camera) {
   constexpr std::array<std::string_view, 6> kModels = {"pinhole",   "brown4",      "brown5",
                                                        "rational8", "thinprism12", "tilted14"};
@@ -35,7 +36,7 @@ std::optional<Coefficients> coefficients_of(const Camera& camera) {
   return k;
 }
 
-// Off the sensor that is tilted by (taux, tauy): the turn back, seen along the axis.
+// Takes a point off the sensor that is tilted by (taux, tauy), by rotating it back.
 Pixel untilted(Pixel p, double taux, double tauy) {
   const double cx = std::cos(taux);
   const double sx = std::sin(taux);

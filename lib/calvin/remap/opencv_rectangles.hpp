@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What cv::getOptimalNewCameraMatrix() fits its views to. Internal.
+// The rectangles that cv::getOptimalNewCameraMatrix() fits its views to. Internal.
 #pragma once
 
 #include "calvin/camera/camera.hpp"
@@ -13,21 +13,21 @@ namespace calvin {
 // than the last pixels, and up to these since then.
 enum class OpenCvGrid { kPastTheEdge, kPixels };
 
-// That of the OpenCV that was there when the library was built, else the newer one.
+// The grid of the OpenCV that the library was built with; without one, that of 4.8 and newer.
 [[nodiscard]] OpenCvGrid opencv_grid() noexcept;
 
-// On the plane of a projection.
+// A rectangle on the plane of a projection.
 struct PlaneBox {
   Pixel low;
   Pixel high;
 };
 struct OpenCvRectangles {
-  PlaneBox inner;  // within the picture of the border
-  PlaneBox outer;  // around that of all points
+  PlaneBox inner;  // within the border of the grid
+  PlaneBox outer;  // around all points of the grid
 };
 
-// For the models that OpenCV has, with its inverse of the distortion, which stops after five steps
-// and may be pixels off in the corners of a strong lens; for others with the inverse itself.
+// The rectangles of a camera. Models that OpenCV has are inverted as OpenCV does it: it stops after
+// five steps and may be pixels off in the corners of a strong lens. Others are inverted exactly.
 [[nodiscard]] OpenCvRectangles opencv_rectangles(const Camera& source, Projection projection,
                                                  OpenCvGrid grid);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The scalar kernel: interpolates one sample at a time, for every memory layout, at every border.
+
 #include "calvin/remap/pixel_kernel.hpp"
 
 #include <algorithm>
@@ -14,10 +16,10 @@ namespace calvin::remap {
 
 namespace {
 
-constexpr int kBits = 11;
+constexpr int kBits = 11;  // of bilinear weights; with more, sums of 8-bit samples need 64
 constexpr int kOne = 1 << kBits;
 
-// A sample in memory as a number; Sum holds kOne^2 times the largest.
+// Loads and stores 8-bit samples. Sum holds kOne^2 times the largest sample.
 struct Byte {
   using Sum = std::int32_t;
   explicit Byte(const PlaneLayout& /*layout*/) {}
@@ -29,6 +31,7 @@ struct Byte {
   static constexpr Sum largest = 255;
 };
 
+// Loads and stores 16-bit samples.
 template <std::endian kOrder>
 struct Word {
   using Sum = std::int64_t;
@@ -50,10 +53,10 @@ struct Word {
   Sum largest;
 };
 
-constexpr int kSteps = 1024;
+constexpr int kSteps = 1024;  // from a sample to the next, in tables of filter weights
 
-// The weights of a kernel that is as wide as `kTaps`, for a place between the middle two of them,
-// by 1/kSteps; they add up to 1.
+// The weights of a filter of `kTaps` taps at a coordinate between the middle two of them; they add
+// up to 1.
 template <int kTaps>
 using Weights = std::array<float, kTaps>;
 
@@ -72,13 +75,14 @@ std::array<Weights<kTaps>, kSteps + 1> make_table(Kernel kernel) {
   return table;
 }
 
-// Keys 1981, a = -1/2.
+// Catmull-Rom's spline (Keys 1981, a = -1/2).
 double catmull_rom(double t) {
   t = std::abs(t);
   if (t >= 2) return 0;
   return t < 1 ? 1 + t * t * (1.5 * t - 2.5) : 2 + t * (-4 + t * (2.5 - 0.5 * t));
 }
 
+// sinc(t) sinc(t / 3).
 double lanczos3(double t) {
   const double a = std::numbers::pi * t;
   if (std::abs(t) < 1e-9) return 1;
@@ -89,7 +93,7 @@ double lanczos3(double t) {
 const auto kBicubic = make_table<4>(catmull_rom);
 const auto kLanczos = make_table<6>(lanczos3);
 
-// Between the first and the last sample, by reflection at both.
+// Reflects a coordinate at 0 and at `last` until it lies between them.
 double mirrored(double place, double last) {
   if (!(last > 0)) return 0;
   const double folded = std::fmod(std::abs(place), 2 * last);
@@ -102,13 +106,14 @@ int mirrored(int place, int last) {
   return folded > last ? 2 * last - folded : folded;
 }
 
-// One axis of the source.
+// One axis of the source, and what lies outside of it. A linear coordinate counts samples as if all
+// of them were equally far apart; an uneven last sample is not where its linear coordinate is.
 struct AxisRule {
   const SampleAxis& axis;
   double last_pixel;
   Outside outside;
 
-  // A place in linear samples -> samples, in 0..count-1; negative where there is none.
+  // A linear coordinate -> samples, in 0..count-1; negative where nothing but the fill is shown.
   [[nodiscard]] double resolve(double linear) const noexcept {
     const double pixel = axis.offset() + axis.scale() * linear;
     if (pixel >= -kBorderSlack && pixel <= last_pixel + kBorderSlack) return axis.sample(pixel);
@@ -121,11 +126,11 @@ struct AxisRule {
         return -1;
     }
   }
-  // The first place that is a sample's own: not before the picture.
+  // The first linear coordinate that needs no resolve(): not before the picture.
   [[nodiscard]] double first_linear() const noexcept {
     return std::max(0.0, -axis.offset() / axis.scale());
   }
-  // The last place that is a sample's own: before an uneven end.
+  // The last linear coordinate that needs no resolve(): before an uneven end.
   [[nodiscard]] double last_linear() const noexcept {
     return axis.count() - (axis.is_even() ? 1 : 2);
   }
@@ -136,7 +141,7 @@ struct AxisRule {
 };
 
 struct Place {
-  double x;
+  double x;  // source coordinates, samples
   double y;
 };
 
@@ -147,7 +152,7 @@ void fill_pixel(const Sample& sample, const PlaneLayout& layout, std::uint8_t* o
   }
 }
 
-// Whether there is nothing between a pixel's components, and between pixels.
+// Whether there are no gaps between the components of a pixel, nor between pixels.
 bool is_dense(const PlaneLayout& layout) noexcept {
   const std::ptrdiff_t bytes = layout.sample == SampleType::kU8 ? 1 : 2;
   return layout.pixel_step == layout.components * bytes &&
@@ -192,7 +197,7 @@ class Sampler {
   }
 
   void write(Place linear, std::uint8_t* out) const noexcept {
-    // Most are inside of the picture, where a place is the sample's.
+    // Most coordinates are inside the picture and need no resolve().
     if (linear.x >= first_.x && linear.y >= first_.y && linear.x <= last_.x &&
         linear.y <= last_.y) {
       return write_sample(linear.x, linear.y, out);
@@ -232,7 +237,7 @@ class Sampler {
   }
 
   void bilinear(double x, double y, std::uint8_t* out) const noexcept {
-    // They are not negative: to cut them off is to round them down.
+    // Coordinates are not negative here: the conversion rounds down.
     const double up_x = x * kOne + 0.5;
     const double up_y = y * kOne + 0.5;
     const auto fixed_x = static_cast<std::int32_t>(up_x);
@@ -291,8 +296,8 @@ class Sampler {
   Interpolation interpolation_;
   AxisRule x_;
   AxisRule y_;
-  Place first_;  // from which places are samples
-  Place last_;   // up to which
+  Place first_;  // linear coordinates from here
+  Place last_;   // to here need no resolve()
 };
 
 bool is_valid(const PlaneMap::Row& limits, int sample) {
@@ -301,8 +306,7 @@ bool is_valid(const PlaneMap::Row& limits, int sample) {
   });
 }
 
-// Whether a run lies outside of a source of `length` by far, seen by the middles of the run and of
-// its neighbours: quicker than to look at all of the parabola.
+// Whether three middles tell that a run is far outside: quicker than RunParabola::misses().
 inline bool is_far(const std::int32_t* middles, int length) {
   const std::int64_t low = std::min(middles[1], std::min(middles[2], middles[3]));
   const std::int64_t high = std::max(middles[1], std::max(middles[2], middles[3]));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Resampling one sample at a time: borders, wide steps, and whatever the vector kernel lacks.
+// The scalar kernel, which resamples one sample at a time: at borders, over large steps, and for
+// layouts that the vector kernels do not know.
 #pragma once
 
 #include "calvin/remap/plane_layout.hpp"
@@ -10,24 +11,25 @@
 
 namespace calvin::remap {
 
-// px; what misses the picture by that is on its border: places are known no better.
+// A coordinate that misses the source picture by this, px, is taken as on its border: twice the
+// tolerance of the map, with which source coordinates are known.
 inline constexpr double kBorderSlack = 2 * RemapMap::kTolerance;
 
 // A part of one row of the output.
 struct Stretch {
-  const RunRow& row;  // its x and y are all that is needed
-  int first = 0;      // sample of the plane that the row's first run begins with
-  int begin = 0;      // samples from there
+  const RunRow& row;  // only x and y of it are used
+  int first = 0;      // the sample of the plane that the row's first run begins with
+  int begin = 0;      // samples, counted from `first`
   int end = 0;
-  const PlaneMap::Row* limits = nullptr;
+  const PlaneMap::Row* limits = nullptr;  // where the model is valid; nullptr: everywhere
 };
 
-// `output.data` is the beginning of the row.
+// Resamples the samples of a part of a row. `output.data` is the beginning of the row.
 void sample_stretch(const PlaneMap& map, const PlaneLayout& layout,
                     PlaneMemory<const std::uint8_t> source, PlaneMemory<std::uint8_t> output,
                     const Sampling& sampling, const Stretch& stretch) noexcept;
 
-// Fills the samples of a stretch.
+// Writes the fill to the samples of a part of a row.
 void fill_stretch(const PlaneLayout& layout, PlaneMemory<std::uint8_t> output,
                   const Stretch& stretch) noexcept;
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Cuts the rows of a plane into runs: how long they have to be, how high bands may be, and where
+// the camera model ends.
+
 #include "calvin/remap/plane_map.hpp"
 
 #include <algorithm>
@@ -15,12 +18,12 @@ namespace calvin {
 
 namespace {
 
-// One in so many columns may be too bent for a band: to begin twice as many bands costs less than
-// what it saves where there are more.
+// One in so many columns of cells may deviate too much for the height of a band; where there are
+// more, bands of half the height cost less than runs that are not steady.
 constexpr int kMostBent = 16;
 
-// Places farther from the source than this tell nothing of what is near it; in 1/2^14 of a sample
-// they fit into 32 bits.
+// Coordinates are clamped to this distance from the origin, samples: so that they fit into 32 bits
+// in 1/2^14 of a sample. What is farther off is not seen anyway.
 constexpr double kFar = 1e5;
 
 }  // namespace
@@ -72,11 +75,12 @@ PlaneMap::Level PlaneMap::level(int y) const noexcept {
   return {row, v / map_->step() - row};
 }
 
-// How far the distance of a run's neighbours in the middle of a cell is off a line down the cell;
-// 1/2^14 of a sample of the source. 0 where the source is not.
+// How far the distance between a run's two neighbours deviates, in the middle of a cell, from a
+// line down the cell: as kMostSway, for a band as high as the cell. 0 where the cell shows nothing
+// of the source.
 double PlaneMap::sway_at(int column, int node_row) const noexcept {
   if (!map_->matters(column - 1, node_row)) return 0;
-  // The largest change of a second difference down the nodes from a column to the next but one.
+  // The largest change of the second difference down the nodes, from a column to the next but one.
   const auto change = [&](auto nodes) {
     double largest = 0;
     for (const int row : {node_row + 1, node_row + 2}) {
@@ -87,14 +91,16 @@ double PlaneMap::sway_at(int column, int node_row) const noexcept {
     }
     return largest;
   };
-  // In two runs, and what a cell's middle is off a line by.
+  // The neighbours are two runs apart and the columns two steps: run / step. In the middle, a
+  // parabola is 1/8 of its second difference off its chord, and kMostSway counts it twice: 1/4.
   const double part = run_pixels_ * out_x_.scale() / map_->step() / 4;
   return (1 << remap::kPlaceBits) * part *
          std::max(change([&](int row) { return map_->x_row(row); }) / in_x_.scale(),
                   change([&](int row) { return map_->y_row(row); }) / in_y_.scale());
 }
 
-// As many as leave most of the columns straight enough: the sway grows with the square of the rows.
+// The largest height of bands at which most columns stay within kMostSway; the deviation grows with
+// the square of the height.
 int PlaneMap::count_band_rows(int node_row) const {
   std::vector<double> sways;
   for (int c = 1; c + 2 < map_->columns(); ++c) sways.push_back(sway_at(c, node_row));
@@ -124,7 +130,8 @@ void PlaneMap::expand(int node_row, int first, int count, float* x, float* y) co
   std::fill(y + known, y + count, -1.0F);
 }
 
-// Looks at the ends of runs, where parabolas are worst, in a part of the rows.
+// Whether the parabolas of runs are within the tolerance: at the ends of the runs, where parabolas
+// are worst, in 21 of the rows.
 bool PlaneMap::follows_the_map(const PixelFunction& place_of) const {
   constexpr int kRows = 20;
   if (!strongly_bent()) return true;
@@ -135,11 +142,12 @@ bool PlaneMap::follows_the_map(const PixelFunction& place_of) const {
     sum.beyond += row.beyond;
     sum.all += row.all;
   }
-  // Where the model ends a map may be bent at will, and all of the others are not to wait for that.
+  // Where the model ends, a map may be bent at will: 1 in 500 runs may be wrong there, rather than
+  // all others be shorter and slower.
   return sum.beyond * 500 <= sum.all;
 }
 
-// The runs of row `y` that show something of the source whose parabolas do not follow.
+// Counts the runs of row `y` whose parabolas are not within the tolerance.
 PlaneMap::Bent PlaneMap::bent_runs(int y, const PixelFunction& place_of) const {
   const double tolerance = map_->tolerance();
   const Middles middles = middles_of(y);
@@ -170,7 +178,7 @@ PlaneMap::Bent PlaneMap::bent_runs(int y, const PixelFunction& place_of) const {
   return bent;
 }
 
-// Those of a row, margins included, as the kernels have them.
+// The middles of a row, margins included, as the kernels have them.
 PlaneMap::Middles PlaneMap::middles_of(int y) const {
   constexpr double kScale = 1 << remap::kPlaceBits;
   const auto number = [&](double place) {
@@ -194,7 +202,7 @@ PlaneMap::Middles PlaneMap::middles_of(int y) const {
   return middles;
 }
 
-// The samples of a run that the model says something of, from the first to the last.
+// The samples of a run from the first valid one to the last.
 PlaneMap::Span PlaneMap::valid_part(int y, int run) const {
   const Span all = {run * run_pixels_, std::min((run + 1) * run_pixels_, out_x_.count())};
   const Row* row = limits(y);
@@ -208,6 +216,7 @@ PlaneMap::Span PlaneMap::valid_part(int y, int run) const {
   return part;
 }
 
+// The samples of a row that the camera model tells source coordinates for.
 std::vector<PlaneMap::Span> PlaneMap::valid_samples(int y, const PixelFunction& place_of) const {
   const double v = out_y_.site(y);
   const int cell_row = map_->cell_of(v, map_->rows() - 3);
@@ -227,8 +236,8 @@ std::vector<PlaneMap::Span> PlaneMap::valid_samples(int y, const PixelFunction& 
   return spans;
 }
 
-// The middles of runs that valid samples need, and of the runs beside them. Where one of them is
-// not valid itself the parabola through valid samples of the row goes on.
+// Finds the middles of runs with valid samples, and of the runs beside them. Where a middle is not
+// valid itself, a parabola through three valid samples of the row is continued to it.
 void PlaneMap::find_middles(int y, const PixelFunction& place_of, Row& row) const {
   const double v = out_y_.site(y);
   const int cell_row = map_->cell_of(v, map_->rows() - 3);
@@ -264,7 +273,7 @@ void PlaneMap::find_middles(int y, const PixelFunction& place_of, Row& row) cons
   }
 }
 
-// What rows that cross the end of the model are made of. False: it was to stop.
+// Finds limits() of all rows. Returns false where a stop was requested.
 bool PlaneMap::find_limits(const PixelFunction& place_of, const std::stop_token& stop) {
   if (map_->everywhere_smooth()) return true;
   const bool known = !rows_.empty();

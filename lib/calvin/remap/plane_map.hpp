@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// A map as one plane of the frames sees it: by samples and by runs of samples.
+// A map as one plane of the frames sees it: in samples of the plane, as runs and bands.
 #pragma once
 
 #include <array>
@@ -18,30 +18,32 @@ namespace calvin {
 // Immutable.
 class PlaneMap {
  public:
-  // Samples begin..end-1 of a row.
+  // The samples begin..end-1 of a row.
   struct Span {
     int begin = 0;
     int end = 0;
   };
-  // The middle of a run where the map's grid says nothing of it, samples of the source.
+  // The middle of a run, samples of the source, where the map's grid does not tell it.
   struct Middle {
     int run = 0;
     Pixel place;
   };
-  // What a row that crosses the end of the model is made of.
+  // A row that crosses the end of the camera model: which of its samples are valid, and the middles
+  // that the grid does not tell.
   struct Row {
     std::vector<Span> valid;
     std::vector<Middle> middles;
   };
 
-  // `place_of` is what the map was made of. Runs have 8 samples; where parabolas
-  // would not follow the map, `lane_pixels`, which is what a kernel takes at a time, or fewer.
+  // `place_of` is the function that the map was made of. Runs have eight samples; where parabolas
+  // would not follow the map, they have `lane_pixels`, the samples of a vector kernel's lane, or
+  // fewer.
   // kCancelled soon after a stop was requested.
   static Result<PlaneMap> build(std::shared_ptr<const RemapMap> map, const PixelFunction& place_of,
                                 const PlaneSites& sites, int lane_pixels,
                                 const std::stop_token& stop = {});
 
-  // In samples.
+  // Sizes of the planes, samples.
   [[nodiscard]] ImageSize size() const noexcept { return {out_x_.count(), out_y_.count()}; }
   [[nodiscard]] ImageSize source_size() const noexcept { return {in_x_.count(), in_y_.count()}; }
   // The centre of the source's last pixel, px.
@@ -56,32 +58,33 @@ class PlaneMap {
   [[nodiscard]] int runs() const noexcept {
     return static_cast<int>(columns_.size()) - 2 * remap::kMargin - remap::kSpare;
   }
-  // Whether parabolas alone do not follow it, as runs of chroma, which are twice as long, or those
-  // near the end of the model.
+  // Whether third differences of the middles count: in fine maps, for chroma, whose runs are twice
+  // as long, and where the model ends.
   [[nodiscard]] bool strongly_bent() const noexcept {
     return map_->step() < kStraight || out_x_.scale() > 1 || !map_->everywhere_smooth();
   }
-  // Of this alone; the map is shared.
+  // The memory of this plane map; the map that it shares is not counted.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
-  // Between which node rows of the map a row lies: the first of four, and where between the second
-  // and the third.
+  // Where a row lies between the map's rows of nodes: the first of the four to interpolate from,
+  // and the fraction of the way from the second to the third.
   struct Level {
     int node_row = 0;
     double between = 0;
   };
   [[nodiscard]] Level level(int y) const noexcept;
 
-  // How many rows of those between the same node rows have slopes in common.
+  // The height of the bands between the same two rows of nodes, rows of the output.
   [[nodiscard]] int band_rows(int node_row) const noexcept {
     return band_rows_[static_cast<std::size_t>(node_row)];
   }
 
-  // The runs from first - kMargin on at a row of nodes; 1/2^14 of a sample of the source.
+  // Writes the middles of `count` runs at a row of nodes, from the run first - kMargin on, in
+  // 1/2^14 of a sample of the source.
   void expand(int node_row, int first, int count, float* x, float* y) const noexcept;
 
-  // nullptr: all of the row is valid and as the grid says. The end of the source picture is not
-  // looked at.
+  // nullptr: all samples of the row are valid, and the grid tells all middles. Whether they are
+  // within the source picture is another matter.
   [[nodiscard]] const Row* limits(int y) const noexcept {
     return rows_.empty() ? nullptr : &rows_[static_cast<std::size_t>(y)];
   }
@@ -92,13 +95,13 @@ class PlaneMap {
   [[nodiscard]] Pixel to_samples(Pixel place) const noexcept;
   [[nodiscard]] double sway_at(int column, int node_row) const noexcept;
   [[nodiscard]] int count_band_rows(int node_row) const;
-  // Of a row's runs.
+  // Counts of the runs of a row.
   struct Bent {
-    int all = 0;         // that show something of the source
-    int on_the_map = 0;  // of these: those that a parabola does not follow
-    int beyond = 0;      // likewise, where the map's grid says nothing of it
+    int all = 0;         // runs that show something of the source
+    int on_the_map = 0;  // of these: runs that a parabola does not follow
+    int beyond = 0;      // likewise, where the map's grid does not tell the coordinates
   };
-  // As RunRow::x and y.
+  // The middles of a row, as RunRow::x and y.
   struct Middles {
     std::vector<std::int32_t> x;
     std::vector<std::int32_t> y;
@@ -111,7 +114,7 @@ class PlaneMap {
   [[nodiscard]] std::vector<Span> valid_samples(int y, const PixelFunction& place_of) const;
   void find_middles(int y, const PixelFunction& place_of, Row& row) const;
 
-  // Parabolas follow a map whose nodes may be this far apart, px.
+  // The distance of nodes, px, from which on parabolas follow the map everywhere.
   static constexpr int kStraight = 32;
 
   std::shared_ptr<const RemapMap> map_;
@@ -120,7 +123,7 @@ class PlaneMap {
   SampleAxis out_y_;
   SampleAxis in_x_;
   SampleAxis in_y_;
-  // Of the runs and their margins, as remap::RunColumns.
+  // As remap::RunColumns, of the runs and their margins.
   std::vector<std::int32_t> columns_;
   std::array<std::vector<float>, 3> weights_;
   std::vector<int> band_rows_;  // by node row

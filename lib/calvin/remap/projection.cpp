@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The formulae of the projections, from directions to the plane and back.
+
 #include "calvin/remap/projection.hpp"
 
 #include <cmath>

@@ -30,7 +30,7 @@ enum class Projection : std::uint8_t {
   kFisheye
 };
 
-// Half the width of the widest view that is made, on the plane.
+// Half the width, on the plane, of the widest view that may be asked for.
 [[nodiscard]] double widest(Projection projection) noexcept;
 
 // Direction, z along the axis -> plane; absent beyond what is shown: 75 degrees off the axis for a
@@ -39,7 +39,8 @@ enum class Projection : std::uint8_t {
 [[nodiscard]] std::optional<Pixel> to_plane(Projection projection,
                                             const Eigen::Vector3d& direction) noexcept;
 
-// Its inverse, a direction of any length; absent where no direction leads to.
+// The inverse of to_plane(), a direction of any length; absent where no direction leads to the
+// point.
 [[nodiscard]] std::optional<Eigen::Vector3d> from_plane(Projection projection,
                                                         Pixel point) noexcept;
 

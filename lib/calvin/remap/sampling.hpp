@@ -18,8 +18,8 @@ struct Subsampling {
   int y_shift = 0;
   bool x_cosited = false;
   bool y_cosited = false;
-  // Luma pixels that the first sample covers and that are not the frame's: of a part of a picture
-  // that begins on an odd pixel.
+  // Luma pixels that the first sample covers before the frame: where the frame is a part of a
+  // picture and begins on an odd pixel.
   int x_before = 0;
   int y_before = 0;
 
@@ -38,7 +38,7 @@ struct PlaneSites {
 // The samples of a plane along one axis of the frame.
 class SampleAxis {
  public:
-  // `length` of the frame in px, less those `before` it that the first sample covers too.
+  // `length` is that of the frame, px; `before` as Subsampling::x_before.
   SampleAxis(int length, int shift, bool cosited, int before) noexcept
       : count_((before + length + (1 << shift) - 1) >> shift),
         scale_(1 << shift),
@@ -47,14 +47,14 @@ class SampleAxis {
                       : (scale_ * (count_ - 1) - before + length - 1) / 2) {}
 
   [[nodiscard]] int count() const noexcept { return count_; }
-  // px between samples, and px of the first one: a sample i lies at offset + scale i, but for the
-  // last one where is_even() is not true.
+  // px between samples, and px of the first one: a sample i lies at offset + scale i. Without
+  // is_even(), the last sample lies before that.
   [[nodiscard]] double scale() const noexcept { return scale_; }
   [[nodiscard]] double offset() const noexcept { return offset_; }
   [[nodiscard]] bool is_even() const noexcept { return offset_ + scale_ * (count_ - 1) <= last_; }
 
-  // Sample -> px of the frame. The last sample may cover fewer pixels than the others, and is in
-  // the middle of those.
+  // Sample -> px of the frame. The last sample may cover fewer pixels than the others; it lies in
+  // the middle of the pixels that it covers.
   [[nodiscard]] double site(int sample) const noexcept {
     return std::min(offset_ + scale_ * sample, last_);
   }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Makes an undistorter, renders frames with it, and takes pixels, boxes and observations from the
+// source to the output.
+
 #include "calvin/remap/undistorter.hpp"
 
 #include <algorithm>
@@ -14,7 +17,7 @@ namespace calvin {
 
 namespace {
 
-// Inside the picture as a viewer sees it: to the outer edges of the border pixels.
+// The pixel, if it is inside a picture of that size: to the outer edges of the border pixels.
 std::optional<Pixel> within(std::optional<Pixel> pixel, ImageSize size) {
   if (pixel && pixel->u >= -0.5 && pixel->v >= -0.5 && pixel->u <= size.width - 0.5 &&
       pixel->v <= size.height - 0.5) {
@@ -195,7 +198,7 @@ Observation Undistorter::to_output(const Observation& observation) const {
     mapped.sigma.push_back(observation.sigma[i] * factor);
     larger += factor;
   }
-  // What is not known of the corners is not known of their edges.
+  // Blur grows by the mean magnification of the corners that are left.
   mapped.blur =
       mapped.uv.empty() ? 0 : observation.blur * larger / static_cast<double>(mapped.uv.size());
   return mapped;

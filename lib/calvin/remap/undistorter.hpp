@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Undistorter: all that undistorting the frames of one stream takes.
+// Undistorter: maps and kernels for undistorting the frames of one stream, and the same mapping for
+// pixels, boxes and observations.
 #pragma once
 
 #include <memory>
@@ -15,7 +16,7 @@
 
 namespace calvin {
 
-// Immutable; safe to share between threads. Planes with the same places share a map.
+// Immutable; safe to share between threads. Planes with the same sites share a map.
 class Undistorter {
  public:
   // `planes` of a frame, in the order in which apply() names them. Fails as output_view() and
@@ -28,7 +29,7 @@ class Undistorter {
   static Result<Undistorter> make_back(const Camera& camera, const ViewOptions& options,
                                        const std::vector<PlaneLayout>& planes,
                                        const std::stop_token& stop = {});
-  // The same for views that are known, of ViewRange::view().
+  // The same for views that are known already, from ViewRange::view().
   static Result<Undistorter> make(const Camera& source, const OutputView& view,
                                   const std::vector<PlaneLayout>& planes,
                                   const std::stop_token& stop = {});
@@ -36,10 +37,10 @@ class Undistorter {
                                        const std::vector<PlaneLayout>& planes,
                                        const std::stop_token& stop = {});
 
-  // What saw the frames that come in, and the planes of those that come out.
+  // The camera of the source frames, and the plane (Eye::plane()) of the output frames.
   [[nodiscard]] const Camera& source() const noexcept { return source_.plane(); }
   [[nodiscard]] const Camera& output() const noexcept { return output_.plane(); }
-  // The calibration of the frames that come out; absent where no model describes the projection.
+  // The camera model of the output frames; absent where no model describes the projection.
   [[nodiscard]] std::optional<Camera> output_model() const { return output_.model(); }
   // The view is not as wide as was asked for: its projection cannot show more.
   [[nodiscard]] bool limited() const noexcept { return limited_; }
@@ -73,12 +74,12 @@ class Undistorter {
   // goes from x = 0 to w. Absent where the output shows nothing of it.
   [[nodiscard]] std::optional<Rectangle> to_output(const Rectangle& box) const;
 
-  // to_source(), or where that is absent the last place of the source on the way to the pixel from
-  // the middle of the output.
+  // As to_source(); where that is absent, the last pixel of the source on the way from the middle
+  // of the output to `output`.
   [[nodiscard]] Pixel nearest_source(Pixel output) const noexcept;
 
  private:
-  // Planes that lie one behind the other, with one layout: the U and V of I420.
+  // Consecutive planes with one layout: the U and V of I420.
   struct Plane {
     PlaneLayout layout;
     std::size_t map;

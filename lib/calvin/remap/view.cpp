@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// The view of a camera for given options, and the arithmetic of views.
+
 #include "calvin/remap/view.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Which camera an undistorted picture shows.
+// Views: which part of what a camera sees an undistorted picture shows, and in which projection.
 #pragma once
 
 #include <optional>
@@ -25,8 +25,8 @@ struct ViewOptions {
   ImageSize output;  // px; 0x0: as the source
   AlphaMode alpha_mode = AlphaMode::kCalvin;
   Projection projection = Projection::kRectilinear;
-  // The view so found is enlarged around its middle, and then looks elsewhere: to the right by
-  // `pan`, up by `tilt`, and is turned clockwise by `roll` (radians).
+  // The view that alpha gives is enlarged around its middle, and then looks elsewhere: to the right
+  // by `pan`, up by `tilt`, and is turned clockwise by `roll` (radians).
   double zoom = 1;
   double pan = 0;
   double tilt = 0;
@@ -37,8 +37,8 @@ struct ViewOptions {
 
 struct OutputView {
   Eye eye;
-  // It would have been wider than the projection can show, be it by a zoom below 1 or where alpha
-  // = 1 asks for all that the source sees.
+  // The view was asked to be wider than the projection can show, by a zoom below 1 or by alpha = 1,
+  // which asks for all that the source sees.
   bool limited = false;
 };
 
@@ -47,23 +47,23 @@ struct OutputView {
 // twice widest(). kDegenerate where the model has no valid region in the image.
 [[nodiscard]] Result<OutputView> output_view(const Camera& source, const ViewOptions& options);
 
-// How pan, tilt and roll turn the view: pan first, seen from outside.
+// The rotation of the view by pan, tilt and roll, in that order about the axes as they then are.
 [[nodiscard]] Eigen::Matrix3d camera_from_view(const ViewOptions& options);
 
 // The plane of output_view(): for a rectilinear view that looks along the optical axis the camera.
 [[nodiscard]] Result<Camera> output_camera(const Camera& source, const ViewOptions& options);
 
-// px of one camera -> px of another one at the same place and with the same axes (undistort with
-// the source first, distort with the output first). Absent where the ray of the pixel is not seen
-// by the other model; the result may lie outside its image.
+// px of one camera -> px of another camera at the same position and with the same axes (undistort
+// with the source first, distort with the output first). Absent where the other model does not see
+// the ray of the pixel; the result may lie outside of its image.
 [[nodiscard]] std::optional<Pixel> transfer(const Camera& from, const Camera& to,
                                             Pixel pixel) noexcept;
 
-// The camera of a picture that `camera` took and that then was moved, as the change from the
-// pinhole `from` to the pinhole `to` moves it.
+// The camera of pictures that `camera` took and that were then scaled and shifted, as the change
+// from the pinhole `from` to the pinhole `to` does it.
 [[nodiscard]] Result<Camera> moved(const Camera& camera, const Camera& from, const Camera& to);
 
-// A pinhole for frames whose calibration is not known: what any picture may be scaled with.
+// A pinhole for frames whose calibration is not known: enough to scale any picture.
 [[nodiscard]] Result<Camera> plain_camera(ImageSize size);
 
 }  // namespace calvin

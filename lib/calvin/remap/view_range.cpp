@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
+// Finds the largest view within what a camera sees and the smallest view around it.
+
 #include "calvin/remap/view_range.hpp"
 
 #include <algorithm>
@@ -16,6 +18,7 @@ namespace calvin {
 
 namespace {
 
+// Points along each side of the source's border; shrink_to_valid() makes up for what lies between.
 constexpr int kSamplesPerSide = 256;
 
 // A view on the plane, of the aspect of the output: the centres of its border pixels lie at
@@ -26,6 +29,7 @@ struct Frame {
   double size = 0;
 };
 
+// Half the size on the plane of a view of size 1.
 struct Extent {
   double x;
   double y;
@@ -66,7 +70,7 @@ std::optional<Pixel> find_centre(const Scene& scene) {
   return std::nullopt;
 }
 
-// The ideal point furthest from `centre` on the way to `edge`, which is not valid, that still is.
+// The last valid ideal point on the way from `centre` to `edge`, which is not valid.
 Pixel last_valid(const Scene& scene, Pixel centre, Pixel edge) {
   Pixel found = *scene.ideal_point(centre);
   double low = 0;
@@ -80,7 +84,7 @@ Pixel last_valid(const Scene& scene, Pixel centre, Pixel edge) {
   return found;
 }
 
-// The region that the source sees, on the plane.
+// The region of the plane that the source sees.
 struct Seen {
   std::vector<Pixel> border;  // empty where there is none
   bool cut = false;           // rays of the source's border pixels are not on the plane
@@ -107,6 +111,7 @@ Seen seen_region(const Scene& scene) {
   return seen;
 }
 
+// The smallest rectangle around points of the plane.
 struct Bounds {
   Pixel low;
   Pixel high;
@@ -127,8 +132,9 @@ Frame outer_frame(const Bounds& box, Extent extent) {
           std::max((box.high.u - box.low.u) / extent.x, (box.high.v - box.low.v) / extent.y) / 2};
 }
 
-// The largest size of a view at (x, y) that no border point lies in, or anything below `enough`
-// where it is no larger than that. `nearest` is the point to look at first, and the one that told.
+// The largest size of a view at (x, y) that no border point lies in; where that is no larger than
+// `enough`, any number up to `enough`. `nearest` is the point to look at first, and becomes the
+// point that decided.
 double free_size(const std::vector<Pixel>& border, Extent extent, double x, double y, double enough,
                  std::size_t& nearest) {
   const auto size_at = [&](const Pixel& p) {
@@ -144,7 +150,7 @@ double free_size(const std::vector<Pixel>& border, Extent extent, double x, doub
   return size;
 }
 
-// Even-odd rule over the border as a polygon.
+// Whether the border, as a polygon, encloses a point: even-odd rule.
 bool encloses(const std::vector<Pixel>& border, double x, double y) {
   bool inside = false;
   Pixel a = border.back();
@@ -158,12 +164,12 @@ bool encloses(const std::vector<Pixel>& border, double x, double y) {
 // The largest view within the border: a grid of centres, refined around its best one.
 Frame inner_frame(const std::vector<Pixel>& border, const Bounds& box, Extent extent) {
   constexpr int kRounds = 40;
-  constexpr int kWide = 8;  // rounds that look around widely: there may be several places
+  constexpr int kWide = 8;  // rounds that look around widely: several maxima are possible
   Frame best = {(box.low.u + box.high.u) / 2, (box.low.v + box.high.v) / 2, 0};
   std::size_t nearest = 0;
   const auto consider = [&](double x, double y) {
     const double size = free_size(border, extent, x, y, best.size, nearest);
-    // Strictly better by more than rounding: where the place does not matter the view stays put.
+    // Better by more than rounding: where the centre does not matter the view stays put.
     if (size > best.size * (1 + 1e-13) && encloses(border, x, y)) best = {x, y, size};
   };
   consider(best.x, best.y);
@@ -209,7 +215,7 @@ class BorderCheck {
     for (std::size_t i = 0; i < pixels_.size(); i += kSome) some_.push_back(pixels_[i]);
   }
 
-  // Only some of the pixels, and all that have failed before.
+  // Looks at some of the pixels only, and at all pixels that have failed before.
   [[nodiscard]] bool some_pass(const Camera& plane) const {
     const Eye eye = eye_of(plane);
     return std::all_of(some_.rbegin(), some_.rend(), [&](Pixel p) { return valid(eye, p); });
@@ -240,7 +246,7 @@ class BorderCheck {
   std::vector<Pixel> some_;
 };
 
-// The largest view of that middle, up to `size`, of which some pixels are valid.
+// The largest size of a view with that middle, up to its own size, at which some_pass().
 double largest_of_some(const BorderCheck& check, const Scene& scene, ImageSize output, Frame view) {
   const auto fits = [&](double size) {
     const auto camera = to_camera(scene.source, output, {view.x, view.y, size});
@@ -260,7 +266,7 @@ double largest_of_some(const BorderCheck& check, const Scene& scene, ImageSize o
   return low;
 }
 
-// Takes the little off that slipped between the samples of the border.
+// Shrinks a view by the little that the border juts in between its samples.
 Frame shrink_to_valid(const Scene& scene, ImageSize output, Frame view) {
   BorderCheck check(scene, output);
   for (int i = 0; i < 50; ++i) {
@@ -279,7 +285,8 @@ Error no_view(const char* what) {
                                               what)};
 }
 
-// Enlarged around the middle of the picture, but not to less than `widest` on each side of it.
+// The plane of a view enlarged by `zoom` around the middle of the picture; a zoom below 1 ends
+// where the view is `widest_half` on either side.
 Result<Camera> zoomed(const Camera& plane, double zoom, double widest_half, bool& limited) {
   const ImageSize size = plane.image_size();
   const double least =

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What all views of one camera have in common.
+// The range of views of one camera: what alpha, zoom, pan, tilt and roll are applied to.
 #pragma once
 
 #include "calvin/remap/view.hpp"
 
 namespace calvin {
 
-// The views at the two ends of `alpha`. To find them takes milliseconds, a view between them takes
-// microseconds: alpha, zoom, pan, tilt and roll may change with every frame. Immutable.
+// The views at the two ends of `alpha`. Finding these two takes milliseconds, a view between them
+// takes microseconds: alpha, zoom, pan, tilt and roll may change with every frame. Immutable.
 class ViewRange {
  public:
-  // Of the options the size, the projection and the mode of alpha count. kDegenerate as
+  // Only the size, the projection and the mode of alpha of the options count. kDegenerate as
   // output_view().
   static Result<ViewRange> find(const Camera& source, const ViewOptions& options);
 
-  // Whether find() would find the same for these.
+  // Whether find() would find the same range for these options.
   [[nodiscard]] bool serves(const ViewOptions& options) const noexcept {
     return options.output == asked_.output && options.projection == asked_.projection &&
            options.alpha_mode == asked_.alpha_mode;
   }
-  // output_view() of that camera for options that it serves.
+  // As output_view(), for options that the range serves.
   [[nodiscard]] Result<OutputView> view(const ViewOptions& options) const;
 
  private:
