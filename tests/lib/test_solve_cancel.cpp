@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/solve/conclude.hpp"
 #include "random_problems.hpp"
 
 namespace calvin {
@@ -65,8 +66,9 @@ const Case kCases[] = {
 
 struct Stopped {
   bool cancelled = false;
-  double whole = 0;  // s, of the solve
-  double after = 0;  // s, from the request to the end
+  bool complete = true;  // what was found has all of its checks
+  double whole = 0;      // s, of the solve
+  double after = 0;      // s, from the request to the end
 };
 
 Stopped solve_and_stop(const std::vector<View>& views, const Case& c, std::optional<double> when) {
@@ -80,6 +82,7 @@ Stopped solve_and_stop(const std::vector<View>& views, const Case& c, std::optio
     const auto solution = solve(views, kSize, options, source.get_token());
     end = processor_time(CLOCK_THREAD_CPUTIME_ID);
     result.cancelled = !solution && solution.error().code == ErrorCode::kCancelled;
+    result.complete = !solution || solution->held_out.size() == solution->calibration.views.size();
     ended = true;
   });
   if (when) {
@@ -117,10 +120,41 @@ TEST_P(Cancel, EndsSoonAfterItIsAsked) {
   for (int i = 0; i < trials || (cancelled == 0 && i < 100 * trials); ++i) {
     const Stopped stopped = solve_and_stop(views, c, scenes::uniform(random, 0, whole));
     cancelled += stopped.cancelled ? 1 : 0;
+    EXPECT_TRUE(stopped.complete);
     if (!stopped.cancelled) continue;
     EXPECT_LT(stopped.after, bound) << "of " << whole << " s";
   }
   EXPECT_GT(cancelled, 0);
+}
+
+// What is asked for during the last of its stages is not given out in part: a calibration without
+// its checks promises more than it can keep.
+TEST(Conclusion, OfWhatIsStoppedIsNone) {
+  Random random(5);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const auto views = scenes::observe_all(
+      camera, kBoard, scenes::random_poses(camera, kBoard, random, 8), 0.1, random);
+  SolveOptions options;
+  options.reject_outliers = false;
+  const Freedom freedom = make_freedom(options, kSize).value();
+  std::vector<PointSet> sets;
+  for (const View& view : views) sets.push_back(to_points(kBoard.points(), view.observation));
+  const WeightScale scale = normalise_weights(sets);
+  const BoardShape flat;
+  const Fit fit = fit_camera(sets, flat, kSize, freedom, options, {});
+  const Conclusion from = {fit, freedom, flat, scale, 1};
+  std::stop_source source;
+  const auto whole = conclude(from, kSize, options, source.get_token());
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(whole->held_out.size(), views.size());
+  EXPECT_TRUE(whole->calibration.held_out_rms && whole->calibration.expected_error);
+  source.request_stop();
+  for (const bool checks : {false, true}) {
+    options.checks = checks;
+    const auto stopped = conclude(from, kSize, options, source.get_token());
+    ASSERT_FALSE(stopped) << checks;
+    EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+  }
 }
 
 }  // namespace
