@@ -202,6 +202,74 @@ TEST(Recheck, ASkewThatChangedHasMoved) {
   EXPECT_NEAR(moved, truth, 0.15 * truth);
 }
 
+// A calibration of the same camera at another size, by the conventions of docs/conventions.md: what
+// is along the rows grows with them.
+Calibration scaled_by_hand(Calibration c, ImageSize size, double sx, double sy) {
+  c.image_size = size;
+  std::vector<double> factors;  // of what is estimated
+  for (Parameter& p : c.parameters) {
+    double factor = 1;
+    if (p.name == "fx" || p.name == "cx" || p.name == "skew") factor = sx;
+    if (p.name == "fy" || p.name == "cy") factor = sy;
+    const double centre = p.name == "cx" || p.name == "cy" ? 0.5 : 0;
+    p.value = factor * (p.value + centre) - centre;
+    if (!p.sigma) continue;
+    *p.sigma *= factor;
+    factors.push_back(factor);
+  }
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    for (std::size_t k = 0; k < factors.size(); ++k) {
+      c.covariance[i * factors.size() + k] *= factors[i] * factors[k];
+    }
+  }
+  return c;
+}
+
+// What the calibration does not know of the camera is told in pixels of the frames that are looked
+// at, whatever the size that it was made at. From few views it knows little.
+TEST(Recheck, AtAnotherSizeTheCovarianceIsTheSame) {
+  Random random(23);
+  const Camera camera = with_skew(scenes::random_camera("brown4", random), 1);
+  SolveOptions options;
+  options.model = "brown4";
+  options.skew = true;
+  const Calibration calibration =
+      solve(views_of(camera, random, 5, 1), kSize, options)->calibration;
+  std::vector<double> p = camera.parameters();
+  p[0] *= 1.03;
+  p[1] *= 1.02;
+  p[2] += 25;
+  p[3] -= 30;
+  const Camera now = Camera::make("brown4", kSize, p, 8).value();
+  const auto views = views_of(now, random, 12, 0.05);
+  for (const ImageSize size : {kSize, ImageSize{640, 480}, ImageSize{1280, 480}, {320, 480}}) {
+    const double sx = 1.0 * size.width / kSize.width;
+    const double sy = 1.0 * size.height / kSize.height;
+    const Calibration own = scaled_by_hand(calibration, size, sx, sy);
+    const Camera of_frames = Camera::make(own).value();
+    Recheck scaled(of_frames, calibration);
+    Recheck made_so(of_frames, own);
+    Calibration sure = own;
+    sure.covariance.clear();
+    Recheck certain(of_frames, sure);
+    double found = 0;
+    double expected = 0;
+    double most = 0;
+    for (View view : views) {
+      view.observation.image_size = size;
+      for (Pixel& at : view.observation.uv) {
+        at = {sx * (at.u + 0.5) - 0.5, sy * (at.v + 0.5) - 0.5};
+      }
+      found = scaled.add(view)->moved;
+      expected = made_so.add(view)->moved;
+      most = certain.add(view)->moved;
+    }
+    EXPECT_NEAR(found / expected, 1, 1e-9) << size.width << "x" << size.height;
+    EXPECT_GT(expected, 0);
+    EXPECT_LT(expected, 0.9 * most);
+  }
+}
+
 TEST_P(EveryModel, TheReportedPoseIsThatOfTheBoard) {
   Random random(3);
   const Camera camera = scenes::random_camera(GetParam(), random);
