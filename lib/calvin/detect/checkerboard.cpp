@@ -112,7 +112,7 @@ class CheckerboardDetector final : public Detector {
   BoardSearch search_;
   Refinement refinement_;
   Lattice lattice_;
-  Placement placement_;  // of the board reported last, whose lattice is lattice_ where it is whole
+  Placement placement_;  // of the board reported last, in lattice_ where it was whole
   Lattice part_;         // the largest part of the board seen so far, in px of the image
   Match part_match_;     // of that part
   int part_level_ = 0;   // where that part was seen first
