@@ -15,7 +15,7 @@ tidy=$(command -v clang-tidy || command -v clang-tidy-14) || {
   exit 77
 }
 if [ -n "${CALVIN_FULL:-}" ]; then
-  files=$(ls lib/calvin/*/*.cpp gst/*.cpp tests/*/*.cpp examples/*.cpp) checks=
+  files=$(find lib gst tests examples -name '*.cpp') checks=
 else
   files=$(ls gst/gst*.cpp gst/worker.cpp lib/calvin/core/text.cpp)
   checks=-clang-analyzer-*
