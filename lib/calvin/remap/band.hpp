@@ -49,13 +49,13 @@ struct Band {
   alignas(64) std::int16_t y_shape[kSamples];
   alignas(64) std::int16_t x_turn[kSamples];
   alignas(64) std::int16_t y_turn[kSamples];
-  // What the rows share, by the first run of each vector of runs:
-  //   kMixed   nothing
-  //   kSteady  all of the above, and RunRow::rows, which has kSteadyRows
-  //   kSteep   only RunRow::rows: no run of the vector is taken by the bilinear kernel, because of
-  //            its slope
-  //   kEmpty   only RunRow::rows: the source has nothing to show
-  enum class Kind : std::uint8_t { kMixed, kSteady, kSteep, kEmpty };
+  // What the rows share, by the first run of each vector of runs.
+  enum class Kind : std::uint8_t {
+    kMixed,   // nothing
+    kSteady,  // all of the above, and RunRow::rows, which has kSteadyRows
+    kSteep,   // RunRow::rows: the slope of each run is too high for the bilinear kernel
+    kEmpty    // RunRow::rows: the source has nothing to show
+  };
   Kind kind[kRuns];
   // RunRow::rows of all runs, where they are all steady and it is the same for all; else 0.
   std::int32_t marks;

@@ -4,7 +4,7 @@
 // Begins a band, for every instruction set: finds the runs that are well inside the source in all
 // of its rows and change nearly linearly, and prepares the source coordinates of their samples.
 
-// Ice Lake and Zen 4 permute all bytes of a vector, as remap/lane_blend.cpp needs it.
+// Ice Lake and Zen 4 permute all bytes of a vector: remap/lane_blend.cpp.
 #define HWY_WANT_AVX3_DL 1
 
 #include "calvin/core/vector_targets.hpp"
@@ -103,8 +103,7 @@ HWY_INLINE BandAxis band_axis(const std::int32_t* first, const std::int32_t* ami
           hn::Abs(sway)};
 }
 
-// Replaces what lies behind a row's last run by a copy of that run, which never makes a vector
-// slow.
+// Replaces what lies behind a row's last run by a copy of it, which makes no vector slow.
 class RunsHeld {
   static constexpr int kAll = static_cast<int>(hn::MaxLanes(Ints()));
 
@@ -201,8 +200,7 @@ HWY_INLINE bool fit_windows(const BandAxis& x, const BandAxis& y) {
   return hn::AllFalse(d, hn::Lt(spare, hn::Zero(d)));
 }
 
-// Whether all runs of a vector lie outside of the source in all rows of the band, by a sample or
-// more.
+// Whether all runs of a vector lie outside of the source all down the band, by a sample or more.
 HWY_INLINE bool is_empty(const BandAxis& x, const BandAxis& y, const SourceBounds& b) {
   const Ints d;
   const auto inside = [&](const BandAxis& axis, std::int32_t count) HWY_ATTR {
@@ -281,7 +279,7 @@ HWY_INLINE void begin_segments(int j, const BandAxis& x, const BandAxis& y, Band
   store_parts<P>([&](std::size_t part) HWY_ATTR { return records[part]; }, to_middles);
 }
 
-// Writes Band::slope, bend, shape and turn of a steady vector of runs.
+// Writes the slopes, bends and shapes of a steady vector of runs.
 template <class P, bool kThree>
 HWY_INLINE void begin_shapes(int j, const BandAxis& x, const BandAxis& y,
                              const std::int32_t* to_middles, Band& band) {

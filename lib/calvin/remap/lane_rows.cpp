@@ -4,7 +4,7 @@
 // Describes a row of runs for the bilinear kernels, for every instruction set: where each run lies
 // in the source, how many rows of the source it needs, and which runs the kernels cannot take.
 
-// Ice Lake and Zen 4 permute all bytes of a vector, as remap/lane_blend.cpp needs it.
+// Ice Lake and Zen 4 permute all bytes of a vector: remap/lane_blend.cpp.
 #define HWY_WANT_AVX3_DL 1
 
 #include "calvin/core/vector_targets.hpp"
