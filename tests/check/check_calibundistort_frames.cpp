@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calibundistort: frames that are interlaced, lie on a side, or are none.
+// calibundistort: frames that are interlaced, lie on a side, or are none; what ends with them.
 
 #include "undistort_fixture.hpp"
 
@@ -252,6 +252,35 @@ GST_START_TEST(test_an_orientation_ends_with_its_stream) {
 }
 GST_END_TEST;
 
+// Stopped and started again, as an application does for the next camera: nothing is known of that
+// one, whatever came with the frames of the last.
+GST_START_TEST(test_a_stop_forgets_the_stream) {
+  constexpr GstState kStops[] = {GST_STATE_READY, GST_STATE_NULL};
+  Fixture f("calibundistort");
+  gst_harness_push_event(f.h, gst_event_new_stream_start("one"));
+  f.set_caps("GRAY8", kSize);
+  // Past the pad of the harness, which would send it again: what is upstream next knows nothing.
+  g_autoptr(GstPad) sink = gst_element_get_static_pad(f.element, "sink");
+  fail_unless(gst_pad_send_event(sink, event_of(kBarrel)));
+  g_autoptr(GstBuffer) before = f.push(kSize, 0);
+  fail_unless(gray_of(before, kSize) == expected_gray(kBarrel, kSize));
+  gst_element_set_state(f.h->element, kStops[__i__]);
+  (void)events_out(f);
+  gst_element_set_state(f.h->element, GST_STATE_PLAYING);
+  gst_harness_push_event(f.h, gst_event_new_stream_start("two"));
+  g_autoptr(GstCaps) caps = check::caps_of("GRAY8", kSize);
+  gst_harness_push_event(f.h, gst_event_new_caps(caps));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_harness_push_event(f.h, gst_event_new_segment(&segment));
+  GstBuffer* in = Fixture::noise("GRAY8", kSize, 1);
+  g_autoptr(GstBuffer) after = gst_harness_push_and_pull(f.h, in);
+  fail_unless(in == after);
+  fail_unless(output_calibration(f).empty());
+  for (const gst::CalibrationEvent& event : events_out(f)) fail_unless(event.json.empty());
+}
+GST_END_TEST;
+
 static Suite* calibundistort_frames_suite() {
   Suite* suite = suite_create("calibundistort_frames");
   TCase* tc = tcase_create("general");
@@ -265,6 +294,7 @@ static Suite* calibundistort_frames_suite() {
                       turns);
   tcase_add_test(tc, test_the_tag_of_the_stream_beats_that_of_the_medium);
   tcase_add_test(tc, test_an_orientation_ends_with_its_stream);
+  tcase_add_loop_test(tc, test_a_stop_forgets_the_stream, 0, 2);
   tcase_add_loop_test(tc, test_a_calibration_of_the_sensor_holds_whatever_the_orientation, 0,
                       turns);
   suite_add_tcase(suite, tc);
