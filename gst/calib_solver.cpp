@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The session behind calibsolve: collects views and obeys commands; solver_jobs.cpp solves, and
-// solver_finish.cpp waits for it.
+// The session behind calibsolve: collects views and obeys commands; solver_update.cpp brings other
+// settings into force, solver_jobs.cpp solves, and solver_finish.cpp waits for it.
 
 #include "calib_solver.hpp"
 
@@ -50,101 +50,6 @@ Status CalibSolver::start() {
   reset();
   if (Status started = updater_.start(); !started) return started;
   return worker_.start();
-}
-
-bool CalibSolver::is_up_to_date() {
-  const std::lock_guard guard(lock_);
-  return settings_ == seen_;
-}
-
-void CalibSolver::update() {
-  bool waits = false;
-  {
-    const std::lock_guard guard(lock_);
-    if (settings_ == seen_) return;
-    waits = may_wait(seen_, settings_);
-  }
-  if (!waits) {
-    for (const Error& error : update_now()) post_warning(element_, error);
-  } else if (updater_.idle()) {
-    updater_.offer([this](const std::stop_token& stop) {
-      for (const Error& error : update_now()) {
-        if (const auto telling = updater_.begin_telling(stop, element_)) {
-          post_warning(element_, error);
-        }
-      }
-    });
-  }
-}
-
-bool CalibSolver::update_and_wait() {
-  do {
-    update();
-    if (!updater_.drain()) return false;
-  } while (!is_up_to_date());
-  return true;
-}
-
-std::vector<Error> CalibSolver::update_now() {
-  for (;;) {
-    if (auto news = try_update()) return *std::move(news);
-  }
-}
-
-std::optional<std::vector<Error>> CalibSolver::try_update() {
-  SolverSettings now;
-  SolverSettings seen;
-  SolverPlan before;
-  std::uint64_t serial = 0;
-  {
-    const std::lock_guard guard(lock_);
-    if (settings_ == seen_) return std::vector<Error>();
-    now = settings_;
-    seen = seen_;
-    before = plan_;
-    serial = plan_serial_;
-  }
-  PlanChange change = change_plan(before, seen, now);
-  const bool changed = change.plan.settings != before.settings;
-  const Status writable = changed ? can_write_all(change.plan.files) : Status();
-  std::optional<Error> news;
-  {
-    const std::lock_guard guard(lock_);
-    if (serial != plan_serial_) return std::nullopt;
-    ++plan_serial_;
-    seen_ = std::move(now);
-    if (changed) news = adopt(std::move(change.plan), writable.has_value());
-  }
-  std::vector<Error> said = std::move(change.refused);
-  for (Error& error : said) error.message += " What was set before goes on.";
-  if (!writable) said.push_back(writable.error());
-  if (news) said.push_back(*std::move(news));
-  return said;
-}
-
-std::optional<Error> CalibSolver::adopt(SolverPlan plan, bool writable) {
-  const bool solve = solves_differently(plan.settings, plan_.settings);
-  const bool write = writes_elsewhere(plan.settings, plan_.settings);
-  plan_ = std::move(plan);
-  session_.set_options(plan_.session_options(live_));
-  finished_ = false;
-  std::optional<Error> news;
-  if (solve) {
-    auto fitted = fit_initial(plan_, size_);
-    initial_ = std::move(fitted.calibration);
-    news = std::move(fitted.news);
-    ++generation_;  // what is being solved in the old way is of no use
-  }
-  GST_INFO_OBJECT(element_, "other settings: the views are %s, the files %s",
-                  solve ? "solved again" : "as they were", write ? "written again" : "the same");
-  if (write) write_failed_ = !writable;
-  if (solve || write) {
-    ++revision_;
-    published_ = false;
-    unwritten_.reset();
-    if (enough_views()) request(false);
-  }
-  return news;
 }
 
 void CalibSolver::set_size(ImageSize size) {
@@ -315,11 +220,9 @@ void CalibSolver::solve_now() {
   std::optional<Error> refused;
   {
     const std::lock_guard guard(lock_);
-    if (enough_views()) {
-      request(true);
-    } else {
-      refused = too_few_views();
-    }
+    solve_waits_ = enough_views();
+    if (!solve_waits_) refused = too_few_views();
+    solve_when_up_to_date();
   }
   if (refused) post_warning(element_, *refused);
 }
@@ -337,7 +240,7 @@ void CalibSolver::forget() {
   taken_.clear();
   calibration_.reset();
   published_ = finished_ = announce_ = complained_ = kept_told_ = false;
-  final_owed_ = false;
+  final_owed_ = solve_waits_ = false;
   last_reason_ = Reason::kAccepted;
   ++revision_;
   written_ = {};

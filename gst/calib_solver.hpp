@@ -59,8 +59,8 @@ class CalibSolver {
   }
 
   // Brings settings that changed into force. Those that cannot work are a warning, and the ones
-  // before them stay. A file that may have to be waited for is read beside, and they take effect
-  // when it has been.
+  // before them stay. Where a file may have to be waited for this is done beside, and they take
+  // effect when it answers.
   void update();
 
   // A new size begins a new session.
@@ -81,6 +81,7 @@ class CalibSolver {
   void finish();
 
   void capture_view();
+  // With what was set before, as soon as that is in force.
   void solve_now();
   // From when it returns nothing of the session before is begun to be written, posted or announced;
   // what another thread has begun by then, one message or file at the most, it ends.
@@ -93,6 +94,7 @@ class CalibSolver {
 
  private:
   struct Job;
+  struct Update;
   struct TakenView {
     FrameTimes times;
     Reason reason = Reason::kAccepted;  // or why the newest solve left it out
@@ -102,12 +104,13 @@ class CalibSolver {
   [[nodiscard]] bool is_up_to_date();
   // update(), however long that takes; false when it was cancelled.
   [[nodiscard]] bool update_and_wait();
-  // What the user should hear.
-  [[nodiscard]] std::vector<Error> update_now();
-  // Absent where another thread was quicker.
-  [[nodiscard]] std::optional<std::vector<Error>> try_update();
+  // Absent where nothing has changed.
+  [[nodiscard]] std::optional<Update> begin_update();
+  // What the user should hear; absent where another thread was quicker, and it is to begin anew.
+  [[nodiscard]] std::optional<std::vector<Error>> try_update(const Update& update);
   // These with the lock held; `writable`: its files. A word for the user, if any.
   std::optional<Error> adopt(SolverPlan plan, bool writable);
+  void solve_when_up_to_date();
   void forget();
   [[nodiscard]] bool enough_views() const;
   [[nodiscard]] std::string camera_name() const;
@@ -121,6 +124,8 @@ class CalibSolver {
   void request_write();  // of unwritten_
   [[nodiscard]] Status verdict() const;
   void post_solve_progress(GstProgressType type, const std::string& text);
+  // On the updater.
+  void update_beside(const std::stop_token& stop);
   // The rest on the worker.
   void run(const Job& job, const std::stop_token& stop);
   void publish(const Job& job, const Solution& solution, const std::stop_token& stop);
@@ -161,6 +166,7 @@ class CalibSolver {
   std::size_t next_solve_ = 0;                   // number of views
   bool finished_ = false;                        // good enough: nothing more is captured
   bool final_owed_ = false;                      // somebody waits for a final result
+  bool solve_waits_ = false;                     // for settings to come into force
   std::uint64_t revision_ = 0;                   // of the views kept and of what is made of them
   std::optional<std::uint64_t> final_revision_;  // the one whose final result was posted
   std::uint64_t session_number_ = 0;             // whose files they are

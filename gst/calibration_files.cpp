@@ -18,7 +18,6 @@ namespace calvin::gst {
 
 namespace {
 
-// Two texts for one file would overwrite each other at every solve.
 const CalibrationFile* written_twice(const std::vector<CalibrationFile>& files) {
   for (auto file = files.begin(); file != files.end(); ++file) {
     const auto other = std::find_if(files.begin(), file, [&](const CalibrationFile& f) {
@@ -51,13 +50,16 @@ Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& 
     }
     files.push_back({std::string(format), std::string(item.substr(colon + 1))});
   }
-  if (const CalibrationFile* file = written_twice(files)) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("'{}' is to hold the calibration twice, by location and export "
-                                  "or by two exports: give each format a file of its own.",
-                                  file->path));
-  }
   return files;
+}
+
+Status are_different_files(const std::vector<CalibrationFile>& files) {
+  const CalibrationFile* file = written_twice(files);
+  if (file == nullptr) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("'{}' is to hold the calibration twice, by location and export "
+                                "or by two exports: give each format a file of its own.",
+                                file->path));
 }
 
 Status can_hold_all(const std::vector<CalibrationFile>& files, const std::string& model) {

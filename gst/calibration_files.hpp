@@ -16,9 +16,13 @@ struct CalibrationFile {
   std::string path;
 };
 
-// `location` is native JSON; `exports` is "FORMAT:PATH,FORMAT:PATH". Both may be empty.
+// `location` is native JSON; `exports` is "FORMAT:PATH,FORMAT:PATH". Both may be empty. Looks at no
+// disk.
 [[nodiscard]] Result<std::vector<CalibrationFile>> parse_calibration_files(
     const std::string& location, const std::string& exports);
+
+// Whether each is a file of its own: two texts for one would overwrite each other at every solve.
+[[nodiscard]] Status are_different_files(const std::vector<CalibrationFile>& files);
 
 // The first file whose format has no camera model of that name. A model of `auto` may be any.
 [[nodiscard]] Status can_hold_all(const std::vector<CalibrationFile>& files,

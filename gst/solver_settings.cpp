@@ -90,7 +90,8 @@ Status read_files(SolverPlan& plan) {
   auto files = parse_calibration_files(plan.settings.location, plan.settings.exports);
   if (!files) return tl::unexpected<Error>(files.error());
   plan.files = *std::move(files);
-  return can_hold_all(plan.files, plan.settings.model);
+  if (const Status held = can_hold_all(plan.files, plan.settings.model); !held) return held;
+  return are_different_files(plan.files);
 }
 
 void keep_files(SolverPlan& plan, const SolverPlan& before) {
@@ -109,9 +110,7 @@ constexpr Group kGroups[] = {
        return a.min_views == b.min_views && a.max_views == b.max_views;
      },
      read_counts, keep_counts},
-    {[](const SolverSettings& a, const SolverSettings& b) {
-       return a.location == b.location && a.exports == b.exports;
-     },
+    {[](const SolverSettings& a, const SolverSettings& b) { return !names_other_files(a, b); },
      read_files, keep_files},
 };
 
@@ -139,8 +138,11 @@ PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
 }
 
 bool may_wait(const SolverSettings& seen, const SolverSettings& now) {
-  return !kGroups[0].same(seen, now) && !now.initial.empty() &&
-         may_be_calibration_path(now.initial);
+  const bool other_lens = !kGroups[0].same(seen, now);
+  if (other_lens && !now.initial.empty() && may_be_calibration_path(now.initial)) return true;
+  if (!names_other_files(seen, now)) return false;
+  const auto files = parse_calibration_files(now.location, now.exports);
+  return files && !files->empty();
 }
 
 bool solves_differently(const SolverSettings& a, const SolverSettings& b) {
@@ -149,7 +151,11 @@ bool solves_differently(const SolverSettings& a, const SolverSettings& b) {
 }
 
 bool writes_elsewhere(const SolverSettings& a, const SolverSettings& b) {
-  return a.location != b.location || a.exports != b.exports || a.camera != b.camera;
+  return names_other_files(a, b) || a.camera != b.camera;
+}
+
+bool names_other_files(const SolverSettings& a, const SolverSettings& b) {
+  return a.location != b.location || a.exports != b.exports;
 }
 
 FittedInitial fit_initial(const SolverPlan& plan, ImageSize frames) {

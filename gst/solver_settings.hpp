@@ -55,13 +55,16 @@ struct PlanChange {
 [[nodiscard]] PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
                                      const SolverSettings& now);
 
-// Whether change_plan() may have to wait for the disk that `initial` is on.
+// Whether change_plan() may have to wait for the disk that a new `initial`, `location` or `export`
+// is on.
 [[nodiscard]] bool may_wait(const SolverSettings& seen, const SolverSettings& now);
 
 // Whether the views are to be solved again, or the result is to be written again, when one set of
 // settings takes the place of another.
 [[nodiscard]] bool solves_differently(const SolverSettings& a, const SolverSettings& b);
 [[nodiscard]] bool writes_elsewhere(const SolverSettings& a, const SolverSettings& b);
+// Whether the files are others: only then is a disk asked whether they can be written.
+[[nodiscard]] bool names_other_files(const SolverSettings& a, const SolverSettings& b);
 
 // `initial` for frames of that size, with a word for the user where it had to be scaled or cannot
 // be used.

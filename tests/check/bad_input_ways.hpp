@@ -42,6 +42,15 @@ inline void while_running(Rig& rig, const std::string& input) {
   between_frames(rig, [&] { rig.set(input); });
 }
 
+// Likewise, of what a disk has to answer for: heard of a few frames later.
+inline void while_running_beside(Rig& rig, const std::string& input) {
+  while_running(rig, input);
+  for (int i = 0; i < 3000 && rig.bus.texts(GST_MESSAGE_WARNING).empty(); ++i) {
+    g_usleep(10000);
+    static_cast<void>(rig.frame());
+  }
+}
+
 inline void signal(Rig& rig, const std::string& input) {
   between_frames(rig, [&] { g_signal_emit_by_name(rig.element(), input.c_str()); });
 }

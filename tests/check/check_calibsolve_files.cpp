@@ -165,6 +165,7 @@ static const struct {
 GST_START_TEST(test_a_lens_that_a_format_does_not_hold_is_an_error_at_the_start) {
   const auto& [model, format] = kNotHeld[__i__];
   GstElement* element = gst_element_factory_make("calibsolve", nullptr);
+  for (int i = 0; i < 3000 && warnings(f) == 0; ++i) g_usleep(10000);
   g_object_set(element, "model", model, "export", (std::string(format) + ":/tmp/a").c_str(),
                nullptr);
   const auto texts = check::errors_at_start(element);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calibsolve: an `initial` on a disk or a network that does not answer stops no frame. What would
-// hang does not end by itself: whoever waits for it ends with the time limit of the test.
+// calibsolve: files on a disk or a network that does not answer stop no frame, no signal and nobody
+// who sets a property. What would hang does not end by itself: whoever waits for it ends with the
+// time limit of the test.
 
 #include "calvin/io/calibration_io.hpp"
 #include "hung_files.hpp"
@@ -70,6 +71,92 @@ GST_START_TEST(test_what_is_set_meanwhile_is_not_overtaken) {
 }
 GST_END_TEST;
 
+// Where the result is to go: named while frames flow, by whoever.
+static constexpr const char* kPlaces[] = {"location", "export"};
+
+static std::string place(const char* property, const std::string& path) {
+  return (g_str_equal(property, "export") ? "calvin:" : "") + path;
+}
+
+static void wait_for_final(SolveFixture& f) {
+  for (int i = 0; i < 3000 && f.result("final") == nullptr; ++i) g_usleep(10000);
+  fail_unless(f.result("final") != nullptr);
+}
+
+GST_START_TEST(test_a_place_that_does_not_answer_stops_no_frame) {
+  const char* property = kPlaces[__i__];
+  check::TemporaryFolder folder;
+  const std::string path = folder / "hung.json";
+  SolveFixture f("min-views=4 location=" + folder / "first.json");
+  f.push_views(3);
+  check::down = true;
+  g_object_set(f.element, property, place(property, path).c_str(), nullptr);
+  int n = 3;
+  while (!check::is_waiting()) {
+    gst_buffer_unref(f.push(n++));
+    g_usleep(10000);
+  }
+  for (const int end = n + 10; n < end; ++n) gst_buffer_unref(f.push(n));
+  check::down = false;
+  f.eos();
+  const auto read = read_calibration(path);
+  fail_unless(read.has_value() && static_cast<int>(read->views.size()) == n);
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
+// What was set before the signal counts, though no frame comes any more.
+GST_START_TEST(test_the_signal_solve_waits_for_no_place) {
+  const char* property = kPlaces[__i__];
+  check::TemporaryFolder folder;
+  const std::string path = folder / "hung.json";
+  SolveFixture f("location=" + folder / "first.json");
+  f.push_views(5);
+  check::down = true;
+  g_object_set(f.element, property, place(property, path).c_str(), nullptr);
+  g_signal_emit_by_name(f.element, "solve");
+  while (!check::is_waiting()) g_usleep(1000);
+  fail_unless(f.result("final") == nullptr);
+  check::down = false;
+  wait_for_final(f);
+  fail_unless(read_calibration(path).has_value());
+}
+GST_END_TEST;
+
+// Of what was named before nothing is asked again, whatever else is set.
+GST_START_TEST(test_other_settings_do_not_wait_for_the_places) {
+  check::TemporaryFolder folder;
+  SolveFixture f(
+      "min-views=100 location=" + folder / "hung.json export=ros:" + folder / "hung.yaml");
+  f.push_views(3);
+  check::down = true;
+  g_object_set(f.element, "model", "brown4", "camera", "other", "max-views", 500, nullptr);
+  for (int n = 3; n < 10; ++n) gst_buffer_unref(f.push(n));
+  g_object_set(f.element, "export", "nonsense", nullptr);
+  gst_buffer_unref(f.push(10));
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "'nonsense' is wrong"));
+  fail_if(check::is_waiting());
+  check::down = false;
+}
+GST_END_TEST;
+
+// What is wrong is said once it is known.
+GST_START_TEST(test_a_place_that_is_wrong_is_said_later) {
+  check::TemporaryFolder folder;
+  SolveFixture f("min-views=4");
+  f.push_views(3);
+  g_object_set(f.element, "location", (folder / "nothing/cam.json").c_str(), nullptr);
+  gst_buffer_unref(f.push(3));
+  for (int i = 0; i < 3000 && f.bus.texts(GST_MESSAGE_WARNING).empty(); ++i) g_usleep(10000);
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "Cannot write"));
+  g_object_set(f.element, "location", (folder / "a.json").c_str(), "export",
+               ("ros:" + folder / "./a.json").c_str(), nullptr);
+  gst_buffer_unref(f.push(4));
+  for (int i = 0; i < 3000 && !f.bus.says(GST_MESSAGE_WARNING, "twice"); ++i) g_usleep(10000);
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "twice"));
+}
+GST_END_TEST;
+
 static Suite* calibsolve_hang_suite() {
   Suite* suite = suite_create("calibsolve_hang");
   TCase* tc = tcase_create("general");
@@ -77,6 +164,10 @@ static Suite* calibsolve_hang_suite() {
   tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
   tcase_add_loop_test(tc, test_a_file_that_is_named_and_does_not_answer_stops_nothing, 0, 3);
   tcase_add_test(tc, test_what_is_set_meanwhile_is_not_overtaken);
+  tcase_add_loop_test(tc, test_a_place_that_does_not_answer_stops_no_frame, 0, 2);
+  tcase_add_loop_test(tc, test_the_signal_solve_waits_for_no_place, 0, 2);
+  tcase_add_test(tc, test_other_settings_do_not_wait_for_the_places);
+  tcase_add_test(tc, test_a_place_that_is_wrong_is_said_later);
   return suite;
 }
 
