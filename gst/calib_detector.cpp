@@ -43,18 +43,12 @@ Status CalibDetector::start() {
   luma_.reset();
   async_ = mode_known_ = frame_refused_ = false;
   last_detection_ = GST_CLOCK_TIME_NONE;
-  if (Status updated = update_boards(); !updated) return updated;
+  if (Status started = start_boards(); !started) return started;
   if (Status started = start_recheck(); !started) return started;
   return worker_.start();
 }
 
-Status CalibDetector::update_boards() {
-  std::string text;
-  {
-    const std::lock_guard guard(lock_);
-    if (!std::exchange(boards_changed_, false)) return {};
-    text = settings_.board;
-  }
+Result<CalibDetector::Detectors> CalibDetector::make_detectors(const std::string& text) {
   const auto boards = parse_boards(text);
   if (!boards) return tl::unexpected<Error>(boards.error());
   auto detectors = std::make_shared<std::vector<BoardDetector>>();
@@ -63,8 +57,58 @@ Status CalibDetector::update_boards() {
     if (!detector) return tl::unexpected<Error>(detector.error());
     detectors->push_back({board, std::move(*detector)});
   }
-  detectors_ = std::move(detectors);
-  GST_INFO_OBJECT(element_, "looks for %s", text.c_str());
+  return detectors;
+}
+
+Status CalibDetector::start_boards() {
+  std::string text;
+  {
+    const std::lock_guard guard(lock_);
+    boards_changed_ = false;
+    ++boards_asked_for_;
+    boards_found_.reset();
+    text = settings_.board;
+  }
+  if (Status taken = take_boards(make_detectors(text)); !taken) return taken;
+  return board_reader_.start();
+}
+
+Status CalibDetector::update_boards() {
+  std::string text;
+  bool changed = false;
+  std::optional<Result<Detectors>> found;
+  {
+    const std::lock_guard guard(lock_);
+    changed = std::exchange(boards_changed_, false);
+    if (changed) {
+      ++boards_asked_for_;
+      boards_found_.reset();
+      text = settings_.board;
+    }
+    found = std::exchange(boards_found_, std::nullopt);
+  }
+  if (changed && names_a_file(text)) {
+    read_boards_beside(text);
+  } else if (changed) {
+    found = make_detectors(text);
+  }
+  return found ? take_boards(*std::move(found)) : Status();
+}
+
+void CalibDetector::read_boards_beside(const std::string& text) {
+  board_reader_.offer([this, text, turn = boards_asked_for_](const std::stop_token& /*stop*/) {
+    auto found = make_detectors(text);
+    const std::lock_guard guard(lock_);
+    if (turn == boards_asked_for_) boards_found_ = std::move(found);
+  });
+}
+
+Status CalibDetector::take_boards(Result<Detectors> boards) {
+  if (!boards) return tl::unexpected<Error>(boards.error());
+  detectors_ = *std::move(boards);
+  for (const BoardDetector& wanted : *detectors_) {
+    GST_INFO_OBJECT(element_, "looks for %s", wanted.board.text().c_str());
+  }
   return {};
 }
 

@@ -59,6 +59,7 @@ class CalibDetector {
   void resume() { worker_.resume(); }
   void stop() {
     worker_.stop();
+    board_reader_.stop();
     recheck_.stop();
   }
   // Somebody downstream wants to look at the corners again.
@@ -93,6 +94,7 @@ class CalibDetector {
     std::unique_ptr<Detector> detector;
   };
   using Detectors = std::shared_ptr<const std::vector<BoardDetector>>;
+  [[nodiscard]] static Result<Detectors> make_detectors(const std::string& boards);
 
   // What one detection needs.
   struct Job {
@@ -107,8 +109,12 @@ class CalibDetector {
     bool patches = false;
   };
 
-  // Reads the properties again that changed. Keeps the old ones on an error.
+  // `board` is read before the first frame; names in a file that are set while frames flow are read
+  // beside them, and used when they have been. Keeps the old ones on an error.
+  [[nodiscard]] Status start_boards();
   [[nodiscard]] Status update_boards();
+  [[nodiscard]] Status take_boards(Result<Detectors> boards);
+  void read_boards_beside(const std::string& text);
   // `recheck` is read before the first frame; a file that is named or replaced while frames flow is
   // used when it has been read.
   [[nodiscard]] Status start_recheck();
@@ -137,6 +143,8 @@ class CalibDetector {
   DetectorSettings settings_;
   bool boards_changed_ = true;
   bool recheck_changed_ = true;
+  std::optional<Result<Detectors>> boards_found_;  // for the last change of `board`, read beside
+  guint64 boards_asked_for_ = 0;  // counts those changes; the streaming thread does
   std::optional<std::vector<Observation>> result_;  // waits for a buffer to ride on
   guint64 generation_ = 0;  // of the stream: a result of an older stretch is thrown away
   bool patches_wanted_ = false;
@@ -157,6 +165,7 @@ class CalibDetector {
   GstClockTime last_detection_ = GST_CLOCK_TIME_NONE;
 
   Worker worker_;
+  Worker board_reader_;
 };
 
 }  // namespace calvin::gst

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calibdetect: a `recheck` on a disk or a network that does not answer stops neither frames nor
-// checks. What would hang does not end by itself: whoever waits for it ends with the time limit of
-// the test.
+// calibdetect: a `recheck` or a file of boards on a disk or a network that does not answer stops
+// neither frames nor checks. What would hang does not end by itself: whoever waits for it ends with
+// the time limit of the test.
 
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/target/board_names.hpp"
 #include "hung_files.hpp"
 #include "support.hpp"
 
@@ -100,11 +101,63 @@ GST_START_TEST(test_a_server_that_goes_down_later_stops_nothing) {
 }
 GST_END_TEST;
 
+// Which board was looked for on the newest frame.
+static std::string board_of_next(Checker& checker) {
+  checker.look();
+  return gst_structure_get_string(checker.bus.named("calib-check").back(), "board");
+}
+
+// The boards before are looked for until the names are known.
+GST_START_TEST(test_a_file_of_boards_that_does_not_answer_stops_nothing) {
+  Files files;
+  const std::string names = files.folder / "hung_boards.json";
+  fail_unless(add_board(names, "floor", "checkerboard:9x6:50mm").has_value());
+  Checker checker(files.here);
+  const std::string before = board_of_next(checker);
+  check::down = true;
+  g_object_set(checker.element, "board", (names + "#floor").c_str(), nullptr);
+  goes_on(checker);
+  fail_unless(board_of_next(checker) == before);
+  if (__i__ == 0) {
+    fail_unless(gst_element_set_state(checker.element, GST_STATE_NULL) == GST_STATE_CHANGE_SUCCESS);
+    check::down = false;
+  } else if (__i__ == 1) {
+    check::down = false;
+    while (board_of_next(checker) == before) g_usleep(1000);
+  } else {
+    // What is set later is not overtaken.
+    const std::string other = "checkerboard:9x6:30mm";
+    g_object_set(checker.element, "board", other.c_str(), nullptr);
+    fail_unless(board_of_next(checker) == other);
+    check::down = false;
+    while (check::is_waiting()) g_usleep(1000);
+    for (int i = 0; i < 20; ++i) {
+      g_usleep(1000);
+      fail_unless(board_of_next(checker) == other);
+    }
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_name_that_is_wrong_is_said_later) {
+  Files files;
+  Checker checker(files.here);
+  const std::string before = board_of_next(checker);
+  g_object_set(checker.element, "board", (files.folder / "none.json#floor").c_str(), nullptr);
+  while (!checker.bus.says(GST_MESSAGE_WARNING, "none.json")) {
+    fail_unless(board_of_next(checker) == before);
+    g_usleep(1000);
+  }
+}
+GST_END_TEST;
+
 static Suite* calibdetect_hang_suite() {
   Suite* suite = suite_create("calibdetect_hang");
   TCase* tc = tcase_create("general");
   tcase_add_loop_test(tc, test_a_file_that_is_named_and_does_not_answer_stops_nothing, 0, 2);
   tcase_add_test(tc, test_a_server_that_goes_down_later_stops_nothing);
+  tcase_add_loop_test(tc, test_a_file_of_boards_that_does_not_answer_stops_nothing, 0, 3);
+  tcase_add_test(tc, test_a_name_that_is_wrong_is_said_later);
   suite_add_tcase(suite, tc);
   return suite;
 }

@@ -142,7 +142,7 @@ Result<std::vector<Board>> parse_boards(std::string_view text) {
   std::vector<Board> boards;
   for (const std::string_view part : split(text, ';')) {
     if (part.empty()) return wrong_board_text(text, "there is no board before or after a ';'");
-    auto board = part.find('#') == std::string_view::npos ? parse_board(part) : named_board(part);
+    auto board = names_a_file(part) ? named_board(part) : parse_board(part);
     if (!board) return tl::unexpected<Error>(board.error());
     const std::string canonical = board->text();
     const bool twice = std::any_of(boards.begin(), boards.end(),
@@ -159,6 +159,8 @@ Result<std::vector<Board>> parse_boards(std::string_view text) {
   }
   return boards;
 }
+
+bool names_a_file(std::string_view text) { return text.find('#') != std::string_view::npos; }
 
 Result<std::vector<NamedBoard>> list_boards(const std::string& path) {
   return without_exceptions(path, [&] { return list(path); });

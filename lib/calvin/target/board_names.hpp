@@ -25,6 +25,9 @@ inline constexpr int kMaxBoards = 16;
 // name is missing.
 [[nodiscard]] Result<std::vector<Board>> parse_boards(std::string_view text);
 
+// Whether parse_boards() reads a file: for whoever must not wait for a disk or a network.
+[[nodiscard]] bool names_a_file(std::string_view text);
+
 struct NamedBoard {
   std::string name;
   std::string text;  // as the file has it: parse_board() tells whether it is right
