@@ -7,6 +7,7 @@
 
 #include <utility>
 
+#include "calvin/core/file.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/session/replacement.hpp"
 
@@ -19,7 +20,7 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
   std::set<std::string> foreign;
   std::vector<Calibration> others;
   for (const CalibrationFile& file : files) {
-    if (final || ours_.contains(file.path)) continue;
+    if (final || ours_.contains(file.path) || is_stream(file.path)) continue;
     auto other = read_calibration(file.path);
     if (!other) continue;
     foreign.insert(file.path);
@@ -28,6 +29,7 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
   const bool replace = may_replace(calibration, others);
   Outcome outcome;
   for (const CalibrationFile& file : files) {
+    if (!final && is_stream(file.path)) continue;
     if (!replace && foreign.contains(file.path)) {
       if (outcome.kept.empty()) outcome.kept = file.path;
       continue;

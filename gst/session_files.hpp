@@ -24,7 +24,8 @@ class SessionFiles {
 
   // Writes a final result to all files. One on the way to it does not take the place of another
   // session's calibration, unless may_replace() says that nothing is lost; it goes to files that
-  // are not there yet or hold no calibration, and to those that this session has written before.
+  // are not there yet or hold no calibration, and to those that this session has written before. A
+  // pipe or a device gets final results alone: what is read from it cannot be replaced.
   [[nodiscard]] Outcome write(const std::vector<CalibrationFile>& files,
                               const Calibration& calibration, bool final, std::uint64_t session);
 

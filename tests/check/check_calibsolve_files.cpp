@@ -3,8 +3,11 @@
 
 // calibsolve: the files that it writes, under whatever names and in whatever places.
 
+#include <fcntl.h>
 #include <sched.h>
 #include <sys/mount.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -44,6 +47,64 @@ GST_START_TEST(test_a_location_that_is_a_mount_point_is_written) {
   }
   umount(location.c_str());
   const auto read = read_calibration(outside);
+  fail_unless(read.has_value(), "%s", read ? "" : read.error().message.c_str());
+  fail_unless_equals_int(read->views.size(), 10);
+}
+GST_END_TEST;
+
+// A pipe with room for all that is written to it, under a name or under its number alone.
+struct ReadLater {
+  explicit ReadLater(const check::TemporaryFolder& folder, bool by_number) {
+    constexpr int kRoom = 1 << 20;
+    if (by_number) {
+      int ends[2] = {-1, -1};
+      fail_unless(pipe2(ends, O_CLOEXEC | O_NONBLOCK) == 0);
+      reader = ends[0];
+      writer = ends[1];
+      name = "/dev/fd/" + std::to_string(writer);
+    } else {
+      name = folder / "pipe";
+      fail_unless(mkfifo(name.c_str(), 0600) == 0);
+      reader = open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    }
+    fail_unless(fcntl(reader, F_SETPIPE_SZ, kRoom) >= 0);
+  }
+  ~ReadLater() {
+    close(reader);
+    if (writer >= 0) close(writer);
+  }
+  std::string bytes() const {
+    std::string all;
+    char block[4096];
+    for (ssize_t n = 0; (n = read(reader, block, sizeof(block))) > 0;) {
+      all.append(block, static_cast<std::size_t>(n));
+    }
+    return all;
+  }
+
+  std::string name;
+  int reader = -1;
+  int writer = -1;
+};
+
+// What has been read from a pipe cannot be replaced by anything better.
+GST_START_TEST(test_a_pipe_gets_the_final_result_alone) {
+  check::TemporaryFolder folder;
+  const ReadLater pipe(folder, __i__ == 1);
+  SolveFixture f("location=" + pipe.name + " export=ros:" + folder / "cam.yaml");
+  f.push_views(3);
+  for (int i = 0; i < 3000 && f.result("intermediate") == nullptr; ++i) g_usleep(10000);
+  for (int n = 3; n < 10; ++n) {
+    const auto seen = f.bus.named("calib-result").size();
+    g_object_set(f.element, "skew", n % 2 != 0, nullptr);  // solves again
+    gst_buffer_unref(f.push(n));
+    for (int i = 0; i < 3000 && f.bus.named("calib-result").size() == seen; ++i) g_usleep(10000);
+  }
+  fail_unless(read_calibration(folder / "cam.yaml").has_value(), "nothing is tested");
+  fail_unless(pipe.bytes().empty());
+  f.eos();
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+  const auto read = parse_calibration(pipe.bytes());
   fail_unless(read.has_value(), "%s", read ? "" : read.error().message.c_str());
   fail_unless_equals_int(read->views.size(), 10);
 }
@@ -104,6 +165,7 @@ GST_START_TEST(test_what_is_said_of_names_is_utf8) {
   SolveFixture f;
   g_object_set(f.element, "location", "/nowhere/caf\xe9.json", nullptr);
   gst_buffer_unref(f.push(0));
+  for (int i = 0; i < 3000 && warnings(f) == 0; ++i) g_usleep(10000);
   fail_unless(f.bus.says(GST_MESSAGE_WARNING, "/nowhere/caf\xef\xbf\xbd.json"));
 }
 GST_END_TEST;
@@ -165,7 +227,6 @@ static const struct {
 GST_START_TEST(test_a_lens_that_a_format_does_not_hold_is_an_error_at_the_start) {
   const auto& [model, format] = kNotHeld[__i__];
   GstElement* element = gst_element_factory_make("calibsolve", nullptr);
-  for (int i = 0; i < 3000 && warnings(f) == 0; ++i) g_usleep(10000);
   g_object_set(element, "model", model, "export", (std::string(format) + ":/tmp/a").c_str(),
                nullptr);
   const auto texts = check::errors_at_start(element);
@@ -235,6 +296,7 @@ static Suite* calibsolve_files_suite() {
   suite_add_tcase(suite, tc);
   tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
   tcase_add_test(tc, test_a_location_that_is_a_mount_point_is_written);
+  tcase_add_loop_test(tc, test_a_pipe_gets_the_final_result_alone, 0, 2);
   tcase_add_test(tc, test_two_names_of_one_file_are_refused);
   tcase_add_test(tc, test_links_in_a_circle_are_no_location);
   tcase_add_test(tc, test_a_file_that_fails_is_the_only_one);

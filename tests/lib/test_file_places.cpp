@@ -144,6 +144,25 @@ TEST_F(Place, AnOpenFileIsReachedByItsNumber) {
   ::close(gone);
 }
 
+TEST_F(Place, WhatIsWrittenToAStreamStays) {
+  const Pipe pipe;
+  const std::string fifo = path("fifo");
+  const std::string file = path("a.json");
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  ASSERT_TRUE(write_file(file, "x"));
+  const int fd = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_GE(fd, 0);
+  for (const std::string& name : {fifo, pipe.name(), std::string("/dev/null")}) {
+    EXPECT_TRUE(is_stream(name)) << name;
+  }
+  // A folder is none of them, and what is not there becomes a file.
+  for (const std::string& name :
+       {file, path("none.json"), path("."), "/dev/fd/" + std::to_string(fd)}) {
+    EXPECT_FALSE(is_stream(name)) << name;
+  }
+  ::close(fd);
+}
+
 // ---- File systems -------------------------------------------------------------------------------
 
 class CannotSync : public Place, public testing::WithParamInterface<int> {};

@@ -339,6 +339,11 @@ Status write_file(const std::string& path, std::string_view bytes) {
   return not_written(target.string(), error);
 }
 
+bool is_stream(const std::string& path) {
+  struct stat info {};
+  return ::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
+}
+
 Status check_writable(const std::string& path) {
   if (path.empty()) return not_written(path, ENOENT);
   struct stat info {};

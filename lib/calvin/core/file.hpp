@@ -27,6 +27,10 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{64} << 20;
 // is written directly. kIo where the system refuses, with what to do. The inverse of read_file().
 [[nodiscard]] Status write_file(const std::string& path, std::string_view bytes);
 
+// Whether it is there and what is written goes behind what was written before, not in its place: a
+// pipe, a terminal or a device. /dev/stdout is one unless it leads to a file.
+[[nodiscard]] bool is_stream(const std::string& path);
+
 // An error that write_file() would give at once (no such folder, no permission), without touching
 // the file: for a warning before long work.
 [[nodiscard]] Status check_writable(const std::string& path);
