@@ -84,14 +84,31 @@ static void gst_calibrate_notify(GObject* /*child*/, GParamSpec* spec, GstCalibr
   }
 }
 
+// Whoever puts them in: the bin speaks for its children alone.
+static bool gst_calibrate_is_child(GstElement* element) {
+  g_autofree char* name = gst_object_get_name(GST_OBJECT(element));
+  const std::string_view known(name);
+  return known == kDetect || known == kSolve || known == kOverlay;
+}
+
+static void gst_calibrate_element_added(GstBin* bin, GstElement* element) {
+  if (!gst_calibrate_is_child(element)) return;
+  GST_DEBUG_OBJECT(bin, "listens to %s", GST_OBJECT_NAME(element));
+  // A child may outlive the bin.
+  g_signal_connect_object(element, "notify", G_CALLBACK(gst_calibrate_notify), bin,
+                          static_cast<GConnectFlags>(0));
+}
+
+static void gst_calibrate_element_removed(GstBin* bin, GstElement* element) {
+  g_signal_handlers_disconnect_by_func(element, reinterpret_cast<gpointer>(gst_calibrate_notify),
+                                       bin);
+}
+
 // A new child, linked behind the one of that name.
 static void gst_calibrate_add(GstCalibrate* self, const char* factory, const char* name,
                               const char* before) {
   GstElement* child = gst_element_factory_make(factory, name);
   gst_bin_add(GST_BIN(self), child);
-  // A child may outlive the bin.
-  g_signal_connect_object(child, "notify", G_CALLBACK(gst_calibrate_notify), self,
-                          static_cast<GConnectFlags>(0));
   const ElementPtr upstream = before != nullptr ? gst_calibrate_child(self, before) : nullptr;
   if (upstream) gst_element_link(upstream.get(), child);
 }
@@ -277,8 +294,11 @@ static void gst_calibrate_install_signals(GType type) {
 static void gst_calibrate_class_init(GstCalibrateClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
   auto* element_class = GST_ELEMENT_CLASS(klass);
+  auto* bin_class = GST_BIN_CLASS(klass);
   object_class->set_property = gst_calibrate_set_property;
   object_class->get_property = gst_calibrate_get_property;
+  bin_class->element_added = gst_calibrate_element_added;
+  bin_class->element_removed = gst_calibrate_element_removed;
   g_object_class_install_property(
       object_class, PROP_OVERLAY,
       g_param_spec_boolean("overlay", "Overlay",

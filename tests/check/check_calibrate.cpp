@@ -120,6 +120,37 @@ GST_START_TEST(test_a_child_in_the_place_of_another_gets_the_settings) {
 }
 GST_END_TEST;
 
+// And what it notifies of is notified of by the bin; no longer what the other one does.
+GST_START_TEST(test_a_child_in_the_place_of_another_is_listened_to) {
+  static const struct {
+    const char* factory;
+    const char* name;
+    const char* property;
+  } kChildren[] = {{"calibdetect", "detect", "board"}, {"calibsolve", "solve", "calibration"}};
+  const auto& [factory, name, property] = kChildren[__i__];
+  g_autoptr(GstElement) bin = own(gst_element_factory_make("calibrate", nullptr));
+  int notified = 0;
+  const std::string signal = std::string("notify::") + property;
+  g_signal_connect(bin, signal.c_str(),
+                   G_CALLBACK(+[](GObject*, GParamSpec*, int* count) { ++*count; }), &notified);
+  g_autoptr(GstElement) old = gst_bin_get_by_name(GST_BIN(bin), name);
+  g_object_notify(G_OBJECT(old), property);
+  fail_unless_equals_int(notified, 1);
+  fail_unless(gst_bin_remove(GST_BIN(bin), old));
+  g_object_notify(G_OBJECT(old), property);
+  fail_unless_equals_int(notified, 1);
+  GstElement* child = gst_element_factory_make(factory, name);
+  fail_unless(gst_bin_add(GST_BIN(bin), child));
+  g_object_notify(G_OBJECT(child), property);
+  fail_unless_equals_int(notified, 2);
+  // Whatever else is put in has no say.
+  GstElement* other = gst_element_factory_make(factory, "other");
+  fail_unless(gst_bin_add(GST_BIN(bin), other));
+  g_object_notify(G_OBJECT(other), property);
+  fail_unless_equals_int(notified, 2);
+}
+GST_END_TEST;
+
 // A property of two children is one of the bin.
 GST_START_TEST(test_a_change_is_notified_once) {
   g_autoptr(GstElement) bin = own(gst_element_factory_make("calibrate", nullptr));
@@ -174,6 +205,7 @@ static Suite* calibrate_suite() {
   tcase_add_test(tc, test_the_overlay_can_be_left_out_and_put_back);
   tcase_add_test(tc, test_children_may_be_taken_out);
   tcase_add_test(tc, test_a_child_in_the_place_of_another_gets_the_settings);
+  tcase_add_loop_test(tc, test_a_child_in_the_place_of_another_is_listened_to, 0, 2);
   tcase_add_test(tc, test_a_change_is_notified_once);
   tcase_add_test(tc, test_signals_and_state_cycles);
   return suite;
