@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // calibrate-images [--board TEXT] [--model NAME] [--output DIR] FOLDER: calibrates a camera from a
-// folder of pictures of any format that GStreamer decodes, and undistorts the first of them.
+// folder of pictures of any format that GStreamer decodes, and undistorts the first of them. A DIR
+// that is not there is made.
 //
 // The pictures go through one pipeline, one after the other:
 //   filesrc ! decodebin ! videoconvert ! concat ! calibrate ! fakesink
@@ -16,6 +17,7 @@
 #include <gst/gst.h>
 #include <gst/pbutils/pbutils.h>
 
+#include "calvin/core/file.hpp"
 #include "calvin/core/image.hpp"
 
 namespace fs = std::filesystem;
@@ -33,6 +35,22 @@ struct Picture {
   fs::path path;
   calvin::ImageSize size;
 };
+
+// Before the work: whether there is a folder that the files can go to. One level of it is made.
+bool prepare(const fs::path& output) {
+  std::error_code error;
+  fs::create_directory(output, error);
+  if (!error) {
+    const calvin::Status writable = calvin::check_writable((output / "camera.json").string());
+    if (!writable) fmt::print(stderr, "{}\n", writable.error().message);
+    return writable.has_value();
+  }
+  fmt::print(stderr,
+             "There is no folder {}, and it cannot be made: {}. Give --output a folder that is "
+             "there, or a new one in such a folder.\n",
+             output.string(), error.message());
+  return false;
+}
 
 // All pictures of the folder, by name, with their sizes.
 std::vector<Picture> find_pictures(const fs::path& folder) {
@@ -169,7 +187,8 @@ bool parse(int argc, char** argv, Options& options) {
   const GOptionEntry entries[] = {
       {"board", 0, 0, G_OPTION_ARG_STRING, &board, "The board in the pictures", "TEXT"},
       {"model", 0, 0, G_OPTION_ARG_STRING, &model, "The camera model", "NAME"},
-      {"output", 0, 0, G_OPTION_ARG_FILENAME, &output, "Where the files go", "DIR"},
+      {"output", 0, 0, G_OPTION_ARG_FILENAME, &output, "Where the files go; made if need be",
+       "DIR"},
       {nullptr, 0, 0, G_OPTION_ARG_NONE, nullptr, nullptr, nullptr}};
   g_autoptr(GOptionContext) context = g_option_context_new("FOLDER");
   g_autoptr(GError) error = nullptr;
@@ -192,6 +211,7 @@ bool parse(int argc, char** argv, Options& options) {
 int main(int argc, char** argv) {
   Options options;
   if (!parse(argc, argv, options)) return 2;
+  if (!prepare(options.output)) return 1;
   std::vector<Picture> pictures = find_pictures(options.folder);
   if (pictures.empty()) {
     fmt::print(stderr, "There is no picture in {} that GStreamer can decode.\n",
