@@ -5,6 +5,7 @@
 
 #include "dma_caps.hpp"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -95,6 +96,22 @@ GstStructure* dma_structure(const GstStructure* mapped) {
 
 #endif
 
+// Whether the rows are as long as GStreamer says, which counts their bytes in an int.
+bool rows_hold(const GstVideoInfo& info) {
+  for (guint p = 0; p < GST_VIDEO_INFO_N_PLANES(&info); ++p) {
+    if (GST_VIDEO_INFO_PLANE_STRIDE(&info, p) <= 0) return false;
+  }
+  const GstVideoFormatInfo* f = info.finfo;
+  for (guint c = 0; c < GST_VIDEO_FORMAT_INFO_N_COMPONENTS(f); ++c) {
+    if (GST_VIDEO_FORMAT_INFO_IS_TILED(f)) break;
+    const std::int64_t columns = GST_VIDEO_INFO_COMP_WIDTH(&info, c);
+    if (columns * GST_VIDEO_FORMAT_INFO_PSTRIDE(f, c) > GST_VIDEO_INFO_COMP_STRIDE(&info, c)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 // Takes both, or keeps the one.
 GstCaps* filtered(GstCaps* caps, GstCaps* filter) {
   if (filter == nullptr) return caps;
@@ -148,7 +165,8 @@ GstCaps* with_dma_caps(GstCaps* caps) { return caps; }
 
 bool video_info_of(GstVideoInfo& info, const GstCaps* caps) {
   g_autoptr(GstCaps) mapped = mapped_caps(caps);
-  return gst_caps_is_fixed(mapped) && gst_video_info_from_caps(&info, mapped) != FALSE;
+  return gst_caps_is_fixed(mapped) && gst_video_info_from_caps(&info, mapped) != FALSE &&
+         rows_hold(info);
 }
 
 GstCaps* share_memory_transform_caps(GstBaseTransform* /*trans*/, GstPadDirection direction,

@@ -248,6 +248,8 @@ static gboolean gst_calib_undistort_transform_meta(GstBaseTransform* trans, GstB
 
 // GstVideoFilter knows no frames in DMA memory.
 static gboolean gst_calib_undistort_set_caps(GstBaseTransform* trans, GstCaps* in, GstCaps* out) {
+  GstVideoInfo info;
+  if (!gst::video_info_of(info, in)) return FALSE;
   g_autoptr(GstCaps) mapped = gst::mapped_caps(in);
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->set_caps(trans, mapped, out);
 }
