@@ -70,8 +70,12 @@ bool is_control(char c) {
   return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f';
 }
 
-Result<Node> parse_document(std::string_view content) {
-  if (content.starts_with('{') || content.starts_with('[')) return io::parse_json(content);
+Result<Node> parse_document(std::string_view text) {
+  const std::string_view content = trim(text);
+  // What begins with a comment is JSON to whoever wrote it. Its lines count from the first one on.
+  if (content.starts_with('{') || content.starts_with('[') || content.starts_with('/')) {
+    return io::parse_json(text);
+  }
   if (content.starts_with('<')) return io::parse_xml(content);
   return io::parse_yaml(content);
 }
@@ -91,13 +95,16 @@ Result<Calibration> parse_text(std::string_view content) {
                                   kMaxCalibrationBytes >> 20));
   }
   if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
+  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) {
+    return make_error(ErrorCode::kMalformed, "it is UTF-16 text: save it as UTF-8");
+  }
   if (const auto control = std::find_if(content.begin(), content.end(), is_control);
       control != content.end()) {
     return make_error(ErrorCode::kMalformed, fmt::format("it is not text: there is a byte {} in it",
                                                          static_cast<int>(*control)));
   }
-  const std::string text = io::valid_utf8(trim(content));
-  if (text.empty()) return make_error(ErrorCode::kMalformed, "it is empty");
+  const std::string text = io::valid_utf8(content);
+  if (trim(text).empty()) return make_error(ErrorCode::kMalformed, "it is empty");
   const auto root = parse_document(text);
   if (!root) return tl::unexpected(root.error());
   const auto reader = std::find_if(kReaders.begin(), kReaders.end(),

@@ -49,6 +49,18 @@ bool DocumentBuilder::wants_key() const noexcept {
          open_.back().keys.size() == open_.back().items.size();
 }
 
+std::string DocumentBuilder::path() const {
+  std::string path;
+  for (const Node& node : open_) {
+    if (node.kind == Node::Kind::kList) {
+      path += fmt::format("[{}]", node.items.size());
+    } else if (!node.keys.empty()) {
+      path += (path.empty() ? "" : ".") + node.keys.back();
+    }
+  }
+  return path;
+}
+
 bool DocumentBuilder::key(std::string text) {
   if (!wants_key()) return refuse("a key stands where a value is expected");
   open_.back().keys.push_back(std::move(text));

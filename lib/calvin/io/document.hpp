@@ -41,6 +41,8 @@ class DocumentBuilder {
 
   // In a map, before a key.
   [[nodiscard]] bool wants_key() const noexcept;
+  // Of the value that comes next: "views[3].rms".
+  [[nodiscard]] std::string path() const;
   // The finished tree, or the reason for the refusal.
   [[nodiscard]] Result<Node> take();
 

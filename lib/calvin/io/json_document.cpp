@@ -3,6 +3,9 @@
 
 // JSON text -> Document.
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -39,14 +42,17 @@ class Handler final : public nlohmann::json_sax<nlohmann::json> {
   bool end_object() override { return builder.end(); }
   bool start_array(std::size_t /*size*/) override { return builder.begin(Node::Kind::kList); }
   bool end_array() override { return builder.end(); }
-  bool parse_error(std::size_t position, const std::string& /*token*/,
-                   const nlohmann::detail::exception& /*error*/) override {
+  bool parse_error(std::size_t position, const std::string& token,
+                   const nlohmann::detail::exception& error) override {
+    constexpr int kOverflow = 406;
     broken_at = position;
+    if (error.id == kOverflow) too_large = token;
     return false;
   }
 
   DocumentBuilder builder;
   std::optional<std::size_t> broken_at;  // in bytes, counted from 1
+  std::optional<std::string> too_large;  // a number there that a double does not hold
 };
 
 // The word at a position, as far as it can be shown: ", at 'NaN'"; nothing at the end.
@@ -72,9 +78,17 @@ Result<Node> parse_json(std::string_view content) {
   nlohmann::json::sax_parse(content.begin(), content.end(), &handler);
   if (!handler.broken_at) return handler.builder.take();
   const std::size_t offset = *handler.broken_at > 0 ? *handler.broken_at - 1 : 0;
-  return make_error(
-      ErrorCode::kMalformed,
-      fmt::format("the JSON is broken {}{}", place(content, offset), word_at(content, offset)));
+  const std::string where = place(content, offset);
+  const std::string_view rest = content.substr(std::min(offset, content.size()));
+  std::string why = fmt::format("the JSON is broken {}{}", where, word_at(content, offset));
+  if (handler.too_large) {
+    why = fmt::format("'{}' is {} {}, which is more than a number can be (1.8e308)",
+                      handler.builder.path(), *handler.too_large, where);
+  } else if (rest.starts_with("//") || rest.starts_with("/*")) {
+    why = fmt::format("it looks like JSON with a comment {}, which JSON does not have: take it out",
+                      where);
+  }
+  return make_error(ErrorCode::kMalformed, std::move(why));
 }
 
 }  // namespace calvin::io
