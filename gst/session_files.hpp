@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,14 +19,16 @@ namespace calvin::gst {
 class SessionFiles {
  public:
   struct Outcome {
-    Status status;     // the first error
-    std::string kept;  // the first file that stays as another session left it, or empty
+    Status status;              // the first error
+    std::string kept;           // the first file that stays as another session left it, or empty
+    std::optional<Error> lost;  // the first one that held something better, for the user
   };
 
   // Writes a final result to all files. One on the way to it does not take the place of another
   // session's calibration, unless may_replace() says that nothing is lost; it goes to files that
   // are not there yet or hold no calibration, and to those that this session has written before. A
-  // pipe or a device gets final results alone: what is read from it cannot be replaced.
+  // pipe or a device gets final results alone: what is read from it cannot be replaced. What
+  // another session's file FILE held is kept as FILE~.
   [[nodiscard]] Outcome write(const std::vector<CalibrationFile>& files,
                               const Calibration& calibration, bool final, std::uint64_t session);
 

@@ -127,7 +127,7 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
 
 void CalibSolver::write(const Job& job, const Calibration& calibration,
                         const std::stop_token& stop) {
-  const auto [written, kept] = files_.write(job.files, calibration, job.final, job.session);
+  const auto [written, kept, lost] = files_.write(job.files, calibration, job.final, job.session);
   GST_DEBUG_OBJECT(element_, "%" G_GSIZE_FORMAT " files: %s", job.files.size(),
                    written ? "written" : written.error().message.c_str());
   if (!kept.empty()) GST_INFO_OBJECT(element_, "'%s' stays another session's", kept.c_str());
@@ -146,6 +146,9 @@ void CalibSolver::write(const Job& job, const Calibration& calibration,
   }
   if (failed) {
     if (const auto telling = begin_telling(job, stop)) post_warning(element_, written.error());
+  }
+  if (lost) {
+    if (const auto telling = begin_telling(job, stop)) post_warning(element_, *lost);
   }
   if (held) {
     if (const auto telling = begin_telling(job, stop)) {

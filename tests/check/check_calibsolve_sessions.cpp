@@ -4,8 +4,11 @@
 // calibsolve and files that hold something already: another session's calibration is not lost to
 // the first result of a new one, and what this session has written follows it.
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
+
+#include <fmt/format.h>
 
 #include "calvin/io/calibration_io.hpp"
 #include "solve_fixture.hpp"
@@ -96,6 +99,51 @@ GST_START_TEST(test_the_signal_solve_replaces_it) {
     finals += g_str_equal(gst_structure_get_string(s, "state"), "final") ? 1 : 0;
   }
   fail_unless_equals_int(finals, 1);
+}
+GST_END_TEST;
+
+// Whoever calibrated better before has not lost it, and knows.
+GST_START_TEST(test_a_worse_final_result_says_so_and_keeps_what_was_there) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  const bool other_camera = __i__ == 1;
+  SolveFixture f("location=" + path);
+  leave(path, f, 0.0125, other_camera ? "right" : "left");
+  f.push_views(3);
+  f.eos();
+  fail_unless_equals_int(read_calibration(path)->views.size(), 3);
+  fail_unless(is_left(path + "~"));
+  const auto said = f.bus.texts(GST_MESSAGE_WARNING);
+  fail_unless_equals_int(said.size(), 1);
+  const std::string now = fmt::format("{:.3g} px", check::get(f.result("final"), "expected-error"));
+  for (const std::string& part :
+       {"'" + path + "'", "'" + path + "~'", std::string("0.0125 px"), now}) {
+    fail_if(said[0].find(part) == std::string::npos, "%s: %s", said[0].c_str(), part.c_str());
+  }
+  fail_unless((said[0].find("right") != std::string::npos) == other_camera);
+}
+GST_END_TEST;
+
+// What is no better goes without a word, and is kept too.
+GST_START_TEST(test_what_was_replaced_is_kept) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  for (const bool last : {false, true}) {
+    SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
+    leave(path, f, last ? std::nullopt : std::optional<double>(1e6));
+    push_slowly(f, 6);
+    f.eos();
+    fail_unless(is_left(path + "~"));
+    fail_unless_equals_int(read_calibration(path)->views.size(), 6);
+    fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+  }
+  // Of what was no calibration nothing is kept.
+  std::filesystem::remove(path + "~");
+  std::ofstream(path) << "what is this?";
+  SolveFixture f("location=" + path);
+  f.push_views(3);
+  f.eos();
+  fail_if(std::filesystem::exists(path + "~"));
 }
 GST_END_TEST;
 
@@ -201,6 +249,8 @@ static Suite* calibsolve_sessions_suite() {
   tcase_add_checked_fixture(tc, gst::register_metas, nullptr);
   tcase_add_test(tc, test_a_good_calibration_stays_until_the_result_is_final);
   tcase_add_test(tc, test_the_signal_solve_replaces_it);
+  tcase_add_loop_test(tc, test_a_worse_final_result_says_so_and_keeps_what_was_there, 0, 2);
+  tcase_add_test(tc, test_what_was_replaced_is_kept);
   tcase_add_test(tc, test_what_is_as_good_replaces_it_at_once);
   tcase_add_test(tc, test_what_cannot_be_compared_stays);
   tcase_add_test(tc, test_what_is_no_calibration_does_not_stay);
