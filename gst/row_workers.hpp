@@ -4,19 +4,19 @@
 // Threads that share one frame's work.
 #pragma once
 
-#include <condition_variable>
 #include <functional>
-#include <mutex>
-#include <thread>
-#include <vector>
+#include <memory>
+
+#include <sys/types.h>
 
 namespace calvin::gst {
 
-// One thread calls it at a time.
+// One thread calls it at a time. A child that the process forks has none of the threads: there it
+// is as if it had never been resized.
 class RowWorkers {
  public:
-  RowWorkers() = default;
-  ~RowWorkers() { resize(1); }
+  RowWorkers();
+  ~RowWorkers();
   RowWorkers(const RowWorkers&) = delete;
   RowWorkers& operator=(const RowWorkers&) = delete;
 
@@ -27,16 +27,12 @@ class RowWorkers {
   void run(const std::function<void(int, int)>& work);
 
  private:
-  // Does `part` of every run() after the one that `done` counts.
-  void serve(const std::stop_token& stop, int part, int done);
+  class Threads;
+  // In a forked child new ones, and the parent's are left: they cannot be joined there.
+  Threads& threads();
 
-  std::mutex lock_;
-  std::condition_variable_any begin_;
-  std::condition_variable end_;
-  const std::function<void(int, int)>* work_ = nullptr;
-  int turn_ = 0;  // counts run()
-  int busy_ = 0;
-  std::vector<std::jthread> threads_;
+  std::unique_ptr<Threads> threads_;
+  pid_t process_;  // that has them
 };
 
 }  // namespace calvin::gst

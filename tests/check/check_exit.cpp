@@ -99,6 +99,25 @@ static void free_in_a_child(const char* factory) {
   });
 }
 
+// A frame in the parent, whose threads share the rows of it, and one in the child.
+static void undistort_in_a_child() {
+  GstHarness* h = check::harness_of(check::make_element(
+      "calibundistort n-threads=4 calibration=fx=480,fy=478,cx=322,cy=236,k1=-0.28"));
+  gst_harness_set_src_caps(h, check::caps_of("GRAY8", {640, 480}));
+  const auto push = [h](int n) {
+    GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
+    gst_buffer_memset(buffer, 0, 0x80, 640 * 480);
+    GST_BUFFER_PTS(buffer) = static_cast<guint64>(n) * GST_SECOND / 30;
+    gst_buffer_unref(gst_harness_push_and_pull(h, buffer));
+  };
+  push(0);
+  as_child([&] {
+    for (int n = 1; n < 4; ++n) push(n);
+    gst_harness_teardown(h);
+    end();
+  });
+}
+
 // Never freed: at the end of a forked child somebody seems to wait at it still.
 static check::Gate& in_handler = *new check::Gate;
 static std::mutex application;
@@ -155,6 +174,7 @@ static const struct {
     {"a child frees a calibsolve", [] { free_in_a_child("calibsolve"); }},
     {"a child frees a calibrate", [] { free_in_a_child("calibrate"); }},
     {"a child frees a calibundistort", [] { free_in_a_child("calibundistort"); }},
+    {"a child undistorts", undistort_in_a_child},
     {"a child calibrates",
      [] {
        GstElement* element = check::make_element("calibsolve");
