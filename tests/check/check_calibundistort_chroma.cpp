@@ -24,6 +24,12 @@ static const Siting kJpeg = {false, false};
 static const Siting kMpeg2 = {true, false};
 static const Siting kCosited = {true, true};
 
+// Pixels of the picture in memory before the frame: a crop.
+struct Before {
+  int x = 0;
+  int y = 0;
+};
+
 struct Case {
   const char* format;
   ImageSize size;
@@ -31,7 +37,7 @@ struct Case {
   const char* behind;  // what the element behind wants
   Siting in;
   Siting out;
-  int before = 0;  // pixels of the picture in memory before the frame, each way: a crop
+  Before before = {};
 };
 static const ImageSize kPal = {720, 576};
 static const ImageSize kHd = {1280, 720};
@@ -65,11 +71,14 @@ static const Case kCases[] = {
     {"I420", kHd, "", "video/x-raw,width=854,height=480", kMpeg2, kMpeg2},
     {"I420", kPal, "", "video/x-raw,width=1280,height=1024", kJpeg, kJpeg},
     // A part that begins on an odd pixel, and on an even one.
-    {"I420", kPal, "", kAny, kJpeg, kJpeg, 1},
-    {"NV12", kHd, "", kAny, kMpeg2, kMpeg2, 1},
-    {"YUY2", kPal, "", kAny, kJpeg, kJpeg, 3},
-    {"I420_10LE", kHd, "", kAny, kMpeg2, kMpeg2, 1},
-    {"NV12", kHd, "", kAny, kMpeg2, kMpeg2, 2},
+    {"I420", kPal, "", kAny, kJpeg, kJpeg, {1, 1}},
+    {"NV12", kHd, "", kAny, kMpeg2, kMpeg2, {1, 1}},
+    {"YUY2", kPal, "", kAny, kJpeg, kJpeg, {3, 3}},
+    {"I420_10LE", kHd, "", kAny, kMpeg2, kMpeg2, {1, 1}},
+    {"NV12", kHd, "", kAny, kMpeg2, kMpeg2, {2, 2}},
+    // On an odd column of an even row, and the other way round.
+    {"I420", kPal, "", kAny, kJpeg, kJpeg, {1, 0}},
+    {"NV12", kHd, ",chroma-site=cosited", kAny, kCosited, kCosited, {4, 3}},
 };
 
 static constexpr double kRadial1 = -0.28;
@@ -113,13 +122,13 @@ struct Axes {
   std::vector<double> ys;
 };
 // As px of the frame, which begins so many behind the picture.
-static Axes axes_of(const GstVideoInfo& info, guint c, Siting site, int before = 0) {
+static Axes axes_of(const GstVideoInfo& info, guint c, Siting site, Before before = {}) {
   const int xs = static_cast<int>(GST_VIDEO_FORMAT_INFO_W_SUB(info.finfo, c));
   const int ys = static_cast<int>(GST_VIDEO_FORMAT_INFO_H_SUB(info.finfo, c));
-  return {
-      reference::sites(GST_VIDEO_INFO_WIDTH(&info) - before, xs, xs > 0 && site.x_cosited, before),
-      reference::sites(GST_VIDEO_INFO_HEIGHT(&info) - before, ys, ys > 0 && site.y_cosited,
-                       before)};
+  return {reference::sites(GST_VIDEO_INFO_WIDTH(&info) - before.x, xs, xs > 0 && site.x_cosited,
+                           before.x),
+          reference::sites(GST_VIDEO_INFO_HEIGHT(&info) - before.y, ys, ys > 0 && site.y_cosited,
+                           before.y)};
 }
 
 static guint8* sample(const GstVideoFrame& frame, guint c, std::size_t x, std::size_t y) {
@@ -129,12 +138,12 @@ static guint8* sample(const GstVideoFrame& frame, guint c, std::size_t x, std::s
 }
 
 // What the camera sees of the edge, and before the frame.
-static GstBuffer* render(const GstVideoInfo& info, const Edge& edge, Siting site, int before) {
+static GstBuffer* render(const GstVideoInfo& info, const Edge& edge, Siting site, Before before) {
   GstBuffer* buffer = gst_buffer_new_allocate(nullptr, info.size, nullptr);
   GstVideoFrame frame;
   fail_unless(gst_video_frame_map(&frame, &info, buffer, GST_MAP_WRITE));
-  const ImageSize size = {GST_VIDEO_INFO_WIDTH(&info) - before,
-                          GST_VIDEO_INFO_HEIGHT(&info) - before};
+  const ImageSize size = {GST_VIDEO_INFO_WIDTH(&info) - before.x,
+                          GST_VIDEO_INFO_HEIGHT(&info) - before.y};
   const double f = focal_of(size);
   for (guint c = 0; c < GST_VIDEO_INFO_N_COMPONENTS(&info); ++c) {
     const int depth = static_cast<int>(GST_VIDEO_INFO_COMP_DEPTH(&info, c));
@@ -200,13 +209,13 @@ static Registration locate(const GstVideoFrame& frame, guint c, const Edge& edge
 
 // A buffer whose frame is of the format.
 static GstBuffer* picture_of(const Case& k, const GstVideoInfo& frame, const Edge& edge) {
-  if (k.before == 0) return render(frame, edge, k.in, 0);
+  if (k.before.x == 0 && k.before.y == 0) return render(frame, edge, k.in, {});
   GstVideoInfo info;
   gst_video_info_set_format(&info, GST_VIDEO_INFO_FORMAT(&frame),
-                            static_cast<guint>(k.size.width + k.before),
-                            static_cast<guint>(k.size.height + k.before));
+                            static_cast<guint>(k.size.width + k.before.x),
+                            static_cast<guint>(k.size.height + k.before.y));
   GstBuffer* buffer = render(info, edge, k.in, k.before);
-  add_crop(buffer, info, {{info.width, info.height}, k.before, k.before, k.size});
+  add_crop(buffer, info, {{info.width, info.height}, k.before.x, k.before.y, k.size});
   return buffer;
 }
 
