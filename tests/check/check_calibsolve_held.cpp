@@ -7,6 +7,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <functional>
@@ -165,11 +166,23 @@ GST_START_TEST(test_a_held_solve_of_a_session_that_ends_is_thrown_away) {
 }
 GST_END_TEST;
 
+// One less than these are not what an earlier solve has: those are of 3, 4, 6, 8 and 11 views.
+static constexpr int kViews = 13;
+
+// Whether the file holds every view but the one of that frame.
+static bool is_left_out(const std::string& path, guint64 frame) {
+  const auto calibration = read_calibration(path);
+  return calibration->views.size() == kViews - 1 &&
+         std::none_of(
+             calibration->views.begin(), calibration->views.end(),
+             [frame](const ViewRecord& view) { return view.timestamp == frame * GST_SECOND / 30; });
+}
+
 GST_START_TEST(test_a_held_solve_with_a_view_that_is_removed_is_thrown_away) {
   check::TemporaryFolder folder;
   HeldFixture f("location=" + folder / "cam.json");
   solved.close();
-  f.push_views(12);
+  f.push_views(kViews);
   fail_unless(solved.reached());
   gboolean removed = FALSE;
   g_signal_emit_by_name(f.element, "remove-view", 5U, &removed);
@@ -177,11 +190,11 @@ GST_START_TEST(test_a_held_solve_with_a_view_that_is_removed_is_thrown_away) {
   solved.open();
   // No EOS: the file follows by itself.
   for (int i = 0; i < 1000 && f.views_of_results().empty(); ++i) g_usleep(10000);
-  fail_unless(f.views_of_results() == std::vector<int>{11});
-  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 11);
+  fail_unless(f.views_of_results() == std::vector<int>{kViews - 1});
+  fail_unless(is_left_out(folder / "cam.json", 5));
   gst_harness_push_event(f.h, gst_event_new_eos());
-  fail_unless_equals_int(f.views_announced(), 11);
-  for (const int views : f.views_of_results()) fail_unless_equals_int(views, 11);
+  fail_unless_equals_int(f.views_announced(), kViews - 1);
+  for (const int views : f.views_of_results()) fail_unless_equals_int(views, kViews - 1);
 }
 GST_END_TEST;
 
@@ -272,15 +285,15 @@ GST_START_TEST(test_a_view_that_is_removed_during_a_write_leaves_the_file) {
   check::TemporaryFolder folder;
   HeldFixture f("location=" + folder / "cam.json");
   written.close();
-  f.push_views(12);
+  f.push_views(kViews);
   fail_unless(written.reached());
   gboolean removed = FALSE;
   g_signal_emit_by_name(f.element, "remove-view", 0U, &removed);
   fail_unless(removed);
   written.open();
   for (int i = 0; i < 1000 && f.views_of_results().empty(); ++i) g_usleep(10000);
-  fail_unless(f.views_of_results() == std::vector<int>{11});
-  fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 11);
+  fail_unless(f.views_of_results() == std::vector<int>{kViews - 1});
+  fail_unless(is_left_out(folder / "cam.json", 0));
 }
 GST_END_TEST;
 
