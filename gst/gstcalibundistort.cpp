@@ -22,7 +22,6 @@
 #include <gst/video/gstvideofilter.h>
 
 #include "calibration_event.hpp"
-#include "calibration_input.hpp"
 #include "dma_caps.hpp"
 #include "elements.hpp"
 #include "frame_check.hpp"
@@ -30,54 +29,21 @@
 #include "frame_part.hpp"
 #include "messages.hpp"
 #include "meta_filter.hpp"
-#include "orientation_tags.hpp"
-#include "output_event.hpp"
 #include "properties.hpp"
 #include "refused_caps.hpp"
 #include "undistort_caps.hpp"
 #include "undistort_properties.hpp"
+#include "undistort_state.hpp"
 
-GST_DEBUG_CATEGORY_STATIC(calibundistort_debug);
+GST_DEBUG_CATEGORY(calibundistort_debug);
 #define GST_CAT_DEFAULT calibundistort_debug
 
 using namespace calvin;
 using gst::EventPtr;
-using gst::FrameWarp;
-
-namespace {
-
-GParamSpec* output_calibration_spec;
-
-struct State {
-  std::mutex lock;
-  // Under the lock.
-  gst::UndistortSettings settings;
-  bool calibration_changed = false;
-  std::string output_calibration;
-  EventPtr arrived_event;                    // a calibration event, not yet looked at
-  std::shared_ptr<const Undistorter> shown;  // how the last frame was moved
-
-  FrameWarp warp;
-
-  // Streaming thread, or before it starts.
-  gst::CalibrationInput input;
-  gst::OrientationTags tags;
-  gst::FrameFormat in;  // as the caps say
-  gst::FrameFormat out;
-  std::optional<FramePart> part;  // of the last buffer
-  bool distort = false;           // the frames that come out have the lens in them
-  std::optional<std::pair<gst::FrameFormat, std::optional<FramePart>>> fitted;  // `input` is
-  std::optional<bool> live;    // unknown: not asked since the last caps
-  bool renegotiated = false;   // since the last update()
-  bool frame_refused = false;  // and the user was told so
-  gst::OutputEvent output;
-};
-
-}  // namespace
 
 struct _GstCalibUndistort {
   GstVideoFilter parent;
-  State* state;
+  gst::UndistortState* state;
 };
 
 #define GST_TYPE_CALIB_UNDISTORT (gst_calib_undistort_get_type())
@@ -87,104 +53,16 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(
     calibundistort, "calibundistort", GST_RANK_NONE, GST_TYPE_CALIB_UNDISTORT,
     GST_DEBUG_CATEGORY_INIT(calibundistort_debug, "calibundistort", 0, "undistorts video"))
 
-// The settings as they are now. What has changed goes to the input; that of an event is returned.
-static gst::UndistortSettings take_settings(State& s, EventPtr& event) {
-  const std::lock_guard guard(s.lock);
-  if (std::exchange(s.calibration_changed, false)) s.input.set_text(s.settings.calibration);
-  event = std::move(s.arrived_event);
-  return s.settings;
-}
-
-static void set_output_calibration(GstCalibUndistort* self, const std::string& json) {
-  {
-    const std::lock_guard guard(self->state->lock);
-    if (json == std::exchange(self->state->output_calibration, json)) return;
-  }
-  g_object_notify_by_pspec(G_OBJECT(self), output_calibration_spec);
-}
-
-// Tells downstream, and whoever listens to `output-calibration`, what the frames from now on are.
-static void announce(GstCalibUndistort* self) {
-  State& s = *self->state;
-  EventPtr event = s.output.next(s.warp, s.input);
-  if (!event) return;
-  GST_DEBUG_OBJECT(self, "announces %" GST_PTR_FORMAT, static_cast<void*>(event.get()));
-  const auto calibration = gst::parse_calibration_event(event.get());
-  gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self), event.release());
-  set_output_calibration(self, calibration ? calibration->json : "");
-}
-
-// The calibration is that of the frames with the lens in them.
-static void fit_input(State& s) {
-  std::pair wanted(s.distort ? s.out : s.in, s.distort ? std::nullopt : s.part);
-  auto& [frames, part] = wanted;
-  if (part) frames.info = gst::with_size(frames.info, part->size);
-  if (s.fitted == wanted) return;
-  s.input.set_frames(frames.info, part);
-  s.fitted = std::move(wanted);
-}
-
-// Brings everything up to date with the properties, the file and the events. Between two frames.
-static void update(GstCalibUndistort* self) {
-  State& s = *self->state;
-  GstBaseTransform* trans = GST_BASE_TRANSFORM(self);
-  s.renegotiated = false;
-  EventPtr event;
-  const gst::UndistortSettings settings = take_settings(s, event);
-  if (event) {
-    const Status taken = s.input.take_event(event.get());
-    if (!taken) gst::post_warning(GST_ELEMENT(self), taken.error());
-  }
-  if (!s.live) s.live = gst::upstream_is_live(trans);
-  s.distort = settings.view.distort();
-  const int serial = s.input.serial();
-  const auto before = s.warp.current();
-  fit_input(s);
-  auto errors = s.input.update(gst::CalibrationReader::Clock::now());
-  const gst::ViewSettings& view = settings.view;
-  const auto more = s.warp.update(s.input, {settings.enabled, view.view(), view.distort(), *s.live,
-                                            view.sampling(), view.threads});
-  errors.insert(errors.end(), more.begin(), more.end());
-  for (const Error& error : errors) gst::post_warning(GST_ELEMENT(self), error);
-  if (serial != s.input.serial()) {
-    GST_INFO_OBJECT(self, "%s calibration", s.input.camera() ? "takes a" : "has no");
-  }
-  if (before != s.warp.current()) GST_DEBUG_OBJECT(self, "%s", s.warp.describe().c_str());
-  {
-    const std::lock_guard guard(s.lock);
-    s.shown = s.warp.current();
-  }
-  const bool passthrough = !s.warp.current() && !s.warp.must_move();
-  if (passthrough != (gst_base_transform_is_passthrough(trans) != FALSE)) {
-    gst_base_transform_set_passthrough(trans, passthrough);
-    // Upstream got downstream's buffers while the frames passed through.
-    gst_base_transform_reconfigure_sink(trans);
-    gst_base_transform_reconfigure_src(trans);
-  }
-  announce(self);
-}
-
-// The frame may be another part of the buffer's picture from now on.
-static void follow_crop(GstCalibUndistort* self, GstBuffer* buffer) {
-  State& s = *self->state;
-  const auto part = gst::part_of(buffer, s.in.info);
-  if (part == std::exchange(s.part, part)) return;
-  GST_DEBUG_OBJECT(self, "the frame is %s of the picture in memory", part ? "a part" : "all");
-  gst::FrameFormat in = s.in;
-  if (part) in.info = gst::with_size(s.in.info, part->size);
-  s.warp.set_frames(in, s.out, part);
-}
-
 static void gst_calib_undistort_before_transform(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
-  State& s = *self->state;
+  gst::UndistortState& s = *self->state;
   if (!s.warp.has_frames()) return;
-  follow_crop(self, buffer);
+  s.follow_crop(buffer);
   const auto times = gst::frame_times(&trans->segment, buffer);
   if (GST_CLOCK_TIME_IS_VALID(times.stream_time)) {
     gst_object_sync_values(GST_OBJECT(self), times.stream_time);
   }
-  update(self);
+  s.update();
   s.warp.begin();
   GST_LOG_OBJECT(self, "%s: %" GST_PTR_FORMAT, s.warp.describe().c_str(),
                  static_cast<void*>(buffer));
@@ -193,10 +71,10 @@ static void gst_calib_undistort_before_transform(GstBaseTransform* trans, GstBuf
 // GstBaseTransform looks after before_transform whether downstream wants other frames.
 static GstFlowReturn gst_calib_undistort_prepare_output_buffer(GstBaseTransform* trans,
                                                                GstBuffer* in, GstBuffer** out) {
-  GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
-  if (self->state->renegotiated) {
-    follow_crop(self, in);
-    update(self);
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
+  if (s.renegotiated) {
+    s.follow_crop(in);
+    s.update();
   }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
       ->prepare_output_buffer(trans, in, out);
@@ -216,7 +94,7 @@ static GstFlowReturn gst_calib_undistort_transform_frame(GstVideoFilter* filter,
 static GstFlowReturn gst_calib_undistort_transform(GstBaseTransform* trans, GstBuffer* in,
                                                    GstBuffer* out) {
   GstVideoFilter* filter = GST_VIDEO_FILTER(trans);
-  State& s = *GST_CALIB_UNDISTORT(trans)->state;
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
   const GstVideoInfo whole =
       s.part ? gst::with_size(filter->in_info, s.part->whole) : filter->in_info;
   if (const Status readable = gst::check_frame(whole, in); !readable) {
@@ -257,7 +135,7 @@ static gboolean gst_calib_undistort_set_caps(GstBaseTransform* trans, GstCaps* i
 static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in_caps,
                                              GstVideoInfo* in_info, GstCaps* out_caps,
                                              GstVideoInfo* out_info) {
-  State& s = *GST_CALIB_UNDISTORT(filter)->state;
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(filter)->state;
   const gst::FrameFormat in(*in_info, in_caps);
   const gst::FrameFormat out(*out_info, out_caps);
   if (s.warp.has_frames() && s.in == in && s.out == out) return TRUE;
@@ -279,7 +157,7 @@ static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in
 
 static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent* event) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
-  State& s = *self->state;
+  gst::UndistortState& s = *self->state;
   if (gst::CalibrationInput::is_calibration(event)) {
     GST_DEBUG_OBJECT(self, "got %" GST_PTR_FORMAT, static_cast<void*>(event));
     // It goes on as it is, or as the calibration of the output. The peer's event is not serialized:
@@ -290,7 +168,7 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
       const std::lock_guard guard(s.lock);
       s.arrived_event.reset(event);
     }
-    if (now) update(self);
+    if (now) s.update();
     return TRUE;
   }
   if (s.tags.take(event)) s.input.set_upright(s.tags.upright());
@@ -298,7 +176,7 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
 }
 
 static gboolean gst_calib_undistort_src_event(GstBaseTransform* trans, GstEvent* event) {
-  State& s = *GST_CALIB_UNDISTORT(trans)->state;
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
   // The peer's event goes both ways: cameracalibrate may stand behind this element.
   if (gst::CalibrationInput::is_calibration(event)) {
     const std::lock_guard guard(s.lock);
@@ -317,13 +195,13 @@ static gboolean gst_calib_undistort_src_event(GstBaseTransform* trans, GstEvent*
 
 static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
-  State& s = *self->state;
+  gst::UndistortState& s = *self->state;
   s.output.reset();
   s.tags.reset();
   EventPtr stale;
-  take_settings(s, stale);
+  static_cast<void>(s.take_settings(stale));
   s.fitted.reset();
-  set_output_calibration(self, "");
+  s.set_output_calibration("");
   gst_base_transform_set_passthrough(trans, TRUE);
   for (const Error& error : s.input.start()) {
     if (error.code != ErrorCode::kNotFound) {
@@ -339,7 +217,7 @@ static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
 }
 
 static gboolean gst_calib_undistort_stop(GstBaseTransform* trans) {
-  State& s = *GST_CALIB_UNDISTORT(trans)->state;
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
   s.input.stop();
   s.warp.stop();
   s.output.reset();
@@ -359,7 +237,7 @@ static GstStateChangeReturn gst_calib_undistort_change_state(GstElement* element
 
 static void gst_calib_undistort_set_property(GObject* object, guint id, const GValue* value,
                                              GParamSpec* pspec) {
-  State& s = *GST_CALIB_UNDISTORT(object)->state;
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(object)->state;
   {
     const std::lock_guard guard(s.lock);
     s.calibration_changed |= gst::tells_calibration(id);
@@ -372,7 +250,7 @@ static void gst_calib_undistort_set_property(GObject* object, guint id, const GV
 
 static void gst_calib_undistort_get_property(GObject* object, guint id, GValue* value,
                                              GParamSpec* pspec) {
-  State& s = *GST_CALIB_UNDISTORT(object)->state;
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(object)->state;
   const std::lock_guard guard(s.lock);
   if (id == gst::kUndistortOutputCalibration) {
     gst::set_string(value, s.output_calibration);
@@ -387,7 +265,7 @@ static void gst_calib_undistort_finalize(GObject* object) {
 }
 
 static void gst_calib_undistort_init(GstCalibUndistort* self) {
-  self->state = new State;
+  self->state = new gst::UndistortState(GST_BASE_TRANSFORM(self));
   gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);
   gst::explain_refused_caps(GST_ELEMENT(self));
 }
@@ -418,7 +296,6 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   filter_class->set_info = gst_calib_undistort_set_info;
   filter_class->transform_frame = gst_calib_undistort_transform_frame;
   gst::install_undistort_properties(object_class);
-  output_calibration_spec = g_object_class_find_property(object_class, "output-calibration");
   gst::add_undistort_pads(element_class);
   gst_element_class_set_static_metadata(
       element_class, "Camera undistortion", "Filter/Effect/Video",
