@@ -128,6 +128,112 @@ GST_START_TEST(test_drawings_are_on_the_frame) {
 GST_END_TEST;
 #endif
 
+// ---- calibundistort -----------------------------------------------------------------------------
+
+// A frame of noise in memory, of which `part` is the frame that the caps speak of.
+static GstBuffer* cropped_noise(const char* format, const FramePart& part, int n) {
+  GstBuffer* buffer = Fixture::noise(format, part.whole, n);
+  GstVideoInfo info;
+  gst_video_info_set_format(&info, gst_video_format_from_string(format),
+                            static_cast<guint>(part.whole.width),
+                            static_cast<guint>(part.whole.height));
+  add_crop(buffer, info, part);
+  return buffer;
+}
+
+// What the frames are when they were copied out of the larger picture, for which the calibration
+// holds: the lens kBarrel whose centre has moved.
+static std::string moved_barrel(const FramePart& part) {
+  return "fx=480,fy=478,cx=" + std::to_string(325 - part.x) +
+         ",cy=" + std::to_string(236 - part.y) +
+         ",k1=-0.28,k2=0.09,p1=0.0005,p2=-0.0007,width=" + std::to_string(part.size.width) +
+         ",height=" + std::to_string(part.size.height);
+}
+
+static GstBuffer* copied_out(GstBuffer* whole, const FramePart& part) {
+  const auto pixels = gray_of(whole, part.whole);
+  GrayImage image(part.size.width, part.size.height);
+  for (int y = 0; y < part.size.height; ++y) {
+    std::copy_n(pixels.begin() + (part.y + y) * part.whole.width + part.x, part.size.width,
+                image.row(y));
+  }
+  return frame_of(image, "GRAY8", 0);
+}
+
+// The picture wanders over the sensor: each frame is as if it had been cut out and undistorted.
+GST_START_TEST(test_a_crop_is_followed_from_frame_to_frame) {
+  const ImageSize size = {320, 200};
+  Fixture f("calibundistort");
+  g_object_set(f.element, "calibration", kBarrel, nullptr);
+  f.set_caps("GRAY8", size);
+  int n = 0;
+  for (const Pixel at : {Pixel{0, 0}, Pixel{160, 140}, Pixel{161, 140}, Pixel{320, 280}}) {
+    const FramePart part = {kSize, static_cast<int>(at.u), static_cast<int>(at.v), size};
+    GstBuffer* in = cropped_noise("GRAY8", part, n++);
+    Fixture plain("calibundistort");
+    g_object_set(plain.element, "calibration", moved_barrel(part).c_str(), nullptr);
+    plain.set_caps("GRAY8", size);
+    g_autoptr(GstBuffer) want = gst_harness_push_and_pull(plain.h, copied_out(in, part));
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
+    fail_unless(gray_of(out, size) == gray_of(want, size), "%d", n);
+    fail_unless(gst_buffer_get_video_crop_meta(out) == nullptr);
+    fail_unless(output_calibration(f) == output_calibration(plain));
+  }
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+  // The whole picture again.
+  f.set_caps("GRAY8", kSize);
+  g_autoptr(GstBuffer) whole = f.push(kSize, n);
+  fail_unless(gray_of(whole, kSize) == expected_gray(kBarrel, kSize));
+}
+GST_END_TEST;
+
+// Decoders have rows in memory that are not part of the picture.
+GST_START_TEST(test_a_calibration_of_the_cropped_frames_holds_for_them) {
+  const FramePart part = {{672, 512}, 16, 0, kSize};
+  Fixture f("calibundistort");
+  g_object_set(f.element, "calibration", kBarrel, nullptr);
+  f.set_caps("GRAY8", kSize);
+  GstBuffer* in = cropped_noise("GRAY8", part, 0);
+  Fixture plain("calibundistort");
+  g_object_set(plain.element, "calibration", kBarrel, nullptr);
+  plain.set_caps("GRAY8", kSize);
+  g_autoptr(GstBuffer) want = gst_harness_push_and_pull(plain.h, copied_out(in, part));
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
+  fail_unless(gray_of(out, kSize) == gray_of(want, kSize));
+}
+GST_END_TEST;
+
+// Chroma comes from beside its luma.
+GST_START_TEST(test_a_crop_of_several_planes) {
+  const char* const format = __i__ == 0 ? "NV12" : __i__ == 1 ? "I420" : "YUY2";
+  const FramePart part = {kSize, 64, 48, {320, 200}};
+  Fixture f("calibundistort");
+  g_object_set(f.element, "calibration", kBarrel, nullptr);
+  f.set_caps(format, part.size);
+  // GStreamer's own way to cut the frame out.
+  Fixture plain("videocrop left=64 top=48 right=256 bottom=232 ! calibundistort");
+  g_object_set(plain.element, "calibration", moved_barrel(part).c_str(), nullptr);
+  plain.set_caps(format, kSize);
+  g_autoptr(GstBuffer) want = gst_harness_push_and_pull(plain.h, Fixture::noise(format, kSize, 0));
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, cropped_noise(format, part, 0));
+  GstMapInfo map;
+  gst_buffer_map(want, &map, GST_MAP_READ);
+  fail_unless(gst_buffer_memcmp(out, 0, map.data, map.size) == 0, "%s", format);
+  gst_buffer_unmap(want, &map);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_without_a_calibration_a_crop_passes_through) {
+  const FramePart part = {kSize, 64, 48, {320, 200}};
+  Fixture f("calibundistort");
+  f.set_caps("GRAY8", part.size);
+  GstBuffer* in = cropped_noise("GRAY8", part, 0);
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
+  fail_unless(out == in);
+  fail_unless(gst_buffer_get_video_crop_meta(out) != nullptr);
+}
+GST_END_TEST;
+
 static Suite* cropped_frames_suite() {
   gst::register_metas();
   Suite* suite = suite_create("cropped_frames");
@@ -139,6 +245,10 @@ static Suite* cropped_frames_suite() {
 #if CALVIN_HAVE_CAIRO
   tcase_add_test(tc, test_drawings_are_on_the_frame);
 #endif
+  tcase_add_test(tc, test_a_crop_is_followed_from_frame_to_frame);
+  tcase_add_test(tc, test_a_calibration_of_the_cropped_frames_holds_for_them);
+  tcase_add_loop_test(tc, test_a_crop_of_several_planes, 0, 3);
+  tcase_add_test(tc, test_without_a_calibration_a_crop_passes_through);
   return suite;
 }
 
