@@ -297,6 +297,44 @@ TEST(Recheck, AStillBoardIsOneView) {
   for (int i = 0; i < 100; ++i) EXPECT_NEAR(recheck.add(view)->moved, once, 1e-9);
 }
 
+// What was seen longest ago gives way: a lens that was turned since is judged by what it shows now.
+TEST(Recheck, TheLatestViewsCount) {
+  Random random(8);
+  const Camera camera = scenes::random_camera("brown4", random);
+  std::vector<double> p = camera.parameters();
+  p[0] *= 1.02;
+  p[1] *= 1.02;
+  p[3] += 8;
+  const Camera now = Camera::make("brown4", kSize, p).value();
+  const double truth = true_change(camera, now);
+  Recheck recheck(camera, camera.to_calibration());
+  double moved = 0;
+  for (const View& view : views_of(camera, random, 30, 0.05)) moved = recheck.add(view)->moved;
+  EXPECT_LT(moved, 0.2 * truth);
+  for (const View& view : views_of(now, random, 60, 0.05)) moved = recheck.add(view)->moved;
+  EXPECT_NEAR(moved, truth, 0.1 * truth);
+}
+
+// How the board of the calibration was bent says nothing of another one.
+TEST(Recheck, AnotherBoardIsFlat) {
+  const Board other = {BoardKind::kCheckerboard, 7, 6, 0.03};
+  Random random(9);
+  const Camera camera = scenes::random_camera("brown4", random);
+  Calibration calibration = camera.to_calibration();
+  calibration.board = kBoard.text();
+  calibration.warp = BoardWarp{2e-3, -1e-3, {}, {}};
+  Recheck recheck(camera, calibration);
+  for (const SE3& pose : scenes::random_poses(camera, other, random, 10)) {
+    const auto report = recheck.add(scenes::observe(camera, other, pose, 0, random));
+    ASSERT_TRUE(report);
+    EXPECT_LT(report->rms, 1e-6);
+    EXPECT_LT(report->moved, 1e-3);
+  }
+  // And that of the calibration is not.
+  const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.5);
+  EXPECT_GT(recheck.add(scenes::observe(camera, kBoard, pose, 0, random))->rms, 0.1);
+}
+
 TEST(Recheck, AFrameOfAnotherSizeIsRefused) {
   Random random(1);
   const Camera camera = scenes::random_camera("brown5", random);
