@@ -88,6 +88,26 @@ TEST(HeldOut, IsWhatASolveWithoutTheViewFinds) {
   EXPECT_NEAR(*solution->calibration.held_out_rms / std::sqrt(sum / corners), 1, 0.01);
 }
 
+// The only view has no others that could tell the camera, nor halves that could differ.
+TEST(HeldOut, OfTheOnlyViewIsNone) {
+  for (int i = 0; i < 20; ++i) {
+    Random random(static_cast<std::uint64_t>(i));
+    const Camera camera = scenes::random_camera("pinhole", random);
+    SolveOptions options = plain();
+    options.model = "pinhole";
+    options.initial = camera.to_calibration();
+    options.fix = {"fx", "fy"};
+    const auto views = scenes::observe_all(
+        camera, kBoard, {scenes::random_pose(camera, kBoard, random, 0.6)}, 0.1, random);
+    const auto solution = solve(views, kSize, options);
+    ASSERT_TRUE(solution) << solution.error().message;
+    EXPECT_FALSE(solution->calibration.held_out_rms) << *solution->calibration.held_out_rms;
+    ASSERT_EQ(solution->held_out.size(), 1u);
+    EXPECT_TRUE(std::isinf(solution->held_out[0]));
+    EXPECT_EQ(solution->misfit.halves, 1);
+  }
+}
+
 // Corners by which a view is told the better weigh the more.
 TEST(HeldOut, IsTheMeanByWeight) {
   Random random(42);

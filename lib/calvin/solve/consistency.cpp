@@ -147,7 +147,7 @@ class Judge {
       result.board = board_.excess(variance_, kept, rigid + freedom_.layout.modes);
     }
     result.held_out = std::move(held_out_);
-    if (predicted_ > 0) result.halves = std::sqrt(observed_ / predicted_);
+    if (predicted_ > 0 && used_ > 1) result.halves = std::sqrt(observed_ / predicted_);
     return result;
   }
 
@@ -157,6 +157,7 @@ class Judge {
       if (!fit_.used[v]) continue;
       residuals_ += 2 * static_cast<double>(fit_.views[v].used());
       unknowns_ += 6;
+      ++used_;
       boards_.insert(fit_.views[v].board);
     }
     told_ = static_cast<double>(covariance_.rows()) - told_by_priors(fit_, freedom_);
@@ -177,7 +178,9 @@ class Judge {
       return;
     }
     const auto reduced = problem.reduced();
-    held_out_.push_back(reduced ? held_out(*reduced, fit_.views[v]) : kUnknown);
+    // Without the only view there is nothing but what priors tell.
+    const bool rest = used_ > 1 || !freedom_.priors.empty();
+    held_out_.push_back(reduced && rest ? held_out(*reduced, fit_.views[v]) : kUnknown);
     if (reduced) add_view(*reduced);
     add_residuals(v, points);
   }
@@ -255,6 +258,7 @@ class Judge {
   double variance_;
   Eigen::MatrixXd covariance_;
   Eigen::MatrixXd metric_;
+  std::size_t used_ = 0;  // views
   double residuals_ = 0;
   double unknowns_ = 0;
   double told_ = 0;  // how many of the directions the corners determine, not the priors
