@@ -238,11 +238,13 @@ void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& cam
         "the board to the other side too.",
         center));
   }
-  const double f = solution.calibration.parameters[0].value;
-  if (std::sqrt(c(0, 0)) > kWeakFocalSigma * f) {
+  const auto& parameters = solution.calibration.parameters;
+  const double focal =
+      std::max(std::sqrt(c(0, 0)) / parameters[0].value, std::sqrt(c(1, 1)) / parameters[1].value);
+  if (focal > kWeakFocalSigma) {
     solution.remarks.push_back(fmt::format(
         "The focal length is weak (+- {:.1f} %): tilt the board more, 30 to 45 degrees.",
-        100 * std::sqrt(c(0, 0)) / f));
+        100 * focal));
   }
   if (solution.misfit.found()) solution.remarks.push_back(advice(solution.misfit.cause));
   // The picture of a lens that sees past 90 degrees may end before the image does.
