@@ -289,6 +289,27 @@ TEST(Undistorter, ABoxFollowsItsPixels) {
   EXPECT_GT(shown, 45);
 }
 
+// Where nothing is moved a box is what it was, cut to the picture, to a fraction of a pixel.
+TEST(Undistorter, ABoxStaysInAPictureThatStays) {
+  const Undistorter undistorter = undistorter_of({"pinhole", "pinhole", {}}, 480, {0, {}});
+  for (const Rectangle& box : {Rectangle{100.3, 80.6, 60.2, 90.7},
+                               {-50.3, 100.2, 120.1, 70.6},
+                               {500.7, 380.4, 300, 300},
+                               {20.2, -30.1, 200.6, 60.5},
+                               {600.6, 50.3, 90, 40.4},
+                               {30.7, 430.2, 80.6, 90}}) {
+    const double right = std::min(box.x + box.width, 640.0);
+    const double bottom = std::min(box.y + box.height, 480.0);
+    const auto found = undistorter.to_output(box);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_NEAR(found->x, std::max(box.x, 0.0), 1e-6);
+    EXPECT_NEAR(found->y, std::max(box.y, 0.0), 1e-6);
+    EXPECT_NEAR(found->x + found->width, right, 1e-6);
+    EXPECT_NEAR(found->y + found->height, bottom, 1e-6);
+  }
+  EXPECT_FALSE(undistorter.to_output(Rectangle{-50, 100, 49, 70}));
+}
+
 TEST(Undistorter, APointerOutsideThePictureIsAtItsBorder) {
   const Undistorter undistorter = undistorter_of(kBarrel, 480, {1, {}});
   int outside = 0;

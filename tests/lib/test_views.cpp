@@ -68,6 +68,49 @@ TEST(Projection, GoesThereAndBack) {
   EXPECT_FALSE(from_plane(Projection::kFisheye, {4, 0}).has_value());
 }
 
+// 75 degrees off the axis for a plane, and of latitude where its tangent is drawn; 150 degrees
+// where the picture of what lies behind would be without end; everything for the others.
+TEST(Projection, EndsWhereItSays) {
+  const auto across = [](double degrees, double direction) {
+    const double angle = degrees * kPi / 180;
+    return Eigen::Vector3d(std::sin(angle) * std::cos(direction),
+                           std::sin(angle) * std::sin(direction), std::cos(angle));
+  };
+  const auto at = [](double longitude, double latitude) {
+    const double l = longitude * kPi / 180;
+    const double b = latitude * kPi / 180;
+    return Eigen::Vector3d(std::sin(l) * std::cos(b), std::sin(b), std::cos(l) * std::cos(b));
+  };
+  const auto shows = [](Projection projection, const Eigen::Vector3d& direction) {
+    return to_plane(projection, 2.5 * direction).has_value();
+  };
+  for (const double sign : {-1.0, 1.0}) {
+    for (const double direction : {0.0, 0.7, 2.0, 4.0}) {
+      EXPECT_TRUE(shows(Projection::kRectilinear, across(74.9, direction)));
+      EXPECT_FALSE(shows(Projection::kRectilinear, across(75.1, direction)));
+      EXPECT_FALSE(shows(Projection::kRectilinear, across(179, direction)));
+      EXPECT_TRUE(shows(Projection::kStereographic, across(149.9, direction)));
+      EXPECT_FALSE(shows(Projection::kStereographic, across(150.1, direction)));
+      EXPECT_TRUE(shows(Projection::kFisheye, across(179.9, direction)));
+    }
+    for (const double longitude : {-149.9, -90.0, 0.0, 20.0, 149.9}) {
+      EXPECT_TRUE(shows(Projection::kCylindrical, at(longitude, sign * 74.9)));
+      EXPECT_FALSE(shows(Projection::kCylindrical, at(longitude, sign * 75.1)));
+      EXPECT_TRUE(shows(Projection::kPanini, at(longitude, sign * 74.9)));
+      EXPECT_FALSE(shows(Projection::kPanini, at(longitude, sign * 75.1)));
+    }
+    EXPECT_TRUE(shows(Projection::kCylindrical, at(sign * 179.9, 0)));
+    EXPECT_TRUE(shows(Projection::kEquirectangular, at(sign * 179.9, -sign * 89.9)));
+    EXPECT_FALSE(shows(Projection::kPanini, at(sign * 150.1, 0)));
+    // And what is drawn there leads nowhere.
+    EXPECT_TRUE(from_plane(Projection::kCylindrical, {sign * 0.999 * kPi, 0}));
+    EXPECT_FALSE(from_plane(Projection::kCylindrical, {sign * 1.001 * kPi, 0}));
+    EXPECT_FALSE(from_plane(Projection::kEquirectangular, {sign * 1.001 * kPi, 0}));
+    EXPECT_FALSE(from_plane(Projection::kEquirectangular, {0, sign * 0.501 * kPi}));
+    EXPECT_FALSE(from_plane(Projection::kFisheye, {0, sign * 1.001 * kPi}));
+  }
+}
+
 TEST(OutputView, AtAlphaZeroHasNoInvalidPixelInAnyProjection) {
   for (const Projection projection : kProjections) {
     for (const Camera& source : {barrel(), wide()}) {
