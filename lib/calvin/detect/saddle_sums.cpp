@@ -10,7 +10,7 @@
 #include <hwy/foreach_target.h>
 // The order matters: Highway includes this file again for each target from the line above.
 #include <hwy/highway.h>
-// Likewise.
+// The model is included once for each target, too.
 #include "calvin/detect/saddle_model-inl.hpp"
 
 #include <algorithm>

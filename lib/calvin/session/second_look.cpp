@@ -148,7 +148,7 @@ class SecondLook {
     }
   }
 
-  // By the neighbours in a row and in a column: how level and contrast change across the corner.
+  // Sets how level and contrast change across the corner, from its neighbours in row and column.
   void set_slopes(std::size_t i, const std::vector<std::optional<SaddleFit>>& first) {
     const int id = seen_.ids[i];
     const auto neighbour = [&](int columns, int rows) -> const SaddleFit* {
@@ -189,7 +189,7 @@ class SecondLook {
   std::vector<std::size_t> at_;                 // per id
 };
 
-// The views with the corners as the solution lets them be seen.
+// Refines the corners of all views that the solution uses, from where it predicts them.
 void look_again(std::vector<View>& views, const Solution& solution, const std::stop_token& stop) {
   const auto camera = Camera::make(solution.calibration);
   if (!camera) return;
@@ -203,7 +203,7 @@ void look_again(std::vector<View>& views, const Solution& solution, const std::s
   }
 }
 
-// The same solve from where the last one ended.
+// The options of a further run, which starts from the calibration of the last one.
 SolveOptions from(const SolveOptions& options, const Calibration& calibration) {
   SolveOptions again = options;
   again.model = calibration.model;
@@ -211,7 +211,7 @@ SolveOptions from(const SolveOptions& options, const Calibration& calibration) {
   return again;
 }
 
-// Whether another run would find nothing new.
+// Whether two calibrations are so near that another run would change nothing.
 bool same(const Calibration& a, const Calibration& b) {
   constexpr double kSame = 1e-3;  // sigma
   if (a.parameters.size() != b.parameters.size() || a.views.size() != b.views.size()) return false;

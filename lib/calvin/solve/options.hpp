@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What a user may ask of solve(): the model, what is estimated, what is known before.
+// The options of solve(): the model, the unknowns, and what is known of them before.
 #pragma once
 
 #include <optional>
@@ -43,10 +43,10 @@ struct SolveOptions {
   // is kept, or 0.
   bool skew = false;
 
-  // What is not estimated: the name of a parameter, held at its value in `initial`, or else a
-  // coefficient at 0 and "cx", "cy" at the centre of the image; "center" is both of these. What is
-  // tied: "aspect" keeps fy / fx as in `initial`, or else at 1, and "fx=fy" or "k1=k2" gives two
-  // parameters one value.
+  // Parameters that are held or tied. A name holds a parameter at its value in `initial`, or else a
+  // coefficient at 0 and "cx", "cy" at the centre of the image; "center" holds both of these.
+  // "aspect" ties fy / fx as in `initial`, or else at 1; "fx=fy" or "k1=k2" gives two parameters
+  // one value.
   std::vector<std::string> fix;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What the covariance of a calibration's parameters means for projections. Internal.
+// The error of projection that follows from a calibration's covariance. Internal.
 #pragma once
 
 #include <optional>

@@ -46,14 +46,14 @@ struct Solution {
   std::vector<RejectedView> rejected;
   std::vector<RejectedCorner> rejected_corners;  // of views that are otherwise used
   int iterations = 0;                            // of all least-squares solves together
-  // Where one is found, expected_error is multiplied by max(1, chi, halves).
+  // Where a misfit is found, expected_error is multiplied by max(1, chi, halves).
   Misfit misfit;
   // Per view of calibration.views, in px^2 per corner: how far its corners are from where a camera
   // of all other views puts them, the 6 parameters of its pose allowed for; weighted, and to first
   // order. calibration.held_out_rms is their mean's root: information, it decides nothing.
   std::vector<double> held_out;
-  // Of the board, where they were estimated. Offsets are by the id of the control point; the sum of
-  // all is no shift, turn, scale, shear, tilt or curvature of the board.
+  // The measured board, where aspect and offsets were estimated. Offsets are by the id of the
+  // control point; all together are no shift, turn, scale, shear, tilt or curvature of the board.
   std::optional<BoardAspect> board_aspect;
   std::vector<CornerOffset> corner_offsets;
   std::vector<std::string> remarks;  // sentences for the user: what is weak, and what to do

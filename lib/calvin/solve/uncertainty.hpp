@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What a calibration's covariance means in the image.
+// The error of projection that follows from a calibration's covariance.
 #pragma once
 
 #include <optional>
