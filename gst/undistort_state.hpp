@@ -23,7 +23,7 @@
 namespace calvin::gst {
 
 struct UndistortState {
-  explicit UndistortState(GstBaseTransform* undistorter) : element(undistorter) {}
+  explicit UndistortState(GstBaseTransform* trans) : element(trans) {}
 
   // Brings everything up to date with the properties, the file and the events.
   void update();
