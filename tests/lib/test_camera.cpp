@@ -117,15 +117,18 @@ TYPED_TEST(CameraModel, ProjectAndUnprojectInvertEachOther) {
 
 TYPED_TEST(CameraModel, ScalingAndCroppingFollowThePixelConvention) {
   for (const auto& lens : coefficients<TypeParam>()) {
-    const auto camera = Camera::make(TypeParam::kName, this->kSize, this->parameters(lens));
+    const auto camera = Camera::make(TypeParam::kName, this->kSize, this->parameters(lens), 20);
     ASSERT_TRUE(camera.has_value());
     const Eigen::Vector3d point(0.2, -0.15, 1);
     const auto at = camera->project(point);
     const auto half = camera->scaled({320, 240}).project(point);
+    const auto narrow = camera->scaled({160, 960}).project(point);
     const auto part = camera->cropped(100, 50, {300, 300}).project(point);
-    ASSERT_TRUE(at && half && part);
+    ASSERT_TRUE(at && half && narrow && part);
     EXPECT_NEAR(half->u, (at->u + 0.5) / 2 - 0.5, 1e-9);
     EXPECT_NEAR(half->v, (at->v + 0.5) / 2 - 0.5, 1e-9);
+    EXPECT_NEAR(narrow->u, (at->u + 0.5) / 4 - 0.5, 1e-9);
+    EXPECT_NEAR(narrow->v, (at->v + 0.5) * 2 - 0.5, 1e-9);
     EXPECT_NEAR(part->u, at->u - 100, 1e-9);
     EXPECT_NEAR(part->v, at->v - 50, 1e-9);
   }
@@ -134,10 +137,15 @@ TYPED_TEST(CameraModel, ScalingAndCroppingFollowThePixelConvention) {
 // A turned picture shows a turned world: the ray (x, y, z) appears as (y, x, z) and so on.
 TYPED_TEST(CameraModel, TurningFollowsThePicture) {
   for (const auto& lens : coefficients<TypeParam>()) {
-    const auto camera = Camera::make(TypeParam::kName, this->kSize, this->parameters(lens));
-    ASSERT_TRUE(camera.has_value());
     for (int i = 0; i < 8; ++i) {
       const Orientation o = {(i & 1) != 0, (i & 2) != 0, (i & 4) != 0};
+      // Rows and columns of a skew cannot change places.
+      const auto camera =
+          Camera::make(TypeParam::kName, this->kSize, this->parameters(lens), o.transpose ? 0 : 20);
+      ASSERT_TRUE(camera.has_value());
+      const auto skewed =
+          Camera::make(TypeParam::kName, this->kSize, this->parameters(lens), 20)->turned(o);
+      EXPECT_EQ(skewed.has_value(), !o.transpose);
       const auto result = camera->turned(o);
       // Tilts about two axes do not commute.
       if (TypeParam::kName == "tilted14" && o.transpose && lens[12] != 0 && lens[13] != 0) {
