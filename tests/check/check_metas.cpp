@@ -41,6 +41,8 @@ GST_START_TEST(test_observation_round_trip) {
   fail_unless_equals_float(all[0].uv[1].u, 30.5);
   fail_unless_equals_float(all[0].uv[1].v, 40.25);
   fail_unless_equals_float(all[0].sigma[1], 0.2);
+  fail_unless(all[0].image_size == (ImageSize{320, 240}));
+  fail_unless_equals_float(all[0].blur, 0.8);
   fail_unless_equals_string(all[0].ambiguous.at(0).c_str(), "rotate180");
   fail_unless(all[0].found() && !all[1].found());
   fail_unless(all[0].patches && !all[1].patches);
@@ -91,8 +93,12 @@ GST_START_TEST(test_scaling_scales_the_corners) {
   fail_unless_equals_int(all[0].image_size.height, 480);
   fail_unless_equals_float(all[0].uv[0].u, 0.5 * 10.5 - 0.5);
   fail_unless_equals_float(all[0].uv[0].v, 2 * 20.5 - 0.5);
+  fail_unless_equals_float(all[0].uv[1].u, 0.5 * 31 - 0.5);
+  fail_unless_equals_float(all[0].uv[1].v, 2 * 40.75 - 0.5);
   // A length has the mean of both scales: 0.5 and 2.
   fail_unless_equals_float(all[0].blur, 1.25 * 0.8);
+  fail_unless_equals_float(all[0].sigma[0], 1.25 * 0.1);
+  fail_unless_equals_float(all[0].sigma[1], 1.25 * 0.2);
   // They are of the picture as it was.
   fail_unless(all[0].patches == nullptr);
 }
@@ -111,6 +117,12 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   guidance.hint = "tilt it";
   guidance.views = 7;
   guidance.expected_error = 0.25;
+  guidance.coverage = 0.1;
+  guidance.x = 0.2;
+  guidance.y = 0.3;
+  guidance.size = 0.4;
+  guidance.skew = 0.5;
+  guidance.captured = true;
   gst::attach_guidance(buffer, guidance);
   gst::GroundTruth truth;
   truth.calibration = "{}";
@@ -122,9 +134,22 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   fail_unless_equals_string(g->hint.c_str(), "tilt it");
   fail_unless_equals_int(g->views, 7);
   fail_unless(g->expected_error == 0.25 && !g->rms);
+  fail_unless(g->coverage == 0.1 && g->x == 0.2 && g->y == 0.3 && g->size == 0.4);
+  fail_unless(g->skew == 0.5 && g->captured);
+  guidance.rms = 0.6;
+  guidance.expected_error.reset();
+  guidance.captured = false;
+  gst::attach_guidance(buffer, guidance);
+  const auto again = gst::read_guidance(buffer);
+  fail_unless(again->rms == 0.6 && !again->expected_error && !again->captured);
   const auto t = gst::read_ground_truth(buffer);
   fail_unless(t.has_value() && t->boards.size() == 1);
-  fail_unless_equals_float(t->boards[0].camera_from_board.translation[2], 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    fail_unless_equals_float(t->boards[0].camera_from_board.rotation[i],
+                             0.1 * static_cast<double>(i + 1));
+    fail_unless_equals_float(t->boards[0].camera_from_board.translation[i],
+                             static_cast<double>(i + 1));
+  }
   fail_unless_equals_float(t->boards[0].observation.uv[0].v, 20);
   g_autoptr(GstBuffer) bare = gst_buffer_new();
   fail_if(gst::read_guidance(bare).has_value());
