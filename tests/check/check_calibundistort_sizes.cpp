@@ -261,13 +261,22 @@ GST_END_TEST;
 // Without colorimetry and siting in the caps the number of lines decides on them: where it changes,
 // they are said.
 GST_START_TEST(test_colours_keep_their_meaning_in_another_size) {
-  Fixture f("calibundistort ! capsfilter caps=video/x-raw,width=854,height=480");
-  f.set_caps("I420", {1280, 720});
-  gst_buffer_unref(gst_harness_push_and_pull(f.h, Fixture::noise("I420", {1280, 720}, 0)));
+  const ImageSize large = {1280, 720};
+  const ImageSize small = {854, 480};
+  const bool grows = __i__ == 1;
+  const char* site = __i__ == 0 ? "mpeg2" : "jpeg";
+  Fixture f(grows ? "calibundistort ! capsfilter caps=video/x-raw,width=1280,height=720"
+                  : "calibundistort ! capsfilter caps=video/x-raw,width=854,height=480");
+  GstCaps* in = check::caps_of("I420", grows ? small : large);
+  // One that the lines of the output would say too.
+  if (__i__ == 2) gst_caps_set_simple(in, "chroma-site", G_TYPE_STRING, site, nullptr);
+  gst_harness_set_src_caps(f.h, in);
+  gst_buffer_unref(
+      gst_harness_push_and_pull(f.h, Fixture::noise("I420", grows ? small : large, 0)));
   g_autoptr(GstCaps) caps = gst_pad_get_current_caps(f.h->sinkpad);
   const GstStructure* s = gst_caps_get_structure(caps, 0);
-  fail_unless_equals_string(gst_structure_get_string(s, "colorimetry"), "bt709");
-  fail_unless_equals_string(gst_structure_get_string(s, "chroma-site"), "mpeg2");
+  fail_unless_equals_string(gst_structure_get_string(s, "colorimetry"), grows ? "bt601" : "bt709");
+  fail_unless_equals_string(gst_structure_get_string(s, "chroma-site"), site);
 }
 GST_END_TEST;
 
@@ -300,7 +309,7 @@ static Suite* calibundistort_sizes_suite() {
   tcase_add_loop_test(tc, test_the_view_is_rendered_at_the_size_of_the_output, 0, sizes);
   tcase_add_test(tc, test_a_scaled_picture_goes_on_with_its_calibration);
   tcase_add_test(tc, test_the_output_may_change_its_size_while_running);
-  tcase_add_test(tc, test_colours_keep_their_meaning_in_another_size);
+  tcase_add_loop_test(tc, test_colours_keep_their_meaning_in_another_size, 0, 3);
   tcase_add_test(tc, test_late_frames_are_left_out);
   suite_add_tcase(suite, tc);
   return suite;
