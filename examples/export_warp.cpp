@@ -13,10 +13,10 @@
 
 #include <fmt/format.h>
 
+#include "calvin/camera/frame_fit.hpp"
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/settings.hpp"
-#include "calvin/remap/fit.hpp"
 #include "export_warp_text.hpp"
 
 namespace {

@@ -26,10 +26,10 @@ struct Warp {
   calvin::OutputView view;
 
   [[nodiscard]] calvin::ImageSize input() const { return source.image_size(); }
-  [[nodiscard]] calvin::ImageSize output() const { return view.eye.image_size(); }
+  [[nodiscard]] calvin::ImageSize output() const { return view.camera.image_size(); }
   // px of the source, which may lie outside of it; absent where the camera sees nothing.
   [[nodiscard]] std::optional<calvin::Pixel> place(double u, double v) const {
-    return calvin::transfer(view.eye, calvin::Eye(source), {u, v});
+    return calvin::transfer(view.camera, calvin::VirtualCamera(source), {u, v});
   }
 };
 

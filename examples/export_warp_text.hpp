@@ -38,7 +38,7 @@ inline calvin::Result<std::string> nvdewarper(const Warp& warp) {
     return refuse("this camera model");
   }
   const calvin::ImageSize out = warp.output();
-  const calvin::Camera& view = warp.view.eye.plane();
+  const calvin::Camera& view = warp.view.camera.plane();
   std::string coefficients;
   for (const double value : k) coefficients += calvin::format_double(value) + ";";
   coefficients.pop_back();
@@ -207,7 +207,7 @@ inline calvin::Result<std::string> glsl(const Warp& warp) {
   const calvin::Camera& c = warp.source;
   const auto lens = glsl_lens(c);
   if (!lens) return tl::unexpected(lens.error());
-  const calvin::Camera& plane = warp.view.eye.plane();
+  const calvin::Camera& plane = warp.view.camera.plane();
   const calvin::ImageSize in = warp.input();
   const calvin::ImageSize out = warp.output();
   const Eigen::Matrix3d r = calvin::camera_from_view(warp.options);

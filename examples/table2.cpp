@@ -14,7 +14,7 @@
 
 #include <fmt/format.h>
 
-#include "calvin/session/second_look.hpp"
+#include "calvin/session/refine_with_camera.hpp"
 #include "table2_pictures.hpp"
 #include "table2_sets.hpp"
 #include "table2_statistics.hpp"

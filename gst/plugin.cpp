@@ -5,8 +5,8 @@
 
 #include <gst/gst.h>
 
+#include "common/metas.hpp"
 #include "elements.hpp"
-#include "metas.hpp"
 #include "plugin_config.h"
 
 static gboolean plugin_init(GstPlugin* plugin) {

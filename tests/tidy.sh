@@ -17,7 +17,7 @@ tidy=$(command -v clang-tidy || command -v clang-tidy-14) || {
 if [ -n "${CALVIN_FULL:-}" ]; then
   files=$(find lib gst tests examples -name '*.cpp') checks=
 else
-  files=$(ls gst/gst*.cpp gst/worker.cpp lib/calvin/core/text.cpp)
+  files=$(ls gst/*/gst*.cpp gst/common/worker.cpp lib/calvin/core/text.cpp)
   checks=-clang-analyzer-*
 fi
 # What was compiled beforehand is in gcc's own format: each file goes by what it includes itself.

@@ -3,7 +3,7 @@
 
 // What most files of the plugin include, parsed once; see lib/pch/calvin_pch.hpp.
 // Before GStreamer's headers.
-#include "../video_blend.hpp"
+#include "../overlay/video_blend.hpp"
 
 #include <algorithm>
 #include <functional>

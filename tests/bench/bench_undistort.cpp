@@ -19,7 +19,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calvin/remap/undistorter.hpp"
-#include "frame_planes.hpp"
+#include "common/frames/frame_planes.hpp"
 #include "ratio_reporter.hpp"
 
 namespace {

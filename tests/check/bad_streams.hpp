@@ -5,7 +5,7 @@
 #pragma once
 
 #include "bad_settings.hpp"
-#include "values.hpp"
+#include "common/values.hpp"
 
 namespace calvin::check {
 

@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "calvin/io/calibration_io.hpp"
+#include "common/values.hpp"
 #include "support.hpp"
-#include "values.hpp"
 
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <random>
 
+#include "common/values.hpp"
 #include "support.hpp"
-#include "values.hpp"
 
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>

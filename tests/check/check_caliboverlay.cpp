@@ -5,7 +5,7 @@
 
 // Ours first: check.h defines the macro `fail`.
 #include "calvin_config.h"
-#include "metas.hpp"
+#include "common/metas.hpp"
 
 #include <algorithm>
 #include <cstdint>

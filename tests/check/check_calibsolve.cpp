@@ -4,10 +4,10 @@
 // calibsolve: from observation metas to messages, files and the sticky event, and what it says
 // when there is nothing to solve.
 
-#include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "common/calibration_event.hpp"
+#include "common/values.hpp"
 #include "solve_fixture.hpp"
-#include "values.hpp"
 
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>

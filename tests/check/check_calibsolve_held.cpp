@@ -14,8 +14,8 @@
 #include <memory>
 #include <thread>
 
-#include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "common/calibration_event.hpp"
 #include "gate.hpp"
 #include "solve_fixture.hpp"
 

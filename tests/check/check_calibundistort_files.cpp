@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "calibration_setting.hpp"
+#include "common/calibration_setting.hpp"
 #include "undistort_fixture.hpp"
 
 #include <gst/check/gstcheck.h>

@@ -4,8 +4,8 @@
 // The metas keep their content, scale with the picture, and are dropped rather than left stale.
 
 // Ours first: check.h defines the macro `fail`.
-#include "metas.hpp"
-#include "values.hpp"
+#include "common/metas.hpp"
+#include "common/values.hpp"
 
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <set>
 
-#include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "common/calibration_event.hpp"
 #include "solve_fixture.hpp"
 
 #include <gst/check/gstcheck.h>

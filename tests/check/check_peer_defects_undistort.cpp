@@ -7,8 +7,8 @@
 #include <atomic>
 #include <thread>
 
-#include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "common/calibration_event.hpp"
 #include "undistort_fixture.hpp"
 
 #include <gst/check/gstcheck.h>

@@ -8,9 +8,9 @@
 #include <functional>
 #include <random>
 
-#include "calibration_event.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/key_list.hpp"
+#include "common/calibration_event.hpp"
 #include "element_properties.hpp"
 #include "support.hpp"
 #include "walk_pipeline.hpp"

@@ -7,8 +7,8 @@
 #include <functional>
 #include <string>
 
+#include "common/properties.hpp"
 #include "element_properties.hpp"
-#include "properties.hpp"
 
 #include <gst/check/gstcheck.h>
 

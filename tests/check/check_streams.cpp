@@ -3,7 +3,7 @@
 
 // Streams one after the other, as from concat or a playlist: nothing of one is told of the next.
 
-#include "calibration_event.hpp"
+#include "common/calibration_event.hpp"
 #include "gate.hpp"
 #include "solve_fixture.hpp"
 

@@ -8,8 +8,8 @@
 #include <memory>
 #include <thread>
 
+#include "common/worker.hpp"
 #include "gate.hpp"
-#include "worker.hpp"
 
 #include <gst/check/gstcheck.h>
 
@@ -160,9 +160,9 @@ GST_START_TEST(test_nothing_begins_to_be_told_after_cancel) {
     worker.offer([&](std::stop_token stop) {
       for (;;) {
         const bool before = cancelled;
-        const auto telling = worker.begin_telling(stop, e.element);
+        const auto report = worker.begin_report(stop, e.element);
         begun = true;
-        if (!telling) return;
+        if (!report) return;
         late = late || before;
       }
     });
@@ -183,7 +183,7 @@ GST_START_TEST(test_nobody_waits_for_what_is_told) {
   fail_unless(worker.start().has_value());
   gate.close();
   worker.offer([&](std::stop_token stop) {
-    const auto telling = worker.begin_telling(stop, e.element);
+    const auto report = worker.begin_report(stop, e.element);
     gate.pass();
   });
   fail_unless(gate.reached());
@@ -217,7 +217,7 @@ GST_START_TEST(test_bins_stay_while_something_in_them_is_told) {
   fail_unless(worker.start().has_value());
   gate.close();
   worker.offer([&](std::stop_token stop) {
-    const auto telling = worker.begin_telling(stop, element);
+    const auto report = worker.begin_report(stop, element);
     gate.pass();
   });
   fail_unless(gate.reached());

@@ -20,7 +20,7 @@
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "calvin/target/board.hpp"
-#include "metas.hpp"
+#include "common/metas.hpp"
 
 namespace calvin::check {
 

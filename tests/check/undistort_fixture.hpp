@@ -6,11 +6,11 @@
 
 #include <random>
 
-#include "calibration_event.hpp"
+#include "calvin/camera/frame_fit.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/settings.hpp"
-#include "calvin/remap/fit.hpp"
 #include "calvin/remap/undistorter.hpp"
+#include "common/calibration_event.hpp"
 #include "support.hpp"
 
 #include <gst/check/gstharness.h>

@@ -13,7 +13,6 @@
 #include <filesystem>
 #include <string>
 
-#include "calibration_files.hpp"
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/file.hpp"
 #include "calvin/io/calibration_io.hpp"
@@ -22,7 +21,8 @@
 #include "calvin/io/settings.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin/target/board_names.hpp"
-#include "metas.hpp"
+#include "common/metas.hpp"
+#include "solve/calibration_files.hpp"
 
 namespace calvin::fuzz {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "calvin/camera/camera.hpp"
-#include "calvin/remap/plane_layout.hpp"
+#include "calvin/remap/map/plane_layout.hpp"
 #include "calvin/remap/view.hpp"
 
 namespace calvin::reference {

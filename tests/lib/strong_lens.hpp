@@ -16,7 +16,7 @@ namespace calvin::scenes {
 // As random_camera(), but the models with many coefficients are about 100 degrees wide and strongly
 // distorted; and the spheres of doublesphere are well apart: at xi = 0 a change of f, alpha and xi
 // are three combinations of the same two functions (the distance and z), and on either side of that
-// there is a valley of its own.
+// there is a basin of its own.
 inline Camera strong_camera(std::string_view model, Random& random) {
   const std::vector<std::string_view> names = parameter_names(model);
   if (model == "doublesphere") {

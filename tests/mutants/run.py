@@ -81,7 +81,7 @@ NEAR_FILES = {
     "view_properties": "calibundistort_views calibundistort*",
     "orientation_tags": "calibundistort_frames calibundistort*",
     "frame_planes": "calibundistort_chroma calibundistort_formats",
-    "frame_warp": "calibundistort_frames calibundistort_chroma",
+    "frame_undistorter": "calibundistort_frames calibundistort_chroma",
 }
 # Long, and random: they are no test of one thing.
 NEVER = {"check/random_walk"}

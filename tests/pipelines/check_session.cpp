@@ -10,13 +10,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "calibration_event.hpp"
 #include "calvin/camera/camera.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/solve/difference.hpp"
 #include "calvin/target/board.hpp"
-#include "metas.hpp"
+#include "common/calibration_event.hpp"
+#include "common/metas.hpp"
 
 #include <glib/gstdio.h>
 #include <gst/check/gstcheck.h>

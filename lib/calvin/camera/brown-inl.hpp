@@ -22,7 +22,7 @@
 #include <utility>
 
 #include "calvin/camera/distortion.hpp"
-#include "calvin/camera/lane-inl.hpp"
+#include "calvin/camera/double_vec-inl.hpp"
 #include "calvin/camera/tilt-inl.hpp"
 #include "calvin/geometry/polynomial.hpp"
 

@@ -11,9 +11,9 @@
 //                               optimum of any lens that the model fits
 //   distort<T>(d, p, xy, jp, jd)
 //                               point in the camera frame -> distorted normalised plane, over T =
-//                               double or Lane (lane-inl.hpp). d: kCount numbers; p: x y z; jp: 2x3
-//                               derivatives by the point, jd: 2xkCount derivatives by the
-//                               coefficients, both row-major, nullptr where not wanted. Gives
+//                               double or DoubleVec (double_vec-inl.hpp). d: kCount numbers; p: x y
+//                               z; jp: 2x3 derivatives by the point, jd: 2xkCount derivatives by
+//                               the coefficients, both row-major, nullptr where not wanted. Gives
 //                               where the formula has a value (not behind a pinhole); elsewhere
 //                               xy, jp and jd mean nothing.
 //   limit(d)                    the largest ideal radius at which the model is valid: beyond it

@@ -23,7 +23,7 @@ namespace calvin::lens::HWY_NAMESPACE {
 struct DoubleSphere : Radial<DoubleSphere> {
   static constexpr std::string_view kName = "doublesphere";
   static constexpr int kCount = 2;
-  // On either side of xi = 0, where xi does what f and alpha do, is a valley of its own.
+  // On either side of xi = 0, where xi does what f and alpha do, is a basin of its own.
   static constexpr std::array<std::array<double, kCount>, 3> kStarts = {
       {{0, 0.5}, {-0.2, 0.6}, {0.2, 0.6}}};
   static constexpr std::array<std::string_view, kCount> kNames = {"xi", "alpha"};

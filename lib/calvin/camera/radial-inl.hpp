@@ -17,7 +17,7 @@
 #endif
 
 #include "calvin/camera/distortion.hpp"
-#include "calvin/camera/lane-inl.hpp"
+#include "calvin/camera/double_vec-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {

@@ -18,7 +18,7 @@
 #include <cmath>
 #include <optional>
 
-#include "calvin/camera/lane-inl.hpp"
+#include "calvin/camera/double_vec-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {

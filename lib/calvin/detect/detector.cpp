@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "calvin/detect/checkerboard.hpp"
+#include "calvin/detect/checkerboard/checkerboard_detector.hpp"
 
 namespace calvin {
 

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calvin/detect/fit_radius.hpp"
-#include "calvin/detect/saddle_fit.hpp"
+#include "calvin/detect/checkerboard/corners/fit_radius.hpp"
+#include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
 
 namespace calvin {
 

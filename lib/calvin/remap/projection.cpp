@@ -13,7 +13,7 @@ namespace calvin {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSteepestTangent = 3.7320508075688772;  // tan(75 degrees), of half an angle too
+constexpr double kMaxTangent = 3.7320508075688772;  // tan(75 degrees), of half an angle too
 
 Pixel along(const Eigen::Vector3d& direction, double radius) {
   const double across = std::hypot(direction.x(), direction.y());
@@ -36,10 +36,10 @@ Eigen::Vector3d at_longitude(double longitude, double tan_latitude) {
 double widest(Projection projection) noexcept {
   switch (projection) {
     case Projection::kRectilinear:
-      return kSteepestTangent;
+      return kMaxTangent;
     case Projection::kStereographic:
     case Projection::kPanini:
-      return 2 * kSteepestTangent;
+      return 2 * kMaxTangent;
     default:
       return kPi;
   }
@@ -50,13 +50,13 @@ std::optional<Pixel> to_plane(Projection projection, const Eigen::Vector3d& d) n
   const double angle = std::atan2(across, d.z());
   const double longitude = std::atan2(d.x(), d.z());
   const double level = std::hypot(d.x(), d.z());
-  const bool steep = std::abs(d.y()) > kSteepestTangent * level;
+  const bool high_latitude = std::abs(d.y()) > kMaxTangent * level;
   switch (projection) {
     case Projection::kRectilinear:
-      if (!(d.z() * kSteepestTangent >= across)) return std::nullopt;
+      if (!(d.z() * kMaxTangent >= across)) return std::nullopt;
       return Pixel{d.x() / d.z(), d.y() / d.z()};
     case Projection::kCylindrical:
-      if (steep) return std::nullopt;
+      if (high_latitude) return std::nullopt;
       return Pixel{longitude, d.y() / level};
     case Projection::kEquirectangular:
       return Pixel{longitude, std::atan2(d.y(), level)};
@@ -64,7 +64,7 @@ std::optional<Pixel> to_plane(Projection projection, const Eigen::Vector3d& d) n
       if (angle > kPi * 5 / 6) return std::nullopt;
       return along(d, 2 * std::tan(angle / 2));
     case Projection::kPanini: {
-      if (steep || std::abs(longitude) > kPi * 5 / 6) return std::nullopt;
+      if (high_latitude || std::abs(longitude) > kPi * 5 / 6) return std::nullopt;
       const double scale = 2 / (1 + std::cos(longitude));
       return Pixel{scale * std::sin(longitude), scale * d.y() / level};
     }

@@ -10,8 +10,8 @@
 #include <cmath>
 #include <limits>
 
-#include "calvin/remap/choice.hpp"
-#include "calvin/remap/kernel.hpp"
+#include "calvin/remap/kernels/choice.hpp"
+#include "calvin/remap/kernels/row_renderer.hpp"
 
 namespace calvin {
 
@@ -28,7 +28,7 @@ std::optional<Pixel> within(std::optional<Pixel> pixel, ImageSize size) {
 
 // How much longer lengths become around a pixel on the way from one camera to another: the square
 // root of the change of area.
-double magnification(const Eye& from, const Eye& to, Pixel at, Pixel image) {
+double magnification(const VirtualCamera& from, const VirtualCamera& to, Pixel at, Pixel image) {
   const auto right = transfer(from, to, {at.u + 0.5, at.v});
   const auto below = transfer(from, to, {at.u, at.v + 0.5});
   if (!right || !below) return 1;
@@ -108,23 +108,24 @@ Result<Undistorter> Undistorter::make_back(const Camera& camera, const ViewOptio
 Result<Undistorter> Undistorter::make(const Camera& source, const OutputView& view,
                                       const std::vector<PlaneLayout>& planes,
                                       const std::stop_token& stop) {
-  return between({Eye(source), view.eye, view.limited}, planes, stop);
+  return between({VirtualCamera(source), view.camera, view.limited}, planes, stop);
 }
 
 Result<Undistorter> Undistorter::make_back(const Camera& camera, const OutputView& view,
                                            const std::vector<PlaneLayout>& planes,
                                            const std::stop_token& stop) {
-  return between({view.eye, Eye(camera), view.limited}, planes, stop);
+  return between({view.camera, VirtualCamera(camera), view.limited}, planes, stop);
 }
 
-Result<Undistorter> Undistorter::between(Undistorter eyes, const std::vector<PlaneLayout>& planes,
+Result<Undistorter> Undistorter::between(Undistorter cameras,
+                                         const std::vector<PlaneLayout>& planes,
                                          const std::stop_token& stop) {
-  Undistorter result = std::move(eyes);
-  const PixelFunction place_of = [&result](Pixel pixel) {
+  Undistorter result = std::move(cameras);
+  const PixelFunction source_of = [&result](Pixel pixel) {
     return transfer(result.output_, result.source_, pixel);
   };
   auto map =
-      RemapMap::build(result.source_.image_size(), result.output_.image_size(), place_of, stop);
+      RemapMap::build(result.source_.image_size(), result.output_.image_size(), source_of, stop);
   if (!map) return tl::unexpected(map.error());
   result.map_ = std::make_shared<const RemapMap>(*std::move(map));
   std::vector<std::pair<PlaneSites, int>> known;
@@ -134,11 +135,11 @@ Result<Undistorter> Undistorter::between(Undistorter eyes, const std::vector<Pla
       ++result.planes_.back().count;
       continue;
     }
-    const std::pair key = {layout.sites(), lane_pixels_of(layout)};
+    const std::pair key = {layout.sites(), pixels_per_lane_of(layout)};
     const auto it = std::find(known.begin(), known.end(), key);
     result.planes_.push_back({layout, static_cast<std::size_t>(it - known.begin()), i, 1});
     if (it != known.end()) continue;
-    auto plane = PlaneMap::build(result.map_, place_of, layout.sites(), key.second, stop);
+    auto plane = PlaneMap::build(result.map_, source_of, layout.sites(), key.second, stop);
     if (!plane) return tl::unexpected(plane.error());
     result.maps_.push_back(*std::move(plane));
     known.push_back(key);
@@ -208,19 +209,19 @@ std::optional<Rectangle> Undistorter::to_output(const Rectangle& box) const {
   Bounds bounds;
   const ImageSize size = output_.image_size();
   for_border(box, source_.image_size(), [&](Pixel p) {
-    if (const auto place = to_output(p)) bounds.add(*place);
+    if (const auto pixel = to_output(p)) bounds.add(*pixel);
   });
   // Where the picture cuts the box, its own border is the edge.
   for_border({0, 0, static_cast<double>(size.width), static_cast<double>(size.height)}, size,
              [&](Pixel p) {
-               const auto place = to_source(p);
-               if (place && contains(box, *place)) bounds.add(p);
+               const auto pixel = to_source(p);
+               if (pixel && contains(box, *pixel)) bounds.add(p);
              });
   return bounds.within(size);
 }
 
 Pixel Undistorter::nearest_source(Pixel output) const noexcept {
-  if (const auto place = to_source(output)) return *place;
+  if (const auto pixel = to_source(output)) return *pixel;
   const ImageSize size = output_.image_size();
   const Pixel middle = {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
   Pixel found = {(source_.image_size().width - 1) / 2.0, (source_.image_size().height - 1) / 2.0};
@@ -228,10 +229,10 @@ Pixel Undistorter::nearest_source(Pixel output) const noexcept {
   double high = 1;
   for (int i = 0; i < 40; ++i) {
     const double t = (low + high) / 2;
-    const auto place =
+    const auto pixel =
         to_source({std::lerp(middle.u, output.u, t), std::lerp(middle.v, output.v, t)});
-    (place ? low : high) = t;
-    if (place) found = *place;
+    (pixel ? low : high) = t;
+    if (pixel) found = *pixel;
   }
   return found;
 }

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "calvin/remap/plane_layout.hpp"
-#include "calvin/remap/plane_map.hpp"
+#include "calvin/remap/map/plane_layout.hpp"
+#include "calvin/remap/map/plane_map.hpp"
 #include "calvin/remap/view.hpp"
 
 namespace calvin {
@@ -37,7 +37,7 @@ class Undistorter {
                                        const std::vector<PlaneLayout>& planes,
                                        const std::stop_token& stop = {});
 
-  // The camera of the source frames, and the plane (Eye::plane()) of the output frames.
+  // The camera of the source frames, and the plane (VirtualCamera::plane()) of the output frames.
   [[nodiscard]] const Camera& source() const noexcept { return source_.plane(); }
   [[nodiscard]] const Camera& output() const noexcept { return output_.plane(); }
   // The camera model of the output frames; absent where no model describes the projection.
@@ -87,13 +87,13 @@ class Undistorter {
     std::size_t count;
   };
 
-  Undistorter(Eye source, Eye output, bool limited)
+  Undistorter(VirtualCamera source, VirtualCamera output, bool limited)
       : source_(std::move(source)), output_(std::move(output)), limited_(limited) {}
-  static Result<Undistorter> between(Undistorter eyes, const std::vector<PlaneLayout>& planes,
+  static Result<Undistorter> between(Undistorter cameras, const std::vector<PlaneLayout>& planes,
                                      const std::stop_token& stop);
 
-  Eye source_;
-  Eye output_;
+  VirtualCamera source_;
+  VirtualCamera output_;
   bool limited_;
   std::shared_ptr<const RemapMap> map_;
   std::vector<PlaneMap> maps_;

@@ -32,7 +32,7 @@ Eigen::Matrix3d camera_from_view(const ViewOptions& options) {
 Result<Camera> output_camera(const Camera& source, const ViewOptions& options) {
   const auto view = output_view(source, options);
   if (!view) return tl::unexpected(view.error());
-  return view->eye.plane();
+  return view->camera.plane();
 }
 
 std::optional<Pixel> transfer(const Camera& from, const Camera& to, Pixel pixel) noexcept {
@@ -40,7 +40,7 @@ std::optional<Pixel> transfer(const Camera& from, const Camera& to, Pixel pixel)
   return ray ? to.project(*ray) : std::nullopt;
 }
 
-Result<Camera> moved(const Camera& camera, const Camera& from, const Camera& to) {
+Result<Camera> reframed(const Camera& camera, const Camera& from, const Camera& to) {
   const double sx = to.fx() / from.fx();
   const double sy = to.fy() / from.fy();
   std::vector<double> values = camera.parameters();

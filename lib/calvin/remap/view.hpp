@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "calvin/remap/eye.hpp"
+#include "calvin/remap/virtual_camera.hpp"
 
 namespace calvin {
 
@@ -36,7 +36,7 @@ struct ViewOptions {
 };
 
 struct OutputView {
-  Eye eye;
+  VirtualCamera camera;
   // The view was asked to be wider than the projection can show, by a zoom below 1 or by alpha = 1,
   // which asks for all that the source sees.
   bool limited = false;
@@ -61,7 +61,7 @@ struct OutputView {
 
 // The camera of pictures that `camera` took and that were then scaled and shifted, as the change
 // from the pinhole `from` to the pinhole `to` does it.
-[[nodiscard]] Result<Camera> moved(const Camera& camera, const Camera& from, const Camera& to);
+[[nodiscard]] Result<Camera> reframed(const Camera& camera, const Camera& from, const Camera& to);
 
 // A pinhole for frames whose calibration is not known: enough to scale any picture.
 [[nodiscard]] Result<Camera> plain_camera(ImageSize size);

@@ -22,7 +22,7 @@ namespace {
 constexpr int kSamplesPerSide = 256;
 
 // A view on the plane, of the aspect of the output: the centres of its border pixels lie at
-// x +- size * extent_x and y +- size * extent_y.
+// x +- size * half_size.x and y +- size * half_size.y.
 struct Frame {
   double x = 0;
   double y = 0;
@@ -30,7 +30,7 @@ struct Frame {
 };
 
 // Half the size on the plane of a view of size 1.
-struct Extent {
+struct HalfSize {
   double x;
   double y;
 };
@@ -127,18 +127,19 @@ Bounds bounds(const std::vector<Pixel>& points) {
 }
 
 // The smallest view that shows the whole border.
-Frame outer_frame(const Bounds& box, Extent extent) {
-  return {(box.low.u + box.high.u) / 2, (box.low.v + box.high.v) / 2,
-          std::max((box.high.u - box.low.u) / extent.x, (box.high.v - box.low.v) / extent.y) / 2};
+Frame outer_frame(const Bounds& box, HalfSize half_size) {
+  return {
+      (box.low.u + box.high.u) / 2, (box.low.v + box.high.v) / 2,
+      std::max((box.high.u - box.low.u) / half_size.x, (box.high.v - box.low.v) / half_size.y) / 2};
 }
 
 // The largest size of a view at (x, y) that no border point lies in; where that is no larger than
 // `enough`, any number up to `enough`. `nearest` is the point to look at first, and becomes the
 // point that decided.
-double free_size(const std::vector<Pixel>& border, Extent extent, double x, double y, double enough,
-                 std::size_t& nearest) {
+double free_size(const std::vector<Pixel>& border, HalfSize half_size, double x, double y,
+                 double enough, std::size_t& nearest) {
   const auto size_at = [&](const Pixel& p) {
-    return std::max(std::abs(p.u - x) / extent.x, std::abs(p.v - y) / extent.y);
+    return std::max(std::abs(p.u - x) / half_size.x, std::abs(p.v - y) / half_size.y);
   };
   double size = size_at(border[nearest]);
   for (std::size_t i = 0; i < border.size() && size > enough; ++i) {
@@ -162,13 +163,13 @@ bool encloses(const std::vector<Pixel>& border, double x, double y) {
 }
 
 // The largest view within the border: a grid of centres, refined around its best one.
-Frame inner_frame(const std::vector<Pixel>& border, const Bounds& box, Extent extent) {
+Frame inner_frame(const std::vector<Pixel>& border, const Bounds& box, HalfSize half_size) {
   constexpr int kRounds = 40;
   constexpr int kWide = 8;  // rounds that look around widely: several maxima are possible
   Frame best = {(box.low.u + box.high.u) / 2, (box.low.v + box.high.v) / 2, 0};
   std::size_t nearest = 0;
   const auto consider = [&](double x, double y) {
-    const double size = free_size(border, extent, x, y, best.size, nearest);
+    const double size = free_size(border, half_size, x, y, best.size, nearest);
     // Better by more than rounding: where the centre does not matter the view stays put.
     if (size > best.size * (1 + 1e-13) && encloses(border, x, y)) best = {x, y, size};
   };
@@ -217,25 +218,25 @@ class BorderCheck {
 
   // Looks at some of the pixels only, and at all pixels that have failed before.
   [[nodiscard]] bool some_pass(const Camera& plane) const {
-    const Eye eye = eye_of(plane);
-    return std::all_of(some_.rbegin(), some_.rend(), [&](Pixel p) { return valid(eye, p); });
+    const VirtualCamera camera = camera_of(plane);
+    return std::all_of(some_.rbegin(), some_.rend(), [&](Pixel p) { return valid(camera, p); });
   }
   bool all_pass(const Camera& plane) {
-    const Eye eye = eye_of(plane);
+    const VirtualCamera camera = camera_of(plane);
     const auto it = std::find_if(pixels_.begin(), pixels_.end(),
-                                 [&](const Pixel& p) { return !valid(eye, p); });
+                                 [&](const Pixel& p) { return !valid(camera, p); });
     if (it != pixels_.end()) some_.push_back(*it);
     return it == pixels_.end();
   }
 
  private:
-  [[nodiscard]] Eye eye_of(const Camera& plane) const {
+  [[nodiscard]] VirtualCamera camera_of(const Camera& plane) const {
     return {scene_.projection, plane, Eigen::Matrix3d::Identity()};
   }
-  [[nodiscard]] bool valid(const Eye& eye, Pixel at) const {
+  [[nodiscard]] bool valid(const VirtualCamera& camera, Pixel at) const {
     constexpr double kSlack = 0.5 / 1024;
     const ImageSize seen = scene_.source.image_size();
-    const auto ray = eye.ray(at);
+    const auto ray = camera.ray(at);
     const auto pixel = ray ? scene_.source.project(*ray) : std::nullopt;
     return pixel && pixel->u >= -kSlack && pixel->v >= -kSlack &&
            pixel->u <= seen.width - 1 + kSlack && pixel->v <= seen.height - 1 + kSlack;
@@ -319,17 +320,17 @@ Status ViewRange::find_frames(const Camera& source) {
   const Scene scene = {source, asked_.projection};
   const Seen seen = seen_region(scene);
   if (seen.border.empty()) return tl::unexpected(no_view("no pixel of its image"));
-  const Extent extent = {std::max(size_.width - 1, 1) / source.fx(),
-                         std::max(size_.height - 1, 1) / source.fy()};
+  const HalfSize half_size = {std::max(size_.width - 1, 1) / source.fx(),
+                              std::max(size_.height - 1, 1) / source.fy()};
   const Bounds box = bounds(seen.border);
-  Frame outer = outer_frame(box, extent);
-  const double most = widest(asked_.projection) / std::max(extent.x, extent.y);
+  Frame outer = outer_frame(box, half_size);
+  const double most = widest(asked_.projection) / std::max(half_size.x, half_size.y);
   cut_ = seen.cut || outer.size > most;
   outer.size = std::min(outer.size, most);
-  const Frame inner = shrink_to_valid(scene, size_, inner_frame(seen.border, box, extent));
+  const Frame inner = shrink_to_valid(scene, size_, inner_frame(seen.border, box, half_size));
   const auto box_of = [&](const Frame& f) {
-    return Box{{f.x - f.size * extent.x, f.y - f.size * extent.y},
-               {f.x + f.size * extent.x, f.y + f.size * extent.y}};
+    return Box{{f.x - f.size * half_size.x, f.y - f.size * half_size.y},
+               {f.x + f.size * half_size.x, f.y + f.size * half_size.y}};
   };
   inner_ = box_of(inner);
   outer_ = box_of(outer);
@@ -378,7 +379,8 @@ Result<OutputView> ViewRange::view(const ViewOptions& options) const {
   if (shown && zoom != 1) shown = zoomed(*shown, zoom, widest(asked_.projection), limited);
   if (!shown) return tl::unexpected(shown.error());
   limited = limited || (cut_ && alpha == 1 && zoom <= 1);
-  return OutputView{Eye(asked_.projection, *std::move(shown), camera_from_view(options)), limited};
+  return OutputView{VirtualCamera(asked_.projection, *std::move(shown), camera_from_view(options)),
+                    limited};
 }
 
 }  // namespace calvin

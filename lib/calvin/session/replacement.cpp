@@ -8,14 +8,14 @@
 namespace calvin {
 
 bool may_replace(const Calibration& now, std::span<const Calibration> others) {
-  bool told = false;
+  bool known = false;
   for (const Calibration& other : others) {
     if (!other.expected_error) continue;
-    told = true;
+    known = true;
     if (other.camera != now.camera || other.image_size != now.image_size) return false;
     if (!now.expected_error || *now.expected_error > *other.expected_error) return false;
   }
-  return told;
+  return known;
 }
 
 }  // namespace calvin

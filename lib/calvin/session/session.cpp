@@ -156,12 +156,12 @@ bool Session::full() const noexcept {
 void Session::keep(const View& view) {
   asked_ = false;
   views_.push_back(std::make_shared<const View>(view));
-  spread_.add(view);
+  coverage_.add(view);
 }
 
 void Session::reset() {
   views_.clear();
-  spread_.clear();
+  coverage_.clear();
   previous_.clear();
   asked_ = false;
   frame_time_ = 0;
@@ -170,24 +170,24 @@ void Session::reset() {
 bool Session::remove_view(std::size_t index) {
   if (index >= views_.size()) return false;
   views_.erase(views_.begin() + static_cast<std::ptrdiff_t>(index));
-  spread_.clear();
-  for (const auto& view : views_) spread_.add(*view);
+  coverage_.clear();
+  for (const auto& view : views_) coverage_.add(*view);
   return true;
 }
 
 Progress Session::progress() const {
   return {static_cast<int>(views_.size()),
-          spread_.coverage(),
-          spread_.x(),
-          spread_.y(),
-          spread_.size(),
-          spread_.skew(),
-          spread_.hint()};
+          coverage_.coverage(),
+          coverage_.x(),
+          coverage_.y(),
+          coverage_.size(),
+          coverage_.tilt(),
+          coverage_.hint()};
 }
 
 bool Session::complete() const {
   if (views_.empty() || static_cast<int>(views_.size()) < options_.min_views) return false;
-  return full() || options_.mode != CaptureMode::kAuto || spread_.spans_all();
+  return full() || options_.mode != CaptureMode::kAuto || coverage_.spans_all();
 }
 
 }  // namespace calvin

@@ -12,7 +12,7 @@
 
 #include "calvin/core/observation.hpp"
 #include "calvin/core/reason.hpp"
-#include "calvin/session/spread.hpp"
+#include "calvin/session/view_coverage.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {
@@ -38,7 +38,7 @@ struct Progress {
   double x = 0;
   double y = 0;
   double size = 0;
-  double skew = 0;
+  double tilt = 0;
 
   std::string hint;  // what to show next, a sentence for the user
 };
@@ -100,7 +100,7 @@ class Session {
 
   SessionOptions options_;
   Views views_;
-  Spread spread_;
+  ViewCoverage coverage_;
   std::vector<Observation> previous_;  // the last of each board, unless it was not usable
   bool asked_ = false;
   double frame_time_ = 0;  // s; 0: not known

@@ -16,7 +16,7 @@
 #include "calvin/camera/models.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/se3.hpp"
-#include "calvin/solve/scaled_solve.hpp"
+#include "calvin/solve/linear/scaled_solve.hpp"
 
 namespace calvin {
 

@@ -19,7 +19,7 @@ struct Misfit {
     kMotion,  // views contradict each other: the board moved or bent while it was seen
   };
   Cause cause = Cause::kNone;
-  double halves = 1;  // the ratio that two halves of the views differ by, docs/conventions.md
+  double split_half_ratio = 1;  // `halves` of docs/conventions.md
 
   [[nodiscard]] bool found() const { return cause != Cause::kNone; }
 };

@@ -27,8 +27,8 @@ struct SolveOptions {
   // Whether each parameter of `initial` counts as a measurement with its sigma.
   bool initial_is_prior = false;
 
-  // Whether the covariance is checked too: expected error, chi and halves, see Solution. False: the
-  // fit and its covariance alone.
+  // Whether the covariance is checked too: expected error, chi and split-half ratio, see Solution.
+  // False: the fit and its covariance alone.
   bool checks = true;
 
   // Estimates the two curvatures of the board (BoardWarp) too, from 8 views of one board on.

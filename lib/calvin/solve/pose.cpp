@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include "calvin/solve/board_shape.hpp"
-#include "calvin/solve/pose_fit.hpp"
+#include "calvin/solve/fit/weights.hpp"
+#include "calvin/solve/residuals/board_shape.hpp"
+#include "calvin/solve/start/pose_fit.hpp"
 #include "calvin/solve/view.hpp"
-#include "calvin/solve/weights.hpp"
 
 namespace calvin {
 

@@ -10,11 +10,11 @@
 #include <numeric>
 #include <utility>
 
-#include "calvin/solve/board_shape.hpp"
-#include "calvin/solve/camera_problem.hpp"
+#include "calvin/solve/judge/projection_grid.hpp"
+#include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/pose.hpp"
-#include "calvin/solve/projection_grid.hpp"
-#include "calvin/solve/scaled_solve.hpp"
+#include "calvin/solve/residuals/board_shape.hpp"
+#include "calvin/solve/residuals/camera_problem.hpp"
 
 namespace calvin {
 
@@ -127,14 +127,14 @@ Result<RecheckReport> Recheck::add(const View& view) {
     condensed.information = normal->information(rows, rows);
     condensed.gradient = normal->gradient(rows);
     condensed.cost = normal->cost;
-    condensed.freedom = 2 * static_cast<double>(points.used()) - 6;
+    condensed.degrees = 2 * static_cast<double>(points.used()) - 6;
     keep(std::move(condensed));
   }
   RecheckReport report;
   report.camera_from_board = to_pose(*pose);
   report.rms = quality.rms;
   report.points = static_cast<int>(points.used());
-  report.moved = moved();
+  report.displacement = displacement();
   return report;
 }
 
@@ -159,39 +159,39 @@ void Recheck::keep(Condensed view) {
   views_.push_back(std::move(view));
 }
 
-double Recheck::moved() const {
+double Recheck::displacement() const {
   const auto n = static_cast<Eigen::Index>(columns_.size());
   if (views_.empty() || grid_.empty() || n == 0) return 0;
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
   double cost = 0;
-  double freedom = 0;
+  double degrees = 0;
   for (const Condensed& view : views_) {
     information += view.information;
     gradient += view.gradient;
     cost += view.cost;
-    freedom += view.freedom;
+    degrees += view.degrees;
   }
-  if (!(freedom > 0)) return 0;
+  if (!(degrees > 0)) return 0;
   // Two rounds: the noise is estimated by the residuals after the step, and the step depends on the
   // noise by the prior.
-  double variance = cost / freedom;
+  double variance = cost / degrees;
   std::optional<Eigen::MatrixXd> step;
   Eigen::MatrixXd total;
   for (int round = 0; round < 2; ++round) {
     total = information + variance * prior_;
     step = scaled_solve(total, -gradient, 0);
     if (!step) return 0;
-    const Eigen::VectorXd moved = information.lazyProduct(*step);
-    const double left = cost + (2 * gradient + moved).dot(step->col(0));
-    variance = std::max(left, 0.0) / freedom;
+    const Eigen::VectorXd change = information.lazyProduct(*step);
+    const double left = cost + (2 * gradient + change).dot(step->col(0));
+    variance = std::max(left, 0.0) / degrees;
   }
   const auto gain = scaled_solve(total, information, 0);
-  const auto spread = scaled_solve(total, Eigen::MatrixXd::Identity(n, n), 0);
-  if (!gain || !spread) return 0;
+  const auto inverse = scaled_solve(total, Eigen::MatrixXd::Identity(n, n), 0);
+  if (!gain || !inverse) return 0;
   const Eigen::MatrixXd known = gain->lazyProduct(covariance_);
   const Eigen::MatrixXd noise =
-      variance * gain->lazyProduct(*spread) + known.lazyProduct(gain->transpose());
+      variance * gain->lazyProduct(*inverse) + known.lazyProduct(gain->transpose());
   double farthest = 0;
   for (const auto& cell : grid_) {
     const ProjectionGrid::value_type left = cell.lazyProduct(noise);

@@ -17,20 +17,20 @@ namespace calvin {
 
 struct RecheckReport {
   Pose camera_from_board;
-  double rms = 0;    // px, of this view's corners around its best pose
-  double moved = 0;  // px, by all views so far: see Recheck
+  double rms = 0;           // px, of this view's corners around its best pose
+  double displacement = 0;  // px, by all views so far: see Recheck
   int points = 0;
 };
 
 // Each view gets the pose that fits it best; the camera stays as it is. The residuals are reduced
 // to their normal equations over the parameters, which give one Gauss-Newton step from the
 // calibration over the latest views that differ from each other, with a weak prior (any one
-// parameter moves the picture by 2 % of its width at most, 1 sigma). `moved` is the largest change
-// of projection that this step makes over the image, a mere turn of the camera left out, less twice
-// the standard deviation that the noise of the corners and the covariance of the calibration give
-// it: 0 unless the views prove that the camera is another one now. For a camera that moved much it
-// is an estimate of first order. The board that the calibration was made with is bent as it was
-// then.
+// parameter moves the picture by 2 % of its width at most, 1 sigma). `displacement` is the largest
+// change of projection that this step makes over the image, a mere turn of the camera left out,
+// less twice the standard deviation that the noise of the corners and the covariance of the
+// calibration give it: 0 unless the views prove that the camera is another one now. For a camera
+// that moved much it is an estimate of first order. The board that the calibration was made with is
+// bent as it was then.
 //
 // Not thread-safe.
 class Recheck {
@@ -50,20 +50,21 @@ class Recheck {
     Eigen::MatrixXd information;
     Eigen::VectorXd gradient;
     double cost = 0;     // squares of residuals over their sigmas
-    double freedom = 0;  // residuals less the pose's parameters
+    double degrees = 0;  // residuals less the pose's parameters
   };
 
   void keep(Condensed view);
-  [[nodiscard]] double moved() const;
+  [[nodiscard]] double displacement() const;
 
   Camera camera_;
-  std::vector<int> columns_;                                    // of the grid
-  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> grid_;  // see solve/projection_grid.hpp
-  Eigen::MatrixXd prior_;                                       // information
-  Eigen::MatrixXd covariance_;                                  // of the calibration
-  std::string board_;                                           // of the calibration
-  BoardWarp warp_;                                              // of that board
-  std::vector<Condensed> views_;                                // in order of time
+  std::vector<int> columns_;  // of the grid
+  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>>
+      grid_;                      // see solve/judge/projection_grid.hpp
+  Eigen::MatrixXd prior_;         // information
+  Eigen::MatrixXd covariance_;    // of the calibration
+  std::string board_;             // of the calibration
+  BoardWarp warp_;                // of that board
+  std::vector<Condensed> views_;  // in order of time
 };
 
 }  // namespace calvin

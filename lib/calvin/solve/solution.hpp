@@ -46,7 +46,7 @@ struct Solution {
   std::vector<RejectedView> rejected;
   std::vector<RejectedCorner> rejected_corners;  // of views that are otherwise used
   int iterations = 0;                            // of all least-squares solves together
-  // Where a misfit is found, expected_error is multiplied by max(1, chi, halves).
+  // Where a misfit is found, expected_error is multiplied by max(1, chi, split_half_ratio).
   Misfit misfit;
   // Per view of calibration.views, in px^2 per corner: how far its corners are from where a camera
   // of all other views puts them, the 6 parameters of its pose allowed for; weighted, and to first

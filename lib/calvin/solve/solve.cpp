@@ -13,11 +13,11 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
-#include "calvin/solve/auto_model.hpp"
-#include "calvin/solve/board_shape.hpp"
-#include "calvin/solve/freedom.hpp"
-#include "calvin/solve/points.hpp"
-#include "calvin/solve/solve_points.hpp"
+#include "calvin/solve/judge/auto_model.hpp"
+#include "calvin/solve/judge/solve_points.hpp"
+#include "calvin/solve/residuals/board_shape.hpp"
+#include "calvin/solve/residuals/parameterization.hpp"
+#include "calvin/solve/residuals/points.hpp"
 
 namespace calvin {
 
@@ -27,13 +27,13 @@ bool same_grid(const Board& a, const Board& b) {
   return a.cols == b.cols && a.rows == b.rows && a.size == b.size;
 }
 
-struct Gathered {
+struct UsableViews {
   std::vector<PointSet> views;
   std::vector<RejectedView> rejected;
 };
 
-Result<Gathered> gather(std::span<const View> views, ImageSize size) {
-  Gathered gathered;
+Result<UsableViews> usable_views(std::span<const View> views, ImageSize size) {
+  UsableViews usable;
   struct Printed {
     const Board* board;
     std::vector<Eigen::Vector3d> points;
@@ -42,11 +42,11 @@ Result<Gathered> gather(std::span<const View> views, ImageSize size) {
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Observation& seen = views[i].observation;
     if (!seen.found()) {
-      gathered.rejected.push_back({i, Reason::kNotFound});
+      usable.rejected.push_back({i, Reason::kNotFound});
       continue;
     }
     if (seen.image_size.width > 0 && seen.image_size != size) {
-      gathered.rejected.push_back({i, Reason::kOffSize});
+      usable.rejected.push_back({i, Reason::kOffSize});
       continue;
     }
     if (const Status status = check(views[i], size); !status) {
@@ -62,18 +62,18 @@ Result<Gathered> gather(std::span<const View> views, ImageSize size) {
     points.index = i;
     points.board = number;
     if (!spans_plane(points)) {
-      gathered.rejected.push_back({i, Reason::kTooFewPoints});
+      usable.rejected.push_back({i, Reason::kTooFewPoints});
       continue;
     }
-    gathered.views.push_back(std::move(points));
+    usable.views.push_back(std::move(points));
   }
-  return gathered;
+  return usable;
 }
 
 // The shape that the options ask for; none unless there are views enough, all of one board.
-BoardShape shape_of(std::span<const View> views, std::size_t usable, const SolveOptions& options) {
+BoardShape shape_for(std::span<const View> views, std::size_t count, const SolveOptions& options) {
   constexpr std::size_t kViews = 8;
-  if (usable < kViews) return {};
+  if (count < kViews) return {};
   const Board& board = views.front().board;
   const auto same = [&board](const View& view) { return same_grid(view.board, board); };
   return std::all_of(views.begin(), views.end(), same) ? make_shape(board, options) : BoardShape();
@@ -98,8 +98,8 @@ std::string board_text(std::span<const View> views, const std::vector<RejectedVi
 Status check(const SolveOptions& options) {
   SolveOptions any = options;
   if (any.model == kAutoModel) any.model = "brown5";
-  const auto freedom = make_freedom(any, {});
-  if (!freedom) return tl::unexpected<Error>(freedom.error());
+  const auto parameterization = make_parameterization(any, {});
+  if (!parameterization) return tl::unexpected<Error>(parameterization.error());
   return {};
 }
 
@@ -108,15 +108,15 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
   if (const Status status = check_image_size(image_size); !status) {
     return tl::unexpected<Error>(status.error());
   }
-  auto gathered = gather(views, image_size);
-  if (!gathered) return tl::unexpected<Error>(gathered.error());
-  const BoardShape shape = shape_of(views, gathered->views.size(), options);
+  auto usable = usable_views(views, image_size);
+  if (!usable) return tl::unexpected<Error>(usable.error());
+  const BoardShape shape = shape_for(views, usable->views.size(), options);
   auto solution = options.model == kAutoModel
-                      ? solve_auto(gathered->views, shape, image_size, options, stop)
-                      : solve_points(std::move(gathered->views), shape, image_size, options, stop);
+                      ? solve_auto(usable->views, shape, image_size, options, stop)
+                      : solve_points(std::move(usable->views), shape, image_size, options, stop);
   if (!solution) return solution;
   auto& rejected = solution->rejected;
-  rejected.insert(rejected.end(), gathered->rejected.begin(), gathered->rejected.end());
+  rejected.insert(rejected.end(), usable->rejected.begin(), usable->rejected.end());
   std::sort(rejected.begin(), rejected.end(),
             [](const RejectedView& a, const RejectedView& b) { return a.index < b.index; });
   solution->calibration.camera =

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The face of solve/projection_error.hpp.
+// The face of solve/judge/projection_error.hpp.
 
 #include "calvin/solve/uncertainty.hpp"
 
-#include "calvin/solve/projection_error.hpp"
+#include "calvin/solve/judge/projection_error.hpp"
 
 namespace calvin {
 

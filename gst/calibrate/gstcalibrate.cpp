@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibrate: calibdetect ! calibsolve ! caliboverlay in one element.
+
+/**
+ * SECTION:element-calibrate
+ * @title: calibrate
+ *
+ * A bin of calibdetect (named `detect`), calibsolve (`solve`) and caliboverlay (`overlay`). It has
+ * the properties and signals of all three; those of one child alone are reached as
+ * `solve::location` through GstChildProxy.
+ *
+ * ## Example launch line
+ * |[
+ * gst-launch-1.0 v4l2src ! calibrate board=checkerboard:9x6:25mm location=camera.json !
+ * videoconvert ! autovideosink
+ * ]|
+ */
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include <gst/gst.h>
+
+#include "common/frames/meta_filter.hpp"
+#include "common/frames/refused_caps.hpp"
+#include "common/properties.hpp"
+#include "elements.hpp"
+
+GST_DEBUG_CATEGORY_STATIC(calibrate_debug);
+#define GST_CAT_DEFAULT calibrate_debug
+
+namespace {
+
+struct Unref {
+  void operator()(GstElement* element) const { gst_object_unref(element); }
+};
+using ElementPtr = std::unique_ptr<GstElement, Unref>;
+
+}  // namespace
+
+G_DECLARE_FINAL_TYPE(GstCalibrate, gst_calibrate, GST, CALIBRATE, GstBin)
+
+// Nothing is kept of the children: an application may take them out, or put others in their place.
+struct _GstCalibrate {
+  GstBin parent;
+};
+
+G_DEFINE_FINAL_TYPE_WITH_CODE(GstCalibrate, gst_calibrate, GST_TYPE_BIN,
+                              G_IMPLEMENT_INTERFACE(GST_TYPE_PRESET, nullptr))
+GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibrate, "calibrate", GST_RANK_NONE,
+                                      gst_calibrate_get_type(),
+                                      GST_DEBUG_CATEGORY_INIT(calibrate_debug, "calibrate", 0,
+                                                              "camera calibration bin"))
+
+enum { PROP_0, PROP_OVERLAY, PROP_FIRST_FORWARDED };
+
+// The properties of the children, each forwarded under its own name. `camera` is one of both.
+static std::vector<const char*>& gst_calibrate_forwarded() {
+  static std::vector<const char*> names;
+  return names;
+}
+
+static constexpr const char* kDetect = "detect";
+static constexpr const char* kSolve = "solve";
+static constexpr const char* kOverlay = "overlay";
+
+// The child of that name, nullptr where there is none.
+static ElementPtr gst_calibrate_child(GstCalibrate* self, const char* name) {
+  return ElementPtr(gst_bin_get_by_name(GST_BIN(self), name));
+}
+
+static bool gst_calibrate_has(GstElement* child, const char* name) {
+  return child != nullptr &&
+         g_object_class_find_property(G_OBJECT_GET_CLASS(child), name) != nullptr;
+}
+
+static void gst_calibrate_notify(GObject* /*child*/, GParamSpec* spec, GstCalibrate* self) {
+  if (g_object_class_find_property(G_OBJECT_GET_CLASS(self), spec->name) != nullptr &&
+      std::string_view(spec->name) != "name" && std::string_view(spec->name) != "parent") {
+    g_object_notify(G_OBJECT(self), spec->name);
+  }
+}
+
+// Whoever puts them in: the bin speaks for its children alone.
+static bool gst_calibrate_is_child(GstElement* element) {
+  g_autofree char* name = gst_object_get_name(GST_OBJECT(element));
+  const std::string_view known(name);
+  return known == kDetect || known == kSolve || known == kOverlay;
+}
+
+static void gst_calibrate_element_added(GstBin* bin, GstElement* element) {
+  if (!gst_calibrate_is_child(element)) return;
+  GST_DEBUG_OBJECT(bin, "listens to %s", GST_OBJECT_NAME(element));
+  // A child may outlive the bin.
+  g_signal_connect_object(element, "notify", G_CALLBACK(gst_calibrate_notify), bin,
+                          static_cast<GConnectFlags>(0));
+}
+
+static void gst_calibrate_element_removed(GstBin* bin, GstElement* element) {
+  g_signal_handlers_disconnect_by_func(element, reinterpret_cast<gpointer>(gst_calibrate_notify),
+                                       bin);
+}
+
+// A new child, linked behind the one of that name.
+static void gst_calibrate_add(GstCalibrate* self, const char* factory, const char* name,
+                              const char* before) {
+  GstElement* child = gst_element_factory_make(factory, name);
+  gst_bin_add(GST_BIN(self), child);
+  const ElementPtr upstream = before != nullptr ? gst_calibrate_child(self, before) : nullptr;
+  if (upstream) gst_element_link(upstream.get(), child);
+}
+
+// Links the end of the chain to the ghost pad, with the overlay or without it.
+static void gst_calibrate_set_overlay(GstCalibrate* self, bool wanted) {
+  ElementPtr overlay = gst_calibrate_child(self, kOverlay);
+  if (wanted == (overlay != nullptr)) return;
+  GST_INFO_OBJECT(self, "the overlay is %s", wanted ? "put in" : "left out");
+  g_autoptr(GstPad) src = gst_element_get_static_pad(GST_ELEMENT(self), "src");
+  // A pad has one peer: the chain is opened before it is longer or shorter.
+  gst_ghost_pad_set_target(GST_GHOST_PAD(src), nullptr);
+  if (wanted) {
+    gst_calibrate_add(self, "caliboverlay", kOverlay, kSolve);
+    gst_element_sync_state_with_parent(gst_calibrate_child(self, kOverlay).get());
+  } else {
+    gst_element_set_state(overlay.get(), GST_STATE_NULL);
+    gst_bin_remove(GST_BIN(self), overlay.get());
+  }
+  const ElementPtr last = gst_calibrate_child(self, wanted ? kOverlay : kSolve);
+  if (!last) return;
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(last.get(), "src");
+  gst_ghost_pad_set_target(GST_GHOST_PAD(src), pad);
+}
+
+static void gst_calibrate_set_property(GObject* object, guint id, const GValue* value,
+                                       GParamSpec* spec) {
+  GstCalibrate* self = GST_CALIBRATE(object);
+  if (id == PROP_OVERLAY) {
+    if (GST_STATE(self) > GST_STATE_READY) {
+      GST_ELEMENT_WARNING(self, LIBRARY, SETTINGS,
+                          ("The property 'overlay' cannot change while the element runs and stays "
+                           "as it was: set it in the states NULL or READY."),
+                          (nullptr));
+      return;
+    }
+    gst_calibrate_set_overlay(self, g_value_get_boolean(value));
+    return;
+  }
+  bool known = false;
+  for (const char* name : {kDetect, kSolve, kOverlay}) {
+    const ElementPtr child = gst_calibrate_child(self, name);
+    if (!gst_calibrate_has(child.get(), spec->name)) continue;
+    GST_DEBUG_OBJECT(self, "%s goes to %s", spec->name, name);
+    g_object_set_property(G_OBJECT(child.get()), spec->name, value);
+    known = true;
+  }
+  if (!known) GST_WARNING_OBJECT(self, "the child with the property %s is gone", spec->name);
+}
+
+static void gst_calibrate_get_property(GObject* object, guint id, GValue* value, GParamSpec* spec) {
+  GstCalibrate* self = GST_CALIBRATE(object);
+  if (id == PROP_OVERLAY) {
+    g_value_set_boolean(value, gst_calibrate_child(self, kOverlay) != nullptr);
+    return;
+  }
+  // Settings of both are set on both; of the findings, the solver's count.
+  const bool setting = (spec->flags & G_PARAM_WRITABLE) != 0;
+  const char* first = setting ? kDetect : kSolve;
+  const char* second = setting ? kSolve : kDetect;
+  for (const char* name : {first, second, kOverlay}) {
+    const ElementPtr child = gst_calibrate_child(self, name);
+    if (!gst_calibrate_has(child.get(), spec->name)) continue;
+    g_object_get_property(G_OBJECT(child.get()), spec->name, value);
+    return;
+  }
+  g_param_value_set_default(spec, value);
+}
+
+// Emits an action signal of the solver, if there is one.
+template <typename... Arguments>
+static void gst_calibrate_emit(GstCalibrate* self, const char* signal, Arguments... arguments) {
+  const ElementPtr solve = gst_calibrate_child(self, kSolve);
+  if (!solve || g_signal_lookup(signal, G_OBJECT_TYPE(solve.get())) == 0) {
+    GST_WARNING_OBJECT(self, "the child for the signal %s is gone", signal);
+    return;
+  }
+  g_signal_emit_by_name(solve.get(), signal, arguments...);
+}
+
+static void gst_calibrate_capture_view(GstCalibrate* self) {
+  gst_calibrate_emit(self, "capture-view");
+}
+
+static void gst_calibrate_solve(GstCalibrate* self) { gst_calibrate_emit(self, "solve"); }
+
+static void gst_calibrate_reset(GstCalibrate* self) { gst_calibrate_emit(self, "reset"); }
+
+static gboolean gst_calibrate_remove_view(GstCalibrate* self, guint index) {
+  gboolean removed = FALSE;
+  gst_calibrate_emit(self, "remove-view", index, &removed);
+  return removed;
+}
+
+// A ghost pad for the pad of that name of a child.
+static void gst_calibrate_expose(GstCalibrate* self, const char* child, const char* name) {
+  const ElementPtr element = gst_calibrate_child(self, child);
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(element.get(), name);
+  g_autoptr(GstPadTemplate) pad_template = gst_pad_get_pad_template(pad);
+  gst_element_add_pad(GST_ELEMENT(self), gst_ghost_pad_new_from_template(name, pad, pad_template));
+}
+
+static void gst_calibrate_init(GstCalibrate* self) {
+  gst_calibrate_add(self, "calibdetect", kDetect, nullptr);
+  gst_calibrate_add(self, "calibsolve", kSolve, kDetect);
+  gst_calibrate_expose(self, kDetect, "sink");
+  gst_calibrate_expose(self, kSolve, "src");
+  gst_calibrate_set_overlay(self, true);
+  calvin::gst::explain_refused_caps(GST_ELEMENT(self));
+}
+
+// A property of a child, to be installed on the bin as well.
+static GParamSpec* gst_calibrate_copy_spec(GParamSpec* spec) {
+  const char* name = spec->name;
+  const char* nick = g_param_spec_get_nick(spec);
+  const char* blurb = g_param_spec_get_blurb(spec);
+  const GParamFlags flags = spec->flags;
+  if (G_IS_PARAM_SPEC_STRING(spec)) {
+    return g_param_spec_string(name, nick, blurb, G_PARAM_SPEC_STRING(spec)->default_value, flags);
+  }
+  if (G_IS_PARAM_SPEC_ENUM(spec)) {
+    return g_param_spec_enum(name, nick, blurb, spec->value_type,
+                             G_PARAM_SPEC_ENUM(spec)->default_value, flags);
+  }
+  if (G_IS_PARAM_SPEC_BOOLEAN(spec)) {
+    return g_param_spec_boolean(name, nick, blurb, G_PARAM_SPEC_BOOLEAN(spec)->default_value,
+                                flags);
+  }
+  if (G_IS_PARAM_SPEC_INT(spec)) {
+    const auto* s = G_PARAM_SPEC_INT(spec);
+    return g_param_spec_int(name, nick, blurb, s->minimum, s->maximum, s->default_value, flags);
+  }
+  if (G_IS_PARAM_SPEC_DOUBLE(spec)) {
+    const auto* s = G_PARAM_SPEC_DOUBLE(spec);
+    return g_param_spec_double(name, nick, blurb, s->minimum, s->maximum, s->default_value, flags);
+  }
+  if (G_IS_PARAM_SPEC_BOXED(spec)) {
+    return g_param_spec_boxed(name, nick, blurb, spec->value_type, flags);
+  }
+  return nullptr;
+}
+
+// Installs the own properties of a child element's class, first come first served. What the
+// detector found is not for the bin: it has the solver's `stats`.
+static void gst_calibrate_forward_properties(GObjectClass* object_class, const char* factory) {
+  const bool settings_only = std::string_view(factory) == "calibdetect";
+  g_autoptr(GstElement) child = gst_element_factory_make(factory, nullptr);
+  if (child == nullptr) return;
+  gst_object_ref_sink(child);
+  guint n = 0;
+  g_autofree GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(child), &n);
+  for (guint i = 0; i < n; ++i) {
+    if (specs[i]->owner_type != G_OBJECT_TYPE(child)) continue;
+    if (settings_only && (specs[i]->flags & G_PARAM_WRITABLE) == 0) continue;
+    if (g_object_class_find_property(object_class, specs[i]->name) != nullptr) continue;
+    GParamSpec* copy = gst_calibrate_copy_spec(specs[i]);
+    if (copy == nullptr) continue;
+    auto& names = gst_calibrate_forwarded();
+    names.push_back(copy->name);
+    g_object_class_install_property(
+        object_class, static_cast<guint>(PROP_FIRST_FORWARDED + names.size() - 1), copy);
+  }
+}
+
+static void gst_calibrate_install_signals(GType type) {
+  constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
+  const auto action = [type](const char* name, void (*handler)(GstCalibrate*)) {
+    g_signal_new_class_handler(name, type, kAction, G_CALLBACK(handler), nullptr, nullptr, nullptr,
+                               G_TYPE_NONE, 0);
+  };
+  /**
+   * GstCalibrate::capture-view:
+   *
+   * See #GstCalibSolve::capture-view; likewise solve, reset and remove-view.
+   */
+  action("capture-view", gst_calibrate_capture_view);
+  action("solve", gst_calibrate_solve);
+  action("reset", gst_calibrate_reset);
+  g_signal_new_class_handler("remove-view", type, kAction, G_CALLBACK(gst_calibrate_remove_view),
+                             nullptr, nullptr, nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_UINT);
+}
+
+static void gst_calibrate_class_init(GstCalibrateClass* klass) {
+  auto* object_class = G_OBJECT_CLASS(klass);
+  auto* element_class = GST_ELEMENT_CLASS(klass);
+  auto* bin_class = GST_BIN_CLASS(klass);
+  object_class->set_property = gst_calibrate_set_property;
+  object_class->get_property = gst_calibrate_get_property;
+  bin_class->element_added = gst_calibrate_element_added;
+  bin_class->element_removed = gst_calibrate_element_removed;
+  g_object_class_install_property(
+      object_class, PROP_OVERLAY,
+      g_param_spec_boolean("overlay", "Overlay",
+                           "Draw what was found and what to show next into the picture", TRUE,
+                           calvin::gst::kMutableReady));
+  for (const char* factory : {"calibdetect", "calibsolve", "caliboverlay"}) {
+    gst_calibrate_forward_properties(object_class, factory);
+  }
+  gst_calibrate_install_signals(G_TYPE_FROM_CLASS(klass));
+
+  calvin::gst::add_raw_video_pads(element_class);
+  gst_element_class_set_static_metadata(
+      element_class, "Camera calibration", "Filter/Analyzer/Video",
+      "Finds calibration boards, solves the camera and draws how it goes",
+      "The gst-calvin authors");
+}

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Whether a buffer holds the picture that its caps promise.
+
+#include "common/frames/frame_check.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "common/frames/frame_unpacking.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+constexpr char kAdvice[] = "Check the element upstream, it sends frames other than its caps say.";
+
+// Whether every sample of a component lies in the memory that is mapped for its plane.
+bool component_fits(const GstVideoFrame& frame, guint c) {
+  const GstVideoFormatInfo* f = frame.info.finfo;
+  const auto plane = static_cast<guint>(GST_VIDEO_FORMAT_INFO_PLANE(f, c));
+  const std::int64_t rows = GST_VIDEO_FRAME_COMP_HEIGHT(&frame, c);
+  const std::int64_t columns = GST_VIDEO_FRAME_COMP_WIDTH(&frame, c);
+  const std::int64_t step = GST_VIDEO_FORMAT_INFO_PSTRIDE(f, c);
+  // Of what is unpacked GStreamer does not tell where in the pixel it lies.
+  const std::int64_t row_end = needs_unpacking(f)
+                                   ? columns * step
+                                   : GST_VIDEO_FORMAT_INFO_POFFSET(f, c) + (columns - 1) * step +
+                                         (GST_VIDEO_FORMAT_INFO_DEPTH(f, c) + 7) / 8;
+  const std::int64_t last = (rows - 1) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane);
+  const GstMapInfo& map = frame.map[frame.meta == nullptr ? 0 : plane];
+  const std::int64_t first = static_cast<const guint8*>(frame.data[plane]) - map.data;
+  return first + std::min<std::int64_t>(last, 0) >= 0 &&
+         first + std::max<std::int64_t>(last, 0) + row_end <= static_cast<std::int64_t>(map.size);
+}
+
+// The same of what has no place of its own per sample: a plane of groups of pixels or of tiles has
+// at least the rows, or tiles, that GStreamer gives it.
+bool plane_fits(const GstVideoFrame& frame, const GstVideoInfo& plain, guint p) {
+  const GstVideoFormatInfo* f = frame.info.finfo;
+  const gint stride = GST_VIDEO_FRAME_PLANE_STRIDE(&frame, p);
+  const gint least = GST_VIDEO_INFO_PLANE_STRIDE(&plain, p);
+  const bool is_last = p + 1 == GST_VIDEO_INFO_N_PLANES(&plain);
+  std::int64_t bytes = static_cast<std::int64_t>(is_last ? plain.size : plain.offset[p + 1]) -
+                       static_cast<std::int64_t>(plain.offset[p]);
+  if (GST_VIDEO_FORMAT_INFO_IS_TILED(f)) {
+    if (GST_VIDEO_TILE_X_TILES(stride) < GST_VIDEO_TILE_X_TILES(least) ||
+        GST_VIDEO_TILE_Y_TILES(stride) < GST_VIDEO_TILE_Y_TILES(least)) {
+      return false;
+    }
+    const auto tiles = [](std::int64_t s) {
+      return GST_VIDEO_TILE_X_TILES(s) * GST_VIDEO_TILE_Y_TILES(s);
+    };
+    bytes = bytes / tiles(least) * tiles(stride);
+  } else {
+    if (stride < least) return false;
+    bytes = std::int64_t{stride} * (GST_VIDEO_FRAME_COMP_HEIGHT(&frame, p) - 1) + least;
+  }
+  const GstMapInfo& map = frame.map[frame.meta == nullptr ? 0 : p];
+  const std::int64_t first = static_cast<const guint8*>(frame.data[p]) - map.data;
+  return first >= 0 && first + bytes <= static_cast<std::int64_t>(map.size);
+}
+
+bool all_fits(const GstVideoFrame& frame, const GstVideoInfo& plain) {
+  const GstVideoFormatInfo* f = frame.info.finfo;
+  if (GST_VIDEO_FORMAT_INFO_HAS_PALETTE(f)) return true;
+  if (needs_unpacking(f) &&
+      (GST_VIDEO_FORMAT_INFO_IS_TILED(f) || GST_VIDEO_FORMAT_INFO_PSTRIDE(f, 0) == 0)) {
+    for (guint p = 0; p < GST_VIDEO_FRAME_N_PLANES(&frame); ++p) {
+      if (!plane_fits(frame, plain, p)) return false;
+    }
+    return true;
+  }
+  for (guint c = 0; c < GST_VIDEO_FRAME_N_COMPONENTS(&frame); ++c) {
+    if (!component_fits(frame, c)) return false;
+  }
+  return true;
+}
+
+tl::unexpected<Error> beyond_memory() {
+  return make_error(ErrorCode::kMalformed,
+                    fmt::format("The rows of a frame reach beyond its memory. {}", kAdvice));
+}
+
+// The number in a meta that any program may have written, and that need not be one of a format.
+int format_of(const GstVideoMeta& meta) {
+  int number = 0;
+  static_assert(sizeof(number) == sizeof(meta.format));
+  std::memcpy(&number, &meta.format, sizeof(number));
+  return number;
+}
+
+// GStreamer answers what is no format by nothing, and UNKNOWN by a CRITICAL.
+const char* name_of(int format) {
+  if (format == GST_VIDEO_FORMAT_UNKNOWN) return "UNKNOWN";
+  const char* name = gst_video_format_to_string(static_cast<GstVideoFormat>(format));
+  return name == nullptr ? "UNKNOWN" : name;
+}
+
+// Why a frame could not be mapped: there is too little of it, or its memory gives no access.
+tl::unexpected<Error> unmapped(const GstVideoInfo& info, GstBuffer* buffer) {
+  const gsize size = gst_buffer_get_size(buffer);
+  if (size < info.size) {
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("A frame has {} bytes, but {} of {}x{} px needs {}. {}", size,
+                                  GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
+                                  GST_VIDEO_INFO_HEIGHT(&info), info.size, kAdvice));
+  }
+  GstMapInfo map;
+  if (gst_buffer_map(buffer, &map, GST_MAP_READ)) {
+    gst_buffer_unmap(buffer, &map);
+    return beyond_memory();
+  }
+  return make_error(ErrorCode::kUnsupported,
+                    "The memory of a frame cannot be read: the system gives no access to it, or "
+                    "somebody is writing to it. Have the element upstream send frames in system "
+                    "memory, v4l2src for example with io-mode=mmap.");
+}
+
+}  // namespace
+
+Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
+  // gst_video_frame_map() takes these on trust, or for a mistake of the program.
+  const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
+  if (meta != nullptr && (format_of(*meta) != GST_VIDEO_INFO_FORMAT(&info) ||
+                          meta->width != static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) ||
+                          meta->height != static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)))) {
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("A frame is {} of {}x{} px, but {} of {}x{} was negotiated. {}",
+                                  name_of(format_of(*meta)), meta->width, meta->height,
+                                  GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
+                                  GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
+  }
+  if (meta != nullptr && meta->n_planes != GST_VIDEO_INFO_N_PLANES(&info)) {
+    return make_error(
+        ErrorCode::kMalformed,
+        fmt::format("The GstVideoMeta of a frame tells of {} planes, but {} has {}. {}",
+                    meta->n_planes, GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_N_PLANES(&info),
+                    kAdvice));
+  }
+  GstVideoFrame frame;
+  if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ)) return unmapped(info, buffer);
+  const bool fits = all_fits(frame, info);
+  gst_video_frame_unmap(&frame);
+  if (fits) return {};
+  return beyond_memory();
+}
+
+}  // namespace calvin::gst

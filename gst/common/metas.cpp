@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The custom metas that travel on buffers.
+
+#include "common/metas.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <gst/video/video.h>
+
+#include "common/patch_values.hpp"
+#include "common/values.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+// Scales every "uv" of the array `list` in place: the centre of the first pixel is (0, 0).
+void scale_points(GstStructure* structure, const char* list, double sx, double sy) {
+  std::vector<GstStructure*> scaled;
+  for (const GstStructure* item : get_structures(structure, list)) {
+    GstStructure* copy = gst_structure_copy(item);
+    std::vector<Pixel> uv = get_pixels(copy, "uv");
+    for (Pixel& p : uv) p = {sx * (p.u + 0.5) - 0.5, sy * (p.v + 0.5) - 0.5};
+    set_pixels(copy, "uv", uv);
+    std::vector<double> sigma = get_doubles(copy, "sigma");
+    for (double& s : sigma) s *= (sx + sy) / 2;
+    if (!sigma.empty()) set_doubles(copy, "sigma", sigma);
+    double blur = 0;
+    if (gst_structure_get_double(copy, "blur", &blur) != FALSE) {
+      gst_structure_set(copy, "blur", G_TYPE_DOUBLE, blur * (sx + sy) / 2, nullptr);
+    }
+    remove_patches(copy);
+    scaled.push_back(copy);
+  }
+  take_structures(structure, list, scaled);
+}
+
+GstStructure* writable_meta(GstBuffer* buffer, const char* name) {
+  GstCustomMeta* meta = gst_buffer_get_custom_meta(buffer, name);
+  if (meta == nullptr) meta = gst_buffer_add_custom_meta(buffer, name);
+  return meta == nullptr ? nullptr : gst_custom_meta_get_structure(meta);
+}
+
+const GstStructure* readable_meta(GstBuffer* buffer, const char* name) {
+  GstCustomMeta* meta = gst_buffer_get_custom_meta(buffer, name);
+  return meta == nullptr ? nullptr : gst_custom_meta_get_structure(meta);
+}
+
+void set_fields(GstStructure* to, const GstStructure* from) {
+  gst_structure_remove_all_fields(to);
+  gst_structure_foreach(
+      from,
+      [](GQuark field, const GValue* value, gpointer data) -> gboolean {
+        gst_structure_id_set_value(static_cast<GstStructure*>(data), field, value);
+        return TRUE;
+      },
+      to);
+}
+
+gboolean transform_meta(GstBuffer* to, GstCustomMeta* meta, GstBuffer* /*from*/, GQuark type,
+                        gpointer data, gpointer list) {
+  const char* name = gst_structure_get_name(gst_custom_meta_get_structure(meta));
+  const bool scale = GST_VIDEO_META_TRANSFORM_IS_SCALE(type);
+  if (!GST_META_TRANSFORM_IS_COPY(type) && !scale) return FALSE;
+  GstStructure* structure = writable_meta(to, name);
+  if (structure == nullptr) return FALSE;
+  set_fields(structure, gst_custom_meta_get_structure(meta));
+  if (scale && list != nullptr) {
+    const auto* change = static_cast<const GstVideoMetaTransform*>(data);
+    const int width = GST_VIDEO_INFO_WIDTH(change->out_info);
+    const int height = GST_VIDEO_INFO_HEIGHT(change->out_info);
+    const double sx = static_cast<double>(width) / GST_VIDEO_INFO_WIDTH(change->in_info);
+    const double sy = static_cast<double>(height) / GST_VIDEO_INFO_HEIGHT(change->in_info);
+    scale_points(structure, static_cast<const char*>(list), sx, sy);
+    gst_structure_set(structure, "width", G_TYPE_INT, width, "height", G_TYPE_INT, height, nullptr);
+  }
+  return TRUE;
+}
+
+void register_one(const char* name, const char* points_list) {
+  if (gst_meta_get_info(name) != nullptr) return;
+  const char* tags[] = {GST_META_TAG_VIDEO_STR, GST_META_TAG_VIDEO_SIZE_STR,
+                        GST_META_TAG_VIDEO_ORIENTATION_STR, nullptr};
+  gst_meta_register_custom(name, tags, transform_meta, const_cast<char*>(points_list), nullptr);
+}
+
+GstStructure* observation_to_structure(const Observation& o) {
+  GstStructure* s = gst_structure_new("observation", "board", G_TYPE_STRING, o.board.c_str(),
+                                      "found", G_TYPE_BOOLEAN, o.found(), "timestamp",
+                                      G_TYPE_UINT64, o.timestamp, nullptr);
+  set_ints(s, "ids", o.ids);
+  set_pixels(s, "uv", o.uv);
+  set_doubles(s, "sigma", o.sigma);
+  set_strings(s, "ambiguous", o.ambiguous);
+  if (o.blur > 0) gst_structure_set(s, "blur", G_TYPE_DOUBLE, o.blur, nullptr);
+  set_patches(s, o.patches);
+  return s;
+}
+
+void set_frame(GstStructure* s, const Observation* first) {
+  gst_structure_set(s, "camera", G_TYPE_STRING,
+                    first != nullptr ? displayed(first->camera).c_str() : "", "width", G_TYPE_INT,
+                    first != nullptr ? first->image_size.width : 0, "height", G_TYPE_INT,
+                    first != nullptr ? first->image_size.height : 0, nullptr);
+}
+
+std::optional<double> get_double(const GstStructure* s, const char* field) {
+  double value = 0;
+  if (!gst_structure_get_double(s, field, &value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+void register_metas() {
+  register_one(kObservationName, "observations");
+  register_one(kGuidanceName, nullptr);
+  register_one(kGroundTruthName, "boards");
+}
+
+GstStructure* observations_to_structure(std::span<const Observation> observations) {
+  GstStructure* s = gst_structure_new_empty(kObservationName);
+  set_frame(s, observations.empty() ? nullptr : &observations.front());
+  std::vector<GstStructure*> list;
+  for (const Observation& o : observations) list.push_back(observation_to_structure(o));
+  take_structures(s, "observations", list);
+  return s;
+}
+
+std::vector<Observation> observations_from_structure(const GstStructure* structure,
+                                                     std::optional<Error>* problem) {
+  std::vector<Observation> all;
+  const auto refuse = [problem](std::string why) {
+    if (problem == nullptr || *problem) return;
+    *problem = Error{ErrorCode::kMalformed, std::move(why)};
+  };
+  const GValue* list = gst_structure_get_value(structure, "observations");
+  if (list == nullptr || !GST_VALUE_HOLDS_ARRAY(list)) {
+    refuse("the field 'observations' is no array of structures");
+  }
+  ImageSize size;
+  gst_structure_get_int(structure, "width", &size.width);
+  gst_structure_get_int(structure, "height", &size.height);
+  for (const GstStructure* s : get_structures(structure, "observations")) {
+    Observation o;
+    o.camera = get_string(structure, "camera");
+    o.image_size = size;
+    o.board = get_string(s, "board");
+    gst_structure_get_uint64(s, "timestamp", &o.timestamp);
+    o.ids = get_ints(s, "ids");
+    o.uv = get_pixels(s, "uv");
+    o.sigma = get_doubles(s, "sigma");
+    o.ambiguous = get_strings(s, "ambiguous");
+    gst_structure_get_double(s, "blur", &o.blur);
+    o.patches = get_patches(s, o.ids.size());
+    const std::size_t numbers = get_doubles(s, "uv").size();
+    if (numbers != 2 * o.ids.size() || o.sigma.size() != o.ids.size()) {
+      refuse(
+          fmt::format("it has {} ids, {} sigmas and {} coordinates; each corner needs an id, a "
+                      "sigma and two coordinates",
+                      o.ids.size(), o.sigma.size(), numbers));
+    } else if (std::any_of(o.sigma.begin(), o.sigma.end(),
+                           [](double sigma) { return !std::isfinite(sigma) || sigma < 0; })) {
+      refuse("a sigma is negative or no number; it must be in px");
+    } else {
+      all.push_back(std::move(o));
+    }
+  }
+  return all;
+}
+
+void attach_observations(GstBuffer* buffer, std::span<const Observation> observations) {
+  g_autoptr(GstStructure) s = observations_to_structure(observations);
+  if (GstStructure* meta = writable_meta(buffer, kObservationName)) set_fields(meta, s);
+}
+
+std::vector<Observation> read_observations(GstBuffer* buffer, std::optional<Error>* problem) {
+  const GstStructure* s = readable_meta(buffer, kObservationName);
+  return s == nullptr ? std::vector<Observation>() : observations_from_structure(s, problem);
+}
+
+void attach_guidance(GstBuffer* buffer, const Guidance& g) {
+  GstStructure* s = writable_meta(buffer, kGuidanceName);
+  if (s == nullptr) return;
+  gst_structure_remove_all_fields(s);
+  gst_structure_set(s, "hint", G_TYPE_STRING, g.hint.c_str(), "coverage", G_TYPE_DOUBLE, g.coverage,
+                    "x", G_TYPE_DOUBLE, g.x, "y", G_TYPE_DOUBLE, g.y, "size", G_TYPE_DOUBLE, g.size,
+                    "skew", G_TYPE_DOUBLE, g.skew, "views", G_TYPE_INT, g.views, "captured",
+                    G_TYPE_BOOLEAN, g.captured, nullptr);
+  if (g.expected_error) {
+    gst_structure_set(s, "expected-error", G_TYPE_DOUBLE, *g.expected_error, nullptr);
+  }
+  if (g.rms) gst_structure_set(s, "rms", G_TYPE_DOUBLE, *g.rms, nullptr);
+}
+
+std::optional<Guidance> read_guidance(GstBuffer* buffer) {
+  const GstStructure* s = readable_meta(buffer, kGuidanceName);
+  if (s == nullptr) return std::nullopt;
+  Guidance g;
+  g.hint = get_string(s, "hint");
+  g.coverage = get_double(s, "coverage").value_or(0);
+  g.x = get_double(s, "x").value_or(0);
+  g.y = get_double(s, "y").value_or(0);
+  g.size = get_double(s, "size").value_or(0);
+  g.skew = get_double(s, "skew").value_or(0);
+  g.expected_error = get_double(s, "expected-error");
+  g.rms = get_double(s, "rms");
+  gst_structure_get_int(s, "views", &g.views);
+  gboolean captured = FALSE;
+  gst_structure_get_boolean(s, "captured", &captured);
+  g.captured = captured != FALSE;
+  return g;
+}
+
+void attach_ground_truth(GstBuffer* buffer, const GroundTruth& truth) {
+  GstStructure* s = writable_meta(buffer, kGroundTruthName);
+  if (s == nullptr) return;
+  set_frame(s, truth.boards.empty() ? nullptr : &truth.boards.front().observation);
+  gst_structure_set(s, "calibration", G_TYPE_STRING, truth.calibration.c_str(), nullptr);
+  std::vector<GstStructure*> list;
+  for (const TrueBoard& b : truth.boards) {
+    GstStructure* item = observation_to_structure(b.observation);
+    set_doubles(item, "rotation", b.camera_from_board.rotation);
+    set_doubles(item, "translation", b.camera_from_board.translation);
+    list.push_back(item);
+  }
+  take_structures(s, "boards", list);
+}
+
+std::optional<GroundTruth> read_ground_truth(GstBuffer* buffer) {
+  const GstStructure* s = readable_meta(buffer, kGroundTruthName);
+  if (s == nullptr) return std::nullopt;
+  GroundTruth truth;
+  truth.calibration = get_string(s, "calibration");
+  for (const GstStructure* item : get_structures(s, "boards")) {
+    TrueBoard board;
+    Observation& o = board.observation;
+    o.camera = get_string(s, "camera");
+    gst_structure_get_int(s, "width", &o.image_size.width);
+    gst_structure_get_int(s, "height", &o.image_size.height);
+    o.board = get_string(item, "board");
+    gst_structure_get_uint64(item, "timestamp", &o.timestamp);
+    o.ids = get_ints(item, "ids");
+    o.uv = get_pixels(item, "uv");
+    o.sigma = get_doubles(item, "sigma");
+    const std::vector<double> rotation = get_doubles(item, "rotation");
+    const std::vector<double> translation = get_doubles(item, "translation");
+    if (rotation.size() != 3 || translation.size() != 3) continue;
+    std::copy(rotation.begin(), rotation.end(), board.camera_from_board.rotation.begin());
+    std::copy(translation.begin(), translation.end(), board.camera_from_board.translation.begin());
+    truth.boards.push_back(std::move(board));
+  }
+  return truth;
+}
+
+}  // namespace calvin::gst

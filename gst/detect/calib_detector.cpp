@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What calibdetect does.
+
+#include "detect/calib_detector.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/detect/patches.hpp"
+#include "common/frames/frame_check.hpp"
+
+GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
+#define GST_CAT_DEFAULT calibdetect_debug
+
+namespace calvin::gst {
+
+DetectorSettings CalibDetector::settings() {
+  const std::lock_guard guard(lock_);
+  return settings_;
+}
+
+GstStructure* CalibDetector::stats() {
+  const std::lock_guard guard(lock_);
+  return gst_structure_new("stats", "frames", G_TYPE_UINT64, frames_, "detections", G_TYPE_UINT64,
+                           detections_, "skipped", G_TYPE_UINT64, skipped_, nullptr);
+}
+
+// ---- Settings and format ------------------------------------------------------------------------
+
+Status CalibDetector::start() {
+  {
+    const std::lock_guard guard(lock_);
+    boards_changed_ = recheck_changed_ = true;
+    patches_wanted_ = false;
+    ++generation_;
+    result_.reset();
+    frames_ = detections_ = skipped_ = 0;
+  }
+  luma_.reset();
+  async_ = mode_known_ = frame_refused_ = false;
+  last_detection_ = GST_CLOCK_TIME_NONE;
+  if (Status started = start_boards(); !started) return started;
+  if (Status started = start_recheck(); !started) return started;
+  return worker_.start();
+}
+
+Result<CalibDetector::Detectors> CalibDetector::make_detectors(const std::string& text) {
+  const auto boards = parse_boards(text);
+  if (!boards) return tl::unexpected<Error>(boards.error());
+  auto detectors = std::make_shared<std::vector<BoardDetector>>();
+  for (const Board& board : *boards) {
+    auto detector = make_detector(board);
+    if (!detector) return tl::unexpected<Error>(detector.error());
+    detectors->push_back({board, std::move(*detector)});
+  }
+  return detectors;
+}
+
+Status CalibDetector::start_boards() {
+  std::string text;
+  {
+    const std::lock_guard guard(lock_);
+    boards_changed_ = false;
+    ++boards_asked_for_;
+    boards_found_.reset();
+    text = settings_.board;
+  }
+  if (Status taken = take_boards(make_detectors(text)); !taken) return taken;
+  return board_reader_.start();
+}
+
+Status CalibDetector::update_boards() {
+  std::string text;
+  bool changed = false;
+  std::optional<Result<Detectors>> found;
+  {
+    const std::lock_guard guard(lock_);
+    changed = std::exchange(boards_changed_, false);
+    if (changed) {
+      ++boards_asked_for_;
+      boards_found_.reset();
+      text = settings_.board;
+    }
+    found = std::exchange(boards_found_, std::nullopt);
+  }
+  if (changed && names_a_file(text)) {
+    read_boards_beside(text);
+  } else if (changed) {
+    found = make_detectors(text);
+  }
+  return found ? take_boards(*std::move(found)) : Status();
+}
+
+void CalibDetector::read_boards_beside(const std::string& text) {
+  board_reader_.offer([this, text, turn = boards_asked_for_](const std::stop_token& /*stop*/) {
+    auto found = make_detectors(text);
+    const std::lock_guard guard(lock_);
+    if (turn == boards_asked_for_) boards_found_ = std::move(found);
+  });
+}
+
+Status CalibDetector::take_boards(Result<Detectors> boards) {
+  if (!boards) return tl::unexpected<Error>(boards.error());
+  detectors_ = *std::move(boards);
+  for (const BoardDetector& wanted : *detectors_) {
+    GST_INFO_OBJECT(element_, "looks for %s", wanted.board.text().c_str());
+  }
+  return {};
+}
+
+void CalibDetector::name_recheck() {
+  std::string text;
+  {
+    const std::lock_guard guard(lock_);
+    if (!std::exchange(recheck_changed_, false)) return;
+    text = settings_.recheck;
+  }
+  recheck_.set(text);
+  if (text.empty()) check_.reset();
+}
+
+Status CalibDetector::start_recheck() {
+  check_.reset();
+  name_recheck();
+  if (Status started = recheck_.start(); !started) return started;
+  auto read = recheck_.read(CalibrationReader::Clock::now());
+  return read ? take_recheck(*std::move(read)) : Status();
+}
+
+Status CalibDetector::update_recheck() {
+  name_recheck();
+  auto read = recheck_.poll(CalibrationReader::Clock::now());
+  if (!read) return {};
+  Status taken = take_recheck(*std::move(read));
+  if (!taken && check_) taken.error().message += " The calibration that recheck had goes on.";
+  return taken;
+}
+
+Status CalibDetector::take_recheck(CalibrationReader::ReadResult read) {
+  if (!read) {
+    return make_error(read.error().code,
+                      "The calibration to check against (recheck): " + read.error().message);
+  }
+  check_ = std::make_shared<CalibrationCheck>(*std::move(read));
+  GST_INFO_OBJECT(element_, "holds boards against another calibration");
+  return {};
+}
+
+Status CalibDetector::set_format(const GstVideoInfo& info) {
+  luma_.reset();
+  if (Status readable = read_pictures(info); !readable) return readable;
+  info_ = info;
+  mode_known_ = frame_refused_ = false;
+  return {};
+}
+
+Status CalibDetector::read_pictures(const GstVideoInfo& info) {
+  const ImageSize size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  if (luma_ && size == luma_size_) return {};
+  auto reader = LumaReader::make(info);
+  if (!reader) return tl::unexpected<Error>(reader.error());
+  luma_ = std::move(*reader);
+  luma_size_ = size;
+  GST_INFO_OBJECT(element_, "frames of %s, %dx%d px", GST_VIDEO_INFO_NAME(&info),
+                  GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info));
+  return {};
+}
+
+void CalibDetector::choose_mode(bool live) {
+  const DetectMode mode = settings().mode;
+  mode_known_ = true;
+  async_ = mode == kModeAsync || (mode == kModeAuto && live);
+  GST_INFO_OBJECT(element_, "the streaming thread %s", async_ ? "does not wait" : "waits");
+}
+
+// ---- Frames: on the streaming thread ------------------------------------------------------------
+
+bool CalibDetector::is_due(const FrameTimes& times, double max_rate) {
+  if (max_rate <= 0 || !GST_CLOCK_TIME_IS_VALID(times.running_time)) return true;
+  const auto interval = static_cast<GstClockTime>(GST_SECOND / max_rate);
+  const GstClockTime now = times.running_time;
+  const GstClockTime last = last_detection_;
+  // The beat may be ahead of the frames, by less than an interval.
+  const bool in_step = GST_CLOCK_TIME_IS_VALID(last) && now + interval >= last;
+  if (in_step && now + interval / 4 < last + interval) return false;
+  // On the beat, so that a camera's jitter does not cost every other frame.
+  const bool late = !in_step || now >= last + 2 * interval;
+  last_detection_ = late ? now : last + interval;
+  return true;
+}
+
+void CalibDetector::skip() {
+  const std::lock_guard guard(lock_);
+  ++skipped_;
+}
+
+Status CalibDetector::prepare(GstBuffer* buffer, Job& job) {
+  job.part = part_of(buffer, info_);
+  const GstVideoInfo whole = job.part ? with_size(info_, job.part->whole) : info_;
+  if (Status checked = check_frame(whole, buffer); !checked) return checked;
+  if (Status readable = read_pictures(whole); !readable) return readable;
+  job.luma = luma_;
+  job.picture = async_ ? luma_->keep(buffer) : luma_->borrow(buffer);
+  return {};
+}
+
+std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
+                                                            const FrameTimes& times) {
+  for (const Status& updated : {update_boards(), update_recheck()}) {
+    if (!updated) post_warning(element_, updated.error());
+  }
+  Job job{times, settings(), detectors_, check_, nullptr, {}, {}, 0};
+  {
+    const std::lock_guard guard(lock_);
+    ++frames_;
+    job.generation = generation_;
+    job.patches = patches_wanted_;
+  }
+  // A frame that waited for a worker that is at another one would be stale when its turn came.
+  if ((async_ && !worker_.idle()) || !is_due(times, job.settings.max_rate)) {
+    GST_LOG_OBJECT(element_, "the frame at %" GST_TIME_FORMAT " is not looked at",
+                   GST_TIME_ARGS(times.timestamp));
+    skip();
+    return std::nullopt;
+  }
+  if (const Status checked = prepare(buffer, job); !checked) {
+    if (!std::exchange(frame_refused_, true)) post_warning(element_, checked.error());
+    skip();
+    return std::nullopt;
+  }
+  if (!async_) return wait_for(std::move(job));
+  const auto shared = std::make_shared<const Job>(std::move(job));
+  worker_.offer([this, shared](const std::stop_token& stop) {
+    auto found = run(*shared, stop);
+    const std::lock_guard guard(lock_);
+    if (stop.stop_requested() || shared->generation != generation_) {
+      GST_DEBUG_OBJECT(element_, "what was found at %" GST_TIME_FORMAT " comes too late",
+                       GST_TIME_ARGS(shared->times.timestamp));
+      return;
+    }
+    result_ = std::move(found);
+  });
+  return std::nullopt;
+}
+
+// The worker does it, so that a flush or a state change need not wait for what cannot be
+// interrupted.
+std::optional<std::vector<Observation>> CalibDetector::wait_for(Job job) {
+  const auto shared = std::make_shared<Job>(std::move(job));
+  const auto found = std::make_shared<std::optional<std::vector<Observation>>>();
+  worker_.offer([this, shared, found](const std::stop_token& stop) {
+    auto result = run(*shared, stop);
+    shared->picture = {};
+    if (!stop.stop_requested()) *found = std::move(result);
+  });
+  return worker_.drain() ? std::move(*found) : std::nullopt;
+}
+
+std::optional<std::vector<Observation>> CalibDetector::take_waiting() {
+  const std::lock_guard guard(lock_);
+  return std::exchange(result_, std::nullopt);
+}
+
+void CalibDetector::next_segment() {
+  GST_DEBUG_OBJECT(element_, "another segment of the stream begins");
+  last_detection_ = GST_CLOCK_TIME_NONE;
+  const std::lock_guard guard(lock_);
+  ++generation_;
+  result_.reset();
+}
+
+// ---- Detection: on the worker -------------------------------------------------------------------
+
+std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_token& stop) {
+  std::vector<Observation> found;
+  const ImageView image = frame_of(job.luma->view(job.picture), job.part);
+  for (const BoardDetector& wanted : *job.detectors) {
+    const Board& board = wanted.board;
+    const auto begin = std::chrono::steady_clock::now();
+    Detection detection = wanted.detector->follow(image, job.times.timestamp, stop);
+    const auto taken = std::chrono::steady_clock::now() - begin;
+    detection.observation.camera = job.settings.camera;
+    detection.observation.board = board.text();
+    detection.observation.timestamp = job.times.timestamp;
+    detection.observation.image_size = image.size();
+    if (job.patches) {
+      detection.observation.patches = cut_patches(image, detection.observation, board);
+    }
+    if (!stop.stop_requested()) {
+      const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
+      report(job, detection, board, static_cast<guint64>(us), stop);
+    }
+    found.push_back(std::move(detection.observation));
+  }
+  const std::lock_guard guard(lock_);
+  ++detections_;
+  return found;
+}
+
+void CalibDetector::report(const Job& job, const Detection& detection, const Board& board,
+                           guint64 latency_us, const std::stop_token& stop) {
+  const Observation& o = detection.observation;
+  GST_LOG_OBJECT(element_,
+                 "%s on the frame at %" GST_TIME_FORMAT ": %s, %" G_GSIZE_FORMAT
+                 " corners, %" G_GUINT64_FORMAT " us",
+                 o.board.c_str(), GST_TIME_ARGS(job.times.timestamp),
+                 std::string(to_string(detection.reason)).c_str(), o.ids.size(), latency_us);
+  if (job.settings.post_messages) {
+    GstStructure* s = new_message("calib-detection", job.times, o.camera);
+    gst_structure_set(s, "board", G_TYPE_STRING, o.board.c_str(), "found", G_TYPE_BOOLEAN,
+                      o.found(), "points", G_TYPE_INT, static_cast<int>(o.ids.size()), "total",
+                      G_TYPE_INT, board.point_count(), "reason", G_TYPE_STRING,
+                      std::string(to_string(detection.reason)).c_str(), "latency-us", G_TYPE_UINT64,
+                      latency_us, nullptr);
+    if (detection.seen_cols > 0) {
+      const std::string seen = fmt::format("{}x{}", detection.seen_cols, detection.seen_rows);
+      gst_structure_set(s, "seen", G_TYPE_STRING, seen.c_str(), nullptr);
+    }
+    post(s, stop);
+  }
+  if (job.check && o.found()) recheck(job, o, board, stop);
+}
+
+void CalibDetector::recheck(const Job& job, const Observation& seen, const Board& board,
+                            const std::stop_token& stop) {
+  std::vector<Error> warnings;
+  GstStructure* checked = job.check->check({seen, board}, job.times, warnings);
+  for (const Error& error : warnings) {
+    if (const auto report = worker_.begin_report(stop, element_)) post_warning(element_, error);
+  }
+  if (checked != nullptr) post(checked, stop);
+}
+
+void CalibDetector::post(GstStructure* message, const std::stop_token& stop) {
+  if (const auto report = worker_.begin_report(stop, element_)) {
+    post_message(element_, message);
+  } else {
+    gst_structure_free(message);
+  }
+}
+
+}  // namespace calvin::gst

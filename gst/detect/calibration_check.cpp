@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The property `recheck`: each board found is held against an existing calibration.
+
+#include "detect/calibration_check.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/camera/frame_fit.hpp"
+#include "common/values.hpp"
+
+namespace calvin::gst {
+
+void CalibrationCheck::fit(ImageSize size, std::vector<Error>& warnings) {
+  if (std::exchange(size_, size) == size) return;
+  recheck_.reset();
+  const auto fitted = fit_to_frame(calibration_, size);
+  if (!fitted) {
+    warnings.push_back(fitted.error());
+    return;
+  }
+  if (fitted->scaled) {
+    warnings.push_back(
+        {ErrorCode::kInvalidArgument,
+         fmt::format("The calibration to check against is for {}x{} px and is scaled to "
+                     "the frames of {}x{}.",
+                     calibration_.image_size.width, calibration_.image_size.height, size.width,
+                     size.height)});
+  }
+  recheck_.emplace(fitted->camera, calibration_);
+}
+
+GstStructure* CalibrationCheck::check(const View& view, const FrameTimes& times,
+                                      std::vector<Error>& warnings) {
+  fit(view.observation.image_size, warnings);
+  if (!recheck_) return nullptr;
+  const auto report = recheck_->add(view);
+  if (!report) return nullptr;
+  GstStructure* s = new_message("calib-check", times, view.observation.camera);
+  gst_structure_set(s, "board", G_TYPE_STRING, view.observation.board.c_str(), "points", G_TYPE_INT,
+                    report->points, "rms", G_TYPE_DOUBLE, report->rms, "moved", G_TYPE_DOUBLE,
+                    report->displacement, nullptr);
+  if (calibration_.expected_error) {
+    gst_structure_set(s, "expected-error", G_TYPE_DOUBLE, *calibration_.expected_error, nullptr);
+  }
+  // Where the board looks the same after a turn nobody knows its pose.
+  if (view.observation.ambiguous.empty()) {
+    set_doubles(s, "rotation", report->camera_from_board.rotation);
+    set_doubles(s, "translation", report->camera_from_board.translation);
+  }
+  return s;
+}
+
+}  // namespace calvin::gst

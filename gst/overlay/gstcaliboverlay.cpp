@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+/**
+ * SECTION:element-caliboverlay
+ * @title: caliboverlay
+ *
+ * Draws what calibdetect and calibsolve left on the buffers: the corners of the board, how far the
+ * calibration is and what to show next. Buffers with nothing to draw pass untouched.
+ *
+ * |[
+ * gst-launch-1.0 calibtestsrc ! calibdetect ! caliboverlay ! videoconvert ! autovideosink
+ * ]|
+ */
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gst/video/gstvideofilter.h>
+#include <gst/video/video.h>
+
+#include "calvin/draw/overlay.hpp"
+#include "common/frames/dma_caps.hpp"
+#include "common/frames/frame_check.hpp"
+#include "common/frames/frame_part.hpp"
+#include "common/frames/meta_filter.hpp"
+#include "common/frames/refused_caps.hpp"
+#include "common/messages.hpp"
+#include "common/metas.hpp"
+#include "elements.hpp"
+#include "overlay/caption.hpp"
+#include "overlay/overlay_blend.hpp"
+
+GST_DEBUG_CATEGORY_STATIC(caliboverlay_debug);
+#define GST_CAT_DEFAULT caliboverlay_debug
+
+namespace {
+
+using namespace calvin;
+
+// A live detector skips frames: what it last saw stays for this long, or the marks would flicker.
+constexpr GstClockTime kHold = 250 * GST_MSECOND;
+
+// Something of an earlier buffer that is still shown.
+template <typename T>
+struct Held {
+  T value{};
+  GstClockTime since = GST_CLOCK_TIME_NONE;
+
+  void take(T next, GstClockTime now) {
+    value = std::move(next);
+    since = now;
+  }
+  // Forgets it when its time is over, or when time jumped.
+  void expire(GstClockTime now) {
+    const bool known = GST_CLOCK_TIME_IS_VALID(now) && GST_CLOCK_TIME_IS_VALID(since);
+    if (!known || now < since || now - since > kHold) *this = {};
+  }
+};
+
+// Touched by the streaming thread only, and by start and stop when there is none.
+struct State {
+  Held<std::vector<Observation>> observations;
+  Held<std::optional<OverlayProgress>> progress;
+  Held<bool> captured;
+  std::vector<OverlayTile> tiles;  // of the buffer at hand
+  gst::Caption caption;
+  const OverlayTile* words = nullptr;  // the caption's tile for the buffer at hand
+  std::optional<FramePart> part;       // of the buffer's picture that is the frame
+  bool blending_failed = false;
+  bool frame_refused = false;  // and that was reported
+
+  void forget() {
+    observations = {};
+    progress = {};
+    captured = {};
+    tiles.clear();
+    words = nullptr;
+  }
+};
+
+OverlayProgress progress_of(const gst::Guidance& guidance) {
+  OverlayProgress progress;
+  progress.coverage = guidance.coverage;
+  progress.x = guidance.x;
+  progress.y = guidance.y;
+  progress.size = guidance.size;
+  progress.skew = guidance.skew;
+  progress.views = guidance.views;
+  progress.expected_error = guidance.expected_error;
+  progress.rms = guidance.rms;
+  progress.hint = guidance.hint;
+  return progress;
+}
+
+void read_metas(State& state, GstBuffer* buffer) {
+  const GstClockTime now = GST_BUFFER_PTS(buffer);
+  state.observations.expire(now);
+  state.progress.expire(now);
+  state.captured.expire(now);
+  if (gst_buffer_get_custom_meta(buffer, gst::kObservationName) != nullptr) {
+    state.observations.take(gst::read_observations(buffer), now);
+  }
+  if (const auto guidance = gst::read_guidance(buffer)) {
+    state.progress.take(progress_of(*guidance), now);
+    if (guidance->captured) state.captured.take(true, now);
+  }
+}
+
+}  // namespace
+
+#define GST_TYPE_CALIB_OVERLAY (gst_calib_overlay_get_type())
+G_DECLARE_FINAL_TYPE(GstCalibOverlay, gst_calib_overlay, GST, CALIB_OVERLAY, GstVideoFilter)
+
+struct _GstCalibOverlay {
+  GstVideoFilter parent;
+  State* state;
+};
+
+G_DEFINE_FINAL_TYPE(GstCalibOverlay, gst_calib_overlay, GST_TYPE_VIDEO_FILTER)
+GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(caliboverlay, "caliboverlay", GST_RANK_NONE,
+                                      GST_TYPE_CALIB_OVERLAY,
+                                      GST_DEBUG_CATEGORY_INIT(caliboverlay_debug, "caliboverlay", 0,
+                                                              "Calibration overlay"))
+
+static gboolean gst_calib_overlay_start(GstBaseTransform* trans) {
+  State& state = *GST_CALIB_OVERLAY(trans)->state;
+  state.forget();
+  state.blending_failed = false;
+  // Only a build that cannot draw at all refuses to draw nothing.
+  if (const auto nothing = draw_overlay({}, {}, {}); !nothing) {
+    gst::post_warning(GST_ELEMENT(trans), nothing.error());
+  }
+  return TRUE;
+}
+
+static gboolean gst_calib_overlay_stop(GstBaseTransform* trans) {
+  GST_CALIB_OVERLAY(trans)->state->forget();
+  return TRUE;
+}
+
+static gboolean gst_calib_overlay_sink_event(GstBaseTransform* trans, GstEvent* event) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP) {
+    GST_DEBUG_OBJECT(trans, "a flush: forgets what it drew");
+    GST_CALIB_OVERLAY(trans)->state->forget();
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->sink_event(trans, event);
+}
+
+// GstVideoFilter knows no frames in DMA memory.
+static gboolean gst_calib_overlay_set_caps(GstBaseTransform* trans, GstCaps* in, GstCaps* out) {
+  GstVideoInfo info;
+  if (!gst::video_info_of(info, in)) return FALSE;
+  g_autoptr(GstCaps) mapped = gst::mapped_caps(in);
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->set_caps(trans, mapped, out);
+}
+
+static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* in_caps,
+                                           GstVideoInfo* /*in*/, GstCaps* /*out_caps*/,
+                                           GstVideoInfo* /*out*/) {
+  GST_INFO_OBJECT(filter, "draws on %" GST_PTR_FORMAT, static_cast<void*>(in_caps));
+  GST_CALIB_OVERLAY(filter)->state->forget();
+  GST_CALIB_OVERLAY(filter)->state->frame_refused = false;
+  return TRUE;
+}
+
+static bool may_draw_on(GstBaseTransform* trans, GstBuffer* buffer) {
+  State& state = *GST_CALIB_OVERLAY(trans)->state;
+  const GstVideoInfo& info = GST_VIDEO_FILTER(trans)->in_info;
+  const Status checked =
+      gst::check_frame(state.part ? gst::with_size(info, state.part->whole) : info, buffer);
+  if (!checked) GST_WARNING_OBJECT(trans, "draws nothing: %s", checked.error().message.c_str());
+  if (!checked && !std::exchange(state.frame_refused, true)) {
+    gst::post_warning(GST_ELEMENT(trans), checked.error());
+  }
+  return checked.has_value();
+}
+
+// Decides before the buffer is made writable: one without a drawing is never copied.
+static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffer* buffer) {
+  State& state = *GST_CALIB_OVERLAY(trans)->state;
+  const GstVideoInfo& info = GST_VIDEO_FILTER(trans)->in_info;
+  state.part = gst::part_of(buffer, info);
+  const ImageSize whole{GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  const ImageSize frame = state.part ? state.part->size : whole;
+  read_metas(state, buffer);
+
+  std::optional<OverlayProgress> progress = state.progress.value;
+  if (progress) progress->captured = state.captured.value;
+  state.words = progress ? state.caption.draw(overlay_caption(*progress), frame) : nullptr;
+  auto tiles = draw_overlay(frame, state.observations.value, progress);
+  if (tiles) {
+    state.tiles = std::move(*tiles);
+  } else {
+    GST_DEBUG_OBJECT(trans, "draws nothing: %s", tiles.error().message.c_str());
+    state.tiles.clear();
+  }
+  const bool drawing = !state.tiles.empty() || state.words != nullptr;
+  GST_LOG_OBJECT(
+      trans, "%" GST_PTR_FORMAT ": %" G_GSIZE_FORMAT " boards, %s words, %" G_GSIZE_FORMAT " tiles",
+      static_cast<void*>(buffer), state.observations.value.size(),
+      state.words != nullptr ? "with" : "no", state.tiles.size());
+  gst_base_transform_set_passthrough(trans, !drawing || !may_draw_on(trans, buffer));
+}
+
+static GstFlowReturn gst_calib_overlay_transform_frame_ip(GstVideoFilter* filter,
+                                                          GstVideoFrame* frame) {
+  State& state = *GST_CALIB_OVERLAY(filter)->state;
+  bool blended = true;
+  const auto blend = [&](const OverlayTile& tile) {
+    blended = gst::blend_tile(frame, tile, state.part) && blended;
+  };
+  std::for_each(state.tiles.begin(), state.tiles.end(), blend);
+  if (state.words != nullptr) blend(*state.words);
+  if (!blended && !state.blending_failed) {
+    state.blending_failed = true;
+    GST_ELEMENT_WARNING(filter, STREAM, FORMAT,
+                        ("Nothing can be drawn on %s video; put a videoconvert in front.",
+                         gst_video_format_to_string(GST_VIDEO_FRAME_FORMAT(frame))),
+                        (nullptr));
+  }
+  return GST_FLOW_OK;
+}
+
+static void gst_calib_overlay_finalize(GObject* object) {
+  delete GST_CALIB_OVERLAY(object)->state;
+  G_OBJECT_CLASS(gst_calib_overlay_parent_class)->finalize(object);
+}
+
+static void gst_calib_overlay_init(GstCalibOverlay* self) {
+  self->state = new State;
+  gst_base_transform_set_in_place(GST_BASE_TRANSFORM(self), TRUE);
+  gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);
+  gst::explain_refused_caps(GST_ELEMENT(self));
+}
+
+static void gst_calib_overlay_class_init(GstCalibOverlayClass* klass) {
+  GObjectClass* object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = gst_calib_overlay_finalize;
+
+  GstBaseTransformClass* transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  transform_class->start = gst_calib_overlay_start;
+  transform_class->stop = gst_calib_overlay_stop;
+  transform_class->sink_event = gst_calib_overlay_sink_event;
+  transform_class->transform_caps = gst::map_memory_transform_caps;
+  transform_class->set_caps = gst_calib_overlay_set_caps;
+  transform_class->get_unit_size = gst::mapped_unit_size;
+  transform_class->propose_allocation = gst::propose_uncropped_allocation;
+  transform_class->before_transform = gst_calib_overlay_before_transform;
+  transform_class->transform_ip_on_passthrough = FALSE;
+
+  GstVideoFilterClass* filter_class = GST_VIDEO_FILTER_CLASS(klass);
+  filter_class->set_info = gst_calib_overlay_set_info;
+  filter_class->transform_frame_ip = gst_calib_overlay_transform_frame_ip;
+
+  GstElementClass* element_class = GST_ELEMENT_CLASS(klass);
+  gst::add_raw_video_pads(element_class);
+  gst_element_class_set_static_metadata(
+      element_class, "Calibration overlay", "Filter/Effect/Video",
+      "Draws found boards and the progress of a calibration on the video",
+      "The gst-calvin authors");
+}

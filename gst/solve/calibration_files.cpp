@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The files that calibsolve keeps up to date.
+
+#include "solve/calibration_files.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "calvin/core/file.hpp"
+#include "calvin/core/text.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/solve/judge/auto_model.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+const CalibrationFile* written_twice(const std::vector<CalibrationFile>& files) {
+  for (auto file = files.begin(); file != files.end(); ++file) {
+    const auto other = std::find_if(files.begin(), file, [&](const CalibrationFile& f) {
+      return is_same_file(f.path, file->path);
+    });
+    if (other != file) return &*file;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& location,
+                                                             const std::string& exports) {
+  std::vector<CalibrationFile> files;
+  if (!location.empty()) files.push_back({"calvin", location});
+  if (trim(exports).empty()) return files;
+  const auto formats = calibration_formats();
+  for (const std::string_view item : split(exports, ',')) {
+    if (item.empty()) continue;
+    const auto colon = item.find(':');
+    const std::string_view format = item.substr(0, colon);
+    const bool known = std::find(formats.begin(), formats.end(), format) != formats.end();
+    if (!known || colon == std::string_view::npos || colon + 1 == item.size()) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("The export '{}' is wrong. A right text is "
+                                    "'ros:camera.yaml', several separated by commas; the formats "
+                                    "are {}.",
+                                    item, join(formats, ", ")));
+    }
+    files.push_back({std::string(format), std::string(item.substr(colon + 1))});
+  }
+  return files;
+}
+
+Status are_different_files(const std::vector<CalibrationFile>& files) {
+  const CalibrationFile* file = written_twice(files);
+  if (file == nullptr) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("'{}' is to hold the calibration twice, by location and export "
+                                "or by two exports: give each format a file of its own.",
+                                file->path));
+}
+
+Status can_hold_all(const std::vector<CalibrationFile>& files, const std::string& model) {
+  if (model == kAutoModel) return {};
+  for (const CalibrationFile& file : files) {
+    if (Status status = can_hold(file.format, model); !status) return status;
+  }
+  return {};
+}
+
+Status can_write_all(const std::vector<CalibrationFile>& files) {
+  for (const CalibrationFile& file : files) {
+    if (Status status = can_write(file.path); !status) return status;
+  }
+  return {};
+}
+
+}  // namespace calvin::gst

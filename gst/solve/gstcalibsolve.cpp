@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibsolve: keeps good views of the boards that were found upstream and solves the camera.
+
+/**
+ * SECTION:element-calibsolve
+ * @title: calibsolve
+ *
+ * Collects the observations that calibdetect attached, solves the camera on a thread of its own,
+ * posts progress and results, writes files and pushes the sticky event `calvin-calibration`.
+ *
+ * ## Example launch line
+ * |[
+ * gst-launch-1.0 -m calibtestsrc num-buffers=60 ! calibdetect ! calibsolve location=cam.json !
+ * fakesink
+ * ]|
+ */
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gst/base/gstbasetransform.h>
+#include <gst/video/video.h>
+
+#include "common/frames/dma_caps.hpp"
+#include "common/frames/meta_filter.hpp"
+#include "common/frames/refused_caps.hpp"
+#include "common/messages.hpp"
+#include "common/metas.hpp"
+#include "common/properties.hpp"
+#include "elements.hpp"
+#include "solve/calib_solver.hpp"
+#include "solve/solver_properties.hpp"
+
+GST_DEBUG_CATEGORY(calibsolve_debug);
+#define GST_CAT_DEFAULT calibsolve_debug
+
+G_DECLARE_FINAL_TYPE(GstCalibSolve, gst_calib_solve, GST, CALIB_SOLVE, GstBaseTransform)
+
+namespace {
+
+using namespace calvin;
+
+struct State {
+  explicit State(GstElement* element) : solver(element) {}
+
+  gst::CalibSolver solver;
+  // Streaming thread.
+  bool mode_known = false;
+  bool patches_asked = false;
+};
+
+}  // namespace
+
+struct _GstCalibSolve {
+  GstBaseTransform parent;
+  State* state;
+};
+
+G_DEFINE_FINAL_TYPE(GstCalibSolve, gst_calib_solve, GST_TYPE_BASE_TRANSFORM)
+GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibsolve, "calibsolve", GST_RANK_NONE,
+                                      gst_calib_solve_get_type(),
+                                      GST_DEBUG_CATEGORY_INIT(calibsolve_debug, "calibsolve", 0,
+                                                              "camera calibration solver"))
+
+enum { SIGNAL_CAPTURE_VIEW, SIGNAL_SOLVE, SIGNAL_RESET, SIGNAL_REMOVE_VIEW, LAST_SIGNAL };
+static guint gst_calib_solve_signals[LAST_SIGNAL];
+
+static void gst_calib_solve_set_property(GObject* object, guint id, const GValue* value,
+                                         GParamSpec* spec) {
+  GST_CALIB_SOLVE(object)->state->solver.change_settings([&](gst::SolverSettings& settings) {
+    if (gst::solver_field(settings, id).set(value)) return;
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+  });
+}
+
+static void gst_calib_solve_get_property(GObject* object, guint id, GValue* value,
+                                         GParamSpec* spec) {
+  gst::CalibSolver& solver = GST_CALIB_SOLVE(object)->state->solver;
+  gst::SolverSettings settings = solver.settings();
+  if (id == gst::kSolverCalibration) {
+    gst::set_string(value, solver.calibration_json());
+  } else if (id == gst::kSolverStats) {
+    g_value_take_boxed(value, solver.stats());
+  } else if (!gst::solver_field(settings, id).get(value)) {
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+  }
+}
+
+// ---- Action signals: any thread -----------------------------------------------------------------
+
+static void gst_calib_solve_capture_view(GstCalibSolve* self) {
+  self->state->solver.capture_view();
+}
+
+static void gst_calib_solve_solve(GstCalibSolve* self) { self->state->solver.solve_now(); }
+
+static void gst_calib_solve_reset(GstCalibSolve* self) { self->state->solver.reset(); }
+
+static gboolean gst_calib_solve_remove_view(GstCalibSolve* self, guint index) {
+  return self->state->solver.remove_view(index);
+}
+
+// ---- Streaming ----------------------------------------------------------------------------------
+
+static void gst_calib_solve_push_calibration(GstCalibSolve* self) {
+  if (const auto event = self->state->solver.take_event()) {
+    GST_INFO_OBJECT(self, "the calibration of %s goes downstream", event->camera.c_str());
+    gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self), gst::new_calibration_event(*event));
+  }
+}
+
+// An observation tells the frame that it was made on, which a later one may carry.
+static bool gst_calib_solve_offer(GstCalibSolve* self, const std::vector<Observation>& observations,
+                                  GstClockTime duration) {
+  const GstSegment* segment = &GST_BASE_TRANSFORM(self)->segment;
+  bool captured = false;
+  for (const Observation& o : observations) {
+    captured |= self->state->solver.offer(o, gst::frame_times(segment, o.timestamp, duration));
+  }
+  return captured;
+}
+
+// Asks upstream for what another look at the corners needs: once, as soon as there is to be one.
+static void gst_calib_solve_want_patches(GstCalibSolve* self) {
+  if (self->state->patches_asked || !self->state->solver.refines_with_camera()) return;
+  self->state->patches_asked = true;
+  GST_INFO_OBJECT(self, "asks upstream for the pixels around the corners");
+  gst_pad_push_event(GST_BASE_TRANSFORM_SINK_PAD(self),
+                     gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM,
+                                          gst_structure_new_empty(gst::kWantPatchesName)));
+}
+
+static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
+  GstCalibSolve* self = GST_CALIB_SOLVE(trans);
+  gst::CalibSolver& solver = self->state->solver;
+  // Asked once after each CAPS: only then does a live source know that it is one.
+  if (!std::exchange(self->state->mode_known, true)) {
+    solver.set_live(gst::upstream_is_live(trans));
+  }
+  solver.update();
+  gst_calib_solve_want_patches(self);
+  std::optional<Error> problem;
+  const auto observations = gst::read_observations(buffer, &problem);
+  if (problem) solver.complain(*problem);
+  const bool captured = gst_calib_solve_offer(self, observations, GST_BUFFER_DURATION(buffer));
+  gst_calib_solve_push_calibration(self);
+  gst::Guidance guidance = solver.guidance();
+  guidance.captured = captured;
+  gst::attach_guidance(buffer, guidance);
+  return GST_FLOW_OK;
+}
+
+static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
+                                         GstCaps* /*out_caps*/) {
+  GstCalibSolve* self = GST_CALIB_SOLVE(trans);
+  GstVideoInfo info;
+  if (!gst::video_info_of(info, caps)) return FALSE;
+  self->state->mode_known = self->state->patches_asked = false;
+  self->state->solver.set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
+  gst_calib_solve_want_patches(self);
+  return TRUE;
+}
+
+static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* event) {
+  GstCalibSolve* self = GST_CALIB_SOLVE(trans);
+  gst::CalibSolver& solver = self->state->solver;
+  switch (GST_EVENT_TYPE(event)) {
+    case GST_EVENT_EOS:
+      solver.finish();
+      gst_calib_solve_push_calibration(self);
+      break;
+    case GST_EVENT_CUSTOM_DOWNSTREAM:
+      // An observation that no buffer could take.
+      if (gst_event_has_name(event, gst::kObservationName)) {
+        std::optional<Error> problem;
+        const auto observations =
+            gst::observations_from_structure(gst_event_get_structure(event), &problem);
+        if (problem) solver.complain(*problem);
+        gst_calib_solve_offer(self, observations, GST_CLOCK_TIME_NONE);
+      }
+      break;
+    case GST_EVENT_FLUSH_START:
+      solver.cancel();
+      break;
+    case GST_EVENT_FLUSH_STOP:
+      solver.resume();
+      break;
+    default:
+      break;
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_solve_parent_class)->sink_event(trans, event);
+}
+
+static gboolean gst_calib_solve_start(GstBaseTransform* trans) {
+  const Status started = GST_CALIB_SOLVE(trans)->state->solver.start();
+  if (!started) gst::post_error(GST_ELEMENT(trans), started.error());
+  return started.has_value();
+}
+
+static gboolean gst_calib_solve_stop(GstBaseTransform* trans) {
+  GST_CALIB_SOLVE(trans)->state->solver.stop();
+  return TRUE;
+}
+
+static GstStateChangeReturn gst_calib_solve_change_state(GstElement* element,
+                                                         GstStateChange change) {
+  // Before the pads are deactivated: that waits for the streaming thread, which may be draining.
+  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) GST_CALIB_SOLVE(element)->state->solver.cancel();
+  return GST_ELEMENT_CLASS(gst_calib_solve_parent_class)->change_state(element, change);
+}
+
+static void gst_calib_solve_dispose(GObject* object) {
+  // From here on no job begins to post in the name of the element.
+  GST_CALIB_SOLVE(object)->state->solver.stop();
+  G_OBJECT_CLASS(gst_calib_solve_parent_class)->dispose(object);
+}
+
+static void gst_calib_solve_finalize(GObject* object) {
+  delete GST_CALIB_SOLVE(object)->state;
+  G_OBJECT_CLASS(gst_calib_solve_parent_class)->finalize(object);
+}
+
+static void gst_calib_solve_init(GstCalibSolve* self) {
+  self->state = new State(GST_ELEMENT(self));
+  gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
+  gst::explain_refused_caps(GST_ELEMENT(self));
+}
+
+// ---- Class --------------------------------------------------------------------------------------
+
+static void gst_calib_solve_install_signals(GType type) {
+  constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
+  const auto action = [type](const char* name, void (*handler)(GstCalibSolve*)) {
+    return g_signal_new_class_handler(name, type, kAction, G_CALLBACK(handler), nullptr, nullptr,
+                                      nullptr, G_TYPE_NONE, 0);
+  };
+  guint* signals = gst_calib_solve_signals;
+  /**
+   * GstCalibSolve::capture-view:
+   *
+   * Keeps the next view of the board, whatever the capture mode.
+   */
+  signals[SIGNAL_CAPTURE_VIEW] = action("capture-view", gst_calib_solve_capture_view);
+  /**
+   * GstCalibSolve::solve:
+   *
+   * Solves all views now and posts the result as a final one; capturing goes on.
+   */
+  signals[SIGNAL_SOLVE] = action("solve", gst_calib_solve_solve);
+  /**
+   * GstCalibSolve::reset:
+   *
+   * Forgets all views and the calibration; files stay as they are. Returns at once; afterwards
+   * nothing of the session before is begun to be posted.
+   */
+  signals[SIGNAL_RESET] = action("reset", gst_calib_solve_reset);
+  /**
+   * GstCalibSolve::remove-view:
+   * @index: of the view, from 0
+   *
+   * Forgets one view and solves again, also into the files. Returns: whether there was such a view.
+   */
+  signals[SIGNAL_REMOVE_VIEW] = g_signal_new_class_handler(
+      "remove-view", type, kAction, G_CALLBACK(gst_calib_solve_remove_view), nullptr, nullptr,
+      nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_UINT);
+}
+
+static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
+  auto* object_class = G_OBJECT_CLASS(klass);
+  auto* element_class = GST_ELEMENT_CLASS(klass);
+  auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
+  object_class->set_property = gst_calib_solve_set_property;
+  object_class->get_property = gst_calib_solve_get_property;
+  object_class->dispose = gst_calib_solve_dispose;
+  object_class->finalize = gst_calib_solve_finalize;
+  element_class->change_state = gst_calib_solve_change_state;
+  trans_class->start = gst_calib_solve_start;
+  trans_class->stop = gst_calib_solve_stop;
+  trans_class->transform_caps = gst::share_memory_transform_caps;
+  trans_class->set_caps = gst_calib_solve_set_caps;
+  trans_class->sink_event = gst_calib_solve_sink_event;
+  trans_class->prepare_output_buffer = gst::share_input_buffer;
+  trans_class->propose_allocation = gst::propose_uncropped_allocation;
+  trans_class->transform_ip = gst_calib_solve_transform_ip;
+  trans_class->transform_ip_on_passthrough = TRUE;
+  gst::install_solver_properties(object_class);
+  gst_calib_solve_install_signals(G_TYPE_FROM_CLASS(klass));
+  gst::add_raw_video_pads(element_class);
+  gst_element_class_set_static_metadata(
+      element_class, "Camera calibration solver", "Filter/Analyzer/Video",
+      "Solves the camera from the boards that were found upstream", "The gst-calvin authors");
+}

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Which files a session writes, and which stay as another session left them.
+
+#include "solve/session_files.hpp"
+
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/core/file.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/session/replacement.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+std::string copy_of(const std::string& path) { return path + "~"; }
+
+Status keep_copy(const std::string& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return tl::unexpected<Error>(bytes.error());
+  return write_file(copy_of(path), *bytes);
+}
+
+std::string figures(const Calibration& calibration) {
+  std::string text = calibration.expected_error ? fmt::format("an expected error of {:.3g} px",
+                                                              *calibration.expected_error)
+                                                : std::string("no expected error");
+  const std::size_t views = calibration.views.size();
+  if (views > 0) text += fmt::format(" from {} view{}", views, views == 1 ? "" : "s");
+  return text;
+}
+
+// A word for the user where the calibration before was better by its own figures.
+std::optional<Error> lost_by(const std::string& path, const Calibration& before,
+                             const Calibration& now, const Status& kept) {
+  if (!before.expected_error) return std::nullopt;
+  if (now.expected_error && *now.expected_error <= *before.expected_error) return std::nullopt;
+  const std::string whose =
+      before.camera != now.camera ? fmt::format(" of the camera '{}'", before.camera) : "";
+  const std::string where = kept ? fmt::format("It is kept as '{}'.", copy_of(path))
+                                 : "No copy of it could be kept. " + kept.error().message;
+  return Error{
+      ErrorCode::kInvalidArgument,
+      fmt::format("'{}' held a calibration{} of another session that was better by its own "
+                  "figures, with {}; this one, with {}, took its place. {}",
+                  path, whose, figures(before), figures(now), where)};
+}
+
+}  // namespace
+
+SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& files,
+                                          const Calibration& calibration, bool final,
+                                          std::uint64_t session) {
+  if (std::exchange(session_, session) != session) ours_.clear();
+  std::map<std::string, Calibration> foreign;
+  std::vector<Calibration> others;
+  for (const CalibrationFile& file : files) {
+    if (ours_.contains(file.path) || is_stream(file.path)) continue;
+    auto other = read_calibration(file.path);
+    if (!other) continue;
+    others.push_back(*other);
+    foreign.emplace(file.path, *std::move(other));
+  }
+  const bool replace = final || may_replace(calibration, others);
+  Outcome outcome;
+  for (const CalibrationFile& file : files) {
+    if (!final && is_stream(file.path)) continue;
+    const auto before = foreign.find(file.path);
+    if (!replace && before != foreign.end()) {
+      if (outcome.kept.empty()) outcome.kept = file.path;
+      continue;
+    }
+    const Status kept = before != foreign.end() ? keep_copy(file.path) : Status();
+    Status written = write_calibration(file.path, calibration, file.format);
+    if (written) ours_.insert(file.path);
+    if (written && before != foreign.end() && !outcome.lost) {
+      outcome.lost = lost_by(file.path, before->second, calibration, kept);
+    }
+    if (!written && outcome.status) outcome.status = std::move(written);
+  }
+  return outcome;
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The files of a session that goes on, which may hold what another session left.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "solve/calibration_files.hpp"
+
+namespace calvin::gst {
+
+// On the worker.
+class SessionFiles {
+ public:
+  struct Outcome {
+    Status status;              // the first error
+    std::string kept;           // the first file that stays as another session left it, or empty
+    std::optional<Error> lost;  // the first one that held something better, for the user
+  };
+
+  // Writes a final result to all files. One on the way to it does not take the place of another
+  // session's calibration, unless may_replace() says that nothing is lost; it goes to files that
+  // are not there yet or hold no calibration, and to those that this session has written before. A
+  // pipe or a device gets final results alone: what is read from it cannot be replaced. What
+  // another session's file FILE held is kept as FILE~.
+  [[nodiscard]] Outcome write(const std::vector<CalibrationFile>& files,
+                              const Calibration& calibration, bool final, std::uint64_t session);
+
+ private:
+  std::uint64_t session_ = 0;
+  std::set<std::string> ours_;  // paths that session_ has written
+};
+
+}  // namespace calvin::gst

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What calibsolve says on the bus.
+
+#include "solve/solve_messages.hpp"
+
+#include <algorithm>
+
+#include "calvin/core/text.hpp"
+
+#include "common/values.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+void set_optional(GstStructure* s, const char* field, const std::optional<double>& value) {
+  if (value) gst_structure_set(s, field, G_TYPE_DOUBLE, *value, nullptr);
+}
+
+}  // namespace
+
+Guidance make_guidance(const Progress& progress, const std::optional<Calibration>& calibration) {
+  Guidance g;
+  g.hint = progress.hint;
+  g.coverage = progress.coverage;
+  g.x = progress.x;
+  g.y = progress.y;
+  g.size = progress.size;
+  g.skew = progress.tilt;
+  g.views = progress.views;
+  if (calibration) {
+    g.rms = calibration->rms;
+    g.expected_error = calibration->expected_error;
+  }
+  return g;
+}
+
+GstStructure* view_message(const FrameTimes& times, const std::string& camera, Reason reason,
+                           const Guidance& guidance) {
+  GstStructure* s = new_message("calib-view", times, camera);
+  gst_structure_set(s, "accepted", G_TYPE_BOOLEAN, reason == Reason::kAccepted, "reason",
+                    G_TYPE_STRING, std::string(to_string(reason)).c_str(), "views", G_TYPE_INT,
+                    guidance.views, "hint", G_TYPE_STRING, guidance.hint.c_str(), nullptr);
+  return s;
+}
+
+GstStructure* progress_message(const FrameTimes& times, const std::string& camera,
+                               const Guidance& g) {
+  GstStructure* s = new_message("calib-progress", times, camera);
+  gst_structure_set(s, "views", G_TYPE_INT, g.views, "coverage", G_TYPE_DOUBLE, g.coverage, "x",
+                    G_TYPE_DOUBLE, g.x, "y", G_TYPE_DOUBLE, g.y, "size", G_TYPE_DOUBLE, g.size,
+                    "skew", G_TYPE_DOUBLE, g.skew, "hint", G_TYPE_STRING, g.hint.c_str(), nullptr);
+  set_optional(s, "rms", g.rms);
+  set_optional(s, "expected-error", g.expected_error);
+  return s;
+}
+
+GstStructure* result_message(const FrameTimes& times, const Solution& solution,
+                             const std::string& location, const char* json) {
+  const Calibration& c = solution.calibration;
+  GstStructure* s = new_message("calib-result", times, c.camera);
+  gst_structure_set(s, "state", G_TYPE_STRING, json != nullptr ? "final" : "intermediate", "model",
+                    G_TYPE_STRING, c.model.c_str(), "width", G_TYPE_INT, c.image_size.width,
+                    "height", G_TYPE_INT, c.image_size.height, nullptr);
+  g_autoptr(GstStructure) sigma = gst_structure_new_empty("sigma");
+  for (const Parameter& p : c.parameters) {
+    gst_structure_set(s, p.name.c_str(), G_TYPE_DOUBLE, p.value, nullptr);
+    set_optional(sigma, p.name.c_str(), p.sigma);
+  }
+  const auto used = std::count_if(c.views.begin(), c.views.end(),
+                                  [](const ViewRecord& view) { return !view.held_out; });
+  gst_structure_set(s, "sigma", GST_TYPE_STRUCTURE, sigma, "views", G_TYPE_INT,
+                    static_cast<int>(used), nullptr);
+  set_optional(s, "rms", c.rms);
+  set_optional(s, "held-out-rms", c.held_out_rms);
+  set_optional(s, "chi", c.chi);
+  gst_structure_set(s, "halves", G_TYPE_DOUBLE, solution.misfit.split_half_ratio, nullptr);
+  if (solution.misfit.found()) {
+    const std::string cause(to_string(solution.misfit.cause));
+    gst_structure_set(s, "misfit", G_TYPE_STRING, cause.c_str(), nullptr);
+  }
+  if (!solution.remarks.empty()) {
+    gst_structure_set(s, "remarks", G_TYPE_STRING, join(solution.remarks, " ").c_str(), nullptr);
+  }
+  set_optional(s, "expected-error", c.expected_error);
+  if (!location.empty()) {
+    gst_structure_set(s, "location", G_TYPE_STRING, displayed(location).c_str(), nullptr);
+  }
+  if (json != nullptr) gst_structure_set(s, "json", G_TYPE_STRING, json, nullptr);
+  return s;
+}
+
+}  // namespace calvin::gst

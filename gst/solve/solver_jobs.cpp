@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What the session behind calibsolve does on its worker.
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/session/refine_with_camera.hpp"
+#include "solve/calib_solver.hpp"
+#include "solve/solve_messages.hpp"
+
+GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
+#define GST_CAT_DEFAULT calibsolve_debug
+
+namespace calvin::gst {
+
+struct CalibSolver::Job {
+  Session::Views views;
+  ImageSize size;
+  SolveOptions options;
+  int runs = 1;
+  std::vector<CalibrationFile> files;
+  std::string location;
+  FrameTimes times;
+  std::uint64_t session = 0;
+  std::uint64_t generation = 0;
+  std::uint64_t revision = 0;
+  bool final = false;
+};
+
+std::shared_ptr<CalibSolver::Job> CalibSolver::make_job() const {
+  auto job = std::make_shared<Job>();
+  job->views = session_.views();
+  job->size = size_;
+  job->files = plan_.files;
+  job->location = plan_.settings.location;
+  job->times = times_;
+  job->session = session_number_;
+  job->generation = generation_;
+  job->revision = revision_;
+  return job;
+}
+
+void CalibSolver::request(bool final) {
+  auto job = make_job();
+  // The newest job replaces one that waits, and takes over what it owes.
+  final_owed_ |= final;
+  job->final = final_owed_;
+  job->options = plan_.options;
+  if (job->final) job->runs = plan_.settings.runs;
+  job->options.camera = camera_name();
+  job->options.initial = initial_;
+  GST_DEBUG_OBJECT(element_, "%s solve of %" G_GSIZE_FORMAT " views asked for",
+                   job->final ? "final" : "intermediate", job->views.size());
+  worker_.offer([this, job](const std::stop_token& stop) { run(*job, stop); });
+}
+
+void CalibSolver::request_write() {
+  auto job = make_job();
+  job->final = true;
+  GST_DEBUG_OBJECT(element_, "the files are tried again");
+  worker_.offer([this, job, calibration = *unwritten_](const std::stop_token& stop) {
+    write(*job, calibration, stop);
+  });
+}
+
+void CalibSolver::run(const Job& job, const std::stop_token& stop) {
+  std::vector<View> views;
+  views.reserve(job.views.size());
+  for (const auto& view : job.views) views.push_back(*view);
+  auto solution = solve_in_runs(views, job.size, job.options, job.runs, stop);
+  if (stop.stop_requested()) {
+    GST_DEBUG_OBJECT(element_, "the solve of %" G_GSIZE_FORMAT " views was cancelled",
+                     views.size());
+    return;
+  }
+  if (!solution) {
+    GST_INFO_OBJECT(element_, "no solution from %" G_GSIZE_FORMAT " views: %s", views.size(),
+                    solution.error().message.c_str());
+    const std::lock_guard guard(lock_);
+    if (job.generation != generation_) return;
+    solve_error_ = solution.error().message;
+    if (job.final) final_owed_ = false;
+    return;
+  }
+  g_autoptr(GDateTime) now = g_date_time_new_now_utc();
+  g_autofree char* created = g_date_time_format(now, "%Y-%m-%dT%H:%M:%SZ");
+  solution->calibration.created = created;
+  publish(job, *solution, stop);
+}
+
+void CalibSolver::publish(const Job& job, const Solution& solution, const std::stop_token& stop) {
+  const Calibration& calibration = solution.calibration;
+  const double error = calibration.expected_error.value_or(HUGE_VAL);
+  Guidance now;
+  bool better = false;
+  std::optional<Calibration> due;
+  {
+    const std::lock_guard guard(lock_);
+    if (job.generation != generation_) {
+      GST_INFO_OBJECT(element_, "a solve is thrown away: what it was made of has changed");
+      return;
+    }
+    calibration_ = calibration;
+    solve_error_.clear();
+    now = make_guidance(session_.progress(), calibration_);
+    better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
+    announce_ |= better;
+    if (better) unwritten_ = calibration;
+    due = unwritten_;
+  }
+  GST_INFO_OBJECT(element_,
+                  "%s result of %" G_GSIZE_FORMAT
+                  " views: %s, rms %.4f px, expected error %.4f "
+                  "px%s",
+                  job.final ? "final" : "intermediate", job.views.size(), calibration.model.c_str(),
+                  calibration.rms.value_or(HUGE_VAL), error,
+                  better ? "" : ": no better than the one before");
+  if (due) write(job, *due, stop);
+  announce(job, solution, now, stop);
+}
+
+void CalibSolver::write(const Job& job, const Calibration& calibration,
+                        const std::stop_token& stop) {
+  const auto [written, kept, lost] = files_.write(job.files, calibration, job.final, job.session);
+  GST_DEBUG_OBJECT(element_, "%" G_GSIZE_FORMAT " files: %s", job.files.size(),
+                   written ? "written" : written.error().message.c_str());
+  if (!kept.empty()) GST_INFO_OBJECT(element_, "'%s' stays another session's", kept.c_str());
+  bool failed = false;
+  bool held = false;
+  {
+    const std::lock_guard guard(lock_);
+    // While the file was written, a new session may have begun, whose own results count.
+    if (job.generation != generation_) return;
+    failed = !written && !std::exchange(write_failed_, true);
+    held = !kept.empty() && !std::exchange(kept_reported_, true);
+    written_ = written;
+    if (written) unwritten_.reset();
+    published_ = true;
+    published_error_ = calibration.expected_error;
+  }
+  if (failed) {
+    if (const auto report = begin_report(job, stop)) post_warning(element_, written.error());
+  }
+  if (lost) {
+    if (const auto report = begin_report(job, stop)) post_warning(element_, *lost);
+  }
+  if (held) {
+    if (const auto report = begin_report(job, stop)) {
+      post_info(element_,
+                fmt::format("'{}' holds the calibration of another session, which stays until this "
+                            "one's is final or as good: end with EOS (gst-launch-1.0 -e) or emit "
+                            "the signal solve to replace it.",
+                            kept));
+    }
+  }
+}
+
+std::vector<CalibSolver::TakenView> CalibSolver::newly_rejected(const Solution& solution) {
+  // Views that were taken since are behind those that were solved.
+  std::vector<Reason> reasons(taken_.size(), Reason::kAccepted);
+  for (const RejectedView& view : solution.rejected) reasons[view.index] = view.reason;
+  std::vector<TakenView> rejected;
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    const Reason before = std::exchange(taken_[i].reason, reasons[i]);
+    if (before == Reason::kAccepted && reasons[i] != before) rejected.push_back(taken_[i]);
+  }
+  return rejected;
+}
+
+std::unique_ptr<Worker::Report> CalibSolver::begin_report(const Job& job,
+                                                          const std::stop_token& stop,
+                                                          bool is_result) {
+  const std::lock_guard guard(lock_);
+  if (job.generation != generation_) return nullptr;
+  auto report = worker_.begin_report(stop, element_);
+  if (report && is_result && job.final) {
+    final_owed_ = false;
+    final_revision_ = job.revision;
+  }
+  return report;
+}
+
+void CalibSolver::announce(const Job& job, const Solution& solution, const Guidance& now,
+                           const std::stop_token& stop) {
+  const Calibration& calibration = solution.calibration;
+  std::vector<TakenView> rejected;
+  {
+    const std::lock_guard guard(lock_);
+    if (job.generation != generation_ || stop.stop_requested()) return;
+    rejected = newly_rejected(solution);
+  }
+  // Each by itself: what is told may end the session.
+  for (const TakenView& view : rejected) {
+    GST_DEBUG_OBJECT(element_, "the view at %" GST_TIME_FORMAT " is left out: %s",
+                     GST_TIME_ARGS(view.times.timestamp),
+                     std::string(to_string(view.reason)).c_str());
+    if (const auto report = begin_report(job, stop)) {
+      post_message(element_, view_message(view.times, calibration.camera, view.reason, now));
+    }
+  }
+  if (const auto report = begin_report(job, stop)) {
+    post_message(element_, progress_message(job.times, calibration.camera, now));
+  }
+  const auto json = print_calibration(calibration);
+  if (const auto report = begin_report(job, stop, true)) {
+    post_message(element_, result_message(job.times, solution, job.location,
+                                          job.final && json ? json->c_str() : nullptr));
+  }
+  if (const auto report = begin_report(job, stop)) {
+    g_object_notify(G_OBJECT(element_), "calibration");
+  }
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The properties of calibsolve, and what they mean once they are read.
+
+#include "solve/solver_settings.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/camera/frame_fit.hpp"
+#include "calvin/core/text.hpp"
+#include "calvin/io/settings.hpp"
+
+namespace calvin::gst {
+
+SessionOptions SolverPlan::session_options(bool live) const {
+  CaptureMode mode = live ? CaptureMode::kAuto : CaptureMode::kAll;
+  if (settings.capture_mode == kCaptureAll) mode = CaptureMode::kAll;
+  if (settings.capture_mode == kCaptureAuto) mode = CaptureMode::kAuto;
+  if (settings.capture_mode == kCaptureManual) mode = CaptureMode::kManual;
+  return {mode, settings.min_views, settings.max_views};
+}
+
+namespace {
+
+// Settings that work together or not at all. The first ones have the calibration to start from.
+struct Group {
+  bool (*same)(const SolverSettings&, const SolverSettings&);
+  Status (*read)(SolverPlan&);  // from plan.settings into what follows from them
+  void (*keep)(SolverPlan&, const SolverPlan& before);
+};
+
+Status read_lens(SolverPlan& plan) {
+  const SolverSettings& settings = plan.settings;
+  plan.options.model = settings.model;
+  plan.options.warp = settings.warp;
+  plan.options.skew = settings.skew;
+  for (const std::string_view name : split(settings.fix, ',')) {
+    if (!name.empty()) plan.options.fix.emplace_back(name);
+  }
+  if (!settings.initial.empty()) {
+    auto initial = parse_calibration_setting(settings.initial);
+    if (!initial) {
+      return make_error(initial.error().code,
+                        "The calibration to start from (initial): " + initial.error().message);
+    }
+    plan.initial = *std::move(initial);
+  }
+  SolveOptions complete = plan.options;
+  complete.initial = plan.initial;
+  return check(complete);
+}
+
+// Before the files are the ones of `plan`, where both change.
+Status read_lens_and_files(SolverPlan& plan) {
+  if (const Status read = read_lens(plan); !read) return read;
+  const auto files = parse_calibration_files(plan.settings.location, plan.settings.exports);
+  return files ? can_hold_all(*files, plan.settings.model) : Status();
+}
+
+void keep_lens(SolverPlan& plan, const SolverPlan& before) {
+  plan.options = before.options;
+  plan.initial = before.initial;
+  plan.settings.model = before.settings.model;
+  plan.settings.fix = before.settings.fix;
+  plan.settings.initial = before.settings.initial;
+  plan.settings.warp = before.settings.warp;
+  plan.settings.skew = before.settings.skew;
+}
+
+Status read_counts(SolverPlan& plan) {
+  const SolverSettings& settings = plan.settings;
+  if (settings.max_views > 0 && settings.max_views < settings.min_views) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("max-views={} is less than min-views={}: raise max-views, or set "
+                                  "it to 0 for no limit.",
+                                  settings.max_views, settings.min_views));
+  }
+  return {};
+}
+
+void keep_counts(SolverPlan& plan, const SolverPlan& before) {
+  plan.settings.min_views = before.settings.min_views;
+  plan.settings.max_views = before.settings.max_views;
+}
+
+Status read_files(SolverPlan& plan) {
+  auto files = parse_calibration_files(plan.settings.location, plan.settings.exports);
+  if (!files) return tl::unexpected<Error>(files.error());
+  plan.files = *std::move(files);
+  if (const Status held = can_hold_all(plan.files, plan.settings.model); !held) return held;
+  return are_different_files(plan.files);
+}
+
+void keep_files(SolverPlan& plan, const SolverPlan& before) {
+  plan.files = before.files;
+  plan.settings.location = before.settings.location;
+  plan.settings.exports = before.settings.exports;
+}
+
+constexpr Group kGroups[] = {
+    {[](const SolverSettings& a, const SolverSettings& b) {
+       return a.model == b.model && a.fix == b.fix && a.initial == b.initial && a.warp == b.warp &&
+              a.skew == b.skew;
+     },
+     read_lens_and_files, keep_lens},
+    {[](const SolverSettings& a, const SolverSettings& b) {
+       return a.min_views == b.min_views && a.max_views == b.max_views;
+     },
+     read_counts, keep_counts},
+    {[](const SolverSettings& a, const SolverSettings& b) { return !names_other_files(a, b); },
+     read_files, keep_files},
+};
+
+}  // namespace
+
+Result<SolverPlan> make_plan(const SolverSettings& settings) {
+  SolverPlan plan;
+  plan.settings = settings;
+  for (const Group& group : kGroups) {
+    if (const Status read = group.read(plan); !read) return tl::unexpected<Error>(read.error());
+  }
+  return plan;
+}
+
+PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
+                       const SolverSettings& now) {
+  PlanChange change;
+  change.plan.settings = now;
+  for (const Group& group : kGroups) {
+    const Status read = group.same(seen, now) ? Status() : group.read(change.plan);
+    if (!read) change.refused.push_back(read.error());
+    if (!read || group.same(seen, now)) group.keep(change.plan, before);
+  }
+  return change;
+}
+
+bool may_wait(const SolverSettings& seen, const SolverSettings& now) {
+  const bool other_lens = !kGroups[0].same(seen, now);
+  if (other_lens && !now.initial.empty() && may_be_calibration_path(now.initial)) return true;
+  if (!names_other_files(seen, now)) return false;
+  const auto files = parse_calibration_files(now.location, now.exports);
+  return files && !files->empty();
+}
+
+bool solves_differently(const SolverSettings& a, const SolverSettings& b) {
+  return a.model != b.model || a.fix != b.fix || a.initial != b.initial || a.warp != b.warp ||
+         a.skew != b.skew || a.runs != b.runs;
+}
+
+bool writes_elsewhere(const SolverSettings& a, const SolverSettings& b) {
+  return names_other_files(a, b) || a.camera != b.camera;
+}
+
+bool names_other_files(const SolverSettings& a, const SolverSettings& b) {
+  return a.location != b.location || a.exports != b.exports;
+}
+
+FittedInitial fit_initial(const SolverPlan& plan, ImageSize frames) {
+  FittedInitial fitted;
+  if (!plan.initial || frames.width == 0) return fitted;
+  const auto camera = fit_to_frame(*plan.initial, frames);
+  if (!camera) {
+    fitted.warning = {camera.error().code, "The calibration to start from (initial) is not used: " +
+                                               camera.error().message};
+    return fitted;
+  }
+  fitted.calibration = camera->camera.to_calibration();
+  if (camera->scaled) {
+    fitted.warning = {ErrorCode::kInvalidArgument,
+                      fmt::format("The calibration to start from (initial) is for {}x{} px and is "
+                                  "scaled to the frames of {}x{}.",
+                                  plan.initial->image_size.width, plan.initial->image_size.height,
+                                  frames.width, frames.height)};
+  }
+  return fitted;
+}
+
+}  // namespace calvin::gst

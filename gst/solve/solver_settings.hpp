@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The properties of calibsolve, and what they mean once they are read.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calvin/session/session.hpp"
+#include "calvin/solve/solve.hpp"
+#include "solve/calibration_files.hpp"
+
+namespace calvin::gst {
+
+enum CaptureChoice { kCaptureDefault, kCaptureAll, kCaptureAuto, kCaptureManual };
+
+struct SolverSettings {
+  std::string location;
+  std::string exports;
+  std::string camera;  // empty: the name that the observations carry
+  std::string model = "brown5";
+  std::string fix;
+  std::string initial;
+  bool warp = true;
+  bool skew = false;
+  CaptureChoice capture_mode = kCaptureDefault;
+  int min_views = 3;
+  int max_views = 0;        // 0: no limit
+  double target_error = 0;  // px of expected error; 0: none
+  int runs = 1;             // of a final solve
+
+  friend bool operator==(const SolverSettings&, const SolverSettings&) = default;
+};
+
+struct SolverPlan {
+  SolverSettings settings;
+  SolveOptions options;  // without the names and sizes that only the frames tell
+  std::optional<Calibration> initial;
+  std::vector<CalibrationFile> files;
+
+  [[nodiscard]] SessionOptions session_options(bool live) const;
+};
+
+// An error for settings that cannot work. Reads the file of `initial`.
+[[nodiscard]] Result<SolverPlan> make_plan(const SolverSettings& settings);
+
+// Settings that change while frames flow, from those `seen` last. What changed and cannot work goes
+// on as it was in `before`, with an error for it, and so does what was refused when it was seen.
+struct PlanChange {
+  SolverPlan plan;
+  std::vector<Error> refused;
+};
+[[nodiscard]] PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
+                                     const SolverSettings& now);
+
+// Whether change_plan() may have to wait for the disk that a new `initial`, `location` or `export`
+// is on.
+[[nodiscard]] bool may_wait(const SolverSettings& seen, const SolverSettings& now);
+
+// Whether the views are to be solved again, or the result is to be written again, when one set of
+// settings takes the place of another.
+[[nodiscard]] bool solves_differently(const SolverSettings& a, const SolverSettings& b);
+[[nodiscard]] bool writes_elsewhere(const SolverSettings& a, const SolverSettings& b);
+// Whether the files are others: only then is a disk asked whether they can be written.
+[[nodiscard]] bool names_other_files(const SolverSettings& a, const SolverSettings& b);
+
+// `initial` for frames of that size, with a word for the user where it had to be scaled or cannot
+// be used.
+struct FittedInitial {
+  std::optional<Calibration> calibration;
+  std::optional<Error> warning;
+};
+[[nodiscard]] FittedInitial fit_initial(const SolverPlan& plan, ImageSize frames);
+
+}  // namespace calvin::gst

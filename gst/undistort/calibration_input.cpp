@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Which camera the frames come from.
+
+#include "undistort/calibration_input.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/camera/usable_area.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "common/calibration_event.hpp"
+#include "common/frames/frame_planes.hpp"
+#include "common/values.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+// The event of GStreamer's cameracalibrate, whose text is in OpenCV's format.
+bool is_peers(GstEvent* event) {
+  return GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_BOTH &&
+         gst_event_has_name(event, "GstEventCalibrated");
+}
+
+Result<CalibrationEvent> parse_event(GstEvent* event) {
+  const GstStructure* s = gst_event_get_structure(event);
+  const char* field = is_peers(event) ? "undistort-settings" : "json";
+  if (!gst_structure_has_field_typed(s, field, G_TYPE_STRING)) {
+    return make_error(ErrorCode::kMalformed,
+                      fmt::format("The event {} has no text in its field '{}' and changes nothing. "
+                                  "Whoever sends it must put the calibration there.",
+                                  gst_structure_get_name(s), field));
+  }
+  return CalibrationEvent{get_string(s, "camera"), get_string(s, field)};
+}
+
+}  // namespace
+
+std::vector<Error> CalibrationInput::start() {
+  from_setting_.reset();
+  from_event_.reset();
+  event_.reset();
+  frames_ = {};
+  part_.reset();
+  upright_ = {};
+  camera_.reset();
+  changed_ = true;
+  new_ = poor_ = false;
+  setting_.set(text_);
+  if (const Status started = setting_.start(); !started) return {started.error()};
+  std::vector<Error> errors;
+  if (auto read = setting_.read(CalibrationReader::Clock::now())) take(*std::move(read), errors);
+  return errors;
+}
+
+void CalibrationInput::set_text(const std::string& text) {
+  // Without a text the event is in force at once; a new text is so when it has been read.
+  if (text.empty() && !text_.empty()) changed_ = new_ = true;
+  text_ = text;
+  if (text_.empty()) from_setting_.reset();
+  setting_.set(text_);
+  said_.clear();
+}
+
+void CalibrationInput::set_frames(const GstVideoInfo& info, const std::optional<FramePart>& part) {
+  part_ = part;
+  frames_ = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  interlaced_ = GST_VIDEO_INFO_IS_INTERLACED(&info);
+  camera_.reset();
+  changed_ = true;
+  if (!part) said_.clear();  // a part may move with every frame
+}
+
+void CalibrationInput::set_upright(Orientation upright) {
+  if (upright == std::exchange(upright_, upright)) return;
+  camera_.reset();
+  changed_ = true;
+}
+
+bool CalibrationInput::is_calibration(GstEvent* event) {
+  return is_peers(event) || parse_calibration_event(event).has_value();
+}
+
+Status CalibrationInput::take_event(GstEvent* event) {
+  const auto parsed = parse_event(event);
+  if (!parsed) return tl::unexpected(parsed.error());
+  std::optional<Calibration> calibration;
+  if (!parsed->json.empty()) {
+    auto read = parse_calibration(parsed->json);
+    if (!read) return tl::unexpected(read.error());
+    calibration = *std::move(read);
+    if (!parsed->camera.empty()) calibration->camera = parsed->camera;
+  }
+  event_.reset(gst_event_ref(event));
+  from_event_ = std::move(calibration);
+  if (text_.empty()) changed_ = new_ = true;
+  return {};
+}
+
+void CalibrationInput::take(CalibrationReader::ReadResult read, std::vector<Error>& errors) {
+  if (read) {
+    from_setting_ = *std::move(read);
+    changed_ = new_ = true;
+    return;
+  }
+  errors.push_back(std::move(read.error()));
+  std::string& message = errors.back().message;
+  if (errors.back().code == ErrorCode::kNotFound) {
+    message += " The frames go on as before until the file appears";
+    message += from_setting_ ? " again: the calibration that there was stays in force." : ".";
+  }
+}
+
+std::vector<Error> CalibrationInput::update(CalibrationReader::Clock::time_point now) {
+  std::vector<Error> errors;
+  if (auto read = setting_.poll(now)) take(*std::move(read), errors);
+  if (changed_ && frames_.width > 0) {
+    changed_ = false;
+    fit(errors);
+  }
+  return errors;
+}
+
+void CalibrationInput::report(Error error, std::vector<Error>& errors) {
+  if (error.message == said_) return;
+  said_ = error.message;
+  errors.push_back(std::move(error));
+}
+
+// Once for each calibration: the frames may be another part of it every time. Of many poor ones, as
+// the first solves of a stream may give, only the first one is said.
+void CalibrationInput::judge(const Calibration& known, std::vector<Error>& errors) {
+  if (!std::exchange(new_, false)) return;
+  const auto camera = Camera::make(known);
+  if (!camera) return;
+  const Status usable = check_usable_area(*camera);
+  if (!usable && !poor_) errors.push_back(usable.error());
+  poor_ = !usable;
+}
+
+void CalibrationInput::fit(std::vector<Error>& errors) {
+  std::optional<Calibration>& known = text_.empty() ? from_event_ : from_setting_;
+  if (!known) {
+    camera_.reset();
+    ++serial_;
+    return;
+  }
+  if (interlaced_) {
+    report({ErrorCode::kUnsupported,
+            "The video is interlaced, its fields show different moments: insert deinterlace before "
+            "this element. Until then the frames pass unchanged."},
+           errors);
+    return;
+  }
+  if (!has_extent(frames_)) {
+    report(
+        {ErrorCode::kUnsupported,
+         fmt::format("Frames of {}x{} px are too small to be undistorted and pass unchanged: they "
+                     "need at least two columns and two rows.",
+                     frames_.width, frames_.height)},
+        errors);
+    return;
+  }
+  // A calibration that does not say its size is taken to be for the frames that it meets first:
+  // nothing tells later which of two sizes it is right for.
+  if (known->image_size == ImageSize{}) known->image_size = frames_;
+  auto fitted =
+      part_ ? fit_to_part(*known, *part_, upright_) : fit_to_frame(*known, frames_, upright_);
+  if (!fitted) {
+    report(fitted.error(), errors);
+    return;
+  }
+  if (fitted->scaled && known->sensor_crop) {
+    report({ErrorCode::kInvalidArgument,
+            fmt::format("The sensor_crop of the calibration, {}x{} px, is scaled to the frames of "
+                        "{}x{}.",
+                        known->sensor_crop->width, known->sensor_crop->height, frames_.width,
+                        frames_.height)},
+           errors);
+  } else if (fitted->scaled) {
+    report({ErrorCode::kInvalidArgument,
+            fmt::format("The calibration is for {}x{} px and is scaled to the frames of "
+                        "{}x{}. That is right where the camera scales its whole picture; "
+                        "where it shows a part of it, add sensor_crop to the calibration.",
+                        known->image_size.width, known->image_size.height, frames_.width,
+                        frames_.height)},
+           errors);
+  }
+  judge(*known, errors);
+  camera_ = std::move(fitted->camera);
+  name_ = known->camera;
+  ++serial_;
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Which camera the frames come from: the property `calibration`, or else the event of an element
+// upstream, fitted to the frames.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gst/video/video.h>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/camera/frame_fit.hpp"
+#include "common/calibration_reader.hpp"
+#include "common/event_ptr.hpp"
+
+namespace calvin::gst {
+
+// Streaming thread, or before it starts. What is broken never takes the place of what worked.
+class CalibrationInput {
+ public:
+  // Forgets the stream, its format and its events, and reads the setting before it returns: the
+  // first frame has the file that is named now. What the user should hear of it.
+  [[nodiscard]] std::vector<Error> start();
+  // Returns at once, whatever is being read.
+  void stop() { setting_.stop(); }
+  void set_text(const std::string& text);
+  // `part`: where the frames lie in a larger picture.
+  void set_frames(const GstVideoInfo& info, const std::optional<FramePart>& part = {});
+  // How the frames have to be turned to stand upright: a calibration of a shape that only the
+  // upright picture has is one of that picture.
+  void set_upright(Orientation upright);
+
+  // Whether it is a calibration event: ours, or the one of GStreamer's cameracalibrate.
+  [[nodiscard]] static bool is_calibration(GstEvent* event);
+  // Keeps a calibration event. An Error where its calibration cannot be read: the one before stays.
+  [[nodiscard]] Status take_event(GstEvent* event);
+  // The last one, as it came, or nullptr.
+  [[nodiscard]] GstEvent* event() const { return event_.get(); }
+
+  // Takes in what is new, and returns what the user should hear of it, in order. Waits for no disk:
+  // a file that is named or replaced meanwhile is taken in when it has been read.
+  [[nodiscard]] std::vector<Error> update(CalibrationReader::Clock::time_point now);
+
+  // The camera of the frames; absent without a calibration that fits. `serial` counts its changes.
+  [[nodiscard]] const std::optional<Camera>& camera() const { return camera_; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] int serial() const { return serial_; }
+
+ private:
+  void take(CalibrationReader::ReadResult read, std::vector<Error>& errors);
+  void fit(std::vector<Error>& errors);
+  void judge(const Calibration& known, std::vector<Error>& errors);
+  void report(Error error, std::vector<Error>& errors);
+
+  std::string text_;
+  CalibrationReader setting_;
+  std::optional<Calibration> from_setting_;
+  std::optional<Calibration> from_event_;
+  EventPtr event_;
+
+  ImageSize frames_;
+  std::optional<FramePart> part_;
+  Orientation upright_;
+  bool interlaced_ = false;
+  bool changed_ = false;
+  std::optional<Camera> camera_;
+  std::string name_;
+  int serial_ = 0;
+  bool new_ = false;   // the calibration in force was not judged yet
+  bool poor_ = false;  // the last one was, and found wanting
+  std::string said_;   // the last message on how the calibration fits: each is said once
+};
+
+}  // namespace calvin::gst

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+/**
+ * SECTION:element-calibundistort
+ * @title: calibundistort
+ * @short_description: makes straight lines straight
+ *
+ * Undistorts video with a calibration: the file or text in #GstCalibUndistort:calibration, or else
+ * the `calvin-calibration` event of a `calibsolve` upstream. Without a calibration the frames pass
+ * through untouched and are not copied. What it tells its neighbours downstream is the calibration
+ * of its own output, a pinhole camera.
+ *
+ * ## Example launch line
+ * |[
+ * gst-launch-1.0 v4l2src ! videoconvert ! calibundistort calibration=cam.json ! autovideosink
+ * ]|
+ */
+
+#include <mutex>
+
+#include <gst/video/gstvideofilter.h>
+
+#include "common/calibration_event.hpp"
+#include "common/frames/dma_caps.hpp"
+#include "common/frames/frame_check.hpp"
+#include "common/frames/frame_part.hpp"
+#include "common/frames/meta_filter.hpp"
+#include "common/frames/refused_caps.hpp"
+#include "common/messages.hpp"
+#include "common/properties.hpp"
+#include "elements.hpp"
+#include "undistort/frame_mapping.hpp"
+#include "undistort/undistort_caps.hpp"
+#include "undistort/undistort_properties.hpp"
+#include "undistort/undistort_state.hpp"
+
+GST_DEBUG_CATEGORY(calibundistort_debug);
+#define GST_CAT_DEFAULT calibundistort_debug
+
+using namespace calvin;
+using gst::EventPtr;
+
+struct _GstCalibUndistort {
+  GstVideoFilter parent;
+  gst::UndistortState* state;
+};
+
+#define GST_TYPE_CALIB_UNDISTORT (gst_calib_undistort_get_type())
+G_DECLARE_FINAL_TYPE(GstCalibUndistort, gst_calib_undistort, GST, CALIB_UNDISTORT, GstVideoFilter)
+G_DEFINE_FINAL_TYPE(GstCalibUndistort, gst_calib_undistort, GST_TYPE_VIDEO_FILTER)
+GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(
+    calibundistort, "calibundistort", GST_RANK_NONE, GST_TYPE_CALIB_UNDISTORT,
+    GST_DEBUG_CATEGORY_INIT(calibundistort_debug, "calibundistort", 0, "undistorts video"))
+
+static void gst_calib_undistort_before_transform(GstBaseTransform* trans, GstBuffer* buffer) {
+  GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
+  gst::UndistortState& s = *self->state;
+  if (!s.undistorter.has_frames()) return;
+  s.follow_crop(buffer);
+  const auto times = gst::frame_times(&trans->segment, buffer);
+  if (GST_CLOCK_TIME_IS_VALID(times.stream_time)) {
+    gst_object_sync_values(GST_OBJECT(self), times.stream_time);
+  }
+  s.update();
+  s.undistorter.begin();
+  GST_LOG_OBJECT(self, "%s: %" GST_PTR_FORMAT, s.undistorter.describe().c_str(),
+                 static_cast<void*>(buffer));
+}
+
+// GstBaseTransform looks after before_transform whether downstream wants other frames.
+static GstFlowReturn gst_calib_undistort_prepare_output_buffer(GstBaseTransform* trans,
+                                                               GstBuffer* in, GstBuffer** out) {
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
+  if (s.renegotiated) {
+    s.follow_crop(in);
+    s.update();
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
+      ->prepare_output_buffer(trans, in, out);
+}
+
+static GstFlowReturn gst_calib_undistort_transform_frame(GstVideoFilter* filter, GstVideoFrame* in,
+                                                         GstVideoFrame* out) {
+  const Status done = GST_CALIB_UNDISTORT(filter)->state->undistorter.apply(*in, *out);
+  if (done) return GST_FLOW_OK;
+  if (done.error().code == ErrorCode::kCancelled) return GST_FLOW_FLUSHING;
+  GST_ELEMENT_ERROR(filter, STREAM, FORMAT, ("%s", done.error().message.c_str()), (nullptr));
+  return GST_FLOW_ERROR;
+}
+
+// GstVideoFilter would send on what the output's memory held before for a frame that cannot be
+// read. One such frame does not stop the others.
+static GstFlowReturn gst_calib_undistort_transform(GstBaseTransform* trans, GstBuffer* in,
+                                                   GstBuffer* out) {
+  GstVideoFilter* filter = GST_VIDEO_FILTER(trans);
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
+  const GstVideoInfo whole =
+      s.part ? gst::with_size(filter->in_info, s.part->whole) : filter->in_info;
+  if (const Status readable = gst::check_frame(whole, in); !readable) {
+    GST_WARNING_OBJECT(trans, "drops a frame: %s", readable.error().message.c_str());
+    if (!std::exchange(s.frame_refused, true)) {
+      gst::post_warning(
+          GST_ELEMENT(trans),
+          {readable.error().code, readable.error().message + " Such frames are left out."});
+    }
+    return GST_BASE_TRANSFORM_FLOW_DROPPED;
+  }
+  if (const Status writable = gst::check_frame(filter->out_info, out); !writable) {
+    gst::post_error(GST_ELEMENT(trans), writable.error());
+    return GST_FLOW_ERROR;
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->transform(trans, in, out);
+}
+
+static gboolean gst_calib_undistort_transform_meta(GstBaseTransform* trans, GstBuffer* out,
+                                                   GstMeta* meta, GstBuffer* in) {
+  const auto& current = GST_CALIB_UNDISTORT(trans)->state->undistorter.current();
+  if (current) {
+    const gst::MetaFate fate = gst::map_meta(*current, in, meta, out);
+    if (fate != gst::MetaFate::kOthers) return fate == gst::MetaFate::kCopy;
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)
+      ->transform_meta(trans, out, meta, in);
+}
+
+// GstVideoFilter knows no frames in DMA memory.
+static gboolean gst_calib_undistort_set_caps(GstBaseTransform* trans, GstCaps* in, GstCaps* out) {
+  GstVideoInfo info;
+  if (!gst::video_info_of(info, in)) return FALSE;
+  g_autoptr(GstCaps) mapped = gst::mapped_caps(in);
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->set_caps(trans, mapped, out);
+}
+
+static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in_caps,
+                                             GstVideoInfo* in_info, GstCaps* out_caps,
+                                             GstVideoInfo* out_info) {
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(filter)->state;
+  const gst::FrameFormat in(*in_info, in_caps);
+  const gst::FrameFormat out(*out_info, out_caps);
+  if (s.undistorter.has_frames() && s.in == in && s.out == out) return TRUE;
+  if (const Status moves = gst::check_move(in, out); !moves) {
+    gst::post_error(GST_ELEMENT(filter), moves.error());
+    return FALSE;
+  }
+  GST_INFO_OBJECT(filter, "%" GST_PTR_FORMAT " become %" GST_PTR_FORMAT,
+                  static_cast<void*>(in_caps), static_cast<void*>(out_caps));
+  s.in = in;
+  s.out = out;
+  s.part.reset();  // until the next buffer says more
+  s.frame_refused = false;
+  s.undistorter.set_frames(in, out);
+  s.live.reset();
+  s.renegotiated = true;
+  return TRUE;
+}
+
+static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent* event) {
+  GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
+  gst::UndistortState& s = *self->state;
+  if (gst::CalibrationInput::is_calibration(event)) {
+    GST_DEBUG_OBJECT(self, "got %" GST_PTR_FORMAT, static_cast<void*>(event));
+    // It goes on as it is, or as the calibration of the output. The peer's event is not serialized:
+    // it waits for the next frame, as any does before the first caps.
+    const bool now =
+        GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_DOWNSTREAM_STICKY && s.undistorter.has_frames();
+    {
+      const std::lock_guard guard(s.lock);
+      s.arrived_event.reset(event);
+    }
+    if (now) s.update();
+    return TRUE;
+  }
+  if (s.tags.take(event)) s.input.set_upright(s.tags.upright());
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->sink_event(trans, event);
+}
+
+static gboolean gst_calib_undistort_src_event(GstBaseTransform* trans, GstEvent* event) {
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
+  // The peer's event goes both ways: cameracalibrate may stand behind this element.
+  if (gst::CalibrationInput::is_calibration(event)) {
+    const std::lock_guard guard(s.lock);
+    s.arrived_event.reset(gst_event_ref(event));
+  }
+  if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION) {
+    std::shared_ptr<const Undistorter> shown;
+    {
+      const std::lock_guard guard(s.lock);
+      shown = s.shown;
+    }
+    if (shown) event = gst::map_navigation(*shown, event);
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->src_event(trans, event);
+}
+
+static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
+  GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
+  gst::UndistortState& s = *self->state;
+  s.output.reset();
+  s.tags.reset();
+  EventPtr stale;
+  static_cast<void>(s.take_settings(stale));
+  s.fitted.reset();
+  s.set_output_calibration("");
+  gst_base_transform_set_passthrough(trans, TRUE);
+  for (const Error& error : s.input.start()) {
+    if (error.code != ErrorCode::kNotFound) {
+      gst::post_error(GST_ELEMENT(self), error);
+      s.input.stop();
+      return FALSE;
+    }
+    gst::post_warning(GST_ELEMENT(self), error);
+  }
+  const Status started = s.undistorter.start();
+  if (!started) gst::post_error(GST_ELEMENT(self), started.error());
+  return started.has_value();
+}
+
+static gboolean gst_calib_undistort_stop(GstBaseTransform* trans) {
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
+  s.input.stop();
+  s.undistorter.stop();
+  s.output.reset();
+  const std::lock_guard guard(s.lock);
+  s.shown.reset();
+  return TRUE;
+}
+
+static GstStateChangeReturn gst_calib_undistort_change_state(GstElement* element,
+                                                             GstStateChange change) {
+  // A build on the streaming thread would hold the state change up.
+  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) {
+    GST_CALIB_UNDISTORT(element)->state->undistorter.cancel();
+  }
+  return GST_ELEMENT_CLASS(gst_calib_undistort_parent_class)->change_state(element, change);
+}
+
+static void gst_calib_undistort_set_property(GObject* object, guint id, const GValue* value,
+                                             GParamSpec* pspec) {
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(object)->state;
+  {
+    const std::lock_guard guard(s.lock);
+    s.calibration_changed |= gst::tells_calibration(id);
+    if (!gst::undistort_field(s.settings, id).set(value)) {
+      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    }
+  }
+  if (const char* other = gst::other_name(id)) g_object_notify(object, other);
+}
+
+static void gst_calib_undistort_get_property(GObject* object, guint id, GValue* value,
+                                             GParamSpec* pspec) {
+  gst::UndistortState& s = *GST_CALIB_UNDISTORT(object)->state;
+  const std::lock_guard guard(s.lock);
+  if (id == gst::kUndistortOutputCalibration) {
+    gst::set_string(value, s.output_calibration);
+  } else if (!gst::undistort_field(s.settings, id).get(value)) {
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  }
+}
+
+static void gst_calib_undistort_finalize(GObject* object) {
+  delete GST_CALIB_UNDISTORT(object)->state;
+  G_OBJECT_CLASS(gst_calib_undistort_parent_class)->finalize(object);
+}
+
+static void gst_calib_undistort_init(GstCalibUndistort* self) {
+  self->state = new gst::UndistortState(GST_BASE_TRANSFORM(self));
+  gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);
+  gst::explain_refused_caps(GST_ELEMENT(self));
+}
+
+static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
+  auto* object_class = G_OBJECT_CLASS(klass);
+  auto* element_class = GST_ELEMENT_CLASS(klass);
+  auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
+  auto* filter_class = GST_VIDEO_FILTER_CLASS(klass);
+  object_class->set_property = gst_calib_undistort_set_property;
+  object_class->get_property = gst_calib_undistort_get_property;
+  object_class->finalize = gst_calib_undistort_finalize;
+  element_class->change_state = gst_calib_undistort_change_state;
+  trans_class->start = gst_calib_undistort_start;
+  trans_class->stop = gst_calib_undistort_stop;
+  trans_class->sink_event = gst_calib_undistort_sink_event;
+  trans_class->src_event = gst_calib_undistort_src_event;
+  trans_class->transform_caps = gst::undistort_transform_caps;
+  trans_class->fixate_caps = gst::undistort_fixate_caps;
+  trans_class->set_caps = gst_calib_undistort_set_caps;
+  trans_class->get_unit_size = gst::mapped_unit_size;
+  trans_class->propose_allocation = gst::propose_uncropped_allocation;
+  trans_class->before_transform = gst_calib_undistort_before_transform;
+  trans_class->prepare_output_buffer = gst_calib_undistort_prepare_output_buffer;
+  trans_class->transform = gst_calib_undistort_transform;
+  trans_class->transform_meta = gst_calib_undistort_transform_meta;
+  trans_class->transform_ip_on_passthrough = FALSE;
+  filter_class->set_info = gst_calib_undistort_set_info;
+  filter_class->transform_frame = gst_calib_undistort_transform_frame;
+  gst::install_undistort_properties(object_class);
+  gst::add_undistort_pads(element_class);
+  gst_element_class_set_static_metadata(
+      element_class, "Camera undistortion", "Filter/Effect/Video",
+      "Makes straight lines straight with the calibration of the camera", "The gst-calvin authors");
+}

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What calibundistort does between two frames.
+
+#include "undistort/undistort_state.hpp"
+
+#include "common/calibration_event.hpp"
+#include "common/frames/meta_filter.hpp"
+#include "common/messages.hpp"
+
+GST_DEBUG_CATEGORY_EXTERN(calibundistort_debug);
+#define GST_CAT_DEFAULT calibundistort_debug
+
+namespace calvin::gst {
+
+UndistortSettings UndistortState::take_settings(EventPtr& event) {
+  const std::lock_guard guard(lock);
+  if (std::exchange(calibration_changed, false)) input.set_text(settings.calibration);
+  event = std::move(arrived_event);
+  return settings;
+}
+
+void UndistortState::set_output_calibration(const std::string& json) {
+  {
+    const std::lock_guard guard(lock);
+    if (json == std::exchange(output_calibration, json)) return;
+  }
+  g_object_notify(G_OBJECT(element), "output-calibration");
+}
+
+void UndistortState::announce() {
+  EventPtr event = output.next(undistorter, input);
+  if (!event) return;
+  GST_DEBUG_OBJECT(element, "announces %" GST_PTR_FORMAT, static_cast<void*>(event.get()));
+  const auto calibration = parse_calibration_event(event.get());
+  gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(element), event.release());
+  set_output_calibration(calibration ? calibration->json : "");
+}
+
+void UndistortState::fit_input() {
+  std::pair wanted(distort ? out : in, distort ? std::nullopt : part);
+  auto& [frames, shown_part] = wanted;
+  if (shown_part) frames.info = with_size(frames.info, shown_part->size);
+  if (fitted == wanted) return;
+  input.set_frames(frames.info, shown_part);
+  fitted = std::move(wanted);
+}
+
+void UndistortState::set_passthrough(bool passthrough) {
+  if (passthrough == (gst_base_transform_is_passthrough(element) != FALSE)) return;
+  gst_base_transform_set_passthrough(element, passthrough);
+  // Upstream got downstream's buffers while the frames passed through.
+  gst_base_transform_reconfigure_sink(element);
+  gst_base_transform_reconfigure_src(element);
+}
+
+void UndistortState::update() {
+  renegotiated = false;
+  EventPtr event;
+  const UndistortSettings now = take_settings(event);
+  if (event) {
+    const Status taken = input.take_event(event.get());
+    if (!taken) post_warning(GST_ELEMENT(element), taken.error());
+  }
+  if (!live) live = upstream_is_live(element);
+  distort = now.view.distort();
+  const int serial = input.serial();
+  const auto before = undistorter.current();
+  fit_input();
+  auto errors = input.update(CalibrationReader::Clock::now());
+  const ViewSettings& view = now.view;
+  const auto more = undistorter.update(
+      input, {now.enabled, view.view(), view.distort(), *live, view.sampling(), view.threads});
+  errors.insert(errors.end(), more.begin(), more.end());
+  for (const Error& error : errors) post_warning(GST_ELEMENT(element), error);
+  if (serial != input.serial()) {
+    GST_INFO_OBJECT(element, "%s calibration", input.camera() ? "takes a" : "has no");
+  }
+  if (before != undistorter.current())
+    GST_DEBUG_OBJECT(element, "%s", undistorter.describe().c_str());
+  {
+    const std::lock_guard guard(lock);
+    shown = undistorter.current();
+  }
+  set_passthrough(!undistorter.current() && !undistorter.must_move());
+  announce();
+}
+
+void UndistortState::follow_crop(GstBuffer* buffer) {
+  const auto now = part_of(buffer, in.info);
+  if (now == std::exchange(part, now)) return;
+  GST_DEBUG_OBJECT(element, "the frame is %s of the picture in memory", now ? "a part" : "all");
+  FrameFormat cropped = in;
+  if (now) cropped.info = with_size(in.info, now->size);
+  undistorter.set_frames(cropped, out, now);
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Brightness profiles across the outermost line of corners, and what they say of the margin.
+
+#include "calvin/detect/checkerboard/board_edge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace calvin::detect {
+
+namespace {
+
+// A profile runs from kFrom to the first of kTo (squares beyond the line) that finds an edge.
+constexpr int kSamples = 27;  // of a profile
+constexpr float kFrom = 0.3F;
+constexpr float kTo[] = {1.6F, 1.3F, 1.12F, 1.05F};
+constexpr float kLeastMargin = 3;  // px of a profile beyond a square's end
+constexpr float kMargin =
+    0.45F;  // share of the way from a square's end to the profile's: margin from there
+constexpr float kEdgeFrom = 0.8F;  // squares beyond the line, between which the last row may end
+constexpr float kEdgeTo = 1.25F;
+constexpr float kMostRagged = 0.15F;  // squares, between the nearest end and the farthest
+constexpr float kDiffers = 0.65F;     // of the contrast: more is another colour
+constexpr float kSame = 0.3F;         // of the contrast: less is the same colour
+constexpr float kLeastSeen = 0.5F;    // of the line's squares; a finger hides behind fewer
+constexpr int kLeastEnds = 2;         // squares that differ from the margin
+constexpr float kLeastShare = 0.8F;   // of the squares in view that are as they should
+
+struct Point {
+  float x = 0;
+  float y = 0;
+};
+
+std::optional<float> grey(const ImageView& image, Point p) {
+  if (!(p.x >= 0 && p.y >= 0 && p.x <= static_cast<float>(image.width - 1) &&
+        p.y <= static_cast<float>(image.height - 1))) {
+    return std::nullopt;
+  }
+  const int x = std::min(static_cast<int>(p.x), image.width - 2);
+  const int y = std::min(static_cast<int>(p.y), image.height - 2);
+  const float fx = p.x - static_cast<float>(x);
+  const float fy = p.y - static_cast<float>(y);
+  const auto at = [&](int dx, int dy) { return static_cast<float>(image.at(x + dx, y + dy)); };
+  return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) +
+         fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
+}
+
+// The place of the next node outwards of a line, extrapolated from its last two or three nodes.
+std::optional<Point> next_node(const Lattice& lattice, Cell cell, Cell outwards) {
+  if (!lattice.has(cell) || !lattice.has(cell - outwards)) return std::nullopt;
+  const Node& a = lattice.at(cell);
+  const Node& b = lattice.at(cell - outwards);
+  Point p = {2 * a.x - b.x, 2 * a.y - b.y};
+  if (lattice.has(cell - 2 * outwards)) {
+    const Node& c = lattice.at(cell - 2 * outwards);
+    p = {3 * a.x - 3 * b.x + c.x, 3 * a.y - 3 * b.y + c.y};
+  }
+  return p;
+}
+
+struct Profile {
+  float inside = 0;   // grey levels of the square
+  float outside = 0;  // of what lies beyond it
+  float end = 0;      // where the colour changes, squares beyond the line
+};
+
+// The profile outwards through the middle of the square between two nodes of the line.
+std::optional<Profile> profile(const ImageView& image, const Lattice& lattice, Cell cell, Cell step,
+                               Cell outwards, float reach) {
+  const auto a = next_node(lattice, cell, outwards);
+  const auto b = next_node(lattice, cell + step, outwards);
+  if (!a || !b) return std::nullopt;
+  const Node& na = lattice.at(cell);
+  const Node& nb = lattice.at(cell + step);
+  const Point from = {0.5F * (na.x + nb.x), 0.5F * (na.y + nb.y)};
+  const Point way = {0.5F * (a->x + b->x) - from.x, 0.5F * (a->y + b->y) - from.y};
+  if ((reach - 1) * std::hypot(way.x, way.y) < kLeastMargin) return std::nullopt;
+  std::array<float, kSamples> t{};
+  std::array<float, kSamples> v{};
+  Profile p;
+  float inner = 0;
+  float outer = 0;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    t[i] = kFrom + (reach - kFrom) * static_cast<float>(i) / (kSamples - 1);
+    const auto g = grey(image, {from.x + t[i] * way.x, from.y + t[i] * way.y});
+    if (!g) return std::nullopt;
+    v[i] = *g;
+    if (t[i] < 0.7F) {
+      p.inside += v[i];
+      inner += 1;
+    } else if (t[i] > 1 + kMargin * (reach - 1)) {
+      p.outside += v[i];
+      outer += 1;
+    }
+  }
+  p.inside /= inner;
+  p.outside /= outer;
+  const float middle = 0.5F * (p.inside + p.outside);
+  for (std::size_t i = 1; i < kSamples; ++i) {
+    if ((v[i - 1] < middle) != (v[i] < middle)) {
+      p.end = t[i];
+      break;
+    }
+  }
+  return p;
+}
+
+// Whether the board ends beyond a line, by profiles of `reach` squares.
+Edge edge_within(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
+                 Cell outwards, float reach) {
+  // The squares of one colour: [0] those of even cells, [1] those of odd cells.
+  struct Squares {
+    int ending = 0;
+    int continuing = 0;
+    float brightness = 0;  // of squares that end less that of the margin, summed
+    float from = kEdgeTo;  // the nearest and the farthest end
+    float to = kEdgeFrom;
+  };
+  std::array<Squares, 2> colours;
+  int seen = 0;
+  for (int i = 0; i + 1 < count; ++i) {
+    const Cell cell = first + i * step;
+    if (!lattice.has(cell) || !lattice.has(cell + step)) continue;
+    const auto p = profile(image, lattice, cell, step, outwards, reach);
+    if (!p) continue;
+    ++seen;
+    const float contrast = std::max(lattice.at(cell).contrast, 1.0F);
+    const float differs = std::abs(p->outside - p->inside) / contrast;
+    Squares& squares = colours[static_cast<std::size_t>(i & 1)];
+    if (differs < kSame) ++squares.continuing;
+    if (differs <= kDiffers || p->end <= kEdgeFrom || p->end >= kEdgeTo) continue;
+    ++squares.ending;
+    squares.brightness += p->inside - p->outside;
+    squares.from = std::min(squares.from, p->end);
+    squares.to = std::max(squares.to, p->end);
+  }
+  if (static_cast<float>(seen) < kLeastSeen * static_cast<float>(count - 1)) return Edge::kNotSeen;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Squares& ending = colours[k];
+    const int others = colours[1 - k].continuing;
+    if (ending.ending >= kLeastEnds && others >= 1 && ending.to - ending.from < kMostRagged &&
+        static_cast<float>(ending.ending + others) >= kLeastShare * static_cast<float>(seen)) {
+      return ending.brightness > 0 ? Edge::kDarkMargin : Edge::kBrightMargin;
+    }
+  }
+  return Edge::kNotSeen;
+}
+
+}  // namespace
+
+Edge find_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step, int count,
+               Cell outwards) {
+  if (image.width < 2 || image.height < 2) return Edge::kNotSeen;
+  // Shorter profiles too: the image may end soon, or the margin.
+  for (const float reach : kTo) {
+    const Edge edge = edge_within(image, lattice, first, step, count, outwards, reach);
+    if (edge != Edge::kNotSeen) return edge;
+  }
+  return Edge::kNotSeen;
+}
+
+bool continues_beyond(const ImageView& image, const Lattice& lattice, Cell first, Cell step,
+                      int count, Cell outwards) {
+  constexpr float kBeyond = 1.35F;   // squares: margin, or half into the second one
+  constexpr float kAside = 0.25F;    // squares
+  constexpr float kContrast = 0.3F;  // of the corner's
+  constexpr int kFewest = 3;
+  if (image.width < 2 || image.height < 2) return false;
+  int seen = 0;
+  int exchanged = 0;
+  for (int i = 0; i < count; ++i) {
+    const Cell cell = first + i * step;
+    const auto next = next_node(lattice, cell, outwards);
+    if (!next) continue;
+    const Node& node = lattice.at(cell);
+    const Point way = {next->x - node.x, next->y - node.y};
+    // Along the line to the next node, whichever is there.
+    const Cell other = lattice.has(cell + step) ? cell + step : cell - step;
+    if (!lattice.has(other)) continue;
+    const float sign = lattice.has(cell + step) ? kAside : -kAside;
+    const Point aside = {sign * (lattice.at(other).x - node.x),
+                         sign * (lattice.at(other).y - node.y)};
+    const auto across = [&](float share) -> std::optional<float> {
+      const Point at = {node.x + share * way.x, node.y + share * way.y};
+      const auto a = grey(image, {at.x + aside.x, at.y + aside.y});
+      const auto b = grey(image, {at.x - aside.x, at.y - aside.y});
+      if (!a || !b) return std::nullopt;
+      return *a - *b;
+    };
+    const auto inner = across(0.5F);
+    const auto outer = across(kBeyond);
+    if (!inner || !outer) continue;
+    ++seen;
+    const bool turns = (*inner > 0) != (*outer > 0);
+    exchanged += turns && std::abs(*outer) > kContrast * node.contrast ? 1 : 0;
+  }
+  return seen >= kFewest && 2 * exchanged > seen;
+}
+
+}  // namespace calvin::detect

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Which board a lattice of corners is, and which corner is which.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calvin/core/image.hpp"
+#include "calvin/core/reason.hpp"
+#include "calvin/detect/checkerboard/lattice.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin::detect {
+
+// How the cells of a lattice are numbered as control points of a board.
+struct GridAlignment {
+  int quarter = 0;  // the board's x runs along the lattice's +col, +row, -col, -row
+  Cell origin;      // the first cell of the board's window: the least column and row
+  int cols = 0;     // of that window
+  int rows = 0;
+
+  // The control point in a cell, (col, row) on the board; may lie beyond the board.
+  [[nodiscard]] Cell point(Cell cell) const;
+  // The inverse.
+  [[nodiscard]] Cell cell(Cell point) const;
+};
+
+struct Match {
+  // kAccepted: all or a part of the board. kWrongBoard: a checkerboard, but of another size or with
+  // exchanged colours. kNotFound: too little to tell.
+  Reason reason = Reason::kNotFound;
+  bool whole = false;  // every control point has its node
+  GridAlignment alignment;
+  std::vector<std::string> ambiguous;  // the other alignments, see Observation
+  bool certain = false;                // kWrongBoard: too large, or all four edges are in view
+  int seen_cols = 0;                   // of the lattice, its longer side where the board has it
+  int seen_rows = 0;
+};
+
+// Whether a lattice is so much larger than the board that no stray nodes explain it.
+[[nodiscard]] bool is_far_larger(const Lattice& lattice, const Board& board);
+
+// `lattice` in px of `image` (of step 1), no node guessed. Stray nodes that stand outside of the
+// board's edge are removed from it.
+[[nodiscard]] Match match_board(const ImageView& image, const Board& board, Lattice& lattice);
+
+}  // namespace calvin::detect

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Corners of one level grouped by the graph, laid out as lattices and completed.
+
+#include "calvin/detect/checkerboard/board_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace calvin::detect {
+
+namespace {
+
+constexpr std::size_t kMostGroups = 4;   // lattices in an image
+constexpr int kPasses = 14;              // rows or columns that may be missing side by side
+constexpr float kAsymmetry = 0.55F;      // of check_ring(), for any corner
+constexpr float kAsymmetryInGap = 0.8F;  // of check_ring(), for a corner that is expected
+constexpr int kWeakResponse = 3;         // grey levels, for a corner that is expected
+constexpr float kLeastSpacing = 4.5F;    // px
+constexpr float kPrune = 0.45F;          // of the spacing, from where a node is expected
+constexpr int kFewestNodes = 6;          // to build on
+
+// Sets the place of a corner to the centroid of the response around its peak.
+void refine_place(const ImageView& image, const SaddlePoint& p, Corner& corner) {
+  constexpr int kReach = 2;
+  ResponsePatch patch;
+  saddle_responses(image, p.x - kReach, p.y - kReach, 2 * kReach + 1, patch);
+  int sum = 0;
+  int x = 0;
+  int y = 0;
+  for (int dy = -kReach; dy <= kReach; ++dy) {
+    for (int dx = -kReach; dx <= kReach; ++dx) {
+      const int r = patch.at[dy + kReach][dx + kReach];
+      sum += r;
+      x += r * dx;
+      y += r * dy;
+    }
+  }
+  const auto share = [&](int moment) {
+    return sum > 0 ? static_cast<float>(moment) / static_cast<float>(sum) : 0;
+  };
+  corner.x = static_cast<float>(p.x) + share(x);
+  corner.y = static_cast<float>(p.y) + share(y);
+}
+
+Direction towards(Direction reference, Direction line) {
+  return dot(reference, line) >= 0 ? line : -line;
+}
+
+// The corner as a node of a cell of known colours, its edges in the directions nearest to those
+// of a neighbour.
+Node node_of(const Corner& corner, bool even, Direction along, Direction down) {
+  Node node;
+  node.x = corner.x;
+  node.y = corner.y;
+  node.contrast = corner.contrast;
+  node.along = towards(along, even ? corner.rising : corner.falling);
+  node.down = towards(down, even ? corner.falling : corner.rising);
+  return node;
+}
+
+// The step to the next cell when the corner of a node is left on a way.
+Cell step_of(const Corner& corner, const Node& node, int way, bool even) {
+  const bool is_rising = way < 2;
+  const Direction line = is_rising ? corner.rising : corner.falling;
+  const int sign = (way & 1) == 0 ? 1 : -1;
+  if (is_rising == even) return {dot(line, node.along) > 0 ? sign : -sign, 0};
+  return {0, dot(line, node.down) > 0 ? sign : -sign};
+}
+
+// Whether a corner lies where the nodes so far let it be expected. Colours alone do not tell:
+// across a finger, which hides two corners, the next corner has the right colours too.
+bool is_expected(const Lattice& lattice, Cell cell, const Corner& corner) {
+  const auto expected = lattice.expect(cell);
+  return !expected || std::hypot(corner.x - expected->x, corner.y - expected->y) <=
+                          kPrune * std::max(expected->spacing, kLeastSpacing);
+}
+
+// Whether a corner's edges run as those of the lattice next to it.
+bool runs_along(const Corner& corner, bool even, const Node& near) {
+  constexpr float kTurn = 0.5F;  // sine of the angle between them
+  const Direction along = even ? corner.rising : corner.falling;
+  const Direction down = even ? corner.falling : corner.rising;
+  return std::abs(cross(along, near.along)) < kTurn && std::abs(cross(down, near.down)) < kTurn;
+}
+
+// The strongest response near an expected place.
+SaddlePoint strongest(const ImageView& image, const Expected& expected) {
+  const int reach = std::clamp(static_cast<int>(std::lround(0.22F * expected.spacing)), 1, 6);
+  const int x = static_cast<int>(std::lround(expected.x));
+  const int y = static_cast<int>(std::lround(expected.y));
+  ResponsePatch patch;
+  saddle_responses(image, x - reach, y - reach, 2 * reach + 1, patch);
+  SaddlePoint best;
+  for (int dy = 0; dy <= 2 * reach; ++dy) {
+    for (int dx = 0; dx <= 2 * reach; ++dx) {
+      const std::uint8_t r = patch.at[dy][dx];
+      if (r > best.response) best = {x - reach + dx, y - reach + dy, r};
+    }
+  }
+  return best;
+}
+
+bool near_border(const ImageView& image, const Expected& at) {
+  constexpr float kMargin = kResponseRadius + 3;
+  return at.x < kMargin || at.y < kMargin || at.x > static_cast<float>(image.width - 1) - kMargin ||
+         at.y > static_cast<float>(image.height - 1) - kMargin;
+}
+
+bool inside(const ImageView& image, const Expected& at) {
+  return at.x >= 0.5F && at.y >= 0.5F && at.x <= static_cast<float>(image.width) - 1.5F &&
+         at.y <= static_cast<float>(image.height) - 1.5F;
+}
+
+// A node at an expected place where nothing can be seen at this level, copied from a neighbour.
+bool guess_at(const Lattice& lattice, Cell cell, const Expected& expected, Node& node) {
+  for (const Cell step : kAround) {
+    if (!lattice.has(cell + step) || lattice.at(cell + step).guessed) continue;
+    node = lattice.at(cell + step);
+    node.x = expected.x;
+    node.y = expected.y;
+    node.guessed = true;
+    return true;
+  }
+  return false;
+}
+
+bool find_node(const ImageView& image, const Lattice& lattice, Cell cell, Node& node) {
+  const auto expected = lattice.expect(cell);
+  if (!expected || expected->spacing < kLeastSpacing || !inside(image, *expected)) return false;
+  if (near_border(image, *expected)) return guess_at(lattice, cell, *expected, node);
+  const SaddlePoint peak = strongest(image, *expected);
+  if (peak.response < kWeakResponse) return false;
+  Corner corner = {static_cast<float>(peak.x), static_cast<float>(peak.y), {}, {}, 0};
+  if (!check_ring(image, peak.x, peak.y, RingSize::kLarge, kAsymmetryInGap, corner) &&
+      !check_ring(image, peak.x, peak.y, RingSize::kSmall, kAsymmetryInGap, corner)) {
+    return false;
+  }
+  for (const Cell step : kAround) {
+    if (!lattice.has(cell + step)) continue;
+    const Node& near = lattice.at(cell + step);
+    if (corner.contrast < 0.25F * near.contrast ||
+        !runs_along(corner, Lattice::is_even(cell), near)) {
+      return false;
+    }
+    node = node_of(corner, Lattice::is_even(cell), near.along, near.down);
+  }
+  return true;
+}
+
+// A node between neighbours on two sides or more: where ink or light has parted the squares, no
+// corner can be seen from close up.
+bool guess_between(const ImageView& image, const Lattice& lattice, Cell cell, Node& node) {
+  const auto sides = std::count_if(kAround.begin(), kAround.end(),
+                                   [&](Cell step) { return lattice.has(cell + step); });
+  if (sides < 2) return false;
+  const auto expected = lattice.expect(cell);
+  return expected && expected->spacing >= kLeastSpacing && inside(image, *expected) &&
+         guess_at(lattice, cell, *expected, node);
+}
+
+// Whether a node stands where another does: a lattice that was bent wrongly comes round to itself.
+bool is_doubled(const Lattice& lattice, Cell cell, const Node& node) {
+  const auto expected = lattice.expect(cell);
+  const float reach = kPrune * (expected ? expected->spacing : kLeastSpacing);
+  bool found = false;
+  lattice.for_each([&](Cell, const Node& other) {
+    found = found || std::hypot(other.x - node.x, other.y - node.y) < reach;
+  });
+  return found;
+}
+
+}  // namespace
+
+void BoardSearch::detect_corners(const ImageView& image, const SearchOptions& options) {
+  options_ = options;
+  corners_.clear();
+  groups_.clear();
+  next_group_ = 0;
+  for (const SaddlePoint& p : saddle_search_.find(image, options.threshold,
+                                                  static_cast<std::size_t>(options.most_points))) {
+    Corner corner;
+    if (!check_ring(image, p.x, p.y, RingSize::kLarge, kAsymmetry, corner) &&
+        !check_ring(image, p.x, p.y, RingSize::kSmall, kAsymmetry, corner)) {
+      continue;
+    }
+    refine_place(image, p, corner);
+    corners_.push_back(corner);
+  }
+  // Too few corners for a board: this test makes images without one cheap.
+  if (static_cast<int>(corners_.size()) < options.least_nodes) return;
+  graph_.build(image, corners_, options.reach);
+  find_groups();
+}
+
+void BoardSearch::find_groups() {
+  seen_.assign(corners_.size(), false);
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    if (seen_[i]) continue;
+    seen_[i] = true;
+    queue_.assign(1, static_cast<int>(i));
+    for (std::size_t head = 0; head < queue_.size(); ++head) {
+      for (const int other : graph_.neighbours(queue_[head])) {
+        if (other == kNoCorner || seen_[static_cast<std::size_t>(other)]) continue;
+        seen_[static_cast<std::size_t>(other)] = true;
+        queue_.push_back(other);
+      }
+    }
+    Group group = {static_cast<int>(i), static_cast<int>(queue_.size()), {}};
+    if (group.size < options_.least_nodes) continue;
+    for (const int k : queue_) {
+      const Corner& corner = corners_[static_cast<std::size_t>(k)];
+      group.box.add(corner.x, corner.y);
+    }
+    groups_.push_back(group);
+  }
+  std::sort(groups_.begin(), groups_.end(),
+            [](const Group& a, const Group& b) { return a.size > b.size; });
+  if (groups_.size() > kMostGroups) groups_.resize(kMostGroups);
+  seen_.assign(corners_.size(), false);
+  cell_.resize(corners_.size());
+}
+
+void BoardSearch::fill(const Group& group, Lattice& lattice) {
+  lattice.clear();
+  const auto start = static_cast<std::size_t>(group.first);
+  const Corner& first = corners_[start];
+  lattice.put({0, 0}, node_of(first, true, first.rising, first.falling));
+  cell_[start] = {0, 0};
+  seen_[start] = true;
+  queue_.assign(1, group.first);
+  for (std::size_t head = 0; head < queue_.size(); ++head) {
+    const auto from = static_cast<std::size_t>(queue_[head]);
+    const Cell cell = cell_[from];
+    const Node node = lattice.at(cell);
+    for (int way = 0; way < kWays; ++way) {
+      const int other = graph_.neighbours(queue_[head])[static_cast<std::size_t>(way)];
+      if (other == kNoCorner || seen_[static_cast<std::size_t>(other)]) continue;
+      const bool even = Lattice::is_even(cell);
+      const Corner& next = corners_[static_cast<std::size_t>(other)];
+      const Cell to = cell + step_of(corners_[from], node, way, even);
+      if (!lattice.in_reach(to) || lattice.has(to) || !is_expected(lattice, to, next)) continue;
+      seen_[static_cast<std::size_t>(other)] = true;
+      cell_[static_cast<std::size_t>(other)] = to;
+      lattice.put(to, node_of(next, !even, node.along, node.down));
+      queue_.push_back(other);
+    }
+  }
+}
+
+void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough, bool guessing) {
+  for (int pass = 0; pass < kPasses && lattice.count() < enough; ++pass) {
+    const CellRange e = lattice.extent();
+    bool added = false;
+    for (int row = e.first.row - 1; row <= e.last.row + 1; ++row) {
+      for (int col = e.first.col - 1; col <= e.last.col + 1; ++col) {
+        Node node;
+        const Cell cell = {col, row};
+        if (!lattice.in_reach(cell) || lattice.has(cell)) continue;
+        if (!find_node(image, lattice, cell, node) &&
+            !(guessing && guess_between(image, lattice, cell, node))) {
+          continue;
+        }
+        if (is_doubled(lattice, cell, node)) continue;
+        lattice.put(cell, node);
+        added = true;
+      }
+    }
+    if (!added) break;
+  }
+  lattice.prune(kPrune);
+}
+
+bool BoardSearch::next(Lattice& lattice) {
+  while (next_group_ < groups_.size()) {
+    fill(groups_[next_group_++], lattice);
+    lattice.prune(kPrune);
+    if (lattice.count() >= std::min(options_.least_nodes, kFewestNodes)) return true;
+  }
+  return false;
+}
+
+}  // namespace calvin::detect

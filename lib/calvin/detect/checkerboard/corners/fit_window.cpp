@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Copies the pixels near the edges of a corner into flat arrays, a vector at a time.
+
+#include "calvin/core/vector_targets.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calvin/detect/checkerboard/corners/fit_window.cpp"
+#include <hwy/foreach_target.h>
+// The order matters: Highway includes this file again for each target from the line above.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <hwy/cache_control.h>
+
+#include "calvin/detect/checkerboard/corners/fit_window.hpp"
+
+#ifndef CALVIN_DETECT_FIT_WINDOW_RANGE
+#define CALVIN_DETECT_FIT_WINDOW_RANGE
+namespace calvin::detect {
+
+// An interval of whole numbers; empty where first > last.
+struct Range {
+  int first = 0;
+  int last = -1;
+};
+
+// The whole x with |offset - slope x| <= limit. The negative offset gives the range turned by 180
+// degrees.
+inline Range within(float offset, float slope, float limit, Range bounds) {
+  constexpr float kFlat = 1e-3F;
+  if (std::abs(slope) < kFlat) return std::abs(offset) <= limit ? bounds : Range{};
+  const float middle = offset / slope;
+  const float half = limit / std::abs(slope);
+  return {std::max(bounds.first, static_cast<int>(std::ceil(std::max(middle - half, -1e4F)))),
+          std::min(bounds.last, static_cast<int>(std::floor(std::min(middle + half, 1e4F))))};
+}
+
+}  // namespace calvin::detect
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::detect::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Appends some pixels of a row to a window. `row` points to the window's middle column, the image
+// ends before column `end`.
+void append(const std::uint8_t* row, Range range, int end, float y, Window& window) {
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> integers;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const auto height = hn::Set(d, y);
+  int dx = range.first;
+  // Lanes of the last vector beyond the range are overwritten by the next row.
+  for (; dx <= range.last && dx + lanes <= end; dx += lanes) {
+    const int at = window.count + dx - range.first;
+    const auto grey = hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, row + dx)));
+    hn::StoreU(hn::Iota(d, static_cast<float>(dx)), d, window.x + at);
+    hn::StoreU(height, d, window.y + at);
+    hn::StoreU(grey, d, window.grey + at);
+  }
+  for (; dx <= range.last; ++dx) {
+    const int at = window.count + dx - range.first;
+    window.x[at] = static_cast<float>(dx);
+    window.y[at] = y;
+    window.grey[at] = row[dx];
+  }
+  window.count += std::max(range.last - range.first + 1, 0);
+}
+
+void gather(const ImageView& image, int x, int y, float radius, float band, Direction along,
+            Direction down, Window& window) {
+  const float limit = (radius + kRim) * (radius + kRim);
+  const int reach = static_cast<int>(radius + kRim);
+  window.count = 0;
+  window.whole = x >= reach && y >= reach && x + reach < image.width && y + reach < image.height;
+  const int top = std::max(-reach, -y);
+  const int bottom = std::min(reach, image.height - 1 - y);
+  // A frame of a video is not in the cache, and the processor foresees no rows that are far apart.
+  for (int dy = top; dy <= bottom; ++dy) {
+    const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
+    hwy::Prefetch(row - std::min(reach, x));
+    hwy::Prefetch(row + std::min(reach, image.width - 1 - x));
+  }
+  for (int dy = top; dy <= bottom; ++dy) {
+    const auto v = static_cast<float>(dy);
+    const int half = static_cast<int>(std::sqrt(limit - v * v));
+    const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
+    const Range disc = {std::max(-half, -x), std::min(half, image.width - 1 - x)};
+    Range a = within(along.x * v, along.y, band, disc);
+    Range b = within(down.x * v, down.y, band, disc);
+    if (b.first < a.first) std::swap(a, b);
+    if (a.first > a.last) std::swap(a, b);
+    // The second range without the pixels of the first.
+    b.first = std::max(b.first, a.last + 1);
+    append(row, a, image.width - x, v, window);
+    append(row, b, image.width - x, v, window);
+  }
+  // The last vectors read beyond the pixels and multiply by 0 there, so these must be numbers.
+  std::fill_n(window.x + window.count, kBeyond, 0.0F);
+  std::fill_n(window.y + window.count, kBeyond, 0.0F);
+  std::fill_n(window.grey + window.count, kBeyond, 0.0F);
+}
+
+float odd_square(const Window& window) {
+  const hn::ScalableTag<float> d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const int half = window.count / 2;
+  auto sum = hn::Zero(d);
+  int i = 0;
+  for (; i + lanes <= half; i += lanes) {
+    const auto opposite = hn::Reverse(d, hn::LoadU(d, window.error + window.count - i - lanes));
+    const auto odd = hn::Sub(hn::LoadU(d, window.error + i), opposite);
+    sum = hn::MulAdd(odd, odd, sum);
+  }
+  float rest = 0;
+  for (; i < half; ++i) {
+    const float odd = window.error[i] - window.error[window.count - 1 - i];
+    rest += odd * odd;
+  }
+  return hn::GetLane(hn::SumOfLanes(d, sum)) + rest;
+}
+
+}  // namespace calvin::detect::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace calvin::detect {
+
+namespace {
+
+HWY_EXPORT(gather);
+HWY_EXPORT(odd_square);
+
+// How many pixels of a disc of `radius` lie within `band` of one of two lines, at the most.
+float most_pixels(float radius, float band) {
+  return std::min(3.2F * (radius + 1) * (radius + 1), 8 * (radius + 1) * (band + 1));
+}
+
+}  // namespace
+
+float gather(const ImageView& image, int x, int y, float radius, float band, Direction along,
+             Direction down, Window& window) noexcept {
+  while (most_pixels(radius + kRim, band) > kMostPixels) radius *= 0.9F;
+  HWY_DYNAMIC_DISPATCH(gather)(image, x, y, radius, band, along, down, window);
+  return radius;
+}
+
+float odd_square(const Window& window) noexcept { return HWY_DYNAMIC_DISPATCH(odd_square)(window); }
+
+}  // namespace calvin::detect
+
+#endif  // HWY_ONCE

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Damped Gauss-Newton steps for one corner, and the tests that end them.
+
+#include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "calvin/detect/checkerboard/corners/fit_window.hpp"
+#include "calvin/detect/checkerboard/corners/saddle_sums.hpp"
+
+namespace calvin::detect {
+
+namespace {
+
+constexpr float kLeastContrast = 3;        // grey levels
+constexpr float kLeastWidth = 0.2F;        // px
+constexpr float kLargestWidth = 8;         // px
+constexpr float kWidthPrior = 0.5F;        // 1 sigma of a step of a width's logarithm
+constexpr float kGainPrior = 2;            // px, 1 sigma of a step of the gain
+constexpr float kMostGain = 5;             // px
+constexpr float kLongestStep = 1.2F;       // px
+constexpr float kGainTolerance = 0.05F;    // px, of a step
+constexpr float kWidthTolerance = 0.015F;  // of a step of its logarithm
+constexpr float kLongestTurn = 0.3F;       // rad, in a step
+constexpr float kDamping = 1e-3F;          // Levenberg's, of the diagonal
+constexpr float kFarthest = 0.6F;          // of the radius, from where the fit began
+constexpr double kOffMiddle = 0.9;         // px, from where a window is gathered anew
+constexpr float kLeastSine = 0.15F;        // between the edges
+// A window takes pixels up to this far from an edge: kNearEdge widths of its blur, and as many px
+// as its place is uncertain, before a fit or after one.
+constexpr float kNearEdge = 3;          // widths
+constexpr float kNearEdgePx = 2.5F;     // before a fit
+constexpr float kNearFittedEdgePx = 1;  // after a fit
+constexpr float kRounding = 1.0F / 12;  // grey levels^2, the variance of a whole number's rounding
+
+// The first level and contrast; the pixels decide the sign of the contrast.
+void start(const Window& window, SaddleFit& fit, float x, float y) {
+  float sum[2] = {0, 0};
+  int count[2] = {0, 0};
+  for (int i = 0; i < window.count; ++i) {
+    const Direction p = {window.x[i] - x, window.y[i] - y};
+    const int bright = cross(fit.along, p) * cross(p, fit.down) > 0 ? 1 : 0;
+    sum[bright] += window.grey[i];
+    ++count[bright];
+  }
+  const float in = sum[1] / static_cast<float>(std::max(count[1], 1));
+  const float out = sum[0] / static_cast<float>(std::max(count[0], 1));
+  fit.level = 0.5F * (in + out);
+  fit.contrast = 0.6F * (in - out);
+}
+
+Direction turned(Direction direction, float angle) {
+  const Direction to = {direction.x - angle * direction.y, direction.y + angle * direction.x};
+  const float length = std::hypot(to.x, to.y);
+  return {to.x / length, to.y / length};
+}
+
+// `step`: of the width's logarithm, so that it stays positive.
+float widened(float width, float step) {
+  return std::clamp(width * std::exp(std::clamp(step, -0.5F, 0.5F)), kLeastWidth, kLargestWidth);
+}
+
+// The variance of the noise, from the differences between pixels on opposite sides of the corner: a
+// saddle looks the same turned by 180 degrees, whatever optics, ink or exposure did to it. `pixels`
+// is the sum of their weights; `count` is the number of pixels that are not cut off, which alone
+// have errors.
+float noise_variance(const Window& window, float square, float pixels, float count) {
+  constexpr int kOddUnknowns = 2;  // the place
+  if (!window.whole) return square / std::max(pixels - static_cast<float>(kUnknowns), 1.0F);
+  // A whole window lists its pixels in an order that is point-symmetric about its middle, which is
+  // the corner to half a pixel.
+  const float sum = odd_square(window);
+  return 0.5F * sum / std::max(0.5F * count - kOddUnknowns, 1.0F);
+}
+
+// The factor L of A = L L^T, by columns; A is given by its upper triangle, row by row. Unknowns
+// before `first` are left out.
+struct Factor {
+  float l[kUnknowns][kUnknowns];  // [column][row]
+  int first = 0;
+
+  [[nodiscard]] bool compute(const float* upper) {
+    int k = diagonal(first);
+    for (int column = first; column < kUnknowns; ++column) {
+      for (int row = column; row < kUnknowns; ++row) l[column][row] = upper[k++];
+    }
+    for (int column = first; column < kUnknowns; ++column) {
+      if (!(l[column][column] > 0)) return false;
+      const float scale = 1 / std::sqrt(l[column][column]);
+      for (int row = column; row < kUnknowns; ++row) l[column][row] *= scale;
+      for (int next = column + 1; next < kUnknowns; ++next) {
+        for (int row = next; row < kUnknowns; ++row) {
+          l[next][row] -= l[column][next] * l[column][row];
+        }
+      }
+    }
+    return true;
+  }
+  void solve(const float* right, float* x) const {
+    std::copy_n(right, kUnknowns, x);
+    std::fill_n(x, first, 0.0F);
+    for (int column = first; column < kUnknowns; ++column) {
+      x[column] /= l[column][column];
+      for (int row = column + 1; row < kUnknowns; ++row) x[row] -= l[column][row] * x[column];
+    }
+    for (int column = kUnknowns - 1; column >= first; --column) {
+      for (int row = column + 1; row < kUnknowns; ++row) x[column] -= l[column][row] * x[row];
+      x[column] /= l[column][column];
+    }
+  }
+  // The mean of the variances of x and of y in A^-1.
+  [[nodiscard]] float place_variance() const {
+    const float a = 1 / l[kX][kX];
+    const float b = 1 / l[kY][kY];
+    const float off = l[kX][kY] * a * b;
+    return 0.5F * (a * a + off * off + b * b);
+  }
+};
+
+// The factor of the information about the unknowns.
+bool factorise(Normal& normal, bool has_gain, float pixels, Factor& factor) {
+  const float variance = normal.square / pixels + 1;
+  for (const int width : {kAlongWidth, kDownWidth}) {
+    normal.products[diagonal(width)] += variance / (kWidthPrior * kWidthPrior);
+  }
+  normal.products[diagonal(kGain)] += variance / (kGainPrior * kGainPrior);
+  for (int p = 0; p < kUnknowns; ++p) normal.products[diagonal(p)] *= 1 + kDamping;
+  factor.first = has_gain ? kGain : kGain + 1;
+  return factor.compute(normal.products);
+}
+
+// The largest numbers of a step.
+struct StepSize {
+  float shift = 0;    // px
+  float turned = 0;   // rad
+  float widened = 0;  // of the widths' logarithms
+  float gained = 0;   // px
+
+  StepSize() = default;
+  explicit StepSize(const float* change)
+      : shift(std::hypot(change[kX], change[kY])),
+        turned(std::max(std::abs(change[kAlong]), std::abs(change[kDown]))),
+        widened(std::max(std::abs(change[kAlongWidth]), std::abs(change[kDownWidth]))),
+        gained(std::abs(change[kGain])) {}
+  [[nodiscard]] bool is_within(float place) const {
+    return shift < place && widened < kWidthTolerance && gained < kGainTolerance;
+  }
+  // Whether the factor of the normal equations is still good where the step leads.
+  [[nodiscard]] bool is_small() const {
+    constexpr float kSmallMove = 0.15F;
+    constexpr float kSmallTurn = 0.02F;
+    constexpr float kSmallWidening = 0.1F;
+    return shift < kSmallMove && turned < kSmallTurn && widened < kSmallWidening;
+  }
+};
+
+// A fit in a window, of which the corner is at (x, y) from the middle.
+class Steps {
+ public:
+  Steps(Window& window, float radius, SaddleFit& fit, float x, float y)
+      : window_(window), radius_(radius), fit_(fit), x_(x), y_(y), before_(fit) {}
+
+  // Takes one step. False where the fit has run away, or there is no saddle.
+  [[nodiscard]] bool take(bool last);
+  [[nodiscard]] bool have_converged(float place) const {
+    return !is_taken_back_ && size_.is_within(place);
+  }
+  // Writes what the last step has told into the fit.
+  void finish();
+
+  [[nodiscard]] float x() const { return x_; }
+  [[nodiscard]] float y() const { return y_; }
+
+ private:
+  void sum(Sums sums) { accumulate(window_, fit_, radius_, x_, y_, sums, normal_); }
+  [[nodiscard]] bool has_gone_too_far() const;
+  [[nodiscard]] bool find_change(bool last);
+  void apply();
+
+  Window& window_;
+  float radius_;
+  SaddleFit& fit_;
+  float x_;
+  float y_;
+  Normal normal_{};
+  float pixels_ = 0;  // the sum of their weights
+  Factor factor_{};
+  float change_[kUnknowns] = {};
+  StepSize size_;
+  bool is_taken_back_ = false;  // by half, in place of a new one
+  bool is_near_ = false;        // the next step takes the factor of the last one
+  float least_ = std::numeric_limits<float>::infinity();  // mean square
+  SaddleFit before_;                                      // the last step
+  float before_x_ = 0;
+  float before_y_ = 0;
+};
+
+bool Steps::take(bool last) {
+  if (is_near_) {
+    sum(Sums::kGradient);
+    factor_.solve(normal_.gradient, change_);
+    is_near_ = false;
+  } else {
+    if (!find_change(last)) return false;
+    is_near_ = !fit_.has_gain && StepSize(change_).is_small();
+  }
+  size_ = StepSize(change_);
+  apply();
+  return std::abs(x_) <= kFarthest * radius_ && std::abs(y_) <= kFarthest * radius_ &&
+         std::abs(cross(fit_.along, fit_.down)) >= kLeastSine;
+}
+
+// With a gain, level and contrast are loosely determined, so that any larger error counts. Without
+// one, a step fails only far from a saddle; where much is cut off, pixels come and go between steps
+// and their mean error says little.
+bool Steps::has_gone_too_far() const {
+  constexpr float kFarOff = 0.3F;  // of the contrast, RMS
+  constexpr float kMuchWorse = 2;
+  constexpr float kMostCut = 0.1F;
+  const float mean = normal_.square / pixels_;
+  if (fit_.has_gain) return mean > least_;
+  const float far = kFarOff * fit_.contrast;
+  return mean > kMuchWorse * least_ && mean > far * far &&
+         normal_.count > (1 - kMostCut) * static_cast<float>(window_.count);
+}
+
+// Finds the next step, or half of the way back where the last step went too far.
+bool Steps::find_change(bool last) {
+  sum(fit_.has_gain ? Sums::kParted : Sums::kPlain);
+  pixels_ = normal_.products[diagonal(kLevel)];
+  if (pixels_ < 2 * kUnknowns) return false;
+  is_taken_back_ = !last && has_gone_too_far();
+  if (is_taken_back_) {
+    fit_ = before_;
+    x_ = before_x_;
+    y_ = before_y_;
+    for (float& c : change_) c *= 0.5F;
+    return true;
+  }
+  least_ = normal_.square / pixels_;
+  before_ = fit_;
+  before_x_ = x_;
+  before_y_ = y_;
+  if (!factorise(normal_, fit_.has_gain, pixels_, factor_)) return false;
+  factor_.solve(normal_.gradient, change_);
+  return std::all_of(change_, change_ + kUnknowns, [](float c) { return std::isfinite(c); });
+}
+
+void Steps::apply() {
+  const float share = std::min({1.0F, kLongestStep / std::max(size_.shift, 1e-6F),
+                                kLongestTurn / std::max(size_.turned, 1e-6F)});
+  x_ += share * change_[kX];
+  y_ += share * change_[kY];
+  fit_.along = turned(fit_.along, share * change_[kAlong]);
+  fit_.down = turned(fit_.down, share * change_[kDown]);
+  fit_.level += share * change_[kLevel];
+  fit_.contrast += share * change_[kContrast];
+  fit_.along_width = widened(fit_.along_width, share * change_[kAlongWidth]);
+  fit_.down_width = widened(fit_.down_width, share * change_[kDownWidth]);
+  if (fit_.has_gain) {
+    fit_.gain = std::clamp(fit_.gain + share * change_[kGain], -kMostGain, kMostGain);
+  }
+}
+
+void Steps::finish() {
+  fit_.radius = radius_;
+  fit_.residual = std::sqrt(normal_.square / pixels_);
+  fit_.cut = 1 - normal_.count / static_cast<float>(window_.count);
+  fit_.noise =
+      std::sqrt(noise_variance(window_, normal_.square, pixels_, normal_.count) + kRounding);
+  fit_.sigma = fit_.noise * std::sqrt(factor_.place_variance());
+}
+
+// Takes steps in a window about the pixel in which the corner is.
+bool fit_in_window(const ImageView& image, float radius, int steps, float tolerance,
+                   SaddleFit& fit) {
+  const int middle_x = static_cast<int>(std::lround(fit.x));
+  const int middle_y = static_cast<int>(std::lround(fit.y));
+  if (middle_x < 0 || middle_y < 0 || middle_x >= image.width || middle_y >= image.height) {
+    return false;
+  }
+  Window window;
+  const bool is_fitted = fit.contrast != 0;
+  const float band = kNearEdge * std::max(fit.along_width, fit.down_width) +
+                     (is_fitted ? kNearFittedEdgePx : kNearEdgePx) + std::abs(fit.gain);
+  radius = gather(image, middle_x, middle_y, radius, band, fit.along, fit.down, window);
+  if (window.count < 2 * kUnknowns) return false;
+  const auto x = static_cast<float>(fit.x - middle_x);
+  const auto y = static_cast<float>(fit.y - middle_y);
+  if (!is_fitted) start(window, fit, x, y);
+  Steps taken(window, radius, fit, x, y);
+  for (int i = 0; i < steps; ++i) {
+    if (!taken.take(i + 1 == steps)) return false;
+    if (taken.have_converged(tolerance)) break;
+  }
+  taken.finish();
+  fit.x = middle_x + static_cast<double>(taken.x());
+  fit.y = middle_y + static_cast<double>(taken.y());
+  return fit.swing() >= kLeastContrast && std::isfinite(fit.sigma);
+}
+
+}  // namespace
+
+bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
+                float tolerance) noexcept {
+  radius = std::min(radius, static_cast<float>(kMaxFitRadius));
+  if (!(std::abs(fit.x) < 1e6) || !(std::abs(fit.y) < 1e6)) return false;
+  const double u = fit.x;
+  const double v = fit.y;
+  if (!fit_in_window(image, radius, steps, tolerance, fit)) return false;
+  // The corner was in another pixel: a window about that is symmetric, which gives the noise.
+  const auto off = [](double from, double to) { return std::abs(to - std::round(from)); };
+  if (std::max(off(u, fit.x), off(v, fit.y)) < kOffMiddle) return true;
+  return fit_in_window(image, radius, steps, tolerance, fit) &&
+         std::max(off(u, fit.x), off(v, fit.y)) <= static_cast<double>(kFarthest * radius);
+}
+
+}  // namespace calvin::detect

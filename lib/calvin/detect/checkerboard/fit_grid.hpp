@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The fits of all nodes of a lattice, and the two properties that only neighbours can tell, because
+// one window is too small: how edges bend and how the light falls.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
+#include "calvin/detect/checkerboard/lattice.hpp"
+
+namespace calvin::detect {
+
+// Keeps its memory.
+class FitGrid {
+ public:
+  void reset(const CellRange& extent) {
+    cells_ = extent;
+    fits_.assign(static_cast<std::size_t>(extent.cols() * extent.rows()), {});
+    number_.assign(fits_.size(), 0);
+  }
+  [[nodiscard]] bool empty() const { return fits_.empty(); }
+  [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_[index(c)]; }
+  [[nodiscard]] SaddleFit& at(Cell c) { return fits_[index(c)]; }
+  // A scratch number of each node, for the computation that needs one.
+  [[nodiscard]] float& number(Cell c) { return number_[index(c)]; }
+
+  // The median of a number of each node of the lattice.
+  template <typename F>
+  [[nodiscard]] float median(const Lattice& lattice, F number) {
+    numbers_.clear();
+    lattice.for_each([&](Cell c, const Node& /*node*/) { numbers_.push_back(number(at(c))); });
+    return middle();
+  }
+  // The median of number(cell) over the nodes for which has(cell).
+  template <typename H, typename F>
+  [[nodiscard]] float median_where(const Lattice& lattice, H has, F number) {
+    numbers_.clear();
+    lattice.for_each([&](Cell c, const Node& /*node*/) {
+      if (has(c)) numbers_.push_back(number(c));
+    });
+    return middle();
+  }
+
+ private:
+  [[nodiscard]] std::size_t index(Cell c) const {
+    return static_cast<std::size_t>((c.row - cells_.first.row) * cells_.cols() + c.col -
+                                    cells_.first.col);
+  }
+  [[nodiscard]] float middle() {
+    if (numbers_.empty()) return 0;
+    const auto at = numbers_.begin() + static_cast<std::ptrdiff_t>(numbers_.size() / 2);
+    std::nth_element(numbers_.begin(), at, numbers_.end());
+    return *at;
+  }
+
+  CellRange cells_;
+  std::vector<SaddleFit> fits_;
+  std::vector<float> number_;
+  std::vector<float> numbers_;
+};
+
+// Sets the bends of the fits from the places of their neighbours, and moves each fit to where a fit
+// with these bends will find its corner.
+void set_bends(const Lattice& lattice, FitGrid& fits);
+
+// Sets the slopes of level and contrast, from the levels and contrasts of all fits.
+void set_slopes(const Lattice& lattice, FitGrid& fits);
+
+}  // namespace calvin::detect

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Nodes in a flat array, predictions from neighbours, and the removal of nodes that break them.
+
+#include "calvin/detect/checkerboard/lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace calvin::detect {
+
+namespace {
+
+constexpr float kLeastSpacing =
+    3;  // px; smaller ones count as this, for places are rounded to pixels
+
+// Weighted sums of predicted places, and of the spacings of the nodes that predict them.
+struct Votes {
+  float x = 0;
+  float y = 0;
+  float spacing = 0;
+  float weight = 0;
+
+  void add(float px, float py, float between, float w = 1) {
+    x += w * px;
+    y += w * py;
+    spacing += w * between;
+    weight += w;
+  }
+};
+
+float distance(const Node& a, const Node& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+}  // namespace
+
+Lattice::Lattice(int reach)
+    : reach_(reach), nodes_(static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1))) {}
+
+void Lattice::clear() {
+  for (int row = touched_.first.row; row <= touched_.last.row; ++row) {
+    for (int col = touched_.first.col; col <= touched_.last.col; ++col) {
+      nodes_[index({col, row})].used = false;
+    }
+  }
+  touched_ = {};
+  count_ = 0;
+}
+
+void Lattice::put(Cell c, const Node& node) {
+  Node& to = nodes_[index(c)];
+  count_ += to.used ? 0 : 1;
+  to = node;
+  to.used = true;
+  if (touched_.cols() <= 0) {
+    touched_ = {c, c};
+  } else {
+    touched_.first = {std::min(touched_.first.col, c.col), std::min(touched_.first.row, c.row)};
+    touched_.last = {std::max(touched_.last.col, c.col), std::max(touched_.last.row, c.row)};
+  }
+}
+
+void Lattice::remove(Cell c) {
+  Node& node = nodes_[index(c)];
+  count_ -= node.used ? 1 : 0;
+  node.used = false;
+}
+
+CellRange Lattice::extent() const {
+  CellRange e;
+  for (int row = touched_.first.row; row <= touched_.last.row; ++row) {
+    for (int col = touched_.first.col; col <= touched_.last.col; ++col) {
+      if (!nodes_[index({col, row})].used) continue;
+      if (e.cols() <= 0) {
+        e = {{col, row}, {col, row}};
+        continue;
+      }
+      e.first = {std::min(e.first.col, col), e.first.row};
+      e.last = {std::max(e.last.col, col), row};
+    }
+  }
+  return e;
+}
+
+int Lattice::neighbours(Cell c) const {
+  return static_cast<int>(
+      std::count_if(kAround.begin(), kAround.end(), [&](Cell step) { return has(c + step); }));
+}
+
+std::optional<Expected> Lattice::expect(Cell c) const {
+  Votes votes;
+  for (const Cell step : kAround) {
+    if (!has(c + step)) continue;
+    const Node& a = at(c + step);
+    if (has(c + 2 * step)) {
+      // Extrapolation of the line's next nodes: the mean of a straight line and a parabola.
+      const Node& b = at(c + 2 * step);
+      float x = 2 * a.x - b.x;
+      float y = 2 * a.y - b.y;
+      if (has(c + 3 * step)) {
+        const Node& d = at(c + 3 * step);
+        x = 0.5F * (x + 3 * a.x - 3 * b.x + d.x);
+        y = 0.5F * (y + 3 * a.y - 3 * b.y + d.y);
+      }
+      votes.add(x, y, distance(a, b));
+    }
+    if (step.col + step.row > 0 && has(c - step)) {
+      const Node& b = at(c - step);
+      votes.add(0.5F * (a.x + b.x), 0.5F * (a.y + b.y), 0.5F * distance(a, b), 2);
+    }
+    // A parallelogram with the next way around.
+    const Cell aside = {-step.row, step.col};
+    if (has(c + aside) && has(c + step + aside)) {
+      const Node& p = at(c + aside);
+      const Node& q = at(c + step + aside);
+      votes.add(a.x + p.x - q.x, a.y + p.y - q.y, 0.5F * (distance(a, q) + distance(p, q)));
+    }
+  }
+  if (votes.weight == 0) return std::nullopt;
+  return Expected{votes.x / votes.weight, votes.y / votes.weight, votes.spacing / votes.weight};
+}
+
+float Lattice::misfit(Cell c) const {
+  const auto expected = expect(c);
+  if (!expected) return 0;
+  const Node& node = at(c);
+  return std::hypot(node.x - expected->x, node.y - expected->y) /
+         std::max(expected->spacing, kLeastSpacing);
+}
+
+void Lattice::prune(float share) {
+  // A stray node spoils what is expected of its neighbours: of several side by side the worst goes
+  // first.
+  constexpr int kRounds = 8;
+  for (int round = 0; round < kRounds; ++round) {
+    for_each([&](Cell c, const Node& /*node*/) { at(c).misfit = misfit(c); });
+    bool removed = false;
+    for_each([&](Cell c, const Node& node) {
+      if (!(node.misfit > share)) return;
+      for (int row = -1; row <= 1; ++row) {
+        for (int col = -1; col <= 1; ++col) {
+          const Cell other = c + Cell{col, row};
+          if (has(other) && at(other).misfit > node.misfit) return;
+        }
+      }
+      remove(c);
+      removed = true;
+    });
+    if (!removed) break;
+  }
+  for (bool again = true; again;) {
+    again = false;
+    for_each([&](Cell c, const Node& /*node*/) {
+      if (neighbours(c) >= 2) return;
+      remove(c);
+      again = true;
+    });
+  }
+}
+
+}  // namespace calvin::detect

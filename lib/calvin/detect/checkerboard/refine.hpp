@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Corners to a fraction of a pixel: fits of all nodes of a lattice, tested against each other.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "calvin/core/image.hpp"
+#include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
+#include "calvin/detect/checkerboard/fit_grid.hpp"
+#include "calvin/detect/checkerboard/lattice.hpp"
+#include "calvin/detect/checkerboard/stray_corners.hpp"
+#include "calvin/detect/pyramid.hpp"
+
+namespace calvin::detect {
+
+// A fit of each node of a lattice. Keeps its memory.
+class Refinement {
+ public:
+  // Takes a lattice from px of a level of the pyramid to px of the image. With `fitted`, its nodes
+  // are fitted in the level first; guessed nodes are removed.
+  void to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted);
+
+  // Removes the guessed nodes of a lattice that are no corners of the image.
+  void confirm_guesses(const ImageView& image, Lattice& lattice);
+
+  // Whether the four outermost nodes of a whole board are corners of the image. Moves all other
+  // nodes along with them.
+  [[nodiscard]] bool confirm(const ImageView& image, Lattice& lattice) const;
+
+  // Fits every node in the image; removes nodes that fail the tests, of the fit by itself and
+  // beside the other nodes of its row and column. False where most nodes fail.
+  [[nodiscard]] bool refine(const ImageView& image, Lattice& lattice);
+
+  // refine() for a lattice that lies as the lattice of the fits `before` did in the frame before,
+  // to a pixel or so. False where a node fails.
+  [[nodiscard]] bool refine_again(const ImageView& image, const FitGrid& before, Lattice& lattice);
+
+  [[nodiscard]] const FitGrid& fits() const { return fits_; }
+
+  [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_.at(c); }
+
+  // The blur of the edges of a refined lattice, px, 1 sigma: the median over its nodes, of the
+  // edges along rows or along columns, whichever is larger.
+  [[nodiscard]] double blur(const Lattice& lattice);
+
+ private:
+  void begin(const Lattice& lattice);
+  SaddleFit& fit(Cell c) { return fits_.at(c); }
+  [[nodiscard]] SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                    float radius, float width, int steps) const;
+  [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
+  [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
+  // Fits all nodes by fit_again(cell), moves them there and removes nodes that fail the tests.
+  template <typename F>
+  void refit(Lattice& lattice, F fit_again);
+  void drop_misfits(Lattice& lattice);
+  void drop_uncertain(Lattice& lattice);
+  // Fits removed nodes once more where their neighbours predict them.
+  void recover_lost(const ImageView& image, Lattice& lattice);
+
+  FitGrid fits_;
+  std::vector<Cell> cells_;  // of the nodes to begin with
+  float usual_noise_ = 0;    // median of noise over contrast
+  StrayCorners stray_corners_;
+};
+
+}  // namespace calvin::detect

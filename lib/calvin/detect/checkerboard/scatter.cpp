@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Differences and residuals of a lattice laid flat, compared with the sigmas of its corners.
+
+#include "calvin/detect/checkerboard/scatter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "calvin/geometry/dense.hpp"
+
+namespace calvin::detect {
+
+namespace {
+
+using Homography = Eigen::Matrix<double, 8, 1>;  // row by row, the last number is 1
+
+struct Place {
+  double x = 0;
+  double y = 0;
+};
+
+Place image_of(const Homography& h, Place p) {
+  const double w = h[6] * p.x + h[7] * p.y + 1;
+  return {(h[0] * p.x + h[1] * p.y + h[2]) / w, (h[3] * p.x + h[4] * p.y + h[5]) / w};
+}
+
+// A one-parameter model of a wide lens, equidistant: a place r px from the middle of the image is
+// seen at an angle of `bend` r radians to the axis. It makes a plane of a board before most
+// fisheyes.
+struct Lens {
+  Place middle;     // px
+  double bend = 0;  // rad/px; 0: a pinhole
+
+  [[nodiscard]] Place from_middle(const Node& node) const {
+    return {static_cast<double>(node.x) - middle.x, static_cast<double>(node.y) - middle.y};
+  }
+  // The place, from the middle, where a lens without distortion would show a node.
+  [[nodiscard]] Place straight(const Node& node) const {
+    const Place p = from_middle(node);
+    const double angle = bend * std::hypot(p.x, p.y);
+    const double scale = angle > 0 ? std::tan(angle) / angle : 1;
+    return {scale * p.x, scale * p.y};
+  }
+  // A small way between straightened places, in px of the image around a node.
+  [[nodiscard]] Place seen(Place way, const Node& node) const {
+    const Place p = from_middle(node);
+    const double radius = std::hypot(p.x, p.y);
+    const double angle = bend * radius;
+    if (!(angle > 0)) return way;
+    const double across = angle / std::tan(angle);
+    // The radial part of the way; lengths change more along the radius than across it.
+    const double outwards = (way.x * p.x + way.y * p.y) / (radius * radius);
+    const double more = outwards * (std::cos(angle) * std::cos(angle) - across);
+    return {across * way.x + more * p.x, across * way.y + more * p.y};
+  }
+};
+
+// A grid, and its places in the straightened image (px) with the homography between them. Both are
+// taken from the middle of the lattice, which keeps the normal equations well conditioned.
+class Flattened {
+ public:
+  Flattened(const Lattice& lattice, const Lens& lens) : lattice_(lattice), lens_(lens) {
+    lattice.for_each([&](Cell c, const Node& node) {
+      const double n = ++count_;
+      const Place at = lens_.straight(node);
+      middle_.x += (c.col - middle_.x) / n;
+      middle_.y += (c.row - middle_.y) / n;
+      origin_.x += (at.x - origin_.x) / n;
+      origin_.y += (at.y - origin_.y) / n;
+    });
+    Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Identity() * 1e-9;
+    Homography right = Homography::Zero();
+    lattice.for_each([&](Cell c, const Node& node) {
+      const Place p = from_middle(c);
+      const Place q = straight(node);
+      Homography u;
+      Homography v;
+      u << p.x, p.y, 1, 0, 0, 0, -q.x * p.x, -q.x * p.y;
+      v << 0, 0, 0, p.x, p.y, 1, -q.y * p.x, -q.y * p.y;
+      normal += u * u.transpose() + v * v.transpose();
+      right += q.x * u + q.y * v;
+    });
+    homography_ = solve_symmetric(normal, right);
+  }
+
+  // How far a node is from where the homography has it, px of the image.
+  [[nodiscard]] Place off(Cell c) const {
+    const Node& node = lattice_.at(c);
+    const Place at = straight(node);
+    const Place expected = image_of(homography_, from_middle(c));
+    return lens_.seen({at.x - expected.x, at.y - expected.y}, node);
+  }
+  // The sum over the nodes of the square of off().
+  [[nodiscard]] double square_off() const {
+    double sum = 0;
+    lattice_.for_each([&](Cell c, const Node& /*node*/) {
+      const Place o = off(c);
+      sum += o.x * o.x + o.y * o.y;
+    });
+    return sum;
+  }
+
+  // Whether the root mean square of off() is a part of the squares that only wide lenses reach.
+  [[nodiscard]] bool is_strongly_bent() const {
+    constexpr double kStrongly = 0.04;  // of a square's side
+    const auto& h = homography_;
+    const double square = std::abs(h[0] * h[4] - h[1] * h[3]);  // px^2, in the middle
+    return square_off() > kStrongly * kStrongly * square * count_;
+  }
+
+ private:
+  [[nodiscard]] Place from_middle(Cell c) const { return {c.col - middle_.x, c.row - middle_.y}; }
+  [[nodiscard]] Place straight(const Node& node) const {
+    const Place at = lens_.straight(node);
+    return {at.x - origin_.x, at.y - origin_.y};
+  }
+
+  const Lattice& lattice_;
+  Lens lens_;
+  int count_ = 0;
+  Place middle_;
+  Place origin_;
+  Homography homography_;
+};
+
+// The lens before which the lattice is most like a plane, by a search over its bend.
+Lens lens_of(const Lattice& lattice, ImageSize image) {
+  constexpr double kWidest = 1.45;  // rad, of the farthest node
+  constexpr int kSteps = 15;
+  constexpr int kRounds = 8;
+  const Place middle = {0.5 * (image.width - 1), 0.5 * (image.height - 1)};
+  double farthest = 1;
+  lattice.for_each([&](Cell /*c*/, const Node& node) {
+    const Place p = Lens{middle}.from_middle(node);
+    farthest = std::max(farthest, std::hypot(p.x, p.y));
+  });
+  const double widest = kWidest / farthest;
+  Lens best = {middle, 0};
+  double least = Flattened(lattice, best).square_off();
+  const auto consider = [&](double bend) {
+    if (!(bend > 0 && bend <= widest)) return;
+    const double off = Flattened(lattice, {middle, bend}).square_off();
+    if (!(off < least)) return;
+    least = off;
+    best.bend = bend;
+  };
+  for (int i = 1; i <= kSteps; ++i) consider(widest * i / kSteps);
+  double step = widest / kSteps;
+  for (int round = 0; round < kRounds; ++round) {
+    step /= 2;
+    const double from = best.bend;
+    consider(from - step);
+    consider(from + step);
+  }
+  return best;
+}
+
+constexpr std::array<double, 4> kThird = {1, -3, 3, -1};
+constexpr std::array<double, 5> kFourth = {1, -4, 6, -4, 1};
+constexpr std::array<double, 6> kFifth = {1, -5, 10, -10, 5, -1};
+
+// The sum of the squares of mixed differences, each over its variance by the corners' sigmas.
+struct Squares {
+  double sum = 0;
+  double count = 0;
+
+  // Takes every place where the lattice has all corners of the difference, in both directions.
+  template <std::size_t kLong, std::size_t kShort>
+  Squares(const Lattice& lattice, const Flattened& flat, const std::array<double, kLong>& along,
+          const std::array<double, kShort>& aside) {
+    lattice.for_each([&](Cell c, const Node& /*node*/) {
+      add(lattice, flat, c, along, aside);
+      add(lattice, flat, c, aside, along);
+    });
+  }
+
+ private:
+  // `cols`, `rows`: the weights of the difference that begins in a cell.
+  template <std::size_t kCols, std::size_t kRows>
+  void add(const Lattice& lattice, const Flattened& flat, Cell first,
+           const std::array<double, kCols>& cols, const std::array<double, kRows>& rows) {
+    Place difference;
+    double variance = 0;
+    for (std::size_t i = 0; i < kCols; ++i) {
+      for (std::size_t k = 0; k < kRows; ++k) {
+        const Cell c = first + Cell{static_cast<int>(i), static_cast<int>(k)};
+        if (!lattice.has(c)) return;
+        const double weight = cols[i] * rows[k];
+        const Place off = flat.off(c);
+        const auto sigma = static_cast<double>(lattice.at(c).sigma);
+        difference.x += weight * off.x;
+        difference.y += weight * off.y;
+        variance += weight * weight * sigma * sigma;
+      }
+    }
+    sum += 0.5 * (difference.x * difference.x + difference.y * difference.y) / variance;
+    ++count;
+  }
+};
+
+// The ratio of the corners' errors to their sigmas, by differences.
+double ratio_by(const Lattice& lattice, const Flattened& flat) {
+  constexpr double kPresumed = 1;  // this many differences are added that say 1
+  constexpr double kEnough = 6;    // differences over six corners by five, else five by four
+  Squares squares(lattice, flat, kFifth, kFourth);
+  if (squares.count < kEnough) squares = Squares(lattice, flat, kFourth, kThird);
+  return std::sqrt((squares.sum + kPresumed) / (squares.count + kPresumed));
+}
+
+// For each axis a surface through the distances from the homography: a polynomial of total degree
+// five, which follows what most lenses make of a grid.
+constexpr int kDegree = 5;
+constexpr int kTerms = (kDegree + 1) * (kDegree + 2) / 2;
+using Terms = Eigen::Matrix<double, kTerms, 1>;
+
+Terms terms_at(Place p) {
+  Terms terms;
+  int i = 0;
+  double x_power = 1;
+  for (int a = 0; a <= kDegree; ++a, x_power *= p.x) {
+    double power = x_power;
+    for (int b = 0; a + b <= kDegree; ++b, power *= p.y) terms[i++] = power;
+  }
+  return terms;
+}
+
+// The ratio by the residuals of the surface. It uses all corners, and so its standard deviation is
+// a third of that by differences, unless a lens bends the board more than the surface. Absent where
+// corners are few.
+std::optional<double> ratio_beside_surface(const Lattice& lattice, const Flattened& flat) {
+  constexpr int kFewestNodes = 2 * kTerms;
+  if (lattice.count() < kFewestNodes) return std::nullopt;
+  Box box;
+  lattice.for_each([&](Cell /*c*/, const Node& node) { box.add(node.x, node.y); });
+  // Over places in the image, where the distortion itself is nearly such a polynomial.
+  const auto place = [&](const Node& node) {
+    const double width = box.right - box.left;
+    const double height = box.bottom - box.top;
+    return Place{2 * (node.x - box.left) / width - 1, 2 * (node.y - box.top) / height - 1};
+  };
+  Eigen::Matrix<double, kTerms, kTerms> normal =
+      Eigen::Matrix<double, kTerms, kTerms>::Identity() * 1e-9;
+  Eigen::Matrix<double, kTerms, 2> right = Eigen::Matrix<double, kTerms, 2>::Zero();
+  double sum = 0;
+  lattice.for_each([&](Cell c, const Node& node) {
+    const double weight = 1 / (static_cast<double>(node.sigma) * static_cast<double>(node.sigma));
+    const Terms terms = terms_at(place(node));
+    const Place off = flat.off(c);
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(terms, weight);
+    right.col(0) += weight * off.x * terms;
+    right.col(1) += weight * off.y * terms;
+    sum += weight * (off.x * off.x + off.y * off.y);
+  });
+  const Eigen::Matrix<double, kTerms, 2> surface = solve_symmetric(normal, right);
+  const double left = sum - surface.cwiseProduct(right).sum();
+  return std::sqrt(std::max(left, 0.0) / (2.0 * (lattice.count() - kTerms)));
+}
+
+}  // namespace
+
+float scatter(const Lattice& lattice, ImageSize image) {
+  constexpr int kFewestNodes = 15;
+  constexpr double kMost = 10;     // no larger ratio is reported
+  constexpr double kLikely = 1.1;  // up to this, a wide lens need not be looked for
+  constexpr double kUsual = 1.25;  // up to this, the surface is believed whatever differences say
+  // How many times smaller the ratio by differences may be by chance than that by the surface. A
+  // board of 9x6 has about six independent differences: one board in two hundred gets a third. On a
+  // strongly bent board the wide lens is the likelier reason from 1.7 on.
+  constexpr double kByChance = 3;
+  constexpr double kBeforeAWideLens = 1.7;
+  if (lattice.count() < kFewestNodes) return 1;
+  const Flattened flat(lattice, {});
+  double ratio = ratio_by(lattice, flat);
+  const auto beside = ratio_beside_surface(lattice, flat);
+  const bool wide = flat.is_strongly_bent();
+  if (beside && *beside < std::max(kUsual, (wide ? kBeforeAWideLens : kByChance) * ratio)) {
+    return static_cast<float>(std::min(*beside, kMost));
+  }
+  if (ratio > kLikely && wide) {
+    ratio = std::min(ratio, ratio_by(lattice, Flattened(lattice, lens_of(lattice, image))));
+  }
+  return static_cast<float>(std::isfinite(ratio) ? std::min(ratio, kMost) : 1);
+}
+
+}  // namespace calvin::detect

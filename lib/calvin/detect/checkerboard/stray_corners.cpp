@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Divided differences along rows and columns, and the verdict on each corner from them.
+
+#include "calvin/detect/checkerboard/stray_corners.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace calvin::detect {
+
+namespace {
+
+constexpr std::size_t kFewest = 3;  // nodes of a difference
+constexpr std::size_t kMost = 5;
+constexpr int kLongest = 8;       // steps over gaps
+constexpr float kSigmas = 2;      // of the noise, which is in the median as well
+constexpr float kSlack = 0.01F;   // px, what a fit may be off by beside its noise
+constexpr float kUnusual = 5;     // times the median
+constexpr int kFewForMedian = 6;  // differences of an order
+constexpr float kHigh = 2.5F;     // times the median, where that is high itself; up to
+constexpr float kHighest = 0.3F;  // of the spacing: the ends of a line are still confirmed
+constexpr float kRough = 1.5F;    // times the median, where nothing better is to be had
+// Tolerated differences by order, of the spacing: bounds of a multiple of the median, and the value
+// without enough differences for a median. The upper bound is a board close to the rim of a
+// fisheye's picture; the presumed value is one at a grazing angle from close up, where the depth
+// changes by a tenth per square.
+constexpr float kLeastUsual[] = {0, 0, 0.02F, 0.006F, 0.003F};
+constexpr float kMostUsual[] = {0, 0, 0.5F, 0.3F, 0.2F};
+constexpr float kPresumed[] = {0, 0, 0.25F, 0.08F, 0.03F};
+constexpr float kLike = 0.35F;  // of a difference: neighbours that differ by less are alike
+constexpr int kLinesAside = 2;
+constexpr int kFewestAlike = 2;
+// A node is something else if its sigma is above kUncertain medians and kUncertainLeast, and its
+// place is off by kUncertainError.
+constexpr float kUncertain = 6;
+constexpr float kUncertainLeast = 0.06F;  // px
+constexpr float kUncertainError = 0.5F;   // px
+constexpr float kLeastPrecise = 0.35F;    // of the spacing, to which a place must be confirmed
+
+}  // namespace
+
+void StrayCorners::add(const Lattice& lattice, Cell first, Cell step, std::span<const int> places) {
+  Difference d;
+  d.step = step;
+  for (const int place : places) d.places |= std::uint64_t{1} << (place & 63);
+  d.count = static_cast<int>(places.size());
+  const int span = places.back() - places.front();
+  if (span > kLongest) return;
+  float factorial = 1;
+  for (int k = 2; k < d.count; ++k) factorial *= static_cast<float>(k);
+  float variance = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    float weight = factorial;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      if (k != i) weight /= static_cast<float>(places[i] - places[k]);
+    }
+    d.weights[i] = weight;
+    d.cells[i] = first + places[i] * step;
+    const Node& node = lattice.at(d.cells[i]);
+    d.x += weight * node.x;
+    d.y += weight * node.y;
+    variance += weight * weight * (node.sigma * node.sigma + kSlack * kSlack);
+  }
+  const Node& from = lattice.at(d.cells[0]);
+  const Node& to = lattice.at(d.cells[places.size() - 1]);
+  d.spacing = std::hypot(to.x - from.x, to.y - from.y) / static_cast<float>(span);
+  d.noise = std::sqrt(variance);
+  differences_.push_back(d);
+}
+
+void StrayCorners::take_line(const Lattice& lattice, Cell first, Cell step, int count) {
+  places_.clear();
+  for (int i = 0; i < count; ++i) {
+    if (lattice.has(first + i * step)) places_.push_back(i);
+  }
+  const std::size_t nodes = std::min(places_.size(), kMost);
+  if (nodes < kFewest) return;
+  for (std::size_t i = 0; i + nodes <= places_.size(); ++i) {
+    add(lattice, first, step, std::span<const int>(places_).subspan(i, nodes));
+  }
+}
+
+void StrayCorners::take_differences(const Lattice& lattice) {
+  differences_.clear();
+  const CellRange e = lattice.extent();
+  for (int row = e.first.row; row <= e.last.row; ++row) {
+    take_line(lattice, {e.first.col, row}, {1, 0}, e.cols());
+  }
+  for (int col = e.first.col; col <= e.last.col; ++col) {
+    take_line(lattice, {col, e.first.row}, {0, 1}, e.rows());
+  }
+}
+
+// The tolerance of each order is a multiple of its median over the board, which perspective and
+// lens make large or small.
+void StrayCorners::set_tolerances() {
+  for (int count = static_cast<int>(kFewest); count <= static_cast<int>(kMost); ++count) {
+    sorted_.clear();
+    for (const Difference& d : differences_) {
+      if (d.count == count) sorted_.push_back(std::hypot(d.x, d.y) / d.spacing);
+    }
+    float share = kPresumed[count - 1];
+    if (sorted_.size() >= kFewForMedian) {
+      const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+      std::nth_element(sorted_.begin(), middle, sorted_.end());
+      // A board that fills the picture of a fisheye has squares of very different sizes.
+      const float most = std::max(kMostUsual[count - 1], std::min(kHigh * *middle, kHighest));
+      share = std::clamp(kUnusual * *middle, kLeastUsual[count - 1], most);
+      // No board is bent by so much that three of its corners would confirm nothing.
+      if (count == static_cast<int>(kFewest)) {
+        share = std::min(share, std::max(kPresumed[count - 1], kRough * *middle));
+      }
+    }
+    for (Difference& d : differences_) {
+      if (d.count == count) d.tolerance = kSigmas * d.noise + share * d.spacing;
+    }
+  }
+  for (Difference& d : differences_) {
+    d.fails = std::hypot(d.x, d.y) > d.tolerance && !is_like_its_neighbours(d);
+  }
+}
+
+// Whether parallel lines nearby have a similar difference: towards the rim of a fisheye's picture
+// lines bend ever more, but neighbours alike.
+bool StrayCorners::is_like_its_neighbours(const Difference& d) const {
+  const Cell aside = {d.step.row, d.step.col};
+  const float tolerance = std::max(d.tolerance, kLike * std::hypot(d.x, d.y));
+  const auto alike = std::count_if(differences_.begin(), differences_.end(), [&](const auto& o) {
+    if (!(o.step == d.step) || o.places != d.places) return false;
+    const Cell way = o.cells[0] - d.cells[0];
+    const int lines = way.col * aside.col + way.row * aside.row;
+    return lines != 0 && std::abs(lines) <= kLinesAside &&
+           std::hypot(o.x - d.x, o.y - d.y) <= tolerance;
+  });
+  return alike >= kFewestAlike;
+}
+
+void StrayCorners::collect_verdicts(const CellRange& extent) {
+  verdicts_.assign(static_cast<std::size_t>(extent.cols() * extent.rows()), {});
+  for (const Difference& d : differences_) {
+    const float w = 1 / (d.tolerance * d.tolerance);
+    for (int i = 0; i < d.count; ++i) {
+      const Cell c = d.cells[i] - extent.first;
+      Verdict& v = verdicts_[static_cast<std::size_t>(c.row * extent.cols() + c.col)];
+      v.x += w * d.weights[i] * d.x;
+      v.y += w * d.weights[i] * d.y;
+      v.weight += w * d.weights[i] * d.weights[i];
+      v.accused = v.accused || d.fails;
+      v.confirmed = v.confirmed || d.tolerance < kLeastPrecise * d.spacing * std::abs(d.weights[i]);
+    }
+  }
+}
+
+void StrayCorners::remove_from(Lattice& lattice) {
+  sorted_.clear();
+  lattice.for_each([&](Cell /*c*/, const Node& node) { sorted_.push_back(node.sigma); });
+  if (sorted_.empty()) return;
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  usual_sigma_ = *middle;
+  for (;;) {
+    const CellRange extent = lattice.extent();
+    take_differences(lattice);
+    set_tolerances();
+    collect_verdicts(extent);
+    Cell worst;
+    float most = -1;
+    bool removed = false;
+    lattice.for_each([&](Cell c, const Node& node) {
+      const Cell at = c - extent.first;
+      const Verdict& v = verdicts_[static_cast<std::size_t>(at.row * extent.cols() + at.col)];
+      if (!v.confirmed) {
+        lattice.remove(c);
+        removed = true;
+        return;
+      }
+      // By how much the squares of the differences sink if this node alone is to blame.
+      const bool accused =
+          v.accused || (node.sigma > std::max(kUncertain * usual_sigma_, kUncertainLeast) &&
+                        v.error() > kUncertainError);
+      const float explained = accused ? (v.x * v.x + v.y * v.y) / v.weight : -1;
+      if (explained <= most) return;
+      most = explained;
+      worst = c;
+    });
+    if (most >= 0) {
+      lattice.remove(worst);
+    } else if (!removed) {
+      return;
+    }
+  }
+}
+
+}  // namespace calvin::detect

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Where the board was seen, how large and how tilted, as shares of what the image has room for; the
+// hint names the least of them.
+
+#include "calvin/session/view_coverage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "calvin/geometry/convex_hull.hpp"
+#include "calvin/geometry/homography.hpp"
+
+namespace calvin {
+
+namespace {
+
+// A span of this much counts as the whole range: the board need not reach every border.
+constexpr double kRangeX = 0.7;
+constexpr double kRangeY = 0.7;
+constexpr double kRangeSize = 0.4;
+constexpr double kRangeTilt = 0.5;
+
+// Beyond this ratio of opposite edges the board counts as tilted to that side.
+constexpr double kTilted = 0.06;
+
+double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
+
+double range_of(const std::vector<BoardFootprint>& footprints, double BoardFootprint::*value,
+                double whole) {
+  if (footprints.empty()) return 0;
+  const auto [low, high] = std::minmax_element(
+      footprints.begin(), footprints.end(),
+      [value](const BoardFootprint& a, const BoardFootprint& b) { return a.*value < b.*value; });
+  return std::clamp(((*high).*value - (*low).*value) / whole, 0.0, 1.0);
+}
+
+double largest(const std::vector<BoardFootprint>& footprints, double BoardFootprint::*value,
+               double whole) {
+  double most = 0;
+  for (const BoardFootprint& p : footprints) most = std::max(most, p.*value);
+  return std::clamp(most / whole, 0.0, 1.0);
+}
+
+// The largest difference of an angle of the quadrangle from a right one, rad.
+double farthest_from_square(const std::vector<Pixel>& corner) {
+  double most = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Pixel at = corner[i];
+    const Pixel a = {corner[(i + 1) % 4].u - at.u, corner[(i + 1) % 4].v - at.v};
+    const Pixel b = {corner[(i + 3) % 4].u - at.u, corner[(i + 3) % 4].v - at.v};
+    const double angle = std::atan2(std::abs(a.u * b.v - a.v * b.u), a.u * b.u + a.v * b.v);
+    most = std::max(most, std::abs(std::numbers::pi / 2 - angle));
+  }
+  return most;
+}
+
+// Where the centre is in the room it has to move in: a large board has little room to move.
+double within_room(double center, double extent, double length) {
+  const double room = length - extent;
+  return room > 0 ? std::clamp((center - extent / 2) / room, 0.0, 1.0) : 0.5;
+}
+
+}  // namespace
+
+Result<BoardFootprint> footprint_of(const View& view) {
+  const Observation& seen = view.observation;
+  const auto points = view.board.points();
+  std::vector<Pixel> xy;
+  for (const int id : seen.ids) {
+    const Eigen::Vector3d& p = points[static_cast<std::size_t>(id)];
+    xy.push_back({p.x(), p.y()});
+  }
+  const auto h = fit_homography(xy, seen.uv);
+  if (!h) return tl::unexpected<Error>(h.error());
+  const double right = view.board.size * (view.board.cols - 1);
+  const double bottom = view.board.size * (view.board.rows - 1);
+  const std::vector<Pixel> corner = {transform(*h, {0, 0}), transform(*h, {right, 0}),
+                                     transform(*h, {right, bottom}), transform(*h, {0, bottom})};
+  const double area = std::abs(polygon_area(corner));
+  const double width = seen.image_size.width;
+  const double height = seen.image_size.height;
+  BoardFootprint p;
+  for (const Pixel& uv : seen.uv) {
+    p.x += uv.u / static_cast<double>(seen.uv.size());
+    p.y += uv.v / static_cast<double>(seen.uv.size());
+  }
+  p.x = within_room(p.x, std::sqrt(area), width);
+  p.y = within_room(p.y, std::sqrt(area), height);
+  p.size = std::clamp(std::sqrt(area / (width * height)), 0.0, 1.0);
+  p.tilt = std::min(1.0, 2 * farthest_from_square(corner));
+  const auto nearer = [](double one, double other) { return (one - other) / (one + other); };
+  p.left_nearer = nearer(distance(corner[0], corner[3]), distance(corner[1], corner[2]));
+  p.top_nearer = nearer(distance(corner[0], corner[1]), distance(corner[3], corner[2]));
+  for (const double value : {p.x, p.y, p.size, p.tilt, p.left_nearer, p.top_nearer}) {
+    if (!std::isfinite(value)) {
+      return make_error(ErrorCode::kDegenerate, "The board is seen edge on.");
+    }
+  }
+  return p;
+}
+
+void ViewCoverage::add(const View& view) {
+  const auto footprint = footprint_of(view);
+  if (!footprint) return;
+  footprints_.push_back(*footprint);
+  const auto hull = convex_hull(view.observation.uv);
+  const ImageSize size = view.observation.image_size;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const Pixel center = {(column + 0.5) * size.width / kColumns - 0.5,
+                            (row + 0.5) * size.height / kRows - 0.5};
+      if (contains(hull, center))
+        covered_[static_cast<std::size_t>(row * kColumns + column)] = true;
+    }
+  }
+}
+
+double ViewCoverage::coverage() const {
+  return static_cast<double>(std::count(covered_.begin(), covered_.end(), true)) /
+         static_cast<double>(covered_.size());
+}
+
+double ViewCoverage::x() const { return range_of(footprints_, &BoardFootprint::x, kRangeX); }
+double ViewCoverage::y() const { return range_of(footprints_, &BoardFootprint::y, kRangeY); }
+double ViewCoverage::size() const {
+  return largest(footprints_, &BoardFootprint::size, kRangeSize);
+}
+double ViewCoverage::tilt() const {
+  return largest(footprints_, &BoardFootprint::tilt, kRangeTilt);
+}
+
+bool ViewCoverage::spans_all() const { return std::min({x(), y(), size(), tilt()}) >= 1; }
+
+std::string ViewCoverage::hint() const {
+  if (footprints_.empty()) return "Show the whole board to the camera.";
+  double left = 1;
+  double right = 0;
+  double top = 1;
+  double bottom = 0;
+  std::array<bool, 4> tilts{};
+  for (const BoardFootprint& p : footprints_) {
+    left = std::min(left, p.x);
+    right = std::max(right, p.x);
+    top = std::min(top, p.y);
+    bottom = std::max(bottom, p.y);
+    tilts[0] |= p.left_nearer > kTilted;
+    tilts[1] |= p.left_nearer < -kTilted;
+    tilts[2] |= p.top_nearer > kTilted;
+    tilts[3] |= p.top_nearer < -kTilted;
+  }
+  constexpr std::array<const char*, 4> kTilts = {
+      "Tilt the board: its left edge nearer to the camera.",
+      "Tilt the board: its right edge nearer to the camera.",
+      "Tilt the board: its top edge nearer to the camera.",
+      "Tilt the board: its bottom edge nearer to the camera."};
+
+  if (size() < 0.5) return "Come closer with the board.";
+  for (std::size_t i = 0; i < tilts.size(); ++i) {
+    if (!tilts[i]) return kTilts[i];
+  }
+  if (x() < 1) {
+    return left > 1 - right ? "Move the board to the left side of the image."
+                            : "Move the board to the right side of the image.";
+  }
+  if (y() < 1) {
+    return top > 1 - bottom ? "Move the board to the top of the image."
+                            : "Move the board to the bottom of the image.";
+  }
+  if (tilt() < 1) return "Tilt the board more, and turn it a little.";
+  if (size() < 1) return "Come closer with the board.";
+  return "Good: other tilts and places make it better still.";
+}
+
+}  // namespace calvin

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// How well a set of views spans what a camera can be shown.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "calvin/solve/solve.hpp"
+
+namespace calvin {
+
+// Where one view shows its board.
+struct BoardFootprint {
+  double x = 0;     // centre of the board, 0 (as far left as it fits) .. 1
+  double y = 0;     // 0 (as far up as it fits) .. 1
+  double size = 0;  // square root of its part of the image, 0..1
+  double tilt = 0;  // 0: a rectangle .. 1: a corner 30 degrees off the right angle
+
+  // Which edge is the nearest: by how much it looks longer than its opposite, -1..1.
+  double left_nearer = 0;
+  double top_nearer = 0;
+};
+
+// Spans like those that ROS's camera calibrator shows, and a sentence on what is missing most.
+class ViewCoverage {
+ public:
+  void add(const View& view);
+  void clear() { *this = ViewCoverage(); }
+
+  [[nodiscard]] double coverage() const;  // part of the image inside of any board, 0..1
+  [[nodiscard]] double x() const;
+  [[nodiscard]] double y() const;
+  [[nodiscard]] double size() const;
+  [[nodiscard]] double tilt() const;
+  [[nodiscard]] bool spans_all() const;
+
+  // "Move the board to the left side of the image." and the like; what to do when all is there.
+  [[nodiscard]] std::string hint() const;
+
+ private:
+  static constexpr int kColumns = 16;
+  static constexpr int kRows = 12;
+
+  std::vector<BoardFootprint> footprints_;
+  std::array<bool, static_cast<std::size_t>(kColumns* kRows)> covered_{};
+};
+
+// Absent corners are extrapolated; a view without a homography has no footprint.
+[[nodiscard]] Result<BoardFootprint> footprint_of(const View& view);
+
+}  // namespace calvin

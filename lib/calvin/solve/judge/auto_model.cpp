@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Every sensible model solved for the same corners, compared by the views that are held out.
+
+#include "calvin/solve/judge/auto_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+
+namespace calvin {
+
+namespace {
+
+// In order of their number of parameters. Models with more parameters are for lenses that are known
+// to need them, and are not tried.
+constexpr std::array<std::string_view, 8> kCandidates = {
+    "pinhole", "ucm", "eucm", "doublesphere", "brown4", "fisheye", "brown5", "rational8"};
+
+// The least gain of a richer model, in standard deviations of the paired difference: 2.3 % of noise
+// exceeds it.
+constexpr double kGain = 2;
+
+struct Trial {
+  std::string model;
+  Solution solution;
+  std::map<std::size_t, double> held_out;  // by the index of the view
+};
+
+// Per view index, px^2 per corner.
+std::map<std::size_t, double> held_out_of(const std::vector<PointSet>& views,
+                                          const Solution& solution) {
+  const auto rejected = [&solution](std::size_t index) {
+    return std::any_of(solution.rejected.begin(), solution.rejected.end(),
+                       [index](const RejectedView& r) { return r.index == index; });
+  };
+  std::map<std::size_t, double> result;
+  std::size_t at = 0;
+  for (const PointSet& view : views) {
+    if (rejected(view.index)) continue;
+    if (at < solution.held_out.size()) result[view.index] = solution.held_out[at];
+    ++at;
+  }
+  return result;
+}
+
+// The corners that a solution left out, weighing nothing.
+std::vector<PointSet> masked(const std::vector<PointSet>& views, const Solution& solution) {
+  std::vector<PointSet> result;
+  for (const PointSet& view : views) {
+    const auto is_this = [&view](const RejectedView& r) { return r.index == view.index; };
+    if (std::any_of(solution.rejected.begin(), solution.rejected.end(), is_this)) continue;
+    PointSet kept = view.without_corners();
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      const auto is_corner = [&](const RejectedCorner& c) {
+        return c.view == view.index && c.id == view.ids[i];
+      };
+      if (std::none_of(solution.rejected_corners.begin(), solution.rejected_corners.end(),
+                       is_corner)) {
+        kept.append(view, i);
+      }
+    }
+    result.push_back(std::move(kept));
+  }
+  return result;
+}
+
+// By how many standard deviations `b` predicts the views held out better than `a` does.
+double gain(const Trial& a, const Trial& b) {
+  double n = 0;
+  double sum = 0;
+  double squares = 0;
+  for (const auto& [view, cost] : a.held_out) {
+    const auto other = b.held_out.find(view);
+    if (other == b.held_out.end() || !std::isfinite(cost)) continue;
+    if (!std::isfinite(other->second)) return -kGain;
+    const double difference = cost - other->second;
+    n += 1;
+    sum += difference;
+    squares += difference * difference;
+  }
+  if (n < 3) return 0;
+  const double mean = sum / n;
+  const double variance = std::max(squares / n - mean * mean, 0.0) / (n - 1);
+  return variance > 0 ? mean / std::sqrt(variance) : 0;
+}
+
+std::vector<Trial> try_all(const std::vector<PointSet>& views, const BoardShape& shape,
+                           ImageSize size, SolveOptions options, const std::stop_token& stop) {
+  std::vector<Trial> trials;
+  for (const std::string_view model : kCandidates) {
+    if (stop.stop_requested()) break;
+    options.model = model;
+    auto solution = solve_points(views, shape, size, options, stop);
+    if (!solution) continue;
+    auto held_out = held_out_of(views, *solution);
+    trials.push_back({std::string(model), *std::move(solution), std::move(held_out)});
+  }
+  return trials;
+}
+
+std::string explain(const std::vector<Trial>& trials, std::size_t best) {
+  std::vector<std::string> others;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (i == best) continue;
+    const double sigmas = gain(trials[best], trials[i]);
+    others.push_back(fmt::format("{} {} by {:.1f} sigma", trials[i].model,
+                                 sigmas > 0 ? "better" : "worse", std::abs(sigmas)));
+  }
+  return fmt::format("The views ask for the model {}. On views held out: {}.", trials[best].model,
+                     join(others, ", "));
+}
+
+}  // namespace
+
+Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape& shape,
+                            ImageSize image_size, const SolveOptions& options,
+                            const std::stop_token& stop) {
+  SolveOptions trial_options = options;
+  trial_options.checks = true;
+  // A poor model rejects good corners that it cannot explain, so the best model decides for all
+  // which corners are wrong.
+  std::vector<Trial> trials = try_all(views, shape, image_size, trial_options, stop);
+  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+  if (trials.empty()) {
+    trial_options.model = "pinhole";
+    return solve_points(views, shape, image_size, trial_options, stop);
+  }
+  const auto most_predictive =
+      std::min_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
+        return a.solution.calibration.held_out_rms.value_or(HUGE_VAL) <
+               b.solution.calibration.held_out_rms.value_or(HUGE_VAL);
+      });
+  const Solution reference = most_predictive->solution;
+  trial_options.reject_outliers = false;
+  trials = try_all(masked(views, reference), shape, image_size, trial_options, stop);
+  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+  if (trials.empty()) return reference;
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < trials.size(); ++i) {
+    if (gain(trials[best], trials[i]) > kGain) best = i;
+  }
+  Solution solution = trials[best].solution;
+  // The best model may have rejected a view that the reference kept; both lists are reported.
+  const auto add = [](auto& all, const auto& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  add(solution.rejected, reference.rejected);
+  add(solution.rejected_corners, reference.rejected_corners);
+  solution.remarks.push_back(explain(trials, best));
+  return solution;
+}
+
+}  // namespace calvin

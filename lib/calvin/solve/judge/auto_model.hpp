@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// model=auto: which camera model the views ask for. Internal.
+#pragma once
+
+#include <stop_token>
+#include <string_view>
+#include <vector>
+
+#include "calvin/solve/judge/solve_points.hpp"
+
+namespace calvin {
+
+inline constexpr std::string_view kAutoModel = "auto";
+
+// Solves for every sensible model, from few parameters to many. A richer one takes the place of a
+// simpler one only where it predicts the views held out better by more than 2 sigma of the paired
+// difference. Solution::remarks says which model was taken and why.
+[[nodiscard]] Result<Solution> solve_auto(const std::vector<PointSet>& views,
+                                          const BoardShape& shape, ImageSize image_size,
+                                          const SolveOptions& options, const std::stop_token& stop);
+
+}  // namespace calvin

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Tests of the residuals by view, by part of the image and by corner of the board.
+
+#include "calvin/solve/judge/fit_diagnostics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "calvin/geometry/dense.hpp"
+#include "calvin/geometry/symmetric.hpp"
+#include "calvin/solve/fit/weights.hpp"
+#include "calvin/solve/judge/projection_grid.hpp"
+#include "calvin/solve/linear/scaled_solve.hpp"
+#include "calvin/solve/residuals/camera_problem.hpp"
+
+namespace calvin {
+
+namespace {
+
+// Standard deviations; one test in a hundred exceeds it by noise.
+constexpr double kSignificant = 2.33;
+// Ratio: the detector's sigmas may be too small by this much before chi counts as a misfit.
+constexpr double kSigmaTolerance = 1.25;
+// px: the error that corners nearby have in common by the detector itself, whose model of an edge
+// is never exact. Misfits of this size are not reported, however significant.
+constexpr double kDetectorBias = 0.003;
+// Of the variance: a smaller part may be significant but does not matter.
+constexpr double kSmallPart = 0.01;
+// Corners in each part of the image, on average.
+constexpr double kCornersPerPart = 40;
+
+CameraUnknowns unknowns_of(const Parameterization& parameterization) {
+  return {parameterization.model,
+          parameterization.layout,
+          parameterization.skew,
+          parameterization.basis,
+          {}};
+}
+
+// The columns of projection_grid() for the camera's part of the unknowns.
+std::vector<int> grid_columns(const Parameterization& parameterization) {
+  std::vector<int> columns;
+  for (int i = 0; i < 4 + parameterization.layout.coefficients; ++i) columns.push_back(i);
+  if (parameterization.layout.skew) columns.push_back(kSkewColumn);
+  return columns;
+}
+
+// The mean square over the image of a change d of the directions is d^T M d.
+Eigen::MatrixXd projection_metric(const Camera& camera, const Parameterization& parameterization) {
+  const std::vector<int> columns = grid_columns(parameterization);
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  const ProjectionGrid grid = projection_grid(camera, columns);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
+  for (const auto& cell : grid) sum += cell.transpose().lazyProduct(cell);
+  const Eigen::MatrixXd basis = parameterization.basis.topRows(n);
+  return congruent(sum, basis) / static_cast<double>(std::max<std::size_t>(grid.size(), 1));
+}
+
+// v^T m^+ v over the directions in which m is not singular, and the number of these.
+ChiSquare quadratic(const Eigen::MatrixXd& m, const Eigen::VectorXd& v) {
+  constexpr double kNothing = 1e-10;  // of the largest eigenvalue
+  const Eigen::VectorXd scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const auto eigen = symmetric_eigen(scale.asDiagonal() * m * scale.asDiagonal());
+  ChiSquare result;
+  if (!eigen) return result;
+  const Eigen::VectorXd along = eigen->vectors.transpose() * scale.cwiseProduct(v);
+  for (Eigen::Index i = 0; i < along.size(); ++i) {
+    if (eigen->values[i] < kNothing * eigen->values[along.size() - 1]) continue;
+    result.sum += along[i] * along[i] / eigen->values[i];
+    result.degrees += 1;
+  }
+  return result;
+}
+
+// Residuals in groups whose means should be 0: per group the score of a shift and its information.
+class Scores {
+ public:
+  // Adds a residual to the group `part` of the image or board with the number `of`.
+  void add(std::size_t of, int part, double score, double information) {
+    if (scores_.size() <= of) scores_.resize(of + 1);
+    auto& parts = scores_[of];
+    const auto at = static_cast<std::size_t>(part);
+    if (parts.size() <= at) parts.resize(at + 1);
+    parts[at].sum += score;
+    parts[at].information += information;
+  }
+  // `kept` is the share of the variance that the fit leaves in residuals; `absorbed` is the number
+  // of means that the unknowns of the fit have set to 0.
+  [[nodiscard]] ChiSquare chi_square(double variance, double kept, double absorbed) const {
+    ChiSquare result;
+    double largest = 0;
+    for (const auto& parts : scores_) {
+      for (const Score& score : parts) largest = std::max(largest, score.information);
+    }
+    for (const auto& parts : scores_) {
+      for (const Score& score : parts) {
+        if (!(score.information > 0) || score.information < 1e-3 * largest) continue;
+        result.sum += score.sum * score.sum / (score.information * variance * kept);
+        result.degrees += 1;
+      }
+    }
+    result.degrees = std::max(0.0, result.degrees - absorbed);
+    return result;
+  }
+
+ private:
+  struct Score {
+    double sum = 0;
+    double information = 0;
+  };
+  std::vector<std::vector<Score>> scores_;  // by `of`, then by `part`
+};
+
+class FitDiagnosis {
+ public:
+  static constexpr double kUndetermined = std::numeric_limits<double>::infinity();
+
+  FitDiagnosis(const Fit& fit, const Camera& camera, const BoardShape& shape,
+               const Parameterization& parameterization, const Eigen::MatrixXd& covariance,
+               double variance)
+      : fit_(fit),
+        camera_(camera),
+        shape_(shape),
+        parameterization_(parameterization),
+        variance_(variance) {
+    // From unknowns to directions, by the pseudo-inverse of the basis.
+    const Eigen::MatrixXd& basis = parameterization.basis;
+    const Eigen::MatrixXd pick =
+        solve_symmetric(product(basis.transpose(), basis), basis.transpose());
+    covariance_ = congruent(covariance, pick.transpose());
+  }
+
+  FitDiagnostics run(const std::stop_token& stop) {
+    metric_ = projection_metric(camera_, parameterization_);
+    count();
+    for (std::size_t v = 0; v < fit_.views.size(); ++v) {
+      if (stop.stop_requested()) return {};
+      if (fit_.used[v]) add_view_at(v);
+    }
+    FitDiagnostics result;
+    result.views = views_;
+    result.views.degrees -= determined_;
+    const double kept = std::clamp(1 - unknowns_ / residuals_, 0.1, 1.0);
+    result.picture = picture_.chi_square(variance_, kept, 0);
+    // Shift, turn and scale of a whole board are explained by poses and focal length.
+    constexpr double kRigid = 7;
+    // Where each corner has its own offset, the means by corner are 0 anyway.
+    if (shape_.offsets == 0) {
+      const double rigid = kRigid * static_cast<double>(boards_.size());
+      result.board = board_.chi_square(variance_, kept, rigid + parameterization_.layout.modes);
+    }
+    result.held_out = std::move(held_out_);
+    if (predicted_ > 0 && used_ > 1) result.split_half_ratio = std::sqrt(observed_ / predicted_);
+    return result;
+  }
+
+ private:
+  void count() {
+    for (std::size_t v = 0; v < fit_.views.size(); ++v) {
+      if (!fit_.used[v]) continue;
+      residuals_ += 2 * static_cast<double>(fit_.views[v].used());
+      unknowns_ += 6;
+      ++used_;
+      boards_.insert(fit_.views[v].board);
+    }
+    determined_ =
+        static_cast<double>(covariance_.rows()) - determined_by_priors(fit_, parameterization_);
+    unknowns_ += determined_;
+    const double parts = std::clamp(residuals_ / 2 / kCornersPerPart, 1.0, 400.0);
+    const double aspect =
+        static_cast<double>(camera_.image_size().width) / camera_.image_size().height;
+    across_ = std::max(1, static_cast<int>(std::lround(std::sqrt(parts * aspect))));
+    down_ = std::max(1, static_cast<int>(std::lround(std::sqrt(parts / aspect))));
+  }
+
+  void add_view_at(std::size_t v) {
+    const ViewPoints points(fit_.views[v], shape_);
+    CameraProblem problem({&points}, unknowns_of(parameterization_),
+                          {fit_.shared, {fit_.camera_from_board[v]}}, Loss{});
+    if (!problem.valid()) {
+      held_out_.push_back(kUndetermined);
+      return;
+    }
+    const auto reduced = problem.reduced();
+    // Without the only view there is nothing but what priors tell.
+    const bool rest = used_ > 1 || !parameterization_.priors.empty();
+    held_out_.push_back(reduced && rest ? held_out(*reduced, fit_.views[v]) : kUndetermined);
+    if (reduced) add_view(*reduced);
+    add_residuals(v, points);
+  }
+
+  // The optimum without the view is one step away: (H - I) d = g. The cost is divided by the mean
+  // squared weight, which depends on the model, so that the result is in px^2 whatever the model.
+  double held_out(const CameraProblem::Reduced& view, const PointSet& points) const {
+    const auto step = scaled_solve(fit_.information - view.information, view.gradient, 0);
+    if (!step) return kUndetermined;
+    const Eigen::VectorXd d = step->col(0);
+    const double cost = view.cost + 2 * view.gradient.dot(d) + d.dot(view.information * d);
+    double weights = 0;
+    for (const double w : points.weight) weights += w * w;
+    const auto corners = static_cast<double>(points.used());
+    return cost / weights * corners / (corners - RowLayout::kPose / 2.0);
+  }
+
+  void add_view(const CameraProblem::Reduced& view) {
+    // The fit to all views has absorbed a part of each: the gradient has the covariance I - I C I.
+    const Eigen::MatrixXd information = view.information / variance_;
+    const Eigen::VectorXd gradient = view.gradient / variance_;
+    const Eigen::MatrixXd left = information - congruent(covariance_, information);
+    const ChiSquare chi_square = quadratic(information, gradient);
+    views_.sum += chi_square.sum;
+    views_.degrees += chi_square.degrees;
+    const Eigen::VectorXd step = covariance_ * gradient;
+    observed_ += step.dot(metric_ * step);
+    predicted_ += metric_.cwiseProduct(congruent(left, covariance_)).sum();
+  }
+
+  void add_residuals(std::size_t v, const ViewPoints& points) {
+    ViewRows rows(parameterization_.layout);
+    rows.resize(points.padded());
+    fill_rows_of(parameterization_.model)(points, parameterization_.row_point(fit_.shared),
+                                          fit_.camera_from_board[v], Loss{}, rows);
+    const PointSet& view = fit_.views[v];
+    const Eigen::Matrix3d& turn = fit_.camera_from_board[v].rotation;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      if (!(view.weight[i] > 0)) continue;
+      add_corner(view, i, at, rows, turn);
+      ++at;
+    }
+  }
+
+  void add_corner(const PointSet& view, std::size_t i, std::size_t at, ViewRows& rows,
+                  const Eigen::Matrix3d& turn) {
+    const ImageSize size = camera_.image_size();
+    const auto part = [](double x, int extent, int parts) {
+      return std::clamp(static_cast<int>((x + 0.5) / extent * parts), 0, parts - 1);
+    };
+    const int cell =
+        part(view.uv[i].v, size.height, down_) * across_ + part(view.uv[i].u, size.width, across_);
+    Eigen::Vector3d score = Eigen::Vector3d::Zero();
+    Eigen::Vector3d information = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 2; ++k) {
+      const auto column = [&](int c) { return (k == 0 ? rows.u(c) : rows.v(c))[at]; };
+      const double residual = column(RowLayout::kResidual);
+      const double w = view.weight[i];
+      picture_.add(0, 2 * cell + k, w * residual, w * w);
+      const Eigen::Vector3d along =
+          turn.transpose() * Eigen::Vector3d(column(3), column(4), column(5));
+      score += residual * along;
+      information += along.cwiseAbs2();
+    }
+    for (int k = 0; k < 3; ++k) {
+      board_.add(view.board, 3 * view.ids[i] + k, score[k], information[k]);
+    }
+  }
+
+  const Fit& fit_;
+  const Camera& camera_;
+  const BoardShape& shape_;
+  const Parameterization& parameterization_;
+  double variance_;
+  Eigen::MatrixXd covariance_;
+  Eigen::MatrixXd metric_;
+  std::size_t used_ = 0;  // views
+  double residuals_ = 0;
+  double unknowns_ = 0;
+  double determined_ = 0;  // how many of the directions the corners determine, not the priors
+  int across_ = 1;
+  int down_ = 1;
+  std::set<std::size_t> boards_;  // the boards that were seen, by number
+  std::vector<double> held_out_;
+  ChiSquare views_;
+  Scores picture_;
+  Scores board_;
+  double observed_ = 0;
+  double predicted_ = 0;
+};
+
+// Whether a part of the variance matters, of residuals that are `rms` px altogether.
+bool matters(double part, double rms) {
+  return part > kSmallPart && part * rms * rms > kDetectorBias * kDetectorBias;
+}
+
+bool significant(const ChiSquare& c, double all, double rms) {
+  return c.deviations() > kSignificant && matters((c.sum - c.degrees) / all, rms);
+}
+
+}  // namespace
+
+double ChiSquare::deviations() const {
+  if (!(degrees > 0)) return 0;
+  const double width = 2 / (9 * degrees);
+  return (std::cbrt(ratio()) - (1 - width)) / std::sqrt(width);
+}
+
+FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& shape,
+                        const Parameterization& parameterization, const Eigen::MatrixXd& covariance,
+                        double variance, const std::stop_token& stop) {
+  return FitDiagnosis(fit, camera, shape, parameterization, covariance, variance).run(stop);
+}
+
+Misfit misfit(const FitDiagnostics& c, std::optional<double> chi, double degrees, double rms) {
+  Misfit result;
+  result.split_half_ratio = c.split_half_ratio;
+  const double chi_limit = kSigmaTolerance * (1 + kSignificant / std::sqrt(2 * degrees));
+  const bool noisy = chi && *chi > chi_limit && matters(1 - 1 / (*chi * *chi), rms);
+  // Lens or board: the cause is the one that explains more of the residuals. Either makes views
+  // contradict each other too, so motion is the cause only where neither is.
+  const bool picture = significant(c.picture, degrees, rms);
+  const bool board = significant(c.board, degrees, rms);
+  const bool views = significant(c.views, degrees, rms);
+  if (picture || board) {
+    const bool corner = c.board.sum - c.board.degrees > c.picture.sum - c.picture.degrees;
+    result.cause = board && corner ? Misfit::Cause::kBoard : Misfit::Cause::kModel;
+    if (!picture) result.cause = Misfit::Cause::kBoard;
+  } else if (views) {
+    result.cause = Misfit::Cause::kMotion;
+  }
+  if (noisy && result.cause == Misfit::Cause::kNone) result.cause = Misfit::Cause::kNoise;
+  return result;
+}
+
+}  // namespace calvin

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Turns a finished fit into a Solution, or into an error that says which views are missing.
+
+#include "calvin/solve/judge/make_solution.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Core>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/camera/monotone.hpp"
+#include "calvin/geometry/convex_hull.hpp"
+#include "calvin/geometry/dense.hpp"
+#include "calvin/solve/judge/fit_diagnostics.hpp"
+#include "calvin/solve/judge/projection_error.hpp"
+#include "calvin/solve/judge/variety.hpp"
+#include "calvin/solve/linear/scaled_solve.hpp"
+
+namespace calvin {
+
+namespace {
+
+// A solve with a larger sigma than these is refused.
+constexpr double kWorstFocalSigma = 0.1;   // of the focal length
+constexpr double kWorstCenterSigma = 0.1;  // of the image width
+
+// A solve with a larger sigma than these gets a remark.
+constexpr double kWeakFocalSigma = 0.02;   // of the focal length
+constexpr double kWeakCenterSigma = 0.02;  // of the image width
+
+constexpr const char* kStopped = "The solve was stopped.";
+
+// The covariance sigma^2 (J^T J)^-1 over all unknowns. Absent where J^T J is singular.
+std::optional<Eigen::MatrixXd> covariance(const Fit& fit, const Parameterization& parameterization,
+                                          double variance) {
+  const Eigen::Index n = fit.information.rows();
+  const auto inverse = scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), kLeastPivot);
+  if (!inverse) return std::nullopt;
+  const Eigen::MatrixXd c = variance * restrict_to(parameterization.basis.transpose(), *inverse);
+  if (!c.allFinite() || c.diagonal().minCoeff() < 0) return std::nullopt;
+  return c;
+}
+
+// The covariance with the rivals of the fit: another optimum may be the one near the truth, lifted
+// above the best by noise. Each rival adds its squared distance, weighted by its likelihood.
+Eigen::MatrixXd with_rivals(const Eigen::MatrixXd& c, const Fit& fit, double variance) {
+  // A rival that is less likely does not count: its large distance would dominate the sigmas, which
+  // are to say where two thirds of all errors lie.
+  constexpr double kUnlikely = 0.02;
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(c.rows(), c.cols());
+  double sum = 1;
+  for (const Rival& rival : fit.rivals) {
+    const double likelihood = std::exp((fit.cost - rival.cost) / (2 * variance));
+    if (!(likelihood > kUnlikely)) continue;
+    Eigen::VectorXd d(c.rows());
+    for (Eigen::Index i = 0; i < d.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      d[i] = rival.shared[k] - fit.shared[k];
+    }
+    scatter += likelihood * d * d.transpose();
+    sum += likelihood;
+  }
+  return c + scatter / sum;
+}
+
+tl::unexpected<Error> inseparable(const Parameterization& parameterization) {
+  return degenerate(fmt::format(
+      "The views do not tell the coefficients of {} apart: take a model with fewer of them.",
+      parameterization.model));
+}
+
+// The sigma of the focal length on the axis, of fx (0) or fy (1), over that length: doublesphere
+// has f / (1 + xi) there.
+double relative_axis_sigma(const Fit& fit, const Parameterization& parameterization,
+                           const Eigen::MatrixXd& c, int i) {
+  constexpr int kXi = 4;
+  const double f = fit.shared[static_cast<std::size_t>(i)];
+  if (parameterization.model != "doublesphere") return std::sqrt(c(i, i)) / f;
+  const double by_xi = -1 / (1 + fit.shared[kXi]);
+  const double square = c(i, i) / (f * f) + 2 * c(i, kXi) * by_xi / f + c(kXi, kXi) * by_xi * by_xi;
+  return std::sqrt(std::max(square, 0.0));
+}
+
+// Whether focal lengths and principal point are determined well enough to be a camera.
+Status determined(const Fit& fit, const Parameterization& parameterization,
+                  const Eigen::MatrixXd& c, ImageSize size) {
+  for (const int i : {0, 1}) {
+    const double f = fit.shared[static_cast<std::size_t>(i)];
+    const double sigma = std::sqrt(c(i, i));
+    if (sigma > kWorstFocalSigma * f) {
+      // About xi = 0 another xi does what f and alpha do, whatever the views show.
+      if (relative_axis_sigma(fit, parameterization, c, i) < kWorstFocalSigma) {
+        return inseparable(parameterization);
+      }
+      return degenerate(fmt::format(
+          "The views do not determine the focal length ({:.0f} +- {:.0f} px): the board is too "
+          "nearly parallel to the image, or always tilted the same way.",
+          f, sigma));
+    }
+  }
+  for (const int i : {2, 3}) {
+    if (std::sqrt(c(i, i)) > kWorstCenterSigma * size.width) {
+      return degenerate(fmt::format(
+          "The views do not determine the principal point (+- {:.0f} px): the board is always "
+          "tilted the same way.",
+          std::sqrt(c(i, i))));
+    }
+  }
+  return {};
+}
+
+// The sum of the squared distances of the corners in use, px^2.
+double squares_of(const Fit& fit, std::size_t v) {
+  double sum = 0;
+  for (std::size_t i = 0; i < fit.squares[v].size(); ++i) {
+    if (fit.views[v].weight[i] > 0) sum += fit.squares[v][i];
+  }
+  return sum;
+}
+
+ViewRecord record(const Fit& fit, std::size_t v) {
+  const PointSet& view = fit.views[v];
+  ViewRecord r;
+  r.timestamp = view.timestamp;
+  r.points = static_cast<int>(view.used());
+  r.camera_from_board = to_pose(fit.camera_from_board[v]);
+  r.rms = std::sqrt(squares_of(fit, v) / r.points);
+  return r;
+}
+
+// Copies sigmas and covariance of the parameters; `c` is over all unknowns, the parameters first.
+void add_sigmas(Calibration& calibration, const Eigen::MatrixXd& c,
+                const Parameterization& parameterization) {
+  const std::vector<bool>& estimated = parameterization.estimated;
+  const auto count =
+      static_cast<std::size_t>(parameterization.layout.shared() - parameterization.layout.modes);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!estimated[i]) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    calibration.parameters[i].sigma = std::sqrt(c(row, row));
+    for (std::size_t j = 0; j < count; ++j) {
+      if (estimated[j]) {
+        calibration.covariance.push_back(c(row, static_cast<Eigen::Index>(j)));
+      }
+    }
+  }
+}
+
+void add_corners(Solution& solution, const Fit& fit) {
+  Calibration& calibration = solution.calibration;
+  std::vector<Pixel> corners;
+  corners.reserve(fit.views.empty() ? 0 : fit.views.size() * fit.views.front().size());
+  double squares = 0;
+  for (std::size_t v = 0; v < fit.views.size(); ++v) {
+    const PointSet& view = fit.views[v];
+    if (!fit.used[v]) {
+      solution.rejected.push_back({view.index, Reason::kOutlier});
+      continue;
+    }
+    calibration.views.push_back(record(fit, v));
+    squares += squares_of(fit, v);
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      if (view.weight[i] > 0) {
+        corners.push_back(view.uv[i]);
+      } else {
+        solution.rejected_corners.push_back({view.index, view.ids[i]});
+      }
+    }
+  }
+  calibration.rms = std::sqrt(squares / static_cast<double>(corners.size()));
+  calibration.covered = convex_hull(std::move(corners));
+}
+
+// Copies the measured shape of the board; `c` is over all unknowns, the board's modes last.
+void add_shape(Solution& solution, const FinishedFit& from, const Eigen::MatrixXd& c) {
+  const BoardShape& shape = from.shape;
+  const auto first = static_cast<std::size_t>(from.parameterization.layout.shared()) - shape.modes;
+  const auto value = [&](std::size_t mode) { return from.fit.shared[first + mode]; };
+  const auto sigma = [&](std::size_t mode) {
+    const auto row = static_cast<Eigen::Index>(first + mode);
+    return std::sqrt(c(row, row));
+  };
+  if (shape.warp) solution.calibration.warp = BoardWarp{value(0), value(1), sigma(0), sigma(1)};
+  if (shape.aspect) {
+    const std::size_t at = shape.warp ? 2 : 0;
+    solution.board_aspect = BoardAspect{1 + value(at), sigma(at)};
+  }
+  const auto count = static_cast<Eigen::Index>(shape.offsets);
+  if (count == 0) return;
+  const auto at = static_cast<Eigen::Index>(first + shape.first_offset());
+  const Eigen::Map<const Eigen::VectorXd> values(&from.fit.shared[static_cast<std::size_t>(at)],
+                                                 count);
+  const Eigen::MatrixXd covariance = c.block(at, at, count, count);
+  for (std::size_t i = 0; i < shape.displacement.size() / shape.modes; ++i) {
+    Eigen::MatrixXd moves(3, count);
+    for (std::size_t m = 0; m < shape.offsets; ++m) {
+      moves.col(static_cast<Eigen::Index>(m)) =
+          shape.displacement[i * shape.modes + shape.first_offset() + m];
+    }
+    const Eigen::MatrixXd by_covariance = product(moves, covariance);
+    solution.corner_offsets.push_back(
+        {moves * values, by_covariance.cwiseProduct(moves).rowwise().sum().cwiseSqrt()});
+  }
+}
+
+// The expected error, and the tests of the residuals that may enlarge it.
+void add_checks(Solution& solution, const FinishedFit& from, const Camera& camera,
+                const Eigen::MatrixXd& c, double variance, const std::stop_token& stop) {
+  Calibration& calibration = solution.calibration;
+  const double degrees = degrees_of_freedom(from.fit, from.parameterization);
+  calibration.expected_error = projection_error(calibration);
+  const FitDiagnostics found =
+      diagnose(from.fit, camera, from.shape, from.parameterization, c, variance, stop);
+  if (stop.stop_requested()) return;
+  solution.misfit = misfit(found, calibration.chi, degrees, calibration.rms.value_or(0));
+  solution.held_out = found.held_out;
+  double sum = 0;
+  double corners = 0;
+  for (std::size_t v = 0; v < found.held_out.size(); ++v) {
+    sum += found.held_out[v] * calibration.views[v].points;
+    corners += calibration.views[v].points;
+  }
+  if (std::isfinite(sum)) calibration.held_out_rms = std::sqrt(sum / corners);
+  if (!solution.misfit.found() || !calibration.expected_error) return;
+  *calibration.expected_error *=
+      std::max({1.0, calibration.chi.value_or(1), solution.misfit.split_half_ratio});
+}
+
+// Adds remarks on parameters that are weak but not refused, on the misfit and on the lens.
+void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,
+                 const Parameterization& parameterization) {
+  const ImageSize size = camera.image_size();
+  const double center = std::sqrt(std::max(c(2, 2), c(3, 3)));
+  if (center > kWeakCenterSigma * size.width) {
+    solution.remarks.push_back(fmt::format(
+        "The principal point is weak (+- {:.1f} px): all views are tilted much the same way. Tilt "
+        "the board to the other side too.",
+        center));
+  }
+  const auto& parameters = solution.calibration.parameters;
+  const double focal =
+      std::max(std::sqrt(c(0, 0)) / parameters[0].value, std::sqrt(c(1, 1)) / parameters[1].value);
+  if (focal > kWeakFocalSigma) {
+    solution.remarks.push_back(fmt::format(
+        "The focal length is weak (+- {:.1f} %): tilt the board more, 30 to 45 degrees.",
+        100 * focal));
+  }
+  if (solution.misfit.found()) solution.remarks.push_back(advice(solution.misfit.cause));
+  // The picture of a lens that sees past 90 degrees may end before the image does.
+  if (!parameterization.lens.perspective) return;
+  if (const Status one = check_monotone(camera); !one) {
+    solution.remarks.push_back(one.error().message);
+  }
+}
+
+Result<Solution> solution_of(const FinishedFit& from, ImageSize size, const SolveOptions& options,
+                             const std::stop_token& stop) {
+  const Fit& fit = from.fit;
+  const Parameterization& parameterization = from.parameterization;
+  if (fit.cancelled) return make_error(ErrorCode::kCancelled, kStopped);
+  if (const Status status =
+          check_equations(fit.views, fit.used, parameterization, parameterization.model);
+      !status) {
+    return tl::unexpected<Error>(status.error());
+  }
+  if (!fit.converged) {
+    return degenerate("The views do not determine the camera: the solve does not converge.");
+  }
+  if (const Status status = tilted_enough(fit, parameterization); !status) {
+    return tl::unexpected<Error>(status.error());
+  }
+  const double left = fit.cost / degrees_of_cost(fit, parameterization);
+  const double by_detector = from.scale.sigma * from.scale.sigma;
+  const double variance = from.scale.known ? std::max(left, by_detector) : left;
+  const auto c = covariance(fit, parameterization, variance);
+  if (!c) return inseparable(parameterization);
+  if (const Status status = determined(fit, parameterization, *c, size); !status) {
+    return tl::unexpected<Error>(status.error());
+  }
+  if (!fit.sound) {
+    return degenerate(fmt::format(
+        "The solve leads to a lens that folds back among the corners: take a model with fewer "
+        "coefficients than {}.",
+        parameterization.model));
+  }
+  const auto count = static_cast<std::ptrdiff_t>(4 + parameterization.layout.coefficients);
+  const auto camera =
+      Camera::make(parameterization.model, size, {fit.shared.begin(), fit.shared.begin() + count},
+                   parameterization.row_point(fit.shared).skew);
+  if (!camera) return degenerate("The solve leads to an impossible camera.");
+  Solution solution;
+  solution.iterations = fit.iterations;
+  solution.calibration = camera->to_calibration();
+  auto& parameters = solution.calibration.parameters;
+  if (parameterization.layout.skew && parameters.size() == static_cast<std::size_t>(count)) {
+    parameters.push_back({"skew", 0, {}});
+  }
+  const Eigen::MatrixXd promised = with_rivals(*c, fit, variance);
+  add_sigmas(solution.calibration, promised, parameterization);
+  add_shape(solution, from, promised);
+  add_corners(solution, fit);
+  if (from.scale.known) solution.calibration.chi = from.chi;
+  if (options.checks) {
+    add_checks(solution, from, *camera, *c, variance, stop);
+    add_remarks(solution, promised, *camera, parameterization);
+  }
+  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, kStopped);
+  return solution;
+}
+
+}  // namespace
+
+Status check_equations(const std::vector<PointSet>& views, const std::vector<bool>& used,
+                       const Parameterization& parameterization, std::string_view model) {
+  const auto n = static_cast<int>(std::count(used.begin(), used.end(), true));
+  if (n == 0) {
+    return degenerate(
+        "There is no view to calibrate from: none shows at least 4 corners of the board that do "
+        "not lie on one line.");
+  }
+  if (2 * n < parameterization.pinhole_directions()) {
+    return degenerate(fmt::format("{} view{} cannot determine the camera model {}.", n,
+                                  n == 1 ? "" : "s", model));
+  }
+  std::size_t corners = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) corners += used[v] ? views[v].used() : 0;
+  const auto unknowns = static_cast<std::size_t>(6 * n + parameterization.basis.cols());
+  if (2 * corners <= unknowns) {
+    return degenerate(fmt::format("{} corners give {} equations for {} unknowns: too few.", corners,
+                                  2 * corners, unknowns));
+  }
+  return {};
+}
+
+Result<Solution> make_solution(const FinishedFit& from, ImageSize size, const SolveOptions& options,
+                               const std::stop_token& stop) {
+  auto solution = solution_of(from, size, options, stop);
+  const std::size_t views = from.fit.views.size();
+  if (!solution && solution.error().code == ErrorCode::kDegenerate && views > 1 &&
+      in_one_place(from.fit, size)) {
+    return degenerate(fmt::format(
+        "All {} views show the board in the same place, which counts as one: move and tilt it.",
+        views));
+  }
+  return solution;
+}
+
+}  // namespace calvin

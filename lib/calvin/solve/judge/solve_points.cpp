@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The chain of one model: weights, fit, common sigma, solution.
+
+#include "calvin/solve/judge/solve_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/solve/fit/camera_fit.hpp"
+#include "calvin/solve/fit/weights.hpp"
+#include "calvin/solve/judge/make_solution.hpp"
+
+namespace calvin {
+
+namespace {
+
+// The common sigma has converged where it changes by a smaller part than this.
+constexpr double kConverged = 0.02;
+
+// The priors that `initial` gives, in units of `sigma` px. Coefficients of another model mean
+// something else, so that only fx fy cx cy of it count.
+std::vector<CameraUnknowns::Prior> initial_priors(const SolveOptions& options, double sigma) {
+  std::vector<CameraUnknowns::Prior> priors;
+  if (!options.initial || !options.initial_is_prior) return priors;
+  constexpr std::size_t kPinhole = 4;
+  const auto names = parameter_names(options.model);
+  const bool same = options.initial->model == options.model;
+  for (std::size_t i = 0; i < (same ? names.size() : kPinhole); ++i) {
+    const Parameter* known = options.initial->find(names[i]);
+    if (known == nullptr || !known->sigma || !(*known->sigma > 0)) continue;
+    priors.push_back({static_cast<int>(i), known->value, *known->sigma / sigma});
+  }
+  return priors;
+}
+
+}  // namespace
+
+Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& shape,
+                              ImageSize image_size, const SolveOptions& options,
+                              const std::stop_token& stop) {
+  auto parameterization = make_parameterization(options, image_size, static_cast<int>(shape.modes));
+  if (!parameterization) return tl::unexpected<Error>(parameterization.error());
+  const std::vector<bool> all(views.size(), true);
+  if (const Status status = check_equations(views, all, *parameterization, options.model);
+      !status) {
+    return tl::unexpected<Error>(status.error());
+  }
+  const WeightScale scale = normalise_weights(views);
+  const int first = parameterization->layout.shared() - parameterization->layout.modes;
+  for (std::size_t m = 0; m < shape.modes; ++m) {
+    parameterization->priors.push_back(
+        {first + static_cast<int>(m), 0, shape.prior[m] / scale.sigma});
+  }
+  for (const auto& prior : initial_priors(options, scale.sigma))
+    parameterization->priors.push_back(prior);
+  const Weights original = weights_of(views);
+  Fit fit = fit_camera(std::move(views), shape, image_size, *parameterization, options, stop);
+  constexpr int kRounds = 3;
+  double before = 0;
+  for (int i = 0; i < kRounds && fit.converged && scale.known; ++i) {
+    const double common = common_sigma(fit, original, scale, stop);
+    if (std::abs(common - before) <= kConverged * common) break;
+    fit = fit_camera(with_common_sigma(std::move(fit.views), original, scale, common), shape,
+                     image_size, *parameterization, options, stop);
+    before = common;
+  }
+  const double chi = fit.converged ? chi_of(fit, *parameterization, original, scale) : 1;
+  return make_solution({fit, *parameterization, shape, scale, chi}, image_size, options, stop);
+}
+
+}  // namespace calvin

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Copies the corners in use into padded arrays, and shares the printed part between views.
+
+#include "calvin/solve/residuals/view_points.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace calvin {
+
+ViewPoints::ViewPoints(const PointSet& view, const BoardShape& shape, const ViewPoints* other)
+    : padded_((view.used() + kLanes - 1) / kLanes * kLanes),
+      modes_(shape.modes),
+      seen_(aligned_array(3 * std::max(padded_, kLanes))) {
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    if (!(view.weight[i] > 0)) continue;
+    seen_[at] = view.uv[i].u;
+    seen_[padded_ + at] = view.uv[i].v;
+    seen_[2 * padded_ + at] = view.weight[i];
+    ++at;
+  }
+  for (; at < padded_; ++at) {
+    seen_[at] = seen_[0];
+    seen_[padded_ + at] = seen_[padded_];
+    seen_[2 * padded_ + at] = 0;
+  }
+  const bool same = other != nullptr && other->padded_ == padded_ && other->modes_ == modes_ &&
+                    other->printed_->shows(view, padded_);
+  printed_ = same ? other->printed_ : std::make_shared<Printed>(printed(view, shape));
+}
+
+bool ViewPoints::Printed::shows(const PointSet& view, std::size_t padded) const {
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    if (!(view.weight[i] > 0)) continue;
+    const Eigen::Vector3d& p = view.points[i];
+    if (at == ids.size() || ids[at] != view.ids[i] || arrays[at] != p.x() ||
+        arrays[padded + at] != p.y() || arrays[2 * padded + at] != p.z()) {
+      return false;
+    }
+    ++at;
+  }
+  return at == ids.size();
+}
+
+ViewPoints::Printed ViewPoints::printed(const PointSet& view, const BoardShape& shape) const {
+  Printed result;
+  result.arrays = aligned_array((3 + 3 * modes_) * std::max(padded_, kLanes));
+  const auto put = [&](std::size_t first, std::size_t at, const Eigen::Vector3d& p) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      result.arrays[(first + k) * padded_ + at] = p[static_cast<Eigen::Index>(k)];
+    }
+  };
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    if (!(view.weight[i] > 0)) continue;
+    const std::size_t at = result.ids.size();
+    put(0, at, view.points[i]);
+    const auto id = static_cast<std::size_t>(view.ids[i]);
+    for (std::size_t m = 0; m < modes_; ++m) {
+      put(3 + 3 * m, at, shape.displacement[id * modes_ + m]);
+    }
+    result.ids.push_back(view.ids[i]);
+  }
+  for (std::size_t a = 0; a < 3 + 3 * modes_; ++a) {
+    double* array = &result.arrays[a * padded_];
+    std::fill(array + result.ids.size(), array + padded_, array[0]);
+  }
+  return result;
+}
+
+}  // namespace calvin

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The memory of the rows, and the choice of the function that fills them.
+
+#include "calvin/solve/residuals/view_rows.hpp"
+
+#include <algorithm>
+
+#include "calvin/camera/models.hpp"
+
+namespace calvin {
+
+void ViewRows::resize(std::size_t padded) {
+  if (padded == padded_) return;
+  padded_ = padded;
+  const std::size_t size = 2 * padded * static_cast<std::size_t>(layout_.columns());
+  if (size > capacity_ || !data_) {
+    capacity_ = std::max(size, kLanes);
+    data_ = aligned_array(capacity_);
+  }
+  std::fill_n(data_.get(), size, 0.0);
+}
+
+FillRows fill_rows_of(std::string_view model) {
+  FillRows fill = nullptr;
+  visit_model(model, [&]<typename M>() { fill = fill_rows_of<typename M::Lens>(); });
+  return fill;
+}
+
+}  // namespace calvin

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The rows of one view: its residuals and their derivatives, a column after the other. Internal.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+#include "calvin/solve/linear/aligned.hpp"
+
+#include "calvin/geometry/se3.hpp"
+#include "calvin/solve/residuals/loss.hpp"
+#include "calvin/solve/residuals/view_points.hpp"
+
+namespace calvin {
+
+// The columns, in this order:
+//   6          the pose, which moves by exp(d) from the left: rotation (rad), translation (m)
+//   1          the residuals, px
+//   shared()   fx fy cx cy, the lens' coefficients, skew where it is estimated, the board's modes
+// Columns that depend on one view alone come first, so that a pose by itself needs seven columns.
+struct RowLayout {
+  static constexpr int kPose = 6;
+  static constexpr int kResidual = 6;
+  static constexpr int kFirstShared = 7;
+
+  int coefficients = 0;
+  bool skew = false;
+  int modes = 0;
+
+  [[nodiscard]] int shared() const { return 4 + coefficients + (skew ? 1 : 0) + modes; }
+  [[nodiscard]] int columns() const { return kFirstShared + shared(); }
+};
+
+// The values of the shared unknowns at which rows are taken.
+struct RowPoint {
+  const double* parameters = nullptr;  // fx fy cx cy d0 d1 ...
+  double skew = 0;                     // px
+  const double* shape = nullptr;       // coefficients of the board's modes
+};
+
+// `shared` is in the order of RowLayout; `skew` is the value of a skew that is not estimated.
+[[nodiscard]] inline RowPoint row_point(const RowLayout& layout, const double* shared,
+                                        double skew) {
+  const int extra = 4 + layout.coefficients;
+  return {shared, layout.skew ? shared[extra] : skew, shared + extra + (layout.skew ? 1 : 0)};
+}
+
+// Holds one view at a time: a column is the u of all corners, then the v, each padded() long.
+class ViewRows {
+ public:
+  explicit ViewRows(const RowLayout& layout) : layout_(layout) {}
+
+  // Makes room for views of this size. Entries that no lens writes are zero.
+  void resize(std::size_t padded);
+
+  [[nodiscard]] const RowLayout& layout() const { return layout_; }
+  [[nodiscard]] std::size_t padded() const { return padded_; }
+  [[nodiscard]] double* u(int column) {
+    return &data_[2 * padded_ * static_cast<std::size_t>(column)];
+  }
+  [[nodiscard]] double* v(int column) { return u(column) + padded_; }
+  [[nodiscard]] const double* data() const { return data_.get(); }
+
+ private:
+  RowLayout layout_;
+  std::size_t padded_ = 0;
+  std::size_t capacity_ = 0;
+  AlignedArray data_;
+};
+
+struct RowSums {
+  double cost = 0;     // px^2
+  bool valid = false;  // every corner has a projection
+};
+
+// Fills the rows of a view, weighted, for the formula of one lens. The rows have its size.
+using FillRows = RowSums (*)(const ViewPoints& view, const RowPoint& point,
+                             const SE3& camera_from_board, const Loss& loss, ViewRows& rows);
+
+// The function of a lens in models.hpp, for the widest vectors of the machine.
+template <typename Lens>
+[[nodiscard]] FillRows fill_rows_of();
+
+// The function of a model by its name, which must exist.
+[[nodiscard]] FillRows fill_rows_of(std::string_view model);
+
+}  // namespace calvin

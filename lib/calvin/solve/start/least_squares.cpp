@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// One minimisation over some views, the distances of corners after it, and poses for a camera.
+
+#include "calvin/solve/start/least_squares.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calvin/solve/start/pose_fit.hpp"
+
+namespace calvin {
+
+LeastSquares::LeastSquares(const Parameterization& parameterization, ImageSize size,
+                           const std::stop_token& stop)
+    : parameterization_(parameterization),
+      size_(size),
+      stop_(stop),
+      fill_(fill_rows_of(parameterization.model)),
+      rows_(parameterization.layout) {}
+
+RowSums LeastSquares::fill(const FitView& view, const std::vector<double>& shared,
+                           const SE3& pose) {
+  rows_.resize(view.points.padded());
+  return fill_(view.points, parameterization_.row_point(shared), pose, Loss{}, rows_);
+}
+
+std::optional<CameraProblem> LeastSquares::minimise_over(
+    const std::vector<const FitView*>& views, std::vector<double>& shared, Poses& poses,
+    const Eigen::MatrixXd& basis, const Loss& loss, const LmOptions& options,
+    const std::vector<CameraUnknowns::Prior>& more) {
+  CameraUnknowns unknowns = {parameterization_.model, parameterization_.layout,
+                             parameterization_.skew, basis, parameterization_.priors};
+  unknowns.priors.insert(unknowns.priors.end(), more.begin(), more.end());
+  std::vector<std::size_t> index;
+  const auto make_problem = [&]() -> std::optional<CameraProblem> {
+    std::vector<const ViewPoints*> active;
+    CameraPoint from = {shared, {}};
+    index.clear();
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      if (views[v] == nullptr || !poses[v]) continue;
+      active.push_back(&views[v]->points);
+      index.push_back(v);
+      from.camera_from_board.push_back(*poses[v]);
+    }
+    if (active.empty()) return std::nullopt;
+    return CameraProblem(std::move(active), unknowns, std::move(from), loss, stop_);
+  };
+  auto problem = make_problem();
+  if (cancelled()) return std::nullopt;
+  if (problem && !problem->valid()) {
+    for (const std::size_t v : index) {
+      if (!fill(*views[v], shared, *poses[v]).valid) poses[v].reset();
+    }
+    problem = make_problem();
+  }
+  if (!problem || !problem->valid()) return std::nullopt;
+  const LmReport report = minimise(*problem, options, stop_);
+  iterations_ += report.iterations;
+  converged_ = report.converged;
+  cancelled_ = cancelled_ || report.cancelled;
+  shared = problem->point().shared;
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    poses[index[i]] = problem->point().camera_from_board[i];
+  }
+  return problem;
+}
+
+std::vector<double> LeastSquares::distances(const FitView& view, const std::vector<double>& shared,
+                                            const std::optional<SE3>& pose) {
+  std::vector<double> result(view.set.size(), kFarthest);
+  if (!pose) return result;
+  const auto bounded = [](double d) {
+    return std::isfinite(d) ? std::min(d, kFarthest) : kFarthest;
+  };
+  if (fill(view, shared, *pose).valid) {
+    const double* u = rows_.u(RowLayout::kResidual);
+    const double* v = rows_.v(RowLayout::kResidual);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      result[i] = bounded(std::sqrt(u[i] * u[i] + v[i] * v[i]));
+    }
+    return result;
+  }
+  // Some corner has no projection, so the rows are void: each corner is projected by itself.
+  const auto seen_by = camera(shared);
+  for (std::size_t i = 0; seen_by && i < result.size(); ++i) {
+    const auto at = seen_by->project(*pose * view.set.points[i]);
+    if (!at) continue;
+    const Pixel seen = view.set.uv[i];
+    result[i] = bounded(view.set.weight[i] * std::hypot(at->u - seen.u, at->v - seen.v));
+  }
+  return result;
+}
+
+std::optional<Camera> LeastSquares::camera(const std::vector<double>& shared) const {
+  const auto count = static_cast<std::ptrdiff_t>(4 + parameterization_.layout.coefficients);
+  auto made = Camera::make(parameterization_.model, size_, {shared.begin(), shared.begin() + count},
+                           parameterization_.row_point(shared).skew);
+  if (!made) return std::nullopt;
+  return *made;
+}
+
+Poses LeastSquares::poses_for(const std::vector<double>& shared,
+                              const std::vector<const FitView*>& views) const {
+  Poses poses(views.size());
+  const auto seen_by = camera(shared);
+  for (std::size_t v = 0; seen_by && v < views.size() && !stop_.stop_requested(); ++v) {
+    poses[v] = start_pose(views[v]->set, *seen_by);
+  }
+  return poses;
+}
+
+}  // namespace calvin

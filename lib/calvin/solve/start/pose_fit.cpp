@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Levenberg-Marquardt over the six unknowns of one pose, from both of a plane's tilts.
+
+#include "calvin/solve/start/pose_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "calvin/solve/linear/cholesky.hpp"
+#include "calvin/solve/linear/lm.hpp"
+#include "calvin/solve/linear/products.hpp"
+#include "calvin/solve/residuals/camera_problem.hpp"
+#include "calvin/solve/start/plane_pose.hpp"
+
+namespace calvin {
+
+namespace {
+
+// The pose of one view as a problem for minimise().
+class PoseProblem {
+ public:
+  PoseProblem(const ViewPoints& view, const Camera& camera, const Loss& loss, const SE3& start)
+      : view_(view),
+        camera_(camera),
+        fill_(fill_rows_of(camera.model())),
+        loss_(loss),
+        rows_({static_cast<int>(camera.parameters().size()) - 4, false, 0}) {
+    current_.pose = start;
+    rows_.resize(view.padded());
+    valid_ = linearise(current_);
+  }
+
+  [[nodiscard]] bool valid() const { return valid_; }
+  [[nodiscard]] double cost() const { return current_.cost; }
+  [[nodiscard]] const SE3& pose() const { return current_.pose; }
+
+  [[nodiscard]] std::optional<double> propose(double lambda) {
+    double factor[kPose * kPose];
+    if (!cholesky_of<kPose>(current_.block(), lambda, factor)) return std::nullopt;
+    double step[kPose];
+    for (int i = 0; i < kPose; ++i) step[i] = -current_.gradient()[i];
+    solve_lower<kPose>(factor, step);
+    solve_upper<kPose>(factor, step);
+    double predicted = 0;
+    for (int i = 0; i < kPose; ++i) {
+      const double diagonal = current_.block()[i * kPose + i];
+      predicted += step[i] * (lambda * diagonal * step[i] - current_.gradient()[i]);
+    }
+    if (!std::isfinite(predicted)) return std::nullopt;
+    trial_.pose = retract(current_.pose, step);
+    return std::max(predicted, 0.0);
+  }
+  [[nodiscard]] std::optional<double> evaluate_trial() {
+    if (!linearise(trial_)) return std::nullopt;
+    return trial_.cost;
+  }
+  void accept() { std::swap(current_, trial_); }
+  void accept_unseen(double predicted) {
+    current_.pose = trial_.pose;
+    current_.cost = std::max(0.0, current_.cost - predicted);
+  }
+
+ private:
+  static constexpr int kPose = RowLayout::kPose;
+
+  struct State {
+    SE3 pose;
+    // The products of the pose columns with each other and, as a last row, with the residual.
+    std::array<double, static_cast<std::size_t>(kPose + 1) * kPose> products{};
+    double cost = 0;
+
+    [[nodiscard]] const double* block() const { return products.data(); }
+    [[nodiscard]] const double* gradient() const { return products.data() + kPose * kPose; }
+  };
+
+  bool linearise(State& state) {
+    const RowPoint at = {camera_.parameters().data(), camera_.skew(), nullptr};
+    const RowSums sums = fill_(view_, at, state.pose, loss_, rows_);
+    if (!sums.valid || !std::isfinite(sums.cost)) return false;
+    state.cost = sums.cost;
+    double products[(kPose + 1) * kLanes];
+    column_products(rows_.data(), 2 * rows_.padded(), kPose + 1, products, kLanes);
+    for (std::size_t i = 0; i <= kPose; ++i) {
+      for (std::size_t j = 0; j < std::min<std::size_t>(i + 1, kPose); ++j) {
+        state.products[i * kPose + j] = products[i * kLanes + j];
+      }
+    }
+    return true;
+  }
+
+  const ViewPoints& view_;
+  const Camera& camera_;
+  FillRows fill_;
+  Loss loss_;
+  ViewRows rows_;
+  State current_;
+  State trial_;
+  bool valid_ = false;
+};
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const Camera& camera) {
+  std::vector<Eigen::Vector3d> rays(view.size(), Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    if (!(view.weight[i] > 0)) continue;
+    const auto ray = camera.unproject(view.uv[i]);
+    if (ray && ray->allFinite()) rays[i] = *ray;
+  }
+  return rays;
+}
+
+std::optional<SE3> start_pose(const PointSet& view, const Camera& camera) {
+  return pose_from_rays(view.points, rays_of(view, camera));
+}
+
+std::optional<PoseFit> fit_pose(const PointSet& view, const Camera& camera, const Loss& loss) {
+  const auto start = start_pose(view, camera);
+  if (!start) return std::nullopt;
+  const ViewPoints points(view, {});
+  const auto refined = [&](const SE3& from) -> std::optional<PoseFit> {
+    PoseProblem problem(points, camera, loss, from);
+    if (!problem.valid()) return std::nullopt;
+    minimise(problem, LmOptions{}, {});
+    return PoseFit{problem.pose(), problem.cost(), problem.pose(), problem.cost()};
+  };
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : view.points) center += p / static_cast<double>(view.size());
+  auto best = refined(*start);
+  auto other = refined(mirrored_tilt(best ? best->camera_from_board : *start, center));
+  if (other && (!best || other->cost < best->cost)) std::swap(best, other);
+  if (best && other) {
+    best->other = other->camera_from_board;
+    best->other_cost = other->cost;
+  }
+  return best;
+}
+
+}  // namespace calvin

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Tries starts on a sample of the views and ranks the cameras that they lead to.
+
+#include "calvin/solve/start/start_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "calvin/solve/residuals/outliers.hpp"
+#include "calvin/solve/start/pose_fit.hpp"
+
+namespace calvin {
+
+namespace {
+
+// The trials of thorough().
+constexpr std::size_t kTrialViews = 12;  // views on which a start is tried
+constexpr std::size_t kTrials = 4;       // starts that are improved over all these views
+constexpr std::size_t kTrialsOfFew = 8;  // where there are few views
+
+// The sample of quick(): one focal length found on it gives the poses of all views.
+constexpr std::size_t kQuickViews = 6;
+constexpr std::size_t kQuickCorners = 16;  // of a view
+constexpr std::size_t kPoseCorners = 10;   // of a view whose camera is known nearly
+constexpr std::size_t kJump = 7;           // prime to kQuickCorners: visits every place of a part
+
+// Few and rough iterations, which bring a start near the optimum.
+constexpr LmOptions kRough = {8, 1e-2, 0, 1e-6};
+
+// A lens with more coefficients than this does not start with all of them free.
+constexpr int kPlainLens = 5;
+
+// Robust scale, in image widths, from which on a start is in the wrong basin.
+constexpr double kFar = 1e-3;
+// Times the best scale: a start with a larger scale is not followed.
+constexpr double kHopeless = 4;
+
+StartSearch::Views sample_of(const StartSearch::Views& views, std::size_t most) {
+  StartSearch::Views sample;
+  const std::size_t n = std::min(views.size(), most);
+  for (std::size_t i = 0; i < n; ++i) sample.push_back(views[i * views.size() / n]);
+  return sample;
+}
+
+// A few of the corners: one of each of equal parts of the list, at a different place in each part,
+// because a part may be as long as a row of the board.
+PointSet thinned(const PointSet& all, std::size_t most = kQuickCorners) {
+  PointSet few = all.without_corners();
+  const std::size_t n = std::min(all.size(), most);
+  few.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t first = i * all.size() / n;
+    const std::size_t length = (i + 1) * all.size() / n - first;
+    few.append(all, first + kJump * i % kQuickCorners * length / kQuickCorners);
+  }
+  return few;
+}
+
+// The same views with a few of their corners.
+class Thinned {
+ public:
+  Thinned(const StartSearch::Views& views, const BoardShape& shape) {
+    views_.reserve(views.size());
+    for (const FitView* view : views) {
+      views_.emplace_back(thinned(view->set), shape, last_of(views_));
+      pointers_.push_back(&views_.back());
+    }
+  }
+  [[nodiscard]] const StartSearch::Views& views() const { return pointers_; }
+
+ private:
+  std::vector<FitView> views_;
+  StartSearch::Views pointers_;
+};
+
+bool same_place(const Candidate& a, const Candidate& b) {
+  constexpr double kSame = 1e-2;
+  for (std::size_t i = 0; i < a.shared.size(); ++i) {
+    const double unit = i < 4 ? a.shared[0] : 1;
+    if (std::abs(a.shared[i] - b.shared[i]) > kSame * unit) return false;
+  }
+  return true;
+}
+
+bool nearer(const Candidate& a, const Candidate& b) { return a.scale < b.scale; }
+
+}  // namespace
+
+bool StartSearch::is_far(double scale) const { return !(scale < kFar * size_.width); }
+
+bool StartSearch::is_rich() const { return parameterization_.layout.coefficients > kPlainLens; }
+
+bool StartSearch::many_basins(const Views& views) const {
+  return views.size() < kFewViews || parameterization_.lens.starts.size() > 1;
+}
+
+Candidate StartSearch::quick(const Views& views) {
+  if (!parameterization_.initial.empty() || many_basins(views)) return {};
+  const std::size_t most = is_rich() ? kTrialViews : kQuickViews;
+  const Thinned sample(sample_of(views, most), shape_);
+  Candidate best = parameterization_.lens.perspective ? by_closed_form(sample.views())
+                                                      : by_focal_lengths(sample.views());
+  if (!std::isfinite(best.scale)) return {};
+  const auto camera = least_squares_.camera(best.shared);
+  if (!camera) return {};
+  best.poses.assign(views.size(), std::nullopt);
+  for (std::size_t v = 0; v < views.size() && !least_squares_.cancelled(); ++v) {
+    best.poses[v] = start_pose(thinned(views[v]->set, kPoseCorners), *camera);
+  }
+  return best;
+}
+
+Candidate StartSearch::by_closed_form(const Views& sample) {
+  std::vector<Eigen::Matrix3d> homographies;
+  for (const FitView* view : sample) {
+    const auto h = view_homography(view->set, size_);
+    if (!h) return {};
+    homographies.push_back(*h);
+  }
+  Candidate best;
+  for (const Guess& guess : closed_form_guesses(homographies, size_)) {
+    Candidate c = with(guess, parameterization_.lens.starts.front());
+    const Guess held = {c.shared[0], c.shared[1], c.shared[2], c.shared[3]};
+    for (const auto& h : homographies) c.poses.push_back(pose_by_guess(h, held, size_));
+    c.scale = scale_of(c, sample);
+    if (c.scale < best.scale) best = std::move(c);
+  }
+  if (!std::isfinite(best.scale)) return best;
+  if (is_rich()) {
+    improve(best, sample, Damping::kFree);
+  } else {
+    const Loss loss{Loss::Kind::kHuber, 2 * best.scale};
+    (void)least_squares_.minimise_over(sample, best.shared, best.poses, parameterization_.basis,
+                                       loss, kRough);
+    best.scale = scale_of(best, sample);
+  }
+  return best;
+}
+
+Candidate StartSearch::by_focal_lengths(const Views& sample) {
+  std::vector<Candidate> candidates;
+  const std::vector<Guess> grid = focal_grid(size_, false);
+  for (std::size_t i = 1; i < grid.size(); i += 2) {
+    candidates.push_back(with(grid[i], parameterization_.lens.starts.front()));
+  }
+  auto found = best_of(std::move(candidates), sample, 1);
+  return found.empty() ? Candidate() : std::move(found.front());
+}
+
+std::vector<Candidate> StartSearch::thorough(const Views& views) {
+  const Views sample = sample_of(views, kTrialViews);
+  std::vector<Candidate> found = best_of(from_initial(), sample, 1);
+  if (found.empty() || is_far(found.front().scale)) {
+    const std::size_t trials = views.size() < kFewViews ? kTrialsOfFew : kTrials;
+    for (const auto& start : parameterization_.lens.starts) {
+      auto more = best_of(guesses(sample, start), sample, trials);
+      std::move(more.begin(), more.end(), std::back_inserter(found));
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), nearer);
+  std::vector<Candidate> distinct;
+  for (Candidate& c : found) {
+    if (!std::isfinite(c.scale) || c.scale > kHopeless * found.front().scale) continue;
+    const auto is_same = [&c](const Candidate& other) { return same_place(c, other); };
+    if (std::any_of(distinct.begin(), distinct.end(), is_same)) continue;
+    if (sample.size() < views.size()) c.poses = least_squares_.poses_for(c.shared, views);
+    distinct.push_back(std::move(c));
+  }
+  return distinct;
+}
+
+std::vector<Candidate> StartSearch::from_initial() const {
+  if (parameterization_.initial.empty()) return {};
+  Candidate c;
+  c.shared = parameterization_.initial;
+  parameterization_.hold(c.shared.data());
+  return {std::move(c)};
+}
+
+Candidate StartSearch::with(const Guess& guess, const std::vector<double>& coefficients) const {
+  Candidate c;
+  c.shared.assign(static_cast<std::size_t>(parameterization_.layout.shared()), 0);
+  std::copy(guess.begin(), guess.end(), c.shared.begin());
+  std::copy(coefficients.begin(), coefficients.end(), c.shared.begin() + 4);
+  parameterization_.hold(c.shared.data());
+  return c;
+}
+
+std::vector<Candidate> StartSearch::guesses(const Views& sample,
+                                            const std::vector<double>& start) const {
+  std::vector<Guess> cameras;
+  if (parameterization_.lens.perspective) {
+    std::vector<Eigen::Matrix3d> homographies;
+    for (const FitView* view : sample) {
+      if (const auto h = view_homography(view->set, size_)) homographies.push_back(*h);
+    }
+    cameras = closed_form_guesses(homographies, size_);
+  }
+  const auto more = focal_grid(size_, parameterization_.lens.perspective);
+  cameras.insert(cameras.end(), more.begin(), more.end());
+  std::vector<Candidate> candidates;
+  for (const Guess& guess : cameras) candidates.push_back(with(guess, start));
+  return candidates;
+}
+
+std::vector<Candidate> StartSearch::best_of(std::vector<Candidate> candidates, const Views& sample,
+                                            std::size_t trials) {
+  const Thinned few(sample, shape_);
+  for (Candidate& c : candidates) {
+    if (least_squares_.cancelled()) return {};
+    c.poses = least_squares_.poses_for(c.shared, few.views());
+    c.scale = scale_of(c, few.views());
+  }
+  std::sort(candidates.begin(), candidates.end(), nearer);
+  if (candidates.size() > trials) candidates.resize(trials);
+  for (Candidate& c : candidates) improve(c, sample, Damping::kPriors);
+  std::sort(candidates.begin(), candidates.end(), nearer);
+  return candidates;
+}
+
+Eigen::MatrixXd StartSearch::leading(int coefficients) const {
+  const Eigen::MatrixXd& all = parameterization_.basis;
+  const Eigen::Index first = 4 + std::min(coefficients, parameterization_.layout.coefficients);
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index c = 0; c < all.cols(); ++c) {
+    if (!all.col(c).tail(all.rows() - first).any()) columns.push_back(c);
+  }
+  if (columns.empty()) return all;
+  Eigen::MatrixXd some(all.rows(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    some.col(static_cast<Eigen::Index>(i)) = all.col(columns[i]);
+  }
+  return some;
+}
+
+// The directions of each stage: first the focal length, then also the strongest coefficients, then
+// all.
+std::vector<Eigen::MatrixXd> StartSearch::stages() const {
+  std::vector<Eigen::MatrixXd> result;
+  if (!parameterization_.held[0] && !parameterization_.held[1]) {
+    Eigen::MatrixXd focal = Eigen::MatrixXd::Zero(parameterization_.layout.shared(), 1);
+    focal(0, 0) = 1;
+    focal(1, 0) = parameterization_.aspect();
+    result.push_back(std::move(focal));
+  }
+  for (const int coefficients : {2, kPlainLens}) {
+    if (parameterization_.layout.coefficients > coefficients)
+      result.push_back(leading(coefficients));
+  }
+  result.push_back(parameterization_.basis);
+  return result;
+}
+
+void StartSearch::improve(Candidate& c, const Views& sample, Damping damping) {
+  const int iterations = is_rich() ? 40 : 15;
+  const auto step = [&](const Eigen::MatrixXd& basis, const Priors& priors) {
+    const Loss loss{Loss::Kind::kHuber, 2 * c.scale};
+    (void)least_squares_.minimise_over(sample, c.shared, c.poses, basis, loss,
+                                       {basis.cols() == 1 ? 5 : iterations, 1e-5}, priors);
+    c.scale = scale_of(c, sample);
+  };
+  const bool damped = is_rich() && damping == Damping::kPriors;
+  for (const Eigen::MatrixXd& basis : stages()) step(basis, damped ? small(1 / c.scale) : Priors());
+  for (const double looser : {4, 16, 64, 256}) {
+    if (damped) step(parameterization_.basis, small(looser / c.scale));
+  }
+}
+
+// Priors at 0 for the higher coefficients: at the start nothing keeps numerator and denominator of
+// a rational lens from growing together and cancelling.
+StartSearch::Priors StartSearch::small(double sigma) const {
+  Priors priors;
+  for (int i = kPlainLens; i < parameterization_.layout.coefficients; ++i)
+    priors.push_back({4 + i, 0, sigma});
+  return priors;
+}
+
+double StartSearch::scale_of(const Candidate& c, const Views& views) {
+  std::vector<double> all;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto d = least_squares_.distances(*views[v], c.shared, c.poses[v]);
+    all.insert(all.end(), d.begin(), d.end());
+  }
+  return robust_scale(std::move(all));
+}
+
+}  // namespace calvin

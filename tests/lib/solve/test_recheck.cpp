@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Recheck: silent about a camera that is still the same, and right about one that is not.
+#include <gtest/gtest.h>
+
+#include "calvin/solve/pose.hpp"
+#include "calvin/solve/recheck.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::kBoard;
+using scenes::kSize;
+using scenes::Random;
+
+class EveryModel : public ::testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(Recheck, EveryModel, ::testing::ValuesIn(scenes::kSolvedModels),
+                         [](const auto& test) { return std::string(test.param); });
+
+// The largest distance between what two cameras see along the same rays, one of them turned as
+// well as it goes, on a grid over the image: by numeric least squares over the three angles.
+double true_change(const Camera& from, const Camera& to) {
+  std::vector<Eigen::Vector3d> rays;
+  std::vector<Pixel> at;
+  for (int y = 0; y <= 24; ++y) {
+    for (int x = 0; x <= 32; ++x) {
+      const Pixel p = {x * (kSize.width - 1) / 32.0, y * (kSize.height - 1) / 24.0};
+      const auto ray = from.unproject(p);
+      if (!ray) continue;
+      rays.push_back(*ray);
+      at.push_back(p);
+    }
+  }
+  const auto errors = [&](const Eigen::Vector3d& w) {
+    const Eigen::Matrix3d r = exp_so3(w);
+    Eigen::VectorXd e = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(rays.size()));
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto q = to.project(r * rays[i]);
+      if (!q) continue;
+      e[2 * static_cast<Eigen::Index>(i)] = q->u - at[i].u;
+      e[2 * static_cast<Eigen::Index>(i) + 1] = q->v - at[i].v;
+    }
+    return e;
+  };
+  Eigen::Vector3d w = Eigen::Vector3d::Zero();
+  for (int round = 0; round < 10; ++round) {
+    Eigen::MatrixXd j(2 * static_cast<Eigen::Index>(rays.size()), 3);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d h = 1e-6 * Eigen::Vector3d::Unit(k);
+      j.col(k) = (errors(w + h) - errors(w - h)) / 2e-6;
+    }
+    w -= (j.transpose() * j).ldlt().solve(j.transpose() * errors(w));
+  }
+  const Eigen::VectorXd e = errors(w);
+  double farthest = 0;
+  for (Eigen::Index i = 0; i < e.size(); i += 2)
+    farthest = std::max(farthest, e.segment<2>(i).norm());
+  return farthest;
+}
+
+std::vector<View> views_of(const Camera& camera, Random& random, int count, double sigma) {
+  return scenes::observe_all(camera, kBoard, scenes::random_poses(camera, kBoard, random, count),
+                             sigma, random);
+}
+
+// The corners of a view claim a noise of 0.1 px; what they have is another matter.
+TEST_P(EveryModel, AnUnchangedCameraHasNotMoved) {
+  for (const double sigma : {0.02, 0.1, 0.3}) {
+    int alarms = 0;
+    const int kSessions = scenes::full_count() ? 200 : 20;
+    for (int session = 0; session < kSessions; ++session) {
+      Random random(session);
+      const Camera camera = scenes::random_camera(GetParam(), random);
+      SolveOptions options;
+      options.model = GetParam();
+      const auto solution = solve(views_of(camera, random, 25, sigma), kSize, options);
+      ASSERT_TRUE(solution) << solution.error().message;
+      const Camera calibrated = Camera::make(solution->calibration).value();
+      Recheck recheck(calibrated, solution->calibration);
+      double moved = 0;
+      double rms = 0;
+      for (View view : views_of(camera, random, 15, sigma)) {
+        for (double& s : view.observation.sigma) s = 0.1;
+        const auto report = recheck.add(view);
+        ASSERT_TRUE(report);
+        moved = report->displacement;
+        rms = report->rms;
+        EXPECT_EQ(report->points, 54);
+      }
+      EXPECT_NEAR(rms, std::sqrt(2.0) * sigma, 0.5 * sigma);
+      alarms += moved > 2 * solution->calibration.expected_error.value();
+    }
+    EXPECT_LE(alarms, kSessions / 20) << sigma;
+  }
+}
+
+// A board that bends by 0.5 mm, which the calibration has found out.
+TEST(Recheck, ABentBoardIsNoChangeOfTheCamera) {
+  constexpr double kBend = 0.5e-3;
+  const auto bend = [](View& view, const Camera& camera, const SE3& pose, Random& random) {
+    std::normal_distribution<double> noise(0, 0.05);
+    const auto points = view.board.points();
+    for (std::size_t i = 0; i < view.observation.ids.size(); ++i) {
+      Eigen::Vector3d point = points[static_cast<std::size_t>(view.observation.ids[i])];
+      const double x = 2 * point.x() / points.back().x() - 1;
+      point.z() = kBend * (1 - x * x);
+      const Pixel at = camera.project(pose * point).value();
+      view.observation.uv[i] = {at.u + noise(random), at.v + noise(random)};
+    }
+    view.observation.sigma.assign(view.observation.ids.size(), 0.05);
+  };
+  int alarms = 0;
+  constexpr int kSessions = 20;
+  for (int session = 0; session < kSessions; ++session) {
+    Random random(session);
+    const Camera camera = scenes::random_camera("brown5", random);
+    const auto bent_views = [&](int count) {
+      std::vector<View> views;
+      for (const SE3& pose : scenes::random_poses(camera, kBoard, random, count)) {
+        views.push_back(scenes::observe(camera, kBoard, pose, 0, random));
+        bend(views.back(), camera, pose, random);
+      }
+      return views;
+    };
+    const auto solution = solve(bent_views(25), kSize, {});
+    ASSERT_TRUE(solution && solution->calibration.warp);
+    Recheck recheck(Camera::make(solution->calibration).value(), solution->calibration);
+    double moved = 0;
+    for (const View& view : bent_views(15)) {
+      const auto report = recheck.add(view);
+      ASSERT_TRUE(report);
+      moved = report->displacement;
+      EXPECT_LT(report->rms, 0.1);
+    }
+    alarms += moved > 2 * solution->calibration.expected_error.value();
+  }
+  EXPECT_LE(alarms, kSessions / 20);
+}
+
+TEST_P(EveryModel, AChangedCameraHasMovedByWhatItHas) {
+  for (int session = 0; session < 20; ++session) {
+    Random random(session);
+    const Camera camera = scenes::random_camera(GetParam(), random);
+    std::vector<double> p = camera.parameters();
+    p[0] *= 1.01;
+    p[1] *= 1.01;
+    p[2] += 5;
+    p[3] -= 3;
+    if (p.size() > 4) p[4] += scenes::is_wide(GetParam()) ? 0.001 : 0.005;
+    const Camera now = Camera::make(GetParam(), kSize, p).value();
+    const double truth = true_change(camera, now);
+    Recheck recheck(camera, camera.to_calibration());
+    double moved = 0;
+    for (const View& view : views_of(now, random, 20, 0.05)) {
+      const auto report = recheck.add(view);
+      ASSERT_TRUE(report);
+      moved = report->displacement;
+    }
+    EXPECT_NEAR(moved, truth, 0.15 * truth) << session;
+  }
+}
+
+Camera with_skew(const Camera& camera, double skew) {
+  return Camera::make(camera.model(), camera.image_size(), camera.parameters(), skew).value();
+}
+
+// The covariance counts for a calibration that has a skew too: what few views left unsure is no
+// change of the camera.
+TEST(Recheck, OfACameraWithSkewTakesItsCovarianceIntoAccount) {
+  constexpr int kSessions = 30;
+  int alarms = 0;
+  for (int session = 0; session < kSessions; ++session) {
+    Random random(session);
+    const Camera camera = with_skew(scenes::random_camera("brown4", random), 2);
+    SolveOptions options;
+    options.model = "brown4";
+    options.skew = true;
+    const auto solution = solve(views_of(camera, random, 6, 0.1), kSize, options);
+    ASSERT_TRUE(solution) << solution.error().message;
+    Recheck recheck(Camera::make(solution->calibration).value(), solution->calibration);
+    double moved = 0;
+    for (const View& view : views_of(camera, random, 25, 0.1))
+      moved = recheck.add(view)->displacement;
+    alarms += moved > 0.5 * solution->calibration.expected_error.value();
+  }
+  // Two standard deviations off at the worst place of the picture: a few of a hundred.
+  EXPECT_LE(alarms, kSessions / 5);
+}
+
+TEST(Recheck, ASkewThatChangedHasMoved) {
+  Random random(21);
+  const Camera plain = scenes::random_camera("brown5", random);
+  const Camera camera = with_skew(plain, 1);
+  const Camera now = with_skew(plain, 7);
+  Calibration calibration = camera.to_calibration();
+  for (Parameter& p : calibration.parameters) p.sigma = 1e-6;
+  const double truth = true_change(camera, now);
+  Recheck recheck(camera, calibration);
+  double moved = 0;
+  for (const View& view : views_of(now, random, 20, 0.05)) moved = recheck.add(view)->displacement;
+  EXPECT_NEAR(moved, truth, 0.15 * truth);
+}
+
+// A calibration of the same camera at another size, by the conventions of docs/conventions.md: what
+// is along the rows grows with them.
+Calibration scaled_by_hand(Calibration c, ImageSize size, double sx, double sy) {
+  c.image_size = size;
+  std::vector<double> factors;  // of what is estimated
+  for (Parameter& p : c.parameters) {
+    double factor = 1;
+    if (p.name == "fx" || p.name == "cx" || p.name == "skew") factor = sx;
+    if (p.name == "fy" || p.name == "cy") factor = sy;
+    const double centre = p.name == "cx" || p.name == "cy" ? 0.5 : 0;
+    p.value = factor * (p.value + centre) - centre;
+    if (!p.sigma) continue;
+    *p.sigma *= factor;
+    factors.push_back(factor);
+  }
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    for (std::size_t k = 0; k < factors.size(); ++k) {
+      c.covariance[i * factors.size() + k] *= factors[i] * factors[k];
+    }
+  }
+  return c;
+}
+
+// What the calibration does not know of the camera is told in pixels of the frames that are looked
+// at, whatever the size that it was made at. From few views it knows little.
+TEST(Recheck, AtAnotherSizeTheCovarianceIsTheSame) {
+  Random random(23);
+  const Camera camera = with_skew(scenes::random_camera("brown4", random), 1);
+  SolveOptions options;
+  options.model = "brown4";
+  options.skew = true;
+  const Calibration calibration =
+      solve(views_of(camera, random, 5, 1), kSize, options)->calibration;
+  std::vector<double> p = camera.parameters();
+  p[0] *= 1.03;
+  p[1] *= 1.02;
+  p[2] += 25;
+  p[3] -= 30;
+  const Camera now = Camera::make("brown4", kSize, p, 8).value();
+  const auto views = views_of(now, random, 12, 0.05);
+  for (const ImageSize size : {kSize, ImageSize{640, 480}, ImageSize{1280, 480}, {320, 480}}) {
+    const double sx = 1.0 * size.width / kSize.width;
+    const double sy = 1.0 * size.height / kSize.height;
+    const Calibration own = scaled_by_hand(calibration, size, sx, sy);
+    const Camera of_frames = Camera::make(own).value();
+    Recheck scaled(of_frames, calibration);
+    Recheck made_so(of_frames, own);
+    Calibration sure = own;
+    sure.covariance.clear();
+    Recheck certain(of_frames, sure);
+    double found = 0;
+    double expected = 0;
+    double most = 0;
+    for (View view : views) {
+      view.observation.image_size = size;
+      for (Pixel& at : view.observation.uv) {
+        at = {sx * (at.u + 0.5) - 0.5, sy * (at.v + 0.5) - 0.5};
+      }
+      found = scaled.add(view)->displacement;
+      expected = made_so.add(view)->displacement;
+      most = certain.add(view)->displacement;
+    }
+    EXPECT_NEAR(found / expected, 1, 1e-9) << size.width << "x" << size.height;
+    EXPECT_GT(expected, 0);
+    EXPECT_LT(expected, 0.9 * most);
+  }
+}
+
+TEST_P(EveryModel, TheReportedPoseIsThatOfTheBoard) {
+  Random random(3);
+  const Camera camera = scenes::random_camera(GetParam(), random);
+  const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.5);
+  Recheck recheck(camera, camera.to_calibration());
+  const auto report = recheck.add(scenes::observe(camera, kBoard, pose, 0, random));
+  ASSERT_TRUE(report);
+  const Pose truth = to_pose(pose);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(report->camera_from_board.rotation[i], truth.rotation[i], 1e-6);
+    EXPECT_NEAR(report->camera_from_board.translation[i], truth.translation[i], 1e-6);
+  }
+  EXPECT_LT(report->rms, 1e-6);
+  EXPECT_LT(report->displacement, 1e-3);
+}
+
+// The errors of a still board are the same in every frame: they must not add up to a proof.
+TEST(Recheck, AStillBoardIsOneView) {
+  Random random(7);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.5);
+  const View view = scenes::observe(camera, kBoard, pose, 0.1, random);
+  Recheck recheck(camera, camera.to_calibration());
+  const double once = recheck.add(view)->displacement;
+  for (int i = 0; i < 100; ++i) EXPECT_NEAR(recheck.add(view)->displacement, once, 1e-9);
+}
+
+// What was seen longest ago gives way: a lens that was turned since is judged by what it shows now.
+TEST(Recheck, TheLatestViewsCount) {
+  Random random(8);
+  const Camera camera = scenes::random_camera("brown4", random);
+  std::vector<double> p = camera.parameters();
+  p[0] *= 1.02;
+  p[1] *= 1.02;
+  p[3] += 8;
+  const Camera now = Camera::make("brown4", kSize, p).value();
+  const double truth = true_change(camera, now);
+  Recheck recheck(camera, camera.to_calibration());
+  double moved = 0;
+  for (const View& view : views_of(camera, random, 30, 0.05))
+    moved = recheck.add(view)->displacement;
+  EXPECT_LT(moved, 0.2 * truth);
+  for (const View& view : views_of(now, random, 60, 0.05)) moved = recheck.add(view)->displacement;
+  EXPECT_NEAR(moved, truth, 0.1 * truth);
+}
+
+// How the board of the calibration was bent says nothing of another one.
+TEST(Recheck, AnotherBoardIsFlat) {
+  const Board other = {BoardKind::kCheckerboard, 7, 6, 0.03};
+  Random random(9);
+  const Camera camera = scenes::random_camera("brown4", random);
+  Calibration calibration = camera.to_calibration();
+  calibration.board = kBoard.text();
+  calibration.warp = BoardWarp{2e-3, -1e-3, {}, {}};
+  Recheck recheck(camera, calibration);
+  for (const SE3& pose : scenes::random_poses(camera, other, random, 10)) {
+    const auto report = recheck.add(scenes::observe(camera, other, pose, 0, random));
+    ASSERT_TRUE(report);
+    EXPECT_LT(report->rms, 1e-6);
+    EXPECT_LT(report->displacement, 1e-3);
+  }
+  // And that of the calibration is not.
+  const SE3 pose = scenes::random_pose(camera, kBoard, random, 0.5);
+  EXPECT_GT(recheck.add(scenes::observe(camera, kBoard, pose, 0, random))->rms, 0.1);
+}
+
+TEST(Recheck, AFrameOfAnotherSizeIsRefused) {
+  Random random(1);
+  const Camera camera = scenes::random_camera("brown5", random);
+  Recheck recheck(camera, camera.to_calibration());
+  View view =
+      scenes::observe(camera, kBoard, scenes::random_pose(camera, kBoard, random, 0.3), 0, random);
+  view.observation.image_size = {640, 480};
+  const auto report = recheck.add(view);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace calvin

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The rules by which a solve judges corners, views and itself, each against numbers worked out by
+// hand or taken from tables.
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calvin/solve/fit/weights.hpp"
+#include "calvin/solve/judge/fit_diagnostics.hpp"
+#include "calvin/solve/residuals/loss.hpp"
+#include "calvin/solve/residuals/outliers.hpp"
+
+namespace calvin {
+namespace {
+
+using Cause = Misfit::Cause;
+
+// Quantiles of chi^2 (Abramowitz and Stegun, table 26.8), which a normal number exceeds as rarely
+// at 2.3263, 1.6449, 0 and -1.6449.
+TEST(ChiSquare, IsInStandardDeviations) {
+  EXPECT_NEAR((ChiSquare{23.2093, 10}.deviations()), 2.3263, 0.02);
+  EXPECT_NEAR((ChiSquare{76.1539, 50}.deviations()), 2.3263, 0.005);
+  EXPECT_NEAR((ChiSquare{67.5048, 50}.deviations()), 1.6449, 0.005);
+  EXPECT_NEAR((ChiSquare{99.3341, 100}.deviations()), 0, 0.005);
+  EXPECT_NEAR((ChiSquare{77.9295, 100}.deviations()), -1.6449, 0.005);
+  EXPECT_EQ((ChiSquare{3, 0}.deviations()), 0);
+  EXPECT_EQ((ChiSquare{3, 2}.ratio()), 1.5);
+  EXPECT_EQ((ChiSquare{3, 0}.ratio()), 1);
+}
+
+constexpr double kDegrees = 1000;
+
+// A sum that noise exceeds by this many standard deviations: nearly d + s sqrt(2 d).
+ChiSquare beyond(double deviations, double degrees = 100) {
+  const double width = 2 / (9 * degrees);
+  return {degrees * std::pow(1 - width + deviations * std::sqrt(width), 3), degrees};
+}
+
+struct Case {
+  const char* name;
+  ChiSquare views;
+  ChiSquare picture;
+  ChiSquare board;
+  std::optional<double> chi;
+  Cause cause;
+  double rms = 0.1;
+};
+
+TEST(Verdict, IsTheLargestThatIsSignificant) {
+  const ChiSquare noise = {100, 100};
+  for (const Case& c : std::vector<Case>{
+           {"noise", noise, noise, noise, 1, Cause::kNone},
+           {"views", beyond(2.4), noise, noise, 1, Cause::kMotion},
+           {"picture", noise, beyond(2.4), noise, 1, Cause::kModel},
+           {"board", noise, noise, beyond(2.4), 1, Cause::kBoard},
+           {"less than one in a hundred", beyond(2.2), beyond(2.2), beyond(2.2), 1, Cause::kNone},
+           {"less than noise", beyond(-4), beyond(-4), beyond(-4), 1, Cause::kNone},
+           // The one that explains more, and views contradict each other for either reason.
+           {"more of the picture", beyond(5), beyond(4), beyond(3), 1, Cause::kModel},
+           {"more of the board", beyond(5), beyond(3), beyond(4), 1, Cause::kBoard},
+           {"more of the board, as noise would have", noise, beyond(3, 50), beyond(2, 400), 1,
+            Cause::kModel},
+           {"chi", noise, noise, noise, 1.4, Cause::kNoise},
+           {"chi, a little", noise, noise, noise, 1.3, Cause::kNone},
+           {"chi, unknown", noise, noise, noise, {}, Cause::kNone},
+           {"chi, and the board", noise, noise, beyond(3), 1.4, Cause::kBoard},
+       }) {
+    EXPECT_EQ(
+        to_string(misfit({1.5, {}, c.views, c.picture, c.board}, c.chi, kDegrees, c.rms).cause),
+        to_string(c.cause))
+        << c.name;
+  }
+  EXPECT_EQ(misfit({1.5, {}, noise, noise, noise}, 1, kDegrees, 0.1).split_half_ratio, 1.5);
+}
+
+// A hundredth of the variance, and three thousandths of a pixel.
+TEST(Verdict, IsNotSaidOfWhatDoesNotMatter) {
+  const auto cause = [](double excess, double all, double rms) {
+    const ChiSquare noise = {100, 100};
+    return misfit({1, {}, noise, {100 + excess, 100}, noise}, {}, all, rms).cause;
+  };
+  EXPECT_EQ(cause(50, 4900, 0.1), Cause::kModel);  // 0.0102 of the variance
+  EXPECT_EQ(cause(50, 5100, 0.1), Cause::kNone);   // 0.0098
+  // sqrt(0.05) of the rms.
+  EXPECT_EQ(cause(50, 1000, 0.014), Cause::kModel);
+  EXPECT_EQ(cause(50, 1000, 0.013), Cause::kNone);
+}
+
+// The limit of chi is 1.25 (1 + 2.33 / sqrt(2 degrees)): 1.3415 at a thousand, 1.541 at fifty.
+TEST(Verdict, OfNoiseAllowsForTheLuckOfFewCorners) {
+  const ChiSquare none = {0, 0};
+  const auto cause = [&](double chi, double degrees) {
+    return misfit({1, {}, none, none, none}, chi, degrees, 0.1).cause;
+  };
+  EXPECT_EQ(cause(1.31, kDegrees), Cause::kNone);
+  EXPECT_EQ(cause(1.33, kDegrees), Cause::kNoise);
+  EXPECT_EQ(cause(1.53, 50), Cause::kNone);
+  EXPECT_EQ(cause(1.55, 50), Cause::kNoise);
+}
+
+TEST(RobustScale, IsTheMedianOfRayleighs) {
+  // The median distance of Gaussian points from their mean is sqrt(2 ln 2) sigma.
+  EXPECT_NEAR(robust_scale({9, 0.1, 1, 0.9, 50}), 1 / std::sqrt(2 * std::numbers::ln2), 1e-4);
+  EXPECT_EQ(robust_scale({1e-3, 1e-3, 1e-3}), 0.01);
+  EXPECT_EQ(robust_scale({}), 0.01);
+}
+
+TEST(TrimmedRms, IsOfTheNearestThreeQuarters) {
+  EXPECT_NEAR(trimmed_rms({100, 1, 2, 3}), std::sqrt(14.0 / 3), 1e-12);
+  EXPECT_NEAR(trimmed_rms({100, 100, 4, 1, 2, 3, 1, 1}), std::sqrt(32.0 / 6), 1e-12);
+  EXPECT_NEAR(trimmed_rms({5}), 5, 1e-12);
+  EXPECT_EQ(trimmed_rms({}), 0);
+}
+
+constexpr double kRayleigh = 1.1774;
+
+// A view of which the scale is `scale`.
+std::vector<double> view_of(double scale) { return std::vector<double>(9, scale * kRayleigh); }
+
+TEST(Outliers, CornersBeyondSixScales) {
+  std::vector<std::vector<double>> distances(3, view_of(1));
+  distances[1][4] = 5.99;
+  distances[1][5] = 6.01;
+  distances[2] = view_of(2);  // judged by itself
+  distances[2][0] = 11.98;
+  distances[2][1] = 12.02;
+  const auto masks = find_outliers(distances);
+  ASSERT_EQ(masks.size(), 3U);
+  for (std::size_t v = 0; v < 3; ++v) {
+    EXPECT_TRUE(masks[v].view);
+    for (std::size_t i = 0; i < 9; ++i) {
+      EXPECT_EQ(masks[v].corners[i], !(v == 1 && i == 5) && !(v == 2 && i == 1)) << v << " " << i;
+    }
+  }
+  EXPECT_TRUE(any_outlier(masks));
+  // A view that is better than the others has no narrower limit.
+  distances.assign(3, view_of(1));
+  distances[0] = view_of(0.1);
+  distances[0][3] = 5.9;
+  EXPECT_FALSE(any_outlier(find_outliers(distances)));
+}
+
+TEST(Outliers, ViewsBeyondFourTimesTheMedian) {
+  const auto judged = [](double scale, std::size_t others) {
+    std::vector<std::vector<double>> distances(others, view_of(1));
+    distances.push_back(view_of(scale));
+    return find_outliers(distances).back();
+  };
+  EXPECT_TRUE(judged(3.9, 5).view);
+  EXPECT_FALSE(judged(4.1, 5).view);
+  for (const bool corner : judged(4.1, 5).corners) EXPECT_FALSE(corner);
+  EXPECT_FALSE(judged(4.1, 3).view);
+  EXPECT_TRUE(judged(4.1, 2).view);  // three views judge none
+}
+
+TEST(Outliers, ViewsThatDifferMuchAreLeftTheirWay) {
+  // Scales of median 1.6 and 1.4826 times the median deviation of 0.6: the limit is 6.94.
+  const auto judged = [](double scale) {
+    std::vector<std::vector<double>> distances;
+    for (const double s : {0.1, 1.0, 1.0, 1.6, 1.6, 2.2, 2.2, 0.1}) distances.push_back(view_of(s));
+    distances.push_back(view_of(scale));
+    return find_outliers(distances).back().view;
+  };
+  EXPECT_TRUE(judged(6.85));
+  EXPECT_FALSE(judged(7.0));
+}
+
+TEST(Losses, AreTheirFormulae) {
+  const Loss huber = {Loss::Kind::kHuber, 2};
+  EXPECT_EQ(huber(3.9).cost, 3.9);
+  EXPECT_EQ(huber(3.9).weight, 1);
+  EXPECT_NEAR(huber(25).cost, 2 * 2 * 5 - 4, 1e-12);
+  EXPECT_NEAR(huber(25).weight, 0.4, 1e-12);
+  const Loss cauchy = {Loss::Kind::kCauchy, 2};
+  EXPECT_NEAR(cauchy(12).cost, 4 * std::log(4.0), 1e-12);
+  EXPECT_NEAR(cauchy(12).weight, 0.25, 1e-12);
+  EXPECT_EQ(Loss{}(25).cost, 25);
+  EXPECT_EQ(Loss{}(25).weight, 1);
+}
+
+PointSet points_of(std::vector<double> sigmas, bool known = true) {
+  PointSet set;
+  for (const double sigma : sigmas) set.weight.push_back(1 / sigma);
+  set.points.resize(sigmas.size());
+  set.sigma_known = known;
+  return set;
+}
+
+TEST(Weights, AreOfTheMedianSigma) {
+  std::vector<PointSet> views = {points_of({0.1, 0.2}), points_of({0.2, 0.4, 1000})};
+  const WeightScale scale = normalise_weights(views);
+  EXPECT_NEAR(scale.sigma, 0.2, 1e-15);
+  EXPECT_TRUE(scale.known);
+  EXPECT_NEAR(views[0].weight[0], 2, 1e-12);
+  EXPECT_NEAR(views[0].weight[1], 1, 1e-12);
+  EXPECT_NEAR(views[1].weight[1], 0.5, 1e-12);
+  EXPECT_NEAR(views[1].weight[2], 1e-3, 1e-12);  // no further than that
+  views = {points_of({0.1}), points_of({0.1}, false), points_of({0.1})};
+  EXPECT_FALSE(normalise_weights(views).known);
+}
+
+// Distances of which the median square is `times` 2 ln 2 (the median of two Gaussians' squares).
+Fit fit_of(const std::vector<double>& sigmas, const std::vector<double>& squares) {
+  Fit fit;
+  fit.used = {true};
+  fit.views = {points_of(sigmas)};
+  fit.squares = {squares};
+  return fit;
+}
+
+TEST(CommonSigma, IsWhatTheMedianAsksFor) {
+  constexpr double kMedian = 2 * std::numbers::ln2;
+  const WeightScale scale = {0.1, true};
+  const auto found = [&](const std::vector<double>& sigmas, const std::vector<double>& squares) {
+    Weights original(1);
+    for (const double s : sigmas) original[0].push_back(scale.sigma / s);
+    return common_sigma(fit_of(sigmas, squares), original, scale, {});
+  };
+  // Every corner is off by what sigma_i^2 + 0.3^2 gives in the median.
+  const std::vector<double> sigmas = {0.05, 0.1, 0.2, 0.1, 0.4};
+  std::vector<double> squares;
+  for (const double s : sigmas) squares.push_back(kMedian * (s * s + 0.09));
+  EXPECT_NEAR(found(sigmas, squares), 0.3, 1e-6);
+  // Up to half of them may be anything.
+  squares[0] = 1e6;
+  squares[4] = 0;
+  EXPECT_NEAR(found(sigmas, squares), 0.3, 1e-6);
+  // Corners that are as good as they say, or all say the same.
+  squares.clear();
+  for (const double s : sigmas) squares.push_back(0.99 * kMedian * s * s);
+  EXPECT_EQ(found(sigmas, squares), 0);
+  EXPECT_EQ(found({0.1, 0.1, 0.102}, {1, 1, 1}), 0);
+  EXPECT_GT(found({0.1, 0.1, 0.104}, {1, 1, 1}), 0);  // 8 % of the variance
+}
+
+TEST(CommonSigma, IsAddedToTheSquares) {
+  const WeightScale scale = {0.2, true};
+  const auto views = with_common_sigma({points_of({1, 1})}, {{1, 0.5}}, scale, 0.15);
+  // Of sigmas 0.2 and 0.4, with 0.15: 0.25 and 0.4272, in units of 0.2.
+  EXPECT_NEAR(views[0].weight[0], 0.8, 1e-12);
+  EXPECT_NEAR(views[0].weight[1], 0.2 / std::hypot(0.4, 0.15), 1e-12);
+}
+
+}  // namespace
+}  // namespace calvin
