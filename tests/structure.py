@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Whether the tree is what docs/conventions.md says, as far as a script can see it:
+#   - a room of lib/calvin includes only rooms above it in lib/meson.build; inside a room a file
+#     includes only its own folder and those that come before it in the room's meson.build; the files
+#     at the top of a room that come last there are its face, which no file inside includes;
+#   - in gst/ every folder includes only itself and those of common/, and elements.hpp;
+#   - no folder holds more than 25 .cpp and .hpp files (io/ has one for each format);
+#   - every .cpp opens with a comment that says what it is for.
+#   structure.py [FOLDER]    the top of the tree
+import collections
+import pathlib
+import re
+import sys
+
+MOST_FILES = 25
+UNLIMITED = {"lib/calvin/io"}  # a file for each format
+
+top = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else __file__).resolve()
+if top.is_file():
+    top = top.parent.parent
+faults = []
+
+
+def sources(folder):
+    found = (p for p in (top / folder).rglob("*") if p.suffix in (".cpp", ".hpp"))
+    return sorted(p for p in found if "pch" not in p.parts)
+
+
+def included(path):
+    return re.findall(r'^#include "([^"]+)"', path.read_text(), re.MULTILINE)
+
+
+def folder_of(name):
+    return name.rpartition("/")[0]
+
+
+class Room:
+    """The folders of a room, in the order in which its meson.build names their files."""
+
+    def __init__(self, name):
+        self.name = name
+        text = (top / "lib/calvin" / name / "meson.build").read_text()
+        self.compiled = re.findall(r"'([\w/-]+\.cpp)'", text)
+        # A folder without a .cpp is named by a comment: "# kernels/common/: headers alone".
+        named = re.findall(r"(?:'|# )([\w/-]+)/(?:[\w-]+\.cpp'|:)", text)
+        self.folders = list(dict.fromkeys(named))
+
+    def rank(self, name):
+        """Of a file, by its name inside the room: what it includes must have no higher one."""
+        folder = folder_of(name)
+        if folder:
+            if folder not in self.folders:
+                faults.append(f"lib/calvin/{self.name}: meson.build names no file of {folder}/")
+                self.folders.append(folder)
+            return 1 + self.folders.index(folder)
+        source = pathlib.PurePath(name).with_suffix(".cpp").name
+        if source not in self.compiled:
+            return 0  # plain types
+        behind = self.compiled[: self.compiled.index(source)]
+        return len(self.folders) + 1 if any(folder_of(f) for f in behind) else 0
+
+
+def check_library():
+    rooms = re.findall(r"subdir\('calvin/(\w+)'\)", (top / "lib/meson.build").read_text())
+    known = {name: Room(name) for name in rooms}
+    for path in sources("lib/calvin"):
+        room, name = path.relative_to(top / "lib/calvin").as_posix().split("/", 1)
+        for header in included(path):
+            if not header.startswith("calvin/"):
+                continue
+            other, inside = header[len("calvin/") :].split("/", 1)
+            where = f"lib/calvin/{room}/{name} includes {header}"
+            if rooms.index(other) > rooms.index(room):
+                faults.append(f"{where}, of a room below it")
+            if other == room and known[room].rank(inside) > known[room].rank(name):
+                faults.append(f"{where}, which comes after it")
+
+
+def check_plugin():
+    for path in sources("gst"):
+        name = path.relative_to(top / "gst").as_posix()
+        for header in included(path):
+            if not (top / "gst" / header).is_file():
+                continue
+            allowed = [folder_of(name), "common", "common/frames"]
+            if name.startswith("common/") and not name.startswith("common/frames/"):
+                allowed = ["common"]
+            if folder_of(header) not in allowed and header != "elements.hpp":
+                faults.append(f"gst/{name} includes {header}, of another element")
+
+
+def check_sizes():
+    files = [p.parent for folder in ("lib", "gst") for p in sources(folder)]
+    for folder, count in collections.Counter(files).items():
+        name = folder.relative_to(top).as_posix()
+        if count > MOST_FILES and name not in UNLIMITED:
+            faults.append(f"{name} holds {count} files, more than {MOST_FILES}")
+
+
+def check_purpose():
+    for folder in ("lib", "gst", "tests", "examples"):
+        for path in sources(folder):
+            lines = path.read_text().splitlines()
+            said = [line for line in lines if line and not line.startswith("// SPDX-")]
+            if path.suffix == ".cpp" and not (said and said[0].startswith(("//", "/*"))):
+                faults.append(f"{path.relative_to(top)} does not open with what it is for")
+
+
+check_library()
+check_plugin()
+check_sizes()
+check_purpose()
+print("\n".join(faults) or "The tree is in order.")
+sys.exit(1 if faults else 0)
