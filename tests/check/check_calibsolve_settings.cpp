@@ -87,6 +87,30 @@ GST_START_TEST(test_another_model_solves_the_views_again) {
 }
 GST_END_TEST;
 
+// Whether the board's curvature and the lens' skew are estimated is what the properties say, from
+// the start and in the midst.
+GST_START_TEST(test_warp_and_skew_are_estimated_where_they_are_asked_for) {
+  const bool warp = __i__ % 2 == 1;
+  const bool skew = __i__ / 2 % 2 == 1;
+  // Which of them is set late.
+  const bool late_warp = __i__ / 4 == 1;
+  const bool late_skew = __i__ / 4 == 2;
+  SolveFixture f(std::string("warp=") + (warp != late_warp ? "true" : "false") +
+                 " skew=" + (skew != late_skew ? "true" : "false"));
+  f.push_views(12);
+  if (late_warp) g_object_set(f.element, "warp", warp, nullptr);
+  if (late_skew) g_object_set(f.element, "skew", skew, nullptr);
+  f.eos();
+  const GstStructure* r = f.result("final");
+  fail_unless(r != nullptr);
+  fail_unless_equals_int(gst_structure_has_field(r, "skew"), skew);
+  const auto c = parse_calibration(gst_structure_get_string(r, "json")).value();
+  fail_unless_equals_int(c.warp.has_value(), warp);
+  fail_unless_equals_int(c.find("skew") != nullptr, skew);
+  fail_unless(!skew || c.find("skew")->sigma.value_or(0) > 0);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_what_is_wrong_holds_up_nothing_else) {
   SolveFixture f;
   f.push_views(10);
@@ -197,6 +221,7 @@ static Suite* calibsolve_settings_suite() {
   tcase_add_test(tc, test_an_initial_calibration_is_scaled_to_the_frames);
   tcase_add_test(tc, test_an_initial_calibration_that_does_not_fit_is_left_out);
   tcase_add_test(tc, test_another_model_solves_the_views_again);
+  tcase_add_loop_test(tc, test_warp_and_skew_are_estimated_where_they_are_asked_for, 0, 12);
   tcase_add_test(tc, test_what_is_wrong_holds_up_nothing_else);
   tcase_add_test(tc, test_solve_takes_what_was_set_just_before);
   tcase_add_test(tc, test_another_location_gets_the_result);
