@@ -234,6 +234,37 @@ GST_START_TEST(test_without_a_calibration_a_crop_passes_through) {
 }
 GST_END_TEST;
 
+// What reaches past the picture in memory on any side says nothing.
+GST_START_TEST(test_a_crop_past_the_picture_says_nothing) {
+  static constexpr guint kCrops[][4] = {{2, 0, 639, 480},       {0, 2, 640, 479},
+                                        {0, 0, 641, 480},       {0, 0, 640, 481},
+                                        {G_MAXUINT, 0, 64, 48}, {0, G_MAXUINT, 64, 48}};
+  const check::Scene scene;
+  std::vector<Observation> want;
+  for (std::size_t i = 0; i <= std::size(kCrops); ++i) {
+    GstHarness* h = harness_of(make_element("calibdetect mode=sync"));
+    gst_harness_set_src_caps(h, check::caps_of("GRAY8", scene.size));
+    GstBuffer* in = frame_of(scene.picture(2), "GRAY8", 0);
+    if (i > 0) {
+      GstVideoCropMeta* crop = gst_buffer_add_video_crop_meta(in);
+      crop->x = kCrops[i - 1][0];
+      crop->y = kCrops[i - 1][1];
+      crop->width = kCrops[i - 1][2];
+      crop->height = kCrops[i - 1][3];
+    }
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(h, in);
+    const auto found = gst::read_observations(out);
+    if (i == 0) want = found;
+    fail_unless(found.size() == 1 && found[0].ids.size() == 54, "%d", static_cast<int>(i));
+    for (std::size_t k = 0; k < 54; ++k) {
+      fail_unless(std::abs(found[0].uv[k].u - want[0].uv[k].u) < 1e-6);
+      fail_unless(std::abs(found[0].uv[k].v - want[0].uv[k].v) < 1e-6);
+    }
+    gst_harness_teardown(h);
+  }
+}
+GST_END_TEST;
+
 static Suite* cropped_frames_suite() {
   gst::register_metas();
   Suite* suite = suite_create("cropped_frames");
@@ -249,6 +280,7 @@ static Suite* cropped_frames_suite() {
   tcase_add_test(tc, test_a_calibration_of_the_cropped_frames_holds_for_them);
   tcase_add_loop_test(tc, test_a_crop_of_several_planes, 0, 3);
   tcase_add_test(tc, test_without_a_calibration_a_crop_passes_through);
+  tcase_add_test(tc, test_a_crop_past_the_picture_says_nothing);
   return suite;
 }
 
