@@ -94,11 +94,13 @@ int format_of(const GstVideoMeta& meta) {
   return number;
 }
 
-// GStreamer answers what is no format by nothing, and UNKNOWN by a CRITICAL.
+// GStreamer answers UNKNOWN by a CRITICAL, and 1.26, unlike 1.22, every number that is no format.
+// Its enumeration tells which numbers are formats.
 const char* name_of(int format) {
-  if (format == GST_VIDEO_FORMAT_UNKNOWN) return "UNKNOWN";
-  const char* name = gst_video_format_to_string(static_cast<GstVideoFormat>(format));
-  return name == nullptr ? "UNKNOWN" : name;
+  g_autoptr(GEnumClass) formats = static_cast<GEnumClass*>(g_type_class_ref(GST_TYPE_VIDEO_FORMAT));
+  const bool known =
+      format != GST_VIDEO_FORMAT_UNKNOWN && g_enum_get_value(formats, format) != nullptr;
+  return known ? gst_video_format_to_string(static_cast<GstVideoFormat>(format)) : "UNKNOWN";
 }
 
 // Why a frame could not be mapped: there is too little of it, or its memory gives no access.
