@@ -181,7 +181,7 @@ void Worker::resume() {
 
 void Worker::stop() {
   State& s = state();
-  // Told in less, unless a handler waits; and a program that ends next finds nobody at work.
+  // A report takes less, unless a handler waits; and a program that ends next finds nobody at work.
   constexpr std::chrono::milliseconds kMoment{200};
   cancel();
   std::unique_lock guard(s.lock);
@@ -225,7 +225,7 @@ void Worker::run(State& s) {
     s.busy = true;
     guard.unlock();
     job(s.running.get_token());
-    job = nullptr;  // with all that it holds, before anybody is told
+    job = nullptr;  // with all that it holds, before anybody is woken
     RunningWorkers::stop_at_exit();
     guard.lock();
     s.busy = false;

@@ -31,7 +31,7 @@ class Worker {
   using Job = std::function<void(std::stop_token)>;
 
   // To be held by a job while it posts one message or notifies of one property. No lock of ours is
-  // held meanwhile: whoever is told may wait for another thread, and that one for us.
+  // held meanwhile: a handler of the report may wait for another thread, and that one for us.
   class Report {
    public:
     Report(const Report&) = delete;
@@ -65,8 +65,8 @@ class Worker {
   // came first.
   bool drain();
 
-  // For a job, with its own token: may it tell something in the name of the element? nullptr once
-  // it was cancelled. What has begun to be told by then is told.
+  // For a job, with its own token: may it report something in the name of the element? nullptr once
+  // it was cancelled. A report that has begun by then is made to its end.
   [[nodiscard]] std::unique_ptr<Report> begin_report(const std::stop_token& stop,
                                                      GstElement* element);
 
@@ -75,9 +75,9 @@ class Worker {
   void cancel();
   void resume();
 
-  // cancel(), and the thread ends soon. Returns at once, or when what is being told has been told,
-  // but never waits longer than a moment: that may wait for whoever stops. An element does so in
-  // its dispose(): afterwards no job begins to tell anything, and none takes a reference of it.
+  // cancel(), and the thread ends soon. Returns at once, or when the report that a job makes is
+  // made, but never waits longer than a moment: its handler may wait for whoever stops. An element
+  // does so in its dispose(): afterwards no job begins a report, and none takes a reference of it.
   void stop();
   // stop(), and waits for the thread: for whoever owns what the jobs use, before that goes.
   void join();

@@ -62,7 +62,7 @@ class CalibDetector {
     board_reader_.stop();
     recheck_.stop();
   }
-  // Somebody downstream wants to look at the corners again.
+  // Somebody downstream wants to refine the corners with the camera, in their patches.
   void send_patches() {
     const std::lock_guard guard(lock_);
     patches_wanted_ = true;

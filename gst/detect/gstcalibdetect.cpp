@@ -134,7 +134,7 @@ static gboolean gst_calib_detect_set_caps(GstBaseTransform* trans, GstCaps* caps
   return set.has_value();
 }
 
-// A result that no buffer took goes ahead of the event that ends its stretch of the stream.
+// A result that no buffer took goes ahead of the event that ends its segment of the stream.
 static void gst_calib_detect_push_waiting(GstCalibDetect* self) {
   const auto result = self->detector->take_waiting();
   if (!result) return;

@@ -41,7 +41,7 @@ class CalibSolver {
     f(settings_);
   }
   [[nodiscard]] SolverSettings settings();
-  // Whether final results are to take another look at the corners.
+  // Whether the corners are to be refined with the camera for final results.
   [[nodiscard]] bool refines_with_camera();
 
   // An error for settings that cannot work; a file that cannot be written now is only a warning
@@ -132,8 +132,8 @@ class CalibSolver {
   void write(const Job& job, const Calibration& calibration, const std::stop_token& stop);
   void announce(const Job& job, const Solution& solution, const Guidance& now,
                 const std::stop_token& stop);
-  // nullptr where the session has gone on without what that job was made of; `is_result`: what is
-  // told is the result, and what the job owed is paid.
+  // nullptr where the session has gone on without what that job was made of; `is_result`: the
+  // result itself is reported, and what the job owed is paid.
   [[nodiscard]] std::unique_ptr<Worker::Report> begin_report(const Job& job,
                                                              const std::stop_token& stop,
                                                              bool is_result = false);

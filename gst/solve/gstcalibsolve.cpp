@@ -124,7 +124,7 @@ static bool gst_calib_solve_offer(GstCalibSolve* self, const std::vector<Observa
   return captured;
 }
 
-// Asks upstream for what another look at the corners needs: once, as soon as there is to be one.
+// Asks upstream for the patches that corners are refined in: once, as soon as they are to be.
 static void gst_calib_solve_want_patches(GstCalibSolve* self) {
   if (self->state->patches_asked || !self->state->solver.refines_with_camera()) return;
   self->state->patches_asked = true;

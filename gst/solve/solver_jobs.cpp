@@ -195,7 +195,7 @@ void CalibSolver::announce(const Job& job, const Solution& solution, const Guida
     if (job.generation != generation_ || stop.stop_requested()) return;
     rejected = newly_rejected(solution);
   }
-  // Each by itself: what is told may end the session.
+  // Each by itself: a handler of the message may end the session.
   for (const TakenView& view : rejected) {
     GST_DEBUG_OBJECT(element_, "the view at %" GST_TIME_FORMAT " is left out: %s",
                      GST_TIME_ARGS(view.times.timestamp),

@@ -43,19 +43,19 @@ bool is_plain(const GstVideoFormatInfo* f) {
 }
 
 // By GStreamer's own packer, from lines of alpha and Y U V or R G B of 8 or of 16 bits.
-template <typename Lane>
+template <typename Sample>
 void pack_luma(const GrayImage& picture, GstVideoFrame& frame) {
-  constexpr Lane kMost = std::numeric_limits<Lane>::max();
+  constexpr Sample kMost = std::numeric_limits<Sample>::max();
   constexpr std::size_t kSpare = 64;  // packers take groups of pixels
   const GstVideoFormatInfo* f = frame.info.finfo;
   const bool rgb = GST_VIDEO_FORMAT_INFO_IS_RGB(f);
   const auto width = static_cast<std::size_t>(picture.width);
-  std::vector<Lane> line(4 * (width + kSpare), static_cast<Lane>(kMost / 2 + 1));
+  std::vector<Sample> line(4 * (width + kSpare), static_cast<Sample>(kMost / 2 + 1));
   const std::uint8_t* in = picture.pixels.data();
   for (int y = 0; y < picture.height; ++y) {
     for (std::size_t x = 0; x < width; ++x) {
-      const auto level = static_cast<Lane>(*in++ * (kMost / 255));
-      Lane* pixel = line.data() + 4 * x;
+      const auto level = static_cast<Sample>(*in++ * (kMost / 255));
+      Sample* pixel = line.data() + 4 * x;
       pixel[0] = kMost;
       pixel[1] = level;
       if (rgb) pixel[2] = pixel[3] = level;

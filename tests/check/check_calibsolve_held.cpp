@@ -297,7 +297,7 @@ GST_START_TEST(test_a_view_that_is_removed_during_a_write_leaves_the_file) {
 }
 GST_END_TEST;
 
-// ---- Whoever is told waits for the application --------------------------------------------------
+// ---- A handler of a report waits for the application --------------------------------------------
 
 // The handler waits as for a lock that the application has while it does this.
 static const struct {
@@ -344,7 +344,7 @@ GST_START_TEST(test_the_last_reference_does_not_wait_for_a_handler) {
 }
 GST_END_TEST;
 
-// ---- What has begun to be told is the last ------------------------------------------------------
+// ---- A report that has begun is the last --------------------------------------------------------
 
 GST_START_TEST(test_behind_a_held_message_nothing_of_the_session_is_posted) {
   HeldFixture f;
@@ -358,7 +358,7 @@ GST_START_TEST(test_behind_a_held_message_nothing_of_the_session_is_posted) {
 }
 GST_END_TEST;
 
-// A flush ends what is told, and the final result that is owed comes after it.
+// A flush ends the reports, and the final result that is owed comes after it.
 GST_START_TEST(test_behind_a_held_message_a_flush_ends_what_is_told) {
   HeldFixture f;
   f.push_views(2);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The property `runs`: corners that are looked at again with the camera that they gave.
+// The property `runs`: corners that are refined with the camera that they gave.
 
 #include "calvin/detect/patches.hpp"
 #include "solve_fixture.hpp"
@@ -47,7 +47,7 @@ GST_START_TEST(test_calibdetect_sends_the_pixels_of_the_corners_along) {
   GstHarness* h = check::harness_of(check::make_element("calibdetect mode=sync"));
   gst_harness_set_src_caps(h, check::caps_of("YUY2", scene.size));
   const GrayImage picture = scene.picture(3);
-  // Not before somebody asks, as calibsolve does who wants to look again.
+  // Not before somebody asks, as a calibsolve does that refines corners with the camera.
   g_autoptr(GstBuffer) bare = gst_harness_push_and_pull(h, check::frame_of(picture, "YUY2", 0));
   fail_unless(gst::read_observations(bare).at(0).patches == nullptr);
   fail_unless(gst_harness_push_upstream_event(

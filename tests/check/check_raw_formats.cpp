@@ -71,18 +71,18 @@ GST_END_TEST;
 
 // Grey levels of as many bits as the format has, without colour and opaque, as GStreamer reads
 // them.
-template <typename Lane>
+template <typename Sample>
 static void assert_gray(const GstVideoFrame& frame, const GrayImage& wanted) {
   const GstVideoFormatInfo* f = frame.info.finfo;
-  const int bits = std::numeric_limits<Lane>::digits;
-  const auto top = [&](Lane value, int depth) { return value >> (bits - std::min(depth, 8)); };
-  std::vector<Lane> line(static_cast<std::size_t>(4 * (wanted.width + 64)));
+  const int bits = std::numeric_limits<Sample>::digits;
+  const auto top = [&](Sample value, int depth) { return value >> (bits - std::min(depth, 8)); };
+  std::vector<Sample> line(static_cast<std::size_t>(4 * (wanted.width + 64)));
   int wrong = 0;
   for (int y = 0; y < wanted.height; ++y) {
     f->unpack_func(f, GST_VIDEO_PACK_FLAG_TRUNCATE_RANGE, line.data(), frame.data,
                    frame.info.stride, 0, y, wanted.width);
     for (int x = 0; x < wanted.width; ++x) {
-      const Lane* pixel = &line[static_cast<std::size_t>(4 * x)];
+      const Sample* pixel = &line[static_cast<std::size_t>(4 * x)];
       const int level = wanted.pixels[static_cast<std::size_t>(y * wanted.width + x)];
       if (GST_VIDEO_FORMAT_INFO_N_COMPONENTS(f) > 3) {
         const int depth = static_cast<int>(GST_VIDEO_FORMAT_INFO_DEPTH(f, 3));

@@ -140,7 +140,7 @@ GST_START_TEST(test_start_works_again_after_stop) {
 }
 GST_END_TEST;
 
-// In whose name something is told.
+// In whose name reports are made.
 struct Element {
   Element() : element(GST_ELEMENT(gst_object_ref_sink(gst_bin_new(nullptr)))) {}
   Element(const Element&) = delete;
@@ -149,7 +149,7 @@ struct Element {
   GstElement* element;
 };
 
-GST_START_TEST(test_nothing_begins_to_be_told_after_cancel) {
+GST_START_TEST(test_no_report_begins_after_cancel) {
   for (int i = 0; i < 200; ++i) {
     Element e;
     Worker worker;
@@ -175,8 +175,8 @@ GST_START_TEST(test_nothing_begins_to_be_told_after_cancel) {
 }
 GST_END_TEST;
 
-// What is told may wait for whoever cancels.
-GST_START_TEST(test_nobody_waits_for_what_is_told) {
+// A handler of a report may wait for whoever cancels.
+GST_START_TEST(test_nobody_waits_for_a_report) {
   Element e;
   check::Gate gate;
   Worker worker;
@@ -200,7 +200,7 @@ GST_START_TEST(test_nobody_waits_for_what_is_told) {
 GST_END_TEST;
 
 // A bin's bus passes the messages on of what is in it, and is gone with the bin.
-GST_START_TEST(test_bins_stay_while_something_in_them_is_told) {
+GST_START_TEST(test_bins_stay_during_a_report_in_them) {
   static std::atomic<int> gone;
   gone = 0;
   auto* outer = GST_BIN(gst_object_ref_sink(gst_bin_new(nullptr)));
@@ -262,9 +262,9 @@ static Suite* worker_suite() {
   tcase_add_test(tc, test_drain_leaves_no_job_in_memory);
   tcase_add_test(tc, test_start_works_again_after_stop);
   suite_add_tcase(suite, tc);
-  tcase_add_test(tc, test_nothing_begins_to_be_told_after_cancel);
-  tcase_add_test(tc, test_nobody_waits_for_what_is_told);
-  tcase_add_test(tc, test_bins_stay_while_something_in_them_is_told);
+  tcase_add_test(tc, test_no_report_begins_after_cancel);
+  tcase_add_test(tc, test_nobody_waits_for_a_report);
+  tcase_add_test(tc, test_bins_stay_during_a_report_in_them);
   tcase_add_test(tc, test_at_exit_a_worker_does_not_wait_for_itself);
   tcase_add_test(tc, test_two_threads_may_join);
   return suite;

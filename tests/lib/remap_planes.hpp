@@ -131,7 +131,7 @@ struct Comparison {
   int bytes_harmed = 0;  // of padding and of other components
 };
 
-// Every row where the counts are asked for; a third of them is as telling.
+// Every row where the counts are asked for; a third of them tells as much.
 inline const int kRowStep = std::getenv("CALVIN_FULL") != nullptr ? 1 : 3;
 
 // Where a pixel of an output comes from.

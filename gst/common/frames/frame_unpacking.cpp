@@ -15,14 +15,14 @@ namespace {
 
 // GStreamer's functions take pixels by small groups, and the last group may go beyond the line.
 constexpr std::size_t kSpare = 64;
-constexpr std::size_t kLanes = 4;
+constexpr std::size_t kSamples = 4;  // of a pixel in an unpacked line
 
 // A line as GStreamer unpacks it: alpha, then R G B or Y U V, at full size.
-template <typename Lane>
-std::vector<Lane> new_line(int width) {
+template <typename Sample>
+std::vector<Sample> new_line(int width) {
   // What a format has no component for is opaque and without colour.
-  return std::vector<Lane>(kLanes * (static_cast<std::size_t>(width) + kSpare),
-                           static_cast<Lane>(1) << (std::numeric_limits<Lane>::digits - 1));
+  return std::vector<Sample>(kSamples * (static_cast<std::size_t>(width) + kSpare),
+                             static_cast<Sample>(1) << (std::numeric_limits<Sample>::digits - 1));
 }
 
 }  // namespace
@@ -57,14 +57,14 @@ UnpackedFrame::UnpackedFrame(const GstVideoInfo& info)
       width_(GST_VIDEO_INFO_WIDTH(&info)),
       height_(GST_VIDEO_INFO_HEIGHT(&info)),
       has_wide_lines_(has_wide_lines(format_)) {
-  const int lane_bits = has_wide_lines_ ? 16 : 8;
+  const int sample_bits = has_wide_lines_ ? 16 : 8;
   for (guint c = 0; c < GST_VIDEO_FORMAT_INFO_N_COMPONENTS(format_); ++c) {
     Plane plane;
     plane.width = GST_VIDEO_INFO_COMP_WIDTH(&info, c);
     plane.x_shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_W_SUB(format_, c));
     plane.y_shift = static_cast<int>(GST_VIDEO_FORMAT_INFO_H_SUB(format_, c));
-    plane.spare_bits = lane_bits - static_cast<int>(GST_VIDEO_FORMAT_INFO_DEPTH(format_, c));
-    plane.lane = c == GST_VIDEO_COMP_A ? 0 : c + 1;
+    plane.spare_bits = sample_bits - static_cast<int>(GST_VIDEO_FORMAT_INFO_DEPTH(format_, c));
+    plane.first = c == GST_VIDEO_COMP_A ? 0 : c + 1;
     const int rows = GST_VIDEO_INFO_COMP_HEIGHT(&info, c);
     plane.words.resize(static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(rows));
     planes_.push_back(std::move(plane));
@@ -84,17 +84,17 @@ int UnpackedFrame::row_of(int part, int parts) const {
   return static_cast<int>(std::min<std::int64_t>(groups * part / parts * kTogether, height_));
 }
 
-template <typename Lane>
+template <typename Sample>
 void UnpackedFrame::unpack_rows(const GstVideoFrame& frame, int begin, int end) {
-  std::vector<Lane> line = new_line<Lane>(width_);
+  std::vector<Sample> line = new_line<Sample>(width_);
   for (int y = begin; y < end; ++y) {
     format_->unpack_func(format_, GST_VIDEO_PACK_FLAG_TRUNCATE_RANGE, line.data(), frame.data,
                          frame.info.stride, 0, y, width_);
     for (Plane& plane : planes_) {
       if (y % (1 << plane.y_shift) != 0) continue;
       std::uint16_t* to = plane.row(y);
-      const Lane* from = line.data() + plane.lane;
-      const std::size_t step = kLanes << plane.x_shift;
+      const Sample* from = line.data() + plane.first;
+      const std::size_t step = kSamples << plane.x_shift;
       for (int x = 0; x < plane.width; ++x, from += step) {
         to[x] = static_cast<std::uint16_t>(*from >> plane.spare_bits);
       }
@@ -102,15 +102,15 @@ void UnpackedFrame::unpack_rows(const GstVideoFrame& frame, int begin, int end) 
   }
 }
 
-template <typename Lane>
+template <typename Sample>
 void UnpackedFrame::pack_rows(const GstVideoFrame& frame, int begin, int end) const {
-  std::vector<Lane> line = new_line<Lane>(width_);
+  std::vector<Sample> line = new_line<Sample>(width_);
   for (int y = begin; y < end; ++y) {
     for (const Plane& plane : planes_) {
       const std::uint16_t* from = plane.row(y);
-      Lane* to = line.data() + plane.lane;
-      for (int x = 0; x < width_; ++x, to += kLanes) {
-        *to = static_cast<Lane>(from[x >> plane.x_shift] << plane.spare_bits);
+      Sample* to = line.data() + plane.first;
+      for (int x = 0; x < width_; ++x, to += kSamples) {
+        *to = static_cast<Sample>(from[x >> plane.x_shift] << plane.spare_bits);
       }
     }
     format_->pack_func(format_, GST_VIDEO_PACK_FLAG_TRUNCATE_RANGE, line.data(), 0,

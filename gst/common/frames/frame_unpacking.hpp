@@ -46,8 +46,8 @@ class UnpackedFrame {
     int width = 0;
     int x_shift = 0;
     int y_shift = 0;
-    int spare_bits = 0;    // of a sample in an unpacked line: those below its value
-    std::size_t lane = 0;  // of the four in an unpacked line
+    int spare_bits = 0;     // of a sample in an unpacked line: those below its value
+    std::size_t first = 0;  // sample of an unpacked line
     std::vector<std::uint16_t> words;
 
     [[nodiscard]] std::uint16_t* row(int y) {
@@ -58,9 +58,9 @@ class UnpackedFrame {
     }
   };
 
-  template <typename Lane>
+  template <typename Sample>
   void unpack_rows(const GstVideoFrame& frame, int begin, int end);
-  template <typename Lane>
+  template <typename Sample>
   void pack_rows(const GstVideoFrame& frame, int begin, int end) const;
   [[nodiscard]] int row_of(int part, int parts) const;
 

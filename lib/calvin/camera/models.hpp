@@ -6,8 +6,8 @@
 //   v = fy y_d + cy
 // Scalar code says lens::Brown5 and Model<lens::Brown5>; a kernel that Highway compiles once per
 // target takes lens::HWY_NAMESPACE::Brown5 and includes this after hwy/foreach_target.h.
-// To add a model: write its lens in a file of its own, add it to `AllLenses`. The solver, the
-// files and the one templated test follow from there.
+// To add a model: write its lens in a file of its own and add it to `AllLenses`; what follows from
+// there, and what does not, is under "How to add" in docs/architecture.md.
 #if defined(CALVIN_CAMERA_MODELS_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_CAMERA_MODELS_HPP
 #undef CALVIN_CAMERA_MODELS_HPP

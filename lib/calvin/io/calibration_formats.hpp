@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The formats of a calibration file, one source file each. Readers take a Document that they
-// recognised; none of them checks the camera itself, which calibration_io does for all. Writers are
-// kUnsupported for a camera model that the format does not hold.
+// The formats of a calibration file, each in files named after it: native_*.cpp, opencv_*.cpp,
+// ros_camera_info.cpp. Readers take a document that they recognised; none of them checks the camera
+// itself, which calibration_io does for all. Writers are kUnsupported for a camera model that the
+// format does not hold.
 #pragma once
 
 #include <string>

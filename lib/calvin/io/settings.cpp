@@ -42,8 +42,8 @@ bool is_calibration_path(std::string_view text) { return kind_of(text) == Settin
 bool may_be_calibration_path(std::string_view text) {
   // No key list has a slash; other folders than the current one may be far away.
   const bool elsewhere = text.find('/') != std::string_view::npos;
-  const bool told = text.find('=') == std::string_view::npos || !elsewhere;
-  return told ? is_calibration_path(text) : !is_content(text);
+  const bool is_near = text.find('=') == std::string_view::npos || !elsewhere;
+  return is_near ? is_calibration_path(text) : !is_content(text);
 }
 
 Result<Calibration> parse_calibration_setting(std::string_view text) {

@@ -58,8 +58,8 @@ class Recheck {
 
   Camera camera_;
   std::vector<int> columns_;  // of the grid
-  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>>
-      grid_;                      // see solve/judge/projection_grid.hpp
+  // See solve/judge/projection_grid.hpp.
+  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> grid_;
   Eigen::MatrixXd prior_;         // information
   Eigen::MatrixXd covariance_;    // of the calibration
   std::string board_;             // of the calibration

@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, RemapPlane,
 
 #if HWY_ARCH_X86
 // The one that the machine takes is compared with the reference above.
-TEST(RemapLanes, EveryInstructionSetGivesTheSame) {
+TEST(RemapKernels, EveryInstructionSetGivesTheSame) {
   const ImageSize size = {322, 242};
   const Camera source = reference::camera(kLenses[3], size, 240, 160, 119);
   const Undistorter undistorter = undistorter_for(source, 0.4);

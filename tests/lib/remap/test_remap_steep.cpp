@@ -70,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, RemapSteep,
                          [](const auto& size) { return std::to_string(size.param.width); });
 
 #if HWY_ARCH_X86
-TEST(RemapSteepLanes, EveryInstructionSetGivesTheSame) {
+TEST(RemapSteepKernels, EveryInstructionSetGivesTheSame) {
   const ImageSize size = {450, 254};
   const Camera source = reference::camera(kLenses[1], size, 337, 226, 126);
   for (const NamedView& view : kViews) {

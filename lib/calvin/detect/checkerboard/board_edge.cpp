@@ -140,11 +140,11 @@ Edge edge_within(const ImageView& image, const Lattice& lattice, Cell first, Cel
   }
   if (static_cast<float>(seen) < kLeastSeen * static_cast<float>(count - 1)) return Edge::kNotSeen;
   for (std::size_t k = 0; k < 2; ++k) {
-    const Squares& ending = colours[k];
+    const Squares& squares = colours[k];
     const int others = colours[1 - k].continuing;
-    if (ending.ending >= kLeastEnds && others >= 1 && ending.to - ending.from < kMostRagged &&
-        static_cast<float>(ending.ending + others) >= kLeastShare * static_cast<float>(seen)) {
-      return ending.brightness > 0 ? Edge::kDarkMargin : Edge::kBrightMargin;
+    if (squares.ending >= kLeastEnds && others >= 1 && squares.to - squares.from < kMostRagged &&
+        static_cast<float>(squares.ending + others) >= kLeastShare * static_cast<float>(seen)) {
+      return squares.brightness > 0 ? Edge::kDarkMargin : Edge::kBrightMargin;
     }
   }
   return Edge::kNotSeen;

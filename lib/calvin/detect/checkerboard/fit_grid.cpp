@@ -137,23 +137,23 @@ class Surface {
 };
 
 // The surface through the numbers of the nodes for which has(cell). Nodes that stand out from a
-// first surface are left out, because something may lie over a part of the board. spot(cell) is the
-// place that a number belongs to; weight(cell) and `variance` are those of Surface.
+// first surface are left out, because something may lie over a part of the board. place(cell) is
+// the place that a number belongs to; weight(cell) and `variance` are those of Surface.
 template <int kDegree, typename H, typename S, typename W>
-Surface<kDegree> surface_of(const Lattice& lattice, FitGrid& fits, H has, S spot, W weight,
+Surface<kDegree> surface_of(const Lattice& lattice, FitGrid& fits, H has, S place, W weight,
                             double variance) {
   constexpr float kOut = 5;  // times the median distance from the first surface
   const auto through = [&](auto is_in) {
     Surface<kDegree> surface(lattice.extent());
     lattice.for_each([&](Cell c, const Node& /*node*/) {
-      if (is_in(c)) surface.add(spot(c), static_cast<double>(fits.number(c)), weight(c));
+      if (is_in(c)) surface.add(place(c), static_cast<double>(fits.number(c)), weight(c));
     });
     surface.solve(variance);
     return surface;
   };
   const Surface<kDegree> all = through(has);
   const auto off = [&](Cell c) {
-    return std::abs(fits.number(c) - static_cast<float>(all.at(spot(c))));
+    return std::abs(fits.number(c) - static_cast<float>(all.at(place(c))));
   };
   const float most = kOut * fits.median_where(lattice, has, off);
   const auto is_in = [&](Cell c) { return has(c) && off(c) <= most; };
@@ -213,7 +213,7 @@ class Line {
   }
   // The place whose curvature bend(c) is: at an end the mean over the way to the neighbour, less
   // the part that the node's own window has taken into its direction.
-  [[nodiscard]] LatticePlace spot(Cell c) const {
+  [[nodiscard]] LatticePlace place(Cell c) const {
     if (has_both(c)) return c;
     const auto radius = static_cast<double>(fits_.at(c).radius);
     double inwards = 1.0 / 3 - radius * radius / (5 * square_to_next(c));
@@ -258,7 +258,7 @@ bool ends_agree(const Lattice& lattice, const Line& line, const Surface<5>& betw
   int ends = 0;
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     if (line.has_both(c) || !line.has_any(c)) return;
-    const double off = line.bend(c) - between.at(line.spot(c));
+    const double off = line.bend(c) - between.at(line.place(c));
     sum += off * off / line.variance(c);
     ++ends;
   });
@@ -298,17 +298,17 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     if (has(c)) fits.number(c) = static_cast<float>(line.bend(c));
   });
-  const auto spot = [&](Cell c) { return line.spot(c); };
+  const auto place = [&](Cell c) { return line.place(c); };
   const auto weight = [&](Cell c) { return 1 / line.variance(c); };
   const auto has_both = [&](Cell c) { return line.has_both(c); };
   const int length = line.is_row() ? lattice.extent().cols() : lattice.extent().rows();
   if (length < kLong) {
-    const auto plain = surface_of<2>(lattice, fits, has_both, spot, weight, 1);
+    const auto plain = surface_of<2>(lattice, fits, has_both, place, weight, 1);
     return take_bends(lattice, step, line, plain, fits);
   }
-  auto surface = surface_of<5>(lattice, fits, has_both, spot, weight, 1);
+  auto surface = surface_of<5>(lattice, fits, has_both, place, weight, 1);
   if (ends_agree(lattice, line, surface)) {
-    surface = surface_of<5>(lattice, fits, has, spot, weight, 1);
+    surface = surface_of<5>(lattice, fits, has, place, weight, 1);
   }
   take_bends(lattice, step, line, surface, fits);
 }

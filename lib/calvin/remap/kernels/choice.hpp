@@ -23,8 +23,8 @@ namespace calvin {
 namespace remap {
 
 struct KernelChoice {
-  PixelLayout pixel_layout =
-      PixelLayout::kNone;                // kNone: the bilinear and gather kernels take no run
+  // kNone: the bilinear and gather kernels take no run.
+  PixelLayout pixel_layout = PixelLayout::kNone;
   std::optional<BicubicFormat> bicubic;  // absent: not bicubic or Lanczos, or no kernel for it
   SourceBounds bounds;                   // last_row = -1 where neither of them takes the plane
   AxisEnds x_ends;

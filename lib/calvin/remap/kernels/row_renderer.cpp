@@ -25,7 +25,7 @@ namespace {
 using remap::NodeRows;
 using remap::RunRow;
 
-// A chunk of runs on its way down the rows, with the scratch memory for them.
+// Takes a chunk of runs down the rows, and keeps the scratch memory for them.
 class RowRenderer {
  public:
   RowRenderer(const PlaneMap& map, const PlaneLayout& layout,

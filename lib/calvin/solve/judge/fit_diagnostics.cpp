@@ -141,7 +141,7 @@ class FitDiagnosis {
     count();
     for (std::size_t v = 0; v < fit_.views.size(); ++v) {
       if (stop.stop_requested()) return {};
-      if (fit_.used[v]) add_view_at(v);
+      if (fit_.used[v]) add_view(v);
     }
     FitDiagnostics result;
     result.views = views_;
@@ -179,7 +179,7 @@ class FitDiagnosis {
     down_ = std::max(1, static_cast<int>(std::lround(std::sqrt(parts / aspect))));
   }
 
-  void add_view_at(std::size_t v) {
+  void add_view(std::size_t v) {
     const ViewPoints points(fit_.views[v], shape_);
     CameraProblem problem({&points}, unknowns_of(parameterization_),
                           {fit_.shared, {fit_.camera_from_board[v]}}, Loss{});
@@ -306,18 +306,20 @@ FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& 
   return FitDiagnosis(fit, camera, shape, parameterization, covariance, variance).run(stop);
 }
 
-Misfit misfit(const FitDiagnostics& c, std::optional<double> chi, double degrees, double rms) {
+Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi, double degrees,
+              double rms) {
   Misfit result;
-  result.split_half_ratio = c.split_half_ratio;
+  result.split_half_ratio = diagnostics.split_half_ratio;
   const double chi_limit = kSigmaTolerance * (1 + kSignificant / std::sqrt(2 * degrees));
   const bool noisy = chi && *chi > chi_limit && matters(1 - 1 / (*chi * *chi), rms);
   // Lens or board: the cause is the one that explains more of the residuals. Either makes views
   // contradict each other too, so motion is the cause only where neither is.
-  const bool picture = significant(c.picture, degrees, rms);
-  const bool board = significant(c.board, degrees, rms);
-  const bool views = significant(c.views, degrees, rms);
+  const bool picture = significant(diagnostics.picture, degrees, rms);
+  const bool board = significant(diagnostics.board, degrees, rms);
+  const bool views = significant(diagnostics.views, degrees, rms);
   if (picture || board) {
-    const bool corner = c.board.sum - c.board.degrees > c.picture.sum - c.picture.degrees;
+    const bool corner = diagnostics.board.sum - diagnostics.board.degrees >
+                        diagnostics.picture.sum - diagnostics.picture.degrees;
     result.cause = board && corner ? Misfit::Cause::kBoard : Misfit::Cause::kModel;
     if (!picture) result.cause = Misfit::Cause::kBoard;
   } else if (views) {

@@ -131,7 +131,7 @@ Candidate StartSearch::by_closed_form(const Views& sample) {
   }
   if (!std::isfinite(best.scale)) return best;
   if (is_rich()) {
-    improve(best, sample, Damping::kFree);
+    improve(best, sample, Regularization::kNone);
   } else {
     const Loss loss{Loss::Kind::kHuber, 2 * best.scale};
     (void)least_squares_.minimise_over(sample, best.shared, best.poses, parameterization_.basis,
@@ -217,7 +217,7 @@ std::vector<Candidate> StartSearch::best_of(std::vector<Candidate> candidates, c
   }
   std::sort(candidates.begin(), candidates.end(), nearer);
   if (candidates.size() > trials) candidates.resize(trials);
-  for (Candidate& c : candidates) improve(c, sample, Damping::kPriors);
+  for (Candidate& c : candidates) improve(c, sample, Regularization::kPriors);
   std::sort(candidates.begin(), candidates.end(), nearer);
   return candidates;
 }
@@ -255,7 +255,7 @@ std::vector<Eigen::MatrixXd> StartSearch::stages() const {
   return result;
 }
 
-void StartSearch::improve(Candidate& c, const Views& sample, Damping damping) {
+void StartSearch::improve(Candidate& c, const Views& sample, Regularization regularization) {
   const int iterations = is_rich() ? 40 : 15;
   const auto step = [&](const Eigen::MatrixXd& basis, const Priors& priors) {
     const Loss loss{Loss::Kind::kHuber, 2 * c.scale};
@@ -263,10 +263,11 @@ void StartSearch::improve(Candidate& c, const Views& sample, Damping damping) {
                                        {basis.cols() == 1 ? 5 : iterations, 1e-5}, priors);
     c.scale = scale_of(c, sample);
   };
-  const bool damped = is_rich() && damping == Damping::kPriors;
-  for (const Eigen::MatrixXd& basis : stages()) step(basis, damped ? small(1 / c.scale) : Priors());
+  const bool regularized = is_rich() && regularization == Regularization::kPriors;
+  for (const Eigen::MatrixXd& basis : stages())
+    step(basis, regularized ? small(1 / c.scale) : Priors());
   for (const double looser : {4, 16, 64, 256}) {
-    if (damped) step(parameterization_.basis, small(looser / c.scale));
+    if (regularized) step(parameterization_.basis, small(looser / c.scale));
   }
 }
 

@@ -62,13 +62,14 @@ class StartSearch {
   [[nodiscard]] Candidate with(const Guess& guess, const std::vector<double>& coefficients) const;
   [[nodiscard]] std::vector<Candidate> from_initial() const;
   // The `trials` best of the candidates by a few corners of the sample, improved over all of them.
-  // A rich lens is tamed first: its coefficients are small and grow as the views demand.
+  // A rich lens begins with regularised coefficients: small ones, which grow as the views demand.
   [[nodiscard]] std::vector<Candidate> best_of(std::vector<Candidate> candidates,
                                                const Views& sample, std::size_t trials);
-  enum class Damping { kPriors, kFree };
+  enum class Regularization { kPriors, kNone };
   using Priors = std::vector<CameraUnknowns::Prior>;
   [[nodiscard]] Priors small(double sigma) const;  // px, as weighted residuals are
-  void improve(Candidate& c, const Views& sample, Damping damping);
+  // `kPriors`: those of small(), loosened step by step, for a rich lens.
+  void improve(Candidate& c, const Views& sample, Regularization regularization);
   [[nodiscard]] std::vector<Eigen::MatrixXd> stages() const;
   [[nodiscard]] double scale_of(const Candidate& c, const Views& views);
 

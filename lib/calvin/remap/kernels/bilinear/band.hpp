@@ -29,9 +29,9 @@ struct Band {
   // Where the segment begins in the first row, in 1/2^14 of a sample; x by part.
   alignas(64) std::int32_t x_from[RunRow::kMaxParts][kRuns];
   alignas(64) std::int32_t y_from[kRuns];
-  // The way of the segment's beginning down the band. At the fraction t of the band's height it has
-  // moved by t span + t (1 - t) curve + t (1 - t) (1/2 - t) twist: a cubic, since the map is one
-  // between its nodes.
+  // The path of the segment's beginning down the band. At the fraction t of the band's height it
+  // has moved by t span + t (1 - t) curve + t (1 - t) (1/2 - t) twist: a cubic, since the map is
+  // one between its nodes.
   struct SegmentPath {
     alignas(64) float span[kRuns];
     alignas(64) float curve[kRuns];

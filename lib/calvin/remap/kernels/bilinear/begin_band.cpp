@@ -246,7 +246,7 @@ HWY_INLINE std::int32_t marks_of(Band::Kind kind, int rows) {
   }
 }
 
-// Writes the way of a steady vector of runs down the band.
+// Writes the paths of the segments of a steady vector of runs down the band.
 HWY_INLINE void begin_path(int j, const BandAxis& axis, hn::Vec<Ints> halfway,
                            hn::Vec<Floats> twist, Band::SegmentPath& path) {
   const Floats floats;

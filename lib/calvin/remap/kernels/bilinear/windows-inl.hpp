@@ -320,13 +320,13 @@ HWY_INLINE void blend_threes(const PerPixelRow& row, const std::int32_t* offsets
   };
   const Threes both = {numbers(pixels.bytes), numbers(pixels.across), numbers(pixels.down)};
   const auto first = blend_part<0>(row, run, next, both, pixels);
-  const auto halfway = blend_part<1>(row, run, next, both, pixels);
+  const auto second = blend_part<1>(row, run, next, both, pixels);
   const auto last = blend_part<2>(row, run, next, both, pixels);
   // The first eight bytes of each of these are written over by the next two stores.
   const auto ends = pack_lanes(bytes, last, last);
   hn::StoreU(hn::LowerHalf(ends), lane, out + 8);
   hn::StoreU(hn::UpperHalf(lane, ends), lane, out + 32);
-  const auto begins = pack_lanes(bytes, first, halfway);
+  const auto begins = pack_lanes(bytes, first, second);
   hn::StoreU(hn::LowerHalf(begins), lane, out);
   hn::StoreU(hn::UpperHalf(lane, begins), lane, out + 24);
 }
