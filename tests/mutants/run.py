@@ -43,7 +43,7 @@ TESTS = {
     "detect": "detect",
     "solve": "solve pose recheck uncertainty difference",
     "remap": "undistorter views remap",
-    "session": "session second_look",
+    "session": "session refine_with_camera",
     "draw": "overlay board_drawing",
     "synth": "motion synth",
     "gst": "",
@@ -56,12 +56,12 @@ NEAR = {
     "solve_ceres solve uncertainty",
     "target": "board_drawing observations io",
     "io": "calibundistort_files calibsolve_settings",
-    "detect": "second_look calibdetect",
-    "solve": "second_look calibsolve*",
+    "detect": "refine_with_camera calibdetect",
+    "solve": "refine_with_camera calibsolve*",
     "remap": "calibundistort*",
     "session": "overlay calibsolve*",
     "draw": "caliboverlay",
-    "synth": "second_look calibtestsrc detect_boards detect_fit",
+    "synth": "refine_with_camera calibtestsrc detect_boards detect_fit",
 }
 # Mutants of gst/ begin with what is likely by the name of the file.
 NEAR_FILES = {

@@ -6,7 +6,7 @@
 #include "calvin/core/vector_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "camera/test_camera_lanes.cpp"
+#define HWY_TARGET_INCLUDE "camera/test_camera_vectors.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include "calvin/camera/models.hpp"
@@ -72,7 +72,7 @@ using Numbers = hwy::AlignedFreeUniquePtr<double[]>;
 Numbers numbers(std::size_t count) { return hwy::AllocateAligned<double>(count); }
 
 // Every test runs once with each target of this machine.
-class Lanes : public ::testing::TestWithParam<std::int64_t> {
+class Vectors : public ::testing::TestWithParam<std::int64_t> {
  protected:
   void SetUp() override { use(GetParam()); }
   void TearDown() override { use(0); }
@@ -84,7 +84,7 @@ class Lanes : public ::testing::TestWithParam<std::int64_t> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(EveryTarget, Lanes,
+INSTANTIATE_TEST_SUITE_P(EveryTarget, Vectors,
                          ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
                          [](const auto& test) { return std::string(hwy::TargetName(test.param)); });
 
@@ -180,7 +180,7 @@ void expect_same(std::size_t place, const std::vector<double>& d, const Numbers&
   EXPECT_GT(valid, static_cast<int>(kPoints / 4));
 }
 
-TEST_P(Lanes, DistortAsDoublesDo) {
+TEST_P(Vectors, DistortAsDoublesDo) {
   const Numbers p = points();
   std::size_t place = 0;
   const auto check = [&]<typename L>() {
@@ -192,7 +192,7 @@ TEST_P(Lanes, DistortAsDoublesDo) {
   }(static_cast<AllLenses*>(nullptr));
 }
 
-TEST_P(Lanes, KnowTheAngleOnEverySide) {
+TEST_P(Vectors, KnowTheAngleOnEverySide) {
   constexpr std::size_t kCount = 1 << 14;
   Numbers y = numbers(kCount);
   Numbers x = numbers(kCount);

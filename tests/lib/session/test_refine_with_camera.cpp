@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Corners that are looked at again in their patches, on rendered boards, whose corners are known.
+// Corners that are refined with the camera in their patches, on rendered boards, whose corners are
+// known.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -150,7 +151,7 @@ TEST(SolveInRuns, TakesOutWhatAPoorDetectorPutIn) {
   const double often = *solve_in_runs(views, size, options, 5).value().calibration.rms;
   EXPECT_GT(once, 0.2);
   EXPECT_LT(often, 0.03);
-  // Nothing can be looked at again without patches.
+  // Nothing can be refined without patches.
   for (View& view : views) view.observation.patches.reset();
   EXPECT_EQ(*solve_in_runs(views, size, options, 5).value().calibration.rms, once);
 }
