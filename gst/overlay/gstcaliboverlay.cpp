@@ -27,6 +27,7 @@
 #include "common/frames/frame_check.hpp"
 #include "common/frames/frame_part.hpp"
 #include "common/frames/meta_filter.hpp"
+#include "common/frames/padded_frame.hpp"
 #include "common/frames/refused_caps.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
@@ -209,12 +210,16 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
 static GstFlowReturn gst_calib_overlay_transform_frame_ip(GstVideoFilter* filter,
                                                           GstVideoFrame* frame) {
   State& state = *GST_CALIB_OVERLAY(filter)->state;
+  std::optional<gst::PaddedFrame> padded;
+  if (gst::needs_padding(frame->info)) padded.emplace(*frame);
+  GstVideoFrame* under = padded ? &**padded : frame;
   bool blended = true;
   const auto blend = [&](const OverlayTile& tile) {
-    blended = gst::blend_tile(frame, tile, state.part) && blended;
+    blended = gst::blend_tile(under, tile, state.part) && blended;
   };
   std::for_each(state.tiles.begin(), state.tiles.end(), blend);
   if (state.words != nullptr) blend(*state.words);
+  if (padded) padded->copy_to(*frame);
   if (!blended && !state.blending_failed) {
     state.blending_failed = true;
     GST_ELEMENT_WARNING(filter, STREAM, FORMAT,

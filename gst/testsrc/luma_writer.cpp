@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/frames/frame_unpacking.hpp"
+#include "common/frames/padded_frame.hpp"
 
 namespace calvin::gst {
 
@@ -71,7 +72,11 @@ void write_luma(const GrayImage& picture, GstVideoFrame& frame) {
   const GstVideoFormatInfo* f = frame.info.finfo;
   if (!is_plain(f)) {
     const bool wide = has_wide_lines(f);
-    wide ? pack_luma<std::uint16_t>(picture, frame) : pack_luma<std::uint8_t>(picture, frame);
+    const auto pack = wide ? pack_luma<std::uint16_t> : pack_luma<std::uint8_t>;
+    if (!needs_padding(frame.info)) return pack(picture, frame);
+    PaddedFrame padded(frame);
+    pack(picture, *padded);
+    padded.copy_to(frame);
     return;
   }
   const bool rgb = GST_VIDEO_FORMAT_INFO_IS_RGB(f);

@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "common/frames/padded_frame.hpp"
+
 namespace calvin::gst {
 
 namespace {
@@ -195,9 +197,8 @@ Status FrameUndistorter::apply(const GstVideoFrame& in, const GstVideoFrame& out
     unpacked_in_.reset();
     unpacked_out_.reset();
   } else {
-    if (!unpacked_in_ || !unpacked_in_->is_for(in.info)) unpacked_in_.emplace(in.info);
+    unpack(in);
     if (!unpacked_out_ || !unpacked_out_->is_for(out.info)) unpacked_out_.emplace(out.info);
-    workers_.run([&](int part, int parts) { unpacked_in_->unpack(in, part, parts); });
   }
   std::array<PlaneMemory<const std::uint8_t>, GST_VIDEO_MAX_COMPONENTS> sources;
   std::array<PlaneMemory<std::uint8_t>, GST_VIDEO_MAX_COMPONENTS> outputs;
@@ -210,10 +211,27 @@ Status FrameUndistorter::apply(const GstVideoFrame& in, const GstVideoFrame& out
   const auto from = std::span(sources).first(planes_.size());
   const auto to = std::span(outputs).first(planes_.size());
   workers_.run([&](int part, int parts) { current_->apply(from, to, sampling_, part, parts); });
-  if (unpacks) {
-    workers_.run([&](int part, int parts) { unpacked_out_->pack(out, part, parts); });
-  }
+  if (unpacks) pack(out);
   return {};
+}
+
+void FrameUndistorter::unpack(const GstVideoFrame& in) const {
+  if (!unpacked_in_ || !unpacked_in_->is_for(in.info)) unpacked_in_.emplace(in.info);
+  std::optional<PaddedFrame> padded;
+  if (needs_padding(in.info)) padded.emplace(in);
+  const GstVideoFrame& from = padded ? **padded : in;
+  workers_.run([&](int part, int parts) { unpacked_in_->unpack(from, part, parts); });
+}
+
+void FrameUndistorter::pack(const GstVideoFrame& out) const {
+  if (!needs_padding(out.info)) {
+    workers_.run([&](int part, int parts) { unpacked_out_->pack(out, part, parts); });
+    return;
+  }
+  // A row goes beyond its end too, where the next one is written: one thread packs all, in order.
+  PaddedFrame padded(out);
+  unpacked_out_->pack(*padded, 0, 1);
+  padded.copy_to(out);
 }
 
 }  // namespace calvin::gst

@@ -78,6 +78,9 @@ class FrameUndistorter {
   [[nodiscard]] bool worth_waiting(const Key& key, const Request& request);
   void want(const Key& key, const Result<Camera>& camera, bool wait, std::vector<Error>& errors);
   void forget();
+  // Into and out of the planes of the frames that have to be unpacked.
+  void unpack(const GstVideoFrame& in) const;
+  void pack(const GstVideoFrame& out) const;
   void adopt(const UndistorterBuilder::Built& built, std::vector<Error>& errors);
 
   UndistorterBuilder builder_;

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "common/frames/frame_unpacking.hpp"
+#include "common/frames/padded_frame.hpp"
 
 namespace calvin::gst {
 
@@ -41,28 +42,11 @@ bool component_fits(const GstVideoFrame& frame, guint c) {
 // The same of what has no place of its own per sample: a plane of groups of pixels or of tiles has
 // at least the rows, or tiles, that GStreamer gives it.
 bool plane_fits(const GstVideoFrame& frame, const GstVideoInfo& plain, guint p) {
-  const GstVideoFormatInfo* f = frame.info.finfo;
-  const gint stride = GST_VIDEO_FRAME_PLANE_STRIDE(&frame, p);
-  const gint least = GST_VIDEO_INFO_PLANE_STRIDE(&plain, p);
-  const bool is_last = p + 1 == GST_VIDEO_INFO_N_PLANES(&plain);
-  std::int64_t bytes = static_cast<std::int64_t>(is_last ? plain.size : plain.offset[p + 1]) -
-                       static_cast<std::int64_t>(plain.offset[p]);
-  if (GST_VIDEO_FORMAT_INFO_IS_TILED(f)) {
-    if (GST_VIDEO_TILE_X_TILES(stride) < GST_VIDEO_TILE_X_TILES(least) ||
-        GST_VIDEO_TILE_Y_TILES(stride) < GST_VIDEO_TILE_Y_TILES(least)) {
-      return false;
-    }
-    const auto tiles = [](std::int64_t s) {
-      return GST_VIDEO_TILE_X_TILES(s) * GST_VIDEO_TILE_Y_TILES(s);
-    };
-    bytes = bytes / tiles(least) * tiles(stride);
-  } else {
-    if (stride < least) return false;
-    bytes = std::int64_t{stride} * (GST_VIDEO_FRAME_COMP_HEIGHT(&frame, p) - 1) + least;
-  }
+  const auto bytes = plane_bytes(frame.info, plain, p);
+  if (!bytes) return false;
   const GstMapInfo& map = frame.map[frame.meta == nullptr ? 0 : p];
   const std::int64_t first = static_cast<const guint8*>(frame.data[p]) - map.data;
-  return first >= 0 && first + bytes <= static_cast<std::int64_t>(map.size);
+  return first >= 0 && first + *bytes <= static_cast<std::int64_t>(map.size);
 }
 
 bool all_fits(const GstVideoFrame& frame, const GstVideoInfo& plain) {

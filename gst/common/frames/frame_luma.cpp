@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calvin/detect/luma.hpp"
+#include "common/frames/padded_frame.hpp"
 
 namespace calvin::gst {
 
@@ -128,6 +129,7 @@ Status LumaReader::set_format() {
 }
 
 Picture LumaReader::borrow(GstBuffer* buffer) const {
+  if (needs_padding(info_)) return copy(buffer);
   return {nullptr, MappedFrame::map(info_, buffer)};
 }
 
@@ -143,8 +145,11 @@ Picture LumaReader::copy(GstBuffer* buffer) const {
     take_gray(**mapped, *gray);
     return {std::move(gray), std::nullopt};
   }
+  GstAllocationParams params;
+  gst_allocation_params_init(&params);
+  params.padding = kPadding;
   const std::unique_ptr<GstBuffer, Unref> own(
-      gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info_), nullptr));
+      gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info_), &params));
   GstVideoFrame to;
   if (!own || !gst_video_frame_map(&to, &info_, own.get(), GST_MAP_WRITE)) return {};
   gst_video_frame_copy(&to, &**mapped);

@@ -68,7 +68,7 @@ class LumaReader {
   // A message that says what to insert where the format cannot be read.
   static Result<std::shared_ptr<LumaReader>> make(const GstVideoInfo& info);
 
-  // The frame itself; empty where it cannot be mapped.
+  // The frame itself, or a copy where it needs_padding(); empty where it cannot be mapped.
   [[nodiscard]] Picture borrow(GstBuffer* buffer) const;
   // For a look while the stream goes on. The frame itself too: whoever writes into it downstream
   // meanwhile gets a copy from GStreamer. But of a frame from a pool that has only so many, such as
