@@ -265,6 +265,39 @@ GST_START_TEST(test_a_crop_past_the_picture_says_nothing) {
 }
 GST_END_TEST;
 
+// GStreamer maps no frame that is larger than its GstVideoMeta.
+GST_START_TEST(test_a_part_of_less_than_the_caps_is_refused) {
+  const char* const elements[] = {"calibdetect mode=sync", "calibundistort", "caliboverlay"};
+  const std::string name = elements[__i__];
+  const bool undistorts = name == "calibundistort";
+  const Scene scene;
+  GstElement* element = make_element(undistorts ? name + " calibration=" + kBarrel : name);
+  Bus bus(element);
+  GstHarness* h = harness_of(element);
+  gst_harness_set_src_caps(h, caps_of("GRAY8", kSize));
+  for (int n = 0; n < 2; ++n) {
+    GstBuffer* in = Fixture::noise("GRAY8", kSize, n);
+    GstVideoInfo info;
+    gst_video_info_set_format(&info, GST_VIDEO_FORMAT_GRAY8, 640, 480);
+    add_crop(in, info, {{320, 240}, 10, 10, {300, 200}});
+    gst::attach_observations(in, std::vector{scene.truth(3)});
+    const auto before = gray_of(in, {320, 240});
+    fail_unless_equals_int(gst_harness_push(h, in), GST_FLOW_OK);
+    g_autoptr(GstBuffer) out = gst_harness_try_pull(h);
+    fail_unless((out == nullptr) == undistorts);
+    if (out != nullptr) fail_unless(gray_of(out, {320, 240}) == before);
+  }
+  const auto warnings = bus.texts(GST_MESSAGE_WARNING);
+  const std::string all = join(warnings, " ");
+  fail_unless(
+      all.find("is GRAY8 of 320x240 px, but GRAY8 of 640x480 was negotiated") != std::string::npos,
+      "%s", all.c_str());
+  fail_unless(all.find("Internal") == std::string::npos, "%s", all.c_str());
+  bus.detach();
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
 static Suite* cropped_frames_suite() {
   gst::register_metas();
   Suite* suite = suite_create("cropped_frames");
@@ -281,6 +314,7 @@ static Suite* cropped_frames_suite() {
   tcase_add_loop_test(tc, test_a_crop_of_several_planes, 0, 3);
   tcase_add_test(tc, test_without_a_calibration_a_crop_passes_through);
   tcase_add_test(tc, test_a_crop_past_the_picture_says_nothing);
+  tcase_add_loop_test(tc, test_a_part_of_less_than_the_caps_is_refused, 0, 3);
   return suite;
 }
 

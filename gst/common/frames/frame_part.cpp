@@ -16,6 +16,11 @@ std::optional<FramePart> part_of(GstBuffer* buffer, const GstVideoInfo& info) {
     width = meta->width;
     height = meta->height;
   }
+  // Of a picture smaller than the caps there is no part: check_frame() tells what is wrong.
+  if (width < static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) ||
+      height < static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info))) {
+    return std::nullopt;
+  }
   // What does not lie in the picture says nothing; so does what is all of it.
   if (crop->width < 2 || crop->height < 2 || crop->width > width || crop->height > height ||
       crop->x > width - crop->width || crop->y > height - crop->height ||

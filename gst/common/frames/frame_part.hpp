@@ -13,8 +13,8 @@
 
 namespace calvin::gst {
 
-// px of the picture in memory, whose size GstVideoMeta tells or else the caps. Absent: the frame is
-// all of it, and of the size in the caps.
+// px of the picture in memory, whose size GstVideoMeta tells or else the caps, and which is at
+// least as large as those. Absent: the frame is all of it, and of the size in the caps.
 [[nodiscard]] std::optional<FramePart> part_of(GstBuffer* buffer, const GstVideoInfo& info);
 
 // What is the frame of a picture in memory.
