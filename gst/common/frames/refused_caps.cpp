@@ -155,6 +155,15 @@ std::optional<Error> useless(const GstCaps* caps) {
   if (const auto lacks = incomplete(gst_caps_get_structure(caps, 0))) return error_of(*lacks);
   GstVideoInfo info;
   if (!gst_caps_is_fixed(caps) || video_info_of(info, caps)) return std::nullopt;
+  const char* interlacing =
+      gst_structure_get_string(gst_caps_get_structure(caps, 0), "interlace-mode");
+  if (g_strcmp0(interlacing, "alternate") == 0) {
+    return Error{ErrorCode::kUnsupported,
+                 "Caps with interlace-mode=alternate, one field in each buffer, need the caps "
+                 "feature format:Interlaced. Where the buffers are whole frames, correct the caps "
+                 "of the element upstream to interlace-mode=progressive; where they are fields, "
+                 "insert deinterlace behind the element that sends them with that feature."};
+  }
   g_autofree char* text = gst_caps_to_string(caps);
   return Error{ErrorCode::kUnsupported,
                fmt::format("No memory can hold a frame of the caps {}: insert videoscale, or ask "
