@@ -207,6 +207,26 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
   gst_base_transform_set_passthrough(trans, !drawing || !may_draw_on(trans, buffer));
 }
 
+// GstVideoFilter would complain of every frame that cannot be written, as of an error of its own.
+static GstFlowReturn gst_calib_overlay_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
+  State& state = *GST_CALIB_OVERLAY(trans)->state;
+  GstVideoFrame frame;
+  if (gst_video_frame_map(&frame, &GST_VIDEO_FILTER(trans)->in_info, buffer, GST_MAP_READWRITE)) {
+    gst_video_frame_unmap(&frame);
+    return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->transform_ip(trans, buffer);
+  }
+  GST_WARNING_OBJECT(trans, "draws nothing: the memory of the frame cannot be written");
+  if (!std::exchange(state.frame_refused, true)) {
+    gst::post_warning(
+        GST_ELEMENT(trans),
+        {ErrorCode::kUnsupported,
+         "Nothing can be drawn on the frames: their memory can be read, but neither "
+         "written nor copied. Have the element upstream send frames in system memory, "
+         "v4l2src for example with io-mode=mmap."});
+  }
+  return GST_FLOW_OK;
+}
+
 static GstFlowReturn gst_calib_overlay_transform_frame_ip(GstVideoFilter* filter,
                                                           GstVideoFrame* frame) {
   State& state = *GST_CALIB_OVERLAY(filter)->state;
@@ -255,6 +275,7 @@ static void gst_calib_overlay_class_init(GstCalibOverlayClass* klass) {
   transform_class->get_unit_size = gst::mapped_unit_size;
   transform_class->propose_allocation = gst::propose_uncropped_allocation;
   transform_class->before_transform = gst_calib_overlay_before_transform;
+  transform_class->transform_ip = gst_calib_overlay_transform_ip;
   transform_class->transform_ip_on_passthrough = FALSE;
 
   GstVideoFilterClass* filter_class = GST_VIDEO_FILTER_CLASS(klass);

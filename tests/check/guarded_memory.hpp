@@ -47,6 +47,14 @@ inline gpointer map_guarded(GstMemory* memory, gsize /*size*/, GstMapFlags /*fla
   return reinterpret_cast<GuardedMemory*>(memory)->begin;
 }
 
+// Of memory that is for reading alone.
+inline gpointer map_to_read(GstMemory* memory, gsize size, GstMapFlags flags) {
+  return (flags & GST_MAP_WRITE) != 0 ? nullptr : map_guarded(memory, size, flags);
+}
+inline GstMemory* copy_none(GstMemory* /*memory*/, gssize /*begin*/, gssize /*size*/) {
+  return nullptr;
+}
+
 inline void unmap_guarded(GstMemory* /*memory*/) {}
 
 }  // namespace detail
@@ -75,6 +83,14 @@ static void guarded_allocator_init(GuardedAllocator* self) {
 inline GstAllocator* new_guarded_allocator() {
   gpointer allocator = g_object_new(guarded_allocator_get_type(), nullptr);
   return static_cast<GstAllocator*>(gst_object_ref_sink(allocator));
+}
+
+// Whose memory can be neither written nor copied.
+inline GstAllocator* new_read_only_allocator() {
+  GstAllocator* allocator = new_guarded_allocator();
+  allocator->mem_map = detail::map_to_read;
+  allocator->mem_copy = detail::copy_none;
+  return allocator;
 }
 
 }  // namespace calvin::check
