@@ -11,9 +11,10 @@
 
 namespace calvin {
 
-// One board as seen in one frame. A corner counts by 1 / sigma^2; a sigma that is missing or not
-// positive counts as 1 px, and then only the ratios of the sigmas are believed. Where corners are
-// worse than their sigmas say, a sigma that all of them have in common is added.
+// One board as seen in one frame. A corner counts by 1 / sigma^2; a sigma that is missing, less
+// than 1e-6 px or more than 1e6 px counts as 1 px, and then only the ratios of the sigmas are
+// believed. Where corners are worse than their sigmas say, a sigma that all of them have in common
+// is added.
 struct View {
   Observation observation;
   Board board;

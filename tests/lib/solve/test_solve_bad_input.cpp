@@ -186,5 +186,30 @@ TEST_P(BadInputs, AreRefusedWithAReason) {
       << solution.error().message;
 }
 
+// Their squares are no numbers of double precision, or nearly none.
+TEST(Sigmas, ThatNoCornerCanHaveCountAsMissing) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Random random(9);
+  const Camera camera = scenes::random_camera("brown5", random);
+  auto views = scenes::observe_all(camera, kBoard, scenes::random_poses(camera, kBoard, random, 10),
+                                   0.1, random);
+  for (View& view : views) view.observation.sigma.clear();
+  const auto without = solve(views, kSize);
+  ASSERT_TRUE(without.has_value());
+  for (const double sigma : {1e-300, 1e-154, 1e-7, 1e7, 1e155, 1e300, kInfinity}) {
+    for (View& view : views) {
+      view.observation.sigma.assign(view.observation.ids.size(), sigma);
+    }
+    const auto solution = solve(views, kSize);
+    ASSERT_TRUE(solution.has_value()) << sigma << ": " << solution.error().message;
+    const Calibration& found = solution->calibration;
+    EXPECT_EQ(found.chi, without->calibration.chi) << sigma;
+    EXPECT_EQ(found.expected_error, without->calibration.expected_error) << sigma;
+    for (std::size_t i = 0; i < found.parameters.size(); ++i) {
+      EXPECT_EQ(found.parameters[i].value, without->calibration.parameters[i].value) << sigma;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace calvin
