@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kFewestCorners = 6;
 constexpr double kStill = 0.1;         // px while a frame is read out
+constexpr double kMostSigma = 1e6;     // px; above it counts as not known, as in solve()
 constexpr double kSharp = 0.0015;      // of the image diagonal, 1 sigma of the edges
 constexpr double kSharpEnough = 2;     // px
 constexpr double kSmallest = 0.01;     // of the image's area
@@ -37,7 +38,7 @@ Motion motion(const Observation& from, const Observation& to) {
   Pixel mean;
   double square = 0;
   const auto variance = [](const Observation& o, std::size_t i) {
-    return i < o.sigma.size() ? 2 * o.sigma[i] * o.sigma[i] : 0;
+    return i < o.sigma.size() && o.sigma[i] <= kMostSigma ? 2 * o.sigma[i] * o.sigma[i] : 0;
   };
   for (std::size_t i = 0; i < to.ids.size(); ++i) {
     const auto it = std::find(from.ids.begin(), from.ids.end(), to.ids[i]);

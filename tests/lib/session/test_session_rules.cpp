@@ -256,6 +256,9 @@ TEST(Still, IsBesideTheNoiseOfTheCorners) {
   // px^2 less twice the variance of each of two places: 4 * 0.01 of 0.2236^2 leave 0.01.
   EXPECT_EQ(moved(0.223, 0.1), Reason::kAccepted);
   EXPECT_EQ(moved(0.225, 0.1), Reason::kMoving);
+  // A sigma that no corner can have explains nothing.
+  EXPECT_EQ(moved(0.225, 1e7), Reason::kMoving);
+  EXPECT_EQ(moved(0.225, 1e200), Reason::kMoving);
 }
 
 TEST(Complete, AtTheLastViewOrWhereAllIsSpanned) {
