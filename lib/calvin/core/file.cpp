@@ -8,8 +8,6 @@
 
 #include <fcntl.h>
 #include <linux/magic.h>
-#include <poll.h>
-#include <signal.h>
 #include <sys/stat.h>
 #include <sys/statfs.h>
 #include <unistd.h>
@@ -25,33 +23,13 @@
 
 #include <fmt/format.h>
 
+#include "calvin/core/descriptor.hpp"
+
 namespace calvin {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) noexcept : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  [[nodiscard]] int get() const noexcept { return fd_; }
-  [[nodiscard]] explicit operator bool() const noexcept { return fd_ >= 0; }
-
-  // Some file systems report a full disk only here.
-  [[nodiscard]] bool close() noexcept {
-    const int fd = fd_;
-    fd_ = -1;
-    return ::close(fd) == 0;
-  }
-
- private:
-  int fd_;
-};
 
 tl::unexpected<Error> refused(std::string_view verb, const std::string& path, int error) {
   // The reason must survive whoever cuts a message short.
@@ -92,26 +70,6 @@ tl::unexpected<Error> not_written(const std::string& path, int error) {
   result.value().code = ErrorCode::kIo;
   result.value().message += fmt::format(" {}", advice(error));
   return result;
-}
-
-// Whether a pipe that is full takes more, before a reader is given up.
-bool wait_for_reader(int fd) noexcept {
-  constexpr int kPatience = 5000;  // ms
-  pollfd pipe = {fd, POLLOUT, 0};
-  const int ready = ::poll(&pipe, 1, kPatience);
-  if (ready == 0) errno = EAGAIN;
-  return ready > 0 || (ready < 0 && errno == EINTR);
-}
-
-bool write_all(int fd, std::string_view bytes) noexcept {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0 && errno == EAGAIN && wait_for_reader(fd)) continue;
-    if (n <= 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(n));
-  }
-  return true;
 }
 
 fs::path folder_of(const fs::path& path) {
@@ -167,60 +125,19 @@ bool may_write(const fs::path& path, int more = 0) noexcept {
   return ::faccessat(AT_FDCWD, path.c_str(), W_OK | more, AT_EACCESS) == 0;
 }
 
-// A reader that is gone must not end the program.
-class PipeSignalBlocked {
- public:
-  PipeSignalBlocked() noexcept {
-    sigemptyset(&pipe_);
-    sigaddset(&pipe_, SIGPIPE);
-    sigset_t pending;
-    sigpending(&pending);
-    was_pending_ = sigismember(&pending, SIGPIPE) == 1;
-    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
-  }
-  PipeSignalBlocked(const PipeSignalBlocked&) = delete;
-  PipeSignalBlocked& operator=(const PipeSignalBlocked&) = delete;
-  ~PipeSignalBlocked() {
-    const timespec at_once = {};
-    if (!was_pending_) sigtimedwait(&pipe_, nullptr, &at_once);
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-
- private:
-  sigset_t pipe_{};
-  sigset_t before_{};
-  bool was_pending_ = false;
-};
-
 Status write_directly(const std::string& path, std::string_view bytes) {
   const PipeSignalBlocked blocked;
   // O_NONBLOCK: opening a pipe must not wait for its reader.
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file || !write_all(file.get(), bytes) || !file.close()) return not_written(path, errno);
+  if (!file || !file.write(bytes) || !file.close()) return not_written(path, errno);
   return {};
 }
 
-bool write_at(int fd, std::string_view bytes, std::size_t offset) noexcept {
-  return ::lseek(fd, static_cast<off_t>(offset), SEEK_SET) >= 0 && write_all(fd, bytes);
-}
-
-bool cut(int fd, std::size_t size) noexcept {
-  return ::ftruncate(fd, static_cast<off_t>(size)) == 0;
-}
-
-// True too where the file system has no such thing, as some on networks and in user space.
-bool sync(int fd) noexcept {
-  return ::fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS || errno == ENOTSUP;
-}
-bool set_mode(int fd, mode_t mode) noexcept {
-  return ::fchmod(fd, mode) == 0 || errno == ENOSYS || errno == ENOTSUP;
-}
-
 // What is longer than before goes first: a full disk then refuses it before anything is lost.
-bool overwrite(int fd, std::string_view bytes, std::size_t old_size) noexcept {
+bool overwrite(const Descriptor& file, std::string_view bytes, std::size_t old_size) noexcept {
   const std::size_t head = std::min(bytes.size(), old_size);
-  return write_at(fd, bytes.substr(head), head) && write_at(fd, bytes.substr(0, head), 0) &&
-         cut(fd, bytes.size()) && sync(fd);
+  return file.write_at(bytes.substr(head), head) && file.write_at(bytes.substr(0, head), 0) &&
+         file.cut(bytes.size()) && file.sync();
 }
 
 // For a file that no other may take the place of. Where writing fails the old content comes back.
@@ -231,9 +148,9 @@ Status write_in_place(const fs::path& target, std::string_view bytes) {
   struct stat info {};
   if (::fstat(file.get(), &info) != 0) return not_written(target.string(), errno);
   const auto old_size = static_cast<std::size_t>(info.st_size);
-  if (!overwrite(file.get(), bytes, old_size)) {
+  if (!overwrite(file, bytes, old_size)) {
     const int error = errno;
-    if (cut(file.get(), old_size) && old && write_at(file.get(), *old, 0)) ::fsync(file.get());
+    if (file.cut(old_size) && old && file.write_at(*old, 0)) ::fsync(file.get());
     return not_written(target.string(), error);
   }
   if (!file.close()) return not_written(target.string(), errno);
@@ -263,8 +180,8 @@ int write_and_rename(const fs::path& target, std::string_view bytes, const mode_
   std::string temporary;
   Descriptor file = create_temporary(target, temporary);
   if (!file) return errno;
-  const bool written = (mode == nullptr || set_mode(file.get(), *mode)) &&
-                       write_all(file.get(), bytes) && sync(file.get()) && file.close() &&
+  const bool written = (mode == nullptr || file.set_mode(*mode)) && file.write(bytes) &&
+                       file.sync() && file.close() &&
                        ::rename(temporary.c_str(), target.c_str()) == 0;
   if (!written) {
     const int error = errno;

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Writes to files that are open: all of the bytes, through interruptions and full pipes.
+
+#include "calvin/core/descriptor.hpp"
+
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace calvin {
+
+namespace {
+
+// Whether a pipe that is full takes more, before a reader is given up.
+bool wait_for_reader(int fd) noexcept {
+  constexpr int kPatience = 5000;  // ms
+  pollfd pipe = {fd, POLLOUT, 0};
+  const int ready = ::poll(&pipe, 1, kPatience);
+  if (ready == 0) errno = EAGAIN;
+  return ready > 0 || (ready < 0 && errno == EINTR);
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+bool Descriptor::write(std::string_view bytes) const noexcept {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && errno == EAGAIN && wait_for_reader(fd_)) continue;
+    if (n <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+bool Descriptor::write_at(std::string_view bytes, std::size_t offset) const noexcept {
+  return ::lseek(fd_, static_cast<off_t>(offset), SEEK_SET) >= 0 && write(bytes);
+}
+
+bool Descriptor::cut(std::size_t size) const noexcept {
+  return ::ftruncate(fd_, static_cast<off_t>(size)) == 0;
+}
+
+bool Descriptor::sync() const noexcept {
+  return ::fsync(fd_) == 0 || errno == EINVAL || errno == ENOSYS || errno == ENOTSUP;
+}
+
+bool Descriptor::set_mode(mode_t mode) const noexcept {
+  return ::fchmod(fd_, mode) == 0 || errno == ENOSYS || errno == ENOTSUP;
+}
+
+bool Descriptor::close() noexcept {
+  const int fd = fd_;
+  fd_ = -1;
+  return ::close(fd) == 0;
+}
+
+PipeSignalBlocked::PipeSignalBlocked() noexcept {
+  sigemptyset(&pipe_);
+  sigaddset(&pipe_, SIGPIPE);
+  sigset_t pending;
+  sigpending(&pending);
+  was_pending_ = sigismember(&pending, SIGPIPE) == 1;
+  pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+}
+
+PipeSignalBlocked::~PipeSignalBlocked() {
+  const timespec at_once = {};
+  if (!was_pending_) sigtimedwait(&pipe_, nullptr, &at_once);
+  pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
+}  // namespace calvin
