@@ -121,8 +121,17 @@ std::optional<bool> are_one(const fs::path& a, const fs::path& b) {
   return info_a.st_dev == info_b.st_dev && info_a.st_ino == info_b.st_ino;
 }
 
-bool may_write(const fs::path& path, int more = 0) noexcept {
-  return ::faccessat(AT_FDCWD, path.c_str(), W_OK | more, AT_EACCESS) == 0;
+// Why it may not be written, as far as the system tells without a try; 0 where it cannot tell, as
+// under a filter of system calls that does not know this one.
+int refusal_foretold(const fs::path& path, int more = 0) noexcept {
+  if (::faccessat(AT_FDCWD, path.c_str(), W_OK | more, AT_EACCESS) == 0) return 0;
+  return errno == EACCES || errno == EROFS ? errno : 0;
+}
+
+// Whoever may not write a file does not replace it either, though its folder would let him.
+int refusal(const std::string& path) noexcept {
+  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  return file ? 0 : errno;
 }
 
 Status write_directly(const std::string& path, std::string_view bytes) {
@@ -244,7 +253,7 @@ Status write_file(const std::string& path, std::string_view bytes) {
   if (!exists && errno != ENOENT) return not_written(path, errno);
   if (exists && S_ISDIR(info.st_mode)) return not_written(path, EISDIR);
   if (exists && !S_ISREG(info.st_mode)) return write_directly(path, bytes);
-  if (exists && !may_write(path)) return not_written(path, errno);
+  if (const int error = exists ? refusal(path) : 0; error != 0) return not_written(path, error);
   const fs::path target = resolved(path);
   // Whoever has opened the file wants it, not another one in its place; it may have no name any
   // more.
@@ -266,14 +275,14 @@ Status check_writable(const std::string& path) {
   struct stat info {};
   if (::stat(path.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) return not_written(path, EISDIR);
-    if (!may_write(path)) return not_written(path, errno);
+    if (const int error = refusal_foretold(path); error != 0) return not_written(path, error);
     return {};
   }
   if (errno != ENOENT) return not_written(path, errno);
   const fs::path folder = folder_of(resolved(path));
   if (::stat(folder.c_str(), &info) != 0) return not_written(path, errno);
   if (!S_ISDIR(info.st_mode)) return not_written(path, ENOTDIR);
-  if (!may_write(folder, X_OK)) return not_written(path, errno);
+  if (const int error = refusal_foretold(folder, X_OK); error != 0) return not_written(path, error);
   return {};
 }
 
