@@ -57,6 +57,12 @@ bool Descriptor::set_mode(mode_t mode) const noexcept {
   return ::fchmod(fd_, mode) == 0 || errno == ENOSYS || errno == ENOTSUP;
 }
 
+bool Descriptor::set_owner(uid_t owner, gid_t group) const noexcept {
+  struct stat info {};
+  if (::fstat(fd_, &info) != 0) return false;
+  return (info.st_uid == owner && info.st_gid == group) || ::fchown(fd_, owner, group) == 0;
+}
+
 bool Descriptor::close() noexcept {
   const int fd = fd_;
   fd_ = -1;

@@ -29,6 +29,8 @@ class Descriptor {
   // True too where the file system has no such thing, as some on networks and in user space.
   [[nodiscard]] bool sync() const noexcept;
   [[nodiscard]] bool set_mode(mode_t mode) const noexcept;
+  // Whether the file is that owner's and group's now.
+  [[nodiscard]] bool set_owner(uid_t owner, gid_t group) const noexcept;
   // Some file systems report a full disk only here.
   [[nodiscard]] bool close() noexcept;
 

@@ -184,12 +184,22 @@ Descriptor create_temporary(const fs::path& target, std::string& name) {
   return Descriptor(fd);
 }
 
-// The reason where it fails, else 0.
-int write_and_rename(const fs::path& target, std::string_view bytes, const mode_t* mode) {
+// Owner first: it takes bits of the mode away. A file that cannot be given away is not taken
+// either.
+bool take_over(const Descriptor& file, const struct stat& old) noexcept {
+  if (!file.set_owner(old.st_uid, old.st_gid)) {
+    errno = EPERM;  // in whatever way the system says it
+    return false;
+  }
+  return file.set_mode(old.st_mode & 07777);
+}
+
+// The reason where it fails, else 0. `old` is the file in whose place the new one goes, if any.
+int write_and_rename(const fs::path& target, std::string_view bytes, const struct stat* old) {
   std::string temporary;
   Descriptor file = create_temporary(target, temporary);
   if (!file) return errno;
-  const bool written = (mode == nullptr || file.set_mode(*mode)) && file.write(bytes) &&
+  const bool written = (old == nullptr || take_over(file, *old)) && file.write(bytes) &&
                        file.sync() && file.close() &&
                        ::rename(temporary.c_str(), target.c_str()) == 0;
   if (!written) {
@@ -203,8 +213,8 @@ int write_and_rename(const fs::path& target, std::string_view bytes, const mode_
   return 0;
 }
 
-// The file itself may be writable nonetheless: a mount point of its own, or in a folder that takes
-// no new files.
+// The file itself may be writable nonetheless: a mount point of its own, another's, or in a folder
+// that takes no new files.
 bool cannot_be_replaced(int error) noexcept {
   return error == EBUSY || error == EXDEV || error == EACCES || error == EPERM || error == EROFS;
 }
@@ -258,8 +268,7 @@ Status write_file(const std::string& path, std::string_view bytes) {
   // Whoever has opened the file wants it, not another one in its place; it may have no name any
   // more.
   if (exists && is_open_file(path)) return write_in_place(path, bytes);
-  const mode_t mode = info.st_mode & 07777;
-  const int error = write_and_rename(target, bytes, exists ? &mode : nullptr);
+  const int error = write_and_rename(target, bytes, exists ? &info : nullptr);
   if (error == 0) return {};
   if (exists && cannot_be_replaced(error)) return write_in_place(target, bytes);
   return not_written(target.string(), error);

@@ -21,10 +21,11 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{64} << 20;
 
 // Replaces the content of `path`, or creates it: a temporary file beside it is written, fsynced and
 // renamed, so that a crash leaves the old content or the new. A file that no other can take the
-// place of, as a mount point or one in a folder that takes no new files, is overwritten and fsynced
-// instead; where that fails its old content is put back. A symbolic link stays one and what it
-// points to is replaced; the mode of an existing file is kept; a device or a pipe, /dev/stdout too,
-// is written directly. kIo where the system refuses, with what to do. The inverse of read_file().
+// place of, as a mount point, one in a folder that takes no new files or one of an owner to whom no
+// other can be given, is overwritten and fsynced instead; where that fails its old content is put
+// back. A symbolic link stays one and what it points to is replaced; owner, group and mode of an
+// existing file are kept; a device or a pipe, /dev/stdout too, is written directly. kIo where the
+// system refuses, with what to do. The inverse of read_file().
 [[nodiscard]] Status write_file(const std::string& path, std::string_view bytes);
 
 // Whether it is there and what is written goes behind what was written before, not in its place: a

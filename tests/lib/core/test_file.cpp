@@ -211,6 +211,40 @@ TEST_F(File, AWritableFileInAReadOnlyFolderIsOverwritten) {
   EXPECT_EQ(folder_.entries(), 1u);
 }
 
+struct stat info_of(const std::string& path) {
+  struct stat info {};
+  EXPECT_EQ(stat(path.c_str(), &info), 0) << path;
+  return info;
+}
+
+// As where root calibrates beside a service that is to read its file.
+TEST_F(File, RootLeavesAFileToItsOwner) {
+  constexpr uid_t kOwner = 1234;
+  constexpr gid_t kGroup = 1235;
+  ASSERT_TRUE(write_file(path("a.json"), "old").has_value());
+  ASSERT_EQ(chmod(path("a.json").c_str(), 0640), 0);
+  if (chown(path("a.json").c_str(), kOwner, kGroup) != 0) GTEST_SKIP() << "takes root";
+  const auto written = write_file(path("a.json"), "new content");
+  ASSERT_TRUE(written.has_value()) << written.error().message;
+  EXPECT_EQ(*read_file(path("a.json")), "new content");
+  const struct stat now = info_of(path("a.json"));
+  EXPECT_EQ(now.st_uid, kOwner);
+  EXPECT_EQ(now.st_gid, kGroup);
+  EXPECT_EQ(now.st_mode & 07777, 0640U);
+}
+
+// Whoever cannot give a file away does not take it either.
+TEST_F(File, AFileOfAnotherStaysHis) {
+  ASSERT_TRUE(write_file(path("a.json"), "old").has_value());
+  fs::permissions(path("a.json"), fs::perms(0666));
+  fs::permissions(folder_.path(), fs::perms(0777));
+  const struct stat before = info_of(path("a.json"));
+  EXPECT_EQ(as_nobody([&] { return write_file(path("a.json"), "new content") ? 0 : 1; }), 0);
+  EXPECT_EQ(*read_file(path("a.json")), "new content");
+  EXPECT_EQ(info_of(path("a.json")).st_uid, before.st_uid);
+  EXPECT_EQ(folder_.entries(), 1U) << "a temporary file stayed behind";
+}
+
 // Whoever may not write a file does not replace it either, though the folder would let him.
 TEST_F(File, AReadOnlyFileIsLeftAlone) {
   ASSERT_TRUE(write_file(path("a.json"), "old").has_value());
