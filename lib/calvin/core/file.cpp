@@ -40,7 +40,7 @@ tl::unexpected<Error> refused(std::string_view verb, const std::string& path, in
                                       std::generic_category().message(error)));
 }
 
-const char* advice(int error) noexcept {
+const char* advice(int error, bool stream) noexcept {
   switch (error) {
     case ENOSPC:
     case EDQUOT:
@@ -56,9 +56,11 @@ const char* advice(int error) noexcept {
       return "The disk or the network fails: choose a place on another one.";
     case ENAMETOOLONG:
       return "Choose a shorter name.";
+    case EAGAIN:
+      if (!stream) return "Try again, or choose a place on another disk.";
+      [[fallthrough]];
     case ENXIO:
     case EPIPE:
-    case EAGAIN:
       return "Start the program that is to read from it, and let it read to the end.";
     default:
       return "Choose a place in a folder that exists and may be written to.";
@@ -68,7 +70,7 @@ const char* advice(int error) noexcept {
 tl::unexpected<Error> not_written(const std::string& path, int error) {
   auto result = refused("write", path, error);
   result.value().code = ErrorCode::kIo;
-  result.value().message += fmt::format(" {}", advice(error));
+  result.value().message += fmt::format(" {}", advice(error, is_stream(path)));
   return result;
 }
 

@@ -27,6 +27,9 @@
 static int fsync_error = 0;
 static int fchmod_error = 0;
 static int faccessat_error = 0;
+static int fsync_failures = -1;  // how often it fails; below 0 always
+static int write_error = 0;
+static int writes = 0;
 
 static int done_or(int error, long call, int fd, mode_t mode = 0) {
   if (error == 0) return static_cast<int>(::syscall(call, fd, mode));
@@ -36,7 +39,16 @@ static int done_or(int error, long call, int fd, mode_t mode = 0) {
 
 extern "C" {
 int failing_fsync(int fd) asm("fsync");
-int failing_fsync(int fd) { return done_or(fsync_error, SYS_fsync, fd); }
+int failing_fsync(int fd) {
+  return done_or(fsync_failures-- == 0 ? 0 : fsync_error, SYS_fsync, fd);
+}
+// Of one that fails without end a loop would have none: it comes to another error.
+ssize_t failing_write(int fd, const void* bytes, size_t size) asm("write");
+ssize_t failing_write(int fd, const void* bytes, size_t size) {
+  if (write_error == 0) return ::syscall(SYS_write, fd, bytes, size);
+  errno = ++writes < 10000 ? write_error : ENOTTY;
+  return -1;
+}
 int failing_fchmod(int fd, mode_t mode) asm("fchmod");
 int failing_fchmod(int fd, mode_t mode) { return done_or(fchmod_error, SYS_fchmod, fd, mode); }
 int failing_faccessat(int folder, const char* path, int mode, int flags) asm("faccessat");
@@ -55,7 +67,10 @@ namespace fs = std::filesystem;
 
 class Place : public testing::Test {
  protected:
-  ~Place() override { fsync_error = fchmod_error = faccessat_error = 0; }
+  ~Place() override {
+    fsync_error = fchmod_error = faccessat_error = write_error = writes = 0;
+    fsync_failures = -1;
+  }
   [[nodiscard]] std::string path(const std::string& name) const {
     return folder_.path(name.c_str());
   }
@@ -188,6 +203,26 @@ TEST_P(CannotSync, IsNoReasonNotToWrite) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Errors, CannotSync, testing::Values(EINVAL, ENOSYS, ENOTSUP));
+
+TEST_F(Place, AnInterruptedSyncIsTriedAgain) {
+  fsync_error = EINTR;
+  fsync_failures = 2;
+  const auto written = write_file(path("a.json"), "content");
+  ASSERT_TRUE(written.has_value()) << written.error().message;
+  EXPECT_LT(fsync_failures, 0);
+}
+
+// A file that always says "try again", as some on networks, is no pipe that has a reader.
+TEST_F(Place, AFileThatPutsOffForEverIsGivenUp) {
+  write_error = EAGAIN;
+  const auto written = write_file(path("a.json"), "content");
+  write_error = 0;
+  ASSERT_FALSE(written.has_value());
+  EXPECT_LT(writes, 1000);
+  EXPECT_NE(written.error().message.find("Try again"), std::string::npos)
+      << written.error().message;
+  EXPECT_EQ(folder_.entries(), 0U) << "a temporary file stayed behind";
+}
 
 class CannotSetModes : public Place, public testing::WithParamInterface<int> {};
 
