@@ -77,18 +77,23 @@ bool Descriptor::close() noexcept {
   return ::close(fd) == 0;
 }
 
-PipeSignalBlocked::PipeSignalBlocked() noexcept {
-  sigemptyset(&pipe_);
-  sigaddset(&pipe_, SIGPIPE);
+WriteSignalsBlocked::WriteSignalsBlocked() noexcept {
   sigset_t pending;
+  sigset_t both;
   sigpending(&pending);
-  was_pending_ = sigismember(&pending, SIGPIPE) == 1;
-  pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  sigemptyset(&both);
+  sigemptyset(&ours_);
+  for (const int signal : {SIGPIPE, SIGXFSZ}) {
+    sigaddset(&both, signal);
+    if (sigismember(&pending, signal) != 1) sigaddset(&ours_, signal);
+  }
+  pthread_sigmask(SIG_BLOCK, &both, &before_);
 }
 
-PipeSignalBlocked::~PipeSignalBlocked() {
+WriteSignalsBlocked::~WriteSignalsBlocked() {
   const timespec at_once = {};
-  if (!was_pending_) sigtimedwait(&pipe_, nullptr, &at_once);
+  while (sigtimedwait(&ours_, nullptr, &at_once) > 0) {
+  }
   pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 

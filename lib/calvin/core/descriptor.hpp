@@ -38,18 +38,18 @@ class Descriptor {
   int fd_;
 };
 
-// While it lives, a reader that is gone does not end the program.
-class PipeSignalBlocked {
+// While it lives, neither a reader that is gone nor the limit of a file's size ends the program:
+// writing fails with EPIPE or EFBIG instead.
+class WriteSignalsBlocked {
  public:
-  PipeSignalBlocked() noexcept;
-  PipeSignalBlocked(const PipeSignalBlocked&) = delete;
-  PipeSignalBlocked& operator=(const PipeSignalBlocked&) = delete;
-  ~PipeSignalBlocked();
+  WriteSignalsBlocked() noexcept;
+  WriteSignalsBlocked(const WriteSignalsBlocked&) = delete;
+  WriteSignalsBlocked& operator=(const WriteSignalsBlocked&) = delete;
+  ~WriteSignalsBlocked();
 
  private:
-  sigset_t pipe_{};
+  sigset_t ours_{};  // those that did not wait for the thread before
   sigset_t before_{};
-  bool was_pending_ = false;
 };
 
 }  // namespace calvin

@@ -137,7 +137,6 @@ int refusal(const std::string& path) noexcept {
 }
 
 Status write_directly(const std::string& path, std::string_view bytes) {
-  const PipeSignalBlocked blocked;
   // O_NONBLOCK: opening a pipe must not wait for its reader.
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file || !file.write(bytes) || !file.close()) return not_written(path, errno);
@@ -259,6 +258,7 @@ Result<std::string> read_file(const std::string& path, std::size_t max_bytes) {
 }
 
 Status write_file(const std::string& path, std::string_view bytes) {
+  const WriteSignalsBlocked blocked;
   if (path.empty()) return not_written(path, ENOENT);
   struct stat info {};
   const bool exists = ::stat(path.c_str(), &info) == 0;

@@ -4,6 +4,7 @@
 // Places for files that are not like others: pipes, file systems that cannot do everything, names
 // that leave no room for more. And what is said where a file cannot be written.
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -222,6 +223,25 @@ TEST_F(Place, AFileThatPutsOffForEverIsGivenUp) {
   EXPECT_NE(written.error().message.find("Try again"), std::string::npos)
       << written.error().message;
   EXPECT_EQ(folder_.entries(), 0U) << "a temporary file stayed behind";
+}
+
+// As under `ulimit -f`: by default the signal ends a program.
+TEST_F(Place, TheLimitOfAFilesSizeEndsNoProgram) {
+  ASSERT_TRUE(write_file(path("a.json"), "old").has_value());
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_DFL);
+    const rlimit limit = {4096, 4096};
+    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) ::_exit(9);
+    const auto written = write_file(path("a.json"), std::string(10000, 'x'));
+    ::_exit(!written && written.error().message.find("ulimit -f") != std::string::npos ? 7 : 8);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+  EXPECT_EQ(*read_file(path("a.json")), "old");
+  EXPECT_EQ(folder_.entries(), 1U) << "a temporary file stayed behind";
 }
 
 class CannotSetModes : public Place, public testing::WithParamInterface<int> {};
