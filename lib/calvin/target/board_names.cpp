@@ -136,6 +136,24 @@ Status add(const std::string& path, std::string_view name, const Board& board) {
   return write_file(path, json->dump(2) + "\n");
 }
 
+// In a picture neither the size of the squares nor what counts as a row tells one from the other.
+bool look_alike(const Board& a, const Board& b) noexcept {
+  return a.kind == b.kind && std::minmax(a.cols, a.rows) == std::minmax(b.cols, b.rows);
+}
+
+tl::unexpected<Error> cannot_be_told_apart(std::string_view text, const Board& a, const Board& b) {
+  const std::string first = a.text();
+  const std::string second = b.text();
+  return wrong_board_text(
+      text, first == second
+                ? fmt::format("it has {} twice, and two boards that look the same cannot be told "
+                              "apart; name it once",
+                              first)
+                : fmt::format("{} and {} look the same in a picture and cannot be told apart; name "
+                              "the one that is used, or take boards of different corners",
+                              first, second));
+}
+
 }  // namespace
 
 Result<std::vector<Board>> parse_boards(std::string_view text) {
@@ -144,14 +162,9 @@ Result<std::vector<Board>> parse_boards(std::string_view text) {
     if (part.empty()) return wrong_board_text(text, "there is no board before or after a ';'");
     auto board = names_a_file(part) ? named_board(part) : parse_board(part);
     if (!board) return tl::unexpected<Error>(board.error());
-    const std::string canonical = board->text();
-    const bool twice = std::any_of(boards.begin(), boards.end(),
-                                   [&](const Board& b) { return b.text() == canonical; });
-    if (twice) {
-      return wrong_board_text(text, fmt::format("it has {} twice, and two boards that look the "
-                                                "same cannot be told apart",
-                                                canonical));
-    }
+    const auto alike = std::find_if(boards.begin(), boards.end(),
+                                    [&](const Board& b) { return look_alike(b, *board); });
+    if (alike != boards.end()) return cannot_be_told_apart(text, *alike, *board);
     if (boards.size() == kMaxBoards) {
       return wrong_board_text(text, fmt::format("it has more than {} boards", kMaxBoards));
     }

@@ -205,6 +205,26 @@ TEST_F(BoardNames, WrongListsShowARightText) {
   }
 }
 
+// Every view of the one would count for the other too.
+TEST_F(BoardNames, BoardsThatLookTheSameAreRefused) {
+  ASSERT_TRUE(add_board(file(), "floor", "checkerboard:6x9:30mm").has_value());
+  const std::string others[][2] = {
+      {"checkerboard:6x9:25mm", "checkerboard:6x9:25mm"},
+      {"checkerboard:9x6:26mm", "checkerboard:9x6:26mm"},
+      {file() + "#floor", "checkerboard:6x9:30mm"},
+  };
+  for (const auto& [other, canonical] : others) {
+    const auto boards = parse_boards("checkerboard:9x6:25mm;checkerboard:8x5:25mm;" + other);
+    ASSERT_FALSE(boards.has_value()) << other;
+    EXPECT_EQ(boards.error().code, ErrorCode::kInvalidArgument) << other;
+    for (const std::string& part : {std::string("checkerboard:9x6:25mm and "), canonical,
+                                    std::string("name the one that is used")}) {
+      EXPECT_NE(boards.error().message.find(part), std::string::npos) << boards.error().message;
+    }
+  }
+  EXPECT_TRUE(parse_boards("checkerboard:9x6:25mm;checkerboard:9x7:25mm").has_value());
+}
+
 TEST_F(BoardNames, MissingFilesAndNamesSaySo) {
   auto error = parse_boards(file() + "#floor").error();
   EXPECT_EQ(error.code, ErrorCode::kNotFound);
