@@ -87,6 +87,10 @@ Status read_line(std::string_view line, bool first, ObservationFile& file) {
   Fields fields(*node, "", problem);
   if (first) {
     read_header(fields, file);
+  } else if (fields.find("format") != nullptr) {
+    return make_error(
+        ErrorCode::kMalformed,
+        "it is a second header, as where two files are joined: its board may be another");
   } else if (fields.flag("reset")) {
     file.observations.clear();
   } else {
@@ -108,11 +112,12 @@ Result<ObservationFile> parse_observations(std::string_view content, std::string
     ++number;
     if (number == 1 || !line.empty()) {
       if (const Status status = read_line(line, number == 1, file); !status) {
+        const std::string& why = status.error().message;
         return make_error(status.error().code,
-                          fmt::format("'{}' cannot be used as observations: line {}: {} Give a "
+                          fmt::format("'{}' cannot be used as observations: line {}: {}{} Give a "
                                       "file of observations as calvin writes them, or take this "
                                       "line out.",
-                                      name, number, status.error().message));
+                                      name, number, why, why.ends_with('.') ? "" : "."));
       }
     }
     file.whole_bytes = end + 1;

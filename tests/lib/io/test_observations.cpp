@@ -110,7 +110,15 @@ TEST(Observations, BrokenLinesAreRefusedByNumberAndName) {
     ASSERT_FALSE(file.has_value()) << line;
     EXPECT_NE(file.error().message.find("'log.jsonl'"), std::string::npos) << file.error().message;
     EXPECT_NE(file.error().message.find("line 2"), std::string::npos) << file.error().message;
+    const auto advice = file.error().message.find(" Give a file");
+    ASSERT_NE(advice, std::string::npos);
+    EXPECT_EQ(file.error().message[advice - 1], '.') << file.error().message;
+    EXPECT_NE(file.error().message[advice - 2], '.') << file.error().message;
   }
+  const auto joined = parse_observations(header + header, "log.jsonl");
+  ASSERT_FALSE(joined.has_value());
+  EXPECT_NE(joined.error().message.find("second header"), std::string::npos)
+      << joined.error().message;
   const auto newer = parse_observations("{\"format\":\"calvin-observations\",\"version\":2}\n");
   ASSERT_FALSE(newer.has_value());
   EXPECT_EQ(newer.error().code, ErrorCode::kUnsupported);
