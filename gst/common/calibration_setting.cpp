@@ -15,6 +15,10 @@ namespace calvin::gst {
 
 constexpr auto kPause = std::chrono::milliseconds(500);
 
+static std::int64_t nanoseconds(const timespec& time) {
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
 void CalibrationSetting::set(const std::string& text) {
   text_ = text;
   changed_ = true;
@@ -57,7 +61,7 @@ std::optional<Result<Calibration>> CalibrationSetting::read_if_replaced() {
 std::optional<CalibrationSetting::Stamp> CalibrationSetting::look() const {
   struct stat s = {};
   if (stat(text_.c_str(), &s) != 0) return std::nullopt;
-  return Stamp{s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
+  return Stamp{s.st_dev, s.st_ino, s.st_size, nanoseconds(s.st_mtim), nanoseconds(s.st_ctim)};
 }
 
 }  // namespace calvin::gst

@@ -32,12 +32,14 @@ class CalibrationSetting {
   [[nodiscard]] bool may_wait() const;
 
  private:
-  // What tells one file from the next under the same name.
+  // What tells one file from the next under the same name. Programs that copy a file set its time
+  // of modification to that of the other; its time of change they cannot set.
   struct Stamp {
+    std::uint64_t device = 0;
     std::uint64_t inode = 0;
     std::int64_t size = 0;
-    std::int64_t seconds = 0;
-    std::int64_t nanoseconds = 0;
+    std::int64_t modified = 0;  // ns
+    std::int64_t changed = 0;   // ns
     friend bool operator==(const Stamp&, const Stamp&) = default;
   };
   [[nodiscard]] std::optional<Stamp> look() const;

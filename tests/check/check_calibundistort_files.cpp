@@ -4,6 +4,7 @@
 // calibundistort: calibrations that cannot be read, and files that come, change and go.
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -60,6 +61,28 @@ static bool comes_to(Fixture& f, const std::vector<guint8>& want, int& n) {
   }
   return false;
 }
+
+// As of a program that copies a file with its times.
+GST_START_TEST(test_a_file_of_equal_size_and_time_is_another_one) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  const auto write = [&path](const char* fx) {
+    std::ofstream(path) << "{\"format\":\"calvin-calibration\",\"version\":1,"
+                           "\"image_size\":[320,240],\"model\":\"pinhole\",\"parameters\":{\"fx\":"
+                        << fx << ",\"fy\":250,\"cx\":159.5,\"cy\":119.5}}";
+    std::filesystem::last_write_time(path, {});
+  };
+  gst::CalibrationSetting setting;
+  gst::CalibrationSetting::Clock::time_point now;
+  write("250");
+  setting.set(path);
+  fail_unless(setting.poll(now).has_value());
+  fail_if(setting.poll(now += std::chrono::seconds(1)).has_value());
+  write("251");
+  const auto second = setting.poll(now += std::chrono::seconds(1));
+  fail_unless(second && *second && (*second)->find("fx")->value == 251);
+}
+GST_END_TEST;
 
 GST_START_TEST(test_a_file_is_taken_in_when_it_appears_and_when_it_is_replaced) {
   check::TemporaryFolder folder;
@@ -195,6 +218,7 @@ static Suite* calibundistort_files_suite() {
   Suite* suite = suite_create("calibundistort_files");
   TCase* tc = tcase_create("general");
   const int broken = static_cast<int>(std::size(kBroken));
+  tcase_add_test(tc, test_a_file_of_equal_size_and_time_is_another_one);
   tcase_add_loop_test(tc, test_an_unreadable_calibration_is_an_error_at_the_start, 0, broken);
   tcase_add_loop_test(tc, test_an_unreadable_calibration_while_running_is_a_warning, 0, broken);
   tcase_add_loop_test(tc, test_a_file_is_taken_in_when_it_appears_and_when_it_is_replaced, 0, 2);
