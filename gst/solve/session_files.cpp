@@ -5,7 +5,6 @@
 
 #include "solve/session_files.hpp"
 
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -53,6 +52,21 @@ std::optional<Error> lost_by(const std::string& path, const Calibration& before,
 
 }  // namespace
 
+bool SessionFiles::holds_ours(const std::string& path) const {
+  const auto ours = ours_.find(path);
+  if (ours == ours_.end()) return false;
+  const auto bytes = read_file(path);
+  return bytes && *bytes == ours->second;
+}
+
+Status SessionFiles::write_one(const CalibrationFile& file, const Calibration& calibration) {
+  auto text = print_calibration(calibration, file.format);
+  if (!text) return tl::unexpected<Error>(text.error());
+  Status written = write_file(file.path, *text);
+  if (written) ours_[file.path] = *std::move(text);
+  return written;
+}
+
 SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& files,
                                           const Calibration& calibration, bool final,
                                           std::uint64_t session) {
@@ -60,7 +74,7 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
   std::map<std::string, Calibration> foreign;
   std::vector<Calibration> others;
   for (const CalibrationFile& file : files) {
-    if (ours_.contains(file.path) || is_stream(file.path)) continue;
+    if (is_stream(file.path) || holds_ours(file.path)) continue;
     auto other = read_calibration(file.path);
     if (!other) continue;
     others.push_back(*other);
@@ -76,8 +90,7 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
       continue;
     }
     const Status kept = before != foreign.end() ? keep_copy(file.path) : Status();
-    Status written = write_calibration(file.path, calibration, file.format);
-    if (written) ours_.insert(file.path);
+    Status written = write_one(file, calibration);
     if (written && before != foreign.end() && !outcome.lost) {
       outcome.lost = lost_by(file.path, before->second, calibration, kept);
     }

@@ -5,8 +5,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -26,15 +26,19 @@ class SessionFiles {
 
   // Writes a final result to all files. One on the way to it does not take the place of another
   // session's calibration, unless may_replace() says that nothing is lost; it goes to files that
-  // are not there yet or hold no calibration, and to those that this session has written before. A
-  // pipe or a device gets final results alone: what is read from it cannot be replaced. What
-  // another session's file FILE held is kept as FILE~.
+  // are not there yet or hold no calibration, and to those that hold what this session has written
+  // before: what someone has put there since is another session's. A pipe or a device gets final
+  // results alone: what is read from it cannot be replaced. What another session's file FILE held
+  // is kept as FILE~.
   [[nodiscard]] Outcome write(const std::vector<CalibrationFile>& files,
                               const Calibration& calibration, bool final, std::uint64_t session);
 
  private:
+  [[nodiscard]] bool holds_ours(const std::string& path) const;
+  [[nodiscard]] Status write_one(const CalibrationFile& file, const Calibration& calibration);
+
   std::uint64_t session_ = 0;
-  std::set<std::string> ours_;  // paths that session_ has written
+  std::map<std::string, std::string> ours_;  // by path, what session_ has written last
 };
 
 }  // namespace calvin::gst

@@ -242,6 +242,23 @@ GST_START_TEST(test_a_removed_view_leaves_the_file) {
 }
 GST_END_TEST;
 
+// As a colleague who copies a good calibration there while the session goes on.
+GST_START_TEST(test_what_is_put_there_meanwhile_is_not_ours) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  SolveFixture f("location=" + path);
+  push_slowly(f, 3);
+  fail_unless_equals_int(read_calibration(path)->views.size(), 3);
+  leave(path, f, 1e-6);
+  push_slowly(f, 12);
+  fail_unless(is_left(path));
+  fail_unless_equals_int(infos(f), 1);
+  f.eos();
+  fail_unless_equals_int(read_calibration(path)->views.size(), 15);
+  fail_unless(is_left(path + "~"));
+}
+GST_END_TEST;
+
 static Suite* calibsolve_sessions_suite() {
   Suite* suite = suite_create("calibsolve_sessions");
   TCase* tc = tcase_create("general");
@@ -256,6 +273,7 @@ static Suite* calibsolve_sessions_suite() {
   tcase_add_test(tc, test_what_is_no_calibration_does_not_stay);
   tcase_add_loop_test(tc, test_the_session_before_is_another_one, 0, 3);
   tcase_add_test(tc, test_a_removed_view_leaves_the_file);
+  tcase_add_test(tc, test_what_is_put_there_meanwhile_is_not_ours);
   return suite;
 }
 
