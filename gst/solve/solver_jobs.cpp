@@ -88,9 +88,11 @@ void CalibSolver::run(const Job& job, const std::stop_token& stop) {
     if (job.final) final_owed_ = false;
     return;
   }
-  g_autoptr(GDateTime) now = g_date_time_new_now_utc();
-  g_autofree char* created = g_date_time_format(now, "%Y-%m-%dT%H:%M:%SZ");
-  solution->calibration.created = created;
+  // Absent where the clock is past the year 9999.
+  if (g_autoptr(GDateTime) now = g_date_time_new_now_utc()) {
+    g_autofree char* created = g_date_time_format(now, "%Y-%m-%dT%H:%M:%SZ");
+    solution->calibration.created = created;
+  }
   publish(job, *solution, stop);
 }
 

@@ -259,6 +259,28 @@ GST_START_TEST(test_what_is_put_there_meanwhile_is_not_ours) {
 }
 GST_END_TEST;
 
+// GLib knows no date past the year 9999.
+static bool clock_is_astray = false;
+extern "C" {
+GDateTime* stray_date() asm("g_date_time_new_now_utc");
+GDateTime* stray_date() {
+  return clock_is_astray ? nullptr : g_date_time_new_from_unix_utc(g_get_real_time() / 1000000);
+}
+}
+
+GST_START_TEST(test_a_clock_that_is_astray_dates_nothing) {
+  check::TemporaryFolder folder;
+  for (const bool astray : {false, true}) {
+    clock_is_astray = astray;
+    SolveFixture f("location=" + folder / "cam.json");
+    f.push_views(3);
+    f.eos();
+    clock_is_astray = false;
+    fail_unless(read_calibration(folder / "cam.json")->created.empty() == astray);
+  }
+}
+GST_END_TEST;
+
 static Suite* calibsolve_sessions_suite() {
   Suite* suite = suite_create("calibsolve_sessions");
   TCase* tc = tcase_create("general");
@@ -274,6 +296,7 @@ static Suite* calibsolve_sessions_suite() {
   tcase_add_loop_test(tc, test_the_session_before_is_another_one, 0, 3);
   tcase_add_test(tc, test_a_removed_view_leaves_the_file);
   tcase_add_test(tc, test_what_is_put_there_meanwhile_is_not_ours);
+  tcase_add_test(tc, test_a_clock_that_is_astray_dates_nothing);
   return suite;
 }
 
