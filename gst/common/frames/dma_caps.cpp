@@ -102,8 +102,9 @@ bool rows_hold(const GstVideoInfo& info) {
     if (GST_VIDEO_INFO_PLANE_STRIDE(&info, p) <= 0) return false;
   }
   const GstVideoFormatInfo* f = info.finfo;
+  // Tiles have no rows, and a palette has a row of colours, not of pixels.
+  if (GST_VIDEO_FORMAT_INFO_IS_TILED(f) || GST_VIDEO_FORMAT_INFO_HAS_PALETTE(f)) return true;
   for (guint c = 0; c < GST_VIDEO_FORMAT_INFO_N_COMPONENTS(f); ++c) {
-    if (GST_VIDEO_FORMAT_INFO_IS_TILED(f)) break;
     const std::int64_t columns = GST_VIDEO_INFO_COMP_WIDTH(&info, c);
     if (columns * GST_VIDEO_FORMAT_INFO_PSTRIDE(f, c) > GST_VIDEO_INFO_COMP_STRIDE(&info, c)) {
       return false;
