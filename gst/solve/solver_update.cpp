@@ -38,8 +38,8 @@ void CalibSolver::update() {
       updater_.offer([this](const std::stop_token& stop) { update_beside(stop); });
       return;
     }
-    if (const auto warning = try_update(*update)) {
-      for (const Error& error : *warning) post_warning(element_, error);
+    if (const auto warnings = try_update(*update)) {
+      for (const Error& error : *warnings) post_warning(element_, error);
       return;
     }
   }
@@ -47,9 +47,9 @@ void CalibSolver::update() {
 
 void CalibSolver::update_beside(const std::stop_token& stop) {
   while (const auto update = begin_update()) {
-    const auto warning = try_update(*update);
-    if (!warning) continue;
-    for (const Error& error : *warning) {
+    const auto warnings = try_update(*update);
+    if (!warnings) continue;
+    for (const Error& error : *warnings) {
       if (const auto report = updater_.begin_report(stop, element_)) {
         post_warning(element_, error);
       }
@@ -79,11 +79,11 @@ std::optional<std::vector<Error>> CalibSolver::try_update(const Update& update) 
     if (changed) warning = adopt(std::move(change.plan), writable.has_value());
     solve_when_up_to_date();
   }
-  std::vector<Error> said = std::move(change.refused);
-  for (Error& error : said) error.message += " What was set before goes on.";
-  if (!writable) said.push_back(writable.error());
-  if (warning) said.push_back(*std::move(warning));
-  return said;
+  std::vector<Error> warnings = std::move(change.refused);
+  for (Error& error : warnings) error.message += " What was set before goes on.";
+  if (!writable) warnings.push_back(writable.error());
+  if (warning) warnings.push_back(*std::move(warning));
+  return warnings;
 }
 
 std::optional<Error> CalibSolver::adopt(SolverPlan plan, bool writable) {

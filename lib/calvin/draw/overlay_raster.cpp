@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Shapes to tiles, with Cairo.
+// Paints the shapes of the overlay into tiles with Cairo.
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
