@@ -29,8 +29,9 @@ static GstElement* calibrating() {
 static void play(GstElement* pipeline) {
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
-  g_autoptr(GstMessage) end = gst_bus_timed_pop_filtered(
+  GstMessage* end = gst_bus_timed_pop_filtered(
       bus, 60 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  gst_clear_message(&end);
 }
 
 // Calls f at the n-th notify::calibration, on the worker.
