@@ -12,7 +12,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/draw/board_drawing.hpp"
-#include "calvin/target/board_names.hpp"
+#include "calvin/io/board_names.hpp"
 
 namespace {
 

@@ -15,7 +15,7 @@
 
 #include "calvin/core/observation.hpp"
 #include "calvin/detect/detector.hpp"
-#include "calvin/target/board_names.hpp"
+#include "calvin/io/board_names.hpp"
 #include "common/calibration_reader.hpp"
 #include "common/frames/frame_luma.hpp"
 #include "common/frames/frame_part.hpp"

@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
+#include "calvin/io/board_names.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/settings.hpp"
-#include "calvin/target/board_names.hpp"
 
 namespace calvin::gst {
 

@@ -5,8 +5,8 @@
 // neither frames nor checks. What would hang does not end by itself: whoever waits for it ends with
 // the time limit of the test.
 
+#include "calvin/io/board_names.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/target/board_names.hpp"
 #include "hung_files.hpp"
 #include "support.hpp"
 

@@ -15,12 +15,12 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/file.hpp"
+#include "calvin/io/board_names.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/key_list.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/solve/solve.hpp"
-#include "calvin/target/board_names.hpp"
 #include "common/metas.hpp"
 #include "solve/calibration_files.hpp"
 

@@ -39,7 +39,7 @@ TESTS = {
     "geometry": "geometry",
     "camera": "camera usable_area",
     "target": "board",
-    "io": "io observations",
+    "io": "io observations board_names",
     "detect": "detect",
     "solve": "solve pose recheck uncertainty difference",
     "remap": "undistorter views remap",
@@ -50,11 +50,11 @@ TESTS = {
 }
 # What else is likely to notice; tests/check programs by their names there.
 NEAR = {
-    "core": "io* board observations session* calibsolve_settings",
+    "core": "io* board board_names observations session* calibsolve_settings",
     "geometry": "session pose difference solve_initial camera motion solve",
     "camera": "solve_peers solve_opencv solve_omni solve_initial undistorter views remap_view "
     "solve_ceres solve uncertainty",
-    "target": "board_drawing observations io",
+    "target": "board_names board_drawing observations io",
     "io": "calibundistort_files calibsolve_settings",
     "detect": "refine_with_camera calibdetect",
     "solve": "refine_with_camera calibsolve*",

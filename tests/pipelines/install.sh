@@ -49,7 +49,7 @@ try_library() {
 #include <calvin/session/session.hpp>
 #include <calvin/solve/solve.hpp>
 #include <calvin/synth/render.hpp>
-#include <calvin/target/board_names.hpp>
+#include <calvin/io/board_names.hpp>
 
 int main() {
   const auto camera = calvin::Camera::make("pinhole", {640, 480}, {500, 500, 320, 240});

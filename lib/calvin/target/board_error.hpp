@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The one form of "this board text is wrong", with a right text in it. Private to target/.
+// The one form of "this board text is wrong", with a right text in it. Internal.
 #pragma once
 
 #include <string_view>

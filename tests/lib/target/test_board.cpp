@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Board texts, control points, symmetries, boards by name.
+// Board texts, control points, symmetries.
 #include <set>
 #include <string>
 #include <utility>
@@ -9,10 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calvin/core/file.hpp"
 #include "calvin/target/board.hpp"
-#include "calvin/target/board_names.hpp"
-#include "temporary_folder.hpp"
 
 namespace calvin {
 namespace {
@@ -109,11 +106,10 @@ TEST(Board, EveryWrongTextShowsARightOne) {
       EXPECT_TRUE(parse_board(wrong).has_value()) << "white space at the end is nobody's mistake";
       continue;
     }
-    for (const auto& error : {parse_board(wrong).error(), parse_boards(wrong).error()}) {
-      EXPECT_EQ(error.code, ErrorCode::kInvalidArgument) << wrong.substr(0, 80);
-      EXPECT_NE(error.message.find(kRight), std::string::npos) << error.message;
-      EXPECT_LT(error.message.size(), 600u) << error.message;
-    }
+    const Error error = parse_board(wrong).error();
+    EXPECT_EQ(error.code, ErrorCode::kInvalidArgument) << wrong.substr(0, 80);
+    EXPECT_NE(error.message.find(kRight), std::string::npos) << error.message;
+    EXPECT_LT(error.message.size(), 600u) << error.message;
   }
 }
 
@@ -166,132 +162,6 @@ TEST(Board, SymmetriesAreThoseOfTheColours) {
           << cols << "x" << rows;
     }
   }
-}
-
-class BoardNames : public testing::Test {
- protected:
-  [[nodiscard]] std::string file() const { return folder_.path("boards.json"); }
-  void write(std::string_view text) const { ASSERT_TRUE(write_file(file(), text).has_value()); }
-
-  TemporaryFolder folder_;
-};
-
-TEST_F(BoardNames, SeveralBoardsAtOnce) {
-  ASSERT_TRUE(add_board(file(), "floor", "checkerboard:7x5:3cm").has_value());
-  const auto boards = parse_boards("checkerboard:9x6:25mm; " + file() + "#floor");
-  ASSERT_TRUE(boards.has_value()) << boards.error().message;
-  ASSERT_EQ(boards->size(), 2u);
-  EXPECT_EQ((*boards)[0].text(), "checkerboard:9x6:25mm");
-  EXPECT_EQ((*boards)[1].text(), "checkerboard:7x5:30mm");
-}
-
-TEST_F(BoardNames, WrongListsShowARightText) {
-  std::string many;
-  for (int i = 0; i <= kMaxBoards; ++i) {
-    if (i > 0) many += ';';
-    many += "checkerboard:9x";
-    many += std::to_string(3 + i) + ":25mm";
-  }
-  for (const std::string& wrong :
-       {std::string(";"), std::string("checkerboard:9x6:25mm;"),
-        std::string(";checkerboard:9x6:25mm"), std::string("checkerboard:9x6:25mm;;dot"),
-        std::string("checkerboard:9x6:25mm;checkerboard:9x6:2.5cm"),
-        std::string("checkerboard:9x6:25mm;nonsense"), std::string("#"), std::string("#floor"),
-        file() + "#", many}) {
-    const auto boards = parse_boards(wrong);
-    ASSERT_FALSE(boards.has_value()) << wrong;
-    EXPECT_EQ(boards.error().code, ErrorCode::kInvalidArgument) << wrong;
-    EXPECT_NE(boards.error().message.find(kRight), std::string::npos) << boards.error().message;
-  }
-}
-
-// Every view of the one would count for the other too.
-TEST_F(BoardNames, BoardsThatLookTheSameAreRefused) {
-  ASSERT_TRUE(add_board(file(), "floor", "checkerboard:6x9:30mm").has_value());
-  const std::string others[][2] = {
-      {"checkerboard:6x9:25mm", "checkerboard:6x9:25mm"},
-      {"checkerboard:9x6:26mm", "checkerboard:9x6:26mm"},
-      {file() + "#floor", "checkerboard:6x9:30mm"},
-  };
-  for (const auto& [other, canonical] : others) {
-    const auto boards = parse_boards("checkerboard:9x6:25mm;checkerboard:8x5:25mm;" + other);
-    ASSERT_FALSE(boards.has_value()) << other;
-    EXPECT_EQ(boards.error().code, ErrorCode::kInvalidArgument) << other;
-    for (const std::string& part : {std::string("checkerboard:9x6:25mm and "), canonical,
-                                    std::string("name the one that is used")}) {
-      EXPECT_NE(boards.error().message.find(part), std::string::npos) << boards.error().message;
-    }
-  }
-  EXPECT_TRUE(parse_boards("checkerboard:9x6:25mm;checkerboard:9x7:25mm").has_value());
-}
-
-TEST_F(BoardNames, MissingFilesAndNamesSaySo) {
-  auto error = parse_boards(file() + "#floor").error();
-  EXPECT_EQ(error.code, ErrorCode::kNotFound);
-  EXPECT_NE(error.message.find(kRight), std::string::npos) << error.message;
-
-  ASSERT_TRUE(add_board(file(), "wall", kRight).has_value());
-  error = parse_boards(file() + "#floor").error();
-  EXPECT_EQ(error.code, ErrorCode::kNotFound);
-  EXPECT_NE(error.message.find("'wall'"), std::string::npos) << error.message;
-  EXPECT_NE(error.message.find(kRight), std::string::npos) << error.message;
-}
-
-TEST_F(BoardNames, ANameIsNoNameForAName) {
-  write(R"({"format": "calvin-boards", "version": 1,
-            "boards": {"a": "boards.json#b", "b": "checkerboard:9x6:25mm", "c": "rubbish"}})");
-  EXPECT_EQ(parse_boards(file() + "#a").error().code, ErrorCode::kMalformed);
-  EXPECT_EQ(parse_boards(file() + "#c").error().code, ErrorCode::kMalformed);
-  EXPECT_TRUE(parse_boards(file() + "#b").has_value());
-  EXPECT_FALSE(add_board(file(), "d", file() + "#b").has_value());
-}
-
-TEST_F(BoardNames, BrokenFilesAreRefusedAndLeftAlone) {
-  for (const std::string& wrong : std::vector<std::string>{
-           "", "{", "null", "[]", "\xff\xfe\x01", "42", "{\"format\": \"calvin-boards\"}",
-           R"({"format": "calvin-calibration", "version": 1, "boards": {}})",
-           R"({"format": "calvin-boards", "version": "1", "boards": {}})",
-           R"({"format": "calvin-boards", "version": 2, "boards": {}})",
-           R"({"format": "calvin-boards", "version": 1})",
-           R"({"format": "calvin-boards", "version": 1, "boards": []})",
-           R"({"format": "calvin-boards", "version": 1, "boards": {"floor": 42}})",
-           std::string(100000, '['), std::string(2 << 20, ' ')}) {
-    write(wrong);
-    EXPECT_FALSE(list_boards(file()).has_value()) << wrong.substr(0, 80);
-    const auto boards = parse_boards(file() + "#floor");
-    ASSERT_FALSE(boards.has_value()) << wrong.substr(0, 80);
-    EXPECT_NE(boards.error().message.find(kRight), std::string::npos) << boards.error().message;
-    EXPECT_FALSE(add_board(file(), "floor", kRight).has_value()) << wrong.substr(0, 80);
-    EXPECT_EQ(*read_file(file()), wrong) << "a file that is not ours was changed";
-  }
-}
-
-TEST_F(BoardNames, AddingKeepsWhatIsThere) {
-  write(R"({"format": "calvin-boards", "version": 1, "note": [1, 2],
-            "boards": {"z": "checkerboard:4x3:1cm", "a": "checkerboard:5x4:1cm"}})");
-  ASSERT_TRUE(add_board(file(), "m", "checkerboard:9x6:2.5cm").has_value());
-  ASSERT_TRUE(add_board(file(), "z", "checkerboard:8x7:1in").has_value());
-  const auto boards = list_boards(file());
-  ASSERT_TRUE(boards.has_value()) << boards.error().message;
-  ASSERT_EQ(boards->size(), 3u);
-  EXPECT_EQ((*boards)[0].name, "z");
-  EXPECT_EQ((*boards)[0].text, "checkerboard:8x7:25.4mm");
-  EXPECT_EQ((*boards)[1].name, "a");
-  EXPECT_EQ((*boards)[1].text, "checkerboard:5x4:1cm");
-  EXPECT_EQ((*boards)[2].name, "m");
-  EXPECT_NE(read_file(file())->find("\"note\""), std::string::npos);
-  EXPECT_EQ(folder_.entries(), 1u);
-}
-
-TEST_F(BoardNames, WrongNamesAndPlaces) {
-  for (const char* wrong : {"", "a#b", "a;b", " a", "a\n", "\xff\xfe"}) {
-    EXPECT_FALSE(add_board(file(), wrong, kRight).has_value()) << wrong;
-  }
-  EXPECT_FALSE(add_board(file(), std::string(65, 'x'), kRight).has_value());
-  EXPECT_FALSE(add_board(folder_.path("none/boards.json"), "floor", kRight).has_value());
-  EXPECT_EQ(folder_.entries(), 0u);
-  ASSERT_TRUE(add_board(file(), "größe 3", kRight).has_value());
-  EXPECT_TRUE(parse_boards(file() + "#größe 3").has_value());
 }
 
 }  // namespace

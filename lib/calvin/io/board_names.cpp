@@ -3,7 +3,7 @@
 
 // Reads and writes files of named boards, and resolves a list of board texts and names.
 
-#include "calvin/target/board_names.hpp"
+#include "calvin/io/board_names.hpp"
 
 #include <algorithm>
 #include <exception>
