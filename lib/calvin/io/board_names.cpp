@@ -6,20 +6,20 @@
 #include "calvin/io/board_names.hpp"
 
 #include <algorithm>
-#include <exception>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/io/document.hpp"
+#include "calvin/io/utf8.hpp"
 #include "calvin/target/board_error.hpp"
 
 namespace calvin {
 
 namespace {
 
-using nlohmann::ordered_json;
+using io::Node;
 
 constexpr std::size_t kMaxNamesBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxName = 64;
@@ -30,53 +30,55 @@ constexpr std::string_view kExampleFile =
 tl::unexpected<Error> broken(const std::string& path, std::string_view why) {
   return make_error(ErrorCode::kMalformed,
                     fmt::format("'{}' is not a file of board names: {}. A right one is {}.", path,
-                                why, kExampleFile));
+                                io::shortened(why, 400), kExampleFile));
 }
 
-// Anything that nlohmann throws ends here; the others of this file may let it pass.
-template <typename Function>
-auto without_exceptions(const std::string& path, Function&& function) -> decltype(function()) {
-  try {
-    return function();
-  } catch (const std::exception& error) {
-    return broken(path, error.what());
-  }
+Node text_node(std::string_view text) { return {Node::Kind::kString, std::string(text), {}, {}}; }
+
+Node empty_file() {
+  const Node version = {Node::Kind::kPlain, "1", {}, {}};
+  return {Node::Kind::kMap,
+          {},
+          {"format", "version", "boards"},
+          {text_node(kFormat), version, {Node::Kind::kMap, {}, {}, {}}}};
 }
 
-Result<ordered_json> read_names(const std::string& path) {
-  const auto bytes = read_file(path, kMaxNamesBytes);
-  if (!bytes) return tl::unexpected<Error>(bytes.error());
-  auto json = ordered_json::parse(*bytes, nullptr, false);
-  if (json.is_discarded()) return broken(path, "it is not JSON");
-  if (!json.is_object() || !json.contains("format") || json["format"] != kFormat) {
-    return broken(path, "its format is another");
+Status check_names(const std::string& path, const Node& root) {
+  const Node* format = root.find("format");
+  if (format == nullptr || format->text != kFormat) return broken(path, "its format is another");
+  const Node* version = root.find("version");
+  const auto number = version != nullptr && version->kind == Node::Kind::kPlain
+                          ? parse_int(version->text)
+                          : std::nullopt;
+  if (!number) return broken(path, "it has no version");
+  if (*number != 1) {
+    return make_error(ErrorCode::kUnsupported,
+                      fmt::format("'{}' has version {} of its format; this library reads version "
+                                  "1.",
+                                  path, *number));
   }
-  if (!json.contains("version") || !json["version"].is_number_integer()) {
-    return broken(path, "it has no version");
-  }
-  if (json["version"] != 1) {
-    return make_error(
-        ErrorCode::kUnsupported,
-        fmt::format("'{}' has version {} of its format; this library reads version 1.", path,
-                    json["version"].dump()));
-  }
-  if (!json.contains("boards") || !json["boards"].is_object()) {
+  const Node* boards = root.find("boards");
+  if (boards == nullptr || boards->kind != Node::Kind::kMap) {
     return broken(path, "it has no boards");
   }
-  for (const auto& [name, text] : json["boards"].items()) {
-    if (!text.is_string()) return broken(path, fmt::format("'{}' is not a board text", name));
+  for (std::size_t i = 0; i < boards->items.size(); ++i) {
+    if (boards->items[i].kind != Node::Kind::kString) {
+      return broken(path, fmt::format("'{}' is not a board text", boards->keys[i]));
+    }
   }
-  return json;
+  return {};
 }
 
-Result<std::vector<NamedBoard>> list(const std::string& path) {
-  const auto json = read_names(path);
-  if (!json) return tl::unexpected<Error>(json.error());
-  std::vector<NamedBoard> all;
-  for (const auto& [name, text] : (*json)["boards"].items()) {
-    all.push_back({name, text.get<std::string>()});
+// The whole file; its "boards" are a map of texts.
+Result<Node> read_names(const std::string& path) {
+  const auto bytes = read_file(path, kMaxNamesBytes);
+  if (!bytes) return tl::unexpected<Error>(bytes.error());
+  auto root = io::parse_json(*bytes);
+  if (!root) return broken(path, root.error().message);
+  if (Status status = check_names(path, *root); !status) {
+    return tl::unexpected<Error>(status.error());
   }
-  return all;
+  return root;
 }
 
 std::string names_of(const std::vector<NamedBoard>& boards) {
@@ -110,30 +112,23 @@ Result<Board> named_board(std::string_view text) {
                             ErrorCode::kMalformed);
   }
   auto board = parse_board(it->text);
-  if (!board) return wrong_board_text(text, board.error().message, ErrorCode::kMalformed);
-  return board;
+  if (board) return board;
+  return make_error(ErrorCode::kMalformed,
+                    fmt::format("The board '{}' in '{}' cannot be used. {}", it->name,
+                                io::shortened(path, 400), board.error().message));
 }
 
 Status check_name(std::string_view name) {
   const bool control = std::any_of(name.begin(), name.end(),
                                    [](char c) { return c == '#' || c == ';' || is_control(c); });
-  if (!name.empty() && name.size() <= kMaxName && !control && trim(name) == name) return {};
+  const bool right = !control && trim(name) == name && io::valid_utf8(name) == name;
+  if (right && !name.empty() && name.size() <= kMaxName) return {};
   return make_error(
       ErrorCode::kInvalidArgument,
-      fmt::format("The board name '{}' is wrong: it needs 1 to {} characters without '#' "
-                  "and ';' and without a space at its ends, like 'floor' for "
-                  "checkerboard:9x6:25mm.",
-                  name, kMaxName));
-}
-
-Status add(const std::string& path, std::string_view name, const Board& board) {
-  auto json = read_names(path);
-  if (!json && json.error().code == ErrorCode::kNotFound) {
-    json = ordered_json{{"format", kFormat}, {"version", 1}, {"boards", ordered_json::object()}};
-  }
-  if (!json) return tl::unexpected<Error>(json.error());
-  (*json)["boards"][std::string(name)] = board.text();
-  return write_file(path, json->dump(2) + "\n");
+      fmt::format("The board name '{}' is wrong: it needs 1 to {} bytes of UTF-8 without "
+                  "'#', ';' and control characters and without a space at its ends, like 'floor' "
+                  "for checkerboard:9x6:25mm.",
+                  io::shortened(name, kMaxName), kMaxName));
 }
 
 // In a picture neither the size of the squares nor what counts as a row tells one from the other.
@@ -176,14 +171,34 @@ Result<std::vector<Board>> parse_boards(std::string_view text) {
 bool names_a_file(std::string_view text) { return text.find('#') != std::string_view::npos; }
 
 Result<std::vector<NamedBoard>> list_boards(const std::string& path) {
-  return without_exceptions(path, [&] { return list(path); });
+  const auto root = read_names(path);
+  if (!root) return tl::unexpected<Error>(root.error());
+  const Node& boards = *root->find("boards");
+  std::vector<NamedBoard> all;
+  all.reserve(boards.items.size());
+  for (std::size_t i = 0; i < boards.items.size(); ++i) {
+    all.push_back({boards.keys[i], boards.items[i].text});
+  }
+  return all;
 }
 
 Status add_board(const std::string& path, std::string_view name, std::string_view text) {
   if (Status named = check_name(name); !named) return named;
   const auto board = parse_board(text);
   if (!board) return tl::unexpected<Error>(board.error());
-  return without_exceptions(path, [&] { return add(path, name, *board); });
+  auto root = read_names(path);
+  if (!root && root.error().code == ErrorCode::kNotFound) {
+    root = empty_file();
+  }
+  if (!root) return tl::unexpected<Error>(root.error());
+  Node& boards = *root->find("boards");
+  if (Node* known = boards.find(name)) {
+    known->text = board->text();
+  } else {
+    boards.keys.emplace_back(name);
+    boards.items.push_back(text_node(board->text()));
+  }
+  return write_file(path, io::print_json(*root));
 }
 
 }  // namespace calvin

@@ -5,8 +5,9 @@
 //
 // A file of names is JSON, in UTF-8; keys that are not known here are kept as they are:
 //   {"format": "calvin-boards", "version": 1, "boards": {"floor": "checkerboard:9x6:25mm"}}
-// A name stands for one board text, never for another name. It has 1 to 64 characters and neither
-// '#', ';', control characters nor a space at its ends.
+// A name stands for one board text, never for another name, and stands once. It has 1 to 64 bytes
+// and neither '#', ';', control characters nor a space at its ends. A file has at most 1 MiB, and
+// its values lie at most 64 deep in each other.
 #pragma once
 
 #include <string>

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -37,6 +38,10 @@ const std::string* repeated(const std::vector<std::string>& keys) {
 const Node* Node::find(std::string_view key) const noexcept {
   const auto it = std::find(keys.begin(), keys.end(), key);
   return it == keys.end() ? nullptr : &items[static_cast<std::size_t>(it - keys.begin())];
+}
+
+Node* Node::find(std::string_view key) noexcept {
+  return const_cast<Node*>(std::as_const(*this).find(key));
 }
 
 bool DocumentBuilder::refuse(std::string why) {

@@ -25,6 +25,7 @@ struct Node {
 
   // The value of a key; nullptr where there is none or this is no map.
   [[nodiscard]] const Node* find(std::string_view key) const noexcept;
+  [[nodiscard]] Node* find(std::string_view key) noexcept;
 };
 
 // How deep lists and maps may lie in each other.
@@ -65,6 +66,9 @@ class DocumentBuilder {
 // A text as a JSON string, quotes and all, which is a YAML one too. Bytes that are no UTF-8 are
 // replaced.
 [[nodiscard]] std::string json_string(std::string_view text);
+
+// The inverse of parse_json(): an element a line, indented by two spaces.
+[[nodiscard]] std::string print_json(const Node& root);
 
 // "in line 3" for a position in bytes, or that the text ends too early.
 [[nodiscard]] std::string place(std::string_view content, std::size_t offset);

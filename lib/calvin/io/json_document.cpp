@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// JSON text -> Document.
+// JSON text <-> Document.
 
 #include <algorithm>
 #include <utility>
@@ -66,11 +66,36 @@ std::string word_at(std::string_view content, std::size_t offset) {
   return word.empty() ? word : ", at '" + word + "'";
 }
 
+// Behind `out`, whose last line is indented by `indent`. A tree is at most kMaxDepth deep.
+void print_node(const Node& node, std::size_t indent, std::string& out) {
+  if (node.kind != Node::Kind::kList && node.kind != Node::Kind::kMap) {
+    out += node.kind == Node::Kind::kNull     ? "null"
+           : node.kind == Node::Kind::kString ? json_string(node.text)
+                                              : node.text;
+    return;
+  }
+  const bool map = node.kind == Node::Kind::kMap;
+  out += map ? '{' : '[';
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    out.append(i == 0 ? "\n" : ",\n").append(indent + 2, ' ');
+    if (map) out += json_string(node.keys[i]) + ": ";
+    print_node(node.items[i], indent + 2, out);
+  }
+  if (!node.items.empty()) out.append("\n").append(indent, ' ');
+  out += map ? '}' : ']';
+}
+
 }  // namespace
 
 std::string json_string(std::string_view text) {
   using Json = nlohmann::json;
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string print_json(const Node& root) {
+  std::string out;
+  print_node(root, 0, out);
+  return out + "\n";
 }
 
 Result<Node> parse_json(std::string_view content) {

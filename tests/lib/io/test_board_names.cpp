@@ -2,10 +2,13 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Boards by name, several boards at once, files of names.
+#include <ctime>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "calvin/core/file.hpp"
 #include "calvin/io/board_names.hpp"
@@ -114,6 +117,72 @@ TEST_F(BoardNames, BrokenFilesAreRefusedAndLeftAlone) {
     EXPECT_FALSE(add_board(file(), "floor", kRight).has_value()) << wrong.substr(0, 80);
     EXPECT_EQ(*read_file(file()), wrong) << "a file that is not ours was changed";
   }
+}
+
+// A right text is shown once, however deep the mistake lies.
+TEST_F(BoardNames, AWrongBoardInAFileIsExplainedOnce) {
+  write(R"({"format": "calvin-boards", "version": 1, "boards": {"floor": "rubbish:9x6:25mm"}})");
+  const Error error = parse_boards(file() + "#floor").error();
+  EXPECT_EQ(error.code, ErrorCode::kMalformed);
+  for (const std::string& part : {file(), std::string("'floor'"), std::string("'rubbish'"),
+                                  std::string("A right text is"), std::string(kRight)}) {
+    const auto at = error.message.find(part);
+    EXPECT_NE(at, std::string::npos) << part << ": " << error.message;
+  }
+  EXPECT_EQ(error.message.find("A right text is"), error.message.rfind("A right text is"))
+      << error.message;
+}
+
+std::string file_with(const std::string& more) {
+  return R"({"format": "calvin-boards", "version": 1, "boards": {"floor": "checkerboard:9x6:25mm"}, )" +
+         more + "}";
+}
+
+// 20,000 lists in each other, as valid JSON as any, would take 400 MB.
+TEST_F(BoardNames, DeepFilesAreRefused) {
+  write(file_with("\"note\": " + std::string(20, '[') + std::string(20, ']')));
+  EXPECT_TRUE(list_boards(file()).has_value());
+  write(file_with("\"note\": " + std::string(20'000, '[') + std::string(20'000, ']')));
+  const auto boards = list_boards(file());
+  ASSERT_FALSE(boards.has_value());
+  EXPECT_EQ(boards.error().code, ErrorCode::kMalformed);
+  EXPECT_NE(boards.error().message.find("deep"), std::string::npos) << boards.error().message;
+  EXPECT_FALSE(add_board(file(), "wall", kRight).has_value());
+}
+
+TEST_F(BoardNames, ANameThatStandsTwiceIsRefused) {
+  write(R"({"format": "calvin-boards", "version": 1,
+            "boards": {"a": "checkerboard:9x6:25mm", "a": "checkerboard:7x5:25mm"}})");
+  const auto boards = list_boards(file());
+  ASSERT_FALSE(boards.has_value());
+  EXPECT_NE(boards.error().message.find("'a' occurs twice"), std::string::npos)
+      << boards.error().message;
+}
+
+// The time that a file takes grows as its length: quadratic, this one took five seconds.
+TEST_F(BoardNames, ManyNamesAreReadInTime) {
+  std::string names;
+  for (int i = 0; i < 90'000; ++i) {
+    if (i > 0) names += ',';
+    names += fmt::format("\"{:x}\":\"\"", i);
+  }
+  write(R"({"format": "calvin-boards", "version": 1, "boards": {)" + names + "}}");
+  const std::clock_t begin = std::clock();  // of the processor
+  const auto boards = list_boards(file());
+  ASSERT_TRUE(boards.has_value()) << boards.error().message;
+  EXPECT_TRUE(add_board(file(), "floor", kRight).has_value());
+  EXPECT_LT(std::clock() - begin, 3 * CLOCKS_PER_SEC);
+  EXPECT_EQ(boards->size(), 90'000U);
+}
+
+TEST_F(BoardNames, WhatIsNotKnownIsKept) {
+  const std::string note =
+      R"({"text": "\u0007 \"quoted\" größe", "list": [null, true, -2.5, [], {}], "n": 12345678901234})";
+  write(file_with("\"note\": " + note));
+  ASSERT_TRUE(add_board(file(), "wall", kRight).has_value());
+  const auto now = nlohmann::json::parse(*read_file(file()));
+  EXPECT_EQ(now["note"], nlohmann::json::parse(note)) << *read_file(file());
+  EXPECT_EQ(now["boards"]["wall"], kRight);
 }
 
 TEST_F(BoardNames, AddingKeepsWhatIsThere) {
