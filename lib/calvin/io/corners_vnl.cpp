@@ -4,7 +4,9 @@
 // corners.vnl of mrcal and mrgingham <-> observations. A vnlog: a legend "# filename x y level",
 // rows of fields between white space, '-' for no value (github.com/dkogan/vnlog).
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -30,6 +32,39 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return words;
 }
 
+// No picture has more halves: 2^16 pixels become one.
+constexpr int kLastLevel = 16;
+
+// Weights from its inverse up to this one: sigmas in px that a corner may have.
+constexpr double kMostWeight = 1e6;
+
+// What mrcal takes for the two kinds of fourth column: the sigma in px, 0 for a corner that was not
+// seen, absent where it is neither.
+std::optional<double> sigma_of_level(std::string_view word) {
+  if (word == "-") return 0;
+  const auto level = parse_double(word);
+  if (!level || *level != std::trunc(*level) || *level > kLastLevel) return std::nullopt;
+  return *level < 0 ? 0 : std::exp2(*level);
+}
+
+std::optional<double> sigma_of_weight(std::string_view word) {
+  if (word == "-") return 0;
+  const auto weight = parse_double(word);
+  if (!weight) return std::nullopt;
+  if (*weight <= 0) return 0;
+  if (*weight < 1 / kMostWeight || *weight > kMostWeight) return std::nullopt;
+  return 1 / *weight;
+}
+
+std::string wrong_column(std::string_view word, bool weights) {
+  const std::string shown = io::shortened(word, 40);
+  if (!weights) {
+    return fmt::format("has the level '{}', which is no whole number up to {}", shown, kLastLevel);
+  }
+  return fmt::format("has the weight '{}', which is not between {} and {}, or 0", shown,
+                     1 / kMostWeight, kMostWeight);
+}
+
 // The pictures, row by row.
 class VnlReader {
  public:
@@ -39,6 +74,7 @@ class VnlReader {
   // Why the row is refused; empty where it is not.
   std::string row(const std::vector<std::string_view>& words, bool weights) {
     if (words.size() < 3) return "has no name, x and y";
+    if (words.size() > 4) return "has more than a name, x, y and a level or weight";
     if (words[0] != picture_ || seen_.empty() || next_ == count_) {
       if (std::string why = finish_picture(); !why.empty()) return why;
       picture_ = words[0];
@@ -74,12 +110,10 @@ class VnlReader {
     empty_row_ = false;
     double sigma = 1;
     if (words.size() > 3) {
-      const auto quality = parse_double(words[3]);
-      if (words[3] == "-" || (quality && *quality < 0)) return "";
-      if (!quality || (weights && *quality == 0) || *quality > 1e6) {
-        return "has a level or weight that is none";
-      }
-      sigma = weights ? 1 / *quality : std::exp2(std::min(*quality, 30.0));
+      const auto known = weights ? sigma_of_weight(words[3]) : sigma_of_level(words[3]);
+      if (!known) return wrong_column(words[3], weights);
+      if (*known == 0) return "";
+      sigma = *known;
     }
     Observation& seen = seen_.back();
     seen.ids.push_back(id);
@@ -125,6 +159,11 @@ Result<std::vector<Observation>> parse_corners_vnl(std::string_view content, std
         return refuse(number, "does not say '# filename x y level'");
       }
       weights = words.size() > 3 && words[3] == "weight";
+      if (words.size() > 3 && !weights && words[3] != "level") {
+        return refuse(number, fmt::format("has a fourth column '{}', which is neither level nor "
+                                          "weight",
+                                          io::shortened(words[3], 40)));
+      }
       continue;
     }
     if (!legend) return refuse(number, "comes before the legend '# filename x y level'");
@@ -154,9 +193,10 @@ Result<std::string> print_corners_vnl(const std::vector<Observation>& observatio
                                       seen.ids[i], k, seen.board));
       }
       const double sigma = i < seen.sigma.size() && seen.sigma[i] > 0 ? seen.sigma[i] : 1;
+      const double weight = std::clamp(1 / sigma, 1 / kMostWeight, kMostWeight);
       rows[static_cast<std::size_t>(seen.ids[i])] =
           fmt::format("{} {} {} {}\n", picture, format_double(seen.uv[i].u),
-                      format_double(seen.uv[i].v), format_double(1 / sigma));
+                      format_double(seen.uv[i].v), format_double(weight));
     }
     if (!seen.found()) rows.resize(1);
     for (const std::string& row : rows) text += row;

@@ -40,17 +40,18 @@ struct ObservationFile {
 [[nodiscard]] std::string print_observations(const ObservationFile& file);
 
 // corners.vnl of mrcal and mrgingham: a row for each corner of the board, in the order of ids, or
-// one row "name - - -" for a picture without a board. The fourth column is a level of the image
-// pyramid (sigma = 2^level px), or a weight (sigma = 1 / weight px) where the legend says "weight";
-// '-' or a negative one marks a corner that was not seen. The file tells neither the board nor the
-// size of the pictures: the caller does. The names of the pictures are not kept.
+// one row "name - - -" for a picture without a board. The fourth column, if there is one, is a
+// level of the image pyramid, a whole number up to 16 (sigma = 2^level px), or a weight from 1e-6
+// to 1e6 (sigma = 1 / weight px) where the legend says "weight"; '-', a negative one and a weight
+// of 0 mark a corner that was not seen. The file tells neither the board nor the size of the
+// pictures: the caller does. The names of the pictures are not kept.
 [[nodiscard]] Result<std::vector<Observation>> parse_corners_vnl(std::string_view content,
                                                                  std::string_view board,
                                                                  ImageSize image_size,
                                                                  std::string_view name = "");
 
-// With weights; the pictures are called frame-000000.png and so on. kInvalidArgument where a board
-// text is wrong or an id is not on its board.
+// With weights, those beyond the limits at the limits; the pictures are called frame-000000.png and
+// so on. kInvalidArgument where a board text is wrong or an id is not on its board.
 [[nodiscard]] Result<std::string> print_corners_vnl(const std::vector<Observation>& observations);
 
 }  // namespace calvin

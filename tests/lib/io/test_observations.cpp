@@ -197,8 +197,67 @@ TEST(CornersVnl, OfAnotherBoardOrBrokenIsRefused) {
   (void)refused("a.png 1 2 0\n", "checkerboard:3x2:10mm");
   (void)refused("", "checkerboard:3x2:10mm");
   (void)refused("# filename x y level\na.png 1 two 0\n", "checkerboard:3x2:10mm");
-  (void)refused("# filename x y weight\na.png 1 2 0\n", "checkerboard:3x2:10mm");
   (void)refused(kVnl, "checkerboard:3x2");
+}
+
+// The rows of a picture of 3x2 corners whose second one has `word` in the column `kind`.
+Result<std::vector<Observation>> with_column(const std::string& kind, const std::string& word) {
+  std::string text = "# filename x y " + kind + "\n";
+  for (int i = 0; i < 6; ++i) text.append("a.png 1 2 ").append(i == 1 ? word : "1").append("\n");
+  return parse_corners_vnl(text, "checkerboard:3x2:10mm", {640, 480}, "corners.vnl");
+}
+
+// What mrcal reads: its levels are whole numbers, a weight is any that is positive; what is
+// negative, a weight of 0 and '-' mark a corner that was not seen (mrcal's test-parse-corners).
+TEST(CornersVnl, TheFourthColumnIsWhatMrcalTakes) {
+  const std::pair<std::string, std::pair<std::string, double>> right[] = {
+      {"level", {"0", 1}},     {"level", {"3", 8}},       {"level", {"2.0", 4}},
+      {"level", {"-", 0}},     {"level", {"-1", 0}},      {"level", {"-2", 0}},
+      {"weight", {"0.25", 4}}, {"weight", {"1e3", 1e-3}}, {"weight", {"-2", 0}},
+      {"weight", {"-", 0}},    {"weight", {"0", 0}},
+  };
+  for (const auto& [kind, given] : right) {
+    const auto& [word, sigma] = given;
+    const auto seen = with_column(kind, word);
+    ASSERT_TRUE(seen.has_value()) << kind << " " << word << ": " << seen.error().message;
+    const Observation& first = seen->front();
+    EXPECT_EQ(first.ids.size(), sigma > 0 ? 6U : 5U) << kind << " " << word;
+    if (sigma > 0) {
+      EXPECT_EQ(first.sigma.at(1), sigma) << kind << " " << word;
+    }
+  }
+}
+
+TEST(CornersVnl, AFourthColumnThatIsNoneIsRefusedByLine) {
+  const std::pair<std::string, std::string> wrong[] = {
+      {"level", "0.5"},    {"level", "-0.5"}, {"level", "17"},      {"level", "1e6"},
+      {"level", "nan"},    {"level", "x"},    {"weight", "1e-320"}, {"weight", "1e-300"},
+      {"weight", "1e300"}, {"weight", "inf"}, {"weight", "x"},      {"level", "0 7"},
+  };
+  for (const auto& [kind, word] : wrong) {
+    const auto seen = with_column(kind, word);
+    ASSERT_FALSE(seen.has_value()) << kind << " " << word;
+    for (const std::string& part : {std::string("line 3"), kind, word}) {
+      if (word == "0 7" && part != "line 3") continue;
+      EXPECT_NE(seen.error().message.find(part), std::string::npos) << seen.error().message;
+    }
+  }
+  const auto other = with_column("sigma", "1");
+  ASSERT_FALSE(other.has_value()) << "a sigma is neither a level nor a weight";
+  EXPECT_NE(other.error().message.find("line 1"), std::string::npos) << other.error().message;
+  EXPECT_NE(other.error().message.find("'sigma'"), std::string::npos) << other.error().message;
+}
+
+// Whatever sigma a corner has, the file that is printed can be read.
+TEST(CornersVnl, ExtremeSigmasArePrintedAsWhatCanBeRead) {
+  auto seen = parse_corners_vnl(kVnl, "checkerboard:3x2:10mm", {640, 480}).value();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  seen[0].sigma = {1e-320, 1e300, kInfinity, std::nan(""), 1};
+  const auto again =
+      parse_corners_vnl(print_corners_vnl(seen).value(), "checkerboard:3x2:10mm", {640, 480});
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(again->at(0).ids, seen[0].ids);
+  for (const double sigma : again->at(0).sigma) EXPECT_TRUE(sigma > 0 && std::isfinite(sigma));
 }
 
 }  // namespace
