@@ -63,8 +63,8 @@ class DocumentBuilder {
 [[nodiscard]] Result<Node> parse_yaml(std::string_view content);
 [[nodiscard]] Result<Node> parse_xml(std::string_view content);
 
-// A text as a JSON string, quotes and all, which is a YAML one too. Bytes that are no UTF-8 are
-// replaced.
+// A text as a JSON string, quotes and all, which is a YAML one too: what is not printable in either
+// is an escape. Bytes that are no UTF-8 are replaced.
 [[nodiscard]] std::string json_string(std::string_view text);
 
 // The inverse of parse_json(): an element a line, indented by two spaces.

@@ -4,6 +4,7 @@
 // JSON text <-> Document.
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include <fmt/format.h>
@@ -66,6 +67,22 @@ std::string word_at(std::string_view content, std::size_t offset) {
   return word.empty() ? word : ", at '" + word + "'";
 }
 
+// The code of the character at the front of UTF-8 text that YAML 1.2 does not count as printable,
+// or folds as the end of a line (5.1, 5.4); 0 where it is another one, or below U+0020: nlohmann
+// writes those as escapes.
+unsigned not_printable(std::string_view text) {
+  const auto byte = [&](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
+  };
+  if (byte(0) == 0x7F) return 0x7F;
+  if (byte(0) == 0xC2 && byte(1) < 0xA0) return byte(1);
+  if ((byte(0) & 0xF0) != 0xE0) return 0;
+  const unsigned code = (byte(0) & 0x0F) << 12 | (byte(1) & 0x3F) << 6 | (byte(2) & 0x3F);
+  constexpr std::array<unsigned, 5> kOfThreeBytes = {0x2028, 0x2029, 0xFEFF, 0xFFFE, 0xFFFF};
+  const auto at = std::find(kOfThreeBytes.begin(), kOfThreeBytes.end(), code);
+  return at == kOfThreeBytes.end() ? 0 : code;
+}
+
 // Behind `out`, whose last line is indented by `indent`. A tree is at most kMaxDepth deep.
 void print_node(const Node& node, std::size_t indent, std::string& out) {
   if (node.kind != Node::Kind::kList && node.kind != Node::Kind::kMap) {
@@ -89,7 +106,19 @@ void print_node(const Node& node, std::size_t indent, std::string& out) {
 
 std::string json_string(std::string_view text) {
   using Json = nlohmann::json;
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string json = Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string printable;
+  printable.reserve(json.size());
+  for (std::size_t i = 0; i < json.size();) {
+    const unsigned code = not_printable(std::string_view(json).substr(i));
+    if (code == 0) {
+      printable += json[i++];
+    } else {
+      printable += fmt::format("\\u{:04x}", code);
+      i += code < 0x80 ? 1 : code < 0x800 ? 2 : 3;
+    }
+  }
+  return printable;
 }
 
 std::string print_json(const Node& root) {
