@@ -8,9 +8,14 @@
 // The pictures go through one pipeline, one after the other:
 //   filesrc ! decodebin ! videoconvert ! concat ! calibrate ! fakesink
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -52,29 +57,63 @@ bool prepare(const fs::path& output) {
   return false;
 }
 
-// All pictures of the folder, by name, with their sizes.
-std::vector<Picture> find_pictures(const fs::path& folder) {
+// The pictures of a folder, by name, with their sizes.
+struct Folder {
+  std::vector<Picture> pictures;
+  std::size_t files = 0;  // those that are no pictures too
+};
+
+void leave_out(const fs::path& file, const std::string& why) {
+  fmt::print(stderr, "{}: left out, {}\n", file.filename().string(), why);
+}
+
+// The size of a picture that GStreamer decodes to its end, or why there is none and what to do.
+std::optional<calvin::ImageSize> size_of(GstDiscoverer* discoverer, const fs::path& file,
+                                         std::string& why) {
+  if (const std::ifstream stream(file); !stream) {
+    why = fmt::format("it cannot be opened ({}): make it readable, or take it away.",
+                      std::generic_category().message(errno));
+    return std::nullopt;
+  }
+  g_autofree char* uri = gst_filename_to_uri(file.c_str(), nullptr);
+  g_autoptr(GError) error = nullptr;
+  g_autoptr(GstDiscovererInfo) info = gst_discoverer_discover_uri(discoverer, uri, &error);
+  const bool whole = info != nullptr && gst_discoverer_info_get_result(info) == GST_DISCOVERER_OK;
+  GList* streams = whole ? gst_discoverer_info_get_video_streams(info) : nullptr;
+  std::optional<calvin::ImageSize> size;
+  if (streams != nullptr) {
+    const auto* video = GST_DISCOVERER_VIDEO_INFO(streams->data);
+    size = {static_cast<int>(gst_discoverer_video_info_get_width(video)),
+            static_cast<int>(gst_discoverer_video_info_get_height(video))};
+  }
+  gst_discoverer_stream_info_list_free(streams);
+  why = fmt::format("it cannot be decoded ({}): save it again as PNG or JPEG, or take it away.",
+                    error != nullptr ? error->message : "there is no picture in it");
+  return size;
+}
+
+// Names every file that it leaves out.
+Folder find_pictures(const fs::path& path) {
+  Folder folder;
   std::vector<fs::path> files;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_regular_file()) files.push_back(fs::absolute(entry.path()));
+  for (const auto& entry : fs::directory_iterator(path, error)) {
+    std::error_code ignored;  // a link that leads nowhere is no folder
+    if (!entry.is_directory(ignored)) files.push_back(fs::absolute(entry.path()));
   }
+  if (error) fmt::print(stderr, "{}: {}\n", path.string(), error.message());
   std::sort(files.begin(), files.end());
-  std::vector<Picture> pictures;
+  folder.files = files.size();
   g_autoptr(GstDiscoverer) discoverer = gst_discoverer_new(10 * GST_SECOND, nullptr);
   for (const fs::path& file : files) {
-    g_autofree char* uri = gst_filename_to_uri(file.c_str(), nullptr);
-    g_autoptr(GstDiscovererInfo) info = gst_discoverer_discover_uri(discoverer, uri, nullptr);
-    GList* streams = info != nullptr ? gst_discoverer_info_get_video_streams(info) : nullptr;
-    if (streams != nullptr) {
-      const auto* video = GST_DISCOVERER_VIDEO_INFO(streams->data);
-      pictures.push_back({file,
-                          {static_cast<int>(gst_discoverer_video_info_get_width(video)),
-                           static_cast<int>(gst_discoverer_video_info_get_height(video))}});
+    std::string why;
+    if (const auto size = size_of(discoverer, file, why)) {
+      folder.pictures.push_back({file, *size});
+    } else {
+      leave_out(file, why);
     }
-    gst_discoverer_stream_info_list_free(streams);
   }
-  return pictures;
+  return folder;
 }
 
 // One camera has one picture size: keeps the most frequent one and names the rest.
@@ -86,8 +125,10 @@ void keep_one_size(std::vector<Picture>& pictures) {
   std::erase_if(pictures, [&](const Picture& p) {
     const bool other = std::pair(p.size.width, p.size.height) != most->first;
     if (other) {
-      fmt::print("{}: left out, it is {}x{} and most are {}x{}\n", p.path.filename().string(),
-                 p.size.width, p.size.height, most->first.first, most->first.second);
+      leave_out(p.path,
+                fmt::format("it is {}x{} and most are {}x{}: a camera is calibrated at one "
+                            "size, put it into a folder of its own.",
+                            p.size.width, p.size.height, most->first.first, most->first.second));
     }
     return other;
   });
@@ -135,20 +176,25 @@ GstElement* make_pipeline(const Options& options, const std::vector<Picture>& pi
   return pipeline;
 }
 
-// Prints what the elements say until the end; whether it ended well.
-bool run(GstElement* pipeline, const std::vector<Picture>& pictures) {
+// Prints what the elements say until the end; in how many pictures a board was found, nothing where
+// it ended badly. Each picture is looked at for each of the boards.
+std::optional<std::size_t> run(GstElement* pipeline, const std::vector<Picture>& pictures,
+                               std::size_t boards = 1) {
   g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  std::size_t next = 0;
+  std::size_t looks = 0;
+  std::set<std::size_t> found;
   bool good = false;
   for (bool done = false; !done;) {
     g_autoptr(GstMessage) message = gst_bus_timed_pop(bus, GST_CLOCK_TIME_NONE);
     const GstStructure* s = gst_message_get_structure(message);
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ELEMENT &&
-        gst_structure_has_name(s, "calib-detection") && next < pictures.size()) {
+        gst_structure_has_name(s, "calib-detection") && looks < boards * pictures.size()) {
+      const std::size_t picture = looks++ / boards;
       int points = 0;
       gst_structure_get_int(s, "points", &points);
-      fmt::print("{}: {} corners ({})\n", pictures[next++].path.filename().string(), points,
+      if (points > 0) found.insert(picture);
+      fmt::print("{}: {} corners ({})\n", pictures[picture].path.filename().string(), points,
                  gst_structure_get_string(s, "reason"));
     } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
       g_autoptr(GError) error = nullptr;
@@ -160,7 +206,8 @@ bool run(GstElement* pipeline, const std::vector<Picture>& pictures) {
     }
   }
   gst_element_set_state(pipeline, GST_STATE_NULL);
-  return good;
+  if (!good) return std::nullopt;
+  return found.size();
 }
 
 // The first picture as it is and undistorted, as PNG.
@@ -212,7 +259,7 @@ int main(int argc, char** argv) {
   Options options;
   if (!parse(argc, argv, options)) return 2;
   if (!prepare(options.output)) return 1;
-  std::vector<Picture> pictures = find_pictures(options.folder);
+  auto [pictures, files] = find_pictures(options.folder);
   if (pictures.empty()) {
     fmt::print(stderr, "There is no picture in {} that GStreamer can decode.\n",
                options.folder.string());
@@ -221,9 +268,14 @@ int main(int argc, char** argv) {
   keep_one_size(pictures);
   GstElement* pipeline = make_pipeline(options, pictures);
   if (pipeline == nullptr) return 1;
-  const bool good = run(pipeline, pictures);
+  const auto separators = std::count(options.board.begin(), options.board.end(), ';');
+  const auto found = run(pipeline, pictures, static_cast<std::size_t>(separators) + 1);
   gst_object_unref(pipeline);
-  if (!good || !draw_pair(options, pictures.front())) return 1;
+  if (found) {
+    fmt::print("{} of {} pictures used: {} left out, {} without a board\n", *found, files,
+               files - pictures.size(), pictures.size() - *found);
+  }
+  if (!found || !draw_pair(options, pictures.front())) return 1;
   fmt::print("camera.json, before.png and after.png are in {}\n", options.output.string());
   return 0;
 }

@@ -41,3 +41,38 @@ for n in 1 2; do
   done
 done
 [ ! -e camera.json ] || fail "a file is outside of the folder"
+grep -q '^5 of 5 pictures used' out || fail "no count: $(cat out)"
+
+# used WORDS: what is said to the user of a folder with more in it; the calibration is made anyway.
+used() {
+  rm -rf new
+  "$images" --output new pictures >out 2>err || fail "$1: $(cat out err)"
+  grep -q -- "$1" err || fail "stderr does not say '$1': $(cat err)"
+  [ -s new/camera.json ] || fail "$1: no calibration"
+}
+
+# What is no whole picture is named, with what to do.
+head -c 3000 pictures/00.png >pictures/cut.png
+used 'cut.png: left out, .*: save it again as PNG or JPEG'
+: >pictures/empty.png
+used 'empty.png: left out, .*: save it again as PNG or JPEG'
+echo notes >pictures/notes.txt
+used 'notes.txt: left out, '
+ln -s nowhere pictures/link.png
+used 'link.png: left out, it cannot be opened'
+gst-launch-1.0 -q videotestsrc num-buffers=1 ! video/x-raw,width=320,height=240 ! pngenc ! \
+  filesink location=pictures/small.png
+used 'small.png: left out, it is 320x240 and most are 640x480'
+gst-launch-1.0 -q videotestsrc num-buffers=1 ! video/x-raw,width=640,height=480 ! pngenc ! \
+  filesink location=pictures/blank.png
+used 'small.png: left out'
+grep -q '^5 of 11 pictures used: 5 left out, 1 without a board' out || fail "counts: $(cat out)"
+[ "$(grep -c ': left out' err)" = 5 ] || fail "not each once: $(cat err)"
+
+# Where none is left, the program says so and fails.
+mkdir broken
+cp pictures/cut.png broken
+got=0
+"$images" --output new broken >out 2>err || got=$?
+[ "$got" = 1 ] || fail "a folder of broken pictures left with $got: $(cat out err)"
+grep -q 'cut.png: left out' err || fail "the broken picture is not named: $(cat err)"
