@@ -163,11 +163,9 @@ class FitRun {
   void keep_rival() {
     if (!state_.sound) return;
     const double cost = state_.problem->cost();
-    const auto same = [&](const Optimum& f) {
-      return std::abs(f.rival.cost - cost) <= kSame * cost;
-    };
-    if (std::any_of(optima_.begin(), optima_.end(), same)) return;
-    optima_.push_back({{state_.shared, cost}, state_.masks, state_.used});
+    const auto same = [&](const Rival& r) { return std::abs(r.cost - cost) <= kSame * cost; };
+    if (std::none_of(optima_.begin(), optima_.end(), same))
+      optima_.push_back({state_.shared, cost});
   }
 
   // Solves from a start, without the outliers that show on the way.
@@ -366,10 +364,10 @@ class FitRun {
     fit.converged = state_.converged && state_.information.size() > 0;
     fit.sound = state_.sound;
     fit.information = std::move(state_.information);
-    for (Optimum& found : optima_) {
-      const bool better = found.rival.cost <= (1 + kSame) * fit.cost;
-      const bool same_corners = found.masks == state_.masks && found.used == state_.used;
-      if (same_corners && !better) fit.rivals.push_back(std::move(found.rival));
+    // A rival without a corner that the best has costs less and is none; one with a corner that is
+    // an outlier of the best costs more by so much that it is too unlikely to count.
+    for (Rival& rival : optima_) {
+      if (rival.cost > (1 + kSame) * fit.cost) fit.rivals.push_back(std::move(rival));
     }
     return fit;
   }
@@ -394,12 +392,7 @@ class FitRun {
 
   std::vector<FitView> views_;
   std::vector<const FitView*> all_;
-  struct Optimum {
-    Rival rival;
-    std::vector<ViewMask> masks;
-    std::vector<bool> used;
-  };
-  std::vector<Optimum> optima_;
+  std::vector<Rival> optima_;
   FitState state_;
   bool pose_moved_ = false;  // whether the last find_masks() moved a pose
   double lambda_ = kFarLambda;

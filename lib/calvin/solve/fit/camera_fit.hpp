@@ -32,7 +32,7 @@ struct Fit {
   std::vector<std::vector<double>> squares;  // per view used: each corner's squared distance, px^2
   double cost = 0;                           // weighted, px^2, over the corners used
   Eigen::MatrixXd information;  // over Parameterization's directions, for residuals of 1 px
-  std::vector<Rival> rivals;    // over the same corners
+  std::vector<Rival> rivals;
   int iterations = 0;
   bool converged = false;
   bool sound = false;  // converged to a camera that is determined and sees all corners used
