@@ -116,6 +116,13 @@ const BadInput kBadInputs[] = {
        views = {views[0], views[0]};
      },
      ErrorCode::kDegenerate, "same place"},
+    // A board of twice the size at twice the distance was moved there.
+    {"AnotherBoardInThePlaceOfTheFirst",
+     [](auto& views, auto&, auto&) {
+       views = {views[0], views[0]};
+       views[1].board.size *= 2;
+     },
+     ErrorCode::kDegenerate, "never tilted"},
     {"HeldInOnePose",
      [](auto& views, auto&, auto&) {
        Random random(3);

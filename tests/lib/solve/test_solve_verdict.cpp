@@ -4,6 +4,7 @@
 // The rules by which a solve judges corners, views and itself, each against numbers worked out by
 // hand or taken from tables.
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -16,6 +17,8 @@
 #include "calvin/solve/judge/fit_diagnostics.hpp"
 #include "calvin/solve/residuals/loss.hpp"
 #include "calvin/solve/residuals/outliers.hpp"
+#include "calvin/solve/solve.hpp"
+#include "scenes.hpp"
 
 namespace calvin {
 namespace {
@@ -238,6 +241,33 @@ TEST(CommonSigma, IsWhatTheMedianAsksFor) {
   EXPECT_EQ(found(sigmas, squares), 0);
   EXPECT_EQ(found({0.1, 0.1, 0.102}, {1, 1, 1}), 0);
   EXPECT_GT(found({0.1, 0.1, 0.104}, {1, 1, 1}), 0);  // 8 % of the variance
+}
+
+// Six corners in the middle of the board claim a hundredth of their noise, all others a third of
+// it. The first fit follows the six, so that everything else lies far off; the common sigma is that
+// of a later one, and with it the sigma of the camera is that of corners whose noise is known.
+TEST(CommonSigma, IsThatOfTheLastFit) {
+  constexpr double kNoise = 0.3;  // px
+  for (int seed = 1; seed < 7; ++seed) {
+    scenes::Random random(static_cast<std::uint64_t>(seed));
+    const Camera camera = scenes::random_camera("pinhole", random);
+    auto views = scenes::observe_all(camera, scenes::kBoard,
+                                     scenes::random_poses(camera, scenes::kBoard, random, 12),
+                                     kNoise, random);
+    SolveOptions options;
+    options.model = "pinhole";
+    options.warp = false;
+    options.checks = false;
+    options.reject_outliers = false;
+    const auto fx_sigma = [&](double of_six, double of_others) {
+      for (View& view : views) {
+        view.observation.sigma.assign(54, of_others);
+        for (const std::size_t i : {21, 22, 23, 30, 31, 32}) view.observation.sigma[i] = of_six;
+      }
+      return *solve(views, scenes::kSize, options).value().calibration.find("fx")->sigma;
+    };
+    EXPECT_NEAR(fx_sigma(kNoise / 100, kNoise / 3) / fx_sigma(kNoise, kNoise), 1, 0.15) << seed;
+  }
 }
 
 TEST(CommonSigma, IsAddedToTheSquares) {
