@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "calvin/detect/patches.hpp"
-#include "common/frames/frame_check.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
 #define GST_CAT_DEFAULT calibdetect_debug
@@ -201,10 +200,11 @@ void CalibDetector::skip() {
 Status CalibDetector::prepare(GstBuffer* buffer, Job& job) {
   job.part = part_of(buffer, info_);
   const GstVideoInfo whole = job.part ? with_size(info_, job.part->whole) : info_;
-  if (Status checked = check_frame(whole, buffer); !checked) return checked;
+  auto frame = MappedFrame::map(whole, buffer);
+  if (!frame) return tl::unexpected<Error>(frame.error());
   if (Status readable = read_pictures(whole); !readable) return readable;
   job.luma = luma_;
-  job.picture = async_ ? luma_->keep(buffer) : luma_->borrow(buffer);
+  job.picture = async_ ? luma_->keep(*std::move(frame)) : luma_->borrow(*std::move(frame));
   return {};
 }
 

@@ -24,8 +24,8 @@
 
 #include "calvin/draw/overlay.hpp"
 #include "common/frames/dma_caps.hpp"
-#include "common/frames/frame_check.hpp"
 #include "common/frames/frame_part.hpp"
+#include "common/frames/mapped_frame.hpp"
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/padded_frame.hpp"
 #include "common/frames/refused_caps.hpp"
@@ -168,16 +168,24 @@ static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* in_c
   return TRUE;
 }
 
-static bool may_draw_on(GstBaseTransform* trans, GstBuffer* buffer) {
-  State& state = *GST_CALIB_OVERLAY(trans)->state;
+static Result<gst::MappedFrame> map_whole(GstBaseTransform* trans, GstBuffer* buffer,
+                                          GstMapFlags access) {
+  const State& state = *GST_CALIB_OVERLAY(trans)->state;
   const GstVideoInfo& info = GST_VIDEO_FILTER(trans)->in_info;
-  const Status checked =
-      gst::check_frame(state.part ? gst::with_size(info, state.part->whole) : info, buffer);
-  if (!checked) GST_WARNING_OBJECT(trans, "draws nothing: %s", checked.error().message.c_str());
-  if (!checked && !std::exchange(state.frame_refused, true)) {
-    gst::post_warning(GST_ELEMENT(trans), checked.error());
-  }
-  return checked.has_value();
+  return gst::MappedFrame::map(state.part ? gst::with_size(info, state.part->whole) : info, buffer,
+                               access);
+}
+
+static void refuse(GstBaseTransform* trans, const Error& why) {
+  GST_WARNING_OBJECT(trans, "draws nothing: %s", why.message.c_str());
+  if (std::exchange(GST_CALIB_OVERLAY(trans)->state->frame_refused, true)) return;
+  gst::post_warning(GST_ELEMENT(trans), why);
+}
+
+static bool may_draw_on(GstBaseTransform* trans, GstBuffer* buffer) {
+  const auto frame = map_whole(trans, buffer, GST_MAP_READ);
+  if (!frame) refuse(trans, frame.error());
+  return frame.has_value();
 }
 
 // Decides before the buffer is made writable: one without a drawing is never copied.
@@ -207,45 +215,37 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
   gst_base_transform_set_passthrough(trans, !drawing || !may_draw_on(trans, buffer));
 }
 
-// GstVideoFilter would complain of every frame that cannot be written, as of an error of its own.
-static GstFlowReturn gst_calib_overlay_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
-  State& state = *GST_CALIB_OVERLAY(trans)->state;
-  GstVideoFrame frame;
-  if (gst_video_frame_map(&frame, &GST_VIDEO_FILTER(trans)->in_info, buffer, GST_MAP_READWRITE)) {
-    gst_video_frame_unmap(&frame);
-    return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->transform_ip(trans, buffer);
-  }
-  GST_WARNING_OBJECT(trans, "draws nothing: the memory of the frame cannot be written");
-  if (!std::exchange(state.frame_refused, true)) {
-    gst::post_warning(
-        GST_ELEMENT(trans),
-        {ErrorCode::kUnsupported,
-         "Nothing can be drawn on the frames: their memory can be read, but neither "
-         "written nor copied. Have the element upstream send frames in system memory, "
-         "v4l2src for example with io-mode=mmap."});
-  }
-  return GST_FLOW_OK;
-}
-
-static GstFlowReturn gst_calib_overlay_transform_frame_ip(GstVideoFilter* filter,
-                                                          GstVideoFrame* frame) {
-  State& state = *GST_CALIB_OVERLAY(filter)->state;
+static void draw_on(GstCalibOverlay* self, GstVideoFrame& frame) {
+  State& state = *self->state;
   std::optional<gst::PaddedFrame> padded;
-  if (gst::needs_padding(frame->info)) padded.emplace(*frame);
-  GstVideoFrame* under = padded ? &**padded : frame;
+  if (gst::needs_padding(frame.info)) padded.emplace(frame);
+  GstVideoFrame* under = padded ? &**padded : &frame;
   bool blended = true;
   const auto blend = [&](const OverlayTile& tile) {
     blended = gst::blend_tile(under, tile, state.part) && blended;
   };
   std::for_each(state.tiles.begin(), state.tiles.end(), blend);
   if (state.words != nullptr) blend(*state.words);
-  if (padded) padded->copy_to(*frame);
+  if (padded) padded->copy_to(frame);
   if (!blended && !state.blending_failed) {
     state.blending_failed = true;
-    GST_ELEMENT_WARNING(filter, STREAM, FORMAT,
+    GST_ELEMENT_WARNING(self, STREAM, FORMAT,
                         ("Nothing can be drawn on %s video; put a videoconvert in front.",
-                         gst_video_format_to_string(GST_VIDEO_FRAME_FORMAT(frame))),
+                         gst_video_format_to_string(GST_VIDEO_FRAME_FORMAT(&frame))),
                         (nullptr));
+  }
+}
+
+// GstVideoFilter would complain of every frame that cannot be written, as of an error of its own.
+static GstFlowReturn gst_calib_overlay_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
+  auto frame = map_whole(trans, buffer, GST_MAP_READWRITE);
+  if (frame) {
+    draw_on(GST_CALIB_OVERLAY(trans), **frame);
+  } else {
+    refuse(trans, {ErrorCode::kUnsupported,
+                   "Nothing can be drawn on the frames: their memory can be read, but neither "
+                   "written nor copied. Have the element upstream send frames in system memory, "
+                   "v4l2src for example with io-mode=mmap."});
   }
   return GST_FLOW_OK;
 }
@@ -280,7 +280,6 @@ static void gst_calib_overlay_class_init(GstCalibOverlayClass* klass) {
 
   GstVideoFilterClass* filter_class = GST_VIDEO_FILTER_CLASS(klass);
   filter_class->set_info = gst_calib_overlay_set_info;
-  filter_class->transform_frame_ip = gst_calib_overlay_transform_frame_ip;
 
   GstElementClass* element_class = GST_ELEMENT_CLASS(klass);
   gst::add_raw_video_pads(element_class);

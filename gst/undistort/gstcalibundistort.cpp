@@ -23,8 +23,8 @@
 
 #include "common/calibration_event.hpp"
 #include "common/frames/dma_caps.hpp"
-#include "common/frames/frame_check.hpp"
 #include "common/frames/frame_part.hpp"
+#include "common/frames/mapped_frame.hpp"
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
 #include "common/messages.hpp"
@@ -97,20 +97,21 @@ static GstFlowReturn gst_calib_undistort_transform(GstBaseTransform* trans, GstB
   gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
   const GstVideoInfo whole =
       s.part ? gst::with_size(filter->in_info, s.part->whole) : filter->in_info;
-  if (const Status readable = gst::check_frame(whole, in); !readable) {
-    GST_WARNING_OBJECT(trans, "drops a frame: %s", readable.error().message.c_str());
+  auto from = gst::MappedFrame::map(whole, in);
+  if (!from) {
+    GST_WARNING_OBJECT(trans, "drops a frame: %s", from.error().message.c_str());
     if (!std::exchange(s.frame_refused, true)) {
-      gst::post_warning(
-          GST_ELEMENT(trans),
-          {readable.error().code, readable.error().message + " Such frames are left out."});
+      gst::post_warning(GST_ELEMENT(trans),
+                        {from.error().code, from.error().message + " Such frames are left out."});
     }
     return GST_BASE_TRANSFORM_FLOW_DROPPED;
   }
-  if (const Status writable = gst::check_frame(filter->out_info, out); !writable) {
-    gst::post_error(GST_ELEMENT(trans), writable.error());
+  auto to = gst::MappedFrame::map(filter->out_info, out, GST_MAP_WRITE);
+  if (!to) {
+    gst::post_error(GST_ELEMENT(trans), to.error());
     return GST_FLOW_ERROR;
   }
-  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->transform(trans, in, out);
+  return gst_calib_undistort_transform_frame(filter, &**from, &**to);
 }
 
 static gboolean gst_calib_undistort_transform_meta(GstBaseTransform* trans, GstBuffer* out,

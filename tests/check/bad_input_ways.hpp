@@ -6,6 +6,7 @@
 #pragma once
 
 #include "bad_input.hpp"
+#include "guarded_memory.hpp"
 
 #include <gst/check/gstcheck.h>
 
@@ -212,6 +213,23 @@ inline void frame_without_planes(Rig& rig, const std::string& /*input*/) {
   push_bad(rig, buffer);
 }
 
+// As one that was added by gst_buffer_add_meta() and filled in by hand.
+inline void frame_without_map(Rig& rig, const std::string& /*input*/) {
+  GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
+  GstVideoMeta* meta = gst_buffer_add_video_meta(buffer, GST_VIDEO_FRAME_FLAG_NONE,
+                                                 GST_VIDEO_FORMAT_GRAY8, 640, 480);
+  meta->map = nullptr;
+  push_bad(rig, buffer);
+}
+
+inline void frame_without_unmap(Rig& rig, const std::string& /*input*/) {
+  GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 640 * 480, nullptr);
+  GstVideoMeta* meta = gst_buffer_add_video_meta(buffer, GST_VIDEO_FRAME_FLAG_NONE,
+                                                 GST_VIDEO_FORMAT_GRAY8, 640, 480);
+  meta->unmap = nullptr;
+  push_bad(rig, buffer);
+}
+
 // An allocator whose memory nobody can look into, as that of some decoders.
 struct BlindAllocator {
   GstAllocator parent;
@@ -244,6 +262,38 @@ inline void frame_without_access(Rig& rig, const std::string& /*input*/) {
   fail_unless_equals_int(rig.waiting(), rig.drops() ? 0 : 1);
   if (!rig.drops()) gst_buffer_unref(gst_harness_pull(rig.harness()));
   fail_unless(rig.frame().size() == 640 * 480);
+}
+
+// A frame is taken whole where its memory can be mapped, and left out or passed where not.
+inline void frames_of_fickle_memory(Rig& rig, const std::string& /*input*/) {
+  g_autoptr(GstAllocator) fickle = new_fickle_allocator();
+  rig.open_with_caps();
+  guint out = 0;
+  for (int n = 0; n < 6; ++n) {
+    GstBuffer* in = gst_buffer_new_allocate(fickle, 640 * 480, nullptr);  // of bytes 0x55
+    gst::attach_guidance(in, {"tilt", 0.5, 0.5, 0.5, 0.5, 0.5, {}, {}, 3, false});
+    fail_unless_equals_int(rig.push(in), GST_FLOW_OK);
+    out += rig.waiting();
+    if (rig.waiting() == 0) continue;
+    g_autoptr(GstBuffer) moved = gst_harness_pull(rig.harness());
+    const std::vector<guint8> bytes = rig.drops() ? Rig::bytes(moved) : std::vector<guint8>();
+    fail_unless(std::all_of(bytes.begin(), bytes.end(), [](guint8 byte) { return byte == 0x55; }),
+                "%s: a frame comes out unwritten", rig.what());
+  }
+  fail_unless_equals_int(out, rig.drops() ? 3 : 6);
+  for (const std::string& text : rig.bus.texts(GST_MESSAGE_WARNING)) {
+    fail_unless(text.find("Internal") == std::string::npos, "%s: %s", rig.what(), text.c_str());
+  }
+}
+
+// Downstream gives such memory to write into.
+inline void room_in_fickle_memory(Rig& rig, const std::string& /*input*/) {
+  g_autoptr(GstAllocator) fickle = new_fickle_allocator();
+  rig.open();
+  gst_harness_set_propose_allocator(rig.harness(), GST_ALLOCATOR(gst_object_ref(fickle)), nullptr);
+  gst_harness_set_src_caps(rig.harness(), caps_of("GRAY8", kSize));
+  fail_unless_equals_int(rig.push(Fixture::noise("GRAY8", kSize, 0)), GST_FLOW_ERROR);
+  fail_unless_equals_int(rig.waiting(), 0);
 }
 
 // The rows are said to lie further apart than the memory is long.

@@ -4,6 +4,7 @@
 // Memory that ends where the program may neither read nor write: who goes beyond it, crashes.
 #pragma once
 
+#include <atomic>
 #include <cstring>
 
 #include <gst/gst.h>
@@ -55,6 +56,12 @@ inline GstMemory* copy_none(GstMemory* /*memory*/, gssize /*begin*/, gssize /*si
   return nullptr;
 }
 
+// Of memory that gives no access the first time, and then every other time.
+inline std::atomic<unsigned> maps;
+inline gpointer map_every_other_time(GstMemory* memory, gsize size, GstMapFlags flags) {
+  return maps++ % 2 == 0 ? nullptr : map_guarded(memory, size, flags);
+}
+
 inline void unmap_guarded(GstMemory* /*memory*/) {}
 
 }  // namespace detail
@@ -90,6 +97,16 @@ inline GstAllocator* new_read_only_allocator() {
   GstAllocator* allocator = new_guarded_allocator();
   allocator->mem_map = detail::map_to_read;
   allocator->mem_copy = detail::copy_none;
+  return allocator;
+}
+
+// Whose memory can be mapped every other time only, of all that the program asks for, and not be
+// copied.
+inline GstAllocator* new_fickle_allocator() {
+  GstAllocator* allocator = new_guarded_allocator();
+  allocator->mem_map = detail::map_every_other_time;
+  allocator->mem_copy = detail::copy_none;
+  detail::maps = 0;
   return allocator;
 }
 

@@ -80,12 +80,6 @@ bool is_from_bounded_pool(GstBuffer* buffer) {
 
 }  // namespace
 
-std::optional<MappedFrame> MappedFrame::map(const GstVideoInfo& info, GstBuffer* buffer) {
-  MappedFrame mapped;
-  mapped.mapped_ = gst_video_frame_map(&mapped.frame_, &info, buffer, GST_MAP_READ) != FALSE;
-  return mapped.mapped_ ? std::optional(std::move(mapped)) : std::nullopt;
-}
-
 std::shared_ptr<GrayImage> SparePicture::take(const std::shared_ptr<SparePicture>& spare) {
   std::unique_ptr<GrayImage> image;
   {
@@ -128,21 +122,19 @@ Status LumaReader::set_format() {
   return {};
 }
 
-Picture LumaReader::borrow(GstBuffer* buffer) const {
-  if (needs_padding(info_)) return copy(buffer);
-  return {nullptr, MappedFrame::map(info_, buffer)};
+Picture LumaReader::borrow(MappedFrame frame) const {
+  if (needs_padding(info_)) return copy(*frame);
+  return {nullptr, std::move(frame)};
 }
 
-Picture LumaReader::keep(GstBuffer* buffer) const {
-  return is_from_bounded_pool(buffer) ? copy(buffer) : borrow(buffer);
+Picture LumaReader::keep(MappedFrame frame) const {
+  return is_from_bounded_pool((*frame).buffer) ? copy(*frame) : borrow(std::move(frame));
 }
 
-Picture LumaReader::copy(GstBuffer* buffer) const {
-  const auto mapped = MappedFrame::map(info_, buffer);
-  if (!mapped) return {};
+Picture LumaReader::copy(const GstVideoFrame& frame) const {
   if (!converter_) {
     auto gray = SparePicture::take(spare_);
-    take_gray(**mapped, *gray);
+    take_gray(frame, *gray);
     return {std::move(gray), std::nullopt};
   }
   GstAllocationParams params;
@@ -152,9 +144,11 @@ Picture LumaReader::copy(GstBuffer* buffer) const {
       gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info_), &params));
   GstVideoFrame to;
   if (!own || !gst_video_frame_map(&to, &info_, own.get(), GST_MAP_WRITE)) return {};
-  gst_video_frame_copy(&to, &**mapped);
+  gst_video_frame_copy(&to, &frame);
   gst_video_frame_unmap(&to);
-  return {nullptr, MappedFrame::map(info_, own.get())};
+  auto kept = MappedFrame::map(info_, own.get());
+  if (!kept) return {};
+  return {nullptr, *std::move(kept)};
 }
 
 ImageView LumaReader::view(const Picture& picture) {

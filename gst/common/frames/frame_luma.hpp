@@ -7,40 +7,14 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <utility>
 
 #include <gst/video/video.h>
 
 #include "calvin/core/image.hpp"
 #include "calvin/core/result.hpp"
+#include "common/frames/mapped_frame.hpp"
 
 namespace calvin::gst {
-
-// A frame mapped for reading, with the reference to its buffer that this takes.
-class MappedFrame {
- public:
-  // Absent where the buffer cannot be mapped; see check_frame() for what else can be wrong.
-  static std::optional<MappedFrame> map(const GstVideoInfo& info, GstBuffer* buffer);
-
-  MappedFrame(MappedFrame&& other) noexcept
-      : frame_(other.frame_), mapped_(std::exchange(other.mapped_, false)) {}
-  MappedFrame& operator=(MappedFrame&& other) noexcept {
-    std::swap(frame_, other.frame_);
-    std::swap(mapped_, other.mapped_);
-    return *this;
-  }
-  ~MappedFrame() {
-    if (mapped_) gst_video_frame_unmap(&frame_);
-  }
-
-  [[nodiscard]] const GstVideoFrame& operator*() const { return frame_; }
-
- private:
-  MappedFrame() = default;
-
-  GstVideoFrame frame_{};
-  bool mapped_ = false;
-};
 
 // A frame to look at later, on any thread: its luma alone, or all of it where the luma has to be
 // computed.
@@ -68,12 +42,12 @@ class LumaReader {
   // A message that says what to insert where the format cannot be read.
   static Result<std::shared_ptr<LumaReader>> make(const GstVideoInfo& info);
 
-  // The frame itself, or a copy where it needs_padding(); empty where it cannot be mapped.
-  [[nodiscard]] Picture borrow(GstBuffer* buffer) const;
+  // The frame itself, or a copy where it needs_padding(); empty where there is no memory for one.
+  [[nodiscard]] Picture borrow(MappedFrame frame) const;
   // For a look while the stream goes on. The frame itself too: whoever writes into it downstream
   // meanwhile gets a copy from GStreamer. But of a frame from a pool that has only so many, such as
   // a camera's, a copy, so that whoever fills them never waits for us.
-  [[nodiscard]] Picture keep(GstBuffer* buffer) const;
+  [[nodiscard]] Picture keep(MappedFrame frame) const;
 
   // Valid until the next call, and no longer than the picture. One thread at a time.
   [[nodiscard]] ImageView view(const Picture& picture);
@@ -87,7 +61,7 @@ class LumaReader {
   };
 
   [[nodiscard]] Status set_format();
-  [[nodiscard]] Picture copy(GstBuffer* buffer) const;
+  [[nodiscard]] Picture copy(const GstVideoFrame& frame) const;
   [[nodiscard]] ImageView converted(const GstVideoFrame& frame);
   // Of a frame that needs no converter.
   void take_gray(const GstVideoFrame& frame, GrayImage& gray) const;

@@ -16,7 +16,7 @@ std::optional<FramePart> part_of(GstBuffer* buffer, const GstVideoInfo& info) {
     width = meta->width;
     height = meta->height;
   }
-  // Of a picture smaller than the caps there is no part: check_frame() tells what is wrong.
+  // Of a picture smaller than the caps there is no part: MappedFrame::map() tells what is wrong.
   if (width < static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) ||
       height < static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info))) {
     return std::nullopt;

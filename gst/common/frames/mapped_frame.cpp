@@ -3,7 +3,7 @@
 
 // Whether a buffer holds the picture that its caps promise.
 
-#include "common/frames/frame_check.hpp"
+#include "common/frames/mapped_frame.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -87,8 +87,14 @@ const char* name_of(int format) {
   return known ? gst_video_format_to_string(static_cast<GstVideoFormat>(format)) : "UNKNOWN";
 }
 
+// Whether a plane begins where the buffer has no memory any more.
+bool begins_beyond(const GstVideoMeta& meta, gsize size) {
+  return std::any_of(meta.offset, meta.offset + meta.n_planes,
+                     [size](gsize offset) { return offset >= size; });
+}
+
 // Why a frame could not be mapped: there is too little of it, or its memory gives no access.
-tl::unexpected<Error> unmapped(const GstVideoInfo& info, GstBuffer* buffer) {
+tl::unexpected<Error> unmapped(const GstVideoInfo& info, GstBuffer* buffer, GstMapFlags access) {
   const gsize size = gst_buffer_get_size(buffer);
   if (size < info.size) {
     return make_error(ErrorCode::kMalformed,
@@ -96,10 +102,13 @@ tl::unexpected<Error> unmapped(const GstVideoInfo& info, GstBuffer* buffer) {
                                   GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
                                   GST_VIDEO_INFO_HEIGHT(&info), info.size, kAdvice));
   }
-  GstMapInfo map;
-  if (gst_buffer_map(buffer, &map, GST_MAP_READ)) {
-    gst_buffer_unmap(buffer, &map);
-    return beyond_memory();
+  const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
+  if (meta != nullptr && begins_beyond(*meta, size)) return beyond_memory();
+  if ((access & GST_MAP_WRITE) != 0) {
+    return make_error(ErrorCode::kUnsupported,
+                      "The memory of a frame cannot be written: the system gives no access to it, "
+                      "or somebody else is using it. Insert identity drop-allocation=true behind "
+                      "this element, so that it writes into memory of its own.");
   }
   return make_error(ErrorCode::kUnsupported,
                     "The memory of a frame cannot be read: the system gives no access to it, or "
@@ -107,33 +116,44 @@ tl::unexpected<Error> unmapped(const GstVideoInfo& info, GstBuffer* buffer) {
                     "memory, v4l2src for example with io-mode=mmap.");
 }
 
-}  // namespace
-
-Status check_frame(const GstVideoInfo& info, GstBuffer* buffer) {
-  // gst_video_frame_map() takes these on trust, or for a mistake of the program.
-  const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
-  if (meta != nullptr && (format_of(*meta) != GST_VIDEO_INFO_FORMAT(&info) ||
-                          meta->width != static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) ||
-                          meta->height != static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)))) {
-    return make_error(ErrorCode::kMalformed,
-                      fmt::format("A frame is {} of {}x{} px, but {} of {}x{} was negotiated. {}",
-                                  name_of(format_of(*meta)), meta->width, meta->height,
-                                  GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_WIDTH(&info),
-                                  GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
+// gst_video_frame_map() takes these on trust, or for a mistake of the program.
+Status check(const GstVideoMeta& meta, const GstVideoInfo& info) {
+  if (format_of(meta) != GST_VIDEO_INFO_FORMAT(&info) ||
+      meta.width != static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)) ||
+      meta.height != static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info))) {
+    return make_error(
+        ErrorCode::kMalformed,
+        fmt::format("A frame is {} of {}x{} px, but {} of {}x{} was negotiated. {}",
+                    name_of(format_of(meta)), meta.width, meta.height, GST_VIDEO_INFO_NAME(&info),
+                    GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info), kAdvice));
   }
-  if (meta != nullptr && meta->n_planes != GST_VIDEO_INFO_N_PLANES(&info)) {
+  if (meta.n_planes != GST_VIDEO_INFO_N_PLANES(&info)) {
     return make_error(
         ErrorCode::kMalformed,
         fmt::format("The GstVideoMeta of a frame tells of {} planes, but {} has {}. {}",
-                    meta->n_planes, GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_N_PLANES(&info),
+                    meta.n_planes, GST_VIDEO_INFO_NAME(&info), GST_VIDEO_INFO_N_PLANES(&info),
                     kAdvice));
   }
-  GstVideoFrame frame;
-  if (!gst_video_frame_map(&frame, &info, buffer, GST_MAP_READ)) return unmapped(info, buffer);
-  const bool fits = all_fits(frame, info);
-  gst_video_frame_unmap(&frame);
-  if (fits) return {};
-  return beyond_memory();
+  if (meta.map == nullptr || meta.unmap == nullptr || meta.buffer == nullptr) {
+    return make_error(ErrorCode::kMalformed,
+                      "The GstVideoMeta of a frame does not tell how to map it. Check the element "
+                      "upstream: gst_buffer_add_video_meta() makes one that does.");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<MappedFrame> MappedFrame::map(const GstVideoInfo& info, GstBuffer* buffer,
+                                     GstMapFlags access) {
+  if (const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer); meta != nullptr) {
+    if (Status said = check(*meta, info); !said) return tl::unexpected<Error>(said.error());
+  }
+  MappedFrame frame;
+  frame.mapped_ = gst_video_frame_map(&frame.frame_, &info, buffer, access) != FALSE;
+  if (!frame.mapped_) return unmapped(info, buffer, access);
+  if (!all_fits(frame.frame_, info)) return beyond_memory();
+  return frame;
 }
 
 }  // namespace calvin::gst
