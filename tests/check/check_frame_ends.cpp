@@ -2,9 +2,12 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // No element reads or writes beyond the memory of a frame, of whatever format: GStreamer's own
-// functions do so where a width is odd.
+// functions do so where a width is odd. And no element takes a frame whose last pixel is not all
+// there, nor refuses one that has all its pixels.
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "guarded_memory.hpp"
 #include "undistort_fixture.hpp"
@@ -75,6 +78,73 @@ GST_START_TEST(test_no_byte_beyond_the_frame) {
 }
 GST_END_TEST;
 
+// Bytes up to the end of the last pixel: some formats have unused ones behind it, in the last row
+// or as rows. Of what GStreamer's table has no place for, a row of groups is one of pixels.
+static gsize end_of_pixels(const GstVideoInfo& info) {
+  const GstVideoFormatInfo* f = info.finfo;
+  if (GST_VIDEO_FORMAT_INFO_HAS_PALETTE(f) || GST_VIDEO_FORMAT_INFO_IS_TILED(f)) return info.size;
+  gsize end = 0;
+  for (guint c = 0; c < GST_VIDEO_FORMAT_INFO_N_COMPONENTS(f); ++c) {
+    const int rows = GST_VIDEO_INFO_COMP_HEIGHT(&info, c);
+    const int stride = GST_VIDEO_INFO_COMP_STRIDE(&info, c);
+    const int step = GST_VIDEO_INFO_COMP_PSTRIDE(&info, c);
+    const int row = step > 0 ? step * GST_VIDEO_INFO_COMP_WIDTH(&info, c) : stride;
+    const gsize begin = GST_VIDEO_INFO_PLANE_OFFSET(&info, GST_VIDEO_FORMAT_INFO_PLANE(f, c));
+    end = std::max(end, begin + static_cast<gsize>((rows - 1) * stride + row));
+  }
+  return end;
+}
+
+// A frame of GStreamer's own rows that is said to be all there, of which `bytes` are.
+static GstBuffer* frame_of_bytes(GstAllocator* allocator, GstVideoInfo info, gsize bytes) {
+  GstBuffer* buffer = gst_buffer_new_allocate(allocator, bytes, nullptr);
+  gst_buffer_add_video_meta_full(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_INFO_FORMAT(&info),
+                                 static_cast<guint>(GST_VIDEO_INFO_WIDTH(&info)),
+                                 static_cast<guint>(GST_VIDEO_INFO_HEIGHT(&info)),
+                                 GST_VIDEO_INFO_N_PLANES(&info), info.offset, info.stride);
+  const ImageSize size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  gst::attach_observations(buffer, seen_in(size));
+  return buffer;
+}
+
+// What an element says of one frame, all of which it has looked at.
+static std::string said_of(const std::string& element, const std::string& format, ImageSize size,
+                           GstBuffer* in) {
+  const bool undistorts = element == "calibundistort";
+  GstElement* made = make_element(undistorts ? element + " calibration=" + lens_of(size) : element);
+  Bus bus(made);
+  GstHarness* h = harness_of(made);
+  gst_harness_set_src_caps(h, caps_of(format.c_str(), size));
+  fail_unless_equals_int(gst_harness_push(h, in), GST_FLOW_OK);
+  gst_harness_push_event(h, gst_event_new_eos());
+  const std::string said = join(bus.texts(GST_MESSAGE_WARNING), " ");
+  bus.detach();
+  gst_harness_teardown(h);
+  return said;
+}
+
+GST_START_TEST(test_a_frame_is_taken_if_its_last_pixel_is_all_there) {
+  const auto at = static_cast<std::size_t>(__i__);
+  const std::string element = kElements[at % G_N_ELEMENTS(kElements)];
+  const std::string format = raw_formats()[at / G_N_ELEMENTS(kElements)];
+  const std::vector<std::string> plain = formats_without_palette();
+  const bool has_values = std::find(plain.begin(), plain.end(), format) != plain.end();
+  if (!has_values && element.find("calibdetect") == std::string::npos) return;
+  g_autoptr(GstAllocator) guarded = new_guarded_allocator();
+  for (const ImageSize size : {kOdd[0], kOdd[1], ImageSize{52, 34}}) {
+    const GstVideoInfo info = info_of(format, size);
+    const gsize end = end_of_pixels(info);
+    for (const gsize bytes : {info.size, end, end - 1}) {
+      const std::string said = said_of(element, format, size, frame_of_bytes(guarded, info, bytes));
+      const bool refused = said.find("reach beyond its memory") != std::string::npos;
+      fail_unless(bytes < end ? refused : said.empty(), "%s, %s of %dx%d, %d of %d bytes: %s",
+                  element.c_str(), format.c_str(), size.width, size.height, static_cast<int>(bytes),
+                  static_cast<int>(end), said.c_str());
+    }
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_the_source_stays_in_the_frame) {
   const std::string format = formats_without_palette()[static_cast<std::size_t>(__i__)];
   g_autoptr(GstAllocator) guarded = new_guarded_allocator();
@@ -100,6 +170,9 @@ static Suite* frame_ends_suite() {
   const int count = static_cast<int>(formats_without_palette().size());
   tcase_add_loop_test(cases, test_no_byte_beyond_the_frame, 0,
                       count * static_cast<int>(G_N_ELEMENTS(kElements)));
+  tcase_add_loop_test(
+      cases, test_a_frame_is_taken_if_its_last_pixel_is_all_there, 0,
+      static_cast<int>(raw_formats().size()) * static_cast<int>(G_N_ELEMENTS(kElements)));
   tcase_add_loop_test(cases, test_the_source_stays_in_the_frame, 0, count);
   return suite;
 }

@@ -20,18 +20,15 @@ namespace {
 
 constexpr char kAdvice[] = "Check the element upstream, it sends frames other than its caps say.";
 
-// Whether every sample of a component lies in the memory that is mapped for its plane.
+// Whether every pixel of a component lies in the memory that is mapped for its plane, with all of
+// its bytes: kernels move those without a name too, and GStreamer pixels that share chroma
+// together.
 bool component_fits(const GstVideoFrame& frame, guint c) {
   const GstVideoFormatInfo* f = frame.info.finfo;
   const auto plane = static_cast<guint>(GST_VIDEO_FORMAT_INFO_PLANE(f, c));
   const std::int64_t rows = GST_VIDEO_FRAME_COMP_HEIGHT(&frame, c);
   const std::int64_t columns = GST_VIDEO_FRAME_COMP_WIDTH(&frame, c);
-  const std::int64_t step = GST_VIDEO_FORMAT_INFO_PSTRIDE(f, c);
-  // Of what is unpacked GStreamer does not tell where in the pixel it lies.
-  const std::int64_t row_end = needs_unpacking(f)
-                                   ? columns * step
-                                   : GST_VIDEO_FORMAT_INFO_POFFSET(f, c) + (columns - 1) * step +
-                                         (GST_VIDEO_FORMAT_INFO_DEPTH(f, c) + 7) / 8;
+  const std::int64_t row_end = columns * GST_VIDEO_FORMAT_INFO_PSTRIDE(f, c);
   const std::int64_t last = (rows - 1) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, plane);
   const GstMapInfo& map = frame.map[frame.meta == nullptr ? 0 : plane];
   const std::int64_t first = static_cast<const guint8*>(frame.data[plane]) - map.data;
@@ -49,9 +46,17 @@ bool plane_fits(const GstVideoFrame& frame, const GstVideoInfo& plain, guint p) 
   return first >= 0 && first + *bytes <= static_cast<std::int64_t>(map.size);
 }
 
+// The colours of a palette are a plane of their own.
+bool palette_fits(const GstVideoFrame& frame) {
+  constexpr std::int64_t kBytes = 256 * 4;
+  const GstMapInfo& map = frame.map[frame.meta == nullptr ? 0 : 1];
+  const std::int64_t first = static_cast<const guint8*>(frame.data[1]) - map.data;
+  return first >= 0 && first + kBytes <= static_cast<std::int64_t>(map.size);
+}
+
 bool all_fits(const GstVideoFrame& frame, const GstVideoInfo& plain) {
   const GstVideoFormatInfo* f = frame.info.finfo;
-  if (GST_VIDEO_FORMAT_INFO_HAS_PALETTE(f)) return true;
+  if (GST_VIDEO_FORMAT_INFO_HAS_PALETTE(f)) return component_fits(frame, 0) && palette_fits(frame);
   if (needs_unpacking(f) &&
       (GST_VIDEO_FORMAT_INFO_IS_TILED(f) || GST_VIDEO_FORMAT_INFO_PSTRIDE(f, 0) == 0)) {
     for (guint p = 0; p < GST_VIDEO_FRAME_N_PLANES(&frame); ++p) {
