@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "calvin_config.h"
+#include "common/frames/frame_part.hpp"
 #include "undistort_fixture.hpp"
 
 #include <gst/check/gstcheck.h>
@@ -234,6 +235,22 @@ GST_START_TEST(test_without_a_calibration_a_crop_passes_through) {
 }
 GST_END_TEST;
 
+// All but the size, and what follows from it.
+GST_START_TEST(test_the_format_of_a_part_is_that_of_the_picture) {
+  g_autoptr(GstCaps) caps = gst_caps_from_string(
+      "video/x-raw,format=I420,width=640,height=480,framerate=25/2,pixel-aspect-ratio=4/3,"
+      "interlace-mode=mixed,colorimetry=bt709,chroma-site=dv");
+  GstVideoInfo whole;
+  fail_unless(gst_video_info_from_caps(&whole, caps));
+  const GstVideoInfo part = gst::with_size(whole, {320, 200});
+  g_autoptr(GstCaps) got = gst_video_info_to_caps(&part);
+  gst_caps_set_simple(caps, "width", G_TYPE_INT, 320, "height", G_TYPE_INT, 200, nullptr);
+  fail_unless(gst_caps_is_equal(got, caps));
+  fail_unless_equals_int(part.chroma_site, GST_VIDEO_CHROMA_SITE_DV);
+  fail_unless_equals_int(part.size, 320 * 200 * 3 / 2);
+}
+GST_END_TEST;
+
 // What reaches past the picture in memory on any side says nothing.
 GST_START_TEST(test_a_crop_past_the_picture_says_nothing) {
   static constexpr guint kCrops[][4] = {{2, 0, 639, 480},       {0, 2, 640, 479},
@@ -313,6 +330,7 @@ static Suite* cropped_frames_suite() {
   tcase_add_test(tc, test_a_calibration_of_the_cropped_frames_holds_for_them);
   tcase_add_loop_test(tc, test_a_crop_of_several_planes, 0, 3);
   tcase_add_test(tc, test_without_a_calibration_a_crop_passes_through);
+  tcase_add_test(tc, test_the_format_of_a_part_is_that_of_the_picture);
   tcase_add_test(tc, test_a_crop_past_the_picture_says_nothing);
   tcase_add_loop_test(tc, test_a_part_of_less_than_the_caps_is_refused, 0, 3);
   return suite;
