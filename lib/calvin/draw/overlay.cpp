@@ -13,12 +13,15 @@
 #include <fmt/format.h>
 
 #include "calvin/draw/overlay_shapes.hpp"
+#include "calvin/io/utf8.hpp"
 #include "calvin/target/board.hpp"
 #include "calvin_config.h"
 
 namespace calvin {
 
 namespace {
+
+constexpr std::size_t kLongestHint = 500;  // bytes: more than two lines of any frame
 
 #if CALVIN_HAVE_CAIRO
 
@@ -27,7 +30,10 @@ using Kind = Shape::Kind;
 constexpr int kSmallestFrame = 16;    // px: nothing can be read on less
 constexpr int kLargestFrame = 32767;  // px, Cairo's limit
 constexpr int kMostPoints = 1000000;  // of any board
-constexpr double kDarkest = 0.3;      // of a channel: pure blue is hard to see on black
+// Of one frame. Anybody may write an observation, and each corner costs some 50 us of the stream.
+constexpr std::size_t kMostBoards = 64;
+constexpr std::size_t kMostCorners = 2000;
+constexpr double kDarkest = 0.3;  // of a channel: pure blue is hard to see on black
 constexpr Colour kWhite{1, 1, 1, 1};
 constexpr Colour kGreen{0.2, 0.9, 0.35, 1};
 constexpr Colour kPanel{0, 0, 0, 0.5};
@@ -102,8 +108,12 @@ void add_link(std::vector<Shape>& shapes, Pixel from, Pixel to, double radius, S
   shapes.push_back(line);
 }
 
-void add_observation(std::vector<Shape>& shapes, ImageSize frame, const Observation& observation) {
-  const std::vector<Corner> corners = corners_on(frame, observation);
+// Takes its corners from the `room` that is left for more.
+void add_observation(std::vector<Shape>& shapes, ImageSize frame, const Observation& observation,
+                     std::size_t& room) {
+  std::vector<Corner> corners = corners_on(frame, observation);
+  corners.resize(std::min(corners.size(), room));
+  room -= corners.size();
   if (corners.empty()) return;
   const double unit = unit_of(frame);
   const auto board = parse_board(observation.board);
@@ -211,7 +221,11 @@ std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> obser
   std::vector<Shape> shapes;
   if (!drawable(frame)) return shapes;
   if (progress && progress->captured) add_border(shapes, frame);
-  for (const Observation& observation : observations) add_observation(shapes, frame, observation);
+  std::size_t room = kMostCorners;
+  for (const Observation& observation :
+       observations.first(std::min(observations.size(), kMostBoards))) {
+    add_observation(shapes, frame, observation, room);
+  }
   if (progress) add_bars(shapes, frame, *progress);
   return shapes;
 }
@@ -250,8 +264,9 @@ std::string overlay_caption(const OverlayProgress& progress) {
       text += fmt::format(", rms {:.2f} px", *progress.rms);
     }
   }
-  if (text.empty() || progress.hint.empty()) return text + progress.hint;
-  return text + ": " + progress.hint;
+  const std::string hint = io::shortened(progress.hint, kLongestHint);
+  if (text.empty() || hint.empty()) return text + hint;
+  return text + ": " + hint;
 }
 
 }  // namespace calvin

@@ -48,14 +48,16 @@ struct OverlayTile {
 // Marks for every found observation (rows joined in the order of the ids, red to violet; control
 // point 0 is a disc, or a circle where the labelling is ambiguous) and, where there is `progress`,
 // one bar each for coverage, x, y, size and skew. No tile where there is nothing to draw. Corners
-// are scaled to the frame from the image_size of their observation. kUnsupported where the library
+// are scaled to the frame from the image_size of their observation. The first 64 observations are
+// drawn, and the first 2000 corners of them. kUnsupported where the library
 // was built without Cairo, whatever the arguments.
 [[nodiscard]] Result<std::vector<OverlayTile>> draw_overlay(
     ImageSize frame, std::span<const Observation> observations,
     const std::optional<OverlayProgress>& progress);
 
 // One line: "12 views, accurate to 0.36 px: tilt the board left"; empty where there is nothing to
-// say. "Accurate to" is two sigma of the expected error; without it the rms is told.
+// say. "Accurate to" is two sigma of the expected error; without it the rms is told. A hint is cut
+// behind 500 bytes.
 [[nodiscard]] std::string overlay_caption(const OverlayProgress& progress);
 
 }  // namespace calvin

@@ -37,6 +37,17 @@ TEST(OverlayCaption, SaysWhatIsKnown) {
   EXPECT_EQ(overlay_caption(progress), "12 views, rms 0.18 px");
 }
 
+// A meta may hold a text of any length, and words are laid out for each frame.
+TEST(OverlayCaption, IsNoLongerThanAnybodyReads) {
+  OverlayProgress progress;
+  progress.views = 12;
+  for (int i = 0; i < 1000000; ++i) progress.hint += "\u00e4";
+  const std::string caption = overlay_caption(progress);
+  EXPECT_LT(caption.size(), 600u);
+  EXPECT_TRUE(caption.starts_with("12 views: \u00e4\u00e4")) << caption;
+  EXPECT_TRUE(caption.ends_with("\u00e4...")) << caption;
+}
+
 #if CALVIN_HAVE_CAIRO
 
 // A board parallel to the image, its control point 0 at (u, v), `pitch` px from point to point.
@@ -113,6 +124,51 @@ Picture drawn(ImageSize size, const std::vector<Observation>& observations,
 TEST(Overlay, NothingToDrawIsNoTile) {
   EXPECT_TRUE(draw_overlay({640, 480}, {}, {})->empty());
   EXPECT_TRUE(draw_overlay({640, 480}, std::vector<Observation>(3), {})->empty());
+}
+
+// Boards of four corners, one beside the other.
+std::vector<Observation> many_boards(int count) {
+  std::vector<Observation> boards;
+  for (int n = 0; n < count; ++n) {
+    Observation o;
+    o.board = "checkerboard:3x2:25mm";
+    o.image_size = {1920, 1080};
+    const Pixel at = {10.0 + n % 60 * 30, 10.0 + n / 60 % 35 * 30};
+    o.ids = {0, 1, 3, 4};
+    o.uv = {at, {at.u + 12, at.v}, {at.u, at.v + 12}, {at.u + 12, at.v + 12}};
+    boards.push_back(o);
+  }
+  return boards;
+}
+
+// Who writes a meta may write anything into it, and the stream waits for what is drawn.
+TEST(Overlay, DrawsNoMoreBoardsThanOneFrameCanShow) {
+  const ImageSize size{1920, 1080};
+  const std::vector<Observation> boards = many_boards(2000);
+  Picture picture = drawn(size, boards);
+  int shown = 0;
+  for (const Observation& board : boards) {
+    shown += picture.near(board.uv[0].u, board.uv[0].v).alpha > 150 ? 1 : 0;  // a disc
+  }
+  EXPECT_EQ(shown, 64);
+  EXPECT_EQ(picture.near(boards[64].uv[0].u, boards[64].uv[0].v).alpha, 0u);
+}
+
+TEST(Overlay, DrawsNoMoreCornersThanOneFrameCanShow) {
+  const ImageSize size{1920, 1080};
+  Observation crowd;
+  crowd.board = "checkerboard:100x100:25mm";
+  crowd.image_size = size;
+  for (int id = 0; id < 10000; ++id) {
+    crowd.ids.push_back(id);
+    crowd.uv.push_back({10.0 + id % 100 * 15, 10.0 + id / 100 * 10});
+  }
+  Picture picture = drawn(size, {crowd, flat_board(size, 1600, 500, 20)});
+  const auto row_is_drawn = [&](int row) {
+    return picture.near(10.0 + 50.5 * 15, 10.0 + row * 10).alpha > 150;  // between two corners
+  };
+  for (int row = 0; row < 100; ++row) EXPECT_EQ(row_is_drawn(row), row < 20) << row;
+  EXPECT_EQ(picture.near(1600, 500).alpha, 0u);
 }
 
 TEST(Overlay, MarksEveryCornerAndJoinsTheRows) {
