@@ -149,6 +149,14 @@ bool Worker::drain() {
   return !s.cancelled;
 }
 
+bool Worker::drain_for(std::chrono::milliseconds most) {
+  State& s = state();
+  std::unique_lock guard(s.lock);
+  const auto is_done = [&s] { return !s.busy && !s.waiting; };
+  s.changed.wait_for(guard, most, [&] { return s.cancelled || is_done(); });
+  return is_done();
+}
+
 std::unique_ptr<Worker::Report> Worker::begin_report(const std::stop_token& stop,
                                                      GstElement* element) {
   State& s = state();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -64,6 +65,8 @@ class Worker {
   // Waits until there is nothing left to do, and no job is left in memory; false when cancel()
   // came first.
   bool drain();
+  // Likewise, but no longer than that: whether there is nothing left to do.
+  bool drain_for(std::chrono::milliseconds most);
 
   // For a job, with its own token: may it report something in the name of the element? nullptr once
   // it was cancelled. A report that has begun by then is made to its end.

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // The session behind calibsolve: collects views and obeys commands; solver_update.cpp brings other
-// settings into force, solver_jobs.cpp solves, and solver_finish.cpp waits for it.
+// settings into force, solver_jobs.cpp solves, solver_files.cpp writes, and solver_finish.cpp waits
+// for both.
 
 #include "solve/calib_solver.hpp"
 
@@ -48,7 +49,9 @@ Status CalibSolver::start() {
                     plan_.settings.model.c_str(), plan_.settings.min_views, plan_.files.size());
   }
   reset();
-  if (Status started = updater_.start(); !started) return started;
+  for (Worker* worker : {&updater_, &writer_}) {
+    if (Status started = worker->start(); !started) return started;
+  }
   return worker_.start();
 }
 
@@ -79,10 +82,12 @@ void CalibSolver::set_live(bool live) {
 }
 
 void CalibSolver::resume() {
+  writer_.resume();
   worker_.resume();
   updater_.resume();
   const std::lock_guard guard(lock_);
   next_solve_ = 0;
+  if (unwritten_) request_write(plan_.files, false);
   if (final_owed_) request(true);
 }
 
@@ -239,8 +244,8 @@ void CalibSolver::forget() {
   session_.reset();
   taken_.clear();
   calibration_.reset();
-  published_ = finished_ = announce_ = complained_ = kept_reported_ = false;
-  final_owed_ = solve_waits_ = false;
+  published_ = finished_ = announce_ = complained_ = kept_reported_ = write_late_ = false;
+  final_owed_ = final_waits_ = solve_waits_ = false;
   last_reason_ = Reason::kAccepted;
   ++revision_;
   written_ = {};

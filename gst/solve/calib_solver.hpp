@@ -49,12 +49,14 @@ class CalibSolver {
   [[nodiscard]] Status start();
   void cancel() {
     worker_.cancel();
+    writer_.cancel();
     updater_.cancel();
   }
-  // A solve that cancel() cut short is asked for again.
+  // A solve or a write that cancel() cut short is asked for again.
   void resume();
   void stop() {
     worker_.stop();
+    writer_.stop();
     updater_.stop();
   }
 
@@ -94,6 +96,7 @@ class CalibSolver {
 
  private:
   struct Job;
+  struct Write;
   struct Update;
   struct TakenView {
     FrameTimes times;
@@ -121,7 +124,11 @@ class CalibSolver {
   [[nodiscard]] std::vector<TakenView> newly_rejected(const Solution& solution);
   [[nodiscard]] std::shared_ptr<Job> make_job() const;
   void request(bool final);
-  void request_write();  // of unwritten_
+  // Of unwritten_, on the writer. The newest one replaces one that waits, and is final if that was.
+  void request_write(const std::vector<CalibrationFile>& files, bool final);
+  // Whether all that was asked for is solved and written, however long that takes; false when it
+  // was cancelled.
+  [[nodiscard]] bool drain() { return worker_.drain() && writer_.drain(); }
   [[nodiscard]] Status verdict() const;
   void post_solve_progress(GstProgressType type, const std::string& text);
   // On the updater.
@@ -129,7 +136,7 @@ class CalibSolver {
   // The rest on the worker.
   void run(const Job& job, const std::stop_token& stop);
   void publish(const Job& job, const Solution& solution, const std::stop_token& stop);
-  void write(const Job& job, const Calibration& calibration, const std::stop_token& stop);
+  void complain_of_late_files(const Job& job, const std::stop_token& stop);
   void announce(const Job& job, const Solution& solution, const Guidance& now,
                 const std::stop_token& stop);
   // nullptr where the session has gone on without what that job was made of; `is_result`: the
@@ -137,6 +144,14 @@ class CalibSolver {
   [[nodiscard]] std::unique_ptr<Worker::Report> begin_report(const Job& job,
                                                              const std::stop_token& stop,
                                                              bool is_result = false);
+  // On the writer.
+  void write(const Write& write, const std::stop_token& stop);
+  [[nodiscard]] bool begin_write(const Write& write);
+  // What the user should hear; nothing where the session has gone on without what was written.
+  [[nodiscard]] std::vector<Error> end_write(const Write& write,
+                                             const SessionFiles::Outcome& outcome, bool& held);
+  [[nodiscard]] std::unique_ptr<Worker::Report> begin_report(const Write& write,
+                                                             const std::stop_token& stop);
 
   GstElement* element_;
 
@@ -159,7 +174,10 @@ class CalibSolver {
   std::string solve_error_;
   Status written_;
   std::optional<Calibration> unwritten_;  // for the files, which do not all have it
+  bool final_waits_ = false;              // a final write has not begun
+  std::uint64_t writes_ = 0;              // asked for so far
   bool write_failed_ = false;             // and that was reported
+  bool write_late_ = false;               // likewise, that a write does not end
   bool kept_reported_ = false;            // that another session's file stays
   Reason last_reason_ = Reason::kAccepted;
   FrameTimes times_;                             // of the newest frame with a board
@@ -173,9 +191,10 @@ class CalibSolver {
   std::uint64_t generation_ = 0;  // of what is solved: a solve of an older one is thrown away
   std::map<std::string, Board> boards_;  // by their texts, of the newest frames
 
-  SessionFiles files_;  // on the worker
+  SessionFiles files_;  // on the writer
 
-  Worker worker_;
+  Worker writer_;
+  Worker worker_;   // goes before it: what it solves is written
   Worker updater_;  // goes first: what it brings into force is solved
 };
 

@@ -15,7 +15,7 @@
 
 namespace calvin::gst {
 
-// On the worker.
+// On the writer.
 class SessionFiles {
  public:
   struct Outcome {

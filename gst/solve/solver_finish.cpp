@@ -8,6 +8,9 @@
 #include "common/values.hpp"
 #include "solve/calib_solver.hpp"
 
+GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
+#define GST_CAT_DEFAULT calibsolve_debug
+
 namespace calvin::gst {
 
 void CalibSolver::post_solve_progress(GstProgressType type, const std::string& text) {
@@ -41,7 +44,7 @@ Status CalibSolver::verdict() const {
 }
 
 void CalibSolver::finish() {
-  if (!update_and_wait() || !worker_.drain()) return;
+  if (!update_and_wait() || !drain()) return;
   bool solving = false;
   bool writing = false;  // what a disk that was full may have room for now
   {
@@ -49,16 +52,19 @@ void CalibSolver::finish() {
     solving = final_revision_ != revision_ && enough_views();
     if (solving) request(true);
     writing = !solving && unwritten_;
-    if (writing) request_write();
+    if (writing) {
+      GST_DEBUG_OBJECT(element_, "the files are tried again");
+      request_write(plan_.files, true);
+    }
   }
   // A START outside PLAYING would make applications wait for it during preroll.
   const bool announce = solving && GST_STATE(element_) == GST_STATE_PLAYING;
   if (announce) post_solve_progress(GST_PROGRESS_TYPE_START, "Solving the camera");
-  if (solving && !worker_.drain()) {
+  if (solving && !drain()) {
     if (announce) post_solve_progress(GST_PROGRESS_TYPE_CANCELED, "The solve was cancelled");
     return;
   }
-  if (writing && !worker_.drain()) return;
+  if (writing && !drain()) return;
   Status status;
   bool wanted = false;
   {

@@ -3,12 +3,14 @@
 
 // What the session behind calibsolve does on its worker.
 
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/session/refine_with_camera.hpp"
 #include "solve/calib_solver.hpp"
@@ -19,6 +21,14 @@ GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
 
 namespace calvin::gst {
 
+namespace {
+
+// How long a result waits for its files: whoever hears of it finds them written, unless the disk
+// takes longer than anybody would wait for a result.
+constexpr std::chrono::seconds kPatience{1};
+
+}  // namespace
+
 struct CalibSolver::Job {
   Session::Views views;
   ImageSize size;
@@ -27,7 +37,6 @@ struct CalibSolver::Job {
   std::vector<CalibrationFile> files;
   std::string location;
   FrameTimes times;
-  std::uint64_t session = 0;
   std::uint64_t generation = 0;
   std::uint64_t revision = 0;
   bool final = false;
@@ -40,7 +49,6 @@ std::shared_ptr<CalibSolver::Job> CalibSolver::make_job() const {
   job->files = plan_.files;
   job->location = plan_.settings.location;
   job->times = times_;
-  job->session = session_number_;
   job->generation = generation_;
   job->revision = revision_;
   return job;
@@ -58,15 +66,6 @@ void CalibSolver::request(bool final) {
   GST_DEBUG_OBJECT(element_, "%s solve of %" G_GSIZE_FORMAT " views asked for",
                    job->final ? "final" : "intermediate", job->views.size());
   worker_.offer([this, job](const std::stop_token& stop) { run(*job, stop); });
-}
-
-void CalibSolver::request_write() {
-  auto job = make_job();
-  job->final = true;
-  GST_DEBUG_OBJECT(element_, "the files are tried again");
-  worker_.offer([this, job, calibration = *unwritten_](const std::stop_token& stop) {
-    write(*job, calibration, stop);
-  });
 }
 
 void CalibSolver::run(const Job& job, const std::stop_token& stop) {
@@ -101,7 +100,6 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
   const double error = calibration.expected_error.value_or(HUGE_VAL);
   Guidance now;
   bool better = false;
-  std::optional<Calibration> due;
   {
     const std::lock_guard guard(lock_);
     if (job.generation != generation_) {
@@ -112,9 +110,12 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
     solve_error_.clear();
     now = make_guidance(session_.progress(), calibration_);
     better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
-    announce_ |= better;
-    if (better) unwritten_ = calibration;
-    due = unwritten_;
+    if (better) {
+      announce_ = published_ = true;
+      published_error_ = calibration.expected_error;
+      unwritten_ = calibration;
+    }
+    if (unwritten_) request_write(job.files, job.final);
   }
   GST_INFO_OBJECT(element_,
                   "%s result of %" G_GSIZE_FORMAT
@@ -123,44 +124,27 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
                   job.final ? "final" : "intermediate", job.views.size(), calibration.model.c_str(),
                   calibration.rms.value_or(HUGE_VAL), error,
                   better ? "" : ": no better than the one before");
-  if (due) write(job, *due, stop);
+  const bool in_time = writer_.drain_for(kPatience);
   announce(job, solution, now, stop);
+  if (!in_time) complain_of_late_files(job, stop);
 }
 
-void CalibSolver::write(const Job& job, const Calibration& calibration,
-                        const std::stop_token& stop) {
-  const auto [written, kept, lost] = files_.write(job.files, calibration, job.final, job.session);
-  GST_DEBUG_OBJECT(element_, "%" G_GSIZE_FORMAT " files: %s", job.files.size(),
-                   written ? "written" : written.error().message.c_str());
-  if (!kept.empty()) GST_INFO_OBJECT(element_, "'%s' stays another session's", kept.c_str());
-  bool failed = false;
-  bool held = false;
+void CalibSolver::complain_of_late_files(const Job& job, const std::stop_token& stop) {
+  const auto report = begin_report(job, stop);
+  if (!report) return;
   {
     const std::lock_guard guard(lock_);
-    // While the file was written, a new session may have begun, whose own results count.
-    if (job.generation != generation_) return;
-    failed = !written && !std::exchange(write_failed_, true);
-    held = !kept.empty() && !std::exchange(kept_reported_, true);
-    written_ = written;
-    if (written) unwritten_.reset();
-    published_ = true;
-    published_error_ = calibration.expected_error;
+    if (std::exchange(write_late_, true)) return;
   }
-  if (failed) {
-    if (const auto report = begin_report(job, stop)) post_warning(element_, written.error());
-  }
-  if (lost) {
-    if (const auto report = begin_report(job, stop)) post_warning(element_, *lost);
-  }
-  if (held) {
-    if (const auto report = begin_report(job, stop)) {
-      post_info(element_,
-                fmt::format("'{}' holds the calibration of another session, which stays until this "
-                            "one's is final or as good: end with EOS (gst-launch-1.0 -e) or emit "
-                            "the signal solve to replace it.",
-                            kept));
-    }
-  }
+  std::vector<std::string> paths;
+  for (const CalibrationFile& file : job.files) paths.push_back(file.path);
+  post_warning(
+      element_,
+      {ErrorCode::kIo,
+       fmt::format("The write of '{}' has not ended after {} s: its disk, or the server or "
+                   "reader behind it, does not answer. Results go on to the bus, and the "
+                   "newest one is written once it answers; EOS waits for that.",
+                   join(paths, "', '"), kPatience.count())});
 }
 
 std::vector<CalibSolver::TakenView> CalibSolver::newly_rejected(const Solution& solution) {

@@ -101,7 +101,10 @@ std::optional<Error> CalibSolver::adopt(SolverPlan plan, bool writable) {
   }
   GST_INFO_OBJECT(element_, "other settings: the views are %s, the files %s",
                   solve ? "solved again" : "as they were", write ? "written again" : "the same");
-  if (write) write_failed_ = !writable;
+  if (write) {
+    write_failed_ = !writable;
+    write_late_ = false;
+  }
   if (solve || write) {
     ++revision_;
     published_ = false;

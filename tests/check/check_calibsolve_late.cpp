@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibsolve on a disk that takes a write and does not end it: results go to the bus all the same,
+// and the files have the newest one once the disk answers.
+
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "calvin/io/calibration_io.hpp"
+#include "gate.hpp"
+#include "solve_fixture.hpp"
+
+#include <gst/check/gstcheck.h>
+
+using namespace calvin;
+using check::Gate;
+using check::SolveFixture;
+
+static Gate disk;
+
+// Stands before the C library's own.
+extern "C" {
+GST_EXPORT int fsync(int fd) {
+  disk.pass();
+  return static_cast<int>(syscall(SYS_fsync, fd));
+}
+}
+
+static void set_up() {
+  gst::register_metas();
+  disk.open();
+}
+
+static void tear_down() { fail_if(disk.forced(), "the test waited for what waited for it"); }
+
+template <typename Condition>
+static bool comes(Condition condition) {
+  for (int i = 0; i < 1000 && !condition(); ++i) g_usleep(10000);
+  return condition();
+}
+
+static int views_in(const GstStructure* result) {
+  int views = -1;
+  if (result != nullptr) gst_structure_get_int(result, "views", &views);
+  return views;
+}
+
+static int views_of(const std::string& path) {
+  const auto calibration = read_calibration(path);
+  return calibration ? static_cast<int>(calibration->views.size()) : -1;
+}
+
+GST_START_TEST(test_a_write_that_does_not_end_keeps_no_result_back) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  SolveFixture f("location=" + path);
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());
+  fail_unless(comes([&] { return views_in(f.result("intermediate")) == 3; }));
+  // Nor the next ones.
+  for (int n = 3; n < 6; ++n) gst_buffer_unref(f.push(n));
+  fail_unless(comes([&] { return views_in(f.result("intermediate")) > 3; }));
+  g_signal_emit_by_name(f.element, "solve");
+  fail_unless(comes([&] { return views_in(f.result("final")) == 6; }));
+  fail_if(std::filesystem::exists(path));
+  fail_unless(comes([&] { return !f.bus.texts(GST_MESSAGE_WARNING).empty(); }));
+  disk.open();
+  fail_unless(comes([&] { return views_of(path) == 6; }));
+  f.eos();
+  const auto warnings = f.bus.texts(GST_MESSAGE_WARNING);
+  fail_unless_equals_int(warnings.size(), 1);
+  fail_unless(warnings[0].find("The write of '" + path + "' has not ended") == 0, "%s",
+              warnings[0].c_str());
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+}
+GST_END_TEST;
+
+// Whoever hears of a result finds it in the file.
+GST_START_TEST(test_a_result_waits_for_a_write_that_ends) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  SolveFixture f("location=" + path);
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());
+  g_usleep(100000);
+  fail_unless(f.bus.named("calib-result").empty());
+  disk.open();
+  fail_unless(comes([&] { return f.result("intermediate") != nullptr; }));
+  fail_unless_equals_int(views_of(path), 3);
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_the_end_waits_for_the_write) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  SolveFixture f("location=" + path);
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());
+  gst_buffer_unref(f.push(3));
+  std::thread answer([] {
+    g_usleep(2 * G_USEC_PER_SEC);
+    disk.open();
+  });
+  f.eos();
+  fail_unless_equals_int(views_of(path), 4);
+  answer.join();
+}
+GST_END_TEST;
+
+// What a final result may replace, it still may when a later one is written in its stead.
+GST_START_TEST(test_a_final_result_that_waits_for_the_disk_stays_final) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
+  Calibration before = f.scene.camera.to_calibration();
+  before.camera = "left";
+  before.expected_error = 1e-9;
+  fail_unless(write_calibration(path, before).has_value());
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());  // of cam.yaml
+  g_signal_emit_by_name(f.element, "solve");
+  fail_unless(comes([&] { return f.result("final") != nullptr; }));
+  for (int n = 3; n < 8; ++n) gst_buffer_unref(f.push(n));
+  fail_unless(comes([&] { return views_in(f.result("intermediate")) > 3; }));
+  fail_unless_equals_int(views_of(path), 0);
+  disk.open();
+  fail_unless(comes([&] { return views_of(path) > 0; }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_flush_forgets_no_write) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  SolveFixture f("location=" + path);
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());
+  for (int n = 3; n < 5; ++n) gst_buffer_unref(f.push(n));
+  g_signal_emit_by_name(f.element, "solve");
+  fail_unless(comes([&] { return views_in(f.result("final")) == 5; }));
+  gst_harness_push_event(f.h, gst_event_new_flush_start());
+  gst_harness_push_event(f.h, gst_event_new_flush_stop(TRUE));
+  disk.open();
+  fail_unless(comes([&] { return views_of(path) == 5; }));
+}
+GST_END_TEST;
+
+// A write that waits is one of the session that asked for it.
+GST_START_TEST(test_a_reset_forgets_the_write_that_waits) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  SolveFixture f("location=" + path);
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());
+  for (int n = 3; n < 5; ++n) gst_buffer_unref(f.push(n));
+  g_signal_emit_by_name(f.element, "solve");
+  fail_unless(comes([&] { return views_in(f.result("final")) == 5; }));
+  g_signal_emit_by_name(f.element, "reset");
+  disk.open();
+  f.eos();
+  fail_unless_equals_int(views_of(path), 3);
+}
+GST_END_TEST;
+
+static Suite* calibsolve_late_suite() {
+  Suite* suite = suite_create("calibsolve_late");
+  TCase* tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_checked_fixture(tc, set_up, tear_down);
+  tcase_add_test(tc, test_a_write_that_does_not_end_keeps_no_result_back);
+  tcase_add_test(tc, test_a_result_waits_for_a_write_that_ends);
+  tcase_add_test(tc, test_the_end_waits_for_the_write);
+  tcase_add_test(tc, test_a_final_result_that_waits_for_the_disk_stays_final);
+  tcase_add_test(tc, test_a_flush_forgets_no_write);
+  tcase_add_test(tc, test_a_reset_forgets_the_write_that_waits);
+  return suite;
+}
+
+GST_CHECK_MAIN(calibsolve_late)
