@@ -16,6 +16,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/utf8.hpp"
+#include "calvin_config.h"
 
 namespace calvin {
 
@@ -45,8 +46,10 @@ constexpr std::array<Writer, 5> kWriters = {
      {"ros", io::print_ros, io::ros_holds}}};
 
 constexpr std::string_view kKnown =
-    "Give a calibration in the native JSON, OpenCV's YAML, XML or JSON or ROS's camera_info, or "
-    "calibrate again.";
+    CALVIN_HAVE_FORMATS
+        ? "Give a calibration in the native JSON, OpenCV's YAML, XML or JSON or ROS's camera_info, "
+          "or calibrate again."
+        : "Give a calibration in the native JSON or OpenCV's JSON, or calibrate again.";
 
 Result<const Writer*> find_writer(std::string_view format) {
   const auto writer = std::find_if(kWriters.begin(), kWriters.end(),

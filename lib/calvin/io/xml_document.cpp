@@ -93,7 +93,8 @@ Result<Node> parse_xml(std::string_view content) {
 
 Result<Node> parse_xml(std::string_view /*content*/) {
   return make_error(ErrorCode::kUnsupported,
-                    "this build cannot read XML: it was made without 'formats'");
+                    "this build cannot read XML: it was made without yaml-cpp and pugixml. "
+                    "Build it with -Dformats=enabled.");
 }
 
 #endif

@@ -114,9 +114,14 @@ Result<Node> parse_yaml(std::string_view content) {
 
 #else
 
-Result<Node> parse_yaml(std::string_view /*content*/) {
+Result<Node> parse_yaml(std::string_view content) {
+  // What is no other syntax is taken for YAML, but a calibration has fields.
+  if (content.find(':') == std::string_view::npos) {
+    return make_error(ErrorCode::kMalformed, "it has none of the fields of a calibration");
+  }
   return make_error(ErrorCode::kUnsupported,
-                    "this build cannot read YAML: it was made without 'formats'");
+                    "this build cannot read YAML: it was made without yaml-cpp and pugixml. "
+                    "Build it with -Dformats=enabled.");
 }
 
 #endif

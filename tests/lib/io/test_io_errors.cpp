@@ -276,7 +276,9 @@ TEST(BadContent, BuildWithoutFormats) {
     const auto calibration = parse_calibration(file);
     ASSERT_FALSE(calibration);
     EXPECT_EQ(calibration.error().code, ErrorCode::kUnsupported);
-    EXPECT_NE(calibration.error().message.find("formats"), std::string::npos);
+    const std::string& said = calibration.error().message;
+    EXPECT_NE(said.find("-Dformats=enabled"), std::string::npos) << said;
+    EXPECT_EQ(said.find("OpenCV's YAML"), std::string::npos) << said;
   }
 }
 
