@@ -21,6 +21,7 @@
 #include "calvin/io/observations.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/solve/solve.hpp"
+#include "calvin_config.h"
 #include "common/metas.hpp"
 #include "solve/calibration_files.hpp"
 
@@ -58,6 +59,11 @@ void require_round_trip(const Calibration& calibration) {
       continue;
     }
     const auto again = parse_calibration(*printed);
+    // Every build writes YAML and XML, though not every one can read them.
+    if (!CALVIN_HAVE_FORMATS && !printed->starts_with('{')) {
+      require(!again && again.error().code == ErrorCode::kUnsupported, "such a build says so");
+      continue;
+    }
     require(again.has_value(), "what is printed can be parsed");
     const auto twice = print_calibration(*again, format);
     require(twice.has_value() && *twice == *printed, "what is parsed again prints the same");
