@@ -76,6 +76,8 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
   for (const CalibrationFile& file : files) {
     if (is_stream(file.path) || holds_ours(file.path)) continue;
     auto other = read_calibration(file.path);
+    // What only another build or a later version reads is one that tells nothing of itself.
+    if (!other && other.error().code == ErrorCode::kUnsupported) other = Calibration();
     if (!other) continue;
     others.push_back(*other);
     foreign.emplace(file.path, *std::move(other));

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "calvin/core/file.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "solve_fixture.hpp"
 
@@ -129,7 +130,7 @@ GST_START_TEST(test_what_was_replaced_is_kept) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   for (const bool last : {false, true}) {
-    SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
+    SolveFixture f("location=" + path + " export=opencv-json:" + folder / "cv.json");
     leave(path, f, last ? std::nullopt : std::optional<double>(1e6));
     push_slowly(f, 6);
     f.eos();
@@ -150,14 +151,14 @@ GST_END_TEST;
 // Of the same camera and size, and worse than any result: nothing is lost, and nobody need wait.
 GST_START_TEST(test_what_is_as_good_replaces_it_at_once) {
   check::TemporaryFolder folder;
-  SolveFixture f("location=" + folder / "cam.json export=ros:" + folder / "cam.yaml");
+  SolveFixture f("location=" + folder / "cam.json export=opencv-json:" + folder / "cv.json");
   leave(folder / "cam.json", f, 1e6);
-  fail_unless(
-      write_calibration(folder / "cam.yaml", f.scene.camera.to_calibration(), "ros").has_value());
-  const auto before = read_calibration(folder / "cam.yaml");
+  fail_unless(write_calibration(folder / "cv.json", f.scene.camera.to_calibration(), "opencv-json")
+                  .has_value());
+  const auto before = read_calibration(folder / "cv.json");
   push_slowly(f, 3);
   fail_unless_equals_int(read_calibration(folder / "cam.json")->views.size(), 3);
-  fail_if(read_calibration(folder / "cam.yaml")->find("fx")->value == before->find("fx")->value);
+  fail_if(read_calibration(folder / "cv.json")->find("fx")->value == before->find("fx")->value);
   fail_unless_equals_int(infos(f), 0);
 }
 GST_END_TEST;
@@ -178,6 +179,29 @@ GST_START_TEST(test_what_cannot_be_compared_stays) {
     push_slowly(f, 3);
     fail_unless(is_left(folder / "cam.json"));
   }
+}
+GST_END_TEST;
+
+// What only another build or a later version can read is somebody's calibration all the same.
+GST_START_TEST(test_what_cannot_be_read_here_stays_and_is_kept) {
+  check::TemporaryFolder folder;
+  SolveFixture f("export=ros:" + folder / "cam.yaml" + ",calvin:" + folder / "later.json");
+  const Calibration left = f.scene.camera.to_calibration();
+  fail_unless(write_calibration(folder / "cam.yaml", left, "ros").has_value());
+  std::string later = print_calibration(left).value();
+  const std::string version = "\"version\": 1";
+  fail_unless(later.find(version) != std::string::npos, "%s", later.c_str());
+  later.replace(later.find(version), version.size(), "\"version\": 99");
+  fail_unless(write_file(folder / "later.json", later).has_value());
+  const std::string before = read_file(folder / "cam.yaml").value();
+  push_slowly(f, 3);
+  fail_unless(read_file(folder / "cam.yaml").value() == before);
+  fail_unless(read_file(folder / "later.json").value() == later);
+  f.eos();
+  fail_if(read_file(folder / "cam.yaml").value() == before);
+  fail_if(read_file(folder / "later.json").value() == later);
+  fail_unless(read_file(folder / "cam.yaml~").value() == before);
+  fail_unless(read_file(folder / "later.json~").value() == later);
 }
 GST_END_TEST;
 
@@ -292,6 +316,7 @@ static Suite* calibsolve_sessions_suite() {
   tcase_add_test(tc, test_what_was_replaced_is_kept);
   tcase_add_test(tc, test_what_is_as_good_replaces_it_at_once);
   tcase_add_test(tc, test_what_cannot_be_compared_stays);
+  tcase_add_test(tc, test_what_cannot_be_read_here_stays_and_is_kept);
   tcase_add_test(tc, test_what_is_no_calibration_does_not_stay);
   tcase_add_loop_test(tc, test_the_session_before_is_another_one, 0, 3);
   tcase_add_test(tc, test_a_removed_view_leaves_the_file);
