@@ -91,7 +91,7 @@ struct ReadLater {
 GST_START_TEST(test_a_pipe_gets_the_final_result_alone) {
   check::TemporaryFolder folder;
   const ReadLater pipe(folder, __i__ == 1);
-  SolveFixture f("location=" + pipe.name + " export=ros:" + folder / "cam.yaml");
+  SolveFixture f("location=" + pipe.name + " export=opencv-json:" + folder / "cv.json");
   f.push_views(3);
   for (int i = 0; i < 3000 && f.result("intermediate") == nullptr; ++i) g_usleep(10000);
   for (int n = 3; n < 10; ++n) {
@@ -100,7 +100,7 @@ GST_START_TEST(test_a_pipe_gets_the_final_result_alone) {
     gst_buffer_unref(f.push(n));
     for (int i = 0; i < 3000 && f.bus.named("calib-result").size() == seen; ++i) g_usleep(10000);
   }
-  fail_unless(read_calibration(folder / "cam.yaml").has_value(), "nothing is tested");
+  fail_unless(read_calibration(folder / "cv.json").has_value(), "nothing is tested");
   fail_unless(pipe.bytes().empty());
   f.eos();
   fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
@@ -244,15 +244,16 @@ GST_END_TEST;
 
 GST_START_TEST(test_such_a_lens_is_refused_while_frames_flow) {
   check::TemporaryFolder folder;
-  SolveFixture f("export=ros:" + folder / "cam.yaml");
+  SolveFixture f("export=opencv-json:" + folder / "cv.json");
   f.push_views(10);
   g_object_set(f.element, "model", "doublesphere", nullptr);
   gst_buffer_unref(f.push(10));
-  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "format ros has no camera model like doublesphere"));
+  fail_unless(
+      f.bus.says(GST_MESSAGE_WARNING, "format opencv-json has no camera model like doublesphere"));
   f.eos();
   fail_unless_equals_int(warnings(f), 1);
   fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
-  fail_unless_equals_string(read_calibration(folder / "cam.yaml")->model.c_str(), "brown5");
+  fail_unless_equals_string(read_calibration(folder / "cv.json")->model.c_str(), "brown5");
 }
 GST_END_TEST;
 
@@ -279,12 +280,12 @@ GST_END_TEST;
 GST_START_TEST(test_a_file_that_fails_is_the_only_one) {
   check::TemporaryFolder folder;
   {
-    SolveFixture f("export=ros:" + folder / "gone/a.yaml" + ",opencv-yaml:" + folder / "b.yml");
+    SolveFixture f("export=ros:" + folder / "gone/a.yaml" + ",opencv-json:" + folder / "b.json");
     f.push_views(10);
     f.eos();
     fail_unless(f.bus.says(GST_MESSAGE_ERROR, "a.yaml"));
   }
-  const auto read = read_calibration(folder / "b.yml");
+  const auto read = read_calibration(folder / "b.json");
   fail_unless(read.has_value(), "%s", read ? "" : read.error().message.c_str());
 }
 GST_END_TEST;
