@@ -22,6 +22,9 @@ enum class After {
   kGoesOn,   // WARNING, and the frames come out as they did before
 };
 
+// What a build must have been made with to come upon this input.
+enum class Needs { kNothing, kFormats, kDrawing };
+
 class Rig;
 
 struct BadInput {
@@ -32,7 +35,7 @@ struct BadInput {
   const char* says;    // a part of the message: what is wrong
   const char* advice;  // another one: what to do
   After after;
-  bool needs_formats = false;  // YAML and XML
+  Needs needs = Needs::kNothing;
 };
 
 // Files as nobody wants them.

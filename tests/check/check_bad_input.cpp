@@ -9,7 +9,10 @@
 
 using namespace calvin;
 using check::BadInput;
+using check::Needs;
 using check::Rig;
+
+static constexpr char kDrawsNothing[] = "This build draws nothing on the video";
 
 static const std::vector<BadInput>& bad_input() {
   static const auto kAll = [] {
@@ -26,9 +29,20 @@ static std::string all_texts(Rig& rig, GstMessageType type) {
   return all;
 }
 
+// A build that lacks what the input is for says that instead, and goes on or stops all the same.
+static BadInput answered_by_this_build(BadInput bad) {
+  if (bad.needs == Needs::kFormats && !CALVIN_HAVE_FORMATS) {
+    bad.says = "it was made without yaml-cpp and pugixml";
+    bad.advice = "-Dformats=enabled";
+  } else if (bad.needs == Needs::kDrawing && !CALVIN_HAVE_CAIRO) {
+    bad.says = kDrawsNothing;
+    bad.advice = "-Ddraw=enabled";
+  }
+  return bad;
+}
+
 GST_START_TEST(test_bad_input_is_answered) {
-  const BadInput& bad = bad_input().at(static_cast<std::size_t>(__i__));
-  if (bad.needs_formats && !CALVIN_HAVE_FORMATS) return;
+  const BadInput bad = answered_by_this_build(bad_input().at(static_cast<std::size_t>(__i__)));
   Rig rig(bad);
   bad.give(rig, bad.input);
   const GstMessageType type = rig.goes_on() ? GST_MESSAGE_WARNING : GST_MESSAGE_ERROR;
@@ -110,8 +124,9 @@ static void assert_passes(const char* text, const Harmless& odd) {
   fail_unless_equals_int(gst_harness_buffers_in_queue(h), 4);
   fail_unless(bus.texts(GST_MESSAGE_ERROR).empty(), "%s at %s", text, odd.caps);
   for (const std::string& warning : bus.texts(GST_MESSAGE_WARNING)) {
-    // Nothing is calibrated, and frames of one column are no pictures.
-    fail_unless(warning.find("No calibration") == 0 || warning.find("Frames of 1x2 px") == 0,
+    // Nothing is calibrated, frames of one column are no pictures, and Cairo may be missing.
+    fail_unless(warning.find("No calibration") == 0 || warning.find("Frames of 1x2 px") == 0 ||
+                    (!CALVIN_HAVE_CAIRO && warning.find(kDrawsNothing) == 0),
                 "%s: %s", text, warning.c_str());
   }
   bus.detach();

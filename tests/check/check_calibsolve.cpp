@@ -5,6 +5,7 @@
 // when there is nothing to solve.
 
 #include "calvin/io/calibration_io.hpp"
+#include "calvin_config.h"
 #include "common/calibration_event.hpp"
 #include "common/values.hpp"
 #include "solve_fixture.hpp"
@@ -85,6 +86,11 @@ GST_START_TEST(test_writes_its_files) {
   f.eos();
   for (const char* name : {"cam.json", "ros.yaml", "cv.xml"}) {
     const auto read = read_calibration(folder / name);
+    if (!CALVIN_HAVE_FORMATS && name != std::string("cam.json")) {
+      // Such a build writes what it cannot read.
+      fail_unless(read.error().code == ErrorCode::kUnsupported, "%s", name);
+      continue;
+    }
     fail_unless(read.has_value(), "%s", name);
     fail_unless_equals_int(read->image_size.width, 640);
     fail_unless(std::abs(read->find("fx")->value - f.scene.camera.fx()) < 5, "%s", name);

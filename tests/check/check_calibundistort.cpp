@@ -9,6 +9,7 @@
 #include <map>
 #include <thread>
 
+#include "calvin_config.h"
 #include "undistort_fixture.hpp"
 
 #include <gst/check/gstcheck.h>
@@ -94,8 +95,15 @@ GST_START_TEST(test_the_event_of_cameracalibrate_is_understood) {
                                 gst_structure_new("GstEventCalibrated", "undistort-settings",
                                                   G_TYPE_STRING, kSettings, nullptr)));
   g_autoptr(GstBuffer) out = f.push(kSize);
+  // The event is XML.
+#if CALVIN_HAVE_FORMATS
   fail_unless(gray_of(out, kSize) == expected_gray(kBarrel, kSize));
   fail_unless_equals_int(events_out(f).size(), 1);
+#else
+  g_autoptr(GstBuffer) in = Fixture::noise("GRAY8", kSize, 0);
+  fail_unless(gray_of(out, kSize) == gray_of(in, kSize));
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "-Dformats=enabled"));
+#endif
 }
 GST_END_TEST;
 

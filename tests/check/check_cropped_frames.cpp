@@ -306,9 +306,11 @@ GST_START_TEST(test_a_part_of_less_than_the_caps_is_refused) {
   }
   const auto warnings = bus.texts(GST_MESSAGE_WARNING);
   const std::string all = join(warnings, " ");
-  fail_unless(
-      all.find("is GRAY8 of 320x240 px, but GRAY8 of 640x480 was negotiated") != std::string::npos,
-      "%s", all.c_str());
+  // Who cannot draw does not look at the frame.
+  const std::string said = name == "caliboverlay" && !CALVIN_HAVE_CAIRO
+                               ? "This build draws nothing on the video"
+                               : "is GRAY8 of 320x240 px, but GRAY8 of 640x480 was negotiated";
+  fail_unless(all.find(said) != std::string::npos, "%s", all.c_str());
   fail_unless(all.find("Internal") == std::string::npos, "%s", all.c_str());
   bus.detach();
   gst_harness_teardown(h);

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "calvin_config.h"
 #include "support.hpp"
 
 #include <gst/check/gstcheck.h>
@@ -62,8 +63,9 @@ GST_START_TEST(test_every_raw_format) {
   gst_harness_set_src_caps(overlay, check::caps_of(format.c_str(), scene.size));
   g_autoptr(GstBuffer) drawn = gst_harness_push_and_pull(overlay, found);
   fail_unless(gst_buffer_peek_memory(drawn, 0) == memory, "%s was copied", format.c_str());
-  fail_unless(pixels_of(drawn, format.c_str(), scene.size) != before, "nothing was drawn on %s",
-              format.c_str());
+  const bool changed = pixels_of(drawn, format.c_str(), scene.size) != before;
+  fail_unless(changed == (CALVIN_HAVE_CAIRO != 0), "%s was drawn on %s",
+              changed ? "something" : "nothing", format.c_str());
   gst_harness_teardown(overlay);
   gst_harness_teardown(detect);
 }

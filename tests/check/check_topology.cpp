@@ -11,6 +11,7 @@
 #include <set>
 
 #include "calvin/io/calibration_io.hpp"
+#include "calvin_config.h"
 #include "pipeline.hpp"
 #include "undistort_fixture.hpp"
 
@@ -101,8 +102,10 @@ GST_START_TEST(test_behind_a_tee_nothing_upstream_is_changed_or_copied_without_n
       fail_unless(same_memory(p.kept(name).at(n), source), "%s copies", name);
     }
     for (const char* name : {"overlay", "busy"}) {
-      fail_if(same_memory(p.kept(name).at(n), source), "%s works in the tee's memory", name);
-      fail_if(same_bytes(p.kept(name).at(n), truth), "%s does nothing", name);
+      GstBuffer* kept = p.kept(name).at(n);
+      const bool works = g_str_equal(name, "busy") || CALVIN_HAVE_CAIRO;
+      fail_unless(same_memory(kept, source) != works, "%s: whose memory?", name);
+      fail_unless(same_bytes(kept, truth) != works, "%s: what was done?", name);
     }
     // A meta is the branch's own affair.
     fail_unless(gst::read_observations(p.kept("other").at(n)).empty());
