@@ -20,13 +20,14 @@ inline Eigen::VectorXd opencv_parameters(const std::vector<calvin::View>& views,
   std::vector<std::vector<cv::Point2f>> image;
   for (const calvin::View& view : views) {
     const auto points = view.board.points();
+    const double side = view.board.cell_size(0);
     board.emplace_back();
     image.emplace_back();
     for (std::size_t i = 0; i < view.observation.ids.size(); ++i) {
       // In units of a square, which are exact floats.
       const auto& p = points[static_cast<std::size_t>(view.observation.ids[i])];
-      board.back().emplace_back(static_cast<float>(p.x() / view.board.size),
-                                static_cast<float>(p.y() / view.board.size), 0.0F);
+      board.back().emplace_back(static_cast<float>(p.x() / side), static_cast<float>(p.y() / side),
+                                0.0F);
       image.back().emplace_back(static_cast<float>(view.observation.uv[i].u),
                                 static_cast<float>(view.observation.uv[i].v));
     }

@@ -60,7 +60,7 @@ inline calvin::SE3 random_pose(const calvin::Camera& camera, const calvin::Board
   const Eigen::Vector3d centre = (points.front() + points.back()) / 2;
   for (;;) {
     const double width = draw(kFillLow, kFillHigh) * kSize.width;  // px, seen from the front
-    const double distance = camera.fx() * board.size * (board.cols - 1) / width;
+    const double distance = camera.fx() * board.extent().width() / width;
     const double tilt = draw(0, kMaxTilt);
     const double side = draw(0, 2 * std::numbers::pi);
     const auto ray = camera.unproject({draw(0, kSize.width - 1), draw(0, kSize.height - 1)});
@@ -77,7 +77,7 @@ inline calvin::SE3 random_pose(const calvin::Camera& camera, const calvin::Board
   }
 }
 
-inline calvin::Board paper_board() { return {calvin::BoardKind::kCheckerboard, 9, 6, 0.03125}; }
+inline calvin::Board paper_board() { return calvin::Checkerboard{9, 6, 0.03125}; }
 
 inline std::vector<calvin::View> simulate(int views, Random& random) {
   static const calvin::Camera kCamera = paper_camera();

@@ -6,7 +6,8 @@
 #     at the top of a room that come last there are its face, which no file inside includes;
 #   - in gst/ every folder includes only itself and those of common/, and elements.hpp;
 #   - no folder holds more than 25 .cpp and .hpp files (io/ has one for each format);
-#   - every .cpp opens with a comment that says what it is for.
+#   - every .cpp opens with a comment that says what it is for;
+#   - no file but target/grid.hpp counts the ids of control points in rows.
 #   structure.py [FOLDER]    the top of the tree
 import collections
 import pathlib
@@ -107,9 +108,19 @@ def check_purpose():
                 faults.append(f"{path.relative_to(top)} does not open with what it is for")
 
 
+def check_grids():
+    """The id of a control point is row * cols + col: counted in target/grid.hpp."""
+    formula = re.compile(r"% *(?:\w+(?:\.|->))*cols_?\b|\* *(?:\w+(?:\.|->))*cols_? *\+")
+    for path in sources("lib") + sources("gst"):
+        code = re.sub(r"//.*|/\*.*?\*/", "", path.read_text())
+        if path != top / "lib/calvin/target/grid.hpp" and formula.search(code):
+            faults.append(f"{path.relative_to(top)} counts ids by itself: target/grid.hpp")
+
+
 check_library()
 check_plugin()
 check_sizes()
 check_purpose()
+check_grids()
 print("\n".join(faults) or "The tree is in order.")
 sys.exit(1 if faults else 0)

@@ -96,7 +96,9 @@ GstStructure* observation_to_structure(const Observation& o) {
   set_ints(s, "ids", o.ids);
   set_pixels(s, "uv", o.uv);
   set_doubles(s, "sigma", o.sigma);
-  set_strings(s, "ambiguous", o.ambiguous);
+  std::vector<std::string> ambiguous;
+  for (const Relabelling& other : o.ambiguous) ambiguous.push_back(to_text(other));
+  set_strings(s, "ambiguous", ambiguous);
   if (o.blur > 0) gst_structure_set(s, "blur", G_TYPE_DOUBLE, o.blur, nullptr);
   set_patches(s, o.patches);
   return s;
@@ -155,7 +157,10 @@ std::vector<Observation> observations_from_structure(const GstStructure* structu
     o.ids = get_ints(s, "ids");
     o.uv = get_pixels(s, "uv");
     o.sigma = get_doubles(s, "sigma");
-    o.ambiguous = get_strings(s, "ambiguous");
+    for (const std::string& text : get_strings(s, "ambiguous")) {
+      // A text of another program's that means nothing here still says that there is a doubt.
+      o.ambiguous.push_back(parse_relabelling(text).value_or(Relabelling{}));
+    }
     gst_structure_get_double(s, "blur", &o.blur);
     o.patches = get_patches(s, o.ids.size());
     const std::size_t numbers = get_doubles(s, "uv").size();

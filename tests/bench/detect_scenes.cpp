@@ -23,6 +23,7 @@ namespace {
 
 using calvin::Board;
 using calvin::Camera;
+using calvin::Checkerboard;
 using calvin::ImageSize;
 using calvin::SE3;
 using calvin::synth::Uniform;
@@ -40,7 +41,7 @@ Camera camera_of(const SceneClass& kind, ImageSize size, Uniform& random) {
 }
 
 // Of the smallest square in view, px.
-double least_square(const calvin::Observation& truth, const Board& board) {
+double least_square(const calvin::Observation& truth, const Checkerboard& board) {
   double least = 1e9;
   for (std::size_t i = 0; i < truth.ids.size(); ++i) {
     for (std::size_t k = i + 1; k < truth.ids.size(); ++k) {
@@ -53,7 +54,7 @@ double least_square(const calvin::Observation& truth, const Board& board) {
   return least;
 }
 
-bool outer_squares_in_view(const Camera& camera, const Board& board, const SE3& pose) {
+bool outer_squares_in_view(const Camera& camera, const Checkerboard& board, const SE3& pose) {
   for (const double x : {-1.0, static_cast<double>(board.cols)}) {
     for (const double y : {-1.0, static_cast<double>(board.rows)}) {
       const auto at = camera.project(pose * Eigen::Vector3d(x * board.size, y * board.size, 0));
@@ -66,7 +67,8 @@ bool outer_squares_in_view(const Camera& camera, const Board& board, const SE3& 
   return true;
 }
 
-SE3 pose_of(const SceneClass& kind, const Camera& camera, const Board& board, Uniform& random) {
+SE3 pose_of(const SceneClass& kind, const Camera& camera, const Checkerboard& board,
+            Uniform& random) {
   const ImageSize size = camera.image_size();
   const Eigen::Vector3d middle((board.cols - 1) * board.size / 2, (board.rows - 1) * board.size / 2,
                                0);
@@ -168,7 +170,7 @@ Camera enlarged(const Camera& camera, int border, int fine) {
       .value();
 }
 
-cv::Mat rendered(const SceneClass& kind, const Camera& camera, const Board& board,
+cv::Mat rendered(const SceneClass& kind, const Camera& camera, const Checkerboard& board,
                  const calvin::PoseOfRow& pose, Uniform& random) {
   // What is blurred comes from beyond the border of the picture too. A lens blurs before the pixels
   // sample, and ink does not run in steps of them: pixels that are blurred afterwards have moved
@@ -271,7 +273,8 @@ Scene make_scene(const SceneClass& kind, ImageSize size, std::uint64_t seed) {
   Uniform random(seed, 77);
   Scene scene;
   const char* usual = seed % 3 == 0 ? "checkerboard:11x8:25mm" : "checkerboard:9x6:25mm";
-  scene.board = calvin::parse_board(*kind.board != 0 ? kind.board : usual).value();
+  const Board board = calvin::parse_board(*kind.board != 0 ? kind.board : usual).value();
+  scene.board = *board.as<Checkerboard>();
   const Camera camera = camera_of(kind, size, random);
   const calvin::PoseOfRow pose =
       motion_of(kind, camera, pose_of(kind, camera, scene.board, random), random);
@@ -303,8 +306,10 @@ cv::Mat make_negative(ImageSize size, std::uint64_t seed) {
     // A board of another size.
     static const char* const kOthers[] = {"8x6", "9x5",  "10x6", "9x7",
                                           "7x5", "11x8", "8x5",  "10x7"};
-    const Board board =
-        calvin::parse_board(fmt::format("checkerboard:{}:25mm", kOthers[seed / 6 % 8])).value();
+    const Checkerboard board =
+        *calvin::parse_board(fmt::format("checkerboard:{}:25mm", kOthers[seed / 6 % 8]))
+             .value()
+             .as<Checkerboard>();
     const SceneClass scene{.name = "", .tilt = 0.6, .clutter = true};
     const Camera camera = camera_of(scene, size, random);
     SE3 pose = pose_of(scene, camera, board, random);

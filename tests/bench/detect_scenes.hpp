@@ -47,7 +47,7 @@ struct SceneClass {
 [[nodiscard]] const std::vector<SceneClass>& scene_classes();
 
 struct Scene {
-  calvin::Board board;
+  calvin::Checkerboard board;
   cv::Mat image;              // 8-bit grey
   cv::Mat clean;              // the same in floating point, before noise
   calvin::Observation truth;  // the corners that can be seen

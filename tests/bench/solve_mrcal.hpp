@@ -70,8 +70,8 @@ class Mrcal {
                    static_cast<int>(residuals_.size() * sizeof(double)), fitted.intrinsics.data(),
                    nullptr, frames.data(), nullptr, nullptr, 1, 0, static_cast<int>(frames.size()),
                    0, 0, boards_.data(), nullptr, static_cast<int>(boards_.size()), 0, pool_.data(),
-                   &model, size, selections_, &constants, kBoard.size, kBoard.cols, kBoard.rows,
-                   false, false);
+                   &model, size, selections_, &constants, kBoard.cell_size(0), kBoard.grid()->cols,
+                   kBoard.grid()->rows, false, false);
     for (const mrcal_pose_t& frame : frames) {
       const Eigen::Vector3d w(frame.r.xyz);
       const Eigen::Vector3d t(frame.t.xyz);

@@ -17,7 +17,7 @@ namespace bench {
 using calvin::SE3;
 
 // A side of 1/32 m and corners rounded to floats: OpenCV takes floats, and all solve the same.
-inline const calvin::Board kBoard = {calvin::BoardKind::kCheckerboard, 9, 6, 0.03125};
+inline const calvin::Board kBoard = calvin::Checkerboard{9, 6, 0.03125};
 inline constexpr calvin::ImageSize kSize = calvin::scenes::kSize;
 inline constexpr double kSigma = 0.1;  // px
 

@@ -89,7 +89,8 @@ void key_list(std::string_view bytes) {
 }
 
 void require_sound(const Board& board) {
-  require(board.size > 0 && std::isfinite(board.size), "a square has a size");
+  const double side = board.cell_size(0);
+  require(side > 0 && std::isfinite(side), "a square has a size");
   require(board.point_count() > 0, "a board has points");
   const auto again = parse_board(board.text());
   require(again.has_value() && again->text() == board.text(), "the text of a board names it");

@@ -24,7 +24,8 @@ namespace calvin::scenes {
 using Random = std::mt19937_64;
 
 inline constexpr ImageSize kSize = {1280, 960};
-inline const Board kBoard = {BoardKind::kCheckerboard, 9, 6, 0.025};
+inline constexpr Checkerboard kSquares = {9, 6, 0.025};
+inline const Board kBoard = kSquares;
 
 // The counts that the issues name rather than the reduced ones.
 inline bool full_count() {
@@ -113,15 +114,15 @@ inline bool sees_all(const Camera& camera, const Board& board, const SE3& camera
 // camera_from_board with the board wholly in the image, somewhere in it, 0.25 to 0.8 of the image
 // wide, turned up to 30 degrees and tilted by `tilt` (rad) from the line of sight to any side.
 inline SE3 random_pose(const Camera& camera, const Board& board, Random& random, double tilt) {
-  const Eigen::Vector3d center(board.size * (board.cols - 1) / 2, board.size * (board.rows - 1) / 2,
-                               0);
+  const BoardArea area = board.extent();
+  const Eigen::Vector3d center((area.left + area.right) / 2, (area.top + area.bottom) / 2, 0);
   for (;;) {
     const ImageSize size = camera.image_size();
     const auto ray =
         camera.unproject({uniform(random, 0, size.width - 1), uniform(random, 0, size.height - 1)});
     if (!ray) continue;
     const double extent = uniform(random, 0.25, 0.8) * size.width;
-    const double distance = camera.fx() * board.size * (board.cols - 1) / extent;
+    const double distance = camera.fx() * area.width() / extent;
     const double side = uniform(random, 0, 2 * std::numbers::pi);
     const Eigen::Matrix3d facing = rotation_between(Eigen::Vector3d::UnitZ(), *ray);
     const Eigen::Matrix3d rotation = facing *
@@ -151,10 +152,9 @@ inline View observe(const Camera& camera, const Board& board, const SE3& camera_
   view.board = board;
   view.observation.board = board.text();
   view.observation.image_size = camera.image_size();
-  int id = 0;
+  view.observation.ids = board.ids();
   for (const Eigen::Vector3d& point : board.points()) {
     const Pixel at = camera.project(camera_from_board * point).value();
-    view.observation.ids.push_back(id++);
     view.observation.uv.push_back({at.u + sigma * noise(random), at.v + sigma * noise(random)});
     view.observation.sigma.push_back(sigma > 0 ? sigma : 1);
   }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "calvin/core/image.hpp"
+#include "calvin/core/relabelling.hpp"
 
 namespace calvin {
 
@@ -37,9 +38,9 @@ struct Observation {
   std::vector<Pixel> uv;                   // px
   std::vector<double> sigma;               // px, 1 sigma per coordinate of each point
 
-  // The labellings that are as good as the given one ("rotate180", ...): empty where the board
-  // tells its own orientation.
-  std::vector<std::string> ambiguous;
+  // The labellings that are as good as the given one: empty where the board tells its own
+  // orientation.
+  std::vector<Relabelling> ambiguous;
 
   double blur = 0;  // px, 1 sigma of the board's edges in this frame; 0: not known
 

@@ -12,14 +12,22 @@
 namespace calvin {
 
 Result<std::unique_ptr<Detector>> make_detector(const Board& board) {
+  const auto* checkerboard = board.as<Checkerboard>();
+  if (checkerboard == nullptr) {
+    return make_error(
+        ErrorCode::kUnsupported,
+        fmt::format("The board {} cannot be detected: there is no detector for boards "
+                    "of its kind. Give its corners as a file of observations.",
+                    board.text()));
+  }
   // Two lines of corners have no curvature, and are in any pattern of bricks.
-  if (board.cols < 3 || board.rows < 3) {
+  if (checkerboard->cols < 3 || checkerboard->rows < 3) {
     return make_error(ErrorCode::kUnsupported,
                       fmt::format("The board {} cannot be detected: at least 3x3 inner corners are "
                                   "needed.",
                                   board.text()));
   }
-  return detect::make_checkerboard_detector(board);
+  return detect::make_checkerboard_detector(*checkerboard);
 }
 
 }  // namespace calvin

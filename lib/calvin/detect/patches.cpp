@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "calvin/detect/checkerboard/corners/fit_radius.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
@@ -15,13 +16,17 @@ namespace calvin {
 
 namespace {
 
-// The largest distance of corners that are neighbours in a row, px; 0 where there are none.
+// The largest distance of two control points that are neighbours, px; 0 where there are none.
 double spacing_of(const Observation& seen, const Board& board) {
+  std::map<int, Pixel> uv;
+  for (std::size_t i = 0; i < seen.ids.size(); ++i) uv.emplace(seen.ids[i], seen.uv[i]);
   double largest = 0;
-  for (std::size_t i = 1; i < seen.ids.size(); ++i) {
-    if (seen.ids[i] != seen.ids[i - 1] + 1 || seen.ids[i] % board.cols == 0) continue;
-    largest = std::max(
-        largest, std::hypot(seen.uv[i].u - seen.uv[i - 1].u, seen.uv[i].v - seen.uv[i - 1].v));
+  for (const auto& [id, at] : uv) {
+    for (const int neighbour : board.neighbours(id)) {
+      const auto other = uv.find(neighbour);
+      if (neighbour < id || other == uv.end()) continue;
+      largest = std::max(largest, std::hypot(other->second.u - at.u, other->second.v - at.v));
+    }
   }
   return largest;
 }

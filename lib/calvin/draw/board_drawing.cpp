@@ -17,6 +17,8 @@
 #include <array>
 #include <cmath>
 #include <exception>
+#include <numbers>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -84,12 +86,20 @@ Canvas canvas_for(const BoardLayout& page, const DrawingOptions& options, std::s
   return canvas;
 }
 
-void draw_squares(cairo_t* cr, const Board& board, const BoardLayout& page) {
+void draw_pattern(cairo_t* cr, const Checkerboard& board, const BoardLayout& page) {
   for (int j = 0; j <= board.rows; ++j) {
     for (int i = j % 2; i <= board.cols; i += 2) {
       cairo_rectangle(cr, page.x + (i - 1) * board.size, page.y + (j - 1) * board.size, board.size,
                       board.size);
     }
+  }
+  cairo_fill(cr);
+}
+
+void draw_pattern(cairo_t* cr, const PointBoard& board, const BoardLayout& page) {
+  for (const PointBoard::Dot& dot : board.dots()) {
+    cairo_new_sub_path(cr);
+    cairo_arc(cr, page.x + dot.x, page.y + dot.y, dot.diameter / 2, 0, 2 * std::numbers::pi);
   }
   cairo_fill(cr);
 }
@@ -118,8 +128,8 @@ void draw_ruler(cairo_t* cr, double x, double y, double length) {
 
 void draw_caption(cairo_t* cr, const Board& board, const BoardLayout& page) {
   constexpr std::array<double, 4> kRulers = {0.1, 0.05, 0.02, 0.01};
-  const double width = std::max((board.cols + 1) * board.size,
-                                std::min(page.width - 2 * kCaptionBorder, kCaptionWidth));
+  const double width =
+      std::max(board.outline().width(), std::min(page.width - 2 * kCaptionBorder, kCaptionWidth));
   const double left = (page.width - width) / 2;
   const double y = page.height - kBaseline;
   const double ruler = *std::find_if(kRulers.begin(), kRulers.end() - 1, [width](double length) {
@@ -148,7 +158,7 @@ void draw_page(const Canvas& canvas, const Board& board, const BoardLayout& page
   cairo_scale(cr, canvas.units_per_metre, canvas.units_per_metre);
   cairo_set_operator(cr, canvas.ink);
   cairo_set_source_rgb(cr, 0, 0, 0);
-  draw_squares(cr, board, page);
+  std::visit([&](const auto& kind) { draw_pattern(cr, kind, page); }, board.kind());
 
   const CairoFontOptions hints(cairo_font_options_create());
   cairo_font_options_set_hint_style(hints.get(), CAIRO_HINT_STYLE_NONE);

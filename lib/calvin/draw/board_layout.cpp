@@ -56,11 +56,12 @@ struct Extent {
 };
 
 Extent pattern_of(const Board& board) {
-  return {(board.cols + 1) * board.size, (board.rows + 1) * board.size};
+  const BoardArea outline = board.outline();
+  return {outline.width(), outline.height()};
 }
 
 Extent page_for(const Board& board) {
-  const double border = 2 * std::max(board.size / 2, kSmallestBorder);
+  const double border = 2 * std::max(board.cell_size(board.ids().front()) / 2, kSmallestBorder);
   const Extent pattern = pattern_of(board);
   return {pattern.width + border, pattern.height + border + kCaptionHeight};
 }
@@ -74,20 +75,20 @@ std::optional<Extent> turned_for(const Board& board, const Paper& paper) {
   const Extent upright{paper.width, paper.height};
   const Extent lying{paper.height, paper.width};
   const Extent needed = page_for(board);
-  const bool wide = board.cols > board.rows;
+  const bool wide = pattern_of(board).width > pattern_of(board).height;
   if (holds(wide ? lying : upright, needed)) return wide ? lying : upright;
   if (holds(wide ? upright : lying, needed)) return wide ? upright : lying;
   return std::nullopt;
 }
 
-double largest_square_upright(const Board& board, double width, double height) {
+double largest_square_upright(const Checkerboard& board, double width, double height) {
   const auto along = [](int squares, double length) {
     return std::min(length / (squares + 1), (length - 2 * kSmallestBorder) / squares);
   };
   return std::min(along(board.cols + 1, width), along(board.rows + 1, height - kCaptionHeight));
 }
 
-double largest_square(const Board& board, const Paper& paper) {
+double largest_square(const Checkerboard& board, const Paper& paper) {
   const double size = std::max(largest_square_upright(board, paper.width, paper.height),
                                largest_square_upright(board, paper.height, paper.width));
   return std::floor(size * 1e4 + 1e-6) / 1e4;  // down to 0.1 mm
@@ -104,11 +105,12 @@ tl::unexpected<Error> does_not_fit(const Board& board, const Paper& paper) {
   });
   std::string advice = fmt::format(
       "paper '{}' holds it", better == kPapers.end() ? std::string_view("fit") : better->name);
-  const double size = largest_square(board, paper);
+  const auto* checkerboard = board.as<Checkerboard>();
+  const double size = checkerboard == nullptr ? 0 : largest_square(*checkerboard, paper);
   if (size > 0) {
-    advice += fmt::format(", or squares of at most {}mm do (checkerboard:{}x{}:{}mm)",
-                          std::round(size * 1e4) / 10, board.cols, board.rows,
-                          std::round(size * 1e4) / 10);
+    const Checkerboard smaller = {checkerboard->cols, checkerboard->rows, size};
+    advice += fmt::format(", or squares of at most {}mm do ({})", std::round(size * 1e4) / 10,
+                          smaller.text());
   }
   return make_error(
       ErrorCode::kInvalidArgument,
@@ -119,8 +121,9 @@ tl::unexpected<Error> does_not_fit(const Board& board, const Paper& paper) {
 
 BoardLayout centred(const Board& board, const Extent& page) {
   const Extent pattern = pattern_of(board);
-  return {page.width, page.height, (page.width - pattern.width) / 2 + board.size,
-          (page.height - kCaptionHeight - pattern.height) / 2 + board.size};
+  const BoardArea outline = board.outline();
+  return {page.width, page.height, (page.width - pattern.width) / 2 - outline.left,
+          (page.height - kCaptionHeight - pattern.height) / 2 - outline.top};
 }
 
 Result<BoardLayout> made_to_measure(const Board& board) {

@@ -83,15 +83,16 @@ std::vector<Corner> corners_on(ImageSize frame, const Observation& observation) 
   return corners;
 }
 
-bool same_row(const Corner& a, const Corner& b, int columns) {
-  return b.id == a.id + 1 && a.id / columns == b.id / columns;
+// Whether b comes next to a in a row of the board.
+bool same_row(const Corner& a, const Corner& b, const Grid& grid) {
+  return b.id == a.id + 1 && grid.place(a.id).row == grid.place(b.id).row;
 }
 
 // A quarter of the smallest distance in a row, so that marks do not run into each other.
-double mark_radius(const std::vector<Corner>& corners, int columns, double unit) {
+double mark_radius(const std::vector<Corner>& corners, const Grid& grid, double unit) {
   double closest = 1e9;
   for (std::size_t i = 1; i < corners.size(); ++i) {
-    if (!same_row(corners[i - 1], corners[i], columns)) continue;
+    if (!same_row(corners[i - 1], corners[i], grid)) continue;
     closest = std::min(closest, std::hypot(corners[i].at.u - corners[i - 1].at.u,
                                            corners[i].at.v - corners[i - 1].at.v));
   }
@@ -117,13 +118,15 @@ void add_observation(std::vector<Shape>& shapes, ImageSize frame, const Observat
   if (corners.empty()) return;
   const double unit = unit_of(frame);
   const auto board = parse_board(observation.board);
-  const int columns = board ? board->cols : corners.back().id + 1;
-  const double last = std::max(1, board ? board->point_count() - 1 : corners.back().id);
-  const double radius = mark_radius(corners, columns, unit);
+  // All points of a board that is not known count as one row.
+  const std::optional<Grid> known = board ? board->grid() : std::nullopt;
+  const Grid grid = known.value_or(Grid{corners.back().id + 1, 1, 0});
+  const double last = std::max(1, grid.count() - 1);
+  const double radius = mark_radius(corners, grid, unit);
   const double pen = std::max(1.0, 1.3 * unit);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Colour colour = rainbow(corners[i].id / last);
-    if (i > 0 && same_row(corners[i - 1], corners[i], columns)) {
+    if (i > 0 && same_row(corners[i - 1], corners[i], grid)) {
       add_link(shapes, corners[i - 1].at, corners[i].at, radius,
                {Kind::kLine, {}, {}, 0, pen, colour, unit});
     }

@@ -131,11 +131,6 @@ Status check_name(std::string_view name) {
                   io::shortened(name, kMaxName), kMaxName));
 }
 
-// In a picture neither the size of the squares nor what counts as a row tells one from the other.
-bool look_alike(const Board& a, const Board& b) noexcept {
-  return a.kind == b.kind && std::minmax(a.cols, a.rows) == std::minmax(b.cols, b.rows);
-}
-
 tl::unexpected<Error> cannot_be_told_apart(std::string_view text, const Board& a, const Board& b) {
   const std::string first = a.text();
   const std::string second = b.text();
@@ -158,7 +153,7 @@ Result<std::vector<Board>> parse_boards(std::string_view text) {
     auto board = names_a_file(part) ? named_board(part) : parse_board(part);
     if (!board) return tl::unexpected<Error>(board.error());
     const auto alike = std::find_if(boards.begin(), boards.end(),
-                                    [&](const Board& b) { return look_alike(b, *board); });
+                                    [&](const Board& b) { return b.looks_like(*board); });
     if (alike != boards.end()) return cannot_be_told_apart(text, *alike, *board);
     if (boards.size() == kMaxBoards) {
       return wrong_board_text(text, fmt::format("it has more than {} boards", kMaxBoards));

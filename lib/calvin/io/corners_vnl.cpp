@@ -69,13 +69,13 @@ std::string wrong_column(std::string_view word, bool weights) {
 class VnlReader {
  public:
   VnlReader(const Board& board, ImageSize size)
-      : text_(board.text()), count_(board.point_count()), size_(size) {}
+      : text_(board.text()), ids_(board.ids()), size_(size) {}
 
   // Why the row is refused; empty where it is not.
   std::string row(const std::vector<std::string_view>& words, bool weights) {
     if (words.size() < 3) return "has no name, x and y";
     if (words.size() > 4) return "has more than a name, x, y and a level or weight";
-    if (words[0] != picture_ || seen_.empty() || next_ == count_) {
+    if (words[0] != picture_ || seen_.empty() || next_ == count()) {
       if (std::string why = finish_picture(); !why.empty()) return why;
       picture_ = words[0];
       next_ = 0;
@@ -94,19 +94,21 @@ class VnlReader {
 
   // Of the last one.
   std::string finish_picture() {
-    if (seen_.empty() || next_ == count_ || (next_ == 1 && empty_row_)) return "";
+    if (seen_.empty() || next_ == count() || (next_ == 1 && empty_row_)) return "";
     return fmt::format("follows {} corners of the picture {}, where the board has {}", next_,
-                       io::shortened(picture_, 60), count_);
+                       io::shortened(picture_, 60), count());
   }
 
   std::vector<Observation> take() { return std::move(seen_); }
 
  private:
+  [[nodiscard]] int count() const { return static_cast<int>(ids_.size()); }
+
   std::string corner(const std::vector<std::string_view>& words, bool weights) {
     const auto u = parse_double(words[1]);
     const auto v = parse_double(words[2]);
     if (!u || !v) return "has an x or y that is not a number";
-    const int id = next_++;
+    const int id = ids_[static_cast<std::size_t>(next_++)];
     empty_row_ = false;
     double sigma = 1;
     if (words.size() > 3) {
@@ -123,10 +125,10 @@ class VnlReader {
   }
 
   std::string text_;
-  int count_;
+  std::vector<int> ids_;  // of the board, in the order of the rows
   ImageSize size_;
   std::string picture_;
-  int next_ = 0;  // id of the next corner
+  int next_ = 0;  // of ids_, for the next corner
   bool empty_row_ = false;
   std::vector<Observation> seen_;
 };
@@ -186,7 +188,8 @@ Result<std::string> print_corners_vnl(const std::vector<Observation>& observatio
     std::vector<std::string> rows(static_cast<std::size_t>(board->point_count()),
                                   picture + " - - -\n");
     for (std::size_t i = 0; i < seen.ids.size() && i < seen.uv.size(); ++i) {
-      if (seen.ids[i] < 0 || seen.ids[i] >= board->point_count()) {
+      const auto row = board->index_of(seen.ids[i]);
+      if (!row) {
         return make_error(ErrorCode::kInvalidArgument,
                           fmt::format("The corner id {} of view {} is not on the board {}. Is this "
                                       "the board that was seen?",
@@ -194,9 +197,8 @@ Result<std::string> print_corners_vnl(const std::vector<Observation>& observatio
       }
       const double sigma = i < seen.sigma.size() && seen.sigma[i] > 0 ? seen.sigma[i] : 1;
       const double weight = std::clamp(1 / sigma, 1 / kMostWeight, kMostWeight);
-      rows[static_cast<std::size_t>(seen.ids[i])] =
-          fmt::format("{} {} {} {}\n", picture, format_double(seen.uv[i].u),
-                      format_double(seen.uv[i].v), format_double(weight));
+      rows[*row] = fmt::format("{} {} {} {}\n", picture, format_double(seen.uv[i].u),
+                               format_double(seen.uv[i].v), format_double(weight));
     }
     if (!seen.found()) rows.resize(1);
     for (const std::string& row : rows) text += row;

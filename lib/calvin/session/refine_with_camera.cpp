@@ -78,9 +78,11 @@ float bend(const Eigen::Vector2d& v, const Eigen::Vector2d& twice, const Eigen::
 
 class CornerRefinement {
  public:
-  CornerRefinement(const Observation& seen, const Board& board, const Camera& camera,
+  CornerRefinement(const Observation& seen, const Checkerboard& board, const Camera& camera,
                    const SE3& camera_from_board)
-      : seen_(seen), board_(board), at_(static_cast<std::size_t>(board.point_count()), kNone) {
+      : seen_(seen),
+        grid_(*board.grid()),
+        at_(static_cast<std::size_t>(board.point_count()), kNone) {
     const auto points = board.points();
     for (std::size_t i = 0; i < seen.ids.size(); ++i) {
       const auto id = static_cast<std::size_t>(seen.ids[i]);
@@ -150,12 +152,11 @@ class CornerRefinement {
 
   // Sets how level and contrast change across the corner, from its neighbours in row and column.
   void set_slopes(std::size_t i, const std::vector<std::optional<SaddleFit>>& first) {
-    const int id = seen_.ids[i];
+    const GridPlace here = grid_.place(seen_.ids[i]);
     const auto neighbour = [&](int columns, int rows) -> const SaddleFit* {
-      const int column = id % board_.cols + columns;
-      const int row = id / board_.cols + rows;
-      if (column < 0 || row < 0 || column >= board_.cols || row >= board_.rows) return nullptr;
-      const std::size_t at = at_[static_cast<std::size_t>(row * board_.cols + column)];
+      const GridPlace there = {here.col + columns, here.row + rows};
+      if (!grid_.contains(there)) return nullptr;
+      const std::size_t at = at_[static_cast<std::size_t>(grid_.id(there))];
       return at == kNone || !first[at] ? nullptr : &*first[at];
     };
     const auto slope = [&](int columns, int rows, auto number) {
@@ -183,7 +184,7 @@ class CornerRefinement {
   }
 
   const Observation& seen_;
-  const Board& board_;
+  Grid grid_;
   std::vector<std::optional<Local>> local_;     // per corner
   std::vector<std::optional<SaddleFit>> fits_;  // per corner, in px of its patch
   std::vector<std::size_t> at_;                 // per id
@@ -229,9 +230,12 @@ Observation refine_with_camera(const Observation& seen, const Board& board, cons
                                const SE3& camera_from_board) {
   const bool usable = seen.patches && seen.patches->pixels && seen.patches->side > 0 &&
                       seen.patches->origin.size() == seen.ids.size();
-  const auto known = [&board](int id) { return id >= 0 && id < board.point_count(); };
+  const auto known = [&board](int id) { return board.index_of(id).has_value(); };
   if (!usable || !std::all_of(seen.ids.begin(), seen.ids.end(), known)) return seen;
-  return CornerRefinement(seen, board, camera, camera_from_board).run();
+  // The control points of other boards are no saddles.
+  const auto* checkerboard = board.as<Checkerboard>();
+  if (checkerboard == nullptr) return seen;
+  return CornerRefinement(seen, *checkerboard, camera, camera_from_board).run();
 }
 
 Result<Solution> solve_in_runs(std::span<const View> views, ImageSize image_size,

@@ -70,15 +70,15 @@ Result<BoardFootprint> footprint_of(const View& view) {
   const auto points = view.board.points();
   std::vector<Pixel> xy;
   for (const int id : seen.ids) {
-    const Eigen::Vector3d& p = points[static_cast<std::size_t>(id)];
+    const Eigen::Vector3d& p = points[view.board.index_of(id).value()];
     xy.push_back({p.x(), p.y()});
   }
   const auto h = fit_homography(xy, seen.uv);
   if (!h) return tl::unexpected<Error>(h.error());
-  const double right = view.board.size * (view.board.cols - 1);
-  const double bottom = view.board.size * (view.board.rows - 1);
-  const std::vector<Pixel> corner = {transform(*h, {0, 0}), transform(*h, {right, 0}),
-                                     transform(*h, {right, bottom}), transform(*h, {0, bottom})};
+  const BoardArea all = view.board.extent();
+  const std::vector<Pixel> corner = {
+      transform(*h, {all.left, all.top}), transform(*h, {all.right, all.top}),
+      transform(*h, {all.right, all.bottom}), transform(*h, {all.left, all.bottom})};
   const double area = std::abs(polygon_area(corner));
   const double width = seen.image_size.width;
   const double height = seen.image_size.height;

@@ -51,7 +51,7 @@ Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observati
   if (const Status status = check({observation, board}, size); !status) {
     return tl::unexpected<Error>(status.error());
   }
-  std::vector<PointSet> view = {to_points(bent_points(board, warp), observation)};
+  std::vector<PointSet> view = {to_points(board, bent_points(board, warp), observation)};
   (void)normalise_weights(view);
   const auto rays = rays_of(view[0], camera);
   for (std::size_t i = 0; i < rays.size(); ++i) {

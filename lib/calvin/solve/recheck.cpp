@@ -116,7 +116,7 @@ Result<RecheckReport> Recheck::add(const View& view) {
   const BoardWarp warp = view.board.text() == board_ ? warp_ : BoardWarp{};
   const auto pose = solve_pose(camera_, view.board, view.observation, &quality, warp);
   if (!pose) return tl::unexpected<Error>(pose.error());
-  const PointSet points = to_points(bent_points(view.board, warp), view.observation);
+  const PointSet points = to_points(view.board, bent_points(view.board, warp), view.observation);
   if (const auto normal = condense(points, camera_, *pose)) {
     Condensed condensed;
     condensed.board = view.board.text();

@@ -52,8 +52,8 @@ struct Solution {
   // of all other views puts them, the 6 parameters of its pose allowed for; weighted, and to first
   // order. calibration.held_out_rms is their mean's root: information, it decides nothing.
   std::vector<double> held_out;
-  // The measured board, where aspect and offsets were estimated. Offsets are by the id of the
-  // control point; all together are no shift, turn, scale, shear, tilt or curvature of the board.
+  // The measured board, where aspect and offsets were estimated. Offsets are in the order of
+  // Board::points(); all together are no shift, turn, scale, shear, tilt or curvature of the board.
   std::optional<BoardAspect> board_aspect;
   std::vector<CornerOffset> corner_offsets;
   std::vector<std::string> remarks;  // sentences for the user: what is weak, and what to do

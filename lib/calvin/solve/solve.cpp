@@ -23,10 +23,6 @@ namespace calvin {
 
 namespace {
 
-bool same_grid(const Board& a, const Board& b) {
-  return a.cols == b.cols && a.rows == b.rows && a.size == b.size;
-}
-
 struct UsableViews {
   std::vector<PointSet> views;
   std::vector<RejectedView> rejected;
@@ -53,12 +49,11 @@ Result<UsableViews> usable_views(std::span<const View> views, ImageSize size) {
       return make_error(status.error().code, fmt::format("View {}: {}", i, status.error().message));
     }
     const Board& board = views[i].board;
-    const auto known = std::find_if(boards.begin(), boards.end(), [&board](const Printed& p) {
-      return same_grid(*p.board, board);
-    });
+    const auto known = std::find_if(boards.begin(), boards.end(),
+                                    [&board](const Printed& p) { return *p.board == board; });
     const auto number = static_cast<std::size_t>(known - boards.begin());
     if (known == boards.end()) boards.push_back({&board, board.points()});
-    PointSet points = to_points(boards[number].points, seen);
+    PointSet points = to_points(board, boards[number].points, seen);
     points.index = i;
     points.board = number;
     if (!spans_plane(points)) {
@@ -75,7 +70,7 @@ BoardShape shape_for(std::span<const View> views, std::size_t count, const Solve
   constexpr std::size_t kViews = 8;
   if (count < kViews) return {};
   const Board& board = views.front().board;
-  const auto same = [&board](const View& view) { return same_grid(view.board, board); };
+  const auto same = [&board](const View& view) { return view.board == board; };
   return std::all_of(views.begin(), views.end(), same) ? make_shape(board, options) : BoardShape();
 }
 
@@ -115,6 +110,9 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
                       ? solve_auto(usable->views, shape, image_size, options, stop)
                       : solve_points(std::move(usable->views), shape, image_size, options, stop);
   if (!solution) return solution;
+  for (RejectedCorner& corner : solution->rejected_corners) {
+    corner.id = views[corner.view].board.ids()[static_cast<std::size_t>(corner.id)];
+  }
   auto& rejected = solution->rejected;
   rejected.insert(rejected.end(), usable->rejected.begin(), usable->rejected.end());
   std::sort(rejected.begin(), rejected.end(),

@@ -5,7 +5,6 @@
 
 #include "calvin/solve/view.hpp"
 
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -25,16 +24,6 @@ bool within(Pixel p, ImageSize size) {
          p.v <= size.height - 0.5 + dv;
 }
 
-Status check_board(const Board& board) {
-  if (board.cols < 1 || board.rows < 1 || board.cols > 10000 || board.rows > 10000 ||
-      !std::isfinite(board.size) || !(board.size > 0)) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("A board of {}x{} corners {} m apart does not exist.", board.cols,
-                                  board.rows, board.size));
-  }
-  return {};
-}
-
 }  // namespace
 
 Status check_image_size(ImageSize size) {
@@ -49,7 +38,7 @@ Status check_image_size(ImageSize size) {
 
 Status check(const View& view, ImageSize image_size) {
   if (Status status = check_image_size(image_size); !status) return status;
-  if (Status status = check_board(view.board); !status) return status;
+  if (Status status = view.board.check(); !status) return status;
   const Observation& seen = view.observation;
   const auto refuse = [](std::string message) {
     return make_error(ErrorCode::kInvalidArgument, std::move(message));
@@ -61,16 +50,17 @@ Status check(const View& view, ImageSize image_size) {
   std::vector<bool> known(static_cast<std::size_t>(view.board.point_count()), false);
   for (std::size_t i = 0; i < seen.ids.size(); ++i) {
     const int id = seen.ids[i];
-    if (id < 0 || id >= view.board.point_count()) {
+    const auto index = view.board.index_of(id);
+    if (!index) {
       return refuse(
           fmt::format("The corner id {} is not on the board {}, which has {} corners. "
                       "Is this the board that was seen?",
                       id, view.board.text(), view.board.point_count()));
     }
-    if (known[static_cast<std::size_t>(id)]) {
+    if (known[*index]) {
       return refuse(fmt::format("The corner id {} is given twice.", id));
     }
-    known[static_cast<std::size_t>(id)] = true;
+    known[*index] = true;
     if (!within(seen.uv[i], image_size)) {
       return refuse(fmt::format("The corner {} at ({}, {}) is outside the image of {}x{} px.", id,
                                 seen.uv[i].u, seen.uv[i].v, image_size.width, image_size.height));

@@ -28,11 +28,12 @@ Eigen::Matrix3d turn_axis_to(const Eigen::Vector3d& ray) {
   return rotation_between(Eigen::Vector3d::UnitZ(), ray);
 }
 
-// The board's outline in the board frame, the outer squares included.
+// Places along the board's outline, in the board frame.
 std::vector<Eigen::Vector3d> outline(const Board& board) {
   std::vector<Eigen::Vector3d> points(16);
-  const double width = (board.cols + 1) * board.size;
-  const double height = (board.rows + 1) * board.size;
+  const BoardArea area = board.outline();
+  const double width = area.width();
+  const double height = area.height();
   for (std::size_t i = 0; i < 4; ++i) {
     const double s = static_cast<double>(i) / 4;
     points[i] = {s * width, 0, 0};
@@ -40,24 +41,29 @@ std::vector<Eigen::Vector3d> outline(const Board& board) {
     points[8 + i] = {(1 - s) * width, height, 0};
     points[12 + i] = {0, (1 - s) * height, 0};
   }
-  for (auto& p : points) p -= Eigen::Vector3d(board.size, board.size, 0);
+  for (auto& p : points) p += Eigen::Vector3d(area.left, area.top, 0);
   return points;
 }
 
-// All corners of all squares, in the board frame.
+// All corners of all squares, and all control points of a board without any; in the board frame.
 std::vector<Eigen::Vector3d> lattice(const Board& board) {
-  auto points = Board{board.kind, board.cols + 2, board.rows + 2, board.size}.points();
-  for (auto& p : points) p -= Eigen::Vector3d(board.size, board.size, 0);
+  const auto* checkerboard = board.as<Checkerboard>();
+  if (checkerboard == nullptr) return board.points();
+  const auto& [cols, rows, size] = *checkerboard;
+  auto points = Checkerboard{cols + 2, rows + 2, size}.points();
+  for (auto& p : points) p -= Eigen::Vector3d(size, size, 0);
   return points;
 }
 
 Eigen::Vector3d board_centre(const Board& board) {
-  return {(board.cols - 1) * board.size / 2, (board.rows - 1) * board.size / 2, 0};
+  const BoardArea area = board.outline();
+  return {(area.left + area.right) / 2, (area.top + area.bottom) / 2, 0};
 }
 
 // Radius of the circle around the board's outline, m.
 double board_radius(const Board& board) {
-  return std::hypot(board.cols + 1, board.rows + 1) * board.size / 2;
+  const BoardArea area = board.outline();
+  return std::hypot(area.width(), area.height()) / 2;
 }
 
 // A smooth path within -1..1: three slow waves of unrelated periods.

@@ -18,7 +18,7 @@ namespace {
 
 // The id that a control point has once the board was turned by so many quarters: an odd number of
 // them for a square one only.
-int turned(const Board& board, int id, int quarters) {
+int turned(const Grid& board, int id, int quarters) {
   int col = id % board.cols;
   int row = id / board.cols;
   if (quarters >= 2) {
@@ -36,7 +36,7 @@ double largest_error(const Board& board, const Observation& found, const Observa
                      int quarters) {
   double most = 0;
   for (std::size_t i = 0; i < found.ids.size(); ++i) {
-    const auto id = static_cast<std::size_t>(turned(board, found.ids[i], quarters));
+    const auto id = static_cast<std::size_t>(turned(*board.grid(), found.ids[i], quarters));
     most =
         std::max(most, std::hypot(found.uv[i].u - truth.uv[id].u, found.uv[i].v - truth.uv[id].v));
   }
@@ -78,7 +78,7 @@ TEST_P(EveryBoard, IsFoundWhole) {
     ASSERT_EQ(d.observation.ids.size(), truth.ids.size()) << n;
     double least = HUGE_VAL;
     for (int quarters = 0; quarters < 4; ++quarters) {
-      if (quarters % 2 == 1 && board.cols != board.rows) continue;
+      if (quarters % 2 == 1 && board.grid()->cols != board.grid()->rows) continue;
       least = std::min(least, largest_error(board, d.observation, truth, quarters));
     }
     EXPECT_LT(least, 0.15) << n;

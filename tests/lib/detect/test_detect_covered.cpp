@@ -137,7 +137,7 @@ TEST(CoveredBoards, AreWholeWhereFingersEndBesideThem) {
     const double square = uniform(random, 16, 24);  // px
     const SE3 pose = {exp_so3({0, 0, turn}) * exp_so3({uniform(random, -0.5, 0.5), 0, 0}),
                       exp_so3({0, 0, turn}) * Eigen::Vector3d(-0.1, -0.06, 0) +
-                          Eigen::Vector3d(0, 0, camera.fx() * kBoard.size / square)};
+                          Eigen::Vector3d(0, 0, camera.fx() * kBoard.cell_size(0) / square)};
     const Observation truth = true_observation(camera, kBoard, pose);
     GrayImage image = renderer.render(
         kBoard, pose, {.noise = 2, .blur = 0.8, .seed = static_cast<std::uint64_t>(n)});

@@ -245,7 +245,7 @@ TEST(ScatterOfAPart, IsNotThatOfTheLens) {
     const SE3 pose = {exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0}) *
                           exp_so3({0, 0, uniform(random, 0, 2 * std::numbers::pi)}),
                       Eigen::Vector3d(uniform(random, -0.2, 0.2), uniform(random, -0.1, 0.1),
-                                      camera.fx() * scenes::kBoard.size / square)};
+                                      camera.fx() * scenes::kSquares.size / square)};
     const Observation seen = true_observation(camera, scenes::kBoard, pose);
     if (seen.ids.size() < 25 || seen.ids.size() > 40) continue;
     put_noisy(seen, kSigma, noise, random, lattice);

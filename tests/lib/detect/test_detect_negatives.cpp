@@ -77,7 +77,7 @@ TEST(Neighbours, AreJoinedByOneEdge) {
 }
 
 // The corners of a board, exact.
-detect::Lattice lattice_of(const Camera& camera, const Board& board, const SE3& pose) {
+detect::Lattice lattice_of(const Camera& camera, const Checkerboard& board, const SE3& pose) {
   detect::Lattice lattice(20);
   const auto points = board.points();
   const auto at = [&](int col, int row) {
@@ -98,13 +98,13 @@ detect::Lattice lattice_of(const Camera& camera, const Board& board, const SE3& 
 // Corners that are the board's in number are not the board where the squares go on.
 TEST(Negatives, AreWindowsOfALargerBoard) {
   const Camera camera = default_camera({1280, 720});
-  const Board window = scenes::kBoard;
+  const Checkerboard window = scenes::kSquares;
   scenes::Random random(8);
   int boards = 0;
   for (int n = 0; n < 60; ++n) {
     const SE3 pose = scenes::random_pose(camera, window, random, 0.6);
     // Its first square two columns before that of the window.
-    Board larger = window;
+    Checkerboard larger = window;
     larger.cols += n % 2 == 0 ? 4 : 2;
     larger.rows += 2;
     const SE3 moved = {pose.rotation,
@@ -130,7 +130,7 @@ TEST(Boards, AreFoundOnACheckeredFloor) {
   int found = 0;
   for (int n = 0; n < images; ++n) {
     const double tile = scenes::uniform(random, 0.04, 0.15);
-    const Board floor = {BoardKind::kCheckerboard, 40, 30, tile};
+    const Board floor = Checkerboard{40, 30, tile};
     const SE3 at = {
         exp_so3({scenes::uniform(random, -0.4, 0.4), 0.2, scenes::uniform(random, 0, 1)}),
         {-20 * tile, -15 * tile, 1.2}};

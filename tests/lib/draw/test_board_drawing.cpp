@@ -48,7 +48,7 @@ TEST(BoardLayout, TheBorderIsAtLeastHalfASquare) {
   for (const char* text : {"checkerboard:9x6:25mm", "checkerboard:6x9:25mm", "checkerboard:4x3:8mm",
                            "checkerboard:20x14:1in", "checkerboard:3x2:100mm"}) {
     for (const char* paper : {"auto", "fit", "A0"}) {
-      const Board board = board_of(text);
+      const auto board = *board_of(text).as<Checkerboard>();
       const auto page = lay_out_board(board, paper);
       ASSERT_TRUE(page.has_value()) << page.error().message;
       const double border = std::max(board.size / 2, 0.005) - 1e-9;
@@ -111,8 +111,8 @@ Run dark_run(const GrayImage& image, bool along_x, double across, double from, d
 }
 
 // Every dark square's extent and centre, and the colour of every square, at `scale` px per m.
-void expect_true_to_scale(const GrayImage& image, const Board& board, const BoardLayout& page,
-                          double scale, double tolerance) {
+void expect_true_to_scale(const GrayImage& image, const Checkerboard& board,
+                          const BoardLayout& page, double scale, double tolerance) {
   const double side = board.size * scale;
   for (int j = 0; j <= board.rows; ++j) {
     for (int i = 0; i <= board.cols; ++i) {
@@ -175,7 +175,7 @@ TEST(Drawing, PngIsTrueToScale) {
   for (const Case& c :
        {Case{"checkerboard:9x6:25mm", "a4", 300}, Case{"checkerboard:9x6:25mm", "letter", 97},
         Case{"checkerboard:4x7:13.7mm", "fit", 150}}) {
-    const Board board = board_of(c.board);
+    const auto board = *board_of(c.board).as<Checkerboard>();
     const auto png = draw_board(board, {DrawingFormat::kPng, c.paper, c.dpi});
     ASSERT_TRUE(png.has_value()) << png.error().message;
     const GrayImage image = decode_png(*png);
@@ -201,7 +201,7 @@ TEST(Drawing, PngTellsItsResolution) {
 
 #if CALVIN_HAVE_OPENCV
 TEST(Drawing, TheDetectorFindsTheCornersWhereTheyAre) {
-  const Board board = board_of("checkerboard:9x6:25mm");
+  const auto board = *board_of("checkerboard:9x6:25mm").as<Checkerboard>();
   const double dpi = 100;
   const auto png = draw_board(board, {DrawingFormat::kPng, "a4", dpi});
   ASSERT_TRUE(png.has_value()) << png.error().message;
@@ -296,7 +296,7 @@ std::vector<Extent> polygons_of(std::string_view path) {
 
 // Of the size of its page and of one unit of its coordinates, whatever units they are written in.
 TEST(Drawing, SvgIsInMillimetres) {
-  const Board board = board_of("checkerboard:9x6:25mm");
+  const auto board = *board_of("checkerboard:9x6:25mm").as<Checkerboard>();
   const auto svg = draw_board(board, {DrawingFormat::kSvg, "a4"});
   ASSERT_TRUE(svg.has_value()) << svg.error().message;
   const auto roots = tags_of(*svg, "svg");
@@ -348,7 +348,7 @@ GrayImage decode_pgm(const std::string& pgm) {
 }
 
 TEST(Drawing, PdfIsTrueToScale) {
-  const Board board = board_of("checkerboard:9x6:25mm");
+  const auto board = *board_of("checkerboard:9x6:25mm").as<Checkerboard>();
   const auto pdf = draw_board(board, {DrawingFormat::kPdf, "a4"});
   ASSERT_TRUE(pdf.has_value()) << pdf.error().message;
   const TemporaryFolder folder;

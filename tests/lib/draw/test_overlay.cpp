@@ -204,7 +204,7 @@ TEST(Overlay, CornerZeroTellsWhetherItIsCertain) {
   Observation board = flat_board(size, 100, 100, 40);
   EXPECT_EQ(drawn(size, {board}).at(100, 100).alpha, 255u);
   EXPECT_EQ(drawn(size, {board}).at(140, 100).alpha, 0u) << "the corner itself stays visible";
-  board.ambiguous = {"rotate180"};
+  board.ambiguous = {{2}};
   EXPECT_EQ(drawn(size, {board}).at(100, 100).alpha, 0u);
 }
 

@@ -48,7 +48,7 @@ TEST_F(Sessions, AllKeepsWhateverIsUsable) {
   few.observation.uv.resize(5);
   EXPECT_EQ(session.offer(few), Reason::kTooFewPoints);
   View other = view;
-  other.board.cols = 3;
+  other.board = Checkerboard{3, 6, scenes::kSquares.size};
   EXPECT_EQ(session.offer(other), Reason::kWrongBoard);
   View large = view;
   large.observation.image_size = {1920, 1080};
@@ -94,7 +94,7 @@ TEST_F(Sessions, TwoBoardsInTurnAreComparedEachWithItself) {
   Session session({CaptureMode::kAuto, 3, 0});
   View one = see(-0.12, 0, 0.6);
   View two = see(0.12, 0, 0.6);
-  two.board.size = 0.05;
+  two.board = Checkerboard{9, 6, 0.05};
   two.observation.board = two.board.text();
   session.offer(one);
   session.offer(two);

@@ -163,7 +163,7 @@ TEST(New, IsEightHundredthsOfTheDiagonalAway) {
   EXPECT_EQ(after(first, shifted(first, 0.048 * kDiagonal, -0.066 * kDiagonal)), Reason::kAccepted);
   // Another board may be in the same place.
   View other = first;
-  other.board.size = 0.03;
+  other.board = Checkerboard{9, 6, 0.03};
   other.observation.board = other.board.text();
   EXPECT_EQ(after(first, other), Reason::kAccepted);
 }

@@ -319,7 +319,7 @@ TEST(Recheck, TheLatestViewsCount) {
 
 // How the board of the calibration was bent says nothing of another one.
 TEST(Recheck, AnotherBoardIsFlat) {
-  const Board other = {BoardKind::kCheckerboard, 7, 6, 0.03};
+  const Board other = Checkerboard{7, 6, 0.03};
   Random random(9);
   const Camera camera = scenes::random_camera("brown4", random);
   Calibration calibration = camera.to_calibration();

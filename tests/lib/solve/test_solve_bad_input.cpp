@@ -94,7 +94,7 @@ const BadInput kBadInputs[] = {
      ErrorCode::kInvalidArgument, "board"},
     {"NanBoard",
      [](auto& views, auto&, auto&) {
-       views[2].board.size = std::numeric_limits<double>::quiet_NaN();
+       views[2].board = Checkerboard{9, 6, std::numeric_limits<double>::quiet_NaN()};
      },
      ErrorCode::kInvalidArgument, "board"},
     {"NoImage",
@@ -120,7 +120,7 @@ const BadInput kBadInputs[] = {
     {"AnotherBoardInThePlaceOfTheFirst",
      [](auto& views, auto&, auto&) {
        views = {views[0], views[0]};
-       views[1].board.size *= 2;
+       views[1].board = Checkerboard{9, 6, 2 * scenes::kSquares.size};
      },
      ErrorCode::kDegenerate, "never tilted"},
     {"HeldInOnePose",

@@ -138,7 +138,8 @@ TEST(FinishedFit, OfWhatIsStoppedIsNone) {
   options.reject_outliers = false;
   const Parameterization parameterization = make_parameterization(options, kSize).value();
   std::vector<PointSet> sets;
-  for (const View& view : views) sets.push_back(to_points(kBoard.points(), view.observation));
+  for (const View& view : views)
+    sets.push_back(to_points(kBoard, kBoard.points(), view.observation));
   const WeightScale scale = normalise_weights(sets);
   const BoardShape flat;
   const Fit fit = fit_camera(sets, flat, kSize, parameterization, options, {});

@@ -55,7 +55,7 @@ std::vector<View> session(const Camera& camera, const Fault& fault, Random& rand
 // How a board bends along its long side, by `depth` m in the middle.
 std::function<Eigen::Vector3d(const Eigen::Vector3d&)> bow(double depth,
                                                            const Board& board = scenes::kBoard) {
-  return [depth, length = board.size * (board.cols - 1)](const Eigen::Vector3d& p) {
+  return [depth, length = board.extent().width()](const Eigen::Vector3d& p) {
     const double x = 2 * p.x() / length - 1;
     return Eigen::Vector3d(p.x(), p.y(), depth * (1 - x * x));
   };
@@ -134,7 +134,7 @@ TEST(Checks, ABowedBoardIsFlagged) {
 
 // Corners of one id on two boards are two corners: boards that bend against each other are bent.
 TEST(Checks, TwoBoardsAreJudgedEachByItself) {
-  const Board large = {BoardKind::kCheckerboard, 9, 6, 0.03};
+  const Board large = Checkerboard{9, 6, 0.03};
   for (const double depth : {0.0, 0.5e-3}) {
     Random random(19);
     int found = 0;

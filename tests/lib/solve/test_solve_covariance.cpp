@@ -47,8 +47,8 @@ template <typename F>
 Mode mode(F field) {
   Mode result;
   for (const Eigen::Vector3d& p : kBoard.points()) {
-    result.push_back(field(2 * p.x() / (kBoard.size * (kBoard.cols - 1)) - 1,
-                           2 * p.y() / (kBoard.size * (kBoard.rows - 1)) - 1));
+    result.push_back(
+        field(2 * p.x() / kBoard.extent().width() - 1, 2 * p.y() / kBoard.extent().height() - 1));
   }
   return result;
 }
@@ -205,7 +205,7 @@ class Covariance : public ::testing::TestWithParam<Ask> {
       for (std::size_t i = 0; i < m.size(); ++i) {
         coefficient += m[i].dot(solution_.corner_offsets[i].value);
       }
-      add(m, coefficient, 0.05 * kBoard.size);
+      add(m, coefficient, 0.05 * kBoard.cell_size(0));
     }
   }
 

@@ -60,7 +60,8 @@ Judged judge(const std::vector<View>& views, const Camera& camera) {
   const Parameterization parameterization = make_parameterization(options, kSize).value();
   const BoardShape flat;
   std::vector<PointSet> sets;
-  for (const View& view : views) sets.push_back(to_points(kBoard.points(), view.observation));
+  for (const View& view : views)
+    sets.push_back(to_points(kBoard, kBoard.points(), view.observation));
   Judged judged;
   judged.fit = fit_camera(sets, flat, kSize, parameterization, options, {});
   EXPECT_TRUE(judged.fit.converged);

@@ -155,7 +155,7 @@ TEST(Rivals, AddTheirDistanceByTheirLikelihood) {
   std::vector<PointSet> sets;
   for (const View& view : scenes::observe_all(
            camera, kBoard, scenes::random_poses(camera, kBoard, random, 8), kNoise, random)) {
-    sets.push_back(to_points(kBoard.points(), view.observation));
+    sets.push_back(to_points(kBoard, kBoard.points(), view.observation));
   }
   const WeightScale scale = normalise_weights(sets);
   Fit fit = fit_camera(sets, flat, kSize, parameterization, options, {});

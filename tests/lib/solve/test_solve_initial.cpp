@@ -162,7 +162,7 @@ TEST(Initial, IsAMeasurementWhereItIsAPrior) {
 // Nine measurements more are nine degrees of freedom more: with few corners they decide what chi
 // and the sigmas are.
 TEST(Initial, AsAPriorLeavesChiAndCovarianceHonest) {
-  const Board small = {BoardKind::kCheckerboard, 4, 3, 0.05};
+  const Board small = Checkerboard{4, 3, 0.05};
   constexpr double kSigmas[] = {3, 3, 3, 3, 3e-3, 3e-3, 3e-4, 3e-4, 3e-3};
   constexpr int kSessions = 200;
   // What the fit leaves over: 48 residuals and 9 priors less 12 + 9 unknowns.

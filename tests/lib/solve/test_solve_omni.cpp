@@ -40,7 +40,7 @@ std::vector<std::vector<double>> read_matrices(const std::filesystem::path& path
 
 // First the points of the board in every view, then where they were seen.
 std::vector<View> to_views(const std::vector<std::vector<double>>& matrices) {
-  const Board board = {BoardKind::kCheckerboard, 6, 9, 0.2};
+  const Board board = Checkerboard{6, 9, 0.2};
   const auto printed = board.points();
   const std::size_t n = matrices.size() / 2;
   std::vector<View> views;

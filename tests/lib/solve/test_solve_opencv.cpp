@@ -32,8 +32,8 @@ Corners to_opencv(std::vector<View>& views) {
     std::vector<cv::Point2f> image;
     // In units of a square: 0.025 is no float.
     for (const Eigen::Vector3d& p : view.board.points()) {
-      board.emplace_back(static_cast<float>(std::lround(p.x() / view.board.size)),
-                         static_cast<float>(std::lround(p.y() / view.board.size)), 0.0F);
+      board.emplace_back(static_cast<float>(std::lround(p.x() / view.board.cell_size(0))),
+                         static_cast<float>(std::lround(p.y() / view.board.cell_size(0))), 0.0F);
     }
     for (Pixel& p : view.observation.uv) {
       image.emplace_back(static_cast<float>(p.u), static_cast<float>(p.v));

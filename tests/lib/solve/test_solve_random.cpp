@@ -96,7 +96,7 @@ TEST_P(RandomProblems, ReachTheOptimumAndOwnUpToTheirErrors) {
 TEST(SmallBoards, OfAWrongTiltAreMirrored) {
   constexpr double kFocal = 1100;  // px
   const Camera camera = Camera::make("pinhole", scenes::kSize, {kFocal, kFocal, 640, 480}).value();
-  const Eigen::Vector3d middle(4 * scenes::kBoard.size, 2.5 * scenes::kBoard.size, 0);
+  const Eigen::Vector3d middle(4 * scenes::kSquares.size, 2.5 * scenes::kSquares.size, 0);
   for (const std::uint64_t seed : {14, 117, 314}) {
     Random random(seed);
     const auto draw = [&random](double low, double high) {

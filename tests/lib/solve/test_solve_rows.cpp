@@ -70,8 +70,8 @@ class Rows : public ::testing::TestWithParam<std::string> {
         Camera::make(GetParam(), kSize, {q.begin(), q.begin() + of_lens}, rest[0]).value();
     Eigen::Vector3d point = kBoard.points()[i];
     // z = kx (1 - x^2) + ky (1 - y^2), x and y in -1..1 over the board.
-    const double x = 2 * point.x() / (kBoard.size * (kBoard.cols - 1)) - 1;
-    const double y = 2 * point.y() / (kBoard.size * (kBoard.rows - 1)) - 1;
+    const double x = 2 * point.x() / kBoard.extent().width() - 1;
+    const double y = 2 * point.y() / kBoard.extent().height() - 1;
     point.z() += rest[1] * (1 - x * x) + rest[2] * (1 - y * y);
     return camera.project(pose * point).value();
   }

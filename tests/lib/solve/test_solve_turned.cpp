@@ -23,8 +23,8 @@ constexpr ImageSize kSquare = {1000, 1000};
 
 std::vector<View> exchanged(std::vector<View> views) {
   for (View& view : views) {
-    const Board was = view.board;
-    std::swap(view.board.cols, view.board.rows);
+    const Grid was = view.board.grid().value();
+    view.board = Checkerboard{was.rows, was.cols, was.pitch};
     view.observation.board = view.board.text();
     for (int& id : view.observation.ids) id = id % was.cols * was.rows + id / was.cols;
     for (Pixel& p : view.observation.uv) std::swap(p.u, p.v);

@@ -18,7 +18,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegree = std::numbers::pi / 180;
 
-Board board() { return parse_board("checkerboard:9x6:25mm").value(); }
+constexpr Checkerboard board() { return {9, 6, 0.025}; }
 
 Camera fisheye(const std::vector<double>& parameters) {
   return Camera::make("fisheye", {640, 480}, parameters).value();
@@ -39,8 +39,8 @@ class MotionOf : public ::testing::TestWithParam<int> {
     }
   }
   // All points are seen, with the outer squares inside the image.
-  static bool whole(const Camera& cam, const Board& b, const SE3& pose) {
-    const Board larger = {b.kind, b.cols + 2, b.rows + 2, b.size};
+  static bool whole(const Camera& cam, const Checkerboard& b, const SE3& pose) {
+    const Checkerboard larger = {b.cols + 2, b.rows + 2, b.size};
     const SE3 shifted = {pose.rotation, pose * Eigen::Vector3d(-b.size, -b.size, 0)};
     return true_observation(cam, larger, shifted).ids.size() ==
            static_cast<std::size_t>(larger.point_count());

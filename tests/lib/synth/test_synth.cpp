@@ -20,7 +20,9 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegree = std::numbers::pi / 180;
 
-Board board(const char* text = "checkerboard:9x6:25mm") { return parse_board(text).value(); }
+Checkerboard board(const char* text = "checkerboard:9x6:25mm") {
+  return *parse_board(text).value().as<Checkerboard>();
+}
 
 Camera camera_of(std::string_view model, const std::vector<double>& parameters,
                  ImageSize size = {640, 480}) {
@@ -31,8 +33,8 @@ Camera fisheye() { return camera_of("fisheye", {180, 181, 322, 238, 0.01, -0.004
 
 // The scene as the header describes it, point by point, by another way than the renderer's: the ray
 // is cut with the plane in the camera frame.
-double scene_at(const Camera& camera, const Board& b, const SE3& pose, const RenderOptions& o,
-                Pixel pixel) {
+double scene_at(const Camera& camera, const Checkerboard& b, const SE3& pose,
+                const RenderOptions& o, Pixel pixel) {
   const auto ray = camera.unproject(pixel);
   if (!ray) return o.background;
   const Eigen::Vector3d normal = pose.rotation.col(2);
@@ -49,8 +51,8 @@ double scene_at(const Camera& camera, const Board& b, const SE3& pose, const Ren
 
 // One sample at random in each of 32 x 32 cells of a pixel: an edge leaves less than 0.5 grey
 // levels, 1 sigma, of uncertainty.
-double brute_force(const Camera& camera, const Board& b, const SE3& pose, const RenderOptions& o,
-                   int u, int v) {
+double brute_force(const Camera& camera, const Checkerboard& b, const SE3& pose,
+                   const RenderOptions& o, int u, int v) {
   constexpr int kSub = 32;
   static std::mt19937 random(17);
   const auto jitter = [] { return static_cast<double>(random()) / 4294967296.0; };
@@ -82,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Lenses, RenderedBy, ::testing::Range(0, 3));
 TEST_P(RenderedBy, EqualsBruteForce) {
   const Camera cam = camera();
   const BoardRenderer renderer(cam);
-  const Board b = board();
+  const Checkerboard b = board();
   const RenderOptions options;
   const Motion motion(MotionKind::kRandom, cam, b, 3);
   std::mt19937 random(5);
@@ -114,7 +116,7 @@ TEST_P(RenderedBy, EqualsBruteForce) {
 }
 
 // u of the edge x = column squares at the image row v: the sum of `u` along the projected line.
-double edge_at(const Camera& cam, const Board& b, const SE3& pose, int column, double v) {
+double edge_at(const Camera& cam, const Checkerboard& b, const SE3& pose, int column, double v) {
   double low = -0.5 * b.size;
   double high = 0.5 * b.size;
   Pixel at;
@@ -133,8 +135,8 @@ struct EdgeInRow {
   double bend;      // of the edge, px per row^2
 };
 
-EdgeInRow edge_in_row(const ImageView& image, const Camera& cam, const Board& b, const SE3& pose,
-                      int v) {
+EdgeInRow edge_in_row(const ImageView& image, const Camera& cam, const Checkerboard& b,
+                      const SE3& pose, int v) {
   constexpr int kParts = 16;
   double expected = 0;
   for (int i = 0; i < kParts; ++i) {
@@ -151,7 +153,7 @@ EdgeInRow edge_in_row(const ImageView& image, const Camera& cam, const Board& b,
 TEST_P(RenderedBy, PutsEdgesWhereTheCameraProjectsThem) {
   const Camera cam = camera();
   const BoardRenderer renderer(cam);
-  const Board b = board("checkerboard:2x6:300mm");
+  const Checkerboard b = board("checkerboard:2x6:300mm");
   double sum = 0;
   double squares = 0;
   int count = 0;
@@ -189,7 +191,7 @@ TEST(Renderer, BentEdgesAreNotDrawnToTheirHollowSide) {
     const Camera cam =
         camera_of("fisheye", {f, f, size.width / 2.0, size.height / 2.0, 0, 0, 0, 0}, size);
     const BoardRenderer renderer(cam);
-    const Board b = board("checkerboard:2x6:500mm");
+    const Checkerboard b = board("checkerboard:2x6:500mm");
     double errors = 0;
     double bends = 0;
     for (int k = 0; k < views; ++k) {
@@ -250,7 +252,7 @@ TEST(Renderer, ShowsDarkSquareOutsideControlPointZero) {
 
 TEST(Renderer, SeesPast90Degrees) {
   const Camera cam = fisheye();
-  const Board b = board();
+  const Checkerboard b = board();
   SE3 pose;  // straight to the right and a little behind
   pose.rotation = exp_so3({0, 100 * kDegree, 0});
   pose.translation = pose.rotation * Eigen::Vector3d(-0.1, -0.0625, 0.25);
@@ -335,7 +337,7 @@ TEST(Renderer, BlursByTheSigmaAskedFor) {
   // An edge on the border of two pixels: the differences along a row are the blur's own kernel.
   const Camera cam = camera_of("pinhole", {500, 500, 319.5, 240});
   const SE3 pose = {Eigen::Matrix3d::Identity(), {0, -0.1, 0.5}};
-  const Board b = board("checkerboard:9x6:60mm");
+  const Checkerboard b = board("checkerboard:9x6:60mm");
   for (const double sigma : {0.3, 0.7, 1.5, 3.0}) {
     const GrayImage image = render_board(cam, b, pose, {.blur = sigma, .dark = 0, .light = 255});
     double sum = 0, first = 0, second = 0, fourth = 0;

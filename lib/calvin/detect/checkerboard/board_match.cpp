@@ -27,7 +27,7 @@ constexpr double kEdgelessShare = 0.5;
 
 int length(const CellRange& e, int axis) { return axis == 0 ? e.cols() : e.rows(); }
 
-bool fits(const CellRange& e, const Board& board) {
+bool fits(const CellRange& e, const Checkerboard& board) {
   return (e.cols() <= board.cols && e.rows() <= board.rows) ||
          (e.cols() <= board.rows && e.rows() <= board.cols);
 }
@@ -56,7 +56,7 @@ int nodes_on(const Lattice& lattice, const Line& line) {
 
 // Removes the outermost lines of stray nodes until the lattice is no larger than the board. False
 // where most nodes of a line that would have to go are there: then it is not stray.
-bool trim(const Board& board, Lattice& lattice) {
+bool trim(const Checkerboard& board, Lattice& lattice) {
   for (CellRange e = lattice.extent(); !fits(e, board); e = lattice.extent()) {
     int weakest = 0;
     double least = 1;
@@ -123,14 +123,14 @@ bool continues_anywhere(const ImageView& image, const Lattice& lattice, const Ce
   return false;
 }
 
-bool has_size_of(const CellRange& e, const Board& board) {
+bool has_size_of(const CellRange& e, const Checkerboard& board) {
   return (e.cols() == board.cols && e.rows() == board.rows) ||
          (e.cols() == board.rows && e.rows() == board.cols);
 }
 
 // Every way in which the lattice can be (a part of) the board, of these colours or of any.
-std::vector<GridAlignment> alignments(const Board& board, const CellRange& e, const Edges& edges,
-                                      bool any_colours = false) {
+std::vector<GridAlignment> alignments(const Checkerboard& board, const CellRange& e,
+                                      const Edges& edges, bool any_colours = false) {
   std::vector<GridAlignment> all;
   for (int quarter = 0; quarter < 4; ++quarter) {
     const int cols = quarter % 2 == 0 ? board.cols : board.rows;
@@ -200,7 +200,8 @@ int quarters_between(const GridAlignment& from, const GridAlignment& to) {
 
 // The turn and shift, as Observation::ambiguous has them, that take labels of `from` to those of
 // `to`.
-std::string difference(const Board& board, const GridAlignment& from, const GridAlignment& to) {
+Relabelling difference(const Checkerboard& board, const GridAlignment& from,
+                       const GridAlignment& to) {
   const int quarters = quarters_between(from, to);
   Cell turned = from.point(from.origin);
   int cols = board.cols;
@@ -210,13 +211,11 @@ std::string difference(const Board& board, const GridAlignment& from, const Grid
     std::swap(cols, rows);
   }
   const Cell shift = to.point(from.origin) - turned;
-  std::string name = quarters == 0 ? "" : fmt::format("rotate{}", 90 * quarters);
-  if (shift == Cell{0, 0}) return name;
-  if (!name.empty()) name += ' ';
-  return name + fmt::format("shift({},{})", shift.col, shift.row);
+  return {quarters, shift.col, shift.row};
 }
 
-bool is_enough(const Lattice& lattice, const Board& board, const CellRange& e, const Edges& edges) {
+bool is_enough(const Lattice& lattice, const Checkerboard& board, const CellRange& e,
+               const Edges& edges) {
   const int count = lattice.count();
   const int all = board.point_count();
   if (count == all) return true;
@@ -255,7 +254,7 @@ Cell GridAlignment::cell(Cell p) const {
   }
 }
 
-bool is_far_larger(const Lattice& lattice, const Board& board) {
+bool is_far_larger(const Lattice& lattice, const Checkerboard& board) {
   constexpr double kFar = 1.5;
   const CellRange e = lattice.extent();
   const auto [shorter, longer] = std::minmax({e.cols(), e.rows()});
@@ -264,7 +263,7 @@ bool is_far_larger(const Lattice& lattice, const Board& board) {
           longer > std::max(board.cols, board.rows) + 1);
 }
 
-Match match_board(const ImageView& image, const Board& board, Lattice& lattice) {
+Match match_board(const ImageView& image, const Checkerboard& board, Lattice& lattice) {
   Match match;
   const bool small_enough = trim(board, lattice);
   const CellRange e = lattice.extent();

@@ -33,17 +33,18 @@ struct Match {
   Reason reason = Reason::kNotFound;
   bool whole = false;  // every control point has its node
   GridAlignment alignment;
-  std::vector<std::string> ambiguous;  // the other alignments, see Observation
+  std::vector<Relabelling> ambiguous;  // the other alignments, see Observation
   bool certain = false;                // kWrongBoard: too large, or all four edges are in view
   int seen_cols = 0;                   // of the lattice, its longer side where the board has it
   int seen_rows = 0;
 };
 
 // Whether a lattice is so much larger than the board that no stray nodes explain it.
-[[nodiscard]] bool is_far_larger(const Lattice& lattice, const Board& board);
+[[nodiscard]] bool is_far_larger(const Lattice& lattice, const Checkerboard& board);
 
 // `lattice` in px of `image` (of step 1), no node guessed. Stray nodes that stand outside of the
 // board's edge are removed from it.
-[[nodiscard]] Match match_board(const ImageView& image, const Board& board, Lattice& lattice);
+[[nodiscard]] Match match_board(const ImageView& image, const Checkerboard& board,
+                                Lattice& lattice);
 
 }  // namespace calvin::detect

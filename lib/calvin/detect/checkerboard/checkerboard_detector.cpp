@@ -63,7 +63,7 @@ struct Area {
 
 class CheckerboardDetector final : public Detector {
  public:
-  explicit CheckerboardDetector(const Board& board)
+  explicit CheckerboardDetector(const Checkerboard& board)
       : board_(board),
         text_(board.text()),
         tracker_(board),
@@ -105,7 +105,7 @@ class CheckerboardDetector final : public Detector {
   [[nodiscard]] bool accept(Match match, Lattice& lattice, Detection& result);
   void report(const Match& match, const Lattice& lattice, Detection& result);
 
-  Board board_;
+  Checkerboard board_;
   std::string text_;
   Tracker tracker_;
   Pyramid pyramid_;
@@ -277,15 +277,15 @@ bool CheckerboardDetector::accept(Match match, Lattice& lattice, Detection& resu
 void CheckerboardDetector::report(const Match& match, const Lattice& lattice, Detection& result) {
   Observation& o = result.observation;
   const double ratio = static_cast<double>(scatter(lattice, pyramid_.level(0).size()));
-  for (int row = 0; row < board_.rows; ++row) {
-    for (int col = 0; col < board_.cols; ++col) {
-      const Cell cell = match.alignment.cell({col, row});
-      if (!lattice.has(cell)) continue;
-      const SaddleFit& fit = refinement_.at(cell);
-      o.ids.push_back(row * board_.cols + col);
-      o.uv.push_back({fit.x, fit.y});
-      o.sigma.push_back(std::hypot(ratio * static_cast<double>(fit.sigma), kBias));
-    }
+  const Grid grid = *board_.grid();
+  for (const int id : board_.ids()) {
+    const GridPlace at = grid.place(id);
+    const Cell cell = match.alignment.cell({at.col, at.row});
+    if (!lattice.has(cell)) continue;
+    const SaddleFit& fit = refinement_.at(cell);
+    o.ids.push_back(id);
+    o.uv.push_back({fit.x, fit.y});
+    o.sigma.push_back(std::hypot(ratio * static_cast<double>(fit.sigma), kBias));
   }
   o.ambiguous = match.ambiguous;
   o.blur = refinement_.blur(lattice);
@@ -295,7 +295,7 @@ void CheckerboardDetector::report(const Match& match, const Lattice& lattice, De
 
 }  // namespace
 
-std::unique_ptr<Detector> make_checkerboard_detector(const Board& board) {
+std::unique_ptr<Detector> make_checkerboard_detector(const Checkerboard& board) {
   return std::make_unique<CheckerboardDetector>(board);
 }
 

@@ -16,6 +16,6 @@
 
 namespace calvin::detect {
 
-[[nodiscard]] std::unique_ptr<Detector> make_checkerboard_detector(const Board& board);
+[[nodiscard]] std::unique_ptr<Detector> make_checkerboard_detector(const Checkerboard& board);
 
 }  // namespace calvin::detect

@@ -33,7 +33,7 @@ float steps_ahead(std::uint64_t before, std::uint64_t last, std::uint64_t now) {
 
 }  // namespace
 
-Tracker::Tracker(const Board& board) : board_(board) {
+Tracker::Tracker(const Checkerboard& board) : board_(board) {
   for (auto& nodes : nodes_) nodes.resize(static_cast<std::size_t>(board.point_count()));
 }
 

@@ -20,7 +20,7 @@ namespace calvin::detect {
 // not followed: what comes into view is better looked for. Keeps its memory.
 class Tracker {
  public:
-  explicit Tracker(const Board& board);
+  explicit Tracker(const Checkerboard& board);
 
   // Takes a whole board with its fits in px of an image at `timestamp` ns (or kNoTimestamp), as it
   // was found by a search of the whole image or by following it.
@@ -37,7 +37,7 @@ class Tracker {
   [[nodiscard]] const FitGrid& fits() const { return fits_; }
 
  private:
-  Board board_;
+  Checkerboard board_;
   ImageSize size_;
   int frames_ = 0;    // remembered in a row, up to 2
   int followed_ = 0;  // frames since the last search

@@ -5,6 +5,7 @@
 
 #include "calvin/solve/residuals/board_shape.hpp"
 
+#include <cmath>
 #include <functional>
 
 #include "calvin/geometry/dense.hpp"
@@ -16,19 +17,20 @@ namespace {
 // Priors, 1 sigma, wide for any board that was made with care.
 constexpr double kBend = 0.01;    // of the diagonal of the board
 constexpr double kAspect = 0.01;  // of the aspect 1
-constexpr double kOffset = 0.05;  // of a square's side
+constexpr double kOffset = 0.05;  // of the distance to the next control point
+
+constexpr int kLeastPoints = 9;  // of a board without a grid
 
 using Points = std::vector<Eigen::Vector3d>;
 using Field = std::function<Eigen::Vector3d(double x, double y)>;
 
-// The displacements that a field gives all points; its x and y run from -1 to 1 over the board, as
-// in BoardWarp.
-Eigen::VectorXd field_over(const Points& points, const Field& field) {
-  const Eigen::Vector3d& last = points.back();
+// The displacements that a field gives all points; its x and y run from -1 to 1 over their extent,
+// as in BoardWarp.
+Eigen::VectorXd field_over(const Points& points, const BoardArea& extent, const Field& field) {
   Eigen::VectorXd values(3 * static_cast<Eigen::Index>(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double x = 2 * points[i].x() / last.x() - 1;
-    const double y = 2 * points[i].y() / last.y() - 1;
+    const double x = 2 * (points[i].x() - extent.left) / extent.width() - 1;
+    const double y = 2 * (points[i].y() - extent.top) / extent.height() - 1;
     values.segment<3>(3 * static_cast<Eigen::Index>(i)) = field(x, y);
   }
   return values;
@@ -39,7 +41,7 @@ Eigen::Vector3d bent_along_y(double /*x*/, double y) { return {0, 0, 1 - y * y};
 
 // An orthonormal basis, in columns, of the displacements that are orthogonal to the fields of
 // poses, focal lengths and warp.
-Eigen::MatrixXd offset_fields(const Points& points) {
+Eigen::MatrixXd offset_fields(const Points& points, const BoardArea& extent) {
   const Field others[] = {
       [](double, double) { return Eigen::Vector3d(1, 0, 0); },
       [](double x, double) { return Eigen::Vector3d(x, 0, 0); },
@@ -55,37 +57,38 @@ Eigen::MatrixXd offset_fields(const Points& points) {
   };
   const auto rows = 3 * static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd known(rows, static_cast<Eigen::Index>(std::size(others)));
-  for (Eigen::Index i = 0; i < known.cols(); ++i) known.col(i) = field_over(points, others[i]);
+  for (Eigen::Index i = 0; i < known.cols(); ++i)
+    known.col(i) = field_over(points, extent, others[i]);
   return orthogonal_complement(known);
 }
 
 class Maker {
  public:
-  explicit Maker(const Board& board) : points_(board.points()) {}
+  explicit Maker(const Board& board) : points_(board.points()), extent_(board.extent()) {}
 
   void add(const Eigen::VectorXd& field, double prior) {
     fields_.push_back(field);
     shape_.prior.push_back(prior);
   }
-  void add(const Field& field, double prior) { add(field_over(points_, field), prior); }
+  void add(const Field& field, double prior) { add(field_over(points_, extent_, field), prior); }
 
   void add_warp() {
     shape_.warp = true;
-    const double extent = points_.back().norm();
-    add(Field(bent_along_x), kBend * extent);
-    add(Field(bent_along_y), kBend * extent);
+    const double diagonal = std::hypot(extent_.width(), extent_.height());
+    add(Field(bent_along_x), kBend * diagonal);
+    add(Field(bent_along_y), kBend * diagonal);
   }
   void add_aspect() {
     shape_.aspect = true;
-    const double height = points_.back().y();
+    const double height = extent_.height();
     add([height](double, double y) { return Eigen::Vector3d(0, (y + 1) / 2 * height, 0); },
         kAspect);
   }
-  void add_offsets(double square) {
-    const Eigen::MatrixXd fields = offset_fields(points_);
+  void add_offsets(double cell) {
+    const Eigen::MatrixXd fields = offset_fields(points_, extent_);
     shape_.offsets = static_cast<std::size_t>(fields.cols());
     for (Eigen::Index i = 0; i < fields.cols(); ++i) {
-      add(Eigen::VectorXd(fields.col(i)), kOffset * square);
+      add(Eigen::VectorXd(fields.col(i)), kOffset * cell);
     }
   }
 
@@ -101,6 +104,7 @@ class Maker {
 
  private:
   Points points_;
+  BoardArea extent_;
   std::vector<Eigen::VectorXd> fields_;
   BoardShape shape_;
 };
@@ -108,18 +112,21 @@ class Maker {
 }  // namespace
 
 BoardShape make_shape(const Board& board, const SolveOptions& options) {
-  if (board.cols < 3 || board.rows < 3) return {};
+  // Two rows of points have no curvature, and few have no offsets of their own.
+  const auto grid = board.grid();
+  if (grid ? grid->cols < 3 || grid->rows < 3 : board.point_count() < kLeastPoints) return {};
   Maker maker(board);
   if (options.warp) maker.add_warp();
   if (options.aspect) maker.add_aspect();
-  if (options.offsets) maker.add_offsets(board.size);
+  if (options.offsets) maker.add_offsets(board.cell_size(board.ids().front()));
   return maker.take();
 }
 
 std::vector<Eigen::Vector3d> bent_points(const Board& board, const BoardWarp& warp) {
   Points points = board.points();
-  const Eigen::VectorXd along_x = field_over(points, bent_along_x);
-  const Eigen::VectorXd along_y = field_over(points, bent_along_y);
+  const BoardArea extent = board.extent();
+  const Eigen::VectorXd along_x = field_over(points, extent, bent_along_x);
+  const Eigen::VectorXd along_y = field_over(points, extent, bent_along_y);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto at = 3 * static_cast<Eigen::Index>(i);
     points[i] += warp.kx * along_x.segment<3>(at) + warp.ky * along_y.segment<3>(at);

@@ -15,7 +15,7 @@
 
 namespace calvin {
 
-// How the shape of a board may differ from the printed one: the point with id i moves by
+// How the shape of a board may differ from the printed one: point i of Board::points() moves by
 // coefficient[m] * displacement[i * modes + m], in m. The modes, in this order: the two curvatures
 // of BoardWarp (m), the aspect less 1, and an orthonormal basis of what corners may do (m).
 struct BoardShape {

@@ -56,15 +56,18 @@ void PointSet::append(const PointSet& from, std::size_t i) {
   weight.push_back(from.weight[i]);
 }
 
-PointSet to_points(const std::vector<Eigen::Vector3d>& printed, const Observation& observation) {
+PointSet to_points(const Board& board, const std::vector<Eigen::Vector3d>& points,
+                   const Observation& observation) {
   PointSet view;
   view.timestamp = observation.timestamp;
-  view.ids = observation.ids;
   view.uv = observation.uv;
+  view.ids.resize(observation.ids.size());
   view.points.resize(view.ids.size());
   view.weight.resize(view.ids.size());
   for (std::size_t i = 0; i < view.ids.size(); ++i) {
-    view.points[i] = printed[static_cast<std::size_t>(view.ids[i])];
+    const std::size_t index = board.index_of(observation.ids[i]).value();
+    view.ids[i] = static_cast<int>(index);
+    view.points[i] = points[index];
     const auto weight = weight_of(observation, i);
     view.weight[i] = weight.value_or(1);
     view.sigma_known = view.sigma_known && weight;

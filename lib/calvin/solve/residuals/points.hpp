@@ -11,6 +11,7 @@
 
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
+#include "calvin/target/board.hpp"
 
 namespace calvin {
 
@@ -19,7 +20,7 @@ struct PointSet {
   std::size_t index = 0;  // of the view it was made from
   std::size_t board = 0;  // equal for views of one board
   std::uint64_t timestamp = kNoTimestamp;
-  std::vector<int> ids;
+  std::vector<int> ids;                 // indices in Board::points(), which have no gaps
   std::vector<Eigen::Vector3d> points;  // m, board frame
   std::vector<Pixel> uv;                // px
   std::vector<double> weight;           // 1 / sigma; 0: left out
@@ -33,8 +34,8 @@ struct PointSet {
   void append(const PointSet& from, std::size_t i);  // one corner of another view
 };
 
-// The corners of one checked view; `printed` are the points of its board.
-[[nodiscard]] PointSet to_points(const std::vector<Eigen::Vector3d>& printed,
+// The corners of one checked view of `board`, whose points, bent or as printed, are `points`.
+[[nodiscard]] PointSet to_points(const Board& board, const std::vector<Eigen::Vector3d>& points,
                                  const Observation& observation);
 
 // Whether the points span a plane: at least 4, not all on one line.

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Checkerboard: dark and light squares, whose inner corners are the control points.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/core/relabelling.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/target/board_area.hpp"
+#include "calvin/target/grid.hpp"
+
+namespace calvin {
+
+// The square outside control point 0 is dark, which fixes control point 0 wherever cols + rows is
+// odd. What the functions answer is said of Board, in target/board.hpp.
+struct Checkerboard {
+  int cols = 0;     // inner corners along x
+  int rows = 0;     // along y
+  double size = 0;  // m, side of a square
+
+  [[nodiscard]] std::string text() const;
+  [[nodiscard]] Status check() const;
+  [[nodiscard]] int point_count() const noexcept { return cols * rows; }
+  [[nodiscard]] std::vector<int> ids() const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
+  [[nodiscard]] std::optional<std::size_t> index_of(int id) const noexcept;
+  [[nodiscard]] std::optional<Grid> grid() const noexcept { return Grid{cols, rows, size}; }
+  [[nodiscard]] std::vector<int> neighbours(int id) const;
+  [[nodiscard]] double cell_size(int /*id*/) const noexcept { return size; }
+  [[nodiscard]] BoardArea extent() const noexcept;
+  [[nodiscard]] BoardArea outline() const noexcept;
+  [[nodiscard]] std::vector<Relabelling> symmetries() const;
+  [[nodiscard]] bool looks_like(const Checkerboard& other) const noexcept;
+
+  friend bool operator==(const Checkerboard&, const Checkerboard&) = default;
+};
+
+}  // namespace calvin

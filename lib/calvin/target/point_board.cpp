@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a board of dots answers; which dots make a board.
+
+#include "calvin/target/point_board.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace calvin {
+
+namespace {
+
+// Dots within this many cells are neighbours: the four of a square grid, not those along its
+// diagonals.
+constexpr double kNear = 1.3;
+
+double distance(const PointBoard::Dot& a, const PointBoard::Dot& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+Status refuse(std::string why) {
+  return make_error(ErrorCode::kInvalidArgument,
+                    "These dots make no board: " + std::move(why) + ".");
+}
+
+// `dots` are in the order of their ids.
+Status check_dots(const std::vector<PointBoard::Dot>& dots) {
+  if (dots.size() < 4) return refuse(fmt::format("{} of them, at least 4 are needed", dots.size()));
+  for (std::size_t i = 0; i < dots.size(); ++i) {
+    const PointBoard::Dot& dot = dots[i];
+    if (dot.id < 0) return refuse(fmt::format("{} is no id", dot.id));
+    if (i > 0 && dots[i - 1].id == dot.id) {
+      return refuse(fmt::format("the id {} is given twice", dot.id));
+    }
+    if (!std::isfinite(dot.x) || !std::isfinite(dot.y) || !std::isfinite(dot.diameter) ||
+        !(dot.diameter > 0)) {
+      return refuse(fmt::format("the dot {} has no place or no size", dot.id));
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!(distance(dots[j], dot) > (dots[j].diameter + dot.diameter) / 2)) {
+        return refuse(fmt::format("the dots {} and {} touch", dots[j].id, dot.id));
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<PointBoard> PointBoard::make(std::string name, std::vector<Dot> dots) {
+  std::sort(dots.begin(), dots.end(), [](const Dot& a, const Dot& b) { return a.id < b.id; });
+  if (const Status status = check_dots(dots); !status) {
+    return tl::unexpected<Error>(status.error());
+  }
+  return PointBoard(std::make_shared<const Shared>(Shared{std::move(name), std::move(dots)}));
+}
+
+std::string PointBoard::text() const { return "points:" + shared_->name; }
+
+std::vector<int> PointBoard::ids() const {
+  std::vector<int> all;
+  for (const Dot& dot : dots()) all.push_back(dot.id);
+  return all;
+}
+
+std::vector<Eigen::Vector3d> PointBoard::points() const {
+  std::vector<Eigen::Vector3d> all;
+  for (const Dot& dot : dots()) all.emplace_back(dot.x, dot.y, 0);
+  return all;
+}
+
+std::optional<std::size_t> PointBoard::index_of(int id) const noexcept {
+  const auto at = std::lower_bound(dots().begin(), dots().end(), id,
+                                   [](const Dot& dot, int wanted) { return dot.id < wanted; });
+  if (at == dots().end() || at->id != id) return std::nullopt;
+  return static_cast<std::size_t>(at - dots().begin());
+}
+
+std::vector<int> PointBoard::neighbours(int id) const {
+  std::vector<int> all;
+  const auto index = index_of(id);
+  if (!index) return all;
+  const double own = cell_size(id);
+  for (const Dot& dot : dots()) {
+    if (dot.id == id) continue;
+    // By the larger cell of the two: a neighbour has this one for its neighbour.
+    const double reach = kNear * std::max(own, cell_size(dot.id));
+    if (distance(dots()[*index], dot) <= reach) all.push_back(dot.id);
+  }
+  return all;
+}
+
+double PointBoard::cell_size(int id) const noexcept {
+  const auto index = index_of(id);
+  if (!index) return 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Dot& dot : dots()) {
+    if (dot.id != id) nearest = std::min(nearest, distance(dots()[*index], dot));
+  }
+  return nearest;
+}
+
+BoardArea PointBoard::area(double diameters) const noexcept {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  BoardArea area{kFar, kFar, -kFar, -kFar};
+  for (const Dot& dot : dots()) {
+    const double reach = diameters * dot.diameter;
+    area.left = std::min(area.left, dot.x - reach);
+    area.top = std::min(area.top, dot.y - reach);
+    area.right = std::max(area.right, dot.x + reach);
+    area.bottom = std::max(area.bottom, dot.y + reach);
+  }
+  return area;
+}
+
+BoardArea PointBoard::extent() const noexcept { return area(0); }
+// Half a diameter of light is left around the outer dots.
+BoardArea PointBoard::outline() const noexcept { return area(1); }
+
+}  // namespace calvin

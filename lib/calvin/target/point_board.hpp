@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// PointBoard: round dots at known places, each with an id of its own.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/core/relabelling.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/target/board_area.hpp"
+#include "calvin/target/grid.hpp"
+
+namespace calvin {
+
+// Dots in the plane z = 0 of the board frame, dark on light, that need not lie on a grid; ids may
+// have gaps. A control point is the centre of a dot. Copies share what make() was given. What the
+// functions answer is said of Board, in target/board.hpp.
+class PointBoard {
+ public:
+  struct Dot {
+    int id = 0;
+    double x = 0;  // m, board frame
+    double y = 0;
+    double diameter = 0;  // m
+
+    friend bool operator==(const Dot&, const Dot&) = default;
+  };
+
+  // `name` stands in the board's text: "points:NAME". kInvalidArgument without 4 dots, for an id
+  // that is negative or given twice, and for dots that touch or are no numbers.
+  [[nodiscard]] static Result<PointBoard> make(std::string name, std::vector<Dot> dots);
+
+  // In the order of their ids.
+  [[nodiscard]] const std::vector<Dot>& dots() const noexcept { return shared_->dots; }
+
+  [[nodiscard]] std::string text() const;
+  [[nodiscard]] Status check() const { return {}; }
+  [[nodiscard]] int point_count() const noexcept { return static_cast<int>(dots().size()); }
+  [[nodiscard]] std::vector<int> ids() const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
+  [[nodiscard]] std::optional<std::size_t> index_of(int id) const noexcept;
+  [[nodiscard]] std::optional<Grid> grid() const noexcept { return std::nullopt; }
+  [[nodiscard]] std::vector<int> neighbours(int id) const;
+  [[nodiscard]] double cell_size(int id) const noexcept;
+  [[nodiscard]] BoardArea extent() const noexcept;
+  [[nodiscard]] BoardArea outline() const noexcept;
+  [[nodiscard]] std::vector<Relabelling> symmetries() const { return {}; }
+  [[nodiscard]] bool looks_like(const PointBoard& other) const noexcept { return *this == other; }
+
+  friend bool operator==(const PointBoard& a, const PointBoard& b) {
+    return a.shared_ == b.shared_ || *a.shared_ == *b.shared_;
+  }
+
+ private:
+  struct Shared {
+    std::string name;
+    std::vector<Dot> dots;
+    friend bool operator==(const Shared&, const Shared&) = default;
+  };
+
+  explicit PointBoard(std::shared_ptr<const Shared> shared) : shared_(std::move(shared)) {}
+  [[nodiscard]] BoardArea area(double diameters) const noexcept;
+
+  std::shared_ptr<const Shared> shared_;
+};
+
+}  // namespace calvin

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What boards of each kind answer: their points by id, neighbours, extent, and what they look like.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+namespace {
+
+// Four dots around one in the middle, 50 mm apart along x and 30 mm along y; ids with gaps.
+std::vector<PointBoard::Dot> five_dots() {
+  return {{20, 0.05, 0.03, 0.01},
+          {3, 0, 0.03, 0.01},
+          {7, 0.1, 0.03, 0.02},
+          {40, 0.05, 0, 0.01},
+          {41, 0.05, 0.06, 0.01}};
+}
+
+Board point_board() { return PointBoard::make("plate.json", five_dots()).value(); }
+
+const Board kBoards[] = {Checkerboard{4, 3, 0.1}, point_board()};
+
+class BoardKinds : public ::testing::TestWithParam<Board> {};
+INSTANTIATE_TEST_SUITE_P(Each, BoardKinds, ::testing::ValuesIn(kBoards), [](const auto& test) {
+  return test.index == 0 ? "Checkerboard" : "Points";
+});
+
+TEST_P(BoardKinds, HasAPointForEachIdAndForNoOther) {
+  const Board& board = GetParam();
+  const auto ids = board.ids();
+  ASSERT_EQ(static_cast<int>(ids.size()), board.point_count());
+  ASSERT_EQ(board.points().size(), ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) EXPECT_EQ(board.index_of(ids[i]), i);
+  int known = 0;
+  for (int id = -5; id < 100; ++id) known += board.index_of(id).has_value() ? 1 : 0;
+  EXPECT_EQ(known, board.point_count());
+}
+
+TEST_P(BoardKinds, ANeighbourIsOneBothWays) {
+  const Board& board = GetParam();
+  for (const int id : board.ids()) {
+    for (const int other : board.neighbours(id)) {
+      const auto back = board.neighbours(other);
+      EXPECT_NE(std::find(back.begin(), back.end(), id), back.end()) << id << " " << other;
+    }
+  }
+  EXPECT_TRUE(board.neighbours(-1).empty());
+}
+
+TEST_P(BoardKinds, ThePointsFillTheExtentAndTheOutlineIsAroundIt) {
+  const Board& board = GetParam();
+  const BoardArea extent = board.extent();
+  const BoardArea outline = board.outline();
+  BoardArea seen = {1e9, 1e9, -1e9, -1e9};
+  for (const Eigen::Vector3d& p : board.points()) {
+    seen = {std::min(seen.left, p.x()), std::min(seen.top, p.y()), std::max(seen.right, p.x()),
+            std::max(seen.bottom, p.y())};
+  }
+  EXPECT_NEAR(extent.left, seen.left, 1e-15);
+  EXPECT_NEAR(extent.right, seen.right, 1e-15);
+  EXPECT_NEAR(extent.top, seen.top, 1e-15);
+  EXPECT_NEAR(extent.bottom, seen.bottom, 1e-15);
+  EXPECT_LT(outline.left, extent.left);
+  EXPECT_LT(outline.top, extent.top);
+  EXPECT_GT(outline.right, extent.right);
+  EXPECT_GT(outline.bottom, extent.bottom);
+}
+
+TEST_P(BoardKinds, IsEqualToItselfAlone) {
+  int equal = 0;
+  for (const Board& other : kBoards) equal += other == GetParam() ? 1 : 0;
+  EXPECT_EQ(equal, 1);
+  EXPECT_TRUE(GetParam().looks_like(GetParam()));
+  EXPECT_TRUE(GetParam().check().has_value());
+}
+
+TEST(Checkerboards, KnowTheirNeighbours) {
+  const Board board = Checkerboard{4, 3, 0.1};
+  EXPECT_EQ(board.neighbours(0), (std::vector<int>{1, 4}));
+  EXPECT_EQ(board.neighbours(5), (std::vector<int>{1, 4, 6, 9}));
+  EXPECT_EQ(board.neighbours(11), (std::vector<int>{7, 10}));
+  EXPECT_EQ(board.neighbours(7), (std::vector<int>{3, 6, 11})) << "a row does not go on below";
+}
+
+TEST(Checkerboards, LookLikeThoseOfAnotherSizeAndThoseOnTheirSide) {
+  const Board board = Checkerboard{9, 6, 0.025};
+  EXPECT_TRUE(board.looks_like(Checkerboard{9, 6, 0.1}));
+  EXPECT_TRUE(board.looks_like(Checkerboard{6, 9, 0.025}));
+  EXPECT_FALSE(board.looks_like(Checkerboard{9, 7, 0.025}));
+  EXPECT_FALSE(board.looks_like(point_board()));
+  EXPECT_NE(board, Board(Checkerboard{6, 9, 0.025}));
+}
+
+TEST(PointBoards, AreInTheOrderOfTheirIds) {
+  const Board board = point_board();
+  EXPECT_EQ(board.text(), "points:plate.json");
+  EXPECT_EQ(board.ids(), (std::vector<int>{3, 7, 20, 40, 41}));
+  EXPECT_FALSE(board.grid().has_value());
+  EXPECT_TRUE(board.symmetries().empty());
+  EXPECT_EQ(board.points()[1], Eigen::Vector3d(0.1, 0.03, 0));
+  EXPECT_NEAR(board.cell_size(3), 0.05, 1e-15);
+  EXPECT_NEAR(board.cell_size(40), 0.03, 1e-15);
+  EXPECT_EQ(board.neighbours(20), (std::vector<int>{3, 7, 40, 41}));
+  EXPECT_EQ(board.neighbours(40), (std::vector<int>{3, 7, 20}));
+  EXPECT_NEAR(board.outline().right, 0.12, 1e-15) << "a diameter beyond the centre of the dot";
+}
+
+TEST(PointBoards, OfWrongDotsThereAreNone) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](auto change, std::string_view why) {
+    auto dots = five_dots();
+    change(dots);
+    const auto board = PointBoard::make("x", dots);
+    ASSERT_FALSE(board.has_value()) << why;
+    EXPECT_EQ(board.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(board.error().message.find(why), std::string::npos) << board.error().message;
+  };
+  refused([](auto& dots) { dots.resize(3); }, "at least 4");
+  refused([](auto& dots) { dots[2].id = 3; }, "given twice");
+  refused([](auto& dots) { dots[2].id = -1; }, "no id");
+  refused([](auto& dots) { dots[1].x = kNan; }, "no place");
+  refused([](auto& dots) { dots[1].diameter = 0; }, "no size");
+  refused([](auto& dots) { dots[1].x = 0.045; }, "touch");
+}
+
+}  // namespace
+}  // namespace calvin
