@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "calvin/camera/lens_table.hpp"
 #include "calvin/core/text.hpp"
 #include "export_warp_maps.hpp"
 
@@ -27,14 +28,12 @@ inline calvin::Result<std::string> nvdewarper(const Warp& warp) {
   if (o.pan != 0 || o.tilt != 0 || o.roll != 0) return refuse("a view that is turned");
   if (c.skew() != 0) return refuse("skew");
   const auto& p = c.parameters();
-  std::vector<double> k;  // three radial, then two tangential ones; of a fisheye four
-  if (c.model() == "fisheye") {
-    k = {p[4], p[5], p[6], p[7]};
-  } else if (c.model() == "pinhole") {
-    k = {0, 0, 0, 0, 0};
-  } else if (c.model() == "brown4" || c.model() == "brown5") {
-    k = {p[4], p[5], p.size() > 8 ? p[8] : 0, p[6], p[7]};
-  } else {
+  const calvin::OpenCvForm form = calvin::find_lens(c.model())->opencv;
+  std::vector<double> k(p.begin() + 4, p.end());
+  if (form == calvin::OpenCvForm::kBrown && k.size() <= 5) {
+    k.resize(5);
+    k = {k[0], k[1], k[4], k[2], k[3]};  // three radial, then two tangential ones
+  } else if (form != calvin::OpenCvForm::kFisheye) {
     return refuse("this camera model");
   }
   const calvin::ImageSize out = warp.output();
@@ -138,75 +137,20 @@ inline double widest_angle(const calvin::Camera& camera) {
 }
 
 // The direction d, of length 1, -> the distorted point (x, y).
-inline calvin::Result<std::string> glsl_lens(const calvin::Camera& camera) {
-  std::vector<std::string> k;
-  for (std::size_t i = 4; i < camera.parameters().size(); ++i) {
-    k.push_back(real(camera.parameters()[i]));
+inline std::string glsl_lens(const calvin::Camera& camera) {
+  const calvin::LensTraits& lens = *calvin::find_lens(camera.model());
+  std::string text;
+  for (std::size_t i = 0; i < lens.coefficients.size(); ++i) {
+    text += fmt::format("  const float {} = {};\n", lens.coefficients[i],
+                        real(camera.parameters()[4 + i]));
   }
-  const std::string_view model = camera.model();
-  if (model == "fisheye") {
-    return fmt::format(R"(  float across = length(vec2(d.x, d.y));
-  float t = atan(across, d.z);
-  float t2 = t * t;
-  float r = t * (1.0 + t2 * ({} + t2 * ({} + t2 * ({} + t2 * {}))));
-  float x = across > 0.0 ? d.x / across * r : 0.0;
-  float y = across > 0.0 ? d.y / across * r : 0.0;
-)",
-                       k[0], k[1], k[2], k[3]);
-  }
-  if (model == "ucm" || model == "eucm") {
-    return fmt::format(
-        R"(  float w = {0} * sqrt({1} * (d.x * d.x + d.y * d.y) + d.z * d.z) + (1.0 - {0}) * d.z;
-  float x = d.x / w;
-  float y = d.y / w;
-)",
-        k[0], model == "ucm" ? "1.0" : k[1]);
-  }
-  if (model == "doublesphere") {
-    return fmt::format(R"(  float z = {0} + d.z;
-  float w = {1} * sqrt(d.x * d.x + d.y * d.y + z * z) + (1.0 - {1}) * z;
-  float x = d.x / w;
-  float y = d.y / w;
-)",
-                       k[0], k[1]);
-  }
-  const bool tilts = model == "tilted14";
-  if (model != "pinhole" && model != "brown4" && model != "brown5" && model != "rational8" &&
-      model != "thinprism12" && !tilts) {
-    return calvin::make_error(calvin::ErrorCode::kUnsupported,
-                              fmt::format("There are no formulae for the model {}.", model));
-  }
-  k.resize(14, "0.0");
-  std::string text = fmt::format(
-      R"(  float a = d.x / d.z;
-  float b = d.y / d.z;
-  float r2 = a * a + b * b;
-  float radial = (1.0 + r2 * ({0} + r2 * ({1} + r2 * {4}))) / (1.0 + r2 * ({5} + r2 * ({6} + r2 * {7})));
-  float x = a * radial + 2.0 * {2} * a * b + {3} * (r2 + 2.0 * a * a) + r2 * ({8} + r2 * {9});
-  float y = b * radial + {2} * (r2 + 2.0 * b * b) + 2.0 * {3} * a * b + r2 * ({10} + r2 * {11});
-)",
-      k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7], k[8], k[9], k[10], k[11]);
-  if (tilts) {
-    const double tx = camera.parameters()[16];
-    const double ty = camera.parameters()[17];
-    text += fmt::format(
-        R"(  float w = {0} * x - {1} * y + {2};
-  float tilted = ({3} * y - {4} * x) / w;
-  x = {5} * x / w;
-  y = tilted;
-)",
-        real(std::sin(ty)), real(std::cos(ty) * std::sin(tx)), real(std::cos(ty) * std::cos(tx)),
-        real(std::cos(ty)), real(std::sin(tx) * std::sin(ty)), real(std::cos(tx)));
-  }
-  return text;
+  return text + lens.glsl;
 }
 
 // A fragment shader for GStreamer's glshader and the like (GLSL ES 1.00, GLSL 1.10): the first row
 // of the picture is at v_texcoord.y = 0.
 inline calvin::Result<std::string> glsl(const Warp& warp) {
   const calvin::Camera& c = warp.source;
-  const auto lens = glsl_lens(c);
-  if (!lens) return tl::unexpected(lens.error());
   const calvin::Camera& plane = warp.view.camera.plane();
   const calvin::ImageSize in = warp.input();
   const calvin::ImageSize out = warp.output();
@@ -246,7 +190,7 @@ void main() {{
 }}
 )",
       in.width, in.height, out.width, out.height, real(plane.cx()), real(plane.fx()),
-      real(plane.cy()), real(plane.fy()), turn, real(std::cos(widest_angle(c))), *lens,
+      real(plane.cy()), real(plane.fy()), turn, real(std::cos(widest_angle(c))), glsl_lens(c),
       real(c.fx()), real(c.skew()), real(c.cx()), real(c.fy()), real(c.cy()),
       glsl_end(warp.options.projection), glsl_ray(warp.options.projection));
 }

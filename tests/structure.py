@@ -42,10 +42,10 @@ class Room:
     def __init__(self, name):
         self.name = name
         text = (top / "lib/calvin" / name / "meson.build").read_text()
-        self.compiled = re.findall(r"'([\w/-]+\.cpp)'", text)
         # A folder without a .cpp is named by a comment: "# kernels/common/: headers alone".
-        named = re.findall(r"(?:'|# )([\w/-]+)/(?:[\w-]+\.cpp'|:)", text)
-        self.folders = list(dict.fromkeys(named))
+        found = re.findall(r"'([\w/-]+\.cpp)'|# ([\w/-]+/):", text)
+        self.named = [source or folder for source, folder in found]
+        self.folders = list(dict.fromkeys(folder_of(n) for n in self.named if folder_of(n)))
 
     def rank(self, name):
         """Of a file, by its name inside the room: what it includes must have no higher one."""
@@ -56,9 +56,9 @@ class Room:
                 self.folders.append(folder)
             return 1 + self.folders.index(folder)
         source = pathlib.PurePath(name).with_suffix(".cpp").name
-        if source not in self.compiled:
+        if source not in self.named:
             return 0  # plain types
-        behind = self.compiled[: self.compiled.index(source)]
+        behind = self.named[: self.named.index(source)]
         return len(self.folders) + 1 if any(folder_of(f) for f in behind) else 0
 
 

@@ -5,6 +5,14 @@
 
 #include "solve/solver_properties.hpp"
 
+#include <string>
+
+#include <fmt/format.h>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/core/text.hpp"
+#include "calvin/io/calibration_io.hpp"
+
 namespace calvin::gst {
 
 namespace {
@@ -35,6 +43,21 @@ GType capture_mode_type() {
       {0, nullptr, nullptr}};
   static const GType kType = g_enum_register_static("GstCalibSolveCaptureMode", kValues);
   return kType;
+}
+
+// Blurbs that list what the library has. They are never freed: GObject keeps the pointers.
+const char* model_blurb() {
+  static const auto& kBlurb = *new std::string(
+      fmt::format("Camera model: {}, or auto for the simplest one that tells all views",
+                  join(model_names(), ", ")));
+  return kBlurb.c_str();
+}
+
+const char* export_blurb() {
+  static const auto& kBlurb = *new std::string(
+      fmt::format("Further files in other formats, FORMAT:PATH,FORMAT:PATH with the formats {}",
+                  join(calibration_formats(), ", ")));
+  return kBlurb.c_str();
 }
 
 }  // namespace
@@ -82,17 +105,11 @@ void install_solver_properties(GObjectClass* object_class) {
        "File for the calibration (native JSON), written at the first solve and whenever it got "
        "better; that of another session is replaced by the final result, or by one as good",
        nullptr, kMutablePlaying);
-  text(kExport, "export", "Export",
-       "Further files in other formats, FORMAT:PATH,FORMAT:PATH with the formats calvin, ros, "
-       "opencv-yaml, opencv-xml, opencv-json",
-       nullptr, kMutablePlaying);
+  text(kExport, "export", "Export", export_blurb(), nullptr, kMutablePlaying);
   text(kCamera, "camera", "Camera",
        "Name of the camera in messages and files (unset = the one that the observations carry)",
        nullptr, kMutablePlaying);
-  text(kModel, "model", "Model",
-       "Camera model: pinhole, brown4, brown5, rational8, thinprism12, tilted14, fisheye, ucm, "
-       "eucm, doublesphere, or auto for the simplest one that tells all views",
-       "brown5", kMutablePlaying);
+  text(kModel, "model", "Model", model_blurb(), "brown5", kMutablePlaying);
   text(kFix, "fix", "Fix",
        "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
        "else a distortion coefficient at 0 and cx, cy (center for both) at the middle of the "

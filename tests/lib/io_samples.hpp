@@ -4,6 +4,7 @@
 // Calibrations to write and files to read, for the tests of io/.
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/camera/lens_table.hpp"
 #include "calvin/core/calibration.hpp"
 #include "calvin_config.h"
 
@@ -26,30 +28,14 @@ inline Calibration sample(const std::string& model) {
                             {"fy", 518.0 + 1.0 / 3, {}},
                             {"cx", 325, {}},
                             {"cy", 236.00000000000003, {}}};
-  const auto add = [&](const char* name, double value) {
-    calibration.parameters.push_back({name, value, {}});
-  };
-  const bool wide =
-      model == "fisheye" || model == "ucm" || model == "eucm" || model == "doublesphere";
-  if (wide) {
+  const LensTraits& lens = *find_lens(model);
+  if (!lens.perspective) {
     for (auto& p : calibration.parameters) p.value *= p.name[0] == 'f' ? 0.5 : 1;
   }
-  if (model == "fisheye") {
-    add("k1", -0.02), add("k2", 0.005), add("k3", -0.003), add("k4", 5e-4);
-  } else if (model == "ucm") {
-    add("alpha", 2.0 / 3);
-  } else if (model == "eucm") {
-    add("alpha", 2.0 / 3), add("beta", 1.1);
-  } else if (model == "doublesphere") {
-    add("xi", -0.2), add("alpha", 4.0 / 7);
-  } else if (model != "pinhole") {
-    add("k1", -0.28), add("k2", 0.09), add("p1", 5e-4), add("p2", -7e-05);
-    if (model != "brown4") add("k3", 1e-3 / 7);
-    if (model != "brown4" && model != "brown5") add("k4", 0.01), add("k5", -0.02), add("k6", 3e-3);
-    if (model == "thinprism12" || model == "tilted14") {
-      add("s1", 1e-3), add("s2", -2e-3), add("s3", 5e-4), add("s4", 1e-3 / 3);
-    }
-    if (model == "tilted14") add("taux", 0.01), add("tauy", -0.02);
+  for (std::size_t i = 0; i < lens.coefficients.size(); ++i) {
+    const auto& [low, high] = lens.typical[i];
+    calibration.parameters.push_back(
+        {std::string(lens.coefficients[i]), low + (high - low) / 3, {}});
   }
   return calibration;
 }
@@ -148,10 +134,10 @@ inline bool readable(std::string_view format) {
 
 // The file formats of OpenCV and ROS know the lenses of their own programs only.
 inline bool holds(std::string_view format, std::string_view model) {
-  const std::size_t coefficients = parameter_names(model).size() - 4;
-  if (format == "calvin") return true;
-  if (model == "ucm" || model == "eucm" || model == "doublesphere") return false;
-  return format != "ros" || coefficients <= 8;
+  static const std::set<std::string_view> kOfRos = {"pinhole", "brown4", "brown5", "rational8",
+                                                    "fisheye"};
+  if (format == "calvin" || kOfRos.contains(model)) return true;
+  return format != "ros" && (model == "thinprism12" || model == "tilted14");
 }
 
 }  // namespace calvin::test

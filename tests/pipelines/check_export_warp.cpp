@@ -245,6 +245,13 @@ TEST(Glsl, ShowsThePixels) {
       options, glsl::shader_tilted::calvin_source);
 }
 
+TEST(Glsl, HasEveryLens) {
+  for (const auto& [setting, source] : glsl::kLensShaders) {
+    SCOPED_TRACE(setting);
+    expect_shader(setting, {}, source);
+  }
+}
+
 // ---- ffmpeg itself
 // --------------------------------------------------------------------------------
 

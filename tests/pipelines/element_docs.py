@@ -2,11 +2,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Compares the property table of each page in docs/elements with the introspected element.
 
+Where a blurb lists all camera models, the page points to the table that describes them; a model that
+is missing there is one that the page does not have.
+
     element_docs.py DOCS_DIR           compares every page
     element_docs.py --print ELEMENT    prints the table as it should be
 """
 
 import pathlib
+import re
 import sys
 
 import gi
@@ -23,6 +27,7 @@ MUTABLE = {
     1 << (GObject.PARAM_USER_SHIFT + 4): "PLAYING",
 }
 CONTROLLABLE = 1 << (GObject.PARAM_USER_SHIFT + 1)
+CONVENTIONS = pathlib.Path(__file__).parents[2] / "docs" / "conventions.md"
 
 
 def type_and_default(spec):
@@ -42,6 +47,18 @@ def type_and_default(spec):
     return f"{name} {spec.minimum:.10g}..{spec.maximum:.10g}", f"{default:.10g}"
 
 
+def camera_models():
+    """The names in the table of camera models."""
+    section = CONVENTIONS.read_text().split("\n## Camera models\n")[1].split("\n## ")[0]
+    return re.findall(r"^\| `(\w+)` \|", section, re.MULTILINE)
+
+
+def described(blurb):
+    """A blurb as the page has it."""
+    models = ", ".join(camera_models())
+    return blurb.replace(models, "one of the [models](../conventions.md#camera-models)")
+
+
 def row(spec):
     """One row of the table."""
     kind, default = type_and_default(spec)
@@ -52,7 +69,7 @@ def row(spec):
     else:
         changes = "read only"
     default = f"`{default}`" if default else ""
-    blurb = spec.blurb.replace("|", "\\|")
+    blurb = described(spec.blurb).replace("|", "\\|")
     return f"| `{spec.name}` | {kind} | {default} | {changes} | {blurb} |"
 
 

@@ -17,6 +17,8 @@
 
 namespace glsl {
 
+#include "lens_shaders.inc"
+
 namespace shader_brown {
 #include "brown.frag"
 }

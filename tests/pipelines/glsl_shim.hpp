@@ -32,6 +32,7 @@ inline double sqrt(double a) { return std::sqrt(a); }
 inline double max(double a, double b) { return std::fmax(a, b); }
 inline double atan(double y, double x) { return std::atan2(y, x); }
 inline double length(const vec2& a) { return std::hypot(a.x, a.y); }
+inline double length(const vec3& a) { return std::hypot(a.x, a.y, a.z); }
 inline vec3 normalize(const vec3& a) {
   const double n = std::hypot(a.x, a.y, a.z);
   return {a.x / n, a.y / n, a.z / n};

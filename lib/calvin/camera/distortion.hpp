@@ -9,6 +9,10 @@
 //                               only what lies in front of the camera
 //   kStarts                     coefficients to start a solve from, one of which leads to the
 //                               optimum of any lens that the model fits
+//   kTypical                    between which numbers each coefficient of common lenses lies; tests
+//                               draw theirs from there
+//   kCandidate                  whether the model `auto` tries it
+//   kOpenCv                     how OpenCV's files hold it (OpenCvForm)
 //   distort<T>(d, p, xy, jp, jd)
 //                               point in the camera frame -> distorted normalised plane, over T =
 //                               double or DoubleVec (double_vec-inl.hpp). d: kCount numbers; p: x y
@@ -25,17 +29,21 @@
 //                               turned; false where this model has none
 //   undistort(d, limit, xy)     the inverse of distort(): a unit ray, absent outside the valid
 //                               image
-// Its file is compiled once per target of Highway.
+//   glsl()                      the formula of distort() as text (LensTraits::glsl)
+// Its file, in camera/lenses, is compiled once per target of Highway. The list of lenses is in
+// camera/meson.build.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <Eigen/Core>
 
+#include "calvin/camera/lens_traits.hpp"
 #include "calvin/core/orientation.hpp"
 
 namespace calvin::lens {

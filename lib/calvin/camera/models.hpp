@@ -6,8 +6,7 @@
 //   v = fy y_d + cy
 // Scalar code says lens::Brown5 and Model<lens::Brown5>; a kernel that Highway compiles once per
 // target takes lens::HWY_NAMESPACE::Brown5 and includes this after hwy/foreach_target.h.
-// To add a model: write its lens in a file of its own and add it to `AllLenses`; what follows from
-// there, and what does not, is under "How to add" in docs/architecture.md.
+// AllLenses is made from the list in camera/meson.build, which a new lens is added to.
 #if defined(CALVIN_CAMERA_MODELS_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CALVIN_CAMERA_MODELS_HPP
 #undef CALVIN_CAMERA_MODELS_HPP
@@ -15,25 +14,7 @@
 #define CALVIN_CAMERA_MODELS_HPP
 #endif
 
-#include <tuple>
-
-#include "calvin/camera/brown4-inl.hpp"
-#include "calvin/camera/brown5-inl.hpp"
-#include "calvin/camera/doublesphere-inl.hpp"
-#include "calvin/camera/eucm-inl.hpp"
-#include "calvin/camera/fisheye-inl.hpp"
-#include "calvin/camera/pinhole-inl.hpp"
-#include "calvin/camera/rational8-inl.hpp"
-#include "calvin/camera/thinprism12-inl.hpp"
-#include "calvin/camera/tilted14-inl.hpp"
-#include "calvin/camera/ucm-inl.hpp"
-
-namespace calvin::lens::HWY_NAMESPACE {
-
-using AllLenses = std::tuple<Pinhole, Brown4, Brown5, Rational8, ThinPrism12, Tilted14, Fisheye,
-                             Ucm, Eucm, DoubleSphere>;
-
-}  // namespace calvin::lens::HWY_NAMESPACE
+#include "calvin/camera/lens_list-inl.hpp"
 
 #endif  // CALVIN_CAMERA_MODELS_HPP
 

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Converts between a calibration and OpenCV's camera matrix and distortion vector; finds the
-// smallest model that holds the coefficients.
+// smallest model that holds the coefficients. Which lenses OpenCV has, they say themselves
+// (LensTraits::opencv).
 
 #include "calvin/io/opencv_camera.hpp"
 
@@ -10,64 +11,67 @@
 
 #include <fmt/format.h>
 
+#include "calvin/camera/lens_table.hpp"
+
 namespace calvin::io {
 
 namespace {
 
-constexpr std::array<std::string_view, 14> kBrownOrder = {
-    "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "taux", "tauy"};
-constexpr std::array<std::string_view, 4> kFisheyeOrder = {"k1", "k2", "k3", "k4"};
-
-struct Row {
-  std::string_view model;
-  std::size_t count;
-};
-// By size: a file's coefficients take the first model that fits.
-constexpr std::array<Row, 6> kBrownFamily = {{{"pinhole", 0},
-                                              {"brown4", 4},
-                                              {"brown5", 5},
-                                              {"rational8", 8},
-                                              {"thinprism12", 12},
-                                              {"tilted14", 14}}};
-
-// The smallest model that holds all coefficients that are not zero, brown5 at least from 5 on.
-const Row& smallest_model(const std::vector<double>& d) {
-  std::size_t used = d.size();
-  while (used > 5 && d[used - 1] == 0) --used;
-  return *std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
-                       [&](const Row& row) { return row.count >= used; });
+// The lenses of that form by their number of coefficients: a file's take the first that fits.
+std::vector<const LensTraits*> lenses_of(OpenCvForm form) {
+  std::vector<const LensTraits*> family;
+  for (const LensTraits& lens : all_lenses()) {
+    if (lens.opencv == form) family.push_back(&lens);
+  }
+  std::stable_sort(family.begin(), family.end(), [](const LensTraits* a, const LensTraits* b) {
+    return a->coefficients.size() < b->coefficients.size();
+  });
+  return family;
 }
 
-Result<std::string_view> model_for(const OpenCvCamera& camera) {
+const LensTraits& largest(OpenCvForm form) { return *lenses_of(form).back(); }
+
+// The smallest model that holds all coefficients that are not zero, brown5 at least from 5 on.
+const LensTraits& smallest_model(const std::vector<double>& d) {
+  std::size_t used = d.size();
+  while (used > 5 && d[used - 1] == 0) --used;
+  const auto family = lenses_of(OpenCvForm::kBrown);
+  return **std::find_if(family.begin(), family.end(), [used](const LensTraits* lens) {
+    return lens->coefficients.size() >= used;
+  });
+}
+
+Result<const LensTraits*> model_for(const OpenCvCamera& camera) {
   const auto& d = camera.distortion;
   if (camera.fisheye) {
-    if (d.empty() || d.size() == kFisheyeOrder.size()) return "fisheye";
+    const LensTraits& fisheye = largest(OpenCvForm::kFisheye);
+    if (d.empty() || d.size() == fisheye.coefficients.size()) return &fisheye;
     return make_error(
         ErrorCode::kMalformed,
         fmt::format("a fisheye camera has 4 distortion coefficients, not {}", d.size()));
   }
-  if (std::none_of(kBrownFamily.begin(), kBrownFamily.end(),
-                   [&](const Row& row) { return row.count == d.size(); })) {
+  const auto family = lenses_of(OpenCvForm::kBrown);
+  if (std::none_of(family.begin(), family.end(),
+                   [&](const LensTraits* lens) { return lens->coefficients.size() == d.size(); })) {
     return make_error(
         ErrorCode::kMalformed,
         fmt::format("there are {} distortion coefficients; 4, 5, 8, 12 or 14 are right", d.size()));
   }
-  return smallest_model(d).model;
+  return &smallest_model(d);
 }
 
 }  // namespace
 
-std::vector<std::string_view> coefficient_names(bool fisheye, std::size_t count) {
-  if (fisheye) return {kFisheyeOrder.begin(), kFisheyeOrder.end()};
-  return {kBrownOrder.begin(),
-          kBrownOrder.begin() + static_cast<std::ptrdiff_t>(std::min(count, kBrownOrder.size()))};
+const LensTraits* opencv_lens(std::string_view model) {
+  const LensTraits* lens = find_lens(model);
+  return lens == nullptr || lens->opencv == OpenCvForm::kNone ? nullptr : lens;
 }
 
-std::optional<std::size_t> coefficient_count(std::string_view model) {
-  if (model == "fisheye") return kFisheyeOrder.size();
-  const auto row = std::find_if(kBrownFamily.begin(), kBrownFamily.end(),
-                                [&](const Row& r) { return r.model == model; });
-  return row == kBrownFamily.end() ? std::nullopt : std::optional(row->count);
+std::vector<std::string_view> coefficient_names(bool fisheye, std::size_t count) {
+  if (fisheye) return largest(OpenCvForm::kFisheye).coefficients;
+  auto names = largest(OpenCvForm::kBrown).coefficients;
+  names.resize(std::min(count, names.size()));
+  return names;
 }
 
 Result<Calibration> from_opencv(const OpenCvCamera& camera, ImageSize size) {
@@ -76,13 +80,13 @@ Result<Calibration> from_opencv(const OpenCvCamera& camera, ImageSize size) {
     return make_error(ErrorCode::kMalformed,
                       "the camera matrix has not the form fx 0 cx, 0 fy cy, 0 0 1");
   }
-  const auto model = model_for(camera);
-  if (!model) return tl::unexpected(model.error());
+  const auto lens = model_for(camera);
+  if (!lens) return tl::unexpected(lens.error());
   Calibration calibration;
   calibration.image_size = size;
-  calibration.model = *model;
+  calibration.model = (*lens)->model;
   calibration.parameters = {{"fx", k[0], {}}, {"fy", k[4], {}}, {"cx", k[2], {}}, {"cy", k[5], {}}};
-  const auto names = coefficient_names(camera.fisheye, coefficient_count(*model).value_or(0));
+  const auto& names = (*lens)->coefficients;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const double value = camera.distortion.empty() ? 0 : camera.distortion[i];
     calibration.parameters.push_back({std::string(names[i]), value, {}});
@@ -97,16 +101,20 @@ Result<OpenCvCamera> to_opencv(const Calibration& calibration) {
     return p == nullptr ? 0.0 : p->value;
   };
   OpenCvCamera camera;
-  camera.fisheye = calibration.model == "fisheye";
-  const auto count = coefficient_count(calibration.model);
-  if (!count) return make_error(ErrorCode::kUnsupported, "OpenCV has no such camera model.");
+  const LensTraits* lens = opencv_lens(calibration.model);
+  if (lens == nullptr) {
+    return make_error(ErrorCode::kUnsupported, "OpenCV has no such camera model.");
+  }
+  camera.fisheye = lens->opencv == OpenCvForm::kFisheye;
   camera.k = {value("fx"), value("skew"), value("cx"), 0, value("fy"), value("cy"), 0, 0, 1};
   for (const std::string_view name :
-       coefficient_names(camera.fisheye, std::max<std::size_t>(*count, 4))) {
+       coefficient_names(camera.fisheye, std::max<std::size_t>(lens->coefficients.size(), 4))) {
     camera.distortion.push_back(value(name));
   }
   // As it will be read again.
-  if (!camera.fisheye) camera.distortion.resize(smallest_model(camera.distortion).count);
+  if (!camera.fisheye) {
+    camera.distortion.resize(smallest_model(camera.distortion).coefficients.size());
+  }
   return camera;
 }
 

@@ -6,10 +6,10 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string_view>
 #include <vector>
 
+#include "calvin/camera/lens_traits.hpp"
 #include "calvin/core/calibration.hpp"
 
 namespace calvin::io {
@@ -30,8 +30,8 @@ struct OpenCvCamera {
 // OpenCV does not have.
 [[nodiscard]] Result<OpenCvCamera> to_opencv(const Calibration& calibration);
 
-// How many coefficients a model has in OpenCV; absent where it is none of OpenCV's.
-[[nodiscard]] std::optional<std::size_t> coefficient_count(std::string_view model);
+// The lens of a model that OpenCV has; nullptr for any other.
+[[nodiscard]] const LensTraits* opencv_lens(std::string_view model);
 
 // The names of the coefficients, in OpenCV's order.
 [[nodiscard]] std::vector<std::string_view> coefficient_names(bool fisheye, std::size_t count);

@@ -74,7 +74,7 @@ Result<std::string> print_opencv(const Syntax& syntax, const Calibration& calibr
 
 }  // namespace
 
-bool opencv_holds(std::string_view model) { return coefficient_count(model).has_value(); }
+bool opencv_holds(std::string_view model) { return opencv_lens(model) != nullptr; }
 
 Result<std::string> print_opencv_yaml(const Calibration& calibration) {
   return print_opencv(kYaml, calibration);

@@ -48,8 +48,9 @@ std::string print_matrix(std::string_view name, const Matrix& matrix) {
 }  // namespace
 
 bool ros_holds(std::string_view model) {
-  const auto count = coefficient_count(model);
-  return count && model_for(model == "fisheye", *count) != nullptr;
+  const LensTraits* lens = opencv_lens(model);
+  return lens != nullptr &&
+         model_for(lens->opencv == OpenCvForm::kFisheye, lens->coefficients.size()) != nullptr;
 }
 
 bool is_ros(const Node& root) { return root.find("distortion_model") != nullptr; }

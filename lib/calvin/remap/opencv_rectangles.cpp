@@ -10,8 +10,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string_view>
 
+#include "calvin/camera/lens_table.hpp"
 #include "calvin_config.h"
 
 namespace calvin {
@@ -26,11 +26,7 @@ using Coefficients = std::array<double, 14>;
 // The coefficients of a camera; absent for a model that OpenCV undistorts by another function, or
 // not at all.
 std::optional<Coefficients> coefficients_of(const Camera& camera) {
-  constexpr std::array<std::string_view, 6> kModels = {"pinhole",   "brown4",      "brown5",
-                                                       "rational8", "thinprism12", "tilted14"};
-  if (std::find(kModels.begin(), kModels.end(), camera.model()) == kModels.end()) {
-    return std::nullopt;
-  }
+  if (find_lens(camera.model())->opencv != OpenCvForm::kBrown) return std::nullopt;
   Coefficients k = {};
   std::copy(camera.parameters().begin() + 4, camera.parameters().end(), k.begin());
   return k;

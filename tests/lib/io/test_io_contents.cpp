@@ -4,6 +4,7 @@
 // What is written, to the letter: every format with every lens that it holds, no two numbers alike,
 // against the order that OpenCV's and ROS's own documentation gives.
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,10 +34,6 @@ const std::map<std::string, Words> kOpenCvOrder = {
     {"fisheye", {"k1", "k2", "k3", "k4"}},
 };
 
-// And of those that only the native format has.
-const std::map<std::string, Words> kOthers = {
-    {"ucm", {"alpha"}}, {"eucm", {"alpha", "beta"}}, {"doublesphere", {"xi", "alpha"}}};
-
 // The distortion_model of sensor_msgs/CameraInfo and its number of coefficients.
 const std::map<std::string, std::pair<std::string, std::size_t>> kRos = {
     {"pinhole", {"plumb_bob", 5}},   {"brown4", {"plumb_bob", 5}},
@@ -46,22 +43,40 @@ const std::map<std::string, std::pair<std::string, std::size_t>> kRos = {
 
 // The texts of all values and sigmas, each once.
 const std::map<std::string, std::string> kValues = {
-    {"fx", "501.5"}, {"fy", "502.25"},  {"cx", "303.5"},   {"cy", "204.75"},  {"k1", "0.011"},
-    {"k2", "0.012"}, {"p1", "0.013"},   {"p2", "0.014"},   {"k3", "0.015"},   {"k4", "0.016"},
-    {"k5", "0.017"}, {"k6", "0.018"},   {"s1", "0.019"},   {"s2", "0.021"},   {"s3", "0.022"},
-    {"s4", "0.023"}, {"taux", "0.024"}, {"tauy", "0.025"}, {"alpha", "0.55"}, {"beta", "1.05"},
-    {"xi", "-0.15"}, {"skew", "0.75"}};
+    {"fx", "501.5"}, {"fy", "502.25"},  {"cx", "303.5"},   {"cy", "204.75"}, {"k1", "0.011"},
+    {"k2", "0.012"}, {"p1", "0.013"},   {"p2", "0.014"},   {"k3", "0.015"},  {"k4", "0.016"},
+    {"k5", "0.017"}, {"k6", "0.018"},   {"s1", "0.019"},   {"s2", "0.021"},  {"s3", "0.022"},
+    {"s4", "0.023"}, {"taux", "0.024"}, {"tauy", "0.025"}, {"skew", "0.75"}};
 
-std::string sigma_of(const std::string& name) {
-  const auto at = std::distance(kValues.begin(), kValues.find(name));
-  return fmt::format("{}.125", at + 1);
+// Those of the lenses that only the native format has come after them.
+std::size_t place_of(const std::string& name) {
+  std::set<std::string> others;
+  for (const std::string_view model : model_names()) {
+    for (const std::string_view other : parameter_names(model)) others.emplace(other);
+  }
+  for (const auto& [known, value] : kValues) others.erase(known);
+  const auto it = kValues.find(name);
+  const auto place = it != kValues.end() ? std::distance(kValues.begin(), it)
+                                         : std::distance(others.begin(), others.find(name)) +
+                                               static_cast<std::ptrdiff_t>(kValues.size());
+  return static_cast<std::size_t>(place);
 }
+
+std::string value_of(const std::string& name) {
+  const auto it = kValues.find(name);
+  return it != kValues.end() ? it->second : fmt::format("0.5{}1", place_of(name));
+}
+
+std::string sigma_of(const std::string& name) { return fmt::format("{}.125", place_of(name) + 1); }
 
 Words parameters_of(const std::string& model) {
   Words names = kPinhole;
-  const auto it = kOpenCvOrder.find(model);
-  const Words& lens = it != kOpenCvOrder.end() ? it->second : kOthers.at(model);
-  names.insert(names.end(), lens.begin(), lens.end());
+  if (const auto it = kOpenCvOrder.find(model); it != kOpenCvOrder.end()) {
+    names.insert(names.end(), it->second.begin(), it->second.end());
+  } else {
+    const auto known = parameter_names(model);
+    names.assign(known.begin(), known.end());
+  }
   names.emplace_back("skew");
   return names;
 }
@@ -76,7 +91,7 @@ Calibration calibration_of(const std::string& model) {
   c.model = model;
   const Words names = parameters_of(model);
   for (const std::string& name : names) {
-    c.parameters.push_back({name, std::stod(kValues.at(name)), std::stod(sigma_of(name))});
+    c.parameters.push_back({name, std::stod(value_of(name)), std::stod(sigma_of(name))});
   }
   // One that was not estimated has no sigma and no row.
   c.parameters[2].sigma.reset();
@@ -91,7 +106,7 @@ Calibration calibration_of(const std::string& model) {
 
 Words values_of(const Words& names) {
   Words values;
-  for (const std::string& name : names) values.push_back(kValues.at(name));
+  for (const std::string& name : names) values.push_back(value_of(name));
   return values;
 }
 
@@ -192,7 +207,7 @@ std::string native_of(const std::string& model) {
   Words parameters;
   Words sigmas;
   for (const std::string& name : parameters_of(model)) {
-    parameters.push_back(fmt::format("\"{}\": {}", name, kValues.at(name)));
+    parameters.push_back(fmt::format("\"{}\": {}", name, value_of(name)));
     if (name != "cx") sigmas.push_back(fmt::format("\"{}\": {}", name, sigma_of(name)));
   }
   Words rows;
@@ -245,7 +260,7 @@ TEST(FileContents, EveryFormatWithEveryLens) {
       ++written;
     }
   }
-  EXPECT_EQ(written, 10 + 3 * 7 + 5);
+  EXPECT_EQ(written, static_cast<int>(model_names().size()) + 3 * 7 + 5);
 }
 
 // Coefficients make a lens of so many, be they 0: a pinhole is written with four, and ROS's

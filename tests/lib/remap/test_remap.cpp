@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include "lens_samples.hpp"
 #include "remap_planes.hpp"
 
 namespace calvin {
@@ -223,6 +224,32 @@ TEST(RemapMap, ATinyPictureIsRefusedOrMapped) {
     const Camera source = Camera::make("pinhole", size, {5, 5, 0.5, 0.5}).value();
     const auto undistorter = Undistorter::make(source, {}, {kLayouts[2].layout});
     EXPECT_EQ(undistorter.has_value(), size.width > 1 && size.height > 1) << size.width;
+  }
+}
+
+TEST(RemapMap, LeadsThroughEveryLensAsItProjects) {
+  const ImageSize size = {320, 240};
+  const Lens no_fold = {"pinhole", "pinhole", {}};
+  for (const LensTraits& lens : all_lenses()) {
+    for (const auto& coefficients : samples::lens(lens.model).coefficients) {
+      SCOPED_TRACE(std::string(lens.model) + ::testing::PrintToString(coefficients));
+      const double focal = (lens.perspective ? 0.8 : 0.45) * size.width;
+      std::vector<double> parameters = {focal, 0.98 * focal, 162, 117};
+      parameters.insert(parameters.end(), coefficients.begin(), coefficients.end());
+      const Camera source = Camera::make(lens.model, size, parameters).value();
+      const Undistorter undistorter = undistorter_for(source, 0);
+      const Camera& output = undistorter.output();
+      const auto place_of = [&](double u, double v) -> reference::Place {
+        const auto at =
+            source.project({(u - output.cx()) / output.fx(), (v - output.cy()) / output.fy(), 1});
+        return {at.value_or(Pixel{-1e3, -1e3}), 0};
+      };
+      const Comparison result =
+          compare(no_fold, size, place_of, kLayouts[0], undistort(undistorter, 0));
+      EXPECT_LE(result.worst, 1);
+      EXPECT_EQ(result.wrong_fill, 0);
+      EXPECT_GT(result.valid, size.width * size.height / 4);
+    }
   }
 }
 

@@ -6,7 +6,6 @@
 #include "calvin/solve/judge/auto_model.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -14,16 +13,26 @@
 
 #include <fmt/format.h>
 
+#include "calvin/camera/lens_table.hpp"
 #include "calvin/core/text.hpp"
 
 namespace calvin {
 
 namespace {
 
-// In order of their number of parameters. Models with more parameters are for lenses that are known
-// to need them, and are not tried.
-constexpr std::array<std::string_view, 8> kCandidates = {
-    "pinhole", "ucm", "eucm", "doublesphere", "brown4", "fisheye", "brown5", "rational8"};
+// The models whose lenses say so (LensTraits::candidate), in order of their number of parameters.
+std::vector<std::string_view> candidates() {
+  std::vector<const LensTraits*> lenses;
+  for (const LensTraits& lens : all_lenses()) {
+    if (lens.candidate) lenses.push_back(&lens);
+  }
+  std::stable_sort(lenses.begin(), lenses.end(), [](const LensTraits* a, const LensTraits* b) {
+    return a->coefficients.size() < b->coefficients.size();
+  });
+  std::vector<std::string_view> models;
+  for (const LensTraits* lens : lenses) models.push_back(lens->model);
+  return models;
+}
 
 // The least gain of a richer model, in standard deviations of the paired difference: 2.3 % of noise
 // exceeds it.
@@ -96,7 +105,7 @@ double gain(const Trial& a, const Trial& b) {
 std::vector<Trial> try_all(const std::vector<PointSet>& views, const BoardShape& shape,
                            ImageSize size, SolveOptions options, const std::stop_token& stop) {
   std::vector<Trial> trials;
-  for (const std::string_view model : kCandidates) {
+  for (const std::string_view model : candidates()) {
     if (stop.stop_requested()) break;
     options.model = model;
     auto solution = solve_points(views, shape, size, options, stop);

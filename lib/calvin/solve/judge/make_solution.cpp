@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/camera/models.hpp"
 #include "calvin/camera/monotone.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/dense.hpp"
@@ -73,16 +74,24 @@ tl::unexpected<Error> inseparable(const Parameterization& parameterization) {
       parameterization.model));
 }
 
-// The sigma of the focal length on the axis, of fx (0) or fy (1), over that length: doublesphere
-// has f / (1 + xi) there.
+// The sigma of the focal length on the axis, of fx (0) or fy (1), over that length: f m there, with
+// the magnification m of the lens, as 1 / (1 + xi) of doublesphere.
 double relative_axis_sigma(const Fit& fit, const Parameterization& parameterization,
                            const Eigen::MatrixXd& c, int i) {
-  constexpr int kXi = 4;
-  const double f = fit.shared[static_cast<std::size_t>(i)];
-  if (parameterization.model != "doublesphere") return std::sqrt(c(i, i)) / f;
-  const double by_xi = -1 / (1 + fit.shared[kXi]);
-  const double square = c(i, i) / (f * f) + 2 * c(i, kXi) * by_xi / f + c(kXi, kXi) * by_xi * by_xi;
-  return std::sqrt(std::max(square, 0.0));
+  constexpr double kBeside = 1e-6;                             // rad from the axis
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(c.rows());  // of log(f m)
+  gradient[i] = 1 / fit.shared[static_cast<std::size_t>(i)];
+  visit_model(parameterization.model, [&]<typename M>() {
+    const double p[3] = {i == 0 ? kBeside : 0, i == 1 ? kBeside : 0, 1};
+    double xy[2];
+    double jp[6];
+    double jd[2 * std::max(M::Lens::kCount, 1)];
+    M::Lens::template distort<double>(&fit.shared[4], p, xy, jp, jd);
+    for (int k = 0; k < M::Lens::kCount; ++k) {
+      gradient[4 + k] = jd[i * M::Lens::kCount + k] / xy[i];
+    }
+  });
+  return std::sqrt(std::max(gradient.dot(c * gradient), 0.0));
 }
 
 // Whether focal lengths and principal point are determined well enough to be a camera.

@@ -6,14 +6,13 @@
 #include "calvin/solve/residuals/parameterization.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "calvin/camera/camera.hpp"
-#include "calvin/camera/models.hpp"
+#include "calvin/camera/lens_table.hpp"
 #include "calvin/core/image.hpp"
 #include "calvin/core/text.hpp"
 
@@ -21,24 +20,16 @@ namespace calvin {
 
 namespace {
 
-// Models whose coefficients mean the same where they have the same name.
-constexpr std::array<std::string_view, 6> kBrownFamily = {"pinhole",   "brown4",      "brown5",
-                                                          "rational8", "thinprism12", "tilted14"};
-
 constexpr std::string_view kSkew = "skew";
-
-bool is_brown(std::string_view model) {
-  return std::find(kBrownFamily.begin(), kBrownFamily.end(), model) != kBrownFamily.end();
-}
 
 using Names = std::vector<std::string_view>;
 
-// The parameters of `model` as `calibration` has them; coefficients that it does not have
-// are those of `start`.
+// The parameters of a model with that lens as `calibration` has them; coefficients that it does not
+// have are those that a solve starts from.
 std::vector<double> values_of(const Calibration& calibration, const Names& names,
-                              std::string_view model, const std::vector<double>& start) {
-  const bool related =
-      calibration.model == model || (is_brown(calibration.model) && is_brown(model));
+                              const LensTraits& lens) {
+  const bool related = share_coefficients(*find_lens(calibration.model), lens);
+  const std::vector<double>& start = lens.starts.front();
   std::vector<double> values;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const bool pinhole = i < 4 || names[i] == kSkew;
@@ -126,17 +117,6 @@ class Reader {
   const Names& names_;
   Pixel center_;
 };
-
-LensTraits traits_of(std::string_view model) {
-  LensTraits traits;
-  visit_model(model, [&]<typename M>() {
-    traits.perspective = M::Lens::kPerspective;
-    for (const auto& start : M::Lens::kStarts) {
-      traits.starts.emplace_back(start.begin(), start.end());
-    }
-  });
-  return traits;
-}
 
 // A parameter that is tied to a held one is held too; a chain of ties ends at a free parameter.
 Status resolve_ties(Parameterization& parameterization, const Names& names) {
@@ -235,7 +215,7 @@ Result<Parameterization> make_parameterization(const SolveOptions& options, Imag
   }
   Parameterization parameterization;
   parameterization.model = options.model;
-  parameterization.lens = traits_of(options.model);
+  parameterization.lens = *find_lens(options.model);
   parameterization.layout = {static_cast<int>(names.size()) - 4, options.skew, modes};
   if (options.skew) names.push_back(kSkew);
   parameterization.held.resize(static_cast<std::size_t>(parameterization.layout.shared()));
@@ -249,8 +229,7 @@ Result<Parameterization> make_parameterization(const SolveOptions& options, Imag
                       camera->image_size().width, camera->image_size().height, size.width,
                       size.height));
     }
-    parameterization.initial =
-        values_of(*options.initial, names, options.model, parameterization.lens.starts.front());
+    parameterization.initial = values_of(*options.initial, names, parameterization.lens);
     parameterization.initial.resize(parameterization.held.size(), 0);
     if (!options.skew) parameterization.skew = camera->skew();
   }

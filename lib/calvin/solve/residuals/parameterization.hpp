@@ -12,18 +12,13 @@
 
 #include <Eigen/Core>
 
+#include "calvin/camera/lens_traits.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/solve/options.hpp"
 #include "calvin/solve/residuals/camera_problem.hpp"
 #include "calvin/solve/residuals/view_rows.hpp"
 
 namespace calvin {
-
-// The properties of a lens that a solve depends on.
-struct LensTraits {
-  bool perspective = true;                  // a pinhole where its coefficients are zero
-  std::vector<std::vector<double>> starts;  // coefficients to start from
-};
 
 // "unknown" is a parameter of the model, its skew where that is estimated, or a mode of the board,
 // in the order of RowLayout.

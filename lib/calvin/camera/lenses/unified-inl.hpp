@@ -6,17 +6,17 @@
 //   s = 1 / (alpha d + (1 - alpha) Z)            with d = sqrt(beta rho^2 + Z^2)
 // B. Khomutenko, G. Garcia, P. Martinet, An Enhanced Unified Camera Model, RA-L 1(1), 2016, eq.
 // 3-9; V. Usenko, N. Demmel, D. Cremers, The Double Sphere Camera Model, 3DV 2018, section 2.
-#if defined(CALVIN_CAMERA_UNIFIED_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_UNIFIED_INL_HPP
-#undef CALVIN_CAMERA_UNIFIED_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_UNIFIED_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_UNIFIED_INL_HPP
+#undef CALVIN_CAMERA_LENSES_UNIFIED_INL_HPP
 #else
-#define CALVIN_CAMERA_UNIFIED_INL_HPP
+#define CALVIN_CAMERA_LENSES_UNIFIED_INL_HPP
 #endif
 
 #include <algorithm>
 #include <optional>
 
-#include "calvin/camera/radial-inl.hpp"
+#include "calvin/camera/lenses/radial-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {
@@ -65,4 +65,4 @@ inline std::optional<double> unified_depth(double alpha, double r) {
 }  // namespace calvin::lens::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // CALVIN_CAMERA_UNIFIED_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_UNIFIED_INL_HPP

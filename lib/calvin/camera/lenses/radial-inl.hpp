@@ -9,11 +9,11 @@
 //   limit(d)                    rad
 //   angle(d, limit, r)          the angle from the axis of what is seen at sqrt(x_d^2 + y_d^2) = r;
 //                               absent past the rim
-#if defined(CALVIN_CAMERA_RADIAL_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_RADIAL_INL_HPP
-#undef CALVIN_CAMERA_RADIAL_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_RADIAL_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_RADIAL_INL_HPP
+#undef CALVIN_CAMERA_LENSES_RADIAL_INL_HPP
 #else
-#define CALVIN_CAMERA_RADIAL_INL_HPP
+#define CALVIN_CAMERA_LENSES_RADIAL_INL_HPP
 #endif
 
 #include "calvin/camera/distortion.hpp"
@@ -76,4 +76,4 @@ struct Radial {
 }  // namespace calvin::lens::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // CALVIN_CAMERA_RADIAL_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_RADIAL_INL_HPP

@@ -7,17 +7,17 @@
 //   theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
 //   (x_d, y_d) = theta_d (X, Y) / sqrt(X^2 + Y^2)
 // J. Kannala, S. Brandt, A Generic Camera Model and Calibration Method, PAMI 28(8), 2006, eq. 6.
-#if defined(CALVIN_CAMERA_FISHEYE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_FISHEYE_INL_HPP
-#undef CALVIN_CAMERA_FISHEYE_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_FISHEYE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_FISHEYE_INL_HPP
+#undef CALVIN_CAMERA_LENSES_FISHEYE_INL_HPP
 #else
-#define CALVIN_CAMERA_FISHEYE_INL_HPP
+#define CALVIN_CAMERA_LENSES_FISHEYE_INL_HPP
 #endif
 
 #include <numbers>
 #include <utility>
 
-#include "calvin/camera/radial-inl.hpp"
+#include "calvin/camera/lenses/radial-inl.hpp"
 #include "calvin/geometry/polynomial.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -28,6 +28,10 @@ struct Fisheye : Radial<Fisheye> {
   static constexpr int kCount = 4;
   static constexpr std::array<std::array<double, kCount>, 1> kStarts = {};
   static constexpr std::array<std::string_view, kCount> kNames = {"k1", "k2", "k3", "k4"};
+  static constexpr std::array<CoefficientRange, kCount> kTypical = {
+      {{-0.03, 0.03}, {-0.01, 0.01}, {-0.005, 0.005}, {-0.002, 0.002}}};
+  static constexpr bool kCandidate = true;
+  static constexpr OpenCvForm kOpenCv = OpenCvForm::kFisheye;
 
   template <typename T>
   static HWY_INLINE Scale<T> scale(const double* d, T rho2, T z, T* by_d) {
@@ -71,9 +75,19 @@ struct Fisheye : Radial<Fisheye> {
     };
     return invert_growing(polynomial, r, limit);
   }
+
+  static std::string glsl() {
+    return R"(  float across = length(vec2(d.x, d.y));
+  float t = atan(across, d.z);
+  float t2 = t * t;
+  float r = t * (1.0 + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4))));
+  float x = across > 0.0 ? d.x / across * r : 0.0;
+  float y = across > 0.0 ? d.y / across * r : 0.0;
+)";
+  }
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // CALVIN_CAMERA_FISHEYE_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_FISHEYE_INL_HPP

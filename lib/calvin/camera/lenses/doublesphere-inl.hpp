@@ -6,16 +6,16 @@
 //   d1 = sqrt(rho^2 + Z^2)      s = 1 / (alpha sqrt(rho^2 + (xi d1 + Z)^2) + (1 - alpha) (xi d1 +
 //   Z))
 // V. Usenko, N. Demmel, D. Cremers, The Double Sphere Camera Model, 3DV 2018, eq. 40-52.
-#if defined(CALVIN_CAMERA_DOUBLESPHERE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_DOUBLESPHERE_INL_HPP
-#undef CALVIN_CAMERA_DOUBLESPHERE_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_DOUBLESPHERE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_DOUBLESPHERE_INL_HPP
+#undef CALVIN_CAMERA_LENSES_DOUBLESPHERE_INL_HPP
 #else
-#define CALVIN_CAMERA_DOUBLESPHERE_INL_HPP
+#define CALVIN_CAMERA_LENSES_DOUBLESPHERE_INL_HPP
 #endif
 
 #include <cmath>
 
-#include "calvin/camera/unified-inl.hpp"
+#include "calvin/camera/lenses/unified-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {
@@ -27,6 +27,9 @@ struct DoubleSphere : Radial<DoubleSphere> {
   static constexpr std::array<std::array<double, kCount>, 3> kStarts = {
       {{0, 0.5}, {-0.2, 0.6}, {0.2, 0.6}}};
   static constexpr std::array<std::string_view, kCount> kNames = {"xi", "alpha"};
+  static constexpr std::array<CoefficientRange, kCount> kTypical = {{{-0.25, 0.1}, {0.5, 0.7}}};
+  static constexpr bool kCandidate = true;
+  static constexpr OpenCvForm kOpenCv = OpenCvForm::kNone;
 
   template <typename T>
   static HWY_INLINE Scale<T> scale(const double* d, T rho2, T z, T* by_d) {
@@ -63,9 +66,17 @@ struct DoubleSphere : Radial<DoubleSphere> {
     const double k = (*z * d[0] + std::sqrt(square)) / (*z * *z + r * r);
     return std::min(std::atan2(k * r, k * *z - d[0]), limit);
   }
+
+  static std::string glsl() {
+    return R"(  float z = xi * length(d) + d.z;
+  float w = alpha * sqrt(d.x * d.x + d.y * d.y + z * z) + (1.0 - alpha) * z;
+  float x = d.x / w;
+  float y = d.y / w;
+)";
+  }
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // CALVIN_CAMERA_DOUBLESPHERE_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_DOUBLESPHERE_INL_HPP

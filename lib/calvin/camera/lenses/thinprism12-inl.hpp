@@ -3,21 +3,22 @@
 
 // The rational model with a thin prism: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 (OpenCV's
 // CALIB_THIN_PRISM_MODEL).
-#if defined(CALVIN_CAMERA_THINPRISM12_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_THINPRISM12_INL_HPP
-#undef CALVIN_CAMERA_THINPRISM12_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_THINPRISM12_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_THINPRISM12_INL_HPP
+#undef CALVIN_CAMERA_LENSES_THINPRISM12_INL_HPP
 #else
-#define CALVIN_CAMERA_THINPRISM12_INL_HPP
+#define CALVIN_CAMERA_LENSES_THINPRISM12_INL_HPP
 #endif
 
-#include "calvin/camera/brown-inl.hpp"
+#include "calvin/camera/lenses/brown-inl.hpp"
 
 namespace calvin::lens::HWY_NAMESPACE {
 
 struct ThinPrism12 : Brown<12> {
   static constexpr std::string_view kName = "thinprism12";
+  static constexpr bool kCandidate = false;
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
 
-#endif  // CALVIN_CAMERA_THINPRISM12_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_THINPRISM12_INL_HPP

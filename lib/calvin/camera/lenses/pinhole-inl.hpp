@@ -2,11 +2,11 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // A lens without distortion: x_d = X/Z, y_d = Y/Z.
-#if defined(CALVIN_CAMERA_PINHOLE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_PINHOLE_INL_HPP
-#undef CALVIN_CAMERA_PINHOLE_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_PINHOLE_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_PINHOLE_INL_HPP
+#undef CALVIN_CAMERA_LENSES_PINHOLE_INL_HPP
 #else
-#define CALVIN_CAMERA_PINHOLE_INL_HPP
+#define CALVIN_CAMERA_LENSES_PINHOLE_INL_HPP
 #endif
 
 #include <limits>
@@ -23,6 +23,9 @@ struct Pinhole {
   static constexpr bool kPerspective = true;
   static constexpr std::array<std::array<double, 0>, 1> kStarts = {};
   static constexpr std::array<std::string_view, 0> kNames = {};
+  static constexpr std::array<CoefficientRange, 0> kTypical = {};
+  static constexpr bool kCandidate = true;
+  static constexpr OpenCvForm kOpenCv = OpenCvForm::kBrown;
 
   template <typename T>
   static HWY_INLINE MaskOf<T> distort(const double* /*d*/, const T* p, T* xy, T* jp, T* /*jd*/) {
@@ -50,9 +53,15 @@ struct Pinhole {
                                                   const double* xy) {
     return Eigen::Vector3d(xy[0], xy[1], 1).normalized();
   }
+
+  static std::string glsl() {
+    return R"(  float x = d.x / d.z;
+  float y = d.y / d.z;
+)";
+  }
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // CALVIN_CAMERA_PINHOLE_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_PINHOLE_INL_HPP

@@ -8,11 +8,11 @@
 //   | c_x        0         0       |
 //   | -s_x s_y   c_y       0       |
 //   | s_y        -c_y s_x  c_y c_x |
-#if defined(CALVIN_CAMERA_TILT_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_TILT_INL_HPP
-#undef CALVIN_CAMERA_TILT_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_TILT_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_TILT_INL_HPP
+#undef CALVIN_CAMERA_LENSES_TILT_INL_HPP
 #else
-#define CALVIN_CAMERA_TILT_INL_HPP
+#define CALVIN_CAMERA_LENSES_TILT_INL_HPP
 #endif
 
 #include <cmath>
@@ -71,4 +71,4 @@ class Tilt {
 }  // namespace calvin::lens::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // CALVIN_CAMERA_TILT_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_TILT_INL_HPP

@@ -2,21 +2,22 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Brown's model with two radial terms: k1 k2 p1 p2 ("radtan" of Kalibr, OPENCV of COLMAP).
-#if defined(CALVIN_CAMERA_BROWN4_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_BROWN4_INL_HPP
-#undef CALVIN_CAMERA_BROWN4_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_BROWN4_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_BROWN4_INL_HPP
+#undef CALVIN_CAMERA_LENSES_BROWN4_INL_HPP
 #else
-#define CALVIN_CAMERA_BROWN4_INL_HPP
+#define CALVIN_CAMERA_LENSES_BROWN4_INL_HPP
 #endif
 
-#include "calvin/camera/brown-inl.hpp"
+#include "calvin/camera/lenses/brown-inl.hpp"
 
 namespace calvin::lens::HWY_NAMESPACE {
 
 struct Brown4 : Brown<4> {
   static constexpr std::string_view kName = "brown4";
+  static constexpr bool kCandidate = true;
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
 
-#endif  // CALVIN_CAMERA_BROWN4_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_BROWN4_INL_HPP

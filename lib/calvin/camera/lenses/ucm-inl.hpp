@@ -4,16 +4,16 @@
 // The unified camera model, alpha: unified-inl.hpp with beta = 1. Mei's xi = alpha / (1 - alpha),
 // and his focal length is f / (1 - alpha); alpha = 0 is a pinhole, 1/2 a stereographic lens. C.
 // Mei, P. Rives, Single View Point Omnidirectional Camera Calibration from Planar Grids, ICRA 2007.
-#if defined(CALVIN_CAMERA_UCM_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_UCM_INL_HPP
-#undef CALVIN_CAMERA_UCM_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_UCM_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_UCM_INL_HPP
+#undef CALVIN_CAMERA_LENSES_UCM_INL_HPP
 #else
-#define CALVIN_CAMERA_UCM_INL_HPP
+#define CALVIN_CAMERA_LENSES_UCM_INL_HPP
 #endif
 
 #include <cmath>
 
-#include "calvin/camera/unified-inl.hpp"
+#include "calvin/camera/lenses/unified-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace calvin::lens::HWY_NAMESPACE {
@@ -23,6 +23,9 @@ struct Ucm : Radial<Ucm> {
   static constexpr int kCount = 1;
   static constexpr std::array<std::array<double, kCount>, 2> kStarts = {{{0.3}, {0.6}}};
   static constexpr std::array<std::string_view, kCount> kNames = {"alpha"};
+  static constexpr std::array<CoefficientRange, kCount> kTypical = {{{0.5, 0.7}}};
+  static constexpr bool kCandidate = true;
+  static constexpr OpenCvForm kOpenCv = OpenCvForm::kNone;
 
   template <typename T>
   static HWY_INLINE Scale<T> scale(const double* d, T rho2, T z, T* by_d) {
@@ -38,9 +41,16 @@ struct Ucm : Radial<Ucm> {
     if (!z) return std::nullopt;
     return std::min(std::atan2(r, *z), limit);
   }
+
+  static std::string glsl() {
+    return R"(  float w = alpha * length(d) + (1.0 - alpha) * d.z;
+  float x = d.x / w;
+  float y = d.y / w;
+)";
+  }
 };
 
 }  // namespace calvin::lens::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // CALVIN_CAMERA_UCM_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_UCM_INL_HPP

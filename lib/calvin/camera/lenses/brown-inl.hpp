@@ -12,18 +12,18 @@
 // after it); J. Weng, P. Cohen, M. Herniou, Camera Calibration with Distortion Models and Accuracy
 // Evaluation, PAMI 14(10), 1992 (s1 to s4); T. Louhichi et al., Self-calibration of Scheimpflug
 // cameras, Measurement Science and Technology 18(8), 2007 (taux tauy).
-#if defined(CALVIN_CAMERA_BROWN_INL_HPP) == defined(HWY_TARGET_TOGGLE)
-#ifdef CALVIN_CAMERA_BROWN_INL_HPP
-#undef CALVIN_CAMERA_BROWN_INL_HPP
+#if defined(CALVIN_CAMERA_LENSES_BROWN_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CALVIN_CAMERA_LENSES_BROWN_INL_HPP
+#undef CALVIN_CAMERA_LENSES_BROWN_INL_HPP
 #else
-#define CALVIN_CAMERA_BROWN_INL_HPP
+#define CALVIN_CAMERA_LENSES_BROWN_INL_HPP
 #endif
 
 #include <utility>
 
 #include "calvin/camera/distortion.hpp"
 #include "calvin/camera/double_vec-inl.hpp"
-#include "calvin/camera/tilt-inl.hpp"
+#include "calvin/camera/lenses/tilt-inl.hpp"
 #include "calvin/geometry/polynomial.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -32,6 +32,20 @@ namespace calvin::lens::HWY_NAMESPACE {
 // kCoefficients of these, in OpenCV's order; the others are zero.
 inline constexpr std::array<std::string_view, 14> kBrownNames = {
     "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "taux", "tauy"};
+inline constexpr std::array<CoefficientRange, 14> kBrownTypical = {{{-0.3, 0.1},
+                                                                    {-0.05, 0.12},
+                                                                    {-1e-3, 1e-3},
+                                                                    {-1e-3, 1e-3},
+                                                                    {-0.03, 0.03},
+                                                                    {-0.1, 0.1},
+                                                                    {-0.02, 0.02},
+                                                                    {-0.01, 0.01},
+                                                                    {-1e-3, 1e-3},
+                                                                    {-1e-3, 1e-3},
+                                                                    {-1e-3, 1e-3},
+                                                                    {-1e-3, 1e-3},
+                                                                    {-0.03, 0.03},
+                                                                    {-0.03, 0.03}}};
 
 // The models that derive from it add no function. Their files go without Highway's pragmas: clang
 // 19 warns of those where there is none.
@@ -42,10 +56,16 @@ struct Brown {
   static constexpr int kCount = kCoefficients;
   static constexpr bool kPerspective = true;
   static constexpr std::array<std::array<double, kCount>, 1> kStarts = {};
+  static constexpr OpenCvForm kOpenCv = OpenCvForm::kBrown;
   static constexpr std::array<std::string_view, kCount> kNames = [] {
     std::array<std::string_view, kCount> names;
     std::copy(kBrownNames.begin(), kBrownNames.begin() + kCount, names.begin());
     return names;
+  }();
+  static constexpr std::array<CoefficientRange, kCount> kTypical = [] {
+    std::array<CoefficientRange, kCount> ranges{};
+    std::copy(kBrownTypical.begin(), kBrownTypical.begin() + kCount, ranges.begin());
+    return ranges;
   }();
 
   template <typename T>
@@ -147,6 +167,31 @@ struct Brown {
     }
     if (!arrived || !(x * x + y * y <= limit * limit)) return std::nullopt;
     return Eigen::Vector3d(x, y, 1).normalized();
+  }
+
+  static std::string glsl() {
+    std::string text = R"(  float a = d.x / d.z;
+  float b = d.y / d.z;
+  float r2 = a * a + b * b;
+)";
+    const std::string last = kCount == 4 ? "k2" : "(k2 + r2 * k3)";
+    text += "  float radial = 1.0 + r2 * (k1 + r2 * " + last + ");\n";
+    if (kRational) text += "  radial = radial / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)));\n";
+    text += R"(  float x = a * radial + 2.0 * p1 * a * b + p2 * (r2 + 2.0 * a * a);
+  float y = b * radial + p1 * (r2 + 2.0 * b * b) + 2.0 * p2 * a * b;
+)";
+    if (kPrism) {
+      text += R"(  x = x + r2 * (s1 + r2 * s2);
+  y = y + r2 * (s3 + r2 * s4);
+)";
+    }
+    if (kTilted) {
+      text += R"(  float w = sin(tauy) * x - cos(tauy) * sin(taux) * y + cos(tauy) * cos(taux);
+  y = (cos(tauy) * y - sin(taux) * sin(tauy) * x) / w;
+  x = cos(taux) * x / w;
+)";
+    }
+    return text;
   }
 
  private:
@@ -266,4 +311,4 @@ struct Brown {
 }  // namespace calvin::lens::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#endif  // CALVIN_CAMERA_BROWN_INL_HPP
+#endif  // CALVIN_CAMERA_LENSES_BROWN_INL_HPP
