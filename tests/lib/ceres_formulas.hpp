@@ -139,8 +139,23 @@ struct DoubleSphere {
   }
 };
 
+// F. Devernay, O. Faugeras, Straight lines have to be straight, MVA 13(1), 2001, with the
+// arctangent taken over the half circle.
+struct Fov {
+  static constexpr std::string_view kName = "fov";
+  static constexpr int kCount = 1;
+  template <typename T>
+  static bool distort(const T* w, const T* p, T* xy) {
+    const T r = sqrt(p[0] * p[0] + p[1] * p[1] + 1e-30);
+    const T bent = atan2(2.0 * r * tan(w[0] / 2.0), p[2]) / w[0];
+    xy[0] = bent * p[0] / r;
+    xy[1] = bent * p[1] / r;
+    return true;
+  }
+};
+
 using All = std::tuple<Pinhole, Brown4, Brown5, Rational8, ThinPrism12, Tilted14, Fisheye, Ucm,
-                       Eucm, DoubleSphere>;
+                       Eucm, DoubleSphere, Fov>;
 
 // Of one corner: parameter blocks camera (fx fy cx cy and the coefficients, then the skew) and pose
 // (Rodrigues vector, translation).

@@ -268,6 +268,10 @@ TEST(Limit, IsWhereThePictureStopsGrowing) {
       {"doublesphere", {1.5, 0.3}},
       {"doublesphere", {1.5, -0.5}},
       {"doublesphere", {3, 0.9}},
+      {"fov", {0}},
+      {"fov", {0.04}},
+      {"fov", {-0.3}},
+      {"fov", {3}},
   };
   for (const LensTraits& lens : all_lenses()) {
     if (lens.perspective) continue;  // tangential terms move the rim
@@ -299,6 +303,7 @@ TEST(Limit, OfNoLensIsRefused) {
            {"eucm", {0.5, 0}},
            {"eucm", {0.5, -1}},
            {"doublesphere", {-1, 0.5}},
+           {"fov", {3.2}},
            {"tilted14", {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0}}}) {
     std::vector<double> p = {500, 500, 320, 240};
     p.insert(p.end(), d.begin(), d.end());
@@ -319,6 +324,9 @@ TEST(WideModels, AgreeWhereTheyMeet) {
       {make("ucm", {0.6}), make("eucm", {0.6, 1})},
       {make("ucm", {0.6}), make("doublesphere", {0, 0.6})},
       {make("ucm", {0}), make("pinhole", {})},
+      {make("fov", {0}), make("pinhole", {})},
+      {make("fov", {1e-6}), make("pinhole", {})},
+      {make("fov", {-0.9}), make("fov", {0.9})},
       // With alpha = 0 xi is Mei's.
       {make("doublesphere", {0.7, 0}),
        Camera::make("ucm", {640, 480}, {200 / 1.7, 201 / 1.7, 320, 240, 0.7 / 1.7}).value()},
@@ -333,6 +341,31 @@ TEST(WideModels, AgreeWhereTheyMeet) {
   }
   // Stereographic: 2 tan(theta / 2).
   EXPECT_NEAR(make("ucm", {0.5}).project(ray(2, 0)).value().u, 320 + 400 * std::tan(1.0), 1e-9);
+}
+
+// Where 2 tan(w / 2) r_u = tan(w / 2) the picture is as far from the axis as the object.
+TEST(FovModel, KeepsHalfAFocalLengthWhateverW) {
+  for (double w = 0; w < 3; w += 0.01) {
+    const auto camera = Camera::make("fov", {640, 480}, {200, 200, 320, 240, w});
+    EXPECT_NEAR(camera->project({0.5, 0, 1}).value().u, 420, 1e-9) << w;
+  }
+}
+
+// The narrow lens of TUM's benchmark for monocular odometry: camera.txt, whose numbers count from
+// the picture's edge and in widths and heights of it, and the field of view that goes with it. J.
+// Engel, V. Usenko, D. Cremers, A Photometrically Calibrated Benchmark For Monocular Visual
+// Odometry, arXiv:1607.02555: 98 x 79 degrees.
+TEST(FovModel, SeesAsMuchAsIsPublished) {
+  const Camera camera = Camera::make("fov", {1280, 1024},
+                                     {1280 * 0.535719308086809, 1024 * 0.669566858850269,
+                                      1280 * 0.493248545285398 - 0.5,
+                                      1024 * 0.500408664348414 - 0.5, 0.897966326944875})
+                            .value();
+  const auto angle = [&camera](Pixel a, Pixel b) {
+    return std::acos(camera.unproject(a)->dot(*camera.unproject(b))) * 180 / std::numbers::pi;
+  };
+  EXPECT_NEAR(angle({-0.5, camera.cy()}, {1279.5, camera.cy()}), 98, 0.5);
+  EXPECT_NEAR(angle({camera.cx(), -0.5}, {camera.cx(), 1023.5}), 79, 0.5);
 }
 
 TEST(Monotone, SaysWhereTheImageFoldsBack) {
