@@ -7,7 +7,9 @@
 #   - in gst/ every folder includes only itself and those of common/, and elements.hpp;
 #   - no folder holds more than 25 .cpp and .hpp files (io/ has one for each format);
 #   - every .cpp opens with a comment that says what it is for;
-#   - no file but target/grid.hpp counts the ids of control points in rows.
+#   - no file but target/grid.hpp counts the ids of control points in rows;
+#   - no file but camera/image_transform.hpp knows where the centre of a pixel is in a picture of
+#     another size.
 #   structure.py [FOLDER]    the top of the tree
 import collections
 import pathlib
@@ -117,10 +119,22 @@ def check_grids():
             faults.append(f"{path.relative_to(top)} counts ids by itself: target/grid.hpp")
 
 
+def check_pixel_centres():
+    """s (c + 0.5) - 0.5 and its kind: a product less half a pixel."""
+    formula = re.compile(r"[*/] [^;,={}?]*[\w)\]] - (?:T\()?0\.5[fF]?\b(?! [*/])")
+    for path in sources("lib") + sources("gst"):
+        code = re.sub(r"//.*|/\*.*?\*/", "", path.read_text())
+        if path.stem != "image_transform" and formula.search(code):
+            faults.append(
+                f"{path.relative_to(top)} scales a coordinate by itself: camera/image_transform.hpp"
+            )
+
+
 check_library()
 check_plugin()
 check_sizes()
 check_purpose()
 check_grids()
+check_pixel_centres()
 print("\n".join(faults) or "The tree is in order.")
 sys.exit(1 if faults else 0)

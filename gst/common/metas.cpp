@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <gst/video/video.h>
 
+#include "calvin/camera/image_transform.hpp"
 #include "common/patch_values.hpp"
 #include "common/values.hpp"
 
@@ -19,20 +20,24 @@ namespace calvin::gst {
 
 namespace {
 
-// Scales every "uv" of the array `list` in place: the centre of the first pixel is (0, 0).
-void scale_points(GstStructure* structure, const char* list, double sx, double sy) {
+ImageSize size_of(const GstVideoInfo& info) {
+  return {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+}
+
+// Moves every "uv" of the array `list` in place.
+void move_points(GstStructure* structure, const char* list, const ImageTransform& transform) {
   std::vector<GstStructure*> scaled;
   for (const GstStructure* item : get_structures(structure, list)) {
     GstStructure* copy = gst_structure_copy(item);
     std::vector<Pixel> uv = get_pixels(copy, "uv");
-    for (Pixel& p : uv) p = {sx * (p.u + 0.5) - 0.5, sy * (p.v + 0.5) - 0.5};
+    for (Pixel& p : uv) p = transform(p);
     set_pixels(copy, "uv", uv);
     std::vector<double> sigma = get_doubles(copy, "sigma");
-    for (double& s : sigma) s *= (sx + sy) / 2;
+    for (double& s : sigma) s = transform.length(s);
     if (!sigma.empty()) set_doubles(copy, "sigma", sigma);
     double blur = 0;
     if (gst_structure_get_double(copy, "blur", &blur) != FALSE) {
-      gst_structure_set(copy, "blur", G_TYPE_DOUBLE, blur * (sx + sy) / 2, nullptr);
+      gst_structure_set(copy, "blur", G_TYPE_DOUBLE, transform.length(blur), nullptr);
     }
     remove_patches(copy);
     scaled.push_back(copy);
@@ -72,11 +77,10 @@ gboolean transform_meta(GstBuffer* to, GstCustomMeta* meta, GstBuffer* /*from*/,
   set_fields(structure, gst_custom_meta_get_structure(meta));
   if (scale && list != nullptr) {
     const auto* change = static_cast<const GstVideoMetaTransform*>(data);
-    const int width = GST_VIDEO_INFO_WIDTH(change->out_info);
-    const int height = GST_VIDEO_INFO_HEIGHT(change->out_info);
-    const double sx = static_cast<double>(width) / GST_VIDEO_INFO_WIDTH(change->in_info);
-    const double sy = static_cast<double>(height) / GST_VIDEO_INFO_HEIGHT(change->in_info);
-    scale_points(structure, static_cast<const char*>(list), sx, sy);
+    const auto transform =
+        ImageTransform::scaled(size_of(*change->in_info), size_of(*change->out_info));
+    const auto [width, height] = transform.size();
+    move_points(structure, static_cast<const char*>(list), transform);
     gst_structure_set(structure, "width", G_TYPE_INT, width, "height", G_TYPE_INT, height, nullptr);
   }
   return TRUE;

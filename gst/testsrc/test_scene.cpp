@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/settings.hpp"
@@ -36,7 +37,7 @@ Result<Camera> camera_for(const std::optional<Calibration>& calibration, ImageSi
                     "differs. Ask for {}x{} or another size of its aspect in the caps.",
                     from.width, from.height, size.width, size.height, from.width, from.height));
   }
-  return camera->scaled(size);
+  return ImageTransform::scaled(from, size)(*camera);
 }
 
 }  // namespace

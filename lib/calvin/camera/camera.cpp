@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/camera/models.hpp"
 #include "calvin/core/text.hpp"
 
@@ -25,7 +26,6 @@ struct CameraFunctions {
   bool (*project)(const double*, double, const Eigen::Vector3d&, double*, double*, double*);
   double (*limit)(const double*);
   double (*radius)(const Eigen::Vector3d&);
-  bool (*turn)(double*, Orientation);
   std::optional<Eigen::Vector3d> (*undistort)(const double*, double, const double*);
 };
 
@@ -36,8 +36,7 @@ CameraFunctions functions_of() {
   const auto names = Model<Lens>::names();
   return {Lens::kName,           {names.begin(), names.end()},
           &Model<Lens>::project, &Lens::limit,
-          &Lens::radius,         &Lens::turn,
-          &Lens::undistort};
+          &Lens::radius,         &Lens::undistort};
 }
 
 // Never freed, as the names below: while a program ends, its other threads may still be at work.
@@ -180,49 +179,15 @@ std::optional<Eigen::Vector3d> Camera::unproject(Pixel pixel) const noexcept {
 }
 
 Camera Camera::scaled(ImageSize size) const {
-  Camera camera = *this;
-  const double sx = static_cast<double>(size.width) / size_.width;
-  const double sy = static_cast<double>(size.height) / size_.height;
-  camera.size_ = size;
-  camera.parameters_[0] *= sx;
-  camera.parameters_[1] *= sy;
-  camera.parameters_[2] = sx * (cx() + 0.5) - 0.5;
-  camera.parameters_[3] = sy * (cy() + 0.5) - 0.5;
-  camera.skew_ *= sx;
-  return camera;
+  return ImageTransform::scaled(size_, size)(*this).value();
 }
 
 Camera Camera::cropped(double x, double y, ImageSize size) const {
-  Camera camera = *this;
-  camera.size_ = size;
-  camera.parameters_[2] -= x;
-  camera.parameters_[3] -= y;
-  return camera;
+  return ImageTransform::cropped(x, y, size)(*this).value();
 }
 
 Result<Camera> Camera::turned(Orientation orientation) const {
-  if (orientation.transpose && skew_ != 0) {
-    return make_error(ErrorCode::kUnsupported,
-                      "A calibration with skew cannot be turned by a quarter: calibrate the frames "
-                      "as the camera gives them, before they are turned.");
-  }
-  Camera camera = *this;
-  camera.size_ = orientation.size_of(size_);
-  std::vector<double>& p = camera.parameters_;
-  if (orientation.transpose) {
-    std::swap(p[0], p[1]);
-    std::swap(p[2], p[3]);
-  }
-  if (orientation.flip_x) p[2] = camera.size_.width - 1 - p[2];
-  if (orientation.flip_y) p[3] = camera.size_.height - 1 - p[3];
-  if (orientation.flip_x != orientation.flip_y) camera.skew_ = -skew_;
-  if (!functions_->turn(p.data() + 4, orientation)) {
-    return make_error(ErrorCode::kUnsupported,
-                      "A calibration with a sensor tilted about both axes cannot be turned by a "
-                      "quarter: calibrate the frames as the camera gives them, before they are "
-                      "turned.");
-  }
-  return camera;
+  return ImageTransform::turned(size_, orientation)(*this);
 }
 
 Calibration Camera::to_calibration() const {

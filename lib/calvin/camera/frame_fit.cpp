@@ -7,9 +7,10 @@
 
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
+
+#include "calvin/camera/image_transform.hpp"
 
 namespace calvin {
 
@@ -29,18 +30,6 @@ Result<Rectangle> shown_part(const Calibration& calibration, ImageSize size) {
 bool same_aspect(const Rectangle& part, ImageSize frame) {
   return std::abs(frame.width / part.width * part.height - frame.height) <= 1 ||
          std::abs(frame.height / part.height * part.width - frame.width) <= 1;
-}
-
-// The camera of frames that show `part` of what `camera` sees.
-Result<Camera> fill_frame(const Camera& camera, const Rectangle& part, ImageSize frame) {
-  const double sx = frame.width / part.width;
-  const double sy = frame.height / part.height;
-  std::vector<double> values = camera.parameters();
-  values[0] *= sx;
-  values[1] *= sy;
-  values[2] = sx * (values[2] - part.x + 0.5) - 0.5;
-  values[3] = sy * (values[3] - part.y + 0.5) - 0.5;
-  return Camera::make(camera.model(), frame, values, sx * camera.skew());
 }
 
 }  // namespace
@@ -63,7 +52,7 @@ Result<FittedCamera> fit_to_frame(const Calibration& calibration, ImageSize fram
                     part->width, part->height, frame.width, frame.height));
   }
   const ImageSize calibrated = turned ? upright.size_of(frame) : frame;
-  auto fitted = fill_frame(*camera, *part, calibrated);
+  auto fitted = ImageTransform::filled(*part, calibrated)(*camera);
   if (fitted && turned) fitted = fitted->turned(upright.inverse());
   if (!fitted) return tl::unexpected(fitted.error());
   const bool scaled = part->width != calibrated.width || part->height != calibrated.height;

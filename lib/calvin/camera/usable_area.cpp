@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "calvin/camera/image_transform.hpp"
+
 namespace calvin {
 
 namespace {
@@ -25,8 +27,9 @@ std::vector<Ray> rays_of(const Camera& camera, int row) {
   const ImageSize size = camera.image_size();
   std::vector<Ray> rays;
   for (int column = 0; column <= kColumns; ++column) {
-    rays.push_back(camera.unproject({static_cast<double>(column) * size.width / kColumns - 0.5,
-                                     static_cast<double>(row) * size.height / kRows - 0.5}));
+    rays.push_back(
+        camera.unproject({coordinate_at(static_cast<double>(column) / kColumns, size.width),
+                          coordinate_at(static_cast<double>(row) / kRows, size.height)}));
   }
   return rays;
 }

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/core/image.hpp"
 
 namespace calvin::detect {
@@ -21,9 +22,9 @@ class Pyramid {
   [[nodiscard]] int levels() const noexcept { return count_; }
   [[nodiscard]] const ImageView& level(int i) const { return views_[static_cast<std::size_t>(i)]; }
 
-  // From the pixels of a level to those of the image: u0 = 2^level (u + 0.5) - 0.5.
+  // From the pixels of a level to those of the image.
   [[nodiscard]] static float to_image(float u, int level) noexcept {
-    return static_cast<float>(1 << level) * (u + 0.5F) - 0.5F;
+    return scaled_coordinate(u, static_cast<float>(1 << level));
   }
 
  private:

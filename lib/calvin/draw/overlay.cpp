@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/draw/overlay_shapes.hpp"
 #include "calvin/io/utf8.hpp"
 #include "calvin/target/board.hpp"
@@ -68,12 +69,11 @@ std::vector<Corner> corners_on(ImageSize frame, const Observation& observation) 
   const ImageSize size = observation.image_size.width > 0 && observation.image_size.height > 0
                              ? observation.image_size
                              : frame;
-  const double sx = static_cast<double>(frame.width) / size.width;
-  const double sy = static_cast<double>(frame.height) / size.height;
+  const ImageTransform to_frame = ImageTransform::scaled(size, frame);
   std::vector<Corner> corners;
   const std::size_t count = std::min(observation.ids.size(), observation.uv.size());
   for (std::size_t i = 0; i < count; ++i) {
-    const Pixel at{sx * (observation.uv[i].u + 0.5) - 0.5, sy * (observation.uv[i].v + 0.5) - 0.5};
+    const Pixel at = to_frame(observation.uv[i]);
     const bool near = std::abs(at.u) < 2 * frame.width && std::abs(at.v) < 2 * frame.height;
     const bool sane = observation.ids[i] >= 0 && observation.ids[i] < kMostPoints;
     if (near && sane) corners.push_back({observation.ids[i], at});

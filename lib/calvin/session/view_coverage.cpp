@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/homography.hpp"
 
@@ -110,8 +111,8 @@ void ViewCoverage::add(const View& view) {
   const ImageSize size = view.observation.image_size;
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
-      const Pixel center = {(column + 0.5) * size.width / kColumns - 0.5,
-                            (row + 0.5) * size.height / kRows - 0.5};
+      const Pixel center = {coordinate_at((column + 0.5) / kColumns, size.width),
+                            coordinate_at((row + 0.5) / kRows, size.height)};
       if (contains(hull, center))
         covered_[static_cast<std::size_t>(row * kColumns + column)] = true;
     }

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/pose.hpp"
@@ -45,19 +46,13 @@ Eigen::MatrixXd covariance_of(const Camera& camera, const Calibration& calibrati
       calibration.covariance.size() != columns.size() * columns.size()) {
     return covariance;
   }
-  const double scale[2] = {camera.fx() / fx->value, camera.fy() / fy->value};
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) {
-      covariance(i, j) = calibration.covariance[static_cast<std::size_t>(i * n + j)];
-      for (const Eigen::Index k : {i, j}) {
-        const int column = columns[static_cast<std::size_t>(k)];
-        // Skew is along the rows, as fx and cx are.
-        if (column == kSkewColumn) covariance(i, j) *= scale[0];
-        if (column >= 0 && column < 4) covariance(i, j) *= scale[column % 2];
-      }
-    }
+  const auto all = parameter_names(camera.model());
+  std::vector<std::string_view> names;
+  for (const int column : columns) {
+    names.push_back(column == kSkewColumn ? "skew" : all[static_cast<std::size_t>(column)]);
   }
-  return covariance;
+  covariance = Eigen::Map<const Eigen::MatrixXd>(calibration.covariance.data(), n, n).transpose();
+  return scaled_covariance(covariance, names, camera.fx() / fx->value, camera.fy() / fy->value);
 }
 
 // Each parameter by itself moves the picture by `width` px at the most.

@@ -15,6 +15,7 @@
 
 #include <Eigen/LU>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/synth/dot_scene.hpp"
 #include "calvin/synth/filter.hpp"
 #include "calvin/synth/random.hpp"
@@ -212,8 +213,8 @@ Camera default_camera(ImageSize size, double field_of_view) {
   const int height = std::clamp(size.height, 1, 65536);
   const double f = std::max(width, height) / (2 * edge);
   return Camera::make("brown5", {width, height},
-                      {f, 1.003 * f, 0.511 * width - 0.5, 0.492 * height - 0.5, lens[0], lens[1],
-                       lens[2], lens[3], lens[4]})
+                      {f, 1.003 * f, coordinate_at(0.511, width), coordinate_at(0.492, height),
+                       lens[0], lens[1], lens[2], lens[3], lens[4]})
       .value();
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/geometry/dense.hpp"
 #include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/fit/weights.hpp"
@@ -240,7 +241,7 @@ class FitDiagnosis {
                   const Eigen::Matrix3d& turn) {
     const ImageSize size = camera_.image_size();
     const auto part = [](double x, int extent, int parts) {
-      return std::clamp(static_cast<int>((x + 0.5) / extent * parts), 0, parts - 1);
+      return std::clamp(static_cast<int>(share_before(x, extent) * parts), 0, parts - 1);
     };
     const int cell =
         part(view.uv[i].v, size.height, down_) * across_ + part(view.uv[i].u, size.width, across_);
