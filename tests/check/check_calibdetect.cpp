@@ -182,6 +182,17 @@ GST_START_TEST(test_a_wrong_board_text_while_running_keeps_the_old_board) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_a_board_that_is_set_again_is_not_read_again) {
+  Fixture f;
+  for (int i = 0; i < 3; ++i) {
+    g_object_set(f.h->element, "board", "nonsense", nullptr);
+    gst_buffer_unref(
+        gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(1), "GRAY8", i)));
+  }
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 1);
+}
+GST_END_TEST;
+
 // What is still being computed when the size changes must not ride on a frame of the new one.
 GST_START_TEST(test_no_result_crosses_a_caps_change) {
   Fixture f("calibdetect mode=async");
@@ -355,6 +366,7 @@ static Suite* calibdetect_suite() {
   tcase_add_test(tc, test_max_rate_skips_frames);
   tcase_add_test(tc, test_a_wrong_board_text_is_an_error_that_shows_a_right_one);
   tcase_add_test(tc, test_a_wrong_board_text_while_running_keeps_the_old_board);
+  tcase_add_test(tc, test_a_board_that_is_set_again_is_not_read_again);
   tcase_add_test(tc, test_no_result_crosses_a_caps_change);
   tcase_add_test(tc, test_flush_caps_change_and_state_cycles);
   tcase_add_test(tc, test_recheck_tells_a_camera_from_another);

@@ -52,6 +52,19 @@ GST_START_TEST(test_an_unreadable_calibration_while_running_is_a_warning) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_a_calibration_that_is_set_again_is_read_again) {
+  Fixture f("calibundistort");
+  f.set_caps("GRAY8", kSize);
+  int n = 0;
+  for (const char* name : {"calibration", "calibration", "settings"}) {
+    g_object_set(f.element, name, kBroken[0], nullptr);
+    gst_buffer_unref(f.push(kSize, n++));
+    gst_buffer_unref(f.push(kSize, n++));
+  }
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 3);
+}
+GST_END_TEST;
+
 // Pushes frames, one every 20 ms, until one looks as `want`; false after ten seconds.
 static bool comes_to(Fixture& f, const std::vector<guint8>& want, int& n) {
   for (int i = 0; i < 500; ++i) {
@@ -221,6 +234,7 @@ static Suite* calibundistort_files_suite() {
   tcase_add_test(tc, test_a_file_of_equal_size_and_time_is_another_one);
   tcase_add_loop_test(tc, test_an_unreadable_calibration_is_an_error_at_the_start, 0, broken);
   tcase_add_loop_test(tc, test_an_unreadable_calibration_while_running_is_a_warning, 0, broken);
+  tcase_add_test(tc, test_a_calibration_that_is_set_again_is_read_again);
   tcase_add_loop_test(tc, test_a_file_is_taken_in_when_it_appears_and_when_it_is_replaced, 0, 2);
   tcase_add_loop_test(tc, test_a_calibration_that_is_valid_nearly_nowhere_is_said, 0, 2);
   tcase_add_test(tc, test_a_name_need_not_be_utf8);
