@@ -5,8 +5,9 @@
 Where a blurb lists all camera models, the page points to the table that describes them; a model that
 is missing there is one that the page does not have.
 
-    element_docs.py DOCS_DIR           compares every page
-    element_docs.py --print ELEMENT    prints the table as it should be
+    element_docs.py DOCS_DIR            compares every page
+    element_docs.py --print ELEMENT     prints the table as it should be
+    element_docs.py --write DOCS_DIR    writes the tables into the pages, where they stand now
 """
 
 import pathlib
@@ -82,16 +83,26 @@ def table(name):
     return [HEAD, "|---|---|---|---|---|"] + [row(s) for s in specs]
 
 
+def split(page):
+    """The lines of a page before its table, the table, and the lines behind it."""
+    lines = page.read_text().splitlines()
+    first = lines.index(HEAD) if HEAD in lines else len(lines)
+    rest = lines[first:]
+    count = next((n for n, line in enumerate(rest) if not line.startswith("|")), len(rest))
+    return lines[:first], rest[:count], rest[count:]
+
+
+def write(page):
+    """Puts the table of the element in the place of the one that the page has."""
+    before, old, behind = split(page)
+    if old:
+        page.write_text("\n".join(before + table(page.stem) + behind) + "\n")
+
+
 def compare(page):
     """Prints what differs between a page and its element; whether nothing does."""
     expected = table(page.stem)
-    lines = page.read_text().splitlines()
-    found = []
-    if HEAD in lines:
-        for line in lines[lines.index(HEAD):]:
-            if not line.startswith("|"):
-                break
-            found.append(line)
+    _, found, _ = split(page)
     for line in expected:
         if line not in found:
             print(f"{page.name}: missing: {line}")
@@ -106,7 +117,11 @@ def main():
     if len(sys.argv) == 3 and sys.argv[1] == "--print":
         print("\n".join(table(sys.argv[2])))
         return 0
-    pages = sorted(pathlib.Path(sys.argv[1]).glob("*.md"))
+    pages = sorted(pathlib.Path(sys.argv[-1]).glob("*.md"))
+    if sys.argv[1] == "--write":
+        for page in pages:
+            write(page)
+        return 0
     features = Gst.Registry.get().get_feature_list_by_plugin("calvin")
     missing = {f.get_name() for f in features} - {p.stem for p in pages}
     for name in sorted(missing):
