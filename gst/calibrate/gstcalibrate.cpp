@@ -20,17 +20,18 @@
 
 #include <memory>
 #include <string_view>
-#include <vector>
 
 #include <gst/gst.h>
 
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
-#include "common/properties.hpp"
+#include "common/property_kinds.hpp"
 #include "elements.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(calibrate_debug);
 #define GST_CAT_DEFAULT calibrate_debug
+
+using namespace calvin;
 
 namespace {
 
@@ -55,13 +56,8 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibrate, "calibrate", GST_RANK_NONE,
                                       GST_DEBUG_CATEGORY_INIT(calibrate_debug, "calibrate", 0,
                                                               "camera calibration bin"))
 
-enum { PROP_0, PROP_OVERLAY, PROP_FIRST_FORWARDED };
-
-// The properties of the children, each forwarded under its own name. `camera` is one of both.
-static std::vector<const char*>& gst_calibrate_forwarded() {
-  static std::vector<const char*> names;
-  return names;
-}
+// Behind it come the properties of the children, each forwarded under its own name.
+enum { PROP_0, PROP_OVERLAY };
 
 static constexpr const char* kDetect = "detect";
 static constexpr const char* kSolve = "solve";
@@ -217,60 +213,24 @@ static void gst_calibrate_init(GstCalibrate* self) {
   gst_calibrate_expose(self, kDetect, "sink");
   gst_calibrate_expose(self, kSolve, "src");
   gst_calibrate_set_overlay(self, true);
-  calvin::gst::explain_refused_caps(GST_ELEMENT(self));
+  gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
-// A property of a child, to be installed on the bin as well.
-static GParamSpec* gst_calibrate_copy_spec(GParamSpec* spec) {
-  const char* name = spec->name;
-  const char* nick = g_param_spec_get_nick(spec);
-  const char* blurb = g_param_spec_get_blurb(spec);
-  const GParamFlags flags = spec->flags;
-  if (G_IS_PARAM_SPEC_STRING(spec)) {
-    return g_param_spec_string(name, nick, blurb, G_PARAM_SPEC_STRING(spec)->default_value, flags);
+// Installs the rows of the children's tables in the order of the chain; the first table that names
+// a property describes it. What the detector found is left out: the bin has the solver's `stats`.
+static void gst_calibrate_install_forwarded(GObjectClass* object_class) {
+  guint id = PROP_OVERLAY;
+  const auto forward = [&](GParamSpec* spec, bool wanted) {
+    g_param_spec_ref_sink(spec);
+    if (wanted && g_object_class_find_property(object_class, spec->name) == nullptr) {
+      g_object_class_install_property(object_class, ++id, spec);
+    }
+    g_param_spec_unref(spec);
+  };
+  for (GParamSpec* spec : gst::new_calibdetect_specs()) {
+    forward(spec, (spec->flags & G_PARAM_WRITABLE) != 0);
   }
-  if (G_IS_PARAM_SPEC_ENUM(spec)) {
-    return g_param_spec_enum(name, nick, blurb, spec->value_type,
-                             G_PARAM_SPEC_ENUM(spec)->default_value, flags);
-  }
-  if (G_IS_PARAM_SPEC_BOOLEAN(spec)) {
-    return g_param_spec_boolean(name, nick, blurb, G_PARAM_SPEC_BOOLEAN(spec)->default_value,
-                                flags);
-  }
-  if (G_IS_PARAM_SPEC_INT(spec)) {
-    const auto* s = G_PARAM_SPEC_INT(spec);
-    return g_param_spec_int(name, nick, blurb, s->minimum, s->maximum, s->default_value, flags);
-  }
-  if (G_IS_PARAM_SPEC_DOUBLE(spec)) {
-    const auto* s = G_PARAM_SPEC_DOUBLE(spec);
-    return g_param_spec_double(name, nick, blurb, s->minimum, s->maximum, s->default_value, flags);
-  }
-  if (G_IS_PARAM_SPEC_BOXED(spec)) {
-    return g_param_spec_boxed(name, nick, blurb, spec->value_type, flags);
-  }
-  return nullptr;
-}
-
-// Installs the own properties of a child element's class, first come first served. What the
-// detector found is not for the bin: it has the solver's `stats`.
-static void gst_calibrate_forward_properties(GObjectClass* object_class, const char* factory) {
-  const bool settings_only = std::string_view(factory) == "calibdetect";
-  g_autoptr(GstElement) child = gst_element_factory_make(factory, nullptr);
-  if (child == nullptr) return;
-  gst_object_ref_sink(child);
-  guint n = 0;
-  g_autofree GParamSpec** specs = g_object_class_list_properties(G_OBJECT_GET_CLASS(child), &n);
-  for (guint i = 0; i < n; ++i) {
-    if (specs[i]->owner_type != G_OBJECT_TYPE(child)) continue;
-    if (settings_only && (specs[i]->flags & G_PARAM_WRITABLE) == 0) continue;
-    if (g_object_class_find_property(object_class, specs[i]->name) != nullptr) continue;
-    GParamSpec* copy = gst_calibrate_copy_spec(specs[i]);
-    if (copy == nullptr) continue;
-    auto& names = gst_calibrate_forwarded();
-    names.push_back(copy->name);
-    g_object_class_install_property(
-        object_class, static_cast<guint>(PROP_FIRST_FORWARDED + names.size() - 1), copy);
-  }
+  for (GParamSpec* spec : gst::new_calibsolve_specs()) forward(spec, true);
 }
 
 static void gst_calibrate_install_signals(GType type) {
@@ -301,15 +261,14 @@ static void gst_calibrate_class_init(GstCalibrateClass* klass) {
   bin_class->element_removed = gst_calibrate_element_removed;
   g_object_class_install_property(
       object_class, PROP_OVERLAY,
-      g_param_spec_boolean("overlay", "Overlay",
-                           "Draw what was found and what to show next into the picture", TRUE,
-                           calvin::gst::kMutableReady));
-  for (const char* factory : {"calibdetect", "calibsolve", "caliboverlay"}) {
-    gst_calibrate_forward_properties(object_class, factory);
-  }
+      gst::new_spec(
+          {"overlay", "Overlay", "Draw what was found and what to show next into the picture",
+           gst::kMutableReady},
+          true));
+  gst_calibrate_install_forwarded(object_class);
   gst_calibrate_install_signals(G_TYPE_FROM_CLASS(klass));
 
-  calvin::gst::add_raw_video_pads(element_class);
+  gst::add_raw_video_pads(element_class);
   gst_element_class_set_static_metadata(
       element_class, "Camera calibration", "Filter/Analyzer/Video",
       "Finds calibration boards, solves the camera and draws how it goes",

@@ -17,11 +17,6 @@ GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
 
 namespace calvin::gst {
 
-DetectorSettings CalibDetector::settings() {
-  const std::lock_guard guard(lock_);
-  return settings_;
-}
-
 GstStructure* CalibDetector::stats() {
   const std::lock_guard guard(lock_);
   return gst_structure_new("stats", "frames", G_TYPE_UINT64, frames_, "detections", G_TYPE_UINT64,
@@ -33,7 +28,7 @@ GstStructure* CalibDetector::stats() {
 Status CalibDetector::start() {
   {
     const std::lock_guard guard(lock_);
-    boards_changed_ = recheck_changed_ = true;
+    settings_.board_changed = settings_.recheck_changed = true;
     patches_wanted_ = false;
     ++generation_;
     result_.reset();
@@ -63,7 +58,7 @@ Status CalibDetector::start_boards() {
   std::string text;
   {
     const std::lock_guard guard(lock_);
-    boards_changed_ = false;
+    settings_.board_changed = false;
     ++boards_asked_for_;
     boards_found_.reset();
     text = settings_.board;
@@ -78,7 +73,7 @@ Status CalibDetector::update_boards() {
   std::optional<Result<Detectors>> found;
   {
     const std::lock_guard guard(lock_);
-    changed = std::exchange(boards_changed_, false);
+    changed = std::exchange(settings_.board_changed, false);
     if (changed) {
       ++boards_asked_for_;
       boards_found_.reset();
@@ -115,7 +110,7 @@ void CalibDetector::name_recheck() {
   std::string text;
   {
     const std::lock_guard guard(lock_);
-    if (!std::exchange(recheck_changed_, false)) return;
+    if (!std::exchange(settings_.recheck_changed, false)) return;
     text = settings_.recheck;
   }
   recheck_.set(text);

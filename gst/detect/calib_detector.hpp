@@ -6,7 +6,6 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "common/frames/frame_luma.hpp"
 #include "common/frames/frame_part.hpp"
 #include "common/messages.hpp"
+#include "common/shared_settings.hpp"
 #include "common/worker.hpp"
 #include "detect/calibration_check.hpp"
 
@@ -34,22 +34,16 @@ struct DetectorSettings {
   DetectMode mode = kModeAuto;
   double max_rate = 0;  // 1/s; 0: every frame
   bool post_messages = false;
+  // Whether the detector has yet to take up what was set.
+  bool board_changed = true;
+  bool recheck_changed = true;
 };
 
-class CalibDetector {
+class CalibDetector : public SharedSettings<DetectorSettings> {
  public:
   explicit CalibDetector(GstElement* element) : element_(element) {}
 
   // Any thread.
-  template <typename F>
-  void change_settings(F f) {
-    const std::lock_guard guard(lock_);
-    const DetectorSettings before = settings_;
-    f(settings_);
-    boards_changed_ |= settings_.board != before.board;
-    recheck_changed_ |= settings_.recheck != before.recheck;
-  }
-  [[nodiscard]] DetectorSettings settings();
   [[nodiscard]] GstStructure* stats();
 
   // An error for settings that cannot work.
@@ -139,10 +133,7 @@ class CalibDetector {
 
   GstElement* element_;
 
-  std::mutex lock_;  // of everything below, down to worker_
-  DetectorSettings settings_;
-  bool boards_changed_ = true;
-  bool recheck_changed_ = true;
+  // Under lock_.
   std::optional<Result<Detectors>> boards_found_;  // for the last change of `board`, read beside
   guint64 boards_asked_for_ = 0;  // counts those changes; the streaming thread does
   std::optional<std::vector<Observation>> result_;  // waits for a buffer to ride on

@@ -19,14 +19,13 @@
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/video.h>
 
-#include "common/field.hpp"
 #include "common/frames/dma_caps.hpp"
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
-#include "common/properties.hpp"
 #include "detect/calib_detector.hpp"
+#include "detect/detector_properties.hpp"
 #include "elements.hpp"
 
 GST_DEBUG_CATEGORY(calibdetect_debug);
@@ -48,63 +47,8 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibdetect, "calibdetect", GST_RANK_NONE,
                                       GST_DEBUG_CATEGORY_INIT(calibdetect_debug, "calibdetect", 0,
                                                               "calibration board detector"))
 
-enum {
-  PROP_0,
-  PROP_BOARD,
-  PROP_CAMERA,
-  PROP_MODE,
-  PROP_MAX_RATE,
-  PROP_POST_MESSAGES,
-  PROP_RECHECK,
-  PROP_STATS,
-};
-
-static GType gst_calib_detect_mode_get_type() {
-  static const GEnumValue kValues[] = {
-      {gst::kModeAuto, "Async when the source is live, sync otherwise", "auto"},
-      {gst::kModeSync, "The streaming thread waits: each frame carries its own corners", "sync"},
-      {gst::kModeAsync, "Nothing waits: newest frame only, corners ride on a later frame", "async"},
-      {0, nullptr, nullptr}};
-  static const GType kType = g_enum_register_static("GstCalibDetectMode", kValues);
-  return kType;
-}
-
-static gst::Field gst_calib_detect_field(gst::DetectorSettings& settings, guint id) {
-  switch (id) {
-    case PROP_BOARD:
-      return settings.board;
-    case PROP_CAMERA:
-      return settings.camera;
-    case PROP_MODE:
-      return settings.mode;
-    case PROP_MAX_RATE:
-      return settings.max_rate;
-    case PROP_POST_MESSAGES:
-      return settings.post_messages;
-    case PROP_RECHECK:
-      return settings.recheck;
-    default:
-      return {};
-  }
-}
-
-static void gst_calib_detect_set_property(GObject* object, guint id, const GValue* value,
-                                          GParamSpec* spec) {
-  GST_CALIB_DETECT(object)->detector->change_settings([&](gst::DetectorSettings& settings) {
-    if (gst_calib_detect_field(settings, id).set(value)) return;
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-  });
-}
-
-static void gst_calib_detect_get_property(GObject* object, guint id, GValue* value,
-                                          GParamSpec* spec) {
-  gst::CalibDetector& detector = *GST_CALIB_DETECT(object)->detector;
-  gst::DetectorSettings settings = detector.settings();
-  if (id == PROP_STATS) {
-    g_value_take_boxed(value, detector.stats());
-  } else if (!gst_calib_detect_field(settings, id).get(value)) {
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-  }
+static gst::CalibDetector& gst_calib_detect_detector(GObject* object) {
+  return *GST_CALIB_DETECT(object)->detector;
 }
 
 static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
@@ -216,56 +160,10 @@ static void gst_calib_detect_init(GstCalibDetect* self) {
   gst::explain_refused_caps(GST_ELEMENT(self));
 }
 
-static void gst_calib_detect_install_properties(GObjectClass* object_class) {
-  g_object_class_install_property(
-      object_class, PROP_BOARD,
-      g_param_spec_string("board", "Board",
-                          "The board to find, KIND:COLSxROWS:SIZE with inner corners and the side "
-                          "of a square, or FILE.json#NAME; several separated by ;",
-                          kDefaultBoard.data(), gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_CAMERA,
-      g_param_spec_string("camera", "Camera", "Name of the camera in metas, messages and files",
-                          "cam0", gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_MODE,
-      g_param_spec_enum("mode", "Mode",
-                        "Whether frames wait for the detector; decided anew at each format",
-                        gst_calib_detect_mode_get_type(), gst::kModeAuto, gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_MAX_RATE,
-      g_param_spec_double("max-rate", "Maximum Rate",
-                          "Frames per second of running time to look at, at the most (0 = all)", 0,
-                          1000, 0, gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_POST_MESSAGES,
-      g_param_spec_boolean("post-messages", "Post Messages",
-                           "Post a calib-detection message for every board and frame looked at",
-                           FALSE, gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_RECHECK,
-      g_param_spec_string(
-          "recheck", "Recheck",
-          "A calibration (a file, or whatever calibundistort takes) that each board "
-          "found is held against: posts calib-check with the misfit, how far the "
-          "camera has moved from it, and the pose of the board",
-          nullptr, gst::kMutablePlaying));
-  g_object_class_install_property(
-      object_class, PROP_STATS,
-      g_param_spec_boxed(
-          "stats", "Statistics",
-          "Counts of frames since start: frames, detections, skipped (by max-rate, or as "
-          "the worker was busy)",
-          GST_TYPE_STRUCTURE, gst::kReadOnly));
-  gst_type_mark_as_plugin_api(gst_calib_detect_mode_get_type(), static_cast<GstPluginAPIFlags>(0));
-}
-
 static void gst_calib_detect_class_init(GstCalibDetectClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
   auto* element_class = GST_ELEMENT_CLASS(klass);
   auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
-  object_class->set_property = gst_calib_detect_set_property;
-  object_class->get_property = gst_calib_detect_get_property;
   object_class->dispose = gst_calib_detect_dispose;
   object_class->finalize = gst_calib_detect_finalize;
   element_class->change_state = gst_calib_detect_change_state;
@@ -279,7 +177,7 @@ static void gst_calib_detect_class_init(GstCalibDetectClass* klass) {
   trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->transform_ip = gst_calib_detect_transform_ip;
   trans_class->transform_ip_on_passthrough = TRUE;
-  gst_calib_detect_install_properties(object_class);
+  gst::install_properties<gst_calib_detect_detector, gst::kDetectorProperties>(object_class);
   gst::add_raw_video_pads(element_class);
   gst_element_class_set_static_metadata(
       element_class, "Calibration board detector", "Filter/Analyzer/Video",

@@ -22,11 +22,6 @@ GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
 
 namespace calvin::gst {
 
-SolverSettings CalibSolver::settings() {
-  const std::lock_guard guard(lock_);
-  return settings_;
-}
-
 bool CalibSolver::refines_with_camera() {
   const std::lock_guard guard(lock_);
   return settings_.runs > 1;

@@ -9,7 +9,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +21,7 @@
 #include "common/calibration_event.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
+#include "common/shared_settings.hpp"
 #include "common/worker.hpp"
 #include "solve/session_files.hpp"
 #include "solve/solver_settings.hpp"
@@ -30,17 +30,12 @@ namespace calvin::gst {
 
 // Every function may be called from any thread and returns at once, but for finish().
 // None holds a lock while it posts or notifies.
-class CalibSolver {
+//
+// Other settings take effect with the next frame, or with solve_now().
+class CalibSolver : public SharedSettings<SolverSettings> {
  public:
   explicit CalibSolver(GstElement* element) : element_(element) {}
 
-  // Takes effect with the next frame, or with solve_now().
-  template <typename F>
-  void change_settings(F f) {
-    const std::lock_guard guard(lock_);
-    f(settings_);
-  }
-  [[nodiscard]] SolverSettings settings();
   // Whether the corners are to be refined with the camera for final results.
   [[nodiscard]] bool refines_with_camera();
 
@@ -155,8 +150,7 @@ class CalibSolver {
 
   GstElement* element_;
 
-  std::mutex lock_;  // of everything below, down to files_
-  SolverSettings settings_;
+  // Under lock_, down to files_.
   SolverSettings seen_;                 // those that plan_ was made of, and what was refused
   SolverPlan plan_;                     // the settings in force
   std::uint64_t plan_serial_ = 0;       // of seen_ and plan_

@@ -30,7 +30,6 @@
 #include "common/frames/refused_caps.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
-#include "common/properties.hpp"
 #include "elements.hpp"
 #include "solve/calib_solver.hpp"
 #include "solve/solver_properties.hpp"
@@ -44,10 +43,9 @@ namespace {
 
 using namespace calvin;
 
-struct State {
-  explicit State(GstElement* element) : solver(element) {}
+struct State : gst::CalibSolver {
+  using CalibSolver::CalibSolver;
 
-  gst::CalibSolver solver;
   // Streaming thread.
   bool mode_known = false;
   bool patches_asked = false;
@@ -69,45 +67,24 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibsolve, "calibsolve", GST_RANK_NONE,
 enum { SIGNAL_CAPTURE_VIEW, SIGNAL_SOLVE, SIGNAL_RESET, SIGNAL_REMOVE_VIEW, LAST_SIGNAL };
 static guint gst_calib_solve_signals[LAST_SIGNAL];
 
-static void gst_calib_solve_set_property(GObject* object, guint id, const GValue* value,
-                                         GParamSpec* spec) {
-  GST_CALIB_SOLVE(object)->state->solver.change_settings([&](gst::SolverSettings& settings) {
-    if (gst::solver_field(settings, id).set(value)) return;
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-  });
-}
-
-static void gst_calib_solve_get_property(GObject* object, guint id, GValue* value,
-                                         GParamSpec* spec) {
-  gst::CalibSolver& solver = GST_CALIB_SOLVE(object)->state->solver;
-  gst::SolverSettings settings = solver.settings();
-  if (id == gst::kSolverCalibration) {
-    gst::set_string(value, solver.calibration_json());
-  } else if (id == gst::kSolverStats) {
-    g_value_take_boxed(value, solver.stats());
-  } else if (!gst::solver_field(settings, id).get(value)) {
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-  }
-}
+static State& gst_calib_solve_state(GObject* object) { return *GST_CALIB_SOLVE(object)->state; }
 
 // ---- Action signals: any thread -----------------------------------------------------------------
 
-static void gst_calib_solve_capture_view(GstCalibSolve* self) {
-  self->state->solver.capture_view();
-}
+static void gst_calib_solve_capture_view(GstCalibSolve* self) { self->state->capture_view(); }
 
-static void gst_calib_solve_solve(GstCalibSolve* self) { self->state->solver.solve_now(); }
+static void gst_calib_solve_solve(GstCalibSolve* self) { self->state->solve_now(); }
 
-static void gst_calib_solve_reset(GstCalibSolve* self) { self->state->solver.reset(); }
+static void gst_calib_solve_reset(GstCalibSolve* self) { self->state->reset(); }
 
 static gboolean gst_calib_solve_remove_view(GstCalibSolve* self, guint index) {
-  return self->state->solver.remove_view(index);
+  return self->state->remove_view(index);
 }
 
 // ---- Streaming ----------------------------------------------------------------------------------
 
 static void gst_calib_solve_push_calibration(GstCalibSolve* self) {
-  if (const auto event = self->state->solver.take_event()) {
+  if (const auto event = self->state->take_event()) {
     GST_INFO_OBJECT(self, "the calibration of %s goes downstream", event->camera.c_str());
     gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self), gst::new_calibration_event(*event));
   }
@@ -119,14 +96,14 @@ static bool gst_calib_solve_offer(GstCalibSolve* self, const std::vector<Observa
   const GstSegment* segment = &GST_BASE_TRANSFORM(self)->segment;
   bool captured = false;
   for (const Observation& o : observations) {
-    captured |= self->state->solver.offer(o, gst::frame_times(segment, o.timestamp, duration));
+    captured |= self->state->offer(o, gst::frame_times(segment, o.timestamp, duration));
   }
   return captured;
 }
 
 // Asks upstream for the patches that corners are refined in: once, as soon as they are to be.
 static void gst_calib_solve_want_patches(GstCalibSolve* self) {
-  if (self->state->patches_asked || !self->state->solver.refines_with_camera()) return;
+  if (self->state->patches_asked || !self->state->refines_with_camera()) return;
   self->state->patches_asked = true;
   GST_INFO_OBJECT(self, "asks upstream for the pixels around the corners");
   gst_pad_push_event(GST_BASE_TRANSFORM_SINK_PAD(self),
@@ -136,7 +113,7 @@ static void gst_calib_solve_want_patches(GstCalibSolve* self) {
 
 static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
-  gst::CalibSolver& solver = self->state->solver;
+  gst::CalibSolver& solver = *self->state;
   // Asked once after each CAPS: only then does a live source know that it is one.
   if (!std::exchange(self->state->mode_known, true)) {
     solver.set_live(gst::upstream_is_live(trans));
@@ -160,14 +137,14 @@ static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
   GstVideoInfo info;
   if (!gst::video_info_of(info, caps)) return FALSE;
   self->state->mode_known = self->state->patches_asked = false;
-  self->state->solver.set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
+  self->state->set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
   gst_calib_solve_want_patches(self);
   return TRUE;
 }
 
 static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* event) {
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
-  gst::CalibSolver& solver = self->state->solver;
+  gst::CalibSolver& solver = *self->state;
   switch (GST_EVENT_TYPE(event)) {
     case GST_EVENT_EOS:
       solver.finish();
@@ -196,26 +173,26 @@ static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* ev
 }
 
 static gboolean gst_calib_solve_start(GstBaseTransform* trans) {
-  const Status started = GST_CALIB_SOLVE(trans)->state->solver.start();
+  const Status started = GST_CALIB_SOLVE(trans)->state->start();
   if (!started) gst::post_error(GST_ELEMENT(trans), started.error());
   return started.has_value();
 }
 
 static gboolean gst_calib_solve_stop(GstBaseTransform* trans) {
-  GST_CALIB_SOLVE(trans)->state->solver.stop();
+  GST_CALIB_SOLVE(trans)->state->stop();
   return TRUE;
 }
 
 static GstStateChangeReturn gst_calib_solve_change_state(GstElement* element,
                                                          GstStateChange change) {
   // Before the pads are deactivated: that waits for the streaming thread, which may be draining.
-  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) GST_CALIB_SOLVE(element)->state->solver.cancel();
+  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) GST_CALIB_SOLVE(element)->state->cancel();
   return GST_ELEMENT_CLASS(gst_calib_solve_parent_class)->change_state(element, change);
 }
 
 static void gst_calib_solve_dispose(GObject* object) {
   // From here on no job begins to post in the name of the element.
-  GST_CALIB_SOLVE(object)->state->solver.stop();
+  GST_CALIB_SOLVE(object)->state->stop();
   G_OBJECT_CLASS(gst_calib_solve_parent_class)->dispose(object);
 }
 
@@ -273,8 +250,6 @@ static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
   auto* element_class = GST_ELEMENT_CLASS(klass);
   auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
-  object_class->set_property = gst_calib_solve_set_property;
-  object_class->get_property = gst_calib_solve_get_property;
   object_class->dispose = gst_calib_solve_dispose;
   object_class->finalize = gst_calib_solve_finalize;
   element_class->change_state = gst_calib_solve_change_state;
@@ -287,7 +262,7 @@ static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
   trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->transform_ip = gst_calib_solve_transform_ip;
   trans_class->transform_ip_on_passthrough = TRUE;
-  gst::install_solver_properties(object_class);
+  gst::install_properties<gst_calib_solve_state, gst::kSolverProperties>(object_class);
   gst_calib_solve_install_signals(G_TYPE_FROM_CLASS(klass));
   gst::add_raw_video_pads(element_class);
   gst_element_class_set_static_metadata(

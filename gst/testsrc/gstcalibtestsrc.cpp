@@ -18,7 +18,6 @@
  */
 
 #include <algorithm>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -31,10 +30,9 @@
 #include "common/messages.hpp"
 #include "common/metas.hpp"
 #include "elements.hpp"
-#include "testsrc/frame_timeline.hpp"
 #include "testsrc/luma_writer.hpp"
 #include "testsrc/test_properties.hpp"
-#include "testsrc/test_scene.hpp"
+#include "testsrc/test_state.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(calibtestsrc_debug);
 #define GST_CAT_DEFAULT calibtestsrc_debug
@@ -53,22 +51,11 @@ constexpr char kCaps[] = "video/x-raw, format = (string) " CALVIN_PLANE_FORMATS
                          "interlace-mode = (string) progressive";
 constexpr ImageSize kDefaultSize = {640, 480};
 
-struct State {
-  std::mutex lock;
-  gst::TestSettings settings;  // lock
-  GstVideoInfo info{};         // lock to write, and to read off the streaming thread
-
-  // Streaming thread, and start() before it runs.
-  gst::SceneSource source;
-  std::optional<gst::TestScene> scene;  // of the present size
-  gst::FrameTimeline timeline;
-};
-
 }  // namespace
 
 struct _GstCalibTestSrc {
   GstPushSrc parent;
-  State* state;
+  gst::TestState* state;
 };
 
 G_DEFINE_FINAL_TYPE(GstCalibTestSrc, gst_calib_test_src, GST_TYPE_PUSH_SRC)
@@ -77,46 +64,19 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibtestsrc, "calibtestsrc", GST_RANK_NON
                                       GST_DEBUG_CATEGORY_INIT(calibtestsrc_debug, "calibtestsrc", 0,
                                                               "synthetic calibration camera"))
 
-static void gst_calib_test_src_set_property(GObject* object, guint id, const GValue* value,
-                                            GParamSpec* spec) {
-  State* state = GST_CALIB_TEST_SRC(object)->state;
-  gst::warn_if_late(GST_ELEMENT(object), spec);
-  if (id == gst::kTestIsLive) {
-    gst_base_src_set_live(GST_BASE_SRC(object), g_value_get_boolean(value));
-    return;
-  }
-  const std::lock_guard guard(state->lock);
-  if (gst::test_field(state->settings, id).set(value)) return;
-  G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-}
-
-static void gst_calib_test_src_get_property(GObject* object, guint id, GValue* value,
-                                            GParamSpec* spec) {
-  State* state = GST_CALIB_TEST_SRC(object)->state;
-  if (id == gst::kTestIsLive) {
-    g_value_set_boolean(value, gst_base_src_is_live(GST_BASE_SRC(object)));
-    return;
-  }
-  const std::lock_guard guard(state->lock);
-  if (gst::test_field(state->settings, id).get(value)) return;
-  G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-}
-
-static gst::TestSettings gst_calib_test_src_settings(GstCalibTestSrc* self) {
-  const std::lock_guard guard(self->state->lock);
-  return self->state->settings;
+static gst::TestState& gst_calib_test_src_state(GObject* object) {
+  return *GST_CALIB_TEST_SRC(object)->state;
 }
 
 static gboolean gst_calib_test_src_start(GstBaseSrc* src) {
   GstCalibTestSrc* self = GST_CALIB_TEST_SRC(src);
-  State* state = self->state;
+  gst::TestState* state = self->state;
   state->scene.reset();
   state->timeline = {};
-  {
-    const std::lock_guard guard(state->lock);
-    gst_video_info_init(&state->info);
-  }
-  auto source = gst::read_scene_settings(gst_calib_test_src_settings(self).scene);
+  GstVideoInfo none;
+  gst_video_info_init(&none);
+  state->set_info(none);
+  auto source = gst::read_scene_settings(self->state->settings().scene);
   if (!source) {
     gst::post_error(GST_ELEMENT(self), source.error());
     return FALSE;
@@ -133,7 +93,7 @@ static gboolean gst_calib_test_src_stop(GstBaseSrc* src) {
 static Status gst_calib_test_src_build_scene(GstCalibTestSrc* self, ImageSize size) {
   auto scene = gst::TestScene::make(self->state->source, size);
   if (!scene) return tl::unexpected(scene.error());
-  const std::string location = gst_calib_test_src_settings(self).ground_truth;
+  const std::string location = self->state->settings().ground_truth;
   if (!location.empty()) {
     if (Status written = write_calibration(location, scene->truth()); !written) return written;
   }
@@ -145,7 +105,7 @@ static Status gst_calib_test_src_build_scene(GstCalibTestSrc* self, ImageSize si
 
 static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
   GstCalibTestSrc* self = GST_CALIB_TEST_SRC(src);
-  State* state = self->state;
+  gst::TestState* state = self->state;
   GstVideoInfo info;
   if (!gst_video_info_from_caps(&info, caps)) {
     GST_ERROR_OBJECT(self, "cannot understand the caps %" GST_PTR_FORMAT, static_cast<void*>(caps));
@@ -156,10 +116,7 @@ static gboolean gst_calib_test_src_set_caps(GstBaseSrc* src, GstCaps* caps) {
     gst::post_error(GST_ELEMENT(self), built.error());
     return FALSE;
   }
-  {
-    const std::lock_guard guard(state->lock);
-    state->info = info;
-  }
+  state->set_info(info);
   GST_INFO_OBJECT(self, "makes %" GST_PTR_FORMAT, static_cast<void*>(caps));
   state->timeline.set_rate(GST_VIDEO_INFO_FPS_N(&info), GST_VIDEO_INFO_FPS_D(&info));
   gst_base_src_set_blocksize(src, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
@@ -213,7 +170,7 @@ static GstCaps* gst_calib_test_src_fixate(GstBaseSrc* src, GstCaps* caps) {
 }
 
 static gboolean gst_calib_test_src_decide_allocation(GstBaseSrc* src, GstQuery* query) {
-  const State* state = GST_CALIB_TEST_SRC(src)->state;
+  const gst::TestState* state = GST_CALIB_TEST_SRC(src)->state;
   GstCaps* caps = nullptr;
   gst_query_parse_allocation(query, &caps, nullptr);
   g_autoptr(GstBufferPool) pool = nullptr;
@@ -243,7 +200,7 @@ static gboolean gst_calib_test_src_decide_allocation(GstBaseSrc* src, GstQuery* 
 
 static bool gst_calib_test_src_draw(GstCalibTestSrc* self, const gst::TestFrame& shown,
                                     const RenderOptions& options, GstBuffer* buffer) {
-  State* state = self->state;
+  gst::TestState* state = self->state;
   GstVideoFrame frame;
   if (!gst_video_frame_map(&frame, &state->info, buffer, GST_MAP_WRITE)) return false;
   gst::write_luma(state->scene->picture(shown, options), frame);
@@ -253,7 +210,7 @@ static bool gst_calib_test_src_draw(GstCalibTestSrc* self, const gst::TestFrame&
 
 static GstFlowReturn gst_calib_test_src_fill(GstPushSrc* push, GstBuffer* buffer) {
   GstCalibTestSrc* self = GST_CALIB_TEST_SRC(push);
-  State* state = self->state;
+  gst::TestState* state = self->state;
   if (!state->scene) return GST_FLOW_NOT_NEGOTIATED;
   const gst::FrameTimeline& timeline = state->timeline;
   if (timeline.is_over()) {
@@ -261,9 +218,9 @@ static GstFlowReturn gst_calib_test_src_fill(GstPushSrc* push, GstBuffer* buffer
     return GST_FLOW_EOS;
   }
 
-  const gst::TestSettings settings = gst_calib_test_src_settings(self);
+  const gst::TestSettings settings = state->settings();
   const gst::TestFrame frame = {timeline.frame(), timeline.time(), settings.readout_time,
-                                gst_base_src_is_live(GST_BASE_SRC(self)) != FALSE};
+                                state->is_live()};
   if (!gst_calib_test_src_draw(self, frame, settings.render, buffer)) {
     GST_ELEMENT_ERROR(self, RESOURCE, WRITE, ("The frame's memory cannot be written."), (nullptr));
     return GST_FLOW_ERROR;
@@ -302,12 +259,7 @@ static void gst_calib_test_src_get_times(GstBaseSrc* src, GstBuffer* buffer, Gst
 
 static gboolean gst_calib_test_src_query(GstBaseSrc* src, GstQuery* query) {
   // Any thread.
-  State* state = GST_CALIB_TEST_SRC(src)->state;
-  GstVideoInfo info;
-  {
-    const std::lock_guard guard(state->lock);
-    info = state->info;
-  }
+  const GstVideoInfo info = GST_CALIB_TEST_SRC(src)->state->shared_info();
   const bool known = GST_VIDEO_INFO_FPS_N(&info) > 0;
   if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && known) {
     gst_query_set_latency(
@@ -335,7 +287,7 @@ static void gst_calib_test_src_finalize(GObject* object) {
 }
 
 static void gst_calib_test_src_init(GstCalibTestSrc* self) {
-  self->state = new State;
+  self->state = new gst::TestState(GST_BASE_SRC(self));
   gst_base_src_set_format(GST_BASE_SRC(self), GST_FORMAT_TIME);
 }
 
@@ -343,9 +295,8 @@ static void gst_calib_test_src_class_init(GstCalibTestSrcClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
   auto* element_class = GST_ELEMENT_CLASS(klass);
   auto* base_class = GST_BASE_SRC_CLASS(klass);
-  object_class->set_property = gst_calib_test_src_set_property;
-  object_class->get_property = gst_calib_test_src_get_property;
   object_class->finalize = gst_calib_test_src_finalize;
+  gst::install_properties<gst_calib_test_src_state, gst::kTestProperties>(object_class);
   base_class->start = gst_calib_test_src_start;
   base_class->stop = gst_calib_test_src_stop;
   base_class->set_caps = gst_calib_test_src_set_caps;
@@ -357,7 +308,6 @@ static void gst_calib_test_src_class_init(GstCalibTestSrcClass* klass) {
   base_class->get_times = gst_calib_test_src_get_times;
   base_class->query = gst_calib_test_src_query;
   GST_PUSH_SRC_CLASS(klass)->fill = gst_calib_test_src_fill;
-  gst::install_test_properties(object_class);
   g_autoptr(GstCaps) caps = gst_caps_from_string(kCaps);
   gst_element_class_add_pad_template(
       element_class, gst_pad_template_new("src", GST_PAD_SRC, GST_PAD_ALWAYS, caps));

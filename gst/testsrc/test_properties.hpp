@@ -4,30 +4,11 @@
 // The properties of calibtestsrc.
 #pragma once
 
-#include <string>
-
-#include "common/field.hpp"
-#include "testsrc/test_scene.hpp"
+#include "common/properties.hpp"
+#include "testsrc/test_state.hpp"
 
 namespace calvin::gst {
 
-inline constexpr double kDefaultNoise = 1;
-inline constexpr double kDefaultBlur = 0.7;
-
-struct TestSettings {
-  SceneSettings scene;
-  RenderOptions render{.noise = kDefaultNoise, .blur = kDefaultBlur};
-  std::string ground_truth;
-  guint64 readout_time = 0;  // ns
-};
-
-// Properties 1..kTestSettings are kept in the settings, the one behind them by GstBaseSrc.
-inline constexpr guint kTestSettings = 9;
-inline constexpr guint kTestIsLive = kTestSettings + 1;
-
-void install_test_properties(GObjectClass* object_class);
-
-// Where the property of that number is kept; nowhere for kTestIsLive.
-[[nodiscard]] Field test_field(TestSettings& settings, guint id);
+extern const Properties<TestState> kTestProperties;
 
 }  // namespace calvin::gst

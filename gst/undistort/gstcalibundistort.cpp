@@ -17,8 +17,6 @@
  * ]|
  */
 
-#include <mutex>
-
 #include <gst/video/gstvideofilter.h>
 
 #include "common/calibration_event.hpp"
@@ -28,7 +26,6 @@
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
 #include "common/messages.hpp"
-#include "common/properties.hpp"
 #include "elements.hpp"
 #include "undistort/frame_mapping.hpp"
 #include "undistort/undistort_caps.hpp"
@@ -52,6 +49,10 @@ G_DEFINE_FINAL_TYPE(GstCalibUndistort, gst_calib_undistort, GST_TYPE_VIDEO_FILTE
 GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(
     calibundistort, "calibundistort", GST_RANK_NONE, GST_TYPE_CALIB_UNDISTORT,
     GST_DEBUG_CATEGORY_INIT(calibundistort_debug, "calibundistort", 0, "undistorts video"))
+
+static gst::UndistortState& gst_calib_undistort_state(GObject* object) {
+  return *GST_CALIB_UNDISTORT(object)->state;
+}
 
 static void gst_calib_undistort_before_transform(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
@@ -165,10 +166,7 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
     // it waits for the next frame, as any does before the first caps.
     const bool now =
         GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_DOWNSTREAM_STICKY && s.undistorter.has_frames();
-    {
-      const std::lock_guard guard(s.lock);
-      s.arrived_event.reset(event);
-    }
+    s.keep_event(EventPtr(event));
     if (now) s.update();
     return TRUE;
   }
@@ -180,50 +178,22 @@ static gboolean gst_calib_undistort_src_event(GstBaseTransform* trans, GstEvent*
   gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
   // The peer's event goes both ways: cameracalibrate may stand behind this element.
   if (gst::CalibrationInput::is_calibration(event)) {
-    const std::lock_guard guard(s.lock);
-    s.arrived_event.reset(gst_event_ref(event));
+    s.keep_event(EventPtr(gst_event_ref(event)));
   }
   if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION) {
-    std::shared_ptr<const Undistorter> shown;
-    {
-      const std::lock_guard guard(s.lock);
-      shown = s.shown;
-    }
-    if (shown) event = gst::map_navigation(*shown, event);
+    if (const auto shown = s.shown()) event = gst::map_navigation(*shown, event);
   }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->src_event(trans, event);
 }
 
 static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
-  GstCalibUndistort* self = GST_CALIB_UNDISTORT(trans);
-  gst::UndistortState& s = *self->state;
-  s.output.reset();
-  s.tags.reset();
-  EventPtr stale;
-  static_cast<void>(s.take_settings(stale));
-  s.fitted.reset();
-  s.set_output_calibration("");
-  gst_base_transform_set_passthrough(trans, TRUE);
-  for (const Error& error : s.input.start()) {
-    if (error.code != ErrorCode::kNotFound) {
-      gst::post_error(GST_ELEMENT(self), error);
-      s.input.stop();
-      return FALSE;
-    }
-    gst::post_warning(GST_ELEMENT(self), error);
-  }
-  const Status started = s.undistorter.start();
-  if (!started) gst::post_error(GST_ELEMENT(self), started.error());
+  const Status started = GST_CALIB_UNDISTORT(trans)->state->start();
+  if (!started) gst::post_error(GST_ELEMENT(trans), started.error());
   return started.has_value();
 }
 
 static gboolean gst_calib_undistort_stop(GstBaseTransform* trans) {
-  gst::UndistortState& s = *GST_CALIB_UNDISTORT(trans)->state;
-  s.input.stop();
-  s.undistorter.stop();
-  s.output.reset();
-  const std::lock_guard guard(s.lock);
-  s.shown.reset();
+  GST_CALIB_UNDISTORT(trans)->state->stop();
   return TRUE;
 }
 
@@ -231,33 +201,9 @@ static GstStateChangeReturn gst_calib_undistort_change_state(GstElement* element
                                                              GstStateChange change) {
   // A build on the streaming thread would hold the state change up.
   if (change == GST_STATE_CHANGE_PAUSED_TO_READY) {
-    GST_CALIB_UNDISTORT(element)->state->undistorter.cancel();
+    GST_CALIB_UNDISTORT(element)->state->cancel();
   }
   return GST_ELEMENT_CLASS(gst_calib_undistort_parent_class)->change_state(element, change);
-}
-
-static void gst_calib_undistort_set_property(GObject* object, guint id, const GValue* value,
-                                             GParamSpec* pspec) {
-  gst::UndistortState& s = *GST_CALIB_UNDISTORT(object)->state;
-  {
-    const std::lock_guard guard(s.lock);
-    s.calibration_changed |= gst::tells_calibration(id);
-    if (!gst::undistort_field(s.settings, id).set(value)) {
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    }
-  }
-  if (const char* other = gst::other_name(id)) g_object_notify(object, other);
-}
-
-static void gst_calib_undistort_get_property(GObject* object, guint id, GValue* value,
-                                             GParamSpec* pspec) {
-  gst::UndistortState& s = *GST_CALIB_UNDISTORT(object)->state;
-  const std::lock_guard guard(s.lock);
-  if (id == gst::kUndistortOutputCalibration) {
-    gst::set_string(value, s.output_calibration);
-  } else if (!gst::undistort_field(s.settings, id).get(value)) {
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-  }
 }
 
 static void gst_calib_undistort_finalize(GObject* object) {
@@ -276,8 +222,6 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   auto* element_class = GST_ELEMENT_CLASS(klass);
   auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
   auto* filter_class = GST_VIDEO_FILTER_CLASS(klass);
-  object_class->set_property = gst_calib_undistort_set_property;
-  object_class->get_property = gst_calib_undistort_get_property;
   object_class->finalize = gst_calib_undistort_finalize;
   element_class->change_state = gst_calib_undistort_change_state;
   trans_class->start = gst_calib_undistort_start;
@@ -296,7 +240,7 @@ static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   trans_class->transform_ip_on_passthrough = FALSE;
   filter_class->set_info = gst_calib_undistort_set_info;
   filter_class->transform_frame = gst_calib_undistort_transform_frame;
-  gst::install_undistort_properties(object_class);
+  gst::install_properties<gst_calib_undistort_state, gst::kUndistortProperties>(object_class);
   gst::add_undistort_pads(element_class);
   gst_element_class_set_static_metadata(
       element_class, "Camera undistortion", "Filter/Effect/Video",

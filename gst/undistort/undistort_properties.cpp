@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Installs the properties of calibundistort and names the setting behind each.
+// The table of the properties of calibundistort.
 
 #include "undistort/undistort_properties.hpp"
 
@@ -9,84 +9,135 @@ namespace calvin::gst {
 
 namespace {
 
-enum Property : guint {
-  kCalibration = 1,
-  kSettings,
-  kEnabled,
-  kUndistort,
-  kOutputCalibration,
-  kFirstOfView
+constexpr GEnumValue kAlphaModes[] = {
+    choice(AlphaMode::kCalvin, "calvin", "The largest view; pixels keep their aspect"),
+    choice(AlphaMode::kOpenCv, "opencv", "What cameraundistort shows"), kNoMoreChoices};
+constexpr GEnumValue kProjections[] = {
+    choice(Projection::kRectilinear, "rectilinear", "Straight lines stay straight"),
+    choice(Projection::kCylindrical, "cylindrical", "Verticals stay straight"),
+    choice(Projection::kEquirectangular, "equirectangular", "Longitude and latitude"),
+    choice(Projection::kStereographic, "stereographic", "Small shapes keep their form"),
+    choice(Projection::kPanini, "panini", "Verticals and lines through the middle stay straight"),
+    choice(Projection::kFisheye, "fisheye", "Distance from the middle is the angle"),
+    kNoMoreChoices};
+constexpr GEnumValue kDirections[] = {
+    choice(Direction::kUndistort, "undistort", "From the camera's picture to the view"),
+    choice(Direction::kDistort, "distort", "From the view back to the camera's picture"),
+    kNoMoreChoices};
+constexpr GEnumValue kInterpolations[] = {
+    choice(Interpolation::kNearest, "nearest", "Nearest pixel"),
+    choice(Interpolation::kBilinear, "bilinear", "Straight between 2 x 2 pixels"),
+    choice(Interpolation::kBicubic, "bicubic", "Cubic through 4 x 4 pixels, Catmull-Rom"),
+    choice(Interpolation::kLanczos, "lanczos", "Windowed sinc over 6 x 6 pixels"), kNoMoreChoices};
+constexpr GEnumValue kFills[] = {
+    choice(Outside::kFill, "black", "Black, opaque"),
+    choice(Outside::kReplicate, "replicate", "The nearest pixel of the input's border"),
+    choice(Outside::kMirror, "mirror", "The input, mirrored at its border"), kNoMoreChoices};
+
+constexpr Range kDegrees = {-180, 180};
+
+template <auto kMember>
+constexpr auto in_view = kept_in<&UndistortSettings::view, kMember>;
+
+// The file is read again, though it may be the one that was named before.
+void calibration_was_set(UndistortSettings& settings, bool /*to_another*/) {
+  settings.calibration_was_set = true;
+}
+
+constexpr Property<UndistortState> kRows[] = {
+    {"calibration",
+     "Calibration",
+     "The calibration: a file (native JSON, OpenCV, ROS), which may appear later and is read "
+     "again when it is replaced; or JSON text; or the settings of cameraundistort; or a list "
+     "such as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the "
+     "calibration event of an element upstream",
+     kept_in<&UndistortSettings::calibration>,
+     {.other_name = "settings", .was_set = calibration_was_set}},
+    {"settings",
+     "Settings",
+     "The same as calibration, by the name that cameraundistort has for it: its pipelines work "
+     "with this element in its place",
+     kept_in<&UndistortSettings::calibration>,
+     {.other_name = "calibration", .was_set = calibration_was_set}},
+    {"enabled",
+     "Enabled",
+     "Undistort; off: the frames pass through untouched, or scaled where the output has another "
+     "size",
+     kept_in<&UndistortSettings::enabled>,
+     {.other_name = "undistort"}},
+    {"undistort",
+     "Undistort",
+     "The same as enabled, by the name that cameraundistort has for it",
+     kept_in<&UndistortSettings::enabled>,
+     {.other_name = "enabled"}},
+    {"output-calibration", "Output Calibration",
+     "The calibration of the output as native JSON: a pinhole camera (or an ideal fisheye, where "
+     "that is the projection) while it is undistorted, what came from upstream while it passes "
+     "through or is scaled; empty where no model describes the projection",
+     returned_by<&UndistortState::output_calibration>},
+    {"alpha",
+     "Alpha",
+     "What the output shows. 0: the largest view without an invalid pixel; 1: every valid pixel "
+     "of the input, at most 150 degrees where rectilinear; between: moves linearly from one to "
+     "the other",
+     in_view<&ViewSettings::alpha>,
+     {.range = Range{0, 1}, .flags = kAnimated}},
+    {"alpha-mode",
+     "Alpha Mode",
+     "What alpha means: as said there, or as OpenCV and cameraundistort have it, where width and "
+     "height are filled each by itself",
+     in_view<&ViewSettings::alpha_mode>,
+     {.choices = {"GstCalibAlphaMode", kAlphaModes}}},
+    {"projection",
+     "Projection",
+     "How directions are laid out on the output",
+     in_view<&ViewSettings::projection>,
+     {.choices = {"GstCalibProjection", kProjections}}},
+    {"zoom",
+     "Zoom",
+     "Factor by which what alpha chose is enlarged, around the middle of the output",
+     in_view<&ViewSettings::zoom>,
+     {.range = Range{0.01, 100}, .flags = kAnimated}},
+    {"pan",
+     "Pan",
+     "Looks to the right, degrees",
+     in_view<&ViewSettings::pan>,
+     {.range = kDegrees, .flags = kAnimated}},
+    {"tilt",
+     "Tilt",
+     "Looks up, degrees",
+     in_view<&ViewSettings::tilt>,
+     {.range = kDegrees, .flags = kAnimated}},
+    {"roll",
+     "Roll",
+     "Turns the view clockwise, degrees",
+     in_view<&ViewSettings::roll>,
+     {.range = kDegrees, .flags = kAnimated}},
+    {"direction",
+     "Direction",
+     "Whether the camera's picture becomes the view (undistort), or what comes in shows the view "
+     "and becomes the camera's picture (distort)",
+     in_view<&ViewSettings::direction>,
+     {.choices = {"GstCalibDirection", kDirections}}},
+    {"interpolation",
+     "Interpolation",
+     "Which pixels of the input make one of the output",
+     in_view<&ViewSettings::interpolation>,
+     {.choices = {"GstCalibInterpolation", kInterpolations}}},
+    {"fill",
+     "Fill",
+     "What is shown outside of the input; where the calibration is not valid it is black",
+     in_view<&ViewSettings::outside>,
+     {.choices = {"GstCalibFill", kFills}}},
+    {"n-threads",
+     "Threads",
+     "How many threads share the rows of a frame, the streaming thread among them",
+     in_view<&ViewSettings::threads>,
+     {.range = Range{1, 64}}},
 };
-static_assert(kOutputCalibration == kUndistortOutputCalibration);
 
 }  // namespace
 
-Field undistort_field(UndistortSettings& settings, guint id) {
-  switch (id) {
-    case kCalibration:
-    case kSettings:
-      return settings.calibration;
-    case kEnabled:
-    case kUndistort:
-      return settings.enabled;
-    case kOutputCalibration:
-      return {};
-    default:
-      return view_field(settings.view, id - kFirstOfView);
-  }
-}
-
-const char* other_name(guint id) {
-  switch (id) {
-    case kCalibration:
-      return "settings";
-    case kSettings:
-      return "calibration";
-    case kEnabled:
-      return "undistort";
-    case kUndistort:
-      return "enabled";
-    default:
-      return nullptr;
-  }
-}
-
-bool tells_calibration(guint id) { return id == kCalibration || id == kSettings; }
-
-void install_undistort_properties(GObjectClass* object_class) {
-  const auto install = [&](guint id, GParamSpec* spec) {
-    g_object_class_install_property(object_class, id, spec);
-  };
-  install(
-      kCalibration,
-      g_param_spec_string(
-          "calibration", "Calibration",
-          "The calibration: a file (native JSON, OpenCV, ROS), which may appear later and is read "
-          "again when it is replaced; or JSON text; or the settings of cameraundistort; or a list "
-          "such as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the "
-          "calibration event of an element upstream",
-          nullptr, kMutablePlaying));
-  install(kSettings,
-          g_param_spec_string("settings", "Settings",
-                              "The same as calibration, by the name that cameraundistort has for "
-                              "it: its pipelines work with this element in its place",
-                              nullptr, kMutablePlaying));
-  install(kEnabled, g_param_spec_boolean("enabled", "Enabled",
-                                         "Undistort; off: the frames pass through untouched, "
-                                         "or scaled where the output has another size",
-                                         TRUE, kMutablePlaying));
-  install(kUndistort,
-          g_param_spec_boolean("undistort", "Undistort",
-                               "The same as enabled, by the name that cameraundistort has for it",
-                               TRUE, kMutablePlaying));
-  install(kOutputCalibration,
-          g_param_spec_string("output-calibration", "Output Calibration",
-                              "The calibration of the output as native JSON: a pinhole camera (or "
-                              "an ideal fisheye, where that is the projection) while it is "
-                              "undistorted, what came from upstream while it passes through or is "
-                              "scaled; empty where no model describes the projection",
-                              nullptr, kReadOnly));
-  install_view_properties(object_class, kFirstOfView);
-}
+constinit const Properties<UndistortState> kUndistortProperties = kRows;
 
 }  // namespace calvin::gst

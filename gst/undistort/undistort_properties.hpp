@@ -4,30 +4,11 @@
 // The properties of calibundistort.
 #pragma once
 
-#include <string>
-
-#include "undistort/view_properties.hpp"
+#include "common/properties.hpp"
+#include "undistort/undistort_state.hpp"
 
 namespace calvin::gst {
 
-struct UndistortSettings {
-  std::string calibration;
-  bool enabled = true;
-  ViewSettings view;
-};
-
-// The one that is not kept in the settings.
-inline constexpr guint kUndistortOutputCalibration = 5;
-
-void install_undistort_properties(GObjectClass* object_class);
-
-// Where the property of that number is kept; nowhere for kUndistortOutputCalibration.
-[[nodiscard]] Field undistort_field(UndistortSettings& settings, guint id);
-
-// The other name of a property that has two, else nullptr: whoever listens to that one is told too.
-[[nodiscard]] const char* other_name(guint id);
-
-// Whether the calibration is set by the property of that number.
-[[nodiscard]] bool tells_calibration(guint id);
+extern const Properties<UndistortState> kUndistortProperties;
 
 }  // namespace calvin::gst

@@ -14,17 +14,58 @@ GST_DEBUG_CATEGORY_EXTERN(calibundistort_debug);
 
 namespace calvin::gst {
 
+Status UndistortState::start() {
+  output.reset();
+  tags.reset();
+  EventPtr stale;
+  static_cast<void>(take_settings(stale));
+  fitted.reset();
+  set_output_calibration("");
+  gst_base_transform_set_passthrough(element, TRUE);
+  for (const Error& error : input.start()) {
+    if (error.code != ErrorCode::kNotFound) {
+      input.stop();
+      return tl::unexpected<Error>(error);
+    }
+    post_warning(GST_ELEMENT(element), error);
+  }
+  return undistorter.start();
+}
+
+void UndistortState::stop() {
+  input.stop();
+  undistorter.stop();
+  output.reset();
+  const std::lock_guard guard(lock_);
+  shown_.reset();
+}
+
+void UndistortState::keep_event(EventPtr event) {
+  const std::lock_guard guard(lock_);
+  arrived_event_ = std::move(event);
+}
+
+std::shared_ptr<const Undistorter> UndistortState::shown() {
+  const std::lock_guard guard(lock_);
+  return shown_;
+}
+
 UndistortSettings UndistortState::take_settings(EventPtr& event) {
-  const std::lock_guard guard(lock);
-  if (std::exchange(calibration_changed, false)) input.set_text(settings.calibration);
-  event = std::move(arrived_event);
-  return settings;
+  const std::lock_guard guard(lock_);
+  if (std::exchange(settings_.calibration_was_set, false)) input.set_text(settings_.calibration);
+  event = std::move(arrived_event_);
+  return settings_;
+}
+
+std::string UndistortState::output_calibration() {
+  const std::lock_guard guard(lock_);
+  return output_calibration_;
 }
 
 void UndistortState::set_output_calibration(const std::string& json) {
   {
-    const std::lock_guard guard(lock);
-    if (json == std::exchange(output_calibration, json)) return;
+    const std::lock_guard guard(lock_);
+    if (json == std::exchange(output_calibration_, json)) return;
   }
   g_object_notify(G_OBJECT(element), "output-calibration");
 }
@@ -80,8 +121,8 @@ void UndistortState::update() {
   if (before != undistorter.current())
     GST_DEBUG_OBJECT(element, "%s", undistorter.describe().c_str());
   {
-    const std::lock_guard guard(lock);
-    shown = undistorter.current();
+    const std::lock_guard guard(lock_);
+    shown_ = undistorter.current();
   }
   set_passthrough(!undistorter.current() && !undistorter.must_move());
   announce();

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,35 +13,38 @@
 
 #include "common/event_ptr.hpp"
 #include "common/frames/frame_part.hpp"
+#include "common/shared_settings.hpp"
 #include "undistort/calibration_input.hpp"
 #include "undistort/frame_undistorter.hpp"
 #include "undistort/orientation_tags.hpp"
 #include "undistort/output_event.hpp"
-#include "undistort/undistort_properties.hpp"
+#include "undistort/undistort_settings.hpp"
 
 namespace calvin::gst {
 
-struct UndistortState {
+// Other settings take effect with the next frame.
+struct UndistortState : SharedSettings<UndistortSettings> {
   explicit UndistortState(GstBaseTransform* trans) : element(trans) {}
+
+  // An error for settings that cannot work; a file that is not there yet is a warning on the bus.
+  [[nodiscard]] Status start();
+  // Any thread: whoever waits for an undistorter goes on without it.
+  void cancel() { undistorter.cancel(); }
+  void stop();
+
+  // Any thread.
+  [[nodiscard]] std::string output_calibration();
+  // A calibration event, to be looked at by the next update().
+  void keep_event(EventPtr event);
+  // How the last frame was moved.
+  [[nodiscard]] std::shared_ptr<const Undistorter> shown();
 
   // Brings everything up to date with the properties, the file and the events.
   void update();
   // The frame may be another part of the buffer's picture from now on.
   void follow_crop(GstBuffer* buffer);
-  // The settings as they are now. What has changed goes to the input; that of an event is returned.
-  [[nodiscard]] UndistortSettings take_settings(EventPtr& event);
-  void set_output_calibration(const std::string& json);
 
   GstBaseTransform* element;
-
-  std::mutex lock;
-  // Under the lock.
-  UndistortSettings settings;
-  bool calibration_changed = false;
-  std::string output_calibration;
-  EventPtr arrived_event;                    // a calibration event, not yet looked at
-  std::shared_ptr<const Undistorter> shown;  // how the last frame was moved
-
   FrameUndistorter undistorter;
 
   // Streaming thread, or before it starts.
@@ -59,6 +61,14 @@ struct UndistortState {
   OutputEvent output;
 
  private:
+  // Under lock_.
+  std::string output_calibration_;
+  EventPtr arrived_event_;  // not yet looked at
+  std::shared_ptr<const Undistorter> shown_;
+
+  // The settings as they are now. What has changed goes to the input; that of an event is returned.
+  [[nodiscard]] UndistortSettings take_settings(EventPtr& event);
+  void set_output_calibration(const std::string& json);
   // The calibration is that of the frames with the lens in them.
   void fit_input();
   void set_passthrough(bool passthrough);

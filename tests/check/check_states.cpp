@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "common/properties.hpp"
+#include "common/property_kinds.hpp"
 #include "element_properties.hpp"
 
 #include <gst/check/gstcheck.h>
@@ -107,7 +107,11 @@ GST_END_TEST;
 // An empty text is no text.
 static bool same(GParamSpec* spec, const GValue* a, const GValue* b) {
   if (!G_IS_PARAM_SPEC_STRING(spec)) return g_param_values_cmp(spec, a, b) == 0;
-  const auto text = [](const GValue* v) { return gst::string_of(v); };
+  const auto text = [](const GValue* value) {
+    std::string read;
+    gst::read_value(value, read);
+    return read;
+  };
   return text(a) == text(b);
 }
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The properties of calibundistort that say what its output shows and how it is made.
+// What the properties of calibundistort are set to.
 #pragma once
 
-#include <glib-object.h>
+#include <string>
 
 #include "calvin/remap/undistorter.hpp"
-#include "common/field.hpp"
 
 namespace calvin::gst {
 
 enum class Direction { kUndistort, kDistort };
 
+// What the output shows and how it is made.
 struct ViewSettings {
   double alpha = 0;
   AlphaMode alpha_mode = AlphaMode::kCalvin;
@@ -31,11 +31,11 @@ struct ViewSettings {
   [[nodiscard]] Sampling sampling() const;
 };
 
-// Properties first..first+count-1 of a class.
-inline constexpr guint kViewProperties = 11;
-void install_view_properties(GObjectClass* object_class, guint first);
-
-// `which` counts from 0.
-[[nodiscard]] Field view_field(ViewSettings& settings, guint which);
+struct UndistortSettings {
+  std::string calibration;
+  bool calibration_was_set = false;  // since the streaming thread looked last
+  bool enabled = true;
+  ViewSettings view;
+};
 
 }  // namespace calvin::gst

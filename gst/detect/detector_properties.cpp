@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The table of the properties of calibdetect.
+
+#include "detect/detector_properties.hpp"
+
+#include "elements.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+constexpr GEnumValue kModes[] = {
+    choice(kModeAuto, "auto", "Async when the source is live, sync otherwise"),
+    choice(kModeSync, "sync", "The streaming thread waits: each frame carries its own corners"),
+    choice(kModeAsync, "async", "Nothing waits: newest frame only, corners ride on a later frame"),
+    kNoMoreChoices};
+
+void board_was_set(DetectorSettings& settings, bool to_another) {
+  settings.board_changed |= to_another;
+}
+
+void recheck_was_set(DetectorSettings& settings, bool to_another) {
+  settings.recheck_changed |= to_another;
+}
+
+constexpr Property<CalibDetector> kRows[] = {
+    {"board",
+     "Board",
+     "The board to find, KIND:COLSxROWS:SIZE with inner corners and the side of a square, or "
+     "FILE.json#NAME; several separated by ;",
+     kept_in<&DetectorSettings::board>,
+     {.was_set = board_was_set}},
+    {"camera", "Camera", "Name of the camera in metas, messages and files",
+     kept_in<&DetectorSettings::camera>},
+    {"mode",
+     "Mode",
+     "Whether frames wait for the detector; decided anew at each format",
+     kept_in<&DetectorSettings::mode>,
+     {.choices = {"GstCalibDetectMode", kModes}}},
+    {"max-rate",
+     "Maximum Rate",
+     "Frames per second of running time to look at, at the most (0 = all)",
+     kept_in<&DetectorSettings::max_rate>,
+     {.range = Range{0, 1000}}},
+    {"post-messages", "Post Messages",
+     "Post a calib-detection message for every board and frame looked at",
+     kept_in<&DetectorSettings::post_messages>},
+    {"recheck",
+     "Recheck",
+     "A calibration (a file, or whatever calibundistort takes) that each board found is held "
+     "against: posts calib-check with the misfit, how far the camera has moved from it, and the "
+     "pose of the board",
+     kept_in<&DetectorSettings::recheck>,
+     {.was_set = recheck_was_set}},
+    {"stats", "Statistics",
+     "Counts of frames since start: frames, detections, skipped (by max-rate, or as the worker "
+     "was busy)",
+     returned_by<&CalibDetector::stats>},
+};
+
+}  // namespace
+
+constinit const Properties<CalibDetector> kDetectorProperties = kRows;
+
+std::vector<GParamSpec*> new_calibdetect_specs() { return new_specs(kDetectorProperties); }
+
+}  // namespace calvin::gst
