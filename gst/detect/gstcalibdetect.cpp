@@ -19,6 +19,7 @@
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/video.h>
 
+#include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
@@ -125,35 +126,6 @@ static gboolean gst_calib_detect_sink_event(GstBaseTransform* trans, GstEvent* e
   return GST_BASE_TRANSFORM_CLASS(gst_calib_detect_parent_class)->sink_event(trans, event);
 }
 
-static gboolean gst_calib_detect_start(GstBaseTransform* trans) {
-  const Status started = GST_CALIB_DETECT(trans)->detector->start();
-  if (!started) gst::post_error(GST_ELEMENT(trans), started.error());
-  return started.has_value();
-}
-
-static gboolean gst_calib_detect_stop(GstBaseTransform* trans) {
-  GST_CALIB_DETECT(trans)->detector->stop();
-  return TRUE;
-}
-
-static GstStateChangeReturn gst_calib_detect_change_state(GstElement* element,
-                                                          GstStateChange change) {
-  // Before the pads are deactivated: that waits for the streaming thread, which may be waiting.
-  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) GST_CALIB_DETECT(element)->detector->cancel();
-  return GST_ELEMENT_CLASS(gst_calib_detect_parent_class)->change_state(element, change);
-}
-
-static void gst_calib_detect_dispose(GObject* object) {
-  // From here on no job begins to post in the name of the element.
-  GST_CALIB_DETECT(object)->detector->stop();
-  G_OBJECT_CLASS(gst_calib_detect_parent_class)->dispose(object);
-}
-
-static void gst_calib_detect_finalize(GObject* object) {
-  delete GST_CALIB_DETECT(object)->detector;
-  G_OBJECT_CLASS(gst_calib_detect_parent_class)->finalize(object);
-}
-
 static void gst_calib_detect_init(GstCalibDetect* self) {
   self->detector = new gst::CalibDetector(GST_ELEMENT(self));
   gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
@@ -162,25 +134,18 @@ static void gst_calib_detect_init(GstCalibDetect* self) {
 
 static void gst_calib_detect_class_init(GstCalibDetectClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
-  auto* element_class = GST_ELEMENT_CLASS(klass);
+  gst::install_finalize<gst_calib_detect_detector>(object_class);
+  gst::install_dispose<gst_calib_detect_detector>(object_class);
+  gst::install_properties<gst_calib_detect_detector, gst::kDetectorProperties>(object_class);
   auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
-  object_class->dispose = gst_calib_detect_dispose;
-  object_class->finalize = gst_calib_detect_finalize;
-  element_class->change_state = gst_calib_detect_change_state;
-  trans_class->start = gst_calib_detect_start;
-  trans_class->stop = gst_calib_detect_stop;
-  trans_class->transform_caps = gst::share_memory_transform_caps;
+  gst::install_start_and_stop<gst_calib_detect_detector>(trans_class);
+  gst::install_meta_filter(trans_class);
   trans_class->set_caps = gst_calib_detect_set_caps;
   trans_class->sink_event = gst_calib_detect_sink_event;
   trans_class->src_event = gst_calib_detect_src_event;
-  trans_class->prepare_output_buffer = gst::share_input_buffer;
-  trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->transform_ip = gst_calib_detect_transform_ip;
-  trans_class->transform_ip_on_passthrough = TRUE;
-  gst::install_properties<gst_calib_detect_detector, gst::kDetectorProperties>(object_class);
-  gst::add_raw_video_pads(element_class);
   gst_element_class_set_static_metadata(
-      element_class, "Calibration board detector", "Filter/Analyzer/Video",
+      GST_ELEMENT_CLASS(klass), "Calibration board detector", "Filter/Analyzer/Video",
       "Finds calibration boards and attaches their corners to the frames",
       "The gst-calvin authors");
 }

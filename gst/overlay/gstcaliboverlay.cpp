@@ -23,6 +23,7 @@
 #include <gst/video/video.h>
 
 #include "calvin/draw/overlay.hpp"
+#include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
 #include "common/frames/frame_part.hpp"
 #include "common/frames/mapped_frame.hpp"
@@ -127,6 +128,8 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(caliboverlay, "caliboverlay", GST_RANK_NON
                                       GST_DEBUG_CATEGORY_INIT(caliboverlay_debug, "caliboverlay", 0,
                                                               "Calibration overlay"))
 
+static State& gst_calib_overlay_state(GObject* object) { return *GST_CALIB_OVERLAY(object)->state; }
+
 static gboolean gst_calib_overlay_start(GstBaseTransform* trans) {
   State& state = *GST_CALIB_OVERLAY(trans)->state;
   state.forget();
@@ -149,14 +152,6 @@ static gboolean gst_calib_overlay_sink_event(GstBaseTransform* trans, GstEvent* 
     GST_CALIB_OVERLAY(trans)->state->forget();
   }
   return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->sink_event(trans, event);
-}
-
-// GstVideoFilter knows no frames in DMA memory.
-static gboolean gst_calib_overlay_set_caps(GstBaseTransform* trans, GstCaps* in, GstCaps* out) {
-  GstVideoInfo info;
-  if (!gst::video_info_of(info, in)) return FALSE;
-  g_autoptr(GstCaps) mapped = gst::mapped_caps(in);
-  return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->set_caps(trans, mapped, out);
 }
 
 static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* in_caps,
@@ -250,11 +245,6 @@ static GstFlowReturn gst_calib_overlay_transform_ip(GstBaseTransform* trans, Gst
   return GST_FLOW_OK;
 }
 
-static void gst_calib_overlay_finalize(GObject* object) {
-  delete GST_CALIB_OVERLAY(object)->state;
-  G_OBJECT_CLASS(gst_calib_overlay_parent_class)->finalize(object);
-}
-
 static void gst_calib_overlay_init(GstCalibOverlay* self) {
   self->state = new State;
   gst_base_transform_set_in_place(GST_BASE_TRANSFORM(self), TRUE);
@@ -263,20 +253,16 @@ static void gst_calib_overlay_init(GstCalibOverlay* self) {
 }
 
 static void gst_calib_overlay_class_init(GstCalibOverlayClass* klass) {
-  GObjectClass* object_class = G_OBJECT_CLASS(klass);
-  object_class->finalize = gst_calib_overlay_finalize;
+  gst::install_finalize<gst_calib_overlay_state>(G_OBJECT_CLASS(klass));
 
   GstBaseTransformClass* transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  gst::install_pixel_filter(transform_class);
   transform_class->start = gst_calib_overlay_start;
   transform_class->stop = gst_calib_overlay_stop;
   transform_class->sink_event = gst_calib_overlay_sink_event;
   transform_class->transform_caps = gst::map_memory_transform_caps;
-  transform_class->set_caps = gst_calib_overlay_set_caps;
-  transform_class->get_unit_size = gst::mapped_unit_size;
-  transform_class->propose_allocation = gst::propose_uncropped_allocation;
   transform_class->before_transform = gst_calib_overlay_before_transform;
   transform_class->transform_ip = gst_calib_overlay_transform_ip;
-  transform_class->transform_ip_on_passthrough = FALSE;
 
   GstVideoFilterClass* filter_class = GST_VIDEO_FILTER_CLASS(klass);
   filter_class->set_info = gst_calib_overlay_set_info;

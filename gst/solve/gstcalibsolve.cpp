@@ -25,6 +25,7 @@
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/video.h>
 
+#include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
@@ -172,35 +173,6 @@ static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* ev
   return GST_BASE_TRANSFORM_CLASS(gst_calib_solve_parent_class)->sink_event(trans, event);
 }
 
-static gboolean gst_calib_solve_start(GstBaseTransform* trans) {
-  const Status started = GST_CALIB_SOLVE(trans)->state->start();
-  if (!started) gst::post_error(GST_ELEMENT(trans), started.error());
-  return started.has_value();
-}
-
-static gboolean gst_calib_solve_stop(GstBaseTransform* trans) {
-  GST_CALIB_SOLVE(trans)->state->stop();
-  return TRUE;
-}
-
-static GstStateChangeReturn gst_calib_solve_change_state(GstElement* element,
-                                                         GstStateChange change) {
-  // Before the pads are deactivated: that waits for the streaming thread, which may be draining.
-  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) GST_CALIB_SOLVE(element)->state->cancel();
-  return GST_ELEMENT_CLASS(gst_calib_solve_parent_class)->change_state(element, change);
-}
-
-static void gst_calib_solve_dispose(GObject* object) {
-  // From here on no job begins to post in the name of the element.
-  GST_CALIB_SOLVE(object)->state->stop();
-  G_OBJECT_CLASS(gst_calib_solve_parent_class)->dispose(object);
-}
-
-static void gst_calib_solve_finalize(GObject* object) {
-  delete GST_CALIB_SOLVE(object)->state;
-  G_OBJECT_CLASS(gst_calib_solve_parent_class)->finalize(object);
-}
-
 static void gst_calib_solve_init(GstCalibSolve* self) {
   self->state = new State(GST_ELEMENT(self));
   gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
@@ -248,24 +220,17 @@ static void gst_calib_solve_install_signals(GType type) {
 
 static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
-  auto* element_class = GST_ELEMENT_CLASS(klass);
-  auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
-  object_class->dispose = gst_calib_solve_dispose;
-  object_class->finalize = gst_calib_solve_finalize;
-  element_class->change_state = gst_calib_solve_change_state;
-  trans_class->start = gst_calib_solve_start;
-  trans_class->stop = gst_calib_solve_stop;
-  trans_class->transform_caps = gst::share_memory_transform_caps;
-  trans_class->set_caps = gst_calib_solve_set_caps;
-  trans_class->sink_event = gst_calib_solve_sink_event;
-  trans_class->prepare_output_buffer = gst::share_input_buffer;
-  trans_class->propose_allocation = gst::propose_uncropped_allocation;
-  trans_class->transform_ip = gst_calib_solve_transform_ip;
-  trans_class->transform_ip_on_passthrough = TRUE;
+  gst::install_finalize<gst_calib_solve_state>(object_class);
+  gst::install_dispose<gst_calib_solve_state>(object_class);
   gst::install_properties<gst_calib_solve_state, gst::kSolverProperties>(object_class);
   gst_calib_solve_install_signals(G_TYPE_FROM_CLASS(klass));
-  gst::add_raw_video_pads(element_class);
+  auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
+  gst::install_start_and_stop<gst_calib_solve_state>(trans_class);
+  gst::install_meta_filter(trans_class);
+  trans_class->set_caps = gst_calib_solve_set_caps;
+  trans_class->sink_event = gst_calib_solve_sink_event;
+  trans_class->transform_ip = gst_calib_solve_transform_ip;
   gst_element_class_set_static_metadata(
-      element_class, "Camera calibration solver", "Filter/Analyzer/Video",
+      GST_ELEMENT_CLASS(klass), "Camera calibration solver", "Filter/Analyzer/Video",
       "Solves the camera from the boards that were found upstream", "The gst-calvin authors");
 }

@@ -26,6 +26,7 @@
 #include <gst/video/video.h>
 
 #include "calvin/io/calibration_io.hpp"
+#include "common/element_class.hpp"
 #include "common/frames/frame_planes.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
@@ -281,11 +282,6 @@ static gboolean gst_calib_test_src_query(GstBaseSrc* src, GstQuery* query) {
   return GST_BASE_SRC_CLASS(gst_calib_test_src_parent_class)->query(src, query);
 }
 
-static void gst_calib_test_src_finalize(GObject* object) {
-  delete GST_CALIB_TEST_SRC(object)->state;
-  G_OBJECT_CLASS(gst_calib_test_src_parent_class)->finalize(object);
-}
-
 static void gst_calib_test_src_init(GstCalibTestSrc* self) {
   self->state = new gst::TestState(GST_BASE_SRC(self));
   gst_base_src_set_format(GST_BASE_SRC(self), GST_FORMAT_TIME);
@@ -295,7 +291,7 @@ static void gst_calib_test_src_class_init(GstCalibTestSrcClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
   auto* element_class = GST_ELEMENT_CLASS(klass);
   auto* base_class = GST_BASE_SRC_CLASS(klass);
-  object_class->finalize = gst_calib_test_src_finalize;
+  gst::install_finalize<gst_calib_test_src_state>(object_class);
   gst::install_properties<gst_calib_test_src_state, gst::kTestProperties>(object_class);
   base_class->start = gst_calib_test_src_start;
   base_class->stop = gst_calib_test_src_stop;

@@ -20,6 +20,7 @@
 #include <gst/video/gstvideofilter.h>
 
 #include "common/calibration_event.hpp"
+#include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
 #include "common/frames/frame_part.hpp"
 #include "common/frames/mapped_frame.hpp"
@@ -126,14 +127,6 @@ static gboolean gst_calib_undistort_transform_meta(GstBaseTransform* trans, GstB
       ->transform_meta(trans, out, meta, in);
 }
 
-// GstVideoFilter knows no frames in DMA memory.
-static gboolean gst_calib_undistort_set_caps(GstBaseTransform* trans, GstCaps* in, GstCaps* out) {
-  GstVideoInfo info;
-  if (!gst::video_info_of(info, in)) return FALSE;
-  g_autoptr(GstCaps) mapped = gst::mapped_caps(in);
-  return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->set_caps(trans, mapped, out);
-}
-
 static gboolean gst_calib_undistort_set_info(GstVideoFilter* filter, GstCaps* in_caps,
                                              GstVideoInfo* in_info, GstCaps* out_caps,
                                              GstVideoInfo* out_info) {
@@ -186,31 +179,6 @@ static gboolean gst_calib_undistort_src_event(GstBaseTransform* trans, GstEvent*
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->src_event(trans, event);
 }
 
-static gboolean gst_calib_undistort_start(GstBaseTransform* trans) {
-  const Status started = GST_CALIB_UNDISTORT(trans)->state->start();
-  if (!started) gst::post_error(GST_ELEMENT(trans), started.error());
-  return started.has_value();
-}
-
-static gboolean gst_calib_undistort_stop(GstBaseTransform* trans) {
-  GST_CALIB_UNDISTORT(trans)->state->stop();
-  return TRUE;
-}
-
-static GstStateChangeReturn gst_calib_undistort_change_state(GstElement* element,
-                                                             GstStateChange change) {
-  // A build on the streaming thread would hold the state change up.
-  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) {
-    GST_CALIB_UNDISTORT(element)->state->cancel();
-  }
-  return GST_ELEMENT_CLASS(gst_calib_undistort_parent_class)->change_state(element, change);
-}
-
-static void gst_calib_undistort_finalize(GObject* object) {
-  delete GST_CALIB_UNDISTORT(object)->state;
-  G_OBJECT_CLASS(gst_calib_undistort_parent_class)->finalize(object);
-}
-
 static void gst_calib_undistort_init(GstCalibUndistort* self) {
   self->state = new gst::UndistortState(GST_BASE_TRANSFORM(self));
   gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);
@@ -219,30 +187,23 @@ static void gst_calib_undistort_init(GstCalibUndistort* self) {
 
 static void gst_calib_undistort_class_init(GstCalibUndistortClass* klass) {
   auto* object_class = G_OBJECT_CLASS(klass);
-  auto* element_class = GST_ELEMENT_CLASS(klass);
+  gst::install_finalize<gst_calib_undistort_state>(object_class);
+  gst::install_properties<gst_calib_undistort_state, gst::kUndistortProperties>(object_class);
   auto* trans_class = GST_BASE_TRANSFORM_CLASS(klass);
-  auto* filter_class = GST_VIDEO_FILTER_CLASS(klass);
-  object_class->finalize = gst_calib_undistort_finalize;
-  element_class->change_state = gst_calib_undistort_change_state;
-  trans_class->start = gst_calib_undistort_start;
-  trans_class->stop = gst_calib_undistort_stop;
+  gst::install_start_and_stop<gst_calib_undistort_state>(trans_class);
+  gst::install_pixel_filter(trans_class);
   trans_class->sink_event = gst_calib_undistort_sink_event;
   trans_class->src_event = gst_calib_undistort_src_event;
   trans_class->transform_caps = gst::undistort_transform_caps;
   trans_class->fixate_caps = gst::undistort_fixate_caps;
-  trans_class->set_caps = gst_calib_undistort_set_caps;
-  trans_class->get_unit_size = gst::mapped_unit_size;
-  trans_class->propose_allocation = gst::propose_uncropped_allocation;
   trans_class->before_transform = gst_calib_undistort_before_transform;
   trans_class->prepare_output_buffer = gst_calib_undistort_prepare_output_buffer;
   trans_class->transform = gst_calib_undistort_transform;
   trans_class->transform_meta = gst_calib_undistort_transform_meta;
-  trans_class->transform_ip_on_passthrough = FALSE;
-  filter_class->set_info = gst_calib_undistort_set_info;
-  filter_class->transform_frame = gst_calib_undistort_transform_frame;
-  gst::install_properties<gst_calib_undistort_state, gst::kUndistortProperties>(object_class);
-  gst::add_undistort_pads(element_class);
+  GST_VIDEO_FILTER_CLASS(klass)->set_info = gst_calib_undistort_set_info;
+  GST_VIDEO_FILTER_CLASS(klass)->transform_frame = gst_calib_undistort_transform_frame;
+  gst::add_undistort_pads(GST_ELEMENT_CLASS(klass));
   gst_element_class_set_static_metadata(
-      element_class, "Camera undistortion", "Filter/Effect/Video",
+      GST_ELEMENT_CLASS(klass), "Camera undistortion", "Filter/Effect/Video",
       "Makes straight lines straight with the calibration of the camera", "The gst-calvin authors");
 }

@@ -185,6 +185,14 @@ GstCaps* map_memory_transform_caps(GstBaseTransform* /*trans*/, GstPadDirection 
   return filtered(others, filter);
 }
 
+gboolean set_mapped_caps(GstBaseTransform* trans, GstCaps* in, GstCaps* out) {
+  GstVideoInfo info;
+  if (!video_info_of(info, in)) return FALSE;
+  g_autoptr(GstCaps) mapped = mapped_caps(in);
+  auto* parent = GST_BASE_TRANSFORM_CLASS(g_type_class_peek_parent(G_OBJECT_GET_CLASS(trans)));
+  return parent->set_caps(trans, mapped, out);
+}
+
 gboolean mapped_unit_size(GstBaseTransform* /*trans*/, GstCaps* caps, gsize* size) {
   GstVideoInfo info;
   if (!video_info_of(info, caps)) return FALSE;

@@ -29,6 +29,10 @@ GstCaps* share_memory_transform_caps(GstBaseTransform* trans, GstPadDirection di
 GstCaps* map_memory_transform_caps(GstBaseTransform* trans, GstPadDirection direction,
                                    GstCaps* caps, GstCaps* filter);
 
+// For GstBaseTransformClass::set_caps of a class derived directly from GstVideoFilter, which knows
+// no frames in DMA memory: it gets the caps of frames as they are mapped.
+gboolean set_mapped_caps(GstBaseTransform* trans, GstCaps* in, GstCaps* out);
+
 // For GstBaseTransformClass::get_unit_size.
 gboolean mapped_unit_size(GstBaseTransform* trans, GstCaps* caps, gsize* size);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// A filter that is always passthrough for pixels and yet may attach metas.
+// Filters that are passthrough for pixels and attach metas, and filters that change pixels.
 
 #include "common/frames/meta_filter.hpp"
 
@@ -42,13 +42,15 @@ bool answer_dma_query(GstBaseTransform* trans, bool passthrough, GstQuery* query
   return true;
 }
 
-}  // namespace
-
+// The input itself where it is writable, else a copy that shares its memory.
 GstFlowReturn share_input_buffer(GstBaseTransform* /*trans*/, GstBuffer* in, GstBuffer** out) {
   *out = gst_buffer_is_writable(in) ? in : gst_buffer_copy(in);
   return GST_FLOW_OK;
 }
 
+// For a class derived directly from GStreamer's: as its parent, without the crop meta that a sink
+// may offer. Frames then are as large as their caps. For frames in DMA memory that go on as others
+// no pool is proposed.
 gboolean propose_uncropped_allocation(GstBaseTransform* trans, GstQuery* decide_query,
                                       GstQuery* query) {
   auto* parent = GST_BASE_TRANSFORM_CLASS(g_type_class_peek_parent(G_OBJECT_GET_CLASS(trans)));
@@ -61,6 +63,23 @@ gboolean propose_uncropped_allocation(GstBaseTransform* trans, GstQuery* decide_
     gst_query_remove_nth_allocation_meta(query, index);
   }
   return TRUE;
+}
+
+}  // namespace
+
+void install_meta_filter(GstBaseTransformClass* trans_class) {
+  trans_class->transform_caps = share_memory_transform_caps;
+  trans_class->prepare_output_buffer = share_input_buffer;
+  trans_class->propose_allocation = propose_uncropped_allocation;
+  trans_class->transform_ip_on_passthrough = TRUE;
+  add_raw_video_pads(GST_ELEMENT_CLASS(trans_class));
+}
+
+void install_pixel_filter(GstBaseTransformClass* trans_class) {
+  trans_class->set_caps = set_mapped_caps;
+  trans_class->get_unit_size = mapped_unit_size;
+  trans_class->propose_allocation = propose_uncropped_allocation;
+  trans_class->transform_ip_on_passthrough = FALSE;
 }
 
 void configure_meta_filter(GstBaseTransform* trans) {

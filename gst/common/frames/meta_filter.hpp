@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What calibdetect and calibsolve share: a filter that is always passthrough for pixels and yet
-// may attach metas. Attaching needs a writable buffer, not writable memory.
+// What filters share. calibdetect and calibsolve are always passthrough for pixels and yet may
+// attach metas, which needs a writable buffer, not writable memory. caliboverlay and calibundistort
+// change pixels.
 #pragma once
 
 #include <gst/base/gstbasetransform.h>
@@ -21,18 +22,14 @@
 
 namespace calvin::gst {
 
-// For GstBaseTransformClass::prepare_output_buffer: the input itself where it is writable, else a
-// copy that shares its memory.
-GstFlowReturn share_input_buffer(GstBaseTransform* trans, GstBuffer* in, GstBuffer** out);
-
-// For GstBaseTransformClass::propose_allocation of a class derived directly from GStreamer's: as
-// its parent, without the crop meta that a sink may offer. Frames then are as large as their caps.
-// For frames in DMA memory that go on as others no pool is proposed.
-gboolean propose_uncropped_allocation(GstBaseTransform* trans, GstQuery* decide_query,
-                                      GstQuery* query);
-
-// Passthrough with transform_ip on every buffer, no QoS (it would drop video, not work).
+// A filter that attaches metas, for class_init and instance_init: the pads of any raw video, and
+// passthrough with transform_ip on every buffer, without QoS (it would drop video, not work).
+void install_meta_filter(GstBaseTransformClass* trans_class);
 void configure_meta_filter(GstBaseTransform* trans);
+
+// A GstVideoFilter that changes pixels, for class_init: it works on frames as they are mapped, and
+// on none that pass through.
+void install_pixel_filter(GstBaseTransformClass* trans_class);
 
 // Any raw video in system memory, with overlays that wait to be drawn or without, or in DMA memory
 // under a name that there is for it, on both pads.
