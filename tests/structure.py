@@ -5,6 +5,7 @@
 #     includes only its own folder and those that come before it in the room's meson.build; the files
 #     at the top of a room that come last there are its face, which no file inside includes;
 #   - in gst/ every folder includes only itself and those of common/, and elements.hpp;
+#   - in solve/ one file alone knows at which place an unknown stands, and everybody asks it;
 #   - no folder holds more than 25 .cpp and .hpp files (io/ has one for each format);
 #   - every .cpp opens with a comment that says what it is for;
 #   - no file but target/grid.hpp counts the ids of control points in rows;
@@ -18,6 +19,15 @@ import sys
 
 MOST_FILES = 25
 UNLIMITED = {"lib/calvin/io"}  # a file for each format
+
+# The one file that knows the order of the unknowns, and what others look like that count for
+# themselves: 4 + coefficients, head(4), shared[0].
+ORDER = "lib/calvin/solve/parameters/parameter_order.hpp"
+COUNTED = re.compile(
+    r"\b4 \+|[])\w] [+-] 4\b(?!\.)|\bi < 4\b"
+    r"|\.(head|tail|topRows|leftCols|segment|middleRows)(<\d>)?\(4"
+    r"|\b(shared|parameters)(\(\))?\[\d|\bc\(\d"
+)
 
 top = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else __file__).resolve()
 if top.is_file():
@@ -93,6 +103,16 @@ def check_plugin():
                 faults.append(f"gst/{name} includes {header}, of another element")
 
 
+def check_order():
+    if not (top / ORDER).is_file():
+        faults.append(f"{ORDER} is missing")
+    for path in sources("lib/calvin/solve"):
+        name = path.relative_to(top).as_posix()
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if name != ORDER and COUNTED.search(line.split("//")[0]):
+                faults.append(f"{name}:{number} counts unknowns by itself: ask {ORDER}")
+
+
 def check_sizes():
     files = [p.parent for folder in ("lib", "gst") for p in sources(folder)]
     for folder, count in collections.Counter(files).items():
@@ -132,6 +152,7 @@ def check_pixel_centres():
 
 check_library()
 check_plugin()
+check_order()
 check_sizes()
 check_purpose()
 check_grids()

@@ -77,16 +77,13 @@ std::vector<Pixel> box_of(const std::vector<Pixel>& points) {
 // the pose eliminated.
 std::optional<CameraProblem::Reduced> condense(const PointSet& view, const Camera& camera,
                                                const SE3& pose) {
-  std::vector<double> parameters = camera.parameters();
-  CameraUnknowns unknowns;
-  unknowns.model = camera.model();
-  unknowns.layout.coefficients = static_cast<int>(parameters.size()) - 4;
-  unknowns.layout.skew = true;
-  parameters.push_back(camera.skew());
-  const auto n = static_cast<Eigen::Index>(parameters.size());
-  unknowns.basis = Eigen::MatrixXd::Identity(n, n);
+  const ParameterTable table({TableCamera{std::string(camera.model()), true}}, {BoardUnknowns{}});
+  std::vector<double> shared = camera.parameters();
+  shared.resize(static_cast<std::size_t>(table.count()));
+  shared[static_cast<std::size_t>(table.skew(0).first)] = camera.skew();
   const ViewPoints points(view, {});
-  CameraProblem problem({&points}, std::move(unknowns), {std::move(parameters), {pose}}, Loss{});
+  CameraProblem problem({&points}, {&table, table.basis(), {}}, {std::move(shared), {pose}},
+                        Loss{});
   if (!problem.valid()) return std::nullopt;
   auto reduced = problem.reduced();
   if (!reduced || !reduced->information.allFinite()) return std::nullopt;
@@ -117,7 +114,7 @@ Result<RecheckReport> Recheck::add(const View& view) {
     condensed.board = view.board.text();
     condensed.corners = box_of(view.observation.uv);
     std::vector<int> rows = columns_;
-    const int skew = static_cast<int>(camera_.parameters().size());
+    const int skew = CameraUnknowns::of(camera_.parameters().size(), true).skew().first;
     std::replace(rows.begin(), rows.end(), kSkewColumn, skew);
     condensed.information = normal->information(rows, rows);
     condensed.gradient = normal->gradient(rows);

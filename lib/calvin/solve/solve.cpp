@@ -15,8 +15,8 @@
 #include "calvin/core/text.hpp"
 #include "calvin/solve/judge/auto_model.hpp"
 #include "calvin/solve/judge/solve_points.hpp"
+#include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
-#include "calvin/solve/residuals/parameterization.hpp"
 #include "calvin/solve/residuals/points.hpp"
 
 namespace calvin {

@@ -41,12 +41,10 @@ class Rows : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     const std::string& model = GetParam();
-    layout_.coefficients = static_cast<int>(parameter_names(model).size()) - 4;
-    layout_.skew = true;
-    layout_.modes = kModes;
+    layout_ = {CameraUnknowns::of(parameter_names(model).size(), true), kModes};
     shared_ = {520, 518, 325, 236};
     const auto& lens = samples::lens(model).coefficients.back();
-    shared_.insert(shared_.end(), lens.begin(), lens.begin() + layout_.coefficients);
+    shared_.insert(shared_.end(), lens.begin(), lens.begin() + layout_.camera.coefficients);
     shared_.insert(shared_.end(), {0.7, 2e-3, -3e-3});  // px, m, m
     pose_ = {exp_so3({0.3, -0.4, 0.2}), {-0.08, -0.05, 0.25}};
     set_.points = kBoard.points();
@@ -64,7 +62,7 @@ class Rows : public ::testing::TestWithParam<std::string> {
   }
 
   [[nodiscard]] Pixel seen(std::size_t i, const SE3& pose, const std::vector<double>& q) const {
-    const auto of_lens = static_cast<std::ptrdiff_t>(4 + layout_.coefficients);
+    const auto of_lens = static_cast<std::ptrdiff_t>(4 + layout_.camera.coefficients);
     const double* rest = &q[static_cast<std::size_t>(of_lens)];
     const Camera camera =
         Camera::make(GetParam(), kSize, {q.begin(), q.begin() + of_lens}, rest[0]).value();
@@ -95,7 +93,7 @@ class Rows : public ::testing::TestWithParam<std::string> {
   [[nodiscard]] static int column(int unknown) { return unknown < 6 ? unknown : unknown + 1; }
   // Of pixels the step is longer than of what they are multiplied by.
   [[nodiscard]] double step(int unknown) const {
-    const int skew = 10 + layout_.coefficients;
+    const int skew = 10 + layout_.camera.coefficients;
     return (unknown >= 6 && unknown < 10) || unknown == skew ? 1e-3 : 1e-6;
   }
 
@@ -110,8 +108,9 @@ class Rows : public ::testing::TestWithParam<std::string> {
     options.warp = true;
     const ViewPoints points(set_, make_shape(kBoard, options));
     rows.resize(points.padded());
-    return fill_rows_of(GetParam())(points, row_point(layout_, shared_.data(), 0), pose_, loss,
-                                    rows);
+    const double* skew = &shared_[4 + static_cast<std::size_t>(layout_.camera.coefficients)];
+    const RowPoint at = {shared_.data(), *skew, skew + 1};
+    return fill_rows_of(GetParam())(points, at, pose_, loss, rows);
   }
 
   static constexpr std::size_t kLeftOut = 17;

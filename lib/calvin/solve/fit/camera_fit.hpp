@@ -12,7 +12,7 @@
 #include "calvin/core/image.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/solve/options.hpp"
-#include "calvin/solve/residuals/parameterization.hpp"
+#include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/residuals/points.hpp"
 #include "calvin/solve/residuals/view_points.hpp"
 
@@ -25,7 +25,7 @@ struct Rival {
 };
 
 struct Fit {
-  std::vector<double> shared;                // in the order of RowLayout
+  std::vector<double> shared;                // in the order of the table
   std::vector<SE3> camera_from_board;        // per view; valid for the views used
   std::vector<PointSet> views;               // corners left out have weight 0
   std::vector<bool> used;                    // per view
@@ -40,7 +40,7 @@ struct Fit {
 };
 
 // The best fit found; not converged where the data do not lead anywhere. The modes of the shape
-// are those of parameterization.layout.
+// are those of the board of the parameterization.
 [[nodiscard]] Fit fit_camera(std::vector<PointSet> views, const BoardShape& shape, ImageSize size,
                              const Parameterization& parameterization, const SolveOptions& options,
                              const std::stop_token& stop);

@@ -102,13 +102,13 @@ WeightScale normalise_weights(std::span<PointSet> views) {
 }
 
 double determined_by_priors(const Fit& fit, const Parameterization& parameterization) {
-  if (parameterization.priors.empty()) return 0;
+  if (parameterization.table.priors().empty()) return 0;
   const Eigen::Index n = fit.information.rows();
   const auto covariance =
       scaled_solve(fit.information, Eigen::MatrixXd::Identity(n, n), kLeastPivot);
   if (!covariance) return 0;
   double determined = 0;
-  for (const auto& prior : parameterization.priors) {
+  for (const auto& prior : parameterization.table.priors()) {
     const Eigen::RowVectorXd along = parameterization.basis.row(prior.unknown);
     determined += (along * *covariance).dot(along) / (prior.sigma * prior.sigma);
   }
@@ -129,8 +129,8 @@ double degrees_of_cost(const Fit& fit, const Parameterization& parameterization)
   const auto counts = [&parameterization](const auto& prior) {
     return parameterization.basis.row(prior.unknown).any();
   };
-  const auto priors =
-      std::count_if(parameterization.priors.begin(), parameterization.priors.end(), counts);
+  const auto& all = parameterization.table.priors();
+  const auto priors = std::count_if(all.begin(), all.end(), counts);
   return degrees_of_freedom(fit, parameterization) + static_cast<double>(priors) -
          determined_by_priors(fit, parameterization);
 }

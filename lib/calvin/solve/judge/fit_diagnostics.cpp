@@ -36,19 +36,12 @@ constexpr double kSmallPart = 0.01;
 // Corners in each part of the image, on average.
 constexpr double kCornersPerPart = 40;
 
-CameraUnknowns unknowns_of(const Parameterization& parameterization) {
-  return {parameterization.model,
-          parameterization.layout,
-          parameterization.skew,
-          parameterization.basis,
-          {}};
-}
-
 // The columns of projection_grid() for the camera's part of the unknowns.
 std::vector<int> grid_columns(const Parameterization& parameterization) {
   std::vector<int> columns;
-  for (int i = 0; i < 4 + parameterization.layout.coefficients; ++i) columns.push_back(i);
-  if (parameterization.layout.skew) columns.push_back(kSkewColumn);
+  const ParameterTable& table = parameterization.table;
+  for (int i = 0; i < table.intrinsics(0).count; ++i) columns.push_back(i);
+  if (!table.skew(0).empty()) columns.push_back(kSkewColumn);
   return columns;
 }
 
@@ -59,7 +52,8 @@ Eigen::MatrixXd projection_metric(const Camera& camera, const Parameterization& 
   const ProjectionGrid grid = projection_grid(camera, columns);
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
   for (const auto& cell : grid) sum += cell.transpose().lazyProduct(cell);
-  const Eigen::MatrixXd basis = parameterization.basis.topRows(n);
+  const Eigen::MatrixXd basis =
+      parameterization.basis.middleRows(parameterization.table.camera(0).first, n);
   return congruent(sum, basis) / static_cast<double>(std::max<std::size_t>(grid.size(), 1));
 }
 
@@ -152,9 +146,10 @@ class FitDiagnosis {
     // Shift, turn and scale of a whole board are explained by poses and focal length.
     constexpr double kRigid = 7;
     // Where each corner has its own offset, the means by corner are 0 anyway.
-    if (shape_.offsets == 0) {
+    if (shape_.unknowns.offsets().empty()) {
       const double rigid = kRigid * static_cast<double>(boards_.size());
-      result.board = board_.chi_square(variance_, kept, rigid + parameterization_.layout.modes);
+      result.board =
+          board_.chi_square(variance_, kept, rigid + parameterization_.table.board(0).count);
     }
     result.held_out = std::move(held_out_);
     if (predicted_ > 0 && used_ > 1) result.split_half_ratio = std::sqrt(observed_ / predicted_);
@@ -182,7 +177,7 @@ class FitDiagnosis {
 
   void add_view(std::size_t v) {
     const ViewPoints points(fit_.views[v], shape_);
-    CameraProblem problem({&points}, unknowns_of(parameterization_),
+    CameraProblem problem({&points}, {&parameterization_.table, parameterization_.basis, {}},
                           {fit_.shared, {fit_.camera_from_board[v]}}, Loss{});
     if (!problem.valid()) {
       held_out_.push_back(kUndetermined);
@@ -190,7 +185,7 @@ class FitDiagnosis {
     }
     const auto reduced = problem.reduced();
     // Without the only view there is nothing but what priors tell.
-    const bool rest = used_ > 1 || !parameterization_.priors.empty();
+    const bool rest = used_ > 1 || !parameterization_.table.priors().empty();
     held_out_.push_back(reduced && rest ? held_out(*reduced, fit_.views[v]) : kUndetermined);
     if (reduced) add_view(*reduced);
     add_residuals(v, points);
@@ -223,9 +218,10 @@ class FitDiagnosis {
   }
 
   void add_residuals(std::size_t v, const ViewPoints& points) {
-    ViewRows rows(parameterization_.layout);
+    ViewRows rows(row_layout(parameterization_.table, 0, 0));
     rows.resize(points.padded());
-    fill_rows_of(parameterization_.model)(points, parameterization_.row_point(fit_.shared),
+    fill_rows_of(parameterization_.model)(points,
+                                          row_point(parameterization_.table, 0, 0, fit_.shared),
                                           fit_.camera_from_board[v], Loss{}, rows);
     const PointSet& view = fit_.views[v];
     const Eigen::Matrix3d& turn = fit_.camera_from_board[v].rotation;

@@ -74,21 +74,24 @@ tl::unexpected<Error> inseparable(const Parameterization& parameterization) {
       parameterization.model));
 }
 
-// The sigma of the focal length on the axis, of fx (0) or fy (1), over that length: f m there, with
+// The sigma of the focal length on the axis, of the unknown fx or fy, over that length: f m there, with
 // the magnification m of the lens, as 1 / (1 + xi) of doublesphere.
 double relative_axis_sigma(const Fit& fit, const Parameterization& parameterization,
                            const Eigen::MatrixXd& c, int i) {
   constexpr double kBeside = 1e-6;                             // rad from the axis
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(c.rows());  // of log(f m)
   gradient[i] = 1 / fit.shared[static_cast<std::size_t>(i)];
+  const ParameterRange lens = parameterization.table.distortion(0);
+  const double* coefficients = values_of(fit.shared, lens).data();
+  const int axis = i - parameterization.table.focal(0).first;
   visit_model(parameterization.model, [&]<typename M>() {
-    const double p[3] = {i == 0 ? kBeside : 0, i == 1 ? kBeside : 0, 1};
+    const double p[3] = {axis == 0 ? kBeside : 0, axis == 1 ? kBeside : 0, 1};
     double xy[2];
     double jp[6];
     double jd[2 * std::max(M::Lens::kCount, 1)];
-    M::Lens::template distort<double>(&fit.shared[4], p, xy, jp, jd);
+    M::Lens::template distort<double>(coefficients, p, xy, jp, jd);
     for (int k = 0; k < M::Lens::kCount; ++k) {
-      gradient[4 + k] = jd[i * M::Lens::kCount + k] / xy[i];
+      gradient[lens[k]] = jd[axis * M::Lens::kCount + k] / xy[axis];
     }
   });
   return std::sqrt(std::max(gradient.dot(c * gradient), 0.0));
@@ -97,7 +100,8 @@ double relative_axis_sigma(const Fit& fit, const Parameterization& parameterizat
 // Whether focal lengths and principal point are determined well enough to be a camera.
 Status determined(const Fit& fit, const Parameterization& parameterization,
                   const Eigen::MatrixXd& c, ImageSize size) {
-  for (const int i : {0, 1}) {
+  const ParameterRange focal = parameterization.table.focal(0);
+  for (int i = focal.first; i < focal.end(); ++i) {
     const double f = fit.shared[static_cast<std::size_t>(i)];
     const double sigma = std::sqrt(c(i, i));
     if (sigma > kWorstFocalSigma * f) {
@@ -111,7 +115,8 @@ Status determined(const Fit& fit, const Parameterization& parameterization,
           f, sigma));
     }
   }
-  for (const int i : {2, 3}) {
+  const ParameterRange center = parameterization.table.center(0);
+  for (int i = center.first; i < center.end(); ++i) {
     if (std::sqrt(c(i, i)) > kWorstCenterSigma * size.width) {
       return degenerate(fmt::format(
           "The views do not determine the principal point (+- {:.0f} px): the board is always "
@@ -141,20 +146,17 @@ ViewRecord record(const Fit& fit, std::size_t v) {
   return r;
 }
 
-// Copies sigmas and covariance of the parameters; `c` is over all unknowns, the parameters first.
+// Copies sigmas and covariance of the parameters; `c` is over all unknowns.
 void add_sigmas(Calibration& calibration, const Eigen::MatrixXd& c,
                 const Parameterization& parameterization) {
-  const std::vector<bool>& estimated = parameterization.estimated;
-  const auto count =
-      static_cast<std::size_t>(parameterization.layout.shared() - parameterization.layout.modes);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!estimated[i]) continue;
-    const auto row = static_cast<Eigen::Index>(i);
-    calibration.parameters[i].sigma = std::sqrt(c(row, row));
-    for (std::size_t j = 0; j < count; ++j) {
-      if (estimated[j]) {
-        calibration.covariance.push_back(c(row, static_cast<Eigen::Index>(j)));
-      }
+  const ParameterTable& table = parameterization.table;
+  const ParameterRange own = table.camera(0);
+  for (int i = 0; i < own.count; ++i) {
+    const int row = own[i];
+    if (table.held(row)) continue;
+    calibration.parameters[static_cast<std::size_t>(i)].sigma = std::sqrt(c(row, row));
+    for (int column = own.first; column < own.end(); ++column) {
+      if (!table.held(column)) calibration.covariance.push_back(c(row, column));
     }
   }
 }
@@ -184,31 +186,32 @@ void add_corners(Solution& solution, const Fit& fit) {
   calibration.covered = convex_hull(std::move(corners));
 }
 
-// Copies the measured shape of the board; `c` is over all unknowns, the board's modes last.
+// Copies the measured shape of the board; `c` is over all unknowns.
 void add_shape(Solution& solution, const FinishedFit& from, const Eigen::MatrixXd& c) {
   const BoardShape& shape = from.shape;
-  const auto first = static_cast<std::size_t>(from.parameterization.layout.shared()) - shape.modes;
-  const auto value = [&](std::size_t mode) { return from.fit.shared[first + mode]; };
-  const auto sigma = [&](std::size_t mode) {
-    const auto row = static_cast<Eigen::Index>(first + mode);
-    return std::sqrt(c(row, row));
+  const ParameterTable& table = from.parameterization.table;
+  const auto value = [&](int unknown) {
+    return from.fit.shared[static_cast<std::size_t>(unknown)];
   };
-  if (shape.warp) solution.calibration.warp = BoardWarp{value(0), value(1), sigma(0), sigma(1)};
-  if (shape.aspect) {
-    const std::size_t at = shape.warp ? 2 : 0;
-    solution.board_aspect = BoardAspect{1 + value(at), sigma(at)};
+  const auto sigma = [&](int unknown) { return std::sqrt(c(unknown, unknown)); };
+  if (const ParameterRange warp = table.warp(0); !warp.empty()) {
+    solution.calibration.warp =
+        BoardWarp{value(warp[0]), value(warp[1]), sigma(warp[0]), sigma(warp[1])};
   }
-  const auto count = static_cast<Eigen::Index>(shape.offsets);
-  if (count == 0) return;
-  const auto at = static_cast<Eigen::Index>(first + shape.first_offset());
-  const Eigen::Map<const Eigen::VectorXd> values(&from.fit.shared[static_cast<std::size_t>(at)],
-                                                 count);
-  const Eigen::MatrixXd covariance = c.block(at, at, count, count);
+  if (const ParameterRange aspect = table.aspect(0); !aspect.empty()) {
+    solution.board_aspect = BoardAspect{1 + value(aspect[0]), sigma(aspect[0])};
+  }
+  const ParameterRange offsets = table.offsets(0);
+  if (offsets.empty()) return;
+  const auto first = static_cast<std::size_t>(shape.unknowns.offsets().first);
+  const auto own = values_of(from.fit.shared, offsets);
+  const Eigen::Map<const Eigen::VectorXd> values(own.data(), offsets.count);
+  const Eigen::MatrixXd covariance =
+      c.block(offsets.first, offsets.first, offsets.count, offsets.count);
   for (std::size_t i = 0; i < shape.displacement.size() / shape.modes; ++i) {
-    Eigen::MatrixXd moves(3, count);
-    for (std::size_t m = 0; m < shape.offsets; ++m) {
-      moves.col(static_cast<Eigen::Index>(m)) =
-          shape.displacement[i * shape.modes + shape.first_offset() + m];
+    Eigen::MatrixXd moves(3, offsets.count);
+    for (Eigen::Index m = 0; m < offsets.count; ++m) {
+      moves.col(m) = shape.displacement[i * shape.modes + first + static_cast<std::size_t>(m)];
     }
     const Eigen::MatrixXd by_covariance = product(moves, covariance);
     solution.corner_offsets.push_back(
@@ -243,16 +246,22 @@ void add_checks(Solution& solution, const FinishedFit& from, const Camera& camer
 void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,
                  const Parameterization& parameterization) {
   const ImageSize size = camera.image_size();
-  const double center = std::sqrt(std::max(c(2, 2), c(3, 3)));
+  const auto variances = [&c](ParameterRange range) {
+    return c.diagonal().segment(range.first, range.count);
+  };
+  const double center = std::sqrt(variances(parameterization.table.center(0)).maxCoeff());
   if (center > kWeakCenterSigma * size.width) {
     solution.remarks.push_back(fmt::format(
         "The principal point is weak (+- {:.1f} px): all views are tilted much the same way. Tilt "
         "the board to the other side too.",
         center));
   }
-  const auto& parameters = solution.calibration.parameters;
-  const double focal =
-      std::max(std::sqrt(c(0, 0)) / parameters[0].value, std::sqrt(c(1, 1)) / parameters[1].value);
+  const ParameterRange range = parameterization.table.focal(0);
+  double focal = 0;
+  for (int i = range.first; i < range.end(); ++i) {
+    const double value = solution.calibration.parameters[static_cast<std::size_t>(i)].value;
+    focal = std::max(focal, std::sqrt(c(i, i)) / value);
+  }
   if (focal > kWeakFocalSigma) {
     solution.remarks.push_back(fmt::format(
         "The focal length is weak (+- {:.1f} %): tilt the board more, 30 to 45 degrees.",
@@ -270,6 +279,7 @@ Result<Solution> solution_of(const FinishedFit& from, ImageSize size, const Solv
                              const std::stop_token& stop) {
   const Fit& fit = from.fit;
   const Parameterization& parameterization = from.parameterization;
+  const ParameterTable& table = parameterization.table;
   if (fit.cancelled) return make_error(ErrorCode::kCancelled, kStopped);
   if (const Status status =
           check_equations(fit.views, fit.used, parameterization, parameterization.model);
@@ -296,16 +306,15 @@ Result<Solution> solution_of(const FinishedFit& from, ImageSize size, const Solv
         "coefficients than {}.",
         parameterization.model));
   }
-  const auto count = static_cast<std::ptrdiff_t>(4 + parameterization.layout.coefficients);
-  const auto camera =
-      Camera::make(parameterization.model, size, {fit.shared.begin(), fit.shared.begin() + count},
-                   parameterization.row_point(fit.shared).skew);
+  const auto own = values_of(fit.shared, table.intrinsics(0));
+  const auto camera = Camera::make(parameterization.model, size, {own.begin(), own.end()},
+                                   table.skew_at(0, fit.shared));
   if (!camera) return degenerate("The solve leads to an impossible camera.");
   Solution solution;
   solution.iterations = fit.iterations;
   solution.calibration = camera->to_calibration();
   auto& parameters = solution.calibration.parameters;
-  if (parameterization.layout.skew && parameters.size() == static_cast<std::size_t>(count)) {
+  if (!table.skew(0).empty() && parameters.size() == own.size()) {
     parameters.push_back({"skew", 0, {}});
   }
   const Eigen::MatrixXd promised = with_rivals(*c, fit, variance);

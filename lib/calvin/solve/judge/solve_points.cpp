@@ -9,7 +9,6 @@
 #include <cmath>
 #include <utility>
 
-#include "calvin/camera/camera.hpp"
 #include "calvin/solve/fit/camera_fit.hpp"
 #include "calvin/solve/fit/weights.hpp"
 #include "calvin/solve/judge/make_solution.hpp"
@@ -21,20 +20,17 @@ namespace {
 // The common sigma has converged where it changes by a smaller part than this.
 constexpr double kConverged = 0.02;
 
-// The priors that `initial` gives, in units of `sigma` px. Coefficients of another model mean
+// Adds the priors that `initial` gives, in units of `sigma` px. Coefficients of another model mean
 // something else, so that only fx fy cx cy of it count.
-std::vector<CameraUnknowns::Prior> initial_priors(const SolveOptions& options, double sigma) {
-  std::vector<CameraUnknowns::Prior> priors;
-  if (!options.initial || !options.initial_is_prior) return priors;
-  constexpr std::size_t kPinhole = 4;
-  const auto names = parameter_names(options.model);
+void add_initial_priors(ParameterTable& table, const SolveOptions& options, double sigma) {
+  if (!options.initial || !options.initial_is_prior) return;
   const bool same = options.initial->model == options.model;
-  for (std::size_t i = 0; i < (same ? names.size() : kPinhole); ++i) {
-    const Parameter* known = options.initial->find(names[i]);
+  const ParameterRange counts = same ? table.intrinsics(0) : table.pinhole(0);
+  for (int i = counts.first; i < counts.end(); ++i) {
+    const Parameter* known = options.initial->find(table.name(i));
     if (known == nullptr || !known->sigma || !(*known->sigma > 0)) continue;
-    priors.push_back({static_cast<int>(i), known->value, *known->sigma / sigma});
+    table.add_prior({i, known->value, *known->sigma / sigma});
   }
-  return priors;
 }
 
 }  // namespace
@@ -42,7 +38,7 @@ std::vector<CameraUnknowns::Prior> initial_priors(const SolveOptions& options, d
 Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& shape,
                               ImageSize image_size, const SolveOptions& options,
                               const std::stop_token& stop) {
-  auto parameterization = make_parameterization(options, image_size, static_cast<int>(shape.modes));
+  auto parameterization = make_parameterization(options, image_size, shape.unknowns);
   if (!parameterization) return tl::unexpected<Error>(parameterization.error());
   const std::vector<bool> all(views.size(), true);
   if (const Status status = check_equations(views, all, *parameterization, options.model);
@@ -50,13 +46,11 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
     return tl::unexpected<Error>(status.error());
   }
   const WeightScale scale = normalise_weights(views);
-  const int first = parameterization->layout.shared() - parameterization->layout.modes;
+  ParameterTable& table = parameterization->table;
   for (std::size_t m = 0; m < shape.modes; ++m) {
-    parameterization->priors.push_back(
-        {first + static_cast<int>(m), 0, shape.prior[m] / scale.sigma});
+    table.add_prior({table.board(0)[static_cast<int>(m)], 0, shape.prior[m] / scale.sigma});
   }
-  for (const auto& prior : initial_priors(options, scale.sigma))
-    parameterization->priors.push_back(prior);
+  add_initial_priors(table, options, scale.sigma);
   const Weights original = weights_of(views);
   Fit fit = fit_camera(std::move(views), shape, image_size, *parameterization, options, stop);
   constexpr int kRounds = 3;

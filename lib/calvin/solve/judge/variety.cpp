@@ -54,15 +54,16 @@ int orientations(const Fit& fit) {
 // where E + E^T is a multiple of 1 in its plane. The least that a change of fx fy cx cy by its own
 // size, in focal lengths, does to that.
 double firmness(const Fit& fit, const Parameterization& parameterization) {
+  const ParameterRange pinhole = parameterization.table.pinhole(0);
   std::vector<Eigen::Index> columns;
   for (Eigen::Index c = 0; c < parameterization.basis.cols(); ++c) {
-    if (parameterization.basis.col(c).head(4).any()) columns.push_back(c);
+    if (moves(parameterization.basis, c, pinhole)) columns.push_back(c);
   }
   const auto n = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd change(4, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector4d by =
-        parameterization.basis.col(columns[static_cast<std::size_t>(i)]).head(4);
+    const Eigen::Vector4d by = parameterization.basis.col(columns[static_cast<std::size_t>(i)])
+                                   .segment(pinhole.first, pinhole.count);
     change.col(i) = by.normalized();
   }
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
@@ -108,7 +109,7 @@ Status tilted_enough(const Fit& fit, const Parameterization& parameterization) {
   if (2 * seen >= parameterization.pinhole_directions()) {
     // Two tilts give just enough equations, and not any two do. The angles of a wide lens, or
     // priors, give more.
-    const bool alone = parameterization.lens.perspective && parameterization.priors.empty();
+    const bool alone = parameterization.lens.perspective && parameterization.table.priors().empty();
     const bool loose = seen == 2 && alone && firmness(fit, parameterization) < kLeastFirmness;
     if (!loose) return {};
     return degenerate(

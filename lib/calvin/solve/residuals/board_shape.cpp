@@ -73,20 +73,20 @@ class Maker {
   void add(const Field& field, double prior) { add(field_over(points_, extent_, field), prior); }
 
   void add_warp() {
-    shape_.warp = true;
+    shape_.unknowns.has_warp = true;
     const double diagonal = std::hypot(extent_.width(), extent_.height());
     add(Field(bent_along_x), kBend * diagonal);
     add(Field(bent_along_y), kBend * diagonal);
   }
   void add_aspect() {
-    shape_.aspect = true;
+    shape_.unknowns.has_aspect = true;
     const double height = extent_.height();
     add([height](double, double y) { return Eigen::Vector3d(0, (y + 1) / 2 * height, 0); },
         kAspect);
   }
   void add_offsets(double cell) {
     const Eigen::MatrixXd fields = offset_fields(points_, extent_);
-    shape_.offsets = static_cast<std::size_t>(fields.cols());
+    shape_.unknowns.offset_count = static_cast<int>(fields.cols());
     for (Eigen::Index i = 0; i < fields.cols(); ++i) {
       add(Eigen::VectorXd(fields.col(i)), kOffset * cell);
     }

@@ -11,22 +11,20 @@
 
 #include "calvin/core/calibration.hpp"
 #include "calvin/solve/options.hpp"
+#include "calvin/solve/parameters/parameter_order.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
 
 // How the shape of a board may differ from the printed one: point i of Board::points() moves by
-// coefficient[m] * displacement[i * modes + m], in m. The modes, in this order: the two curvatures
-// of BoardWarp (m), the aspect less 1, and an orthonormal basis of what corners may do (m).
+// coefficient[m] * displacement[i * modes + m], in m. The modes are in the order of BoardUnknowns:
+// the curvatures are those of BoardWarp (m), the aspect has no unit, and those of single corners
+// are an orthonormal basis of what corners may do (m).
 struct BoardShape {
   std::size_t modes = 0;
   std::vector<Eigen::Vector3d> displacement;
   std::vector<double> prior;  // per mode, 1 sigma: holds modes that the views do not determine
-  bool warp = false;
-  bool aspect = false;
-  std::size_t offsets = 0;  // the number of modes of single corners
-
-  [[nodiscard]] std::size_t first_offset() const { return modes - offsets; }
+  BoardUnknowns unknowns;     // which modes these are
 };
 
 // The modes that the options ask for, about a board that is flat as it was printed. The modes of

@@ -31,26 +31,24 @@ SE3 retract(const SE3& pose, const double* d) {
   return {turn * pose.rotation, turn * pose.translation + Eigen::Vector3d(d[3], d[4], d[5])};
 }
 
-CameraProblem::CameraProblem(std::vector<const ViewPoints*> views, CameraUnknowns unknowns,
+CameraProblem::CameraProblem(std::vector<const ViewPoints*> views, SharedUnknowns unknowns,
                              CameraPoint start, const Loss& loss, std::stop_token stop)
     : views_(std::move(views)),
       unknowns_(std::move(unknowns)),
-      fill_(fill_rows_of(unknowns_.model)),
+      fill_(fill_rows_of(unknowns_.table->model(0))),
       loss_(loss),
       stop_(std::move(stop)),
-      rows_(unknowns_.layout),
-      elimination_(arrow_layout(unknowns_.layout, views_.size())),
-      current_{start, ArrowEquations(arrow_layout(unknowns_.layout, views_.size())), 0},
-      trial_{std::move(start), ArrowEquations(arrow_layout(unknowns_.layout, views_.size())), 0},
-      products_(aligned_array(static_cast<std::size_t>(unknowns_.layout.columns()) *
-                              products_stride(unknowns_.layout))) {
+      rows_(row_layout(*unknowns_.table, 0, 0)),
+      elimination_(arrow_layout(layout(), views_.size())),
+      current_{start, ArrowEquations(arrow_layout(layout(), views_.size())), 0},
+      trial_{std::move(start), ArrowEquations(arrow_layout(layout(), views_.size())), 0},
+      products_(
+          aligned_array(static_cast<std::size_t>(layout().columns()) * products_stride(layout()))) {
   valid_ = linearise(current_);
 }
 
 bool CameraProblem::linearise(State& state) {
-  const RowLayout& layout = unknowns_.layout;
-  const double* shared = state.point.shared.data();
-  const RowPoint at = row_point(layout, shared, unknowns_.skew);
+  const RowPoint at = row_point(*unknowns_.table, 0, 0, state.point.shared);
   state.equations.clear();
   state.cost = 0;
   constexpr std::size_t kViewsAtOnce = 64;  // between looks at the stop token; some 0.1 ms
@@ -60,13 +58,13 @@ bool CameraProblem::linearise(State& state) {
     const RowSums sums = fill_(*views_[v], at, state.point.camera_from_board[v], loss_, rows_);
     if (!sums.valid) return false;
     state.cost += sums.cost;
-    column_products(rows_.data(), 2 * rows_.padded(), layout.columns(), products_.get(),
-                    products_stride(layout));
-    state.equations.add(v, products_.get(), products_stride(layout));
+    column_products(rows_.data(), 2 * rows_.padded(), layout().columns(), products_.get(),
+                    products_stride(layout()));
+    state.equations.add(v, products_.get(), products_stride(layout()));
   }
-  for (const CameraUnknowns::Prior& prior : unknowns_.priors) {
+  for (const ParameterTable::Prior& prior : unknowns_.priors) {
     const double information = 1 / (prior.sigma * prior.sigma);
-    const double off = shared[prior.unknown] - prior.value;
+    const double off = state.point.shared[static_cast<std::size_t>(prior.unknown)] - prior.value;
     state.equations.add_prior(prior.unknown, information, information * off);
     state.cost += information * off * off;
   }
@@ -116,7 +114,9 @@ std::optional<double> CameraProblem::propose(double lambda) {
 }
 
 std::optional<double> CameraProblem::evaluate_trial() {
-  if (!(trial_.point.shared[0] > 0) || !(trial_.point.shared[1] > 0)) return std::nullopt;
+  for (const double f : values_of(trial_.point.shared, unknowns_.table->focal(0))) {
+    if (!(f > 0)) return std::nullopt;
+  }
   if (!linearise(trial_)) return std::nullopt;
   return trial_.cost;
 }

@@ -6,13 +6,13 @@
 
 #include <optional>
 #include <stop_token>
-#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "calvin/geometry/se3.hpp"
 #include "calvin/solve/linear/arrowhead.hpp"
+#include "calvin/solve/parameters/parameter_table.hpp"
 #include "calvin/solve/residuals/loss.hpp"
 #include "calvin/solve/residuals/view_points.hpp"
 #include "calvin/solve/residuals/view_rows.hpp"
@@ -22,30 +22,24 @@ namespace calvin {
 // exp(d) * pose, d as in RowLayout.
 [[nodiscard]] SE3 retract(const SE3& pose, const double* d);
 
-// The shared unknowns: their layout, the directions in which they may move, and their priors.
-struct CameraUnknowns {
-  std::string_view model;
-  RowLayout layout;
-  double skew = 0;        // px, where it is not estimated
+// The shared unknowns, the directions in which they may move, and their priors.
+struct SharedUnknowns {
+  const ParameterTable* table = nullptr;
   Eigen::MatrixXd basis;  // unknowns x directions: they move in its span only
-  struct Prior {
-    int unknown = 0;
-    double value = 0;
-    double sigma = 1;
-  };
-  std::vector<Prior> priors;
+  std::vector<ParameterTable::Prior> priors;
 };
 
 struct CameraPoint {
-  std::vector<double> shared;  // in the order of RowLayout
+  std::vector<double> shared;  // in the order of ParameterTable
   std::vector<SE3> camera_from_board;
 };
 
 class CameraProblem {
  public:
-  // `views` and the poses of `start` correspond; the views must outlive the problem. Once `stop` is
-  // requested, a linearisation over many views ends early, as if points had no projection.
-  CameraProblem(std::vector<const ViewPoints*> views, CameraUnknowns unknowns, CameraPoint start,
+  // `views` and the poses of `start` correspond; views and table must outlive the problem. Once
+  // `stop` is requested, a linearisation over many views ends early, as if points had no
+  // projection.
+  CameraProblem(std::vector<const ViewPoints*> views, SharedUnknowns unknowns, CameraPoint start,
                 const Loss& loss, std::stop_token stop = {});
 
   // False where a point has no projection at the start: nothing can be minimised.
@@ -79,11 +73,12 @@ class CameraProblem {
     double cost = 0;
   };
 
+  [[nodiscard]] const RowLayout& layout() const { return rows_.layout(); }
   bool linearise(State& state);
   std::optional<Eigen::VectorXd> shared_step(double lambda);
 
   std::vector<const ViewPoints*> views_;
-  CameraUnknowns unknowns_;
+  SharedUnknowns unknowns_;
   FillRows fill_;
   Loss loss_;
   std::stop_token stop_;

@@ -49,6 +49,9 @@ class LensRows {
 
  private:
   static constexpr int kCount = Lens::kCount;
+  // The columns of the camera, with the skew, which may be missing.
+  static constexpr CameraUnknowns kCamera = {kCount, true};
+  static constexpr int kFirst = RowLayout::kFirstShared;
 
   // The row of one coordinate (u or v) of a projection.
   struct Row {
@@ -65,11 +68,14 @@ class LensRows {
     DoubleVec xy[2];
     DoubleVec jp[6];
     DoubleVec jd[2 * std::max(kCount, 1)];
-    const double* q = point_.parameters;
-    const auto valid = Lens::distort(q + 4, p, xy, jp, jd);
-    const DoubleVec du =
-        xy[0] * q[0] + xy[1] * point_.skew + q[2] - DoubleVec::load(view_.u() + at);
-    const DoubleVec dv = xy[1] * q[1] + q[3] - DoubleVec::load(view_.v() + at);
+    const double* coefficients = point_.parameters + kCamera.distortion().first;
+    const auto valid = Lens::distort(coefficients, p, xy, jp, jd);
+    const double fx = point_.parameters[kCamera.focal()[0]];
+    const double fy = point_.parameters[kCamera.focal()[1]];
+    const double cx = point_.parameters[kCamera.center()[0]];
+    const double cy = point_.parameters[kCamera.center()[1]];
+    const DoubleVec du = xy[0] * fx + xy[1] * point_.skew + cx - DoubleVec::load(view_.u() + at);
+    const DoubleVec dv = xy[1] * fy + cy - DoubleVec::load(view_.v() + at);
     const DoubleVec scale = weigh(DoubleVec::load(view_.weight() + at), du, dv, cost);
 
     const std::size_t stride = 2 * rows_.padded();
@@ -77,8 +83,8 @@ class LensRows {
     const Row v = {rows_.v(0) + at, stride};
     u.put(RowLayout::kResidual, scale * du);
     v.put(RowLayout::kResidual, scale * dv);
-    const DoubleVec su = scale * q[0];
-    const DoubleVec sv = scale * q[1];
+    const DoubleVec su = scale * fx;
+    const DoubleVec sv = scale * fy;
     const DoubleVec sk = scale * point_.skew;
     DoubleVec gu[3];
     DoubleVec gv[3];
@@ -143,21 +149,26 @@ class LensRows {
   // written.
   void camera(const Row& u, const Row& v, const DoubleVec* xy, const DoubleVec* jd,
               DoubleVec scale) const {
-    const double* q = point_.parameters;
-    constexpr int kFirst = RowLayout::kFirstShared;
-    u.put(kFirst, scale * xy[0]);
-    v.put(kFirst + 1, scale * xy[1]);
-    u.put(kFirst + 2, scale);
-    v.put(kFirst + 3, scale);
+    const double fx = point_.parameters[kCamera.focal()[0]];
+    const double fy = point_.parameters[kCamera.focal()[1]];
+    constexpr ParameterRange kFocal = kCamera.focal().after(kFirst);
+    constexpr ParameterRange kCenter = kCamera.center().after(kFirst);
+    constexpr ParameterRange kDistortion = kCamera.distortion().after(kFirst);
+    u.put(kFocal[0], scale * xy[0]);
+    v.put(kFocal[1], scale * xy[1]);
+    u.put(kCenter[0], scale);
+    v.put(kCenter[1], scale);
     for (int i = 0; i < kCount; ++i) {
-      u.put(kFirst + 4 + i, scale * (jd[i] * q[0] + jd[kCount + i] * point_.skew));
-      v.put(kFirst + 4 + i, scale * (jd[kCount + i] * q[1]));
+      u.put(kDistortion[i], scale * (jd[i] * fx + jd[kCount + i] * point_.skew));
+      v.put(kDistortion[i], scale * (jd[kCount + i] * fy));
     }
-    if (rows_.layout().skew) u.put(kFirst + 4 + kCount, scale * xy[1]);
+    if (rows_.layout().camera.has_skew) {
+      u.put(kCamera.skew().after(kFirst)[0], scale * xy[1]);
+    }
   }
 
   void modes(const Row& row, std::size_t at, const DoubleVec* g) const {
-    const int first = RowLayout::kFirstShared + 4 + kCount + (rows_.layout().skew ? 1 : 0);
+    const int first = rows_.layout().first_mode();
     if (rows_.layout().modes == 0) return;
     DoubleVec b[3];  // the derivatives by the point in the board frame
     for (int k = 0; k < 3; ++k) {

@@ -8,8 +8,19 @@
 #include <algorithm>
 
 #include "calvin/camera/models.hpp"
+#include "calvin/solve/parameters/parameter_table.hpp"
 
 namespace calvin {
+
+RowLayout row_layout(const ParameterTable& table, std::size_t camera, std::size_t board) {
+  return {table.unknowns(camera), table.board(board).count};
+}
+
+RowPoint row_point(const ParameterTable& table, std::size_t camera, std::size_t board,
+                   const std::vector<double>& shared) {
+  return {shared.data() + table.camera(camera).first, table.skew_at(camera, shared),
+          shared.data() + table.board(board).first};
+}
 
 void ViewRows::resize(std::size_t padded) {
   if (padded == padded_) return;

@@ -4,13 +4,14 @@
 // The rows of one view: its residuals and their derivatives, a column after the other. Internal.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <string_view>
+#include <vector>
 
 #include "calvin/solve/linear/aligned.hpp"
 
 #include "calvin/geometry/se3.hpp"
+#include "calvin/solve/parameters/parameter_order.hpp"
 #include "calvin/solve/residuals/loss.hpp"
 #include "calvin/solve/residuals/view_points.hpp"
 
@@ -19,34 +20,35 @@ namespace calvin {
 // The columns, in this order:
 //   6          the pose, which moves by exp(d) from the left: rotation (rad), translation (m)
 //   1          the residuals, px
-//   shared()   fx fy cx cy, the lens' coefficients, skew where it is estimated, the board's modes
+//   shared()   the unknowns of the camera, then the modes of the board
 // Columns that depend on one view alone come first, so that a pose by itself needs seven columns.
 struct RowLayout {
   static constexpr int kPose = 6;
   static constexpr int kResidual = 6;
   static constexpr int kFirstShared = 7;
 
-  int coefficients = 0;
-  bool skew = false;
+  CameraUnknowns camera;
   int modes = 0;
 
-  [[nodiscard]] int shared() const { return 4 + coefficients + (skew ? 1 : 0) + modes; }
+  [[nodiscard]] int shared() const { return camera.all().count + modes; }
   [[nodiscard]] int columns() const { return kFirstShared + shared(); }
+  [[nodiscard]] int first_mode() const { return kFirstShared + camera.all().end(); }
 };
 
 // The values of the shared unknowns at which rows are taken.
 struct RowPoint {
-  const double* parameters = nullptr;  // fx fy cx cy d0 d1 ...
+  const double* parameters = nullptr;  // the intrinsics, in the order of CameraUnknowns
   double skew = 0;                     // px
   const double* shape = nullptr;       // coefficients of the board's modes
 };
 
-// `shared` is in the order of RowLayout; `skew` is the value of a skew that is not estimated.
-[[nodiscard]] inline RowPoint row_point(const RowLayout& layout, const double* shared,
-                                        double skew) {
-  const int extra = 4 + layout.coefficients;
-  return {shared, layout.skew ? shared[extra] : skew, shared + extra + (layout.skew ? 1 : 0)};
-}
+class ParameterTable;
+
+// The columns of what a camera of the table sees of a board of it, and their values.
+[[nodiscard]] RowLayout row_layout(const ParameterTable& table, std::size_t camera,
+                                   std::size_t board);
+[[nodiscard]] RowPoint row_point(const ParameterTable& table, std::size_t camera, std::size_t board,
+                                 const std::vector<double>& shared);
 
 // Holds one view at a time: a column is the u of all corners, then the v, each padded() long.
 class ViewRows {

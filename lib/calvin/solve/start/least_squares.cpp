@@ -19,20 +19,19 @@ LeastSquares::LeastSquares(const Parameterization& parameterization, ImageSize s
       size_(size),
       stop_(stop),
       fill_(fill_rows_of(parameterization.model)),
-      rows_(parameterization.layout) {}
+      rows_(row_layout(parameterization.table, 0, 0)) {}
 
 RowSums LeastSquares::fill(const FitView& view, const std::vector<double>& shared,
                            const SE3& pose) {
   rows_.resize(view.points.padded());
-  return fill_(view.points, parameterization_.row_point(shared), pose, Loss{}, rows_);
+  return fill_(view.points, row_point(parameterization_.table, 0, 0, shared), pose, Loss{}, rows_);
 }
 
 std::optional<CameraProblem> LeastSquares::minimise_over(
     const std::vector<const FitView*>& views, std::vector<double>& shared, Poses& poses,
     const Eigen::MatrixXd& basis, const Loss& loss, const LmOptions& options,
-    const std::vector<CameraUnknowns::Prior>& more) {
-  CameraUnknowns unknowns = {parameterization_.model, parameterization_.layout,
-                             parameterization_.skew, basis, parameterization_.priors};
+    const std::vector<ParameterTable::Prior>& more) {
+  SharedUnknowns unknowns = {&parameterization_.table, basis, parameterization_.table.priors()};
   unknowns.priors.insert(unknowns.priors.end(), more.begin(), more.end());
   std::vector<std::size_t> index;
   const auto make_problem = [&]() -> std::optional<CameraProblem> {
@@ -95,9 +94,10 @@ std::vector<double> LeastSquares::distances(const FitView& view, const std::vect
 }
 
 std::optional<Camera> LeastSquares::camera(const std::vector<double>& shared) const {
-  const auto count = static_cast<std::ptrdiff_t>(4 + parameterization_.layout.coefficients);
-  auto made = Camera::make(parameterization_.model, size_, {shared.begin(), shared.begin() + count},
-                           parameterization_.row_point(shared).skew);
+  const ParameterTable& table = parameterization_.table;
+  const auto own = values_of(shared, table.intrinsics(0));
+  auto made = Camera::make(parameterization_.model, size_, {own.begin(), own.end()},
+                           table.skew_at(0, shared));
   if (!made) return std::nullopt;
   return *made;
 }

@@ -11,8 +11,8 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/solve/linear/lm.hpp"
+#include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/residuals/camera_problem.hpp"
-#include "calvin/solve/residuals/parameterization.hpp"
 #include "calvin/solve/residuals/points.hpp"
 
 namespace calvin {
@@ -44,7 +44,7 @@ class LeastSquares {
                                              std::vector<double>& shared, Poses& poses,
                                              const Eigen::MatrixXd& basis, const Loss& loss,
                                              const LmOptions& options,
-                                             const std::vector<CameraUnknowns::Prior>& more = {});
+                                             const std::vector<ParameterTable::Prior>& more = {});
 
   // Weighted distance of every corner from its projection, px, at most kFarthest; kFarthest for all
   // corners of a view without a pose.

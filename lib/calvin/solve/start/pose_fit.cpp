@@ -28,7 +28,7 @@ class PoseProblem {
         camera_(camera),
         fill_(fill_rows_of(camera.model())),
         loss_(loss),
-        rows_({static_cast<int>(camera.parameters().size()) - 4, false, 0}) {
+        rows_({CameraUnknowns::of(camera.parameters().size(), false), 0}) {
     current_.pose = start;
     rows_.resize(view.padded());
     valid_ = linearise(current_);

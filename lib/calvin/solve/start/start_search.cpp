@@ -77,10 +77,11 @@ class Thinned {
   StartSearch::Views pointers_;
 };
 
-bool same_place(const Candidate& a, const Candidate& b) {
+bool same_camera(const Candidate& a, const Candidate& b, const ParameterTable& table) {
   constexpr double kSame = 1e-2;
+  const double focal = values_of(a.shared, table.focal(0)).front();
   for (std::size_t i = 0; i < a.shared.size(); ++i) {
-    const double unit = i < 4 ? a.shared[0] : 1;
+    const double unit = table.pinhole(0).has(static_cast<int>(i)) ? focal : 1;
     if (std::abs(a.shared[i] - b.shared[i]) > kSame * unit) return false;
   }
   return true;
@@ -92,7 +93,9 @@ bool nearer(const Candidate& a, const Candidate& b) { return a.scale < b.scale; 
 
 bool StartSearch::is_far(double scale) const { return !(scale < kFar * size_.width); }
 
-bool StartSearch::is_rich() const { return parameterization_.layout.coefficients > kPlainLens; }
+bool StartSearch::is_rich() const { return coefficients() > kPlainLens; }
+
+int StartSearch::coefficients() const { return parameterization_.table.distortion(0).count; }
 
 bool StartSearch::many_basins(const Views& views) const {
   return views.size() < kFewViews || parameterization_.lens.starts.size() > 1;
@@ -124,7 +127,9 @@ Candidate StartSearch::by_closed_form(const Views& sample) {
   Candidate best;
   for (const Guess& guess : closed_form_guesses(homographies, size_)) {
     Candidate c = with(guess, parameterization_.lens.starts.front());
-    const Guess held = {c.shared[0], c.shared[1], c.shared[2], c.shared[3]};
+    Guess held;
+    const auto pinhole = values_of(c.shared, parameterization_.table.pinhole(0));
+    std::copy(pinhole.begin(), pinhole.end(), held.begin());
     for (const auto& h : homographies) c.poses.push_back(pose_by_guess(h, held, size_));
     c.scale = scale_of(c, sample);
     if (c.scale < best.scale) best = std::move(c);
@@ -165,7 +170,9 @@ std::vector<Candidate> StartSearch::thorough(const Views& views) {
   std::vector<Candidate> distinct;
   for (Candidate& c : found) {
     if (!std::isfinite(c.scale) || c.scale > kHopeless * found.front().scale) continue;
-    const auto is_same = [&c](const Candidate& other) { return same_place(c, other); };
+    const auto is_same = [&](const Candidate& other) {
+      return same_camera(c, other, parameterization_.table);
+    };
     if (std::any_of(distinct.begin(), distinct.end(), is_same)) continue;
     if (sample.size() < views.size()) c.poses = least_squares_.poses_for(c.shared, views);
     distinct.push_back(std::move(c));
@@ -177,16 +184,17 @@ std::vector<Candidate> StartSearch::from_initial() const {
   if (parameterization_.initial.empty()) return {};
   Candidate c;
   c.shared = parameterization_.initial;
-  parameterization_.hold(c.shared.data());
+  parameterization_.table.apply(c.shared);
   return {std::move(c)};
 }
 
 Candidate StartSearch::with(const Guess& guess, const std::vector<double>& coefficients) const {
   Candidate c;
-  c.shared.assign(static_cast<std::size_t>(parameterization_.layout.shared()), 0);
-  std::copy(guess.begin(), guess.end(), c.shared.begin());
-  std::copy(coefficients.begin(), coefficients.end(), c.shared.begin() + 4);
-  parameterization_.hold(c.shared.data());
+  const ParameterTable& table = parameterization_.table;
+  c.shared.assign(static_cast<std::size_t>(table.count()), 0);
+  std::copy(guess.begin(), guess.end(), c.shared.begin() + table.pinhole(0).first);
+  std::copy(coefficients.begin(), coefficients.end(), c.shared.begin() + table.distortion(0).first);
+  parameterization_.table.apply(c.shared);
   return c;
 }
 
@@ -222,12 +230,13 @@ std::vector<Candidate> StartSearch::best_of(std::vector<Candidate> candidates, c
   return candidates;
 }
 
-Eigen::MatrixXd StartSearch::leading(int coefficients) const {
+Eigen::MatrixXd StartSearch::leading(int most) const {
   const Eigen::MatrixXd& all = parameterization_.basis;
-  const Eigen::Index first = 4 + std::min(coefficients, parameterization_.layout.coefficients);
+  const int first = parameterization_.table.distortion(0)[std::min(most, coefficients())];
+  const ParameterRange behind = {first, parameterization_.table.count() - first};
   std::vector<Eigen::Index> columns;
   for (Eigen::Index c = 0; c < all.cols(); ++c) {
-    if (!all.col(c).tail(all.rows() - first).any()) columns.push_back(c);
+    if (!moves(all, c, behind)) columns.push_back(c);
   }
   if (columns.empty()) return all;
   Eigen::MatrixXd some(all.rows(), static_cast<Eigen::Index>(columns.size()));
@@ -241,15 +250,17 @@ Eigen::MatrixXd StartSearch::leading(int coefficients) const {
 // all.
 std::vector<Eigen::MatrixXd> StartSearch::stages() const {
   std::vector<Eigen::MatrixXd> result;
-  if (!parameterization_.held[0] && !parameterization_.held[1]) {
-    Eigen::MatrixXd focal = Eigen::MatrixXd::Zero(parameterization_.layout.shared(), 1);
-    focal(0, 0) = 1;
-    focal(1, 0) = parameterization_.aspect();
+  const ParameterTable& table = parameterization_.table;
+  const int fx = table.focal(0)[0];
+  const int fy = table.focal(0)[1];
+  if (!table.held(fx) && !table.held(fy)) {
+    Eigen::MatrixXd focal = Eigen::MatrixXd::Zero(table.count(), 1);
+    focal(fx, 0) = 1;
+    focal(fy, 0) = parameterization_.aspect();
     result.push_back(std::move(focal));
   }
-  for (const int coefficients : {2, kPlainLens}) {
-    if (parameterization_.layout.coefficients > coefficients)
-      result.push_back(leading(coefficients));
+  for (const int most : {2, kPlainLens}) {
+    if (coefficients() > most) result.push_back(leading(most));
   }
   result.push_back(parameterization_.basis);
   return result;
@@ -275,8 +286,8 @@ void StartSearch::improve(Candidate& c, const Views& sample, Regularization regu
 // a rational lens from growing together and cancelling.
 StartSearch::Priors StartSearch::small(double sigma) const {
   Priors priors;
-  for (int i = kPlainLens; i < parameterization_.layout.coefficients; ++i)
-    priors.push_back({4 + i, 0, sigma});
+  for (int i = kPlainLens; i < coefficients(); ++i)
+    priors.push_back({parameterization_.table.distortion(0)[i], 0, sigma});
   return priors;
 }
 

@@ -50,11 +50,12 @@ class StartSearch {
   // Whether the lens has so many coefficients that they can conspire.
   [[nodiscard]] bool is_rich() const;
 
-  // The directions that move no coefficient but the first ones. A lens of many coefficients finds
-  // its basin as a lens of few.
-  [[nodiscard]] Eigen::MatrixXd leading(int coefficients) const;
+  // The directions that move no coefficient but the first ones, `most` of them. A lens of many
+  // coefficients finds its basin as a lens of few.
+  [[nodiscard]] Eigen::MatrixXd leading(int most) const;
 
  private:
+  [[nodiscard]] int coefficients() const;  // how many the lens has
   [[nodiscard]] Candidate by_closed_form(const Views& sample);
   [[nodiscard]] Candidate by_focal_lengths(const Views& sample);
   [[nodiscard]] std::vector<Candidate> guesses(const Views& sample,
@@ -66,7 +67,7 @@ class StartSearch {
   [[nodiscard]] std::vector<Candidate> best_of(std::vector<Candidate> candidates,
                                                const Views& sample, std::size_t trials);
   enum class Regularization { kPriors, kNone };
-  using Priors = std::vector<CameraUnknowns::Prior>;
+  using Priors = std::vector<ParameterTable::Prior>;
   [[nodiscard]] Priors small(double sigma) const;  // px, as weighted residuals are
   // `kPriors`: those of small(), loosened step by step, for a rich lens.
   void improve(Candidate& c, const Views& sample, Regularization regularization);
