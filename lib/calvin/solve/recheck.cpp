@@ -15,7 +15,7 @@
 #include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/pose.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
-#include "calvin/solve/residuals/camera_problem.hpp"
+#include "calvin/solve/residuals/bundle_problem.hpp"
 
 namespace calvin {
 
@@ -75,15 +75,15 @@ std::vector<Pixel> box_of(const std::vector<Pixel>& points) {
 
 // The normal equations of one view over all parameters of the model and its skew, which comes last,
 // the pose eliminated.
-std::optional<CameraProblem::Reduced> condense(const PointSet& view, const Camera& camera,
+std::optional<BundleProblem::Reduced> condense(const PointSet& view, const Camera& camera,
                                                const SE3& pose) {
   const ParameterTable table({TableCamera{std::string(camera.model()), true}}, {BoardUnknowns{}});
   std::vector<double> shared = camera.parameters();
   shared.resize(static_cast<std::size_t>(table.count()));
   shared[static_cast<std::size_t>(table.skew(0).first)] = camera.skew();
   const ViewPoints points(view, {});
-  CameraProblem problem({&points}, {&table, table.basis(), {}}, {std::move(shared), {pose}},
-                        Loss{});
+  BundleProblem problem({{{&points}}, {}}, {&table, table.basis(), {}},
+                        {std::move(shared), {pose}, {}, {}}, Loss{});
   if (!problem.valid()) return std::nullopt;
   auto reduced = problem.reduced();
   if (!reduced || !reduced->information.allFinite()) return std::nullopt;

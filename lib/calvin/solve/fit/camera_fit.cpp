@@ -40,7 +40,7 @@ constexpr double kSame = 1e-6;
 struct FitState {
   std::vector<double> shared;
   Poses poses;                           // of all views that have one
-  std::optional<CameraProblem> problem;  // over the views in use; refers to `views`
+  std::optional<BundleProblem> problem;  // over the views in use; refers to `views`
   std::vector<ViewMask> masks;
   std::vector<const FitView*> views;  // without the corners that are masked
   std::vector<FitView> masked;        // the views of which corners are left out

@@ -18,7 +18,7 @@
 #include "calvin/solve/fit/weights.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
-#include "calvin/solve/residuals/camera_problem.hpp"
+#include "calvin/solve/residuals/bundle_problem.hpp"
 
 namespace calvin {
 
@@ -177,8 +177,9 @@ class FitDiagnosis {
 
   void add_view(std::size_t v) {
     const ViewPoints points(fit_.views[v], shape_);
-    CameraProblem problem({&points}, {&parameterization_.table, parameterization_.basis, {}},
-                          {fit_.shared, {fit_.camera_from_board[v]}}, Loss{});
+    BundleProblem problem({{{&points}}, {}},
+                          {&parameterization_.table, parameterization_.basis, {}},
+                          {fit_.shared, {fit_.camera_from_board[v]}, {}, {}}, Loss{});
     if (!problem.valid()) {
       held_out_.push_back(kUndetermined);
       return;
@@ -193,7 +194,7 @@ class FitDiagnosis {
 
   // The optimum without the view is one step away: (H - I) d = g. The cost is divided by the mean
   // squared weight, which depends on the model, so that the result is in px^2 whatever the model.
-  double held_out(const CameraProblem::Reduced& view, const PointSet& points) const {
+  double held_out(const BundleProblem::Reduced& view, const PointSet& points) const {
     const auto step = scaled_solve(fit_.information - view.information, view.gradient, 0);
     if (!step) return kUndetermined;
     const Eigen::VectorXd d = step->col(0);
@@ -204,7 +205,7 @@ class FitDiagnosis {
     return cost / weights * corners / (corners - RowLayout::kPose / 2.0);
   }
 
-  void add_view(const CameraProblem::Reduced& view) {
+  void add_view(const BundleProblem::Reduced& view) {
     // The fit to all views has absorbed a part of each: the gradient has the covariance I - I C I.
     const Eigen::MatrixXd information = view.information / variance_;
     const Eigen::VectorXd gradient = view.gradient / variance_;

@@ -74,8 +74,8 @@ tl::unexpected<Error> inseparable(const Parameterization& parameterization) {
       parameterization.model));
 }
 
-// The sigma of the focal length on the axis, of the unknown fx or fy, over that length: f m there, with
-// the magnification m of the lens, as 1 / (1 + xi) of doublesphere.
+// The sigma of the focal length on the axis, of the unknown fx or fy, over that length: f m there,
+// with the magnification m of the lens, as 1 / (1 + xi) of doublesphere.
 double relative_axis_sigma(const Fit& fit, const Parameterization& parameterization,
                            const Eigen::MatrixXd& c, int i) {
   constexpr double kBeside = 1e-6;                             // rad from the axis

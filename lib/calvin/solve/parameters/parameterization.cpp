@@ -5,8 +5,6 @@
 
 #include "calvin/solve/parameters/parameterization.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 

@@ -32,6 +32,16 @@ ViewPoints::ViewPoints(const PointSet& view, const BoardShape& shape, const View
   printed_ = same ? other->printed_ : std::make_shared<Printed>(printed(view, shape));
 }
 
+void ViewPoints::place(const std::vector<Eigen::Vector3d>& points) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    double* array = &printed_->arrays[k * padded_];
+    for (std::size_t at = 0; at < count(); ++at) {
+      array[at] = points[static_cast<std::size_t>(ids()[at])][static_cast<Eigen::Index>(k)];
+    }
+    std::fill(array + count(), array + padded_, array[0]);
+  }
+}
+
 bool ViewPoints::Printed::shows(const PointSet& view, std::size_t padded) const {
   std::size_t at = 0;
   for (std::size_t i = 0; i < view.size(); ++i) {

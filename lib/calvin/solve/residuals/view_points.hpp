@@ -23,7 +23,12 @@ class ViewPoints {
   // The arrays of the printed board are shared with `other` where that shows the same points.
   ViewPoints(const PointSet& view, const BoardShape& shape, const ViewPoints* other = nullptr);
 
+  // Puts the corners of ids i at points[i]: they are of no board, and their arrays of no other
+  // view.
+  void place(const std::vector<Eigen::Vector3d>& points);
+
   [[nodiscard]] std::size_t count() const { return printed_->ids.size(); }
+  [[nodiscard]] const std::vector<int>& ids() const { return printed_->ids; }
   [[nodiscard]] std::size_t padded() const { return padded_; }
   [[nodiscard]] std::size_t modes() const { return modes_; }
 
@@ -49,7 +54,7 @@ class ViewPoints {
   std::size_t padded_ = 0;
   std::size_t modes_ = 0;
   AlignedArray seen_;
-  std::shared_ptr<const Printed> printed_;
+  std::shared_ptr<Printed> printed_;  // views that share it never change it
 };
 
 }  // namespace calvin

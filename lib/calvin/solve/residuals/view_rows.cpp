@@ -12,14 +12,15 @@
 
 namespace calvin {
 
-RowLayout row_layout(const ParameterTable& table, std::size_t camera, std::size_t board) {
-  return {table.unknowns(camera), table.board(board).count};
+RowLayout row_layout(const ParameterTable& table, std::size_t camera,
+                     std::optional<std::size_t> board) {
+  return {table.unknowns(camera), board ? table.board(*board).count : 0};
 }
 
-RowPoint row_point(const ParameterTable& table, std::size_t camera, std::size_t board,
-                   const std::vector<double>& shared) {
+RowPoint row_point(const ParameterTable& table, std::size_t camera,
+                   std::optional<std::size_t> board, const std::vector<double>& shared) {
   return {shared.data() + table.camera(camera).first, table.skew_at(camera, shared),
-          shared.data() + table.board(board).first};
+          board ? shared.data() + table.board(*board).first : nullptr};
 }
 
 void ViewRows::resize(std::size_t padded) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -44,10 +45,12 @@ struct RowPoint {
 
 class ParameterTable;
 
-// The columns of what a camera of the table sees of a board of it, and their values.
+// The columns of what a camera of the table sees of a board of it, or of points that are of no
+// board, and their values.
 [[nodiscard]] RowLayout row_layout(const ParameterTable& table, std::size_t camera,
-                                   std::size_t board);
-[[nodiscard]] RowPoint row_point(const ParameterTable& table, std::size_t camera, std::size_t board,
+                                   std::optional<std::size_t> board);
+[[nodiscard]] RowPoint row_point(const ParameterTable& table, std::size_t camera,
+                                 std::optional<std::size_t> board,
                                  const std::vector<double>& shared);
 
 // Holds one view at a time: a column is the u of all corners, then the v, each padded() long.

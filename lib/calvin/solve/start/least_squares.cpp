@@ -27,25 +27,25 @@ RowSums LeastSquares::fill(const FitView& view, const std::vector<double>& share
   return fill_(view.points, row_point(parameterization_.table, 0, 0, shared), pose, Loss{}, rows_);
 }
 
-std::optional<CameraProblem> LeastSquares::minimise_over(
+std::optional<BundleProblem> LeastSquares::minimise_over(
     const std::vector<const FitView*>& views, std::vector<double>& shared, Poses& poses,
     const Eigen::MatrixXd& basis, const Loss& loss, const LmOptions& options,
     const std::vector<ParameterTable::Prior>& more) {
   SharedUnknowns unknowns = {&parameterization_.table, basis, parameterization_.table.priors()};
   unknowns.priors.insert(unknowns.priors.end(), more.begin(), more.end());
   std::vector<std::size_t> index;
-  const auto make_problem = [&]() -> std::optional<CameraProblem> {
-    std::vector<const ViewPoints*> active;
-    CameraPoint from = {shared, {}};
+  const auto make_problem = [&]() -> std::optional<BundleProblem> {
+    ResidualBlocks blocks;
+    BundlePoint from = {shared, {}, {}, {}};
     index.clear();
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (views[v] == nullptr || !poses[v]) continue;
-      active.push_back(&views[v]->points);
+      blocks.boards.push_back({&views[v]->points, index.size()});
       index.push_back(v);
-      from.camera_from_board.push_back(*poses[v]);
+      from.rig_from_board.push_back(*poses[v]);
     }
-    if (active.empty()) return std::nullopt;
-    return CameraProblem(std::move(active), unknowns, std::move(from), loss, stop_);
+    if (index.empty()) return std::nullopt;
+    return BundleProblem(std::move(blocks), unknowns, std::move(from), loss, stop_);
   };
   auto problem = make_problem();
   if (cancelled()) return std::nullopt;
@@ -62,7 +62,7 @@ std::optional<CameraProblem> LeastSquares::minimise_over(
   cancelled_ = cancelled_ || report.cancelled;
   shared = problem->point().shared;
   for (std::size_t i = 0; i < index.size(); ++i) {
-    poses[index[i]] = problem->point().camera_from_board[i];
+    poses[index[i]] = problem->point().rig_from_board[i];
   }
   return problem;
 }

@@ -12,7 +12,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/solve/linear/lm.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
-#include "calvin/solve/residuals/camera_problem.hpp"
+#include "calvin/solve/residuals/bundle_problem.hpp"
 #include "calvin/solve/residuals/points.hpp"
 
 namespace calvin {
@@ -40,7 +40,7 @@ class LeastSquares {
   // Improves the shared unknowns and the poses of those views that have one, `more` priors added to
   // those of the parameterization. A null view is left out; a view that has no projection at its
   // pose loses the pose. Absent where nothing is left.
-  std::optional<CameraProblem> minimise_over(const std::vector<const FitView*>& views,
+  std::optional<BundleProblem> minimise_over(const std::vector<const FitView*>& views,
                                              std::vector<double>& shared, Poses& poses,
                                              const Eigen::MatrixXd& basis, const Loss& loss,
                                              const LmOptions& options,

@@ -13,7 +13,7 @@
 #include "calvin/solve/linear/cholesky.hpp"
 #include "calvin/solve/linear/lm.hpp"
 #include "calvin/solve/linear/products.hpp"
-#include "calvin/solve/residuals/camera_problem.hpp"
+#include "calvin/solve/residuals/bundle_problem.hpp"
 #include "calvin/solve/start/plane_pose.hpp"
 
 namespace calvin {

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The normal equations of all residual blocks, and the damped steps that they give.
+
+#include "calvin/solve/residuals/bundle_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calvin/solve/linear/scaled_solve.hpp"
+
+namespace calvin {
+
+namespace {
+
+ArrowLayout arrow_layout(const ParameterTable& table, const BundlePoint& point) {
+  return {table.count(), point.rig_from_board.size(), point.points.size()};
+}
+
+// The arrays of free points, which are placed anew in every state.
+ViewPoints arrays_of(PointSet seen) {
+  seen.points.assign(seen.ids.size(), Eigen::Vector3d::Zero());
+  return {seen, BoardShape()};
+}
+
+}  // namespace
+
+SE3 retract(const SE3& pose, const double* d) {
+  const Eigen::Matrix3d turn = exp_so3({d[0], d[1], d[2]});
+  return {turn * pose.rotation, turn * pose.translation + Eigen::Vector3d(d[3], d[4], d[5])};
+}
+
+BundleProblem::BundleProblem(ResidualBlocks blocks, SharedUnknowns unknowns, BundlePoint start,
+                             const Loss& loss, std::stop_token stop)
+    : blocks_(std::move(blocks)),
+      unknowns_(std::move(unknowns)),
+      loss_(loss),
+      stop_(std::move(stop)),
+      elimination_(arrow_layout(*unknowns_.table, start)),
+      current_{start, ArrowEquations(arrow_layout(*unknowns_.table, start)), 0},
+      trial_{std::move(start), ArrowEquations(current_.equations.layout()), 0} {
+  plan_of_board_.reserve(blocks_.boards.size());
+  for (const BoardResiduals& block : blocks_.boards) {
+    plan_of_board_.push_back(plan_for(plans_, *unknowns_.table, block.camera, block.board));
+  }
+  for (const PointResiduals& block : blocks_.points) {
+    plan_of_points_.push_back(plan_for(plans_, *unknowns_.table, block.camera, std::nullopt));
+    points_.push_back(arrays_of(block.seen));
+  }
+  valid_ = linearise(current_);
+}
+
+bool BundleProblem::linearise(State& state) {
+  state.equations.clear();
+  state.cost = 0;
+  for (RowPlan& plan : plans_) plan.set(state.point.shared);
+  constexpr std::size_t kBlocksAtOnce = 64;  // between looks at the stop token; some 0.1 ms
+  for (std::size_t b = 0; b < blocks_.boards.size(); ++b) {
+    if (b % kBlocksAtOnce == kBlocksAtOnce - 1 && stop_.stop_requested()) return false;
+    if (!add_board(blocks_.boards[b], plans_[plan_of_board_[b]], state)) return false;
+  }
+  for (std::size_t b = 0; b < blocks_.points.size(); ++b) {
+    if (!add_points(b, state)) return false;
+  }
+  add_priors(state);
+  return std::isfinite(state.cost);
+}
+
+bool BundleProblem::add_board(const BoardResiduals& block, RowPlan& plan, State& state) {
+  const SE3& pose = state.point.rig_from_board[block.pose];
+  const bool on_rig = !state.point.camera_from_rig.empty();
+  const SE3* camera_from_rig = on_rig ? &state.point.camera_from_rig[block.camera] : nullptr;
+  const RowSums sums = plan.fill(*block.seen, on_rig ? *camera_from_rig * pose : pose, loss_);
+  if (!sums.valid) return false;
+  state.cost += sums.cost;
+  plan.add_pose(block.pose, camera_from_rig, state.equations);
+  return true;
+}
+
+bool BundleProblem::add_points(std::size_t b, State& state) {
+  const PointResiduals& block = blocks_.points[b];
+  ViewPoints& view = points_[b];
+  view.place(state.point.points);
+  SE3 camera_from_world = block.rig_from_world;
+  if (!state.point.camera_from_rig.empty()) {
+    camera_from_world = state.point.camera_from_rig[block.camera] * camera_from_world;
+  }
+  RowPlan& plan = plans_[plan_of_points_[b]];
+  const RowSums sums = plan.fill(view, camera_from_world, loss_);
+  if (!sums.valid) return false;
+  state.cost += sums.cost;
+  const std::size_t first = state.point.rig_from_board.size();
+  for (std::size_t i = 0; i < view.count(); ++i) {
+    const std::size_t small = first + static_cast<std::size_t>(view.ids()[i]);
+    plan.add_point(small, i, camera_from_world, state.equations);
+  }
+  return true;
+}
+
+void BundleProblem::add_priors(State& state) const {
+  for (const ParameterTable::Prior& prior : unknowns_.priors) {
+    const double information = 1 / (prior.sigma * prior.sigma);
+    const double off = state.point.shared[static_cast<std::size_t>(prior.unknown)] - prior.value;
+    state.equations.add_prior(prior.unknown, information, information * off);
+    state.cost += information * off * off;
+  }
+}
+
+std::optional<Eigen::VectorXd> BundleProblem::shared_step(double lambda) {
+  const Eigen::MatrixXd& basis = unknowns_.basis;
+  const Eigen::Index n = basis.rows();
+  Eigen::MatrixXd normal(n, n);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j <= i; ++j) normal(i, j) = current_.equations.shared(i, j);
+  }
+  damping_ = restrict_to(basis, normal).diagonal();
+  Eigen::MatrixXd s = restrict_to(basis, elimination_.schur());
+  s.diagonal() += lambda * damping_;
+  const auto step =
+      scaled_solve(s, -basis.transpose().lazyProduct(elimination_.reduced_gradient()), 0);
+  if (!step) return std::nullopt;
+  return step->col(0);
+}
+
+void BundleProblem::move_shared(const Eigen::VectorXd& move) {
+  const BundlePoint& from = current_.point;
+  BundlePoint& to = trial_.point;
+  for (std::size_t i = 0; i < to.shared.size(); ++i) {
+    to.shared[i] = from.shared[i] + move[static_cast<Eigen::Index>(i)];
+  }
+  for (std::size_t c = 0; c < to.camera_from_rig.size(); ++c) {
+    const ParameterRange range = unknowns_.table->rig_pose(c);
+    if (range.empty()) continue;
+    to.camera_from_rig[c] = retract(from.camera_from_rig[c], &move[range.first]);
+    std::fill_n(to.shared.begin() + range.first, range.count, 0.0);
+  }
+}
+
+std::optional<double> BundleProblem::propose(double lambda) {
+  if (!elimination_.eliminate(current_.equations, lambda)) return std::nullopt;
+  const auto step = shared_step(lambda);
+  if (!step) return std::nullopt;
+  const Eigen::VectorXd move = unknowns_.basis.lazyProduct(*step);
+  double predicted = lambda * step->dot(damping_.cwiseProduct(*step));
+  for (int i = 0; i < move.size(); ++i) {
+    predicted -= current_.equations.shared_gradient(i) * move[i];
+  }
+  move_shared(move);
+  const ArrowLayout& layout = current_.equations.layout();
+  double d[ArrowLayout::kPose];  // the step of a small block that goes with the move
+  const auto step_block = [&](std::size_t block) {
+    elimination_.block_step(block, move, d);
+    const auto n = static_cast<std::size_t>(layout.size(block));
+    const double* own = current_.equations.own(block);
+    const double* cross = current_.equations.cross(block);
+    for (std::size_t i = 0; i < n; ++i) {
+      predicted += d[i] * (lambda * own[i * n + i] * d[i] - cross[i * layout.stride()]);
+    }
+  };
+  for (std::size_t b = 0; b < layout.poses; ++b) {
+    step_block(b);
+    trial_.point.rig_from_board[b] = retract(current_.point.rig_from_board[b], d);
+  }
+  for (std::size_t p = 0; p < layout.points; ++p) {
+    step_block(layout.poses + p);
+    trial_.point.points[p] = current_.point.points[p] + Eigen::Vector3d(d);
+  }
+  if (!std::isfinite(predicted)) return std::nullopt;
+  return std::max(predicted, 0.0);
+}
+
+std::optional<double> BundleProblem::evaluate_trial() {
+  for (std::size_t c = 0; c < unknowns_.table->cameras(); ++c) {
+    for (const double f : values_of(trial_.point.shared, unknowns_.table->focal(c))) {
+      if (!(f > 0)) return std::nullopt;
+    }
+  }
+  if (!linearise(trial_)) return std::nullopt;
+  return trial_.cost;
+}
+
+std::optional<BundleProblem::Reduced> BundleProblem::reduced() {
+  if (!elimination_.eliminate(current_.equations, 0)) return std::nullopt;
+  return Reduced{restrict_to(unknowns_.basis, elimination_.schur()),
+                 unknowns_.basis.transpose().lazyProduct(elimination_.reduced_gradient()),
+                 elimination_.reduced_cost()};
+}
+
+}  // namespace calvin
