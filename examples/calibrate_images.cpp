@@ -87,6 +87,7 @@ std::optional<calvin::ImageSize> size_of(GstDiscoverer* discoverer, const fs::pa
             static_cast<int>(gst_discoverer_video_info_get_height(video))};
   }
   gst_discoverer_stream_info_list_free(streams);
+  if (size && (size->width < 1 || size->height < 1)) size.reset();  // it ended in its header
   why = fmt::format("it cannot be decoded ({}): save it again as PNG or JPEG, or take it away.",
                     error != nullptr ? error->message : "there is no picture in it");
   return size;

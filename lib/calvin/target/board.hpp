@@ -38,8 +38,8 @@ class Board {
 
   Board() = default;  // without control points
   template <typename OneKind>
-  requires std::constructible_from<Kind, OneKind> Board(OneKind kind)
-      : kind_(std::move(kind)) {}  // NOLINT(google-explicit-constructor)
+  requires std::constructible_from<Kind, OneKind> Board(OneKind kind)  // NOLINT: it is one
+      : kind_(std::move(kind)) {}
 
   // The part that only boards of this kind have; null for another one.
   template <typename OneKind>
