@@ -27,44 +27,47 @@ RowSums LeastSquares::fill(const FitView& view, const std::vector<double>& share
   return fill_(view.points, row_point(parameterization_.table, 0, 0, shared), pose, Loss{}, rows_);
 }
 
-std::optional<BundleProblem> LeastSquares::minimise_over(
-    const std::vector<const FitView*>& views, std::vector<double>& shared, Poses& poses,
-    const Eigen::MatrixXd& basis, const Loss& loss, const LmOptions& options,
-    const std::vector<ParameterTable::Prior>& more) {
+Minimum LeastSquares::minimise_over(const std::vector<const FitView*>& views, Estimate from,
+                                    const Eigen::MatrixXd& basis, const Loss& loss,
+                                    const LmOptions& options,
+                                    const std::vector<ParameterTable::Prior>& more) {
   SharedUnknowns unknowns = {&parameterization_.table, basis, parameterization_.table.priors()};
   unknowns.priors.insert(unknowns.priors.end(), more.begin(), more.end());
-  std::vector<std::size_t> index;
+  Minimum result = {std::move(from), {}};
+  Estimate& at = result.at;
+  std::vector<std::size_t> index;  // the view of each pose of the problem
   const auto make_problem = [&]() -> std::optional<BundleProblem> {
     ResidualBlocks blocks;
-    BundlePoint from = {shared, {}, {}, {}};
+    BundlePoint start = {at.shared, {}, {}, {}};
     index.clear();
     for (std::size_t v = 0; v < views.size(); ++v) {
-      if (views[v] == nullptr || !poses[v]) continue;
+      if (views[v] == nullptr || !at.poses[v]) continue;
       blocks.boards.push_back({&views[v]->points, index.size()});
       index.push_back(v);
-      from.rig_from_board.push_back(*poses[v]);
+      start.rig_from_board.push_back(*at.poses[v]);
     }
     if (index.empty()) return std::nullopt;
-    return BundleProblem(std::move(blocks), unknowns, std::move(from), loss, stop_);
+    return BundleProblem(std::move(blocks), unknowns, std::move(start), loss, stop_);
   };
   auto problem = make_problem();
-  if (cancelled()) return std::nullopt;
+  if (cancelled()) return result;
   if (problem && !problem->valid()) {
     for (const std::size_t v : index) {
-      if (!fill(*views[v], shared, *poses[v]).valid) poses[v].reset();
+      if (!fill(*views[v], at.shared, *at.poses[v]).valid) at.poses[v].reset();
     }
     problem = make_problem();
   }
-  if (!problem || !problem->valid()) return std::nullopt;
+  if (!problem || !problem->valid()) return result;
   const LmReport report = minimise(*problem, options, stop_);
   iterations_ += report.iterations;
-  converged_ = report.converged;
   cancelled_ = cancelled_ || report.cancelled;
-  shared = problem->point().shared;
+  result.converged = report.converged;
+  at.shared = problem->point().shared;
   for (std::size_t i = 0; i < index.size(); ++i) {
-    poses[index[i]] = problem->point().rig_from_board[i];
+    at.poses[index[i]] = problem->point().rig_from_board[i];
   }
-  return problem;
+  result.problem = std::move(problem);
+  return result;
 }
 
 std::vector<double> LeastSquares::distances(const FitView& view, const std::vector<double>& shared,

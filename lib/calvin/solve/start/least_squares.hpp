@@ -32,19 +32,31 @@ struct FitView {
 
 using Poses = std::vector<std::optional<SE3>>;
 
+// Where a fit stands: the shared unknowns, and the poses of those views that have one.
+struct Estimate {
+  std::vector<double> shared;
+  Poses poses;
+};
+
+// What one minimisation led to.
+struct Minimum {
+  Estimate at;
+  std::optional<BundleProblem> problem;  // at the minimum; absent where nothing was left to fit
+  bool converged = false;
+};
+
 class LeastSquares {
  public:
   LeastSquares(const Parameterization& parameterization, ImageSize size,
                const std::stop_token& stop);
 
-  // Improves the shared unknowns and the poses of those views that have one, `more` priors added to
-  // those of the parameterization. A null view is left out; a view that has no projection at its
-  // pose loses the pose. Absent where nothing is left.
-  std::optional<BundleProblem> minimise_over(const std::vector<const FitView*>& views,
-                                             std::vector<double>& shared, Poses& poses,
-                                             const Eigen::MatrixXd& basis, const Loss& loss,
-                                             const LmOptions& options,
-                                             const std::vector<ParameterTable::Prior>& more = {});
+  // Improves an estimate by the views that have a pose, `more` priors added to those of the
+  // parameterization. A null view is left out; a view that has no projection at its pose loses the
+  // pose.
+  [[nodiscard]] Minimum minimise_over(const std::vector<const FitView*>& views, Estimate from,
+                                      const Eigen::MatrixXd& basis, const Loss& loss,
+                                      const LmOptions& options,
+                                      const std::vector<ParameterTable::Prior>& more = {});
 
   // Weighted distance of every corner from its projection, px, at most kFarthest; kFarthest for all
   // corners of a view without a pose.
@@ -58,8 +70,8 @@ class LeastSquares {
   [[nodiscard]] Poses poses_for(const std::vector<double>& shared,
                                 const std::vector<const FitView*>& views) const;
 
+  // Of all minimisations together.
   [[nodiscard]] int iterations() const { return iterations_; }
-  [[nodiscard]] bool converged() const { return converged_; }  // the last minimise_over()
   [[nodiscard]] bool cancelled() const { return cancelled_ || stop_.stop_requested(); }
 
  private:
@@ -71,7 +83,6 @@ class LeastSquares {
   FillRows fill_;
   ViewRows rows_;
   int iterations_ = 0;
-  bool converged_ = false;
   bool cancelled_ = false;
 };
 

@@ -135,15 +135,8 @@ Candidate StartSearch::by_closed_form(const Views& sample) {
     if (c.scale < best.scale) best = std::move(c);
   }
   if (!std::isfinite(best.scale)) return best;
-  if (is_rich()) {
-    improve(best, sample, Regularization::kNone);
-  } else {
-    const Loss loss{Loss::Kind::kHuber, 2 * best.scale};
-    (void)least_squares_.minimise_over(sample, best.shared, best.poses, parameterization_.basis,
-                                       loss, kRough);
-    best.scale = scale_of(best, sample);
-  }
-  return best;
+  return is_rich() ? improved(std::move(best), sample, Regularization::kNone)
+                   : minimised(std::move(best), sample, parameterization_.basis, kRough, {});
 }
 
 Candidate StartSearch::by_focal_lengths(const Views& sample) {
@@ -225,7 +218,7 @@ std::vector<Candidate> StartSearch::best_of(std::vector<Candidate> candidates, c
   }
   std::sort(candidates.begin(), candidates.end(), nearer);
   if (candidates.size() > trials) candidates.resize(trials);
-  for (Candidate& c : candidates) improve(c, sample, Regularization::kPriors);
+  for (Candidate& c : candidates) c = improved(std::move(c), sample, Regularization::kPriors);
   std::sort(candidates.begin(), candidates.end(), nearer);
   return candidates;
 }
@@ -266,13 +259,19 @@ std::vector<Eigen::MatrixXd> StartSearch::stages() const {
   return result;
 }
 
-void StartSearch::improve(Candidate& c, const Views& sample, Regularization regularization) {
+Candidate StartSearch::minimised(Candidate c, const Views& sample, const Eigen::MatrixXd& basis,
+                                 const LmOptions& options, const Priors& priors) {
+  const Loss loss{Loss::Kind::kHuber, 2 * c.scale};
+  Candidate result = {
+      least_squares_.minimise_over(sample, std::move(c), basis, loss, options, priors).at};
+  result.scale = scale_of(result, sample);
+  return result;
+}
+
+Candidate StartSearch::improved(Candidate c, const Views& sample, Regularization regularization) {
   const int iterations = is_rich() ? 40 : 15;
   const auto step = [&](const Eigen::MatrixXd& basis, const Priors& priors) {
-    const Loss loss{Loss::Kind::kHuber, 2 * c.scale};
-    (void)least_squares_.minimise_over(sample, c.shared, c.poses, basis, loss,
-                                       {basis.cols() == 1 ? 5 : iterations, 1e-5}, priors);
-    c.scale = scale_of(c, sample);
+    c = minimised(std::move(c), sample, basis, {basis.cols() == 1 ? 5 : iterations, 1e-5}, priors);
   };
   const bool regularized = is_rich() && regularization == Regularization::kPriors;
   for (const Eigen::MatrixXd& basis : stages())
@@ -280,6 +279,7 @@ void StartSearch::improve(Candidate& c, const Views& sample, Regularization regu
   for (const double looser : {4, 16, 64, 256}) {
     if (regularized) step(parameterization_.basis, small(looser / c.scale));
   }
+  return c;
 }
 
 // Priors at 0 for the higher coefficients: at the start nothing keeps numerator and denominator of

@@ -15,9 +15,7 @@ namespace calvin {
 // Fewer views than this may have several optima.
 inline constexpr std::size_t kFewViews = 8;
 
-struct Candidate {
-  std::vector<double> shared;
-  Poses poses;
+struct Candidate : Estimate {
   double scale = std::numeric_limits<double>::infinity();  // px, see robust_scale()
 };
 
@@ -69,8 +67,11 @@ class StartSearch {
   enum class Regularization { kPriors, kNone };
   using Priors = std::vector<ParameterTable::Prior>;
   [[nodiscard]] Priors small(double sigma) const;  // px, as weighted residuals are
-  // `kPriors`: those of small(), loosened step by step, for a rich lens.
-  void improve(Candidate& c, const Views& sample, Regularization regularization);
+  // What the least squares make of a candidate. `kPriors`: with those of small(), loosened step by
+  // step, for a rich lens.
+  [[nodiscard]] Candidate improved(Candidate c, const Views& sample, Regularization regularization);
+  [[nodiscard]] Candidate minimised(Candidate c, const Views& sample, const Eigen::MatrixXd& basis,
+                                    const LmOptions& options, const Priors& priors);
   [[nodiscard]] std::vector<Eigen::MatrixXd> stages() const;
   [[nodiscard]] double scale_of(const Candidate& c, const Views& views);
 
