@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "calvin/target/id_index.hpp"
+
 namespace calvin {
 
 namespace {
@@ -47,10 +49,11 @@ Status check(const View& view, ImageSize image_size) {
     return refuse(fmt::format("{} ids and {} corners were given; each corner needs its id.",
                               seen.ids.size(), seen.uv.size()));
   }
+  const IdIndex board_ids(view.board);
   std::vector<bool> known(static_cast<std::size_t>(view.board.point_count()), false);
   for (std::size_t i = 0; i < seen.ids.size(); ++i) {
     const int id = seen.ids[i];
-    const auto index = view.board.index_of(id);
+    const auto index = board_ids.of(id);
     if (!index) {
       return refuse(
           fmt::format("The corner id {} is not on the board {}, which has {} corners. "

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <optional>
 
+#include "calvin/target/id_index.hpp"
+
 namespace calvin {
 
 namespace {
@@ -60,12 +62,13 @@ PointSet to_points(const Board& board, const std::vector<Eigen::Vector3d>& point
                    const Observation& observation) {
   PointSet view;
   view.timestamp = observation.timestamp;
+  const IdIndex board_ids(board);
   view.uv = observation.uv;
   view.ids.resize(observation.ids.size());
   view.points.resize(view.ids.size());
   view.weight.resize(view.ids.size());
   for (std::size_t i = 0; i < view.ids.size(); ++i) {
-    const std::size_t index = board.index_of(observation.ids[i]).value();
+    const std::size_t index = board_ids.of(observation.ids[i]).value();
     view.ids[i] = static_cast<int>(index);
     view.points[i] = points[index];
     const auto weight = weight_of(observation, i);
