@@ -70,6 +70,12 @@ void leave_out(const fs::path& file, const std::string& why) {
 // The size of a picture that GStreamer decodes to its end, or why there is none and what to do.
 std::optional<calvin::ImageSize> size_of(GstDiscoverer* discoverer, const fs::path& file,
                                          std::string& why) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(file, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {  // a FIFO may never be written
+    why = "it is a device or a FIFO: take it away.";
+    return std::nullopt;
+  }
   if (const std::ifstream stream(file); !stream) {
     why = fmt::format("it cannot be opened ({}): make it readable, or take it away.",
                       std::generic_category().message(errno));

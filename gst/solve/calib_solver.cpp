@@ -240,11 +240,11 @@ void CalibSolver::forget() {
   taken_.clear();
   calibration_.reset();
   published_ = finished_ = announce_ = complained_ = kept_reported_ = write_late_ = false;
-  final_owed_ = final_waits_ = solve_waits_ = false;
+  final_owed_ = solve_waits_ = false;
   last_reason_ = Reason::kAccepted;
   ++revision_;
   written_ = {};
-  unwritten_.reset();
+  forget_unwritten();
   solve_error_.clear();
   next_solve_ = 0;
 }
@@ -260,7 +260,7 @@ bool CalibSolver::remove_view(unsigned index) {
   taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
   ++generation_;                   // what is being solved has the view in it
   finished_ = published_ = false;  // and the files have it
-  unwritten_.reset();
+  forget_unwritten();
   ++revision_;
   next_solve_ = 0;
   if (enough_views()) {

@@ -121,6 +121,10 @@ class CalibSolver : public SharedSettings<SolverSettings> {
   void request(bool final);
   // Of unwritten_, on the writer. The newest one replaces one that waits, and is final if that was.
   void request_write(const std::vector<CalibrationFile>& files, bool final);
+  void forget_unwritten() {
+    unwritten_.reset();
+    final_waits_ = false;
+  }
   // Whether all that was asked for is solved and written, however long that takes; false when it
   // was cancelled.
   [[nodiscard]] bool drain() { return worker_.drain() && writer_.drain(); }
@@ -167,12 +171,13 @@ class CalibSolver : public SharedSettings<SolverSettings> {
   bool complained_ = false;                 // of broken observations
   std::string solve_error_;
   Status written_;
-  std::optional<Calibration> unwritten_;  // for the files, which do not all have it
-  bool final_waits_ = false;              // a final write has not begun
-  std::uint64_t writes_ = 0;              // asked for so far
-  bool write_failed_ = false;             // and that was reported
-  bool write_late_ = false;               // likewise, that a write does not end
-  bool kept_reported_ = false;            // that another session's file stays
+  std::optional<Calibration> unwritten_;        // for the files, which do not all have it
+  bool final_waits_ = false;                    // unwritten_ is final, or replaced one that was
+  std::vector<CalibrationFile> being_written_;  // by the write that began last
+  std::uint64_t writes_ = 0;                    // asked for so far
+  bool write_failed_ = false;                   // and that was reported
+  bool write_late_ = false;                     // likewise, that a write does not end
+  bool kept_reported_ = false;                  // that another session's file stays
   Reason last_reason_ = Reason::kAccepted;
   FrameTimes times_;                             // of the newest frame with a board
   std::size_t next_solve_ = 0;                   // number of views

@@ -37,7 +37,14 @@ std::string figures(const Calibration& calibration) {
 // A word for the user where the calibration before was better by its own figures.
 std::optional<Error> lost_by(const std::string& path, const Calibration& before,
                              const Calibration& now, const Status& kept) {
-  if (!before.expected_error) return std::nullopt;
+  if (!before.expected_error) {
+    if (kept) return std::nullopt;
+    return Error{
+        kept.error().code,
+        fmt::format("'{}' held a calibration of another session, which this one's took the "
+                    "place of. No copy of it could be kept. {}",
+                    path, kept.error().message)};
+  }
   if (now.expected_error && *now.expected_error <= *before.expected_error) return std::nullopt;
   const std::string whose =
       before.camera != now.camera ? fmt::format(" of the camera '{}'", before.camera) : "";
@@ -73,16 +80,19 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
   if (std::exchange(session_, session) != session) ours_.clear();
   std::map<std::string, Calibration> foreign;
   std::vector<Calibration> others;
+  bool any_unread = false;
   for (const CalibrationFile& file : files) {
     if (is_stream(file.path) || holds_ours(file.path)) continue;
     auto other = read_calibration(file.path);
     // What only another build or a later version reads is one that tells nothing of itself.
-    if (!other && other.error().code == ErrorCode::kUnsupported) other = Calibration();
+    const bool unread = !other && other.error().code == ErrorCode::kUnsupported;
+    any_unread |= unread;
+    if (unread) other = Calibration();
     if (!other) continue;
     others.push_back(*other);
     foreign.emplace(file.path, *std::move(other));
   }
-  const bool replace = final || may_replace(calibration, others);
+  const bool replace = final || (!any_unread && may_replace(calibration, others));
   Outcome outcome;
   for (const CalibrationFile& file : files) {
     if (!final && is_stream(file.path)) continue;

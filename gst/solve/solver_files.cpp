@@ -36,6 +36,7 @@ bool CalibSolver::begin_write(const Write& write) {
   const std::lock_guard guard(lock_);
   if (write.generation != generation_) return false;
   final_waits_ = false;
+  being_written_ = write.files;
   return true;
 }
 
@@ -69,6 +70,7 @@ std::vector<Error> CalibSolver::end_write(const Write& write, const SessionFiles
   if (write.generation != generation_) return {};
   held = !kept.empty() && !std::exchange(kept_reported_, true);
   written_ = written;
+  final_waits_ |= !written && write.final;  // it is final when it is tried again, too
   // A newer calibration may wait behind this one.
   if (written && write.number == writes_) unwritten_.reset();
   if (!written && !std::exchange(write_failed_, true)) warnings.push_back(written.error());

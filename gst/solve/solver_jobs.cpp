@@ -34,7 +34,6 @@ struct CalibSolver::Job {
   ImageSize size;
   SolveOptions options;
   int runs = 1;
-  std::vector<CalibrationFile> files;
   std::string location;
   FrameTimes times;
   std::uint64_t generation = 0;
@@ -46,7 +45,6 @@ std::shared_ptr<CalibSolver::Job> CalibSolver::make_job() const {
   auto job = std::make_shared<Job>();
   job->views = session_.views();
   job->size = size_;
-  job->files = plan_.files;
   job->location = plan_.settings.location;
   job->times = times_;
   job->generation = generation_;
@@ -100,6 +98,7 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
   const double error = calibration.expected_error.value_or(HUGE_VAL);
   Guidance now;
   bool better = false;
+  bool writing = false;
   {
     const std::lock_guard guard(lock_);
     if (job.generation != generation_) {
@@ -115,7 +114,9 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
       published_error_ = calibration.expected_error;
       unwritten_ = calibration;
     }
-    if (unwritten_) request_write(job.files, job.final);
+    if (plan_.files.empty()) forget_unwritten();
+    if (unwritten_) request_write(plan_.files, job.final);
+    writing = unwritten_.has_value();
   }
   GST_INFO_OBJECT(element_,
                   "%s result of %" G_GSIZE_FORMAT
@@ -124,7 +125,7 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
                   job.final ? "final" : "intermediate", job.views.size(), calibration.model.c_str(),
                   calibration.rms.value_or(HUGE_VAL), error,
                   better ? "" : ": no better than the one before");
-  const bool in_time = writer_.drain_for(kPatience);
+  const bool in_time = !writing || writer_.drain_for(kPatience);
   announce(job, solution, now, stop);
   if (!in_time) complain_of_late_files(job, stop);
 }
@@ -132,12 +133,12 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
 void CalibSolver::complain_of_late_files(const Job& job, const std::stop_token& stop) {
   const auto report = begin_report(job, stop);
   if (!report) return;
+  std::vector<std::string> paths;
   {
     const std::lock_guard guard(lock_);
     if (std::exchange(write_late_, true)) return;
+    for (const CalibrationFile& file : being_written_) paths.push_back(file.path);
   }
-  std::vector<std::string> paths;
-  for (const CalibrationFile& file : job.files) paths.push_back(file.path);
   post_warning(
       element_,
       {ErrorCode::kIo,

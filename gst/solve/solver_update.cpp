@@ -108,7 +108,7 @@ std::optional<Error> CalibSolver::adopt(SolverPlan plan, bool writable) {
   if (solve || write) {
     ++revision_;
     published_ = false;
-    unwritten_.reset();
+    forget_unwritten();
     if (enough_views()) request(false);
   }
   return warning;

@@ -62,7 +62,7 @@ build_aarch64() {
   # shellcheck disable=SC2046 # several words
   "$source/tests/builds/sysroot.sh" arm64 "$dir/sysroot" \
     $("$source/examples/install-packages.sh" --print build test | grep -e '-dev$' |
-      grep -v opencv) gstreamer1.0-tools gstreamer1.0-plugins-base \
+      grep -v opencv) gstreamer1.0-tools gstreamer1.0-plugins-base libblas3 liblapack3 \
     "libstdc++-$(aarch64-linux-gnu-g++ -dumpversion)-dev"
   printf "[constants]\nsysroot = '%s'\n" "$dir/sysroot" >"$dir/sysroot.ini"
   build aarch64 --cross-file "$dir/sysroot.ini" --cross-file "$source/tests/builds/aarch64.ini" \

@@ -154,6 +154,66 @@ GST_START_TEST(test_a_flush_forgets_no_write) {
 }
 GST_END_TEST;
 
+// A removed view takes with it that a result with it was final.
+GST_START_TEST(test_after_a_view_is_removed_nothing_is_final) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
+  Calibration before = f.scene.camera.to_calibration();
+  before.camera = "left";
+  before.expected_error = 1e-9;
+  fail_unless(write_calibration(path, before).has_value());
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());  // of cam.yaml
+  for (int n = 3; n < 5; ++n) gst_buffer_unref(f.push(n));
+  g_signal_emit_by_name(f.element, "solve");
+  fail_unless(comes([&] { return views_in(f.result("final")) == 5; }));
+  gboolean removed = FALSE;
+  g_signal_emit_by_name(f.element, "remove-view", 0, &removed);
+  fail_unless(removed);
+  fail_unless(comes([&] { return views_in(f.result("intermediate")) == 4; }));
+  disk.open();
+  g_usleep(500000);
+  fail_unless_equals_int(views_of(path), 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_the_file_that_is_late_is_named_whatever_is_wanted_now) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  const std::string other = folder / "other.json";
+  SolveFixture f("location=" + path);
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());
+  fail_unless(comes([&] { return f.bus.texts(GST_MESSAGE_WARNING).size() == 1; }));
+  g_object_set(f.element, "location", other.c_str(), nullptr);
+  gst_buffer_unref(f.push(3));
+  fail_unless(comes([&] { return f.bus.texts(GST_MESSAGE_WARNING).size() == 2; }));
+  for (const std::string& warning : f.bus.texts(GST_MESSAGE_WARNING)) {
+    fail_unless(warning.find("The write of '" + path + "'") == 0, "%s", warning.c_str());
+  }
+  disk.open();
+  fail_unless(comes([&] { return views_of(other) == 4; }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_without_files_no_result_waits) {
+  check::TemporaryFolder folder;
+  SolveFixture f("location=" + folder / "cam.json");
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());
+  fail_unless(comes([&] { return f.bus.texts(GST_MESSAGE_WARNING).size() == 1; }));
+  g_object_set(f.element, "location", nullptr, nullptr);
+  gst_buffer_unref(f.push(3));
+  fail_unless(comes([&] { return views_in(f.result("intermediate")) == 4; }));
+  fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 1);
+  disk.open();
+}
+GST_END_TEST;
+
 // A write that waits is one of the session that asked for it.
 GST_START_TEST(test_a_reset_forgets_the_write_that_waits) {
   check::TemporaryFolder folder;
@@ -182,6 +242,9 @@ static Suite* calibsolve_late_suite() {
   tcase_add_test(tc, test_the_end_waits_for_the_write);
   tcase_add_test(tc, test_a_final_result_that_waits_for_the_disk_stays_final);
   tcase_add_test(tc, test_a_flush_forgets_no_write);
+  tcase_add_test(tc, test_after_a_view_is_removed_nothing_is_final);
+  tcase_add_test(tc, test_the_file_that_is_late_is_named_whatever_is_wanted_now);
+  tcase_add_test(tc, test_without_files_no_result_waits);
   tcase_add_test(tc, test_a_reset_forgets_the_write_that_waits);
   return suite;
 }

@@ -179,11 +179,11 @@ std::optional<Eigen::Vector3d> Camera::unproject(Pixel pixel) const noexcept {
 }
 
 Camera Camera::scaled(ImageSize size) const {
-  return ImageTransform::scaled(size_, size)(*this).value();
+  return ImageTransform::scaled(size_, size)(*this).value_or(*this);
 }
 
 Camera Camera::cropped(double x, double y, ImageSize size) const {
-  return ImageTransform::cropped(x, y, size)(*this).value();
+  return ImageTransform::cropped(x, y, size)(*this).value_or(*this);
 }
 
 Result<Camera> Camera::turned(Orientation orientation) const {

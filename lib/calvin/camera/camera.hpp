@@ -46,8 +46,8 @@ class Camera {
   // to that pixel.
   [[nodiscard]] std::optional<Eigen::Vector3d> unproject(Pixel pixel) const noexcept;
 
-  // The camera whose image is this one's, scaled to another size / cut to a part of it that
-  // starts at (x, y) px.
+  // The camera whose image is this one's, scaled to another size / cut to a part of it that starts
+  // at (x, y) px; this one as it is where no camera has such an image or such numbers.
   [[nodiscard]] Camera scaled(ImageSize size) const;
   [[nodiscard]] Camera cropped(double x, double y, ImageSize size) const;
 

@@ -65,7 +65,9 @@ Result<FittedCamera> fit_to_part(const Calibration& calibration, const FramePart
                              calibration.image_size == part.size;
   if (!of_the_frames) {
     if (auto fitted = fit_to_frame(calibration, part.whole, upright)) {
-      fitted->camera = fitted->camera.cropped(part.x, part.y, part.size);
+      auto cropped = ImageTransform::cropped(part.x, part.y, part.size)(fitted->camera);
+      if (!cropped) return tl::unexpected(cropped.error());
+      fitted->camera = *std::move(cropped);
       return fitted;
     }
   }

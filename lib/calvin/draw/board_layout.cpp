@@ -142,6 +142,7 @@ Result<BoardLayout> made_to_measure(const Board& board) {
 }  // namespace
 
 Result<BoardLayout> lay_out_board(const Board& board, std::string_view paper) {
+  if (const Status checked = board.check(); !checked) return tl::unexpected(checked.error());
   const std::string name = lower(paper);
   if (name == "fit") return made_to_measure(board);
   for (const Paper& candidate : kPapers) {

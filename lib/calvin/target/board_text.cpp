@@ -92,9 +92,9 @@ Result<Board> parse_board(std::string_view text) {
     return wrong_board_text(text, "it needs a kind, a size in corners and a length");
 
   const auto sides = split(fields[1], 'x');
-  const auto cols = parse_int(sides[0]);
-  const auto rows = sides.size() == 2 ? parse_int(sides[1]) : std::nullopt;
-  if (!cols || !rows) {
+  const auto cols = parse_int(sides.front());
+  const auto rows = parse_int(sides.back());
+  if (sides.size() != 2 || !cols || !rows) {
     return wrong_board_text(text, fmt::format("'{}' is not COLSxROWS", fields[1]));
   }
   if (*cols < 2 || *rows < 2 || *cols > kMaxSide || *rows > kMaxSide || *cols * *rows < 6) {

@@ -24,6 +24,32 @@ double distance(const PointBoard::Dot& a, const PointBoard::Dot& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
+// Whether the dot has another one at most so far away.
+bool has_one_within(const std::vector<PointBoard::Dot>& dots, const PointBoard::Dot& dot,
+                    double reach) {
+  return std::any_of(dots.begin(), dots.end(), [&](const PointBoard::Dot& other) {
+    return other.id != dot.id && distance(other, dot) <= reach;
+  });
+}
+
+// By the distance of each dot from the line through the two that are farthest from each other.
+bool lie_on_a_line(const std::vector<PointBoard::Dot>& dots) {
+  constexpr double kThin = 1e-3;  // of the length
+  const auto farthest_from = [&dots](const PointBoard::Dot& from) {
+    return *std::max_element(dots.begin(), dots.end(), [&](const auto& a, const auto& b) {
+      return distance(a, from) < distance(b, from);
+    });
+  };
+  const PointBoard::Dot first = farthest_from(dots.front());
+  const PointBoard::Dot last = farthest_from(first);
+  const double length = distance(first, last);
+  return std::none_of(dots.begin(), dots.end(), [&](const PointBoard::Dot& dot) {
+    const double area =
+        (last.x - first.x) * (dot.y - first.y) - (last.y - first.y) * (dot.x - first.x);
+    return std::abs(area) > kThin * length * length;
+  });
+}
+
 Status refuse(std::string why) {
   return make_error(ErrorCode::kInvalidArgument,
                     "These dots make no board: " + std::move(why) + ".");
@@ -48,6 +74,7 @@ Status check_dots(const std::vector<PointBoard::Dot>& dots) {
       }
     }
   }
+  if (lie_on_a_line(dots)) return refuse("they lie on one line");
   return {};
 }
 
@@ -90,8 +117,9 @@ std::vector<int> PointBoard::neighbours(int id) const {
   for (const Dot& dot : dots()) {
     if (dot.id == id) continue;
     // By the larger cell of the two: a neighbour has this one for its neighbour.
-    const double reach = kNear * std::max(own, cell_size(dot.id));
-    if (distance(dots()[*index], dot) <= reach) all.push_back(dot.id);
+    const double away = distance(dots()[*index], dot);
+    const bool near = away <= kNear * own || !has_one_within(dots(), dot, away / kNear);
+    if (near) all.push_back(dot.id);
   }
   return all;
 }

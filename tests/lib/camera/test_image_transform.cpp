@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/camera/frame_fit.hpp"
 #include "calvin/camera/image_transform.hpp"
 
 namespace calvin {
@@ -95,6 +96,15 @@ TEST(ImageTransform, MovesCamerasAsTheirPixels) {
     EXPECT_EQ(moved.image_size(), transforms[i].size());
     expect_near(moved.project(seen).value(), transforms[i](camera.project(point).value()));
   }
+}
+
+// The largest centre that a camera may have, before and after a cut that makes it larger.
+TEST(ImageTransform, WhatNoCameraCanHaveIsAnError) {
+  const Camera camera = Camera::make("pinhole", {640, 480}, {500, 500, -1e12, 239.5}).value();
+  EXPECT_FALSE(ImageTransform::cropped(10, 0, {320, 240})(camera).has_value());
+  EXPECT_FALSE(fit_to_part(camera.to_calibration(), {{640, 480}, 10, 0, {320, 240}}).has_value());
+  EXPECT_EQ(camera.cropped(10, 0, {320, 240}).parameters(), camera.parameters());
+  EXPECT_EQ(camera.scaled({0, 0}).image_size(), camera.image_size());
 }
 
 TEST(ImageTransform, MovesObservations) {

@@ -129,6 +129,14 @@ TEST(PointBoards, OfWrongDotsThereAreNone) {
   refused([](auto& dots) { dots[1].x = kNan; }, "no place");
   refused([](auto& dots) { dots[1].diameter = 0; }, "no size");
   refused([](auto& dots) { dots[1].x = 0.045; }, "touch");
+  refused(
+      [](auto& dots) {
+        for (std::size_t i = 0; i < dots.size(); ++i) {
+          dots[i].x = 0.03 * static_cast<double>(i);
+          dots[i].y = 0.04;
+        }
+      },
+      "on one line");
 }
 
 }  // namespace

@@ -124,6 +124,7 @@ BoardShape make_shape(const Board& board, const SolveOptions& options) {
 
 std::vector<Eigen::Vector3d> bent_points(const Board& board, const BoardWarp& warp) {
   Points points = board.points();
+  if (warp.kx == 0 && warp.ky == 0) return points;
   const BoardArea extent = board.extent();
   const Eigen::VectorXd along_x = field_over(points, extent, bent_along_x);
   const Eigen::VectorXd along_y = field_over(points, extent, bent_along_y);
