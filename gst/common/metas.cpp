@@ -121,6 +121,10 @@ std::optional<double> get_double(const GstStructure* s, const char* field) {
   return value;
 }
 
+void set_double(GstStructure* s, const char* field, const std::optional<double>& value) {
+  if (value) gst_structure_set(s, field, G_TYPE_DOUBLE, *value, nullptr);
+}
+
 }  // namespace
 
 void register_metas() {
@@ -193,37 +197,40 @@ std::vector<Observation> read_observations(GstBuffer* buffer, std::optional<Erro
   return s == nullptr ? std::vector<Observation>() : observations_from_structure(s, problem);
 }
 
-void attach_guidance(GstBuffer* buffer, const Guidance& g) {
+void set_progress(GstStructure* s, const Progress& p) {
+  gst_structure_set(s, "views", G_TYPE_INT, p.views, "coverage", G_TYPE_DOUBLE, p.coverage, "x",
+                    G_TYPE_DOUBLE, p.x, "y", G_TYPE_DOUBLE, p.y, "size", G_TYPE_DOUBLE, p.size,
+                    "tilt", G_TYPE_DOUBLE, p.tilt, "skew", G_TYPE_DOUBLE, p.tilt, "hint",
+                    G_TYPE_STRING, p.hint.c_str(), nullptr);
+  set_double(s, "expected-error", p.expected_error);
+  set_double(s, "rms", p.rms);
+}
+
+void attach_guidance(GstBuffer* buffer, const Progress& progress) {
   GstStructure* s = writable_meta(buffer, kGuidanceName);
   if (s == nullptr) return;
   gst_structure_remove_all_fields(s);
-  gst_structure_set(s, "hint", G_TYPE_STRING, g.hint.c_str(), "coverage", G_TYPE_DOUBLE, g.coverage,
-                    "x", G_TYPE_DOUBLE, g.x, "y", G_TYPE_DOUBLE, g.y, "size", G_TYPE_DOUBLE, g.size,
-                    "skew", G_TYPE_DOUBLE, g.skew, "views", G_TYPE_INT, g.views, "captured",
-                    G_TYPE_BOOLEAN, g.captured, nullptr);
-  if (g.expected_error) {
-    gst_structure_set(s, "expected-error", G_TYPE_DOUBLE, *g.expected_error, nullptr);
-  }
-  if (g.rms) gst_structure_set(s, "rms", G_TYPE_DOUBLE, *g.rms, nullptr);
+  set_progress(s, progress);
+  gst_structure_set(s, "captured", G_TYPE_BOOLEAN, progress.captured, nullptr);
 }
 
-std::optional<Guidance> read_guidance(GstBuffer* buffer) {
+std::optional<Progress> read_guidance(GstBuffer* buffer) {
   const GstStructure* s = readable_meta(buffer, kGuidanceName);
   if (s == nullptr) return std::nullopt;
-  Guidance g;
-  g.hint = get_string(s, "hint");
-  g.coverage = get_double(s, "coverage").value_or(0);
-  g.x = get_double(s, "x").value_or(0);
-  g.y = get_double(s, "y").value_or(0);
-  g.size = get_double(s, "size").value_or(0);
-  g.skew = get_double(s, "skew").value_or(0);
-  g.expected_error = get_double(s, "expected-error");
-  g.rms = get_double(s, "rms");
-  gst_structure_get_int(s, "views", &g.views);
+  Progress p;
+  gst_structure_get_int(s, "views", &p.views);
+  p.coverage = get_double(s, "coverage").value_or(0);
+  p.x = get_double(s, "x").value_or(0);
+  p.y = get_double(s, "y").value_or(0);
+  p.size = get_double(s, "size").value_or(0);
+  p.tilt = get_double(s, get_double(s, "tilt") ? "tilt" : "skew").value_or(0);
+  p.expected_error = get_double(s, "expected-error");
+  p.rms = get_double(s, "rms");
   gboolean captured = FALSE;
   gst_structure_get_boolean(s, "captured", &captured);
-  g.captured = captured != FALSE;
-  return g;
+  p.captured = captured != FALSE;
+  p.hint = get_string(s, "hint");
+  return p;
 }
 
 void attach_ground_truth(GstBuffer* buffer, const GroundTruth& truth) {

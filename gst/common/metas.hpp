@@ -6,7 +6,8 @@
 // calvin-observation   camera, width, height, observations: array of {board, found, timestamp,
 //                      ids, uv, sigma, ambiguous}. The same structure, as a serialized event,
 //                      carries a result that no buffer can take any more.
-// calvin-guidance      hint, coverage, x, y, size, skew, expected-error, rms, views, captured
+// calvin-guidance      hint, coverage, x, y, size, tilt and the same as skew, expected-error, rms,
+//                      views, captured
 // calvin-ground-truth  camera, width, height, calibration (JSON), boards: array of {board, ids,
 //                      uv, rotation, translation}: what calibtestsrc rendered
 //
@@ -24,6 +25,7 @@
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
+#include "calvin/session/progress.hpp"
 
 namespace calvin::gst {
 
@@ -49,21 +51,13 @@ void attach_observations(GstBuffer* buffer, std::span<const Observation> observa
 [[nodiscard]] std::vector<Observation> read_observations(GstBuffer* buffer,
                                                          std::optional<Error>* problem = nullptr);
 
-struct Guidance {
-  std::string hint;
-  double coverage = 0;  // 0..1, as x, y, size and skew
-  double x = 0;
-  double y = 0;
-  double size = 0;
-  double skew = 0;
-  std::optional<double> expected_error;  // px, 1 sigma
-  std::optional<double> rms;             // px
-  int views = 0;
-  bool captured = false;  // a view was taken from this very frame
-};
+// The fields of the meta calvin-guidance but `captured`, which is of a frame; those of the message
+// calib-progress too. `tilt` goes as `skew` too, its name in ROS.
+void set_progress(GstStructure* structure, const Progress& progress);
 
-void attach_guidance(GstBuffer* buffer, const Guidance& guidance);
-[[nodiscard]] std::optional<Guidance> read_guidance(GstBuffer* buffer);
+void attach_guidance(GstBuffer* buffer, const Progress& progress);
+// A meta of another program may have `skew` alone.
+[[nodiscard]] std::optional<Progress> read_guidance(GstBuffer* buffer);
 
 struct TrueBoard {
   Observation observation;

@@ -66,7 +66,7 @@ struct Held {
 // Touched by the streaming thread only, and by start and stop when there is none.
 struct State {
   Held<std::vector<Observation>> observations;
-  Held<std::optional<OverlayProgress>> progress;
+  Held<std::optional<Progress>> progress;
   Held<bool> captured;
   std::vector<OverlayTile> tiles;  // of the buffer at hand
   gst::Caption caption;
@@ -84,20 +84,6 @@ struct State {
   }
 };
 
-OverlayProgress progress_of(const gst::Guidance& guidance) {
-  OverlayProgress progress;
-  progress.coverage = guidance.coverage;
-  progress.x = guidance.x;
-  progress.y = guidance.y;
-  progress.size = guidance.size;
-  progress.skew = guidance.skew;
-  progress.views = guidance.views;
-  progress.expected_error = guidance.expected_error;
-  progress.rms = guidance.rms;
-  progress.hint = guidance.hint;
-  return progress;
-}
-
 void read_metas(State& state, GstBuffer* buffer) {
   const GstClockTime now = GST_BUFFER_PTS(buffer);
   state.observations.expire(now);
@@ -106,9 +92,9 @@ void read_metas(State& state, GstBuffer* buffer) {
   if (gst_buffer_get_custom_meta(buffer, gst::kObservationName) != nullptr) {
     state.observations.take(gst::read_observations(buffer), now);
   }
-  if (const auto guidance = gst::read_guidance(buffer)) {
-    state.progress.take(progress_of(*guidance), now);
-    if (guidance->captured) state.captured.take(true, now);
+  if (auto progress = gst::read_guidance(buffer)) {
+    if (progress->captured) state.captured.take(true, now);
+    state.progress.take(std::move(progress), now);
   }
 }
 
@@ -192,7 +178,7 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
   const ImageSize frame = state.part ? state.part->size : whole;
   read_metas(state, buffer);
 
-  std::optional<OverlayProgress> progress = state.progress.value;
+  std::optional<Progress> progress = state.progress.value;
   if (progress) progress->captured = state.captured.value;
   state.words = progress ? state.caption.draw(overlay_caption(*progress), frame) : nullptr;
   auto tiles = draw_overlay(frame, state.observations.value, progress);

@@ -111,7 +111,7 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times)
     return false;
   }
   Reason reason;
-  Guidance now;
+  Progress now;
   std::string camera;
   {
     const std::lock_guard guard(lock_);
@@ -127,7 +127,7 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times)
     View view = {observation, *board};
     if (plan_.settings.runs < 2) view.observation.patches.reset();
     reason = session_.offer(view);
-    now = make_guidance(session_.progress(), calibration_);
+    now = with_quality(session_.progress(), calibration_);
     if (reason == Reason::kAccepted) {
       GST_DEBUG_OBJECT(
           element_, "view %d is the one at %" GST_TIME_FORMAT ", with %" G_GSIZE_FORMAT " corners",
@@ -166,9 +166,9 @@ void CalibSolver::complain(const Error& why) {
                                                 kObservationName)});
 }
 
-Guidance CalibSolver::guidance() {
+Progress CalibSolver::progress() {
   const std::lock_guard guard(lock_);
-  return make_guidance(session_.progress(), calibration_);
+  return with_quality(session_.progress(), calibration_);
 }
 
 std::optional<CalibrationEvent> CalibSolver::take_event() {

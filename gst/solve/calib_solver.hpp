@@ -68,7 +68,7 @@ class CalibSolver : public SharedSettings<SolverSettings> {
   bool offer(const Observation& observation, const FrameTimes& times);
   // An observation that cannot be one, and why: a WARNING, once per session.
   void complain(const Error& why);
-  [[nodiscard]] Guidance guidance();
+  [[nodiscard]] Progress progress();
 
   // The newest calibration that has not been announced downstream.
   [[nodiscard]] std::optional<CalibrationEvent> take_event();
@@ -136,7 +136,7 @@ class CalibSolver : public SharedSettings<SolverSettings> {
   void run(const Job& job, const std::stop_token& stop);
   void publish(const Job& job, const Solution& solution, const std::stop_token& stop);
   void complain_of_late_files(const Job& job, const std::stop_token& stop);
-  void announce(const Job& job, const Solution& solution, const Guidance& now,
+  void announce(const Job& job, const Solution& solution, const Progress& now,
                 const std::stop_token& stop);
   // nullptr where the session has gone on without what that job was made of; `is_result`: the
   // result itself is reported, and what the job owed is paid.

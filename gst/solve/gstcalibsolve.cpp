@@ -126,9 +126,9 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   if (problem) solver.complain(*problem);
   const bool captured = gst_calib_solve_offer(self, observations, GST_BUFFER_DURATION(buffer));
   gst_calib_solve_push_calibration(self);
-  gst::Guidance guidance = solver.guidance();
-  guidance.captured = captured;
-  gst::attach_guidance(buffer, guidance);
+  Progress progress = solver.progress();
+  progress.captured = captured;
+  gst::attach_guidance(buffer, progress);
   return GST_FLOW_OK;
 }
 

@@ -9,6 +9,7 @@
 
 #include "calvin/core/text.hpp"
 
+#include "common/metas.hpp"
 #include "common/values.hpp"
 
 namespace calvin::gst {
@@ -21,39 +22,27 @@ void set_optional(GstStructure* s, const char* field, const std::optional<double
 
 }  // namespace
 
-Guidance make_guidance(const Progress& progress, const std::optional<Calibration>& calibration) {
-  Guidance g;
-  g.hint = progress.hint;
-  g.coverage = progress.coverage;
-  g.x = progress.x;
-  g.y = progress.y;
-  g.size = progress.size;
-  g.skew = progress.tilt;
-  g.views = progress.views;
+Progress with_quality(Progress progress, const std::optional<Calibration>& calibration) {
   if (calibration) {
-    g.rms = calibration->rms;
-    g.expected_error = calibration->expected_error;
+    progress.rms = calibration->rms;
+    progress.expected_error = calibration->expected_error;
   }
-  return g;
+  return progress;
 }
 
 GstStructure* view_message(const FrameTimes& times, const std::string& camera, Reason reason,
-                           const Guidance& guidance) {
+                           const Progress& progress) {
   GstStructure* s = new_message("calib-view", times, camera);
   gst_structure_set(s, "accepted", G_TYPE_BOOLEAN, reason == Reason::kAccepted, "reason",
                     G_TYPE_STRING, std::string(to_string(reason)).c_str(), "views", G_TYPE_INT,
-                    guidance.views, "hint", G_TYPE_STRING, guidance.hint.c_str(), nullptr);
+                    progress.views, "hint", G_TYPE_STRING, progress.hint.c_str(), nullptr);
   return s;
 }
 
 GstStructure* progress_message(const FrameTimes& times, const std::string& camera,
-                               const Guidance& g) {
+                               const Progress& progress) {
   GstStructure* s = new_message("calib-progress", times, camera);
-  gst_structure_set(s, "views", G_TYPE_INT, g.views, "coverage", G_TYPE_DOUBLE, g.coverage, "x",
-                    G_TYPE_DOUBLE, g.x, "y", G_TYPE_DOUBLE, g.y, "size", G_TYPE_DOUBLE, g.size,
-                    "skew", G_TYPE_DOUBLE, g.skew, "hint", G_TYPE_STRING, g.hint.c_str(), nullptr);
-  set_optional(s, "rms", g.rms);
-  set_optional(s, "expected-error", g.expected_error);
+  set_progress(s, progress);
   return s;
 }
 

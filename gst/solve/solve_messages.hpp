@@ -10,21 +10,20 @@
 #include <gst/gst.h>
 
 #include "calvin/core/reason.hpp"
-#include "calvin/session/session.hpp"
+#include "calvin/session/progress.hpp"
 #include "calvin/solve/solve.hpp"
 #include "common/messages.hpp"
-#include "common/metas.hpp"
 
 namespace calvin::gst {
 
 // Progress of the session and, once solved, quality of the calibration.
-[[nodiscard]] Guidance make_guidance(const Progress& progress,
-                                     const std::optional<Calibration>& calibration);
+[[nodiscard]] Progress with_quality(Progress progress,
+                                    const std::optional<Calibration>& calibration);
 
 [[nodiscard]] GstStructure* view_message(const FrameTimes& times, const std::string& camera,
-                                         Reason reason, const Guidance& guidance);
+                                         Reason reason, const Progress& progress);
 [[nodiscard]] GstStructure* progress_message(const FrameTimes& times, const std::string& camera,
-                                             const Guidance& guidance);
+                                             const Progress& progress);
 // `json` is the native text of the calibration for the final result, else nullptr.
 [[nodiscard]] GstStructure* result_message(const FrameTimes& times, const Solution& solution,
                                            const std::string& location, const char* json);

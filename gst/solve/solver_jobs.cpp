@@ -96,7 +96,7 @@ void CalibSolver::run(const Job& job, const std::stop_token& stop) {
 void CalibSolver::publish(const Job& job, const Solution& solution, const std::stop_token& stop) {
   const Calibration& calibration = solution.calibration;
   const double error = calibration.expected_error.value_or(HUGE_VAL);
-  Guidance now;
+  Progress now;
   bool better = false;
   bool writing = false;
   {
@@ -107,7 +107,7 @@ void CalibSolver::publish(const Job& job, const Solution& solution, const std::s
     }
     calibration_ = calibration;
     solve_error_.clear();
-    now = make_guidance(session_.progress(), calibration_);
+    now = with_quality(session_.progress(), calibration_);
     better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
     if (better) {
       announce_ = published_ = true;
@@ -173,7 +173,7 @@ std::unique_ptr<Worker::Report> CalibSolver::begin_report(const Job& job,
   return report;
 }
 
-void CalibSolver::announce(const Job& job, const Solution& solution, const Guidance& now,
+void CalibSolver::announce(const Job& job, const Solution& solution, const Progress& now,
                            const std::stop_token& stop) {
   const Calibration& calibration = solution.calibration;
   std::vector<TakenView> rejected;

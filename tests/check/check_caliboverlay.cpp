@@ -193,7 +193,7 @@ GST_END_TEST;
 GST_START_TEST(test_guidance_draws_bars_and_words) {
   Harness harness("I420, width=640, height=480");
   GstBuffer* in = harness.frame();
-  gst::Guidance guidance;
+  Progress guidance;
   guidance.hint = "tilt the board left";
   guidance.views = 12;
   guidance.x = 0.5;

@@ -61,7 +61,8 @@ GST_START_TEST(test_progress_is_told_as_it_is_drawn) {
                                        {"x", shown->x},
                                        {"y", shown->y},
                                        {"size", shown->size},
-                                       {"skew", shown->skew}}) {
+                                       {"tilt", shown->tilt},
+                                       {"skew", shown->tilt}}) {
       fail_unless_equals_float(check::get(told, field), value);
     }
     fail_unless_equals_string(gst_structure_get_string(told, "hint"), shown->hint.c_str());
@@ -91,7 +92,7 @@ GST_START_TEST(test_size_is_not_tilt) {
     g_autoptr(GstBuffer) out = f.push_observation(o, 0);
     const auto shown = gst::read_guidance(out);
     size[static_cast<std::size_t>(n)] = shown->size;
-    skew[static_cast<std::size_t>(n)] = shown->skew;
+    skew[static_cast<std::size_t>(n)] = shown->tilt;
   }
   fail_unless(std::abs(size[1] / size[0] - 2) < 1e-6, "%f %f", size[0], size[1]);
   fail_unless(skew[0] > 0 && std::abs(skew[1] - skew[0]) < 1e-6, "%f %f", skew[0], skew[1]);

@@ -113,7 +113,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   g_autoptr(GstBuffer) buffer = gst_buffer_new();
-  gst::Guidance guidance;
+  Progress guidance;
   guidance.hint = "tilt it";
   guidance.views = 7;
   guidance.expected_error = 0.25;
@@ -121,7 +121,7 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   guidance.x = 0.2;
   guidance.y = 0.3;
   guidance.size = 0.4;
-  guidance.skew = 0.5;
+  guidance.tilt = 0.5;
   guidance.captured = true;
   gst::attach_guidance(buffer, guidance);
   gst::GroundTruth truth;
@@ -135,7 +135,7 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   fail_unless_equals_int(g->views, 7);
   fail_unless(g->expected_error == 0.25 && !g->rms);
   fail_unless(g->coverage == 0.1 && g->x == 0.2 && g->y == 0.3 && g->size == 0.4);
-  fail_unless(g->skew == 0.5 && g->captured);
+  fail_unless(g->tilt == 0.5 && g->captured);
   guidance.rms = 0.6;
   guidance.expected_error.reset();
   guidance.captured = false;
@@ -156,6 +156,25 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
 }
 GST_END_TEST;
 
+// Programs that know the name of ROS alone write and read that one.
+GST_START_TEST(test_tilt_is_skew_too) {
+  g_autoptr(GstBuffer) buffer = gst_buffer_new();
+  Progress progress;
+  progress.tilt = 0.5;
+  gst::attach_guidance(buffer, progress);
+  GstStructure* s =
+      gst_custom_meta_get_structure(gst_buffer_get_custom_meta(buffer, gst::kGuidanceName));
+  for (const char* field : {"skew", "tilt"}) {
+    double value = 0;
+    fail_unless(gst_structure_get_double(s, field, &value));
+    fail_unless_equals_float(value, 0.5);
+  }
+  gst_structure_remove_field(s, "tilt");
+  gst_structure_set(s, "skew", G_TYPE_DOUBLE, 0.25, nullptr);
+  fail_unless_equals_float(gst::read_guidance(buffer)->tilt, 0.25);
+}
+GST_END_TEST;
+
 static Suite* metas_suite() {
   Suite* suite = suite_create("metas");
   TCase* tc = tcase_create("general");
@@ -166,6 +185,7 @@ static Suite* metas_suite() {
   tcase_add_test(tc, test_scaling_scales_the_corners);
   tcase_add_test(tc, test_cropping_drops_the_corners);
   tcase_add_test(tc, test_guidance_and_ground_truth_round_trip);
+  tcase_add_test(tc, test_tilt_is_skew_too);
   suite_add_tcase(suite, tc);
   return suite;
 }

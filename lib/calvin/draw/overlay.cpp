@@ -155,17 +155,16 @@ constexpr std::array kDownIcon = {Stroke{0.5, 0, 0.5, 1}, Stroke{0.5, 0, 0.25, 0
 constexpr std::array kSizeIcon = {Stroke{0, 0, 1, 0},       Stroke{1, 0, 1, 1},
                                   Stroke{1, 1, 0, 1},       Stroke{0, 1, 0, 0},
                                   Stroke{0, 0.5, 0.5, 0.5}, Stroke{0.5, 0.5, 0.5, 1}};
-constexpr std::array kSkewIcon = {Stroke{0.05, 0, 0.95, 0.25}, Stroke{0.95, 0.25, 0.95, 0.75},
+constexpr std::array kTiltIcon = {Stroke{0.05, 0, 0.95, 0.25}, Stroke{0.95, 0.25, 0.95, 0.75},
                                   Stroke{0.95, 0.75, 0.05, 1}, Stroke{0.05, 1, 0.05, 0}};
 
 struct Bar {
-  double OverlayProgress::*value;
+  double Progress::*value;
   std::span<const Stroke> icon;
 };
-constexpr std::array kBars = {
-    Bar{&OverlayProgress::coverage, kCoverageIcon}, Bar{&OverlayProgress::x, kAcrossIcon},
-    Bar{&OverlayProgress::y, kDownIcon}, Bar{&OverlayProgress::size, kSizeIcon},
-    Bar{&OverlayProgress::skew, kSkewIcon}};
+constexpr std::array kBars = {Bar{&Progress::coverage, kCoverageIcon},
+                              Bar{&Progress::x, kAcrossIcon}, Bar{&Progress::y, kDownIcon},
+                              Bar{&Progress::size, kSizeIcon}, Bar{&Progress::tilt, kTiltIcon}};
 
 void add_box(std::vector<Shape>& shapes, double x, double y, double width, double height,
              const Colour& colour) {
@@ -174,7 +173,7 @@ void add_box(std::vector<Shape>& shapes, double x, double y, double width, doubl
       {Kind::kBox, {x - 0.5, y - 0.5}, {x + width - 0.5, y + height - 0.5}, 0, 0, colour, 0});
 }
 
-void add_bars(std::vector<Shape>& shapes, ImageSize frame, const OverlayProgress& progress) {
+void add_bars(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress) {
   const double unit = unit_of(frame);
   const double icon = 9 * unit;
   const double pitch = 14 * unit;
@@ -220,7 +219,7 @@ bool drawable(ImageSize frame) {
 }
 
 std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> observations,
-                             const std::optional<OverlayProgress>& progress) {
+                             const std::optional<Progress>& progress) {
   std::vector<Shape> shapes;
   if (!drawable(frame)) return shapes;
   if (progress && progress->captured) add_border(shapes, frame);
@@ -239,7 +238,7 @@ std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> obser
 
 Result<std::vector<OverlayTile>> draw_overlay(
     [[maybe_unused]] ImageSize frame, [[maybe_unused]] std::span<const Observation> observations,
-    [[maybe_unused]] const std::optional<OverlayProgress>& progress) {
+    [[maybe_unused]] const std::optional<Progress>& progress) {
 #if CALVIN_HAVE_CAIRO
   try {
     const std::vector<Shape> shapes = shapes_of(frame, observations, progress);
@@ -257,7 +256,7 @@ Result<std::vector<OverlayTile>> draw_overlay(
 #endif
 }
 
-std::string overlay_caption(const OverlayProgress& progress) {
+std::string overlay_caption(const Progress& progress) {
   std::string text;
   if (progress.views > 0) {
     text = fmt::format("{} view{}", progress.views, progress.views == 1 ? "" : "s");

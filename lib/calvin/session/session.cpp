@@ -177,13 +177,15 @@ bool Session::remove_view(std::size_t index) {
 }
 
 Progress Session::progress() const {
-  return {static_cast<int>(views_.size()),
-          coverage_.coverage(),
-          coverage_.x(),
-          coverage_.y(),
-          coverage_.size(),
-          coverage_.tilt(),
-          coverage_.hint()};
+  Progress p;
+  p.views = static_cast<int>(views_.size());
+  p.coverage = coverage_.coverage();
+  p.x = coverage_.x();
+  p.y = coverage_.y();
+  p.size = coverage_.size();
+  p.tilt = coverage_.tilt();
+  p.hint = to_text(hint());
+  return p;
 }
 
 bool Session::complete() const {

@@ -12,6 +12,8 @@
 
 #include "calvin/core/observation.hpp"
 #include "calvin/core/reason.hpp"
+#include "calvin/session/hint.hpp"
+#include "calvin/session/progress.hpp"
 #include "calvin/session/view_coverage.hpp"
 #include "calvin/solve/solve.hpp"
 
@@ -28,19 +30,6 @@ struct SessionOptions {
   int min_views = 10;  // fewer are never complete
   int max_views = 0;   // no more are kept; 0: no limit
   double readout = 0;  // s, from the first row of a frame to the last; 0: a frame's time
-};
-
-struct Progress {
-  int views = 0;
-  double coverage = 0;  // part of the image that boards covered, 0..1
-
-  // How much of the useful range the kept views span, 0..1: position, size and tilt of the board.
-  double x = 0;
-  double y = 0;
-  double size = 0;
-  double tilt = 0;
-
-  std::string hint;  // what to show next, a sentence for the user
 };
 
 // Not thread-safe.
@@ -80,7 +69,9 @@ class Session {
   // Shared: whoever solves them elsewhere keeps them without a copy.
   using Views = std::vector<std::shared_ptr<const View>>;
   [[nodiscard]] const Views& views() const noexcept { return views_; }
+  // Of the views alone: a session knows no calibration and no frame.
   [[nodiscard]] Progress progress() const;
+  [[nodiscard]] Hint hint() const { return coverage_.hint(); }
 
   // At least min_views, and max_views reached or, in kAuto, the ranges of Progress spanned; without
   // guidance (kAll, kManual) min_views is enough.

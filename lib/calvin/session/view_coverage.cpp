@@ -135,8 +135,10 @@ double ViewCoverage::tilt() const {
 
 bool ViewCoverage::spans_all() const { return std::min({x(), y(), size(), tilt()}) >= 1; }
 
-std::string ViewCoverage::hint() const {
-  if (footprints_.empty()) return "Show the whole board to the camera.";
+Hint ViewCoverage::hint() const {
+  using enum HintKind;
+  using enum HintDirection;
+  if (footprints_.empty()) return {kShowBoard};
   double left = 1;
   double right = 0;
   double top = 1;
@@ -152,27 +154,17 @@ std::string ViewCoverage::hint() const {
     tilts[2] |= p.top_nearer > kTilted;
     tilts[3] |= p.top_nearer < -kTilted;
   }
-  constexpr std::array<const char*, 4> kTilts = {
-      "Tilt the board: its left edge nearer to the camera.",
-      "Tilt the board: its right edge nearer to the camera.",
-      "Tilt the board: its top edge nearer to the camera.",
-      "Tilt the board: its bottom edge nearer to the camera."};
+  constexpr std::array kEdges = {kLeft, kRight, kTop, kBottom};
 
-  if (size() < 0.5) return "Come closer with the board.";
+  if (size() < 0.5) return {kComeCloser};
   for (std::size_t i = 0; i < tilts.size(); ++i) {
-    if (!tilts[i]) return kTilts[i];
+    if (!tilts[i]) return {kTilt, kEdges[i]};
   }
-  if (x() < 1) {
-    return left > 1 - right ? "Move the board to the left side of the image."
-                            : "Move the board to the right side of the image.";
-  }
-  if (y() < 1) {
-    return top > 1 - bottom ? "Move the board to the top of the image."
-                            : "Move the board to the bottom of the image.";
-  }
-  if (tilt() < 1) return "Tilt the board more, and turn it a little.";
-  if (size() < 1) return "Come closer with the board.";
-  return "Good: other tilts and places make it better still.";
+  if (x() < 1) return {kMove, left > 1 - right ? kLeft : kRight};
+  if (y() < 1) return {kMove, top > 1 - bottom ? kTop : kBottom};
+  if (tilt() < 1) return {kTilt};
+  if (size() < 1) return {kComeCloser};
+  return {kGood};
 }
 
 }  // namespace calvin

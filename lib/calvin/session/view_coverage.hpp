@@ -5,9 +5,9 @@
 #pragma once
 
 #include <array>
-#include <string>
 #include <vector>
 
+#include "calvin/session/hint.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {
@@ -24,7 +24,7 @@ struct BoardFootprint {
   double top_nearer = 0;
 };
 
-// Spans like those that ROS's camera calibrator shows, and a sentence on what is missing most.
+// Spans like those that ROS's camera calibrator shows, and a hint at what is missing most.
 class ViewCoverage {
  public:
   void add(const View& view);
@@ -37,8 +37,7 @@ class ViewCoverage {
   [[nodiscard]] double tilt() const;
   [[nodiscard]] bool spans_all() const;
 
-  // "Move the board to the left side of the image." and the like; what to do when all is there.
-  [[nodiscard]] std::string hint() const;
+  [[nodiscard]] Hint hint() const;
 
  private:
   static constexpr int kColumns = 16;

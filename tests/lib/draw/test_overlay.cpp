@@ -21,7 +21,7 @@ namespace calvin {
 namespace {
 
 TEST(OverlayCaption, SaysWhatIsKnown) {
-  OverlayProgress progress;
+  Progress progress;
   EXPECT_EQ(overlay_caption(progress), "");
   progress.hint = "show the board";
   EXPECT_EQ(overlay_caption(progress), "show the board");
@@ -39,7 +39,7 @@ TEST(OverlayCaption, SaysWhatIsKnown) {
 
 // A meta may hold a text of any length, and words are laid out for each frame.
 TEST(OverlayCaption, IsNoLongerThanAnybodyReads) {
-  OverlayProgress progress;
+  Progress progress;
   progress.views = 12;
   for (int i = 0; i < 1000000; ++i) progress.hint += "\u00e4";
   const std::string caption = overlay_caption(progress);
@@ -113,7 +113,7 @@ struct Picture {
 };
 
 Picture drawn(ImageSize size, const std::vector<Observation>& observations,
-              const std::optional<OverlayProgress>& progress = {}) {
+              const std::optional<Progress>& progress = {}) {
   Picture picture(size);
   const auto tiles = draw_overlay(size, observations, progress);
   EXPECT_TRUE(tiles.has_value());
@@ -238,7 +238,7 @@ TEST(Overlay, CornersAreInTheMiddleOfTheirPixels) {
 TEST(Overlay, TheCostIsBounded) {
   const ImageSize size{1920, 1080};
   const double pixels = 1920.0 * 1080.0;
-  OverlayProgress progress;
+  Progress progress;
   EXPECT_LT(drawn(size, {flat_board(size, 200, 200, 80)}, progress).covered, 0.15 * pixels);
   progress.captured = true;
   EXPECT_LT(drawn(size, {flat_board(size, 100, 100, 180)}, progress).covered, 0.25 * pixels);
@@ -247,7 +247,7 @@ TEST(Overlay, TheCostIsBounded) {
 TEST(Overlay, BarsAreAsLongAsTheirValues) {
   const ImageSize size{640, 480};
   const auto bright = [&](double value) {
-    OverlayProgress progress;
+    Progress progress;
     progress.x = value;
     Picture picture = drawn(size, {}, progress);
     const auto opaque = [](const Picture::Argb& p) { return p.alpha > 250 && p.blue < 100; };
@@ -264,7 +264,7 @@ TEST(Overlay, BarsAreAsLongAsTheirValues) {
 
 TEST(Overlay, ATakenViewFlashesTheBorder) {
   const ImageSize size{640, 480};
-  OverlayProgress progress;
+  Progress progress;
   EXPECT_EQ(drawn(size, {}, progress).at(320, 1).alpha, 0u);
   progress.captured = true;
   Picture picture = drawn(size, {}, progress);
@@ -286,7 +286,7 @@ TEST(Overlay, StrangeInputDrawsNothingStrange) {
   wild.ids[7] = std::numeric_limits<int>::min();
   wild.ids[8] = std::numeric_limits<int>::max();
   wild.ids.resize(20);
-  OverlayProgress progress;
+  Progress progress;
   progress.captured = true;
   for (const ImageSize size : {ImageSize{640, 480}, ImageSize{16, 16}, ImageSize{17, 2000},
                                ImageSize{1, 1}, ImageSize{0, 0}, ImageSize{-5, 480}}) {

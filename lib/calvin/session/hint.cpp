@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The words of every hint.
+
+#include "calvin/session/hint.hpp"
+
+namespace calvin {
+
+namespace {
+
+const char* move_text(HintDirection to) {
+  switch (to) {
+    case HintDirection::kLeft:
+      return "Move the board to the left side of the image.";
+    case HintDirection::kRight:
+      return "Move the board to the right side of the image.";
+    case HintDirection::kTop:
+      return "Move the board to the top of the image.";
+    case HintDirection::kBottom:
+      return "Move the board to the bottom of the image.";
+    case HintDirection::kNone:
+      break;
+  }
+  return "Move the board to another side of the image.";
+}
+
+const char* tilt_text(HintDirection edge) {
+  switch (edge) {
+    case HintDirection::kLeft:
+      return "Tilt the board: its left edge nearer to the camera.";
+    case HintDirection::kRight:
+      return "Tilt the board: its right edge nearer to the camera.";
+    case HintDirection::kTop:
+      return "Tilt the board: its top edge nearer to the camera.";
+    case HintDirection::kBottom:
+      return "Tilt the board: its bottom edge nearer to the camera.";
+    case HintDirection::kNone:
+      break;
+  }
+  return "Tilt the board more, and turn it a little.";
+}
+
+}  // namespace
+
+std::string to_text(const Hint& hint) {
+  switch (hint.kind) {
+    case HintKind::kComeCloser:
+      return "Come closer with the board.";
+    case HintKind::kMove:
+      return move_text(hint.direction);
+    case HintKind::kTilt:
+      return tilt_text(hint.direction);
+    case HintKind::kGood:
+      return "Good: other tilts and places make it better still.";
+    case HintKind::kShowBoard:
+      break;
+  }
+  return "Show the whole board to the camera.";
+}
+
+}  // namespace calvin

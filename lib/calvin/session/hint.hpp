@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What to show a camera next, for programs and, as a sentence, for users.
+#pragma once
+
+#include <string>
+
+namespace calvin {
+
+enum class HintKind {
+  kShowBoard,   // no view is kept yet
+  kComeCloser,  // no view shows the board large enough
+  kMove,        // the board, to the side of the image that the direction names
+  kTilt,        // the edge that the direction names nearer to the camera; kNone: more, any way
+  kGood,        // all is there
+};
+
+// A side of the image for kMove, an edge of the board as the image shows it for kTilt.
+enum class HintDirection { kNone, kLeft, kRight, kTop, kBottom };
+
+struct Hint {
+  HintKind kind = HintKind::kShowBoard;
+  HintDirection direction = HintDirection::kNone;
+
+  friend bool operator==(const Hint&, const Hint&) = default;
+};
+
+// "Move the board to the left side of the image." and the like, for every hint.
+[[nodiscard]] std::string to_text(const Hint& hint);
+
+}  // namespace calvin

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// How far a calibration is: what a session tells, messages and metas carry, and the overlay shows.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace calvin {
+
+struct Progress {
+  int views = 0;
+  double coverage = 0;  // part of the image that boards covered, 0..1
+
+  // How much of the useful range the kept views span, 0..1: position, size and tilt of the board.
+  double x = 0;
+  double y = 0;
+  double size = 0;
+  double tilt = 0;
+
+  // Of the newest calibration, px; absent before the first one.
+  std::optional<double> expected_error;  // 1 sigma
+  std::optional<double> rms;
+
+  bool captured = false;  // a view was taken from the frame at hand
+  std::string hint;       // what to show next, a sentence: of to_text(), or of another program
+};
+
+}  // namespace calvin
