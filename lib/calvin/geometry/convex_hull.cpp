@@ -13,9 +13,13 @@ namespace calvin {
 
 namespace {
 
-// Positive where a, b, c turn clockwise in the image (y down).
-double turn(Pixel a, Pixel b, Pixel c) noexcept {
-  return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
+// Positive where a, b, c turn clockwise in the image (y down). The products are compared rather
+// than subtracted: where a processor has both in one rounding (FMA, as on ARM), the difference of
+// equal products is not 0, and a corner would lie beside itself.
+int turn(Pixel a, Pixel b, Pixel c) noexcept {
+  const double clockwise = (b.u - a.u) * (c.v - a.v);
+  const double against = (b.v - a.v) * (c.u - a.u);
+  return (clockwise > against ? 1 : 0) - (clockwise < against ? 1 : 0);
 }
 
 // Leaves out what lies within the octagon of the extreme points, which is nearly everything (S.
