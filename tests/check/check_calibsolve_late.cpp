@@ -54,13 +54,26 @@ static int views_of(const std::string& path) {
   return calibration ? static_cast<int>(calibration->views.size()) : -1;
 }
 
+// From here on the write of the first result hangs.
+static void hang_in_a_write(SolveFixture& f) {
+  disk.close();
+  f.push_views(3);
+  fail_unless(disk.reached());
+}
+
+// Another session's calibration, which no intermediate result replaces.
+static void write_a_better_one(const SolveFixture& f, const std::string& path) {
+  Calibration better = f.scene.camera.to_calibration();
+  better.camera = "left";
+  better.expected_error = 1e-9;
+  fail_unless(write_calibration(path, better).has_value());
+}
+
 GST_START_TEST(test_a_write_that_does_not_end_keeps_no_result_back) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path);
-  disk.close();
-  f.push_views(3);
-  fail_unless(disk.reached());
+  hang_in_a_write(f);
   fail_unless(comes([&] { return views_in(f.result("intermediate")) == 3; }));
   // Nor the next ones.
   for (int n = 3; n < 6; ++n) gst_buffer_unref(f.push(n));
@@ -85,9 +98,7 @@ GST_START_TEST(test_a_result_waits_for_a_write_that_ends) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path);
-  disk.close();
-  f.push_views(3);
-  fail_unless(disk.reached());
+  hang_in_a_write(f);
   g_usleep(100000);
   fail_unless(f.bus.named("calib-result").empty());
   disk.open();
@@ -101,9 +112,7 @@ GST_START_TEST(test_the_end_waits_for_the_write) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path);
-  disk.close();
-  f.push_views(3);
-  fail_unless(disk.reached());
+  hang_in_a_write(f);
   gst_buffer_unref(f.push(3));
   std::thread answer([] {
     g_usleep(2 * G_USEC_PER_SEC);
@@ -120,13 +129,8 @@ GST_START_TEST(test_a_final_result_that_waits_for_the_disk_stays_final) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
-  Calibration before = f.scene.camera.to_calibration();
-  before.camera = "left";
-  before.expected_error = 1e-9;
-  fail_unless(write_calibration(path, before).has_value());
-  disk.close();
-  f.push_views(3);
-  fail_unless(disk.reached());  // of cam.yaml
+  write_a_better_one(f, path);
+  hang_in_a_write(f);  // of cam.yaml
   g_signal_emit_by_name(f.element, "solve");
   fail_unless(comes([&] { return f.result("final") != nullptr; }));
   for (int n = 3; n < 8; ++n) gst_buffer_unref(f.push(n));
@@ -141,9 +145,7 @@ GST_START_TEST(test_a_flush_forgets_no_write) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path);
-  disk.close();
-  f.push_views(3);
-  fail_unless(disk.reached());
+  hang_in_a_write(f);
   for (int n = 3; n < 5; ++n) gst_buffer_unref(f.push(n));
   g_signal_emit_by_name(f.element, "solve");
   fail_unless(comes([&] { return views_in(f.result("final")) == 5; }));
@@ -159,13 +161,8 @@ GST_START_TEST(test_after_a_view_is_removed_nothing_is_final) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
-  Calibration before = f.scene.camera.to_calibration();
-  before.camera = "left";
-  before.expected_error = 1e-9;
-  fail_unless(write_calibration(path, before).has_value());
-  disk.close();
-  f.push_views(3);
-  fail_unless(disk.reached());  // of cam.yaml
+  write_a_better_one(f, path);
+  hang_in_a_write(f);  // of cam.yaml
   for (int n = 3; n < 5; ++n) gst_buffer_unref(f.push(n));
   g_signal_emit_by_name(f.element, "solve");
   fail_unless(comes([&] { return views_in(f.result("final")) == 5; }));
@@ -184,9 +181,7 @@ GST_START_TEST(test_the_file_that_is_late_is_named_whatever_is_wanted_now) {
   const std::string path = folder / "cam.json";
   const std::string other = folder / "other.json";
   SolveFixture f("location=" + path);
-  disk.close();
-  f.push_views(3);
-  fail_unless(disk.reached());
+  hang_in_a_write(f);
   fail_unless(comes([&] { return f.bus.texts(GST_MESSAGE_WARNING).size() == 1; }));
   g_object_set(f.element, "location", other.c_str(), nullptr);
   gst_buffer_unref(f.push(3));
@@ -202,9 +197,7 @@ GST_END_TEST;
 GST_START_TEST(test_without_files_no_result_waits) {
   check::TemporaryFolder folder;
   SolveFixture f("location=" + folder / "cam.json");
-  disk.close();
-  f.push_views(3);
-  fail_unless(disk.reached());
+  hang_in_a_write(f);
   fail_unless(comes([&] { return f.bus.texts(GST_MESSAGE_WARNING).size() == 1; }));
   g_object_set(f.element, "location", nullptr, nullptr);
   gst_buffer_unref(f.push(3));
@@ -219,9 +212,7 @@ GST_START_TEST(test_a_reset_forgets_the_write_that_waits) {
   check::TemporaryFolder folder;
   const std::string path = folder / "cam.json";
   SolveFixture f("location=" + path);
-  disk.close();
-  f.push_views(3);
-  fail_unless(disk.reached());
+  hang_in_a_write(f);
   for (int n = 3; n < 5; ++n) gst_buffer_unref(f.push(n));
   g_signal_emit_by_name(f.element, "solve");
   fail_unless(comes([&] { return views_in(f.result("final")) == 5; }));
