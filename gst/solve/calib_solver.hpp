@@ -16,15 +16,15 @@
 #include <gst/gst.h>
 
 #include "calvin/core/calibration.hpp"
+#include "calvin/session/files/session_files.hpp"
 #include "calvin/session/session.hpp"
+#include "calvin/session/session_settings.hpp"
 #include "calvin/solve/solve.hpp"
 #include "common/calibration_event.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
 #include "common/shared_settings.hpp"
 #include "common/worker.hpp"
-#include "solve/session_files.hpp"
-#include "solve/solver_settings.hpp"
 
 namespace calvin::gst {
 
@@ -32,7 +32,7 @@ namespace calvin::gst {
 // None holds a lock while it posts or notifies.
 //
 // Other settings take effect with the next frame, or with solve_now().
-class CalibSolver : public SharedSettings<SolverSettings> {
+class CalibSolver : public SharedSettings<SessionSettings> {
  public:
   explicit CalibSolver(GstElement* element) : element_(element) {}
 
@@ -107,7 +107,7 @@ class CalibSolver : public SharedSettings<SolverSettings> {
   // What the user should hear; absent where another thread was quicker, and it is to begin anew.
   [[nodiscard]] std::optional<std::vector<Error>> try_update(const Update& update);
   // These with the lock held; `writable`: its files. A word for the user, if any.
-  std::optional<Error> adopt(SolverPlan plan, bool writable);
+  std::optional<Error> adopt(SessionPlan plan, bool writable);
   void solve_when_up_to_date();
   void forget();
   [[nodiscard]] bool enough_views() const;
@@ -155,8 +155,8 @@ class CalibSolver : public SharedSettings<SolverSettings> {
   GstElement* element_;
 
   // Under lock_, down to files_.
-  SolverSettings seen_;                 // those that plan_ was made of, and what was refused
-  SolverPlan plan_;                     // the settings in force
+  SessionSettings seen_;                // those that plan_ was made of, and what was refused
+  SessionPlan plan_;                    // the settings in force
   std::uint64_t plan_serial_ = 0;       // of seen_ and plan_
   std::optional<Calibration> initial_;  // plan_.initial, for frames of size_
   bool live_ = false;

@@ -14,9 +14,9 @@ namespace calvin::gst {
 
 // Settings that were set, and those that they are to take the place of.
 struct CalibSolver::Update {
-  SolverSettings now;
-  SolverSettings seen;
-  SolverPlan plan;
+  SessionSettings now;
+  SessionSettings seen;
+  SessionPlan plan;
   std::uint64_t serial = 0;
 };
 
@@ -86,7 +86,7 @@ std::optional<std::vector<Error>> CalibSolver::try_update(const Update& update) 
   return warnings;
 }
 
-std::optional<Error> CalibSolver::adopt(SolverPlan plan, bool writable) {
+std::optional<Error> CalibSolver::adopt(SessionPlan plan, bool writable) {
   const bool solve = solves_differently(plan.settings, plan_.settings);
   const bool write = writes_elsewhere(plan.settings, plan_.settings);
   plan_ = std::move(plan);

@@ -20,10 +20,10 @@
 #include "calvin/io/key_list.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/io/settings.hpp"
+#include "calvin/session/files/calibration_files.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin_config.h"
 #include "common/metas.hpp"
-#include "solve/calibration_files.hpp"
 
 namespace calvin::fuzz {
 
@@ -147,10 +147,10 @@ void board_names(std::string_view bytes) {
 }
 
 void exports(std::string_view bytes) {
-  const auto files = gst::parse_calibration_files("", std::string(bytes));
+  const auto files = parse_calibration_files("", std::string(bytes));
   require(files || !files.error().message.empty(), "an error has a message");
   if (!files) return;
-  for (const gst::CalibrationFile& file : *files) {
+  for (const CalibrationFile& file : *files) {
     require(!file.format.empty() && !file.path.empty(), "an export has a format and a path");
   }
 }

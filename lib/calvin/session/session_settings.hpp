@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The properties of calibsolve, and what they mean once they are read.
+// What a user sets a calibration session to, and what that means once it is read.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "calvin/session/files/calibration_files.hpp"
 #include "calvin/session/session.hpp"
 #include "calvin/solve/solve.hpp"
-#include "solve/calibration_files.hpp"
 
-namespace calvin::gst {
+namespace calvin {
 
-enum CaptureChoice { kCaptureDefault, kCaptureAll, kCaptureAuto, kCaptureManual };
+// What a user chose: kDefault is kAll where the source is not live, kAuto where it is.
+enum class CaptureChoice { kDefault, kAll, kAuto, kManual };
 
-struct SolverSettings {
+// As set: texts are not read yet.
+struct SessionSettings {
   std::string location;
   std::string exports;
   std::string camera;  // empty: the name that the observations carry
@@ -25,17 +27,18 @@ struct SolverSettings {
   std::string initial;
   bool warp = true;
   bool skew = false;
-  CaptureChoice capture_mode = kCaptureDefault;
+  CaptureChoice capture_mode = CaptureChoice::kDefault;
   int min_views = 3;
   int max_views = 0;        // 0: no limit
   double target_error = 0;  // px of expected error; 0: none
   int runs = 1;             // of a final solve
 
-  friend bool operator==(const SolverSettings&, const SolverSettings&) = default;
+  friend bool operator==(const SessionSettings&, const SessionSettings&) = default;
 };
 
-struct SolverPlan {
-  SolverSettings settings;
+// What settings that work together mean.
+struct SessionPlan {
+  SessionSettings settings;
   SolveOptions options;  // without the names and sizes that only the frames tell
   std::optional<Calibration> initial;
   std::vector<CalibrationFile> files;
@@ -44,27 +47,27 @@ struct SolverPlan {
 };
 
 // An error for settings that cannot work. Reads the file of `initial`.
-[[nodiscard]] Result<SolverPlan> make_plan(const SolverSettings& settings);
+[[nodiscard]] Result<SessionPlan> make_plan(const SessionSettings& settings);
 
 // Settings that change while frames flow, from those `seen` last. What changed and cannot work goes
 // on as it was in `before`, with an error for it, and so does what was refused when it was seen.
 struct PlanChange {
-  SolverPlan plan;
+  SessionPlan plan;
   std::vector<Error> refused;
 };
-[[nodiscard]] PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
-                                     const SolverSettings& now);
+[[nodiscard]] PlanChange change_plan(const SessionPlan& before, const SessionSettings& seen,
+                                     const SessionSettings& now);
 
 // Whether change_plan() may have to wait for the disk that a new `initial`, `location` or `export`
 // is on.
-[[nodiscard]] bool may_wait(const SolverSettings& seen, const SolverSettings& now);
+[[nodiscard]] bool may_wait(const SessionSettings& seen, const SessionSettings& now);
 
 // Whether the views are to be solved again, or the result is to be written again, when one set of
 // settings takes the place of another.
-[[nodiscard]] bool solves_differently(const SolverSettings& a, const SolverSettings& b);
-[[nodiscard]] bool writes_elsewhere(const SolverSettings& a, const SolverSettings& b);
+[[nodiscard]] bool solves_differently(const SessionSettings& a, const SessionSettings& b);
+[[nodiscard]] bool writes_elsewhere(const SessionSettings& a, const SessionSettings& b);
 // Whether the files are others: only then is a disk asked whether they can be written.
-[[nodiscard]] bool names_other_files(const SolverSettings& a, const SolverSettings& b);
+[[nodiscard]] bool names_other_files(const SessionSettings& a, const SessionSettings& b);
 
 // `initial` for frames of that size, with a word for the user where it had to be scaled or cannot
 // be used.
@@ -72,6 +75,6 @@ struct FittedInitial {
   std::optional<Calibration> calibration;
   std::optional<Error> warning;
 };
-[[nodiscard]] FittedInitial fit_initial(const SolverPlan& plan, ImageSize frames);
+[[nodiscard]] FittedInitial fit_initial(const SessionPlan& plan, ImageSize frames);
 
-}  // namespace calvin::gst
+}  // namespace calvin

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "calvin/core/calibration.hpp"
-#include "solve/calibration_files.hpp"
+#include "calvin/session/files/calibration_files.hpp"
 
-namespace calvin::gst {
+namespace calvin {
 
-// On the writer.
+// Belongs to the thread that writes.
 class SessionFiles {
  public:
   struct Outcome {
@@ -41,4 +41,4 @@ class SessionFiles {
   std::map<std::string, std::string> ours_;  // by path, what session_ has written last
 };
 
-}  // namespace calvin::gst
+}  // namespace calvin

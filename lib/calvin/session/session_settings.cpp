@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The properties of calibsolve, and what they mean once they are read.
+// Reads the settings of a session, in groups that work together or not at all.
 
-#include "solve/solver_settings.hpp"
+#include "calvin/session/session_settings.hpp"
 
 #include <utility>
 
@@ -13,13 +13,13 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/settings.hpp"
 
-namespace calvin::gst {
+namespace calvin {
 
-SessionOptions SolverPlan::session_options(bool live) const {
+SessionOptions SessionPlan::session_options(bool live) const {
   CaptureMode mode = live ? CaptureMode::kAuto : CaptureMode::kAll;
-  if (settings.capture_mode == kCaptureAll) mode = CaptureMode::kAll;
-  if (settings.capture_mode == kCaptureAuto) mode = CaptureMode::kAuto;
-  if (settings.capture_mode == kCaptureManual) mode = CaptureMode::kManual;
+  if (settings.capture_mode == CaptureChoice::kAll) mode = CaptureMode::kAll;
+  if (settings.capture_mode == CaptureChoice::kAuto) mode = CaptureMode::kAuto;
+  if (settings.capture_mode == CaptureChoice::kManual) mode = CaptureMode::kManual;
   return {mode, settings.min_views, settings.max_views};
 }
 
@@ -27,13 +27,13 @@ namespace {
 
 // Settings that work together or not at all. The first ones have the calibration to start from.
 struct Group {
-  bool (*same)(const SolverSettings&, const SolverSettings&);
-  Status (*read)(SolverPlan&);  // from plan.settings into what follows from them
-  void (*keep)(SolverPlan&, const SolverPlan& before);
+  bool (*same)(const SessionSettings&, const SessionSettings&);
+  Status (*read)(SessionPlan&);  // from plan.settings into what follows from them
+  void (*keep)(SessionPlan&, const SessionPlan& before);
 };
 
-Status read_lens(SolverPlan& plan) {
-  const SolverSettings& settings = plan.settings;
+Status read_lens(SessionPlan& plan) {
+  const SessionSettings& settings = plan.settings;
   plan.options.model = settings.model;
   plan.options.warp = settings.warp;
   plan.options.skew = settings.skew;
@@ -54,13 +54,13 @@ Status read_lens(SolverPlan& plan) {
 }
 
 // Before the files are the ones of `plan`, where both change.
-Status read_lens_and_files(SolverPlan& plan) {
+Status read_lens_and_files(SessionPlan& plan) {
   if (const Status read = read_lens(plan); !read) return read;
   const auto files = parse_calibration_files(plan.settings.location, plan.settings.exports);
   return files ? can_hold_all(*files, plan.settings.model) : Status();
 }
 
-void keep_lens(SolverPlan& plan, const SolverPlan& before) {
+void keep_lens(SessionPlan& plan, const SessionPlan& before) {
   plan.options = before.options;
   plan.initial = before.initial;
   plan.settings.model = before.settings.model;
@@ -70,8 +70,8 @@ void keep_lens(SolverPlan& plan, const SolverPlan& before) {
   plan.settings.skew = before.settings.skew;
 }
 
-Status read_counts(SolverPlan& plan) {
-  const SolverSettings& settings = plan.settings;
+Status read_counts(SessionPlan& plan) {
+  const SessionSettings& settings = plan.settings;
   if (settings.max_views > 0 && settings.max_views < settings.min_views) {
     return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("max-views={} is less than min-views={}: raise max-views, or set "
@@ -81,12 +81,12 @@ Status read_counts(SolverPlan& plan) {
   return {};
 }
 
-void keep_counts(SolverPlan& plan, const SolverPlan& before) {
+void keep_counts(SessionPlan& plan, const SessionPlan& before) {
   plan.settings.min_views = before.settings.min_views;
   plan.settings.max_views = before.settings.max_views;
 }
 
-Status read_files(SolverPlan& plan) {
+Status read_files(SessionPlan& plan) {
   auto files = parse_calibration_files(plan.settings.location, plan.settings.exports);
   if (!files) return tl::unexpected<Error>(files.error());
   plan.files = *std::move(files);
@@ -94,30 +94,30 @@ Status read_files(SolverPlan& plan) {
   return are_different_files(plan.files);
 }
 
-void keep_files(SolverPlan& plan, const SolverPlan& before) {
+void keep_files(SessionPlan& plan, const SessionPlan& before) {
   plan.files = before.files;
   plan.settings.location = before.settings.location;
   plan.settings.exports = before.settings.exports;
 }
 
 constexpr Group kGroups[] = {
-    {[](const SolverSettings& a, const SolverSettings& b) {
+    {[](const SessionSettings& a, const SessionSettings& b) {
        return a.model == b.model && a.fix == b.fix && a.initial == b.initial && a.warp == b.warp &&
               a.skew == b.skew;
      },
      read_lens_and_files, keep_lens},
-    {[](const SolverSettings& a, const SolverSettings& b) {
+    {[](const SessionSettings& a, const SessionSettings& b) {
        return a.min_views == b.min_views && a.max_views == b.max_views;
      },
      read_counts, keep_counts},
-    {[](const SolverSettings& a, const SolverSettings& b) { return !names_other_files(a, b); },
+    {[](const SessionSettings& a, const SessionSettings& b) { return !names_other_files(a, b); },
      read_files, keep_files},
 };
 
 }  // namespace
 
-Result<SolverPlan> make_plan(const SolverSettings& settings) {
-  SolverPlan plan;
+Result<SessionPlan> make_plan(const SessionSettings& settings) {
+  SessionPlan plan;
   plan.settings = settings;
   for (const Group& group : kGroups) {
     if (const Status read = group.read(plan); !read) return tl::unexpected<Error>(read.error());
@@ -125,8 +125,8 @@ Result<SolverPlan> make_plan(const SolverSettings& settings) {
   return plan;
 }
 
-PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
-                       const SolverSettings& now) {
+PlanChange change_plan(const SessionPlan& before, const SessionSettings& seen,
+                       const SessionSettings& now) {
   PlanChange change;
   change.plan.settings = now;
   for (const Group& group : kGroups) {
@@ -137,7 +137,7 @@ PlanChange change_plan(const SolverPlan& before, const SolverSettings& seen,
   return change;
 }
 
-bool may_wait(const SolverSettings& seen, const SolverSettings& now) {
+bool may_wait(const SessionSettings& seen, const SessionSettings& now) {
   const bool other_lens = !kGroups[0].same(seen, now);
   if (other_lens && !now.initial.empty() && may_be_calibration_path(now.initial)) return true;
   if (!names_other_files(seen, now)) return false;
@@ -145,20 +145,20 @@ bool may_wait(const SolverSettings& seen, const SolverSettings& now) {
   return files && !files->empty();
 }
 
-bool solves_differently(const SolverSettings& a, const SolverSettings& b) {
+bool solves_differently(const SessionSettings& a, const SessionSettings& b) {
   return a.model != b.model || a.fix != b.fix || a.initial != b.initial || a.warp != b.warp ||
          a.skew != b.skew || a.runs != b.runs;
 }
 
-bool writes_elsewhere(const SolverSettings& a, const SolverSettings& b) {
+bool writes_elsewhere(const SessionSettings& a, const SessionSettings& b) {
   return names_other_files(a, b) || a.camera != b.camera;
 }
 
-bool names_other_files(const SolverSettings& a, const SolverSettings& b) {
+bool names_other_files(const SessionSettings& a, const SessionSettings& b) {
   return a.location != b.location || a.exports != b.exports;
 }
 
-FittedInitial fit_initial(const SolverPlan& plan, ImageSize frames) {
+FittedInitial fit_initial(const SessionPlan& plan, ImageSize frames) {
   FittedInitial fitted;
   if (!plan.initial || frames.width == 0) return fitted;
   const auto camera = fit_to_frame(*plan.initial, frames);
@@ -178,4 +178,4 @@ FittedInitial fit_initial(const SolverPlan& plan, ImageSize frames) {
   return fitted;
 }
 
-}  // namespace calvin::gst
+}  // namespace calvin

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The files that calibsolve keeps up to date.
+// The files that a session keeps up to date: their text, and whether they can be.
 
-#include "solve/calibration_files.hpp"
+#include "calvin/session/files/calibration_files.hpp"
 
 #include <algorithm>
 
@@ -14,7 +14,7 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/solve/judge/auto_model.hpp"
 
-namespace calvin::gst {
+namespace calvin {
 
 namespace {
 
@@ -77,4 +77,4 @@ Status can_write_all(const std::vector<CalibrationFile>& files) {
   return {};
 }
 
-}  // namespace calvin::gst
+}  // namespace calvin

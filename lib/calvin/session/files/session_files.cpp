@@ -3,7 +3,7 @@
 
 // Which files a session writes, and which stay as another session left them.
 
-#include "solve/session_files.hpp"
+#include "calvin/session/files/session_files.hpp"
 
 #include <utility>
 
@@ -11,9 +11,9 @@
 
 #include "calvin/core/file.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/session/replacement.hpp"
+#include "calvin/session/files/replacement.hpp"
 
-namespace calvin::gst {
+namespace calvin {
 
 namespace {
 
@@ -111,4 +111,4 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
   return outcome;
 }
 
-}  // namespace calvin::gst
+}  // namespace calvin

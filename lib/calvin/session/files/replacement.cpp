@@ -3,7 +3,7 @@
 
 // Whether a result may replace what files hold of another session.
 
-#include "calvin/session/replacement.hpp"
+#include "calvin/session/files/replacement.hpp"
 
 namespace calvin {
 

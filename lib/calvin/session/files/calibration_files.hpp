@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The files that calibsolve keeps up to date: `location` and `export`.
+// The files that a session keeps up to date: the properties `location` and `export` of calibsolve.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 #include "calvin/core/result.hpp"
 
-namespace calvin::gst {
+namespace calvin {
 
 struct CalibrationFile {
   std::string format;  // a name of calibration_formats()
@@ -31,4 +31,4 @@ struct CalibrationFile {
 // The first file that could not be written now.
 [[nodiscard]] Status can_write_all(const std::vector<CalibrationFile>& files);
 
-}  // namespace calvin::gst
+}  // namespace calvin
