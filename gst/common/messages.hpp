@@ -9,16 +9,11 @@
 #include <gst/gst.h>
 
 #include "calvin/core/result.hpp"
+#include "calvin/session/frame_times.hpp"
 
 namespace calvin::gst {
 
-// The times of one frame, ns; GST_CLOCK_TIME_NONE where unknown.
-struct FrameTimes {
-  GstClockTime timestamp = GST_CLOCK_TIME_NONE;
-  GstClockTime stream_time = GST_CLOCK_TIME_NONE;
-  GstClockTime running_time = GST_CLOCK_TIME_NONE;
-  GstClockTime duration = GST_CLOCK_TIME_NONE;
-};
+static_assert(GST_CLOCK_TIME_NONE == kNoTimestamp);  // of FrameTimes, and of an observation
 
 // Computed on the streaming thread: the segment may change before a worker is done.
 [[nodiscard]] FrameTimes frame_times(const GstSegment* segment, GstBuffer* buffer);

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The session behind calibsolve: collects views and obeys commands; solver_update.cpp brings other
-// settings into force, solver_jobs.cpp solves, solver_files.cpp writes, and solver_finish.cpp waits
-// for both.
+// Tells the session of calibsolve what happens on the streaming thread and what the application
+// commands; solver_update.cpp brings other settings into force, solver_jobs.cpp solves,
+// solver_files.cpp writes, and solver_finish.cpp waits for both.
 
 #include "solve/calib_solver.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/target/board.hpp"
-#include "common/values.hpp"
+#include "common/metas.hpp"
 #include "solve/solve_messages.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
@@ -32,44 +30,47 @@ Status CalibSolver::start() {
   if (!plan) return tl::unexpected<Error>(plan.error());
   const Status writable = can_write_all(plan->files);
   if (!writable) post_warning(element_, writable.error());
+  GST_INFO_OBJECT(element_, "solves %s from %d views on, %" G_GSIZE_FORMAT " files",
+                  plan->settings.model.c_str(), plan->settings.min_views, plan->files.size());
   {
     const std::lock_guard guard(lock_);
-    plan_ = *std::move(plan);
-    seen_ = plan_.settings;
-    ++plan_serial_;
-    size_ = {};
-    initial_.reset();
-    write_failed_ = !writable;
-    GST_INFO_OBJECT(element_, "solves %s from %d views on, %" G_GSIZE_FORMAT " files",
-                    plan_.settings.model.c_str(), plan_.settings.min_views, plan_.files.size());
+    session_.start(*std::move(plan), writable.has_value());
   }
-  reset();
   for (Worker* worker : {&updater_, &writer_}) {
     if (Status started = worker->start(); !started) return started;
   }
   return worker_.start();
 }
 
+void CalibSolver::obey() {
+  if (auto solve = session_.take_solve()) {
+    GST_DEBUG_OBJECT(element_, "%s solve of %" G_GSIZE_FORMAT " views asked for",
+                     solve->final ? "final" : "intermediate", solve->views.size());
+    const auto job = std::make_shared<const SolveJob>(*std::move(solve));
+    worker_.offer([this, job](const std::stop_token& stop) { run_solve(*job, stop); });
+  }
+  if (auto write = session_.take_write()) {
+    const auto job = std::make_shared<const WriteJob>(*std::move(write));
+    writer_.offer([this, job](const std::stop_token& stop) { run_write(*job, stop); });
+  }
+}
+
 void CalibSolver::set_size(ImageSize size) {
   std::optional<Error> warning;
   {
     const std::lock_guard guard(lock_);
-    if (std::exchange(size_, size) == size) return;
+    const bool any = !session_.views().views().empty();
+    if (!session_.set_size(size, warning)) return;
     GST_INFO_OBJECT(element_, "frames of %dx%d px: %s", size.width, size.height,
-                    session_.views().empty() ? "no view was taken before" : "a new session begins");
-    auto fitted = fit_initial(plan_, size);
-    initial_ = std::move(fitted.calibration);
-    warning = std::move(fitted.warning);
-    if (!session_.views().empty()) forget();
+                    any ? "a new session begins" : "no view was taken before");
   }
   if (warning) post_warning(element_, *warning);
 }
 
 void CalibSolver::set_live(bool live) {
   const std::lock_guard guard(lock_);
-  live_ = live;
-  session_.set_options(plan_.session_options(live));
-  const CaptureMode mode = session_.options().mode;
+  session_.set_live(live);
+  const CaptureMode mode = session_.views().options().mode;
   GST_INFO_OBJECT(element_, "the source is %s: %s", live ? "live" : "not live",
                   mode == CaptureMode::kAll    ? "every view is kept"
                   : mode == CaptureMode::kAuto ? "still, large and new views are kept"
@@ -80,131 +81,61 @@ void CalibSolver::resume() {
   writer_.resume();
   worker_.resume();
   updater_.resume();
-  const std::lock_guard guard(lock_);
-  next_solve_ = 0;
-  if (unwritten_) request_write(plan_.files, false);
-  if (final_owed_) request(true);
+  {
+    const std::lock_guard guard(lock_);
+    session_.resume();
+    obey();
+  }
+  post_notices();
 }
 
 // ---- Collecting: on the streaming thread --------------------------------------------------------
 
-Result<Board> CalibSolver::board_of(const std::string& text) {
-  constexpr std::size_t kMany = 16;
-  const std::lock_guard guard(lock_);
-  if (const auto known = boards_.find(text); known != boards_.end()) return known->second;
-  auto board = parse_board(text);
-  if (!board) return board;
-  if (boards_.size() >= kMany) boards_.clear();
-  boards_.emplace(text, *board);
-  return board;
-}
-
 bool CalibSolver::offer(const Observation& observation, const FrameTimes& times) {
-  if (!observation.found()) {
-    GST_LOG_OBJECT(element_, "no board on the frame at %" GST_TIME_FORMAT,
-                   GST_TIME_ARGS(times.timestamp));
-    return false;
-  }
-  const auto board = board_of(observation.board);
-  if (!board) {
-    complain(board.error());
-    return false;
-  }
-  Reason reason;
-  Progress now;
-  std::string camera;
+  Offered offered;
   {
     const std::lock_guard guard(lock_);
-    if (finished_ || observation.image_size != size_) {
-      GST_LOG_OBJECT(element_, "the view at %" GST_TIME_FORMAT " is of no use: %s",
-                     GST_TIME_ARGS(times.timestamp),
-                     finished_ ? "the session is finished" : "its frame has another size");
-      return false;
-    }
-    camera_ = observation.camera;
-    camera = camera_name();
-    times_ = times;
-    View view = {observation, *board};
-    if (plan_.settings.runs < 2) view.observation.patches.reset();
-    reason = session_.offer(view);
-    now = with_quality(session_.progress(), calibration_);
-    if (reason == Reason::kAccepted) {
-      GST_DEBUG_OBJECT(
-          element_, "view %d is the one at %" GST_TIME_FORMAT ", with %" G_GSIZE_FORMAT " corners",
-          now.views, GST_TIME_ARGS(times.timestamp), observation.ids.size());
-      taken_.push_back({times});
-      consider();
-    }
-    if (reason != Reason::kAccepted) {
-      GST_LOG_OBJECT(element_, "the view at %" GST_TIME_FORMAT " is not kept: %s",
-                     GST_TIME_ARGS(times.timestamp), std::string(to_string(reason)).c_str());
-    }
-    // A rejection is posted only when its reason is new.
-    if (reason != Reason::kAccepted && std::exchange(last_reason_, reason) == reason) return false;
-    last_reason_ = reason;
+    offered = session_.offer(observation, times);
+    obey();
   }
-  if (reason == Reason::kWrongBoard) {
-    if (const Status fine = check({observation, *board}, observation.image_size); !fine) {
-      complain(fine.error());
-    }
+  const bool taken = offered.reason == Reason::kAccepted;
+  GST_LOG_OBJECT(element_, "the view at %" GST_TIME_FORMAT " with %" G_GSIZE_FORMAT " corners: %s",
+                 GST_TIME_ARGS(times.timestamp), observation.ids.size(),
+                 std::string(to_string(offered.reason)).c_str());
+  if (!offered.reached.empty()) {
+    GST_INFO_OBJECT(element_, "nothing more is captured: %s is reached",
+                    std::string(offered.reached).c_str());
   }
-  post_message(element_, view_message(times, camera, reason, now));
-  if (reason != Reason::kAccepted) return false;
-  post_message(element_, progress_message(times, camera, now));
+  if (offered.complaint) post_warning(element_, broken_observation(*offered.complaint));
+  if (!offered.report) return false;
+  post_message(element_, view_message(times, offered.camera, offered.reason, offered.progress));
+  if (!taken) return false;
+  GST_DEBUG_OBJECT(element_, "view %d is the one at %" GST_TIME_FORMAT, offered.progress.views,
+                   GST_TIME_ARGS(times.timestamp));
+  post_message(element_, progress_message(times, offered.camera, offered.progress));
   return true;
 }
 
 void CalibSolver::complain(const Error& why) {
   {
     const std::lock_guard guard(lock_);
-    if (std::exchange(complained_, true)) return;
+    if (!session_.first_complaint()) return;
   }
-  post_warning(element_, {why.code, fmt::format("An observation from upstream cannot be used, and "
-                                                "further ones like it are dropped silently: {}{} "
-                                                "Check what writes the meta {}.",
-                                                why.message, why.message.ends_with('.') ? "" : ".",
-                                                kObservationName)});
+  post_warning(element_, broken_observation(why));
 }
 
 Progress CalibSolver::progress() {
   const std::lock_guard guard(lock_);
-  return with_quality(session_.progress(), calibration_);
+  return session_.progress();
 }
 
 std::optional<CalibrationEvent> CalibSolver::take_event() {
   const std::lock_guard guard(lock_);
-  if (!std::exchange(announce_, false) || !calibration_) return std::nullopt;
-  const auto json = print_calibration(*calibration_);
+  const auto calibration = session_.take_announcement();
+  if (!calibration) return std::nullopt;
+  const auto json = print_calibration(*calibration);
   if (!json) return std::nullopt;
-  return CalibrationEvent{calibration_->camera, *json};
-}
-
-bool CalibSolver::enough_views() const {
-  return session_.views().size() >= static_cast<std::size_t>(plan_.settings.min_views);
-}
-
-std::string CalibSolver::camera_name() const {
-  return plan_.settings.camera.empty() ? camera_ : plan_.settings.camera;
-}
-
-void CalibSolver::consider() {
-  ++revision_;
-  if (!enough_views()) return;
-  const std::size_t views = session_.views().size();
-  const bool full =
-      plan_.settings.max_views > 0 && views >= static_cast<std::size_t>(plan_.settings.max_views);
-  const bool good = plan_.settings.target_error > 0 && calibration_ &&
-                    calibration_->expected_error.value_or(HUGE_VAL) <= plan_.settings.target_error;
-  if (full || good) {
-    GST_INFO_OBJECT(element_, "nothing more is captured: %s is reached",
-                    full ? "max-views" : "target-error");
-    finished_ = true;
-    request(true);
-  } else if (views >= next_solve_) {
-    // When every frame is a view, each solve waits for a quarter more of them.
-    next_solve_ = session_.options().mode == CaptureMode::kAll ? views + views / 4 + 1 : views + 1;
-    request(false);
-  }
+  return CalibrationEvent{calibration->camera, *json};
 }
 
 // ---- Commands -----------------------------------------------------------------------------------
@@ -212,41 +143,24 @@ void CalibSolver::consider() {
 void CalibSolver::capture_view() {
   const std::lock_guard guard(lock_);
   GST_INFO_OBJECT(element_, "the next view is kept whatever else it is");
-  session_.capture_next();
+  session_.capture_view();
 }
 
 void CalibSolver::solve_now() {
   update();
-  std::optional<Error> refused;
+  Status asked;
   {
     const std::lock_guard guard(lock_);
-    solve_waits_ = enough_views();
-    if (!solve_waits_) refused = too_few_views();
-    solve_when_up_to_date();
+    asked = session_.solve_now(settings_);
+    obey();
   }
-  if (refused) post_warning(element_, *refused);
+  if (!asked) post_warning(element_, asked.error());
 }
 
 void CalibSolver::reset() {
   GST_INFO_OBJECT(element_, "a new session begins: all views are forgotten");
   const std::lock_guard guard(lock_);
-  forget();
-}
-
-void CalibSolver::forget() {
-  ++generation_;
-  ++session_number_;
   session_.reset();
-  taken_.clear();
-  calibration_.reset();
-  published_ = finished_ = announce_ = complained_ = kept_reported_ = write_late_ = false;
-  final_owed_ = solve_waits_ = false;
-  last_reason_ = Reason::kAccepted;
-  ++revision_;
-  written_ = {};
-  forget_unwritten();
-  solve_error_.clear();
-  next_solve_ = 0;
 }
 
 bool CalibSolver::remove_view(unsigned index) {
@@ -256,36 +170,25 @@ bool CalibSolver::remove_view(unsigned index) {
     return false;
   }
   GST_INFO_OBJECT(element_, "view %u is removed, %" G_GSIZE_FORMAT " are left", index,
-                  session_.views().size());
-  taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
-  ++generation_;                   // what is being solved has the view in it
-  finished_ = published_ = false;  // and the files have it
-  forget_unwritten();
-  ++revision_;
-  next_solve_ = 0;
-  if (enough_views()) {
-    request(false);
-  } else {
-    calibration_.reset();
-  }
+                  session_.views().views().size());
+  obey();
   return true;
 }
 
 std::string CalibSolver::calibration_json() {
   const std::lock_guard guard(lock_);
-  if (!calibration_) return {};
-  return print_calibration(*calibration_).value_or(std::string());
+  if (!session_.calibration()) return {};
+  return print_calibration(*session_.calibration()).value_or(std::string());
 }
 
 GstStructure* CalibSolver::stats() {
   const std::lock_guard guard(lock_);
-  GstStructure* s =
-      gst_structure_new("stats", "views", G_TYPE_INT, static_cast<int>(session_.views().size()),
-                        "coverage", G_TYPE_DOUBLE, session_.progress().coverage, nullptr);
-  if (!calibration_) return s;
-  if (calibration_->rms) gst_structure_set(s, "rms", G_TYPE_DOUBLE, *calibration_->rms, nullptr);
-  if (calibration_->expected_error) {
-    gst_structure_set(s, "expected-error", G_TYPE_DOUBLE, *calibration_->expected_error, nullptr);
+  const Progress now = session_.progress();
+  GstStructure* s = gst_structure_new("stats", "views", G_TYPE_INT, now.views, "coverage",
+                                      G_TYPE_DOUBLE, now.coverage, nullptr);
+  if (now.rms) gst_structure_set(s, "rms", G_TYPE_DOUBLE, *now.rms, nullptr);
+  if (now.expected_error) {
+    gst_structure_set(s, "expected-error", G_TYPE_DOUBLE, *now.expected_error, nullptr);
   }
   return s;
 }

@@ -6,9 +6,11 @@
 #include "solve/solve_messages.hpp"
 
 #include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
 
 #include "calvin/core/text.hpp"
-
 #include "common/metas.hpp"
 #include "common/values.hpp"
 
@@ -21,14 +23,6 @@ void set_optional(GstStructure* s, const char* field, const std::optional<double
 }
 
 }  // namespace
-
-Progress with_quality(Progress progress, const std::optional<Calibration>& calibration) {
-  if (calibration) {
-    progress.rms = calibration->rms;
-    progress.expected_error = calibration->expected_error;
-  }
-  return progress;
-}
 
 GstStructure* view_message(const FrameTimes& times, const std::string& camera, Reason reason,
                            const Progress& progress) {
@@ -79,6 +73,13 @@ GstStructure* result_message(const FrameTimes& times, const Solution& solution,
   }
   if (json != nullptr) gst_structure_set(s, "json", G_TYPE_STRING, json, nullptr);
   return s;
+}
+
+Error broken_observation(const Error& why) {
+  return {why.code,
+          fmt::format("An observation from upstream cannot be used, and further ones "
+                      "like it are dropped silently: {}{} Check what writes the meta {}.",
+                      why.message, why.message.ends_with('.') ? "" : ".", kObservationName)};
 }
 
 }  // namespace calvin::gst

@@ -4,7 +4,6 @@
 // What calibsolve says on the bus.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include <gst/gst.h>
@@ -16,10 +15,6 @@
 
 namespace calvin::gst {
 
-// Progress of the session and, once solved, quality of the calibration.
-[[nodiscard]] Progress with_quality(Progress progress,
-                                    const std::optional<Calibration>& calibration);
-
 [[nodiscard]] GstStructure* view_message(const FrameTimes& times, const std::string& camera,
                                          Reason reason, const Progress& progress);
 [[nodiscard]] GstStructure* progress_message(const FrameTimes& times, const std::string& camera,
@@ -27,5 +22,8 @@ namespace calvin::gst {
 // `json` is the native text of the calibration for the final result, else nullptr.
 [[nodiscard]] GstStructure* result_message(const FrameTimes& times, const Solution& solution,
                                            const std::string& location, const char* json);
+
+// For a WARNING: what the meta calvin-observation holds cannot be an observation, and why.
+[[nodiscard]] Error broken_observation(const Error& why);
 
 }  // namespace calvin::gst

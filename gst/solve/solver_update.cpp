@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The session behind calibsolve: how settings come into force that change while frames flow.
+// On which thread settings of calibsolve are read that change while frames flow.
 
 #include <utility>
 
@@ -12,24 +12,16 @@ GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
 
 namespace calvin::gst {
 
-// Settings that were set, and those that they are to take the place of.
-struct CalibSolver::Update {
-  SessionSettings now;
-  SessionSettings seen;
-  SessionPlan plan;
-  std::uint64_t serial = 0;
-};
-
 bool CalibSolver::is_up_to_date() {
   const std::lock_guard guard(lock_);
-  return settings_ == seen_;
+  return session_.is_up_to_date(settings_);
 }
 
-std::optional<CalibSolver::Update> CalibSolver::begin_update() {
+std::optional<SettingsUpdate> CalibSolver::begin_update() {
   const std::lock_guard guard(lock_);
-  if (settings_ != seen_) return Update{settings_, seen_, plan_, plan_serial_};
-  solve_when_up_to_date();
-  return std::nullopt;
+  auto update = session_.begin_update(settings_);
+  obey();
+  return update;
 }
 
 void CalibSolver::update() {
@@ -65,58 +57,14 @@ bool CalibSolver::update_and_wait() {
   return true;
 }
 
-std::optional<std::vector<Error>> CalibSolver::try_update(const Update& update) {
-  PlanChange change = change_plan(update.plan, update.seen, update.now);
-  const bool changed = change.plan.settings != update.plan.settings;
-  const bool other_files = names_other_files(change.plan.settings, update.plan.settings);
-  const Status writable = other_files ? can_write_all(change.plan.files) : Status();
-  std::optional<Error> warning;
-  {
-    const std::lock_guard guard(lock_);
-    if (update.serial != plan_serial_) return std::nullopt;
-    ++plan_serial_;
-    seen_ = update.now;
-    if (changed) warning = adopt(std::move(change.plan), writable.has_value());
-    solve_when_up_to_date();
-  }
-  std::vector<Error> warnings = std::move(change.refused);
-  for (Error& error : warnings) error.message += " What was set before goes on.";
-  if (!writable) warnings.push_back(writable.error());
-  if (warning) warnings.push_back(*std::move(warning));
+std::optional<std::vector<Error>> CalibSolver::try_update(const SettingsUpdate& update) {
+  SettingsRead read = read_settings(update);
+  const std::lock_guard guard(lock_);
+  auto warnings = session_.end_update(update, std::move(read), settings_);
+  GST_INFO_OBJECT(element_, "other settings %s",
+                  warnings ? "are in force" : "have changed while they were read");
+  obey();
   return warnings;
-}
-
-std::optional<Error> CalibSolver::adopt(SessionPlan plan, bool writable) {
-  const bool solve = solves_differently(plan.settings, plan_.settings);
-  const bool write = writes_elsewhere(plan.settings, plan_.settings);
-  plan_ = std::move(plan);
-  session_.set_options(plan_.session_options(live_));
-  finished_ = false;
-  std::optional<Error> warning;
-  if (solve) {
-    auto fitted = fit_initial(plan_, size_);
-    initial_ = std::move(fitted.calibration);
-    warning = std::move(fitted.warning);
-    ++generation_;  // what is being solved in the old way is of no use
-  }
-  GST_INFO_OBJECT(element_, "other settings: the views are %s, the files %s",
-                  solve ? "solved again" : "as they were", write ? "written again" : "the same");
-  if (write) {
-    write_failed_ = !writable;
-    write_late_ = false;
-  }
-  if (solve || write) {
-    ++revision_;
-    published_ = false;
-    forget_unwritten();
-    if (enough_views()) request(false);
-  }
-  return warning;
-}
-
-void CalibSolver::solve_when_up_to_date() {
-  if (settings_ != seen_ || !std::exchange(solve_waits_, false)) return;
-  if (enough_views()) request(true);
 }
 
 }  // namespace calvin::gst

@@ -7,6 +7,9 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
 #include <filesystem>
 #include <thread>
 
@@ -21,17 +24,21 @@ using check::Gate;
 using check::SolveFixture;
 
 static Gate disk;
+static std::atomic<bool> full;  // and takes nothing
 
 // Stands before the C library's own.
 extern "C" {
 GST_EXPORT int fsync(int fd) {
   disk.pass();
-  return static_cast<int>(syscall(SYS_fsync, fd));
+  if (!full) return static_cast<int>(syscall(SYS_fsync, fd));
+  errno = ENOSPC;
+  return -1;
 }
 }
 
 static void set_up() {
   gst::register_metas();
+  full = false;
   disk.open();
 }
 
@@ -223,6 +230,30 @@ GST_START_TEST(test_a_reset_forgets_the_write_that_waits) {
 }
 GST_END_TEST;
 
+// What a write has to say and may not say during a flush is said after it.
+GST_START_TEST(test_a_flush_loses_no_word_of_a_write) {
+  check::TemporaryFolder folder;
+  const std::string path = folder / "cam.json";
+  SolveFixture f("location=" + path + " export=ros:" + folder / "cam.yaml");
+  const bool held = __i__ == 1;
+  if (held) write_a_better_one(f, path);
+  hang_in_a_write(f);
+  gst_harness_push_event(f.h, gst_event_new_flush_start());
+  full = !held;
+  disk.open();
+  // The write ends, and has to say it while nobody may.
+  if (held) fail_unless(comes([&] { return std::filesystem::exists(folder / "cam.yaml"); }));
+  g_usleep(200000);
+  gst_harness_push_event(f.h, gst_event_new_flush_stop(TRUE));
+  const auto kind = held ? GST_MESSAGE_INFO : GST_MESSAGE_WARNING;
+  fail_unless(comes([&] {
+    const auto& all = f.bus.messages();
+    return std::any_of(all.begin(), all.end(),
+                       [kind](GstMessage* m) { return GST_MESSAGE_TYPE(m) == kind; });
+  }));
+}
+GST_END_TEST;
+
 static Suite* calibsolve_late_suite() {
   Suite* suite = suite_create("calibsolve_late");
   TCase* tc = tcase_create("general");
@@ -237,6 +268,7 @@ static Suite* calibsolve_late_suite() {
   tcase_add_test(tc, test_the_file_that_is_late_is_named_whatever_is_wanted_now);
   tcase_add_test(tc, test_without_files_no_result_waits);
   tcase_add_test(tc, test_a_reset_forgets_the_write_that_waits);
+  tcase_add_loop_test(tc, test_a_flush_loses_no_word_of_a_write, 0, 2);
   return suite;
 }
 

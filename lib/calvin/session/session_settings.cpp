@@ -137,6 +137,16 @@ PlanChange change_plan(const SessionPlan& before, const SessionSettings& seen,
   return change;
 }
 
+SettingsRead read_settings(const SettingsUpdate& update) {
+  SettingsRead read;
+  read.change = change_plan(update.plan, update.seen, update.now);
+  const SessionPlan& plan = read.change.plan;
+  if (names_other_files(plan.settings, update.plan.settings)) {
+    read.writable = can_write_all(plan.files);
+  }
+  return read;
+}
+
 bool may_wait(const SessionSettings& seen, const SessionSettings& now) {
   const bool other_lens = !kGroups[0].same(seen, now);
   if (other_lens && !now.initial.empty() && may_be_calibration_path(now.initial)) return true;

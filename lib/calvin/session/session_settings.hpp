@@ -4,6 +4,7 @@
 // What a user sets a calibration session to, and what that means once it is read.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,8 +59,22 @@ struct PlanChange {
 [[nodiscard]] PlanChange change_plan(const SessionPlan& before, const SessionSettings& seen,
                                      const SessionSettings& now);
 
-// Whether change_plan() may have to wait for the disk that a new `initial`, `location` or `export`
-// is on.
+// Settings that were set, and those whose place they are to take.
+struct SettingsUpdate {
+  SessionSettings now;
+  SessionSettings seen;
+  SessionPlan plan;
+  std::uint64_t serial = 0;  // of seen and plan
+};
+struct SettingsRead {
+  PlanChange change;
+  Status writable;  // of other files than before
+};
+// Looks at the disk for what may_wait() says.
+[[nodiscard]] SettingsRead read_settings(const SettingsUpdate& update);
+
+// Whether read_settings() may have to wait for the disk that a new `initial`, `location` or
+// `export` is on.
 [[nodiscard]] bool may_wait(const SessionSettings& seen, const SessionSettings& now);
 
 // Whether the views are to be solved again, or the result is to be written again, when one set of

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a session takes in: frames, views of boards, and commands. session_update.cpp brings other
+// settings into force, session_solves.cpp says what is solved and what is made of the results.
+
+#include "calvin/session/calibration_session.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+
+bool CalibrationSession::set_size(ImageSize size, std::optional<Error>& warning) {
+  if (std::exchange(size_, size) == size) return false;
+  auto fitted = fit_initial(plan_, size);
+  initial_ = std::move(fitted.calibration);
+  warning = std::move(fitted.warning);
+  if (!views_.views().empty()) reset();
+  return true;
+}
+
+void CalibrationSession::set_live(bool live) {
+  live_ = live;
+  views_.set_options(plan_.session_options(live));
+}
+
+// ---- Views --------------------------------------------------------------------------------------
+
+Result<Board> CalibrationSession::board_of(const std::string& text) {
+  constexpr std::size_t kMany = 16;
+  if (const auto known = boards_.find(text); known != boards_.end()) return known->second;
+  auto board = parse_board(text);
+  if (!board) return board;
+  if (boards_.size() >= kMany) boards_.clear();
+  boards_.emplace(text, *board);
+  return board;
+}
+
+bool CalibrationSession::first_complaint() { return !std::exchange(complained_, true); }
+
+Offered CalibrationSession::offer(const Observation& observation, const FrameTimes& times) {
+  Offered offered;
+  if (!observation.found()) return offered;
+  const auto board = board_of(observation.board);
+  if (!board) {
+    if (first_complaint()) offered.complaint = board.error();
+    return offered;
+  }
+  offered.reason = observation.image_size != size_ ? Reason::kOffSize : Reason::kTooSimilar;
+  if (finished_ || observation.image_size != size_) return offered;
+  camera_ = observation.camera;
+  times_ = times;
+  View view = {observation, *board};
+  if (plan_.settings.runs < 2) view.observation.patches.reset();
+  const Reason reason = views_.offer(view);
+  if (reason == Reason::kAccepted) {
+    taken_.push_back({times});
+    offered.reached = consider();
+  }
+  offered.reason = reason;
+  const bool new_reason = std::exchange(last_reason_, reason) != reason;
+  offered.report = reason == Reason::kAccepted || new_reason;
+  if (reason == Reason::kWrongBoard && offered.report) {
+    const Status fine = check(view, observation.image_size);
+    if (!fine && first_complaint()) offered.complaint = fine.error();
+  }
+  offered.camera = camera_name();
+  offered.progress = progress();
+  return offered;
+}
+
+Progress CalibrationSession::progress() const {
+  Progress now = views_.progress();
+  if (calibration_) {
+    now.rms = calibration_->rms;
+    now.expected_error = calibration_->expected_error;
+  }
+  return now;
+}
+
+bool CalibrationSession::enough_views() const {
+  return views_.views().size() >= static_cast<std::size_t>(plan_.settings.min_views);
+}
+
+std::string CalibrationSession::camera_name() const {
+  return plan_.settings.camera.empty() ? camera_ : plan_.settings.camera;
+}
+
+std::string_view CalibrationSession::consider() {
+  ++revision_;
+  if (!enough_views()) return {};
+  const std::size_t views = views_.views().size();
+  const bool full =
+      plan_.settings.max_views > 0 && views >= static_cast<std::size_t>(plan_.settings.max_views);
+  const bool good = plan_.settings.target_error > 0 && calibration_ &&
+                    calibration_->expected_error.value_or(HUGE_VAL) <= plan_.settings.target_error;
+  if (full || good) {
+    finished_ = true;
+    ask(true);
+    return full ? "max-views" : "target-error";
+  }
+  if (views >= next_solve_) {
+    // When every frame is a view, each solve waits for a quarter more of them.
+    next_solve_ = views_.options().mode == CaptureMode::kAll ? views + views / 4 + 1 : views + 1;
+    ask(false);
+  }
+  return {};
+}
+
+// ---- Commands -----------------------------------------------------------------------------------
+
+Status CalibrationSession::solve_now(const SessionSettings& now) {
+  solve_waits_ = enough_views();
+  if (!solve_waits_) {
+    return tl::unexpected<Error>(too_few_views(views_.views().size(), plan_.settings.min_views));
+  }
+  solve_when_up_to_date(now);
+  return {};
+}
+
+void CalibrationSession::reset() {
+  ++generation_;
+  ++session_;
+  ++revision_;
+  views_.reset();
+  taken_.clear();
+  calibration_.reset();
+  published_ = finished_ = announce_ = complained_ = false;
+  asked_ = final_owed_ = solve_waits_ = false;
+  last_reason_ = Reason::kAccepted;
+  solve_error_.clear();
+  next_solve_ = 0;
+  writes_.reset();
+}
+
+bool CalibrationSession::remove_view(std::size_t index) {
+  if (!views_.remove_view(index)) return false;
+  taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
+  ++generation_;                   // what is being solved has the view in it
+  finished_ = published_ = false;  // and the files have it
+  writes_.forget();
+  ++revision_;
+  next_solve_ = 0;
+  if (enough_views()) {
+    ask(false);
+  } else {
+    calibration_.reset();
+  }
+  return true;
+}
+
+}  // namespace calvin

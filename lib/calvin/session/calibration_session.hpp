@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// CalibrationSession: from the boards that a camera sees to the calibration that files hold.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/core/reason.hpp"
+#include "calvin/session/files/session_files.hpp"
+#include "calvin/session/frame_times.hpp"
+#include "calvin/session/progress.hpp"
+#include "calvin/session/result_writes.hpp"
+#include "calvin/session/session.hpp"
+#include "calvin/session/session_jobs.hpp"
+#include "calvin/session/session_settings.hpp"
+#include "calvin/session/session_words.hpp"
+
+namespace calvin {
+
+// A view that the session keeps.
+struct TakenView {
+  FrameTimes times;
+  Reason reason = Reason::kAccepted;  // or why the newest solve left it out
+};
+
+// What came of an observation that was offered.
+struct Offered {
+  bool report = false;  // it was kept, or is not kept for another reason than the one before
+  Reason reason = Reason::kNotFound;
+  std::optional<Error> complaint;  // it cannot be an observation, and nobody was told so yet
+  std::string camera;
+  Progress progress;
+  std::string_view reached;  // the setting after whose view nothing more is captured, if any
+};
+
+// What came of a solve.
+struct Published {
+  bool better = false;   // than all before it: it goes downstream and to the files
+  bool writing = false;  // files have yet to get a result
+  Progress progress;
+};
+
+// What the end of the stream has to wait for.
+enum class LastWork { kNone, kSolve, kWrite };
+
+struct Verdict {
+  Status status;              // whether there is a calibration, and whether its files have it
+  bool files_wanted = false;  // then a failure is an error, else a warning
+};
+
+// Decides what calibsolve does. It has no thread, no clock and no file: it is told what happens,
+// and after each call that may ask for work take_solve() and take_write() give what is to be done.
+// A job that is taken takes the place of one that has not begun yet.
+//
+// Not thread-safe.
+class CalibrationSession {
+ public:
+  // ---- Settings: session_update.cpp
+
+  // A new run; `writable`: whether its files can be written now.
+  void start(SessionPlan plan, bool writable);
+  [[nodiscard]] bool is_up_to_date(const SessionSettings& now) const { return now == seen_; }
+  // Settings that were set, to be read beside the session; absent where nothing has changed.
+  [[nodiscard]] std::optional<SettingsUpdate> begin_update(const SessionSettings& now);
+  // Brings them into force: what the user should hear. Absent where another update was quicker, and
+  // this one is to begin anew. `now`: what is set by then.
+  [[nodiscard]] std::optional<std::vector<Error>> end_update(const SettingsUpdate& update,
+                                                             SettingsRead read,
+                                                             const SessionSettings& now);
+
+  // ---- Frames and views: calibration_session.cpp
+
+  // A new size begins a new session; a word for the user, if any. False where the size is the same.
+  [[nodiscard]] bool set_size(ImageSize size, std::optional<Error>& warning);
+  void set_live(bool live);
+  // One board as it was found on one frame.
+  [[nodiscard]] Offered offer(const Observation& observation, const FrameTimes& times);
+  // Whether nobody was told yet that what comes cannot be an observation.
+  [[nodiscard]] bool first_complaint();
+
+  // The next view is kept whatever else it is.
+  void capture_view() { views_.capture_next(); }
+  // A final result of what is there, once the settings `now` are in force.
+  [[nodiscard]] Status solve_now(const SessionSettings& now);
+  void reset();
+  [[nodiscard]] bool remove_view(std::size_t index);
+
+  [[nodiscard]] const Session& views() const noexcept { return views_; }
+  [[nodiscard]] Progress progress() const;
+  [[nodiscard]] const SessionPlan& plan() const noexcept { return plan_; }
+
+  // ---- Solves: session_solves.cpp
+
+  [[nodiscard]] std::optional<SolveJob> take_solve();
+  // Whether what the job was made of still is what the session has.
+  [[nodiscard]] bool is_current(const JobOrigin& origin) const;
+  // Absent where it is not current: the solution is thrown away.
+  [[nodiscard]] std::optional<Published> solved(const SolveJob& job, const Solution& solution);
+  void failed(const SolveJob& job, const Error& why);
+  // The views that this solve left out and the one before did not; none where it is not current.
+  [[nodiscard]] std::vector<TakenView> newly_rejected(const SolveJob& job,
+                                                      const Solution& solution);
+  // The result was posted; what was owed is paid.
+  void reported(const SolveJob& job);
+
+  // The newest solution.
+  [[nodiscard]] const std::optional<Calibration>& calibration() const noexcept {
+    return calibration_;
+  }
+  // The newest calibration that downstream has not got, once.
+  [[nodiscard]] std::optional<Calibration> take_announcement();
+
+  // Work was cut short (a flush), and may go on: it is asked for again.
+  void resume();
+  // The end of the stream: asks for the last solve or, without one, for a write that failed before.
+  [[nodiscard]] LastWork end_of_stream();
+  [[nodiscard]] Verdict verdict() const;
+
+  // ---- Writes: session_solves.cpp; what they have come to is in ResultWrites
+
+  [[nodiscard]] std::optional<WriteJob> take_write();
+  // False where the result is not to be written any more.
+  [[nodiscard]] bool begin_write(const WriteJob& job);
+  void end_write(const WriteJob& job, const SessionFiles::Outcome& outcome);
+  // The files of that result have not answered for so long: a word for the user, once.
+  [[nodiscard]] std::optional<Notice> files_are_late(std::chrono::seconds waited) {
+    return writes_.late(waited);
+  }
+  // What is to be said of the writes that have ended; a notice that is taken counts as said.
+  [[nodiscard]] bool has_notice() const noexcept { return writes_.has_notice(); }
+  [[nodiscard]] std::optional<Notice> take_notice() { return writes_.take_notice(); }
+
+ private:
+  [[nodiscard]] bool enough_views() const;
+  [[nodiscard]] std::string camera_name() const;
+  [[nodiscard]] Result<Board> board_of(const std::string& text);
+  [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
+  [[nodiscard]] std::string_view consider();
+  void ask(bool final);
+  [[nodiscard]] std::optional<Error> adopt(SessionPlan plan, bool writable);
+  void solve_when_up_to_date(const SessionSettings& now);
+
+  // The settings in force.
+  SessionSettings seen_;  // those that plan_ was made of, and what was refused
+  SessionPlan plan_;
+  std::uint64_t plan_serial_ = 0;       // of seen_ and plan_
+  std::optional<Calibration> initial_;  // plan_.initial, for frames of size_
+  bool live_ = false;
+
+  // What was seen.
+  Session views_{SessionOptions{}};
+  std::vector<TakenView> taken_;  // the views of views_
+  ImageSize size_;
+  std::string camera_;  // as the newest observation names it
+  FrameTimes times_;    // of the newest frame with a board
+  Reason last_reason_ = Reason::kAccepted;
+  bool complained_ = false;              // of broken observations
+  std::map<std::string, Board> boards_;  // by their texts, of the newest frames
+
+  // What is solved.
+  std::uint64_t session_ = 0;
+  std::uint64_t generation_ = 0;                 // a solve of an older one is thrown away
+  std::uint64_t revision_ = 0;                   // of the views kept and of what is made of them
+  std::optional<std::uint64_t> final_revision_;  // the one whose final result was posted
+  std::size_t next_solve_ = 0;                   // number of views
+  bool finished_ = false;                        // good enough: nothing more is captured
+  bool asked_ = false;                           // take_solve() has something to give
+  bool final_owed_ = false;                      // somebody waits for a final result
+  bool solve_waits_ = false;                     // for settings to come into force
+
+  // What came of it.
+  std::optional<Calibration> calibration_;  // newest solution
+  std::string solve_error_;
+  bool published_ = false;                 // a calibration was good enough for the files
+  std::optional<double> published_error_;  // its expected error, px
+  bool announce_ = false;                  // calibration_ waits to be announced
+  ResultWrites writes_;
+};
+
+}  // namespace calvin

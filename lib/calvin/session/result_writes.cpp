@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Keeps the result that waits for its files until a write of it has ended well.
+
+#include "calvin/session/result_writes.hpp"
+
+#include <utility>
+
+namespace calvin {
+
+void ResultWrites::reset() {
+  forget();
+  status_ = {};
+  notices_.clear();
+  late_ = kept_ = false;
+}
+
+void ResultWrites::begin_files(bool writable) {
+  failed_ = !writable;
+  late_ = false;
+}
+
+void ResultWrites::forget() {
+  unwritten_.reset();
+  final_waits_ = asked_ = false;
+}
+
+void ResultWrites::ask(bool final) {
+  if (!unwritten_) return;
+  final_waits_ |= final;
+  asked_ = true;
+}
+
+std::optional<WriteJob> ResultWrites::take(const std::vector<CalibrationFile>& files,
+                                           const JobOrigin& origin) {
+  if (!std::exchange(asked_, false) || !unwritten_) return std::nullopt;
+  return WriteJob{*unwritten_, files, final_waits_, origin, ++last_number_};
+}
+
+void ResultWrites::begun(const WriteJob& job) {
+  final_waits_ = false;
+  being_written_ = job.files;
+}
+
+void ResultWrites::ended(const WriteJob& job, const SessionFiles::Outcome& outcome) {
+  const auto& [written, kept, lost] = outcome;
+  status_ = written;
+  final_waits_ |= !written && job.final;  // it is final when it is tried again, too
+  // A newer calibration may wait behind this one.
+  if (written && job.number == last_number_) unwritten_.reset();
+  if (!written && !std::exchange(failed_, true)) {
+    notices_.push_back({Notice::Kind::kWarning, written.error()});
+  }
+  if (lost) notices_.push_back({Notice::Kind::kWarning, *lost});
+  if (!kept.empty() && !std::exchange(kept_, true)) notices_.push_back(kept_file(kept));
+}
+
+std::optional<Notice> ResultWrites::late(std::chrono::seconds waited) {
+  if (std::exchange(late_, true)) return std::nullopt;
+  return late_files(being_written_, waited);
+}
+
+std::optional<Notice> ResultWrites::take_notice() {
+  if (notices_.empty()) return std::nullopt;
+  Notice first = std::move(notices_.front());
+  notices_.pop_front();
+  return first;
+}
+
+}  // namespace calvin

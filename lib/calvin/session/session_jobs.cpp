@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Solves what a session asks for.
+
+#include "calvin/session/session_jobs.hpp"
+
+#include "calvin/session/refine_with_camera.hpp"
+
+namespace calvin {
+
+Result<Solution> solve_job(const SolveJob& job, const std::stop_token& stop) {
+  std::vector<View> views;
+  views.reserve(job.views.size());
+  for (const auto& view : job.views) views.push_back(*view);
+  return solve_in_runs(views, job.size, job.options, job.runs, stop);
+}
+
+}  // namespace calvin

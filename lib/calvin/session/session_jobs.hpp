@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a CalibrationSession asks others to do for it: to solve views, to write a result.
+#pragma once
+
+#include <cstdint>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/session/files/calibration_files.hpp"
+#include "calvin/session/frame_times.hpp"
+#include "calvin/session/session.hpp"
+#include "calvin/solve/solve.hpp"
+
+namespace calvin {
+
+// The state of a session that a job was made of. The session that has gone on since then knows by
+// it what still counts.
+struct JobOrigin {
+  std::uint64_t session = 0;     // a reset begins a new one
+  std::uint64_t generation = 0;  // so do a view that is removed and other options of the solver
+  std::uint64_t revision = 0;    // so do a new view and other files
+};
+
+struct SolveJob {
+  Session::Views views;
+  ImageSize size;
+  SolveOptions options;
+  int runs = 1;
+  bool final = false;
+  std::string location;  // what the result tells of itself: its native file, or empty
+  FrameTimes times;      // likewise, of the newest frame with a board
+  JobOrigin origin;
+};
+
+struct WriteJob {
+  Calibration calibration;
+  std::vector<CalibrationFile> files;
+  bool final = false;
+  JobOrigin origin;
+  std::uint64_t number = 0;  // of the writes of all sessions
+};
+
+// On any thread: takes as long as the solve does.
+[[nodiscard]] Result<Solution> solve_job(const SolveJob& job, const std::stop_token& stop);
+
+}  // namespace calvin

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a session has solved and written, and what it makes of the results.
+
+#include <cmath>
+#include <utility>
+
+#include "calvin/session/calibration_session.hpp"
+
+namespace calvin {
+
+void CalibrationSession::ask(bool final) {
+  // The newest job replaces one that waits, and takes over what it owes.
+  final_owed_ |= final;
+  asked_ = true;
+}
+
+std::optional<SolveJob> CalibrationSession::take_solve() {
+  if (!std::exchange(asked_, false)) return std::nullopt;
+  SolveJob job;
+  job.views = views_.views();
+  job.size = size_;
+  job.options = plan_.options;
+  job.options.camera = camera_name();
+  job.options.initial = initial_;
+  job.final = final_owed_;
+  if (job.final) job.runs = plan_.settings.runs;
+  job.location = plan_.settings.location;
+  job.times = times_;
+  job.origin = origin();
+  return job;
+}
+
+bool CalibrationSession::is_current(const JobOrigin& origin) const {
+  return origin.generation == generation_;
+}
+
+void CalibrationSession::failed(const SolveJob& job, const Error& why) {
+  if (!is_current(job.origin)) return;
+  solve_error_ = why.message;
+  if (job.final) final_owed_ = false;
+}
+
+std::optional<Published> CalibrationSession::solved(const SolveJob& job, const Solution& solution) {
+  if (!is_current(job.origin)) return std::nullopt;
+  calibration_ = solution.calibration;
+  solve_error_.clear();
+  const double error = calibration_->expected_error.value_or(HUGE_VAL);
+  const bool better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
+  if (better) {
+    announce_ = published_ = true;
+    published_error_ = calibration_->expected_error;
+    writes_.add(*calibration_);
+  }
+  if (plan_.files.empty()) writes_.forget();
+  writes_.ask(job.final);
+  return Published{better, writes_.waiting(), progress()};
+}
+
+std::vector<TakenView> CalibrationSession::newly_rejected(const SolveJob& job,
+                                                          const Solution& solution) {
+  if (!is_current(job.origin)) return {};
+  // Views that were taken since are behind those that were solved.
+  std::vector<Reason> reasons(taken_.size(), Reason::kAccepted);
+  for (const RejectedView& view : solution.rejected) reasons[view.index] = view.reason;
+  std::vector<TakenView> rejected;
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    const Reason before = std::exchange(taken_[i].reason, reasons[i]);
+    if (before == Reason::kAccepted && reasons[i] != before) rejected.push_back(taken_[i]);
+  }
+  return rejected;
+}
+
+void CalibrationSession::reported(const SolveJob& job) {
+  if (!job.final) return;
+  final_owed_ = false;
+  final_revision_ = job.origin.revision;
+}
+
+std::optional<Calibration> CalibrationSession::take_announcement() {
+  if (!std::exchange(announce_, false)) return std::nullopt;
+  return calibration_;
+}
+
+// ---- Interruption and end -----------------------------------------------------------------------
+
+void CalibrationSession::resume() {
+  next_solve_ = 0;
+  writes_.ask(false);
+  if (final_owed_) ask(true);
+}
+
+LastWork CalibrationSession::end_of_stream() {
+  if (final_revision_ != revision_ && enough_views()) {
+    ask(true);
+    return LastWork::kSolve;
+  }
+  if (!writes_.waiting()) return LastWork::kNone;
+  writes_.ask(true);  // a disk that was full may have room by now
+  return LastWork::kWrite;
+}
+
+Verdict CalibrationSession::verdict() const {
+  Verdict verdict;
+  verdict.files_wanted = !plan_.files.empty();
+  if (!solve_error_.empty()) {
+    verdict.status = tl::unexpected<Error>(solve_failed(solve_error_, calibration_.has_value()));
+  } else if (calibration_) {
+    verdict.status = writes_.status();
+  } else {
+    verdict.status =
+        tl::unexpected<Error>(too_few_views(views_.views().size(), plan_.settings.min_views));
+  }
+  return verdict;
+}
+
+// ---- Writes -------------------------------------------------------------------------------------
+
+std::optional<WriteJob> CalibrationSession::take_write() {
+  return writes_.take(plan_.files, origin());
+}
+
+bool CalibrationSession::begin_write(const WriteJob& job) {
+  if (!is_current(job.origin)) return false;
+  writes_.begun(job);
+  return true;
+}
+
+void CalibrationSession::end_write(const WriteJob& job, const SessionFiles::Outcome& outcome) {
+  // While the files were written a new session may have begun, whose own results count.
+  if (is_current(job.origin)) writes_.ended(job, outcome);
+}
+
+}  // namespace calvin

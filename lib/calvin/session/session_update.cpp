@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// How the settings of a session come into force.
+
+#include <utility>
+
+#include "calvin/session/calibration_session.hpp"
+
+namespace calvin {
+
+void CalibrationSession::start(SessionPlan plan, bool writable) {
+  plan_ = std::move(plan);
+  seen_ = plan_.settings;
+  ++plan_serial_;
+  size_ = {};
+  initial_.reset();
+  writes_.begin_files(writable);
+  reset();
+}
+
+std::optional<SettingsUpdate> CalibrationSession::begin_update(const SessionSettings& now) {
+  if (!is_up_to_date(now)) return SettingsUpdate{now, seen_, plan_, plan_serial_};
+  solve_when_up_to_date(now);
+  return std::nullopt;
+}
+
+std::optional<std::vector<Error>> CalibrationSession::end_update(const SettingsUpdate& update,
+                                                                 SettingsRead read,
+                                                                 const SessionSettings& now) {
+  if (update.serial != plan_serial_) return std::nullopt;
+  ++plan_serial_;
+  seen_ = update.now;
+  std::optional<Error> warning;
+  if (read.change.plan.settings != update.plan.settings) {
+    warning = adopt(std::move(read.change.plan), read.writable.has_value());
+  }
+  solve_when_up_to_date(now);
+  std::vector<Error> warnings;
+  for (Error& error : read.change.refused) warnings.push_back(refused_setting(std::move(error)));
+  if (!read.writable) warnings.push_back(read.writable.error());
+  if (warning) warnings.push_back(*std::move(warning));
+  return warnings;
+}
+
+std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) {
+  const bool solve = solves_differently(plan.settings, plan_.settings);
+  const bool write = writes_elsewhere(plan.settings, plan_.settings);
+  plan_ = std::move(plan);
+  views_.set_options(plan_.session_options(live_));
+  finished_ = false;
+  std::optional<Error> warning;
+  if (solve) {
+    auto fitted = fit_initial(plan_, size_);
+    initial_ = std::move(fitted.calibration);
+    warning = std::move(fitted.warning);
+    ++generation_;  // what is being solved in the old way is of no use
+  }
+  if (write) writes_.begin_files(writable);
+  if (solve || write) {
+    ++revision_;
+    published_ = false;
+    writes_.forget();
+    if (enough_views()) ask(false);
+  }
+  return warning;
+}
+
+void CalibrationSession::solve_when_up_to_date(const SessionSettings& now) {
+  if (!is_up_to_date(now) || !std::exchange(solve_waits_, false)) return;
+  if (enough_views()) ask(true);
+}
+
+}  // namespace calvin

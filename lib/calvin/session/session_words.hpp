@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a session says to its user, in words.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "calvin/core/result.hpp"
+#include "calvin/session/files/calibration_files.hpp"
+
+namespace calvin {
+
+// What a user should hear while a session goes on.
+struct Notice {
+  enum class Kind { kInfo, kWarning };
+  Kind kind = Kind::kWarning;
+  Error error;  // for kInfo its message alone counts
+};
+
+[[nodiscard]] Error too_few_views(std::size_t views, int least);
+// Why there is no final result. `before`: there is one from an earlier solve.
+[[nodiscard]] Error solve_failed(const std::string& why, bool before);
+// Of settings that were refused while those before them go on.
+[[nodiscard]] Error refused_setting(Error why);
+// Of a write that has not ended for so long.
+[[nodiscard]] Notice late_files(const std::vector<CalibrationFile>& files,
+                                std::chrono::seconds waited);
+// Of a file that stays as another session left it.
+[[nodiscard]] Notice kept_file(const std::string& path);
+
+}  // namespace calvin
