@@ -29,7 +29,11 @@ bool CalibSolver::begin_write(const WriteJob& job) {
 
 void CalibSolver::run_write(const WriteJob& job, const std::stop_token& stop) {
   if (!begin_write(job)) return;
-  const auto outcome = files_.write(job.files, job.calibration, job.final, job.origin.session);
+  const auto outcome =
+      files_.write(job.files, job.calibration, job.final, job.origin.session, [this, &job] {
+        const std::lock_guard guard(lock_);
+        return session_.is_current(job.origin);
+      });
   const std::string& kept = outcome.kept;
   GST_DEBUG_OBJECT(element_, "%" G_GSIZE_FORMAT " files: %s", job.files.size(),
                    outcome.status ? "written" : outcome.status.error().message.c_str());

@@ -230,6 +230,18 @@ GST_START_TEST(test_a_reset_forgets_the_write_that_waits) {
 }
 GST_END_TEST;
 
+// Of a write that is under way the file at hand is ended, and no other one is begun.
+GST_START_TEST(test_a_reset_stops_the_files_that_follow) {
+  check::TemporaryFolder folder;
+  SolveFixture f("location=" + folder / "cam.json export=ros:" + folder / "cam.yaml");
+  hang_in_a_write(f);  // of cam.json
+  g_signal_emit_by_name(f.element, "reset");
+  disk.open();
+  f.eos();
+  fail_if(std::filesystem::exists(folder / "cam.yaml"));
+}
+GST_END_TEST;
+
 // What a write has to say and may not say during a flush is said after it.
 GST_START_TEST(test_a_flush_loses_no_word_of_a_write) {
   check::TemporaryFolder folder;
@@ -268,6 +280,7 @@ static Suite* calibsolve_late_suite() {
   tcase_add_test(tc, test_the_file_that_is_late_is_named_whatever_is_wanted_now);
   tcase_add_test(tc, test_without_files_no_result_waits);
   tcase_add_test(tc, test_a_reset_forgets_the_write_that_waits);
+  tcase_add_test(tc, test_a_reset_stops_the_files_that_follow);
   tcase_add_loop_test(tc, test_a_flush_loses_no_word_of_a_write, 0, 2);
   return suite;
 }

@@ -44,7 +44,7 @@ void ResultWrites::begun(const WriteJob& job) {
 }
 
 void ResultWrites::ended(const WriteJob& job, const SessionFiles::Outcome& outcome) {
-  const auto& [written, kept, lost] = outcome;
+  const Status& written = outcome.status;
   status_ = written;
   final_waits_ |= !written && job.final;  // it is final when it is tried again, too
   // A newer calibration may wait behind this one.
@@ -52,8 +52,13 @@ void ResultWrites::ended(const WriteJob& job, const SessionFiles::Outcome& outco
   if (!written && !std::exchange(failed_, true)) {
     notices_.push_back({Notice::Kind::kWarning, written.error()});
   }
-  if (lost) notices_.push_back({Notice::Kind::kWarning, *lost});
-  if (!kept.empty() && !std::exchange(kept_, true)) notices_.push_back(kept_file(kept));
+  if (!outcome.kept.empty() && !std::exchange(kept_, true)) {
+    notices_.push_back(kept_file(outcome.kept));
+  }
+}
+
+void ResultWrites::replaced(const SessionFiles::Outcome& outcome) {
+  if (outcome.lost) notices_.push_back({Notice::Kind::kWarning, *outcome.lost});
 }
 
 std::optional<Notice> ResultWrites::late(std::chrono::seconds waited) {

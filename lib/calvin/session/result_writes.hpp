@@ -38,6 +38,8 @@ class ResultWrites {
                                              const JobOrigin& origin);
   void begun(const WriteJob& job);
   void ended(const WriteJob& job, const SessionFiles::Outcome& outcome);
+  // Of a write whose result does not count any more, too.
+  void replaced(const SessionFiles::Outcome& outcome);
   // To say where the write that began last has not ended for so long: once for each set of files.
   [[nodiscard]] std::optional<Notice> late(std::chrono::seconds waited);
 

@@ -130,6 +130,8 @@ bool CalibrationSession::begin_write(const WriteJob& job) {
 void CalibrationSession::end_write(const WriteJob& job, const SessionFiles::Outcome& outcome) {
   // While the files were written a new session may have begun, whose own results count.
   if (is_current(job.origin)) writes_.ended(job, outcome);
+  // A view may have been removed: what a file held of another session is lost to it all the same.
+  if (job.origin.session == session_) writes_.replaced(outcome);
 }
 
 }  // namespace calvin

@@ -41,7 +41,8 @@ class FilesOfSessions : public CalibrationSessions {
     const auto job = session_.take_write();
     EXPECT_TRUE(job.has_value()) << "no write is asked for";
     if (!job || !session_.begin_write(*job)) return {};
-    auto outcome = files_.write(job->files, job->calibration, job->final, job->origin.session);
+    auto outcome = files_.write(job->files, job->calibration, job->final, job->origin.session,
+                                [&] { return session_.is_current(job->origin); });
     session_.end_write(*job, outcome);
     return outcome;
   }
@@ -201,6 +202,41 @@ TEST_F(FilesOfSessions, CountForTheSessionThatWroteThemAlone) {
   session_.end_write(*late, {});
   session_.resume();
   EXPECT_TRUE(session_.take_write().has_value()) << "the own result is not written yet";
+}
+
+// A disk that hangs at the first file must not get the others once they are nobody's any more.
+TEST_F(FilesOfSessions, ThatFollowStayWhereTheirSessionHasEnded) {
+  begin_with("ros:" + folder_.path("cam.yaml") + ",opencv-json:" + folder_.path("cv.json"));
+  show(3);
+  solve(0.5);
+  const auto job = session_.take_write();
+  ASSERT_TRUE(session_.begin_write(*job));
+  int files = 0;
+  const auto outcome =
+      files_.write(job->files, job->calibration, job->final, job->origin.session, [&] {
+        if (++files == 2) session_.reset();
+        return session_.is_current(job->origin);
+      });
+  EXPECT_TRUE(outcome.status.has_value());
+  EXPECT_EQ(folder_.entries(), 1u);
+  EXPECT_EQ(views_of(path_), 3);
+}
+
+TEST_F(FilesOfSessions, SayWhatTheyHeldThoughAViewIsRemovedMeanwhile) {
+  leave(0.01);
+  begin_with();
+  show(4);
+  ASSERT_TRUE(session_.solve_now(settings_).has_value());
+  solve(0.5);
+  const auto job = session_.take_write();
+  ASSERT_TRUE(session_.begin_write(*job));
+  const auto outcome = files_.write(job->files, job->calibration, job->final, job->origin.session,
+                                    [] { return true; });
+  ASSERT_TRUE(session_.remove_view(0));
+  session_.end_write(*job, outcome);
+  const auto said = notices();
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_NE(said[0].find("It is kept as '" + path_ + "~'"), std::string::npos) << said[0];
 }
 
 // ---- What goes wrong ----------------------------------------------------------------------------

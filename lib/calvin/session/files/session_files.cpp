@@ -76,7 +76,8 @@ Status SessionFiles::write_one(const CalibrationFile& file, const Calibration& c
 
 SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& files,
                                           const Calibration& calibration, bool final,
-                                          std::uint64_t session) {
+                                          std::uint64_t session,
+                                          const std::function<bool()>& counts) {
   if (std::exchange(session_, session) != session) ours_.clear();
   std::map<std::string, Calibration> foreign;
   std::vector<Calibration> others;
@@ -95,6 +96,7 @@ SessionFiles::Outcome SessionFiles::write(const std::vector<CalibrationFile>& fi
   const bool replace = final || (!any_unread && may_replace(calibration, others));
   Outcome outcome;
   for (const CalibrationFile& file : files) {
+    if (!counts()) break;
     if (!final && is_stream(file.path)) continue;
     const auto before = foreign.find(file.path);
     if (!replace && before != foreign.end()) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -30,8 +31,11 @@ class SessionFiles {
   // before: what someone has put there since is another session's. A pipe or a device gets final
   // results alone: what is read from it cannot be replaced. What another session's file FILE held
   // is kept as FILE~.
+  //
+  // Before each file counts() is asked; once it is false the others stay as they are.
   [[nodiscard]] Outcome write(const std::vector<CalibrationFile>& files,
-                              const Calibration& calibration, bool final, std::uint64_t session);
+                              const Calibration& calibration, bool final, std::uint64_t session,
+                              const std::function<bool()>& counts);
 
  private:
   [[nodiscard]] bool holds_ours(const std::string& path) const;
