@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/session/hint_target.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
@@ -19,6 +20,7 @@ bool CalibrationSession::set_size(ImageSize size, std::optional<Error>& warning)
   initial_ = std::move(fitted.calibration);
   warning = std::move(fitted.warning);
   if (!views_.views().empty()) reset();
+  renew_hint();
   return true;
 }
 
@@ -61,6 +63,9 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
     offered.reached = consider();
   }
   offered.reason = reason;
+  const bool new_board = board_ != *board;
+  board_ = *board;
+  if (new_board || reason == Reason::kAccepted) renew_hint();
   const bool new_reason = std::exchange(last_reason_, reason) != reason;
   offered.report = reason == Reason::kAccepted || new_reason;
   if (reason == Reason::kWrongBoard && offered.report) {
@@ -74,11 +79,26 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
 
 Progress CalibrationSession::progress() const {
   Progress now = views_.progress();
+  now.target = hint_.target;
   if (calibration_) {
     now.rms = calibration_->rms;
     now.expected_error = calibration_->expected_error;
   }
   return now;
+}
+
+std::optional<Camera> CalibrationSession::camera() const {
+  for (const std::optional<Calibration>* known : {&calibration_, &initial_}) {
+    if (!*known) continue;
+    if (auto camera = Camera::make(**known)) return *std::move(camera);
+  }
+  return nominal_camera(size_);
+}
+
+void CalibrationSession::renew_hint() {
+  hint_ = views_.hint();
+  if (!board_) return;
+  if (const auto now = camera()) hint_.target = hint_target(views_.coverage(), *board_, *now);
 }
 
 bool CalibrationSession::enough_views() const {
@@ -134,6 +154,7 @@ void CalibrationSession::reset() {
   solve_error_.clear();
   next_solve_ = 0;
   writes_.reset();
+  renew_hint();
 }
 
 bool CalibrationSession::remove_view(std::size_t index) {
@@ -149,6 +170,7 @@ bool CalibrationSession::remove_view(std::size_t index) {
   } else {
     calibration_.reset();
   }
+  renew_hint();
   return true;
 }
 

@@ -13,11 +13,13 @@
 #include <string_view>
 #include <vector>
 
+#include "calvin/camera/camera.hpp"
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/reason.hpp"
 #include "calvin/session/files/session_files.hpp"
 #include "calvin/session/frame_times.hpp"
+#include "calvin/session/hint.hpp"
 #include "calvin/session/progress.hpp"
 #include "calvin/session/result_writes.hpp"
 #include "calvin/session/session.hpp"
@@ -97,6 +99,10 @@ class CalibrationSession {
 
   [[nodiscard]] const Session& views() const noexcept { return views_; }
   [[nodiscard]] Progress progress() const;
+  // What to show next, and where to hold the board for it as camera() would see it there.
+  [[nodiscard]] const Hint& hint() const noexcept { return hint_; }
+  // The best camera by now: the newest solution, or `initial`, or nominal_camera().
+  [[nodiscard]] std::optional<Camera> camera() const;
   [[nodiscard]] const SessionPlan& plan() const noexcept { return plan_; }
 
   // ---- Solves: session_solves.cpp
@@ -146,6 +152,8 @@ class CalibrationSession {
   [[nodiscard]] Result<Board> board_of(const std::string& text);
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
   [[nodiscard]] std::string_view consider();
+  // After whatever may have changed views, board or camera.
+  void renew_hint();
   void ask(bool final);
   [[nodiscard]] std::optional<Error> adopt(SessionPlan plan, bool writable);
   void solve_when_up_to_date(const SessionSettings& now);
@@ -164,7 +172,9 @@ class CalibrationSession {
   std::string camera_;  // as the newest observation names it
   FrameTimes times_;    // of the newest frame with a board
   Reason last_reason_ = Reason::kAccepted;
-  bool complained_ = false;              // of broken observations
+  bool complained_ = false;     // of broken observations
+  std::optional<Board> board_;  // of the newest observation
+  Hint hint_;
   std::map<std::string, Board> boards_;  // by their texts, of the newest frames
 
   // What is solved.

@@ -4,7 +4,10 @@
 // What to show a camera next, for programs and, as a sentence, for users.
 #pragma once
 
+#include <optional>
 #include <string>
+
+#include "calvin/core/calibration.hpp"
 
 namespace calvin {
 
@@ -23,8 +26,15 @@ struct Hint {
   HintKind kind = HintKind::kShowBoard;
   HintDirection direction = HintDirection::kNone;
 
-  friend bool operator==(const Hint&, const Hint&) = default;
+  // camera_from_board of a view that does what the hint asks for, board upright. Absent for kGood,
+  // and where nobody knows camera and board.
+  std::optional<Pose> target = std::nullopt;
 };
+
+// Whether both ask for the same; where their targets are does not matter.
+[[nodiscard]] inline bool operator==(const Hint& a, const Hint& b) {
+  return a.kind == b.kind && a.direction == b.direction;
+}
 
 // "Move the board to the left side of the image." and the like, for every hint.
 [[nodiscard]] std::string to_text(const Hint& hint);

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "calvin/core/calibration.hpp"
+
 namespace calvin {
 
 struct Progress {
@@ -23,8 +25,9 @@ struct Progress {
   std::optional<double> expected_error;  // 1 sigma
   std::optional<double> rms;
 
-  bool captured = false;  // a view was taken from the frame at hand
-  std::string hint;       // what to show next, a sentence: of to_text(), or of another program
+  bool captured = false;       // a view was taken from the frame at hand
+  std::string hint;            // what to show next, a sentence: of to_text(), or of another program
+  std::optional<Pose> target;  // of the hint, camera_from_board; absent where it has none
 };
 
 }  // namespace calvin

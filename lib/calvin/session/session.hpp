@@ -72,6 +72,7 @@ class Session {
   // Of the views alone: a session knows no calibration and no frame.
   [[nodiscard]] Progress progress() const;
   [[nodiscard]] Hint hint() const { return coverage_.hint(); }
+  [[nodiscard]] const ViewCoverage& coverage() const noexcept { return coverage_; }
 
   // At least min_views, and max_views reached or, in kAuto, the ranges of Progress spanned; without
   // guidance (kAll, kManual) min_views is enough.

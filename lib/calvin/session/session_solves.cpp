@@ -46,6 +46,7 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
   if (!is_current(job.origin)) return std::nullopt;
   calibration_ = solution.calibration;
   solve_error_.clear();
+  renew_hint();
   const double error = calibration_->expected_error.value_or(HUGE_VAL);
   const bool better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
   if (better) {

@@ -55,6 +55,7 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
     initial_ = std::move(fitted.calibration);
     warning = std::move(fitted.warning);
     ++generation_;  // what is being solved in the old way is of no use
+    renew_hint();   // `initial` is the camera until there is a solution
   }
   if (write) writes_.begin_files(writable);
   if (solve || write) {
