@@ -139,6 +139,7 @@ std::vector<Error> FrameUndistorter::update(const CalibrationInput& input, const
   const Key key = undistort ? key_of(input.serial(), request.view, request.distort) : plain;
   sampling_ = request.sampling;
   workers_.resize(request.threads);
+  scratch_.resize(static_cast<std::size_t>(request.threads));
   // What a worker was asked for with other frames or another camera comes too late.
   if (const auto built = builder_.take();
       built && built->key.frames == frames_ &&
@@ -210,7 +211,10 @@ Status FrameUndistorter::apply(const GstVideoFrame& in, const GstVideoFrame& out
   }
   const auto from = std::span(sources).first(planes_.size());
   const auto to = std::span(outputs).first(planes_.size());
-  workers_.run([&](int part, int parts) { current_->apply(from, to, sampling_, part, parts); });
+  workers_.run([&](int part, int parts) {
+    Undistorter::Scratch& scratch = scratch_[static_cast<std::size_t>(part)];
+    current_->apply(from, to, sampling_, part, parts, scratch);
+  });
   if (unpacks) pack(out);
   return {};
 }

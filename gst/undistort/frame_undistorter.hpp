@@ -97,6 +97,7 @@ class FrameUndistorter {
   bool limit_reported_ = false;
   Sampling sampling_;
   mutable RowWorkers workers_;
+  mutable std::vector<Undistorter::Scratch> scratch_;  // of each worker
   // The last frames that came and went, where they have to be unpacked.
   mutable std::optional<UnpackedFrame> unpacked_in_;
   mutable std::optional<UnpackedFrame> unpacked_out_;

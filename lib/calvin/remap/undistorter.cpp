@@ -147,24 +147,45 @@ Result<Undistorter> Undistorter::between(Undistorter cameras,
   return result;
 }
 
+Undistorter::Scratch::Scratch() : rows_(std::make_unique<remap::RowScratch>()) {}
+Undistorter::Scratch::~Scratch() = default;
+Undistorter::Scratch::Scratch(Scratch&& other) noexcept = default;
+Undistorter::Scratch& Undistorter::Scratch::operator=(Scratch&& other) noexcept = default;
+
 void Undistorter::apply(std::size_t plane, PlaneMemory<const std::uint8_t> source,
                         PlaneMemory<std::uint8_t> output, const Sampling& sampling) const noexcept {
+  remap::RowScratch scratch;
   for (const Plane& p : planes_) {
     if (plane < p.first || plane >= p.first + p.count) continue;
     const PlaneMap& map = maps_[p.map];
-    remap_rows(map, p.layout, {&source, 1}, {&output, 1}, sampling, 0, map.size().height);
+    remap_rows(map, p.layout, {&source, 1}, {&output, 1}, sampling, 0, map.size().height, scratch);
   }
 }
 
 void Undistorter::apply(std::span<const PlaneMemory<const std::uint8_t>> sources,
                         std::span<const PlaneMemory<std::uint8_t>> outputs,
                         const Sampling& sampling, int part, int parts) const noexcept {
+  remap::RowScratch scratch;
+  apply_part(sources, outputs, sampling, part, parts, scratch);
+}
+
+void Undistorter::apply(std::span<const PlaneMemory<const std::uint8_t>> sources,
+                        std::span<const PlaneMemory<std::uint8_t>> outputs,
+                        const Sampling& sampling, int part, int parts,
+                        Scratch& scratch) const noexcept {
+  apply_part(sources, outputs, sampling, part, parts, *scratch.rows_);
+}
+
+void Undistorter::apply_part(std::span<const PlaneMemory<const std::uint8_t>> sources,
+                             std::span<const PlaneMemory<std::uint8_t>> outputs,
+                             const Sampling& sampling, int part, int parts,
+                             remap::RowScratch& scratch) const noexcept {
   for (const Plane& p : planes_) {
     const PlaneMap& map = maps_[p.map];
     const std::int64_t rows = map.size().height;
     remap_rows(map, p.layout, sources.subspan(p.first, p.count), outputs.subspan(p.first, p.count),
                sampling, static_cast<int>(rows * part / parts),
-               static_cast<int>(rows * (part + 1) / parts));
+               static_cast<int>(rows * (part + 1) / parts), scratch);
   }
 }
 

@@ -142,5 +142,32 @@ TEST(RemapMemory, SharesOfTheRowsMakeTheSamePicture) {
   }
 }
 
+// A scratch that has seen wider rows, other layouts, lenses and kernels beside one that has not.
+TEST(RemapMemory, WhatAWorkerHasNotedBeforeChangesNoPicture) {
+  Undistorter::Scratch kept;
+  for (const ImageSize size : {ImageSize{2300, 40}, ImageSize{331, 243}}) {
+    for (const Lens& lens : kLenses) {
+      const Camera source =
+          reference::camera(lens, size, 0.55 * size.width, 0.5 * size.width, 0.49 * size.height);
+      for (const PlaneLayout& layout : kLayouts) {
+        const Undistorter undistorter = Undistorter::make(source, {0.5, {}}, {layout}).value();
+        const PlaneSize in = size_of(layout, layout.sites().source, size);
+        const PlaneSize out = size_of(layout, layout.sites().output, size);
+        const Fenced input(in.bytes);
+        const std::vector<PlaneMemory<const std::uint8_t>> sources = {{input.first(), in.stride}};
+        for (const auto way :
+             {Interpolation::kNearest, Interpolation::kBilinear, Interpolation::kBicubic}) {
+          std::vector<std::uint8_t> alone(out.bytes);
+          std::vector<std::uint8_t> after(out.bytes);
+          undistorter.apply(0, sources[0], {alone.data(), out.stride}, {way});
+          const std::vector<PlaneMemory<std::uint8_t>> outputs = {{after.data(), out.stride}};
+          undistorter.apply(sources, outputs, {way}, 0, 1, kept);
+          EXPECT_EQ(alone, after) << lens.name << ", " << layout.pixel_step << " bytes a pixel";
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace calvin

@@ -25,13 +25,13 @@ namespace {
 using remap::NodeRows;
 using remap::RunRow;
 
-// Takes a chunk of runs down the rows, and keeps the scratch memory for them.
+// Takes a chunk of runs down the rows.
 class RowRenderer {
  public:
   RowRenderer(const PlaneMap& map, const PlaneLayout& layout,
               std::span<const PlaneMemory<const std::uint8_t>> sources,
               std::span<const PlaneMemory<std::uint8_t>> outputs, const Sampling& sampling,
-              int first_run)
+              int first_run, remap::RowScratch& scratch)
       : map_(map),
         layout_(layout),
         sources_(sources),
@@ -46,7 +46,11 @@ class RowRenderer {
         group_(choice_.bicubic ? 1 : remap::run_group(choice_.pixel_layout, map.run_pixels())),
         pixels_(map.run_pixels()),
         first_run_(first_run),
-        first_(first_run * map.run_pixels()) {
+        first_(first_run * map.run_pixels()),
+        scratch_(scratch),
+        nodes_(scratch.nodes),
+        band_(scratch.band),
+        row_(scratch.row) {
     runs_ = std::min(remap::kChunkRuns, map.runs() - first_run);
     width_ = std::min(runs_ * pixels_, map.size().width - first_);
     row_.count = runs_;
@@ -89,7 +93,7 @@ class RowRenderer {
     remap::interpolate_runs(between, runs_, row_.x, row_.y);
     if (limits != nullptr) take_middles(*limits);
     if (!choice_.bicubic) return describe_with(nullptr);
-    std::fill_n(row_.rows, row_.count, 0);
+    std::fill_n(row_.marks, row_.count, 0);
     return remap::kAllSlow;
   }
 
@@ -182,9 +186,7 @@ class RowRenderer {
   }
 
   void mark_slow(int begin, int end) noexcept {
-    for (int j = std::max(begin, 0); j < end; ++j) {
-      row_.rows[j] = remap::kSlowRun | remap::kSlowGroup;
-    }
+    for (int j = std::max(begin, 0); j < end; ++j) row_.marks[j] = remap::kLeftOut;
   }
 
   [[nodiscard]] bool is_nearest() const noexcept {
@@ -207,7 +209,7 @@ class RowRenderer {
     }
     blend(0, whole, planes);
     for (int j = whole; j < row_.count; j += group_) {
-      if (row_.rows[j] < remap::kSlowGroup) blend_tail(y, j, planes);
+      if (!has(row_.marks[j], remap::RunMark::kSlowGroup)) blend_tail(y, j, planes);
     }
   }
 
@@ -249,7 +251,8 @@ class RowRenderer {
   // Writes the slow runs: the fill, by the gather kernel, or by the scalar kernel.
   void sample_rest(int y, const PlaneMap::Row* limits, remap::SlowBlocks slow) noexcept {
     if (slow == 0) return;
-    const auto kind = [&](int j) { return row_.rows[j] & (remap::kSlowRun | remap::kEmptyRun); };
+    constexpr remap::RunMarks kKind = remap::RunMark::kSlow | remap::RunMark::kEmpty;
+    const auto kind = [&](int j) { return row_.marks[j] & kKind; };
     const auto in_slow_block = [&](int j) { return (slow & remap::slow_block(j)) != 0; };
     // The gather kernel takes whole runs; the last run of a row may be shorter.
     const int whole = gathers(limits) ? width_ / pixels_ : 0;
@@ -259,17 +262,17 @@ class RowRenderer {
         end = (j / remap::kSlowBlockRuns + 1) * remap::kSlowBlockRuns;
         continue;
       }
-      const std::int32_t of_first = kind(j);
+      const remap::RunMarks of_first = kind(j);
       for (end = j + 1; end < row_.count && in_slow_block(end) && kind(end) == of_first; ++end) {
       }
       if (of_first == 0) continue;
-      if (of_first >= remap::kEmptyRun) {
+      if (has(of_first, remap::RunMark::kEmpty)) {
         for (std::size_t p = 0; p < sources_.size(); ++p) {
           remap::fill_span(layout_, {output_row(p, y), 0}, span_of(j, end, limits));
         }
         continue;
       }
-      for (; j < std::min(whole, end); ++j) slow_runs_[gathered++] = j;
+      for (; j < std::min(whole, end); ++j) scratch_.slow_runs[gathered++] = j;
       if (j < end) sample_span(y, j, end, limits);
     }
     for (std::size_t p = 0; p < sources_.size() && gathered > 0; ++p) gather(p, y, gathered);
@@ -291,13 +294,13 @@ class RowRenderer {
                                     sampling_.outside == Outside::kMirror,
                                     fill_,
                                     words_};
-    if (!remap::gather_runs(choice_.pixel_layout, task, slow_runs_.data(), count,
-                            sources_[plane].data, output_at(plane, y, 0), left_.data())) {
+    if (!remap::gather_runs(choice_.pixel_layout, task, scratch_.slow_runs.data(), count,
+                            sources_[plane].data, output_at(plane, y, 0), scratch_.left.data())) {
       return;
     }
     for (int i = 0; i < count; ++i) {
-      const int run = slow_runs_[i];
-      if (left_[i]) sample_span(plane, y, span_of(run, run + 1, nullptr));
+      const int run = scratch_.slow_runs[i];
+      if (scratch_.left[i]) sample_span(plane, y, span_of(run, run + 1, nullptr));
     }
   }
 
@@ -340,12 +343,11 @@ class RowRenderer {
   bool band_shared_ = false;         // all runs of the band are steady or empty
   float band_fraction_per_row_ = 0;  // what each row adds to band_fraction_
   float band_fraction_ = 0;          // the fraction of the band's height above the row, 0..1
-  std::array<std::int32_t, remap::kChunkRuns> slow_runs_;
-  std::array<bool, remap::kChunkRuns> left_;  // those of slow_runs_ that gather() has left
-  std::uint32_t fill_ = 0;                    // a filled pixel as it is in memory
-  NodeRows nodes_;
-  remap::Band band_;
-  RunRow row_;
+  std::uint32_t fill_ = 0;           // a filled pixel as it is in memory
+  remap::RowScratch& scratch_;       // and its parts:
+  NodeRows& nodes_;
+  remap::Band& band_;
+  RunRow& row_;
 };
 
 }  // namespace
@@ -353,13 +355,13 @@ class RowRenderer {
 void remap_rows(const PlaneMap& map, const PlaneLayout& layout,
                 std::span<const PlaneMemory<const std::uint8_t>> sources,
                 std::span<const PlaneMemory<std::uint8_t>> outputs, const Sampling& sampling,
-                int begin, int end) noexcept {
+                int begin, int end, remap::RowScratch& scratch) noexcept {
   if (layout.components < 1 || layout.components > 4 || sources.empty() ||
       sources.size() > remap::kMaxPlanes || sources.size() != outputs.size()) {
     return;
   }
   for (int first = 0; first < map.runs(); first += remap::kChunkRuns) {
-    RowRenderer renderer(map, layout, sources, outputs, sampling, first);
+    RowRenderer renderer(map, layout, sources, outputs, sampling, first, scratch);
     for (int y = begin; y < end; ++y) renderer.row(y);
   }
 }

@@ -31,7 +31,7 @@ namespace calvin::remap::HWY_NAMESPACE {
 
 void blend_bicubic(const BicubicFormat& /*format*/, const SourceBounds& /*bounds*/, RunRow& row,
                    const std::uint8_t* /*source*/, std::uint8_t* /*output*/) {
-  for (int j = 0; j < row.count; ++j) row.rows[j] = kSlowRun;
+  for (int j = 0; j < row.count; ++j) row.marks[j] = bit(RunMark::kSlow);
 }
 
 #else
@@ -152,7 +152,7 @@ void blend_runs(const BicubicFormat& format, const SourceBounds& bounds, RunRow&
   constexpr int kStep = static_cast<int>(hn::MaxLanes(d));
   alignas(64) std::uint32_t values[kComponents * kPixels];
   for (int j = 0; j < row.count; ++j) {
-    if (row.rows[j] >= kSlowRun) continue;
+    if (has(row.marks[j], RunMark::kSlow)) continue;
     const RunCurve px(row.x + j);
     const RunCurve py(row.y + j);
     bool inside = true;
@@ -169,7 +169,7 @@ void blend_runs(const BicubicFormat& format, const SourceBounds& bounds, RunRow&
     if (inside) {
       put(format, values, kComponents, output + j * kPixels * format.pixel_step);
     } else {
-      row.rows[j] = kSlowRun;
+      row.marks[j] = bit(RunMark::kSlow);
     }
   }
 }
@@ -191,7 +191,7 @@ void blend_taps(const BicubicFormat& format, const SourceBounds& bounds, RunRow&
     case -2:
       return blend_runs<kTaps, 2, true>(format, bounds, row, source, output);
     default:
-      for (int j = 0; j < row.count; ++j) row.rows[j] = kSlowRun;
+      for (int j = 0; j < row.count; ++j) row.marks[j] = bit(RunMark::kSlow);
   }
 }
 

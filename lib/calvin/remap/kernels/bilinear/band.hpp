@@ -52,13 +52,13 @@ struct Band {
   // What the rows share, by the first run of each vector of runs.
   enum class Kind : std::uint8_t {
     kMixed,      // nothing
-    kSteady,     // all of the above, and RunRow::rows, which has kSteadyRows
-    kHighSlope,  // RunRow::rows: the slope of each run is too high for the bilinear kernel
-    kEmpty       // RunRow::rows: the source has nothing to show
+    kSteady,     // all of the above, and RunRow::marks
+    kHighSlope,  // RunRow::marks: the slope of each run is too high for the bilinear kernel
+    kEmpty       // RunRow::marks: the source has nothing to show
   };
   Kind kind[kRuns];
-  // RunRow::rows of all runs, where they are all steady and it is the same for all; else 0.
-  std::int32_t marks;
+  // RunRow::marks of all runs, where they are all steady and have the same; else 0.
+  RunMarks marks;
 
   // Makes a band whose rows share nothing.
   void clear() noexcept {

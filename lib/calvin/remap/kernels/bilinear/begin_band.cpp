@@ -232,15 +232,15 @@ HWY_INLINE Band::Kind kind_of(const BandAxis& x, const BandAxis& y, const Source
   return inside && straight ? Band::Kind::kSteady : Band::Kind::kMixed;
 }
 
-// RunRow::rows of a vector of runs that reads `rows` rows; for mixed runs it is found row by row.
-HWY_INLINE std::int32_t marks_of(Band::Kind kind, int rows) {
+// RunRow::marks of a vector of runs that reads `rows` rows; for mixed runs it is found row by row.
+HWY_INLINE RunMarks marks_of(Band::Kind kind, int rows) {
   switch (kind) {
     case Band::Kind::kSteady:
-      return kSteadyRows + rows;
+      return rows | RunMark::kSteady;
     case Band::Kind::kHighSlope:
-      return kSlowRun | kSlowGroup;
+      return kLeftOut;
     case Band::Kind::kEmpty:
-      return kSlowRun | kSlowGroup | kEmptyRun;
+      return kLeftOut | RunMark::kEmpty;
     default:
       return 0;
   }
@@ -344,8 +344,9 @@ HWY_INLINE bool begin_bands(const SourceBounds& bounds, const NodeRows& nodes, i
     const Band::Kind kind = band.kind[j];
     shared = shared && (kind == Band::Kind::kSteady || kind == Band::Kind::kEmpty);
     const bool by_windows = P::kPerPixel && kind == Band::Kind::kSteady && fit_windows<P>(x, y);
-    const std::int32_t marks = marks_of(kind, rows) | (by_windows ? kWindowRows : 0);
-    hn::Store(hn::Set(d, marks), d, row.rows + j);
+    const RunMarks of_kind = marks_of(kind, rows);
+    const RunMarks marks = by_windows ? of_kind | RunMark::kWindows : of_kind;
+    hn::Store(hn::Set(d, marks), d, row.marks + j);
     const bool alike = j == 0 || marks == band.marks;
     band.marks = kind == Band::Kind::kSteady && alike ? marks : 0;
     if (kind != Band::Kind::kSteady) continue;

@@ -79,7 +79,7 @@ HWY_INLINE void locate_block(const RowTask& task, int begin, int end,
   constexpr int kRuns = P::kSamples / P::kRun;
   int to = 0;
   for (int j = begin; j < end; j += kRuns, to += P::kSamples) {
-    if (HWY_LIKELY(is_steady(task.row.rows[j]))) {
+    if (HWY_LIKELY(has(task.row.marks[j], RunMark::kSteady))) {
       store_coords<L, P>(segment_coords<P, kNearest, true>(task, j, band_fraction), to, samples);
     } else {
       store_coords<L, P>(segment_coords<P, kNearest, false>(task, j, band_fraction), to, samples);
@@ -167,11 +167,11 @@ HWY_INLINE void blend_group(const RowTask& task, int j, Numbers band_fraction,
 template <class L, bool kNearest, int kPlanes>
 HWY_INLINE void blend_other(const RowTask& task, int j, Numbers band_fraction,
                             const Planes<kPlanes>& planes, const BlenderOf<L>& blender) {
-  const std::int32_t mark = task.row.rows[j];
-  if (mark >= kSlowGroup) return;
-  if (is_steady(mark)) {
+  const RunMarks marks = task.row.marks[j];
+  if (has(marks, RunMark::kSlowGroup)) return;
+  if (has(marks, RunMark::kSteady)) {
     blend_group<L, true, false, kNearest>(task, j, band_fraction, planes, blender);
-  } else if (mark % kSteadyRows == 3) {
+  } else if (source_rows(marks) == 3) {
     blend_group<L, false, true, kNearest>(task, j, band_fraction, planes, blender);
   } else {
     blend_group<L, false, false, kNearest>(task, j, band_fraction, planes, blender);
@@ -184,7 +184,7 @@ HWY_INLINE void blend_single(const RowTask& task, int begin, int end, Planes<kPl
   const auto blender = make_blender<L>(task.format);
   const auto band_fraction =
       in_register(hn::Set(Signed(), static_cast<std::int16_t>(task.band_fraction * 0x7FFF)));
-  const std::int32_t* marks = task.row.rows;
+  const RunMarks* marks = task.row.marks;
   const auto next = [&](int j) HWY_ATTR {
     for (auto& output : planes.outputs) output += kGroup * L::kRunPixels * L::kSampleBytes;
     return j + kGroup;
@@ -264,10 +264,11 @@ HWY_INLINE void blend_blocks(const RowTask& task, int begin, int end, Planes<kPl
     locate_block<L, kNearest>(task, block, last, band_fraction, samples);
     int first = 0;
     for (int j = block; j < last; j += kLanes, first += kLanes * L::kRunPixels) {
-      const std::int32_t mark = task.row.rows[j];
-      if (mark < kSlowGroup && HWY_LIKELY(mark % kSteadyRows == 3)) {
+      const RunMarks marks = task.row.marks[j];
+      const bool left_out = has(marks, RunMark::kSlowGroup);
+      if (!left_out && HWY_LIKELY(source_rows(marks) == 3)) {
         blend_runs_of(std::true_type(), j, first);
-      } else if (mark < kSlowGroup) {
+      } else if (!left_out) {
         blend_runs_of(std::false_type(), j, first);
       }
       for (auto& output : planes.outputs) output += L::kSpan * L::kOut;

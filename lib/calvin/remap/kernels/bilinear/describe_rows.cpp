@@ -189,10 +189,11 @@ HWY_NOINLINE bool describe_runs_at(int j, const AxisParabola& x_parabola,
   const Reads reads = reads_of<P>(x, y, b);
   const auto is_slow = hn::MaskFromVec(reads.slow);
   const auto empty = hn::And(reads.slow, outside(x, y, b));
-  const auto marks = hn::Or(
-      hn::Or(hn::And(reads.slow, hn::Set(d, kSlowRun)), hn::And(empty, hn::Set(d, kEmptyRun))),
-      hn::And(hn::BroadcastSignBit(reads.offset), hn::Set(d, kSlowGroup)));
-  hn::Store(hn::Or(reads.rows, marks), d, row.rows + j);
+  const auto marks =
+      hn::Or(hn::Or(hn::And(reads.slow, hn::Set(d, bit(RunMark::kSlow))),
+                    hn::And(empty, hn::Set(d, bit(RunMark::kEmpty)))),
+             hn::And(hn::BroadcastSignBit(reads.offset), hn::Set(d, bit(RunMark::kSlowGroup))));
+  hn::Store(hn::Or(reads.rows, marks), d, row.marks + j);
   hn::Store(reads.offset, d, row.offset + j);
   const auto to_4_12 = [&](hn::Vec<Ints> from_first)
                            HWY_ATTR { return hn::ShiftRight<2>(from_first + hn::Set(d, 2)); };
@@ -300,7 +301,7 @@ SlowBlocks describe_all(const SourceBounds& bounds, const RowBetweenNodes* betwe
     if (kind == Band::Kind::kHighSlope || kind == Band::Kind::kEmpty) {
       slow |= slow_block(j);
     } else if (kind == Band::Kind::kSteady) {
-      if (!P::kPerPixel && row.rows[j] == kSteadyThree) {
+      if (!P::kPerPixel && row.marks[j] == kSteadyThree) {
         describe_steady_at<P, true>(j, steady, band, row);
       } else {
         describe_steady_at<P, false>(j, steady, band, row);
@@ -331,7 +332,7 @@ int group_of(PixelLayout layout, int run) {
 SlowBlocks describe_slow(const SourceBounds& /*bounds*/, const RowBetweenNodes* between,
                          const Band& /*band*/, float /*band_fraction*/, RunRow& row) {
   if (between != nullptr) interpolate_row(*between, row.count, row.x, row.y);
-  std::fill_n(row.rows, row.count, kSlowRun | kSlowGroup);
+  std::fill_n(row.marks, row.count, kLeftOut);
   return kAllSlow;
 }
 

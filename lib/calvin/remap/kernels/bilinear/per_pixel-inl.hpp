@@ -129,16 +129,16 @@ HWY_INLINE void locate_block(const RowTask& task, int begin, int end,
                              hn::Vec<CoordNumbers<P>> band_fraction, Stride stride,
                              PixelVector<P>* pixels) {
   for (int j = begin; j < end; j += P::kSamples / P::kRun, ++pixels) {
-    const std::int32_t mark = task.row.rows[j];
+    const RunMarks marks = task.row.marks[j];
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
     if constexpr (kHasWindows<P>) {
-      if (HWY_LIKELY(by_windows<P>(task, mark))) {
+      if (HWY_LIKELY(by_windows<P>(task, marks))) {
         locate_window<P>(coords_of<P, true>(task.row, task.band, j, band_fraction), *pixels);
         continue;
       }
     }
 #endif
-    const BothAxes<P> at = is_steady(mark)
+    const BothAxes<P> at = has(marks, RunMark::kSteady)
                                ? coords_of<P, true>(task.row, task.band, j, band_fraction)
                                : coords_of<P, false>(task.row, task.band, j, band_fraction);
     store_pixels<P>(at, task.row.offset + j, stride, task.nearest, *pixels);
@@ -149,10 +149,10 @@ HWY_INLINE void locate_block(const RowTask& task, int begin, int end,
 template <class P>
 HWY_INLINE void blend_block(const PerPixelRow& row, const RowTask& task, int begin, int end,
                             const PixelVector<P>* pixels, std::uint8_t* out) {
-  const std::int32_t* marks = task.row.rows + begin;
+  const RunMarks* marks = task.row.marks + begin;
   const std::int32_t* offsets = task.row.offset + begin;
   constexpr int kRuns = P::kSamples / P::kRun;
-  // A vector is a group of runs, or a part of one: it has one mark.
+  // A vector is a group of runs, or a part of one: its runs have the same marks.
   for (int j = 0; j < end - begin; j += kRuns, out += P::kSamples * P::kStep, ++pixels) {
     hwy::Prefetch(out + kWriteAhead);
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
@@ -163,7 +163,7 @@ HWY_INLINE void blend_block(const PerPixelRow& row, const RowTask& task, int beg
       }
     }
 #endif
-    if (HWY_UNLIKELY(marks[j] >= kSlowGroup)) continue;
+    if (HWY_UNLIKELY(has(marks[j], RunMark::kSlowGroup))) continue;
     blend_pixels<P>(row, offsets + j, *pixels, out);
   }
 }

@@ -96,7 +96,7 @@ HWY_INLINE auto blend_rows(const RunRow& row, int j, const std::int32_t* offsets
   if constexpr (kThree) {
     return blend_three_rows<L, kNearest>(source, offsets, stride, taps, blender);
   } else {
-    return blend_more_rows<L, kNearest>(source, offsets, stride, row.rows[j] % kSteadyRows, taps,
+    return blend_more_rows<L, kNearest>(source, offsets, stride, source_rows(row.marks[j]), taps,
                                         blender);
   }
 }

@@ -100,10 +100,10 @@ HWY_INLINE hn::Vec<PerPixelNumbers> weights_of(const std::int16_t* samples, int 
 template <class P>
 constexpr bool kHasWindows = HWY_ARCH_X86&& HWY_TARGET <= HWY_AVX2&& P::kRun == 8;
 
-// Whether a vector of runs is blended from windows; `mark` is its RunRow::rows.
+// Whether a vector of runs is blended from windows.
 template <class P>
-HWY_INLINE bool by_windows(const RowTask& task, std::int32_t mark) {
-  return kHasWindows<P> && is_window(mark) && !task.nearest;
+HWY_INLINE bool by_windows(const RowTask& task, RunMarks marks) {
+  return kHasWindows<P> && has(marks, RunMark::kWindows) && !task.nearest;
 }
 
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2

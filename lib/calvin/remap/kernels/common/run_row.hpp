@@ -14,26 +14,31 @@ namespace calvin::remap {
 // Runs that are worked on at a time: the arrays of a chunk stay in the nearest cache.
 inline constexpr int kChunkRuns = 256;
 
-// Marks in RunRow::rows. A run that the bilinear kernel cannot take is slow; one that shows nothing
-// but the fill is empty as well; kSlowGroup says that all runs of the group are slow. The marks lie
-// above the number of rows (at most 15) and the marks of bands below.
-inline constexpr std::int32_t kSlowRun = 64;
-inline constexpr std::int32_t kEmptyRun = 128;
-inline constexpr std::int32_t kSlowGroup = 256;
+// What is known of a run: a bit each, above the four bits of source_rows().
+enum class RunMark : std::int32_t {
+  kWindows = 1 << 4,    // steady; in every row of the band three windows hold all of its pixels
+  kSteady = 1 << 5,     // the band has prepared the samples of the run
+  kSlow = 1 << 6,       // the bilinear kernel cannot take the run
+  kEmpty = 1 << 7,      // slow; the run shows nothing but the fill
+  kSlowGroup = 1 << 8,  // slow; so are all runs of its group
+};
 
-// Added to the number of rows where a band has prepared the samples of a run (a steady run).
-inline constexpr std::int32_t kSteadyRows = 32;
-inline constexpr std::int32_t kSteadyThree = kSteadyRows + 3;
-[[nodiscard]] constexpr bool is_steady(std::int32_t rows) noexcept {
-  return (rows & kSteadyRows) != 0;
+// The marks of a run, and how many rows of the source its group reads. It is a plain number because
+// vectors are made of it.
+using RunMarks = std::int32_t;
+[[nodiscard]] constexpr RunMarks bit(RunMark mark) noexcept { return static_cast<RunMarks>(mark); }
+[[nodiscard]] constexpr RunMarks operator|(RunMarks marks, RunMark mark) noexcept {
+  return marks | bit(mark);
 }
+[[nodiscard]] constexpr RunMarks operator|(RunMark a, RunMark b) noexcept { return bit(a) | b; }
+[[nodiscard]] constexpr bool has(RunMarks marks, RunMark mark) noexcept {
+  return (marks & bit(mark)) != 0;
+}
+[[nodiscard]] constexpr int source_rows(RunMarks marks) noexcept { return marks & 15; }
 
-// Added to the number of rows where windows into three rows of the source hold all pixels of a
-// steady run, in every row of the band.
-inline constexpr std::int32_t kWindowRows = 16;
-[[nodiscard]] constexpr bool is_window(std::int32_t rows) noexcept {
-  return (rows & kWindowRows) != 0;
-}
+// The most frequent marks; and those of a group that the bilinear kernel leaves out.
+inline constexpr RunMarks kSteadyThree = 3 | RunMark::kSteady;
+inline constexpr RunMarks kLeftOut = RunMark::kSlow | RunMark::kSlowGroup;
 
 // A set of blocks of 16 runs, a bit each: blocks that are not in the set have no slow run.
 inline constexpr int kSlowBlockRuns = 16;
@@ -75,8 +80,7 @@ struct RunRow {
   // Bytes from the beginning of the plane to the segment: the bytes of the first source row, 16 or
   // more, that hold all samples which the run needs of this row.
   alignas(64) std::int32_t offset[kRuns];
-  // The rows of the source that the run's group reads, and the marks above.
-  alignas(64) std::int32_t rows[kRuns];
+  alignas(64) RunMarks marks[kRuns];
   // Records of two 16-bit numbers, x in the low half and y in the high one. Where a run takes three
   // rows, y is counted from the middle row and is eight times as large.
   alignas(64) std::int32_t slope[kRuns];  // 2.14
