@@ -42,16 +42,15 @@ Status CalibDetector::start() {
   return worker_.start();
 }
 
-Result<CalibDetector::Detectors> CalibDetector::make_detectors(const std::string& text) {
-  const auto boards = parse_boards(text);
+Result<CalibDetector::SharedDetector> CalibDetector::make_boards_detector(const std::string& text) {
+  auto boards = parse_boards(text);
   if (!boards) return tl::unexpected<Error>(boards.error());
-  auto detectors = std::make_shared<std::vector<BoardDetector>>();
-  for (const Board& board : *boards) {
-    auto detector = make_detector(board);
-    if (!detector) return tl::unexpected<Error>(detector.error());
-    detectors->push_back({board, std::move(*detector)});
-  }
-  return detectors;
+  auto detector = make_detector(*boards);
+  if (!detector) return tl::unexpected<Error>(detector.error());
+  auto both = std::make_shared<BoardsDetector>();
+  both->boards = *std::move(boards);
+  both->detector = *std::move(detector);
+  return both;
 }
 
 Status CalibDetector::start_boards() {
@@ -63,14 +62,14 @@ Status CalibDetector::start_boards() {
     boards_found_.reset();
     text = settings_.board;
   }
-  if (Status taken = take_boards(make_detectors(text)); !taken) return taken;
+  if (Status taken = take_boards(make_boards_detector(text)); !taken) return taken;
   return board_reader_.start();
 }
 
 Status CalibDetector::update_boards() {
   std::string text;
   bool changed = false;
-  std::optional<Result<Detectors>> found;
+  std::optional<Result<SharedDetector>> found;
   {
     const std::lock_guard guard(lock_);
     changed = std::exchange(settings_.board_changed, false);
@@ -84,24 +83,24 @@ Status CalibDetector::update_boards() {
   if (changed && names_a_file(text)) {
     read_boards_beside(text);
   } else if (changed) {
-    found = make_detectors(text);
+    found = make_boards_detector(text);
   }
   return found ? take_boards(*std::move(found)) : Status();
 }
 
 void CalibDetector::read_boards_beside(const std::string& text) {
   board_reader_.offer([this, text, turn = boards_asked_for_](const std::stop_token& /*stop*/) {
-    auto found = make_detectors(text);
+    auto found = make_boards_detector(text);
     const std::lock_guard guard(lock_);
     if (turn == boards_asked_for_) boards_found_ = std::move(found);
   });
 }
 
-Status CalibDetector::take_boards(Result<Detectors> boards) {
+Status CalibDetector::take_boards(Result<SharedDetector> boards) {
   if (!boards) return tl::unexpected<Error>(boards.error());
-  detectors_ = *std::move(boards);
-  for (const BoardDetector& wanted : *detectors_) {
-    GST_INFO_OBJECT(element_, "looks for %s", wanted.board.text().c_str());
+  detector_ = *std::move(boards);
+  for (const Board& board : detector_->boards) {
+    GST_INFO_OBJECT(element_, "looks for %s", board.text().c_str());
   }
   return {};
 }
@@ -208,7 +207,7 @@ std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
   for (const Status& updated : {update_boards(), update_recheck()}) {
     if (!updated) post_warning(element_, updated.error());
   }
-  Job job{times, settings(), detectors_, check_, nullptr, {}, {}, 0};
+  Job job{times, settings(), detector_, check_, nullptr, {}, {}, 0};
   {
     const std::lock_guard guard(lock_);
     ++frames_;
@@ -273,32 +272,31 @@ void CalibDetector::next_segment() {
 std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_token& stop) {
   std::vector<Observation> found;
   const ImageView image = frame_of(job.luma->view(job.picture), job.part);
-  for (const BoardDetector& wanted : *job.detectors) {
-    const Board& board = wanted.board;
-    const auto begin = std::chrono::steady_clock::now();
-    Detection detection = wanted.detector->follow(image, job.times.timestamp, stop);
-    const auto taken = std::chrono::steady_clock::now() - begin;
-    detection.observation.camera = job.settings.camera;
-    detection.observation.board = board.text();
-    detection.observation.timestamp = job.times.timestamp;
-    detection.observation.image_size = image.size();
+  const auto begin = std::chrono::steady_clock::now();
+  auto detections = job.detector->detector->follow_all(image, job.times.timestamp, stop);
+  const auto taken = std::chrono::steady_clock::now() - begin;
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
+  for (Detection& detection : detections) {
+    Observation& seen = detection.observation;
+    seen.camera = job.settings.camera;
+    seen.timestamp = job.times.timestamp;
     if (job.patches) {
-      detection.observation.patches = cut_patches(image, detection.observation, board);
+      seen.patches = cut_patches(image, seen, job.detector->boards[detection.board]);
     }
     if (!stop.stop_requested()) {
-      const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
-      report(job, detection, board, static_cast<guint64>(us), stop);
+      report(job, detection, static_cast<int>(found.size()), static_cast<guint64>(us), stop);
     }
-    found.push_back(std::move(detection.observation));
+    found.push_back(std::move(seen));
   }
   const std::lock_guard guard(lock_);
   ++detections_;
   return found;
 }
 
-void CalibDetector::report(const Job& job, const Detection& detection, const Board& board,
+void CalibDetector::report(const Job& job, const Detection& detection, int place,
                            guint64 latency_us, const std::stop_token& stop) {
   const Observation& o = detection.observation;
+  const Board& board = job.detector->boards[detection.board];
   GST_LOG_OBJECT(element_,
                  "%s on the frame at %" GST_TIME_FORMAT ": %s, %" G_GSIZE_FORMAT
                  " corners, %" G_GUINT64_FORMAT " us",
@@ -308,26 +306,28 @@ void CalibDetector::report(const Job& job, const Detection& detection, const Boa
     GstStructure* s = new_message("calib-detection", job.times, o.camera);
     gst_structure_set(s, "board", G_TYPE_STRING, o.board.c_str(), "found", G_TYPE_BOOLEAN,
                       o.found(), "points", G_TYPE_INT, static_cast<int>(o.ids.size()), "total",
-                      G_TYPE_INT, board.point_count(), "reason", G_TYPE_STRING,
-                      std::string(to_string(detection.reason)).c_str(), "latency-us", G_TYPE_UINT64,
-                      latency_us, nullptr);
+                      G_TYPE_INT, board.point_count(), "index", G_TYPE_INT, place, "reason",
+                      G_TYPE_STRING, std::string(to_string(detection.reason)).c_str(), "latency-us",
+                      G_TYPE_UINT64, latency_us, nullptr);
     if (detection.seen_cols > 0) {
       const std::string seen = fmt::format("{}x{}", detection.seen_cols, detection.seen_rows);
       gst_structure_set(s, "seen", G_TYPE_STRING, seen.c_str(), nullptr);
     }
     post(s, stop);
   }
-  if (job.check && o.found()) recheck(job, o, board, stop);
+  if (job.check && o.found()) recheck(job, {o, board}, place, stop);
 }
 
-void CalibDetector::recheck(const Job& job, const Observation& seen, const Board& board,
+void CalibDetector::recheck(const Job& job, const View& view, int place,
                             const std::stop_token& stop) {
   std::vector<Error> warnings;
-  GstStructure* checked = job.check->check({seen, board}, job.times, warnings);
+  GstStructure* checked = job.check->check(view, job.times, warnings);
   for (const Error& error : warnings) {
     if (const auto report = worker_.begin_report(stop, element_)) post_warning(element_, error);
   }
-  if (checked != nullptr) post(checked, stop);
+  if (checked == nullptr) return;
+  gst_structure_set(checked, "index", G_TYPE_INT, place, nullptr);
+  post(checked, stop);
 }
 
 void CalibDetector::post(GstStructure* message, const std::stop_token& stop) {

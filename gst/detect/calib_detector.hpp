@@ -83,18 +83,18 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   void next_segment();
 
  private:
-  struct BoardDetector {
-    Board board;
+  struct BoardsDetector {
+    std::vector<Board> boards;  // as `board` lists them
     std::unique_ptr<Detector> detector;
   };
-  using Detectors = std::shared_ptr<const std::vector<BoardDetector>>;
-  [[nodiscard]] static Result<Detectors> make_detectors(const std::string& boards);
+  using SharedDetector = std::shared_ptr<const BoardsDetector>;
+  [[nodiscard]] static Result<SharedDetector> make_boards_detector(const std::string& boards);
 
   // What one detection needs.
   struct Job {
     FrameTimes times;
     DetectorSettings settings;
-    Detectors detectors;
+    SharedDetector detector;
     std::shared_ptr<CalibrationCheck> check;
     std::shared_ptr<LumaReader> luma;
     Picture picture;
@@ -107,7 +107,7 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   // beside them, and used when they have been. Keeps the old ones on an error.
   [[nodiscard]] Status start_boards();
   [[nodiscard]] Status update_boards();
-  [[nodiscard]] Status take_boards(Result<Detectors> boards);
+  [[nodiscard]] Status take_boards(Result<SharedDetector> boards);
   void read_boards_beside(const std::string& text);
   // `recheck` is read before the first frame; a file that is named or replaced while frames flow is
   // used when it has been read.
@@ -125,16 +125,17 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
 
   // On the worker.
   [[nodiscard]] std::vector<Observation> run(const Job& job, const std::stop_token& stop);
-  void report(const Job& job, const Detection& detection, const Board& board, guint64 latency_us,
+  // What was seen of one board: it will stand at `place` in the meta.
+  void report(const Job& job, const Detection& detection, int place, guint64 latency_us,
               const std::stop_token& stop);
   void post(GstStructure* message, const std::stop_token& stop);
-  void recheck(const Job& job, const Observation& seen, const Board& board,
-               const std::stop_token& stop);
+  void recheck(const Job& job, const View& view, int place, const std::stop_token& stop);
 
   GstElement* element_;
 
   // Under lock_.
-  std::optional<Result<Detectors>> boards_found_;  // for the last change of `board`, read beside
+  std::optional<Result<SharedDetector>>
+      boards_found_;              // for the last change of `board`, read beside
   guint64 boards_asked_for_ = 0;  // counts those changes; the streaming thread does
   std::optional<std::vector<Observation>> result_;  // waits for a buffer to ride on
   guint64 generation_ = 0;  // of the stream: a result of an older segment is thrown away
@@ -147,7 +148,7 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   GstVideoInfo info_{};
   std::shared_ptr<LumaReader> luma_;
   ImageSize luma_size_;
-  Detectors detectors_;
+  SharedDetector detector_;
   CalibrationReader recheck_;
   std::shared_ptr<CalibrationCheck> check_;
   bool async_ = false;

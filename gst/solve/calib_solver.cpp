@@ -91,11 +91,12 @@ void CalibSolver::resume() {
 
 // ---- Collecting: on the streaming thread --------------------------------------------------------
 
-bool CalibSolver::offer(const Observation& observation, const FrameTimes& times) {
+bool CalibSolver::offer(const Observation& observation, const FrameTimes& times,
+                        std::size_t place) {
   Offered offered;
   {
     const std::lock_guard guard(lock_);
-    offered = session_.offer(observation, times);
+    offered = session_.offer(observation, times, place);
     obey();
   }
   const bool taken = offered.reason == Reason::kAccepted;

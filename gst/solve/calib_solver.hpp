@@ -56,7 +56,8 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   void set_live(bool live);
 
   // What was found on one frame, with the times of that frame; true when a view was taken.
-  bool offer(const Observation& observation, const FrameTimes& times);
+  // `place` is that of the observation among those of its frame.
+  bool offer(const Observation& observation, const FrameTimes& times, std::size_t place = 0);
   // An observation that cannot be one, and why: a WARNING, once per session.
   void complain(const Error& why);
   [[nodiscard]] Progress progress();

@@ -96,8 +96,9 @@ static bool gst_calib_solve_offer(GstCalibSolve* self, const std::vector<Observa
                                   GstClockTime duration) {
   const GstSegment* segment = &GST_BASE_TRANSFORM(self)->segment;
   bool captured = false;
-  for (const Observation& o : observations) {
-    captured |= self->state->offer(o, gst::frame_times(segment, o.timestamp, duration));
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const Observation& o = observations[i];
+    captured |= self->state->offer(o, gst::frame_times(segment, o.timestamp, duration), i);
   }
   return captured;
 }

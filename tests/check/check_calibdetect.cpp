@@ -115,6 +115,34 @@ GST_START_TEST(test_several_boards_are_listed_each) {
 }
 GST_END_TEST;
 
+// The place of a sheet in the meta is the `index` of its messages.
+GST_START_TEST(test_two_sheets_of_a_board_are_two_observations) {
+  Fixture f("calibdetect mode=sync post-messages=true");
+  const Camera camera = default_camera(f.scene.size);
+  const Board board = parse_board("checkerboard:9x6:25mm").value();
+  const SE3 left = {exp_so3({0.1, 0.2, 0.05}), {-0.33, -0.06, 0.9}};
+  const SE3 right = {exp_so3({-0.1, -0.2, 0.1}), {0.1, -0.08, 0.85}};
+  GrayImage image = render_board(camera, board, left);
+  GrayImage other = render_board(camera, board, right);
+  for (int y = 0; y < image.height; ++y) {
+    std::copy_n(other.row(y) + image.width / 2, image.width / 2, image.row(y) + image.width / 2);
+  }
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, check::frame_of(image, "GRAY8", 0));
+  const auto found = gst::read_observations(out);
+  fail_unless_equals_int(found.size(), 2);
+  fail_unless_equals_string(found[0].board.c_str(), found[1].board.c_str());
+  assert_corners({found[0]}, true_observation(camera, board, left), 0.25);
+  assert_corners({found[1]}, true_observation(camera, board, right), 0.25);
+  const auto messages = f.bus.named("calib-detection");
+  fail_unless_equals_int(messages.size(), 2);
+  for (int i = 0; i < 2; ++i) {
+    int index = -1;
+    fail_unless(gst_structure_get_int(messages[static_cast<std::size_t>(i)], "index", &index));
+    fail_unless_equals_int(index, i);
+  }
+}
+GST_END_TEST;
+
 // Async: the streaming thread hands the frame over and goes on; at EOS every result has arrived.
 GST_START_TEST(test_async_results_ride_on_later_buffers_and_are_complete_at_eos) {
   Fixture f("calibdetect mode=async post-messages=true");
@@ -363,6 +391,7 @@ static Suite* calibdetect_suite() {
   tcase_add_test(tc, test_no_board_is_said);
   tcase_add_test(tc, test_several_boards_are_listed_each);
   tcase_add_test(tc, test_async_results_ride_on_later_buffers_and_are_complete_at_eos);
+  tcase_add_test(tc, test_two_sheets_of_a_board_are_two_observations);
   tcase_add_test(tc, test_max_rate_skips_frames);
   tcase_add_test(tc, test_a_wrong_board_text_is_an_error_that_shows_a_right_one);
   tcase_add_test(tc, test_a_wrong_board_text_while_running_keeps_the_old_board);

@@ -5,13 +5,17 @@
 
 #include "calvin/detect/detector.hpp"
 
+#include <vector>
+
 #include <fmt/format.h>
 
-#include "calvin/detect/checkerboard/checkerboard_detector.hpp"
+#include "calvin/detect/checkerboard/sheets/checkerboard_detector.hpp"
 
 namespace calvin {
 
-Result<std::unique_ptr<Detector>> make_detector(const Board& board) {
+namespace {
+
+Result<Checkerboard> as_checkerboard(const Board& board) {
   const auto* checkerboard = board.as<Checkerboard>();
   if (checkerboard == nullptr) {
     return make_error(
@@ -27,7 +31,26 @@ Result<std::unique_ptr<Detector>> make_detector(const Board& board) {
                                   "needed.",
                                   board.text()));
   }
-  return detect::make_checkerboard_detector(*checkerboard);
+  return *checkerboard;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Detector>> make_detector(std::span<const Board> boards) {
+  if (boards.empty()) {
+    return make_error(ErrorCode::kInvalidArgument, "There is no board to detect: name one.");
+  }
+  std::vector<Checkerboard> checkerboards;
+  for (const Board& board : boards) {
+    const auto checkerboard = as_checkerboard(board);
+    if (!checkerboard) return tl::unexpected<Error>(checkerboard.error());
+    checkerboards.push_back(*checkerboard);
+  }
+  return detect::make_checkerboard_detector(checkerboards);
+}
+
+Result<std::unique_ptr<Detector>> make_detector(const Board& board) {
+  return make_detector(std::span(&board, 1));
 }
 
 }  // namespace calvin

@@ -26,6 +26,10 @@ class Pyramid {
   [[nodiscard]] static float to_image(float u, int level) noexcept {
     return scaled_coordinate(u, static_cast<float>(1 << level));
   }
+  // And back.
+  [[nodiscard]] static double to_level(double u, int level) noexcept {
+    return scaled_coordinate(u, 1.0 / (1 << level));
+  }
 
  private:
   int count_ = 0;

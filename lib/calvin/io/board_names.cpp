@@ -132,16 +132,10 @@ Status check_name(std::string_view name) {
 }
 
 tl::unexpected<Error> cannot_be_told_apart(std::string_view text, const Board& a, const Board& b) {
-  const std::string first = a.text();
-  const std::string second = b.text();
   return wrong_board_text(
-      text, first == second
-                ? fmt::format("it has {} twice, and two boards that look the same cannot be told "
-                              "apart; name it once",
-                              first)
-                : fmt::format("{} and {} look the same in a picture and cannot be told apart; name "
-                              "the one that is used, or take boards of different corners",
-                              first, second));
+      text, fmt::format("{} and {} look the same in a picture and cannot be told apart; name "
+                        "the one that is used, or take boards of different corners",
+                        a.text(), b.text()));
 }
 
 }  // namespace
@@ -152,8 +146,10 @@ Result<std::vector<Board>> parse_boards(std::string_view text) {
     if (part.empty()) return wrong_board_text(text, "there is no board before or after a ';'");
     auto board = names_a_file(part) ? named_board(part) : parse_board(part);
     if (!board) return tl::unexpected<Error>(board.error());
-    const auto alike = std::find_if(boards.begin(), boards.end(),
-                                    [&](const Board& b) { return b.looks_like(*board); });
+    // The same board twice: two sheets of it are in view.
+    const auto alike = std::find_if(boards.begin(), boards.end(), [&](const Board& b) {
+      return b.looks_like(*board) && b != *board;
+    });
     if (alike != boards.end()) return cannot_be_told_apart(text, *alike, *board);
     if (boards.size() == kMaxBoards) {
       return wrong_board_text(text, fmt::format("it has more than {} boards", kMaxBoards));

@@ -43,7 +43,8 @@ Result<Board> CalibrationSession::board_of(const std::string& text) {
 
 bool CalibrationSession::first_complaint() { return !std::exchange(complained_, true); }
 
-Offered CalibrationSession::offer(const Observation& observation, const FrameTimes& times) {
+Offered CalibrationSession::offer(const Observation& observation, const FrameTimes& times,
+                                  std::size_t place) {
   Offered offered;
   if (!observation.found()) return offered;
   const auto board = board_of(observation.board);
@@ -66,7 +67,8 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   const bool new_board = board_ != *board;
   board_ = *board;
   if (new_board || reason == Reason::kAccepted) renew_hint();
-  const bool new_reason = std::exchange(last_reason_, reason) != reason;
+  if (place >= last_reasons_.size()) last_reasons_.resize(place + 1, Reason::kAccepted);
+  const bool new_reason = std::exchange(last_reasons_[place], reason) != reason;
   offered.report = reason == Reason::kAccepted || new_reason;
   if (reason == Reason::kWrongBoard && offered.report) {
     const Status fine = check(view, observation.image_size);
@@ -150,7 +152,7 @@ void CalibrationSession::reset() {
   calibration_.reset();
   published_ = finished_ = announce_ = complained_ = false;
   asked_ = final_owed_ = solve_waits_ = false;
-  last_reason_ = Reason::kAccepted;
+  last_reasons_.clear();
   solve_error_.clear();
   next_solve_ = 0;
   writes_.reset();

@@ -85,8 +85,9 @@ class CalibrationSession {
   // A new size begins a new session; a word for the user, if any. False where the size is the same.
   [[nodiscard]] bool set_size(ImageSize size, std::optional<Error>& warning);
   void set_live(bool live);
-  // One board as it was found on one frame.
-  [[nodiscard]] Offered offer(const Observation& observation, const FrameTimes& times);
+  // One board as it was found on one frame; `place`: which of the observations of that frame it is.
+  [[nodiscard]] Offered offer(const Observation& observation, const FrameTimes& times,
+                              std::size_t place = 0);
   // Whether nobody was told yet that what comes cannot be an observation.
   [[nodiscard]] bool first_complaint();
 
@@ -171,7 +172,7 @@ class CalibrationSession {
   ImageSize size_;
   std::string camera_;  // as the newest observation names it
   FrameTimes times_;    // of the newest frame with a board
-  Reason last_reason_ = Reason::kAccepted;
+  std::vector<Reason> last_reasons_;  // by place
   bool complained_ = false;     // of broken observations
   std::optional<Board> board_;  // of the newest observation
   Hint hint_;

@@ -17,13 +17,15 @@ namespace calvin {
 namespace {
 
 constexpr std::size_t kFewestCorners = 6;
-constexpr double kStill = 0.1;         // px while a frame is read out
-constexpr double kMostSigma = 1e6;     // px; above it counts as not known, as in solve()
-constexpr double kSharp = 0.0015;      // of the image diagonal, 1 sigma of the edges
-constexpr double kSharpEnough = 2;     // px
-constexpr double kSmallest = 0.01;     // of the image's area
-constexpr double kNewPosition = 0.08;  // of the image diagonal
-constexpr double kNewShape = 0.025;    // of the board's size in the image
+constexpr double kStill = 0.1;           // px while a frame is read out
+constexpr double kMostSigma = 1e6;       // px; above it counts as not known, as in solve()
+constexpr double kSharp = 0.0015;        // of the image diagonal, 1 sigma of the edges
+constexpr double kSharpEnough = 2;       // px
+constexpr double kSmallest = 0.01;       // of the image's area
+constexpr double kNewPosition = 0.08;    // of the image diagonal
+constexpr double kNewShape = 0.025;      // of the board's size in the image
+constexpr double kSameSheet = 0.5;       // of the board's size in the image, between two frames
+constexpr std::size_t kMostSheets = 16;  // of a board that are remembered
 
 // How the corners that two observations share have moved, px.
 struct Motion {
@@ -78,11 +80,11 @@ double hull_area(const Observation& seen) { return polygon_area(convex_hull(seen
 }  // namespace
 
 Reason Session::offer(const View& view) {
-  const std::optional<Observation> before = take_previous(view.observation.board);
+  begin_frame(view.observation);
   const Reason reason = usable(view);
   if (reason != Reason::kAccepted) return reason;
-  if (before) time_frames(*before, view.observation);
-  previous_.push_back(view.observation);
+  const std::optional<Observation> before = take_previous(view.observation);
+  recent(view.observation.board).now.push_back(view.observation);
   if (!asked_) {
     const Reason worth = worth_keeping(view, before);
     if (worth != Reason::kAccepted) return worth;
@@ -130,12 +132,42 @@ double Session::readout_share(const Observation& before, const Observation& now)
   return between > 0 && readout > 0 ? readout / between : 1;
 }
 
-std::optional<Observation> Session::take_previous(const std::string& board) {
-  const auto it = std::find_if(previous_.begin(), previous_.end(),
-                               [&board](const Observation& o) { return o.board == board; });
-  if (it == previous_.end()) return std::nullopt;
-  Observation observation = std::move(*it);
-  previous_.erase(it);
+Session::Recent& Session::recent(const std::string& board) {
+  const auto it = std::ranges::find(recent_, board, &Recent::board);
+  if (it != recent_.end()) return *it;
+  recent_.push_back({board, kNoTimestamp, {}, {}});
+  return recent_.back();
+}
+
+void Session::begin_frame(const Observation& seen) {
+  Recent& r = recent(seen.board);
+  const bool timed = seen.timestamp != kNoTimestamp;
+  if (timed && seen.timestamp == r.frame) return;
+  if (timed) r.before.clear();
+  r.before.insert(r.before.end(), r.now.begin(), r.now.end());
+  r.now.clear();
+  // Without timestamps a board that was not seen is all that tells of a gap.
+  if (!timed && !seen.found()) r.before.clear();
+  if (r.before.size() > kMostSheets) r.before.erase(r.before.begin());
+  r.frame = seen.timestamp;
+}
+
+std::optional<Observation> Session::take_previous(const Observation& now) {
+  std::vector<Observation>& before = recent(now.board).before;
+  auto nearest = before.end();
+  double least = 0;
+  for (auto it = before.begin(); it != before.end(); ++it) {
+    const Motion m = motion(*it, now);
+    if (m.shared == 0 || (nearest != before.end() && m.center >= least)) continue;
+    nearest = it;
+    least = m.center;
+  }
+  if (nearest == before.end()) return std::nullopt;
+  time_frames(*nearest, now);
+  // Another sheet of the board, or one that has moved too far to tell.
+  if (least > kSameSheet * std::sqrt(hull_area(now))) return std::nullopt;
+  Observation observation = std::move(*nearest);
+  before.erase(nearest);
   return observation;
 }
 
@@ -163,7 +195,7 @@ void Session::keep(const View& view) {
 void Session::reset() {
   views_.clear();
   coverage_.clear();
-  previous_.clear();
+  recent_.clear();
   asked_ = false;
   frame_time_ = 0;
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,9 +37,12 @@ struct SessionOptions {
 //
 // A view is usable with at least 6 corners that check() accepts, of the image size of the views
 // kept so far. In kAuto it must also
-//   - be still: the corners shared with the observation of its board offered before it move by no
-//     more than 0.1 px (RMS, what their sigmas explain taken off) while a frame is read out; so the
-//     first one after a gap never is. A frame's time is the shortest between two observations;
+//   - be still: the corners shared with the observation of its sheet in the frame before it move by
+//     no more than 0.1 px (RMS, what their sigmas explain taken off) while a frame is read out; so
+//     the first one after a gap never is. Several observations of a board with the same timestamp
+//     are sheets that are equal: the one of the frame before whose centre lies nearest, by less
+//     than half the board's size, is the same sheet. A frame's time is the shortest between two
+//     observations;
 //   - be sharp: its edges are blurred by no more than 0.15 % of the image diagonal, or 2 px if that
 //     is more (1 sigma);
 //   - be large: the corners' hull covers at least 1 % of the image;
@@ -84,7 +88,9 @@ class Session {
                                      const std::optional<Observation>& before) const;
   [[nodiscard]] bool is_new(const View& view) const;
   [[nodiscard]] bool full() const noexcept;
-  [[nodiscard]] std::optional<Observation> take_previous(const std::string& board);
+  // Notes that another frame begins where it does, and forgets what is older than the one before.
+  void begin_frame(const Observation& seen);
+  [[nodiscard]] std::optional<Observation> take_previous(const Observation& now);
   void keep(const View& view);
   void time_frames(const Observation& before, const Observation& now);
   // The part of the time between two observations that a readout takes.
@@ -93,7 +99,16 @@ class Session {
   SessionOptions options_;
   Views views_;
   ViewCoverage coverage_;
-  std::vector<Observation> previous_;  // the last of each board, unless it was not usable
+  // What was usable of a board in the frame at hand, and in the one before unless it was followed
+  // up; without timestamps nobody knows where a frame ends, and all is of the one before.
+  struct Recent {
+    std::string board;
+    std::uint64_t frame = kNoTimestamp;
+    std::vector<Observation> before;
+    std::vector<Observation> now;
+  };
+  [[nodiscard]] Recent& recent(const std::string& board);
+  std::vector<Recent> recent_;
   bool asked_ = false;
   double frame_time_ = 0;  // s; 0: not known
 };

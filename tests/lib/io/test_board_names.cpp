@@ -46,10 +46,8 @@ TEST_F(BoardNames, WrongListsShowARightText) {
   for (const std::string& wrong :
        {std::string(), std::string("boards.json"), std::string(100000, 'x'), std::string(";"),
         std::string("checkerboard:9x6:25mm;"), std::string(";checkerboard:9x6:25mm"),
-        std::string("checkerboard:9x6:25mm;;dot"),
-        std::string("checkerboard:9x6:25mm;checkerboard:9x6:2.5cm"),
-        std::string("checkerboard:9x6:25mm;nonsense"), std::string("#"), std::string("#floor"),
-        file() + "#", many}) {
+        std::string("checkerboard:9x6:25mm;;dot"), std::string("checkerboard:9x6:25mm;nonsense"),
+        std::string("#"), std::string("#floor"), file() + "#", many}) {
     const auto boards = parse_boards(wrong);
     ASSERT_FALSE(boards.has_value()) << wrong;
     EXPECT_EQ(boards.error().code, ErrorCode::kInvalidArgument) << wrong;
@@ -76,6 +74,16 @@ TEST_F(BoardNames, BoardsThatLookTheSameAreRefused) {
     }
   }
   EXPECT_TRUE(parse_boards("checkerboard:9x6:25mm;checkerboard:9x7:25mm").has_value());
+}
+
+// However each of them is written.
+TEST_F(BoardNames, ABoardTwiceIsTwoSheetsOfIt) {
+  ASSERT_TRUE(add_board(file(), "floor", kRight).has_value());
+  const auto boards =
+      parse_boards("checkerboard:9x6:25mm;checkerboard:9x6:2.5cm;" + file() + "#floor");
+  ASSERT_TRUE(boards.has_value()) << boards.error().message;
+  ASSERT_EQ(boards->size(), 3u);
+  for (const Board& board : *boards) EXPECT_EQ(board.text(), kRight);
 }
 
 TEST_F(BoardNames, MissingFilesAndNamesSaySo) {

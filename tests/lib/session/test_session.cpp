@@ -102,6 +102,43 @@ TEST_F(Sessions, TwoBoardsInTurnAreComparedEachWithItself) {
   EXPECT_EQ(session.offer(two), Reason::kAccepted);
 }
 
+// One text, two sheets: whichever is offered first, each is held against where it was itself.
+TEST_F(Sessions, EqualSheetsOfAFrameAreComparedEachWithItself) {
+  for (const bool timed : {true, false}) {
+    Session session({CaptureMode::kAuto, 3, 0});
+    View one = see(-0.12, 0, 0.6);
+    View two = see(0.12, 0, 0.6);
+    std::uint64_t now = 0;
+    const auto offer = [&](View view) {
+      if (timed) view.observation.timestamp = now;
+      return session.offer(view);
+    };
+    EXPECT_EQ(offer(one), Reason::kMoving);
+    EXPECT_EQ(offer(two), Reason::kMoving) << "the sheet beside it says nothing of it";
+    now += 33'000'000;
+    EXPECT_EQ(offer(two), Reason::kAccepted);
+    EXPECT_EQ(offer(one), Reason::kAccepted);
+    now += 33'000'000;
+    EXPECT_EQ(offer(one), Reason::kTooSimilar);
+    EXPECT_EQ(offer(see(0.124, 0, 0.6)), Reason::kMoving) << "one of them moves";
+  }
+}
+
+TEST_F(Sessions, ASheetThatComesBackIsNotHeldAgainstWhereItWasBefore) {
+  Session session({CaptureMode::kAuto, 3, 0});
+  View one = see(-0.12, 0, 0.6);
+  View two = see(0.12, 0, 0.6);
+  std::uint64_t now = 0;
+  for (const bool both : {true, false, true, true}) {
+    now += 33'000'000;
+    one.observation.timestamp = two.observation.timestamp = now;
+    session.offer(one);
+    if (both) {
+      EXPECT_EQ(session.offer(two), now == 132'000'000 ? Reason::kAccepted : Reason::kMoving);
+    }
+  }
+}
+
 TEST_F(Sessions, ManualKeepsWhatIsAskedFor) {
   Session session({CaptureMode::kManual, 2, 2});
   const View view = see(0, 0, 0.5);

@@ -285,7 +285,8 @@ Match match_board(const ImageView& image, const Checkerboard& board, Lattice& la
   if (!is_enough(lattice, board, e, edges)) return match;
   auto all = alignments(board, e, edges);
   // Inverted, or printed with exchanged colours: a whole board is accepted all the same.
-  if (all.empty() && match.whole) all = alignments(board, e, edges, true);
+  match.exchanged = all.empty() && match.whole;
+  if (match.exchanged) all = alignments(board, e, edges, true);
   if (all.empty()) {
     match.reason = Reason::kWrongBoard;
     match.certain = edges.count() == 4;

@@ -31,7 +31,8 @@ struct Match {
   // kAccepted: all or a part of the board. kWrongBoard: a checkerboard, but of another size or with
   // exchanged colours. kNotFound: too little to tell.
   Reason reason = Reason::kNotFound;
-  bool whole = false;  // every control point has its node
+  bool whole = false;      // every control point has its node
+  bool exchanged = false;  // the colours are not those of the board
   GridAlignment alignment;
   std::vector<Relabelling> ambiguous;  // the other alignments, see Observation
   bool certain = false;                // kWrongBoard: too large, or all four edges are in view

@@ -8,11 +8,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calvin/geometry/convex_hull.hpp"
+
 namespace calvin::detect {
 
 namespace {
 
-constexpr std::size_t kMostGroups = 4;   // lattices in an image
 constexpr int kPasses = 14;              // rows or columns that may be missing side by side
 constexpr float kAsymmetry = 0.55F;      // of check_ring(), for any corner
 constexpr float kAsymmetryInGap = 0.8F;  // of check_ring(), for a corner that is expected
@@ -171,6 +172,12 @@ bool is_doubled(const Lattice& lattice, Cell cell, const Node& node) {
   return found;
 }
 
+bool is_taken(const SearchOptions& options, const SaddlePoint& p) {
+  const Pixel at = {static_cast<double>(p.x), static_cast<double>(p.y)};
+  return std::ranges::any_of(options.taken,
+                             [&](const auto& polygon) { return contains(polygon, at); });
+}
+
 }  // namespace
 
 void BoardSearch::detect_corners(const ImageView& image, const SearchOptions& options) {
@@ -180,6 +187,7 @@ void BoardSearch::detect_corners(const ImageView& image, const SearchOptions& op
   next_group_ = 0;
   for (const SaddlePoint& p : saddle_search_.find(image, options.threshold,
                                                   static_cast<std::size_t>(options.most_points))) {
+    if (is_taken(options, p)) continue;
     Corner corner;
     if (!check_ring(image, p.x, p.y, RingSize::kLarge, kAsymmetry, corner) &&
         !check_ring(image, p.x, p.y, RingSize::kSmall, kAsymmetry, corner)) {
@@ -217,7 +225,7 @@ void BoardSearch::find_groups() {
   }
   std::sort(groups_.begin(), groups_.end(),
             [](const Group& a, const Group& b) { return a.size > b.size; });
-  if (groups_.size() > kMostGroups) groups_.resize(kMostGroups);
+  if (groups_.size() > options_.most_groups) groups_.resize(options_.most_groups);
   seen_.assign(corners_.size(), false);
   cell_.resize(corners_.size());
 }

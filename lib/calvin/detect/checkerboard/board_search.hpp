@@ -18,10 +18,12 @@ namespace calvin::detect {
 
 // The limits of a search.
 struct SearchOptions {
-  std::uint8_t threshold = 5;  // least response of a corner, grey levels
-  int most_points = 600;       // peaks of the response that are looked at
-  int least_nodes = 9;         // of a lattice
-  float reach = 144;           // px, the largest distance between neighbours
+  std::uint8_t threshold = 5;             // least response of a corner, grey levels
+  int most_points = 600;                  // peaks of the response that are looked at
+  int least_nodes = 9;                    // of a lattice
+  std::size_t most_groups = 4;            // lattices in an image
+  float reach = 144;                      // px, the largest distance between neighbours
+  std::vector<std::vector<Pixel>> taken;  // convex polygons in which corners are left out
 };
 
 // Keeps its memory.
@@ -33,6 +35,10 @@ class BoardSearch {
   // Moves to the next lattice of at least `least_nodes` corners, the largest first, its stray
   // corners removed; false where none is left.
   [[nodiscard]] bool next(Lattice& lattice);
+  // How many corners the next lattice links; 0 where none is left.
+  [[nodiscard]] int next_size() const {
+    return next_group_ < groups_.size() ? groups_[next_group_].size : 0;
+  }
   // The box around all corners that are linked with the current lattice, also those beyond its
   // reach.
   [[nodiscard]] const Box& box() const { return groups_[next_group_ - 1].box; }

@@ -5,17 +5,21 @@
 //
 // In levels of half the size, the smallest first: peaks of a response to corners, a test of a ring
 // of pixels around each, the graph of neighbours whose edges have opposite colours, lattices out of
-// the graph; then, where a lattice is the board, a fit of every corner at full resolution. The work
-// is bounded for any image, and nothing is allocated for an image no larger than those before.
+// the graph; then, where a lattice is one of the boards, a fit of every corner at full resolution.
+// One pass serves all boards. The work is bounded for any image, and where the image is no larger
+// than those before and shows no more sheets nothing is allocated but what is returned.
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "calvin/detect/detection.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin::detect {
 
-[[nodiscard]] std::unique_ptr<Detector> make_checkerboard_detector(const Checkerboard& board);
+// The same board may be there several times.
+[[nodiscard]] std::unique_ptr<Detector> make_checkerboard_detector(
+    std::span<const Checkerboard> boards);
 
 }  // namespace calvin::detect

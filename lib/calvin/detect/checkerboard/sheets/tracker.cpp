@@ -3,7 +3,7 @@
 
 // Extrapolates the corners of the last two frames to the time of the next.
 
-#include "calvin/detect/checkerboard/tracker.hpp"
+#include "calvin/detect/checkerboard/sheets/tracker.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -12,9 +12,7 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr std::uint64_t kSearchAgain = 1'000'000'000;  // ns
-constexpr int kSearchAgainFrames = 30;                 // where frames have no time
-constexpr float kLongestStep = 3;                      // of the last step between two frames
+constexpr float kLongestStep = 3;  // of the last step between two frames
 
 // The same corner with the edges named as the board's x and y run.
 Node turned(const Node& node, int quarter) {
