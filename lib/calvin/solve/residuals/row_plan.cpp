@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+#include <Eigen/Geometry>
+
 #include "calvin/solve/linear/products.hpp"
 
 namespace calvin {
