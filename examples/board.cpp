@@ -20,9 +20,9 @@ constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 
 constexpr std::string_view kUsage = R"(Usage:
-  board draw BOARD FILE.(pdf|svg|png) [--paper PAPER] [--dpi DPI]
-  board add FILE.json NAME BOARD
-  board list FILE.json
+  calvin-board draw BOARD FILE.(pdf|svg|png) [--paper PAPER] [--dpi DPI]
+  calvin-board add FILE.json NAME BOARD
+  calvin-board list FILE.json
 
 BOARD is a text like checkerboard:9x6:25mm (inner corners, side of a square), or FILE.json#NAME.
 PAPER is {}, auto (the smallest of A4 to A0) or fit (as large as the board needs).
@@ -35,12 +35,12 @@ std::string usage() {
 }
 
 int failed(const calvin::Error& error) {
-  fmt::print(stderr, "board: {}\n", error.message);
+  fmt::print(stderr, "calvin-board: {}\n", error.message);
   return kFailed;
 }
 
 int wrong_usage(std::string_view why) {
-  fmt::print(stderr, "board: {}\n{}", why, usage());
+  fmt::print(stderr, "calvin-board: {}\n{}", why, usage());
   return kWrongUsage;
 }
 

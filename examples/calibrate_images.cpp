@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calibrate-images [--board TEXT] [--model NAME] [--output DIR] FOLDER: calibrates a camera from a
-// folder of pictures of any format that GStreamer decodes, and undistorts the first of them. A DIR
-// that is not there is made.
+// calvin-calibrate-images [--board TEXT] [--model NAME] [--output DIR] FOLDER: calibrates a camera
+// from a folder of pictures of any format that GStreamer decodes, and undistorts the first of them.
+// A DIR that is not there is made.
 //
 // The pictures go through one pipeline, one after the other:
 //   filesrc ! decodebin ! videoconvert ! concat ! calibrate ! fakesink

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// compare [OPTIONS] A B: how far two calibrations of one camera are apart, in px over the image,
-// the rotation that is between them left out. The files are of any format that calvin reads, and
-// of any two camera models.
+// calvin-compare [OPTIONS] A B: how far two calibrations of one camera are apart, in px over the
+// image, the rotation that is between them left out. The files are of any format that calvin reads,
+// and of any two camera models.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,7 +28,7 @@ using calvin::Difference;
 constexpr int kOther = 3;  // the exit status where --limit is exceeded
 
 constexpr std::string_view kUsage =
-    R"(Usage: compare [OPTIONS] A B
+    R"(Usage: calvin-compare [OPTIONS] A B
 Prints how far two calibrations of one camera are apart: for each pixel of A, where B sees the same
 ray, a turn of the whole camera left out.
 
@@ -49,7 +49,7 @@ struct Arguments {
 };
 
 int wrong_usage(std::string_view why) {
-  fmt::print(stderr, "compare: {}\n\n{}", why, kUsage);
+  fmt::print(stderr, "calvin-compare: {}\n\n{}", why, kUsage);
   return 2;
 }
 

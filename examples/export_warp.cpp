@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// export-warp [OPTIONS] CALIBRATION FORMAT FILE...: what calibundistort does to the pixels, in the
-// files of hardware and of other programs.
+// calvin-export-warp [OPTIONS] CALIBRATION FORMAT FILE...: what calibundistort does to the pixels,
+// in the files of hardware and of other programs.
 #include <algorithm>
 #include <cstdio>
 #include <numbers>
@@ -25,7 +25,7 @@ using calvin::Result;
 using export_warp::Warp;
 
 constexpr std::string_view kUsage =
-    R"(Usage: export-warp [OPTIONS] CALIBRATION FORMAT FILE...
+    R"(Usage: calvin-export-warp [OPTIONS] CALIBRATION FORMAT FILE...
 Writes where in the camera's picture each pixel of an undistorted one lies. CALIBRATION is what the
 property of calibundistort takes; FORMAT and the number of files that it needs:
 
@@ -80,12 +80,12 @@ struct Arguments {
 };
 
 int wrong_usage(std::string_view why) {
-  fmt::print(stderr, "export-warp: {}\n\n{}", why, kUsage);
+  fmt::print(stderr, "calvin-export-warp: {}\n\n{}", why, kUsage);
   return 2;
 }
 
 int failed(const calvin::Error& error) {
-  fmt::print(stderr, "export-warp: {}\n", error.message);
+  fmt::print(stderr, "calvin-export-warp: {}\n", error.message);
   return 1;
 }
 
@@ -170,7 +170,8 @@ int export_all(const Arguments& arguments) {
   const auto warp = make_warp(arguments);
   if (!warp) return failed(warp.error());
   if (warp->view.limited) {
-    fmt::print(stderr, "export-warp: the view is wider than its projection shows, and limited.\n");
+    fmt::print(stderr,
+               "calvin-export-warp: the view is wider than its projection shows, and limited.\n");
   }
   for (std::size_t i = 0; i < arguments.files.size(); ++i) {
     const auto bytes = arguments.format->files[i](*warp);

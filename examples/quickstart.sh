@@ -19,8 +19,8 @@ usage() {
 prepare() {
   "$source/examples/install-packages.sh" build
   [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dtests=false
-  ninja -C "$build" gst/libgstcalvin.so examples/board examples/show \
-    examples/calibrate-images >"$build/quickstart.log" || { cat "$build/quickstart.log" >&2; exit 1; }
+  ninja -C "$build" gst/libgstcalvin.so examples/calvin-board examples/calvin-show \
+    examples/calvin-calibrate-images >"$build/quickstart.log" || { cat "$build/quickstart.log" >&2; exit 1; }
   export GST_PLUGIN_PATH_1_0="$build/gst${GST_PLUGIN_PATH_1_0:+:$GST_PLUGIN_PATH_1_0}"
   mkdir -p "$output"
   cd "$output"
@@ -41,7 +41,7 @@ run_synthetic() {
   gst-launch-1.0 -q calibtestsrc num-buffers=60 ground-truth=truth.json ! \
     calibrate location=camera.json export=ros:camera_info.yaml,opencv-yaml:camera.yml ! fakesink
   draw_pair
-  "$build/examples/show" camera.json truth.json
+  "$build/examples/calvin-show" camera.json truth.json
   echo
   echo "In $output:"
   ls -1
@@ -70,8 +70,8 @@ run_images() {
     fetch_pictures
     board=checkerboard:9x6:30mm
   fi
-  "$build/examples/calibrate-images" --board "$board" --output "$output" "$pictures"
-  "$build/examples/show" camera.json
+  "$build/examples/calvin-calibrate-images" --board "$board" --output "$output" "$pictures"
+  "$build/examples/calvin-show" camera.json
 }
 
 # What a camera sends, for a pipeline: raw video where it has any, JPEG pictures otherwise.
@@ -94,7 +94,7 @@ run_camera() {
   # shellcheck disable=SC2086 # several words
   gst-launch-1.0 -e -m v4l2src device="$device" ! $frames ! \
     calibrate board="$board" location=camera.json ! $sink
-  "$build/examples/show" camera.json
+  "$build/examples/calvin-show" camera.json
 }
 
 start=$PWD

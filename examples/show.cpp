@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// show CALIBRATION [TRUTH]: prints a calibration of any known format, with the sigmas, and beside
-// a second one where the truth is known.
+// calvin-show CALIBRATION [TRUTH]: prints a calibration of any known format, with the sigmas, and
+// beside a second one where the truth is known.
 #include <cmath>
 #include <cstdio>
 
@@ -42,7 +42,7 @@ void print(const calvin::Calibration& c, const calvin::Calibration* truth) {
 
 int main(int argc, char** argv) {
   if (argc < 2 || argc > 3) {
-    fmt::print(stderr, "usage: show CALIBRATION [TRUTH]\n");
+    fmt::print(stderr, "usage: calvin-show CALIBRATION [TRUTH]\n");
     return 2;
   }
   const auto calibration = calvin::read_calibration(argv[1]);

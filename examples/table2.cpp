@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// table2 [OPTIONS] [FILE...]: the experiment of the Calvin paper's Table 2: the camera is
+// calvin-table2 [OPTIONS] [FILE...]: the experiment of the Calvin paper's Table 2: the camera is
 // calibrated from many sets of 25 views, and the mean and the standard deviation of each parameter
 // tell how far a single calibration can be trusted. Beside the spread stands what each calibration
 // predicted of itself, and OpenCV's spread on the same corners.
@@ -29,7 +29,7 @@ using table2::Table;
 constexpr int kPaperSets = 10;
 
 constexpr std::string_view kUsage =
-    R"(Usage: table2 [OPTIONS] [FILE...]
+    R"(Usage: calvin-table2 [OPTIONS] [FILE...]
 Calibrates from many sets of views and prints mean and standard deviation of each parameter. Without
 files: simulated views as in the paper. With files: observations (JSON lines, or corners.vnl).
 `--pictures --runs 5` is the paper's comparison of 1 run and 5 runs.
@@ -291,7 +291,7 @@ int main(int argc, char** argv) {
   }
   Arguments arguments;
   if (const std::string why = parse(words, arguments); !why.empty()) {
-    fmt::print(stderr, "table2: {}\n\n{}", why, kUsage);
+    fmt::print(stderr, "calvin-table2: {}\n\n{}", why, kUsage);
     return 2;
   }
   return run(arguments);

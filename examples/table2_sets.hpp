@@ -21,6 +21,7 @@
 #include "calvin/io/observations.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin/target/board.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace table2 {
 

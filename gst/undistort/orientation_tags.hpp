@@ -8,7 +8,7 @@
 
 #include <gst/gst.h>
 
-#include "calvin/core/orientation.hpp"
+#include "calvin/core/image.hpp"
 
 namespace calvin::gst {
 

@@ -13,6 +13,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/target/board.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace bench {
 

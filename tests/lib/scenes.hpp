@@ -20,6 +20,7 @@
 #include "calvin/camera/lens_table.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/solve/solve.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin::scenes {
 

@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs the shell lines of a documentation page as typed.
 
-    doc_lines.py PAGE SOURCE_DIR BUILD_DIR SHIM
+    doc_lines.py PAGE SOURCE_DIR BUILD_DIR [SHIM]
 
-Every line of every ```sh block is run in one fresh folder, in order, with the plugin in the path
-and an emulated camera at /dev/video0; for lines with rtspsrc there is a server on this machine. A
-live pipeline is ended as a user would, by Ctrl-C. A block behind the line `<!-- elsewhere: WHERE -->`
-is run by the named test instead. `<!-- stand-in: aravissrc = ELEMENT ... -->` names what takes the
-place of a source, with its properties, that needs a device.
+Every line of every ```sh block is run in one fresh folder, in order, with the plugin and the tools of
+the build in the path and an emulated camera at /dev/video0, without which lines with a camera are left
+out; for lines with rtspsrc there is a server on this machine. A live pipeline is ended as a user would,
+by Ctrl-C. A block behind the line `<!-- elsewhere: WHERE -->` is run by the named test instead.
+`<!-- stand-in: aravissrc = ELEMENT ... -->` names what takes the place of a source, with its properties,
+that needs a device.
 """
 
 import os
@@ -89,7 +90,8 @@ def lines_of(page):
 
 
 def main():
-    page, source, build, shim = map(pathlib.Path, sys.argv[1:5])
+    page, source, build = map(pathlib.Path, sys.argv[1:4])
+    shim = sys.argv[4] if len(sys.argv) > 4 else None
     failed = 0
     count = 0
     server = serve_rtsp(source) if "rtspsrc" in page.read_text() else None
@@ -98,10 +100,13 @@ def main():
             os.symlink(source / name, pathlib.Path(folder) / name)
         os.symlink(build, pathlib.Path(folder) / "build")
         for typed, line in lines_of(page):
+            if "v4l2src" in line and not shim:
+                continue
             count += 1
             env = dict(os.environ)
+            env["PATH"] = f"{build / 'examples'}:{env['PATH']}"
             if "v4l2src" in line:
-                env["LD_PRELOAD"] = str(shim)
+                env["LD_PRELOAD"] = shim
             status, output = run(line, env, folder)
             for file in re.findall(r"(?:[ :]location|ground-truth)=(\S+\.json)", line):
                 if not (pathlib.Path(folder) / file).is_file():

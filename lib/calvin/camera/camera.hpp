@@ -12,7 +12,8 @@
 #include <Eigen/Core>
 
 #include "calvin/core/calibration.hpp"
-#include "calvin/core/orientation.hpp"
+#include "calvin/core/export.hpp"
+#include "calvin/core/image.hpp"
 
 namespace calvin {
 
@@ -22,12 +23,12 @@ class Camera {
  public:
   // Checks everything that a file can get wrong: unknown model, missing, extra or non-finite
   // parameters, focal lengths that are not positive, an empty image.
-  static Result<Camera> make(const Calibration& calibration);
+  CALVIN_API static Result<Camera> make(const Calibration& calibration);
   // The same from bare numbers in the model's order (fx fy cx cy d0 ...), with an optional skew.
-  static Result<Camera> make(std::string_view model, ImageSize size,
-                             const std::vector<double>& parameters, double skew = 0);
+  CALVIN_API static Result<Camera> make(std::string_view model, ImageSize size,
+                                        const std::vector<double>& parameters, double skew = 0);
 
-  [[nodiscard]] std::string_view model() const noexcept;
+  [[nodiscard]] CALVIN_API std::string_view model() const noexcept;
   [[nodiscard]] ImageSize image_size() const noexcept { return size_; }
   // fx fy cx cy d0 d1 ...
   [[nodiscard]] const std::vector<double>& parameters() const noexcept { return parameters_; }
@@ -40,23 +41,24 @@ class Camera {
   // Point in the camera frame (x right, y down, z forward, any unit) -> px. Absent where the model
   // is not valid: behind a perspective lens, or where the distortion folds back. The result may
   // lie outside the image.
-  [[nodiscard]] std::optional<Pixel> project(const Eigen::Vector3d& point) const noexcept;
+  [[nodiscard]] CALVIN_API std::optional<Pixel> project(
+      const Eigen::Vector3d& point) const noexcept;
 
   // px -> unit ray in the camera frame; the inverse of project(). Absent where no valid ray leads
   // to that pixel.
-  [[nodiscard]] std::optional<Eigen::Vector3d> unproject(Pixel pixel) const noexcept;
+  [[nodiscard]] CALVIN_API std::optional<Eigen::Vector3d> unproject(Pixel pixel) const noexcept;
 
   // The camera whose image is this one's, scaled to another size / cut to a part of it that starts
   // at (x, y) px; this one as it is where no camera has such an image or such numbers.
-  [[nodiscard]] Camera scaled(ImageSize size) const;
-  [[nodiscard]] Camera cropped(double x, double y, ImageSize size) const;
+  [[nodiscard]] CALVIN_API Camera scaled(ImageSize size) const;
+  [[nodiscard]] CALVIN_API Camera cropped(double x, double y, ImageSize size) const;
 
   // The camera whose image is this one's, turned. kUnsupported where a skew would have to go along
   // the other axis, and where a sensor is tilted about both.
-  [[nodiscard]] Result<Camera> turned(Orientation orientation) const;
+  [[nodiscard]] CALVIN_API Result<Camera> turned(Orientation orientation) const;
 
   // Model, size and parameters as data; skew is listed only where it is not zero.
-  [[nodiscard]] Calibration to_calibration() const;
+  [[nodiscard]] CALVIN_API Calibration to_calibration() const;
 
  private:
   Camera() = default;
@@ -70,7 +72,7 @@ class Camera {
 
 // "pinhole, brown4, ...": the models that this version knows, and the parameter names of one of
 // them (fx fy cx cy k1 ...; empty for an unknown one).
-[[nodiscard]] const std::vector<std::string_view>& model_names();
-[[nodiscard]] std::vector<std::string_view> parameter_names(std::string_view model);
+[[nodiscard]] CALVIN_API const std::vector<std::string_view>& model_names();
+[[nodiscard]] CALVIN_API std::vector<std::string_view> parameter_names(std::string_view model);
 
 }  // namespace calvin

@@ -44,7 +44,7 @@
 #include <Eigen/Core>
 
 #include "calvin/camera/lens_traits.hpp"
-#include "calvin/core/orientation.hpp"
+#include "calvin/core/image.hpp"
 
 namespace calvin::lens {
 

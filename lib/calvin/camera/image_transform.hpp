@@ -14,8 +14,8 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/calibration.hpp"
+#include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
-#include "calvin/core/orientation.hpp"
 
 namespace calvin {
 

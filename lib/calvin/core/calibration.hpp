@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "calvin/core/export.hpp"
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
@@ -79,7 +80,7 @@ struct Calibration {
   std::string created;  // ISO 8601, UTC
 
   // The value of a parameter, or nullptr.
-  [[nodiscard]] const Parameter* find(std::string_view name) const noexcept;
+  [[nodiscard]] CALVIN_API const Parameter* find(std::string_view name) const noexcept;
 };
 
 }  // namespace calvin

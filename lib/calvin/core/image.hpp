@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Grey images: a view of somebody's pixels, and an image that owns its pixels.
+// Pictures: pixels and sizes, how a picture has to be turned to stand upright, and grey images: a
+// view of somebody's pixels, and an image that owns its pixels.
 #pragma once
 
 #include <cstddef>
@@ -27,6 +28,23 @@ struct ImageSize {
 [[nodiscard]] inline Pixel image_center(ImageSize size) {
   return {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
 }
+
+// The eight ways to lay a picture on itself. First rows become columns (transpose), then the new
+// picture is mirrored: left to right (flip_x), top to bottom (flip_y). A quarter turn clockwise is
+// transpose and flip_x.
+struct Orientation {
+  bool transpose = false;
+  bool flip_x = false;
+  bool flip_y = false;
+
+  [[nodiscard]] Orientation inverse() const noexcept {
+    return transpose ? Orientation{true, flip_y, flip_x} : *this;
+  }
+  [[nodiscard]] ImageSize size_of(ImageSize size) const noexcept {
+    return transpose ? ImageSize{size.height, size.width} : size;
+  }
+  friend bool operator==(const Orientation&, const Orientation&) = default;
+};
 
 // 8-bit grey pixels that somebody else owns; the luma of a YUV frame is viewed in place.
 struct ImageView {

@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "calvin/core/export.hpp"
 #include "calvin/core/image.hpp"
-#include "calvin/core/relabelling.hpp"
 
 namespace calvin {
 
@@ -26,6 +28,23 @@ struct CornerPatches {
   // side x side grey levels of each patch, row by row, one patch after the other.
   std::shared_ptr<const std::uint8_t[]> pixels;
 };
+
+// Another way to name the control points of a board, as good as the one that was given. The labels
+// of a grid are turned about z by quarter turns, in the sense of the board frame (x towards y),
+// then shifted by columns and rows. All zero: the labels stay as they are.
+struct Relabelling {
+  int quarter_turns = 0;  // 0..3
+  int cols = 0;
+  int rows = 0;
+
+  friend bool operator==(const Relabelling&, const Relabelling&) = default;
+};
+
+// "rotate180", "shift(2,0)", or both as in "rotate90 shift(0,-1)"; empty where nothing changes.
+[[nodiscard]] CALVIN_API std::string to_text(const Relabelling& relabelling);
+
+// What to_text() printed; absent for any other text.
+[[nodiscard]] CALVIN_API std::optional<Relabelling> parse_relabelling(std::string_view text);
 
 // The control points of one board that were found in one frame. Structure of arrays: ids, uv and
 // sigma have the same length. A board that was not found has none.

@@ -6,6 +6,8 @@
 
 #include <string_view>
 
+#include "calvin/core/export.hpp"
+
 namespace calvin {
 
 enum class Reason {
@@ -22,6 +24,6 @@ enum class Reason {
 };
 
 // "accepted", "too-similar", ...: the words of the `reason` field on the bus.
-[[nodiscard]] std::string_view to_string(Reason reason) noexcept;
+[[nodiscard]] CALVIN_API std::string_view to_string(Reason reason) noexcept;
 
 }  // namespace calvin

@@ -3,7 +3,7 @@
 
 // Prints and parses the text of a relabelling, as messages, metas and files have it.
 
-#include "calvin/core/relabelling.hpp"
+#include "calvin/core/observation.hpp"
 
 #include <fmt/format.h>
 

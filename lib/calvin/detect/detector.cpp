@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calvin/detect/checkerboard/sheets/checkerboard_detector.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 

@@ -25,6 +25,7 @@
 #include "calvin/draw/cairo.hpp"
 #include "calvin/draw/page.hpp"
 #include "calvin/draw/png.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 

@@ -13,6 +13,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/draw/board_drawing.hpp"
 #include "calvin/draw/page.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 

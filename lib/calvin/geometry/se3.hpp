@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "calvin/core/calibration.hpp"
+#include "calvin/core/export.hpp"
 
 namespace calvin {
 
@@ -26,18 +27,18 @@ struct SE3 {
 };
 
 // Rotation by |w| rad about w (Rodrigues), and its inverse with |w| in 0..pi.
-[[nodiscard]] Eigen::Matrix3d exp_so3(const Eigen::Vector3d& w);
-[[nodiscard]] Eigen::Vector3d log_so3(const Eigen::Matrix3d& rotation);
+[[nodiscard]] CALVIN_API Eigen::Matrix3d exp_so3(const Eigen::Vector3d& w);
+[[nodiscard]] CALVIN_API Eigen::Vector3d log_so3(const Eigen::Matrix3d& rotation);
 
 // The shortest rotation that takes the direction `from` to the direction `to`; neither is zero.
-[[nodiscard]] Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from,
-                                               const Eigen::Vector3d& to);
+[[nodiscard]] CALVIN_API Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from,
+                                                          const Eigen::Vector3d& to);
 
 // The rotation closest to `m` in the Frobenius norm (Umeyama's sign: determinant +1).
-[[nodiscard]] Eigen::Matrix3d closest_rotation(const Eigen::Matrix3d& m);
+[[nodiscard]] CALVIN_API Eigen::Matrix3d closest_rotation(const Eigen::Matrix3d& m);
 
 // Rigid motion as plain numbers (a file, a message) and back.
-[[nodiscard]] SE3 to_se3(const Pose& pose);
-[[nodiscard]] Pose to_pose(const SE3& motion);
+[[nodiscard]] CALVIN_API SE3 to_se3(const Pose& pose);
+[[nodiscard]] CALVIN_API Pose to_pose(const SE3& motion);
 
 }  // namespace calvin

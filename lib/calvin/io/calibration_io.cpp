@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/utf8.hpp"

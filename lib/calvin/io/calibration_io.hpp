@@ -5,13 +5,14 @@
 // file is known by its content, never by its name. Formats: docs/formats.md.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "calvin/core/calibration.hpp"
-#include "calvin/core/file.hpp"
+#include "calvin/core/export.hpp"
 
 namespace calvin {
 
@@ -24,33 +25,33 @@ inline constexpr std::size_t kMaxCalibrationBytes = std::size_t{16} << 20;
 // stereo pair gives its first camera.
 // kMalformed for broken content, kUnsupported for what this version or build cannot read. The
 // message names `name` (a path, or empty) and says what is wrong and what to do.
-[[nodiscard]] Result<Calibration> parse_calibration(std::string_view content,
-                                                    std::string_view name = "");
+[[nodiscard]] CALVIN_API Result<Calibration> parse_calibration(std::string_view content,
+                                                               std::string_view name = "");
 
 // parse_calibration() of a file. kNotFound where there is none, kIo where
 // the system refuses or the path is a folder or a device.
-[[nodiscard]] Result<Calibration> read_calibration(const std::filesystem::path& path);
+[[nodiscard]] CALVIN_API Result<Calibration> read_calibration(const std::filesystem::path& path);
 
 // The inverse, in one of calibration_formats(). Numbers read back as the same; only the native
 // format holds everything. kInvalidArgument for an unknown format or a calibration without an image
 // size where the format needs one, kUnsupported where the format has no such camera model.
-[[nodiscard]] Result<std::string> print_calibration(const Calibration& calibration,
-                                                    std::string_view format = "calvin");
+[[nodiscard]] CALVIN_API Result<std::string> print_calibration(const Calibration& calibration,
+                                                               std::string_view format = "calvin");
 
 // kUnsupported where the format has no camera model of that name, whatever its numbers: for whoever
 // knows both before there is a calibration. kInvalidArgument for an unknown format.
-[[nodiscard]] Status can_hold(std::string_view format, std::string_view model);
+[[nodiscard]] CALVIN_API Status can_hold(std::string_view format, std::string_view model);
 
-// print_calibration(), then write_file() (core/file.hpp): a reader sees the old file or the new,
-// but for one that can only be overwritten.
-[[nodiscard]] Status write_calibration(const std::filesystem::path& path,
-                                       const Calibration& calibration,
-                                       std::string_view format = "calvin");
+// print_calibration(), then the file is written whole: a reader sees the old file or the new, but
+// for one that can only be overwritten. kIo where the system refuses, with what to do.
+[[nodiscard]] CALVIN_API Status write_calibration(const std::filesystem::path& path,
+                                                  const Calibration& calibration,
+                                                  std::string_view format = "calvin");
 
 // Whether write_calibration() can work there, found without writing: for the warning at start.
-[[nodiscard]] Status can_write(const std::filesystem::path& path);
+[[nodiscard]] CALVIN_API Status can_write(const std::filesystem::path& path);
 
 // "calvin", "opencv-yaml", "opencv-xml", "opencv-json", "ros".
-[[nodiscard]] std::vector<std::string_view> calibration_formats();
+[[nodiscard]] CALVIN_API std::vector<std::string_view> calibration_formats();
 
 }  // namespace calvin

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "calvin/core/export.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
 
@@ -26,18 +27,19 @@ struct ObservationFile {
 // JSON lines: a header, then a line for each view. {"reset":true} forgets the views before it. A
 // last line without an end is left out; a broken line that has one is kMalformed, and the message
 // names `name` and the line. Views of a file with several boards tell theirs.
-[[nodiscard]] Result<ObservationFile> parse_observations(std::string_view content,
-                                                         std::string_view name = "");
+[[nodiscard]] CALVIN_API Result<ObservationFile> parse_observations(std::string_view content,
+                                                                    std::string_view name = "");
 
 // parse_observations() of a file of at most kMaxFileBytes; errors as of read_file().
-[[nodiscard]] Result<ObservationFile> read_observations(const std::filesystem::path& path);
+[[nodiscard]] CALVIN_API Result<ObservationFile> read_observations(
+    const std::filesystem::path& path);
 
 // The header and the line of one view, both with their end: for a file that is appended to.
 // Numbers read back as the same. A sigma that is missing or not positive is 1.
-[[nodiscard]] std::string print_observation_header(std::string_view board);
-[[nodiscard]] std::string print_observation(const Observation& observation,
-                                            std::string_view board_of_file);
-[[nodiscard]] std::string print_observations(const ObservationFile& file);
+[[nodiscard]] CALVIN_API std::string print_observation_header(std::string_view board);
+[[nodiscard]] CALVIN_API std::string print_observation(const Observation& observation,
+                                                       std::string_view board_of_file);
+[[nodiscard]] CALVIN_API std::string print_observations(const ObservationFile& file);
 
 // corners.vnl of mrcal and mrgingham: a row for each corner of the board, in the order of ids, or
 // one row "name - - -" for a picture without a board. The fourth column, if there is one, is a
@@ -45,13 +47,13 @@ struct ObservationFile {
 // to 1e6 (sigma = 1 / weight px) where the legend says "weight"; '-', a negative one and a weight
 // of 0 mark a corner that was not seen. The file tells neither the board nor the size of the
 // pictures: the caller does. The names of the pictures are not kept.
-[[nodiscard]] Result<std::vector<Observation>> parse_corners_vnl(std::string_view content,
-                                                                 std::string_view board,
-                                                                 ImageSize image_size,
-                                                                 std::string_view name = "");
+[[nodiscard]] CALVIN_API Result<std::vector<Observation>> parse_corners_vnl(
+    std::string_view content, std::string_view board, ImageSize image_size,
+    std::string_view name = "");
 
 // With weights, those beyond the limits at the limits; the pictures are called frame-000000.png and
 // so on. kInvalidArgument where a board text is wrong or an id is not on its board.
-[[nodiscard]] Result<std::string> print_corners_vnl(const std::vector<Observation>& observations);
+[[nodiscard]] CALVIN_API Result<std::string> print_corners_vnl(
+    const std::vector<Observation>& observations);
 
 }  // namespace calvin

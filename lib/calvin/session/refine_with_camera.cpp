@@ -16,6 +16,7 @@
 #include "calvin/detect/checkerboard/corners/fit_radius.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
 #include "calvin/detect/patches.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "calvin/core/export.hpp"
+
 namespace calvin {
 
 // Why a fit may be worse than its covariance says, though it converged.
@@ -25,7 +27,7 @@ struct Misfit {
 };
 
 // "none", "noise", "model", "board", "motion"; and a sentence for the user, empty for kNone.
-[[nodiscard]] std::string_view to_string(Misfit::Cause cause);
-[[nodiscard]] std::string advice(Misfit::Cause cause);
+[[nodiscard]] CALVIN_API std::string_view to_string(Misfit::Cause cause);
+[[nodiscard]] CALVIN_API std::string advice(Misfit::Cause cause);
 
 }  // namespace calvin

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/core/export.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/geometry/se3.hpp"
@@ -24,8 +25,9 @@ struct PoseQuality {
 // both are refined and the better one is returned. Corners that no ray of the camera leads to are
 // left out. kInvalidArgument for a broken observation, kDegenerate where fewer than 4 corners are
 // left or all lie on one line. `warp`: how the board is bent.
-[[nodiscard]] Result<SE3> solve_pose(const Camera& camera, const Board& board,
-                                     const Observation& observation, PoseQuality* quality = nullptr,
-                                     const BoardWarp& warp = {});
+[[nodiscard]] CALVIN_API Result<SE3> solve_pose(const Camera& camera, const Board& board,
+                                                const Observation& observation,
+                                                PoseQuality* quality = nullptr,
+                                                const BoardWarp& warp = {});
 
 }  // namespace calvin

@@ -12,6 +12,7 @@
 #include <span>
 #include <stop_token>
 
+#include "calvin/core/export.hpp"
 #include "calvin/core/image.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/solve/misfit.hpp"
@@ -22,13 +23,14 @@
 namespace calvin {
 
 // Whether solve() knows the model, what is to be fixed, and can start from `initial`.
-[[nodiscard]] Status check(const SolveOptions& options);
+[[nodiscard]] CALVIN_API Status check(const SolveOptions& options);
 
 // kInvalidArgument: a broken view, option or image size. kUnsupported: unknown model.
 // kDegenerate: too little or too uniform data to determine the camera. kCancelled: `stop` was
 // requested, which is looked at in every iteration. The result is finite whenever there is one.
 // Thread-safe; keeps nothing.
-[[nodiscard]] Result<Solution> solve(std::span<const View> views, ImageSize image_size,
-                                     const SolveOptions& options = {}, std::stop_token stop = {});
+[[nodiscard]] CALVIN_API Result<Solution> solve(std::span<const View> views, ImageSize image_size,
+                                                const SolveOptions& options = {},
+                                                std::stop_token stop = {});
 
 }  // namespace calvin

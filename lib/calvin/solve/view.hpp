@@ -4,6 +4,7 @@
 // A view: the corners of one board in one frame, the measurement from which cameras are solved.
 #pragma once
 
+#include "calvin/core/export.hpp"
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
@@ -21,11 +22,11 @@ struct View {
 };
 
 // kInvalidArgument for a size of less than 1 or more than 65536 px.
-[[nodiscard]] Status check_image_size(ImageSize size);
+[[nodiscard]] CALVIN_API Status check_image_size(ImageSize size);
 
 // Whether a view can be fed to solve(): ids within the board and none twice, as many corners as
 // ids, all finite and within the image (5 % of its size beyond the border are tolerated).
 // kInvalidArgument otherwise. Whether the corners are enough is not looked at.
-[[nodiscard]] Status check(const View& view, ImageSize image_size);
+[[nodiscard]] CALVIN_API Status check(const View& view, ImageSize image_size);
 
 }  // namespace calvin

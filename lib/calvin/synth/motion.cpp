@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include "calvin/synth/random.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 

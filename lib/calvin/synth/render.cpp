@@ -22,6 +22,7 @@
 #include "calvin/synth/rays.hpp"
 #include "calvin/synth/scene_levels.hpp"
 #include "calvin/synth/square_scene.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 

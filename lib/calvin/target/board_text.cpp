@@ -11,6 +11,7 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/target/board_error.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 

@@ -10,9 +10,8 @@
 
 #include <Eigen/Core>
 
-#include "calvin/core/relabelling.hpp"
+#include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
-#include "calvin/target/board_area.hpp"
 #include "calvin/target/grid.hpp"
 
 namespace calvin {

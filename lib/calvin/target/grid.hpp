@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Grid: the columns and rows of control points. The only place where ids are counted in rows.
+// Grid: the columns and rows of control points, the only place where ids are counted in rows.
+// BoardArea: a rectangle in the plane of a board.
 #pragma once
 
 namespace calvin {
@@ -29,6 +30,17 @@ struct Grid {
   [[nodiscard]] GridPlace place(int id) const noexcept { return {id % cols, id / cols}; }
 
   friend bool operator==(const Grid&, const Grid&) = default;
+};
+
+// m, in the board frame, with sides along x and y.
+struct BoardArea {
+  double left = 0;
+  double top = 0;
+  double right = 0;
+  double bottom = 0;
+
+  [[nodiscard]] double width() const noexcept { return right - left; }
+  [[nodiscard]] double height() const noexcept { return bottom - top; }
 };
 
 }  // namespace calvin

@@ -6,7 +6,6 @@
 
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/image.hpp"
-#include "calvin/core/orientation.hpp"
 #include "calvin/core/reason.hpp"
 #include "calvin/core/text.hpp"
 

@@ -4,7 +4,7 @@
 // The texts of relabellings, which messages and metas carry.
 #include <gtest/gtest.h>
 
-#include "calvin/core/relabelling.hpp"
+#include "calvin/core/observation.hpp"
 
 namespace calvin {
 namespace {

@@ -14,6 +14,7 @@
 #include "calvin/detect/detector.hpp"
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
+#include "calvin/target/kinds.hpp"
 #include "calvin_config.h"
 
 #if CALVIN_HAVE_OPENCV

@@ -29,6 +29,7 @@
 
 #include "calvin/core/file.hpp"
 #include "calvin/core/image.hpp"
+#include "calvin/target/kinds.hpp"
 #include "temporary_folder.hpp"
 
 namespace calvin {

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/camera/lens_table.hpp"
+#include "calvin/target/kinds.hpp"
 #include "ceres_solver.hpp"
 #include "plain_options.hpp"
 

@@ -11,6 +11,7 @@
 
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 namespace {

@@ -13,6 +13,7 @@
 
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 namespace {

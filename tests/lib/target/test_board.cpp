@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/target/board.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 namespace {
@@ -22,6 +23,18 @@ TEST(Board, TheDefaultIsRight) {
   EXPECT_EQ(board->as<Checkerboard>()->cols, 9);
   EXPECT_EQ(board->as<Checkerboard>()->rows, 6);
   EXPECT_DOUBLE_EQ(board->cell_size(0), 0.025);
+}
+
+// What others moved from is a board still.
+TEST(Board, IsAValue) {
+  Board board = parse_board(kRight).value();
+  const Board taken = std::move(board);
+  EXPECT_EQ(taken.text(), kRight);
+  EXPECT_EQ(board.text(), kRight);  // NOLINT: what is left is looked at
+  EXPECT_EQ(taken, parse_board(kRight).value());
+  EXPECT_NE(taken, Board{});
+  EXPECT_EQ(Board{}, Board(Checkerboard{}));
+  EXPECT_EQ(Board{}.point_count(), 0);
 }
 
 TEST(Board, UnitsAndCanonicalText) {

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/target/board.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 namespace {

@@ -11,6 +11,7 @@
 #include "calvin/core/reason.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
 #include "calvin/target/board.hpp"
+#include "calvin/target/checkerboard.hpp"
 
 namespace calvin::detect {
 

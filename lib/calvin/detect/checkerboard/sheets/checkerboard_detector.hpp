@@ -15,6 +15,7 @@
 
 #include "calvin/detect/detection.hpp"
 #include "calvin/target/board.hpp"
+#include "calvin/target/checkerboard.hpp"
 
 namespace calvin::detect {
 

@@ -13,6 +13,7 @@
 #include "calvin/detect/checkerboard/fit_grid.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
 #include "calvin/target/board.hpp"
+#include "calvin/target/checkerboard.hpp"
 
 namespace calvin::detect {
 

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The kinds of boards, for whoever treats them differently. Not installed: a program that uses the
+// library asks the Board.
+#pragma once
+
+#include <variant>
+
+#include "calvin/target/board.hpp"
+#include "calvin/target/checkerboard.hpp"
+#include "calvin/target/point_board.hpp"
+
+namespace calvin {
+
+// A new kind is a file in target/, a name here and a constructor of Board.
+struct Board::Kind : std::variant<Checkerboard, PointBoard> {
+  using variant::variant;
+};
+
+template <typename OneKind>
+const OneKind* Board::as() const noexcept {
+  return std::get_if<OneKind>(kind_.get());
+}
+
+}  // namespace calvin
