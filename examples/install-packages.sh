@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs the Debian packages that are missing, and says nothing when none is.
-#   install-packages.sh [--print] [build] [test] [bench] [builds]
+#   install-packages.sh [--print] [build] [test] [bench] [builds] [package]
 # --print: the names of the packages, and nothing is done.
 set -euf
 
@@ -19,6 +19,8 @@ bench="libbenchmark-dev libmrcal-dev? libmrgingham-dev?
   gstreamer1.0-opencv ffmpeg opencv-doc"
 # What tests/builds/run.sh needs for its other builds.
 builds="clang g++-aarch64-linux-gnu qemu-user debootstrap"
+# For .ci/package, which asks .ci/debian/control for the others.
+package="build-essential lintian git"
 
 print=""
 if [ "${1:-}" = --print ]; then
@@ -32,8 +34,9 @@ for set in "${@:-build}"; do
     test) wanted="$wanted $test" ;;
     bench) wanted="$wanted $bench" ;;
     builds) wanted="$wanted $builds" ;;
+    package) wanted="$wanted $package" ;;
     *)
-      echo "$0: there is no set of packages called '$set' (build, test, bench, builds)" >&2
+      echo "$0: there is no set of packages called '$set' (build, test, bench, builds, package)" >&2
       exit 2
       ;;
   esac

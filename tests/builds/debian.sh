@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# The two commands of the README in a fresh Debian, as whoever has just cloned the project types them.
-#   debian.sh SUITE DIR    SUITE: bookworm or trixie; DIR gets the system and keeps it
+# Commands in a fresh Debian, as whoever has just cloned the project types them.
+#   debian.sh SUITE DIR COMMAND...    SUITE: bookworm or trixie; DIR gets the system and keeps it
 # As root, since it installs a system; skipped with a line, and exit status 77, where it cannot. The
 # tree is what is committed. Pictures are read from the folder that CALVIN_DATA names.
 set -eu
 
-[ $# -eq 2 ] || { sed -n '4s/^# *//p' "$0" >&2; exit 2; }
+[ $# -ge 3 ] || { sed -n '4s/^# *//p' "$0" >&2; exit 2; }
 suite=$1
 case "$suite" in
   bookworm | trixie) ;;
@@ -24,6 +24,7 @@ command -v debootstrap >/dev/null || skip "debootstrap is not installed"
 source=$(cd "$(dirname "$0")/../.." && pwd)
 mkdir -p "$2"
 root=$(cd "$2" && pwd)
+shift 2
 
 # Where this machine itself gets Debian from.
 mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Label: Debian' |
@@ -59,5 +60,6 @@ run() {
     ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
     sh -c "cd /gst-calvin && exec $1" || { echo "Debian $suite: $1 has failed"; exit 1; }
 }
-run examples/quickstart.sh
-run tests/run.sh
+for command in "$@"; do
+  run "$command"
+done

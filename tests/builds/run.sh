@@ -9,18 +9,20 @@
 #   static      archives, and a program in C that holds the plugin
 #   aarch64     64-bit ARM: the library's tests, the plugin and a pipeline under qemu
 #   benches     each benchmark at its smallest size
-#   debian12 debian13   both commands of the README in a fresh system (needs root)
+#   debian12 debian13   examples/quickstart.sh and tests/run.sh in a fresh system (needs root)
+#   packages12 packages13   .ci/package in a fresh system, and what it installs (needs root)
 # DIR/NAME.log holds what a build says, DIR/NAME what it leaves. With CALVIN_WERROR=true warnings are
 # errors.
 set -eu
 
 usage() {
-  sed -n '3,14s/^# *//p' "$0" >&2
+  sed -n '3,15s/^# *//p' "$0" >&2
   exit 2
 }
 
 source=$(cd "$(dirname "$0")/../.." && pwd)
 all="debug debugoptimized plain minsize clang nofeatures static aarch64 benches debian12 debian13"
+all="$all packages12 packages13"
 names=""
 while [ $# -gt 1 ]; do
   case " $all " in
@@ -44,6 +46,13 @@ build() {
 }
 
 smoke() { "$source/tests/builds/smoke.sh" "$@"; }
+
+# debian SUITE COMMAND...: in a system that is $dir/NAME.
+debian() {
+  suite=$1
+  shift
+  "$source/tests/builds/debian.sh" "$suite" "$dir/$name" "$@"
+}
 
 # Whether these files have no instruction for AES and the like, which a Raspberry Pi 4 lacks and every
 # processor of qemu has.
@@ -91,8 +100,10 @@ build_named() {
       export CALVIN_BENCH_BUILD="$dir/benches"
       "$source/tests/bench/run.sh" --smallest
       ;;
-    debian12) "$source/tests/builds/debian.sh" bookworm "$dir/debian12" ;;
-    debian13) "$source/tests/builds/debian.sh" trixie "$dir/debian13" ;;
+    debian12) debian bookworm examples/quickstart.sh tests/run.sh ;;
+    debian13) debian trixie examples/quickstart.sh tests/run.sh ;;
+    packages12) debian bookworm tests/builds/packages.sh ;;
+    packages13) debian trixie tests/builds/packages.sh ;;
     *)
       build "$1" --buildtype="$1"
       smoke "$dir/$1"
