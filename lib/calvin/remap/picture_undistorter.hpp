@@ -20,8 +20,8 @@ struct PictureOptions {
   // 0: the largest view without a pixel that the camera has not seen. 1: all that the camera sees,
   // with such pixels at the border. Between: the borders of the view move linearly.
   double alpha = 0;
-  ImageSize output;  // px; 0x0: as the camera's pictures
-  int channels = 1;  // bytes of a pixel, 1 to 4: grey, BGR, BGRx
+  ImageSize output = {};  // px; 0x0: as the camera's pictures
+  int channels = 1;       // bytes of a pixel, 1 to 4: grey, BGR, BGRx
 };
 
 // Immutable; safe to share between threads. Copies share the map.
