@@ -16,7 +16,8 @@
 
 calvin::Status calibrate(const std::filesystem::path& folder, const char* text, const char* file) {
   const auto board = calvin::parse_board(text);
-  const auto detector = board.and_then(calvin::make_detector);
+  if (!board) return tl::unexpected(board.error());
+  const auto detector = calvin::make_detector(*board);
   if (!detector) return tl::unexpected(detector.error());
   std::vector<calvin::View> views;
   std::error_code none;
