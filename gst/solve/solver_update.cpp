@@ -44,7 +44,10 @@ void CalibSolver::update_beside(const std::stop_token& stop) {
     for (const Error& error : *warnings) {
       if (const auto report = updater_.begin_report(stop, element_)) {
         post_warning(element_, error);
+        continue;
       }
+      const std::lock_guard guard(lock_);
+      session_.say_later({Notice::Kind::kWarning, error});
     }
   }
 }

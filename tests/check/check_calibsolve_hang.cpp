@@ -157,6 +157,28 @@ GST_START_TEST(test_a_place_that_is_wrong_is_said_later) {
 }
 GST_END_TEST;
 
+// What comes of settings while a flush keeps everybody silent is said after it.
+GST_START_TEST(test_a_flush_loses_no_word_of_a_setting) {
+  check::TemporaryFolder folder;
+  SolveFixture f("min-views=100");
+  f.push_views(3);
+  check::down = true;
+  g_object_set(f.element, "location", (folder / "hung/cam.json").c_str(), nullptr);
+  int n = 3;
+  while (!check::is_waiting()) {
+    gst_buffer_unref(f.push(n++));
+    g_usleep(10000);
+  }
+  gst_harness_push_event(f.h, gst_event_new_flush_start());
+  check::down = false;
+  g_usleep(200000);
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+  gst_harness_push_event(f.h, gst_event_new_flush_stop(TRUE));
+  for (int i = 0; i < 1000 && f.bus.texts(GST_MESSAGE_WARNING).empty(); ++i) g_usleep(10000);
+  fail_unless(f.bus.says(GST_MESSAGE_WARNING, "Cannot write"));
+}
+GST_END_TEST;
+
 static Suite* calibsolve_hang_suite() {
   Suite* suite = suite_create("calibsolve_hang");
   TCase* tc = tcase_create("general");
@@ -168,6 +190,7 @@ static Suite* calibsolve_hang_suite() {
   tcase_add_loop_test(tc, test_the_signal_solve_waits_for_no_place, 0, 2);
   tcase_add_test(tc, test_other_settings_do_not_wait_for_the_places);
   tcase_add_test(tc, test_a_place_that_is_wrong_is_said_later);
+  tcase_add_test(tc, test_a_flush_loses_no_word_of_a_setting);
   return suite;
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "calvin/camera/camera.hpp"
@@ -143,7 +144,9 @@ class CalibrationSession {
   [[nodiscard]] std::optional<Notice> files_are_late(std::chrono::seconds waited) {
     return writes_.late(waited);
   }
-  // What is to be said of the writes that have ended; a notice that is taken counts as said.
+  // What is to be said of the writes that have ended, and what nobody could say when it came up; a
+  // notice that is taken counts as said.
+  void say_later(Notice notice) { writes_.say_later(std::move(notice)); }
   [[nodiscard]] bool has_notice() const noexcept { return writes_.has_notice(); }
   [[nodiscard]] std::optional<Notice> take_notice() { return writes_.take_notice(); }
 

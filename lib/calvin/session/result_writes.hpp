@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "calvin/core/calibration.hpp"
@@ -45,7 +46,9 @@ class ResultWrites {
 
   // Of the write that ended last.
   [[nodiscard]] const Status& status() const noexcept { return status_; }
-  // What is to be said of the writes that have ended; a notice that is taken counts as said.
+  // What is to be said of the writes that have ended, and what else had to wait; a notice that is
+  // taken counts as said.
+  void say_later(Notice notice) { notices_.push_back(std::move(notice)); }
   [[nodiscard]] bool has_notice() const noexcept { return !notices_.empty(); }
   [[nodiscard]] std::optional<Notice> take_notice();
 

@@ -294,6 +294,10 @@ TEST_F(FilesOfSessions, LoseNoNoticeThatNobodyTook) {
   solve_again(0.4);
   fail_to_write();
   EXPECT_EQ(notices().size(), 2u);
+  session_.say_later({Notice::Kind::kWarning, {ErrorCode::kIo, "Nobody could say this."}});
+  EXPECT_EQ(session_.take_notice()->error.message, "Nobody could say this.");
+  EXPECT_FALSE(session_.has_notice());
+  session_.say_later({Notice::Kind::kWarning, {ErrorCode::kIo, "Nor this."}});
   session_.reset();
   EXPECT_FALSE(session_.has_notice());
 }
