@@ -51,8 +51,8 @@ constexpr Property<CalibSolver> kRows[] = {
     {"model", "Model", model_blurb, kept_in<&SessionSettings::model>},
     {"fix", "Fix",
      "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
-     "else a distortion coefficient at 0 and cx, cy (center for both) at the middle of the "
-     "picture. What to tie: aspect (fy:fx as in initial, or else 1), fx=fy, k1=k2",
+     "else a distortion coefficient at 0 (beta at 1) and cx, cy (center for both) at the middle "
+     "of the picture. What to tie: aspect (fy:fx as in initial, or else 1), fx=fy, k1=k2",
      kept_in<&SessionSettings::fix>},
     {"initial", "Initial",
      "A calibration (a file, or whatever calibundistort takes) to start the solve from, which "

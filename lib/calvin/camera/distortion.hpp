@@ -9,6 +9,8 @@
 //                               only what lies in front of the camera
 //   kStarts                     coefficients to start a solve from, one of which leads to the
 //                               optimum of any lens that the model fits
+//   kNeutral                    coefficients that bend nothing (LensTraits::neutral); zeros where
+//                               a lens does not say
 //   kTypical                    between which numbers each coefficient of common lenses lies; tests
 //                               draw theirs from there
 //   kCandidate                  whether the model `auto` tries it

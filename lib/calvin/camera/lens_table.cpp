@@ -22,6 +22,11 @@ LensTraits traits_of() {
   traits.candidate = Lens::kCandidate;
   traits.opencv = Lens::kOpenCv;
   for (const auto& start : Lens::kStarts) traits.starts.emplace_back(start.begin(), start.end());
+  if constexpr (requires { Lens::kNeutral; }) {
+    traits.neutral = {Lens::kNeutral.begin(), Lens::kNeutral.end()};
+  } else {
+    traits.neutral.resize(traits.coefficients.size());
+  }
   traits.typical = {Lens::kTypical.begin(), Lens::kTypical.end()};
   traits.glsl = Lens::glsl();
   return traits;
@@ -43,6 +48,17 @@ const LensTraits* find_lens(std::string_view model) {
   const auto it = std::find_if(lenses.begin(), lenses.end(),
                                [model](const LensTraits& lens) { return lens.model == model; });
   return it == lenses.end() ? nullptr : &*it;
+}
+
+std::vector<const LensTraits*> lenses_where(const std::function<bool(const LensTraits&)>& wanted) {
+  std::vector<const LensTraits*> lenses;
+  for (const LensTraits& lens : all_lenses()) {
+    if (wanted(lens)) lenses.push_back(&lens);
+  }
+  std::stable_sort(lenses.begin(), lenses.end(), [](const LensTraits* a, const LensTraits* b) {
+    return a->coefficients.size() < b->coefficients.size();
+  });
+  return lenses;
 }
 
 bool share_coefficients(const LensTraits& a, const LensTraits& b) {

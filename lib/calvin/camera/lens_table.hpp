@@ -4,6 +4,7 @@
 // The lenses that this version has.
 #pragma once
 
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +17,10 @@ namespace calvin {
 
 // The lens of a model; nullptr for an unknown one.
 [[nodiscard]] const LensTraits* find_lens(std::string_view model);
+
+// The lenses for which `wanted` is true, those with fewer coefficients first.
+[[nodiscard]] std::vector<const LensTraits*> lenses_where(
+    const std::function<bool(const LensTraits&)>& wanted);
 
 // Whether a coefficient that two lenses call by one name means the same in both.
 [[nodiscard]] bool share_coefficients(const LensTraits& a, const LensTraits& b);

@@ -31,6 +31,10 @@ struct LensTraits {
   bool candidate = false;  // whether the model `auto` tries it
   OpenCvForm opencv = OpenCvForm::kNone;
   std::vector<std::vector<double>> starts;  // coefficients from which a solve starts
+  // Coefficients that bend nothing, each by itself: of a lens with all of them, a picture is that
+  // of a pinhole, or of a fisheye lens that maps angles evenly. What is held at nothing is held
+  // here.
+  std::vector<double> neutral;
   // Between these lies each coefficient of common lenses.
   std::vector<CoefficientRange> typical;
   // Statements in GLSL that declare `float x` and `float y`, the distorted point of the direction

@@ -19,14 +19,7 @@ namespace {
 
 // The lenses of that form by their number of coefficients: a file's take the first that fits.
 std::vector<const LensTraits*> lenses_of(OpenCvForm form) {
-  std::vector<const LensTraits*> family;
-  for (const LensTraits& lens : all_lenses()) {
-    if (lens.opencv == form) family.push_back(&lens);
-  }
-  std::stable_sort(family.begin(), family.end(), [](const LensTraits* a, const LensTraits* b) {
-    return a->coefficients.size() < b->coefficients.size();
-  });
-  return family;
+  return lenses_where([form](const LensTraits& lens) { return lens.opencv == form; });
 }
 
 const LensTraits& largest(OpenCvForm form) { return *lenses_of(form).back(); }

@@ -44,7 +44,8 @@ struct SolveOptions {
   bool skew = false;
 
   // Parameters that are held or tied. A name holds a parameter at its value in `initial`, or else a
-  // coefficient at 0 and "cx", "cy" at the centre of the image; "center" holds both of these.
+  // coefficient where it bends nothing (LensTraits::neutral: 0, but 1 for beta) and "cx", "cy" at
+  // the centre of the image; "center" holds both of these.
   // "aspect" ties fy / fx as in `initial`, or else at 1; "fx=fy" or "k1=k2" gives two parameters
   // one value.
   std::vector<std::string> fix;

@@ -113,6 +113,29 @@ TEST(Initial, TiedParametersAreOne) {
   EXPECT_NEAR(c.find("k1")->value, 0.05, 5 * *c.find("k1")->sigma);
 }
 
+// The lens is then a pinhole, and not what a solve of its model starts from.
+TEST(Initial, ACoefficientThatIsFixedAtNothingBendsNothing) {
+  Random random(6);
+  const Camera camera = Camera::make("pinhole", kSize, {1200, 1190, 630, 470}).value();
+  const auto views = views_of(camera, random, 10);
+  for (const std::string_view model : {"fov", "ucm", "eucm", "doublesphere"}) {
+    const LensTraits& lens = *find_lens(model);
+    SolveOptions options;
+    options.model = model;
+    options.fix = {lens.coefficients.begin(), lens.coefficients.end()};
+    for (const bool from_another_model : {false, true}) {
+      if (from_another_model) options.initial = camera.to_calibration();
+      const auto solution = solve(views, kSize, options);
+      ASSERT_TRUE(solution) << model << ": " << solution.error().message;
+      const Calibration& c = solution->calibration;
+      for (const std::string_view name : lens.coefficients) {
+        EXPECT_EQ(c.find(name)->value, name == "beta" ? 1 : 0) << model << " " << name;
+      }
+      EXPECT_NEAR(c.find("fx")->value, 1200, 5 * *c.find("fx")->sigma) << model;
+    }
+  }
+}
+
 // Coefficients of one kind of lens say nothing of another kind; those of a smaller model do.
 TEST(Initial, AnotherModelGivesWhatItHas) {
   Random random(4);

@@ -21,6 +21,7 @@ struct Eucm : Radial<Eucm> {
   static constexpr std::string_view kName = "eucm";
   static constexpr int kCount = 2;
   static constexpr std::array<std::array<double, kCount>, 2> kStarts = {{{0.3, 1}, {0.6, 1}}};
+  static constexpr std::array<double, kCount> kNeutral = {0, 1};
   static constexpr std::array<std::string_view, kCount> kNames = {"alpha", "beta"};
   static constexpr std::array<CoefficientRange, kCount> kTypical = {{{0.5, 0.7}, {0.9, 1.2}}};
   static constexpr bool kCandidate = true;

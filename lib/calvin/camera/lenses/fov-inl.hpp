@@ -52,7 +52,8 @@ struct Fov : Radial<Fov> {
     out.s = select(near, g * iz * (z * z * in2 + q * series), angle / (w * rho));
     out.by_rho = select(near, -g * t * t * iz * iz * iz * series, rest / (w * rho * rho2));
     out.by_z = -g * in2;
-    out.valid = (z > 0) | (b2 > 1e-12 * (z * z));  // straight backwards there is no direction
+    // Straight backwards there is no direction, and from w = pi on there is no lens.
+    out.valid = ((z > 0) | (b2 > 1e-12 * (z * z))) & (T(w) < T(std::numbers::pi));
     if (by_d != nullptr) {
       const T slope = select(near, -g * g * t * rho2 * iz * iz * iz * series, rest / (w * w * rho));
       by_d[0] = std::copysign(1.0, d[0]) * (stretch_excess(w) * t * z * in2 + slope);

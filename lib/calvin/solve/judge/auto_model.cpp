@@ -20,20 +20,6 @@ namespace calvin {
 
 namespace {
 
-// The models whose lenses say so (LensTraits::candidate), in order of their number of parameters.
-std::vector<std::string_view> candidates() {
-  std::vector<const LensTraits*> lenses;
-  for (const LensTraits& lens : all_lenses()) {
-    if (lens.candidate) lenses.push_back(&lens);
-  }
-  std::stable_sort(lenses.begin(), lenses.end(), [](const LensTraits* a, const LensTraits* b) {
-    return a->coefficients.size() < b->coefficients.size();
-  });
-  std::vector<std::string_view> models;
-  for (const LensTraits* lens : lenses) models.push_back(lens->model);
-  return models;
-}
-
 // The least gain of a richer model, in standard deviations of the paired difference: 2.3 % of noise
 // exceeds it.
 constexpr double kGain = 2;
@@ -105,13 +91,13 @@ double gain(const Trial& a, const Trial& b) {
 std::vector<Trial> try_all(const std::vector<PointSet>& views, const BoardShape& shape,
                            ImageSize size, SolveOptions options, const std::stop_token& stop) {
   std::vector<Trial> trials;
-  for (const std::string_view model : candidates()) {
+  for (const LensTraits* lens : lenses_where([](const LensTraits& l) { return l.candidate; })) {
     if (stop.stop_requested()) break;
-    options.model = model;
+    options.model = lens->model;
     auto solution = solve_points(views, shape, size, options, stop);
     if (!solution) continue;
     auto held_out = held_out_of(views, *solution);
-    trials.push_back({std::string(model), *std::move(solution), std::move(held_out)});
+    trials.push_back({options.model, *std::move(solution), std::move(held_out)});
   }
   return trials;
 }

@@ -6,6 +6,7 @@
 #include "calvin/solve/parameters/parameterization.hpp"
 
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -19,26 +20,35 @@ namespace calvin {
 
 namespace {
 
-// The values of a lens without distortion, as near as the model has one, 0 for all that is no
-// coefficient.
-double undistorted(const Parameterization& parameterization, int unknown) {
+// Of coefficients of the lens: that of an unknown; 0 for all that is no coefficient.
+double coefficient(const std::vector<double>& coefficients,
+                   const Parameterization& parameterization, int unknown) {
   const ParameterRange distortion = parameterization.table.distortion(0);
-  const std::vector<double>& start = parameterization.lens.starts.front();
   const auto i = static_cast<std::size_t>(unknown - distortion.first);
-  return distortion.has(unknown) && i < start.size() ? start[i] : 0;
+  return distortion.has(unknown) && i < coefficients.size() ? coefficients[i] : 0;
 }
 
-// All unknowns as `calibration` has them; coefficients of an unrelated model do not count.
+// What `calibration` says of an unknown. Coefficients of an unrelated model do not count.
+std::optional<double> value_in(const Calibration& calibration,
+                               const Parameterization& parameterization, int unknown) {
+  const ParameterTable& table = parameterization.table;
+  if (table.distortion(0).has(unknown) &&
+      !share_coefficients(*find_lens(calibration.model), parameterization.lens)) {
+    return std::nullopt;
+  }
+  const Parameter* p = calibration.find(table.name(unknown));
+  return p != nullptr ? std::optional(p->value) : std::nullopt;
+}
+
+// All unknowns as `calibration` has them; the coefficients that it does not have, as at a start.
 std::vector<double> initial_of(const Calibration& calibration,
                                const Parameterization& parameterization) {
   const ParameterTable& table = parameterization.table;
-  const bool related = share_coefficients(*find_lens(calibration.model), parameterization.lens);
+  const std::vector<double>& start = parameterization.lens.starts.front();
   std::vector<double> values(static_cast<std::size_t>(table.count()), 0);
   for (int i = 0; i < table.camera(0).end(); ++i) {
-    const bool counts = related || !table.distortion(0).has(i);
-    const Parameter* p = counts ? calibration.find(table.name(i)) : nullptr;
-    values[static_cast<std::size_t>(i)] =
-        p != nullptr ? p->value : undistorted(parameterization, i);
+    values[static_cast<std::size_t>(i)] = value_in(calibration, parameterization, i)
+                                              .value_or(coefficient(start, parameterization, i));
   }
   return values;
 }
@@ -46,9 +56,11 @@ std::vector<double> initial_of(const Calibration& calibration,
 // Reads the words of `fix` one after the other.
 class Reader {
  public:
-  Reader(Parameterization& parameterization, ImageSize size)
+  Reader(Parameterization& parameterization, const std::optional<Calibration>& initial,
+         ImageSize size)
       : parameterization_(parameterization),
         table_(parameterization.table),
+        initial_(initial),
         center_(image_center(size)) {}
 
   Status read(std::string_view word) {
@@ -87,11 +99,10 @@ class Reader {
   }
 
   void hold(int unknown) {
-    double value = undistorted(parameterization_, unknown);
+    double value = coefficient(parameterization_.lens.neutral, parameterization_, unknown);
     if (unknown == table_.center(0)[0]) value = center_.u;
     if (unknown == table_.center(0)[1]) value = center_.v;
-    const auto& initial = parameterization_.initial;
-    if (!initial.empty()) value = initial[static_cast<std::size_t>(unknown)];
+    if (initial_) value = value_in(*initial_, parameterization_, unknown).value_or(value);
     table_.hold(unknown, value);
   }
 
@@ -116,6 +127,7 @@ class Reader {
 
   Parameterization& parameterization_;
   ParameterTable& table_;
+  const std::optional<Calibration>& initial_;
   Pixel center_;
 };
 
@@ -173,7 +185,7 @@ Result<Parameterization> make_parameterization(const SolveOptions& options, Imag
   }
   parameterization.table = ParameterTable({std::move(camera)}, {board});
   if (options.initial) parameterization.initial = initial_of(*options.initial, parameterization);
-  Reader reader(parameterization, size);
+  Reader reader(parameterization, options.initial, size);
   for (const std::string& word : options.fix) {
     if (const Status read = reader.read(trim(word)); !read) {
       return tl::unexpected<Error>(read.error());
