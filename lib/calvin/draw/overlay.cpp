@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/core/utf8.hpp"
 #include "calvin/draw/overlay_shapes.hpp"
-#include "calvin/io/utf8.hpp"
 #include "calvin/target/board.hpp"
 #include "calvin_config.h"
 
@@ -266,7 +266,7 @@ std::string overlay_caption(const Progress& progress) {
       text += fmt::format(", rms {:.2f} px", *progress.rms);
     }
   }
-  const std::string hint = io::shortened(progress.hint, kLongestHint);
+  const std::string hint = shortened(progress.hint, kLongestHint);
   if (text.empty() || hint.empty()) return text + hint;
   return text + ": " + hint;
 }

@@ -11,9 +11,10 @@
 
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/core/utf8.hpp"
 #include "calvin/io/document.hpp"
-#include "calvin/io/utf8.hpp"
 #include "calvin/target/board_error.hpp"
+#include "calvin/target/board_name.hpp"
 
 namespace calvin {
 
@@ -22,7 +23,6 @@ namespace {
 using io::Node;
 
 constexpr std::size_t kMaxNamesBytes = std::size_t{1} << 20;
-constexpr std::size_t kMaxName = 64;
 constexpr std::string_view kFormat = "calvin-boards";
 constexpr std::string_view kExampleFile =
     R"({"format": "calvin-boards", "version": 1, "boards": {"floor": "checkerboard:9x6:25mm"}})";
@@ -30,7 +30,7 @@ constexpr std::string_view kExampleFile =
 tl::unexpected<Error> broken(const std::string& path, std::string_view why) {
   return make_error(ErrorCode::kMalformed,
                     fmt::format("'{}' is not a file of board names: {}. A right one is {}.", path,
-                                io::shortened(why, 400), kExampleFile));
+                                shortened(why, 400), kExampleFile));
 }
 
 Node text_node(std::string_view text) { return {Node::Kind::kString, std::string(text), {}, {}}; }
@@ -115,20 +115,7 @@ Result<Board> named_board(std::string_view text) {
   if (board) return board;
   return make_error(ErrorCode::kMalformed,
                     fmt::format("The board '{}' in '{}' cannot be used. {}", it->name,
-                                io::shortened(path, 400), board.error().message));
-}
-
-Status check_name(std::string_view name) {
-  const bool control = std::any_of(name.begin(), name.end(),
-                                   [](char c) { return c == '#' || c == ';' || is_control(c); });
-  const bool right = !control && trim(name) == name && io::valid_utf8(name) == name;
-  if (right && !name.empty() && name.size() <= kMaxName) return {};
-  return make_error(
-      ErrorCode::kInvalidArgument,
-      fmt::format("The board name '{}' is wrong: it needs 1 to {} bytes of UTF-8 without "
-                  "'#', ';' and control characters and without a space at its ends, like 'floor' "
-                  "for checkerboard:9x6:25mm.",
-                  io::shortened(name, kMaxName), kMaxName));
+                                shortened(path, 400), board.error().message));
 }
 
 tl::unexpected<Error> cannot_be_told_apart(std::string_view text, const Board& a, const Board& b) {
@@ -174,7 +161,7 @@ Result<std::vector<NamedBoard>> list_boards(const std::string& path) {
 }
 
 Status add_board(const std::string& path, std::string_view name, std::string_view text) {
-  if (Status named = check_name(name); !named) return named;
+  if (Status named = check_board_name(name); !named) return named;
   const auto board = parse_board(text);
   if (!board) return tl::unexpected<Error>(board.error());
   auto root = read_names(path);

@@ -15,8 +15,8 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/core/utf8.hpp"
 #include "calvin/io/calibration_formats.hpp"
-#include "calvin/io/utf8.hpp"
 #include "calvin_config.h"
 
 namespace calvin {
@@ -107,7 +107,7 @@ Result<Calibration> parse_text(std::string_view content) {
     return make_error(ErrorCode::kMalformed, fmt::format("it is not text: there is a byte {} in it",
                                                          static_cast<int>(*control)));
   }
-  const std::string text = io::valid_utf8(content);
+  const std::string text = valid_utf8(content);
   if (trim(text).empty()) return make_error(ErrorCode::kMalformed, "it is empty");
   const auto root = parse_document(text);
   if (!root) return tl::unexpected(root.error());
@@ -124,9 +124,9 @@ Result<Calibration> parse_text(std::string_view content) {
 
 // The reasons of parsers are clauses, those of Camera::make() whole sentences.
 std::string explain(std::string_view name, std::string_view why) {
-  const std::string reason = io::shortened(why, 400);
+  const std::string reason = shortened(why, 400);
   const std::string file = name.empty() ? std::string("The calibration text")
-                                        : fmt::format("'{}'", io::shortened(name, 400));
+                                        : fmt::format("'{}'", shortened(name, 400));
   return fmt::format("{} cannot be used as a calibration: {}{} {}", file, reason,
                      reason.ends_with('.') ? "" : ".", kKnown);
 }
@@ -148,7 +148,7 @@ Result<Calibration> read_calibration(const std::filesystem::path& path) {
   auto content = read_file(path.string(), kMaxCalibrationBytes);
   if (content) return parse_calibration(*content, path.string());
   Error error = std::move(content.error());
-  error.message = io::shortened(error.message, 400) + " " + std::string(kKnown);
+  error.message = shortened(error.message, 400) + " " + std::string(kKnown);
   return tl::unexpected(std::move(error));
 }
 

@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include "calvin/core/text.hpp"
+#include "calvin/core/utf8.hpp"
 #include "calvin/io/observations.hpp"
-#include "calvin/io/utf8.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
@@ -57,7 +57,7 @@ std::optional<double> sigma_of_weight(std::string_view word) {
 }
 
 std::string wrong_column(std::string_view word, bool weights) {
-  const std::string shown = io::shortened(word, 40);
+  const std::string shown = shortened(word, 40);
   if (!weights) {
     return fmt::format("has the level '{}', which is no whole number up to {}", shown, kLastLevel);
   }
@@ -96,7 +96,7 @@ class VnlReader {
   std::string finish_picture() {
     if (seen_.empty() || next_ == count() || (next_ == 1 && empty_row_)) return "";
     return fmt::format("follows {} corners of the picture {}, where the board has {}", next_,
-                       io::shortened(picture_, 60), count());
+                       shortened(picture_, 60), count());
   }
 
   std::vector<Observation> take() { return std::move(seen_); }
@@ -164,7 +164,7 @@ Result<std::vector<Observation>> parse_corners_vnl(std::string_view content, std
       if (words.size() > 3 && !weights && words[3] != "level") {
         return refuse(number, fmt::format("has a fourth column '{}', which is neither level nor "
                                           "weight",
-                                          io::shortened(words[3], 40)));
+                                          shortened(words[3], 40)));
       }
       continue;
     }

@@ -13,7 +13,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
-#include "calvin/io/utf8.hpp"
+#include "calvin/core/utf8.hpp"
 
 namespace calvin {
 
@@ -28,8 +28,8 @@ constexpr std::array<std::string_view, 3> kGuesses = {"pinhole", "brown4", "brow
 using Keys = std::map<std::string_view, std::string_view>;
 
 tl::unexpected<Error> wrong(std::string_view why, ErrorCode code = ErrorCode::kInvalidArgument) {
-  return make_error(code, fmt::format("The calibration text is wrong: {}. {}",
-                                      io::shortened(why, 300), kExample));
+  return make_error(
+      code, fmt::format("The calibration text is wrong: {}. {}", shortened(why, 300), kExample));
 }
 
 Result<Keys> split_keys(std::string_view text) {
@@ -37,7 +37,7 @@ Result<Keys> split_keys(std::string_view text) {
   for (const std::string_view field : split(text, ',')) {
     const auto equals = field.find('=');
     if (equals == std::string_view::npos) {
-      return wrong(fmt::format("'{}' is not name=value", io::shortened(field, 40)));
+      return wrong(fmt::format("'{}' is not name=value", shortened(field, 40)));
     }
     const auto key = trim(field.substr(0, equals));
     if (!keys.emplace(key, trim(field.substr(equals + 1))).second) {
@@ -59,8 +59,8 @@ Result<std::string> take_model(Keys& keys) {
     keys.erase(it);
     const auto& known = model_names();
     if (std::find(known.begin(), known.end(), model) == known.end()) {
-      return wrong(fmt::format("there is no camera model '{}'; there are {}",
-                               io::shortened(model, 40), join(known, ", ")),
+      return wrong(fmt::format("there is no camera model '{}'; there are {}", shortened(model, 40),
+                               join(known, ", ")),
                    ErrorCode::kUnsupported);
     }
     return model;
@@ -74,7 +74,7 @@ Result<std::string> take_model(Keys& keys) {
   const auto unknown =
       std::find_if(keys.begin(), keys.end(), [&](auto& k) { return !knows(largest, k.first); });
   return wrong(fmt::format("'{}' is not of {} ({}) and no model is named (model=fisheye)",
-                           io::shortened(unknown->first, 40), largest,
+                           shortened(unknown->first, 40), largest,
                            join(parameter_names(largest), " ")));
 }
 
@@ -90,7 +90,7 @@ Result<ImageSize> take_size(Keys& keys) {
     const auto value = parse_int(it->second);
     if (!value || *value < 1) {
       return wrong(
-          fmt::format("{} is '{}', not a number of pixels", key, io::shortened(it->second, 40)));
+          fmt::format("{} is '{}', not a number of pixels", key, shortened(it->second, 40)));
     }
     *side = *value;
     keys.erase(it);
@@ -111,12 +111,12 @@ Result<std::vector<Parameter>> read_parameters(const std::string& model, const K
     const auto it = std::find_if(parameters.begin(), parameters.end(),
                                  [k = key](const Parameter& p) { return p.name == k; });
     if (it == parameters.end()) {
-      return wrong(fmt::format("'{}' is not of the model {} ({})", io::shortened(key, 40), model,
+      return wrong(fmt::format("'{}' is not of the model {} ({})", shortened(key, 40), model,
                                join(parameter_names(model), " ")));
     }
     const auto value = parse_double(text);
     if (!value) {
-      return wrong(fmt::format("{} is '{}', not a number", key, io::shortened(text, 40)));
+      return wrong(fmt::format("{} is '{}', not a number", key, shortened(text, 40)));
     }
     it->value = *value;
   }

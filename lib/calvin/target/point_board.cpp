@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include "calvin/target/board_name.hpp"
+
 namespace calvin {
 
 namespace {
@@ -81,6 +83,9 @@ Status check_dots(const std::vector<PointBoard::Dot>& dots) {
 }  // namespace
 
 Result<PointBoard> PointBoard::make(std::string name, std::vector<Dot> dots) {
+  if (const Status status = check_board_name(name); !status) {
+    return tl::unexpected<Error>(status.error());
+  }
   std::sort(dots.begin(), dots.end(), [](const Dot& a, const Dot& b) { return a.id < b.id; });
   if (const Status status = check_dots(dots); !status) {
     return tl::unexpected<Error>(status.error());

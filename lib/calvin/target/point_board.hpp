@@ -32,9 +32,15 @@ class PointBoard {
     friend bool operator==(const Dot&, const Dot&) = default;
   };
 
-  // `name` stands in the board's text: "points:NAME". kInvalidArgument without 4 dots, for an id
-  // that is negative or given twice, and for dots that touch or are no numbers.
+  // `name` stands in the board's text: "points:NAME". kInvalidArgument for a name of more than 64
+  // bytes or with '#', ';' or control characters, without 4 dots, for an id that is negative or
+  // given twice, and for dots that touch or are no numbers.
   [[nodiscard]] static Result<PointBoard> make(std::string name, std::vector<Dot> dots);
+
+  // A move is a copy, too: what was moved from is still a board.
+  PointBoard(const PointBoard&) = default;
+  PointBoard& operator=(const PointBoard&) = default;
+  ~PointBoard() = default;
 
   // In the order of their ids.
   [[nodiscard]] const std::vector<Dot>& dots() const noexcept { return shared_->dots; }

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -138,6 +140,34 @@ TEST(PointBoards, OfWrongDotsThereAreNone) {
         }
       },
       "on one line");
+}
+
+TEST(PointBoards, AreNotCalledWhatNoFileOrMessageTakes) {
+  for (const std::string& name : {std::string("plate"), std::string("plate.json"),
+                                  std::string("Kn\xC3\xB6\xC3\xBE"), std::string(64, 'x')}) {
+    EXPECT_TRUE(PointBoard::make(name, five_dots())) << name;
+  }
+  for (const std::string& name :
+       {std::string(), std::string(" plate"), std::string("a\nb"), std::string("a\0b", 3),
+        std::string("a;b"), std::string("a#b"), std::string("\xFF"), std::string(65, 'x'),
+        std::string(1 << 20, 'x')}) {
+    const auto board = PointBoard::make(name, five_dots());
+    ASSERT_FALSE(board) << name.size() << " bytes";
+    EXPECT_EQ(board.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(board.error().message.find("board name"), std::string::npos);
+    EXPECT_LT(board.error().message.size(), 400u);
+  }
+}
+
+TEST(PointBoards, AreStillBoardsWhenMovedFrom) {
+  PointBoard dots = PointBoard::make("plate", five_dots()).value();
+  Board board = dots;
+  const PointBoard taken = std::move(dots);
+  const Board other = std::move(board);
+  EXPECT_EQ(dots, taken);  // NOLINT(bugprone-use-after-move): it is this that is asked
+  EXPECT_EQ(dots.point_count(), 5);
+  EXPECT_EQ(board, other);  // NOLINT(bugprone-use-after-move): likewise
+  EXPECT_EQ(board.text(), "points:plate");
 }
 
 }  // namespace

@@ -3,13 +3,13 @@
 
 // Replaces bytes that are no UTF-8 and shortens text at the border of a character.
 
-#include "calvin/io/utf8.hpp"
+#include "calvin/core/utf8.hpp"
 
 #include <cstdint>
 
 #include "calvin/core/text.hpp"
 
-namespace calvin::io {
+namespace calvin {
 
 namespace {
 
@@ -60,4 +60,4 @@ std::string shortened(std::string_view text, std::size_t length) {
   return text.size() > length ? result + "..." : result;
 }
 
-}  // namespace calvin::io
+}  // namespace calvin

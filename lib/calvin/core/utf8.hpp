@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace calvin::io {
+namespace calvin {
 
 // The text with every byte that is not part of valid UTF-8 replaced by '?'.
 [[nodiscard]] std::string valid_utf8(std::string_view text);
@@ -15,4 +15,4 @@ namespace calvin::io {
 // At most about `length` bytes of valid UTF-8, control characters replaced: for messages.
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t length);
 
-}  // namespace calvin::io
+}  // namespace calvin

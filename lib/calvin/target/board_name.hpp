@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a board may be called. Internal.
+#pragma once
+
+#include <string_view>
+
+#include "calvin/core/result.hpp"
+
+namespace calvin {
+
+// kInvalidArgument for a name that could not stand in the text of boards, a file or a message:
+// names have 1 to 64 bytes of UTF-8 without control characters and what separates boards.
+[[nodiscard]] Status check_board_name(std::string_view name);
+
+}  // namespace calvin
