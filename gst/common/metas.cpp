@@ -24,21 +24,19 @@ ImageSize size_of(const GstVideoInfo& info) {
   return {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
 }
 
-// Moves every "uv" of the array `list` in place.
+// Moves what every item of the array `list` says of an observation, and leaves the rest of it.
 void move_points(GstStructure* structure, const char* list, const ImageTransform& transform) {
   std::vector<GstStructure*> scaled;
   for (const GstStructure* item : get_structures(structure, list)) {
     GstStructure* copy = gst_structure_copy(item);
-    std::vector<Pixel> uv = get_pixels(copy, "uv");
-    for (Pixel& p : uv) p = transform(p);
-    set_pixels(copy, "uv", uv);
-    std::vector<double> sigma = get_doubles(copy, "sigma");
-    for (double& s : sigma) s = transform.length(s);
-    if (!sigma.empty()) set_doubles(copy, "sigma", sigma);
-    double blur = 0;
-    if (gst_structure_get_double(copy, "blur", &blur) != FALSE) {
-      gst_structure_set(copy, "blur", G_TYPE_DOUBLE, transform.length(blur), nullptr);
-    }
+    Observation seen;
+    seen.uv = get_pixels(copy, "uv");
+    seen.sigma = get_doubles(copy, "sigma");
+    const bool has_blur = gst_structure_get_double(copy, "blur", &seen.blur) != FALSE;
+    const Observation moved = transform(seen);
+    set_pixels(copy, "uv", moved.uv);
+    if (!moved.sigma.empty()) set_doubles(copy, "sigma", moved.sigma);
+    if (has_blur) gst_structure_set(copy, "blur", G_TYPE_DOUBLE, moved.blur, nullptr);
     remove_patches(copy);
     scaled.push_back(copy);
   }

@@ -223,10 +223,7 @@ static GstFlowReturn gst_calib_overlay_transform_ip(GstBaseTransform* trans, Gst
   if (frame) {
     draw_on(GST_CALIB_OVERLAY(trans), **frame);
   } else {
-    refuse(trans, {ErrorCode::kUnsupported,
-                   "Nothing can be drawn on the frames: their memory can be read, but neither "
-                   "written nor copied. Have the element upstream send frames in system memory, "
-                   "v4l2src for example with io-mode=mmap."});
+    refuse(trans, frame.error());
   }
   return GST_FLOW_OK;
 }

@@ -178,6 +178,22 @@ GST_START_TEST(test_memory_that_cannot_be_written_is_told_once) {
 }
 GST_END_TEST;
 
+// Its copy, which is written in its place, has less than a frame.
+GST_START_TEST(test_what_is_wrong_with_the_memory_is_told) {
+  const Harness harness(kSmall);
+  check::Bus bus(harness.h->element);
+  g_autoptr(GstAllocator) allocator = check::new_halving_allocator();
+  GstBuffer* in = gst_buffer_new_allocate(allocator, harness.info.size, nullptr);
+  GST_BUFFER_PTS(in) = 0;
+  gst::attach_observations(in, std::vector{board_at(harness.info, 100, 80, 30)});
+  g_autoptr(GstBuffer) out = gst_harness_push_and_pull(harness.h, in);
+  const auto warnings = bus.texts(GST_MESSAGE_WARNING);
+  fail_unless_equals_int(warnings.size(), 1);
+  fail_unless(warnings[0].find("needs") != std::string::npos, "%s", warnings[0].c_str());
+  bus.detach();
+}
+GST_END_TEST;
+
 GST_START_TEST(test_shared_memory_stays_as_it_is) {
   Harness harness(kSmall);
   GstBuffer* original = harness.frame();
@@ -284,6 +300,7 @@ static Suite* caliboverlay_suite() {
   tcase_add_loop_test(tc, test_draws_near_the_corners_only, 0, G_N_ELEMENTS(kFormats));
   tcase_add_test(tc, test_somebody_elses_buffer_stays_as_it_is);
   tcase_add_test(tc, test_memory_that_cannot_be_written_is_told_once);
+  tcase_add_test(tc, test_what_is_wrong_with_the_memory_is_told);
   tcase_add_test(tc, test_shared_memory_stays_as_it_is);
   tcase_add_test(tc, test_guidance_draws_bars_and_words);
   tcase_add_test(tc, test_marks_are_held_for_a_moment);

@@ -55,6 +55,9 @@ inline gpointer map_to_read(GstMemory* memory, gsize size, GstMapFlags flags) {
 inline GstMemory* copy_none(GstMemory* /*memory*/, gssize /*begin*/, gssize /*size*/) {
   return nullptr;
 }
+inline GstMemory* copy_half(GstMemory* memory, gssize /*begin*/, gssize /*size*/) {
+  return gst_allocator_alloc(nullptr, memory->size / 2, nullptr);
+}
 
 // Of memory that gives no access the first time, and then every other time.
 inline std::atomic<unsigned> maps;
@@ -97,6 +100,13 @@ inline GstAllocator* new_read_only_allocator() {
   GstAllocator* allocator = new_guarded_allocator();
   allocator->mem_map = detail::map_to_read;
   allocator->mem_copy = detail::copy_none;
+  return allocator;
+}
+
+// Whose memory cannot be written; a copy has the first half of it.
+inline GstAllocator* new_halving_allocator() {
+  GstAllocator* allocator = new_read_only_allocator();
+  allocator->mem_copy = detail::copy_half;
   return allocator;
 }
 

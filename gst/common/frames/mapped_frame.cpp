@@ -109,6 +109,12 @@ tl::unexpected<Error> unmapped(const GstVideoInfo& info, GstBuffer* buffer, GstM
   }
   const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
   if (meta != nullptr && begins_beyond(*meta, size)) return beyond_memory();
+  if ((access & GST_MAP_READWRITE) == GST_MAP_READWRITE) {
+    return make_error(ErrorCode::kUnsupported,
+                      "The memory of a frame can be neither written nor copied: the system gives "
+                      "no access to it, or somebody else is using it. Have the element upstream "
+                      "send frames in system memory, v4l2src for example with io-mode=mmap.");
+  }
   if ((access & GST_MAP_WRITE) != 0) {
     return make_error(ErrorCode::kUnsupported,
                       "The memory of a frame cannot be written: the system gives no access to it, "
