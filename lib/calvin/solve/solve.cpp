@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -88,6 +89,16 @@ std::string board_text(std::span<const View> views, const std::vector<RejectedVi
   return join(texts, ";");
 }
 
+// Makes ids of what the solver has for them: places in the list of the ids of the view's board.
+void give_ids(std::span<const View> views, std::vector<RejectedCorner>& corners) {
+  std::map<std::size_t, std::vector<int>> ids;  // by view: a board may have thousands of points
+  for (RejectedCorner& corner : corners) {
+    const auto [of_view, is_new] = ids.try_emplace(corner.view);
+    if (is_new) of_view->second = views[corner.view].board.ids();
+    corner.id = of_view->second[static_cast<std::size_t>(corner.id)];
+  }
+}
+
 }  // namespace
 
 Status check(const SolveOptions& options) {
@@ -110,9 +121,7 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
                       ? solve_auto(usable->views, shape, image_size, options, stop)
                       : solve_points(std::move(usable->views), shape, image_size, options, stop);
   if (!solution) return solution;
-  for (RejectedCorner& corner : solution->rejected_corners) {
-    corner.id = views[corner.view].board.ids()[static_cast<std::size_t>(corner.id)];
-  }
+  give_ids(views, solution->rejected_corners);
   auto& rejected = solution->rejected;
   rejected.insert(rejected.end(), usable->rejected.begin(), usable->rejected.end());
   std::sort(rejected.begin(), rejected.end(),

@@ -143,6 +143,43 @@ TEST(Rig, LeavesACameraAloneThatDoesNotSeeTheBoard) {
             0);
 }
 
+TEST(Rig, IsRefusedWhereTableAndBlocksDoNotFitTogether) {
+  Scene scene = make_scene();
+  std::vector<ViewPoints> views;
+  for (std::size_t v = 0; v < scene.seen.size(); ++v) {
+    views.emplace_back(scene.sets[v], scene.seen[v].board == 0 ? scene.shape : BoardShape());
+  }
+  for (std::size_t v = 0; v < views.size(); ++v) scene.seen[v].seen = &views[v];
+  const ParameterTable table = table_of(scene, false);
+  const auto is_valid = [&](const ParameterTable& of, const std::vector<BoardResiduals>& boards,
+                            const BundlePoint& start) {
+    return BundleProblem({boards, scene.points}, {&of, of.basis(), {}}, start, Loss{}).valid();
+  };
+  EXPECT_TRUE(is_valid(table, scene.seen, scene.truth));
+
+  BundlePoint start = scene.truth;
+  start.camera_from_rig.clear();
+  EXPECT_FALSE(is_valid(table, scene.seen, start)) << "a place in a rig that is not there";
+  start.camera_from_rig.resize(1);
+  EXPECT_FALSE(is_valid(table, scene.seen, start)) << "a rig of fewer cameras";
+
+  TableCamera first = {std::string(scene.cameras[0].model()), true};
+  TableCamera second = {std::string(scene.cameras[1].model())};
+  second.has_rig_pose = true;
+  second.has_readout = true;
+  const ParameterTable with_readout({first, second}, {scene.shape.unknowns, BoardUnknowns()});
+  start = scene.truth;
+  start.shared.insert(start.shared.begin() + table.rig_pose(1).first, 0.01);
+  EXPECT_FALSE(is_valid(with_readout, scene.seen, start)) << "an unknown that shows nowhere";
+
+  for (const auto member :
+       {&BoardResiduals::camera, &BoardResiduals::board, &BoardResiduals::pose}) {
+    std::vector<BoardResiduals> boards = scene.seen;
+    boards.back().*member = 1000;
+    EXPECT_FALSE(is_valid(table, boards, scene.truth));
+  }
+}
+
 TEST(Rig, DoesNotDetermineAPointThatNobodySees) {
   Scene scene = make_scene();
   const ParameterTable table = with_priors(table_of(scene, false));

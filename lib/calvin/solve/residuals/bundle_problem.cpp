@@ -25,6 +25,25 @@ ViewPoints arrays_of(PointSet seen) {
   return {seen, BoardShape()};
 }
 
+// Whether each unknown of the table is one that the residuals depend on: a place in the rig wants a
+// rig, and no residual depends on a readout yet. With an unknown that shows in no residual nothing
+// could be solved; a block of a camera, board or pose that is not there could not be read.
+bool fit_together(const ParameterTable& table, const ResidualBlocks& blocks,
+                  const BundlePoint& point) {
+  const std::size_t places = point.camera_from_rig.size();
+  if (places != 0 && places != table.cameras()) return false;
+  for (std::size_t c = 0; c < table.cameras(); ++c) {
+    if (!table.readout(c).empty() || (places == 0 && !table.rig_pose(c).empty())) return false;
+  }
+  return std::all_of(blocks.boards.begin(), blocks.boards.end(),
+                     [&](const BoardResiduals& block) {
+                       return block.camera < table.cameras() && block.board < table.boards() &&
+                              block.pose < point.rig_from_board.size();
+                     }) &&
+         std::all_of(blocks.points.begin(), blocks.points.end(),
+                     [&](const PointResiduals& block) { return block.camera < table.cameras(); });
+}
+
 }  // namespace
 
 SE3 retract(const SE3& pose, const double* d) {
@@ -41,6 +60,7 @@ BundleProblem::BundleProblem(ResidualBlocks blocks, SharedUnknowns unknowns, Bun
       elimination_(arrow_layout(*unknowns_.table, start)),
       current_{start, ArrowEquations(arrow_layout(*unknowns_.table, start)), 0},
       trial_{std::move(start), ArrowEquations(current_.equations.layout()), 0} {
+  if (!fit_together(*unknowns_.table, blocks_, current_.point)) return;
   plan_of_board_.reserve(blocks_.boards.size());
   for (const BoardResiduals& block : blocks_.boards) {
     plan_of_board_.push_back(plan_for(plans_, *unknowns_.table, block.camera, block.board));

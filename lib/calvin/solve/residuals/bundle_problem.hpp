@@ -77,7 +77,9 @@ class BundleProblem {
   BundleProblem(ResidualBlocks blocks, SharedUnknowns unknowns, BundlePoint start, const Loss& loss,
                 std::stop_token stop = {});
 
-  // False where a point has no projection at the start: nothing can be minimised.
+  // False where nothing can be minimised: a point has no projection at the start; the table has a
+  // place in the rig and `start` has no rig, or one of another number of cameras; the table has a
+  // readout, on which no residual depends; a block names a camera, board or pose that is not there.
   [[nodiscard]] bool valid() const { return valid_; }
   [[nodiscard]] const BundlePoint& point() const { return current_.point; }
 
