@@ -187,65 +187,6 @@ GST_START_TEST(test_a_change_is_exact_to_the_frame_where_nothing_is_live) {
 }
 GST_END_TEST;
 
-GST_START_TEST(test_a_change_in_a_live_stream_shows_no_third_picture) {
-  Fixture f("calibundistort", true);
-  g_object_set(f.element, "calibration", kBarrel, nullptr);
-  f.set_caps("GRAY8", kSize);
-  const auto old_picture = expected_gray(kBarrel, kSize);
-  const auto new_picture = expected_gray(kPincushion, kSize, 1);
-  g_autoptr(GstBuffer) first = f.push(kSize, 0);
-  fail_unless(gray_of(first, kSize) == old_picture);
-  g_object_set(f.element, "calibration", kPincushion, "alpha", 1.0, nullptr);
-  bool switched = false;
-  for (int n = 1; n < 1000 && !switched; ++n) {
-    g_autoptr(GstBuffer) out = f.push(kSize, n);
-    const auto picture = gray_of(out, kSize);
-    switched = picture == new_picture;
-    fail_unless(switched || picture == old_picture);
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  fail_unless(switched);
-}
-GST_END_TEST;
-
-GST_START_TEST(test_a_live_stream_never_waits_but_for_its_first_frame) {
-  Fixture f("calibundistort ! capsfilter caps=video/x-raw,width=320,height=240", true);
-  const ImageSize half = {320, 240};
-  f.set_caps("GRAY8", kSize);
-  int n = 0;
-  const auto come_to = [&](const std::vector<guint8>& picture, const std::vector<guint8>& before) {
-    for (int i = 0; i < 2000; ++i) {
-      g_autoptr(GstBuffer) out = f.push(kSize, n++);
-      const auto shown = gray_of(out, half);
-      if (shown == picture) return true;
-      if (shown != before) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
-  };
-  g_autoptr(GstBuffer) first = f.push(kSize, n++);
-  const auto scaled = gray_of(first, half);
-  const auto undistorted = expected_gray(kBarrel, kSize, 0, half);
-  fail_if(scaled == undistorted);
-  // Again and again, also while the worker is at the other one.
-  for (int i = 0; i < 3; ++i) {
-    g_object_set(f.element, "calibration", kBarrel, "enabled", TRUE, nullptr);
-    fail_unless(come_to(undistorted, scaled));
-    g_object_set(f.element, "enabled", FALSE, nullptr);
-    fail_unless(come_to(scaled, undistorted));
-    g_object_set(f.element, "enabled", TRUE, nullptr);
-    gst_buffer_unref(f.push(kSize, n++));
-    g_object_set(f.element, "enabled", FALSE, nullptr);
-    gst_buffer_unref(f.push(kSize, n++));
-    fail_unless(come_to(scaled, undistorted));
-    g_object_set(f.element, "calibration", kPincushion, "enabled", TRUE, nullptr);
-    fail_unless(come_to(expected_gray(kPincushion, kSize, 0, half), scaled));
-    g_object_set(f.element, "enabled", FALSE, nullptr);
-    fail_unless(come_to(scaled, expected_gray(kPincushion, kSize, 0, half)));
-  }
-}
-GST_END_TEST;
-
 GST_START_TEST(test_a_board_is_where_the_announced_camera_sees_it) {
   const check::Scene scene;
   Fixture f("calibundistort ! calibdetect mode=sync");
@@ -393,8 +334,6 @@ static Suite* calibundistort_suite() {
   tcase_add_test(tc, test_both_names_of_a_property_are_notified);
   tcase_add_test(tc, test_disabled_it_forwards_the_event_untouched);
   tcase_add_test(tc, test_a_change_is_exact_to_the_frame_where_nothing_is_live);
-  tcase_add_test(tc, test_a_change_in_a_live_stream_shows_no_third_picture);
-  tcase_add_test(tc, test_a_live_stream_never_waits_but_for_its_first_frame);
   tcase_add_loop_test(tc, test_a_board_is_where_the_announced_camera_sees_it, 0, 3);
   tcase_add_loop_test(tc, test_a_state_change_does_not_wait_for_a_map, 0, 2);
   tcase_add_test(tc, test_states_come_and_go);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calibundistort: caps, calibration and view change at the same time, from two threads, again and
-// again (30 times; CALVIN_FULL=1: 1000). No frame is a mixture.
+// calibundistort in live streams: what changes shows as soon as its map is there, and no frame
+// waits for one. Caps, calibration and view that change at the same time, from two threads, again
+// and again (30 times; CALVIN_FULL=1: 1000): no frame is a mixture.
 
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <thread>
 
@@ -15,6 +17,65 @@
 
 using namespace calvin;
 using namespace calvin::check;
+
+GST_START_TEST(test_a_change_in_a_live_stream_shows_no_third_picture) {
+  Fixture f("calibundistort", true);
+  g_object_set(f.element, "calibration", kBarrel, nullptr);
+  f.set_caps("GRAY8", kSize);
+  const auto old_picture = expected_gray(kBarrel, kSize);
+  const auto new_picture = expected_gray(kPincushion, kSize, 1);
+  g_autoptr(GstBuffer) first = f.push(kSize, 0);
+  fail_unless(gray_of(first, kSize) == old_picture);
+  g_object_set(f.element, "calibration", kPincushion, "alpha", 1.0, nullptr);
+  bool switched = false;
+  for (int n = 1; n < 1000 && !switched; ++n) {
+    g_autoptr(GstBuffer) out = f.push(kSize, n);
+    const auto picture = gray_of(out, kSize);
+    switched = picture == new_picture;
+    fail_unless(switched || picture == old_picture);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  fail_unless(switched);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_live_stream_never_waits_but_for_its_first_frame) {
+  Fixture f("calibundistort ! capsfilter caps=video/x-raw,width=320,height=240", true);
+  const ImageSize half = {320, 240};
+  f.set_caps("GRAY8", kSize);
+  int n = 0;
+  const auto come_to = [&](const std::vector<guint8>& picture, const std::vector<guint8>& before) {
+    for (int i = 0; i < 2000; ++i) {
+      g_autoptr(GstBuffer) out = f.push(kSize, n++);
+      const auto shown = gray_of(out, half);
+      if (shown == picture) return true;
+      if (shown != before) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  };
+  g_autoptr(GstBuffer) first = f.push(kSize, n++);
+  const auto scaled = gray_of(first, half);
+  const auto undistorted = expected_gray(kBarrel, kSize, 0, half);
+  fail_if(scaled == undistorted);
+  // Again and again, also while the worker is at the other one.
+  for (int i = 0; i < 3; ++i) {
+    g_object_set(f.element, "calibration", kBarrel, "enabled", TRUE, nullptr);
+    fail_unless(come_to(undistorted, scaled));
+    g_object_set(f.element, "enabled", FALSE, nullptr);
+    fail_unless(come_to(scaled, undistorted));
+    g_object_set(f.element, "enabled", TRUE, nullptr);
+    gst_buffer_unref(f.push(kSize, n++));
+    g_object_set(f.element, "enabled", FALSE, nullptr);
+    gst_buffer_unref(f.push(kSize, n++));
+    fail_unless(come_to(scaled, undistorted));
+    g_object_set(f.element, "calibration", kPincushion, "enabled", TRUE, nullptr);
+    fail_unless(come_to(expected_gray(kPincushion, kSize, 0, half), scaled));
+    g_object_set(f.element, "enabled", FALSE, nullptr);
+    fail_unless(come_to(scaled, expected_gray(kPincushion, kSize, 0, half)));
+  }
+}
+GST_END_TEST;
 
 static int rounds() { return std::getenv("CALVIN_FULL") != nullptr ? 1000 : 30; }
 
@@ -149,6 +210,8 @@ static Suite* calibundistort_live_suite() {
   Suite* suite = suite_create("calibundistort_live");
   TCase* tc = tcase_create("general");
   tcase_set_timeout(tc, 600);
+  tcase_add_test(tc, test_a_change_in_a_live_stream_shows_no_third_picture);
+  tcase_add_test(tc, test_a_live_stream_never_waits_but_for_its_first_frame);
   tcase_add_loop_test(tc, test_no_frame_is_a_mixture, 0, 2);
   suite_add_tcase(suite, tc);
   return suite;
