@@ -23,6 +23,23 @@ void print_row(const calvin::Parameter& p, const calvin::Calibration* truth) {
   fmt::print("\n");
 }
 
+void print_verdict(const calvin::Calibration& c) {
+  if (c.expected_error) {
+    fmt::print("accurate to {:.4f} px where corners were seen (2 sigma)\n", 2 * *c.expected_error);
+  }
+  if (c.expected_error_anywhere) {
+    fmt::print("accurate to {:.4f} px anywhere in the picture", 2 * *c.expected_error_anywhere);
+    if (c.worst_place) fmt::print(", worst at {:.0f}, {:.0f}", c.worst_place->u, c.worst_place->v);
+    fmt::print("\n");
+  }
+  if (c.split_half_ratio) {
+    fmt::print("halves of the views differ by {:.2f} times what they should\n",
+               *c.split_half_ratio);
+  }
+  if (!c.misfit.empty() && c.misfit != "none") fmt::print("misfit: {}\n", c.misfit);
+  for (const std::string& remark : c.remarks) fmt::print("{}\n", remark);
+}
+
 void print(const calvin::Calibration& c, const calvin::Calibration* truth) {
   fmt::print("{} {}x{}, model {}", c.camera.empty() ? "camera" : c.camera, c.image_size.width,
              c.image_size.height, c.model);
@@ -33,9 +50,7 @@ void print(const calvin::Calibration& c, const calvin::Calibration* truth) {
   fmt::print("\n");
   for (const calvin::Parameter& p : c.parameters) print_row(p, truth);
   if (c.rms) fmt::print("RMS reprojection error {:.4f} px\n", *c.rms);
-  if (c.expected_error) {
-    fmt::print("accurate to {:.4f} px anywhere in the picture (2 sigma)\n", 2 * *c.expected_error);
-  }
+  print_verdict(c);
 }
 
 }  // namespace

@@ -201,6 +201,7 @@ void set_progress(GstStructure* s, const Progress& p) {
                     "tilt", G_TYPE_DOUBLE, p.tilt, "skew", G_TYPE_DOUBLE, p.tilt, "hint",
                     G_TYPE_STRING, p.hint.c_str(), nullptr);
   set_double(s, "expected-error", p.expected_error);
+  set_double(s, "expected-error-anywhere", p.expected_error_anywhere);
   set_double(s, "rms", p.rms);
 }
 
@@ -223,6 +224,7 @@ std::optional<Progress> read_guidance(GstBuffer* buffer) {
   p.size = get_double(s, "size").value_or(0);
   p.tilt = get_double(s, get_double(s, "tilt") ? "tilt" : "skew").value_or(0);
   p.expected_error = get_double(s, "expected-error");
+  p.expected_error_anywhere = get_double(s, "expected-error-anywhere");
   p.rms = get_double(s, "rms");
   gboolean captured = FALSE;
   gst_structure_get_boolean(s, "captured", &captured);

@@ -6,8 +6,8 @@
 // calvin-observation   camera, width, height, observations: array of {board, found, timestamp,
 //                      ids, uv, sigma, ambiguous}. The same structure, as a serialized event,
 //                      carries a result that no buffer can take any more.
-// calvin-guidance      hint, coverage, x, y, size, tilt and the same as skew, expected-error, rms,
-//                      views, captured
+// calvin-guidance      hint, coverage, x, y, size, tilt and the same as skew, expected-error,
+//                      expected-error-anywhere, rms, views, captured
 // calvin-ground-truth  camera, width, height, calibration (JSON), boards: array of {board, ids,
 //                      uv, rotation, translation}: what calibtestsrc rendered
 //

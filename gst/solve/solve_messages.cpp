@@ -59,15 +59,17 @@ GstStructure* result_message(const FrameTimes& times, const Solution& solution,
   set_optional(s, "rms", c.rms);
   set_optional(s, "held-out-rms", c.held_out_rms);
   set_optional(s, "chi", c.chi);
-  gst_structure_set(s, "halves", G_TYPE_DOUBLE, solution.misfit.split_half_ratio, nullptr);
+  gst_structure_set(s, "split-half-ratio", G_TYPE_DOUBLE, solution.misfit.split_half_ratio,
+                    "halves", G_TYPE_DOUBLE, solution.misfit.split_half_ratio, nullptr);
   if (solution.misfit.found()) {
     const std::string cause(to_string(solution.misfit.cause));
     gst_structure_set(s, "misfit", G_TYPE_STRING, cause.c_str(), nullptr);
   }
-  if (!solution.remarks.empty()) {
-    gst_structure_set(s, "remarks", G_TYPE_STRING, join(solution.remarks, " ").c_str(), nullptr);
+  if (!c.remarks.empty()) {
+    gst_structure_set(s, "remarks", G_TYPE_STRING, join(c.remarks, " ").c_str(), nullptr);
   }
   set_optional(s, "expected-error", c.expected_error);
+  set_optional(s, "expected-error-anywhere", c.expected_error_anywhere);
   if (!location.empty()) {
     gst_structure_set(s, "location", G_TYPE_STRING, displayed(location).c_str(), nullptr);
   }

@@ -78,7 +78,7 @@ constexpr Property<CalibSolver> kRows[] = {
      {.range = Range{0, 100000}}},
     {"target-error",
      "Target Error",
-     "Expected error in px (1 sigma, anywhere in the picture) at which nothing more is captured "
+     "Expected error in px (1 sigma, where corners were seen) at which nothing more is captured "
      "and the final result is posted (0 = never)",
      kept_in<&SessionSettings::target_error>,
      {.range = Range{0, 100}}},

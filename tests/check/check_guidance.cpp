@@ -110,7 +110,9 @@ GST_START_TEST(test_a_result_tells_what_its_json_holds) {
   for (const auto& [field, value] : {std::pair("rms", c.rms),
                                      {"held-out-rms", c.held_out_rms},
                                      {"chi", c.chi},
-                                     {"expected-error", c.expected_error}}) {
+                                     {"split-half-ratio", c.split_half_ratio},
+                                     {"expected-error", c.expected_error},
+                                     {"expected-error-anywhere", c.expected_error_anywhere}}) {
     fail_unless(value.has_value());
     fail_unless(std::abs(check::get(r, field) / *value - 1) < 1e-9, "%s", field);
   }

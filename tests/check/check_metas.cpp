@@ -117,6 +117,7 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   guidance.hint = "tilt it";
   guidance.views = 7;
   guidance.expected_error = 0.25;
+  guidance.expected_error_anywhere = 2.5;
   guidance.coverage = 0.1;
   guidance.x = 0.2;
   guidance.y = 0.3;
@@ -133,7 +134,7 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   fail_unless(g.has_value());
   fail_unless_equals_string(g->hint.c_str(), "tilt it");
   fail_unless_equals_int(g->views, 7);
-  fail_unless(g->expected_error == 0.25 && !g->rms);
+  fail_unless(g->expected_error == 0.25 && g->expected_error_anywhere == 2.5 && !g->rms);
   fail_unless(g->coverage == 0.1 && g->x == 0.2 && g->y == 0.3 && g->size == 0.4);
   fail_unless(g->tilt == 0.5 && g->captured);
   guidance.rms = 0.6;

@@ -13,6 +13,7 @@
 #include <Eigen/Dense>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/solve/solve.hpp"
 
@@ -186,17 +187,23 @@ struct Solve {
 
 // At each pixel of a grid of 33x25 from border to border: the derivative of the projection of its
 // ray by the camera's unknowns, less the best rotation common to all of them.
-inline std::vector<Eigen::MatrixXd> grid_of(const Unknowns& u) {
+inline std::vector<Eigen::MatrixXd> grid_of(const Unknowns& u,
+                                            const std::vector<Pixel>& covered = {}) {
   constexpr int kColumns = 33;
   constexpr int kRows = 25;
   const Camera camera = u.camera();
   std::vector<Eigen::Vector3d> rays;
   for (int y = 0; y < kRows; ++y) {
     for (int x = 0; x < kColumns; ++x) {
-      const auto ray = camera.unproject(
-          {x * (u.size.width - 1.0) / (kColumns - 1), y * (u.size.height - 1.0) / (kRows - 1)});
+      const Pixel at = {x * (u.size.width - 1.0) / (kColumns - 1),
+                        y * (u.size.height - 1.0) / (kRows - 1)};
+      if (!covered.empty() && !contains(covered, at)) continue;
+      const auto ray = camera.unproject(at);
       if (ray) rays.push_back(*ray);
     }
+  }
+  for (const Pixel& corner : covered) {
+    if (const auto ray = camera.unproject(corner)) rays.push_back(*ray);
   }
   const auto n = static_cast<Eigen::Index>(rays.size());
   Eigen::MatrixXd by_unknowns(2 * n, u.of_camera());

@@ -69,9 +69,16 @@ struct Calibration {
   std::optional<double> rms;           // px, see docs/conventions.md
   std::optional<double> held_out_rms;  // px
   std::optional<double> chi;
-  std::optional<double> expected_error;  // px, 1 sigma
-  std::vector<Pixel> covered;            // convex polygon that the corners covered, px
-  std::string board;                     // board text
+  // The promises, px, 1 sigma: where corners covered the picture, and all over it with the place
+  // where it is worst.
+  std::optional<double> expected_error;
+  std::optional<double> expected_error_anywhere;
+  std::optional<Pixel> worst_place;
+  std::optional<double> split_half_ratio;
+  std::string misfit;                // the cause, or "none"; empty where nobody looked for one
+  std::vector<std::string> remarks;  // sentences for the user: what is weak, and what to do
+  std::vector<Pixel> covered;        // convex polygon that the corners covered, px
+  std::string board;                 // board text
   std::optional<BoardWarp> warp;
   std::vector<ViewRecord> views;
   std::optional<Rectangle> sensor_crop;  // the part of the calibrated image that frames show

@@ -260,8 +260,15 @@ std::string overlay_caption(const Progress& progress) {
   std::string text;
   if (progress.views > 0) {
     text = fmt::format("{} view{}", progress.views, progress.views == 1 ? "" : "s");
-    if (progress.expected_error && std::isfinite(*progress.expected_error)) {
-      text += fmt::format(", accurate to {:.2f} px", 2 * *progress.expected_error);
+    const double covered = progress.expected_error.value_or(std::nan(""));
+    const double anywhere = progress.expected_error_anywhere.value_or(std::nan(""));
+    if (std::isfinite(covered)) {
+      text += fmt::format(", accurate to {:.2f} px", 2 * covered);
+      // Elsewhere the board has not been yet.
+      constexpr double kMuchWorse = 3;
+      if (std::isfinite(anywhere) && anywhere > kMuchWorse * covered) {
+        text += fmt::format(" where the board was, {:.3g} px elsewhere", 2 * anywhere);
+      }
     } else if (progress.rms && std::isfinite(*progress.rms)) {
       text += fmt::format(", rms {:.2f} px", *progress.rms);
     }

@@ -84,6 +84,18 @@ Json view_of(const ViewRecord& view) {
   return json;
 }
 
+void put_quality(Json& json, const Calibration& calibration) {
+  put(json, "rms", calibration.rms);
+  put(json, "held_out_rms", calibration.held_out_rms);
+  put(json, "chi", calibration.chi);
+  put(json, "expected_error", calibration.expected_error);
+  put(json, "expected_error_anywhere", calibration.expected_error_anywhere);
+  if (const auto& worst = calibration.worst_place) json["worst_place"] = {worst->u, worst->v};
+  put(json, "split_half_ratio", calibration.split_half_ratio);
+  put(json, "misfit", calibration.misfit);
+  if (!calibration.remarks.empty()) json["remarks"] = calibration.remarks;
+}
+
 void put_rest(Json& json, const Calibration& calibration) {
   for (const Pixel& p : calibration.covered) json["covered"].push_back({p.u, p.v});
   put(json, "board", calibration.board);
@@ -128,10 +140,7 @@ Result<std::string> print_native(const Calibration& calibration) {
   }
   if (!sigma.empty()) json["sigma"] = sigma;
   put_covariance(json, calibration, sigma.size());
-  put(json, "rms", calibration.rms);
-  put(json, "held_out_rms", calibration.held_out_rms);
-  put(json, "chi", calibration.chi);
-  put(json, "expected_error", calibration.expected_error);
+  put_quality(json, calibration);
   put_rest(json, calibration);
   if (!all_finite(json)) {
     return make_error(ErrorCode::kInvalidArgument,

@@ -131,11 +131,34 @@ void sort_parameters(Calibration& calibration) {
   calibration.covariance = std::move(covariance);
 }
 
+// A file that tells one promise is of a time when that was the one of the whole picture, which the
+// one of the covered region does not exceed: it counts as both.
+void read_promises(Fields& fields, Calibration& calibration) {
+  calibration.expected_error = fields.optional_number("expected_error");
+  calibration.expected_error_anywhere = fields.optional_number("expected_error_anywhere");
+  if (!calibration.expected_error_anywhere) {
+    calibration.expected_error_anywhere = calibration.expected_error;
+  }
+  if (fields.find("worst_place") == nullptr) return;
+  const auto at = fields.numbers("worst_place", 2);
+  calibration.worst_place = Pixel{at[0], at[1]};
+}
+
+void read_verdict(Fields& fields, Calibration& calibration) {
+  calibration.split_half_ratio = fields.optional_number("split_half_ratio");
+  calibration.misfit = fields.optional_string("misfit");
+  for (const Node& remark : fields.list("remarks")) {
+    if (remark.kind != Node::Kind::kString) fields.complain("remarks", "is not a list of texts");
+    calibration.remarks.push_back(remark.text);
+  }
+}
+
 void read_quality(Fields& fields, Calibration& calibration) {
   calibration.rms = fields.optional_number("rms");
   calibration.held_out_rms = fields.optional_number("held_out_rms");
   calibration.chi = fields.optional_number("chi");
-  calibration.expected_error = fields.optional_number("expected_error");
+  read_promises(fields, calibration);
+  read_verdict(fields, calibration);
   calibration.focus = fields.optional_number("focus");
   calibration.zoom = fields.optional_number("zoom");
   if (fields.find("warp") != nullptr) {

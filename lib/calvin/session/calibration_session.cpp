@@ -85,6 +85,7 @@ Progress CalibrationSession::progress() const {
   if (calibration_) {
     now.rms = calibration_->rms;
     now.expected_error = calibration_->expected_error;
+    now.expected_error_anywhere = calibration_->expected_error_anywhere;
   }
   return now;
 }

@@ -22,7 +22,8 @@ struct Progress {
   double tilt = 0;
 
   // Of the newest calibration, px; absent before the first one.
-  std::optional<double> expected_error;  // 1 sigma
+  std::optional<double> expected_error;           // 1 sigma, where corners covered the picture
+  std::optional<double> expected_error_anywhere;  // 1 sigma, all over it
   std::optional<double> rms;
 
   bool captured = false;       // a view was taken from the frame at hand

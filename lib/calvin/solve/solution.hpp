@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -46,7 +45,7 @@ struct Solution {
   std::vector<RejectedView> rejected;
   std::vector<RejectedCorner> rejected_corners;  // of views that are otherwise used
   int iterations = 0;                            // of all least-squares solves together
-  // Where a misfit is found, expected_error is multiplied by max(1, chi, split_half_ratio).
+  // Where a misfit is found, both promises are multiplied by max(1, split_half_ratio).
   Misfit misfit;
   // Per view of calibration.views, in px^2 per corner: how far its corners are from where a camera
   // of all other views puts them, the 6 parameters of its pose allowed for; weighted, and to first
@@ -56,7 +55,6 @@ struct Solution {
   // Board::points(); all together are no shift, turn, scale, shear, tilt or curvature of the board.
   std::optional<BoardAspect> board_aspect;
   std::vector<CornerOffset> corner_offsets;
-  std::vector<std::string> remarks;  // sentences for the user: what is weak, and what to do
 };
 
 }  // namespace calvin

@@ -10,7 +10,13 @@
 namespace calvin {
 
 std::optional<double> expected_error(const Calibration& calibration) {
-  return projection_error(calibration);
+  const auto promise = promise_of(calibration);
+  return promise ? std::optional(promise->covered) : std::nullopt;
+}
+
+std::optional<double> expected_error_anywhere(const Calibration& calibration) {
+  const auto promise = promise_of(calibration);
+  return promise ? std::optional(promise->anywhere) : std::nullopt;
 }
 
 }  // namespace calvin

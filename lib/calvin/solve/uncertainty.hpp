@@ -10,12 +10,17 @@
 
 namespace calvin {
 
-// The expected error of projection, px, 1 sigma: the largest over a grid of pixels that reaches
-// the border of the image, for points at infinity. At each pixel the derivative of its projection
-// by the parameters, less what the best rotation common to all pixels explains (a camera that is
-// merely turned a little is as good), times the covariance; the standard deviation along the worse
-// direction. Pixels that no ray leads to are left out. After mrcal's projection uncertainty.
+// The expected error of projection, px, 1 sigma: the largest over a grid of pixels, for points at
+// infinity. At each pixel the derivative of its projection by the parameters, less what the best
+// rotation common to all pixels explains (a camera that is merely turned a little is as good),
+// times the covariance; the standard deviation along the worse direction. Pixels that no ray leads
+// to are left out. After mrcal's projection uncertainty.
 // Absent without a usable covariance.
+
+// Over the region that corners covered (Calibration::covered), or the picture where that is empty.
 [[nodiscard]] std::optional<double> expected_error(const Calibration& calibration);
+
+// Over the whole picture, extrapolation included: the grid reaches its border.
+[[nodiscard]] std::optional<double> expected_error_anywhere(const Calibration& calibration);
 
 }  // namespace calvin

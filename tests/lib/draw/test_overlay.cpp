@@ -32,6 +32,12 @@ TEST(OverlayCaption, SaysWhatIsKnown) {
   EXPECT_EQ(overlay_caption(progress), "12 views, rms 0.18 px: show the board");
   progress.expected_error = 0.18;
   EXPECT_EQ(overlay_caption(progress), "12 views, accurate to 0.36 px: show the board");
+  // The board has not been everywhere.
+  progress.expected_error_anywhere = 0.5;
+  EXPECT_EQ(overlay_caption(progress), "12 views, accurate to 0.36 px: show the board");
+  progress.expected_error_anywhere = 23.87;
+  EXPECT_EQ(overlay_caption(progress),
+            "12 views, accurate to 0.36 px where the board was, 47.7 px elsewhere: show the board");
   progress.hint.clear();
   progress.expected_error = std::nan("");
   EXPECT_EQ(overlay_caption(progress), "12 views, rms 0.18 px");

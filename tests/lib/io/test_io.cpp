@@ -151,6 +151,11 @@ TEST(CalibrationFile, NativeHoldsEverything) {
   c.held_out_rms = 0.2;
   c.chi = 1.02;
   c.expected_error = 0.08;
+  c.expected_error_anywhere = 0.3;
+  c.worst_place = Pixel{639, 479.5};
+  c.split_half_ratio = 1.1;
+  c.misfit = "board";
+  c.remarks = {"The board is \"bent\".", "Tilt it."};
   c.covered = {{10, 10}, {630.5, 10}, {630.5, 470}};
   c.board = "checkerboard:9x6:30mm";
   c.warp = BoardWarp{1e-4, -2e-5};
@@ -172,6 +177,13 @@ TEST(CalibrationFile, NativeHoldsEverything) {
   EXPECT_EQ(back->held_out_rms, c.held_out_rms);
   EXPECT_EQ(back->chi, c.chi);
   EXPECT_EQ(back->expected_error, c.expected_error);
+  EXPECT_EQ(back->expected_error_anywhere, c.expected_error_anywhere);
+  ASSERT_TRUE(back->worst_place);
+  EXPECT_EQ(back->worst_place->u, 639);
+  EXPECT_EQ(back->worst_place->v, 479.5);
+  EXPECT_EQ(back->split_half_ratio, c.split_half_ratio);
+  EXPECT_EQ(back->misfit, c.misfit);
+  EXPECT_EQ(back->remarks, c.remarks);
   ASSERT_EQ(back->covered.size(), 3U);
   EXPECT_EQ(back->covered[1].u, 630.5);
   EXPECT_EQ(back->board, c.board);

@@ -298,6 +298,19 @@ TEST(FileContents, IsReadAsItWasWritten) {
   }
 }
 
+// Until there were two promises, the one in a file was that of the whole picture.
+TEST(FileContents, AnOldFileHasOnePromiseForBothPlaces) {
+  const auto old = parse_calibration(
+      R"({"format": "calvin-calibration", "version": 1, "image_size": [641, 481],
+          "model": "pinhole", "parameters": {"fx": 500, "fy": 500, "cx": 320, "cy": 240},
+          "expected_error": 0.5})");
+  ASSERT_TRUE(old) << old.error().message;
+  EXPECT_EQ(old->expected_error, 0.5);
+  EXPECT_EQ(old->expected_error_anywhere, 0.5);
+  EXPECT_FALSE(old->worst_place || old->split_half_ratio);
+  EXPECT_TRUE(old->misfit.empty() && old->remarks.empty());
+}
+
 // All that the native format has beside the lens.
 TEST(FileContents, EveryFieldOfTheNativeFormat) {
   Calibration c = calibration_of("pinhole");
@@ -306,6 +319,11 @@ TEST(FileContents, EveryFieldOfTheNativeFormat) {
   c.held_out_rms = 0.75;
   c.chi = 1.25;
   c.expected_error = 0.375;
+  c.expected_error_anywhere = 0.625;
+  c.worst_place = Pixel{1.5, 2};
+  c.split_half_ratio = 1.125;
+  c.misfit = "none";
+  c.remarks = {"One.", "Two."};
   c.covered = {{1.5, 2.5}, {3.5, 4.5}, {5.5, 6.5}};
   c.board = "checkerboard:9x6:30mm";
   c.warp = BoardWarp{0.0001, -0.0002, 0.0003, 0.0004};
@@ -328,6 +346,11 @@ TEST(FileContents, EveryFieldOfTheNativeFormat) {
   "held_out_rms": 0.75,
   "chi": 1.25,
   "expected_error": 0.375,
+  "expected_error_anywhere": 0.625,
+  "worst_place": [1.5, 2],
+  "split_half_ratio": 1.125,
+  "misfit": "none",
+  "remarks": ["One.", "Two."],
   "covered": [
     [1.5, 2.5],
     [3.5, 4.5],

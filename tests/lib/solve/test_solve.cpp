@@ -381,7 +381,8 @@ TEST_F(Solve, ViewsThatAllTiltTheSameWayAreRemarkedOn) {
     if (scenes::sees_all(camera_, kBoard, pose)) poses.push_back(pose);
   }
   const auto solution = solve(scenes::observe_all(camera_, kBoard, poses, 0.5, random_), kSize);
-  const std::string all = solution ? join(solution->remarks, " ") : solution.error().message;
+  const std::string all =
+      solution ? join(solution->calibration.remarks, " ") : solution.error().message;
   EXPECT_NE(all.find("tilted"), std::string::npos) << all;
 }
 

@@ -331,13 +331,14 @@ TEST_P(Covariance, IsWhatTheExpectedErrorIsMadeOf) {
   const Calibration& c = solution_.calibration;
   const dense::Solve whole(unknowns_, views_, poses_, GetParam().known);
   const Eigen::Index n = unknowns_.of_camera();
-  const auto grid = dense::grid_of(unknowns_);
-  const double worst = dense::worst_of(grid, promised(whole).topLeftCorner(n, n));
-  const double more = solution_.misfit.found()
-                          ? std::max({1.0, c.chi.value_or(1), solution_.misfit.split_half_ratio})
-                          : 1.0;
-  ASSERT_TRUE(c.expected_error.has_value());
-  EXPECT_NEAR(*c.expected_error / (more * worst), 1, kExact);
+  const Eigen::MatrixXd of_camera = promised(whole).topLeftCorner(n, n);
+  const double covered = dense::worst_of(dense::grid_of(unknowns_, c.covered), of_camera);
+  const double anywhere = dense::worst_of(dense::grid_of(unknowns_), of_camera);
+  const double more =
+      solution_.misfit.found() ? std::max(1.0, solution_.misfit.split_half_ratio) : 1.0;
+  ASSERT_TRUE(c.expected_error && c.expected_error_anywhere);
+  EXPECT_NEAR(*c.expected_error / (more * covered), 1, kExact);
+  EXPECT_NEAR(*c.expected_error_anywhere / (more * std::max(covered, anywhere)), 1, kExact);
 }
 
 // To first order the solve of a half of the views is that of all, moved by twice the covariance
@@ -349,7 +350,7 @@ TEST_P(Covariance, AndHalvesAreThoseOfWhatViewsSay) {
   const double variance = GetParam().known ? std::max(1.0, left) : left;
   const Eigen::MatrixXd inverse = whole.inverse();
   const Eigen::Index n = unknowns_.of_camera();
-  const auto grid = dense::grid_of(unknowns_);
+  const auto grid = dense::grid_of(unknowns_, solution_.calibration.covered);
   const Eigen::MatrixXd basis = unknowns_.basis().topRows(n);
   Eigen::MatrixXd metric = Eigen::MatrixXd::Zero(basis.cols(), basis.cols());
   for (const Eigen::MatrixXd& cell : grid) {

@@ -65,14 +65,16 @@ void expect_same(const Solution& one, const Solution& other) {
   expect_near(a.held_out_rms, b.held_out_rms, 0.1);
   // The grid over the image has more columns than rows, and the rim of a wide lens is between them.
   if (!scenes::is_wide(a.model)) {
-    expect_near(one.misfit.split_half_ratio, other.misfit.split_half_ratio, 0.03);
-    expect_near(a.expected_error, b.expected_error, 0.03);
+    expect_near(a.expected_error_anywhere, b.expected_error_anywhere, 0.03);
+    // And few of its pixels are near the border of what corners covered.
+    expect_near(one.misfit.split_half_ratio, other.misfit.split_half_ratio, 0.07);
+    expect_near(a.expected_error, b.expected_error, 0.07);
   }
   EXPECT_EQ(one.misfit.cause, other.misfit.cause);
   EXPECT_EQ(one.rejected.size(), other.rejected.size());
   EXPECT_EQ(one.rejected_corners.size(), other.rejected_corners.size());
   // They name numbers that are alike for both axes, or those of one of them.
-  ASSERT_EQ(one.remarks.size(), other.remarks.size());
+  ASSERT_EQ(a.remarks.size(), b.remarks.size());
 }
 
 class EveryModel : public ::testing::TestWithParam<std::string_view> {};

@@ -8,6 +8,9 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
+#include "calvin/core/text.hpp"
+#include "calvin/geometry/convex_hull.hpp"
+#include "calvin/solve/difference.hpp"
 #include "calvin/solve/uncertainty.hpp"
 #include "scenes.hpp"
 
@@ -132,8 +135,9 @@ TEST_P(Uncertainty, ExpectedErrorEqualsThatOfSampledCameras) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(m, Eigen::EigenvaluesOnly);
     worst = std::max(worst, eigen.eigenvalues()[1]);
   }
-  ASSERT_TRUE(c.expected_error.has_value());
-  EXPECT_NEAR(10 * std::sqrt(worst) / *c.expected_error, 1, scenes::full_count() ? 0.04 : 0.09);
+  ASSERT_TRUE(c.expected_error_anywhere.has_value());
+  EXPECT_NEAR(10 * std::sqrt(worst) / *c.expected_error_anywhere, 1,
+              scenes::full_count() ? 0.04 : 0.09);
 }
 
 struct Trials {
@@ -224,7 +228,7 @@ class MonteCarlo : public ::testing::TestWithParam<Trials> {
       const auto views = scenes::observe_all(truth, scenes::kBoard, poses, 0.1, other);
       const auto solution = solve(views, kSize, options());
       if (!solution) continue;
-      const auto expected = expected_error(solution->calibration);
+      const auto expected = expected_error_anywhere(solution->calibration);
       if (expected && *expected < kTold) return poses;
     }
   }
@@ -320,6 +324,49 @@ TEST(ExpectedError, OfTheFocalLengthAloneIsTheErrorAtTheCorner) {
   c.parameters[1].sigma = 2;
   c.covariance = {4, 4, 4, 4};
   EXPECT_NEAR(expected_error(c).value(), 2.0 * std::hypot(320, 240) / 500, 1e-9);
+  // Where corners covered a part that is symmetric too, it is that at the corner of the part.
+  c.covered = {{220, 190}, {420, 190}, {420, 290}, {220, 290}};
+  EXPECT_NEAR(expected_error(c).value(), 2.0 * std::hypot(100, 50) / 500, 1e-9);
+  EXPECT_NEAR(expected_error_anywhere(c).value(), 2.0 * std::hypot(320, 240) / 500, 1e-9);
+}
+
+// A board that stays in the upper left: what is promised there is kept there, what is said of the
+// picture is larger by far, and a remark tells where the board has not been.
+TEST(ExpectedError, IsThatOfWhereTheBoardWas) {
+  Random random(31);
+  const Camera truth =
+      Camera::make("brown5", kSize, {1000, 1000, 640, 480, -0.2, 0.05, 0, 0, 0}).value();
+  std::vector<SE3> poses;
+  while (poses.size() < 15) {
+    const SE3 pose =
+        scenes::random_pose(truth, scenes::kBoard, random, scenes::uniform(random, 0.1, 0.7));
+    const auto in_corner = [&](const Eigen::Vector3d& point) {
+      const auto at = truth.project(pose * point);
+      return at && at->u < 0.6 * kSize.width && at->v < 0.6 * kSize.height;
+    };
+    const auto points = scenes::kBoard.points();
+    if (std::all_of(points.begin(), points.end(), in_corner)) poses.push_back(pose);
+  }
+  int kept = 0;
+  constexpr int kTrials = 40;
+  for (int i = 0; i < kTrials; ++i) {
+    const auto views = scenes::observe_all(truth, scenes::kBoard, poses, 0.1, random);
+    SolveOptions options;
+    options.warp = false;
+    const auto solution = solve(views, kSize, options);
+    ASSERT_TRUE(solution) << solution.error().message;
+    const Calibration& c = solution->calibration;
+    ASSERT_TRUE(c.expected_error && c.expected_error_anywhere && c.worst_place);
+    EXPECT_GT(*c.expected_error_anywhere, 3 * *c.expected_error);
+    EXPECT_FALSE(contains(c.covered, *c.worst_place));
+    const std::string all = join(c.remarks, " ");
+    EXPECT_NE(all.find("No corner was seen in the lower right"), std::string::npos) << all;
+    DifferenceOptions where;
+    where.focus = {c.covered};
+    const auto apart = difference(Camera::make(c).value(), truth, where);
+    kept += apart && apart->focus.max < 2 * *c.expected_error ? 1 : 0;
+  }
+  EXPECT_GE(kept, 0.85 * kTrials);
 }
 
 }  // namespace

@@ -150,7 +150,7 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
   };
   add(solution.rejected, reference.rejected);
   add(solution.rejected_corners, reference.rejected_corners);
-  solution.remarks.push_back(explain(trials, best));
+  solution.calibration.remarks.push_back(explain(trials, best));
   return solution;
 }
 

@@ -16,7 +16,7 @@ inline constexpr std::string_view kAutoModel = "auto";
 
 // Solves for every sensible model, from few parameters to many. A richer one takes the place of a
 // simpler one only where it predicts the views held out better by more than 2 sigma of the paired
-// difference. Solution::remarks says which model was taken and why.
+// difference. Calibration::remarks says which model was taken and why.
 [[nodiscard]] Result<Solution> solve_auto(const std::vector<PointSet>& views,
                                           const BoardShape& shape, ImageSize image_size,
                                           const SolveOptions& options, const std::stop_token& stop);

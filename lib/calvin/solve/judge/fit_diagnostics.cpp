@@ -36,24 +36,14 @@ constexpr double kSmallPart = 0.01;
 // Corners in each part of the image, on average.
 constexpr double kCornersPerPart = 40;
 
-// The columns of projection_grid() for the camera's part of the unknowns.
-std::vector<int> grid_columns(const Parameterization& parameterization) {
-  std::vector<int> columns;
-  const ParameterTable& table = parameterization.table;
-  for (int i = 0; i < table.intrinsics(0).count; ++i) columns.push_back(i);
-  if (!table.skew(0).empty()) columns.push_back(kSkewColumn);
-  return columns;
-}
-
-// The mean square over the image of a change d of the directions is d^T M d.
-Eigen::MatrixXd projection_metric(const Camera& camera, const Parameterization& parameterization) {
-  const std::vector<int> columns = grid_columns(parameterization);
-  const auto n = static_cast<Eigen::Index>(columns.size());
-  const ProjectionGrid grid = projection_grid(camera, columns);
+// The mean square over the places of the grid of a change d of the directions is d^T M d.
+Eigen::MatrixXd projection_metric(const ProjectionGrid& grid,
+                                  const Parameterization& parameterization) {
+  const ParameterRange own = parameterization.table.camera(0);
+  const auto n = static_cast<Eigen::Index>(own.count);
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
   for (const auto& cell : grid) sum += cell.transpose().lazyProduct(cell);
-  const Eigen::MatrixXd basis =
-      parameterization.basis.middleRows(parameterization.table.camera(0).first, n);
+  const Eigen::MatrixXd basis = parameterization.basis.middleRows(own.first, n);
   return congruent(sum, basis) / static_cast<double>(std::max<std::size_t>(grid.size(), 1));
 }
 
@@ -117,13 +107,14 @@ class FitDiagnosis {
   static constexpr double kUndetermined = std::numeric_limits<double>::infinity();
 
   FitDiagnosis(const Fit& fit, const Camera& camera, const BoardShape& shape,
-               const Parameterization& parameterization, const Eigen::MatrixXd& covariance,
-               double variance)
+               const Parameterization& parameterization, const ProjectionGrid& grid,
+               const Eigen::MatrixXd& covariance, double variance)
       : fit_(fit),
         camera_(camera),
         shape_(shape),
         parameterization_(parameterization),
-        variance_(variance) {
+        variance_(variance),
+        metric_(projection_metric(grid, parameterization)) {
     // From unknowns to directions, by the pseudo-inverse of the basis.
     const Eigen::MatrixXd& basis = parameterization.basis;
     const Eigen::MatrixXd pick =
@@ -132,7 +123,6 @@ class FitDiagnosis {
   }
 
   FitDiagnostics run(const std::stop_token& stop) {
-    metric_ = projection_metric(camera_, parameterization_);
     count();
     for (std::size_t v = 0; v < fit_.views.size(); ++v) {
       if (stop.stop_requested()) return {};
@@ -264,8 +254,8 @@ class FitDiagnosis {
   const BoardShape& shape_;
   const Parameterization& parameterization_;
   double variance_;
-  Eigen::MatrixXd covariance_;
   Eigen::MatrixXd metric_;
+  Eigen::MatrixXd covariance_;
   std::size_t used_ = 0;  // views
   double residuals_ = 0;
   double unknowns_ = 0;
@@ -299,9 +289,11 @@ double ChiSquare::deviations() const {
 }
 
 FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& shape,
-                        const Parameterization& parameterization, const Eigen::MatrixXd& covariance,
-                        double variance, const std::stop_token& stop) {
-  return FitDiagnosis(fit, camera, shape, parameterization, covariance, variance).run(stop);
+                        const Parameterization& parameterization, const ProjectionGrid& covered,
+                        const Eigen::MatrixXd& covariance, double variance,
+                        const std::stop_token& stop) {
+  return FitDiagnosis(fit, camera, shape, parameterization, covered, covariance, variance)
+      .run(stop);
 }
 
 Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi, double degrees,

@@ -12,6 +12,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/solve/fit/camera_fit.hpp"
+#include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/misfit.hpp"
 
 namespace calvin {
@@ -31,9 +32,9 @@ struct ChiSquare {
 
 struct FitDiagnostics {
   // The projection difference of the solves of two halves of the views, a rotation of the camera
-  // removed, over its predicted value: root mean square over the image and over all ways to halve
-  // the views. To first order at the optimum of all views: the covariance of the halves has
-  // sum(g g^T) over the gradients of the views in place of sum(information).
+  // removed, over its predicted value: root mean square over the region that corners covered and
+  // over all ways to halve the views. To first order at the optimum of all views: the covariance of
+  // the halves has sum(g g^T) over the gradients of the views in place of sum(information).
   double split_half_ratio = 1;
 
   // Per view used: the weighted squares of its corners before a camera of all other views, px^2 per
@@ -46,10 +47,12 @@ struct FitDiagnostics {
   ChiSquare board;    // of mean residuals by corner, along the axes of its board
 };
 
-// `variance` is the variance of a residual of weight 1, px^2; `covariance` is over the unknowns.
+// `variance` is the variance of a residual of weight 1, px^2; `covariance` is over the unknowns;
+// `covered` is over those of the camera.
 // The result means nothing where `stop` was requested.
 [[nodiscard]] FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& shape,
                                       const Parameterization& parameterization,
+                                      const ProjectionGrid& covered,
                                       const Eigen::MatrixXd& covariance, double variance,
                                       const std::stop_token& stop);
 

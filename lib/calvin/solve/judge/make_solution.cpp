@@ -18,6 +18,7 @@
 #include "calvin/geometry/dense.hpp"
 #include "calvin/solve/judge/fit_diagnostics.hpp"
 #include "calvin/solve/judge/projection_error.hpp"
+#include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/judge/variety.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 
@@ -219,16 +220,44 @@ void add_shape(Solution& solution, const FinishedFit& from, const Eigen::MatrixX
   }
 }
 
-// The expected error, and the tests of the residuals that may enlarge it.
+// The columns of projection_grids() for the camera's part of the unknowns.
+std::vector<int> grid_columns(const Parameterization& parameterization) {
+  std::vector<int> columns;
+  const ParameterTable& table = parameterization.table;
+  for (int i = 0; i < table.intrinsics(0).count; ++i) columns.push_back(i);
+  if (!table.skew(0).empty()) columns.push_back(kSkewColumn);
+  return columns;
+}
+
+// Copies the promises, `times` as large as the covariance has them.
+void add_promise(Calibration& calibration, const std::optional<Promise>& promise, double times) {
+  if (!promise) return;
+  calibration.expected_error = times * promise->covered;
+  calibration.expected_error_anywhere = times * promise->anywhere;
+  calibration.worst_place = promise->worst;
+}
+
+// What a solution is judged by: `fitted` is the covariance of this optimum over all unknowns,
+// `promised` the one that the sigmas are of.
+struct Covariances {
+  const Eigen::MatrixXd& fitted;
+  const Eigen::MatrixXd& promised;
+};
+
+// The promises, and the tests of the residuals that may enlarge them.
 void add_checks(Solution& solution, const FinishedFit& from, const Camera& camera,
-                const Eigen::MatrixXd& c, double variance, const std::stop_token& stop) {
+                const Covariances& covariances, double variance, const std::stop_token& stop) {
   Calibration& calibration = solution.calibration;
-  const double degrees = degrees_of_freedom(from.fit, from.parameterization);
-  calibration.expected_error = projection_error(calibration);
-  const FitDiagnostics found =
-      diagnose(from.fit, camera, from.shape, from.parameterization, c, variance, stop);
+  const Parameterization& parameterization = from.parameterization;
+  const double degrees = degrees_of_freedom(from.fit, parameterization);
+  const ProjectionGrids grids =
+      projection_grids(camera, grid_columns(parameterization), calibration.covered);
+  const FitDiagnostics found = diagnose(from.fit, camera, from.shape, parameterization,
+                                        grids.covered.by, covariances.fitted, variance, stop);
   if (stop.stop_requested()) return;
   solution.misfit = misfit(found, calibration.chi, degrees, calibration.rms.value_or(0));
+  calibration.misfit = to_string(solution.misfit.cause);
+  calibration.split_half_ratio = solution.misfit.split_half_ratio;
   solution.held_out = found.held_out;
   double sum = 0;
   double corners = 0;
@@ -237,21 +266,39 @@ void add_checks(Solution& solution, const FinishedFit& from, const Camera& camer
     corners += calibration.views[v].points;
   }
   if (std::isfinite(sum)) calibration.held_out_rms = std::sqrt(sum / corners);
-  if (!solution.misfit.found() || !calibration.expected_error) return;
-  *calibration.expected_error *=
-      std::max({1.0, calibration.chi.value_or(1), solution.misfit.split_half_ratio});
+  const ParameterRange own = parameterization.table.camera(0);
+  add_promise(
+      calibration,
+      promise_of(grids, covariances.promised.block(own.first, own.first, own.count, own.count)),
+      solution.misfit.found() ? std::max(1.0, solution.misfit.split_half_ratio) : 1);
 }
 
-// Adds remarks on parameters that are weak but not refused, on the misfit and on the lens.
+// Where the picture is much worse than the part of it that corners covered.
+std::optional<std::string> uncovered(const Calibration& calibration) {
+  constexpr double kMuchWorse = 3;
+  constexpr double kWorthAView = 0.5;  // px
+  const auto& worst = calibration.worst_place;
+  const double anywhere = calibration.expected_error_anywhere.value_or(0);
+  const double covered = calibration.expected_error.value_or(0);
+  if (!worst || anywhere < std::max(kMuchWorse * covered, kWorthAView)) return std::nullopt;
+  return fmt::format(
+      "No corner was seen in the {}, where the picture is accurate to {:.3g} px only, against "
+      "{:.3g} px among the corners: show the board there.",
+      part_of_picture(*worst, calibration.image_size), 2 * anywhere, 2 * covered);
+}
+
+// Adds remarks on parameters that are weak but not refused, on the misfit, on what no corner
+// covered and on the lens.
 void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,
                  const Parameterization& parameterization) {
   const ImageSize size = camera.image_size();
+  auto& remarks = solution.calibration.remarks;
   const auto variances = [&c](ParameterRange range) {
     return c.diagonal().segment(range.first, range.count);
   };
   const double center = std::sqrt(variances(parameterization.table.center(0)).maxCoeff());
   if (center > kWeakCenterSigma * size.width) {
-    solution.remarks.push_back(fmt::format(
+    remarks.push_back(fmt::format(
         "The principal point is weak (+- {:.1f} px): all views are tilted much the same way. Tilt "
         "the board to the other side too.",
         center));
@@ -263,15 +310,16 @@ void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& cam
     focal = std::max(focal, std::sqrt(c(i, i)) / value);
   }
   if (focal > kWeakFocalSigma) {
-    solution.remarks.push_back(fmt::format(
+    remarks.push_back(fmt::format(
         "The focal length is weak (+- {:.1f} %): tilt the board more, 30 to 45 degrees.",
         100 * focal));
   }
-  if (solution.misfit.found()) solution.remarks.push_back(advice(solution.misfit.cause));
+  if (solution.misfit.found()) remarks.push_back(advice(solution.misfit.cause));
+  if (auto where = uncovered(solution.calibration)) remarks.push_back(std::move(*where));
   // The picture of a lens that sees past 90 degrees may end before the image does.
   if (!parameterization.lens.perspective) return;
   if (const Status one = check_monotone(camera); !one) {
-    solution.remarks.push_back(one.error().message);
+    remarks.push_back(one.error().message);
   }
 }
 
@@ -323,7 +371,7 @@ Result<Solution> solution_of(const FinishedFit& from, ImageSize size, const Solv
   add_corners(solution, fit);
   if (from.scale.known) solution.calibration.chi = from.chi;
   if (options.checks) {
-    add_checks(solution, from, *camera, *c, variance, stop);
+    add_checks(solution, from, *camera, {*c, promised}, variance, stop);
     add_remarks(solution, promised, *camera, parameterization);
   }
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, kStopped);

@@ -6,18 +6,44 @@
 #include "calvin/solve/judge/projection_error.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
-#include <vector>
-
-#include <Eigen/Core>
 
 #include "calvin/camera/camera.hpp"
-#include "calvin/solve/judge/projection_grid.hpp"
 
 namespace calvin {
 
-std::optional<double> projection_error(const Calibration& calibration) {
+namespace {
+
+struct Worst {
+  double variance = 0;  // px^2
+  Pixel at;
+};
+
+Worst worst_of(const PlacedGrid& grid, const Eigen::MatrixXd& covariance) {
+  Worst worst;
+  for (std::size_t i = 0; i < grid.by.size(); ++i) {
+    const auto& cell = grid.by[i];
+    const ProjectionGrid::value_type by_covariance = cell.lazyProduct(covariance);
+    const double variance = larger_eigenvalue(by_covariance.lazyProduct(cell.transpose()));
+    if (i == 0 || variance > worst.variance) worst = {variance, grid.at[i]};
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::optional<Promise> promise_of(const ProjectionGrids& grids, const Eigen::MatrixXd& covariance) {
+  if (grids.picture.by.empty() || !covariance.allFinite()) return std::nullopt;
+  const Worst covered = worst_of(grids.covered, covariance);
+  Worst anywhere = worst_of(grids.picture, covariance);
+  if (anywhere.variance < covered.variance) anywhere = covered;
+  if (!std::isfinite(anywhere.variance) || !std::isfinite(covered.variance)) return std::nullopt;
+  return Promise{std::sqrt(std::max(covered.variance, 0.0)),
+                 std::sqrt(std::max(anywhere.variance, 0.0)), anywhere.at};
+}
+
+std::optional<Promise> promise_of(const Calibration& calibration) {
   const auto camera = Camera::make(calibration);
   const auto columns = estimated_columns(calibration);
   if (!camera || !columns || columns->empty() ||
@@ -26,19 +52,22 @@ std::optional<double> projection_error(const Calibration& calibration) {
   }
   const auto n = static_cast<Eigen::Index>(columns->size());
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Eigen::MatrixXd covariance =
-      Eigen::Map<const RowMajor>(calibration.covariance.data(), n, n);
-  if (!covariance.allFinite()) return std::nullopt;
-  const ProjectionGrid grid = projection_grid(*camera, *columns);
-  if (grid.empty()) return std::nullopt;
-  double variance = 0;
-  for (const auto& cell : grid) {
-    const ProjectionGrid::value_type by_covariance = cell.lazyProduct(covariance);
-    variance = std::max(variance, larger_eigenvalue(by_covariance.lazyProduct(cell.transpose())));
-  }
-  const double error = std::sqrt(variance);
-  if (!std::isfinite(error)) return std::nullopt;
-  return error;
+  return promise_of(projection_grids(*camera, *columns, calibration.covered),
+                    Eigen::Map<const RowMajor>(calibration.covariance.data(), n, n));
+}
+
+std::string part_of_picture(Pixel at, ImageSize size) {
+  constexpr std::array kRows = {"top", "", "bottom"};
+  constexpr std::array kColumns = {"left", "", "right"};
+  const auto third = [](double x, int extent) {
+    return static_cast<std::size_t>(std::clamp(std::floor(3 * (x + 0.5) / extent), 0.0, 2.0));
+  };
+  const std::size_t row = third(at.v, size.height);
+  const std::size_t column = third(at.u, size.width);
+  if (row == 1 && column == 1) return "middle";
+  if (row == 1) return kColumns[column];
+  if (column == 1) return kRows[row];
+  return std::string(row == 0 ? "upper " : "lower ") + kColumns[column];
 }
 
 }  // namespace calvin

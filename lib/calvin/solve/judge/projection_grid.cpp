@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "calvin/camera/models.hpp"
+#include "calvin/geometry/convex_hull.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 
 namespace calvin {
@@ -27,6 +28,7 @@ using Jacobian = ProjectionGrid::value_type;
 // The derivatives of one pixel's projection: by the estimated parameters, and by a rotation of the
 // camera.
 struct Cell {
+  Pixel at;
   Jacobian parameters;
   Eigen::Matrix<double, 2, 3> rotation;
 };
@@ -42,6 +44,7 @@ std::optional<Cell> cell_at(const Camera& camera, const std::vector<int>& column
     return std::nullopt;
   }
   Cell cell;
+  cell.at = pixel;
   cell.parameters.resize(Eigen::NoChange, static_cast<Eigen::Index>(columns.size()));
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
@@ -57,17 +60,61 @@ std::optional<Cell> cell_at(const Camera& camera, const std::vector<int>& column
   return cell;
 }
 
-template <typename M>
-std::vector<Cell> grid_of(const Camera& camera, const std::vector<int>& columns) {
-  std::vector<Cell> cells;
-  for (int y = 0; y < kGridHeight; ++y) {
-    for (int x = 0; x < kGridWidth; ++x) {
-      const Pixel pixel = {x * (camera.image_size().width - 1.0) / (kGridWidth - 1),
-                           y * (camera.image_size().height - 1.0) / (kGridHeight - 1)};
+using Cells = std::vector<Cell>;
+using CellList = std::vector<const Cell*>;
+
+Cells cells_at(const Camera& camera, const std::vector<int>& columns,
+               const std::vector<Pixel>& pixels) {
+  Cells cells;
+  cells.reserve(pixels.size());
+  visit_model(camera.model(), [&]<typename M>() {
+    for (const Pixel pixel : pixels) {
       if (auto cell = cell_at<M>(camera, columns, pixel)) cells.push_back(std::move(*cell));
     }
-  }
+  });
   return cells;
+}
+
+std::vector<Pixel> grid_of(ImageSize size) {
+  std::vector<Pixel> pixels;
+  pixels.reserve(static_cast<std::size_t>(kGridWidth) * kGridHeight);
+  for (int y = 0; y < kGridHeight; ++y) {
+    for (int x = 0; x < kGridWidth; ++x) {
+      pixels.push_back(
+          {x * (size.width - 1.0) / (kGridWidth - 1), y * (size.height - 1.0) / (kGridHeight - 1)});
+    }
+  }
+  return pixels;
+}
+
+CellList pointers(const Cells& cells) {
+  CellList list;
+  list.reserve(cells.size());
+  for (const Cell& cell : cells) list.push_back(&cell);
+  return list;
+}
+
+// The cells less the rotation that is the best for all of them. Empty where fewer than three.
+PlacedGrid turned(const CellList& cells) {
+  if (cells.size() < 3) return {};
+  const Eigen::Index n = cells.front()->parameters.cols();
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, Eigen::Dynamic> cross =
+      Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, n);
+  for (const Cell* cell : cells) {
+    normal += cell->rotation.transpose() * cell->rotation;
+    cross += cell->rotation.transpose().lazyProduct(cell->parameters);
+  }
+  const auto turn = scaled_solve(normal, cross, 0);
+  if (!turn) return {};
+  PlacedGrid grid;
+  grid.at.reserve(cells.size());
+  grid.by.reserve(cells.size());
+  for (const Cell* cell : cells) {
+    grid.at.push_back(cell->at);
+    grid.by.emplace_back(cell->parameters - cell->rotation.lazyProduct(*turn));
+  }
+  return grid;
 }
 
 }  // namespace
@@ -84,25 +131,21 @@ std::optional<std::vector<int>> estimated_columns(const Calibration& calibration
   return columns;
 }
 
-ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& columns) {
-  std::vector<Cell> cells;
-  visit_model(camera.model(), [&]<typename M>() { cells = grid_of<M>(camera, columns); });
-  if (cells.size() < 3) return {};
-  const auto n = static_cast<Eigen::Index>(columns.size());
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 3, Eigen::Dynamic> cross =
-      Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, n);
+ProjectionGrids projection_grids(const Camera& camera, const std::vector<int>& columns,
+                                 const std::vector<Pixel>& covered) {
+  const Cells cells = cells_at(camera, columns, grid_of(camera.image_size()));
+  const Cells border = cells_at(camera, columns, covered);
+  CellList within = pointers(border);
   for (const Cell& cell : cells) {
-    normal += cell.rotation.transpose() * cell.rotation;
-    cross += cell.rotation.transpose().lazyProduct(cell.parameters);
+    if (contains(covered, cell.at)) within.push_back(&cell);
   }
-  const auto turn = scaled_solve(normal, cross, 0);
-  if (!turn) return {};
-  ProjectionGrid grid;
-  grid.reserve(cells.size());
-  for (const Cell& cell : cells)
-    grid.emplace_back(cell.parameters - cell.rotation.lazyProduct(*turn));
-  return grid;
+  ProjectionGrids grids = {turned(pointers(cells)), turned(within)};
+  if (grids.covered.by.empty()) grids.covered = grids.picture;
+  return grids;
+}
+
+ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& columns) {
+  return turned(pointers(cells_at(camera, columns, grid_of(camera.image_size())))).by;
 }
 
 double larger_eigenvalue(const Eigen::Matrix2d& m) {

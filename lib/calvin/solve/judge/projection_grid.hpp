@@ -29,6 +29,23 @@ inline constexpr int kSkewColumn = -1;
 using ProjectionGrid = std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>>;
 [[nodiscard]] ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& columns);
 
+// The derivatives of projections (px, 2 rows) at some places, less what a rotation explains.
+struct PlacedGrid {
+  std::vector<Pixel> at;
+  ProjectionGrid by;
+};
+
+// The grid of projection_grid() all over the picture, and the part of it within the convex polygon
+// `covered` with the corners of that, each with the rotation that suits its own places best.
+// Without a polygon, or where there is no ray to it, the two are the same.
+struct ProjectionGrids {
+  PlacedGrid picture;
+  PlacedGrid covered;
+};
+[[nodiscard]] ProjectionGrids projection_grids(const Camera& camera,
+                                               const std::vector<int>& columns,
+                                               const std::vector<Pixel>& covered);
+
 // The larger eigenvalue of a symmetric matrix.
 [[nodiscard]] double larger_eigenvalue(const Eigen::Matrix2d& m);
 
