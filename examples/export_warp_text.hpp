@@ -4,6 +4,7 @@
 // Warps as text: formulae and numbers for those who compute places themselves.
 #pragma once
 
+#include <algorithm>
 #include <numbers>
 #include <vector>
 
@@ -32,7 +33,7 @@ inline calvin::Result<std::string> nvdewarper(const Warp& warp) {
   std::vector<double> k(p.begin() + 4, p.end());
   if (form == calvin::OpenCvForm::kBrown && k.size() <= 5) {
     k.resize(5);
-    k = {k[0], k[1], k[4], k[2], k[3]};  // three radial, then two tangential ones
+    std::rotate(k.begin() + 2, k.begin() + 4, k.end());  // k1 k2 k3, then p1 p2
   } else if (form != calvin::OpenCvForm::kFisheye) {
     return refuse("this camera model");
   }
