@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// model=auto over views of which little can be seen: nothing of them is lost.
+#include <algorithm>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::Random;
+
+// Leaves, at times, 4 to 9 corners of a view.
+void thin_out(View& view, Random& random) {
+  Observation& seen = view.observation;
+  for (Pixel& p : seen.uv) {
+    p = {std::clamp(p.u, 0.0, scenes::kSize.width - 1.0),
+         std::clamp(p.v, 0.0, scenes::kSize.height - 1.0)};
+  }
+  if (scenes::uniform(random, 0, 1) > 0.4) return;
+  const auto count = 4 + static_cast<std::size_t>(scenes::uniform(random, 0, 6));
+  std::set<std::size_t> kept;
+  while (kept.size() < count) {
+    kept.insert(static_cast<std::size_t>(scenes::uniform(random, 0, 54)));
+  }
+  const Observation all = seen;
+  seen.ids.clear();
+  seen.uv.clear();
+  seen.sigma.clear();
+  for (const std::size_t i : kept) {
+    seen.ids.push_back(all.ids[i]);
+    seen.uv.push_back(all.uv[i]);
+    seen.sigma.push_back(all.sigma[i]);
+  }
+}
+
+// Whatever model wins, a view that it did not use is named: poses belong to the views that are
+// left. Few corners of some views, so that a model may have no pose for one that another had.
+TEST(AutoModel, EveryViewIsUsedOrNamed) {
+  constexpr const char* kTruths[] = {"fisheye", "ucm", "brown5", "eucm"};
+  for (const int seed : {127, 128, 130, 179, 246, 307}) {
+    Random random(seed);
+    const Camera camera = scenes::random_camera(kTruths[seed % 4], random);
+    const double noise = scenes::uniform(random, 0.1, 3);
+    const auto poses = scenes::random_poses(camera, scenes::kBoard, random, 3 + seed % 6,
+                                            seed % 3 != 0 ? 0.3 : 0.8);
+    auto views = scenes::observe_all(camera, scenes::kBoard, poses, noise, random);
+    for (View& view : views) thin_out(view, random);
+    SolveOptions options;
+    options.model = "auto";
+    const auto solution = solve(views, camera.image_size(), options);
+    ASSERT_TRUE(solution) << solution.error().message;
+    std::set<std::uint64_t> used;
+    for (const ViewRecord& view : solution->calibration.views) used.insert(view.timestamp);
+    for (const RejectedView& view : solution->rejected) {
+      EXPECT_TRUE(used.insert(views[view.index].observation.timestamp).second) << seed;
+    }
+    EXPECT_EQ(used.size(), views.size()) << seed << ' ' << solution->calibration.model;
+  }
+}
+
+}  // namespace
+}  // namespace calvin
