@@ -173,11 +173,11 @@ class CalibrationSession {
   Session views_{SessionOptions{}};
   std::vector<TakenView> taken_;  // the views of views_
   ImageSize size_;
-  std::string camera_;  // as the newest observation names it
-  FrameTimes times_;    // of the newest frame with a board
+  std::string camera_;                // as the newest observation names it
+  FrameTimes times_;                  // of the newest frame with a board
   std::vector<Reason> last_reasons_;  // by place
-  bool complained_ = false;     // of broken observations
-  std::optional<Board> board_;  // of the newest observation
+  bool complained_ = false;           // of broken observations
+  std::optional<Board> board_;        // of the newest observation
   Hint hint_;
   std::map<std::string, Board> boards_;  // by their texts, of the newest frames
 
