@@ -184,9 +184,8 @@ GstElement* make_pipeline(const Options& options, const std::vector<Picture>& pi
 }
 
 // Prints what the elements say until the end; in how many pictures a board was found, nothing where
-// it ended badly. Each picture is looked at for each of the boards.
-std::optional<std::size_t> run(GstElement* pipeline, const std::vector<Picture>& pictures,
-                               std::size_t boards = 1) {
+// it ended badly. The first message of each picture has the index 0, those of other boards follow.
+std::optional<std::size_t> run(GstElement* pipeline, const std::vector<Picture>& pictures) {
   g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   std::size_t looks = 0;
@@ -196,8 +195,12 @@ std::optional<std::size_t> run(GstElement* pipeline, const std::vector<Picture>&
     g_autoptr(GstMessage) message = gst_bus_timed_pop(bus, GST_CLOCK_TIME_NONE);
     const GstStructure* s = gst_message_get_structure(message);
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ELEMENT &&
-        gst_structure_has_name(s, "calib-detection") && looks < boards * pictures.size()) {
-      const std::size_t picture = looks++ / boards;
+        gst_structure_has_name(s, "calib-detection")) {
+      int index = 0;
+      gst_structure_get_int(s, "index", &index);
+      looks += index == 0 ? 1 : 0;
+      if (looks == 0 || looks > pictures.size()) continue;
+      const std::size_t picture = looks - 1;
       int points = 0;
       gst_structure_get_int(s, "points", &points);
       if (points > 0) found.insert(picture);
@@ -275,8 +278,7 @@ int main(int argc, char** argv) {
   keep_one_size(pictures);
   GstElement* pipeline = make_pipeline(options, pictures);
   if (pipeline == nullptr) return 1;
-  const auto separators = std::count(options.board.begin(), options.board.end(), ';');
-  const auto found = run(pipeline, pictures, static_cast<std::size_t>(separators) + 1);
+  const auto found = run(pipeline, pictures);
   gst_object_unref(pipeline);
   if (found) {
     fmt::print("{} of {} pictures used: {} left out, {} without a board\n", *found, files,

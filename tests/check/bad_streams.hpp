@@ -199,7 +199,7 @@ inline const std::vector<BadInput>& bad_streams() {
        After::kDropped},
       {"memory that gives access every other time, to draw on", "caliboverlay",
        frames_of_fickle_memory, "", "The memory of a frame cannot be read", "io-mode=mmap",
-       After::kGoesOn},
+       After::kGoesOn, Needs::kDrawing},
       {"memory that gives no access to write into", kBarrelled, room_in_fickle_memory, "",
        "cannot be written", "identity drop-allocation=true", After::kStopped},
       {"rows that reach beyond the memory", kDetect, frame_beyond_memory, "",

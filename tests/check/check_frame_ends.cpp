@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "calvin_config.h"
 #include "guarded_memory.hpp"
 #include "undistort_fixture.hpp"
 
@@ -130,6 +131,7 @@ GST_START_TEST(test_a_frame_is_taken_if_its_last_pixel_is_all_there) {
   const std::vector<std::string> plain = formats_without_palette();
   const bool has_values = std::find(plain.begin(), plain.end(), format) != plain.end();
   if (!has_values && element.find("calibdetect") == std::string::npos) return;
+  if (element == "caliboverlay" && !CALVIN_HAVE_CAIRO) return;  // which then reads no frame
   g_autoptr(GstAllocator) guarded = new_guarded_allocator();
   for (const ImageSize size : {kOdd[0], kOdd[1], ImageSize{52, 34}}) {
     const GstVideoInfo info = info_of(format, size);
