@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/synth/render.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 namespace {
