@@ -9,10 +9,27 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/geometry/convex_hull.hpp"
 #include "calvin/session/hint_target.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
+
+namespace {
+
+// Whether a calibration is as good as `target` px where corners were seen, and that is most of the
+// picture, or the rest is not much worse: a board that is held in the middle is never done.
+bool reaches(const Calibration& calibration, double target) {
+  constexpr double kMost = 0.8;     // of the picture
+  constexpr double kMuchWorse = 5;  // times the target
+  if (calibration.expected_error.value_or(HUGE_VAL) > target) return false;
+  const double picture =
+      static_cast<double>(calibration.image_size.width) * calibration.image_size.height;
+  return polygon_area(calibration.covered) >= kMost * picture ||
+         calibration.expected_error_anywhere.value_or(0) <= kMuchWorse * target;
+}
+
+}  // namespace
 
 bool CalibrationSession::set_size(ImageSize size, std::optional<Error>& warning) {
   if (std::exchange(size_, size) == size) return false;
@@ -119,7 +136,7 @@ std::string_view CalibrationSession::consider() {
   const bool full =
       plan_.settings.max_views > 0 && views >= static_cast<std::size_t>(plan_.settings.max_views);
   const bool good = plan_.settings.target_error > 0 && calibration_ &&
-                    calibration_->expected_error.value_or(HUGE_VAL) <= plan_.settings.target_error;
+                    reaches(*calibration_, plan_.settings.target_error);
   if (full || good) {
     finished_ = true;
     ask(true);

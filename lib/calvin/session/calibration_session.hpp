@@ -196,7 +196,7 @@ class CalibrationSession {
   std::optional<Calibration> calibration_;  // newest solution
   std::string solve_error_;
   bool published_ = false;                 // a calibration was good enough for the files
-  std::optional<double> published_error_;  // its expected error, px
+  std::optional<double> published_error_;  // its compared_error(), px
   bool announce_ = false;                  // calibration_ waits to be announced
   ResultWrites writes_;
 };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calvin/session/calibration_session.hpp"
+#include "calvin/session/files/replacement.hpp"
 
 namespace calvin {
 
@@ -47,11 +48,11 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
   calibration_ = solution.calibration;
   solve_error_.clear();
   renew_hint();
-  const double error = calibration_->expected_error.value_or(HUGE_VAL);
+  const double error = compared_error(*calibration_).value_or(HUGE_VAL);
   const bool better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
   if (better) {
     announce_ = published_ = true;
-    published_error_ = calibration_->expected_error;
+    published_error_ = compared_error(*calibration_);
     writes_.add(*calibration_);
   }
   if (plan_.files.empty()) writes_.forget();

@@ -73,7 +73,11 @@ Judged judge(const std::vector<View>& views, const Camera& camera) {
   const Camera at = Camera::make(options.model, kSize, {p.begin(), p.begin() + count},
                                  options.skew ? p.back() : 0)
                         .value();
-  judged.found = diagnose(judged.fit, at, flat, parameterization, covariance, 1, {});
+  std::vector<int> columns;
+  for (int i = 0; i < count; ++i) columns.push_back(i);
+  if (options.skew) columns.push_back(kSkewColumn);
+  judged.found = diagnose(judged.fit, at, flat, parameterization, projection_grid(at, columns),
+                          covariance, 1, {});
   return judged;
 }
 

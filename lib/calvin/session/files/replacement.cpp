@@ -7,13 +7,20 @@
 
 namespace calvin {
 
+std::optional<double> compared_error(const Calibration& calibration) {
+  return calibration.expected_error_anywhere ? calibration.expected_error_anywhere
+                                             : calibration.expected_error;
+}
+
 bool may_replace(const Calibration& now, std::span<const Calibration> others) {
   bool known = false;
   for (const Calibration& other : others) {
-    if (!other.expected_error) continue;
+    const auto before = compared_error(other);
+    if (!before) continue;
     known = true;
     if (other.camera != now.camera || other.image_size != now.image_size) return false;
-    if (!now.expected_error || *now.expected_error > *other.expected_error) return false;
+    const auto error = compared_error(now);
+    if (!error || *error > *before) return false;
   }
   return known;
 }

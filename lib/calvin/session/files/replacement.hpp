@@ -4,11 +4,16 @@
 // Whether what a session knows so far may take the place of what others left.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "calvin/core/calibration.hpp"
 
 namespace calvin {
+
+// The figure by which calibrations of different views are compared: the expected error anywhere in
+// the picture, px. The one where corners were seen would prefer those that saw little of it.
+[[nodiscard]] std::optional<double> compared_error(const Calibration& calibration);
 
 // `others` is what the files hold that a calibration is to be written to while its session goes on.
 // True where one of them at least tells its expected error, and each that tells one is of the same

@@ -26,9 +26,10 @@ Status keep_copy(const std::string& path) {
 }
 
 std::string figures(const Calibration& calibration) {
-  std::string text = calibration.expected_error ? fmt::format("an expected error of {:.3g} px",
-                                                              *calibration.expected_error)
-                                                : std::string("no expected error");
+  const auto error = compared_error(calibration);
+  std::string text =
+      error ? fmt::format("an expected error of {:.3g} px anywhere in the picture", *error)
+            : std::string("no expected error");
   const std::size_t views = calibration.views.size();
   if (views > 0) text += fmt::format(" from {} view{}", views, views == 1 ? "" : "s");
   return text;
@@ -37,7 +38,8 @@ std::string figures(const Calibration& calibration) {
 // A word for the user where the calibration before was better by its own figures.
 std::optional<Error> lost_by(const std::string& path, const Calibration& before,
                              const Calibration& now, const Status& kept) {
-  if (!before.expected_error) {
+  const auto error_before = compared_error(before);
+  if (!error_before) {
     if (kept) return std::nullopt;
     return Error{
         kept.error().code,
@@ -45,7 +47,8 @@ std::optional<Error> lost_by(const std::string& path, const Calibration& before,
                     "place of. No copy of it could be kept. {}",
                     path, kept.error().message)};
   }
-  if (now.expected_error && *now.expected_error <= *before.expected_error) return std::nullopt;
+  const auto error = compared_error(now);
+  if (error && *error <= *error_before) return std::nullopt;
   const std::string whose =
       before.camera != now.camera ? fmt::format(" of the camera '{}'", before.camera) : "";
   const std::string where = kept ? fmt::format("It is kept as '{}'.", copy_of(path))

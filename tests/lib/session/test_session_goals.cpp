@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// When a CalibrationSession is done, and which of two results is the better one.
+
+#include <string_view>
+#include <vector>
+
+#include "session_fixture.hpp"
+
+namespace calvin {
+namespace {
+
+// A board that is held in the middle tells little of the rest of the picture.
+TEST_F(CalibrationSessions, AreNotCompleteWithACornerOfThePicture) {
+  SessionSettings settings;
+  settings.target_error = 0.2;
+  const std::vector<Pixel> middle = {{540, 380}, {740, 380}, {740, 580}, {540, 580}};
+  const std::vector<Pixel> most = {{20, 20}, {1260, 20}, {1260, 940}, {20, 940}};
+  struct Case {
+    double anywhere;
+    std::vector<Pixel> covered;
+    std::string_view reached;
+  };
+  for (const Case& c : {Case{50, middle, ""}, Case{1.01, middle, ""},
+                        Case{0.99, middle, "target-error"}, Case{50, most, "target-error"}}) {
+    session_ = CalibrationSession();
+    settings_ = {};
+    begin(settings);
+    show(3);
+    const auto job = session_.take_solve();
+    Solution solution = found(*job, 0.1);
+    solution.calibration.expected_error_anywhere = c.anywhere;
+    solution.calibration.covered = c.covered;
+    ASSERT_TRUE(session_.solved(*job, solution).has_value());
+    EXPECT_EQ(show(1).reached, c.reached) << c.anywhere;
+  }
+}
+
+// Of two results the one is better that is better anywhere: with more of the picture in view, the
+// error where corners were seen may grow.
+TEST_F(CalibrationSessions, CompareResultsByTheWholePicture) {
+  begin();
+  show(3);
+  const auto first = session_.take_solve();
+  Solution small = found(*first, 0.1);
+  small.calibration.expected_error_anywhere = 40;
+  EXPECT_TRUE(session_.solved(*first, small)->better);
+  show(1);
+  const auto second = session_.take_solve();
+  Solution large = found(*second, 0.2);
+  large.calibration.expected_error_anywhere = 0.3;
+  EXPECT_TRUE(session_.solved(*second, large)->better);
+}
+
+}  // namespace
+}  // namespace calvin
