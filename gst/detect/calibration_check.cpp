@@ -43,8 +43,10 @@ GstStructure* CalibrationCheck::check(const View& view, const FrameTimes& times,
   gst_structure_set(s, "board", G_TYPE_STRING, view.observation.board.c_str(), "points", G_TYPE_INT,
                     report->points, "rms", G_TYPE_DOUBLE, report->rms, "moved", G_TYPE_DOUBLE,
                     report->displacement, nullptr);
-  if (calibration_.expected_error) {
-    gst_structure_set(s, "expected-error", G_TYPE_DOUBLE, *calibration_.expected_error, nullptr);
+  for (const auto& [name, error] :
+       {std::pair{"expected-error", calibration_.expected_error},
+        std::pair{"expected-error-anywhere", calibration_.expected_error_anywhere}}) {
+    if (error) gst_structure_set(s, name, G_TYPE_DOUBLE, *error, nullptr);
   }
   // Where the board looks the same after a turn nobody knows its pose.
   if (view.observation.ambiguous.empty()) {

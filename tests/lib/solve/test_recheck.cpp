@@ -90,7 +90,7 @@ TEST_P(EveryModel, AnUnchangedCameraHasNotMoved) {
         EXPECT_EQ(report->points, 54);
       }
       EXPECT_NEAR(rms, std::sqrt(2.0) * sigma, 0.5 * sigma);
-      alarms += moved > 2 * solution->calibration.expected_error.value();
+      alarms += moved > 2 * solution->calibration.expected_error_anywhere.value();
     }
     // One session in twenty, and two standard deviations of such a count.
     EXPECT_LE(alarms, kSessions / 20.0 + 2 * std::sqrt(kSessions / 20.0 * 0.95)) << sigma;
@@ -135,7 +135,7 @@ TEST(Recheck, ABentBoardIsNoChangeOfTheCamera) {
       moved = report->displacement;
       EXPECT_LT(report->rms, 0.1);
     }
-    alarms += moved > 2 * solution->calibration.expected_error.value();
+    alarms += moved > 2 * solution->calibration.expected_error_anywhere.value();
   }
   EXPECT_LE(alarms, kSessions / 20);
 }
@@ -184,7 +184,7 @@ TEST(Recheck, OfACameraWithSkewTakesItsCovarianceIntoAccount) {
     double moved = 0;
     for (const View& view : views_of(camera, random, 25, 0.1))
       moved = recheck.add(view)->displacement;
-    alarms += moved > 0.5 * solution->calibration.expected_error.value();
+    alarms += moved > 0.5 * solution->calibration.expected_error_anywhere.value();
   }
   // Two standard deviations off at the worst place of the picture: a few of a hundred.
   EXPECT_LE(alarms, kSessions / 5);

@@ -66,15 +66,21 @@ void expect_same(const Solution& one, const Solution& other) {
   // The grid over the image has more columns than rows, and the rim of a wide lens is between them.
   if (!scenes::is_wide(a.model)) {
     expect_near(a.expected_error_anywhere, b.expected_error_anywhere, 0.03);
-    // And few of its pixels are near the border of what corners covered.
-    expect_near(one.misfit.split_half_ratio, other.misfit.split_half_ratio, 0.07);
-    expect_near(a.expected_error, b.expected_error, 0.07);
+    // And few of its pixels are near the border of what corners covered, which may be small.
+    expect_near(one.misfit.split_half_ratio, other.misfit.split_half_ratio, 0.15);
+    expect_near(a.expected_error, b.expected_error, 0.15);
   }
   EXPECT_EQ(one.misfit.cause, other.misfit.cause);
   EXPECT_EQ(one.rejected.size(), other.rejected.size());
   EXPECT_EQ(one.rejected_corners.size(), other.rejected_corners.size());
-  // They name numbers that are alike for both axes, or those of one of them.
-  ASSERT_EQ(a.remarks.size(), b.remarks.size());
+  // They name numbers that are alike for both axes, or those of one of them. Whether the picture is
+  // much worse elsewhere depends on the grid, where it is at the limit.
+  const auto remarks = [](const Calibration& c) {
+    return std::count_if(c.remarks.begin(), c.remarks.end(), [](const std::string& remark) {
+      return remark.find("No corner was seen") == std::string::npos;
+    });
+  };
+  ASSERT_EQ(remarks(a), remarks(b));
 }
 
 class EveryModel : public ::testing::TestWithParam<std::string_view> {};
