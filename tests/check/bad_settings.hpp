@@ -75,8 +75,6 @@ inline const std::vector<BadInput>& bad_settings() {
        "not COLSxROWS", kBoardHelp, After::kRefused},
       {"a board text of a page", "calibdetect", at_start, "board=" + std::string(5000, 'x'),
        "too long", kBoardHelp, After::kRefused},
-      {"one board twice", "calibdetect", at_start,
-       "board=checkerboard:9x6:25mm;checkerboard:9x6:2.5cm", "twice", kBoardHelp, After::kRefused},
       {"a board behind nothing", "calibdetect", at_start, "board=checkerboard:9x6:25mm;",
        "no board before or after a ';'", kBoardHelp, After::kRefused},
       {"a file of board names that is missing", "calibdetect", at_start, "board=@/none.json#floor",

@@ -77,14 +77,25 @@ double seconds_between(const Observation& from, const Observation& to) {
 
 double hull_area(const Observation& seen) { return polygon_area(convex_hull(seen.uv)); }
 
+// Whether a sheet was seen on a frame already; equal sheets lie beside each other.
+bool seen_on(const std::vector<Observation>& frame, const Observation& sheet) {
+  return std::ranges::any_of(frame, [&sheet](const Observation& other) {
+    const Motion m = motion(other, sheet);
+    return m.shared > 0 && m.center <= kSameSheet * std::sqrt(hull_area(sheet));
+  });
+}
+
 }  // namespace
 
 Reason Session::offer(const View& view) {
   begin_frame(view.observation);
   const Reason reason = usable(view);
   if (reason != Reason::kAccepted) return reason;
+  Recent& r = recent(view.observation.board);
+  // A timestamp that stands still does not make two frames one.
+  if (seen_on(r.now, view.observation)) r.before = std::exchange(r.now, {});
   const std::optional<Observation> before = take_previous(view.observation);
-  recent(view.observation.board).now.push_back(view.observation);
+  r.now.push_back(view.observation);
   if (!asked_) {
     const Reason worth = worth_keeping(view, before);
     if (worth != Reason::kAccepted) return worth;
