@@ -70,6 +70,7 @@ GstStructure* result_message(const FrameTimes& times, const Solution& solution,
   }
   set_optional(s, "expected-error", c.expected_error);
   set_optional(s, "expected-error-anywhere", c.expected_error_anywhere);
+  set_optional(s, "systematic", c.systematic);
   if (!location.empty()) {
     gst_structure_set(s, "location", G_TYPE_STRING, displayed(location).c_str(), nullptr);
   }

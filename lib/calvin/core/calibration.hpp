@@ -75,7 +75,9 @@ struct Calibration {
   std::optional<double> expected_error_anywhere;
   std::optional<Pixel> worst_place;
   std::optional<double> split_half_ratio;
-  std::string misfit;                // the cause, or "none"; empty where nobody looked for one
+  std::string misfit;  // the cause, or "none"; empty where nobody looked for one
+  // The share of expected_error squared that is more than the corners' own noise, 0..1.
+  std::optional<double> systematic;
   std::vector<std::string> remarks;  // sentences for the user: what is weak, and what to do
   std::vector<Pixel> covered;        // convex polygon that the corners covered, px
   std::string board;                 // board text

@@ -93,6 +93,7 @@ void put_quality(Json& json, const Calibration& calibration) {
   if (const auto& worst = calibration.worst_place) json["worst_place"] = {worst->u, worst->v};
   put(json, "split_half_ratio", calibration.split_half_ratio);
   put(json, "misfit", calibration.misfit);
+  put(json, "systematic", calibration.systematic);
   if (!calibration.remarks.empty()) json["remarks"] = calibration.remarks;
 }
 

@@ -147,6 +147,7 @@ void read_promises(Fields& fields, Calibration& calibration) {
 void read_verdict(Fields& fields, Calibration& calibration) {
   calibration.split_half_ratio = fields.optional_number("split_half_ratio");
   calibration.misfit = fields.optional_string("misfit");
+  calibration.systematic = fields.optional_number("systematic");
   for (const Node& remark : fields.list("remarks")) {
     if (remark.kind != Node::Kind::kString) fields.complain("remarks", "is not a list of texts");
     calibration.remarks.push_back(remark.text);

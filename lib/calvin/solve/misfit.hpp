@@ -20,7 +20,10 @@ struct Misfit {
     kBoard,   // residuals belong to corners: the board is not flat, or not as it was printed
     kMotion,  // views contradict each other: the board moved or bent while it was seen
   };
+  // Why the promise cannot be trusted, or had to grow by much.
   Cause cause = Cause::kNone;
+  // What was found, the same or something that was estimated and is in the covariance: a remark.
+  Cause noticed = Cause::kNone;
   double split_half_ratio = 1;  // `halves` of docs/conventions.md
 
   [[nodiscard]] bool found() const { return cause != Cause::kNone; }

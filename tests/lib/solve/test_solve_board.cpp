@@ -129,7 +129,7 @@ TEST(BoardShape, OffsetsOfSingleCornersAreFound) {
     options.reject_outliers = false;
     const auto flat = solve(views, kSize, options);
     ASSERT_TRUE(flat.has_value()) << flat.error().message;
-    EXPECT_EQ(flat->misfit.cause, Misfit::Cause::kBoard);
+    EXPECT_EQ(flat->misfit.noticed, Misfit::Cause::kBoard);
     EXPECT_TRUE(flat->corner_offsets.empty());
 
     options.offsets = true;

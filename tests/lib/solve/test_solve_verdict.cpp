@@ -46,6 +46,18 @@ ChiSquare beyond(double deviations, double degrees = 100) {
   return {degrees * std::pow(1 - width + deviations * std::sqrt(width), 3), degrees};
 }
 
+// Statistics on which views agree, or not, by this many standard deviations.
+FitDiagnostics statistics(const ChiSquare& views, const ChiSquare& picture, const ChiSquare& board,
+                          double agreement = 3) {
+  FitDiagnostics result;
+  result.views = views;
+  result.picture = picture;
+  result.board = board;
+  result.picture_agrees = agreement;
+  result.board_agrees = agreement;
+  return result;
+}
+
 struct Case {
   const char* name;
   ChiSquare views;
@@ -75,19 +87,51 @@ TEST(Verdict, IsTheLargestThatIsSignificant) {
            {"chi, unknown", noise, noise, noise, {}, Cause::kNone},
            {"chi, and the board", noise, noise, beyond(3), 1.4, Cause::kBoard},
        }) {
-    EXPECT_EQ(
-        to_string(misfit({1.5, {}, c.views, c.picture, c.board}, c.chi, kDegrees, c.rms).cause),
-        to_string(c.cause))
+    const FitDiagnostics found = statistics(c.views, c.picture, c.board);
+    EXPECT_EQ(to_string(misfit(found, c.chi, kDegrees, c.rms, 1).noticed), to_string(c.cause))
         << c.name;
   }
-  EXPECT_EQ(misfit({1.5, {}, noise, noise, noise}, 1, kDegrees, 0.1).split_half_ratio, 1.5);
+  FitDiagnostics halves = statistics(noise, noise, noise);
+  halves.split_half_ratio = 1.5;
+  EXPECT_EQ(misfit(halves, 1, kDegrees, 0.1, 1).split_half_ratio, 1.5);
+}
+
+// Bends that every view has for itself leave patterns in the picture and on the board too, but in
+// each view another one.
+TEST(Verdict, OfLensAndBoardIsThatOfAllViewsAlike) {
+  const auto noticed = [&](double agreement) {
+    return misfit(statistics(beyond(5), beyond(5), beyond(5), agreement), 1, kDegrees, 0.1, 1)
+        .noticed;
+  };
+  EXPECT_EQ(noticed(2.4), Cause::kModel);
+  EXPECT_EQ(noticed(2.2), Cause::kMotion);
+}
+
+// What the covariance has an estimate of is a misfit only where there is very much of it.
+TEST(Verdict, WhatWasEstimatedIsNoMisfit) {
+  const ChiSquare noise = {100, 100};
+  const auto cause = [](FitDiagnostics found, double chi, double growth, bool bends_known) {
+    found.bends_known = bends_known;
+    return misfit(found, chi, kDegrees, 0.1, growth).cause;
+  };
+  const FitDiagnostics moved = statistics(beyond(5), noise, noise);
+  EXPECT_EQ(cause(moved, 1, 2.9, false), Cause::kNone);
+  EXPECT_EQ(cause(moved, 1, 3.1, false), Cause::kMotion);
+  const FitDiagnostics bent = statistics(noise, noise, beyond(5));
+  EXPECT_EQ(cause(bent, 1, 1, false), Cause::kBoard);
+  EXPECT_EQ(cause(bent, 1, 2.9, true), Cause::kNone);
+  EXPECT_EQ(cause(bent, 1, 3.1, true), Cause::kBoard);
+  // Nothing estimates what a lens lacks.
+  EXPECT_EQ(cause(statistics(noise, beyond(5), noise), 1, 1, true), Cause::kModel);
+  EXPECT_EQ(cause(statistics(noise, noise, noise), 9.9, 1, true), Cause::kNone);
+  EXPECT_EQ(cause(statistics(noise, noise, noise), 10.1, 1, true), Cause::kNoise);
 }
 
 // A hundredth of the variance, and three thousandths of a pixel.
 TEST(Verdict, IsNotSaidOfWhatDoesNotMatter) {
   const auto cause = [](double excess, double all, double rms) {
     const ChiSquare noise = {100, 100};
-    return misfit({1, {}, noise, {100 + excess, 100}, noise}, {}, all, rms).cause;
+    return misfit(statistics(noise, {100 + excess, 100}, noise), {}, all, rms, 1).noticed;
   };
   EXPECT_EQ(cause(50, 4900, 0.1), Cause::kModel);  // 0.0102 of the variance
   EXPECT_EQ(cause(50, 5100, 0.1), Cause::kNone);   // 0.0098
@@ -100,7 +144,7 @@ TEST(Verdict, IsNotSaidOfWhatDoesNotMatter) {
 TEST(Verdict, OfNoiseAllowsForTheLuckOfFewCorners) {
   const ChiSquare none = {0, 0};
   const auto cause = [&](double chi, double degrees) {
-    return misfit({1, {}, none, none, none}, chi, degrees, 0.1).cause;
+    return misfit(statistics(none, none, none), chi, degrees, 0.1, 1).noticed;
   };
   EXPECT_EQ(cause(1.31, kDegrees), Cause::kNone);
   EXPECT_EQ(cause(1.33, kDegrees), Cause::kNoise);

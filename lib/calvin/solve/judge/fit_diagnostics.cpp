@@ -8,7 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,8 @@
 #include "calvin/geometry/dense.hpp"
 #include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/fit/weights.hpp"
+#include "calvin/solve/judge/agreement.hpp"
+#include "calvin/solve/judge/contradiction.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
@@ -33,6 +36,10 @@ constexpr double kSigmaTolerance = 1.25;
 constexpr double kDetectorBias = 0.003;
 // Of the variance: a smaller part may be significant but does not matter.
 constexpr double kSmallPart = 0.01;
+// The promise over what noise alone would make of it, and chi: beyond these, what makes a result
+// worse is told as a misfit though the promise has it.
+constexpr double kMuchWorse = 3;
+constexpr double kMuchNoise = 10;
 // Corners in each part of the image, on average.
 constexpr double kCornersPerPart = 40;
 
@@ -45,22 +52,6 @@ Eigen::MatrixXd projection_metric(const ProjectionGrid& grid,
   for (const auto& cell : grid) sum += cell.transpose().lazyProduct(cell);
   const Eigen::MatrixXd basis = parameterization.basis.middleRows(own.first, n);
   return congruent(sum, basis) / static_cast<double>(std::max<std::size_t>(grid.size(), 1));
-}
-
-// v^T m^+ v over the directions in which m is not singular, and the number of these.
-ChiSquare quadratic(const Eigen::MatrixXd& m, const Eigen::VectorXd& v) {
-  constexpr double kNothing = 1e-10;  // of the largest eigenvalue
-  const Eigen::VectorXd scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const auto eigen = symmetric_eigen(scale.asDiagonal() * m * scale.asDiagonal());
-  ChiSquare result;
-  if (!eigen) return result;
-  const Eigen::VectorXd along = eigen->vectors.transpose() * scale.cwiseProduct(v);
-  for (Eigen::Index i = 0; i < along.size(); ++i) {
-    if (eigen->values[i] < kNothing * eigen->values[along.size() - 1]) continue;
-    result.sum += along[i] * along[i] / eigen->values[i];
-    result.degrees += 1;
-  }
-  return result;
 }
 
 // Residuals in groups whose means should be 0: per group the score of a shift and its information.
@@ -103,6 +94,8 @@ class Scores {
 };
 
 class FitDiagnosis {
+  static constexpr std::size_t kAxes = 2;  // of a board, in its plane
+
  public:
   static constexpr double kUndetermined = std::numeric_limits<double>::infinity();
 
@@ -129,7 +122,7 @@ class FitDiagnosis {
       if (fit_.used[v]) add_view(v);
     }
     FitDiagnostics result;
-    result.views = views_;
+    result.views = views_->chi_square();
     result.views.degrees -= determined_;
     const double kept = std::clamp(1 - unknowns_ / residuals_, 0.1, 1.0);
     result.picture = picture_.chi_square(variance_, kept, 0);
@@ -137,24 +130,43 @@ class FitDiagnosis {
     constexpr double kRigid = 7;
     // Where each corner has its own offset, the means by corner are 0 anyway.
     if (shape_.unknowns.offsets().empty()) {
-      const double rigid = kRigid * static_cast<double>(boards_.size());
+      const double rigid = kRigid * static_cast<double>(parts_.size());
       result.board =
           board_.chi_square(variance_, kept, rigid + parameterization_.table.board(0).count);
     }
     result.held_out = std::move(held_out_);
-    if (predicted_ > 0 && used_ > 1) result.split_half_ratio = std::sqrt(observed_ / predicted_);
+    add_shared(result);
     return result;
   }
 
  private:
+  void add_shared(FitDiagnostics& result) const {
+    result.bends_known = !parameterization_.table.warp(0).empty();
+    result.picture_agrees = picture_shared_.deviations();
+    if (shape_.unknowns.offsets().empty()) {
+      const double in_plane = board_shared_.deviations();
+      result.board_agrees = std::max(in_plane, board_bent_.deviations());
+      if (in_plane > kSignificant) result.board_variance = board_shared_.variance();
+    }
+    if (!(predicted_ > 0) || used_ < 2) return;
+    result.split_half_ratio = std::sqrt(observed_ / predicted_);
+    if (result.views.deviations() > kSignificant) result.views_covariance = views_->covariance();
+  }
+
   void count() {
     for (std::size_t v = 0; v < fit_.views.size(); ++v) {
       if (!fit_.used[v]) continue;
       residuals_ += 2 * static_cast<double>(fit_.views[v].used());
       unknowns_ += 6;
       ++used_;
-      boards_.insert(fit_.views[v].board);
+      std::size_t& corners = parts_[fit_.views[v].board];
+      for (const int id : fit_.views[v].ids) {
+        corners = std::max(corners, static_cast<std::size_t>(id) + 1);
+      }
     }
+    std::size_t first = 0;
+    for (auto& [board, corners] : parts_) first += kAxes * std::exchange(corners, first);
+    views_.emplace(covariance_);
     determined_ =
         static_cast<double>(covariance_.rows()) - determined_by_priors(fit_, parameterization_);
     unknowns_ += determined_;
@@ -200,9 +212,7 @@ class FitDiagnosis {
     const Eigen::MatrixXd information = view.information / variance_;
     const Eigen::VectorXd gradient = view.gradient / variance_;
     const Eigen::MatrixXd left = information - congruent(covariance_, information);
-    const ChiSquare chi_square = quadratic(information, gradient);
-    views_.sum += chi_square.sum;
-    views_.degrees += chi_square.degrees;
+    views_->add(information, gradient);
     const Eigen::VectorXd step = covariance_ * gradient;
     observed_ += step.dot(metric_ * step);
     predicted_ += metric_.cwiseProduct(congruent(left, covariance_)).sum();
@@ -222,6 +232,7 @@ class FitDiagnosis {
       add_corner(view, i, at, rows, turn);
       ++at;
     }
+    ++group_;
   }
 
   void add_corner(const PointSet& view, std::size_t i, std::size_t at, ViewRows& rows,
@@ -239,6 +250,7 @@ class FitDiagnosis {
       const double residual = column(RowLayout::kResidual);
       const double w = view.weight[i];
       picture_.add(0, 2 * cell + k, w * residual, w * w);
+      picture_shared_.add(group_, static_cast<std::size_t>(2 * cell + k), w * residual, w * w);
       const Eigen::Vector3d along =
           turn.transpose() * Eigen::Vector3d(column(3), column(4), column(5));
       score += residual * along;
@@ -247,6 +259,12 @@ class FitDiagnosis {
     for (int k = 0; k < 3; ++k) {
       board_.add(view.board, 3 * view.ids[i] + k, score[k], information[k]);
     }
+    const std::size_t place = parts_.at(view.board) + kAxes * static_cast<std::size_t>(view.ids[i]);
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      const auto axis = static_cast<Eigen::Index>(k);
+      board_shared_.add(group_, place + k, score[axis], information[axis]);
+    }
+    board_bent_.add(group_, place, score[2], information[2]);
   }
 
   const Fit& fit_;
@@ -262,11 +280,16 @@ class FitDiagnosis {
   double determined_ = 0;  // how many of the directions the corners determine, not the priors
   int across_ = 1;
   int down_ = 1;
-  std::set<std::size_t> boards_;  // the boards that were seen, by number
+  // Of the boards that were seen, by number, the first of the parts of `board_shared_`.
+  std::map<std::size_t, std::size_t> parts_;
   std::vector<double> held_out_;
-  ChiSquare views_;
+  std::optional<Contradiction> views_;
   Scores picture_;
   Scores board_;
+  Agreement picture_shared_;
+  Agreement board_shared_;  // in its plane
+  Agreement board_bent_;    // across it
+  std::size_t group_ = 0;   // of the view at hand
   double observed_ = 0;
   double predicted_ = 0;
 };
@@ -282,12 +305,6 @@ bool significant(const ChiSquare& c, double all, double rms) {
 
 }  // namespace
 
-double ChiSquare::deviations() const {
-  if (!(degrees > 0)) return 0;
-  const double width = 2 / (9 * degrees);
-  return (std::cbrt(ratio()) - (1 - width)) / std::sqrt(width);
-}
-
 FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& shape,
                         const Parameterization& parameterization, const ProjectionGrid& covered,
                         const Eigen::MatrixXd& covariance, double variance,
@@ -297,25 +314,35 @@ FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& 
 }
 
 Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi, double degrees,
-              double rms) {
+              double rms, double growth) {
   Misfit result;
   result.split_half_ratio = diagnostics.split_half_ratio;
   const double chi_limit = kSigmaTolerance * (1 + kSignificant / std::sqrt(2 * degrees));
   const bool noisy = chi && *chi > chi_limit && matters(1 - 1 / (*chi * *chi), rms);
-  // Lens or board: the cause is the one that explains more of the residuals. Either makes views
-  // contradict each other too, so motion is the cause only where neither is.
-  const bool picture = significant(diagnostics.picture, degrees, rms);
-  const bool board = significant(diagnostics.board, degrees, rms);
+  // Lens or board: the cause is the one that explains more of the residuals, where views agree
+  // that it is one. Either makes views contradict each other too, so motion is the cause only where
+  // neither is.
+  const bool picture =
+      significant(diagnostics.picture, degrees, rms) && diagnostics.picture_agrees > kSignificant;
+  const bool board =
+      significant(diagnostics.board, degrees, rms) && diagnostics.board_agrees > kSignificant;
   const bool views = significant(diagnostics.views, degrees, rms);
   if (picture || board) {
     const bool corner = diagnostics.board.sum - diagnostics.board.degrees >
                         diagnostics.picture.sum - diagnostics.picture.degrees;
-    result.cause = board && corner ? Misfit::Cause::kBoard : Misfit::Cause::kModel;
-    if (!picture) result.cause = Misfit::Cause::kBoard;
+    result.noticed = board && corner ? Misfit::Cause::kBoard : Misfit::Cause::kModel;
+    if (!picture) result.noticed = Misfit::Cause::kBoard;
   } else if (views) {
-    result.cause = Misfit::Cause::kMotion;
+    result.noticed = Misfit::Cause::kMotion;
+  } else if (noisy) {
+    result.noticed = Misfit::Cause::kNoise;
   }
-  if (noisy && result.cause == Misfit::Cause::kNone) result.cause = Misfit::Cause::kNoise;
+  // What the covariance has an estimate of is no misfit, unless there is much of it.
+  const bool much = growth > kMuchWorse || (chi && *chi > kMuchNoise);
+  const bool estimated = result.noticed == Misfit::Cause::kMotion ||
+                         result.noticed == Misfit::Cause::kNoise ||
+                         (result.noticed == Misfit::Cause::kBoard && diagnostics.bends_known);
+  if (much || !estimated) result.cause = result.noticed;
   return result;
 }
 

@@ -12,23 +12,11 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/solve/fit/camera_fit.hpp"
+#include "calvin/solve/judge/contradiction.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/misfit.hpp"
 
 namespace calvin {
-
-// A chi^2 statistic: a sum of squares that for noise alone is `degrees`, give or take
-// sqrt(2 degrees).
-struct ChiSquare {
-  double sum = 0;
-  double degrees = 0;
-
-  // The excess in standard deviations, by the cube root that makes chi^2 nearly normal (E. Wilson,
-  // M. Hilferty, PNAS 17, 1931).
-  [[nodiscard]] double deviations() const;
-  // The variance over that of noise: 1 for noise.
-  [[nodiscard]] double ratio() const { return degrees > 0 ? sum / degrees : 1; }
-};
 
 struct FitDiagnostics {
   // The projection difference of the solves of two halves of the views, a rotation of the camera
@@ -45,6 +33,16 @@ struct FitDiagnostics {
   ChiSquare views;    // of the gradients of single views
   ChiSquare picture;  // of mean residuals in parts of the image: the lens is not of this model
   ChiSquare board;    // of mean residuals by corner, along the axes of its board
+
+  // The covariance of the directions by what views say of them, whatever makes them say it, where
+  // they contradict each other by more than noise lets them.
+  std::optional<Eigen::MatrixXd> views_covariance;
+  // How far corners are from where they were printed, m^2 along each axis of the board, 1 sigma;
+  // 0 unless the views agree that they are.
+  double board_variance = 0;
+  double board_agrees = 0;    // standard deviations, see Agreement
+  double picture_agrees = 0;  // the same for parts of the image
+  bool bends_known = false;   // the curvatures of the board are unknowns of the fit
 };
 
 // `variance` is the variance of a residual of weight 1, px^2; `covariance` is over the unknowns;
@@ -57,8 +55,9 @@ struct FitDiagnostics {
                                       const std::stop_token& stop);
 
 // The verdict. `chi` is absent where the detector gave no sigmas; `degrees` are the degrees of
-// freedom of the fit, `rms` its residual, px.
+// freedom of the fit, `rms` its residual, px; `growth` is the promise over what it were if the
+// residuals were noise.
 [[nodiscard]] Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi,
-                            double degrees, double rms);
+                            double degrees, double rms, double growth);
 
 }  // namespace calvin

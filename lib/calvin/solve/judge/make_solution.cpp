@@ -13,12 +13,13 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/models.hpp"
-#include "calvin/camera/monotone.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/dense.hpp"
+#include "calvin/solve/judge/board_error.hpp"
 #include "calvin/solve/judge/fit_diagnostics.hpp"
 #include "calvin/solve/judge/projection_error.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
+#include "calvin/solve/judge/remarks.hpp"
 #include "calvin/solve/judge/variety.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 
@@ -29,10 +30,6 @@ namespace {
 // A solve with a larger sigma than these is refused.
 constexpr double kWorstFocalSigma = 0.1;   // of the focal length
 constexpr double kWorstCenterSigma = 0.1;  // of the image width
-
-// A solve with a larger sigma than these gets a remark.
-constexpr double kWeakFocalSigma = 0.02;   // of the focal length
-constexpr double kWeakCenterSigma = 0.02;  // of the image width
 
 constexpr const char* kStopped = "The solve was stopped.";
 
@@ -229,35 +226,38 @@ std::vector<int> grid_columns(const Parameterization& parameterization) {
   return columns;
 }
 
-// Copies the promises, `times` as large as the covariance has them.
-void add_promise(Calibration& calibration, const std::optional<Promise>& promise, double times) {
-  if (!promise) return;
-  calibration.expected_error = times * promise->covered;
-  calibration.expected_error_anywhere = times * promise->anywhere;
-  calibration.worst_place = promise->worst;
+// The covariance of all unknowns: of noise, or of what the views show of whatever there is; and of
+// what a board that is not as printed does in all of them alike. Each counts once.
+Eigen::MatrixXd honest_covariance(const FinishedFit& from, const FitDiagnostics& found,
+                                  const Eigen::MatrixXd& by_noise) {
+  const Eigen::MatrixXd to_unknowns = from.parameterization.basis.transpose();
+  Eigen::MatrixXd c = by_noise;
+  if (found.views_covariance) c = congruent(*found.views_covariance, to_unknowns);
+  if (found.board_variance > 0) {
+    const Eigen::MatrixXd of_board = board_covariance(from.fit, from.shape, from.parameterization);
+    c += found.board_variance * congruent(of_board, to_unknowns);
+  }
+  return c;
 }
 
-// What a solution is judged by: `fitted` is the covariance of this optimum over all unknowns,
-// `promised` the one that the sigmas are of.
-struct Covariances {
-  const Eigen::MatrixXd& fitted;
-  const Eigen::MatrixXd& promised;
-};
+// Copies the promises. Returns the one of the covered region over what it were if the residuals
+// were noise of the size that they have. `noise` is the part of their variance that the detector
+// knew of.
+double add_promise(Calibration& calibration, const ProjectionGrids& grids,
+                   const Eigen::MatrixXd& promised, const Eigen::MatrixXd& by_noise, double noise) {
+  const auto promise = promise_of(grids, promised);
+  const auto least = promise_of(grids, by_noise);
+  if (!promise || !least || !(promise->covered > 0)) return 1;
+  calibration.expected_error = promise->covered;
+  calibration.expected_error_anywhere = promise->anywhere;
+  calibration.worst_place = promise->worst;
+  const double share = least->covered / promise->covered;
+  calibration.systematic = std::clamp(1 - noise * share * share, 0.0, 1.0);
+  return 1 / share;
+}
 
-// The promises, and the tests of the residuals that may enlarge them.
-void add_checks(Solution& solution, const FinishedFit& from, const Camera& camera,
-                const Covariances& covariances, double variance, const std::stop_token& stop) {
+void add_held_out(Solution& solution, const FitDiagnostics& found) {
   Calibration& calibration = solution.calibration;
-  const Parameterization& parameterization = from.parameterization;
-  const double degrees = degrees_of_freedom(from.fit, parameterization);
-  const ProjectionGrids grids =
-      projection_grids(camera, grid_columns(parameterization), calibration.covered);
-  const FitDiagnostics found = diagnose(from.fit, camera, from.shape, parameterization,
-                                        grids.covered.by, covariances.fitted, variance, stop);
-  if (stop.stop_requested()) return;
-  solution.misfit = misfit(found, calibration.chi, degrees, calibration.rms.value_or(0));
-  calibration.misfit = to_string(solution.misfit.cause);
-  calibration.split_half_ratio = solution.misfit.split_half_ratio;
   solution.held_out = found.held_out;
   double sum = 0;
   double corners = 0;
@@ -266,61 +266,39 @@ void add_checks(Solution& solution, const FinishedFit& from, const Camera& camer
     corners += calibration.views[v].points;
   }
   if (std::isfinite(sum)) calibration.held_out_rms = std::sqrt(sum / corners);
+}
+
+// The variance of a residual of weight 1, px^2, and the part of it that the detector knew of.
+struct Variance {
+  double all = 1;
+  double noise = 1;
+};
+
+// The promises and the verdict. Returns the covariance of all unknowns that they are made of.
+Eigen::MatrixXd add_checks(Solution& solution, const FinishedFit& from, const Camera& camera,
+                           const Eigen::MatrixXd& by_noise, const Variance& variance,
+                           const std::stop_token& stop) {
+  Calibration& calibration = solution.calibration;
+  const Parameterization& parameterization = from.parameterization;
+  const ProjectionGrids grids =
+      projection_grids(camera, grid_columns(parameterization), calibration.covered);
+  const FitDiagnostics found = diagnose(from.fit, camera, from.shape, parameterization,
+                                        grids.covered.by, by_noise, variance.all, stop);
+  if (stop.stop_requested()) return by_noise;
+  const Eigen::MatrixXd promised =
+      with_rivals(honest_covariance(from, found, by_noise), from.fit, variance.all);
   const ParameterRange own = parameterization.table.camera(0);
-  add_promise(
-      calibration,
-      promise_of(grids, covariances.promised.block(own.first, own.first, own.count, own.count)),
-      solution.misfit.found() ? std::max(1.0, solution.misfit.split_half_ratio) : 1);
-}
-
-// Where the picture is much worse than the part of it that corners covered.
-std::optional<std::string> uncovered(const Calibration& calibration) {
-  constexpr double kMuchWorse = 3;
-  constexpr double kWorthAView = 0.5;  // px
-  const auto& worst = calibration.worst_place;
-  const double anywhere = calibration.expected_error_anywhere.value_or(0);
-  const double covered = calibration.expected_error.value_or(0);
-  if (!worst || anywhere < std::max(kMuchWorse * covered, kWorthAView)) return std::nullopt;
-  return fmt::format(
-      "No corner was seen in the {}, where the picture is accurate to {:.3g} px only, against "
-      "{:.3g} px among the corners: show the board there.",
-      part_of_picture(*worst, calibration.image_size), 2 * anywhere, 2 * covered);
-}
-
-// Adds remarks on parameters that are weak but not refused, on the misfit, on what no corner
-// covered and on the lens.
-void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,
-                 const Parameterization& parameterization) {
-  const ImageSize size = camera.image_size();
-  auto& remarks = solution.calibration.remarks;
-  const auto variances = [&c](ParameterRange range) {
-    return c.diagonal().segment(range.first, range.count);
+  const auto of_camera = [&own](const Eigen::MatrixXd& c) -> Eigen::MatrixXd {
+    return c.block(own.first, own.first, own.count, own.count);
   };
-  const double center = std::sqrt(variances(parameterization.table.center(0)).maxCoeff());
-  if (center > kWeakCenterSigma * size.width) {
-    remarks.push_back(fmt::format(
-        "The principal point is weak (+- {:.1f} px): all views are tilted much the same way. Tilt "
-        "the board to the other side too.",
-        center));
-  }
-  const ParameterRange range = parameterization.table.focal(0);
-  double focal = 0;
-  for (int i = range.first; i < range.end(); ++i) {
-    const double value = solution.calibration.parameters[static_cast<std::size_t>(i)].value;
-    focal = std::max(focal, std::sqrt(c(i, i)) / value);
-  }
-  if (focal > kWeakFocalSigma) {
-    remarks.push_back(fmt::format(
-        "The focal length is weak (+- {:.1f} %): tilt the board more, 30 to 45 degrees.",
-        100 * focal));
-  }
-  if (solution.misfit.found()) remarks.push_back(advice(solution.misfit.cause));
-  if (auto where = uncovered(solution.calibration)) remarks.push_back(std::move(*where));
-  // The picture of a lens that sees past 90 degrees may end before the image does.
-  if (!parameterization.lens.perspective) return;
-  if (const Status one = check_monotone(camera); !one) {
-    remarks.push_back(one.error().message);
-  }
+  const double growth =
+      add_promise(calibration, grids, of_camera(promised), of_camera(by_noise), variance.noise);
+  solution.misfit = misfit(found, calibration.chi, degrees_of_freedom(from.fit, parameterization),
+                           calibration.rms.value_or(0), growth);
+  calibration.misfit = to_string(solution.misfit.cause);
+  calibration.split_half_ratio = solution.misfit.split_half_ratio;
+  add_held_out(solution, found);
+  return promised;
 }
 
 Result<Solution> solution_of(const FinishedFit& from, ImageSize size, const SolveOptions& options,
@@ -365,15 +343,15 @@ Result<Solution> solution_of(const FinishedFit& from, ImageSize size, const Solv
   if (!table.skew(0).empty() && parameters.size() == own.size()) {
     parameters.push_back({"skew", 0, {}});
   }
-  const Eigen::MatrixXd promised = with_rivals(*c, fit, variance);
-  add_sigmas(solution.calibration, promised, parameterization);
-  add_shape(solution, from, promised);
   add_corners(solution, fit);
   if (from.scale.known) solution.calibration.chi = from.chi;
-  if (options.checks) {
-    add_checks(solution, from, *camera, {*c, promised}, variance, stop);
-    add_remarks(solution, promised, *camera, parameterization);
-  }
+  const double noise = from.scale.known ? by_detector / variance : 1;
+  const Eigen::MatrixXd promised =
+      options.checks ? add_checks(solution, from, *camera, *c, {variance, noise}, stop)
+                     : with_rivals(*c, fit, variance);
+  add_sigmas(solution.calibration, promised, parameterization);
+  add_shape(solution, from, promised);
+  if (options.checks) add_remarks(solution, promised, *camera, parameterization);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, kStopped);
   return solution;
 }
