@@ -26,6 +26,7 @@ constexpr double kNewPosition = 0.08;    // of the image diagonal
 constexpr double kNewShape = 0.025;      // of the board's size in the image
 constexpr double kSameSheet = 0.5;       // of the board's size in the image, between two frames
 constexpr std::size_t kMostSheets = 16;  // of a board that are remembered
+constexpr std::size_t kMostBoards = 16;  // by their texts, likewise
 
 // How the corners that two observations share have moved, px.
 struct Motion {
@@ -77,11 +78,13 @@ double seconds_between(const Observation& from, const Observation& to) {
 
 double hull_area(const Observation& seen) { return polygon_area(convex_hull(seen.uv)); }
 
-// Whether a sheet was seen on a frame already; equal sheets lie beside each other.
+// Whether a sheet was seen on a frame already; equal sheets lie beside each other. One that is
+// mostly covered is as small as what is seen of it.
 bool seen_on(const std::vector<Observation>& frame, const Observation& sheet) {
-  return std::ranges::any_of(frame, [&sheet](const Observation& other) {
+  const double area = frame.empty() ? 0 : hull_area(sheet);
+  return std::ranges::any_of(frame, [&sheet, area](const Observation& other) {
     const Motion m = motion(other, sheet);
-    return m.shared > 0 && m.center <= kSameSheet * std::sqrt(hull_area(sheet));
+    return m.shared > 0 && m.center <= kSameSheet * std::sqrt(std::min(area, hull_area(other)));
   });
 }
 
@@ -95,6 +98,7 @@ Reason Session::offer(const View& view) {
   // A timestamp that stands still does not make two frames one.
   if (seen_on(r.now, view.observation)) r.before = std::exchange(r.now, {});
   const std::optional<Observation> before = take_previous(view.observation);
+  if (r.now.size() >= kMostSheets) r.now.erase(r.now.begin());
   r.now.push_back(view.observation);
   if (!asked_) {
     const Reason worth = worth_keeping(view, before);
@@ -146,6 +150,7 @@ double Session::readout_share(const Observation& before, const Observation& now)
 Session::Recent& Session::recent(const std::string& board) {
   const auto it = std::ranges::find(recent_, board, &Recent::board);
   if (it != recent_.end()) return *it;
+  if (recent_.size() >= kMostBoards) recent_.erase(recent_.begin());
   recent_.push_back({board, kNoTimestamp, {}, {}});
   return recent_.back();
 }
@@ -159,7 +164,7 @@ void Session::begin_frame(const Observation& seen) {
   r.now.clear();
   // Without timestamps a board that was not seen is all that tells of a gap.
   if (!timed && !seen.found()) r.before.clear();
-  if (r.before.size() > kMostSheets) r.before.erase(r.before.begin());
+  while (r.before.size() > kMostSheets) r.before.erase(r.before.begin());
   r.frame = seen.timestamp;
 }
 

@@ -45,7 +45,7 @@ struct Solution {
   std::vector<RejectedView> rejected;
   std::vector<RejectedCorner> rejected_corners;  // of views that are otherwise used
   int iterations = 0;                            // of all least-squares solves together
-  // Where a misfit is found, both promises are multiplied by max(1, split_half_ratio).
+  // What the covariance and both promises do not hold, or hold at a great price.
   Misfit misfit;
   // Per view of calibration.views, in px^2 per corner: how far its corners are from where a camera
   // of all other views puts them, the 6 parameters of its pose allowed for; weighted, and to first

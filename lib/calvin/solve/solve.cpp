@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <iterator>
-#include <map>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -91,11 +93,12 @@ std::string board_text(std::span<const View> views, const std::vector<RejectedVi
 
 // Makes ids of what the solver has for them: places in the list of the ids of the view's board.
 void give_ids(std::span<const View> views, std::vector<RejectedCorner>& corners) {
-  std::map<std::size_t, std::vector<int>> ids;  // by view: a board may have thousands of points
+  std::optional<std::size_t> of;  // corners of a view stand together
+  std::vector<int> ids;           // of its board, which may have thousands of points
   for (RejectedCorner& corner : corners) {
-    const auto [of_view, is_new] = ids.try_emplace(corner.view);
-    if (is_new) of_view->second = views[corner.view].board.ids();
-    corner.id = of_view->second[static_cast<std::size_t>(corner.id)];
+    if (of != corner.view) ids = views[corner.view].board.ids();
+    of = corner.view;
+    corner.id = ids[static_cast<std::size_t>(corner.id)];
   }
 }
 

@@ -232,5 +232,19 @@ TEST(ListOfBoards, IsNotEmpty) {
   EXPECT_EQ(made.error().code, ErrorCode::kInvalidArgument);
 }
 
+// A frame of which nothing is there, where sheets of the last one are followed.
+TEST_F(Table, AFrameWithoutPixelsShowsNoBoard) {
+  const Sheet sheet = {kBoard, at(kBoard, 0, 0, 0.6, {0.1, 0.2, 0})};
+  const auto detector = make_detector(kBoard).value();
+  const GrayImage image = picture({sheet});
+  for (std::uint64_t n = 0; n < 2; ++n) {
+    EXPECT_TRUE(detector->follow(image.view(), n * kFrame).observation.found());
+  }
+  ImageView nothing = image.view();
+  nothing.data = nullptr;
+  EXPECT_EQ(detector->follow(nothing, 2 * kFrame).reason, Reason::kNotFound);
+  EXPECT_TRUE(detector->follow(image.view(), 3 * kFrame).observation.found());
+}
+
 }  // namespace
 }  // namespace calvin

@@ -10,6 +10,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -50,18 +52,17 @@ std::map<std::size_t, double> held_out_of(const std::vector<PointSet>& views,
 // The corners that a solution left out, weighing nothing.
 std::vector<PointSet> masked(const std::vector<PointSet>& views, const Solution& solution) {
   std::vector<PointSet> result;
+  std::vector<std::pair<std::size_t, int>> left_out;  // in order: there may be many thousands
+  left_out.reserve(solution.rejected_corners.size());
+  for (const RejectedCorner& c : solution.rejected_corners) left_out.emplace_back(c.view, c.id);
+  std::sort(left_out.begin(), left_out.end());
   for (const PointSet& view : views) {
     const auto is_this = [&view](const RejectedView& r) { return r.index == view.index; };
     if (std::any_of(solution.rejected.begin(), solution.rejected.end(), is_this)) continue;
     PointSet kept = view.without_corners();
     for (std::size_t i = 0; i < view.size(); ++i) {
-      const auto is_corner = [&](const RejectedCorner& c) {
-        return c.view == view.index && c.id == view.ids[i];
-      };
-      if (std::none_of(solution.rejected_corners.begin(), solution.rejected_corners.end(),
-                       is_corner)) {
-        kept.append(view, i);
-      }
+      const std::pair corner = {view.index, view.ids[i]};
+      if (!std::binary_search(left_out.begin(), left_out.end(), corner)) kept.append(view, i);
     }
     result.push_back(std::move(kept));
   }

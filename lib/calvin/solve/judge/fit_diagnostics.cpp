@@ -200,7 +200,9 @@ class FitDiagnosis {
     const auto step = scaled_solve(fit_.information - view.information, view.gradient, 0);
     if (!step) return kUndetermined;
     const Eigen::VectorXd d = step->col(0);
-    const double cost = view.cost + 2 * view.gradient.dot(d) + d.dot(view.information * d);
+    // Rounding may leave less than nothing of corners without noise.
+    const double cost =
+        std::max(0.0, view.cost + 2 * view.gradient.dot(d) + d.dot(view.information * d));
     double weights = 0;
     for (const double w : points.weight) weights += w * w;
     const auto corners = static_cast<double>(points.used());

@@ -105,6 +105,7 @@ int SheetSearch::missing() const {
 
 bool SheetSearch::confirm_prediction(std::size_t wanted, const FitGrid& before) {
   const Checkerboard& board = wanted_[wanted].board;
+  if (image_.data == nullptr) return false;
   pyramid_.build(image_, 1);
   const ImageView& full = pyramid_.level(0);
   if (!refinement_.confirm(full, lattice_)) return false;
