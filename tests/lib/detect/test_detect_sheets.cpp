@@ -6,11 +6,14 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "calvin/detect/checkerboard/sheets/sheet.hpp"
 #include "calvin/detect/detector.hpp"
+#include "calvin/geometry/convex_hull.hpp"
 #include "calvin/synth/render.hpp"
 #include "scenes.hpp"
 
@@ -226,10 +229,45 @@ TEST_F(Table, ASheetThatLeavesTakesNoOtherAlong) {
   }
 }
 
+// However long a board is, its outline is about half a square larger, where the printed squares at
+// its border end: beyond that there may be another sheet.
+TEST(Outlines, AreHalfASquareLargerAlongBothSides) {
+  constexpr double kSquare = 30;  // px
+  const Checkerboard board = {12, 3, 0.03};
+  Observation corners;
+  for (const int id : board.ids()) {
+    const GridPlace place = board.grid()->place(id);
+    corners.ids.push_back(id);
+    corners.uv.push_back({kSquare * place.col, kSquare * place.row});
+  }
+  const auto outline = detect::outline_of(corners, board);
+  for (const auto& [u, v, within] : {std::tuple{-0.55, 1.0, true},
+                                     {-0.65, 1.0, false},
+                                     {11.55, 1.0, true},
+                                     {11.65, 1.0, false},
+                                     {5.0, -0.55, true},
+                                     {5.0, 2.65, false}}) {
+    EXPECT_EQ(contains(outline, {kSquare * u, kSquare * v}), within) << u << ", " << v;
+  }
+}
+
 TEST(ListOfBoards, IsNotEmpty) {
   const auto made = make_detector(std::vector<Board>{});
   ASSERT_FALSE(made.has_value());
   EXPECT_EQ(made.error().code, ErrorCode::kInvalidArgument);
+}
+
+// The next board begins two squares behind the end of a long one.
+TEST_F(Table, AShortBoardBehindALongOneIsNoPartOfIt) {
+  const Board kLong = Checkerboard{12, 3, 0.03};
+  const Board kShort = Checkerboard{4, 3, 0.03};
+  const Sheet sheets[] = {{kLong, at(kLong, -0.12, 0, 0.75, {0.1, 0.1, 0})},
+                          {kShort, at(kShort, 0.153, 0, 0.75, {0.1, 0.1, 0})}};
+  const auto detector = make_detector(std::vector{kLong, kShort}).value();
+  const auto seen = detector->detect_all(picture({sheets[0], sheets[1]}).view());
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_LT(error(seen[0], sheets[0]), 0.3);
+  EXPECT_LT(error(seen[1], sheets[1]), 0.3);
 }
 
 // A frame of which nothing is there, where sheets of the last one are followed.

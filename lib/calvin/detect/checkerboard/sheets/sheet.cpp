@@ -66,13 +66,32 @@ Pixel Sheet::center() const { return mean_of(observation.uv); }
 
 std::vector<Pixel> outline_of(const Observation& corners, const Checkerboard& board) {
   constexpr double kMargin = 0.6;  // squares
-  const Pixel middle = mean_of(corners.uv);
-  const double grown = 1 + 2 * kMargin / (std::min(board.cols, board.rows) - 1);
-  std::vector<Pixel> outline = convex_hull(corners.uv);
-  for (Pixel& p : outline) {
-    p = {middle.u + grown * (p.u - middle.u), middle.v + grown * (p.v - middle.v)};
+  const Grid grid = *board.grid();
+  std::vector<Pixel> cells;
+  cells.reserve(corners.ids.size());
+  for (const int id : corners.ids) {
+    const GridPlace place = grid.place(id);
+    cells.push_back({static_cast<double>(place.col), static_cast<double>(place.row)});
   }
-  return outline;
+  const auto to_image = fit_homography(cells, corners.uv);
+  if (!to_image) return convex_hull(corners.uv);
+  // The outermost corners move outwards by the margin, those between them by a part of it: by what
+  // that is in the image, where the lens may bend the rows.
+  const auto [left, right] = std::ranges::minmax(cells, {}, &Pixel::u);
+  const auto [top, bottom] = std::ranges::minmax(cells, {}, &Pixel::v);
+  std::vector<Pixel> grown;
+  grown.reserve(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Pixel& cell = cells[i];
+    const Pixel outwards = {
+        cell.u + kMargin * (2 * cell.u - left.u - right.u) / std::max(right.u - left.u, 1.0),
+        cell.v + kMargin * (2 * cell.v - top.v - bottom.v) / std::max(bottom.v - top.v, 1.0)};
+    const Pixel from = transform(*to_image, cell);
+    const Pixel to = transform(*to_image, outwards);
+    const Pixel moved = {corners.uv[i].u + to.u - from.u, corners.uv[i].v + to.v - from.v};
+    grown.push_back(std::isfinite(moved.u) && std::isfinite(moved.v) ? moved : corners.uv[i]);
+  }
+  return convex_hull(std::move(grown));
 }
 
 std::vector<Pixel> in_level(const std::vector<Pixel>& outline, int level) {
