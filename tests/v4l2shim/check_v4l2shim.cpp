@@ -95,7 +95,7 @@ static void check_picture(Seen& seen, ImageSize size, [[maybe_unused]] double to
   fail_unless_equals_int(image.width, size.width);
   fail_unless_equals_int(image.height, size.height);
 #if CALVIN_HAVE_OPENCV
-  const v4l2::Film film(V4L2_PIX_FMT_YUYV, size);
+  const v4l2::Film film(v4l2::pixel_formats().front(), size);
   const auto truth =
       true_observation(v4l2::film_camera(size), v4l2::film_board(), film.camera_from_board(0));
   const cv::Mat mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(&image.pixels[0]));
@@ -121,6 +121,18 @@ GST_END_TEST;
 GST_START_TEST(test_smaller) {
   Seen seen = play("video/x-raw,format=YUY2,width=320,height=240", "");
   check_picture(seen, {320, 240}, 0.3);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_other_formats) {
+  g_setenv("CALVIN_V4L2_SIZES", "640x480,1920x1080", TRUE);
+  g_setenv("CALVIN_V4L2_FORMATS", "NV12,GREY", TRUE);
+  Seen seen = play("video/x-raw,format=NV12,width=1920,height=1080", "");
+  check_picture(seen, {1920, 1080}, 0.3);
+  seen = play("video/x-raw,format=GRAY8,width=640,height=480", "");
+  check_picture(seen, {640, 480}, 0.3);
+  g_unsetenv("CALVIN_V4L2_SIZES");
+  g_unsetenv("CALVIN_V4L2_FORMATS");
 }
 GST_END_TEST;
 
@@ -151,6 +163,7 @@ static Suite* v4l2shim_suite() {
   TCase* tc = tcase_create("general");
   tcase_add_test(tc, test_yuyv);
   tcase_add_test(tc, test_smaller);
+  tcase_add_test(tc, test_other_formats);
   tcase_add_test(tc, test_mjpg);
   tcase_add_test(tc, test_state_cycles);
   tcase_add_test(tc, test_no_other_device);

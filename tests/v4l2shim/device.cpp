@@ -12,11 +12,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <sstream>
+#include <string>
+#include <string_view>
 
 #include "calvin/core/text.hpp"
 
@@ -24,7 +26,6 @@ namespace calvin::v4l2 {
 
 namespace {
 
-constexpr std::array<ImageSize, 2> kSizes = {{kFullSize, {320, 240}}};
 constexpr std::uint32_t kMaxBuffers = 32;
 
 std::uint32_t rate_of_environment() {
@@ -33,14 +34,31 @@ std::uint32_t rate_of_environment() {
   return static_cast<std::uint32_t>(std::clamp(rate, 1, 1000));
 }
 
+std::string environment(const char* name, const char* otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? otherwise : text;
+}
+
+// The first is what the device begins with.
 std::vector<std::uint32_t> fourccs_of_environment() {
-  const char* text = std::getenv("CALVIN_V4L2_FORMATS");
-  const std::string_view wanted = text == nullptr ? "YUYV,MJPG" : text;
+  const std::string wanted = environment("CALVIN_V4L2_FORMATS", "YUYV,MJPG");
   std::vector<std::uint32_t> fourccs;
-  if (wanted.find("YUYV") != std::string_view::npos) fourccs.push_back(V4L2_PIX_FMT_YUYV);
-  if (wanted.find("MJPG") != std::string_view::npos) fourccs.push_back(V4L2_PIX_FMT_MJPEG);
+  for (const PixelFormat& format : pixel_formats()) {
+    if (wanted.find(format.name) != std::string::npos) fourccs.push_back(format.fourcc);
+  }
   if (fourccs.empty()) fourccs.push_back(V4L2_PIX_FMT_YUYV);
   return fourccs;
+}
+
+std::vector<ImageSize> sizes_of_environment() {
+  std::istringstream wanted(environment("CALVIN_V4L2_SIZES", "640x480,320x240"));
+  std::vector<ImageSize> sizes;
+  ImageSize size;
+  for (char by = 0, comma = 0; wanted >> size.width >> by >> size.height; wanted >> comma) {
+    if (size.width >= 16 && size.height >= 16) sizes.push_back({size.width & ~1, size.height & ~1});
+  }
+  if (sizes.empty()) sizes.push_back(kFullSize);
+  return sizes;
 }
 
 template <std::size_t N>
@@ -67,6 +85,8 @@ T& as(void* argument) {
 Device::Device(bool blocking)
     : blocking_(blocking),
       rate_(rate_of_environment()),
+      sizes_(sizes_of_environment()),
+      size_(sizes_.front()),
       fourccs_(fourccs_of_environment()),
       fourcc_(fourccs_.front()) {
   ready_fd_ = ::eventfd(0, EFD_SEMAPHORE | EFD_CLOEXEC | EFD_NONBLOCK);
@@ -109,17 +129,17 @@ int Device::enumerate(v4l2_fmtdesc& format) const {
   format.index = index;
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   format.pixelformat = fourccs_[index];
-  const bool compressed = format.pixelformat == V4L2_PIX_FMT_MJPEG;
-  format.flags = compressed ? V4L2_FMT_FLAG_COMPRESSED : 0;
-  copy_text(format.description, compressed ? "Motion-JPEG" : "YUYV 4:2:2");
+  const PixelFormat& pixels = *find_pixel_format(format.pixelformat);
+  format.flags = pixels.line_bytes == 0 ? V4L2_FMT_FLAG_COMPRESSED : 0;
+  copy_text(format.description, pixels.description);
   return 0;
 }
 
 int Device::enumerate(v4l2_frmsizeenum& size) const {
-  if (size.index >= kSizes.size() || !is_offered(size.pixel_format)) return -EINVAL;
+  if (size.index >= sizes_.size() || !is_offered(size.pixel_format)) return -EINVAL;
   size.type = V4L2_FRMSIZE_TYPE_DISCRETE;
-  size.discrete.width = static_cast<__u32>(kSizes[size.index].width);
-  size.discrete.height = static_cast<__u32>(kSizes[size.index].height);
+  size.discrete.width = static_cast<__u32>(sizes_[size.index].width);
+  size.discrete.height = static_cast<__u32>(sizes_[size.index].height);
   return 0;
 }
 
@@ -145,16 +165,17 @@ void Device::complete(v4l2_pix_format& pix) const {
            std::abs(static_cast<long>(pix.height) - size.height);
   };
   const ImageSize size = *std::min_element(
-      kSizes.begin(), kSizes.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
+      sizes_.begin(), sizes_.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
   const std::uint32_t fourcc = is_offered(pix.pixelformat) ? pix.pixelformat : fourccs_.front();
   pix = fresh(pix);
   pix.width = static_cast<__u32>(size.width);
   pix.height = static_cast<__u32>(size.height);
   pix.pixelformat = fourcc;
   pix.field = V4L2_FIELD_NONE;
-  pix.bytesperline = fourcc == V4L2_PIX_FMT_YUYV ? pix.width * 2 : 0;
-  pix.sizeimage = pix.width * pix.height * 2;
-  pix.colorspace = fourcc == V4L2_PIX_FMT_YUYV ? V4L2_COLORSPACE_SRGB : V4L2_COLORSPACE_JPEG;
+  const PixelFormat& pixels = *find_pixel_format(fourcc);
+  pix.bytesperline = pix.width * pixels.line_bytes;
+  pix.sizeimage = pix.width * pix.height * pixels.frame_bits / 8;
+  pix.colorspace = pixels.line_bytes == 0 ? V4L2_COLORSPACE_JPEG : V4L2_COLORSPACE_SRGB;
 }
 
 int Device::format(std::uint32_t request, v4l2_format& format) {
@@ -188,7 +209,8 @@ int Device::request_buffers(v4l2_requestbuffers& request) {
   if (request.memory != V4L2_MEMORY_MMAP) return -EINVAL;
   request.count = std::min(request.count, kMaxBuffers);
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  const auto bytes = static_cast<std::size_t>(size_.width) * size_.height * 2;
+  const auto pixels = static_cast<std::size_t>(size_.width) * size_.height;
+  const std::size_t bytes = pixels * find_pixel_format(fourcc_)->frame_bits / 8;
   buffer_size_ = (bytes + page - 1) / page * page;
   const std::size_t all = buffer_size_ * request.count;
   memory_fd_ = ::memfd_create("v4l2shim", MFD_CLOEXEC);
@@ -256,7 +278,7 @@ int Device::start() {
   const std::lock_guard lock(mutex_);
   if (thread_.joinable()) return 0;
   if (buffers_.empty()) return -EINVAL;
-  if (!film_) film_ = std::make_unique<Film>(fourcc_, size_);
+  if (!film_) film_ = std::make_unique<Film>(*find_pixel_format(fourcc_), size_);
   thread_ = std::jthread([this](const std::stop_token& stop) { play(stop); });
   return 0;
 }

@@ -70,10 +70,11 @@ class Device {
   [[nodiscard]] bool is_offered(std::uint32_t fourcc) const;
 
   const bool blocking_;
-  const std::uint32_t rate_;            // frames per s
+  const std::uint32_t rate_;      // frames per s
+  std::vector<ImageSize> sizes_;  // offered
+  ImageSize size_;
   std::vector<std::uint32_t> fourccs_;  // offered
   std::uint32_t fourcc_;
-  ImageSize size_ = kFullSize;
   int ready_fd_ = -1;
   int memory_fd_ = -1;
   std::uint8_t* memory_ = nullptr;

@@ -10,6 +10,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
+#include "pixel_formats.hpp"
 
 namespace calvin::v4l2 {
 
@@ -17,7 +18,7 @@ inline constexpr int kPoses = 40;
 inline constexpr int kFramesPerPose = 15;
 inline constexpr ImageSize kFullSize = {640, 480};
 
-// The camera whose image is kFullSize; smaller formats are the same image, scaled.
+// The camera whose image is kFullSize; sizes of its shape are the same image, scaled.
 [[nodiscard]] Camera film_camera(ImageSize size);
 
 // checkerboard:9x6:25mm, or the one of the environment variable CALVIN_V4L2_BOARD.
@@ -25,15 +26,14 @@ inline constexpr ImageSize kFullSize = {640, 480};
 
 class Film {
  public:
-  // `fourcc`: V4L2_PIX_FMT_YUYV or V4L2_PIX_FMT_MJPEG.
-  Film(std::uint32_t fourcc, ImageSize size);
+  Film(const PixelFormat& format, ImageSize size);
 
   [[nodiscard]] SE3 camera_from_board(std::uint32_t frame) const;
   // The bytes of a frame; rendered when first asked for, so that opening the device is instant.
   [[nodiscard]] const std::vector<std::uint8_t>& frame(std::uint32_t frame);
 
  private:
-  std::uint32_t fourcc_;
+  const PixelFormat* format_;
   Camera camera_;
   Board board_;
   Motion motion_;

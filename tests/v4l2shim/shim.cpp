@@ -6,7 +6,8 @@
 //
 //   CALVIN_V4L2_DEVICE   the path that is the camera (/dev/video0)
 //   CALVIN_V4L2_FPS      frames per second (30); poses change every 15 frames at any rate
-//   CALVIN_V4L2_FORMATS  what it offers (YUYV,MJPG)
+//   CALVIN_V4L2_FORMATS  what it offers, of YUYV, MJPG, NV12 and GREY (YUYV,MJPG)
+//   CALVIN_V4L2_SIZES    likewise, even ones (640x480,320x240)
 //   CALVIN_V4L2_BOARD    the board that it sees (checkerboard:9x6:25mm)
 
 // Headers must not turn open into open64, nor into its checked variant: both are defined here.
