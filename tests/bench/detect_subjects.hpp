@@ -44,7 +44,7 @@ class Subject {
       : name(std::move(subject)), square_only_(square), detect_(std::move(detect)) {}
 
   [[nodiscard]] Found look(const cv::Mat& image, const calvin::Board& board) const {
-    if (square_only_ && board.cols != board.rows) return {};
+    if (square_only_ && board.grid()->cols != board.grid()->rows) return {};
     const double begin = thread_ms();
     Found found{detect_(image, board), 0};
     found.ms = thread_ms() - begin;
@@ -74,10 +74,15 @@ inline calvin::Observation by_calvin(const cv::Mat& image, const calvin::Board& 
   return detector->detect(view_of(image)).observation;
 }
 
+// Of a board that is a grid, as those of the scenes are.
+inline cv::Size size_of(const calvin::Board& board) {
+  return {board.grid()->cols, board.grid()->rows};
+}
+
 inline calvin::Observation by_opencv(const cv::Mat& image, const calvin::Board& board) {
   std::vector<cv::Point2f> corners;
   if (!cv::findChessboardCorners(
-          image, {board.cols, board.rows}, corners,
+          image, size_of(board), corners,
           cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK)) {
     return {};
   }
@@ -88,8 +93,7 @@ inline calvin::Observation by_opencv(const cv::Mat& image, const calvin::Board& 
 
 inline calvin::Observation by_opencv_sb(const cv::Mat& image, const calvin::Board& board) {
   std::vector<cv::Point2f> corners;
-  if (!cv::findChessboardCornersSB(image, {board.cols, board.rows}, corners,
-                                   cv::CALIB_CB_NORMALIZE_IMAGE)) {
+  if (!cv::findChessboardCornersSB(image, size_of(board), corners, cv::CALIB_CB_NORMALIZE_IMAGE)) {
     return {};
   }
   return observation_of(corners);
@@ -98,7 +102,7 @@ inline calvin::Observation by_opencv_sb(const cv::Mat& image, const calvin::Boar
 #if BENCH_HAVE_MRGINGHAM
 inline calvin::Observation by_mrgingham(const cv::Mat& image, const calvin::Board& board) {
   std::vector<mrgingham::PointDouble> points;
-  if (mrgingham::find_chessboard_from_image_array(points, nullptr, board.cols, image) < 0)
+  if (mrgingham::find_chessboard_from_image_array(points, nullptr, board.grid()->cols, image) < 0)
     return {};
   std::vector<cv::Point2f> corners;
   for (const auto& p : points) {
