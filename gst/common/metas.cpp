@@ -199,7 +199,9 @@ void set_progress(GstStructure* s, const Progress& p) {
   gst_structure_set(s, "views", G_TYPE_INT, p.views, "coverage", G_TYPE_DOUBLE, p.coverage, "x",
                     G_TYPE_DOUBLE, p.x, "y", G_TYPE_DOUBLE, p.y, "size", G_TYPE_DOUBLE, p.size,
                     "tilt", G_TYPE_DOUBLE, p.tilt, "skew", G_TYPE_DOUBLE, p.tilt, "hint",
-                    G_TYPE_STRING, p.hint.c_str(), nullptr);
+                    G_TYPE_STRING, p.hint.c_str(), "ghost-share", G_TYPE_DOUBLE, p.ghost_share,
+                    nullptr);
+  set_pixels(s, "ghost", p.ghost);
   set_double(s, "expected-error", p.expected_error);
   set_double(s, "expected-error-anywhere", p.expected_error_anywhere);
   set_double(s, "rms", p.rms);
@@ -230,6 +232,8 @@ std::optional<Progress> read_guidance(GstBuffer* buffer) {
   gst_structure_get_boolean(s, "captured", &captured);
   p.captured = captured != FALSE;
   p.hint = get_string(s, "hint");
+  p.ghost = get_pixels(s, "ghost");
+  p.ghost_share = get_double(s, "ghost-share").value_or(0);
   return p;
 }
 

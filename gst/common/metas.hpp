@@ -7,7 +7,8 @@
 //                      ids, uv, sigma, ambiguous}. The same structure, as a serialized event,
 //                      carries a result that no buffer can take any more.
 // calvin-guidance      hint, coverage, x, y, size, tilt and the same as skew, expected-error,
-//                      expected-error-anywhere, rms, views, captured
+//                      expected-error-anywhere, rms, views, captured, ghost-share, ghost: array of
+//                      x and y as parts of the picture
 // calvin-ground-truth  camera, width, height, calibration (JSON), boards: array of {board, ids,
 //                      uv, rotation, translation}: what calibtestsrc rendered
 //

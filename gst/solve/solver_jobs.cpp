@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "calvin/io/calibration_io.hpp"
@@ -68,6 +69,10 @@ void CalibSolver::publish(const SolveJob& job, const Solution& solution,
       published->better ? "" : ": no better than the one before");
   const bool in_time = !published->writing || writer_.drain_for(kPatience);
   announce(job, solution, published->progress, stop);
+  if (auto guide = guide_job(job, solution)) {
+    const std::lock_guard guard(lock_);
+    session_.guided(job, std::move(guide));
+  }
   if (!in_time) complain_of_late_files(job, stop);
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The shapes of the overlay for one frame: rows of corners, the bars of progress, the border.
+// The shapes of the overlay for one frame: rows of corners, the bars of progress, where the board
+// is wanted, the border.
 
 #include "calvin/draw/overlay.hpp"
 
@@ -34,7 +35,9 @@ constexpr int kMostPoints = 1000000;  // of any board
 // Of one frame. Anybody may write an observation, and each corner costs some 50 us of the stream.
 constexpr std::size_t kMostBoards = 64;
 constexpr std::size_t kMostCorners = 2000;
-constexpr double kDarkest = 0.3;  // of a channel: pure blue is hard to see on black
+constexpr double kDarkest = 0.3;         // of a channel: pure blue is hard to see on black
+constexpr std::size_t kMostGhost = 256;  // points of its outline
+constexpr double kReached = 0.5;         // of what is wanted: the view is taken
 constexpr Colour kWhite{1, 1, 1, 1};
 constexpr Colour kGreen{0.2, 0.9, 0.35, 1};
 constexpr Colour kPanel{0, 0, 0, 0.5};
@@ -205,6 +208,33 @@ void add_bars(std::vector<Shape>& shapes, ImageSize frame, const Progress& progr
   }
 }
 
+// Where the board is wanted: its outline, and lines across it from the bottom up, as many as the
+// present view has of what is wanted. A program may write any outline.
+void add_ghost(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress) {
+  const auto at = [&](std::size_t i) {
+    const Pixel& part = progress.ghost[i];
+    return Pixel{coordinate_at(part.u, frame.width), coordinate_at(part.v, frame.height)};
+  };
+  const std::size_t count = progress.ghost.size();
+  const auto sane = [](const Pixel& part) {
+    return std::abs(part.u - 0.5) < 1.5 && std::abs(part.v - 0.5) < 1.5;
+  };
+  if (count < 4 || count > kMostGhost || !std::ranges::all_of(progress.ghost, sane)) return;
+  const double unit = unit_of(frame);
+  const double pen = std::max(1.0, 1.5 * unit);
+  // The outline goes around from the upper left: its edges have count / 4 points each.
+  const std::size_t edge = count / 4;
+  const double filled = std::clamp(progress.ghost_share, 0.0, 1.0) * static_cast<double>(edge);
+  for (std::size_t i = 1; i < edge; ++i) {
+    if (static_cast<double>(edge - i) > filled) continue;
+    shapes.push_back({Kind::kLine, at(edge + i), at(count - i), 0, pen, kGreen, 0});
+  }
+  const Colour colour = progress.ghost_share >= kReached ? kGreen : kWhite;
+  for (std::size_t i = 0; i < count; ++i) {
+    shapes.push_back({Kind::kLine, at(i), at((i + 1) % count), 0, pen, colour, unit});
+  }
+}
+
 void add_border(std::vector<Shape>& shapes, ImageSize frame) {
   const double pen = 4 * unit_of(frame);
   add_box(shapes, 0, 0, frame.width, pen, kGreen);
@@ -223,6 +253,7 @@ std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> obser
   std::vector<Shape> shapes;
   if (!drawable(frame)) return shapes;
   if (progress && progress->captured) add_border(shapes, frame);
+  if (progress) add_ghost(shapes, frame, *progress);
   std::size_t room = kMostCorners;
   for (const Observation& observation :
        observations.first(std::min(observations.size(), kMostBoards))) {

@@ -34,10 +34,11 @@ struct OverlayTile {
 
 // Marks for every found observation (rows joined in the order of the ids, red to violet; control
 // point 0 is a disc, or a circle where the labelling is ambiguous) and, where there is `progress`,
-// one bar each for coverage, x, y, size and tilt, a value outside 0..1 taken as the nearer end, and
-// a border for `captured`. No tile where there is nothing to draw. Corners are scaled to the frame
-// from the image_size of their observation. The first 64 observations are drawn, and the first 2000
-// corners of them. kUnsupported where the library was built without Cairo, whatever the arguments.
+// one bar each for coverage, x, y, size and tilt, a value outside 0..1 taken as the nearer end, the
+// ghost, which fills with what the present view tells, and a border for `captured`. No tile where
+// there is nothing to draw. Corners are scaled to the frame from the image_size of their
+// observation. The first 64 observations are drawn, and the first 2000 corners of them.
+// kUnsupported where the library was built without Cairo, whatever the arguments.
 [[nodiscard]] Result<std::vector<OverlayTile>> draw_overlay(
     ImageSize frame, std::span<const Observation> observations,
     const std::optional<Progress>& progress);

@@ -10,23 +10,34 @@
 #include <utility>
 
 #include "calvin/geometry/convex_hull.hpp"
-#include "calvin/session/hint_target.hpp"
+#include "calvin/session/guidance/hint_target.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
 
 namespace {
 
+bool covers_most(const Calibration& calibration) {
+  constexpr double kMost = 0.8;  // of the picture
+  const ImageSize size = calibration.image_size;
+  return polygon_area(calibration.covered) >= kMost * size.width * size.height;
+}
+
 // Whether a calibration is as good as `target` px where corners were seen, and that is most of the
 // picture, or the rest is not much worse: a board that is held in the middle is never done.
 bool reaches(const Calibration& calibration, double target) {
-  constexpr double kMost = 0.8;     // of the picture
   constexpr double kMuchWorse = 5;  // times the target
   if (calibration.expected_error.value_or(HUGE_VAL) > target) return false;
-  const double picture =
-      static_cast<double>(calibration.image_size.width) * calibration.image_size.height;
-  return polygon_area(calibration.covered) >= kMost * picture ||
+  return covers_most(calibration) ||
          calibration.expected_error_anywhere.value_or(0) <= kMuchWorse * target;
+}
+
+// Whether there is nothing to ask for any more; `target` px, 0 where the user has set none.
+bool is_good_enough(const Calibration& calibration, double target) {
+  constexpr double kAnywhere = 0.15;  // px
+  if (target > 0) return reaches(calibration, target);
+  return covers_most(calibration) &&
+         calibration.expected_error_anywhere.value_or(HUGE_VAL) <= kAnywhere;
 }
 
 }  // namespace
@@ -75,14 +86,16 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   times_ = times;
   View view = {observation, *board};
   if (plan_.settings.runs < 2) view.observation.patches.reset();
-  const Reason reason = views_.offer(view);
+  const Reason reason = views_.offer(view, informs(view));
   if (reason == Reason::kAccepted) {
     taken_.push_back({times});
+    accepted_at_ = observation.timestamp;
     offered.reached = consider();
   }
   offered.reason = reason;
   const bool new_board = board_ != *board;
   board_ = *board;
+  guide_from(view);
   if (new_board || reason == Reason::kAccepted) renew_hint();
   if (place >= last_reasons_.size()) last_reasons_.resize(place + 1, Reason::kAccepted);
   const bool new_reason = std::exchange(last_reasons_[place], reason) != reason;
@@ -96,9 +109,41 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   return offered;
 }
 
+bool CalibrationSession::informs(const View& view) {
+  constexpr double kWanted = 0.5;    // of what the target tells
+  constexpr double kPatience = 8e9;  // ns, after which anything new is welcome
+  if (!guide_) return true;
+  share_ = guide_->share(view);
+  const std::uint64_t now = view.observation.timestamp;
+  if (now == kNoTimestamp || accepted_at_ == kNoTimestamp || now < accepted_at_) return true;
+  return share_ >= kWanted * (1 - static_cast<double>(now - accepted_at_) / kPatience);
+}
+
+// Words that change with every twitch of a hand cannot be followed.
+void CalibrationSession::guide_from(const View& view) {
+  constexpr std::uint64_t kReadable = 2'000'000'000;  // ns
+  if (!guide_ || !guide_->footprint() || hint_.kind == HintKind::kGood) return;
+  const auto seen = footprint_of(view);
+  if (!seen) return;
+  Hint next = hint_towards(*guide_->footprint(), *seen);
+  next.target = hint_.target;
+  const std::uint64_t now = view.observation.timestamp;
+  const bool known = now != kNoTimestamp && hint_since_ != kNoTimestamp && now >= hint_since_;
+  if (next == hint_ || (known && now - hint_since_ < kReadable)) return;
+  hint_ = next;
+  hint_since_ = now;
+}
+
 Progress CalibrationSession::progress() const {
   Progress now = views_.progress();
+  now.hint = to_text(hint_);
   now.target = hint_.target;
+  if (guide_ && hint_.target) {
+    for (const Pixel& at : guide_->outline()) {
+      now.ghost.push_back({(at.u + 0.5) / size_.width, (at.v + 0.5) / size_.height});
+    }
+    now.ghost_share = std::min(share_, 1.0);
+  }
   if (calibration_) {
     now.rms = calibration_->rms;
     now.expected_error = calibration_->expected_error;
@@ -116,6 +161,14 @@ std::optional<Camera> CalibrationSession::camera() const {
 }
 
 void CalibrationSession::renew_hint() {
+  if (guide_ && calibration_ && is_good_enough(*calibration_, plan_.settings.target_error)) {
+    hint_ = {HintKind::kGood};
+    return;
+  }
+  if (guide_ && guide_->target()) {
+    hint_.target = to_pose(*guide_->target());
+    return;
+  }
   hint_ = views_.hint();
   if (!board_) return;
   if (const auto now = camera()) hint_.target = hint_target(views_.coverage(), *board_, *now);
@@ -174,6 +227,8 @@ void CalibrationSession::reset() {
   solve_error_.clear();
   next_solve_ = 0;
   writes_.reset();
+  guide_.reset();
+  accepted_at_ = kNoTimestamp;
   renew_hint();
 }
 
@@ -185,6 +240,7 @@ bool CalibrationSession::remove_view(std::size_t index) {
   writes_.forget();
   ++revision_;
   next_solve_ = 0;
+  guide_.reset();
   if (enough_views()) {
     ask(false);
   } else {

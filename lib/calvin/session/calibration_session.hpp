@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,13 +21,14 @@
 #include "calvin/core/reason.hpp"
 #include "calvin/session/files/session_files.hpp"
 #include "calvin/session/frame_times.hpp"
-#include "calvin/session/hint.hpp"
+#include "calvin/session/guidance/hint.hpp"
 #include "calvin/session/progress.hpp"
 #include "calvin/session/result_writes.hpp"
 #include "calvin/session/session.hpp"
 #include "calvin/session/session_jobs.hpp"
 #include "calvin/session/session_settings.hpp"
 #include "calvin/session/session_words.hpp"
+#include "calvin/session/guidance/view_guide.hpp"
 
 namespace calvin {
 
@@ -121,6 +123,9 @@ class CalibrationSession {
   // The result was posted; what was owed is paid.
   void reported(const SolveJob& job);
 
+  // The guide that was made after the solve of that job; null where there is none.
+  void guided(const SolveJob& job, std::shared_ptr<const ViewGuide> guide);
+
   // The newest solution.
   [[nodiscard]] const std::optional<Calibration>& calibration() const noexcept {
     return calibration_;
@@ -156,6 +161,9 @@ class CalibrationSession {
   [[nodiscard]] Result<Board> board_of(const std::string& text);
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
   [[nodiscard]] std::string_view consider();
+  // Whether a view tells enough, of what the hint asks for, to be kept.
+  [[nodiscard]] bool informs(const View& view);
+  void guide_from(const View& view);
   // After whatever may have changed views, board or camera.
   void renew_hint();
   void ask(bool final);
@@ -179,7 +187,11 @@ class CalibrationSession {
   bool complained_ = false;           // of broken observations
   std::optional<Board> board_;        // of the newest observation
   Hint hint_;
-  std::map<std::string, Board> boards_;  // by their texts, of the newest frames
+  std::shared_ptr<const ViewGuide> guide_;    // after the newest solve
+  double share_ = 0;                          // ViewGuide::share() of the newest observation
+  std::uint64_t accepted_at_ = kNoTimestamp;  // timestamp of the newest view
+  std::uint64_t hint_since_ = kNoTimestamp;   // timestamp at which the hint last changed
+  std::map<std::string, Board> boards_;       // by their texts, of the newest frames
 
   // What is solved.
   std::uint64_t session_ = 0;

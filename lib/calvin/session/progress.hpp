@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "calvin/core/calibration.hpp"
 
@@ -29,6 +30,11 @@ struct Progress {
   bool captured = false;       // a view was taken from the frame at hand
   std::string hint;            // what to show next, a sentence: of to_text(), or of another program
   std::optional<Pose> target;  // of the hint, camera_from_board; absent where it has none
+  // The outline of the board at the target, as parts of the picture: 0 .. 1 across and down, a
+  // little beyond where the board may stick out; empty where there is none.
+  std::vector<Pixel> ghost;
+  // Of what the view at the target would tell: as much of it as the newest view does, 0..1.
+  double ghost_share = 0;
 };
 
 }  // namespace calvin

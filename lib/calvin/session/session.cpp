@@ -90,7 +90,7 @@ bool seen_on(const std::vector<Observation>& frame, const Observation& sheet) {
 
 }  // namespace
 
-Reason Session::offer(const View& view) {
+Reason Session::offer(const View& view, bool informs) {
   begin_frame(view.observation);
   const Reason reason = usable(view);
   if (reason != Reason::kAccepted) return reason;
@@ -101,7 +101,7 @@ Reason Session::offer(const View& view) {
   if (r.now.size() >= kMostSheets) r.now.erase(r.now.begin());
   r.now.push_back(view.observation);
   if (!asked_) {
-    const Reason worth = worth_keeping(view, before);
+    const Reason worth = worth_keeping(view, before, informs);
     if (worth != Reason::kAccepted) return worth;
   }
   if (full()) return Reason::kTooSimilar;
@@ -121,7 +121,8 @@ Reason Session::usable(const View& view) const {
   return Reason::kAccepted;
 }
 
-Reason Session::worth_keeping(const View& view, const std::optional<Observation>& before) const {
+Reason Session::worth_keeping(const View& view, const std::optional<Observation>& before,
+                              bool informs) const {
   if (options_.mode == CaptureMode::kAll) return Reason::kAccepted;
   if (options_.mode == CaptureMode::kManual) return Reason::kTooSimilar;
   const Observation& seen = view.observation;
@@ -133,7 +134,7 @@ Reason Session::worth_keeping(const View& view, const std::optional<Observation>
     return Reason::kMoving;
   }
   if (seen.blur > std::max(kSharp * diagonal(size), kSharpEnough)) return Reason::kBlurred;
-  return is_new(view) ? Reason::kAccepted : Reason::kTooSimilar;
+  return informs && is_new(view) ? Reason::kAccepted : Reason::kTooSimilar;
 }
 
 void Session::time_frames(const Observation& before, const Observation& now) {

@@ -13,9 +13,9 @@
 
 #include "calvin/core/observation.hpp"
 #include "calvin/core/reason.hpp"
-#include "calvin/session/hint.hpp"
+#include "calvin/session/guidance/hint.hpp"
 #include "calvin/session/progress.hpp"
-#include "calvin/session/view_coverage.hpp"
+#include "calvin/session/guidance/view_coverage.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {
@@ -53,9 +53,9 @@ class Session {
  public:
   explicit Session(SessionOptions options = {}) : options_(options) {}
 
-  // Keeps the view when it returns kAccepted. kTooSimilar also for a view beyond max_views, and in
-  // kManual for one that was not asked for.
-  Reason offer(const View& view);
+  // Keeps the view when it returns kAccepted. kTooSimilar also for a view beyond max_views, in
+  // kManual for one that was not asked for, and in kAuto for one that does not inform.
+  Reason offer(const View& view, bool informs = true);
 
   // Takes effect with the next view; those kept stay.
   void set_options(const SessionOptions& options) { options_ = options; }
@@ -84,8 +84,8 @@ class Session {
 
  private:
   [[nodiscard]] Reason usable(const View& view) const;
-  [[nodiscard]] Reason worth_keeping(const View& view,
-                                     const std::optional<Observation>& before) const;
+  [[nodiscard]] Reason worth_keeping(const View& view, const std::optional<Observation>& before,
+                                     bool informs) const;
   [[nodiscard]] bool is_new(const View& view) const;
   [[nodiscard]] bool full() const noexcept;
   // Notes that another frame begins where it does, and forgets what is older than the one before.

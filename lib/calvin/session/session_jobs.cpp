@@ -5,6 +5,8 @@
 
 #include "calvin/session/session_jobs.hpp"
 
+#include <utility>
+
 #include "calvin/session/refine_with_camera.hpp"
 
 namespace calvin {
@@ -14,6 +16,14 @@ Result<Solution> solve_job(const SolveJob& job, const std::stop_token& stop) {
   views.reserve(job.views.size());
   for (const auto& view : job.views) views.push_back(*view);
   return solve_in_runs(views, job.size, job.options, job.runs, stop);
+}
+
+std::shared_ptr<const ViewGuide> guide_job(const SolveJob& job, const Solution& solution) {
+  if (!job.next_board) return nullptr;
+  const auto camera = Camera::make(solution.calibration);
+  if (!camera) return nullptr;
+  auto guide = ViewGuide::make(*camera, job.options, job.views, *job.next_board);
+  return guide ? std::make_shared<const ViewGuide>(*std::move(guide)) : nullptr;
 }
 
 }  // namespace calvin

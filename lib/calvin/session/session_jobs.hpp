@@ -5,6 +5,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "calvin/session/files/calibration_files.hpp"
 #include "calvin/session/frame_times.hpp"
 #include "calvin/session/session.hpp"
+#include "calvin/session/guidance/view_guide.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {
@@ -31,8 +34,9 @@ struct SolveJob {
   SolveOptions options;
   int runs = 1;
   bool final = false;
-  std::string location;  // what the result tells of itself: its native file, or empty
-  FrameTimes times;      // likewise, of the newest frame with a board
+  std::optional<Board> next_board;  // to be guided to a view of; absent where nobody is guided
+  std::string location;             // what the result tells of itself: its native file, or empty
+  FrameTimes times;                 // likewise, of the newest frame with a board
   JobOrigin origin;
 };
 
@@ -46,5 +50,9 @@ struct WriteJob {
 
 // On any thread: takes as long as the solve does.
 [[nodiscard]] Result<Solution> solve_job(const SolveJob& job, const std::stop_token& stop);
+
+// Likewise: which view to ask for after that solution. Null where nobody is guided.
+[[nodiscard]] std::shared_ptr<const ViewGuide> guide_job(const SolveJob& job,
+                                                         const Solution& solution);
 
 }  // namespace calvin

@@ -29,6 +29,7 @@ std::optional<SolveJob> CalibrationSession::take_solve() {
   if (job.final) job.runs = plan_.settings.runs;
   job.location = plan_.settings.location;
   job.times = times_;
+  if (views_.options().mode == CaptureMode::kAuto) job.next_board = board_;
   job.origin = origin();
   return job;
 }
@@ -58,6 +59,13 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
   if (plan_.files.empty()) writes_.forget();
   writes_.ask(job.final);
   return Published{better, writes_.waiting(), progress()};
+}
+
+void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<const ViewGuide> guide) {
+  if (!is_current(job.origin)) return;
+  guide_ = std::move(guide);
+  share_ = 0;
+  renew_hint();
 }
 
 std::vector<TakenView> CalibrationSession::newly_rejected(const SolveJob& job,

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "calvin/geometry/convex_hull.hpp"
-#include "calvin/session/hint_target.hpp"
+#include "calvin/session/guidance/hint_target.hpp"
 #include "calvin/session/session.hpp"
 #include "scenes.hpp"
 #include "session_fixture.hpp"

@@ -3,7 +3,7 @@
 
 // The words of every hint.
 
-#include "calvin/session/hint.hpp"
+#include "calvin/session/guidance/hint.hpp"
 
 namespace calvin {
 
@@ -19,6 +19,14 @@ const char* move_text(HintDirection to) {
       return "Move the board to the top of the image.";
     case HintDirection::kBottom:
       return "Move the board to the bottom of the image.";
+    case HintDirection::kUpperLeft:
+      return "Move the board to the upper left of the image.";
+    case HintDirection::kUpperRight:
+      return "Move the board to the upper right of the image.";
+    case HintDirection::kLowerLeft:
+      return "Move the board to the lower left of the image.";
+    case HintDirection::kLowerRight:
+      return "Move the board to the lower right of the image.";
     case HintDirection::kNone:
       break;
   }
@@ -35,7 +43,7 @@ const char* tilt_text(HintDirection edge) {
       return "Tilt the board: its top edge nearer to the camera.";
     case HintDirection::kBottom:
       return "Tilt the board: its bottom edge nearer to the camera.";
-    case HintDirection::kNone:
+    default:
       break;
   }
   return "Tilt the board more, and turn it a little.";
@@ -47,10 +55,14 @@ std::string to_text(const Hint& hint) {
   switch (hint.kind) {
     case HintKind::kComeCloser:
       return "Come closer with the board.";
+    case HintKind::kMoveBack:
+      return "Move the board away from the camera.";
     case HintKind::kMove:
       return move_text(hint.direction);
     case HintKind::kTilt:
       return tilt_text(hint.direction);
+    case HintKind::kHoldStill:
+      return "Hold the board still.";
     case HintKind::kGood:
       return "Good: other tilts and places make it better still.";
     case HintKind::kShowBoard:

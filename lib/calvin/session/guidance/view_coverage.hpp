@@ -7,13 +7,14 @@
 #include <array>
 #include <vector>
 
-#include "calvin/session/hint.hpp"
+#include "calvin/session/guidance/hint.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {
 
 // Where one view shows its board.
 struct BoardFootprint {
+  Pixel center;     // of the corners, as a part of the image: 0 .. 1 across and down
   double x = 0;     // centre of the board, 0 (as far left as it fits) .. 1
   double y = 0;     // 0 (as far up as it fits) .. 1
   double size = 0;  // square root of its part of the image, 0..1
@@ -46,6 +47,10 @@ class ViewCoverage {
   std::vector<BoardFootprint> footprints_;
   std::array<bool, static_cast<std::size_t>(kColumns* kRows)> covered_{};
 };
+
+// What is to be done to a board that is seen so for it to be seen like `wanted`: first moved, then
+// brought nearer or farther, then tilted, then held.
+[[nodiscard]] Hint hint_towards(const BoardFootprint& wanted, const BoardFootprint& now);
 
 // Absent corners are extrapolated; a view without a homography has no footprint.
 [[nodiscard]] Result<BoardFootprint> footprint_of(const View& view);

@@ -13,14 +13,26 @@ namespace calvin {
 
 enum class HintKind {
   kShowBoard,   // no view is kept yet
-  kComeCloser,  // no view shows the board large enough
+  kComeCloser,  // no view shows the board large enough, or it is to be nearer than it is
+  kMoveBack,    // it is to be farther away than it is
   kMove,        // the board, to the side of the image that the direction names
   kTilt,        // the edge that the direction names nearer to the camera; kNone: more, any way
+  kHoldStill,   // the board is where it is wanted
   kGood,        // all is there
 };
 
-// A side of the image for kMove, an edge of the board as the image shows it for kTilt.
-enum class HintDirection { kNone, kLeft, kRight, kTop, kBottom };
+// A side or corner of the image for kMove, an edge of the board as the image shows it for kTilt.
+enum class HintDirection {
+  kNone,
+  kLeft,
+  kRight,
+  kTop,
+  kBottom,
+  kUpperLeft,
+  kUpperRight,
+  kLowerLeft,
+  kLowerRight,
+};
 
 struct Hint {
   HintKind kind = HintKind::kShowBoard;

@@ -4,7 +4,7 @@
 // Where the board was seen, how large and how tilted, as shares of what the image has room for; the
 // hint names the least of them.
 
-#include "calvin/session/view_coverage.hpp"
+#include "calvin/session/guidance/view_coverage.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -88,6 +88,7 @@ Result<BoardFootprint> footprint_of(const View& view) {
     p.x += uv.u / static_cast<double>(seen.uv.size());
     p.y += uv.v / static_cast<double>(seen.uv.size());
   }
+  p.center = {(p.x + 0.5) / width, (p.y + 0.5) / height};
   p.x = within_room(p.x, std::sqrt(area), width);
   p.y = within_room(p.y, std::sqrt(area), height);
   p.size = std::clamp(std::sqrt(area / (width * height)), 0.0, 1.0);
@@ -101,6 +102,31 @@ Result<BoardFootprint> footprint_of(const View& view) {
     }
   }
   return p;
+}
+
+Hint hint_towards(const BoardFootprint& wanted, const BoardFootprint& now) {
+  using enum HintDirection;
+  constexpr double kThere = 0.1;      // of the image
+  constexpr double kAsLarge = 1.2;    // ratio of sizes
+  constexpr double kAsTilted = 0.08;  // of BoardFootprint::left_nearer
+  const double right = wanted.center.u - now.center.u;
+  const double down = wanted.center.v - now.center.v;
+  if (std::max(std::abs(right), std::abs(down)) > kThere) {
+    if (std::abs(right) < 0.5 * std::abs(down)) return {HintKind::kMove, down > 0 ? kBottom : kTop};
+    if (std::abs(down) < 0.5 * std::abs(right))
+      return {HintKind::kMove, right > 0 ? kRight : kLeft};
+    if (down > 0) return {HintKind::kMove, right > 0 ? kLowerRight : kLowerLeft};
+    return {HintKind::kMove, right > 0 ? kUpperRight : kUpperLeft};
+  }
+  if (wanted.size > kAsLarge * now.size) return {HintKind::kComeCloser};
+  if (now.size > kAsLarge * wanted.size) return {HintKind::kMoveBack};
+  const double left = wanted.left_nearer - now.left_nearer;
+  const double top = wanted.top_nearer - now.top_nearer;
+  if (std::max(std::abs(left), std::abs(top)) > kAsTilted) {
+    if (std::abs(left) > std::abs(top)) return {HintKind::kTilt, left > 0 ? kLeft : kRight};
+    return {HintKind::kTilt, top > 0 ? kTop : kBottom};
+  }
+  return {HintKind::kHoldStill};
 }
 
 void ViewCoverage::add(const View& view) {

@@ -8,7 +8,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/calibration.hpp"
-#include "calvin/session/view_coverage.hpp"
+#include "calvin/session/guidance/view_coverage.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Tries places, sizes and tilts of the board and takes the one whose view tells most.
+
+#include "calvin/session/guidance/view_guide.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "calvin/camera/image_transform.hpp"
+#include "calvin/geometry/convex_hull.hpp"
+#include "calvin/session/guidance/board_placement.hpp"
+#include "calvin/solve/pose.hpp"
+
+namespace calvin {
+
+namespace {
+
+constexpr std::array kPlaces = {0.15, 0.5, 0.85};            // of the picture, across and down
+constexpr std::array kSizes = {0.25, 0.35, 0.5, 0.65, 0.8};  // BoardPlacement::pose_at
+constexpr std::array kTilts = {0.35, 0.65};                  // rad
+constexpr int kDirections = 8;                               // to which it is tilted
+constexpr double kEnough = 0.15;  // of the picture that may stay uncovered
+constexpr double kRoll = 0.15;    // rad, to either side
+constexpr double kUnlike = 0.06;  // of the diagonal: RMS of the corners' moves
+
+// What of a board has to be in the picture for its corners to be found: half of its outer squares.
+BoardArea wanted_area(const Board& board) {
+  const BoardArea corners = board.extent();
+  const BoardArea all = board.outline();
+  return {(corners.left + all.left) / 2, (corners.top + all.top) / 2,
+          (corners.right + all.right) / 2, (corners.bottom + all.bottom) / 2};
+}
+
+// Turns to try, the frontal one first.
+std::vector<Eigen::Vector3d> turns() {
+  std::vector<Eigen::Vector3d> turns = {{0, 0, kRoll}};
+  for (const double tilt : kTilts) {
+    for (int i = 0; i < kDirections; ++i) {
+      const double side = 2 * std::numbers::pi * i / kDirections;
+      turns.emplace_back(tilt * std::cos(side), tilt * std::sin(side), i % 2 == 0 ? kRoll : -kRoll);
+    }
+  }
+  return turns;
+}
+
+// The pose at that place or, where the picture ends, as near to it as the board fits.
+std::optional<SE3> pose_inside(const BoardPlacement& placement, Pixel at, double size,
+                               const Eigen::Vector3d& turn) {
+  const ImageSize picture = placement.camera().image_size();
+  const double margin = placement.margin();
+  for (int i = 0; i < 4; ++i) {
+    const auto pose = placement.pose_at(at, size, turn);
+    const auto box = pose ? placement.box(*pose) : std::nullopt;
+    if (!box) return std::nullopt;
+    if (placement.is_inside(*pose)) return pose;
+    at.u += std::max(0.0, margin - box->left) -
+            std::max(0.0, box->right - (picture.width - 1 - margin));
+    at.v += std::max(0.0, margin - box->top) -
+            std::max(0.0, box->bottom - (picture.height - 1 - margin));
+  }
+  return std::nullopt;
+}
+
+// Whether the corners are about where those of the other view are.
+bool is_like(const View& view, const View& other) {
+  if (view.observation.board != other.observation.board) return false;
+  double square = 0;
+  int shared = 0;
+  for (std::size_t i = 0; i < other.observation.ids.size(); ++i) {
+    const auto index = view.board.index_of(other.observation.ids[i]);
+    if (!index || *index >= view.observation.uv.size()) continue;
+    const Pixel a = view.observation.uv[*index];
+    const Pixel b = other.observation.uv[i];
+    square += (a.u - b.u) * (a.u - b.u) + (a.v - b.v) * (a.v - b.v);
+    ++shared;
+  }
+  const ImageSize size = view.observation.image_size;
+  return shared > 0 && std::sqrt(square / shared) < kUnlike * std::hypot(size.width, size.height);
+}
+
+// The median of the corners' sigmas; 0 where there are none.
+double middle_sigma(const std::vector<std::shared_ptr<const View>>& views) {
+  std::vector<double> sigmas;
+  for (const auto& view : views) {
+    const auto& of = view->observation.sigma;
+    sigmas.insert(sigmas.end(), of.begin(), of.end());
+  }
+  if (sigmas.empty()) return 0;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::optional<ViewGuide> ViewGuide::make(const Camera& camera, const SolveOptions& options,
+                                         const std::vector<std::shared_ptr<const View>>& kept,
+                                         const Board& board) {
+  auto scorer = ViewScorer::make(camera, options);
+  if (!scorer) return std::nullopt;
+  ViewGuide guide(camera, *std::move(scorer));
+  for (const auto& view : kept) {
+    const auto pose = solve_pose(camera, view->board, view->observation);
+    const auto information = pose ? guide.scorer_.information(*view, *pose) : std::nullopt;
+    if (!information) continue;
+    guide.known_ += *information;
+    const auto& corners = view->observation.uv;
+    guide.covered_.insert(guide.covered_.end(), corners.begin(), corners.end());
+    guide.covered_ = convex_hull(std::move(guide.covered_));
+  }
+  guide.variance_ = guide.scorer_.variance(guide.known_);
+  const double sigma = middle_sigma(kept);
+  guide.find_target(kept, board, sigma > 0 ? sigma : 1);
+  return guide;
+}
+
+void ViewGuide::find_target(const std::vector<std::shared_ptr<const View>>& kept,
+                            const Board& board, double sigma) {
+  // The board may stick out of the picture a little, so that corners are seen near its border.
+  const BoardPlacement placement(board, camera_, wanted_area(board));
+  const ImageSize picture = camera_.image_size();
+  const auto consider = [&](const SE3& pose) {
+    auto view = placement.view(pose, sigma);
+    if (!view) return;
+    view->observation.board = board.text();
+    const auto information = scorer_.information(*view, pose);
+    const double gained = information ? gain(*view, *information) : 0;
+    if (gained <= target_gain_) return;
+    const auto like = [&](const auto& other) { return is_like(*view, *other); };
+    if (std::ranges::any_of(kept, like)) return;
+    target_ = pose;
+    target_gain_ = gained;
+  };
+  const auto all_turns = turns();
+  for (const double across : kPlaces) {
+    for (const double down : kPlaces) {
+      const Pixel at = {coordinate_at(across, picture.width), coordinate_at(down, picture.height)};
+      for (const double size : kSizes) {
+        for (const Eigen::Vector3d& turn : all_turns) {
+          if (const auto pose = pose_inside(placement, at, size, turn)) consider(*pose);
+        }
+      }
+    }
+  }
+  if (!target_) return;
+  outline_ = BoardPlacement(board, camera_).outline(*target_);
+  if (const auto footprint = footprint_of(*placement.view(*target_, sigma))) {
+    footprint_ = *footprint;
+  }
+}
+
+double ViewGuide::uncovered(const std::vector<Pixel>& hull) const {
+  const ImageSize size = camera_.image_size();
+  return std::max(kEnough, 1 - polygon_area(hull) / (1.0 * size.width * size.height));
+}
+
+double ViewGuide::gain(const View& view, const Eigen::MatrixXd& information) const {
+  std::vector<Pixel> corners = covered_;
+  corners.insert(corners.end(), view.observation.uv.begin(), view.observation.uv.end());
+  return std::log(variance_ / scorer_.variance(known_ + information)) +
+         std::log(uncovered(covered_) / uncovered(convex_hull(std::move(corners))));
+}
+
+double ViewGuide::share(const View& view) const {
+  if (!target_) return 1;
+  const auto pose = solve_pose(camera_, view.board, view.observation);
+  const auto information = pose ? scorer_.information(view, *pose) : std::nullopt;
+  return information ? std::max(0.0, gain(view, *information) / target_gain_) : 0;
+}
+
+}  // namespace calvin

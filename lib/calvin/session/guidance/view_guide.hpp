@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// ViewGuide: which view would tell most about a camera next, and how much others tell beside it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/geometry/se3.hpp"
+#include "calvin/session/guidance/view_coverage.hpp"
+#include "calvin/solve/options.hpp"
+#include "calvin/solve/view.hpp"
+#include "calvin/solve/view_information.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin {
+
+class ViewGuide {
+ public:
+  // For a camera that is known roughly, the views that a session keeps, and the board that is to be
+  // seen next. Absent where no solve takes the options. Takes milliseconds.
+  [[nodiscard]] static std::optional<ViewGuide> make(
+      const Camera& camera, const SolveOptions& options,
+      const std::vector<std::shared_ptr<const View>>& kept, const Board& board);
+
+  // camera_from_board of the view that lowers the variance of ViewScorer most and covers most of
+  // what was not covered of the picture, both as logarithms: the board in the picture, large
+  // enough to be found, tilted no more than a hand would, a little rolled, and unlike the views
+  // that are kept. Absent where the picture has room for none.
+  [[nodiscard]] const std::optional<SE3>& target() const noexcept { return target_; }
+  // The outline of the board there, px.
+  [[nodiscard]] const std::vector<Pixel>& outline() const noexcept { return outline_; }
+
+  // How the picture shows it there.
+  [[nodiscard]] const std::optional<BoardFootprint>& footprint() const noexcept {
+    return footprint_;
+  }
+
+  // What a view tells as a part of what the target would tell: 0 for nothing, 1 for as much; more
+  // where the target is not the best. 0 for a view without a pose.
+  [[nodiscard]] double share(const View& view) const;
+
+ private:
+  ViewGuide(Camera camera, ViewScorer scorer)
+      : camera_(std::move(camera)), scorer_(std::move(scorer)), known_(scorer_.prior()) {}
+  void find_target(const std::vector<std::shared_ptr<const View>>& kept, const Board& board,
+                   double sigma);
+  [[nodiscard]] double gain(const View& view, const Eigen::MatrixXd& information) const;
+  [[nodiscard]] double uncovered(const std::vector<Pixel>& hull) const;
+
+  Camera camera_;
+  ViewScorer scorer_;
+  Eigen::MatrixXd known_;       // the prior and the information of the views that are kept
+  double variance_ = 0;         // px^2, of known_
+  std::vector<Pixel> covered_;  // the convex hull of the corners of the views that are kept
+  std::optional<SE3> target_;
+  std::vector<Pixel> outline_;
+  std::optional<BoardFootprint> footprint_;
+  double target_gain_ = 0;
+};
+
+}  // namespace calvin
