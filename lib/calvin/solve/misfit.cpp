@@ -28,17 +28,14 @@ std::string advice(Misfit::Cause cause) {
     case Misfit::Cause::kNone:
       return {};
     case Misfit::Cause::kNoise:
-      return "The corners are less exact than the detector believes: look for blur, low light or "
-             "compression.";
+      return "Look for blur, low light or compression.";
     case Misfit::Cause::kModel:
-      return "The lens distorts in ways that the camera model does not have: take a richer one, or "
-             "model=auto.";
+      return "Take a richer model, or model=auto.";
     case Misfit::Cause::kBoard:
-      return "The board is not flat, or not as it was printed: fix it to a stiff plate and measure "
-             "its squares.";
+      return "Fix the board to a stiff plate and measure its squares.";
     case Misfit::Cause::kMotion:
-      return "The views contradict each other: hold board and camera still in every view, or "
-             "shorten the exposure.";
+      return "Hold board and camera still in every view, keep the board from bending, or shorten "
+             "the exposure.";
   }
   return {};
 }

@@ -20,10 +20,11 @@ struct Misfit {
     kBoard,   // residuals belong to corners: the board is not flat, or not as it was printed
     kMotion,  // views contradict each other: the board moved or bent while it was seen
   };
-  // Why the promise cannot be trusted, or had to grow by much.
+  // Why the promise cannot be trusted, or had to grow to more than a pixel and by much.
   Cause cause = Cause::kNone;
-  // What was found, the same or something that was estimated and is in the covariance: a remark.
+  // What was found; where it is in the covariance and `cause` is none, a remark.
   Cause noticed = Cause::kNone;
+  double lens_residual = 0;     // px: what residuals in parts of the picture have beyond noise
   double split_half_ratio = 1;  // `halves` of docs/conventions.md
 
   [[nodiscard]] bool found() const { return cause != Cause::kNone; }

@@ -102,6 +102,21 @@ void give_ids(std::span<const View> views, std::vector<RejectedCorner>& corners)
   }
 }
 
+// The solve of one model. Where it finds fault, others are tried.
+Result<Solution> solve_model(std::span<const View> views, std::vector<PointSet> points,
+                             const BoardShape& shape, ImageSize size, const SolveOptions& options,
+                             const std::stop_token& stop) {
+  auto solution = solve_points(std::move(points), shape, size, options, stop);
+  const bool lens = solution && solution->misfit.noticed == Misfit::Cause::kModel;
+  // With offsets every one takes tenths of a second.
+  if (!solution || options.offsets || !(lens || solution->misfit.found())) return solution;
+  if (const auto again = usable_views(views, size)) {
+    try_other_models(*solution, again->views, shape, size, options, stop);
+  }
+  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+  return solution;
+}
+
 }  // namespace
 
 Status check(const SolveOptions& options) {
@@ -120,9 +135,10 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
   auto usable = usable_views(views, image_size);
   if (!usable) return tl::unexpected<Error>(usable.error());
   const BoardShape shape = shape_for(views, usable->views.size(), options);
-  auto solution = options.model == kAutoModel
-                      ? solve_auto(usable->views, shape, image_size, options, stop)
-                      : solve_points(std::move(usable->views), shape, image_size, options, stop);
+  auto solution =
+      options.model == kAutoModel
+          ? solve_auto(usable->views, shape, image_size, options, stop)
+          : solve_model(views, std::move(usable->views), shape, image_size, options, stop);
   if (!solution) return solution;
   give_ids(views, solution->rejected_corners);
   auto& rejected = solution->rejected;

@@ -63,5 +63,31 @@ TEST(AutoModel, EveryViewIsUsedOrNamed) {
   }
 }
 
+// Where a lens is wide and the model is not, the model is to blame, whatever else the residuals
+// look like; and the one that removes the misfit is named.
+TEST(OtherModels, TheOneThatRemovesAMisfitIsNamed) {
+  Random random(31);
+  const int trials = scenes::full_count() ? 50 : 5;
+  int named = 0;
+  for (int i = 0; i < trials; ++i) {
+    const Camera camera = scenes::random_camera("fisheye", random);
+    const auto poses = scenes::random_poses(camera, scenes::kBoard, random, 20);
+    const auto views = scenes::observe_all(camera, scenes::kBoard, poses, 0.1, random);
+    SolveOptions options;
+    options.model = "brown5";
+    const auto solution = solve(views, camera.image_size(), options);
+    if (!solution) continue;
+    const Calibration& c = solution->calibration;
+    ASSERT_FALSE(c.remarks.empty());
+    const bool right =
+        c.misfit == "model" && solution->misfit.cause == Misfit::Cause::kModel &&
+        c.remarks.front().find("brown5") != std::string::npos &&
+        c.remarks.front().find("predicts views held out to 0.1") != std::string::npos;
+    named += right ? 1 : 0;
+    if (!right) ADD_FAILURE() << c.misfit << ": " << c.remarks.front();
+  }
+  EXPECT_GT(named, 0);
+}
+
 }  // namespace
 }  // namespace calvin

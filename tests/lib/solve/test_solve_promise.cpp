@@ -6,6 +6,7 @@
 // truth.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <vector>
 
@@ -91,6 +92,36 @@ TEST_P(Promise, IsKeptAndNoLargerThanItHasToBe) {
   EXPECT_GE(kept, part * sessions());
   std::nth_element(ratios.begin(), ratios.begin() + sessions() / 2, ratios.end());
   EXPECT_LE(ratios[static_cast<std::size_t>(sessions()) / 2], 3);
+}
+
+// A remark on the board tells what a measured one would bring: the accuracy of the same views of a
+// board that is as it was printed.
+TEST(MeasuredBoard, IsAsGoodAsOneThatIsAsPrinted) {
+  constexpr double kOffset = 0.2;  // mm
+  Random random(23);
+  double ratios = 0;
+  for (int i = 0; i < 10; ++i) {
+    const Camera camera = scenes::random_camera("brown5", random);
+    Random same = random;
+    const auto good = solve(session(camera, {"", "brown5"}, same), camera.image_size(), {});
+    const auto bad =
+        solve(session(camera, {"", "brown5", kOffset}, random), camera.image_size(), {});
+    ASSERT_TRUE(good && bad && !bad->calibration.remarks.empty());
+    double offset = 0;
+    double accuracy = 0;
+    double measured = 0;
+    ASSERT_EQ(std::sscanf(bad->calibration.remarks.front().c_str(),
+                          "The corners of the board are %lf mm from where they were printed. That "
+                          "is in the accuracy of %lf px, which a measured or stiffer board would "
+                          "bring to %lf px.",
+                          &offset, &accuracy, &measured),
+              3)
+        << bad->calibration.remarks.front();
+    EXPECT_NEAR(offset, kOffset, 0.25 * kOffset);
+    EXPECT_NEAR(accuracy, 2 * *bad->calibration.expected_error, 0.05 * accuracy);
+    ratios += std::log(measured / (2 * *good->calibration.expected_error)) / 10;
+  }
+  EXPECT_NEAR(std::exp(ratios), 1, 0.25);
 }
 
 // Scores of 40 parts in 12 views, each with the information 4: noise of their own, a bend that

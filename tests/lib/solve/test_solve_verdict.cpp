@@ -15,6 +15,7 @@
 
 #include "calvin/solve/fit/weights.hpp"
 #include "calvin/solve/judge/fit_diagnostics.hpp"
+#include "calvin/solve/judge/remarks.hpp"
 #include "calvin/solve/residuals/loss.hpp"
 #include "calvin/solve/residuals/outliers.hpp"
 #include "calvin/solve/solve.hpp"
@@ -88,50 +89,97 @@ TEST(Verdict, IsTheLargestThatIsSignificant) {
            {"chi, and the board", noise, noise, beyond(3), 1.4, Cause::kBoard},
        }) {
     const FitDiagnostics found = statistics(c.views, c.picture, c.board);
-    EXPECT_EQ(to_string(misfit(found, c.chi, kDegrees, c.rms, 1).noticed), to_string(c.cause))
+    EXPECT_EQ(to_string(misfit(found, c.chi, kDegrees, c.rms, {}).noticed), to_string(c.cause))
         << c.name;
   }
   FitDiagnostics halves = statistics(noise, noise, noise);
   halves.split_half_ratio = 1.5;
-  EXPECT_EQ(misfit(halves, 1, kDegrees, 0.1, 1).split_half_ratio, 1.5);
+  EXPECT_EQ(misfit(halves, 1, kDegrees, 0.1, {}).split_half_ratio, 1.5);
 }
 
 // Bends that every view has for itself leave patterns in the picture and on the board too, but in
 // each view another one.
 TEST(Verdict, OfLensAndBoardIsThatOfAllViewsAlike) {
   const auto noticed = [&](double agreement) {
-    return misfit(statistics(beyond(5), beyond(5), beyond(5), agreement), 1, kDegrees, 0.1, 1)
+    return misfit(statistics(beyond(5), beyond(5), beyond(5), agreement), 1, kDegrees, 0.1, {})
         .noticed;
   };
   EXPECT_EQ(noticed(2.4), Cause::kModel);
   EXPECT_EQ(noticed(2.2), Cause::kMotion);
 }
 
-// What the covariance has an estimate of is a misfit only where there is very much of it.
-TEST(Verdict, WhatWasEstimatedIsNoMisfit) {
+// What the covariance has an estimate of is a misfit only where the promise is more than a pixel,
+// and more than three times what noise would leave.
+TEST(Verdict, WhatWasEstimatedMattersAboveAPixel) {
   const ChiSquare noise = {100, 100};
-  const auto cause = [](FitDiagnostics found, double chi, double growth, bool bends_known) {
+  const auto cause = [](FitDiagnostics found, double chi, const PromiseParts& promise,
+                        bool bends_known) {
     found.bends_known = bends_known;
-    return misfit(found, chi, kDegrees, 0.1, growth).cause;
+    return misfit(found, chi, kDegrees, 0.1, promise).cause;
   };
   const FitDiagnostics moved = statistics(beyond(5), noise, noise);
-  EXPECT_EQ(cause(moved, 1, 2.9, false), Cause::kNone);
-  EXPECT_EQ(cause(moved, 1, 3.1, false), Cause::kMotion);
+  EXPECT_EQ(cause(moved, 1, {1.1, 1.1 / 2.9, {}}, false), Cause::kNone);
+  EXPECT_EQ(cause(moved, 1, {1.1, 1.1 / 3.1, {}}, false), Cause::kMotion);
+  EXPECT_EQ(cause(moved, 1, {0.9, 0.9 / 9, {}}, false), Cause::kNone);
   const FitDiagnostics bent = statistics(noise, noise, beyond(5));
-  EXPECT_EQ(cause(bent, 1, 1, false), Cause::kBoard);
-  EXPECT_EQ(cause(bent, 1, 2.9, true), Cause::kNone);
-  EXPECT_EQ(cause(bent, 1, 3.1, true), Cause::kBoard);
-  // Nothing estimates what a lens lacks.
-  EXPECT_EQ(cause(statistics(noise, beyond(5), noise), 1, 1, true), Cause::kModel);
-  EXPECT_EQ(cause(statistics(noise, noise, noise), 9.9, 1, true), Cause::kNone);
-  EXPECT_EQ(cause(statistics(noise, noise, noise), 10.1, 1, true), Cause::kNoise);
+  EXPECT_EQ(cause(bent, 1, {1.1, 1.1 / 2.9, {}}, true), Cause::kNone);
+  EXPECT_EQ(cause(bent, 1, {1.1, 1.1 / 3.1, {}}, true), Cause::kBoard);
+  EXPECT_EQ(cause(bent, 1, {0.9, 0.9 / 9, {}}, true), Cause::kNone);
+  EXPECT_EQ(cause(statistics(noise, noise, noise), 9.9, {1.1, 1, {}}, true), Cause::kNone);
+  EXPECT_EQ(cause(statistics(noise, noise, noise), 10.1, {1.1, 1, {}}, true), Cause::kNoise);
+  EXPECT_EQ(cause(statistics(noise, noise, noise), 10.1, {0.9, 0.8, {}}, true), Cause::kNone);
+}
+
+// Nothing estimates a bend that is no unknown. What a lens lacks is at least what it leaves in the
+// residuals.
+TEST(Verdict, WhatThePromiseDoesNotHoldIsAMisfitOfAnySize) {
+  const ChiSquare noise = {100, 100};
+  const FitDiagnostics bent = statistics(noise, noise, beyond(5));
+  EXPECT_EQ(misfit(bent, 1, kDegrees, 0.1, {0.2, 0.2, {}}).cause, Cause::kBoard);
+  // 100 of 1000: 0.0316 px of an rms of 0.1 px.
+  const FitDiagnostics lens = statistics(noise, {200, 100}, noise);
+  EXPECT_NEAR(misfit(lens, 1, kDegrees, 0.1, {}).lens_residual, 0.0316, 1e-4);
+  EXPECT_EQ(misfit(lens, 1, kDegrees, 0.1, {0.030, 0.030, {}}).cause, Cause::kModel);
+  EXPECT_EQ(misfit(lens, 1, kDegrees, 0.1, {0.033, 0.033, {}}).cause, Cause::kNone);
+}
+
+// Blamed is what the promise would be without.
+TEST(Verdict, IsTheBoardOnlyWhereAMeasuredOneWouldHelp) {
+  const ChiSquare noise = {100, 100};
+  FitDiagnostics off = statistics(beyond(5), noise, beyond(5));
+  off.bends_known = true;
+  const auto cause = [&off](double measured) {
+    return misfit(off, 1, kDegrees, 0.1, {2, 0.5, measured}).cause;
+  };
+  EXPECT_EQ(cause(1.40), Cause::kBoard);
+  EXPECT_EQ(cause(1.43), Cause::kMotion);
+}
+
+TEST(Remarks, SayWhatWasFoundHowMuchItMattersAndWhatHelps) {
+  const ChiSquare noise = {100, 100};
+  FitDiagnostics off = statistics(noise, noise, beyond(5));
+  off.bends_known = true;
+  off.board_variance = 57e-6 * 57e-6;
+  const PromiseParts promise = {0.36, 0.175, 0.17};
+  const Misfit found = misfit(off, 2.7, kDegrees, 0.1, promise);
+  EXPECT_FALSE(found.found());
+  EXPECT_EQ(explain(found, off, 2.7, promise),
+            "The corners of the board are 0.057 mm from where they were printed. That is in the "
+            "accuracy of 0.72 px, which a measured or stiffer board would bring to 0.34 px.");
+  const PromiseParts large = {3.6, 0.175, 0.17};
+  EXPECT_EQ(explain(misfit(off, 2.7, kDegrees, 0.1, large), off, 2.7, large),
+            "The corners of the board are 0.057 mm from where they were printed. That is in the "
+            "accuracy of 7.2 px, which a measured or stiffer board would bring to 0.34 px. Fix the "
+            "board to a stiff plate and measure its squares.");
+  const FitDiagnostics nothing = statistics(noise, noise, noise);
+  EXPECT_EQ(explain(misfit(nothing, 1, kDegrees, 0.1, promise), nothing, 1, promise), "");
 }
 
 // A hundredth of the variance, and three thousandths of a pixel.
 TEST(Verdict, IsNotSaidOfWhatDoesNotMatter) {
   const auto cause = [](double excess, double all, double rms) {
     const ChiSquare noise = {100, 100};
-    return misfit(statistics(noise, {100 + excess, 100}, noise), {}, all, rms, 1).noticed;
+    return misfit(statistics(noise, {100 + excess, 100}, noise), {}, all, rms, {}).noticed;
   };
   EXPECT_EQ(cause(50, 4900, 0.1), Cause::kModel);  // 0.0102 of the variance
   EXPECT_EQ(cause(50, 5100, 0.1), Cause::kNone);   // 0.0098
@@ -144,7 +192,7 @@ TEST(Verdict, IsNotSaidOfWhatDoesNotMatter) {
 TEST(Verdict, OfNoiseAllowsForTheLuckOfFewCorners) {
   const ChiSquare none = {0, 0};
   const auto cause = [&](double chi, double degrees) {
-    return misfit(statistics(none, none, none), chi, degrees, 0.1, 1).noticed;
+    return misfit(statistics(none, none, none), chi, degrees, 0.1, {}).noticed;
   };
   EXPECT_EQ(cause(1.31, kDegrees), Cause::kNone);
   EXPECT_EQ(cause(1.33, kDegrees), Cause::kNoise);

@@ -89,6 +89,20 @@ double gain(const Trial& a, const Trial& b) {
   return variance > 0 ? mean / std::sqrt(variance) : 0;
 }
 
+// Whether `b` predicts more of the views held out better than `a` does than a coin would. A model
+// that is far from right is so by much in a few views, which tells nothing of the others.
+bool is_better_in_most(const Trial& a, const Trial& b) {
+  double views = 0;
+  double lead = 0;
+  for (const auto& [view, cost] : a.held_out) {
+    const auto other = b.held_out.find(view);
+    if (other == b.held_out.end()) continue;
+    views += 1;
+    lead += other->second < cost ? 1 : -1;
+  }
+  return lead > kGain * std::sqrt(views);
+}
+
 std::vector<Trial> try_all(const std::vector<PointSet>& views, const BoardShape& shape,
                            ImageSize size, SolveOptions options, const std::stop_token& stop) {
   std::vector<Trial> trials;
@@ -153,6 +167,38 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
   add(solution.rejected_corners, reference.rejected_corners);
   solution.calibration.remarks.push_back(explain(trials, best));
   return solution;
+}
+
+void try_other_models(Solution& solution, const std::vector<PointSet>& views,
+                      const BoardShape& shape, ImageSize image_size, const SolveOptions& options,
+                      const std::stop_token& stop) {
+  constexpr double kMostLeft = 0.5;
+  Calibration& calibration = solution.calibration;
+  const auto squares = [](const Calibration& c) {
+    return c.held_out_rms ? *c.held_out_rms * *c.held_out_rms : HUGE_VAL;
+  };
+  const Trial own = {options.model, solution, held_out_of(views, solution)};
+  // A part of many views tells as much.
+  constexpr std::size_t kViews = 50;
+  const std::size_t every = std::max<std::size_t>(1, views.size() / kViews);
+  std::vector<PointSet> some;
+  for (std::size_t i = 0; i < views.size(); i += every) some.push_back(views[i]);
+  const std::vector<Trial> others = try_all(some, shape, image_size, options, stop);
+  const Trial* better = nullptr;
+  for (const Trial& other : others) {
+    if (!is_better_in_most(own, other)) continue;
+    const double least = squares((better != nullptr ? *better : own).solution.calibration);
+    const double most = better != nullptr ? least : kMostLeft * least;
+    if (squares(other.solution.calibration) <= most) better = &other;
+  }
+  if (better == nullptr || calibration.remarks.empty()) return;
+  solution.misfit.cause = solution.misfit.noticed = Misfit::Cause::kModel;
+  calibration.misfit = to_string(solution.misfit.cause);
+  calibration.remarks.front() = fmt::format(
+      "The lens distorts in ways that {} does not have: {} predicts views held out to {:.2g} px, "
+      "where {} does to {:.2g} px. Take it, or model=auto.",
+      calibration.model, better->model, better->solution.calibration.held_out_rms.value_or(0),
+      calibration.model, calibration.held_out_rms.value_or(0));
 }
 
 }  // namespace calvin

@@ -21,4 +21,11 @@ inline constexpr std::string_view kAutoModel = "auto";
                                           const BoardShape& shape, ImageSize image_size,
                                           const SolveOptions& options, const std::stop_token& stop);
 
+// Where a solve has found a misfit, or a lens that its model does not have: where a model that auto
+// tries predicts views held out with at most half of the variance, the model is the cause, and the
+// first remark names the one that removes it.
+void try_other_models(Solution& solution, const std::vector<PointSet>& views,
+                      const BoardShape& shape, ImageSize image_size, const SolveOptions& options,
+                      const std::stop_token& stop);
+
 }  // namespace calvin

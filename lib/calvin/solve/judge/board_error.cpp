@@ -21,8 +21,8 @@ namespace {
 constexpr Eigen::Index kAxes = 2;
 constexpr Eigen::Index kTranslation = 3;  // the first column of RowLayout that moves the board
 
-// Where the corners of each board stand among the columns.
-std::map<std::size_t, Eigen::Index> first_columns(const Fit& fit, Eigen::Index& count) {
+// The first corner of each board among the corners of all, and how many these are.
+std::map<std::size_t, Eigen::Index> first_corners(const Fit& fit, Eigen::Index& count) {
   std::map<std::size_t, Eigen::Index> ids;
   for (std::size_t v = 0; v < fit.views.size(); ++v) {
     if (!fit.used[v]) continue;
@@ -30,55 +30,221 @@ std::map<std::size_t, Eigen::Index> first_columns(const Fit& fit, Eigen::Index& 
     for (const int id : fit.views[v].ids) most = std::max<Eigen::Index>(most, id + 1);
   }
   count = 0;
-  for (auto& [board, corners] : ids) count += kAxes * std::exchange(corners, count);
+  for (auto& [board, corners] : ids) count += std::exchange(corners, count);
   return ids;
 }
 
-// Adds J^T A of one view: J are the derivatives of its residuals by the shared unknowns, the pose
-// eliminated, and A those by the places of corners along the axes of the board.
-void add_view(const Fit& fit, std::size_t v, const ViewPoints& points, ViewRows& rows,
-              Eigen::Index first, Eigen::MatrixXd& sum) {
+// The residuals of one view, all of u and then all of v, and their derivatives.
+struct ViewDerivatives {
+  Eigen::Index first = 0;  // corner of all boards
+  std::vector<int> ids;    // of the corners, whose rows come first in either half
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd pose;     // by the pose
+  Eigen::MatrixXd to_pose;  // from residuals to the pose that explains most of them
+  Eigen::MatrixXd shared;   // by the shared unknowns, the pose eliminated
+  Eigen::Matrix<double, Eigen::Dynamic, 3> along;  // by the place of its corner, in board axes
+
+  [[nodiscard]] Eigen::Index height() const { return residual.size() / 2; }
+};
+
+ViewDerivatives derivatives(const Fit& fit, std::size_t v, const ViewPoints& points,
+                            ViewRows& rows) {
   const auto height = static_cast<Eigen::Index>(points.padded());
-  const Eigen::Map<const Eigen::MatrixXd> all(rows.data(), 2 * height, rows.layout().columns());
-  const Eigen::MatrixXd pose = all.leftCols(RowLayout::kPose);
-  Eigen::MatrixXd shared = all.rightCols(rows.layout().shared());
-  const auto absorbed =
-      scaled_solve(product(pose.transpose(), pose), product(pose.transpose(), shared), 0);
-  if (!absorbed) return;
-  shared -= product(pose, *absorbed);
-  const Eigen::Matrix3d& turn = fit.camera_from_board[v].rotation;
-  const Eigen::MatrixXd along =
-      pose.middleCols<3>(kTranslation).lazyProduct(turn.leftCols<kAxes>());
-  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(points.count()); ++i) {
-    const Eigen::Index at = first + kAxes * points.ids()[static_cast<std::size_t>(i)];
-    for (Eigen::Index k = 0; k < kAxes; ++k) {
-      sum.col(at + k) += along(i, k) * shared.row(i).transpose() +
-                         along(height + i, k) * shared.row(height + i).transpose();
-    }
-  }
+  const Eigen::Map<const Eigen::MatrixXd> all(rows.u(0), 2 * height, rows.layout().columns());
+  ViewDerivatives by;
+  by.ids.assign(points.ids().begin(), points.ids().end());
+  by.residual = all.col(RowLayout::kResidual);
+  by.pose = all.leftCols(RowLayout::kPose);
+  by.shared = all.rightCols(rows.layout().shared());
+  const Eigen::MatrixXd transposed = by.pose.transpose();
+  const auto to_pose = scaled_solve(product(transposed, by.pose), transposed, 0);
+  by.to_pose = to_pose ? *to_pose : Eigen::MatrixXd::Zero(RowLayout::kPose, 2 * height);
+  by.shared -= product(by.pose, product(by.to_pose, by.shared));
+  by.along = by.pose.middleCols<3>(kTranslation).lazyProduct(fit.camera_from_board[v].rotation);
+  return by;
 }
 
-}  // namespace
-
-Eigen::MatrixXd board_covariance(const Fit& fit, const BoardShape& shape,
-                                 const Parameterization& parameterization) {
-  Eigen::Index columns = 0;
-  const auto first = first_columns(fit, columns);
+// Calls `use` with the derivatives of each view used.
+template <typename Use>
+void for_views(const Fit& fit, const BoardShape& shape, const Parameterization& parameterization,
+               const std::map<std::size_t, Eigen::Index>& first, Use use) {
   const ParameterTable& table = parameterization.table;
   ViewRows rows(row_layout(table, 0, 0));
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(rows.layout().shared(), columns);
   for (std::size_t v = 0; v < fit.views.size(); ++v) {
     if (!fit.used[v]) continue;
     const ViewPoints points(fit.views[v], shape);
     rows.resize(points.padded());
     fill_rows_of(parameterization.model)(points, row_point(table, 0, 0, fit.shared),
                                          fit.camera_from_board[v], Loss{}, rows);
-    add_view(fit, v, points, rows, first.at(fit.views[v].board), sum);
+    ViewDerivatives by = derivatives(fit, v, points, rows);
+    by.first = first.at(fit.views[v].board);
+    use(std::move(by));
   }
+}
+
+// Least squares over the corners of all boards, three numbers each, and the directions, the poses
+// eliminated, by conjugate gradients.
+class BoardSolve {
+ public:
+  struct Unknowns {
+    Eigen::Matrix3Xd corners;
+    Eigen::VectorXd directions;
+
+    [[nodiscard]] double dot(const Unknowns& other) const {
+      return corners.cwiseProduct(other.corners).sum() + directions.dot(other.directions);
+    }
+    void add(double factor, const Unknowns& other) {
+      corners += factor * other.corners;
+      directions += factor * other.directions;
+    }
+  };
+
+  BoardSolve(std::vector<ViewDerivatives> views, Eigen::Index corners,
+             const Parameterization& parameterization, const Eigen::MatrixXd& inverse,
+             const Eigen::Vector3d& known)
+      : views_(std::move(views)),
+        basis_(parameterization.basis),
+        inverse_(inverse),
+        known_(known.replicate(1, corners)),
+        information_(Eigen::Matrix3Xd::Zero(3, corners)) {
+    for (const ViewDerivatives& view : views_) {
+      for_corners(view, [&](Eigen::Index corner, Eigen::Index row) {
+        information_.col(corner) += view.along.row(row).transpose().cwiseAbs2();
+      });
+    }
+  }
+
+  // The residuals of each view that are left.
+  std::vector<Eigen::VectorXd> run() {
+    constexpr int kRounds = 60;
+    constexpr double kSmall = 1e-6;  // of the first step's square
+    Unknowns at = zero();
+    Unknowns left = gradient([](const ViewDerivatives& view) { return view.residual; });
+    Unknowns step = preconditioned(left);
+    double size = left.dot(step);
+    const double first = size;
+    for (int i = 0; i < kRounds && size > kSmall * first; ++i) {
+      Unknowns curved = gradient([&](const ViewDerivatives& view) { return moved(view, step); });
+      curved.corners += known_.cwiseProduct(step.corners);
+      const double along = step.dot(curved);
+      if (!(along > 0)) break;
+      at.add(size / along, step);
+      left.add(-size / along, curved);
+      Unknowns next = preconditioned(left);
+      const double smaller = left.dot(next);
+      next.add(smaller / size, step);
+      step = std::move(next);
+      size = smaller;
+    }
+    std::vector<Eigen::VectorXd> residuals;
+    residuals.reserve(views_.size());
+    for (const ViewDerivatives& view : views_) {
+      residuals.emplace_back(view.residual - moved(view, at));
+    }
+    return residuals;
+  }
+
+  [[nodiscard]] const std::vector<ViewDerivatives>& views() const { return views_; }
+  [[nodiscard]] double fitted() const {
+    return information_.cwiseQuotient(information_ + known_).sum();
+  }
+
+ private:
+  // Calls `use` with each corner that a view shows and each of its two rows.
+  template <typename Use>
+  static void for_corners(const ViewDerivatives& view, Use use) {
+    for (std::size_t i = 0; i < view.ids.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      use(view.first + view.ids[i], row);
+      use(view.first + view.ids[i], view.height() + row);
+    }
+  }
+
+  [[nodiscard]] Unknowns zero() const {
+    return {Eigen::Matrix3Xd::Zero(3, known_.cols()), Eigen::VectorXd::Zero(inverse_.rows())};
+  }
+
+  [[nodiscard]] Unknowns preconditioned(const Unknowns& u) const {
+    return {u.corners.cwiseQuotient(information_ + known_), inverse_ * u.directions};
+  }
+
+  [[nodiscard]] Eigen::VectorXd moved(const ViewDerivatives& view, const Unknowns& by) const {
+    Eigen::VectorXd moved = Eigen::VectorXd::Zero(view.residual.size());
+    for_corners(view, [&](Eigen::Index corner, Eigen::Index row) {
+      moved[row] = view.along.row(row) * by.corners.col(corner);
+    });
+    moved -= view.pose * (view.to_pose * moved);
+    return moved + view.shared * (basis_ * by.directions);
+  }
+
+  template <typename Residual>
+  [[nodiscard]] Unknowns gradient(Residual residual) const {
+    Unknowns sum = zero();
+    for (const ViewDerivatives& view : views_) {
+      const Eigen::VectorXd r = residual(view);
+      for_corners(view, [&](Eigen::Index corner, Eigen::Index row) {
+        sum.corners.col(corner) += view.along.row(row).transpose() * r[row];
+      });
+      sum.directions += basis_.transpose() * (view.shared.transpose() * r);
+    }
+    return sum;
+  }
+
+  std::vector<ViewDerivatives> views_;
+  const Eigen::MatrixXd& basis_;
+  const Eigen::MatrixXd& inverse_;
+  Eigen::Matrix3Xd known_;
+  Eigen::Matrix3Xd information_;
+};
+
+}  // namespace
+
+Eigen::MatrixXd board_covariance(const Fit& fit, const BoardShape& shape,
+                                 const Parameterization& parameterization) {
+  Eigen::Index corners = 0;
+  const auto first = first_corners(fit, corners);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(row_layout(parameterization.table, 0, 0).shared(),
+                                              kAxes * corners);  // J^T A
+  for_views(fit, shape, parameterization, first, [&sum](const ViewDerivatives& by) {
+    for (std::size_t i = 0; i < by.ids.size(); ++i) {
+      const auto u = static_cast<Eigen::Index>(i);
+      const Eigen::Index v = by.height() + u;
+      const Eigen::Index at = kAxes * (by.first + by.ids[i]);
+      for (Eigen::Index k = 0; k < kAxes; ++k) {
+        sum.col(at + k) += by.along(u, k) * by.shared.row(u).transpose() +
+                           by.along(v, k) * by.shared.row(v).transpose();
+      }
+    }
+  });
   const auto moves =
       scaled_solve(fit.information, product(parameterization.basis.transpose(), sum), kLeastPivot);
   const Eigen::Index n = fit.information.rows();
   return moves ? product(*moves, moves->transpose()) : Eigen::MatrixXd::Zero(n, n);
+}
+
+MeasuredBoard with_measured_board(const Fit& fit, const BoardShape& shape,
+                                  const Parameterization& parameterization,
+                                  const Eigen::MatrixXd& inverse, const Eigen::Vector3d& known) {
+  Eigen::Index corners = 0;
+  const auto first = first_corners(fit, corners);
+  std::vector<ViewDerivatives> views;
+  for_views(fit, shape, parameterization, first,
+            [&views](ViewDerivatives by) { views.push_back(std::move(by)); });
+  BoardSolve solve(std::move(views), corners, parameterization, inverse, known);
+  const auto residuals = solve.run();
+  MeasuredBoard result;
+  result.fitted = solve.fitted();
+  double before = 0;
+  double after = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const ViewDerivatives& view = solve.views()[i];
+    before += view.residual.squaredNorm();
+    after += residuals[i].squaredNorm();
+    result.gradients.emplace_back(parameterization.basis.transpose() *
+                                  (view.shared.transpose() * residuals[i]));
+  }
+  result.left = before > 0 ? after / before : 1;
+  return result;
 }
 
 }  // namespace calvin

@@ -11,6 +11,9 @@
 
 namespace calvin {
 
+// Standard deviations; one test in a hundred exceeds it by noise.
+inline constexpr double kSignificant = 2.33;
+
 // A chi^2 statistic: a sum of squares that for noise alone is `degrees`, give or take
 // sqrt(2 degrees).
 struct ChiSquare {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Tests of the residuals by view, by part of the image and by corner of the board.
+// Tests of the residuals by view, by part of the image and by corner of the board, and the
+// covariance that follows from them.
 
 #include "calvin/solve/judge/fit_diagnostics.hpp"
 
@@ -18,6 +19,7 @@
 #include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/fit/weights.hpp"
 #include "calvin/solve/judge/agreement.hpp"
+#include "calvin/solve/judge/board_error.hpp"
 #include "calvin/solve/judge/contradiction.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
@@ -27,19 +29,6 @@ namespace calvin {
 
 namespace {
 
-// Standard deviations; one test in a hundred exceeds it by noise.
-constexpr double kSignificant = 2.33;
-// Ratio: the detector's sigmas may be too small by this much before chi counts as a misfit.
-constexpr double kSigmaTolerance = 1.25;
-// px: the error that corners nearby have in common by the detector itself, whose model of an edge
-// is never exact. Misfits of this size are not reported, however significant.
-constexpr double kDetectorBias = 0.003;
-// Of the variance: a smaller part may be significant but does not matter.
-constexpr double kSmallPart = 0.01;
-// The promise over what noise alone would make of it, and chi: beyond these, what makes a result
-// worse is told as a misfit though the promise has it.
-constexpr double kMuchWorse = 3;
-constexpr double kMuchNoise = 10;
 // Corners in each part of the image, on average.
 constexpr double kCornersPerPart = 40;
 
@@ -140,6 +129,26 @@ class FitDiagnosis {
   }
 
  private:
+  // What the views would say were the corners of the board where all of them together see them.
+  [[nodiscard]] std::optional<Eigen::MatrixXd> board_known(const FitDiagnostics& found) const {
+    const auto known = [&](double of_board) { return variance_ / std::max(of_board, 1e-30); };
+    const double in_plane = known(found.board_variance);
+    const MeasuredBoard board =
+        with_measured_board(fit_, shape_, parameterization_, covariance_ / variance_,
+                            {in_plane, in_plane, known(board_bent_.variance())});
+    const double degrees = residuals_ - unknowns_;
+    const double left = std::min(1.0, board.left * degrees / std::max(1.0, degrees - board.fitted));
+    const double noise = left * variance_;
+    Contradiction views(left * covariance_);
+    for (const auto& [at, view] : reduced_) {
+      views.add(view.information / noise, board.gradients[at] / noise);
+    }
+    ChiSquare chi_square = views.chi_square();
+    chi_square.degrees -= determined_;
+    if (chi_square.deviations() > kSignificant) return views.covariance();
+    return left * covariance_;
+  }
+
   void add_shared(FitDiagnostics& result) const {
     result.bends_known = !parameterization_.table.warp(0).empty();
     result.picture_agrees = picture_shared_.deviations();
@@ -151,6 +160,7 @@ class FitDiagnosis {
     if (!(predicted_ > 0) || used_ < 2) return;
     result.split_half_ratio = std::sqrt(observed_ / predicted_);
     if (result.views.deviations() > kSignificant) result.views_covariance = views_->covariance();
+    if (result.board_variance > 0) result.board_known = board_known(result);
   }
 
   void count() {
@@ -186,11 +196,14 @@ class FitDiagnosis {
       held_out_.push_back(kUndetermined);
       return;
     }
-    const auto reduced = problem.reduced();
+    auto reduced = problem.reduced();
     // Without the only view there is nothing but what priors tell.
     const bool rest = used_ > 1 || !parameterization_.table.priors().empty();
     held_out_.push_back(reduced && rest ? held_out(*reduced, fit_.views[v]) : kUndetermined);
-    if (reduced) add_view(*reduced);
+    if (reduced) {
+      add_view(*reduced);
+      reduced_.emplace_back(held_out_.size() - 1, *std::move(reduced));
+    }
     add_residuals(v, points);
   }
 
@@ -285,6 +298,8 @@ class FitDiagnosis {
   // Of the boards that were seen, by number, the first of the parts of `board_shared_`.
   std::map<std::size_t, std::size_t> parts_;
   std::vector<double> held_out_;
+  // Of the views used that have one, by their number among those used.
+  std::vector<std::pair<std::size_t, BundleProblem::Reduced>> reduced_;
   std::optional<Contradiction> views_;
   Scores picture_;
   Scores board_;
@@ -296,15 +311,6 @@ class FitDiagnosis {
   double predicted_ = 0;
 };
 
-// Whether a part of the variance matters, of residuals that are `rms` px altogether.
-bool matters(double part, double rms) {
-  return part > kSmallPart && part * rms * rms > kDetectorBias * kDetectorBias;
-}
-
-bool significant(const ChiSquare& c, double all, double rms) {
-  return c.deviations() > kSignificant && matters((c.sum - c.degrees) / all, rms);
-}
-
 }  // namespace
 
 FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& shape,
@@ -315,37 +321,17 @@ FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& 
       .run(stop);
 }
 
-Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi, double degrees,
-              double rms, double growth) {
-  Misfit result;
-  result.split_half_ratio = diagnostics.split_half_ratio;
-  const double chi_limit = kSigmaTolerance * (1 + kSignificant / std::sqrt(2 * degrees));
-  const bool noisy = chi && *chi > chi_limit && matters(1 - 1 / (*chi * *chi), rms);
-  // Lens or board: the cause is the one that explains more of the residuals, where views agree
-  // that it is one. Either makes views contradict each other too, so motion is the cause only where
-  // neither is.
-  const bool picture =
-      significant(diagnostics.picture, degrees, rms) && diagnostics.picture_agrees > kSignificant;
-  const bool board =
-      significant(diagnostics.board, degrees, rms) && diagnostics.board_agrees > kSignificant;
-  const bool views = significant(diagnostics.views, degrees, rms);
-  if (picture || board) {
-    const bool corner = diagnostics.board.sum - diagnostics.board.degrees >
-                        diagnostics.picture.sum - diagnostics.picture.degrees;
-    result.noticed = board && corner ? Misfit::Cause::kBoard : Misfit::Cause::kModel;
-    if (!picture) result.noticed = Misfit::Cause::kBoard;
-  } else if (views) {
-    result.noticed = Misfit::Cause::kMotion;
-  } else if (noisy) {
-    result.noticed = Misfit::Cause::kNoise;
+Eigen::MatrixXd honest_covariance(const Fit& fit, const BoardShape& shape,
+                                  const Parameterization& parameterization,
+                                  const FitDiagnostics& found, const Eigen::MatrixXd& by_noise) {
+  const Eigen::MatrixXd to_unknowns = parameterization.basis.transpose();
+  Eigen::MatrixXd c = by_noise;
+  if (found.views_covariance) c = congruent(*found.views_covariance, to_unknowns);
+  if (found.board_variance > 0) {
+    const Eigen::MatrixXd of_board = board_covariance(fit, shape, parameterization);
+    c += found.board_variance * congruent(of_board, to_unknowns);
   }
-  // What the covariance has an estimate of is no misfit, unless there is much of it.
-  const bool much = growth > kMuchWorse || (chi && *chi > kMuchNoise);
-  const bool estimated = result.noticed == Misfit::Cause::kMotion ||
-                         result.noticed == Misfit::Cause::kNoise ||
-                         (result.noticed == Misfit::Cause::kBoard && diagnostics.bends_known);
-  if (much || !estimated) result.cause = result.noticed;
-  return result;
+  return c;
 }
 
 }  // namespace calvin

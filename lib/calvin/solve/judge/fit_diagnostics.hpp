@@ -40,6 +40,9 @@ struct FitDiagnostics {
   // How far corners are from where they were printed, m^2 along each axis of the board, 1 sigma;
   // 0 unless the views agree that they are.
   double board_variance = 0;
+  // The covariance of the directions were the board measured: with corners where all views together
+  // see them. Absent where `board_variance` is 0.
+  std::optional<Eigen::MatrixXd> board_known;
   double board_agrees = 0;    // standard deviations, see Agreement
   double picture_agrees = 0;  // the same for parts of the image
   bool bends_known = false;   // the curvatures of the board are unknowns of the fit
@@ -54,10 +57,11 @@ struct FitDiagnostics {
                                       const Eigen::MatrixXd& covariance, double variance,
                                       const std::stop_token& stop);
 
-// The verdict. `chi` is absent where the detector gave no sigmas; `degrees` are the degrees of
-// freedom of the fit, `rms` its residual, px; `growth` is the promise over what it were if the
-// residuals were noise.
-[[nodiscard]] Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi,
-                            double degrees, double rms, double growth);
+// The covariance of all unknowns: of noise, or of what the views show of whatever there is; and of
+// what a board that is not as printed does in all of them alike. Each counts once.
+[[nodiscard]] Eigen::MatrixXd honest_covariance(const Fit& fit, const BoardShape& shape,
+                                                const Parameterization& parameterization,
+                                                const FitDiagnostics& found,
+                                                const Eigen::MatrixXd& by_noise);
 
 }  // namespace calvin

@@ -15,7 +15,6 @@
 #include "calvin/camera/models.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/dense.hpp"
-#include "calvin/solve/judge/board_error.hpp"
 #include "calvin/solve/judge/fit_diagnostics.hpp"
 #include "calvin/solve/judge/projection_error.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
@@ -226,34 +225,20 @@ std::vector<int> grid_columns(const Parameterization& parameterization) {
   return columns;
 }
 
-// The covariance of all unknowns: of noise, or of what the views show of whatever there is; and of
-// what a board that is not as printed does in all of them alike. Each counts once.
-Eigen::MatrixXd honest_covariance(const FinishedFit& from, const FitDiagnostics& found,
-                                  const Eigen::MatrixXd& by_noise) {
-  const Eigen::MatrixXd to_unknowns = from.parameterization.basis.transpose();
-  Eigen::MatrixXd c = by_noise;
-  if (found.views_covariance) c = congruent(*found.views_covariance, to_unknowns);
-  if (found.board_variance > 0) {
-    const Eigen::MatrixXd of_board = board_covariance(from.fit, from.shape, from.parameterization);
-    c += found.board_variance * congruent(of_board, to_unknowns);
-  }
-  return c;
-}
-
-// Copies the promises. Returns the one of the covered region over what it were if the residuals
-// were noise of the size that they have. `noise` is the part of their variance that the detector
-// knew of.
-double add_promise(Calibration& calibration, const ProjectionGrids& grids,
-                   const Eigen::MatrixXd& promised, const Eigen::MatrixXd& by_noise, double noise) {
+// Copies the promises, and returns what the one of the covered region is made of. `noise` is the
+// part of the residuals' variance that the detector knew of.
+PromiseParts add_promise(Calibration& calibration, const ProjectionGrids& grids,
+                         const Eigen::MatrixXd& promised, const Eigen::MatrixXd& by_noise,
+                         double noise) {
   const auto promise = promise_of(grids, promised);
   const auto least = promise_of(grids, by_noise);
-  if (!promise || !least || !(promise->covered > 0)) return 1;
+  if (!promise || !least || !(promise->covered > 0)) return {};
   calibration.expected_error = promise->covered;
   calibration.expected_error_anywhere = promise->anywhere;
   calibration.worst_place = promise->worst;
   const double share = least->covered / promise->covered;
   calibration.systematic = std::clamp(1 - noise * share * share, 0.0, 1.0);
-  return 1 / share;
+  return {promise->covered, least->covered, {}};
 }
 
 void add_held_out(Solution& solution, const FitDiagnostics& found) {
@@ -286,15 +271,26 @@ Eigen::MatrixXd add_checks(Solution& solution, const FinishedFit& from, const Ca
                                         grids.covered.by, by_noise, variance.all, stop);
   if (stop.stop_requested()) return by_noise;
   const Eigen::MatrixXd promised =
-      with_rivals(honest_covariance(from, found, by_noise), from.fit, variance.all);
+      with_rivals(honest_covariance(from.fit, from.shape, parameterization, found, by_noise),
+                  from.fit, variance.all);
   const ParameterRange own = parameterization.table.camera(0);
   const auto of_camera = [&own](const Eigen::MatrixXd& c) -> Eigen::MatrixXd {
     return c.block(own.first, own.first, own.count, own.count);
   };
-  const double growth =
+  PromiseParts promise =
       add_promise(calibration, grids, of_camera(promised), of_camera(by_noise), variance.noise);
+  if (found.board_known) {
+    const auto known = promise_of(
+        grids,
+        of_camera(with_rivals(congruent(*found.board_known, parameterization.basis.transpose()),
+                              from.fit, variance.all)));
+    if (known) promise.board_known = known->covered;
+  }
   solution.misfit = misfit(found, calibration.chi, degrees_of_freedom(from.fit, parameterization),
-                           calibration.rms.value_or(0), growth);
+                           calibration.rms.value_or(0), promise);
+  if (solution.misfit.noticed != Misfit::Cause::kNone) {
+    calibration.remarks.push_back(explain(solution.misfit, found, calibration.chi, promise));
+  }
   calibration.misfit = to_string(solution.misfit.cause);
   calibration.split_half_ratio = solution.misfit.split_half_ratio;
   add_held_out(solution, found);

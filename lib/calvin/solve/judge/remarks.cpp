@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Remarks: sentences on what is weak in a result, and what to do.
+// The verdict, and remarks: sentences on what is weak in a result, and what to do.
 
 #include "calvin/solve/judge/remarks.hpp"
 
@@ -38,13 +38,140 @@ std::optional<std::string> uncovered(const Calibration& calibration) {
       part_of_picture(*worst, calibration.image_size), 2 * anywhere, 2 * covered);
 }
 
-// The advice on a cause; where it was estimated, that the promise knows of it.
-std::string told(const Misfit& misfit) {
-  const std::string what = advice(misfit.noticed);
-  return misfit.found() ? what : what + " The expected error has it already.";
+// Ratio: the detector's sigmas may be too small by this much before chi counts as a misfit.
+constexpr double kSigmaTolerance = 1.25;
+// px: the error that corners nearby have in common by the detector itself, whose model of an edge
+// is never exact. Misfits of this size are not reported, however significant.
+constexpr double kDetectorBias = 0.003;
+// Of the variance: a smaller part may be significant but does not matter.
+constexpr double kSmallPart = 0.01;
+// A promise that holds what was found is a misfit where all of it counts: it is this many times
+// what noise would leave (or chi is that large), and more than a pixel. A smaller one is good
+// whatever it was made of, and one that noise alone makes as large asks for more views.
+constexpr double kMuchWorse = 3;
+constexpr double kMuchNoise = 10;
+constexpr double kPixel = 1;
+
+// Whether a part of the variance matters, of residuals that are `rms` px altogether.
+bool matters(double part, double rms) {
+  return part > kSmallPart && part * rms * rms > kDetectorBias * kDetectorBias;
+}
+
+bool significant(const ChiSquare& c, double all, double rms) {
+  return c.deviations() > kSignificant && matters((c.sum - c.degrees) / all, rms);
+}
+
+// The likely cause of what is no noise.
+Misfit::Cause noticed(const FitDiagnostics& diagnostics, std::optional<double> chi, double degrees,
+                      double rms) {
+  const double chi_limit = kSigmaTolerance * (1 + kSignificant / std::sqrt(2 * degrees));
+  const bool noisy = chi && *chi > chi_limit && matters(1 - 1 / (*chi * *chi), rms);
+  // Lens or board: the cause is the one that explains more of the residuals, where views agree
+  // that it is one. Either makes views contradict each other too, so motion is the cause only where
+  // neither is.
+  const bool picture =
+      significant(diagnostics.picture, degrees, rms) && diagnostics.picture_agrees > kSignificant;
+  const bool board =
+      significant(diagnostics.board, degrees, rms) && diagnostics.board_agrees > kSignificant;
+  if (picture || board) {
+    const bool corner = diagnostics.board.sum - diagnostics.board.degrees >
+                        diagnostics.picture.sum - diagnostics.picture.degrees;
+    return board && (corner || !picture) ? Misfit::Cause::kBoard : Misfit::Cause::kModel;
+  }
+  if (significant(diagnostics.views, degrees, rms)) return Misfit::Cause::kMotion;
+  return noisy ? Misfit::Cause::kNoise : Misfit::Cause::kNone;
+}
+
+// Whether the promise holds what was noticed.
+bool is_held(const Misfit& misfit, const FitDiagnostics& diagnostics, const PromiseParts& promise) {
+  if (misfit.noticed == Misfit::Cause::kBoard) return diagnostics.bends_known;
+  if (misfit.noticed == Misfit::Cause::kModel) return misfit.lens_residual < promise.all;
+  return true;
+}
+
+// What made the promise large: offsets of the board's corners only where it were much smaller
+// without them.
+Misfit::Cause large_by(Misfit::Cause noticed, const PromiseParts& promise) {
+  const double all = promise.all * promise.all;
+  const double left = promise.board_known.value_or(0) * promise.board_known.value_or(0);
+  if (noticed == Misfit::Cause::kBoard && left > all / 2) return Misfit::Cause::kMotion;
+  return noticed;
+}
+
+// What was found, in a sentence.
+std::string finding(Misfit::Cause cause, const Misfit& misfit, const FitDiagnostics& diagnostics,
+                    std::optional<double> chi) {
+  switch (cause) {
+    case Misfit::Cause::kNone:
+      return {};
+    case Misfit::Cause::kNoise:
+      return fmt::format(
+          "The corners are {:.1f} times less exact than the detector believes, by blur, low light "
+          "or compression.",
+          chi.value_or(1));
+    case Misfit::Cause::kModel:
+      return fmt::format(
+          "All views share a pattern of {:.2g} px in the picture that the camera model does not "
+          "have.",
+          misfit.lens_residual);
+    case Misfit::Cause::kBoard:
+      if (!(diagnostics.board_variance > 0)) {
+        return "The corners of the board are not where they were printed.";
+      }
+      return fmt::format("The corners of the board are {:.2g} mm from where they were printed.",
+                         1e3 * std::sqrt(diagnostics.board_variance));
+    case Misfit::Cause::kMotion:
+      return "The views contradict each other by more than noise, as where the board bends or "
+             "moves from view to view.";
+  }
+  return {};
+}
+
+// What the promise makes of it.
+std::string effect(Misfit::Cause cause, const PromiseParts& promise) {
+  const double accuracy = 2 * promise.all;
+  const std::string held = fmt::format(" That is in the accuracy of {:.2g} px", accuracy);
+  if (cause == Misfit::Cause::kBoard && promise.board_known) {
+    const double known = 2 * *promise.board_known;
+    constexpr double kHardly = 0.9;
+    if (known > kHardly * accuracy) return held + ", which would hardly be better without.";
+    return held +
+           fmt::format(", which a measured or stiffer board would bring to {:.2g} px.", known);
+  }
+  constexpr double kWorthSaying = 1.1;
+  if (cause == Misfit::Cause::kMotion && promise.all > kWorthSaying * promise.by_noise) {
+    return held + fmt::format("; noise alone would leave {:.2g} px.", 2 * promise.by_noise);
+  }
+  return held + ".";
 }
 
 }  // namespace
+
+Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi, double degrees,
+              double rms, const PromiseParts& promise) {
+  Misfit result;
+  result.split_half_ratio = diagnostics.split_half_ratio;
+  const double pattern = (diagnostics.picture.sum - diagnostics.picture.degrees) / degrees;
+  result.lens_residual = rms * std::sqrt(std::max(pattern, 0.0));
+  result.noticed = noticed(diagnostics, chi, degrees, rms);
+  const bool grown = promise.all > kMuchWorse * promise.by_noise || chi.value_or(1) > kMuchNoise;
+  if (!is_held(result, diagnostics, promise)) {
+    result.cause = result.noticed;
+  } else if (grown && promise.all > kPixel) {
+    result.cause = large_by(result.noticed, promise);
+  }
+  return result;
+}
+
+std::string explain(const Misfit& misfit, const FitDiagnostics& diagnostics,
+                    std::optional<double> chi, const PromiseParts& promise) {
+  const Misfit::Cause cause = misfit.found() ? misfit.cause : misfit.noticed;
+  if (cause == Misfit::Cause::kNone) return {};
+  std::string text = finding(cause, misfit, diagnostics, chi);
+  text += is_held(misfit, diagnostics, promise) ? effect(cause, promise)
+                                                : " The expected error does not hold that.";
+  return misfit.found() ? text + " " + advice(cause) : text;
+}
 
 void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,
                  const Parameterization& parameterization) {
@@ -70,9 +197,6 @@ void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& cam
     remarks.push_back(fmt::format(
         "The focal length is weak (+- {:.1f} %): tilt the board more, 30 to 45 degrees.",
         100 * focal));
-  }
-  if (solution.misfit.noticed != Misfit::Cause::kNone) {
-    remarks.push_back(told(solution.misfit));
   }
   if (auto where = uncovered(solution.calibration)) remarks.push_back(std::move(*where));
   // The picture of a lens that sees past 90 degrees may end before the image does.

@@ -1,19 +1,40 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What a user is told beside the numbers. Internal.
+// The verdict, and what a user is told beside the numbers. Internal.
 #pragma once
+
+#include <optional>
+#include <string>
 
 #include <Eigen/Core>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/solve/judge/fit_diagnostics.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/solution.hpp"
 
 namespace calvin {
 
-// Adds remarks on parameters that are weak but not refused, on what makes the result worse than
-// noise would, on what no corner covered, and on the lens. `c` is the covariance of all unknowns.
+// What the promise of the covered region is made of, px, 1 sigma.
+struct PromiseParts {
+  double all = 0;
+  double by_noise = 0;                // what it were if the residuals were noise
+  std::optional<double> board_known;  // what it were with a measured board, where that is known
+};
+
+// The verdict. `chi` is absent where the detector gave no sigmas; `degrees` are the degrees of
+// freedom of the fit, `rms` its residual, px.
+[[nodiscard]] Misfit misfit(const FitDiagnostics& diagnostics, std::optional<double> chi,
+                            double degrees, double rms, const PromiseParts& promise);
+
+// What was noticed, how much it matters, and what would make the result better. Empty where nothing
+// was.
+[[nodiscard]] std::string explain(const Misfit& misfit, const FitDiagnostics& diagnostics,
+                                  std::optional<double> chi, const PromiseParts& promise);
+
+// Adds remarks on parameters that are weak but not refused, on what no corner covered, and on the
+// lens. `c` is the covariance of all unknowns.
 void add_remarks(Solution& solution, const Eigen::MatrixXd& c, const Camera& camera,
                  const Parameterization& parameterization);
 
