@@ -68,10 +68,12 @@ Result<UsableViews> usable_views(std::span<const View> views, ImageSize size) {
   return usable;
 }
 
+// Views that tell the shape of their board, or one lens from another.
+constexpr std::size_t kViewsEnough = 8;
+
 // The shape that the options ask for; none unless there are views enough, all of one board.
 BoardShape shape_for(std::span<const View> views, std::size_t count, const SolveOptions& options) {
-  constexpr std::size_t kViews = 8;
-  if (count < kViews) return {};
+  if (count < kViewsEnough) return {};
   const Board& board = views.front().board;
   const auto same = [&board](const View& view) { return view.board == board; };
   return std::all_of(views.begin(), views.end(), same) ? make_shape(board, options) : BoardShape();
@@ -107,9 +109,12 @@ Result<Solution> solve_model(std::span<const View> views, std::vector<PointSet> 
                              const BoardShape& shape, ImageSize size, const SolveOptions& options,
                              const std::stop_token& stop) {
   auto solution = solve_points(std::move(points), shape, size, options, stop);
-  const bool lens = solution && solution->misfit.noticed == Misfit::Cause::kModel;
-  // With offsets every one takes tenths of a second.
-  if (!solution || options.offsets || !(lens || solution->misfit.found())) return solution;
+  // Others take their time, tenths of a second each where every corner's offset is an unknown.
+  if (!solution || options.offsets || solution->calibration.views.size() < kViewsEnough) {
+    return solution;
+  }
+  const Misfit& misfit = solution->misfit;
+  if (!misfit.found() && misfit.noticed != Misfit::Cause::kModel) return solution;
   if (const auto again = usable_views(views, size)) {
     try_other_models(*solution, again->views, shape, size, options, stop);
   }
