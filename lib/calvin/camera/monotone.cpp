@@ -15,6 +15,7 @@ namespace calvin {
 namespace {
 
 constexpr int kGrid = 32;             // cells each way inside the image
+constexpr int kApart = 8;             // px along the border, to see whether there is anything
 constexpr double kReturn = 1e-6;      // of the image width
 constexpr double kShowsEdges = 0.95;  // of the way to the corners
 
@@ -25,30 +26,38 @@ bool has_ray(const Camera& camera, Pixel p) {
   return back && std::hypot(back->u - p.u, back->v - p.v) < kReturn * camera.image_size().width;
 }
 
-// Calls visit(pixel) for all pixels of the border and a grid inside.
+// Calls visit(pixel) for pixels of the border, so many apart, the corners, and a grid inside of
+// `cells` each way.
 template <typename F>
-void for_pixels(ImageSize size, F visit) {
+void for_pixels(ImageSize size, int apart, int cells, F visit) {
   const double right = size.width - 1;
   const double bottom = size.height - 1;
-  for (int u = 0; u < size.width; ++u) {
+  for (int u = 0; u < size.width; u += apart) {
     for (const double v : {0.0, bottom}) visit(Pixel{static_cast<double>(u), v});
   }
-  for (int v = 0; v < size.height; ++v) {
+  for (int v = 0; v < size.height; v += apart) {
     for (const double u : {0.0, right}) visit(Pixel{u, static_cast<double>(v)});
   }
-  for (int y = 1; y < kGrid; ++y) {
-    for (int x = 1; x < kGrid; ++x) visit(Pixel{x * right / kGrid, y * bottom / kGrid});
+  visit(Pixel{right, bottom});
+  for (int y = 1; y < cells; ++y) {
+    for (int x = 1; x < cells; ++x) visit(Pixel{x * right / cells, y * bottom / cells});
   }
 }
 
 }  // namespace
 
 Status check_monotone(const Camera& camera) {
+  // What folds back does so beyond some line around the centre, which lies within the image in its
+  // corners first: a look at those and at some pixels between them tells whether there is one.
+  bool one = true;
+  for_pixels(camera.image_size(), kApart, kGrid / 2,
+             [&](Pixel p) { one = one && has_ray(camera, p); });
+  if (one) return {};
   const Pixel center = {camera.cx(), camera.cy()};
   double farthest = 0;
   double nearest = std::numeric_limits<double>::infinity();
   Pixel where;
-  for_pixels(camera.image_size(), [&](Pixel p) {
+  for_pixels(camera.image_size(), 1, kGrid, [&](Pixel p) {
     const double r = std::hypot(p.u - center.u, p.v - center.v);
     farthest = std::max(farthest, r);
     if (r < nearest && !has_ray(camera, p)) nearest = r, where = p;

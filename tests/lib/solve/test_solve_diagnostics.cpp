@@ -76,8 +76,8 @@ Judged judge(const std::vector<View>& views, const Camera& camera) {
   std::vector<int> columns;
   for (int i = 0; i < count; ++i) columns.push_back(i);
   if (options.skew) columns.push_back(kSkewColumn);
-  judged.found = diagnose(judged.fit, at, flat, parameterization, projection_grid(at, columns),
-                          covariance, 1, {});
+  judged.found = diagnose(judged.fit, at, flat, parameterization,
+                          projection_grids(at, columns, {}).picture, covariance, 1, {});
   return judged;
 }
 

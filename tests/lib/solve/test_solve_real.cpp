@@ -8,6 +8,7 @@
 #include <iostream>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -46,18 +47,6 @@ Eigen::MatrixXd covariance_of(const Calibration& calibration) {
   return Eigen::Map<const Eigen::MatrixXd>(calibration.covariance.data(), n, n);
 }
 
-// The hull of the pixels of a grid that both calibrations covered.
-std::vector<Pixel> covered_by_both(const Calibration& a, const Calibration& b) {
-  std::vector<Pixel> both;
-  for (int y = 0; y < a.image_size.height; y += a.image_size.height / 24) {
-    for (int x = 0; x < a.image_size.width; x += a.image_size.width / 32) {
-      const Pixel at = {static_cast<double>(x), static_cast<double>(y)};
-      if (contains(a.covered, at) && contains(b.covered, at)) both.push_back(at);
-    }
-  }
-  return convex_hull(std::move(both));
-}
-
 // What halves of a set are apart by, in units of what they predict.
 struct Apart {
   std::vector<double> projections;  // at most, where both covered the picture
@@ -72,9 +61,15 @@ void compare(const Calibration& a, const Calibration& b, Apart& apart) {
   where.rows = 25;
   where.focus = {a.covered, b.covered};
   const auto found = difference(first, Camera::make(b).value(), where);
-  const auto grids = projection_grids(first, estimated_columns(a).value(), covered_by_both(a, b));
+  ASSERT_TRUE(found) << found.error().message;
+  std::vector<Pixel> covered;  // by both, as far as they were compared
+  for (const Difference::Cell& cell : found->cells) {
+    if (cell.in_focus) covered.push_back(cell.at);
+  }
+  const auto grids =
+      projection_grids(first, estimated_columns(a).value(), convex_hull(std::move(covered)));
   const auto promise = promise_of(grids, predicted);
-  ASSERT_TRUE(found && promise);
+  ASSERT_TRUE(promise);
   apart.projections.push_back(found->focus.max / promise->covered);
   for (std::size_t i = 0; i < a.parameters.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);

@@ -11,6 +11,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/solve/difference.hpp"
+#include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/uncertainty.hpp"
 #include "scenes.hpp"
 
@@ -313,6 +314,31 @@ TEST(ExpectedError, IsAbsentWithoutAUsableCovariance) {
   EXPECT_TRUE(expected_error(c).has_value());
   c.parameters[0].value = -5;
   EXPECT_FALSE(expected_error(c).has_value());
+}
+
+// The formula of each place by itself, in the order of the book.
+TEST(ExpectedError, IsTheFormulaOfEveryPlace) {
+  Random random(29);
+  for (const char* model : {"pinhole", "brown5", "fisheye"}) {
+    const Camera camera = scenes::random_camera(model, random);
+    const auto views =
+        scenes::observe_all(camera, scenes::kBoard,
+                            scenes::random_poses(camera, scenes::kBoard, random, 25), 0.1, random);
+    SolveOptions options;
+    options.model = model;
+    const auto solution = solve(views, kSize, options);
+    ASSERT_TRUE(solution) << solution.error().message;
+    const Calibration& c = solution->calibration;
+    const auto n = static_cast<Eigen::Index>(c.parameters.size());
+    const Eigen::MatrixXd covariance = Eigen::Map<const Eigen::MatrixXd>(c.covariance.data(), n, n);
+    double worst = 0;
+    for (const auto& cell :
+         projection_grid(Camera::make(c).value(), estimated_columns(c).value())) {
+      const Eigen::Matrix2d of_place = cell * covariance * cell.transpose();
+      worst = std::max(worst, larger_eigenvalue(of_place));
+    }
+    EXPECT_NEAR(*c.expected_error_anywhere / std::sqrt(worst), 1, 1e-9) << model;
+  }
 }
 
 TEST(ExpectedError, OfTheFocalLengthAloneIsTheErrorAtTheCorner) {

@@ -33,14 +33,15 @@ namespace {
 constexpr double kCornersPerPart = 40;
 
 // The mean square over the places of the grid of a change d of the directions is d^T M d.
-Eigen::MatrixXd projection_metric(const ProjectionGrid& grid,
+Eigen::MatrixXd projection_metric(const PlacedGrid& grid,
                                   const Parameterization& parameterization) {
   const ParameterRange own = parameterization.table.camera(0);
   const auto n = static_cast<Eigen::Index>(own.count);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
-  for (const auto& cell : grid) sum += cell.transpose().lazyProduct(cell);
   const Eigen::MatrixXd basis = parameterization.basis.middleRows(own.first, n);
-  return congruent(sum, basis) / static_cast<double>(std::max<std::size_t>(grid.size(), 1));
+  if (grid.at.empty()) return Eigen::MatrixXd::Zero(basis.cols(), basis.cols());
+  const Eigen::MatrixXd sum =
+      product(grid.u.transpose(), grid.u) + product(grid.v.transpose(), grid.v);
+  return congruent(sum, basis) / static_cast<double>(grid.at.size());
 }
 
 // Residuals in groups whose means should be 0: per group the score of a shift and its information.
@@ -89,13 +90,14 @@ class FitDiagnosis {
   static constexpr double kUndetermined = std::numeric_limits<double>::infinity();
 
   FitDiagnosis(const Fit& fit, const Camera& camera, const BoardShape& shape,
-               const Parameterization& parameterization, const ProjectionGrid& grid,
+               const Parameterization& parameterization, const PlacedGrid& grid,
                const Eigen::MatrixXd& covariance, double variance)
       : fit_(fit),
         camera_(camera),
         shape_(shape),
         parameterization_(parameterization),
         variance_(variance),
+        rows_(row_layout(parameterization.table, 0, 0)),
         metric_(projection_metric(grid, parameterization)) {
     // From unknowns to directions, by the pseudo-inverse of the basis.
     const Eigen::MatrixXd& basis = parameterization.basis;
@@ -234,23 +236,22 @@ class FitDiagnosis {
   }
 
   void add_residuals(std::size_t v, const ViewPoints& points) {
-    ViewRows rows(row_layout(parameterization_.table, 0, 0));
-    rows.resize(points.padded());
+    rows_.resize(points.padded());
     fill_rows_of(parameterization_.model)(points,
                                           row_point(parameterization_.table, 0, 0, fit_.shared),
-                                          fit_.camera_from_board[v], Loss{}, rows);
+                                          fit_.camera_from_board[v], Loss{}, rows_);
     const PointSet& view = fit_.views[v];
     const Eigen::Matrix3d& turn = fit_.camera_from_board[v].rotation;
     std::size_t at = 0;
     for (std::size_t i = 0; i < view.size(); ++i) {
       if (!(view.weight[i] > 0)) continue;
-      add_corner(view, i, at, rows, turn);
+      add_corner(view, i, at, turn);
       ++at;
     }
     ++group_;
   }
 
-  void add_corner(const PointSet& view, std::size_t i, std::size_t at, ViewRows& rows,
+  void add_corner(const PointSet& view, std::size_t i, std::size_t at,
                   const Eigen::Matrix3d& turn) {
     const ImageSize size = camera_.image_size();
     const auto part = [](double x, int extent, int parts) {
@@ -261,7 +262,7 @@ class FitDiagnosis {
     Eigen::Vector3d score = Eigen::Vector3d::Zero();
     Eigen::Vector3d information = Eigen::Vector3d::Zero();
     for (int k = 0; k < 2; ++k) {
-      const auto column = [&](int c) { return (k == 0 ? rows.u(c) : rows.v(c))[at]; };
+      const auto column = [&](int c) { return (k == 0 ? rows_.u(c) : rows_.v(c))[at]; };
       const double residual = column(RowLayout::kResidual);
       const double w = view.weight[i];
       picture_.add(0, 2 * cell + k, w * residual, w * w);
@@ -287,6 +288,7 @@ class FitDiagnosis {
   const BoardShape& shape_;
   const Parameterization& parameterization_;
   double variance_;
+  ViewRows rows_;
   Eigen::MatrixXd metric_;
   Eigen::MatrixXd covariance_;
   std::size_t used_ = 0;  // views
@@ -314,7 +316,7 @@ class FitDiagnosis {
 }  // namespace
 
 FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& shape,
-                        const Parameterization& parameterization, const ProjectionGrid& covered,
+                        const Parameterization& parameterization, const PlacedGrid& covered,
                         const Eigen::MatrixXd& covariance, double variance,
                         const std::stop_token& stop) {
   return FitDiagnosis(fit, camera, shape, parameterization, covered, covariance, variance)

@@ -53,9 +53,8 @@ struct FitDiagnostics {
 // The result means nothing where `stop` was requested.
 [[nodiscard]] FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& shape,
                                       const Parameterization& parameterization,
-                                      const ProjectionGrid& covered,
-                                      const Eigen::MatrixXd& covariance, double variance,
-                                      const std::stop_token& stop);
+                                      const PlacedGrid& covered, const Eigen::MatrixXd& covariance,
+                                      double variance, const std::stop_token& stop);
 
 // The covariance of all unknowns: of noise, or of what the views show of whatever there is; and of
 // what a board that is not as printed does in all of them alike. Each counts once.

@@ -231,7 +231,7 @@ PromiseParts add_promise(Calibration& calibration, const ProjectionGrids& grids,
                          const Eigen::MatrixXd& promised, const Eigen::MatrixXd& by_noise,
                          double noise) {
   const auto promise = promise_of(grids, promised);
-  const auto least = promise_of(grids, by_noise);
+  const auto least = promised == by_noise ? promise : promise_of(grids, by_noise);
   if (!promise || !least || !(promise->covered > 0)) return {};
   calibration.expected_error = promise->covered;
   calibration.expected_error_anywhere = promise->anywhere;
@@ -268,7 +268,7 @@ Eigen::MatrixXd add_checks(Solution& solution, const FinishedFit& from, const Ca
   const ProjectionGrids grids =
       projection_grids(camera, grid_columns(parameterization), calibration.covered);
   const FitDiagnostics found = diagnose(from.fit, camera, from.shape, parameterization,
-                                        grids.covered.by, by_noise, variance.all, stop);
+                                        grids.covered, by_noise, variance.all, stop);
   if (stop.stop_requested()) return by_noise;
   const Eigen::MatrixXd promised =
       with_rivals(honest_covariance(from.fit, from.shape, parameterization, found, by_noise),

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/geometry/dense.hpp"
 
 namespace calvin {
 
@@ -21,11 +22,17 @@ struct Worst {
 };
 
 Worst worst_of(const PlacedGrid& grid, const Eigen::MatrixXd& covariance) {
+  const Eigen::MatrixXd u = product(grid.u, covariance);
+  const Eigen::MatrixXd v = product(grid.v, covariance);
+  const Eigen::VectorXd uu = u.cwiseProduct(grid.u).rowwise().sum();
+  const Eigen::VectorXd uv = u.cwiseProduct(grid.v).rowwise().sum();
+  const Eigen::VectorXd vv = v.cwiseProduct(grid.v).rowwise().sum();
   Worst worst;
-  for (std::size_t i = 0; i < grid.by.size(); ++i) {
-    const auto& cell = grid.by[i];
-    const ProjectionGrid::value_type by_covariance = cell.lazyProduct(covariance);
-    const double variance = larger_eigenvalue(by_covariance.lazyProduct(cell.transpose()));
+  for (std::size_t i = 0; i < grid.at.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    Eigen::Matrix2d of_place;
+    of_place << uu[k], uv[k], uv[k], vv[k];
+    const double variance = larger_eigenvalue(of_place);
     if (i == 0 || variance > worst.variance) worst = {variance, grid.at[i]};
   }
   return worst;
@@ -34,7 +41,7 @@ Worst worst_of(const PlacedGrid& grid, const Eigen::MatrixXd& covariance) {
 }  // namespace
 
 std::optional<Promise> promise_of(const ProjectionGrids& grids, const Eigen::MatrixXd& covariance) {
-  if (grids.picture.by.empty() || !covariance.allFinite()) return std::nullopt;
+  if (grids.picture.at.empty() || !covariance.allFinite()) return std::nullopt;
   const Worst covered = worst_of(grids.covered, covariance);
   Worst anywhere = worst_of(grids.picture, covariance);
   if (anywhere.variance < covered.variance) anywhere = covered;

@@ -13,6 +13,7 @@
 
 #include "calvin/camera/models.hpp"
 #include "calvin/geometry/convex_hull.hpp"
+#include "calvin/geometry/dense.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 
 namespace calvin {
@@ -23,55 +24,61 @@ namespace {
 constexpr int kGridWidth = 33;
 constexpr int kGridHeight = 25;
 
-using Jacobian = ProjectionGrid::value_type;
+// The derivatives of the projections at some pixels: by the estimated parameters, and by a rotation
+// of the camera. A row for each pixel.
+struct Cells {
+  std::vector<Pixel> at;
+  Eigen::MatrixXd u, v;
+  Eigen::MatrixXd u_turned, v_turned;
 
-// The derivatives of one pixel's projection: by the estimated parameters, and by a rotation of the
-// camera.
-struct Cell {
-  Pixel at;
-  Jacobian parameters;
-  Eigen::Matrix<double, 2, 3> rotation;
+  Cells(std::size_t count, std::size_t columns)
+      : u(count, columns), v(count, columns), u_turned(count, 3), v_turned(count, 3) {
+    at.reserve(count);
+  }
+  void resize(Eigen::Index rows) {
+    for (Eigen::MatrixXd* m : {&u, &v, &u_turned, &v_turned}) {
+      m->conservativeResize(rows, Eigen::NoChange);
+    }
+  }
 };
 
+// Adds a pixel that has a ray.
 template <typename M>
-std::optional<Cell> cell_at(const Camera& camera, const std::vector<int>& columns, Pixel pixel) {
+void add_cell(const Camera& camera, const std::vector<int>& columns, Pixel pixel, Cells& cells) {
   const auto ray = camera.unproject(pixel);
-  if (!ray) return std::nullopt;
+  if (!ray) return;
   double uv[2];
   double jp[6];
   double jq[2 * M::kCount];
-  if (!M::project(camera.parameters().data(), camera.skew(), *ray, uv, jp, jq)) {
-    return std::nullopt;
-  }
-  Cell cell;
-  cell.at = pixel;
-  cell.parameters.resize(Eigen::NoChange, static_cast<Eigen::Index>(columns.size()));
+  if (!M::project(camera.parameters().data(), camera.skew(), *ray, uv, jp, jq)) return;
+  const auto row = static_cast<Eigen::Index>(cells.at.size());
+  bool finite = true;
+  const auto set = [&](Eigen::MatrixXd& m, Eigen::Index column, double value) {
+    m(row, column) = value;
+    finite = finite && std::isfinite(value);
+  };
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
     const int k = columns[i];
-    cell.parameters(0, column) = k == kSkewColumn ? (uv[1] - camera.cy()) / camera.fy() : jq[k];
-    cell.parameters(1, column) = k == kSkewColumn ? 0 : jq[M::kCount + k];
+    set(cells.u, column, k == kSkewColumn ? (uv[1] - camera.cy()) / camera.fy() : jq[k]);
+    set(cells.v, column, k == kSkewColumn ? 0 : jq[M::kCount + k]);
   }
-  for (int row = 0; row < 2; ++row) {
-    const Eigen::Vector3d g(jp[3 * row], jp[3 * row + 1], jp[3 * row + 2]);
-    cell.rotation.row(row) = ray->cross(g).transpose();
+  const Eigen::Vector3d of_u = ray->cross(Eigen::Vector3d(jp[0], jp[1], jp[2]));
+  const Eigen::Vector3d of_v = ray->cross(Eigen::Vector3d(jp[3], jp[4], jp[5]));
+  for (int k = 0; k < 3; ++k) {
+    set(cells.u_turned, k, of_u[k]);
+    set(cells.v_turned, k, of_v[k]);
   }
-  if (!cell.parameters.allFinite() || !cell.rotation.allFinite()) return std::nullopt;
-  return cell;
+  if (finite) cells.at.push_back(pixel);
 }
-
-using Cells = std::vector<Cell>;
-using CellList = std::vector<const Cell*>;
 
 Cells cells_at(const Camera& camera, const std::vector<int>& columns,
                const std::vector<Pixel>& pixels) {
-  Cells cells;
-  cells.reserve(pixels.size());
+  Cells cells(pixels.size(), columns.size());
   visit_model(camera.model(), [&]<typename M>() {
-    for (const Pixel pixel : pixels) {
-      if (auto cell = cell_at<M>(camera, columns, pixel)) cells.push_back(std::move(*cell));
-    }
+    for (const Pixel pixel : pixels) add_cell<M>(camera, columns, pixel, cells);
   });
+  if (cells.at.size() < pixels.size()) cells.resize(static_cast<Eigen::Index>(cells.at.size()));
   return cells;
 }
 
@@ -87,34 +94,40 @@ std::vector<Pixel> grid_of(ImageSize size) {
   return pixels;
 }
 
-CellList pointers(const Cells& cells) {
-  CellList list;
-  list.reserve(cells.size());
-  for (const Cell& cell : cells) list.push_back(&cell);
-  return list;
+// The cells of the border and those of the picture within it.
+Cells within(const std::vector<Pixel>& polygon, Cells border, const Cells& picture) {
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < picture.at.size(); ++i) {
+    if (!contains(polygon, picture.at[i])) continue;
+    rows.push_back(static_cast<Eigen::Index>(i));
+    border.at.push_back(picture.at[i]);
+  }
+  const Eigen::Index first = border.u.rows();
+  border.resize(static_cast<Eigen::Index>(border.at.size()));
+  const auto copy = [&](Eigen::MatrixXd& to, const Eigen::MatrixXd& from) {
+    for (Eigen::Index c = 0; c < to.cols(); ++c) {
+      double* column = to.col(c).data() + first;
+      for (std::size_t i = 0; i < rows.size(); ++i) column[i] = from(rows[i], c);
+    }
+  };
+  copy(border.u, picture.u);
+  copy(border.v, picture.v);
+  copy(border.u_turned, picture.u_turned);
+  copy(border.v_turned, picture.v_turned);
+  return border;
 }
 
 // The cells less the rotation that is the best for all of them. Empty where fewer than three.
-PlacedGrid turned(const CellList& cells) {
-  if (cells.size() < 3) return {};
-  const Eigen::Index n = cells.front()->parameters.cols();
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 3, Eigen::Dynamic> cross =
-      Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, n);
-  for (const Cell* cell : cells) {
-    normal += cell->rotation.transpose() * cell->rotation;
-    cross += cell->rotation.transpose().lazyProduct(cell->parameters);
-  }
-  const auto turn = scaled_solve(normal, cross, 0);
+PlacedGrid turned(Cells cells) {
+  if (cells.at.size() < 3) return {};
+  const Eigen::MatrixXd u = cells.u_turned.transpose();
+  const Eigen::MatrixXd v = cells.v_turned.transpose();
+  const auto turn = scaled_solve(product(u, cells.u_turned) + product(v, cells.v_turned),
+                                 product(u, cells.u) + product(v, cells.v), 0);
   if (!turn) return {};
-  PlacedGrid grid;
-  grid.at.reserve(cells.size());
-  grid.by.reserve(cells.size());
-  for (const Cell* cell : cells) {
-    grid.at.push_back(cell->at);
-    grid.by.emplace_back(cell->parameters - cell->rotation.lazyProduct(*turn));
-  }
-  return grid;
+  cells.u -= product(cells.u_turned, *turn);
+  cells.v -= product(cells.v_turned, *turn);
+  return {std::move(cells.at), std::move(cells.u), std::move(cells.v)};
 }
 
 }  // namespace
@@ -133,19 +146,23 @@ std::optional<std::vector<int>> estimated_columns(const Calibration& calibration
 
 ProjectionGrids projection_grids(const Camera& camera, const std::vector<int>& columns,
                                  const std::vector<Pixel>& covered) {
-  const Cells cells = cells_at(camera, columns, grid_of(camera.image_size()));
-  const Cells border = cells_at(camera, columns, covered);
-  CellList within = pointers(border);
-  for (const Cell& cell : cells) {
-    if (contains(covered, cell.at)) within.push_back(&cell);
-  }
-  ProjectionGrids grids = {turned(pointers(cells)), turned(within)};
-  if (grids.covered.by.empty()) grids.covered = grids.picture;
+  Cells cells = cells_at(camera, columns, grid_of(camera.image_size()));
+  ProjectionGrids grids;
+  grids.covered = turned(within(covered, cells_at(camera, columns, covered), cells));
+  grids.picture = turned(std::move(cells));
+  if (grids.covered.at.empty()) grids.covered = grids.picture;
   return grids;
 }
 
 ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& columns) {
-  return turned(pointers(cells_at(camera, columns, grid_of(camera.image_size())))).by;
+  const PlacedGrid all = turned(cells_at(camera, columns, grid_of(camera.image_size())));
+  ProjectionGrid grid(all.at.size());
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    grid[i].resize(Eigen::NoChange, all.u.cols());
+    grid[i] << all.u.row(row), all.v.row(row);
+  }
+  return grid;
 }
 
 double larger_eigenvalue(const Eigen::Matrix2d& m) {

@@ -29,10 +29,12 @@ inline constexpr int kSkewColumn = -1;
 using ProjectionGrid = std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>>;
 [[nodiscard]] ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& columns);
 
-// The derivatives of projections (px, 2 rows) at some places, less what a rotation explains.
+// The derivatives of projections, px, at some places, less what a rotation explains: of u and of v,
+// a row for each place, a column for each parameter.
 struct PlacedGrid {
   std::vector<Pixel> at;
-  ProjectionGrid by;
+  Eigen::MatrixXd u;
+  Eigen::MatrixXd v;
 };
 
 // The grid of projection_grid() all over the picture, and the part of it within the convex polygon
