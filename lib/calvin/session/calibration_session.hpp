@@ -22,13 +22,13 @@
 #include "calvin/session/files/session_files.hpp"
 #include "calvin/session/frame_times.hpp"
 #include "calvin/session/guidance/hint.hpp"
+#include "calvin/session/guidance/view_guide.hpp"
 #include "calvin/session/progress.hpp"
 #include "calvin/session/result_writes.hpp"
 #include "calvin/session/session.hpp"
 #include "calvin/session/session_jobs.hpp"
 #include "calvin/session/session_settings.hpp"
 #include "calvin/session/session_words.hpp"
-#include "calvin/session/guidance/view_guide.hpp"
 
 namespace calvin {
 

@@ -14,8 +14,8 @@
 #include "calvin/core/observation.hpp"
 #include "calvin/core/reason.hpp"
 #include "calvin/session/guidance/hint.hpp"
-#include "calvin/session/progress.hpp"
 #include "calvin/session/guidance/view_coverage.hpp"
+#include "calvin/session/progress.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {

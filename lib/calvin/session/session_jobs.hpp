@@ -14,8 +14,8 @@
 #include "calvin/core/calibration.hpp"
 #include "calvin/session/files/calibration_files.hpp"
 #include "calvin/session/frame_times.hpp"
-#include "calvin/session/session.hpp"
 #include "calvin/session/guidance/view_guide.hpp"
+#include "calvin/session/session.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {
