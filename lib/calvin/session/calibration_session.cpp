@@ -74,6 +74,7 @@ bool CalibrationSession::first_complaint() { return !std::exchange(complained_, 
 Offered CalibrationSession::offer(const Observation& observation, const FrameTimes& times,
                                   std::size_t place) {
   Offered offered;
+  drop_stale_guide(observation.timestamp);
   if (!observation.found()) return offered;
   const auto board = board_of(observation.board);
   if (!board) {
@@ -117,6 +118,15 @@ bool CalibrationSession::informs(const View& view) {
   const std::uint64_t now = view.observation.timestamp;
   if (now == kNoTimestamp || accepted_at_ == kNoTimestamp || now < accepted_at_) return true;
   return share_ >= kWanted * (1 - static_cast<double>(now - accepted_at_) / kPatience);
+}
+
+// A camera that is known badly may ask for what it cannot see.
+void CalibrationSession::drop_stale_guide(std::uint64_t now) {
+  constexpr std::uint64_t kLong = 10'000'000'000;  // ns
+  const bool known = now != kNoTimestamp && accepted_at_ != kNoTimestamp && now >= accepted_at_;
+  if (!guide_ || !known || now - accepted_at_ < kLong || hint_.kind == HintKind::kGood) return;
+  guide_.reset();
+  renew_hint();
 }
 
 // Words that change with every twitch of a hand cannot be followed.

@@ -164,6 +164,8 @@ class CalibrationSession {
   // Whether a view tells enough, of what the hint asks for, to be kept.
   [[nodiscard]] bool informs(const View& view);
   void guide_from(const View& view);
+  // Asks for something else where nobody has got to the target for long.
+  void drop_stale_guide(std::uint64_t now);
   // After whatever may have changed views, board or camera.
   void renew_hint();
   void ask(bool final);

@@ -181,8 +181,10 @@ class Operator {
 
   // Whether the view was taken. What is asked for is solved at once.
   bool show(const SE3& pose, double now) {
-    if (!scenes::sees_all(truth_, scenes::kBoard, pose)) return false;
-    Observation seen = scenes::observe(truth_, scenes::kBoard, pose, noise_, random_).observation;
+    Observation seen;
+    if (scenes::sees_all(truth_, scenes::kBoard, pose)) {
+      seen = scenes::observe(truth_, scenes::kBoard, pose, noise_, random_).observation;
+    }
     seen.timestamp = static_cast<std::uint64_t>(now * 1e9);
     const FrameTimes times = {seen.timestamp, seen.timestamp, seen.timestamp, 66'666'667};
     const bool taken = session_.offer(seen, times).reason == Reason::kAccepted;
