@@ -192,19 +192,26 @@ std::string CalibrationSession::camera_name() const {
   return plan_.settings.camera.empty() ? camera_ : plan_.settings.camera;
 }
 
-std::string_view CalibrationSession::consider() {
-  ++revision_;
+std::string_view CalibrationSession::limit_reached() const {
   if (!enough_views()) return {};
   const std::size_t views = views_.views().size();
   const bool full =
       plan_.settings.max_views > 0 && views >= static_cast<std::size_t>(plan_.settings.max_views);
-  const bool good = plan_.settings.target_error > 0 && calibration_ &&
+  if (full) return "max-views";
+  const bool good = plan_.settings.target_error > 0 && published_ && calibration_ &&
                     reaches(*calibration_, plan_.settings.target_error);
-  if (full || good) {
+  return good ? "target-error" : "";
+}
+
+std::string_view CalibrationSession::consider() {
+  ++revision_;
+  if (!enough_views()) return {};
+  if (const std::string_view limit = limit_reached(); !limit.empty()) {
     finished_ = true;
     ask(true);
-    return full ? "max-views" : "target-error";
+    return limit;
   }
+  const std::size_t views = views_.views().size();
   if (views >= next_solve_) {
     // When every frame is a view, each solve waits for a quarter more of them.
     next_solve_ = views_.options().mode == CaptureMode::kAll ? views + views / 4 + 1 : views + 1;
@@ -231,7 +238,8 @@ void CalibrationSession::reset() {
   views_.reset();
   taken_.clear();
   calibration_.reset();
-  published_ = finished_ = announce_ = complained_ = false;
+  announcement_.reset();
+  published_ = finished_ = complained_ = false;
   asked_ = final_owed_ = solve_waits_ = false;
   last_reasons_.clear();
   solve_error_.clear();
@@ -242,19 +250,26 @@ void CalibrationSession::reset() {
   renew_hint();
 }
 
+void CalibrationSession::outdate_results() {
+  ++generation_;
+  ++revision_;
+  published_ = false;
+  announcement_.reset();
+  writes_.forget();
+}
+
 bool CalibrationSession::remove_view(std::size_t index) {
   if (!views_.remove_view(index)) return false;
   taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
-  ++generation_;                   // what is being solved has the view in it
-  finished_ = published_ = false;  // and the files have it
-  writes_.forget();
-  ++revision_;
+  outdate_results();  // what is being solved has the view in it, and the files have it
+  finished_ = !limit_reached().empty();
   next_solve_ = 0;
   guide_.reset();
   if (enough_views()) {
-    ask(false);
+    ask(finished_);
   } else {
     calibration_.reset();
+    solve_error_.clear();
   }
   renew_hint();
   return true;

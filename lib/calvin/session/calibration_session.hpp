@@ -130,7 +130,8 @@ class CalibrationSession {
   [[nodiscard]] const std::optional<Calibration>& calibration() const noexcept {
     return calibration_;
   }
-  // The newest calibration that downstream has not got, once.
+  // The newest calibration that was better than those before it and that downstream has not got,
+  // once.
   [[nodiscard]] std::optional<Calibration> take_announcement();
 
   // Work was cut short (a flush), and may go on: it is asked for again.
@@ -166,6 +167,10 @@ class CalibrationSession {
   void guide_from(const View& view);
   // Asks for something else where nobody has got to the target for long.
   void drop_stale_guide(std::uint64_t now);
+  // The setting that ends the capture with what is there, or nothing.
+  [[nodiscard]] std::string_view limit_reached() const;
+  // What is solved and written is not what the session wants any more.
+  void outdate_results();
   // After whatever may have changed views, board or camera.
   void renew_hint();
   void ask(bool final);
@@ -209,9 +214,9 @@ class CalibrationSession {
   // What came of it.
   std::optional<Calibration> calibration_;  // newest solution
   std::string solve_error_;
-  bool published_ = false;                 // a calibration was good enough for the files
-  std::optional<double> published_error_;  // its compared_error(), px
-  bool announce_ = false;                  // calibration_ waits to be announced
+  bool published_ = false;  // a calibration of what is set and kept was good enough for the files
+  std::optional<double> published_error_;    // its compared_error(), px
+  std::optional<Calibration> announcement_;  // was published, and downstream has not got it
   ResultWrites writes_;
 };
 

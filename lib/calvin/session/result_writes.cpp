@@ -17,8 +17,9 @@ void ResultWrites::reset() {
 }
 
 void ResultWrites::begin_files(bool writable) {
+  status_ = {};
   failed_ = !writable;
-  late_ = false;
+  late_ = kept_ = false;
 }
 
 void ResultWrites::forget() {

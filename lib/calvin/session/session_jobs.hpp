@@ -24,8 +24,8 @@ namespace calvin {
 // it what still counts.
 struct JobOrigin {
   std::uint64_t session = 0;     // a reset begins a new one
-  std::uint64_t generation = 0;  // so do a view that is removed and other options of the solver
-  std::uint64_t revision = 0;    // so do a new view and other files
+  std::uint64_t generation = 0;  // so do a view that is removed, other options and other files
+  std::uint64_t revision = 0;    // so does a new view
 };
 
 struct SolveJob {

@@ -18,7 +18,7 @@ void CalibrationSession::ask(bool final) {
 }
 
 std::optional<SolveJob> CalibrationSession::take_solve() {
-  if (!std::exchange(asked_, false)) return std::nullopt;
+  if (!std::exchange(asked_, false) || !enough_views()) return std::nullopt;
   SolveJob job;
   job.views = views_.views();
   job.size = size_;
@@ -52,7 +52,8 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
   const double error = compared_error(*calibration_).value_or(HUGE_VAL);
   const bool better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
   if (better) {
-    announce_ = published_ = true;
+    published_ = true;
+    announcement_ = calibration_;
     published_error_ = compared_error(*calibration_);
     writes_.add(*calibration_);
   }
@@ -89,8 +90,7 @@ void CalibrationSession::reported(const SolveJob& job) {
 }
 
 std::optional<Calibration> CalibrationSession::take_announcement() {
-  if (!std::exchange(announce_, false)) return std::nullopt;
-  return calibration_;
+  return std::exchange(announcement_, std::nullopt);
 }
 
 // ---- Interruption and end -----------------------------------------------------------------------
@@ -116,7 +116,7 @@ Verdict CalibrationSession::verdict() const {
   verdict.files_wanted = !plan_.files.empty();
   if (!solve_error_.empty()) {
     verdict.status = tl::unexpected<Error>(solve_failed(solve_error_, calibration_.has_value()));
-  } else if (calibration_) {
+  } else if (published_) {
     verdict.status = writes_.status();
   } else {
     verdict.status =

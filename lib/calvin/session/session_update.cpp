@@ -14,7 +14,9 @@ void CalibrationSession::start(SessionPlan plan, bool writable) {
   seen_ = plan_.settings;
   ++plan_serial_;
   size_ = {};
+  board_.reset();
   initial_.reset();
+  views_.set_options(plan_.session_options(live_));
   writes_.begin_files(writable);
   reset();
 }
@@ -46,24 +48,23 @@ std::optional<std::vector<Error>> CalibrationSession::end_update(const SettingsU
 std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) {
   const bool solve = solves_differently(plan.settings, plan_.settings);
   const bool write = writes_elsewhere(plan.settings, plan_.settings);
+  const bool other_files = names_other_files(plan.settings, plan_.settings);
   plan_ = std::move(plan);
   views_.set_options(plan_.session_options(live_));
-  finished_ = false;
   std::optional<Error> warning;
   if (solve) {
     auto fitted = fit_initial(plan_, size_);
     initial_ = std::move(fitted.calibration);
     warning = std::move(fitted.warning);
-    ++generation_;  // what is being solved in the old way is of no use
-    renew_hint();   // `initial` is the camera until there is a solution
+    published_ = false;  // the calibration is one of the old way
+    solve_error_.clear();
+    renew_hint();  // `initial` is the camera until there is a solution
   }
-  if (write) writes_.begin_files(writable);
-  if (solve || write) {
-    ++revision_;
-    published_ = false;
-    writes_.forget();
-    if (enough_views()) ask(false);
-  }
+  finished_ = !limit_reached().empty();
+  if (other_files) writes_.begin_files(writable);
+  if (solve || write) outdate_results();
+  const bool final = finished_ && final_revision_ != revision_;
+  if (enough_views() && (solve || write || final)) ask(final);
   return warning;
 }
 
