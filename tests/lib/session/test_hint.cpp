@@ -36,9 +36,10 @@ constexpr Place kTopNearer{0, 0, 0.4, 0.6, 0};
 constexpr Place kBottomNearer{0, 0, 0.4, -0.6, 0};
 
 // The hint after these views.
-Hint after(const std::vector<Place>& places) {
+Hint after(const std::vector<Place>& places, double focal = 1100) {
   scenes::Random random{1};
-  const Camera camera = Camera::make("pinhole", scenes::kSize, {1100, 1100, 639.5, 479.5}).value();
+  const Camera camera =
+      Camera::make("pinhole", scenes::kSize, {focal, focal, 639.5, 479.5}).value();
   const Eigen::Vector3d center(0.1, 0.0625, 0);
   Session session({CaptureMode::kAll, 3, 0});
   for (const Place& p : places) {
@@ -90,6 +91,27 @@ TEST(Hints, AskForMoreTiltWhereEveryEdgeWasALittleNearer) {
                    {-0.19, -0.16, 0.55},
                    {0.19, 0.16, 0.55}}),
             (Hint{kTilt, kNone}));
+}
+
+// The bars are full: there is nothing to ask for.
+TEST(Hints, AskForNothingWhereAllIsSpanned) {
+  EXPECT_EQ(after({kNear, {-0.19, -0.16, 0.55}, {0.19, 0.16, 0.55}, {0, 0, 0.45, 0.6, 0.6}}),
+            (Hint{kGood, kNone}));
+}
+
+// From far away both edges look equally long, however much the board is tilted.
+TEST(Hints, AskALongLensForNoEdgeThatItCannotTell) {
+  constexpr double kFocal = 9000;  // 8 degrees across
+  constexpr double kScale = kFocal / 1100;
+  const std::vector<Place> near = {{0, 0, 0.3 * kScale}};
+  EXPECT_EQ(after(near, kFocal).kind, kTilt);
+  // Too little of a tilt tells nothing.
+  EXPECT_EQ(after({near[0], {0, 0, 0.35 * kScale, 0, 0.2}}, kFocal), (Hint{kTilt, kLeft}));
+  EXPECT_EQ(after({near[0], {0, 0, 0.35 * kScale, 0, 0.7}}, kFocal), (Hint{kTilt, kTop}));
+  EXPECT_EQ(after({near[0], {0, 0, 0.35 * kScale, 0.7, 0}}, kFocal), (Hint{kTilt, kLeft}));
+  EXPECT_EQ(
+      after({near[0], {0, 0, 0.35 * kScale, 0, 0.7}, {0, 0, 0.35 * kScale, -0.7, 0}}, kFocal).kind,
+      kMove);
 }
 
 TEST(Hints, EachThatIsMadeHasItsOwnSentence) {

@@ -169,7 +169,7 @@ TEST(HintTargets, AreAbsentWhereNothingIsMissing) {
 // Whoever holds the board at each target in turn is done soon, whatever lens and board there are.
 TEST(HintTargets, CompleteASessionOneAfterTheOther) {
   const std::vector<Camera> cameras = {
-      pinhole(1100), pinhole(1600),
+      pinhole(1100), pinhole(1600), pinhole(9000),
       Camera::make("brown5", kSize, {900, 900, 650, 470, -0.3, 0.1, 0.001, -0.001, 0}).value(),
       Camera::make("fisheye", kSize, {420, 420, 639.5, 479.5, 0.02, -0.01, 0, 0}).value()};
   const std::vector<Board> boards = {kBoard, Checkerboard{4, 7, 0.1}, Checkerboard{14, 5, 0.02}};

@@ -27,6 +27,14 @@ constexpr double kRangeTilt = 0.5;
 // Beyond this ratio of opposite edges the board counts as tilted to that side.
 constexpr double kTilted = 0.06;
 
+// A long lens sees both edges equally long. Where a board of this size, at least, is foreshortened
+// by a tilt of 30 degrees, and still no edge looks longer, either of them counts as nearer.
+constexpr double kForeshortened = 0.87;
+constexpr double kLargeEnough = 0.2;
+
+constexpr std::array kEdges = {HintDirection::kLeft, HintDirection::kRight, HintDirection::kTop,
+                               HintDirection::kBottom};
+
 double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
 
 double range_of(const std::vector<BoardFootprint>& footprints, double BoardFootprint::*value,
@@ -96,7 +104,10 @@ Result<BoardFootprint> footprint_of(const View& view) {
   const auto nearer = [](double one, double other) { return (one - other) / (one + other); };
   p.left_nearer = nearer(distance(corner[0], corner[3]), distance(corner[1], corner[2]));
   p.top_nearer = nearer(distance(corner[0], corner[1]), distance(corner[3], corner[2]));
-  for (const double value : {p.x, p.y, p.size, p.tilt, p.left_nearer, p.top_nearer}) {
+  p.aspect = (distance(corner[0], corner[1]) + distance(corner[3], corner[2])) /
+             (distance(corner[0], corner[3]) + distance(corner[1], corner[2])) *
+             (all.bottom - all.top) / (all.right - all.left);
+  for (const double value : {p.x, p.y, p.size, p.tilt, p.left_nearer, p.top_nearer, p.aspect}) {
     if (!std::isfinite(value)) {
       return make_error(ErrorCode::kDegenerate, "The board is seen edge on.");
     }
@@ -161,27 +172,37 @@ double ViewCoverage::tilt() const {
 
 bool ViewCoverage::spans_all() const { return std::min({x(), y(), size(), tilt()}) >= 1; }
 
+std::array<bool, 4> ViewCoverage::edges_seen_nearer() const {
+  std::array<bool, 4> nearer{};
+  for (const BoardFootprint& p : footprints_) {
+    const bool large = p.size >= kLargeEnough;
+    const bool sideways = large && p.aspect < kForeshortened && std::abs(p.left_nearer) <= kTilted;
+    const bool upright =
+        large && p.aspect > 1 / kForeshortened && std::abs(p.top_nearer) <= kTilted;
+    nearer[0] |= p.left_nearer > kTilted || sideways;
+    nearer[1] |= p.left_nearer < -kTilted || sideways;
+    nearer[2] |= p.top_nearer > kTilted || upright;
+    nearer[3] |= p.top_nearer < -kTilted || upright;
+  }
+  return nearer;
+}
+
 Hint ViewCoverage::hint() const {
   using enum HintKind;
   using enum HintDirection;
   if (footprints_.empty()) return {kShowBoard};
+  if (spans_all()) return {kGood};
   double left = 1;
   double right = 0;
   double top = 1;
   double bottom = 0;
-  std::array<bool, 4> tilts{};
   for (const BoardFootprint& p : footprints_) {
     left = std::min(left, p.x);
     right = std::max(right, p.x);
     top = std::min(top, p.y);
     bottom = std::max(bottom, p.y);
-    tilts[0] |= p.left_nearer > kTilted;
-    tilts[1] |= p.left_nearer < -kTilted;
-    tilts[2] |= p.top_nearer > kTilted;
-    tilts[3] |= p.top_nearer < -kTilted;
   }
-  constexpr std::array kEdges = {kLeft, kRight, kTop, kBottom};
-
+  const auto tilts = edges_seen_nearer();
   if (size() < 0.5) return {kComeCloser};
   for (std::size_t i = 0; i < tilts.size(); ++i) {
     if (!tilts[i]) return {kTilt, kEdges[i]};

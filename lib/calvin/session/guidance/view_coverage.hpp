@@ -23,6 +23,7 @@ struct BoardFootprint {
   // Which edge is the nearest: by how much it looks longer than its opposite, -1..1.
   double left_nearer = 0;
   double top_nearer = 0;
+  double aspect = 1;  // of its width to its height, over that of the board itself
 };
 
 // Spans like those that ROS's camera calibrator shows, and a hint at what is missing most.
@@ -38,9 +39,14 @@ class ViewCoverage {
   [[nodiscard]] double tilt() const;
   [[nodiscard]] bool spans_all() const;
 
+  // kGood where it spans all.
   [[nodiscard]] Hint hint() const;
 
  private:
+  // Whether each edge, as kEdges of the .cpp lists them, was nearer to the camera than the
+  // opposite.
+  [[nodiscard]] std::array<bool, 4> edges_seen_nearer() const;
+
   static constexpr int kColumns = 16;
   static constexpr int kRows = 12;
 
