@@ -58,7 +58,7 @@ GST_START_TEST(test_two_views_are_enough_where_they_differ) {
   for (const bool differ : {true, false}) {
     Fixture f("min-views=2 fix=k2,p1,p2,k3");
     gst_buffer_unref(f.push(0));
-    gst_buffer_unref(f.push(differ ? 5 : 0));
+    gst_buffer_unref(f.push_observation(f.seen(differ ? 5 : 0), 5));
     f.eos();
     const GstStructure* r = f.result("final");
     if (differ) {
@@ -150,7 +150,7 @@ GST_END_TEST;
 GST_START_TEST(test_the_same_view_again_and_again_is_an_error_with_a_reason) {
   check::TemporaryFolder folder;
   Fixture f("location=" + folder / "none.json");
-  for (int i = 0; i < 10; ++i) gst_buffer_unref(f.push(3));
+  for (int i = 0; i < 10; ++i) gst_buffer_unref(f.push_observation(f.seen(3), i));
   f.eos();
   fail_unless(f.bus.says(GST_MESSAGE_ERROR, "No calibration: "));
   fail_unless(f.result("final") == nullptr);

@@ -159,8 +159,8 @@ GST_END_TEST;
 // P6: identical frames in succession are taken.
 GST_START_TEST(test_p06_a_view_that_was_taken_is_not_taken_again) {
   Fixture f("", barrel(), "");  // a harness is live, and a live camera's views are chosen
-  for (int i = 0; i < 30; ++i) gst_buffer_unref(f.push(3));
-  g_autoptr(GstBuffer) out = f.push(3);
+  for (int i = 0; i < 30; ++i) gst_buffer_unref(f.push_observation(f.seen(3), i));
+  g_autoptr(GstBuffer) out = f.push_observation(f.seen(3), 30);
   fail_unless_equals_int(gst::read_guidance(out)->views, 1);
 }
 GST_END_TEST;
@@ -211,7 +211,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_p12_it_solves_after_a_failure) {
   Fixture f("", barrel());
-  for (int i = 0; i < 10; ++i) gst_buffer_unref(f.push(3));  // one pose determines no camera
+  for (int i = 0; i < 10; ++i) gst_buffer_unref(f.push_observation(f.seen(3), i));
   g_signal_emit_by_name(f.element, "solve");
   g_usleep(200000);
   fail_unless(f.result("final") == nullptr);

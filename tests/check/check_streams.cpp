@@ -139,7 +139,7 @@ GST_END_TEST;
 // What kept one stream from being solved is not what keeps the next.
 GST_START_TEST(test_the_failure_of_a_stream_is_not_told_of_the_next) {
   SolveFixture f;
-  for (int i = 0; i < 4; ++i) gst_buffer_unref(f.push(3));
+  for (int i = 0; i < 4; ++i) gst_buffer_unref(f.push_observation(f.seen(3), i));
   f.eos();
   fail_unless_equals_int(f.bus.texts(GST_MESSAGE_WARNING).size(), 1);
   begin_stream(f.h, "second", {320, 240});

@@ -75,14 +75,21 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
                                   std::size_t place) {
   Offered offered;
   drop_stale_guide(observation.timestamp);
-  if (!observation.found()) return offered;
+  if (!observation.found()) {
+    views_.pass(observation);
+    return offered;
+  }
   const auto board = board_of(observation.board);
   if (!board) {
     if (first_complaint()) offered.complaint = board.error();
     return offered;
   }
   offered.reason = observation.image_size != size_ ? Reason::kOffSize : Reason::kTooSimilar;
-  if (finished_ || observation.image_size != size_) return offered;
+  if (finished_ || observation.image_size != size_) {
+    views_.pass(observation);
+    return offered;
+  }
+  const bool new_board = choose_board(*board, times);
   camera_ = observation.camera;
   times_ = times;
   View view = {observation, *board};
@@ -94,9 +101,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
     offered.reached = consider();
   }
   offered.reason = reason;
-  const bool new_board = board_ != *board;
-  board_ = *board;
-  guide_from(view);
+  if (board_ == *board) guide_from(view);
   if (new_board || reason == Reason::kAccepted) renew_hint();
   if (place >= last_reasons_.size()) last_reasons_.resize(place + 1, Reason::kAccepted);
   const bool new_reason = std::exchange(last_reasons_[place], reason) != reason;
@@ -142,6 +147,20 @@ void CalibrationSession::guide_from(const View& view) {
   if (next == hint_ || (known && now - hint_since_ < kReadable)) return;
   hint_ = next;
   hint_since_ = now;
+}
+
+bool CalibrationSession::choose_board(const Board& seen, const FrameTimes& times) {
+  constexpr int kGone = 15;  // frames with other boards alone
+  const bool next = times.timestamp == kNoTimestamp || times.timestamp != times_.timestamp;
+  if (board_ == seen) {
+    frames_without_board_ = 0;
+  } else if (next) {
+    ++frames_without_board_;
+  }
+  if (board_ && (board_ == seen || frames_without_board_ <= kGone)) return false;
+  board_ = seen;
+  frames_without_board_ = 0;
+  return true;
 }
 
 Progress CalibrationSession::progress() const {

@@ -171,6 +171,8 @@ class CalibrationSession {
   [[nodiscard]] std::string_view limit_reached() const;
   // What is solved and written is not what the session wants any more.
   void outdate_results();
+  // Whether board_ becomes the one that was seen.
+  [[nodiscard]] bool choose_board(const Board& seen, const FrameTimes& times);
   // After whatever may have changed views, board or camera.
   void renew_hint();
   void ask(bool final);
@@ -192,7 +194,8 @@ class CalibrationSession {
   FrameTimes times_;                  // of the newest frame with a board
   std::vector<Reason> last_reasons_;  // by place
   bool complained_ = false;           // of broken observations
-  std::optional<Board> board_;        // of the newest observation
+  std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
+  int frames_without_board_ = 0;  // that showed others, since it was seen
   Hint hint_;
   std::shared_ptr<const ViewGuide> guide_;    // after the newest solve
   double share_ = 0;                          // ViewGuide::share() of the newest observation

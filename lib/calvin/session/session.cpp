@@ -27,6 +27,7 @@ constexpr double kNewShape = 0.025;      // of the board's size in the image
 constexpr double kSameSheet = 0.5;       // of the board's size in the image, between two frames
 constexpr std::size_t kMostSheets = 16;  // of a board that are remembered
 constexpr std::size_t kMostBoards = 16;  // by their texts, likewise
+constexpr std::size_t kMostTimes = 16;   // between frames, likewise
 
 // How the corners that two observations share have moved, px.
 struct Motion {
@@ -88,13 +89,39 @@ bool seen_on(const std::vector<Observation>& frame, const Observation& sheet) {
   });
 }
 
+// Whether both are of one frame, or of copies of it.
+bool is_same(const Observation& a, const Observation& b) {
+  return a.timestamp != kNoTimestamp && a.timestamp == b.timestamp && a.board == b.board &&
+         a.ids == b.ids && std::ranges::equal(a.uv, b.uv, [](Pixel one, Pixel other) {
+           return one.u == other.u && one.v == other.v;
+         });
+}
+
 }  // namespace
+
+void Session::pass(const Observation& seen) {
+  begin_frame(seen);
+  if (seen.timestamp == kNoTimestamp) recent(seen.board).before.clear();
+}
 
 Reason Session::offer(const View& view, bool informs) {
   begin_frame(view.observation);
   const Reason reason = usable(view);
   if (reason != Reason::kAccepted) return reason;
   Recent& r = recent(view.observation.board);
+  const auto is_this = [&view](const Observation& o) { return is_same(o, view.observation); };
+  if (std::ranges::none_of(r.now, is_this)) return r.reason = judge(view, r);
+  const bool kept =
+      std::ranges::any_of(views_, [&](const auto& v) { return is_this(v->observation); });
+  if (asked_ && !kept && !full()) {
+    keep(view);
+    r.reason = Reason::kAccepted;
+    return r.reason;
+  }
+  return r.reason == Reason::kAccepted ? Reason::kTooSimilar : r.reason;
+}
+
+Reason Session::judge(const View& view, Recent& r) {
   // A timestamp that stands still does not make two frames one.
   if (seen_on(r.now, view.observation)) r.before = std::exchange(r.now, {});
   const std::optional<Observation> before = take_previous(view.observation);
@@ -137,14 +164,24 @@ Reason Session::worth_keeping(const View& view, const std::optional<Observation>
   return informs && is_new(view) ? Reason::kAccepted : Reason::kTooSimilar;
 }
 
-void Session::time_frames(const Observation& before, const Observation& now) {
-  const double between = seconds_between(before, now);
-  if (between > 0 && (frame_time_ == 0 || between < frame_time_)) frame_time_ = between;
+void Session::time_frame(std::uint64_t timestamp) {
+  const std::uint64_t last = std::exchange(last_frame_, timestamp);
+  if (last == kNoTimestamp || timestamp <= last) return;
+  if (frame_times_.size() >= kMostTimes) frame_times_.erase(frame_times_.begin());
+  frame_times_.push_back(1e-9 * static_cast<double>(timestamp - last));
+}
+
+// Neither a burst of frames nor frames that were left out change it.
+double Session::frame_time() const {
+  if (frame_times_.empty()) return 0;
+  std::vector<double> sorted = frame_times_;
+  std::ranges::sort(sorted);
+  return sorted[(sorted.size() - 1) / 4];
 }
 
 double Session::readout_share(const Observation& before, const Observation& now) const {
   const double between = seconds_between(before, now);
-  const double readout = options_.readout > 0 ? options_.readout : frame_time_;
+  const double readout = options_.readout > 0 ? options_.readout : frame_time();
   return between > 0 && readout > 0 ? readout / between : 1;
 }
 
@@ -159,6 +196,7 @@ Session::Recent& Session::recent(const std::string& board) {
 void Session::begin_frame(const Observation& seen) {
   Recent& r = recent(seen.board);
   const bool timed = seen.timestamp != kNoTimestamp;
+  if (timed && seen.timestamp != last_frame_) time_frame(seen.timestamp);
   if (timed && seen.timestamp == r.frame) return;
   if (timed) r.before.clear();
   r.before.insert(r.before.end(), r.now.begin(), r.now.end());
@@ -180,7 +218,6 @@ std::optional<Observation> Session::take_previous(const Observation& now) {
     least = m.center;
   }
   if (nearest == before.end()) return std::nullopt;
-  time_frames(*nearest, now);
   // Another sheet of the board, or one that has moved too far to tell.
   if (least > kSameSheet * std::sqrt(hull_area(now))) return std::nullopt;
   Observation observation = std::move(*nearest);
@@ -214,7 +251,8 @@ void Session::reset() {
   coverage_.clear();
   recent_.clear();
   asked_ = false;
-  frame_time_ = 0;
+  last_frame_ = kNoTimestamp;
+  frame_times_.clear();
 }
 
 bool Session::remove_view(std::size_t index) {

@@ -41,14 +41,16 @@ struct SessionOptions {
 //     no more than 0.1 px (RMS, what their sigmas explain taken off) while a frame is read out; so
 //     the first one after a gap never is. Several observations of a board with the same timestamp
 //     are sheets that are equal: the one of the frame before whose centre lies nearest, by less
-//     than half the board's size, is the same sheet. A frame's time is the shortest between two
-//     observations;
+//     than half the board's size, is the same sheet. A frame's time is the lower quartile of those
+//     between the newest frames;
 //   - be sharp: its edges are blurred by no more than 0.15 % of the image diagonal, or 2 px if that
 //     is more (1 sigma);
 //   - be large: the corners' hull covers at least 1 % of the image;
 //   - be new, compared with every kept view of the same board: its centre lies at least 8 % of the
 //     image diagonal away, or the corners have moved about their centre by at least 2.5 % of the
 //     board's size in the image on average (nearer, farther, turned, tilted).
+// An observation that comes again with its timestamp is of a copy of the frame: it tells nothing
+// new.
 class Session {
  public:
   explicit Session(SessionOptions options = {}) : options_(options) {}
@@ -56,6 +58,9 @@ class Session {
   // Keeps the view when it returns kAccepted. kTooSimilar also for a view beyond max_views, in
   // kManual for one that was not asked for, and in kAuto for one that does not inform.
   Reason offer(const View& view, bool informs = true);
+
+  // A frame that may have shown the board, but nothing of it is offered: there is a gap.
+  void pass(const Observation& seen);
 
   // Takes effect with the next view; those kept stay.
   void set_options(const SessionOptions& options) { options_ = options; }
@@ -92,7 +97,8 @@ class Session {
   void begin_frame(const Observation& seen);
   [[nodiscard]] std::optional<Observation> take_previous(const Observation& now);
   void keep(const View& view);
-  void time_frames(const Observation& before, const Observation& now);
+  void time_frame(std::uint64_t timestamp);
+  [[nodiscard]] double frame_time() const;  // s; 0: not known
   // The part of the time between two observations that a readout takes.
   [[nodiscard]] double readout_share(const Observation& before, const Observation& now) const;
 
@@ -106,11 +112,15 @@ class Session {
     std::uint64_t frame = kNoTimestamp;
     std::vector<Observation> before;
     std::vector<Observation> now;
+    Reason reason = Reason::kNotFound;  // of the newest one
   };
+  // Of what no frame has shown before; it becomes one of what the frame at hand shows.
+  [[nodiscard]] Reason judge(const View& view, Recent& r);
   [[nodiscard]] Recent& recent(const std::string& board);
   std::vector<Recent> recent_;
   bool asked_ = false;
-  double frame_time_ = 0;  // s; 0: not known
+  std::uint64_t last_frame_ = kNoTimestamp;
+  std::vector<double> frame_times_;  // s, between the newest frames
 };
 
 }  // namespace calvin

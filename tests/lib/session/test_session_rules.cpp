@@ -244,6 +244,24 @@ TEST(Still, IsATenthOfAPixelWhileAFrameIsReadOut) {
   EXPECT_EQ(moved(0.41, 0.04, 0.01), Reason::kMoving);
 }
 
+// How long a frame takes is what the newest frames tell: neither one at a higher rate long ago, nor
+// two that came in a burst.
+TEST(Still, IsByTheRateOfTheFramesAtHand) {
+  const View view = look({});
+  Session slower({CaptureMode::kAuto, 3, 0});
+  double now = 1;
+  for (int i = 0; i < 60; ++i) slower.offer(timed(shifted(view, 100, 100), now += 0.01));
+  for (int i = 0; i < 30; ++i) slower.offer(timed(shifted(view, 100, 100), now += 0.04));
+  slower.offer(timed(view, now += 0.04));
+  EXPECT_EQ(slower.offer(timed(shifted(view, 0.2, 0), now += 0.04)), Reason::kMoving);
+  EXPECT_EQ(slower.offer(timed(shifted(view, 0.29, 0), now += 0.04)), Reason::kAccepted);
+  Session burst({CaptureMode::kAuto, 3, 0});
+  for (int i = 0; i < 10; ++i) burst.offer(timed(shifted(view, 100, 100), now += 0.04));
+  burst.offer(timed(shifted(view, 100, 100), now += 0.0001));
+  burst.offer(timed(view, now += 0.04));
+  EXPECT_EQ(burst.offer(timed(shifted(view, 0.2, 0), now += 0.04)), Reason::kMoving);
+}
+
 // What the corners' sigmas explain of it is no motion.
 TEST(Still, IsBesideTheNoiseOfTheCorners) {
   const auto moved = [](double px, double sigma) {

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a session makes of the order of frames: those without a board, copies of one, several boards
+// in turn.
+
+#include "session_fixture.hpp"
+
+namespace calvin {
+namespace {
+
+class SessionFrames : public CalibrationSessions {
+ protected:
+  void begin_auto() {
+    begin();
+    SessionSettings settings = settings_;
+    settings.capture_mode = CaptureChoice::kAuto;
+    set(settings);
+  }
+  // The board of scene 0 on the frame n, `right` px to the right.
+  Observation at(int n, double right = 0) {
+    Observation o = seen(0);
+    for (Pixel& p : o.uv) p.u += right;
+    o.timestamp = times(n).timestamp;
+    return o;
+  }
+  Reason offer(const Observation& o, int n) { return session_.offer(o, times(n)).reason; }
+  void lose(int n) {
+    Observation none = at(n);
+    none.ids.clear();
+    none.uv.clear();
+    none.sigma.clear();
+    EXPECT_FALSE(session_.offer(none, times(n)).report) << "no board is nothing to tell";
+  }
+};
+
+// In a second the board may move a lot and be still: while it was away nobody knows what it did.
+TEST_F(SessionFrames, KnowThatTheBoardWasAway) {
+  begin_auto();
+  for (int n = 0; n < 3; ++n) EXPECT_EQ(offer(at(n, 2 * n - 4), n), Reason::kMoving) << n;
+  for (int n = 3; n < 30; ++n) lose(n);
+  EXPECT_EQ(offer(at(30, 2), 30), Reason::kMoving);
+  EXPECT_EQ(offer(at(31, 2), 31), Reason::kAccepted);
+}
+
+// What passes while nothing is captured is as good as away.
+TEST_F(SessionFrames, CompareWithNothingOfBeforeAPause) {
+  begin_auto();
+  SessionSettings settings = settings_;
+  settings.min_views = settings.max_views = 2;
+  set(settings);
+  for (const int n : {0, 1}) offer(at(n), n);
+  for (const int n : {2, 3}) offer(at(n, 150), n);
+  ASSERT_EQ(session_.views().views().size(), 2u);
+  EXPECT_FALSE(session_.offer(at(4, 150), times(4)).report) << "nothing is captured";
+  settings.max_views = 0;
+  set(settings);
+  EXPECT_EQ(offer(at(100, 300), 100), Reason::kMoving);
+}
+
+// Elements that make a frame into several, as videorate does, copy what was found on it.
+TEST_F(SessionFrames, TakeNoCopyOfAFrameForAnother) {
+  begin_auto();
+  for (int copy = 0; copy < 4; ++copy) EXPECT_NE(offer(at(0), copy), Reason::kAccepted) << copy;
+  EXPECT_EQ(offer(at(4), 4), Reason::kAccepted) << "that is another frame, on which it is still";
+  begin();
+  EXPECT_EQ(offer(at(0), 0), Reason::kAccepted);
+  EXPECT_EQ(offer(at(0), 1), Reason::kTooSimilar);
+  EXPECT_EQ(session_.views().views().size(), 1u);
+  // A camera that stamps all of its frames with one time has noise in them.
+  EXPECT_EQ(offer(at(0, 0.01), 2), Reason::kAccepted);
+}
+
+TEST_F(SessionFrames, TakeACopyThatIsAskedForOnce) {
+  begin_auto();
+  EXPECT_EQ(offer(at(0), 0), Reason::kMoving);
+  for (const Reason reason : {Reason::kAccepted, Reason::kTooSimilar}) {
+    session_.capture_view();
+    EXPECT_EQ(offer(at(0), 1), reason);
+  }
+}
+
+// ---- Several boards -----------------------------------------------------------------------------
+
+TEST_F(SessionFrames, WantOneOfTheBoardsThatAreSeenInTurn) {
+  begin_auto();
+  Observation other = at(0);
+  other.board = Checkerboard{9, 6, 0.1}.text();
+  offer(at(0), 0);
+  const auto first = session_.hint().target;
+  ASSERT_TRUE(first.has_value());
+  for (int n = 1; n < 40; ++n) {
+    Observation now = n % 2 == 1 ? other : at(n);
+    now.timestamp = times(n).timestamp;
+    offer(now, n);
+    ASSERT_TRUE(session_.hint().target.has_value());
+    if (session_.views().views().empty()) {
+      EXPECT_EQ(session_.hint().target->translation, first->translation) << n;
+    }
+  }
+  session_.reset();
+  EXPECT_EQ(session_.hint().target->translation, first->translation);
+  // It is gone for good.
+  for (int n = 40; n < 80; ++n) {
+    Observation now = other;
+    for (Pixel& p : now.uv) p.u += n;  // never still
+    now.timestamp = times(n).timestamp;
+    offer(now, n);
+  }
+  EXPECT_GT(session_.hint().target->translation[2], 2 * first->translation[2])
+      << "the other board is four times as large";
+}
+
+}  // namespace
+}  // namespace calvin
