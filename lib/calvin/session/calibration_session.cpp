@@ -90,6 +90,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
     return offered;
   }
   const bool new_board = choose_board(*board, times);
+  if (new_board) guide_.reset();
   camera_ = observation.camera;
   times_ = times;
   View view = {observation, *board};
