@@ -110,7 +110,7 @@ Reason Session::offer(const View& view, bool informs) {
   if (reason != Reason::kAccepted) return reason;
   Recent& r = recent(view.observation.board);
   const auto is_this = [&view](const Observation& o) { return is_same(o, view.observation); };
-  if (std::ranges::none_of(r.now, is_this)) return r.reason = judge(view, r);
+  if (std::ranges::none_of(r.now, is_this)) return r.reason = judge(view, r, informs);
   const bool kept =
       std::ranges::any_of(views_, [&](const auto& v) { return is_this(v->observation); });
   if (asked_ && !kept && !full()) {
@@ -121,7 +121,7 @@ Reason Session::offer(const View& view, bool informs) {
   return r.reason == Reason::kAccepted ? Reason::kTooSimilar : r.reason;
 }
 
-Reason Session::judge(const View& view, Recent& r) {
+Reason Session::judge(const View& view, Recent& r, bool informs) {
   // A timestamp that stands still does not make two frames one.
   if (seen_on(r.now, view.observation)) r.before = std::exchange(r.now, {});
   const std::optional<Observation> before = take_previous(view.observation);

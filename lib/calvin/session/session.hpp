@@ -115,7 +115,7 @@ class Session {
     Reason reason = Reason::kNotFound;  // of the newest one
   };
   // Of what no frame has shown before; it becomes one of what the frame at hand shows.
-  [[nodiscard]] Reason judge(const View& view, Recent& r);
+  [[nodiscard]] Reason judge(const View& view, Recent& r, bool informs);
   [[nodiscard]] Recent& recent(const std::string& board);
   std::vector<Recent> recent_;
   bool asked_ = false;
