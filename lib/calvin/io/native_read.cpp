@@ -131,11 +131,18 @@ void sort_parameters(Calibration& calibration) {
   calibration.covariance = std::move(covariance);
 }
 
+// Of an error: absent, or not negative.
+std::optional<double> read_error(Fields& fields, std::string_view key) {
+  const auto value = fields.optional_number(key);
+  if (value.value_or(0) < 0) fields.complain(key, "is negative");
+  return value;
+}
+
 // A file that tells one promise is of a time when that was the one of the whole picture, which the
 // one of the covered region does not exceed: it counts as both.
 void read_promises(Fields& fields, Calibration& calibration) {
-  calibration.expected_error = fields.optional_number("expected_error");
-  calibration.expected_error_anywhere = fields.optional_number("expected_error_anywhere");
+  calibration.expected_error = read_error(fields, "expected_error");
+  calibration.expected_error_anywhere = read_error(fields, "expected_error_anywhere");
   if (!calibration.expected_error_anywhere) {
     calibration.expected_error_anywhere = calibration.expected_error;
   }
@@ -148,6 +155,8 @@ void read_verdict(Fields& fields, Calibration& calibration) {
   calibration.split_half_ratio = fields.optional_number("split_half_ratio");
   calibration.misfit = fields.optional_string("misfit");
   calibration.systematic = fields.optional_number("systematic");
+  const double share = calibration.systematic.value_or(0);
+  if (share < 0 || share > 1) fields.complain("systematic", "is not a share from 0 to 1");
   for (const Node& remark : fields.list("remarks")) {
     if (remark.kind != Node::Kind::kString) fields.complain("remarks", "is not a list of texts");
     calibration.remarks.push_back(remark.text);
@@ -155,9 +164,9 @@ void read_verdict(Fields& fields, Calibration& calibration) {
 }
 
 void read_quality(Fields& fields, Calibration& calibration) {
-  calibration.rms = fields.optional_number("rms");
-  calibration.held_out_rms = fields.optional_number("held_out_rms");
-  calibration.chi = fields.optional_number("chi");
+  calibration.rms = read_error(fields, "rms");
+  calibration.held_out_rms = read_error(fields, "held_out_rms");
+  calibration.chi = read_error(fields, "chi");
   read_promises(fields, calibration);
   read_verdict(fields, calibration);
   calibration.focus = fields.optional_number("focus");

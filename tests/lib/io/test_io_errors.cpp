@@ -73,6 +73,23 @@ void expect_refused(const Bad& bad) {
   EXPECT_EQ(message.find('\n'), std::string::npos);
 }
 
+// A promise of which any other is worse: no result would take the file's place.
+TEST(BadContent, QualityThatCannotBe) {
+  const std::string head =
+      R"({"format": "calvin-calibration", "version": 1, "image_size": [640, 480],
+      "model": "pinhole", "parameters": {"fx": 500, "fy": 500, "cx": 320, "cy": 240}, )";
+  ASSERT_TRUE(parse_calibration(head + R"("expected_error": 0, "systematic": 1})", "cam.json"));
+  const std::vector<Bad> table = {
+      {head + R"("expected_error": -0.1})", "'expected_error' is negative"},
+      {head + R"("expected_error": 1, "expected_error_anywhere": -1e-9})",
+       "'expected_error_anywhere' is negative"},
+      {head + R"("systematic": 1.5})", "'systematic' is not a share from 0 to 1"},
+      {head + R"("systematic": -0.1})", "'systematic' is not a share from 0 to 1"},
+      {head + R"("rms": -1})", "'rms' is negative"},
+  };
+  for (const Bad& bad : table) expect_refused(bad);
+}
+
 TEST(BadContent, NotACalibration) {
   const std::vector<Bad> table = {
       {"", "empty"},
