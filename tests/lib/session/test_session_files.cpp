@@ -352,5 +352,22 @@ TEST_F(FilesOfSessions, AreWrittenAnewWhereOthersAreNamed) {
   EXPECT_EQ(views_of(other.location), 3);
 }
 
+// What another session left would be kept in a file that this one writes.
+TEST_F(FilesOfSessions, AreNoCopiesOfEachOther) {
+  for (const auto& [location, exports] :
+       {std::pair(path_, "ros:" + path_ + "~"),
+        {path_ + "~", "ros:" + path_},
+        {std::string(), "ros:" + path_ + ",opencv-yaml:" + folder_.path("./cam.json~")}}) {
+    SessionSettings settings;
+    settings.location = location;
+    settings.exports = exports;
+    const auto plan = make_plan(settings);
+    ASSERT_FALSE(plan.has_value()) << exports;
+    EXPECT_NE(plan.error().message.find("cam.json~' is to hold the calibration, and what"),
+              std::string::npos)
+        << plan.error().message;
+  }
+}
+
 }  // namespace
 }  // namespace calvin

@@ -28,7 +28,19 @@ const CalibrationFile* written_twice(const std::vector<CalibrationFile>& files) 
   return nullptr;
 }
 
+// The file whose copy would be one of the files, if any.
+const CalibrationFile* copied_over(const std::vector<CalibrationFile>& files) {
+  const auto file = std::ranges::find_if(files, [&files](const CalibrationFile& f) {
+    return std::ranges::any_of(files, [copy = copy_of(f.path)](const CalibrationFile& other) {
+      return is_same_file(copy, other.path);
+    });
+  });
+  return file == files.end() ? nullptr : &*file;
+}
+
 }  // namespace
+
+std::string copy_of(const std::string& path) { return path + "~"; }
 
 Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& location,
                                                              const std::string& exports) {
@@ -54,6 +66,12 @@ Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& 
 }
 
 Status are_different_files(const std::vector<CalibrationFile>& files) {
+  if (const CalibrationFile* copied = copied_over(files)) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("'{0}~' is to hold the calibration, and what '{0}' held of "
+                                  "another session is kept there: give it another name.",
+                                  copied->path));
+  }
   const CalibrationFile* file = written_twice(files);
   if (file == nullptr) return {};
   return make_error(ErrorCode::kInvalidArgument,

@@ -21,7 +21,11 @@ struct CalibrationFile {
 [[nodiscard]] Result<std::vector<CalibrationFile>> parse_calibration_files(
     const std::string& location, const std::string& exports);
 
-// Whether each is a file of its own: two texts for one would overwrite each other at every solve.
+// Where what another session left in a file is kept when it is replaced.
+[[nodiscard]] std::string copy_of(const std::string& path);
+
+// Whether each is a file of its own, and none the copy_of() another: two texts for one would
+// overwrite each other at every solve.
 [[nodiscard]] Status are_different_files(const std::vector<CalibrationFile>& files);
 
 // The first file whose format has no camera model of that name. A model of `auto` may be any.

@@ -17,8 +17,6 @@ namespace calvin {
 
 namespace {
 
-std::string copy_of(const std::string& path) { return path + "~"; }
-
 Status keep_copy(const std::string& path) {
   const auto bytes = read_file(path);
   if (!bytes) return tl::unexpected<Error>(bytes.error());
