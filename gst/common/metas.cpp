@@ -190,6 +190,21 @@ void attach_observations(GstBuffer* buffer, std::span<const Observation> observa
   if (GstStructure* meta = writable_meta(buffer, kObservationName)) set_fields(meta, s);
 }
 
+void attach_hint(GstBuffer* buffer, const std::string& hint) {
+  GstStructure* meta = writable_meta(buffer, kObservationName);
+  if (meta == nullptr) return;
+  if (hint.empty()) {
+    gst_structure_remove_field(meta, "hint");
+  } else {
+    gst_structure_set(meta, "hint", G_TYPE_STRING, hint.c_str(), nullptr);
+  }
+}
+
+std::string read_hint(GstBuffer* buffer) {
+  const GstStructure* s = readable_meta(buffer, kObservationName);
+  return s == nullptr ? std::string() : get_string(s, "hint");
+}
+
 std::vector<Observation> read_observations(GstBuffer* buffer, std::optional<Error>* problem) {
   const GstStructure* s = readable_meta(buffer, kObservationName);
   return s == nullptr ? std::vector<Observation>() : observations_from_structure(s, problem);

@@ -49,6 +49,11 @@ void register_metas();
 
 // `buffer` must be writable. A meta that is there already is replaced.
 void attach_observations(GstBuffer* buffer, std::span<const Observation> observations);
+
+// What a user should be told of a frame that shows another board than is looked for, beside its
+// observations: the field `hint`. Empty: nothing.
+void attach_hint(GstBuffer* buffer, const std::string& hint);
+[[nodiscard]] std::string read_hint(GstBuffer* buffer);
 [[nodiscard]] std::vector<Observation> read_observations(GstBuffer* buffer,
                                                          std::optional<Error>* problem = nullptr);
 

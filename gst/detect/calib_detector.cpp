@@ -6,6 +6,7 @@
 #include "detect/calib_detector.hpp"
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +17,21 @@ GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
 #define GST_CAT_DEFAULT calibdetect_debug
 
 namespace calvin::gst {
+
+namespace {
+
+std::string size_seen(const Detection& detection) {
+  return fmt::format("{}x{}", detection.seen_cols, detection.seen_rows);
+}
+
+// What a user should hear who holds up another board: the sizes, which are what differs.
+std::string wrong_board_hint(const Detection& detection, const Board& board) {
+  const std::optional<Grid> grid = board.grid();
+  return fmt::format("This is a {} board, I look for {}", size_seen(detection),
+                     grid ? fmt::format("{}x{}", grid->cols, grid->rows) : board.text());
+}
+
+}  // namespace
 
 GstStructure* CalibDetector::stats() {
   const std::lock_guard guard(lock_);
@@ -36,6 +52,7 @@ Status CalibDetector::start() {
   }
   luma_.reset();
   async_ = mode_known_ = frame_refused_ = false;
+  wrong_sizes_.clear();
   last_detection_ = GST_CLOCK_TIME_NONE;
   if (Status started = start_boards(); !started) return started;
   if (Status started = start_recheck(); !started) return started;
@@ -202,8 +219,7 @@ Status CalibDetector::prepare(GstBuffer* buffer, Job& job) {
   return {};
 }
 
-std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
-                                                            const FrameTimes& times) {
+std::optional<FrameFindings> CalibDetector::look(GstBuffer* buffer, const FrameTimes& times) {
   for (const Status& updated : {update_boards(), update_recheck()}) {
     if (!updated) post_warning(element_, updated.error());
   }
@@ -243,9 +259,9 @@ std::optional<std::vector<Observation>> CalibDetector::look(GstBuffer* buffer,
 
 // The worker does it, so that a flush or a state change need not wait for what cannot be
 // interrupted.
-std::optional<std::vector<Observation>> CalibDetector::wait_for(Job job) {
+std::optional<FrameFindings> CalibDetector::wait_for(Job job) {
   const auto shared = std::make_shared<Job>(std::move(job));
-  const auto found = std::make_shared<std::optional<std::vector<Observation>>>();
+  const auto found = std::make_shared<std::optional<FrameFindings>>();
   worker_.offer([this, shared, found](const std::stop_token& stop) {
     auto result = run(*shared, stop);
     shared->picture = {};
@@ -254,7 +270,7 @@ std::optional<std::vector<Observation>> CalibDetector::wait_for(Job job) {
   return worker_.drain() ? std::move(*found) : std::nullopt;
 }
 
-std::optional<std::vector<Observation>> CalibDetector::take_waiting() {
+std::optional<FrameFindings> CalibDetector::take_waiting() {
   const std::lock_guard guard(lock_);
   return std::exchange(result_, std::nullopt);
 }
@@ -269,8 +285,8 @@ void CalibDetector::next_segment() {
 
 // ---- Detection: on the worker -------------------------------------------------------------------
 
-std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_token& stop) {
-  std::vector<Observation> found;
+FrameFindings CalibDetector::run(const Job& job, const std::stop_token& stop) {
+  FrameFindings found;
   const ImageView image = frame_of(job.luma->view(job.picture), job.part);
   const auto begin = std::chrono::steady_clock::now();
   auto detections = job.detector->detector->follow_all(image, job.times.timestamp, stop);
@@ -284,13 +300,23 @@ std::vector<Observation> CalibDetector::run(const Job& job, const std::stop_toke
       seen.patches = cut_patches(image, seen, job.detector->boards[detection.board]);
     }
     if (!stop.stop_requested()) {
-      report(job, detection, static_cast<int>(found.size()), static_cast<guint64>(us), stop);
+      report(job, detection, static_cast<int>(found.observations.size()), static_cast<guint64>(us),
+             stop);
     }
-    found.push_back(std::move(seen));
+    if (detection.seen_all && found.hint.empty()) {
+      found.hint = wrong_board_hint(detection, job.detector->boards[detection.board]);
+    }
+    found.observations.push_back(std::move(seen));
   }
   const std::lock_guard guard(lock_);
   ++detections_;
   return found;
+}
+
+bool CalibDetector::is_news(const Detection& detection, int place) {
+  if (detection.observation.found()) wrong_sizes_.erase(place);
+  const std::string news = detection.observation.board + " " + size_seen(detection);
+  return detection.seen_all && wrong_sizes_[place].insert(news).second;
 }
 
 void CalibDetector::report(const Job& job, const Detection& detection, int place,
@@ -302,7 +328,8 @@ void CalibDetector::report(const Job& job, const Detection& detection, int place
                  " corners, %" G_GUINT64_FORMAT " us",
                  o.board.c_str(), GST_TIME_ARGS(job.times.timestamp),
                  std::string(to_string(detection.reason)).c_str(), o.ids.size(), latency_us);
-  if (job.settings.post_messages) {
+  const bool is_wrong = is_news(detection, place);
+  if (job.settings.post_messages || is_wrong) {
     GstStructure* s = new_message("calib-detection", job.times, o.camera);
     gst_structure_set(s, "board", G_TYPE_STRING, o.board.c_str(), "found", G_TYPE_BOOLEAN,
                       o.found(), "points", G_TYPE_INT, static_cast<int>(o.ids.size()), "total",
@@ -310,8 +337,11 @@ void CalibDetector::report(const Job& job, const Detection& detection, int place
                       G_TYPE_STRING, std::string(to_string(detection.reason)).c_str(), "latency-us",
                       G_TYPE_UINT64, latency_us, nullptr);
     if (detection.seen_cols > 0) {
-      const std::string seen = fmt::format("{}x{}", detection.seen_cols, detection.seen_rows);
-      gst_structure_set(s, "seen", G_TYPE_STRING, seen.c_str(), nullptr);
+      gst_structure_set(s, "seen", G_TYPE_STRING, size_seen(detection).c_str(), nullptr);
+    }
+    if (detection.seen_all) {
+      const std::string hint = wrong_board_hint(detection, board);
+      gst_structure_set(s, "hint", G_TYPE_STRING, hint.c_str(), nullptr);
     }
     post(s, stop);
   }

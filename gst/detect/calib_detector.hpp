@@ -5,8 +5,10 @@
 // not, and posts what was seen in the name of the element.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,12 @@ struct DetectorSettings {
   // Whether the detector has yet to take up what was set.
   bool board_changed = true;
   bool recheck_changed = true;
+};
+
+// What was found on a frame.
+struct FrameFindings {
+  std::vector<Observation> observations;
+  std::string hint;  // for whoever shows another board than is looked for; empty: none
 };
 
 class CalibDetector : public SharedSettings<DetectorSettings> {
@@ -72,13 +80,12 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   // Looks for the boards in a frame, or has them looked for while the stream goes on: then what is
   // found waits for a later frame, and this one may not be changed any more. Absent: nothing to
   // attach.
-  [[nodiscard]] std::optional<std::vector<Observation>> look(GstBuffer* buffer,
-                                                             const FrameTimes& times);
+  [[nodiscard]] std::optional<FrameFindings> look(GstBuffer* buffer, const FrameTimes& times);
 
   // Waits for what is being computed, unless cancelled.
   void drain() { worker_.drain(); }
   // The result that no buffer took yet.
-  [[nodiscard]] std::optional<std::vector<Observation>> take_waiting();
+  [[nodiscard]] std::optional<FrameFindings> take_waiting();
   // From here on another format or other times apply: what is still being computed is of no use.
   void next_segment();
 
@@ -121,10 +128,12 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   [[nodiscard]] Status prepare(GstBuffer* buffer, Job& job);
   [[nodiscard]] bool is_due(const FrameTimes& times, double max_rate);
   void skip();
-  [[nodiscard]] std::optional<std::vector<Observation>> wait_for(Job job);
+  [[nodiscard]] std::optional<FrameFindings> wait_for(Job job);
 
   // On the worker.
-  [[nodiscard]] std::vector<Observation> run(const Job& job, const std::stop_token& stop);
+  [[nodiscard]] FrameFindings run(const Job& job, const std::stop_token& stop);
+  // Whether it was not said yet that a board of this size is in view instead of the one at `place`.
+  [[nodiscard]] bool is_news(const Detection& detection, int place);
   // What was seen of one board: it will stand at `place` in the meta.
   void report(const Job& job, const Detection& detection, int place, guint64 latency_us,
               const std::stop_token& stop);
@@ -135,9 +144,9 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
 
   // Under lock_.
   std::optional<Result<SharedDetector>>
-      boards_found_;              // for the last change of `board`, read beside
-  guint64 boards_asked_for_ = 0;  // counts those changes; the streaming thread does
-  std::optional<std::vector<Observation>> result_;  // waits for a buffer to ride on
+      boards_found_;                     // for the last change of `board`, read beside
+  guint64 boards_asked_for_ = 0;         // counts those changes; the streaming thread does
+  std::optional<FrameFindings> result_;  // waits for a buffer to ride on
   guint64 generation_ = 0;  // of the stream: a result of an older segment is thrown away
   bool patches_wanted_ = false;
   guint64 frames_ = 0;
@@ -155,6 +164,10 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   bool mode_known_ = false;
   bool frame_refused_ = false;  // and that was reported
   GstClockTime last_detection_ = GST_CLOCK_TIME_NONE;
+
+  // Worker only, like the worker's jobs one at a time: what was reported of wrong boards at each
+  // place since its board was found.
+  std::map<int, std::set<std::string>> wrong_sizes_;
 
   Worker worker_;
   Worker board_reader_;

@@ -52,6 +52,11 @@ static gst::CalibDetector& gst_calib_detect_detector(GObject* object) {
   return *GST_CALIB_DETECT(object)->detector;
 }
 
+static void gst_calib_detect_attach(GstBuffer* buffer, const gst::FrameFindings& found) {
+  gst::attach_observations(buffer, found.observations);
+  gst::attach_hint(buffer, found.hint);
+}
+
 static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
   gst::CalibDetector& detector = *GST_CALIB_DETECT(trans)->detector;
   if (!detector.has_format()) {
@@ -64,9 +69,9 @@ static GstFlowReturn gst_calib_detect_transform_ip(GstBaseTransform* trans, GstB
   // Asked once after each CAPS: only then does a live source know that it is one.
   if (!detector.mode_known()) detector.choose_mode(gst::upstream_is_live(trans));
   const auto earlier = detector.take_waiting();
-  if (earlier) gst::attach_observations(buffer, *earlier);
+  if (earlier) gst_calib_detect_attach(buffer, *earlier);
   const auto found = detector.look(buffer, gst::frame_times(&trans->segment, buffer));
-  if (found) gst::attach_observations(buffer, *found);
+  if (found) gst_calib_detect_attach(buffer, *found);
   return GST_FLOW_OK;
 }
 
@@ -84,9 +89,9 @@ static void gst_calib_detect_push_waiting(GstCalibDetect* self) {
   const auto result = self->detector->take_waiting();
   if (!result) return;
   GST_DEBUG_OBJECT(self, "what no frame could take goes ahead as an event");
-  gst_pad_push_event(
-      GST_BASE_TRANSFORM_SRC_PAD(self),
-      gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM, gst::observations_to_structure(*result)));
+  gst_pad_push_event(GST_BASE_TRANSFORM_SRC_PAD(self),
+                     gst_event_new_custom(GST_EVENT_CUSTOM_DOWNSTREAM,
+                                          gst::observations_to_structure(result->observations)));
 }
 
 static gboolean gst_calib_detect_src_event(GstBaseTransform* trans, GstEvent* event) {

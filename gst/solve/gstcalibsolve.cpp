@@ -129,6 +129,9 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   gst_calib_solve_push_calibration(self);
   Progress progress = solver.progress();
   progress.captured = captured;
+  // As long as another board is in view nothing else helps.
+  const std::string wrong_board = gst::read_hint(buffer);
+  if (!captured && !wrong_board.empty()) progress.hint = wrong_board;
   gst::attach_guidance(buffer, progress);
   return GST_FLOW_OK;
 }

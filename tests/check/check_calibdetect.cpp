@@ -143,6 +143,43 @@ GST_START_TEST(test_two_sheets_of_a_board_are_two_observations) {
 }
 GST_END_TEST;
 
+// Without asking, and once: the size seen stays the same.
+GST_START_TEST(test_another_board_is_said_without_asking) {
+  Fixture f("calibdetect mode=sync board=checkerboard:10x7:25mm");
+  for (int n = 0; n < 4; ++n) {
+    g_autoptr(GstBuffer) out =
+        gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(3), "GRAY8", n));
+    fail_if(gst::read_observations(out)[0].found());
+    const std::string hint = gst::read_hint(out);
+    fail_unless_equals_string(hint.c_str(), "This is a 9x6 board, I look for 10x7");
+  }
+  const auto messages = f.bus.named("calib-detection");
+  fail_unless_equals_int(messages.size(), 1);
+  fail_unless_equals_string(gst_structure_get_string(messages[0], "reason"), "wrong-board");
+  fail_unless_equals_string(gst_structure_get_string(messages[0], "seen"), "9x6");
+  fail_unless_equals_string(gst_structure_get_string(messages[0], "hint"),
+                            "This is a 9x6 board, I look for 10x7");
+}
+GST_END_TEST;
+
+// The board that is looked for comes into view and goes: the other one is said anew.
+GST_START_TEST(test_another_board_is_said_again_after_the_right_one) {
+  Fixture f("calibdetect mode=sync");
+  const Board other = parse_board("checkerboard:8x5:25mm").value();
+  const GrayImage wrong = render_board(f.scene.camera, other, f.scene.pose(3));
+  for (int n = 0; n < 6; ++n) {
+    const GrayImage image = n / 2 == 1 ? f.scene.picture(3) : wrong;
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, check::frame_of(image, "GRAY8", n));
+    fail_unless(gst::read_hint(out).empty() == (n / 2 == 1));
+  }
+  const auto messages = f.bus.named("calib-detection");
+  fail_unless_equals_int(messages.size(), 2);
+  for (const GstStructure* s : messages) {
+    fail_unless_equals_string(gst_structure_get_string(s, "seen"), "8x5");
+  }
+}
+GST_END_TEST;
+
 // Async: the streaming thread hands the frame over and goes on; at EOS every result has arrived.
 GST_START_TEST(test_async_results_ride_on_later_buffers_and_are_complete_at_eos) {
   Fixture f("calibdetect mode=async post-messages=true");
@@ -392,6 +429,8 @@ static Suite* calibdetect_suite() {
   tcase_add_test(tc, test_several_boards_are_listed_each);
   tcase_add_test(tc, test_async_results_ride_on_later_buffers_and_are_complete_at_eos);
   tcase_add_test(tc, test_two_sheets_of_a_board_are_two_observations);
+  tcase_add_test(tc, test_another_board_is_said_without_asking);
+  tcase_add_test(tc, test_another_board_is_said_again_after_the_right_one);
   tcase_add_test(tc, test_max_rate_skips_frames);
   tcase_add_test(tc, test_a_wrong_board_text_is_an_error_that_shows_a_right_one);
   tcase_add_test(tc, test_a_wrong_board_text_while_running_keeps_the_old_board);

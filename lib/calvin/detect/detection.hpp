@@ -26,6 +26,7 @@ struct Detection {
   Reason reason = Reason::kNotFound;
   int seen_cols = 0;  // kWrongBoard only
   int seen_rows = 0;
+  bool seen_all = false;  // kWrongBoard: where all margins are in view, that is the board's size
   std::size_t board = 0;  // its place in the list that the detector was made for
 };
 

@@ -19,6 +19,14 @@ enum class Edge { kNotSeen, kDarkMargin, kBrightMargin };
 [[nodiscard]] Edge find_edge(const ImageView& image, const Lattice& lattice, Cell first, Cell step,
                              int count, Cell outwards);
 
+// Whether the pattern ends beyond a line of nodes, wherever its last squares were cut off and
+// however narrow its margin: the squares of one colour end on a straight line, beyond which those
+// of the other colour go on. This tells that no line of nodes follows. It does not tell which line
+// of a board this is, for a sheet of paper may cover the next one. False where too little is in
+// view.
+[[nodiscard]] Edge pattern_ends(const ImageView& image, const Lattice& lattice, Cell first,
+                                Cell step, int count, Cell outwards);
+
 // Whether the squares go on beyond a line of nodes that is said to be the outermost one: the edges
 // that cross it have exchanged their colours where on a board the margin is. False where too little
 // is in view to tell.

@@ -88,11 +88,24 @@ bool colours_fit(const GridAlignment& alignment) {
 }
 
 struct Edges {
-  std::array<bool, 4> seen{};  // by side
+  std::array<bool, 4> seen{};    // by side
+  Edge margin = Edge::kNotSeen;  // its colour
   [[nodiscard]] int count() const {
     return static_cast<int>(std::count(seen.begin(), seen.end(), true));
   }
 };
+
+// Those sides whose margin has the usual colour: something straight that covers the board may look
+// like another.
+Edges sides_of_one_colour(const std::array<Edge, 4>& margins) {
+  const auto dark = std::count(margins.begin(), margins.end(), Edge::kDarkMargin);
+  const auto bright = std::count(margins.begin(), margins.end(), Edge::kBrightMargin);
+  Edges edges;
+  if (dark == bright) return edges;
+  edges.margin = dark > bright ? Edge::kDarkMargin : Edge::kBrightMargin;
+  for (std::size_t side = 0; side < 4; ++side) edges.seen[side] = margins[side] == edges.margin;
+  return edges;
+}
 
 Edges edges_of(const ImageView& image, const Lattice& lattice, const CellRange& e) {
   std::array<Edge, 4> margins{};
@@ -101,14 +114,21 @@ Edges edges_of(const ImageView& image, const Lattice& lattice, const CellRange& 
     margins[static_cast<std::size_t>(side)] = find_edge(
         image, lattice, line.first, line.step, line.count, kAround[static_cast<std::size_t>(side)]);
   }
-  // The margin has one colour: something straight that covers the board may look like another.
-  const auto dark = std::count(margins.begin(), margins.end(), Edge::kDarkMargin);
-  const auto bright = std::count(margins.begin(), margins.end(), Edge::kBrightMargin);
-  Edges edges;
-  if (dark == bright) return edges;
-  const Edge usual = dark > bright ? Edge::kDarkMargin : Edge::kBrightMargin;
-  for (std::size_t side = 0; side < 4; ++side) edges.seen[side] = margins[side] == usual;
-  return edges;
+  return sides_of_one_colour(margins);
+}
+
+// The sides beyond which no line of nodes can follow: those where the pattern ends in any way, and
+// those whose edge was seen, in the same colour. Behind a narrow margin an edge may be seen in the
+// colour of what lies beyond, so that where the pattern ends counts first.
+Edges ends_of(const ImageView& image, const Lattice& lattice, const CellRange& e,
+              const Edges& edges) {
+  std::array<Edge, 4> margins{};
+  for (std::size_t side = 0; side < 4; ++side) {
+    const Line line = line_of(e, static_cast<int>(side));
+    margins[side] = pattern_ends(image, lattice, line.first, line.step, line.count, kAround[side]);
+    if (margins[side] == Edge::kNotSeen && edges.seen[side]) margins[side] = edges.margin;
+  }
+  return sides_of_one_colour(margins);
 }
 
 // Whether a board of this size would be a part of something larger.
@@ -225,6 +245,62 @@ bool is_enough(const Lattice& lattice, const Checkerboard& board, const CellRang
   return (has_size_of(e, board) && count > kEdgelessShare * all) || seen >= 1;
 }
 
+// Those of all alignments but the best, as Observation::ambiguous has them.
+std::vector<Relabelling> other_labellings(const Checkerboard& board,
+                                          const std::vector<GridAlignment>& all, std::size_t best) {
+  std::vector<Relabelling> others;
+  for (int quarters = 0; quarters < 4; ++quarters) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i == best || quarters_between(all[best], all[i]) != quarters) continue;
+      others.push_back(difference(board, all[best], all[i]));
+    }
+  }
+  return others;
+}
+
+// The rows and columns of which more than half of the nodes are there: what stands beyond is stray.
+CellRange dense_extent(const Lattice& lattice) {
+  CellRange e = lattice.extent();
+  for (int side = 0; side < 4;) {
+    const Line line = line_of(e, side);
+    if (line.count <= 0 || length(e, side % 2) <= 0 || 2 * nodes_on(lattice, line) > line.count) {
+      ++side;
+      continue;
+    }
+    Cell& end = side < 2 ? e.last : e.first;
+    const int step = side < 2 ? -1 : 1;
+    end = end + (side % 2 == 0 ? Cell{step, 0} : Cell{0, step});
+    side = 0;
+  }
+  return e;
+}
+
+// A board of another size, its longer side named first where that is so of the board.
+Match wrong_board(const Checkerboard& board, const Lattice& lattice) {
+  const CellRange e = dense_extent(lattice);
+  const bool turned = (e.cols() >= e.rows()) != (board.cols >= board.rows);
+  Match match;
+  match.reason = Reason::kWrongBoard;
+  match.seen_cols = turned ? e.rows() : e.cols();
+  match.seen_rows = turned ? e.cols() : e.rows();
+  return match;
+}
+
+// Whether a lattice has enough rows and columns, and nodes in them, to be a board.
+bool is_grid(const Lattice& lattice, const CellRange& e) {
+  constexpr double kMost = 0.8;  // of the nodes of its rows and columns
+  return e.cols() >= 3 && e.rows() >= 3 && lattice.count() >= kLeastNodes &&
+         lattice.count() >= kMost * e.cols() * e.rows();
+}
+
+// Drops the alignments of which nodes would lie where the pattern ends on both sides.
+void drop_larger(const CellRange& e, const Edges& ends, std::vector<GridAlignment>& all) {
+  std::erase_if(all, [&](const GridAlignment& p) {
+    return (ends.seen[0] && ends.seen[2] && p.cols != e.cols()) ||
+           (ends.seen[1] && ends.seen[3] && p.rows != e.rows());
+  });
+}
+
 }  // namespace
 
 Cell GridAlignment::point(Cell c) const {
@@ -263,44 +339,46 @@ bool is_far_larger(const Lattice& lattice, const Checkerboard& board) {
           longer > std::max(board.cols, board.rows) + 1);
 }
 
+bool is_size_certain(const ImageView& image, const Lattice& lattice) {
+  const CellRange e = dense_extent(lattice);
+  return is_grid(lattice, e) && ends_of(image, lattice, e, {}).count() == 4;
+}
+
 Match match_board(const ImageView& image, const Checkerboard& board, Lattice& lattice) {
-  Match match;
   const bool small_enough = trim(board, lattice);
   const CellRange e = lattice.extent();
-  const bool turned = (e.cols() >= e.rows()) != (board.cols >= board.rows);
-  match.seen_cols = turned ? e.rows() : e.cols();
-  match.seen_rows = turned ? e.cols() : e.rows();
+  Match match = wrong_board(board, lattice);
   if (!small_enough) {
-    match.reason = Reason::kWrongBoard;
     match.certain = lattice.count() > board.point_count();
+    match.size_is_certain = is_size_certain(image, lattice);
     return match;
   }
-  if (has_size_of(e, board) && continues_anywhere(image, lattice, e)) {
-    match.reason = Reason::kWrongBoard;
-    return match;
-  }
+  if (has_size_of(e, board) && continues_anywhere(image, lattice, e)) return match;
+  match.reason = Reason::kNotFound;
   match.whole = lattice.count() == board.point_count();
   // A whole board may lack the margin that tells its edge.
   const Edges edges = match.whole ? Edges{} : edges_of(image, lattice, e);
-  if (!is_enough(lattice, board, e, edges)) return match;
   auto all = alignments(board, e, edges);
+  if (!match.whole) {
+    const bool enough = is_enough(lattice, board, e, edges);
+    if (!enough && !is_grid(lattice, e)) return match;
+    const Edges ends = ends_of(image, lattice, e, edges);
+    if (!enough && (ends.count() < 4 || has_size_of(e, board))) return match;
+    drop_larger(e, ends, all);
+  }
   // Inverted, or printed with exchanged colours: a whole board is accepted all the same.
   match.exchanged = all.empty() && match.whole;
   if (match.exchanged) all = alignments(board, e, edges, true);
   if (all.empty()) {
     match.reason = Reason::kWrongBoard;
     match.certain = edges.count() == 4;
+    match.size_is_certain = is_size_certain(image, lattice);
     return match;
   }
   match.reason = Reason::kAccepted;
   const std::size_t best = choose(lattice, all);
   match.alignment = all[best];
-  for (int quarters = 0; quarters < 4; ++quarters) {
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (i == best || quarters_between(all[best], all[i]) != quarters) continue;
-      match.ambiguous.push_back(difference(board, all[best], all[i]));
-    }
-  }
+  match.ambiguous = other_labellings(board, all, best);
   return match;
 }
 

@@ -37,12 +37,17 @@ struct Match {
   GridAlignment alignment;
   std::vector<Relabelling> ambiguous;  // the other alignments, see Observation
   bool certain = false;                // kWrongBoard: too large, or all four edges are in view
+  bool size_is_certain = false;        // kWrongBoard: no line of nodes can follow on any side
   int seen_cols = 0;                   // of the lattice, its longer side where the board has it
   int seen_rows = 0;
 };
 
 // Whether a lattice is so much larger than the board that no stray nodes explain it.
 [[nodiscard]] bool is_far_larger(const Lattice& lattice, const Checkerboard& board);
+
+// Whether a lattice has as many rows and columns as its board: nodes nearly everywhere in them, and
+// the pattern ends on all four sides. In px of the image.
+[[nodiscard]] bool is_size_certain(const ImageView& image, const Lattice& lattice);
 
 // `lattice` in px of `image` (of step 1), no node guessed. Stray nodes that stand outside of the
 // board's edge are removed from it.

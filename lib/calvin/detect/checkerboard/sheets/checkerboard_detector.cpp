@@ -143,6 +143,7 @@ std::vector<Detection> CheckerboardDetector::results(SheetPlaces& places, ImageS
       result.reason = Reason::kWrongBoard;
       result.seen_cols = other->cols;
       result.seen_rows = other->rows;
+      result.seen_all = other->certain;
     }
     result.observation.board = search_.wanted()[place.wanted].board.text();
     result.observation.image_size = size;

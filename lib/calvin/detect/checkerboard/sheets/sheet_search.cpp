@@ -185,7 +185,8 @@ void SheetSearch::look_at_lattice(int level) {
   if (is_far_larger_than_all()) {
     const Box box = search_.box();
     refinement_.to_image(pyramid_, level, lattice_, false);
-    if (note_other(lattice_.extent().cols(), lattice_.extent().rows(), true)) {
+    const CellRange e = lattice_.extent();
+    if (note_other({e.cols(), e.rows(), is_size_certain(full, lattice_)}, true)) {
       other_area_.box.add(Pyramid::to_image(box.left, level), Pyramid::to_image(box.top, level));
       other_area_.box.add(Pyramid::to_image(box.right, level),
                           Pyramid::to_image(box.bottom, level));
@@ -202,7 +203,7 @@ void SheetSearch::look_at_lattice(int level) {
   if (accepted && match_.whole && accept(match_wanted_, match_, lattice_)) return;
   if (accepted) note_part(level);
   if (match_.reason == Reason::kWrongBoard) {
-    (void)note_other(match_.seen_cols, match_.seen_rows, match_.certain);
+    (void)note_other({match_.seen_cols, match_.seen_rows, match_.size_is_certain}, match_.certain);
   }
 }
 
@@ -330,12 +331,12 @@ bool SheetSearch::is_known_other(int level) const {
   });
 }
 
-bool SheetSearch::note_other(int cols, int rows, bool sure) {
+bool SheetSearch::note_other(const OtherBoard& size, bool sure) {
   if (lattice_.count() <= other_.count()) return false;
   other_is_sure_ = sure;
   other_ = lattice_;
   other_area_ = LatticeArea(other_, 0);
-  other_size_ = {cols, rows};
+  other_size_ = size;
   return true;
 }
 

@@ -32,6 +32,7 @@ struct WantedBoard {
 struct OtherBoard {
   int cols = 0;
   int rows = 0;
+  bool certain = false;  // its edges are in view on all sides
 };
 
 // Where a lattice lies in the image, and how large its squares are there about, px.
@@ -115,7 +116,7 @@ class SheetSearch {
   [[nodiscard]] bool is_known_other(int level) const;
   // Notes that `lattice_`, in px of the image, is a board of another size, or may be a part of one.
   // False where a larger one was noted.
-  bool note_other(int cols, int rows, bool sure);
+  bool note_other(const OtherBoard& size, bool sure);
   [[nodiscard]] bool accept(std::size_t wanted, Match match, Lattice& lattice);
   void add_sheet(std::size_t wanted, const Match& match, const Lattice& lattice, bool searched);
 
