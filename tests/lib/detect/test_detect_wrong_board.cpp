@@ -157,6 +157,36 @@ TEST(RenderedBoards, OfAnotherSizeAreNoPartOfTheBoard) {
   }
 }
 
+// Half a small square beyond the outermost corners there is the next edge.
+TEST(SmallBoards, OfWhichTheOutermostSquaresWereCutAreFoundWhole) {
+  constexpr Checkerboard kShown = {9, 6, 0.025};
+  constexpr Cut kHalf = {"half squares", {0.5, 0.5}, {1.2, 1.2}};
+  const Camera camera = default_camera({320, 240});
+  const BoardRenderer renderer(camera);
+  const auto detector = std::move(*make_detector(Board(kShown)));
+  scenes::Random random(4);
+  const int pictures = 40;
+  int whole = 0;
+  for (int n = 0; n < pictures; ++n) {
+    SE3 pose = {exp_so3({0, 0, scenes::uniform(random, 0, 6.28)}), {0, 0, 0}};
+    const double square = scenes::uniform(random, 12, 15);  // px
+    pose.translation = Eigen::Vector3d(0, 0, camera.fx() * kShown.size / square) -
+                       pose.rotation * Eigen::Vector3d(0.1, 0.0625, 0);
+    GrayImage image = renderer.render(Board(kShown), pose, {.noise = 1, .blur = 0.4});
+    cut(image, camera, kShown, pose, kHalf);
+    const Observation seen = detector->detect(image.view()).observation;
+    const Observation truth = true_observation(camera, Board(kShown), pose);
+    whole += seen.ids.size() == truth.ids.size() ? 1 : 0;
+    for (const Pixel& p : seen.uv) {
+      double least = 1e9;
+      for (const Pixel& t : truth.uv) least = std::min(least, std::hypot(t.u - p.u, t.v - p.v));
+      EXPECT_LT(least, 0.3) << n;
+    }
+  }
+  std::cout << "  " << whole << " of " << pictures << " whole\n";
+  EXPECT_GE(whole, pictures * 80 / 100);
+}
+
 #if CALVIN_HAVE_OPENCV
 // Boards with cut squares, with narrow margins, in the hand, in a shadow and before a fisheye.
 TEST(RealBoards, OfAnotherSizeAreNoPartOfTheBoard) {

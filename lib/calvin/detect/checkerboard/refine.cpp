@@ -27,6 +27,10 @@ constexpr float kLeastContrast = 0.25F;  // of the median
 constexpr float kNoisiest = 3;       // of the median
 constexpr float kNoisy = 1.5F;       // of the median: something else is in the window
 constexpr float kMostNoise = 0.15F;  // of the contrast
+// The noise is told by the pixels of the rim too, which have no weight in the fit: where the next
+// edge lies just beyond the window, as of squares that were cut off, it is large and the residual
+// is not.
+constexpr float kFitsWell = 0.08F;  // of the contrast
 // A fit this much less certain than the others has something else in its window.
 constexpr float kUncertain = 20;             // of the median sigma
 constexpr float kUncertainInNoise = 6;       // likewise, beside a fixed part
@@ -59,6 +63,12 @@ SaddleFit fit_of(const Node& node) {
   fit.down = node.down;
   fit.along_width = fit.down_width = node.width;
   return fit;
+}
+
+// Whether something else than a corner is in the window of a fit. `most`: noise, of the contrast.
+bool is_noisy(const SaddleFit& fit, float most) {
+  return !(fit.noise <= most * fit.swing()) &&
+         !(std::isfinite(fit.noise) && fit.residual <= kFitsWell * fit.swing());
 }
 
 bool colours_fit(const SaddleFit& fit, Cell c) { return (fit.contrast > 0) == Lattice::is_even(c); }
@@ -217,7 +227,7 @@ void Refinement::drop_misfits(Lattice& lattice) {
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     const SaddleFit& f = fit(c);
     const float contrast = f.swing();
-    if (contrast < least || f.noise > most * contrast || f.residual > kMostResidual * contrast) {
+    if (contrast < least || is_noisy(f, most) || f.residual > kMostResidual * contrast) {
       lattice.remove(c);
     }
   });
@@ -336,7 +346,7 @@ void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
     }
     const float contrast = f.swing();
     const float most = std::max(kNoisiest * usual_noise_, kMostNoise);
-    if (f.noise <= most * contrast && contrast >= kLeastContrast * node.contrast / 2 &&
+    if (!is_noisy(f, most) && contrast >= kLeastContrast * node.contrast / 2 &&
         f.residual <= kMostResidual * contrast &&
         distance(f, node) < kLargestError * expected->spacing) {
       fit(c) = f;
