@@ -51,6 +51,7 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
   const bool other_files = names_other_files(plan.settings, plan_.settings);
   plan_ = std::move(plan);
   views_.set_options(plan_.session_options(live_));
+  if (views_.options().mode != CaptureMode::kAuto && std::exchange(guide_, nullptr)) renew_hint();
   std::optional<Error> warning;
   if (solve) {
     auto fitted = fit_initial(plan_, size_);

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a session does with the guide that follows a solve: which views it takes, what it tells.
+
+#include "calvin/geometry/se3.hpp"
+#include "session_fixture.hpp"
+
+namespace calvin {
+namespace {
+
+class GuidedSessions : public CalibrationSessions {
+ protected:
+  // Three views are taken and solved, and the session is guided from there, in capture-mode=auto.
+  void begin_guided() {
+    begin();
+    show(3);
+    SessionSettings automatic = settings_;
+    automatic.capture_mode = CaptureChoice::kAuto;
+    set(automatic);
+    finish_solve(session_.take_solve());
+    ASSERT_FALSE(session_.progress().ghost.empty());
+    target_ = to_se3(*session_.hint().target);
+  }
+  void finish_solve(const std::optional<SolveJob>& job) {
+    ASSERT_TRUE(job.has_value());
+    Solution solution = found(*job, 0.5);
+    ASSERT_TRUE(session_.solved(*job, solution).has_value());
+    session_.guided(*job, guide_job(*job, solution));
+    session_.reported(*job);
+  }
+  // A board that is held there in two frames: what came of the one that was taken, or of the
+  // second.
+  Offered hold(const SE3& pose) {
+    Offered last;
+    for (int i = 0; i < 2; ++i, ++frame_) {
+      last = session_.offer(at(pose), times(frame_));
+      if (last.reason == Reason::kAccepted) break;
+    }
+    return last;
+  }
+  Observation at(const SE3& pose) {
+    scenes::Random random(static_cast<unsigned>(frame_));
+    Observation o = scenes::observe(camera_, scenes::kBoard, pose, 0.01, random).observation;
+    o.timestamp = times(frame_).timestamp;
+    return o;
+  }
+  void wait(int seconds) { frame_ += 30 * seconds; }
+
+  SE3 target_;
+};
+
+TEST_F(GuidedSessions, TakeTheViewThatTheyAskFor) {
+  begin_guided();
+  EXPECT_EQ(hold(target_).reason, Reason::kAccepted);
+  EXPECT_GT(session_.progress().ghost_share, 0.9);
+}
+
+// A small turn makes a view another one; that it tells nothing is seen by its information alone.
+TEST_F(GuidedSessions, LeaveOutAViewThatTellsLittle) {
+  begin_guided();
+  ASSERT_EQ(hold(target_).reason, Reason::kAccepted);
+  finish_solve(session_.take_solve());
+  const SE3 turned = {target_.rotation * exp_so3({0, 0, 0.12}), target_.translation};
+  EXPECT_EQ(hold(turned).reason, Reason::kTooSimilar);
+  EXPECT_LT(session_.progress().ghost_share, 0.5);
+  // Whoever does not get to the ghost is not left alone.
+  wait(9);
+  EXPECT_EQ(hold(turned).reason, Reason::kAccepted);
+}
+
+TEST_F(GuidedSessions, AskForSomethingElseAfterTenSeconds) {
+  begin_guided();
+  ASSERT_EQ(hold(target_).reason, Reason::kAccepted);
+  finish_solve(session_.take_solve());
+  ASSERT_FALSE(session_.progress().ghost.empty());
+  wait(11);
+  Observation nothing;
+  nothing.timestamp = times(frame_).timestamp;
+  nothing.image_size = scenes::kSize;
+  EXPECT_EQ(session_.offer(nothing, times(frame_)).reason, Reason::kNotFound);
+  EXPECT_TRUE(session_.progress().ghost.empty());
+}
+
+TEST_F(GuidedSessions, KeepTheirWordsForTwoSeconds) {
+  begin_guided();
+  const SE3 away = {target_.rotation, 1.6 * target_.translation};
+  hold(away);
+  const std::string far = session_.progress().hint;
+  hold(target_);
+  EXPECT_EQ(session_.progress().hint, far);
+  wait(2);
+  hold(target_);
+  EXPECT_EQ(session_.progress().hint, to_text(Hint{HintKind::kHoldStill}));
+}
+
+TEST_F(GuidedSessions, AreGuidedInCaptureModeAutoAlone) {
+  begin_guided();
+  SessionSettings all = settings_;
+  all.capture_mode = CaptureChoice::kAll;
+  set(all);
+  EXPECT_TRUE(session_.progress().ghost.empty());
+  show(1);
+  const auto job = session_.take_solve();
+  ASSERT_TRUE(job.has_value());
+  EXPECT_EQ(guide_job(*job, found(*job, 0.5)), nullptr);
+}
+
+}  // namespace
+}  // namespace calvin
