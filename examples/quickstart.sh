@@ -19,6 +19,7 @@ usage() {
 prepare() {
   "$source/examples/install-packages.sh" build
   [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dtests=false
+  echo "Building; $build/quickstart.log tells how far it is."
   ninja -C "$build" gst/libgstcalvin.so examples/calvin-board examples/calvin-show \
     examples/calvin-calibrate-images >"$build/quickstart.log" || { cat "$build/quickstart.log" >&2; exit 1; }
   export GST_PLUGIN_PATH_1_0="$build/gst${GST_PLUGIN_PATH_1_0:+:$GST_PLUGIN_PATH_1_0}"

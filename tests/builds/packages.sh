@@ -8,10 +8,11 @@ source=$(cd "$(dirname "$0")/../.." && pwd)
 cd "$source"
 names="libcalvin0 libcalvin-dev gstreamer1.0-calvin calvin-tools"
 
-# All that is called as we are, but for this tree and what dpkg keeps of packages that were built.
+# All that is called as we are, but for this tree, what dpkg keeps of packages that were built, and
+# OpenCV, which is installed here and has a part with such a name.
 ours() {
   find / -xdev \( -path "$source" -o -path /proc -o -path /calvin-data -o -path /tmp \) -prune -o \
-    \( -iname '*calvin*' -o -iname '*calib*' \) -print | sort
+    \( -iname '*calvin*' -o -iname '*calib*' \) ! -path '*opencv*' -print | sort
 }
 
 apt-get update -q
