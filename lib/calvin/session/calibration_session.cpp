@@ -130,7 +130,7 @@ bool CalibrationSession::informs(const View& view) {
 void CalibrationSession::drop_stale_guide(std::uint64_t now) {
   constexpr std::uint64_t kLong = 10'000'000'000;  // ns
   const bool known = now != kNoTimestamp && accepted_at_ != kNoTimestamp && now >= accepted_at_;
-  if (!guide_ || !known || now - accepted_at_ < kLong || hint_.kind == HintKind::kGood) return;
+  if (!guide_ || !known || now - accepted_at_ < kLong || !hint_.target) return;
   guide_.reset();
   renew_hint();
 }
@@ -138,7 +138,7 @@ void CalibrationSession::drop_stale_guide(std::uint64_t now) {
 // Words that change with every twitch of a hand cannot be followed.
 void CalibrationSession::guide_from(const View& view) {
   constexpr std::uint64_t kReadable = 2'000'000'000;  // ns
-  if (!guide_ || !guide_->footprint() || hint_.kind == HintKind::kGood) return;
+  if (!guide_ || !guide_->footprint() || !hint_.target) return;
   const auto seen = footprint_of(view);
   if (!seen) return;
   Hint next = hint_towards(*guide_->footprint(), *seen);
@@ -191,11 +191,16 @@ std::optional<Camera> CalibrationSession::camera() const {
 }
 
 void CalibrationSession::renew_hint() {
+  if (finished_) {
+    hint_ = {HintKind::kDone};
+    return;
+  }
   if (guide_ && calibration_ && is_good_enough(*calibration_, plan_.settings.target_error)) {
     hint_ = {HintKind::kGood};
     return;
   }
   if (guide_ && guide_->target()) {
+    if (!hint_.target) hint_ = views_.hint();
     hint_.target = to_pose(*guide_->target());
     return;
   }

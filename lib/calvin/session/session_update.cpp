@@ -51,7 +51,7 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
   const bool other_files = names_other_files(plan.settings, plan_.settings);
   plan_ = std::move(plan);
   views_.set_options(plan_.session_options(live_));
-  if (views_.options().mode != CaptureMode::kAuto && std::exchange(guide_, nullptr)) renew_hint();
+  if (views_.options().mode != CaptureMode::kAuto) guide_.reset();
   std::optional<Error> warning;
   if (solve) {
     auto fitted = fit_initial(plan_, size_);
@@ -59,9 +59,9 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
     warning = std::move(fitted.warning);
     published_ = false;  // the calibration is one of the old way
     solve_error_.clear();
-    renew_hint();  // `initial` is the camera until there is a solution
   }
   finished_ = !limit_reached().empty();
+  renew_hint();  // `initial` is the camera until there is a solution
   if (other_files) writes_.begin_files(writable);
   if (solve || write) outdate_results();
   const bool final = finished_ && final_revision_ != revision_;

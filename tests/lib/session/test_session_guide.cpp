@@ -94,6 +94,22 @@ TEST_F(GuidedSessions, KeepTheirWordsForTwoSeconds) {
   EXPECT_EQ(session_.progress().hint, to_text(Hint{HintKind::kHoldStill}));
 }
 
+TEST_F(GuidedSessions, SayThatTheyAreDone) {
+  begin_guided();
+  SessionSettings settings = settings_;
+  settings.max_views = 4;
+  set(settings);
+  EXPECT_EQ(hold(target_).reached, "max-views");
+  EXPECT_EQ(session_.progress().hint, to_text(Hint{HintKind::kDone}));
+  EXPECT_TRUE(session_.progress().ghost.empty());
+  finish_solve(session_.take_solve());
+  EXPECT_EQ(session_.progress().hint, to_text(Hint{HintKind::kDone}));
+  // More is wanted after all.
+  settings.max_views = 5;
+  set(settings);
+  EXPECT_NE(session_.progress().hint, to_text(Hint{HintKind::kDone}));
+}
+
 TEST_F(GuidedSessions, AreGuidedInCaptureModeAutoAlone) {
   begin_guided();
   SessionSettings all = settings_;

@@ -65,6 +65,8 @@ std::string to_text(const Hint& hint) {
       return "Hold the board still.";
     case HintKind::kGood:
       return "Good: other tilts and places make it better still.";
+    case HintKind::kDone:
+      return "Done: nothing more is needed.";
     case HintKind::kShowBoard:
       break;
   }

@@ -19,6 +19,7 @@ enum class HintKind {
   kTilt,        // the edge that the direction names nearer to the camera; kNone: more, any way
   kHoldStill,   // the board is where it is wanted
   kGood,        // all is there
+  kDone,        // nothing more is captured
 };
 
 // A side or corner of the image for kMove, an edge of the board as the image shows it for kTilt.
