@@ -5,6 +5,7 @@
 
 #include "detect/calibration_check.hpp"
 
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,7 +43,10 @@ GstStructure* CalibrationCheck::check(const View& view, const FrameTimes& times,
   GstStructure* s = new_message("calib-check", times, view.observation.camera);
   gst_structure_set(s, "board", G_TYPE_STRING, view.observation.board.c_str(), "points", G_TYPE_INT,
                     report->points, "rms", G_TYPE_DOUBLE, report->rms, "moved", G_TYPE_DOUBLE,
-                    report->displacement, nullptr);
+                    report->displacement, "moved-sigma", G_TYPE_DOUBLE, report->displacement_sigma,
+                    nullptr);
+  const std::string hint = advice(*report);
+  if (!hint.empty()) gst_structure_set(s, "hint", G_TYPE_STRING, hint.c_str(), nullptr);
   for (const auto& [name, error] :
        {std::pair{"expected-error", calibration_.expected_error},
         std::pair{"expected-error-anywhere", calibration_.expected_error_anywhere}}) {

@@ -10,7 +10,12 @@
 #include <numeric>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/geometry/convex_hull.hpp"
+#include "calvin/geometry/dense.hpp"
+#include "calvin/solve/judge/contradiction.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/pose.hpp"
@@ -24,7 +29,7 @@ namespace {
 constexpr std::size_t kMostViews = 30;  // the latest ones
 constexpr double kPriorWidth = 0.02;    // of the image width, 1 sigma of a parameter's effect
 constexpr double kSimilar = 0.02;  // of the image diagonal: boards nearer than this are one view
-constexpr double kSigmas = 2;      // of noise that are taken off the displacement
+constexpr double kSigmas = 2;      // a change that is less likely by chance is one
 
 // The columns of the parameters with a sigma; of all parameters where none has one.
 std::vector<int> columns_of(const Camera& camera, const Calibration& calibration) {
@@ -53,6 +58,15 @@ Eigen::MatrixXd covariance_of(const Camera& camera, const Calibration& calibrati
   }
   covariance = Eigen::Map<const Eigen::MatrixXd>(calibration.covariance.data(), n, n).transpose();
   return scaled_covariance(covariance, names, camera.fx() / fx->value, camera.fy() / fy->value);
+}
+
+// How much more than their noise the views of the calibration contradicted each other: the inverse
+// of the share of its error that was noise.
+double contradiction_of(const Calibration& calibration) {
+  constexpr double kUsual = 4;  // where nobody looked
+  constexpr double kMost = 100;
+  if (!calibration.systematic) return kUsual;
+  return 1 / std::clamp(1 - *calibration.systematic, 1 / kMost, 1.0);
 }
 
 // Each parameter by itself moves the picture by `width` px at the most.
@@ -95,11 +109,11 @@ std::optional<BundleProblem::Reduced> condense(const PointSet& view, const Camer
 Recheck::Recheck(const Camera& camera, const Calibration& calibration)
     : camera_(camera),
       columns_(columns_of(camera, calibration)),
-      grid_(projection_grid(camera, columns_)),
       covariance_(covariance_of(camera, calibration, columns_)),
+      contradiction_before_(contradiction_of(calibration)),
       board_(calibration.board),
       warp_(calibration.warp.value_or(BoardWarp{})) {
-  prior_ = prior_of(grid_, static_cast<Eigen::Index>(columns_.size()),
+  prior_ = prior_of(projection_grid(camera, columns_), static_cast<Eigen::Index>(columns_.size()),
                     kPriorWidth * camera.image_size().width);
 }
 
@@ -113,6 +127,7 @@ Result<RecheckReport> Recheck::add(const View& view) {
     Condensed condensed;
     condensed.board = view.board.text();
     condensed.corners = box_of(view.observation.uv);
+    condensed.hull = convex_hull(view.observation.uv);
     std::vector<int> rows = columns_;
     const int skew = CameraUnknowns::of(camera_.parameters().size(), true).skew().first;
     std::replace(rows.begin(), rows.end(), kSkewColumn, skew);
@@ -126,7 +141,7 @@ Result<RecheckReport> Recheck::add(const View& view) {
   report.camera_from_board = to_pose(*pose);
   report.rms = quality.rms;
   report.points = static_cast<int>(points.used());
-  report.displacement = displacement();
+  judge(report);
   return report;
 }
 
@@ -151,9 +166,31 @@ void Recheck::keep(Condensed view) {
   views_.push_back(std::move(view));
 }
 
-double Recheck::displacement() const {
+// What the views say together of the camera: a Gauss-Newton step, and how far noise alone takes it.
+struct Recheck::Step {
+  Eigen::VectorXd by;        // of the parameters
+  Eigen::MatrixXd variance;  // of `by` while the camera is the one that was calibrated
+};
+
+// How much more the views contradict each other than corners without a common error would: the
+// mean square of their gradients over what it were then, at least 1. While there are few views the
+// calibration says it, whose views had the same camera and board.
+double Recheck::contradiction(const Eigen::MatrixXd& inverse, const Eigen::VectorXd& step,
+                              double variance) const {
+  const Eigen::Index n = inverse.rows();
+  double found = contradiction_before_ * static_cast<double>(n);
+  double expected = static_cast<double>(n);
+  for (const Condensed& view : views_) {
+    const Eigen::VectorXd left = view.gradient + view.information.lazyProduct(step);
+    const Eigen::MatrixXd share = inverse.lazyProduct(view.information);
+    found += left.dot(inverse.lazyProduct(left)) / variance;
+    expected += share.trace() - share.cwiseProduct(share.transpose()).sum();
+  }
+  return std::max(found / expected, 1.0);
+}
+
+std::optional<Recheck::Step> Recheck::step() const {
   const auto n = static_cast<Eigen::Index>(columns_.size());
-  if (views_.empty() || grid_.empty() || n == 0) return 0;
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
   double cost = 0;
@@ -164,35 +201,78 @@ double Recheck::displacement() const {
     cost += view.cost;
     degrees += view.degrees;
   }
-  if (!(degrees > 0)) return 0;
+  if (!(degrees > 0)) return std::nullopt;
   // Two rounds: the noise is estimated by the residuals after the step, and the step depends on the
   // noise by the prior.
   double variance = cost / degrees;
-  std::optional<Eigen::MatrixXd> step;
+  std::optional<Eigen::MatrixXd> by;
   Eigen::MatrixXd total;
   for (int round = 0; round < 2; ++round) {
     total = information + variance * prior_;
-    step = scaled_solve(total, -gradient, 0);
-    if (!step) return 0;
-    const Eigen::VectorXd change = information.lazyProduct(*step);
-    const double left = cost + (2 * gradient + change).dot(step->col(0));
+    by = scaled_solve(total, -gradient, 0);
+    if (!by) return std::nullopt;
+    const Eigen::VectorXd change = information.lazyProduct(*by);
+    const double left = cost + (2 * gradient + change).dot(by->col(0));
     variance = std::max(left, 0.0) / degrees;
   }
   const auto gain = scaled_solve(total, information, 0);
   const auto inverse = scaled_solve(total, Eigen::MatrixXd::Identity(n, n), 0);
-  if (!gain || !inverse) return 0;
+  if (!gain || !inverse) return std::nullopt;
+  const double more = variance > 0 ? contradiction(*inverse, by->col(0), variance) : 1;
   const Eigen::MatrixXd known = gain->lazyProduct(covariance_);
-  const Eigen::MatrixXd noise =
-      variance * gain->lazyProduct(*inverse) + known.lazyProduct(gain->transpose());
+  return Step{by->col(0),
+              more * variance * gain->lazyProduct(*inverse) + known.lazyProduct(gain->transpose())};
+}
+
+// By the mean square of the change over the region, of which noise alone would make a sum of
+// squares with as many degrees of freedom as have its mean and variance (F. Satterthwaite, 1946).
+void Recheck::judge(const Step& step, const PlacedGrid& region, RecheckReport& report) {
+  const Eigen::VectorXd du = product(region.u, step.by);
+  const Eigen::VectorXd dv = product(region.v, step.by);
+  const Eigen::MatrixXd u = product(region.u, step.variance);
+  const Eigen::MatrixXd v = product(region.v, step.variance);
   double farthest = 0;
-  for (const auto& cell : grid_) {
-    const ProjectionGrid::value_type left = cell.lazyProduct(noise);
-    const double squared =
-        cell.lazyProduct(*step).squaredNorm() -
-        kSigmas * kSigmas * larger_eigenvalue(left.lazyProduct(cell.transpose()));
-    farthest = std::max(farthest, squared);
+  double sigma = 0;  // of the farthest change, along its way
+  double most = 0;   // variance of any change
+  for (Eigen::Index i = 0; i < du.size(); ++i) {
+    Eigen::Matrix2d variance;
+    variance << u.row(i).dot(region.u.row(i)), u.row(i).dot(region.v.row(i)),
+        v.row(i).dot(region.u.row(i)), v.row(i).dot(region.v.row(i));
+    most = std::max(most, larger_eigenvalue(variance));
+    const Eigen::Vector2d change(du[i], dv[i]);
+    if (!(change.norm() > farthest)) continue;
+    farthest = change.norm();
+    const Eigen::Vector2d along = change / farthest;
+    sigma = std::sqrt(std::max(along.dot(variance * along), 0.0));
   }
-  return std::isfinite(farthest) ? std::sqrt(farthest) : 0;
+  const Eigen::MatrixXd by_noise =
+      product(region.u.transpose(), u) + product(region.v.transpose(), v);
+  const double mean = by_noise.trace();
+  const double squares = by_noise.cwiseProduct(by_noise.transpose()).sum();
+  const double degrees = squares > 0 ? mean * mean / squares : 0;
+  const double found = du.squaredNorm() + dv.squaredNorm();
+  const bool beyond_chance =
+      !(degrees > 0) || ChiSquare{found / mean * degrees, degrees}.deviations() > kSigmas;
+  const bool moved = std::isfinite(farthest) && farthest > kSigmas * sigma && beyond_chance;
+  report.displacement = moved ? farthest : 0;
+  report.displacement_sigma = moved ? sigma : std::sqrt(std::max(most, 0.0));
+}
+
+void Recheck::judge(RecheckReport& report) const {
+  if (views_.empty() || columns_.empty()) return;
+  const auto by = step();
+  if (!by) return;
+  std::vector<Pixel> seen;
+  for (const Condensed& view : views_) seen.insert(seen.end(), view.hull.begin(), view.hull.end());
+  judge(*by, projection_grids(camera_, columns_, convex_hull(std::move(seen))).covered, report);
+}
+
+std::string advice(const RecheckReport& report) {
+  if (!(report.displacement > 0)) return "";
+  return fmt::format(
+      "The lens has moved: the picture is off by {:.2g} +- {:.1g} px where the board was seen. "
+      "Calibrate the camera again.",
+      report.displacement, report.displacement_sigma);
 }
 
 }  // namespace calvin

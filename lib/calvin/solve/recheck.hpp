@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,20 +16,28 @@
 
 namespace calvin {
 
+struct PlacedGrid;
+
 struct RecheckReport {
   Pose camera_from_board;
-  double rms = 0;           // px, of this view's corners around its best pose
-  double displacement = 0;  // px, by all views so far: see Recheck
+  double rms = 0;  // px, of this view's corners around its best pose
+  // px, by all views so far, and 1 sigma of it: see Recheck. Where nothing is proved the first is 0
+  // and the second that of the worst place where boards were seen.
+  double displacement = 0;
+  double displacement_sigma = 0;
   int points = 0;
 };
+
+// What to tell the user; empty where nothing has moved.
+[[nodiscard]] std::string advice(const RecheckReport& report);
 
 // Each view gets the pose that fits it best; the camera stays as it is. The residuals are reduced
 // to their normal equations over the parameters, which give one Gauss-Newton step from the
 // calibration over the latest views that differ from each other, with a weak prior (any one
 // parameter moves the picture by 2 % of its width at most, 1 sigma). `displacement` is the largest
-// change of projection that this step makes over the image, a mere turn of the camera left out,
-// less twice the standard deviation that the noise of the corners and the covariance of the
-// calibration give it: 0 unless the views prove that the camera is another one now. For a camera
+// change of projection that this step makes where these views saw corners, a mere turn of the
+// camera left out; 0 unless the change is larger than the noise of the corners, what views
+// contradict each other by and the covariance of the calibration explain: 2 sigma. For a camera
 // that moved much it is an estimate of first order. The board that the calibration was made with is
 // bent as it was then.
 //
@@ -47,6 +56,7 @@ class Recheck {
   struct Condensed {
     std::string board;
     std::vector<Pixel> corners;  // of the box around its points, by which views are told apart
+    std::vector<Pixel> hull;     // of its points
     Eigen::MatrixXd information;
     Eigen::VectorXd gradient;
     double cost = 0;     // squares of residuals over their sigmas
@@ -54,14 +64,18 @@ class Recheck {
   };
 
   void keep(Condensed view);
-  [[nodiscard]] double displacement() const;
+  struct Step;
+  [[nodiscard]] std::optional<Step> step() const;
+  [[nodiscard]] double contradiction(const Eigen::MatrixXd& inverse, const Eigen::VectorXd& step,
+                                     double variance) const;
+  static void judge(const Step& step, const PlacedGrid& region, RecheckReport& report);
+  void judge(RecheckReport& report) const;
 
   Camera camera_;
-  std::vector<int> columns_;  // of the grid
-  // See solve/judge/projection_grid.hpp.
-  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> grid_;
+  std::vector<int> columns_;      // of projection_grid()
   Eigen::MatrixXd prior_;         // information
   Eigen::MatrixXd covariance_;    // of the calibration
+  double contradiction_before_;   // of the views that it was made of, see contradiction()
   std::string board_;             // of the calibration
   BoardWarp warp_;                // of that board
   std::vector<Condensed> views_;  // in order of time
