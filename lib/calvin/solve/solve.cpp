@@ -17,6 +17,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/solve/judge/auto_model.hpp"
+#include "calvin/solve/judge/simpler_model.hpp"
 #include "calvin/solve/judge/solve_points.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
@@ -104,11 +105,19 @@ void give_ids(std::span<const View> views, std::vector<RejectedCorner>& corners)
   }
 }
 
-// The solve of one model. Where it finds fault, others are tried.
+// The solve of one model. Where the views leave it open a simpler one takes its place; where it
+// finds fault, others are tried.
 Result<Solution> solve_model(std::span<const View> views, std::vector<PointSet> points,
                              const BoardShape& shape, ImageSize size, const SolveOptions& options,
                              const std::stop_token& stop) {
   auto solution = solve_points(std::move(points), shape, size, options, stop);
+  // Of two views all models are open, and without checks nobody knows whether a simpler one fits.
+  if (options.checks && views.size() > 2 && leaves_open(solution, size)) {
+    if (const auto again = usable_views(views, size)) {
+      solution = solve_simpler(std::move(solution), again->views, shape, size, options, stop);
+    }
+    if (solution && solution->calibration.model != options.model) return solution;
+  }
   // Others take their time, tenths of a second each where every corner's offset is an unknown.
   if (!solution || options.offsets || solution->calibration.views.size() < kViewsEnough) {
     return solution;
