@@ -3,57 +3,12 @@
 
 // calvin-show CALIBRATION [TRUTH]: prints a calibration of any known format, with the sigmas, and
 // beside a second one where the truth is known.
-#include <cmath>
 #include <cstdio>
 
 #include <fmt/format.h>
 
 #include "calvin/io/calibration_io.hpp"
-
-namespace {
-
-std::string number(double value) { return fmt::format("{:.6g}", value); }
-
-void print_row(const calvin::Parameter& p, const calvin::Calibration* truth) {
-  fmt::print("{:<6} {:>12} {:>12}", p.name, number(p.value), p.sigma ? number(*p.sigma) : "");
-  if (const auto* t = truth != nullptr ? truth->find(p.name) : nullptr) {
-    fmt::print(" {:>12}", number(t->value));
-    if (p.sigma && *p.sigma > 0) fmt::print(" {:>8.2f}", (p.value - t->value) / *p.sigma);
-  }
-  fmt::print("\n");
-}
-
-void print_verdict(const calvin::Calibration& c) {
-  if (c.expected_error) {
-    fmt::print("accurate to {:.4f} px where corners were seen (2 sigma)\n", 2 * *c.expected_error);
-  }
-  if (c.expected_error_anywhere) {
-    fmt::print("accurate to {:.4f} px anywhere in the picture", 2 * *c.expected_error_anywhere);
-    if (c.worst_place) fmt::print(", worst at {:.0f}, {:.0f}", c.worst_place->u, c.worst_place->v);
-    fmt::print("\n");
-  }
-  if (c.split_half_ratio) {
-    fmt::print("halves of the views differ by {:.2f} times what they should\n",
-               *c.split_half_ratio);
-  }
-  if (!c.misfit.empty() && c.misfit != "none") fmt::print("misfit: {}\n", c.misfit);
-  for (const std::string& remark : c.remarks) fmt::print("{}\n", remark);
-}
-
-void print(const calvin::Calibration& c, const calvin::Calibration* truth) {
-  fmt::print("{} {}x{}, model {}", c.camera.empty() ? "camera" : c.camera, c.image_size.width,
-             c.image_size.height, c.model);
-  if (!c.views.empty()) fmt::print(", {} views", c.views.size());
-  if (!c.board.empty()) fmt::print(" of {}", c.board);
-  fmt::print("\n{:<6} {:>12} {:>12}", "", "value", "sigma");
-  if (truth != nullptr) fmt::print(" {:>12} {:>8}", "truth", "sigmas");
-  fmt::print("\n");
-  for (const calvin::Parameter& p : c.parameters) print_row(p, truth);
-  if (c.rms) fmt::print("RMS reprojection error {:.4f} px\n", *c.rms);
-  print_verdict(c);
-}
-
-}  // namespace
+#include "print_calibration.hpp"
 
 int main(int argc, char** argv) {
   if (argc < 2 || argc > 3) {
@@ -66,7 +21,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   if (argc == 2) {
-    print(*calibration, nullptr);
+    calvin_tools::print(*calibration);
     return 0;
   }
   const auto truth = calvin::read_calibration(argv[2]);
@@ -74,6 +29,6 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}\n", truth.error().message);
     return 1;
   }
-  print(*calibration, &*truth);
+  calvin_tools::print(*calibration, &*truth);
   return 0;
 }

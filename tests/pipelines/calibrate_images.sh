@@ -69,7 +69,14 @@ used 'small.png: left out'
 mkfifo pictures/pipe.png
 used 'pipe.png: left out, it is a device or a FIFO'
 grep -q '^5 of 12 pictures used: 6 left out, 1 without a board' out || fail "counts: $(cat out)"
-[ "$(grep -c ': left out' err)" = 6 ] || fail "not each once: $(cat err)"
+[ "$(grep -c ': left out' err)" = 7 ] || fail "not each once: $(cat err)"
+grep -q 'blank.png: left out, no board was found' err || fail "no reason: $(cat err)"
+grep -q '^2/6 01.png: 54 corners' out || fail "no progress: $(cat out)"
+
+# The result is printed with its sigmas, and how good it is.
+for words in '^fx  *[0-9.]*  *[0-9.]' '^accurate to [0-9.]* px where corners were seen' '^verdict: good'; do
+  grep -q "$words" out || fail "no '$words': $(cat out)"
+done
 
 # Where none is left, the program says so and fails.
 mkdir broken
@@ -78,3 +85,121 @@ got=0
 "$images" --output new broken >out 2>err || got=$?
 [ "$got" = 1 ] || fail "a folder of broken pictures left with $got: $(cat out err)"
 grep -q 'cut.png: left out' err || fail "the broken picture is not named: $(cat err)"
+
+# leaves STATUS ARGUMENT...: how the program ends; what it says is in `out` and `err`.
+leaves() {
+  want=$1
+  shift
+  rm -rf new
+  got=0
+  "$images" --output new "$@" >out 2>err || got=$?
+  [ "$got" = "$want" ] || fail "$* left with $got, not $want: $(cat out err)"
+}
+# what NAME: the value of that name in the calibration.
+what() {
+  /usr/bin/python3 -c 'import json, sys
+c = json.load(open("new/camera.json"))
+print(c.get(sys.argv[1], c["parameters"].get(sys.argv[1])))' "$1"
+}
+
+# What every picture can be: eight bits and sixteen, PNG, TIFF and JPEG, whose decoder has to be exact.
+mkdir many exact
+gst-launch-1.0 -q calibtestsrc num-buffers=8 noise=0 ground-truth=truth.json ! \
+  video/x-raw,width=640,height=480,format=GRAY8 ! tee name=t ! queue ! \
+  jpegenc quality=95 idct-method=islow ! multifilesink location=exact/%02d.jpg \
+  t. ! queue ! multifilesink location=many/%02d.raw
+/usr/bin/python3 - <<'END'
+import glob, pathlib, struct, zlib
+
+def tiff(data, bits):
+    entries = ((256, 640), (257, 480), (258, bits), (259, 1), (262, 1), (273, 122), (277, 1),
+               (278, 480), (279, len(data)))
+    return (b"II*\0" + struct.pack("<IH", 8, len(entries)) +
+            b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in entries) +
+            struct.pack("<I", 0) + data)
+
+def png16(data):
+    def chunk(kind, content):
+        return (struct.pack(">I", len(content)) + kind + content +
+                struct.pack(">I", zlib.crc32(kind + content)))
+    rows = b"".join(b"\0" + data[y * 1280:(y + 1) * 1280] for y in range(480))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 640, 480, 16, 0, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+for i, name in enumerate(sorted(glob.glob("many/*.raw"))):
+    path = pathlib.Path(name)
+    data = path.read_bytes()
+    deep = bytes(b for x in data for b in (x, x))
+    content, end = ((tiff(data, 8), ".tif"), (tiff(deep, 16), ".tiff"), (png16(deep), ".png"))[i % 3]
+    path.with_suffix(end).write_bytes(content)
+    path.unlink()
+END
+if gst-inspect-1.0 --exists gdkpixbufdec; then
+  leaves 0 many
+  grep -q '^8 of 8 pictures used' out || fail "TIFF and PNG: $(cat out err)"
+fi
+leaves 0 exact
+grep -q '^8 of 8 pictures used' out || fail "JPEG: $(cat out err)"
+rms=$(what rms)
+[ "$(echo "$rms" | cut -c1-4)" = 0.00 ] || fail "JPEG is not decoded exactly: RMS $rms px"
+
+# What the user says of the solve arrives there.
+leaves 0 --model rational8 --fix k4,k5,k6,aspect exact
+[ "$(what fx)" = "$(what fy)" ] || fail "--fix was not heard: $(cat out)"
+leaves 0 --model pinhole --initial truth.json exact
+[ "$(what model)" = pinhole ] || fail "--model was not heard"
+leaves 1 --initial nothing.json exact
+grep -q nothing.json err || fail "--initial was not heard: $(cat err)"
+
+# The exit status by the verdict, where it is asked for.
+leaves 0 --verdict exact
+leaves 0 --accuracy 1 exact
+leaves 3 --accuracy 0.0001 exact
+grep -q 'verdict: not good enough, accurate to' out || fail "no verdict: $(cat out)"
+leaves 3 --model pinhole --verdict exact # through a lens that distorts
+grep -q 'verdict: not good, misfit model' out || fail "no misfit: $(cat out)"
+leaves 0 --model pinhole exact
+
+# Another board than the one that is asked for is told, with its size.
+leaves 1 --board checkerboard:8x5:25mm exact
+grep -q 'it shows a board of 9x6 inner corners' err || fail "no size: $(cat err)"
+
+# Two cameras are not one, by their names or by what they say themselves.
+mkdir two
+for n in 0 1 2 3; do
+  cp "exact/0$n.jpg" "two/left$n.jpg"
+  cp "exact/0$((n + 4)).jpg" "two/right$n.jpg"
+done
+leaves 1 two
+grep -q "several cameras, by their names: 4 of 'left\*', 4 of 'right\*'" err || fail "$(cat err)"
+! grep -q corners out || fail "it was looked for boards: $(cat out)"
+leaves 0 --leave-out 'right*' two
+[ "$(grep -c 'left out, as you asked for' err)" = 4 ] || fail "not left out: $(cat err)"
+grep -q '^4 of 8 pictures used: 4 left out' out || fail "counts: $(cat out)"
+leaves 0 --one-camera two
+mkdir exif
+/usr/bin/python3 - <<'END'
+import glob, pathlib, struct
+
+def with_model(jpeg, model):
+    text = model.encode().ljust(12, b"\0")
+    exif = (b"Exif\0\0II*\0" + struct.pack("<IHHHIII", 8, 1, 0x110, 2, len(text), 26, 0) + text)
+    return jpeg[:2] + b"\xff\xe1" + struct.pack(">H", len(exif) + 2) + exif + jpeg[2:]
+
+for i, name in enumerate(sorted(glob.glob("exact/*.jpg"))):
+    path = pathlib.Path(name)
+    model = "Alpha" if i % 2 else "Beta"
+    pathlib.Path("exif", path.name).write_bytes(with_model(path.read_bytes(), model))
+END
+leaves 1 exif
+grep -q 'several cameras, by what they say of them: 4 of Alpha, 4 of Beta' err || fail "$(cat err)"
+
+# Nor are two sizes one, where neither has most of the pictures.
+mkdir sizes
+cp exact/0[0-3].jpg sizes
+for n in 4 5 6 7; do
+  gst-launch-1.0 -q filesrc location="exact/0$n.jpg" ! jpegdec ! videoscale ! \
+    video/x-raw,width=320,height=240 ! pngenc ! filesink location="sizes/0$n.png"
+done
+leaves 1 sizes
+grep -q 'several sizes (4 of 320x240, 4 of 640x480)' err || fail "$(cat err)"
