@@ -72,7 +72,6 @@ run_images() {
     board=checkerboard:9x6:30mm
   fi
   "$build/examples/calvin-calibrate-images" --board "$board" --output "$output" "$pictures"
-  "$build/examples/calvin-show" camera.json
 }
 
 # What a camera sends, for a pipeline: raw video where it has any, JPEG pictures otherwise.
