@@ -50,6 +50,11 @@ inline void print(const calvin::Calibration& c, const calvin::Calibration* truth
   if (truth != nullptr) fmt::print(" {:>12} {:>8}", "truth", "sigmas");
   fmt::print("\n");
   for (const calvin::Parameter& p : c.parameters) print_row(p, truth);
+  if (c.readout) {
+    fmt::print("readout {:.2f} ms", 1e3 * *c.readout);
+    if (c.readout_sigma) fmt::print(", sigma {:.2f} ms", 1e3 * *c.readout_sigma);
+    fmt::print("\n");
+  }
   if (c.rms) fmt::print("RMS reprojection error {:.4f} px\n", *c.rms);
   print_verdict(c);
 }

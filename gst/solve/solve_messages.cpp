@@ -52,6 +52,8 @@ GstStructure* result_message(const FrameTimes& times, const Solution& solution,
     gst_structure_set(s, p.name.c_str(), G_TYPE_DOUBLE, p.value, nullptr);
     set_optional(sigma, p.name.c_str(), p.sigma);
   }
+  set_optional(s, "readout", c.readout);
+  set_optional(sigma, "readout", c.readout_sigma);
   const auto used = std::count_if(c.views.begin(), c.views.end(),
                                   [](const ViewRecord& view) { return !view.held_out; });
   gst_structure_set(s, "sigma", GST_TYPE_STRUCTURE, sigma, "views", G_TYPE_INT,

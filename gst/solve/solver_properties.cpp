@@ -82,6 +82,13 @@ constexpr Property<CalibSolver> kRows[] = {
      "and the final result is posted (0 = never)",
      kept_in<&SessionSettings::target_error>,
      {.range = Range{0, 100}}},
+    {"readout-time",
+     "Readout Time",
+     "Time in ns that the camera takes from the first row of a frame to the last, by which corners "
+     "of a moving board are mended (0 = not known, estimated where the board moves; 1 = all rows "
+     "at once)",
+     kept_in<&SessionSettings::readout_time>,
+     {.range = Range{0, GST_SECOND}}},
     {"runs",
      "Runs",
      "Solves that make a final result: before each after the first one the corners of views taken "

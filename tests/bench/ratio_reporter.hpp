@@ -83,6 +83,13 @@ class RatioReporter : public benchmark::BenchmarkReporter {
     return ours == ours_.end() ? NAN : spread_of(ours->second).median;
   }
 
+  // The times of a subject over those of another one in the same case; not numbers where one of
+  // them was not run.
+  [[nodiscard]] Spread ratio_of(const std::string& what, const std::string& subject,
+                                const std::string& over) const {
+    return spread_of(ratios(times_of(what, subject), times_of(what, over)));
+  }
+
  private:
   struct Row {
     std::int64_t index = 0;
@@ -90,6 +97,15 @@ class RatioReporter : public benchmark::BenchmarkReporter {
     std::string subject;
     std::vector<double> ms;  // of each run
   };
+
+  [[nodiscard]] std::vector<double> times_of(const std::string& what,
+                                             const std::string& subject) const {
+    const auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Row& r) {
+      return r.what == what && r.subject == subject;
+    });
+    return row == rows_.end() ? std::vector<double>() : row->ms;
+  }
+
   std::vector<Row> rows_;
   std::map<std::string, std::vector<double>> ours_;
 };

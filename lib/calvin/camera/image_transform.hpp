@@ -35,6 +35,12 @@ template <std::floating_point T>
   return (c + 0.5) / length;
 }
 
+// The time at which a rolling shutter reads the row v of a picture that many rows high, in readouts
+// (from the first row to the last) after the middle one: -1/2..1/2.
+[[nodiscard]] constexpr double row_delay(double v, int height) noexcept {
+  return height > 1 ? v / (height - 1) - 0.5 : 0;
+}
+
 // First the picture is turned, then a part of it is cut out, then that is scaled.
 class ImageTransform {
  public:

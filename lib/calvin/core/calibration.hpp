@@ -84,6 +84,10 @@ struct Calibration {
   std::optional<BoardWarp> warp;
   std::vector<ViewRecord> views;
   std::optional<Rectangle> sensor_crop;  // the part of the calibrated image that frames show
+  // s, from the first row of a frame to the last, by which the views were solved, and 1 sigma of it
+  // where it was estimated. Negative: the last row comes first.
+  std::optional<double> readout;
+  std::optional<double> readout_sigma;
   std::optional<double> focus;
   std::optional<double> zoom;
   std::string created;  // ISO 8601, UTC

@@ -56,6 +56,9 @@ struct Observation {
   std::vector<int> ids;                    // index of the control point in Board::points()
   std::vector<Pixel> uv;                   // px
   std::vector<double> sigma;               // px, 1 sigma per coordinate of each point
+  // px/s, how fast each point moved in the image, one frame's time taken for another's; empty: not
+  // known. What a camera that reads row after row shows of a moving board is mended by it.
+  std::vector<Pixel> velocity;
 
   // The labellings that are as good as the given one: empty where the board tells its own
   // orientation.

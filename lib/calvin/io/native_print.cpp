@@ -107,6 +107,8 @@ void put_rest(Json& json, const Calibration& calibration) {
     if (calibration.warp->kx_sigma) warp["kx_sigma"] = *calibration.warp->kx_sigma;
     if (calibration.warp->ky_sigma) warp["ky_sigma"] = *calibration.warp->ky_sigma;
   }
+  put(json, "readout", calibration.readout);
+  put(json, "readout_sigma", calibration.readout_sigma);
   for (const ViewRecord& view : calibration.views) json["views"].push_back(view_of(view));
   if (const auto& crop = calibration.sensor_crop) {
     json["sensor_crop"] = {crop->x, crop->y, crop->width, crop->height};

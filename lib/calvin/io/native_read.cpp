@@ -169,6 +169,8 @@ void read_quality(Fields& fields, Calibration& calibration) {
   calibration.chi = read_error(fields, "chi");
   read_promises(fields, calibration);
   read_verdict(fields, calibration);
+  calibration.readout = fields.optional_number("readout");
+  calibration.readout_sigma = read_error(fields, "readout_sigma");
   calibration.focus = fields.optional_number("focus");
   calibration.zoom = fields.optional_number("zoom");
   if (fields.find("warp") != nullptr) {

@@ -95,10 +95,11 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   times_ = times;
   View view = {observation, *board};
   if (plan_.settings.runs < 2) view.observation.patches.reset();
-  const Reason reason = views_.offer(view, informs(view));
+  const Reason reason = views_.offer(view, worth(view));
   if (reason == Reason::kAccepted) {
     taken_.push_back({times});
     accepted_at_ = observation.timestamp;
+    capture_.restart(accepted_at_);
     offered.reached = consider();
   }
   offered.reason = reason;
@@ -116,14 +117,10 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   return offered;
 }
 
-bool CalibrationSession::informs(const View& view) {
-  constexpr double kWanted = 0.5;    // of what the target tells
-  constexpr double kPatience = 8e9;  // ns, after which anything new is welcome
-  if (!guide_) return true;
+ViewWorth CalibrationSession::worth(const View& view) {
+  if (!guide_) return capture_.worth(std::nullopt, view.observation.timestamp);
   share_ = guide_->share(view);
-  const std::uint64_t now = view.observation.timestamp;
-  if (now == kNoTimestamp || accepted_at_ == kNoTimestamp || now < accepted_at_) return true;
-  return share_ >= kWanted * (1 - static_cast<double>(now - accepted_at_) / kPatience);
+  return capture_.worth(NearView{share_, guide_->distance(view)}, view.observation.timestamp);
 }
 
 // A camera that is known badly may ask for what it cannot see.
@@ -272,6 +269,7 @@ void CalibrationSession::reset() {
   writes_.reset();
   guide_.reset();
   accepted_at_ = kNoTimestamp;
+  capture_ = {};
   renew_hint();
 }
 

@@ -21,6 +21,7 @@
 #include "calvin/core/reason.hpp"
 #include "calvin/session/files/session_files.hpp"
 #include "calvin/session/frame_times.hpp"
+#include "calvin/session/guidance/guided_capture.hpp"
 #include "calvin/session/guidance/hint.hpp"
 #include "calvin/session/guidance/view_guide.hpp"
 #include "calvin/session/progress.hpp"
@@ -163,7 +164,7 @@ class CalibrationSession {
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
   [[nodiscard]] std::string_view consider();
   // Whether a view tells enough, of what the hint asks for, to be kept.
-  [[nodiscard]] bool informs(const View& view);
+  [[nodiscard]] ViewWorth worth(const View& view);
   void guide_from(const View& view);
   // Asks for something else where nobody has got to the target for long.
   void drop_stale_guide(std::uint64_t now);
@@ -197,8 +198,9 @@ class CalibrationSession {
   std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
   int frames_without_board_ = 0;  // that showed others, since it was seen
   Hint hint_;
-  std::shared_ptr<const ViewGuide> guide_;    // after the newest solve
-  double share_ = 0;                          // ViewGuide::share() of the newest observation
+  std::shared_ptr<const ViewGuide> guide_;  // after the newest solve
+  double share_ = 0;                        // ViewGuide::share() of the newest observation
+  GuidedCapture capture_;
   std::uint64_t accepted_at_ = kNoTimestamp;  // timestamp of the newest view
   std::uint64_t hint_since_ = kNoTimestamp;   // timestamp at which the hint last changed
   std::map<std::string, Board> boards_;       // by their texts, of the newest frames

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "calvin/geometry/convex_hull.hpp"
+#include "calvin/session/corner_motion.hpp"
 
 namespace calvin {
 
@@ -18,7 +19,6 @@ namespace {
 
 constexpr std::size_t kFewestCorners = 6;
 constexpr double kStill = 0.1;           // px while a frame is read out
-constexpr double kMostSigma = 1e6;       // px; above it counts as not known, as in solve()
 constexpr double kSharp = 0.0015;        // of the image diagonal, 1 sigma of the edges
 constexpr double kSharpEnough = 2;       // px
 constexpr double kSmallest = 0.01;       // of the image's area
@@ -27,66 +27,19 @@ constexpr double kNewShape = 0.025;      // of the board's size in the image
 constexpr double kSameSheet = 0.5;       // of the board's size in the image, between two frames
 constexpr std::size_t kMostSheets = 16;  // of a board that are remembered
 constexpr std::size_t kMostBoards = 16;  // by their texts, likewise
-constexpr std::size_t kMostTimes = 16;   // between frames, likewise
-
-// How the corners that two observations share have moved, px.
-struct Motion {
-  std::size_t shared = 0;
-  double all = 0;           // RMS distance, less the noise of the corners
-  double center = 0;        // distance of the centres
-  double about_center = 0;  // mean distance about the centres
-};
-
-Motion motion(const Observation& from, const Observation& to) {
-  std::vector<Pixel> moves;
-  Pixel mean;
-  double square = 0;
-  const auto variance = [](const Observation& o, std::size_t i) {
-    return i < o.sigma.size() && o.sigma[i] <= kMostSigma ? 2 * o.sigma[i] * o.sigma[i] : 0;
-  };
-  for (std::size_t i = 0; i < to.ids.size(); ++i) {
-    const auto it = std::find(from.ids.begin(), from.ids.end(), to.ids[i]);
-    if (it == from.ids.end()) continue;
-    const auto before = static_cast<std::size_t>(it - from.ids.begin());
-    const Pixel& old = from.uv[before];
-    moves.push_back({to.uv[i].u - old.u, to.uv[i].v - old.v});
-    square += moves.back().u * moves.back().u + moves.back().v * moves.back().v;
-    square -= variance(to, i) + variance(from, before);
-    mean.u += moves.back().u;
-    mean.v += moves.back().v;
-  }
-  Motion m;
-  m.shared = moves.size();
-  if (moves.empty()) return m;
-  const auto n = static_cast<double>(moves.size());
-  mean = {mean.u / n, mean.v / n};
-  m.center = std::hypot(mean.u, mean.v);
-  m.all = std::sqrt(std::max(square, 0.0) / n);
-  for (const Pixel& d : moves) {
-    m.about_center += std::hypot(d.u - mean.u, d.v - mean.v) / n;
-  }
-  return m;
-}
+constexpr std::uint64_t kRestless = 2'200'000'000;  // ns, longer than a board is on its way
+constexpr std::size_t kMostTimes = 16;              // between frames, likewise
 
 double diagonal(ImageSize size) { return std::hypot(size.width, size.height); }
 
-// 0 where it is not known.
-double seconds_between(const Observation& from, const Observation& to) {
-  if (from.timestamp == kNoTimestamp || to.timestamp == kNoTimestamp) return 0;
-  return to.timestamp > from.timestamp ? 1e-9 * static_cast<double>(to.timestamp - from.timestamp)
-                                       : 0;
-}
-
 double hull_area(const Observation& seen) { return polygon_area(convex_hull(seen.uv)); }
 
-// Whether a sheet was seen on a frame already; equal sheets lie beside each other. One that is
-// mostly covered is as small as what is seen of it.
-bool seen_on(const std::vector<Observation>& frame, const Observation& sheet) {
-  const double area = frame.empty() ? 0 : hull_area(sheet);
-  return std::ranges::any_of(frame, [&sheet, area](const Observation& other) {
-    const Motion m = motion(other, sheet);
-    return m.shared > 0 && m.center <= kSameSheet * std::sqrt(std::min(area, hull_area(other)));
-  });
+// Whether both can be of one sheet; equal sheets lie beside each other. One that is mostly covered
+// is as small as what is seen of it.
+bool is_on(const Observation& other, const Observation& sheet) {
+  const CornerMotion m = corner_motion(other, sheet);
+  return m.shared > 0 &&
+         m.center <= kSameSheet * std::sqrt(std::min(hull_area(sheet), hull_area(other)));
 }
 
 // Whether both are of one frame, or of copies of it.
@@ -104,13 +57,14 @@ void Session::pass(const Observation& seen) {
   if (seen.timestamp == kNoTimestamp) recent(seen.board).before.clear();
 }
 
-Reason Session::offer(const View& view, bool informs) {
+Reason Session::offer(const View& view, ViewWorth worth) {
   begin_frame(view.observation);
   const Reason reason = usable(view);
   if (reason != Reason::kAccepted) return reason;
   Recent& r = recent(view.observation.board);
   const auto is_this = [&view](const Observation& o) { return is_same(o, view.observation); };
-  if (std::ranges::none_of(r.now, is_this)) return r.reason = judge(view, r, informs);
+  const auto shows_this = [&is_this](const Sighting& s) { return is_this(s.seen); };
+  if (std::ranges::none_of(r.now, shows_this)) return r.reason = judge(view, r, worth);
   const bool kept =
       std::ranges::any_of(views_, [&](const auto& v) { return is_this(v->observation); });
   if (asked_ && !kept && !full()) {
@@ -121,18 +75,27 @@ Reason Session::offer(const View& view, bool informs) {
   return r.reason == Reason::kAccepted ? Reason::kTooSimilar : r.reason;
 }
 
-Reason Session::judge(const View& view, Recent& r, bool informs) {
+Reason Session::judge(const View& view, Recent& r, ViewWorth worth) {
   // A timestamp that stands still does not make two frames one.
-  if (seen_on(r.now, view.observation)) r.before = std::exchange(r.now, {});
-  const std::optional<Observation> before = take_previous(view.observation);
+  const auto is_known = [&view](const Sighting& s) { return is_on(s.seen, view.observation); };
+  if (std::ranges::any_of(r.now, is_known)) r.before = std::exchange(r.now, {});
+  const std::optional<Sighting> before = take_previous(view.observation);
   if (r.now.size() >= kMostSheets) r.now.erase(r.now.begin());
-  r.now.push_back(view.observation);
+  r.now.push_back({view.observation, std::nullopt, std::nullopt});
+  const auto velocities = before ? velocities_of(r.now.back(), *before) : std::nullopt;
+  const Pace pace = pace_of(view.observation, before ? &before->seen : nullptr, velocities);
+  // Nobody knows what a board did that was not seen before.
+  const std::uint64_t now = view.observation.timestamp;
+  if (!before || pace == Pace::kStill) r.rested = now;
+  const bool restless = now != kNoTimestamp && now > r.rested && now - r.rested > kRestless;
   if (!asked_) {
-    const Reason worth = worth_keeping(view, before, informs);
-    if (worth != Reason::kAccepted) return worth;
+    const bool worth_it =
+        pace == Pace::kStill ? worth.still : worth.moving || (restless && worth.restless);
+    const Reason reason = worth_keeping(view, pace, worth_it);
+    if (reason != Reason::kAccepted) return reason;
   }
   if (full()) return Reason::kTooSimilar;
-  keep(view);
+  keep(velocities && is_significant(*velocities) ? moving(view, *velocities) : view);
   return Reason::kAccepted;
 }
 
@@ -148,20 +111,41 @@ Reason Session::usable(const View& view) const {
   return Reason::kAccepted;
 }
 
-Reason Session::worth_keeping(const View& view, const std::optional<Observation>& before,
-                              bool informs) const {
+std::optional<CornerVelocities> Session::velocities_of(Sighting& now, const Sighting& before) {
+  // A hand that trembles may move evenly for a moment by chance.
+  constexpr double kRemembered = 0.9;  // of what was uneven a frame before
+  now.before = before.seen;
+  now.motion = before.motion;
+  if (now.motion) now.motion->uneven *= kRemembered;
+  if (!before.before) return std::nullopt;
+  auto velocities = corner_velocities(*before.before, before.seen, now.seen);
+  if (!velocities) return std::nullopt;
+  const double uneven =
+      std::max(uneven_motion(*velocities, before.motion), now.motion ? now.motion->uneven : 0);
+  now.motion = SteadyMotion{velocities->change, uneven};
+  velocities->sigma = std::hypot(velocities->sigma, uneven);
+  return velocities;
+}
+
+Session::Pace Session::pace_of(const Observation& seen, const Observation* before,
+                               const std::optional<CornerVelocities>& velocities) const {
+  if (before == nullptr || before->image_size != seen.image_size) return Pace::kUnknown;
+  const CornerMotion moved = corner_motion(*before, seen);
+  if (moved.shared < kFewestCorners) return Pace::kUnknown;
+  if (readout_share(*before, seen) * moved.all <= kStill) return Pace::kStill;
+  const bool steady = velocities && left_of_motion(seen, velocities->sigma) <= kStill;
+  return steady ? Pace::kSteady : Pace::kUnknown;
+}
+
+Reason Session::worth_keeping(const View& view, Pace pace, bool worth_it) const {
   if (options_.mode == CaptureMode::kAll) return Reason::kAccepted;
   if (options_.mode == CaptureMode::kManual) return Reason::kTooSimilar;
   const Observation& seen = view.observation;
   const ImageSize size = seen.image_size;
   if (hull_area(seen) < kSmallest * size.width * size.height) return Reason::kTooSmall;
-  if (!before || before->image_size != size) return Reason::kMoving;
-  const Motion moved = motion(*before, seen);
-  if (moved.shared < kFewestCorners || readout_share(*before, seen) * moved.all > kStill) {
-    return Reason::kMoving;
-  }
+  if (pace == Pace::kUnknown) return Reason::kMoving;
   if (seen.blur > std::max(kSharp * diagonal(size), kSharpEnough)) return Reason::kBlurred;
-  return informs && is_new(view) ? Reason::kAccepted : Reason::kTooSimilar;
+  return worth_it && is_new(view) ? Reason::kAccepted : Reason::kTooSimilar;
 }
 
 void Session::time_frame(std::uint64_t timestamp) {
@@ -179,10 +163,41 @@ double Session::frame_time() const {
   return sorted[(sorted.size() - 1) / 4];
 }
 
+std::optional<ReadoutTime> Session::readout() const {
+  if (options_.readout != 0) return ReadoutTime{options_.readout, 0};
+  const double most = frame_time();
+  return most > 0 ? std::optional(ReadoutTime{0, most}) : std::nullopt;
+}
+
+double Session::longest_readout() const {
+  return options_.readout != 0 ? std::abs(options_.readout) : frame_time();
+}
+
 double Session::readout_share(const Observation& before, const Observation& now) const {
   const double between = seconds_between(before, now);
-  const double readout = options_.readout > 0 ? options_.readout : frame_time();
+  const double readout = longest_readout();
   return between > 0 && readout > 0 ? readout / between : 1;
+}
+
+double Session::left_of_motion(const Observation& seen, double sigma) const {
+  double squares = 0;
+  for (const Pixel& at : seen.uv) {
+    const double left =
+        calvin::left_of_motion(sigma, longest_readout(), at.v, seen.image_size.height);
+    squares += left * left / static_cast<double>(seen.uv.size());
+  }
+  return std::sqrt(squares);
+}
+
+View Session::moving(View view, const CornerVelocities& velocities) const {
+  Observation& seen = view.observation;
+  seen.velocity = velocities.of;
+  for (std::size_t i = 0; i < seen.sigma.size() && i < seen.uv.size(); ++i) {
+    seen.sigma[i] =
+        std::hypot(seen.sigma[i], calvin::left_of_motion(velocities.sigma, longest_readout(),
+                                                         seen.uv[i].v, seen.image_size.height));
+  }
+  return view;
 }
 
 Session::Recent& Session::recent(const std::string& board) {
@@ -207,12 +222,12 @@ void Session::begin_frame(const Observation& seen) {
   r.frame = seen.timestamp;
 }
 
-std::optional<Observation> Session::take_previous(const Observation& now) {
-  std::vector<Observation>& before = recent(now.board).before;
+std::optional<Session::Sighting> Session::take_previous(const Observation& now) {
+  std::vector<Sighting>& before = recent(now.board).before;
   auto nearest = before.end();
   double least = 0;
   for (auto it = before.begin(); it != before.end(); ++it) {
-    const Motion m = motion(*it, now);
+    const CornerMotion m = corner_motion(it->seen, now);
     if (m.shared == 0 || (nearest != before.end() && m.center >= least)) continue;
     nearest = it;
     least = m.center;
@@ -220,9 +235,9 @@ std::optional<Observation> Session::take_previous(const Observation& now) {
   if (nearest == before.end()) return std::nullopt;
   // Another sheet of the board, or one that has moved too far to tell.
   if (least > kSameSheet * std::sqrt(hull_area(now))) return std::nullopt;
-  Observation observation = std::move(*nearest);
+  Sighting sighting = std::move(*nearest);
   before.erase(nearest);
-  return observation;
+  return sighting;
 }
 
 bool Session::is_new(const View& view) const {
@@ -230,7 +245,7 @@ bool Session::is_new(const View& view) const {
   const double extent = std::sqrt(hull_area(view.observation));
   return std::all_of(views_.begin(), views_.end(), [&](const auto& kept) {
     if (kept->observation.board != view.observation.board) return true;
-    const Motion m = motion(kept->observation, view.observation);
+    const CornerMotion m = corner_motion(kept->observation, view.observation);
     return m.shared < kFewestCorners || m.center > kNewPosition * scale ||
            m.about_center > kNewShape * extent;
   });
@@ -240,10 +255,10 @@ bool Session::full() const noexcept {
   return options_.max_views > 0 && views_.size() >= static_cast<std::size_t>(options_.max_views);
 }
 
-void Session::keep(const View& view) {
+void Session::keep(View view) {
   asked_ = false;
-  views_.push_back(std::make_shared<const View>(view));
   coverage_.add(view);
+  views_.push_back(std::make_shared<const View>(std::move(view)));
 }
 
 void Session::reset() {

@@ -13,6 +13,8 @@
 
 #include "calvin/core/observation.hpp"
 #include "calvin/core/reason.hpp"
+#include "calvin/session/corner_motion.hpp"
+#include "calvin/session/guidance/guided_capture.hpp"
 #include "calvin/session/guidance/hint.hpp"
 #include "calvin/session/guidance/view_coverage.hpp"
 #include "calvin/session/progress.hpp"
@@ -30,25 +32,29 @@ struct SessionOptions {
   CaptureMode mode = CaptureMode::kAuto;
   int min_views = 10;  // fewer are never complete
   int max_views = 0;   // no more are kept; 0: no limit
-  double readout = 0;  // s, from the first row of a frame to the last; 0: a frame's time
+  // s, from the first row of a frame to the last, negative where the last one comes first; 0: not
+  // known, and at most a frame's time.
+  double readout = 0;
 };
 
 // Not thread-safe.
 //
 // A view is usable with at least 6 corners that check() accepts, of the image size of the views
 // kept so far. In kAuto it must also
-//   - be still: the corners shared with the observation of its sheet in the frame before it move by
-//     no more than 0.1 px (RMS, what their sigmas explain taken off) while a frame is read out; so
-//     the first one after a gap never is. Several observations of a board with the same timestamp
-//     are sheets that are equal: the one of the frame before whose centre lies nearest, by less
-//     than half the board's size, is the same sheet. A frame's time is the lower quartile of those
-//     between the newest frames;
+//   - be still, or move so that it is known how: the corners shared with the observation of its
+//     sheet in the frame before it move by no more than 0.1 px (RMS, what their sigmas explain
+//     taken off) while a frame is read out, or would move so once their velocities, which the two
+//     frames before tell, are taken off. The first one after a gap is never kept. Several
+//     observations of a board with the same timestamp are sheets that are equal: the one of the
+//     frame before whose centre lies nearest, by less than half the board's size, is the same
+//     sheet. A frame's time is the lower quartile of those between the newest frames;
 //   - be sharp: its edges are blurred by no more than 0.15 % of the image diagonal, or 2 px if that
 //     is more (1 sigma);
 //   - be large: the corners' hull covers at least 1 % of the image;
 //   - be new, compared with every kept view of the same board: its centre lies at least 8 % of the
 //     image diagonal away, or the corners have moved about their centre by at least 2.5 % of the
 //     board's size in the image on average (nearer, farther, turned, tilted).
+// A view whose velocities are known is kept with them; what they may be wrong by is in its sigmas.
 // An observation that comes again with its timestamp is of a copy of the frame: it tells nothing
 // new.
 class Session {
@@ -56,8 +62,8 @@ class Session {
   explicit Session(SessionOptions options = {}) : options_(options) {}
 
   // Keeps the view when it returns kAccepted. kTooSimilar also for a view beyond max_views, in
-  // kManual for one that was not asked for, and in kAuto for one that does not inform.
-  Reason offer(const View& view, bool informs = true);
+  // kManual for one that was not asked for, and in kAuto for one that is not worth it.
+  Reason offer(const View& view, ViewWorth worth = {});
 
   // A frame that may have shown the board, but nothing of it is offered: there is a gap.
   void pass(const Observation& seen);
@@ -82,6 +88,8 @@ class Session {
   [[nodiscard]] Progress progress() const;
   [[nodiscard]] Hint hint() const { return coverage_.hint(); }
   [[nodiscard]] const ViewCoverage& coverage() const noexcept { return coverage_; }
+  // What solve() is to take for the readout of the views; absent where nobody knows frames' times.
+  [[nodiscard]] std::optional<ReadoutTime> readout() const;
 
   // At least min_views, and max_views reached or, in kAuto, the ranges of Progress spanned; without
   // guidance (kAll, kManual) min_views is enough.
@@ -89,18 +97,36 @@ class Session {
 
  private:
   [[nodiscard]] Reason usable(const View& view) const;
-  [[nodiscard]] Reason worth_keeping(const View& view, const std::optional<Observation>& before,
-                                     bool informs) const;
+  // An observation, and that of the same sheet in the frame before.
+  struct Sighting {
+    Observation seen;
+    std::optional<Observation> before;
+    std::optional<SteadyMotion> motion;
+  };
+  // The velocities of the corners of a sheet that was seen a frame before. Joins `now` to it.
+  [[nodiscard]] static std::optional<CornerVelocities> velocities_of(Sighting& now,
+                                                                     const Sighting& before);
+  // How a board moves: so little that it stands still for a readout, so evenly that its velocities
+  // tell where it was, or in a way that nobody knows.
+  enum class Pace { kStill, kSteady, kUnknown };
+  [[nodiscard]] Pace pace_of(const Observation& seen, const Observation* before,
+                             const std::optional<CornerVelocities>& velocities) const;
+  [[nodiscard]] Reason worth_keeping(const View& view, Pace pace, bool worth_it) const;
   [[nodiscard]] bool is_new(const View& view) const;
   [[nodiscard]] bool full() const noexcept;
   // Notes that another frame begins where it does, and forgets what is older than the one before.
   void begin_frame(const Observation& seen);
-  [[nodiscard]] std::optional<Observation> take_previous(const Observation& now);
-  void keep(const View& view);
+  [[nodiscard]] std::optional<Sighting> take_previous(const Observation& now);
+  void keep(View view);
   void time_frame(std::uint64_t timestamp);
-  [[nodiscard]] double frame_time() const;  // s; 0: not known
+  [[nodiscard]] double frame_time() const;       // s; 0: not known
+  [[nodiscard]] double longest_readout() const;  // s; 0: not known
   // The part of the time between two observations that a readout takes.
   [[nodiscard]] double readout_share(const Observation& before, const Observation& now) const;
+  // What velocities that are wrong by `sigma` px/s leave of the motion, px, RMS over the corners.
+  [[nodiscard]] double left_of_motion(const Observation& seen, double sigma) const;
+  // The view with the velocities of its corners.
+  [[nodiscard]] View moving(View view, const CornerVelocities& velocities) const;
 
   SessionOptions options_;
   Views views_;
@@ -110,12 +136,13 @@ class Session {
   struct Recent {
     std::string board;
     std::uint64_t frame = kNoTimestamp;
-    std::vector<Observation> before;
-    std::vector<Observation> now;
-    Reason reason = Reason::kNotFound;  // of the newest one
+    std::vector<Sighting> before;
+    std::vector<Sighting> now;
+    std::uint64_t rested = kNoTimestamp;  // when it last stood still, or was seen after a gap
+    Reason reason = Reason::kNotFound;    // of the newest one
   };
   // Of what no frame has shown before; it becomes one of what the frame at hand shows.
-  [[nodiscard]] Reason judge(const View& view, Recent& r, bool informs);
+  [[nodiscard]] Reason judge(const View& view, Recent& r, ViewWorth worth);
   [[nodiscard]] Recent& recent(const std::string& board);
   std::vector<Recent> recent_;
   bool asked_ = false;

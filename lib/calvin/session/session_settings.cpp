@@ -20,7 +20,8 @@ SessionOptions SessionPlan::session_options(bool live) const {
   if (settings.capture_mode == CaptureChoice::kAll) mode = CaptureMode::kAll;
   if (settings.capture_mode == CaptureChoice::kAuto) mode = CaptureMode::kAuto;
   if (settings.capture_mode == CaptureChoice::kManual) mode = CaptureMode::kManual;
-  return {mode, settings.min_views, settings.max_views};
+  return {mode, settings.min_views, settings.max_views,
+          1e-9 * static_cast<double>(settings.readout_time)};
 }
 
 namespace {
@@ -157,7 +158,7 @@ bool may_wait(const SessionSettings& seen, const SessionSettings& now) {
 
 bool solves_differently(const SessionSettings& a, const SessionSettings& b) {
   return a.model != b.model || a.fix != b.fix || a.initial != b.initial || a.warp != b.warp ||
-         a.skew != b.skew || a.runs != b.runs;
+         a.skew != b.skew || a.runs != b.runs || a.readout_time != b.readout_time;
 }
 
 bool writes_elsewhere(const SessionSettings& a, const SessionSettings& b) {

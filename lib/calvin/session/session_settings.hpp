@@ -30,9 +30,10 @@ struct SessionSettings {
   bool skew = false;
   CaptureChoice capture_mode = CaptureChoice::kDefault;
   int min_views = 3;
-  int max_views = 0;        // 0: no limit
-  double target_error = 0;  // px of expected error; 0: none
-  int runs = 1;             // of a final solve
+  int max_views = 0;               // 0: no limit
+  double target_error = 0;         // px of expected error; 0: none
+  int runs = 1;                    // of a final solve
+  std::uint64_t readout_time = 0;  // ns, from the first row of a frame to the last; 0: not known
 
   friend bool operator==(const SessionSettings&, const SessionSettings&) = default;
 };

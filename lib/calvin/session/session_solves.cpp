@@ -25,6 +25,7 @@ std::optional<SolveJob> CalibrationSession::take_solve() {
   job.options = plan_.options;
   job.options.camera = camera_name();
   job.options.initial = initial_;
+  job.options.readout = views_.readout();
   job.final = final_owed_;
   if (job.final) job.runs = plan_.settings.runs;
   job.location = plan_.settings.location;
@@ -66,6 +67,7 @@ void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<const ViewG
   if (!is_current(job.origin)) return;
   guide_ = std::move(guide);
   share_ = 0;
+  capture_.restart(times_.timestamp);
   renew_hint();
 }
 

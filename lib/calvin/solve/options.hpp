@@ -12,6 +12,13 @@
 
 namespace calvin {
 
+// How long a camera takes from the first row of a frame to the last, s; negative where it begins
+// with the last. A sigma of 0: it is known.
+struct ReadoutTime {
+  double value = 0;
+  double sigma = 0;
+};
+
 struct SolveOptions {
   // One of model_names(), or "auto": the simplest model for which no richer one predicts the views
   // that were held out better by more than 2 sigma.
@@ -38,6 +45,11 @@ struct SolveOptions {
   // the offsets a solve takes tenths of a second instead of a millisecond.
   bool aspect = false;
   bool offsets = false;
+
+  // What was known of the readout before: corners of views with velocities are put where the middle
+  // row of the frame would have shown them, and the readout is estimated where it has a sigma and
+  // the velocities tell. Absent: velocities do not count.
+  std::optional<ReadoutTime> readout;
 
   // Estimates the skew of the pixel axes (u = fx x + skew y + cx) too; else the skew of `initial`
   // is kept, or 0.

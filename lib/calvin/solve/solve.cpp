@@ -60,6 +60,7 @@ Result<UsableViews> usable_views(std::span<const View> views, ImageSize size) {
     PointSet points = to_points(board, boards[number].points, seen);
     points.index = i;
     points.board = number;
+    points.motion = row_motion(seen, size.height);
     if (!spans_plane(points)) {
       usable.rejected.push_back({i, Reason::kTooFewPoints});
       continue;

@@ -5,6 +5,8 @@
 
 #include "calvin/solve/view.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -48,6 +50,14 @@ Status check(const View& view, ImageSize image_size) {
   if (seen.ids.size() != seen.uv.size()) {
     return refuse(fmt::format("{} ids and {} corners were given; each corner needs its id.",
                               seen.ids.size(), seen.uv.size()));
+  }
+  if (!seen.velocity.empty() && seen.velocity.size() != seen.uv.size()) {
+    return refuse(fmt::format("{} velocities and {} corners were given; each corner needs its own.",
+                              seen.velocity.size(), seen.uv.size()));
+  }
+  const auto finite = [](Pixel p) { return std::isfinite(p.u) && std::isfinite(p.v); };
+  if (!std::all_of(seen.velocity.begin(), seen.velocity.end(), finite)) {
+    return refuse("A corner has a velocity that is no number.");
   }
   const IdIndex board_ids(view.board);
   std::vector<bool> known(static_cast<std::size_t>(view.board.point_count()), false);

@@ -25,8 +25,9 @@ struct View {
 [[nodiscard]] CALVIN_API Status check_image_size(ImageSize size);
 
 // Whether a view can be fed to solve(): ids within the board and none twice, as many corners as
-// ids, all finite and within the image (5 % of its size beyond the border are tolerated).
-// kInvalidArgument otherwise. Whether the corners are enough is not looked at.
+// ids, all finite and within the image (5 % of its size beyond the border are tolerated), a
+// velocity for each or for none. kInvalidArgument otherwise. Whether the corners are enough is not
+// looked at.
 [[nodiscard]] CALVIN_API Status check(const View& view, ImageSize image_size);
 
 }  // namespace calvin

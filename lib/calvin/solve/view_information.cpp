@@ -86,6 +86,7 @@ Result<ViewScorer> ViewScorer::make(const Camera& camera, const SolveOptions& op
   SolveOptions asked = options;
   asked.model = camera.model();
   asked.initial = camera.to_calibration();
+  asked.readout.reset();
   const auto parameters = make_parameterization(asked, camera.image_size());
   if (!parameters) return tl::unexpected<Error>(parameters.error());
   const CameraUnknowns unknowns = parameters->table.unknowns(0);

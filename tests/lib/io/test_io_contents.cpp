@@ -327,6 +327,8 @@ TEST(FileContents, EveryFieldOfTheNativeFormat) {
   c.covered = {{1.5, 2.5}, {3.5, 4.5}, {5.5, 6.5}};
   c.board = "checkerboard:9x6:30mm";
   c.warp = BoardWarp{0.0001, -0.0002, 0.0003, 0.0004};
+  c.readout = -0.03125;
+  c.readout_sigma = 0.0625;
   c.views = {{7, 0.5, 54, false, {{1.5, -2.5, 3.5}, {4.5, 5.5, 6.5}}},
              {kNoTimestamp, 0.875, 53, true, {{7.5, 8.5, 9.5}, {10.5, 11.5, 12.5}}}};
   c.sensor_crop = Rectangle{11, 12, 13.5, 14};
@@ -358,6 +360,8 @@ TEST(FileContents, EveryFieldOfTheNativeFormat) {
   ],
   "board": "checkerboard:9x6:30mm",
   "warp": {{"kx": 0.0001, "ky": -0.0002, "kx_sigma": 0.0003, "ky_sigma": 0.0004}},
+  "readout": -0.03125,
+  "readout_sigma": 0.0625,
   "views": [
     {{"timestamp": 7, "rms": 0.5, "points": 54, "held_out": false, "camera_from_board": {{"rotation": [1.5, -2.5, 3.5], "translation": [4.5, 5.5, 6.5]}}}},
     {{"rms": 0.875, "points": 53, "held_out": true, "camera_from_board": {{"rotation": [7.5, 8.5, 9.5], "translation": [10.5, 11.5, 12.5]}}}}
@@ -375,6 +379,8 @@ TEST(FileContents, EveryFieldOfTheNativeFormat) {
   EXPECT_EQ(read->warp->kx, 0.0001);
   EXPECT_EQ(read->warp->kx_sigma, 0.0003);
   EXPECT_EQ(read->warp->ky_sigma, 0.0004);
+  EXPECT_EQ(read->readout, -0.03125);
+  EXPECT_EQ(read->readout_sigma, 0.0625);
   EXPECT_EQ(read->sensor_crop->x, 11);
   EXPECT_EQ(read->sensor_crop->y, 12);
   EXPECT_EQ(read->sensor_crop->height, 14);

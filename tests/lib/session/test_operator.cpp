@@ -17,53 +17,13 @@
 #include "calvin/session/calibration_session.hpp"
 #include "calvin/session/guidance/board_placement.hpp"
 #include "scenes.hpp"
+#include "true_error.hpp"
 
 namespace calvin {
 namespace {
 
 constexpr int kViews = 25;
 constexpr double kFrame = 1.0 / 15;  // s
-
-// The largest distance of a projection from the true one, px, the best common rotation taken out,
-// over a grid of the places that the polygon contains, or of all.
-double worst_error(const Calibration& calibration, const Camera& truth,
-                   const std::vector<Pixel>& within) {
-  const Camera camera = Camera::make(calibration).value();
-  std::vector<Pixel> seen;
-  std::vector<Eigen::Vector3d> rays;
-  for (int i = 0; i < 17 * 13; ++i) {
-    const Pixel at = {(scenes::kSize.width - 1) * (i % 17) / 16.0,
-                      (scenes::kSize.height - 1) * (i / 17) / 12.0};
-    const auto ray = truth.unproject(at);
-    if (!ray || (!within.empty() && !contains(within, at))) continue;
-    seen.push_back(at);
-    rays.push_back(*ray);
-  }
-  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-  double worst = 0;
-  for (int iteration = 0; iteration < 5; ++iteration) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-    worst = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const auto at = camera.project(exp_so3(turn) * rays[i]);
-      if (!at) return HUGE_VAL;
-      const Eigen::Vector2d error(at->u - seen[i].u, at->v - seen[i].v);
-      worst = std::max(worst, error.norm());
-      Eigen::Matrix<double, 2, 3> j;
-      for (int k = 0; k < 3; ++k) {
-        const auto moved =
-            camera.project(exp_so3(turn + 1e-6 * Eigen::Vector3d::Unit(k)) * rays[i]);
-        if (!moved) return HUGE_VAL;
-        j.col(k) = Eigen::Vector2d(moved->u - at->u, moved->v - at->v) / 1e-6;
-      }
-      normal += j.transpose() * j;
-      gradient += j.transpose() * error;
-    }
-    turn -= normal.ldlt().solve(gradient);
-  }
-  return worst;
-}
 
 // What was known after a view.
 struct Known {
@@ -202,8 +162,8 @@ class Operator {
     return taken;
   }
   void note(const Calibration& found, double now) {
-    run_.after[views()] = {worst_error(found, truth_, {}),
-                           worst_error(found, truth_, found.covered), found};
+    run_.after[views()] = {scenes::worst_error(found, truth_, {}),
+                           scenes::worst_error(found, truth_, found.covered), found};
     const double covered =
         polygon_area(found.covered) / (1.0 * scenes::kSize.width * scenes::kSize.height);
     if (run_.done_at || 2 * found.expected_error.value_or(HUGE_VAL) > 0.3 || covered < 0.8) return;

@@ -37,7 +37,9 @@ class SessionFrames : public CalibrationSessions {
 // In a second the board may move a lot and be still: while it was away nobody knows what it did.
 TEST_F(SessionFrames, KnowThatTheBoardWasAway) {
   begin_auto();
-  for (int n = 0; n < 3; ++n) EXPECT_EQ(offer(at(n, 2 * n - 4), n), Reason::kMoving) << n;
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_EQ(offer(at(n, 2 * n * n - 4), n), Reason::kMoving) << n << ": ever faster";
+  }
   for (int n = 3; n < 30; ++n) lose(n);
   EXPECT_EQ(offer(at(30, 2), 30), Reason::kMoving);
   EXPECT_EQ(offer(at(31, 2), 31), Reason::kAccepted);

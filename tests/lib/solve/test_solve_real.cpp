@@ -6,18 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <Eigen/Core>
 
-#include "calvin/geometry/convex_hull.hpp"
-#include "calvin/solve/difference.hpp"
-#include "calvin/solve/judge/projection_error.hpp"
-#include "calvin/solve/judge/projection_grid.hpp"
+#include "halves.hpp"
 #include "real_sets.hpp"
 #include "scenes.hpp"
 
@@ -25,6 +19,7 @@ namespace calvin {
 namespace {
 
 using real::Set;
+using scenes::Apart;
 
 std::vector<Set> sets() {
   std::vector<Set> result = real::kSets;
@@ -40,58 +35,6 @@ SolveOptions model(const char* name) {
   SolveOptions options;
   options.model = name;
   return options;
-}
-
-Eigen::MatrixXd covariance_of(const Calibration& calibration) {
-  const auto n = static_cast<Eigen::Index>(calibration.parameters.size());
-  return Eigen::Map<const Eigen::MatrixXd>(calibration.covariance.data(), n, n);
-}
-
-// What halves of a set are apart by, in units of what they predict.
-struct Apart {
-  std::vector<double> projections;  // at most, where both covered the picture
-  std::vector<double> parameters;   // squared
-};
-
-void compare(const Calibration& a, const Calibration& b, Apart& apart) {
-  const Camera first = Camera::make(a).value();
-  const Eigen::MatrixXd predicted = covariance_of(a) + covariance_of(b);
-  DifferenceOptions where;
-  where.columns = 33;
-  where.rows = 25;
-  where.focus = {a.covered, b.covered};
-  const auto found = difference(first, Camera::make(b).value(), where);
-  ASSERT_TRUE(found) << found.error().message;
-  std::vector<Pixel> covered;  // by both, as far as they were compared
-  for (const Difference::Cell& cell : found->cells) {
-    if (cell.in_focus) covered.push_back(cell.at);
-  }
-  const auto grids =
-      projection_grids(first, estimated_columns(a).value(), convex_hull(std::move(covered)));
-  const auto promise = promise_of(grids, predicted);
-  ASSERT_TRUE(promise);
-  apart.projections.push_back(found->focus.max / promise->covered);
-  for (std::size_t i = 0; i < a.parameters.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    const double off = a.parameters[i].value - b.parameters[i].value;
-    apart.parameters.push_back(off * off / predicted(k, k));
-  }
-}
-
-Apart halves(const Set& set, const real::Views& all, int count) {
-  std::mt19937 random(7);
-  Apart apart;
-  std::vector<View> shuffled = all.views;
-  for (int i = 0; i < count; ++i) {
-    std::shuffle(shuffled.begin(), shuffled.end(), random);
-    const auto half = shuffled.begin() + static_cast<std::ptrdiff_t>(shuffled.size() / 2);
-    const std::vector<View> first(shuffled.begin(), half);
-    const std::vector<View> second(half, shuffled.end());
-    const auto a = solve(first, all.size, model(set.model));
-    const auto b = solve(second, all.size, model(set.model));
-    if (a && b) compare(a->calibration, b->calibration, apart);
-  }
-  return apart;
 }
 
 double median(std::vector<double> values) {
@@ -129,7 +72,7 @@ TEST(RealSets, HalvesDifferByWhatTheyPredict) {
       missing = absent(set);
       continue;
     }
-    const Apart apart = halves(set, all, count);
+    const Apart apart = scenes::halves(all.views, all.size, model(set.model), count);
     ASSERT_GE(apart.projections.size(), static_cast<std::size_t>(count) * 3 / 4) << set.name;
     const double middle = median(apart.projections);
     const double beyond = part_beyond(apart.projections, 2);

@@ -163,15 +163,6 @@ TEST(Rig, IsRefusedWhereTableAndBlocksDoNotFitTogether) {
   start.camera_from_rig.resize(1);
   EXPECT_FALSE(is_valid(table, scene.seen, start)) << "a rig of fewer cameras";
 
-  TableCamera first = {std::string(scene.cameras[0].model()), true};
-  TableCamera second = {std::string(scene.cameras[1].model())};
-  second.has_rig_pose = true;
-  second.has_readout = true;
-  const ParameterTable with_readout({first, second}, {scene.shape.unknowns, BoardUnknowns()});
-  start = scene.truth;
-  start.shared.insert(start.shared.begin() + table.rig_pose(1).first, 0.01);
-  EXPECT_FALSE(is_valid(with_readout, scene.seen, start)) << "an unknown that shows nowhere";
-
   for (const auto member :
        {&BoardResiduals::camera, &BoardResiduals::board, &BoardResiduals::pose}) {
     std::vector<BoardResiduals> boards = scene.seen;

@@ -35,21 +35,23 @@ std::vector<std::string> all_models() {
   return names;
 }
 
-// One view of a bent board through a lens with every coefficient and a skew, and the unknowns in
-// the order of RowLayout: six of the pose, then the shared ones.
+// One view of a bent board that moves, through a lens with every coefficient, a skew and a rolling
+// shutter, and the unknowns in the order of RowLayout: six of the pose, then the shared ones.
 class Rows : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
     const std::string& model = GetParam();
-    layout_ = {CameraUnknowns::of(parameter_names(model).size(), true), kModes};
+    layout_ = {CameraUnknowns::of(parameter_names(model).size(), true), kModes, true};
     shared_ = {520, 518, 325, 236};
     const auto& lens = samples::lens(model).coefficients.back();
     shared_.insert(shared_.end(), lens.begin(), lens.begin() + layout_.camera.coefficients);
-    shared_.insert(shared_.end(), {0.7, 2e-3, -3e-3});  // px, m, m
+    shared_.insert(shared_.end(), {0.7, 0.02, 2e-3, -3e-3});  // px, s, m, m
     pose_ = {exp_so3({0.3, -0.4, 0.2}), {-0.08, -0.05, 0.25}};
     set_.points = kBoard.points();
     Random random(3);
     for (std::size_t i = 0; i < set_.points.size(); ++i) {
+      const auto speed = [&random] { return scenes::uniform(random, -400, 400); };
+      set_.motion.push_back({{speed(), speed()}, scenes::uniform(random, -5, 5)});
       const Pixel at = seen(i, pose_, shared_);
       set_.ids.push_back(static_cast<int>(i));
       set_.weight.push_back(scenes::uniform(random, 0.5, 2));
@@ -70,8 +72,12 @@ class Rows : public ::testing::TestWithParam<std::string> {
     // z = kx (1 - x^2) + ky (1 - y^2), x and y in -1..1 over the board.
     const double x = 2 * point.x() / kBoard.extent().width() - 1;
     const double y = 2 * point.y() / kBoard.extent().height() - 1;
-    point.z() += rest[1] * (1 - x * x) + rest[2] * (1 - y * y);
-    return camera.project(pose * point).value();
+    point.z() += rest[2] * (1 - x * x) + rest[3] * (1 - y * y);
+    const Pixel still = camera.project(pose * point).value();
+    // The row of a corner that moves down with the readout is read later.
+    const RowMotion& motion = set_.motion[i];
+    const double later = rest[1] / (1 + rest[1] * motion.rate);
+    return {still.u + motion.by_readout.u * later, still.v + motion.by_readout.v * later};
   }
 
   // With one of the unknowns moved by `step`: a pose by exp(d) from the left.
@@ -109,7 +115,7 @@ class Rows : public ::testing::TestWithParam<std::string> {
     const ViewPoints points(set_, make_shape(kBoard, options));
     rows.resize(points.padded());
     const double* skew = &shared_[4 + static_cast<std::size_t>(layout_.camera.coefficients)];
-    const RowPoint at = {shared_.data(), *skew, skew + 1};
+    const RowPoint at = {shared_.data(), *skew, skew + 2, skew[1]};
     return fill_rows_of(GetParam())(points, at, pose_, loss, rows);
   }
 

@@ -46,7 +46,8 @@ TEST_P(AnyModel, IsSolvedInEverySession) {
                                                       options.model + ",");
       EXPECT_EQ(told, found.model != options.model) << session << " of " << count;
       const auto apart = difference(Camera::make(found).value(), truth, {.focus = {found.covered}});
-      ASSERT_TRUE(apart && found.expected_error);
+      ASSERT_TRUE(apart) << session << " of " << count << ": " << apart.error().message;
+      ASSERT_TRUE(found.expected_error) << session << " of " << count;
       kept += apart->focus.max <= 2 * *found.expected_error;
       ++all;
     }

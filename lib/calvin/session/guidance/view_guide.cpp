@@ -66,21 +66,27 @@ std::optional<SE3> pose_inside(const BoardPlacement& placement, Pixel at, double
   return std::nullopt;
 }
 
-// Whether the corners are about where those of the other view are.
-bool is_like(const View& view, const View& other) {
-  if (view.observation.board != other.observation.board) return false;
+// RMS distance of the corners that a view of a whole board shares with another view, px; infinite
+// where these are none.
+double corner_distance(const View& whole, const View& other) {
+  if (whole.observation.board != other.observation.board) return HUGE_VAL;
   double square = 0;
   int shared = 0;
   for (std::size_t i = 0; i < other.observation.ids.size(); ++i) {
-    const auto index = view.board.index_of(other.observation.ids[i]);
-    if (!index || *index >= view.observation.uv.size()) continue;
-    const Pixel a = view.observation.uv[*index];
+    const auto index = whole.board.index_of(other.observation.ids[i]);
+    if (!index || *index >= whole.observation.uv.size()) continue;
+    const Pixel a = whole.observation.uv[*index];
     const Pixel b = other.observation.uv[i];
     square += (a.u - b.u) * (a.u - b.u) + (a.v - b.v) * (a.v - b.v);
     ++shared;
   }
+  return shared > 0 ? std::sqrt(square / shared) : HUGE_VAL;
+}
+
+// Whether the corners are about where those of the other view are.
+bool is_like(const View& view, const View& other) {
   const ImageSize size = view.observation.image_size;
-  return shared > 0 && std::sqrt(square / shared) < kUnlike * std::hypot(size.width, size.height);
+  return corner_distance(view, other) < kUnlike * std::hypot(size.width, size.height);
 }
 
 // The median of the corners' sigmas; 0 where there are none.
@@ -134,6 +140,7 @@ void ViewGuide::find_target(const std::vector<std::shared_ptr<const View>>& kept
     const auto like = [&](const auto& other) { return is_like(*view, *other); };
     if (std::ranges::any_of(kept, like)) return;
     target_ = pose;
+    target_view_ = std::move(view);
     target_gain_ = gained;
   };
   const auto all_turns = turns();
@@ -149,9 +156,7 @@ void ViewGuide::find_target(const std::vector<std::shared_ptr<const View>>& kept
   }
   if (!target_) return;
   outline_ = BoardPlacement(board, camera_).outline(*target_);
-  if (const auto footprint = footprint_of(*placement.view(*target_, sigma))) {
-    footprint_ = *footprint;
-  }
+  if (const auto footprint = footprint_of(*target_view_)) footprint_ = *footprint;
 }
 
 double ViewGuide::uncovered(const std::vector<Pixel>& hull) const {
@@ -171,6 +176,10 @@ double ViewGuide::share(const View& view) const {
   const auto pose = solve_pose(camera_, view.board, view.observation);
   const auto information = pose ? scorer_.information(view, *pose) : std::nullopt;
   return information ? std::max(0.0, gain(view, *information) / target_gain_) : 0;
+}
+
+double ViewGuide::distance(const View& view) const {
+  return target_view_ ? corner_distance(*target_view_, view) : HUGE_VAL;
 }
 
 }  // namespace calvin

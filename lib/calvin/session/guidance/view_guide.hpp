@@ -44,6 +44,9 @@ class ViewGuide {
   // What a view tells as a part of what the target would tell: 0 for nothing, 1 for as much; more
   // where the target is not the best. 0 for a view without a pose.
   [[nodiscard]] double share(const View& view) const;
+  // RMS distance of the corners from where the target would show them, px; infinite without a
+  // target, and where the view has no corner of its board.
+  [[nodiscard]] double distance(const View& view) const;
 
  private:
   ViewGuide(Camera camera, ViewScorer scorer)
@@ -59,6 +62,7 @@ class ViewGuide {
   double variance_ = 0;         // px^2, of known_
   std::vector<Pixel> covered_;  // the convex hull of the corners of the views that are kept
   std::optional<SE3> target_;
+  std::optional<View> target_view_;  // as the camera would see it
   std::vector<Pixel> outline_;
   std::optional<BoardFootprint> footprint_;
   double target_gain_ = 0;

@@ -15,6 +15,7 @@
 #include "calvin/camera/models.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/dense.hpp"
+#include "calvin/solve/fit/add_estimates.hpp"
 #include "calvin/solve/judge/fit_diagnostics.hpp"
 #include "calvin/solve/judge/projection_error.hpp"
 #include "calvin/solve/judge/projection_grid.hpp"
@@ -143,21 +144,6 @@ ViewRecord record(const Fit& fit, std::size_t v) {
   return r;
 }
 
-// Copies sigmas and covariance of the parameters; `c` is over all unknowns.
-void add_sigmas(Calibration& calibration, const Eigen::MatrixXd& c,
-                const Parameterization& parameterization) {
-  const ParameterTable& table = parameterization.table;
-  const ParameterRange own = table.camera(0);
-  for (int i = 0; i < own.count; ++i) {
-    const int row = own[i];
-    if (table.held(row)) continue;
-    calibration.parameters[static_cast<std::size_t>(i)].sigma = std::sqrt(c(row, row));
-    for (int column = own.first; column < own.end(); ++column) {
-      if (!table.held(column)) calibration.covariance.push_back(c(row, column));
-    }
-  }
-}
-
 void add_corners(Solution& solution, const Fit& fit) {
   Calibration& calibration = solution.calibration;
   std::vector<Pixel> corners;
@@ -181,39 +167,6 @@ void add_corners(Solution& solution, const Fit& fit) {
   }
   calibration.rms = std::sqrt(squares / static_cast<double>(corners.size()));
   calibration.covered = convex_hull(std::move(corners));
-}
-
-// Copies the measured shape of the board; `c` is over all unknowns.
-void add_shape(Solution& solution, const FinishedFit& from, const Eigen::MatrixXd& c) {
-  const BoardShape& shape = from.shape;
-  const ParameterTable& table = from.parameterization.table;
-  const auto value = [&](int unknown) {
-    return from.fit.shared[static_cast<std::size_t>(unknown)];
-  };
-  const auto sigma = [&](int unknown) { return std::sqrt(c(unknown, unknown)); };
-  if (const ParameterRange warp = table.warp(0); !warp.empty()) {
-    solution.calibration.warp =
-        BoardWarp{value(warp[0]), value(warp[1]), sigma(warp[0]), sigma(warp[1])};
-  }
-  if (const ParameterRange aspect = table.aspect(0); !aspect.empty()) {
-    solution.board_aspect = BoardAspect{1 + value(aspect[0]), sigma(aspect[0])};
-  }
-  const ParameterRange offsets = table.offsets(0);
-  if (offsets.empty()) return;
-  const auto first = static_cast<std::size_t>(shape.unknowns.offsets().first);
-  const auto own = values_of(from.fit.shared, offsets);
-  const Eigen::Map<const Eigen::VectorXd> values(own.data(), offsets.count);
-  const Eigen::MatrixXd covariance =
-      c.block(offsets.first, offsets.first, offsets.count, offsets.count);
-  for (std::size_t i = 0; i < shape.displacement.size() / shape.modes; ++i) {
-    Eigen::MatrixXd moves(3, offsets.count);
-    for (Eigen::Index m = 0; m < offsets.count; ++m) {
-      moves.col(m) = shape.displacement[i * shape.modes + first + static_cast<std::size_t>(m)];
-    }
-    const Eigen::MatrixXd by_covariance = product(moves, covariance);
-    solution.corner_offsets.push_back(
-        {moves * values, by_covariance.cwiseProduct(moves).rowwise().sum().cwiseSqrt()});
-  }
 }
 
 // The columns of projection_grids() for the camera's part of the unknowns.
@@ -345,8 +298,7 @@ Result<Solution> solution_of(const FinishedFit& from, ImageSize size, const Solv
   const Eigen::MatrixXd promised =
       options.checks ? add_checks(solution, from, *camera, *c, {variance, noise}, stop)
                      : with_rivals(*c, fit, variance);
-  add_sigmas(solution.calibration, promised, parameterization);
-  add_shape(solution, from, promised);
+  add_estimates(solution, fit, table, from.shape, promised);
   if (options.checks) add_remarks(solution, promised, *camera, parameterization);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, kStopped);
   return solution;

@@ -6,6 +6,7 @@
 #include "calvin/solve/judge/simpler_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -44,7 +45,7 @@ bool is_surer(const Solution& simpler, const Solution& asked) {
   constexpr double kAsGood = 1.02;  // times the distance of corners held out
   const Calibration& a = asked.calibration;
   const Calibration& b = simpler.calibration;
-  return b.expected_error && *b.expected_error * kSurer < a.expected_error.value_or(0) &&
+  return b.expected_error && *b.expected_error * kSurer < a.expected_error.value_or(HUGE_VAL) &&
          b.held_out_rms && a.held_out_rms && *b.held_out_rms < kAsGood * *a.held_out_rms;
 }
 
@@ -70,7 +71,8 @@ std::vector<std::string_view> simpler_models(std::string_view model) {
 bool leaves_open(const Result<Solution>& asked, ImageSize image_size) {
   constexpr double kLittle = 0.002;  // of the image width
   if (!asked) return asked.error().code == ErrorCode::kDegenerate;
-  return asked->calibration.expected_error.value_or(0) > kLittle * image_size.width;
+  // Of a distortion that folds back where corners are nothing is promised.
+  return asked->calibration.expected_error.value_or(HUGE_VAL) > kLittle * image_size.width;
 }
 
 Result<Solution> solve_simpler(Result<Solution> asked, const std::vector<PointSet>& views,

@@ -33,11 +33,31 @@ void add_initial_priors(ParameterTable& table, const SolveOptions& options, doub
   }
 }
 
+// The readout that views ask for; none, and nothing moves any more, where none of them shows a
+// corner that a readout moves noticeably.
+std::optional<ReadoutTime> readout_for(std::vector<PointSet>& views, const SolveOptions& options) {
+  constexpr double kNoticeable = 0.03;  // px
+  if (options.readout) {
+    const double most = std::abs(options.readout->value) + 2 * options.readout->sigma;
+    const auto noticeable = [most](const RowMotion& motion) {
+      return std::hypot(motion.by_readout.u, motion.by_readout.v) * most > kNoticeable;
+    };
+    const auto moves = [&noticeable](const PointSet& view) {
+      return std::ranges::any_of(view.motion, noticeable);
+    };
+    if (std::ranges::any_of(views, moves)) return options.readout;
+  }
+  for (PointSet& view : views) view.motion.clear();
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& shape,
-                              ImageSize image_size, const SolveOptions& options,
+                              ImageSize image_size, const SolveOptions& asked,
                               const std::stop_token& stop) {
+  SolveOptions options = asked;
+  options.readout = readout_for(views, asked);
   auto parameterization = make_parameterization(options, image_size, shape.unknowns);
   if (!parameterization) return tl::unexpected<Error>(parameterization.error());
   const std::vector<bool> all(views.size(), true);
@@ -51,6 +71,10 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
     table.add_prior({table.board(0)[static_cast<int>(m)], 0, shape.prior[m] / scale.sigma});
   }
   add_initial_priors(table, options, scale.sigma);
+  if (options.readout && options.readout->sigma > 0) {
+    table.add_prior(
+        {table.readout(0).first, options.readout->value, options.readout->sigma / scale.sigma});
+  }
   const Weights original = weights_of(views);
   Fit fit = fit_camera(std::move(views), shape, image_size, *parameterization, options, stop);
   constexpr int kRounds = 3;

@@ -84,6 +84,11 @@ class ParameterTable {
   // The skew of a camera at these values, estimated or not, px.
   [[nodiscard]] double skew_at(std::size_t camera, std::span<const double> values) const;
 
+  // The readout of a camera at these values, s; 0 where it is none of the unknowns.
+  [[nodiscard]] double readout_at(std::size_t camera, std::span<const double> values) const {
+    return readout(camera).empty() ? 0 : values[index(readout(camera).first)];
+  }
+
   // "fx", or "camera1.fx" where there are several cameras; "board0.kx", "camera1.rx".
   [[nodiscard]] std::string name(int unknown) const;
   // Of one camera, by the name that a calibration file has for it: "fx", "k1", "skew".

@@ -178,12 +178,25 @@ Result<Parameterization> make_parameterization(const SolveOptions& options, Imag
   parameterization.model = options.model;
   parameterization.lens = *find_lens(options.model);
   TableCamera camera = {options.model, options.skew};
+  if (options.readout) {
+    const ReadoutTime& readout = *options.readout;
+    if (!std::isfinite(readout.value) || !(readout.sigma >= 0) || std::isinf(readout.sigma)) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("A readout of {} s with a sigma of {} s is no time.",
+                                    readout.value, readout.sigma));
+    }
+    camera.has_readout = true;
+  }
   if (options.initial) {
     const auto initial = initial_camera(*options.initial, size);
     if (!initial) return tl::unexpected<Error>(initial.error());
     camera.skew = initial->skew();
   }
   parameterization.table = ParameterTable({std::move(camera)}, {board});
+  ParameterTable& table = parameterization.table;
+  if (options.readout && options.readout->sigma == 0) {
+    table.hold(table.readout(0).first, options.readout->value);
+  }
   if (options.initial) parameterization.initial = initial_of(*options.initial, parameterization);
   Reader reader(parameterization, options.initial, size);
   for (const std::string& word : options.fix) {
@@ -191,10 +204,10 @@ Result<Parameterization> make_parameterization(const SolveOptions& options, Imag
       return tl::unexpected<Error>(read.error());
     }
   }
-  if (const Status resolved = parameterization.table.resolve_ties(); !resolved) {
+  if (const Status resolved = table.resolve_ties(); !resolved) {
     return tl::unexpected<Error>(resolved.error());
   }
-  parameterization.basis = parameterization.table.basis();
+  parameterization.basis = table.basis();
   if (parameterization.basis.cols() == 0) {
     return make_error(ErrorCode::kInvalidArgument,
                       "Everything is fixed: there is nothing left to estimate.");

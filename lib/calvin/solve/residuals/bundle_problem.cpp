@@ -26,14 +26,15 @@ ViewPoints arrays_of(PointSet seen) {
 }
 
 // Whether each unknown of the table is one that the residuals depend on: a place in the rig wants a
-// rig, and no residual depends on a readout yet. With an unknown that shows in no residual nothing
-// could be solved; a block of a camera, board or pose that is not there could not be read.
+// rig. With an unknown that shows in no residual nothing could be solved (a readout shows in those
+// of boards that move, of which a single view need not be one); a block of a camera, board or pose
+// that is not there could not be read.
 bool fit_together(const ParameterTable& table, const ResidualBlocks& blocks,
                   const BundlePoint& point) {
   const std::size_t places = point.camera_from_rig.size();
   if (places != 0 && places != table.cameras()) return false;
   for (std::size_t c = 0; c < table.cameras(); ++c) {
-    if (!table.readout(c).empty() || (places == 0 && !table.rig_pose(c).empty())) return false;
+    if (places == 0 && !table.rig_pose(c).empty()) return false;
   }
   return std::all_of(blocks.boards.begin(), blocks.boards.end(),
                      [&](const BoardResiduals& block) {

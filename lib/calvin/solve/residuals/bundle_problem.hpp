@@ -78,8 +78,8 @@ class BundleProblem {
                 std::stop_token stop = {});
 
   // False where nothing can be minimised: a point has no projection at the start; the table has a
-  // place in the rig and `start` has no rig, or one of another number of cameras; the table has a
-  // readout, on which no residual depends; a block names a camera, board or pose that is not there.
+  // place in the rig and `start` has no rig, or one of another number of cameras; a block names a
+  // camera, board or pose that is not there.
   [[nodiscard]] bool valid() const { return valid_; }
   [[nodiscard]] const BundlePoint& point() const { return current_.point; }
 

@@ -74,8 +74,9 @@ class LensRows {
     const double fy = point_.parameters[kCamera.focal()[1]];
     const double cx = point_.parameters[kCamera.center()[0]];
     const double cy = point_.parameters[kCamera.center()[1]];
-    const DoubleVec du = xy[0] * fx + xy[1] * point_.skew + cx - DoubleVec::load(view_.u() + at);
-    const DoubleVec dv = xy[1] * fy + cy - DoubleVec::load(view_.v() + at);
+    DoubleVec du = xy[0] * fx + xy[1] * point_.skew + cx - DoubleVec::load(view_.u() + at);
+    DoubleVec dv = xy[1] * fy + cy - DoubleVec::load(view_.v() + at);
+    const DoubleVec later = delay(at, du, dv);
     const DoubleVec scale = weigh(DoubleVec::load(view_.weight() + at), du, dv, cost);
 
     const std::size_t stride = 2 * rows_.padded();
@@ -95,6 +96,7 @@ class LensRows {
     pose(u, p, gu);
     pose(v, p, gv);
     camera(u, v, xy, jd, scale);
+    readout(u, v, at, scale * later * later);
     modes(u, at, gu);
     modes(v, at, gv);
     return all_true(valid);
@@ -112,6 +114,18 @@ class LensRows {
     for (int i = 0; i < 3; ++i) {
       p[i] = b[0] * turn_[3 * i] + b[1] * turn_[3 * i + 1] + b[2] * turn_[3 * i + 2] + shift_[i];
     }
+  }
+
+  // Moves the projections from where the middle row shows them to where their own rows do. Between
+  // two frames a corner that moves with the readout is read later: returns a frame's time over
+  // that.
+  DoubleVec delay(std::size_t at, DoubleVec& du, DoubleVec& dv) const {
+    if (view_.motion(0) == nullptr || point_.readout == 0) return 1;
+    const DoubleVec later =
+        DoubleVec(1) / (DoubleVec::load(view_.motion(2) + at) * point_.readout + 1);
+    du += DoubleVec::load(view_.motion(0) + at) * point_.readout * later;
+    dv += DoubleVec::load(view_.motion(1) + at) * point_.readout * later;
+    return later;
   }
 
   // The factor of the rows: the weight times the square root of the derivative of the loss.
@@ -165,6 +179,15 @@ class LensRows {
     if (rows_.layout().camera.has_skew) {
       u.put(kCamera.skew().after(kFirst)[0], scale * xy[1]);
     }
+  }
+
+  // The derivatives by the readout; the column may hold those of another view.
+  void readout(const Row& u, const Row& v, std::size_t at, DoubleVec scale) const {
+    if (!rows_.layout().has_readout) return;
+    const bool moves = view_.motion(0) != nullptr;
+    const int column = rows_.layout().readout();
+    u.put(column, moves ? DoubleVec::load(view_.motion(0) + at) * scale : DoubleVec(0));
+    v.put(column, moves ? DoubleVec::load(view_.motion(1) + at) * scale : DoubleVec(0));
   }
 
   void modes(const Row& row, std::size_t at, const DoubleVec* g) const {

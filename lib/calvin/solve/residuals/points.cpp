@@ -9,6 +9,7 @@
 #include <cmath>
 #include <optional>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/target/id_index.hpp"
 
 namespace calvin {
@@ -49,6 +50,7 @@ void PointSet::reserve(std::size_t corners) {
   points.reserve(corners);
   uv.reserve(corners);
   weight.reserve(corners);
+  motion.reserve(corners);
 }
 
 void PointSet::append(const PointSet& from, std::size_t i) {
@@ -56,6 +58,7 @@ void PointSet::append(const PointSet& from, std::size_t i) {
   points.push_back(from.points[i]);
   uv.push_back(from.uv[i]);
   weight.push_back(from.weight[i]);
+  if (!from.motion.empty()) motion.push_back(from.motion[i]);
 }
 
 PointSet to_points(const Board& board, const std::vector<Eigen::Vector3d>& points,
@@ -76,6 +79,19 @@ PointSet to_points(const Board& board, const std::vector<Eigen::Vector3d>& point
     view.sigma_known = view.sigma_known && weight;
   }
   return view;
+}
+
+// A velocity is the difference between two frames, between whose rows as much time has passed as
+// between the frames, but for what the corner has moved across the rows: `rate` mends that.
+std::vector<RowMotion> row_motion(const Observation& observation, int height) {
+  std::vector<RowMotion> motion;
+  motion.reserve(observation.velocity.size());
+  for (std::size_t i = 0; i < observation.velocity.size(); ++i) {
+    const Pixel& speed = observation.velocity[i];
+    const double delay = row_delay(observation.uv[i].v, height);
+    motion.push_back({{speed.u * delay, speed.v * delay}, speed.v / std::max(height - 1, 1)});
+  }
+  return motion;
 }
 
 bool spans_plane(const PointSet& view) {

@@ -15,6 +15,13 @@
 
 namespace calvin {
 
+// What a readout does to a corner that moves: in a frame that is read in t s, from the first row to
+// the last, the corner is seen where it was `delay` t after the middle row was read.
+struct RowMotion {
+  Pixel by_readout;  // px/s: the velocity times the delay in readouts, -1/2..1/2
+  double rate = 0;   // 1/s: the velocity across the rows, in rows from the first to the last
+};
+
 // One view, structure of arrays. The points lie in the plane z = 0 of the board frame.
 struct PointSet {
   std::size_t index = 0;  // of the view it was made from
@@ -24,6 +31,7 @@ struct PointSet {
   std::vector<Eigen::Vector3d> points;  // m, board frame
   std::vector<Pixel> uv;                // px
   std::vector<double> weight;           // 1 / sigma; 0: left out
+  std::vector<RowMotion> motion;        // empty: nothing moves
   bool sigma_known = true;              // every corner came with a sigma
 
   [[nodiscard]] std::size_t size() const noexcept { return points.size(); }
@@ -34,9 +42,14 @@ struct PointSet {
   void append(const PointSet& from, std::size_t i);  // one corner of another view
 };
 
-// The corners of one checked view of `board`, whose points, bent or as printed, are `points`.
+// The corners of one checked view of `board`, standing still, whose points, bent or as printed, are
+// `points`.
 [[nodiscard]] PointSet to_points(const Board& board, const std::vector<Eigen::Vector3d>& points,
                                  const Observation& observation);
+
+// How the corners of an observation move by the readout of an image that many rows high; nothing
+// where it has no velocities.
+[[nodiscard]] std::vector<RowMotion> row_motion(const Observation& observation, int height);
 
 // Whether the points span a plane: at least 4, not all on one line.
 [[nodiscard]] bool spans_plane(const PointSet& view);

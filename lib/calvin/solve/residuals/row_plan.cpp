@@ -45,7 +45,7 @@ RowPlan::RowPlan(const ParameterTable& table, std::size_t camera, std::optional<
       board_(board),
       fill_(fill_rows_of(table.model(camera))),
       rows_(row_layout(table, camera, board)),
-      columns_({table.camera(camera), table.rig_pose(camera),
+      columns_({table.camera(camera), table.readout(camera), table.rig_pose(camera),
                 board ? table.board(*board) : ParameterRange()}),
       stride_(padded(rows_.layout().columns() + rig_columns())),
       products_(aligned_array(stride_ * stride_)) {
@@ -90,7 +90,7 @@ void RowPlan::through_rig(const SE3& camera_from_rig) {
   const Matrix6d by_turn = own * turn;
   const Matrix6d turned = turn.transpose() * by_turn;
   const int rig = rig_columns();
-  const int first_rig = RowLayout::kFirstShared + rows_.layout().camera.all().count;
+  const int first_rig = rows_.layout().first_mode();
   const auto out = [this](int i, int j) -> double& {
     return rigged_[static_cast<std::size_t>(i) * stride_ + j];
   };

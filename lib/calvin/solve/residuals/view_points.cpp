@@ -13,19 +13,25 @@ namespace calvin {
 ViewPoints::ViewPoints(const PointSet& view, const BoardShape& shape, const ViewPoints* other)
     : padded_((view.used() + kLanes - 1) / kLanes * kLanes),
       modes_(shape.modes),
-      seen_(aligned_array(3 * std::max(padded_, kLanes))) {
+      moves_(!view.motion.empty()),
+      seen_(aligned_array((moves_ ? 6 : 3) * std::max(padded_, kLanes))) {
   std::size_t at = 0;
   for (std::size_t i = 0; i < view.size(); ++i) {
     if (!(view.weight[i] > 0)) continue;
     seen_[at] = view.uv[i].u;
     seen_[padded_ + at] = view.uv[i].v;
     seen_[2 * padded_ + at] = view.weight[i];
+    if (moves_) {
+      const RowMotion& motion = view.motion[i];
+      seen_[3 * padded_ + at] = motion.by_readout.u;
+      seen_[4 * padded_ + at] = motion.by_readout.v;
+      seen_[5 * padded_ + at] = motion.rate;
+    }
     ++at;
   }
-  for (; at < padded_; ++at) {
-    seen_[at] = seen_[0];
-    seen_[padded_ + at] = seen_[padded_];
-    seen_[2 * padded_ + at] = 0;
+  for (std::size_t k = 0; k < (moves_ ? 6 : 3); ++k) {
+    double* array = &seen_[k * padded_];
+    std::fill(array + at, array + padded_, k == 2 ? 0 : array[0]);
   }
   const bool same = other != nullptr && other->padded_ == padded_ && other->modes_ == modes_ &&
                     other->printed_->shows(view, padded_);

@@ -40,6 +40,10 @@ class ViewPoints {
   [[nodiscard]] const double* u() const { return &seen_[0]; }  // px
   [[nodiscard]] const double* v() const { return &seen_[padded_]; }
   [[nodiscard]] const double* weight() const { return &seen_[2 * padded_]; }
+  // RowMotion of the corners: by_readout.u, by_readout.v, rate; null where nothing moves.
+  [[nodiscard]] const double* motion(std::size_t k) const {
+    return moves_ ? &seen_[(3 + k) * padded_] : nullptr;
+  }
 
  private:
   struct Printed {
@@ -53,7 +57,8 @@ class ViewPoints {
 
   std::size_t padded_ = 0;
   std::size_t modes_ = 0;
-  AlignedArray seen_;
+  bool moves_ = false;
+  AlignedArray seen_;                 // u v weight, then the motion
   std::shared_ptr<Printed> printed_;  // views that share it never change it
 };
 

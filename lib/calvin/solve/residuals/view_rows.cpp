@@ -14,13 +14,15 @@ namespace calvin {
 
 RowLayout row_layout(const ParameterTable& table, std::size_t camera,
                      std::optional<std::size_t> board) {
-  return {table.unknowns(camera), board ? table.board(*board).count : 0};
+  return {table.unknowns(camera), board ? table.board(*board).count : 0,
+          !table.readout(camera).empty()};
 }
 
 RowPoint row_point(const ParameterTable& table, std::size_t camera,
                    std::optional<std::size_t> board, const std::vector<double>& shared) {
   return {shared.data() + table.camera(camera).first, table.skew_at(camera, shared),
-          board ? shared.data() + table.board(*board).first : nullptr};
+          board ? shared.data() + table.board(*board).first : nullptr,
+          table.readout_at(camera, shared)};
 }
 
 void ViewRows::resize(std::size_t padded) {

@@ -21,7 +21,7 @@ namespace calvin {
 // The columns, in this order:
 //   6          the pose, which moves by exp(d) from the left: rotation (rad), translation (m)
 //   1          the residuals, px
-//   shared()   the unknowns of the camera, then the modes of the board
+//   shared()   the unknowns of the camera, its readout where that is one, the modes of the board
 // Columns that depend on one view alone come first, so that a pose by itself needs seven columns.
 struct RowLayout {
   static constexpr int kPose = 6;
@@ -30,10 +30,14 @@ struct RowLayout {
 
   CameraUnknowns camera;
   int modes = 0;
+  bool has_readout = false;
 
-  [[nodiscard]] int shared() const { return camera.all().count + modes; }
+  // Those of the camera alone.
+  [[nodiscard]] int of_camera() const { return camera.all().count + (has_readout ? 1 : 0); }
+  [[nodiscard]] int shared() const { return of_camera() + modes; }
   [[nodiscard]] int columns() const { return kFirstShared + shared(); }
-  [[nodiscard]] int first_mode() const { return kFirstShared + camera.all().end(); }
+  [[nodiscard]] int readout() const { return kFirstShared + camera.all().end(); }
+  [[nodiscard]] int first_mode() const { return kFirstShared + of_camera(); }
 };
 
 // The values of the shared unknowns at which rows are taken.
@@ -41,6 +45,7 @@ struct RowPoint {
   const double* parameters = nullptr;  // the intrinsics, in the order of CameraUnknowns
   double skew = 0;                     // px
   const double* shape = nullptr;       // coefficients of the board's modes
+  double readout = 0;                  // s
 };
 
 class ParameterTable;

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Copies what was estimated into a Solution. Internal.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "calvin/solve/fit/camera_fit.hpp"
+#include "calvin/solve/parameters/parameter_table.hpp"
+#include "calvin/solve/residuals/board_shape.hpp"
+#include "calvin/solve/solution.hpp"
+
+namespace calvin {
+
+// The sigmas of the parameters, which are in place, and their covariance; the measured shape of the
+// board; the readout. `covariance` is over all unknowns of the table.
+void add_estimates(Solution& solution, const Fit& fit, const ParameterTable& table,
+                   const BoardShape& shape, const Eigen::MatrixXd& covariance);
+
+}  // namespace calvin

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// A board that never rests before a camera that reads row after row: what a session keeps, and what
+// a solve makes of it, against the true camera and the true readout.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "calvin/session/session.hpp"
+#include "calvin/solve/solve.hpp"
+#include "calvin/synth/motion.hpp"
+#include "calvin/synth/render.hpp"
+#include "scenes.hpp"
+#include "true_error.hpp"
+
+namespace calvin {
+namespace {
+
+constexpr double kFrames = 30;  // per second
+
+struct Film {
+  MotionKind motion = MotionKind::kHand;
+  double readout = 0;  // s
+  double seconds = 10;
+  double noise = 0.05;  // px
+  CaptureMode mode = CaptureMode::kAuto;
+};
+
+struct Outcome {
+  std::size_t views = 0;
+  Calibration calibration;
+  double error = 0;  // px, the true one where corners were seen
+};
+
+Observation frame(const Film& film, const Camera& camera, const Motion& motion, double now,
+                  scenes::Random& random) {
+  const double rows = camera.image_size().height - 1;
+  Observation seen = true_observation(camera, scenes::kBoard, [&](double v) {
+    return motion.camera_from_board(now + film.readout * v / rows);
+  });
+  std::normal_distribution<double> noise(0, film.noise);
+  for (Pixel& at : seen.uv) at = {at.u + noise(random), at.v + noise(random)};
+  seen.sigma.assign(seen.uv.size(), film.noise);
+  seen.timestamp = static_cast<std::uint64_t>(1e9 * now);
+  seen.board = scenes::kBoard.text();
+  return seen;
+}
+
+// What comes of the film; without a result where the solve fails.
+Outcome calibrate(const Film& film, unsigned seed, double readout_known = 0) {
+  scenes::Random random(seed);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const Motion motion(film.motion, camera, scenes::kBoard, seed);
+  Session session({film.mode, 3, 0, readout_known});
+  for (int i = 0; i < film.seconds * kFrames; ++i) {
+    const Observation seen = frame(film, camera, motion, i / kFrames, random);
+    if (seen.found()) session.offer({seen, scenes::kBoard});
+  }
+  Outcome outcome = {session.views().size(), {}, HUGE_VAL};
+  std::vector<View> views;
+  for (const auto& view : session.views()) views.push_back(*view);
+  SolveOptions options;
+  options.readout = session.readout();
+  const auto solution = solve(views, camera.image_size(), options);
+  if (!solution) {
+    ADD_FAILURE() << solution.error().message;
+    return outcome;
+  }
+  outcome.calibration = solution->calibration;
+  outcome.error = scenes::worst_error(outcome.calibration, camera, outcome.calibration.covered);
+  return outcome;
+}
+
+// Of many films: how many promises are kept (2 x, where corners were seen) and how many readouts
+// lie within 3 of their sigmas.
+struct Count {
+  int films = 0;
+  int kept = 0;
+  int readout = 0;
+  double widest = 0;          // s, the largest sigma of a readout
+  std::size_t fewest = 1000;  // views
+};
+
+Count count(const Film& film, int films) {
+  Count count;
+  for (int seed = 0; seed < films; ++seed) {
+    const Outcome outcome = calibrate(film, static_cast<unsigned>(seed));
+    const Calibration& found = outcome.calibration;
+    const double sigma = found.readout_sigma.value_or(0);
+    ++count.films;
+    count.kept += outcome.error <= 2 * found.expected_error.value_or(0) ? 1 : 0;
+    count.readout += std::abs(found.readout.value_or(HUGE_VAL) - film.readout) <= 3 * sigma ? 1 : 0;
+    count.widest = std::max(count.widest, sigma);
+    count.fewest = std::min(count.fewest, outcome.views);
+    EXPECT_EQ(found.misfit, "none") << seed;
+  }
+  return count;
+}
+
+class MovingBoards : public testing::TestWithParam<Film> {};
+
+TEST_P(MovingBoards, AreCalibratedFromWithinTheirPromise) {
+  const Count all = count(GetParam(), scenes::full_count() ? 100 : 12);
+  EXPECT_GE(all.fewest, 10U);
+  EXPECT_GE(all.kept, 0.88 * all.films);
+  EXPECT_GE(all.readout, 0.95 * all.films - 1);
+  if (GetParam().motion == MotionKind::kHand) {
+    EXPECT_LT(all.widest, 0.5e-3);
+  } else {
+    EXPECT_GT(all.widest, 0.5e-3) << "an orbit hardly tells the readout, which the sigma says";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Films, MovingBoards,
+                         testing::Values(Film{MotionKind::kHand, 0.02}, Film{MotionKind::kHand, 0},
+                                         Film{MotionKind::kOrbit, 0.02},
+                                         Film{MotionKind::kOrbit, 0}));
+
+// All frames of a recording, none refused: 900 of 30 s.
+TEST(Recordings, OfAMovingBoardAreCalibratedFrom) {
+  const Film film = {MotionKind::kHand, 0.02, scenes::full_count() ? 30.0 : 10.0, 0.05,
+                     CaptureMode::kAll};
+  const Count all = count(film, scenes::full_count() ? 20 : 3);
+  EXPECT_EQ(all.fewest, static_cast<std::size_t>(film.seconds * kFrames));
+  EXPECT_GE(all.kept, 0.88 * all.films - 1);
+  EXPECT_GE(all.readout, 0.95 * all.films - 1);
+}
+
+// What a user knows is not estimated.
+TEST(KnownReadouts, AreTaken) {
+  const Outcome outcome = calibrate({MotionKind::kHand, 0.02}, 3, 0.02);
+  EXPECT_EQ(outcome.calibration.readout, 0.02);
+  EXPECT_FALSE(outcome.calibration.readout_sigma);
+  EXPECT_LT(outcome.error, 2 * outcome.calibration.expected_error.value());
+}
+
+TEST(KnownReadouts, ThatAreWrongAreNoticed) {
+  const Outcome outcome = calibrate({MotionKind::kHand, 0.02}, 3, 0.01);
+  EXPECT_GT(outcome.calibration.chi.value(), 1.15);
+}
+
+}  // namespace
+}  // namespace calvin

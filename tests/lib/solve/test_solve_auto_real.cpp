@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The model that model=auto takes for real pictures: it tells views held out as well as any other,
+// halves of the views agree on it, and like cameras get the same one.
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calvin/camera/lens_table.hpp"
+#include "halves.hpp"
+#include "real_sets.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using real::Set;
+
+SolveOptions options_for(std::string_view model) {
+  SolveOptions options;
+  options.model = model;
+  return options;
+}
+
+// What is known of a model without believing its own covariance.
+struct Quality {
+  double held_out = HUGE_VAL;  // px, RMS over views that took no part
+  double halves = HUGE_VAL;    // px, the median of the largest differences where both covered
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) return HUGE_VAL;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Quality quality_of(const real::Views& all, std::string_view model, int count) {
+  const SolveOptions options = options_for(model);
+  const auto solution = solve(all.views, all.size, options);
+  if (!solution || solution->calibration.model != model) return {};
+  const auto apart = scenes::halves(all.views, all.size, options, count);
+  Quality quality = {solution->calibration.held_out_rms.value_or(HUGE_VAL), HUGE_VAL};
+  if (apart.pixels.size() * 2 >= static_cast<std::size_t>(count)) {
+    quality.halves = median(apart.pixels);
+  }
+  return quality;
+}
+
+std::vector<std::string_view> candidates() {
+  std::vector<std::string_view> models;
+  for (const LensTraits* lens : lenses_where([](const LensTraits& l) { return l.candidate; })) {
+    models.push_back(lens->model);
+  }
+  return models;
+}
+
+TEST(AutoOfRealSets, TakesAModelThatHalvesAgreeOn) {
+  constexpr double kAsGood = 1.03;  // times the best distance of views held out
+  constexpr double kAgree = 1.2;    // times the best difference of halves
+  const int count = scenes::full_count() ? 40 : 5;
+  const double luck = scenes::full_count() ? 1 : 1.4;
+  std::string missing;
+  for (const Set& set : real::kSets) {
+    if (!set.quick && !scenes::full_count()) continue;
+    const real::Views all = real::read(set);
+    if (all.views.empty()) {
+      missing = std::string("CALVIN_DATA does not name a folder with ") + set.folder;
+      continue;
+    }
+    const auto chosen = solve(all.views, all.size, options_for("auto"));
+    ASSERT_TRUE(chosen) << set.name << ": " << chosen.error().message;
+    const std::string& model = chosen->calibration.model;
+    std::map<std::string, Quality> qualities;
+    double best = HUGE_VAL;
+    for (const auto name : candidates()) {
+      const Quality quality = quality_of(all, name, count);
+      best = std::min(best, quality.held_out);
+      qualities[std::string(name)] = quality;
+    }
+    double least = HUGE_VAL;
+    for (const auto& [name, quality] : qualities) {
+      std::cout << "  " << set.name << (name == model ? " * " : "   ") << name << ": held out "
+                << quality.held_out << ", halves " << quality.halves << "\n";
+      if (quality.held_out <= kAsGood * best) least = std::min(least, quality.halves);
+    }
+    EXPECT_LE(qualities[model].held_out, kAsGood * best) << set.name << ": " << model;
+    EXPECT_LE(qualities[model].halves, kAgree * luck * least) << set.name << ": " << model;
+  }
+  if (!missing.empty()) GTEST_SKIP() << missing;
+}
+
+}  // namespace
+}  // namespace calvin
