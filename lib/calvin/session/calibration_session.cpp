@@ -97,7 +97,11 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   if (plan_.settings.runs < 2) view.observation.patches.reset();
   const Reason reason = views_.offer(view, worth(view));
   if (reason == Reason::kAccepted) {
+    if (const auto gone = views_.replaced()) {
+      taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(*gone));
+    }
     taken_.push_back({times});
+    ++accepted_;
     accepted_at_ = observation.timestamp;
     capture_.restart(accepted_at_);
     offered.reached = consider();
@@ -233,10 +237,10 @@ std::string_view CalibrationSession::consider() {
     ask(true);
     return limit;
   }
-  const std::size_t views = views_.views().size();
-  if (views >= next_solve_) {
+  if (accepted_ >= next_solve_) {
     // When every frame is a view, each solve waits for a quarter more of them.
-    next_solve_ = views_.options().mode == CaptureMode::kAll ? views + views / 4 + 1 : views + 1;
+    const bool all = views_.options().mode == CaptureMode::kAll;
+    next_solve_ = accepted_ + (all ? views_.views().size() / 4 : 0) + 1;
     ask(false);
   }
   return {};
@@ -265,7 +269,7 @@ void CalibrationSession::reset() {
   asked_ = final_owed_ = solve_waits_ = false;
   last_reasons_.clear();
   solve_error_.clear();
-  next_solve_ = 0;
+  accepted_ = next_solve_ = 0;
   writes_.reset();
   guide_.reset();
   accepted_at_ = kNoTimestamp;

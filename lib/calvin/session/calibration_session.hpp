@@ -210,7 +210,8 @@ class CalibrationSession {
   std::uint64_t generation_ = 0;                 // a solve of an older one is thrown away
   std::uint64_t revision_ = 0;                   // of the views kept and of what is made of them
   std::optional<std::uint64_t> final_revision_;  // the one whose final result was posted
-  std::size_t next_solve_ = 0;                   // number of views
+  std::size_t accepted_ = 0;                     // number of views, those that had to go too
+  std::size_t next_solve_ = 0;                   // likewise
   bool finished_ = false;                        // good enough: nothing more is captured
   bool asked_ = false;                           // take_solve() has something to give
   bool final_owed_ = false;                      // somebody waits for a final result

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "calvin/geometry/convex_hull.hpp"
@@ -67,11 +68,7 @@ Reason Session::offer(const View& view, ViewWorth worth) {
   if (std::ranges::none_of(r.now, shows_this)) return r.reason = judge(view, r, worth);
   const bool kept =
       std::ranges::any_of(views_, [&](const auto& v) { return is_this(v->observation); });
-  if (asked_ && !kept && !full()) {
-    keep(view);
-    r.reason = Reason::kAccepted;
-    return r.reason;
-  }
+  if (asked_ && !kept && !full()) return r.reason = keep(view);
   return r.reason == Reason::kAccepted ? Reason::kTooSimilar : r.reason;
 }
 
@@ -95,8 +92,7 @@ Reason Session::judge(const View& view, Recent& r, ViewWorth worth) {
     if (reason != Reason::kAccepted) return reason;
   }
   if (full()) return Reason::kTooSimilar;
-  keep(velocities && is_significant(*velocities) ? moving(view, *velocities) : view);
-  return Reason::kAccepted;
+  return keep(velocities && is_significant(*velocities) ? moving(view, *velocities) : view);
 }
 
 Reason Session::usable(const View& view) const {
@@ -255,14 +251,34 @@ bool Session::full() const noexcept {
   return options_.max_views > 0 && views_.size() >= static_cast<std::size_t>(options_.max_views);
 }
 
-void Session::keep(View view) {
+std::size_t Session::most_views() const noexcept {
+  constexpr int kMostOfAll = 1000;  // where every view of a recording is one
+  constexpr int kMostChosen = 300;  // of those that were new when they came
+  if (options_.mode == CaptureMode::kManual) return std::numeric_limits<std::size_t>::max();
+  const int most = options_.mode == CaptureMode::kAll ? kMostOfAll : kMostChosen;
+  return static_cast<std::size_t>(std::max({most, options_.min_views, options_.max_views}));
+}
+
+Reason Session::keep(View view) {
+  const auto kept = std::make_shared<const View>(std::move(view));
+  replaced_.reset();
+  spacing_.add(kept);
+  if (views_.size() >= most_views()) {
+    const std::size_t crowded = spacing_.most_crowded(asked_ ? views_.size() : views_.size() + 1);
+    spacing_.remove(crowded);
+    if (crowded == views_.size()) return Reason::kTooSimilar;
+    views_.erase(views_.begin() + static_cast<std::ptrdiff_t>(crowded));
+    replaced_ = crowded;
+  }
   asked_ = false;
-  coverage_.add(view);
-  views_.push_back(std::make_shared<const View>(std::move(view)));
+  coverage_.add(*kept);
+  views_.push_back(kept);
+  return Reason::kAccepted;
 }
 
 void Session::reset() {
   views_.clear();
+  spacing_.clear();
   coverage_.clear();
   recent_.clear();
   asked_ = false;
@@ -273,6 +289,7 @@ void Session::reset() {
 bool Session::remove_view(std::size_t index) {
   if (index >= views_.size()) return false;
   views_.erase(views_.begin() + static_cast<std::ptrdiff_t>(index));
+  spacing_.remove(index);
   coverage_.clear();
   for (const auto& view : views_) coverage_.add(*view);
   return true;

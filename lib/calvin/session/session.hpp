@@ -18,6 +18,7 @@
 #include "calvin/session/guidance/hint.hpp"
 #include "calvin/session/guidance/view_coverage.hpp"
 #include "calvin/session/progress.hpp"
+#include "calvin/session/view_spacing.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {
@@ -62,7 +63,8 @@ class Session {
   explicit Session(SessionOptions options = {}) : options_(options) {}
 
   // Keeps the view when it returns kAccepted. kTooSimilar also for a view beyond max_views, in
-  // kManual for one that was not asked for, and in kAuto for one that is not worth it.
+  // kManual for one that was not asked for, in kAuto for one that is not worth it, and where there
+  // are so many views that the one that is most like another has to go, for that one.
   Reason offer(const View& view, ViewWorth worth = {});
 
   // A frame that may have shown the board, but nothing of it is offered: there is a gap.
@@ -84,6 +86,8 @@ class Session {
   // Shared: whoever solves them elsewhere keeps them without a copy.
   using Views = std::vector<std::shared_ptr<const View>>;
   [[nodiscard]] const Views& views() const noexcept { return views_; }
+  // Which view the newest one took the place of, by its number until then.
+  [[nodiscard]] const std::optional<std::size_t>& replaced() const noexcept { return replaced_; }
   // Of the views alone: a session knows no calibration and no frame.
   [[nodiscard]] Progress progress() const;
   [[nodiscard]] Hint hint() const { return coverage_.hint(); }
@@ -114,10 +118,12 @@ class Session {
   [[nodiscard]] Reason worth_keeping(const View& view, Pace pace, bool worth_it) const;
   [[nodiscard]] bool is_new(const View& view) const;
   [[nodiscard]] bool full() const noexcept;
+  // Beyond so many views each new one takes the place of another. A stream may go on for ever.
+  [[nodiscard]] std::size_t most_views() const noexcept;
   // Notes that another frame begins where it does, and forgets what is older than the one before.
   void begin_frame(const Observation& seen);
   [[nodiscard]] std::optional<Sighting> take_previous(const Observation& now);
-  void keep(View view);
+  [[nodiscard]] Reason keep(View view);
   void time_frame(std::uint64_t timestamp);
   [[nodiscard]] double frame_time() const;       // s; 0: not known
   [[nodiscard]] double longest_readout() const;  // s; 0: not known
@@ -130,7 +136,9 @@ class Session {
 
   SessionOptions options_;
   Views views_;
-  ViewCoverage coverage_;
+  ViewSpacing spacing_;  // of views_
+  std::optional<std::size_t> replaced_;
+  ViewCoverage coverage_;  // what was seen stays seen
   // What was usable of a board in the frame at hand, and in the one before unless it was followed
   // up; without timestamps nobody knows where a frame ends, and all is of the one before.
   struct Recent {

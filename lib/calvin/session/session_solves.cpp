@@ -4,6 +4,7 @@
 // What a session has solved and written, and what it makes of the results.
 
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "calvin/session/calibration_session.hpp"
@@ -74,13 +75,17 @@ void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<const ViewG
 std::vector<TakenView> CalibrationSession::newly_rejected(const SolveJob& job,
                                                           const Solution& solution) {
   if (!is_current(job.origin)) return {};
-  // Views that were taken since are behind those that were solved.
-  std::vector<Reason> reasons(taken_.size(), Reason::kAccepted);
-  for (const RejectedView& view : solution.rejected) reasons[view.index] = view.reason;
+  // Since the solve began views were taken, and others may have had to go.
+  std::map<const View*, Reason> reasons;
+  for (const RejectedView& view : solution.rejected) {
+    reasons[job.views[view.index].get()] = view.reason;
+  }
   std::vector<TakenView> rejected;
   for (std::size_t i = 0; i < taken_.size(); ++i) {
-    const Reason before = std::exchange(taken_[i].reason, reasons[i]);
-    if (before == Reason::kAccepted && reasons[i] != before) rejected.push_back(taken_[i]);
+    const auto found = reasons.find(views_.views()[i].get());
+    const Reason now = found == reasons.end() ? Reason::kAccepted : found->second;
+    const Reason before = std::exchange(taken_[i].reason, now);
+    if (before == Reason::kAccepted && now != before) rejected.push_back(taken_[i]);
   }
   return rejected;
 }

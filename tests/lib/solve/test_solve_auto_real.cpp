@@ -96,5 +96,43 @@ TEST(AutoOfRealSets, TakesAModelThatHalvesAgreeOn) {
   if (!missing.empty()) GTEST_SKIP() << missing;
 }
 
+const Set& set_of(std::string_view name) {
+  return *std::find_if(real::kSets.begin(), real::kSets.end(),
+                       [name](const Set& set) { return set.name == name; });
+}
+
+// How far the model that auto takes for the other camera is from its own one, where corners were,
+// over its promise: twice the expected error.
+double disagreement(const real::Views& all, const Calibration& own, const std::string& other) {
+  const auto with_other = solve(all.views, all.size, options_for(other));
+  if (!with_other) return HUGE_VAL;
+  const auto apart =
+      difference(Camera::make(own).value(), Camera::make(with_other->calibration).value(),
+                 {.focus = {own.covered}});
+  return apart ? apart->focus.max / (2 * own.expected_error.value()) : HUGE_VAL;
+}
+
+// Cameras of a pair are alike, and so is what auto says of them.
+TEST(AutoOfRealSets, IsTheSameForLikeCameras) {
+  const std::pair<const char*, const char*> pairs[] = {
+      {"left", "right"}, {"stereo_left", "stereo_right"}, {"yac0", "yac1"}};
+  for (const auto& [first, second] : pairs) {
+    const real::Views a = real::read(set_of(first));
+    const real::Views b = real::read(set_of(second));
+    if (a.views.empty() || b.views.empty()) {
+      GTEST_SKIP() << "CALVIN_DATA does not name a folder with the sets " << first << " and "
+                   << second;
+    }
+    const auto of_a = solve(a.views, a.size, options_for("auto"));
+    const auto of_b = solve(b.views, b.size, options_for("auto"));
+    ASSERT_TRUE(of_a && of_b) << first;
+    const Calibration& one = of_a->calibration;
+    const Calibration& other = of_b->calibration;
+    if (one.model == other.model) continue;
+    EXPECT_LT(disagreement(a, one, other.model), 1) << first << ": " << one.model;
+    EXPECT_LT(disagreement(b, other, one.model), 1) << second << ": " << other.model;
+  }
+}
+
 }  // namespace
 }  // namespace calvin

@@ -37,22 +37,6 @@ constexpr std::array kEdges = {HintDirection::kLeft, HintDirection::kRight, Hint
 
 double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
 
-double range_of(const std::vector<BoardFootprint>& footprints, double BoardFootprint::*value,
-                double whole) {
-  if (footprints.empty()) return 0;
-  const auto [low, high] = std::minmax_element(
-      footprints.begin(), footprints.end(),
-      [value](const BoardFootprint& a, const BoardFootprint& b) { return a.*value < b.*value; });
-  return std::clamp(((*high).*value - (*low).*value) / whole, 0.0, 1.0);
-}
-
-double largest(const std::vector<BoardFootprint>& footprints, double BoardFootprint::*value,
-               double whole) {
-  double most = 0;
-  for (const BoardFootprint& p : footprints) most = std::max(most, p.*value);
-  return std::clamp(most / whole, 0.0, 1.0);
-}
-
 // The largest difference of an angle of the quadrangle from a right one, rad.
 double farthest_from_square(const std::vector<Pixel>& corner) {
   double most = 0;
@@ -140,10 +124,24 @@ Hint hint_towards(const BoardFootprint& wanted, const BoardFootprint& now) {
   return {HintKind::kHoldStill};
 }
 
+void ViewCoverage::Range::add(double value) {
+  low = std::min(low, value);
+  high = std::max(high, value);
+}
+
+double ViewCoverage::Range::share_of(double whole) const {
+  return std::clamp((high - low) / whole, 0.0, 1.0);
+}
+
 void ViewCoverage::add(const View& view) {
   const auto footprint = footprint_of(view);
   if (!footprint) return;
-  footprints_.push_back(*footprint);
+  empty_ = false;
+  x_.add(footprint->x);
+  y_.add(footprint->y);
+  largest_ = std::max(largest_, footprint->size);
+  most_tilted_ = std::max(most_tilted_, footprint->tilt);
+  add_nearer_edges(*footprint);
   const auto hull = convex_hull(view.observation.uv);
   const ImageSize size = view.observation.image_size;
   for (int row = 0; row < kRows; ++row) {
@@ -161,54 +159,34 @@ double ViewCoverage::coverage() const {
          static_cast<double>(covered_.size());
 }
 
-double ViewCoverage::x() const { return range_of(footprints_, &BoardFootprint::x, kRangeX); }
-double ViewCoverage::y() const { return range_of(footprints_, &BoardFootprint::y, kRangeY); }
-double ViewCoverage::size() const {
-  return largest(footprints_, &BoardFootprint::size, kRangeSize);
-}
-double ViewCoverage::tilt() const {
-  return largest(footprints_, &BoardFootprint::tilt, kRangeTilt);
-}
+double ViewCoverage::x() const { return x_.share_of(kRangeX); }
+double ViewCoverage::y() const { return y_.share_of(kRangeY); }
+double ViewCoverage::size() const { return std::clamp(largest_ / kRangeSize, 0.0, 1.0); }
+double ViewCoverage::tilt() const { return std::clamp(most_tilted_ / kRangeTilt, 0.0, 1.0); }
 
 bool ViewCoverage::spans_all() const { return std::min({x(), y(), size(), tilt()}) >= 1; }
 
-std::array<bool, 4> ViewCoverage::edges_seen_nearer() const {
-  std::array<bool, 4> nearer{};
-  for (const BoardFootprint& p : footprints_) {
-    const bool large = p.size >= kLargeEnough;
-    const bool sideways = large && p.aspect < kForeshortened && std::abs(p.left_nearer) <= kTilted;
-    const bool upright =
-        large && p.aspect > 1 / kForeshortened && std::abs(p.top_nearer) <= kTilted;
-    nearer[0] |= p.left_nearer > kTilted || sideways;
-    nearer[1] |= p.left_nearer < -kTilted || sideways;
-    nearer[2] |= p.top_nearer > kTilted || upright;
-    nearer[3] |= p.top_nearer < -kTilted || upright;
-  }
-  return nearer;
+void ViewCoverage::add_nearer_edges(const BoardFootprint& p) {
+  const bool large = p.size >= kLargeEnough;
+  const bool sideways = large && p.aspect < kForeshortened && std::abs(p.left_nearer) <= kTilted;
+  const bool upright = large && p.aspect > 1 / kForeshortened && std::abs(p.top_nearer) <= kTilted;
+  seen_nearer_[0] |= p.left_nearer > kTilted || sideways;
+  seen_nearer_[1] |= p.left_nearer < -kTilted || sideways;
+  seen_nearer_[2] |= p.top_nearer > kTilted || upright;
+  seen_nearer_[3] |= p.top_nearer < -kTilted || upright;
 }
 
 Hint ViewCoverage::hint() const {
   using enum HintKind;
   using enum HintDirection;
-  if (footprints_.empty()) return {kShowBoard};
+  if (empty_) return {kShowBoard};
   if (spans_all()) return {kGood};
-  double left = 1;
-  double right = 0;
-  double top = 1;
-  double bottom = 0;
-  for (const BoardFootprint& p : footprints_) {
-    left = std::min(left, p.x);
-    right = std::max(right, p.x);
-    top = std::min(top, p.y);
-    bottom = std::max(bottom, p.y);
-  }
-  const auto tilts = edges_seen_nearer();
   if (size() < 0.5) return {kComeCloser};
-  for (std::size_t i = 0; i < tilts.size(); ++i) {
-    if (!tilts[i]) return {kTilt, kEdges[i]};
+  for (std::size_t i = 0; i < seen_nearer_.size(); ++i) {
+    if (!seen_nearer_[i]) return {kTilt, kEdges[i]};
   }
-  if (x() < 1) return {kMove, left > 1 - right ? kLeft : kRight};
-  if (y() < 1) return {kMove, top > 1 - bottom ? kTop : kBottom};
+  if (x() < 1) return {kMove, x_.low > 1 - x_.high ? kLeft : kRight};
+  if (y() < 1) return {kMove, y_.low > 1 - y_.high ? kTop : kBottom};
   if (tilt() < 1) return {kTilt};
   if (size() < 1) return {kComeCloser};
   return {kGood};

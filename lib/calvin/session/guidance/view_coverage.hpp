@@ -43,14 +43,28 @@ class ViewCoverage {
   [[nodiscard]] Hint hint() const;
 
  private:
-  // Whether each edge, as kEdges of the .cpp lists them, was nearer to the camera than the
-  // opposite.
-  [[nodiscard]] std::array<bool, 4> edges_seen_nearer() const;
+  void add_nearer_edges(const BoardFootprint& p);
 
   static constexpr int kColumns = 16;
   static constexpr int kRows = 12;
 
-  std::vector<BoardFootprint> footprints_;
+  // Of a number that many footprints have; a stream of views may have no end.
+  struct Range {
+    double low = 1;
+    double high = 0;
+
+    void add(double value);
+    [[nodiscard]] double share_of(double whole) const;  // 0..1, of the range to be spanned
+  };
+
+  bool empty_ = true;
+  Range x_;
+  Range y_;
+  double largest_ = 0;
+  double most_tilted_ = 0;
+  // Whether each edge, as kEdges of the .cpp lists them, was nearer to the camera than the
+  // opposite.
+  std::array<bool, 4> seen_nearer_{};
   std::array<bool, static_cast<std::size_t>(kColumns* kRows)> covered_{};
 };
 

@@ -103,10 +103,18 @@ bool is_better_in_most(const Trial& a, const Trial& b) {
   return lead > kGain * std::sqrt(views);
 }
 
+// From simple to rich; lenses about a plane come first, which most other programs read.
+std::vector<const LensTraits*> candidates() {
+  auto lenses = lenses_where([](const LensTraits& lens) { return lens.candidate; });
+  std::stable_partition(lenses.begin(), lenses.end(),
+                        [](const LensTraits* lens) { return lens->perspective; });
+  return lenses;
+}
+
 std::vector<Trial> try_all(const std::vector<PointSet>& views, const BoardShape& shape,
                            ImageSize size, SolveOptions options, const std::stop_token& stop) {
   std::vector<Trial> trials;
-  for (const LensTraits* lens : lenses_where([](const LensTraits& l) { return l.candidate; })) {
+  for (const LensTraits* lens : candidates()) {
     if (stop.stop_requested()) break;
     options.model = lens->model;
     auto solution = solve_points(views, shape, size, options, stop);
@@ -115,6 +123,35 @@ std::vector<Trial> try_all(const std::vector<PointSet>& views, const BoardShape&
     trials.push_back({options.model, *std::move(solution), std::move(held_out)});
   }
   return trials;
+}
+
+double held_out_rms(const Trial& trial) {
+  return trial.solution.calibration.held_out_rms.value_or(HUGE_VAL);
+}
+
+// Of the models that predict views held out about as well as the best one does, from simple to
+// rich: a richer one where it predicts them better beyond chance, or does not do so worse and
+// leaves less open of the projections.
+std::size_t choose(const std::vector<Trial>& trials) {
+  constexpr double kAsGood = 1.03;  // times the least distance of corners held out
+  constexpr double kSurer = 0.87;   // times what is promised of a simpler model
+  double least = HUGE_VAL;
+  for (const Trial& trial : trials) least = std::min(least, held_out_rms(trial));
+  const auto promise = [](const Trial& trial) {
+    return trial.solution.calibration.expected_error.value_or(HUGE_VAL);
+  };
+  std::size_t best = trials.size();
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (held_out_rms(trials[i]) > kAsGood * least) continue;
+    if (best == trials.size()) {
+      best = i;
+      continue;
+    }
+    const double sigmas = gain(trials[best], trials[i]);
+    const bool surer = promise(trials[i]) < kSurer * promise(trials[best]);
+    if (sigmas > kGain || (surer && sigmas > -kGain)) best = i;
+  }
+  return best;
 }
 
 std::string explain(const std::vector<Trial>& trials, std::size_t best) {
@@ -144,20 +181,15 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
     trial_options.model = "pinhole";
     return solve_points(views, shape, image_size, trial_options, stop);
   }
-  const auto most_predictive =
-      std::min_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
-        return a.solution.calibration.held_out_rms.value_or(HUGE_VAL) <
-               b.solution.calibration.held_out_rms.value_or(HUGE_VAL);
-      });
+  const auto most_predictive = std::min_element(
+      trials.begin(), trials.end(),
+      [](const Trial& a, const Trial& b) { return held_out_rms(a) < held_out_rms(b); });
   const Solution reference = most_predictive->solution;
   trial_options.reject_outliers = false;
   trials = try_all(masked(views, reference), shape, image_size, trial_options, stop);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   if (trials.empty()) return reference;
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < trials.size(); ++i) {
-    if (gain(trials[best], trials[i]) > kGain) best = i;
-  }
+  const std::size_t best = choose(trials);
   Solution solution = trials[best].solution;
   // The best model may have rejected a view that the reference kept; both lists are reported.
   const auto add = [](auto& all, const auto& more) {
