@@ -3,10 +3,13 @@
 
 // model=auto over views of which little can be seen: nothing of them is lost.
 #include <algorithm>
+#include <cmath>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
+#include "calvin/solve/difference.hpp"
 #include "scenes.hpp"
 
 namespace calvin {
@@ -61,6 +64,34 @@ TEST(AutoModel, EveryViewIsUsedOrNamed) {
     }
     EXPECT_EQ(used.size(), views.size()) << seed << ' ' << solution->calibration.model;
   }
+}
+
+class AutoOfLens : public ::testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(AutoModel, AutoOfLens, ::testing::ValuesIn(model_names()),
+                         [](const auto& test) { return std::string(test.param); });
+
+// Whatever lens there is, what is promised of the model that was taken is kept: twice the expected
+// error, where there were corners.
+TEST_P(AutoOfLens, PromisesNoMoreThanItKeeps) {
+  const int sessions = scenes::full_count() ? 50 : 4;
+  int kept = 0;
+  for (int session = 0; session < sessions; ++session) {
+    Random random(100 + session);
+    const Camera truth = scenes::random_camera(GetParam(), random);
+    const auto poses = scenes::random_poses(truth, scenes::kBoard, random, 15);
+    const auto views = scenes::observe_all(truth, scenes::kBoard, poses, 0.1, random);
+    SolveOptions options;
+    options.model = "auto";
+    const auto solution = solve(views, scenes::kSize, options);
+    ASSERT_TRUE(solution) << session << ": " << solution.error().message;
+    const Calibration& found = solution->calibration;
+    const auto apart = difference(Camera::make(found).value(), truth, {.focus = {found.covered}});
+    ASSERT_TRUE(apart) << session << ": " << apart.error().message;
+    ASSERT_TRUE(found.expected_error) << session;
+    kept += apart->focus.max <= 2 * *found.expected_error ? 1 : 0;
+  }
+  // Nine of ten, and two standard deviations of such a count.
+  EXPECT_GE(kept, 0.9 * sessions - 2 * std::sqrt(0.09 * sessions));
 }
 
 // Where a lens is wide and the model is not, the model is to blame, whatever else the residuals

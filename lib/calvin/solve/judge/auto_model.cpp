@@ -17,6 +17,7 @@
 
 #include "calvin/camera/lens_table.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/solve/judge/split_halves.hpp"
 
 namespace calvin {
 
@@ -129,29 +130,37 @@ double held_out_rms(const Trial& trial) {
   return trial.solution.calibration.held_out_rms.value_or(HUGE_VAL);
 }
 
-// Of the models that predict views held out about as well as the best one does, from simple to
-// rich: a richer one where it predicts them better beyond chance, or does not do so worse and
-// leaves less open of the projections.
-std::size_t choose(const std::vector<Trial>& trials) {
+// The models that predict views held out about as well as the best one does, in the order of the
+// trials.
+std::vector<std::size_t> as_good_as_any(const std::vector<Trial>& trials) {
   constexpr double kAsGood = 1.03;  // times the least distance of corners held out
-  constexpr double kSurer = 0.87;   // times what is promised of a simpler model
   double least = HUGE_VAL;
   for (const Trial& trial : trials) least = std::min(least, held_out_rms(trial));
-  const auto promise = [](const Trial& trial) {
-    return trial.solution.calibration.expected_error.value_or(HUGE_VAL);
-  };
-  std::size_t best = trials.size();
+  std::vector<std::size_t> good;
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    if (held_out_rms(trials[i]) > kAsGood * least) continue;
-    if (best == trials.size()) {
-      best = i;
-      continue;
-    }
-    const double sigmas = gain(trials[best], trials[i]);
-    const bool surer = promise(trials[i]) < kSurer * promise(trials[best]);
-    if (sigmas > kGain || (surer && sigmas > -kGain)) best = i;
+    if (held_out_rms(trials[i]) <= kAsGood * least) good.push_back(i);
   }
-  return best;
+  return good;
+}
+
+// Of the models that are as good as any the first on which halves of the views agree about as well
+// as on any of these.
+std::size_t choose(const std::vector<Trial>& trials, const std::vector<PointSet>& views,
+                   const BoardShape& shape, SolveOptions options, const std::stop_token& stop) {
+  constexpr double kAsClose = 1.02;  // times the least difference of halves
+  const std::vector<std::size_t> good = as_good_as_any(trials);
+  std::vector<double> apart;
+  for (const std::size_t i : good) {
+    options.model = trials[i].model;
+    apart.push_back(good.size() == 1 ? 0
+                                     : split_half_difference(views, trials[i].solution.calibration,
+                                                             shape, options, stop)
+                                           .value_or(HUGE_VAL));
+  }
+  const double least = *std::min_element(apart.begin(), apart.end());
+  const auto first =
+      std::find_if(apart.begin(), apart.end(), [&](double d) { return d <= kAsClose * least; });
+  return good[static_cast<std::size_t>(first - apart.begin())];
 }
 
 std::string explain(const std::vector<Trial>& trials, std::size_t best) {
@@ -186,10 +195,12 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
       [](const Trial& a, const Trial& b) { return held_out_rms(a) < held_out_rms(b); });
   const Solution reference = most_predictive->solution;
   trial_options.reject_outliers = false;
-  trials = try_all(masked(views, reference), shape, image_size, trial_options, stop);
+  const std::vector<PointSet> good_corners = masked(views, reference);
+  trials = try_all(good_corners, shape, image_size, trial_options, stop);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   if (trials.empty()) return reference;
-  const std::size_t best = choose(trials);
+  const std::size_t best = choose(trials, good_corners, shape, trial_options, stop);
+  if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   Solution solution = trials[best].solution;
   // The best model may have rejected a view that the reference kept; both lists are reported.
   const auto add = [](auto& all, const auto& more) {

@@ -14,10 +14,10 @@ namespace calvin {
 
 inline constexpr std::string_view kAutoModel = "auto";
 
-// Solves for every sensible model, from few parameters to many. Of those that predict views held
-// out to within 3 % of the best, a richer one takes the place of a simpler one only where it
-// predicts them better by more than 2 sigma of the paired difference, or not worse and with an
-// expected error that is 13 % smaller. Calibration::remarks says which model was taken and why.
+// Solves for every sensible model. Of those that predict views held out to within 3 % of the best,
+// and no other better by more than 2 sigma of the paired difference, the simplest on which halves
+// of the views agree to within 10 % of the best. Calibration::remarks says which model was taken
+// and why.
 [[nodiscard]] Result<Solution> solve_auto(const std::vector<PointSet>& views,
                                           const BoardShape& shape, ImageSize image_size,
                                           const SolveOptions& options, const std::stop_token& stop);
