@@ -192,7 +192,8 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
     SaddleFit f = fit(c);
     const float radius = std::clamp(kShare * spacing, kLeastRadius, kLevelRadius);
     const bool good =
-        fit_saddle(pyramid.level(level), radius, 6, f, kRoughly) && colours_fit(f, c) &&
+        fit_saddle(pyramid.level(level), radius, 6, f, kRoughly, Pixels::kPoints) &&
+        colours_fit(f, c) &&
         std::hypot(f.x - fit(c).x, f.y - fit(c).y) < std::max(1.5F, kLargestMove * spacing);
     // A fit that runs away is dropped: the fit in the image will tell.
     if (good) fit(c) = f;

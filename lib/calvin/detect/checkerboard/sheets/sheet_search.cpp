@@ -30,9 +30,10 @@ constexpr float kFineReach = 64;        // px of other levels: smaller ones have
 constexpr std::size_t kFurtherParts = 3;
 
 // px, 1 sigma: the error that corners near each other have in common, which neither noise nor
-// scatter show. It does not average out over the views, so that sigmas of the noise alone would
-// make a calibration seem better than it is.
-constexpr double kBias = 0.001;
+// scatter show: what rendered pictures without noise leave beside their rounding. It does not
+// average out over the views, so that sigmas of the noise alone would make a calibration seem
+// better than it is.
+constexpr double kBias = 0.0003;
 
 int reach_of(const std::vector<WantedBoard>& wanted) {
   int most = 0;
@@ -378,7 +379,10 @@ void SheetSearch::add_sheet(std::size_t wanted, const Match& match, const Lattic
     const SaddleFit& fit = refinement_.at(cell);
     o.ids.push_back(id);
     o.uv.push_back({fit.x, fit.y});
-    o.sigma.push_back(std::hypot(ratio * static_cast<double>(fit.sigma), kBias));
+    // What the corners of a row have in common is smooth: scatter does not see it.
+    const double sigma =
+        std::max(ratio * static_cast<double>(fit.sigma), static_cast<double>(fit.rounding));
+    o.sigma.push_back(std::hypot(sigma, kBias));
   }
   o.ambiguous = match.ambiguous;
   o.blur = refinement_.blur(lattice);
