@@ -23,9 +23,6 @@ class Refinement {
   // are fitted in the level first; guessed nodes are removed.
   void to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted);
 
-  // Removes the guessed nodes of a lattice that are no corners of the image.
-  void confirm_guesses(const ImageView& image, Lattice& lattice);
-
   // Whether the four outermost nodes of a whole board are corners of the image. Moves all other
   // nodes along with them.
   [[nodiscard]] bool confirm(const ImageView& image, Lattice& lattice) const;
@@ -56,6 +53,8 @@ class Refinement {
   // Fits all nodes by fit_again(cell), moves them there and removes nodes that fail the tests.
   template <typename F>
   void refit(Lattice& lattice, F fit_again);
+  // The most noise of a corner, of the contrast.
+  [[nodiscard]] float most_noise() const;
   void drop_misfits(Lattice& lattice);
   void drop_uncertain(Lattice& lattice);
   // Fits removed nodes once more where their neighbours predict them.

@@ -16,6 +16,7 @@ namespace calvin::detect {
 
 namespace {
 
+constexpr float kFewestPixels = 12;        // of a fit, by their weights
 constexpr float kLeastContrast = 3;        // grey levels
 constexpr float kLeastWidth = 0.2F;        // px
 constexpr float kLargestWidth = 8;         // px
@@ -66,15 +67,15 @@ float widened(float width, float step) {
 
 // The variance of the noise, from the differences between pixels on opposite sides of the corner: a
 // saddle looks the same turned by 180 degrees, whatever optics, ink or exposure did to it. `pixels`
-// is the sum of their weights; `count` is the number of pixels that are not cut off, which alone
-// have errors.
-float noise_variance(const Window& window, float square, float pixels, float count) {
+// is the sum of their weights: those on the rim, where the next edge may lie, count as little as in
+// the fit.
+float noise_variance(const Window& window, float square, float pixels) {
   constexpr int kOddUnknowns = 2;  // the place
   if (!window.whole) return square / std::max(pixels - static_cast<float>(kUnknowns), 1.0F);
   // A whole window lists its pixels in an order that is point-symmetric about its middle, which is
   // the corner to half a pixel.
   const float sum = odd_square(window);
-  return 0.5F * sum / std::max(0.5F * count - kOddUnknowns, 1.0F);
+  return 0.5F * sum / std::max(0.5F * pixels - kOddUnknowns, 1.0F);
 }
 
 // The factor L of A = L L^T, by columns; A is given by its upper triangle, row by row. Unknowns
@@ -267,7 +268,7 @@ bool Steps::has_gone_too_far() const {
 bool Steps::find_change(bool last) {
   sum(fit_.has_gain ? Sums::kParted : Sums::kPlain);
   pixels_ = normal_.products[diagonal(kLevel)];
-  if (pixels_ < 2 * kUnknowns) return false;
+  if (pixels_ < kFewestPixels) return false;
   is_taken_back_ = !last && has_gone_too_far();
   if (is_taken_back_) {
     fit_ = before_;
@@ -305,8 +306,7 @@ void Steps::finish() {
   fit_.radius = radius_;
   fit_.residual = std::sqrt(normal_.square / pixels_);
   fit_.cut = 1 - normal_.count / static_cast<float>(window_.count);
-  const float variance =
-      std::max(noise_variance(window_, normal_.square, pixels_, normal_.count), kRounding);
+  const float variance = std::max(noise_variance(window_, normal_.square, pixels_), kRounding);
   const float in_common = rounding_in_common(fit_, variance);
   fit_.noise = std::sqrt(variance);
   fit_.sigma = std::sqrt((variance + in_common) * factor_.place_variance());

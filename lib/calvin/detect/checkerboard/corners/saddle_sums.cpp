@@ -131,6 +131,7 @@ class SaddleRows {
     V error;
     const V in = weight(i, dx, dy, hn::MulAdd(local, saddle.value, base), error);
     e = hn::Mul(in, error);
+    hn::StoreU(e, d, window_.error + i);
     square_ = hn::MulAdd(e, e, square_);
     const V scale = hn::Mul(in, local);
     const V by_a = hn::Mul(hn::Mul(scale, wide_a), saddle.by_a);
@@ -151,7 +152,7 @@ class SaddleRows {
   [[nodiscard]] float count() const { return hn::GetLane(hn::SumOfLanes(d_, count_)); }
 
  private:
-  // Returns the square roots of the weights; writes the errors here and into the window.
+  // Returns the square roots of the weights, and the errors.
   HWY_INLINE V weight(int i, V dx, V dy, V model, V& error) {
     const D d = d_;
     const auto set = [d](float v) { return hn::Set(d, v); };
@@ -163,7 +164,6 @@ class SaddleRows {
     const V seen = hn::IfThenElse(hn::Le(grey, hn::Zero(d)), hn::Max(below, grey), below);
     const auto counted = hn::And(inside, hn::Eq(seen, model));
     error = hn::IfThenElseZero(counted, hn::Sub(grey, model));
-    hn::StoreU(error, d, window_.error + i);
     count_ = hn::Add(count_, hn::IfThenElseZero(counted, set(1)));
     // The disc is about the corner, not about a pixel: along its rim, which cuts pixels, the square
     // root of the weight falls from 1 to 0.

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "calvin/detect/checkerboard/guesses.hpp"
 #include "calvin/detect/checkerboard/scatter.hpp"
 
 namespace calvin::detect {
@@ -195,16 +196,35 @@ void SheetSearch::look_at_lattice(int level) {
     return;
   }
   refinement_.to_image(pyramid_, level, lattice_, true);
-  // Corners that are too fine, or too near to the border, to be seen in the level.
-  BoardSearch::complete(full, lattice_, enough, true);
-  refinement_.confirm_guesses(full, lattice_);
+  complete_in_image(enough);
   if (is_taken(lattice_, 0)) return;
   match_boards();
   const bool accepted = match_.reason == Reason::kAccepted;
-  if (accepted && match_.whole && accept(match_wanted_, match_, lattice_)) return;
+  if (accepted && match_.whole && accept(match_wanted_, match_, lattice_)) {
+    if (sheets().back().whole) return;
+    // A corner was lost from where this level has it: another one may have it nearer.
+    --sheet_count_;
+  }
   if (accepted) note_part(level);
   if (match_.reason == Reason::kWrongBoard) {
     (void)note_other({match_.seen_cols, match_.seen_rows, match_.size_is_certain}, match_.certain);
+  }
+}
+
+// Adds corners that are too fine, or too near to the border, to be seen in the level. Where some
+// were added and few are missing, those are expected better than before, or at all.
+void SheetSearch::complete_in_image(int enough) {
+  constexpr int kRounds = 3;
+  constexpr double kMost = 0.7;  // of a board's corners
+  for (int round = 0; round < kRounds; ++round) {
+    const int before = lattice_.count();
+    BoardSearch::complete(pyramid_.level(0), lattice_, enough, true);
+    confirm_guesses(pyramid_.level(0), lattice_);
+    const bool is_nearly_whole = std::ranges::any_of(wanted_, [&](const WantedBoard& w) {
+      const int points = w.board.point_count();
+      return lattice_.count() < points && lattice_.count() > kMost * points;
+    });
+    if (!is_nearly_whole || lattice_.count() <= before) return;
   }
 }
 
