@@ -48,16 +48,20 @@ SaddleFit parted_fit(SaddleFit fit) {
 }
 
 void fit_parted(const ImageView& image, float radius, int steps, SaddleFit& fit) {
-  constexpr float kOfSwing = 0.06F;  // the residual that no noise explains
+  constexpr float kOfSwing = 0.06F;   // the residual that no noise explains
+  constexpr float kLeastGain = 0.1F;  // px: with less, one unknown more only hides other errors
   if (fit.has_gain || fit.residual < kOfSwing * fit.swing()) return;
   SaddleFit parted = parted_fit(fit);
   if (fit_saddle(image, radius, 2 * steps, parted, kRoughly) && parted.residual < fit.residual &&
-      parted.noise < kOfNoise * fit.noise) {
+      parted.noise < kOfNoise * fit.noise && std::abs(parted.gain) > kLeastGain) {
     fit = parted;
   }
 }
 
-bool is_noisy(const SaddleFit& fit, float most) { return !(fit.noise <= most * fit.swing()); }
+bool is_noisy(const SaddleFit& fit, float most) {
+  constexpr float kMore = 1.5F;  // of what is told by all residuals, not by opposite pixels
+  return !(fit.noise <= (fit.at_border ? kMore : 1) * most * fit.swing());
+}
 
 bool colours_fit(const SaddleFit& fit, Cell c) { return (fit.contrast > 0) == Lattice::is_even(c); }
 

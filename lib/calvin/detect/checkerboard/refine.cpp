@@ -187,7 +187,8 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
     // Squares that are parted sharply look like noise if the corner is not in a pixel's middle.
     if (f.noise > kNoisy * usual_noise_ * f.swing()) fit_parted(image, radius, 8, f);
     if (!colours_fit(f, c)) continue;
-    if (f.noise < best.noise) best = f;
+    // Of two that are corners the more certain one: a smaller window has to be worth its pixels.
+    if (is_noisy(best, most_noise()) ? f.noise < best.noise : f.sigma < best.sigma) best = f;
     if (f.noise <= kNoisy * usual_noise_ * f.swing()) break;
   }
   return best;

@@ -309,6 +309,7 @@ void Steps::finish() {
   const float variance = std::max(noise_variance(window_, normal_.square, pixels_), kRounding);
   const float in_common = rounding_in_common(fit_, variance);
   fit_.noise = std::sqrt(variance);
+  fit_.at_border = !window_.whole;
   fit_.sigma = std::sqrt((variance + in_common) * factor_.place_variance());
   fit_.rounding = std::sqrt(in_common * factor_.place_variance());
 }

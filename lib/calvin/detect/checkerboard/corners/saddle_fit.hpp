@@ -52,10 +52,11 @@ struct SaddleFit {
   Direction contrast_slope = {0, 0};  // grey levels per px
 
   // Results of the last step.
-  float radius = 0;    // px, of the window
-  float residual = 0;  // grey levels, RMS
-  float noise = 0;     // grey levels, 1 sigma, from what differs between opposite pixels
-  float sigma = 0;     // px, 1 sigma per coordinate, from `noise` and rounding
+  float radius = 0;        // px, of the window
+  float residual = 0;      // grey levels, RMS
+  float noise = 0;         // grey levels, 1 sigma, from what differs between opposite pixels
+  bool at_border = false;  // the window is cut there, and `noise` is told by all residuals
+  float sigma = 0;         // px, 1 sigma per coordinate, from `noise` and rounding
   float rounding = 0;  // px, the part of sigma that other corners of the row or column may share
   float cut = 0;       // share of the pixels that are white or black, and would be more so
 
