@@ -34,6 +34,44 @@ constexpr float kLargestWidth = 8;           // px, of an edge
 constexpr float kLargestMove = 0.35F;        // of the spacing, between levels
 constexpr float kLargestError = 0.2F;        // of the spacing, from where neighbours predict it
 
+// How the rows and columns run at a node, by a plane through the nodes around it.
+void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected) {
+  float n = 0, col = 0, row = 0, cols = 0, rows = 0, both = 0;
+  Direction place, by_col, by_row;
+  place = by_col = by_row = {0, 0};
+  for (int dr = -1; dr <= 1; ++dr) {
+    for (int dc = -1; dc <= 1; ++dc) {
+      if (!lattice.has(c + Cell{dc, dr})) continue;
+      const Node& node = lattice.at(c + Cell{dc, dr});
+      const auto u = static_cast<float>(dc);
+      const auto v = static_cast<float>(dr);
+      const Direction p = {node.x - lattice.at(c).x, node.y - lattice.at(c).y};
+      n += 1;
+      col += u;
+      row += v;
+      cols += u * u;
+      rows += v * v;
+      both += u * v;
+      place = {place.x + p.x, place.y + p.y};
+      by_col = {by_col.x + u * p.x, by_col.y + u * p.y};
+      by_row = {by_row.x + v * p.x, by_row.y + v * p.y};
+    }
+  }
+  const float a = cols - col * col / n;
+  const float b = both - col * row / n;
+  const float d = rows - row * row / n;
+  const float determinant = a * d - b * b;
+  if (!(determinant > 0.1F)) return;
+  const Direction right = {by_col.x - col * place.x / n, by_col.y - col * place.y / n};
+  const Direction below = {by_row.x - row * place.x / n, by_row.y - row * place.y / n};
+  const auto unit = [](Direction w, Direction otherwise) {
+    const float length = std::hypot(w.x, w.y);
+    return length > 0 ? Direction{w.x / length, w.y / length} : otherwise;
+  };
+  expected.along = unit({d * right.x - b * below.x, d * right.y - b * below.y}, expected.along);
+  expected.down = unit({a * below.x - b * right.x, a * below.y - b * right.y}, expected.down);
+}
+
 }  // namespace
 
 void Refinement::begin(const Lattice& lattice) {
@@ -194,6 +232,22 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   return best;
 }
 
+// The fit of a node that lies where its neighbours let it expect, one of which was fitted as
+// `near`.
+SaddleFit Refinement::lost_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                               const SaddleFit& near) {
+  if (!in_noise_) {
+    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, lattice.at(c).width, 8);
+    if (!std::isfinite(f.noise)) return f;
+    f.along_bend = near.along_bend;
+    f.down_bend = near.down_bend;
+    fit(c) = f;
+    return last_fit(image, lattice, c);
+  }
+  fit(c) = near;
+  return expected_fit(image, lattice, c);
+}
+
 void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
   const int before = lattice.count();
   for (const Cell c : cells_) {
@@ -206,14 +260,7 @@ void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
     node.x = expected->x;
     node.y = expected->y;
     lattice.put(c, node);
-    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, node.width, 8);
-    if (std::isfinite(f.noise)) {
-      const SaddleFit& near = at(c + *step);
-      f.along_bend = near.along_bend;
-      f.down_bend = near.down_bend;
-      fit(c) = f;
-      f = last_fit(image, lattice, c);
-    }
+    const SaddleFit f = lost_fit(image, lattice, c, at(c + *step));
     const float contrast = f.swing();
     if (!is_noisy(f, most_noise()) && contrast >= kLeastContrast * node.contrast / 2 &&
         f.residual <= kMostResidual * contrast &&
@@ -226,7 +273,7 @@ void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
   }
   if (lattice.count() == before) return;
   drop_uncertain(lattice);
-  stray_corners_.remove_from(lattice);
+  stray_corners_.remove_from(lattice, slack(lattice));
 }
 
 template <typename F>
@@ -239,17 +286,82 @@ void Refinement::refit(Lattice& lattice, F fit_again) {
   lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
 }
 
+// An edge that is w wide is off by w / .8 times the noise over its swing where that is alike all
+// along it; compression leaves it alike over some of it.
+Slack Refinement::slack(const Lattice& lattice) {
+  constexpr float kAlike = 0.4F / 0.798F;
+  const auto good = [&](Cell c) { return std::isfinite(at(c).noise); };
+  const auto place = [&](Cell c) {
+    const SaddleFit& f = at(c);
+    return f.noise / f.swing() * std::max(f.along_width, f.down_width) * kAlike;
+  };
+  return {fits_.median_where(lattice, good, place), fits_.median_where(lattice, good, [&](Cell c) {
+            return place(c) / spacing_at(lattice, c);
+          })};
+}
+
+// Whether the first fits tell little, or many of them have failed.
+bool Refinement::is_in_noise(const Lattice& lattice) {
+  constexpr float kNoisy = 0.008F;  // of the spacing
+  constexpr int kMostFailed = 8;    // one of so many
+  int failed = 0;
+  lattice.for_each([&](Cell c, const Node&) { failed += std::isfinite(at(c).noise) ? 0 : 1; });
+  return kMostFailed * failed > lattice.count() || slack(lattice).of_spacing > kNoisy;
+}
+
+// A fit to which the neighbours' places and the blur of the whole board tell how the edges run.
+SaddleFit Refinement::expected_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
+  const Node& node = lattice.at(c);
+  const float spacing = spacing_at(lattice, c);
+  SaddleFit f = fit_of(node);
+  f.along_bend = at(c).along_bend;
+  f.down_bend = at(c).down_bend;
+  f.slope = at(c).slope;
+  f.contrast_slope = at(c).contrast_slope;
+  f.has_expected = true;
+  f.expected = {node.along, node.down, usual_along_, usual_down_};
+  expect_directions(lattice, c, f.expected);
+  f.along = f.expected.along;
+  f.down = f.expected.down;
+  f.along_width = usual_along_;
+  f.down_width = usual_down_;
+  const float radius = last_radius(spacing, std::max(usual_along_, usual_down_));
+  const bool good = fit_saddle(image, radius, 10, f) && colours_fit(f, c) &&
+                    distance(f, node) < std::max(1.5F, kLargestMove * spacing);
+  if (!good) f.noise = std::numeric_limits<float>::infinity();
+  return f;
+}
+
+void Refinement::refine_in_noise(const ImageView& image, Lattice& lattice) {
+  const auto good = [&](Cell c) { return std::isfinite(at(c).noise); };
+  usual_along_ = fits_.median_where(lattice, good, [&](Cell c) { return at(c).along_width; });
+  usual_down_ = fits_.median_where(lattice, good, [&](Cell c) { return at(c).down_width; });
+  refit(lattice, [&](Cell c) { return expected_fit(image, lattice, c); });
+  lattice.prune(kPrune);
+  if (lattice.count() < kFewestNodes) return;
+  set_bends(lattice, fits_);
+  set_slopes(lattice, fits_);
+  refit(lattice, [&](Cell c) { return expected_fit(image, lattice, c); });
+}
+
 bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   const int before = lattice.count();
   begin(lattice);
-  refit(lattice, [&](Cell c) { return first_fit(image, lattice, c); });
-  lattice.prune(kPrune);
+  lattice.for_each([&](Cell c, const Node&) { fit(c) = first_fit(image, lattice, c); });
+  in_noise_ = is_in_noise(lattice);
+  if (in_noise_) {
+    refine_in_noise(image, lattice);
+  } else {
+    refit(lattice, [&](Cell c) { return at(c); });
+    lattice.prune(kPrune);
+    if (lattice.count() < kFewestNodes) return false;
+    set_bends(lattice, fits_);
+    set_slopes(lattice, fits_);
+    refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
+  }
   if (lattice.count() < kFewestNodes) return false;
-  set_bends(lattice, fits_);
-  set_slopes(lattice, fits_);
-  refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
   drop_uncertain(lattice);
-  stray_corners_.remove_from(lattice);
+  stray_corners_.remove_from(lattice, slack(lattice));
   if (lattice.count() < before) recover_lost(image, lattice);
   return 2 * lattice.count() >= before;
 }
@@ -265,7 +377,7 @@ bool Refinement::refine_again(const ImageView& image, const FitGrid& before, Lat
   usual_noise_ = fits_.median(lattice, [](const SaddleFit& f) { return f.noise / f.swing(); });
   refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
   drop_uncertain(lattice);
-  stray_corners_.remove_from(lattice);
+  stray_corners_.remove_from(lattice, slack(lattice));
   if (lattice.count() < count) return false;
   // Bends and slopes for the next frame. The fits have used those of the frame before, and are
   // moved to where fits with their own bends would be.

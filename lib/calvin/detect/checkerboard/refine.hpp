@@ -50,6 +50,13 @@ class Refinement {
                                     float radius, float width, int steps) const;
   [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
+  [[nodiscard]] Slack slack(const Lattice& lattice);
+  // Whether first fits tell so little that what neighbours let expect has to help.
+  [[nodiscard]] bool is_in_noise(const Lattice& lattice);
+  // The last fits of a lattice in noise, from where its nodes were found.
+  void refine_in_noise(const ImageView& image, Lattice& lattice);
+  [[nodiscard]] SaddleFit expected_fit(const ImageView& image, const Lattice& lattice,
+                                       Cell c) const;
   // Fits all nodes by fit_again(cell), moves them there and removes nodes that fail the tests.
   template <typename F>
   void refit(Lattice& lattice, F fit_again);
@@ -57,12 +64,17 @@ class Refinement {
   [[nodiscard]] float most_noise() const;
   void drop_misfits(Lattice& lattice);
   void drop_uncertain(Lattice& lattice);
+  [[nodiscard]] SaddleFit lost_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                   const SaddleFit& near);
   // Fits removed nodes once more where their neighbours predict them.
   void recover_lost(const ImageView& image, Lattice& lattice);
 
   FitGrid fits_;
   std::vector<Cell> cells_;  // of the nodes to begin with
   float usual_noise_ = 0;    // median of noise over contrast
+  bool in_noise_ = false;
+  float usual_along_ = 1;  // px, median width of the edges, in noise alone
+  float usual_down_ = 1;
   StrayCorners stray_corners_;
 };
 

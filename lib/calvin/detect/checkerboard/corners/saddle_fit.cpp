@@ -214,6 +214,8 @@ class Steps {
   }
   [[nodiscard]] bool has_gone_too_far() const;
   [[nodiscard]] bool find_change(bool last);
+  // Adds the information of what is expected of the edges to the sums.
+  void add_expected();
   void apply();
 
   Window& window_;
@@ -238,6 +240,7 @@ class Steps {
 bool Steps::take(bool last) {
   if (is_near_) {
     sum(Sums::kGradient);
+    if (fit_.has_expected) add_expected();
     factor_.solve(normal_.gradient, change_);
     is_near_ = false;
   } else {
@@ -281,9 +284,25 @@ bool Steps::find_change(bool last) {
   before_ = fit_;
   before_x_ = x_;
   before_y_ = y_;
+  if (fit_.has_expected) add_expected();
   if (!factorise(normal_, fit_.has_gain, pixels_, factor_)) return false;
   factor_.solve(normal_.gradient, change_);
   return std::all_of(change_, change_ + kUnknowns, [](float c) { return std::isfinite(c); });
+}
+
+void Steps::add_expected() {
+  constexpr float kTurned = 0.08F;   // rad, 1 sigma
+  constexpr float kWidened = 0.25F;  // 1 sigma of a width's logarithm
+  const float variance = normal_.square / pixels_ + kRounding;
+  const auto add = [&](int unknown, float off, float sigma) {
+    normal_.products[diagonal(unknown)] += variance / (sigma * sigma);
+    normal_.gradient[unknown] += variance / (sigma * sigma) * off;
+  };
+  const ExpectedEdges& expected = fit_.expected;
+  add(kAlong, cross(fit_.along, expected.along), kTurned);
+  add(kDown, cross(fit_.down, expected.down), kTurned);
+  add(kAlongWidth, std::log(expected.along_width / fit_.along_width), kWidened);
+  add(kDownWidth, std::log(expected.down_width / fit_.down_width), kWidened);
 }
 
 void Steps::apply() {

@@ -28,6 +28,14 @@ namespace calvin::detect {
 
 inline constexpr int kMaxFitRadius = 60;  // px
 
+// What neighbours let expect of the edges of a corner, for a window that is too noisy to tell.
+struct ExpectedEdges {
+  Direction along;
+  Direction down;
+  float along_width = 1;  // px
+  float down_width = 1;
+};
+
 struct SaddleFit {
   double x = 0;
   double y = 0;
@@ -50,6 +58,9 @@ struct SaddleFit {
   float down_bend = 0;
   Direction slope = {0, 0};           // grey levels per px
   Direction contrast_slope = {0, 0};  // grey levels per px
+  // With it, what is expected counts as a measurement that is right to .08 rad and a quarter.
+  bool has_expected = false;
+  ExpectedEdges expected;
 
   // Results of the last step.
   float radius = 0;        // px, of the window

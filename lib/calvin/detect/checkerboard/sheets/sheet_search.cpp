@@ -172,7 +172,7 @@ int SheetSearch::least_group() const {
 void SheetSearch::search_level(int level) {
   SearchOptions options = this->options(level);
   for (const Sheet& sheet : sheets()) options.taken.push_back(in_level(sheet.outline, level));
-  search_.detect_corners(pyramid_.level(level), options);
+  search_.detect_corners(pyramid_.calm_level(level), options);
   while (search_.next_size() > 0 && search_.next_size() >= least_group() &&
          search_.next(lattice_)) {
     // A level further up has seen what this is, or is a part of.
@@ -181,14 +181,13 @@ void SheetSearch::search_level(int level) {
 }
 
 void SheetSearch::look_at_lattice(int level) {
-  const ImageView& full = pyramid_.level(0);
   const int enough = 2 * most_points_;
-  BoardSearch::complete(pyramid_.level(level), lattice_, enough, false);
+  BoardSearch::complete(pyramid_.calm_level(level), lattice_, enough, false);
   if (is_far_larger_than_all()) {
     const Box box = search_.box();
     refinement_.to_image(pyramid_, level, lattice_, false);
     const CellRange e = lattice_.extent();
-    if (note_other({e.cols(), e.rows(), is_size_certain(full, lattice_)}, true)) {
+    if (note_other({e.cols(), e.rows(), is_size_certain(pyramid_.calm_level(0), lattice_)}, true)) {
       other_area_.box.add(Pyramid::to_image(box.left, level), Pyramid::to_image(box.top, level));
       other_area_.box.add(Pyramid::to_image(box.right, level),
                           Pyramid::to_image(box.bottom, level));
@@ -218,7 +217,7 @@ void SheetSearch::complete_in_image(int enough) {
   constexpr double kMost = 0.7;  // of a board's corners
   for (int round = 0; round < kRounds; ++round) {
     const int before = lattice_.count();
-    BoardSearch::complete(pyramid_.level(0), lattice_, enough, true);
+    BoardSearch::complete(pyramid_.calm_level(0), lattice_, enough, true);
     confirm_guesses(pyramid_.level(0), lattice_);
     const bool is_nearly_whole = std::ranges::any_of(wanted_, [&](const WantedBoard& w) {
       const int points = w.board.point_count();
@@ -247,7 +246,7 @@ bool SheetSearch::is_better(const Match& match, std::size_t wanted) const {
 }
 
 void SheetSearch::match_boards() {
-  const ImageView& full = pyramid_.level(0);
+  const ImageView& full = pyramid_.calm_level(0);
   match_wanted_ = 0;
   if (wanted_.size() == 1) {
     match_ = match_board(full, wanted_[0].board, lattice_);
@@ -373,7 +372,7 @@ bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
   if (!match.whole || lattice.count() < before) {
     // Some nodes may have been no corners, and the refined places of the others tell the edge of
     // the board from something that covers it up to the next row.
-    match = match_board(image, wanted_[wanted].board, lattice);
+    match = match_board(pyramid_.calm_level(0), wanted_[wanted].board, lattice);
     if (match.reason != Reason::kAccepted) return false;
   }
   add_sheet(wanted, match, lattice, true);
