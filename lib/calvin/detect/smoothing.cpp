@@ -81,7 +81,7 @@ HWY_EXPORT(average_columns);
 
 float noise_of(const ImageView& image) noexcept {
   constexpr int kAway = 2;  // px
-  constexpr double kSamples = 2500;
+  constexpr double kSamples = 1000;
   // Of the differences along a row and along a column the smaller one counts, which an edge reaches
   // only at corners. The median of that is .376 of their sigma.
   constexpr float kOfMedian = 1 / (0.376F * 2.4495F);

@@ -11,8 +11,8 @@
 
 namespace calvin::detect {
 
-// The noise of an image (of step 1), grey levels, 1 sigma: by a few thousand second differences
-// over two px, whose median edges do not reach unless the image has little else. What JPEG has
+// The noise of an image (of step 1), grey levels, 1 sigma: by a thousand second differences over
+// two px, whose median edges do not reach unless the image has little else. What JPEG has
 // taken off the finest noise is not counted.
 [[nodiscard]] float noise_of(const ImageView& image) noexcept;
 
