@@ -53,6 +53,7 @@ HWY_AFTER_NAMESPACE();
 #include <algorithm>
 
 #include "calvin/detect/luma.hpp"
+#include "calvin/detect/smoothing.hpp"
 
 namespace calvin::detect {
 
@@ -74,6 +75,7 @@ ImageView resized(std::vector<std::uint8_t>& pixels, int width, int height) {
 
 void Pyramid::build(const ImageView& image, int most_levels) {
   views_[0] = image;
+  for (ImageView& calm : calm_) calm = {};
   if (image.step != 1) {
     take_luma(image, own_);
     views_[0] = own_.view();
@@ -91,6 +93,15 @@ void Pyramid::build(const ImageView& image, int most_levels) {
        static_cast<std::size_t>(width));
     }
   }
+}
+
+const ImageView& Pyramid::calm_level(int i) {
+  constexpr float kNoisy = 2.5F;  // grey levels
+  ImageView& calm = calm_[i];
+  if (calm.data == nullptr) {
+    calm = noise_of(level(i)) > kNoisy ? smoothed(level(i), calm_pixels_[i], sums_) : level(i);
+  }
+  return calm;
 }
 
 }  // namespace calvin::detect

@@ -21,6 +21,9 @@ class Pyramid {
 
   [[nodiscard]] int levels() const noexcept { return count_; }
   [[nodiscard]] const ImageView& level(int i) const { return views_[static_cast<std::size_t>(i)]; }
+  // The same level for a search: smoothed where it is noisy, which is found out when it is asked
+  // for first.
+  [[nodiscard]] const ImageView& calm_level(int i);
 
   // From the pixels of a level to those of the image.
   [[nodiscard]] static float to_image(float u, int level) noexcept {
@@ -34,7 +37,10 @@ class Pyramid {
  private:
   int count_ = 0;
   ImageView views_[kMaxLevels];
+  ImageView calm_[kMaxLevels];                    // without data where nobody has asked yet
   std::vector<std::uint8_t> pixels_[kMaxLevels];  // of levels 1 and up
+  std::vector<std::uint8_t> calm_pixels_[kMaxLevels];
+  std::vector<std::uint16_t> sums_;
   GrayImage own_;  // level 0 of an image whose pixels do not lie side by side
 };
 

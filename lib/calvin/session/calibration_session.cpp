@@ -95,7 +95,8 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   times_ = times;
   View view = {observation, *board};
   if (plan_.settings.runs < 2) view.observation.patches.reset();
-  const Reason reason = views_.offer(view, worth(view));
+  const Status fine = check(view, observation.image_size);
+  const Reason reason = views_.offer(view, fine ? worth(view) : ViewWorth{});
   if (reason == Reason::kAccepted) {
     if (const auto gone = views_.replaced()) {
       taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(*gone));
@@ -107,15 +108,12 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
     offered.reached = consider();
   }
   offered.reason = reason;
-  if (board_ == *board) guide_from(view);
+  if (board_ == *board && fine) guide_from(view);
   if (new_board || reason == Reason::kAccepted) renew_hint();
   if (place >= last_reasons_.size()) last_reasons_.resize(place + 1, Reason::kAccepted);
   const bool new_reason = std::exchange(last_reasons_[place], reason) != reason;
   offered.report = reason == Reason::kAccepted || new_reason;
-  if (reason == Reason::kWrongBoard && offered.report) {
-    const Status fine = check(view, observation.image_size);
-    if (!fine && first_complaint()) offered.complaint = fine.error();
-  }
+  if (offered.report && !fine && first_complaint()) offered.complaint = fine.error();
   offered.camera = camera_name();
   offered.progress = progress();
   return offered;

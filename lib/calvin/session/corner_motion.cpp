@@ -7,22 +7,47 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <ranges>
 
 #include <Eigen/QR>
 
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/solve/view.hpp"
 
 namespace calvin {
 
 namespace {
 
-constexpr double kMostSigma = 1e6;  // px; above it counts as not known, as in solve()
+// Where an observation has a corner. Boards may have tens of thousands of them.
+class CornerPlaces {
+ public:
+  explicit CornerPlaces(const Observation& seen) : ids_(seen.ids) {
+    if (std::is_sorted(ids_.begin(), ids_.end())) return;
+    order_.resize(ids_.size());
+    std::iota(order_.begin(), order_.end(), 0U);
+    std::sort(order_.begin(), order_.end(),
+              [this](std::size_t a, std::size_t b) { return ids_[a] < ids_[b]; });
+  }
 
-std::optional<std::size_t> find(const Observation& in, int id) {
-  const auto it = std::find(in.ids.begin(), in.ids.end(), id);
-  if (it == in.ids.end()) return std::nullopt;
-  return static_cast<std::size_t>(it - in.ids.begin());
-}
+  // Ids are asked for one after the other: the next one is mostly where the last one was left.
+  std::optional<std::size_t> of(int id) {
+    if (next_ < ids_.size() && ids_[place(next_)] == id) return place(next_++);
+    const auto at = std::ranges::lower_bound(std::views::iota(std::size_t{0}, ids_.size()), id, {},
+                                             [this](std::size_t i) { return ids_[place(i)]; });
+    const std::size_t i = *at;
+    if (i >= ids_.size() || ids_[place(i)] != id) return std::nullopt;
+    next_ = i + 1;
+    return place(i);
+  }
+
+ private:
+  [[nodiscard]] std::size_t place(std::size_t i) const { return order_.empty() ? i : order_[i]; }
+
+  const std::vector<int>& ids_;
+  std::vector<std::size_t> order_;  // of rising ids; empty where they rise by themselves
+  std::size_t next_ = 0;
+};
 
 // A corner of the newest frame, and its steps to the two frames before, px/s.
 struct Steps {
@@ -38,9 +63,13 @@ Pixel speed(Pixel from, Pixel to, double seconds) {
 std::vector<Steps> steps_of(const Observation& earlier, const Observation& before,
                             const Observation& now, double first, double last) {
   std::vector<Steps> steps;
-  for (std::size_t i = 0; i < now.ids.size(); ++i) {
-    const auto b = find(before, now.ids[i]);
-    const auto a = find(earlier, now.ids[i]);
+  constexpr std::size_t kEnough = 500;  // corners for a smooth field
+  const std::size_t every = std::max<std::size_t>(1, now.ids.size() / kEnough);
+  CornerPlaces places(before);
+  CornerPlaces earlier_places(earlier);
+  for (std::size_t i = 0; i < now.ids.size(); i += every) {
+    const auto b = places.of(now.ids[i]);
+    const auto a = earlier_places.of(now.ids[i]);
     if (!a || !b) continue;
     steps.push_back({now.uv[i], speed(before.uv[*b], now.uv[i], last),
                      speed(earlier.uv[*a], before.uv[*b], first)});
@@ -92,10 +121,11 @@ CornerMotion corner_motion(const Observation& from, const Observation& to) {
   Pixel mean;
   double squares = 0;
   const auto variance = [](const Observation& o, std::size_t i) {
-    return i < o.sigma.size() && o.sigma[i] <= kMostSigma ? 2 * o.sigma[i] * o.sigma[i] : 0;
+    return i < o.sigma.size() && is_known_sigma(o.sigma[i]) ? 2 * o.sigma[i] * o.sigma[i] : 0;
   };
+  CornerPlaces places(from);
   for (std::size_t i = 0; i < to.ids.size(); ++i) {
-    const auto before = find(from, to.ids[i]);
+    const auto before = places.of(to.ids[i]);
     if (!before) continue;
     const Pixel& old = from.uv[*before];
     moves.push_back({to.uv[i].u - old.u, to.uv[i].v - old.v});

@@ -189,6 +189,7 @@ View Session::moving(View view, const CornerVelocities& velocities) const {
   Observation& seen = view.observation;
   seen.velocity = velocities.of;
   for (std::size_t i = 0; i < seen.sigma.size() && i < seen.uv.size(); ++i) {
+    if (!is_known_sigma(seen.sigma[i])) continue;
     seen.sigma[i] =
         std::hypot(seen.sigma[i], calvin::left_of_motion(velocities.sigma, longest_readout(),
                                                          seen.uv[i].v, seen.image_size.height));
@@ -251,19 +252,24 @@ bool Session::full() const noexcept {
   return options_.max_views > 0 && views_.size() >= static_cast<std::size_t>(options_.max_views);
 }
 
-std::size_t Session::most_views() const noexcept {
-  constexpr int kMostOfAll = 1000;  // where every view of a recording is one
-  constexpr int kMostChosen = 300;  // of those that were new when they came
+std::size_t Session::most_views(const View& like) const noexcept {
+  constexpr int kMostOfAll = 1000;                 // where every view of a recording is one
+  constexpr int kMostChosen = 300;                 // of those that were new when they came
+  constexpr std::size_t kMostCorners = 1'000'000;  // of large boards fewer
+  constexpr std::size_t kEnough = 50;
   if (options_.mode == CaptureMode::kManual) return std::numeric_limits<std::size_t>::max();
   const int most = options_.mode == CaptureMode::kAll ? kMostOfAll : kMostChosen;
-  return static_cast<std::size_t>(std::max({most, options_.min_views, options_.max_views}));
+  const std::size_t held =
+      std::max(kEnough, kMostCorners / std::max<std::size_t>(1, like.observation.ids.size()));
+  return std::max(std::min(static_cast<std::size_t>(most), held),
+                  static_cast<std::size_t>(std::max(options_.min_views, options_.max_views)));
 }
 
 Reason Session::keep(View view) {
   const auto kept = std::make_shared<const View>(std::move(view));
   replaced_.reset();
   spacing_.add(kept);
-  if (views_.size() >= most_views()) {
+  if (views_.size() >= most_views(*kept)) {
     const std::size_t crowded = spacing_.most_crowded(asked_ ? views_.size() : views_.size() + 1);
     spacing_.remove(crowded);
     if (crowded == views_.size()) return Reason::kTooSimilar;

@@ -119,7 +119,7 @@ class Session {
   [[nodiscard]] bool is_new(const View& view) const;
   [[nodiscard]] bool full() const noexcept;
   // Beyond so many views each new one takes the place of another. A stream may go on for ever.
-  [[nodiscard]] std::size_t most_views() const noexcept;
+  [[nodiscard]] std::size_t most_views(const View& like) const noexcept;
   // Notes that another frame begins where it does, and forgets what is older than the one before.
   void begin_frame(const Observation& seen);
   [[nodiscard]] std::optional<Sighting> take_previous(const Observation& now);

@@ -65,7 +65,10 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
 }
 
 void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<const ViewGuide> guide) {
-  if (!is_current(job.origin)) return;
+  // Since the search began the user may have asked for another mode, or shown another board.
+  const bool wanted = views_.options().mode == CaptureMode::kAuto && !finished_ &&
+                      (!board_ || board_ == job.next_board);
+  if (!is_current(job.origin) || !wanted) return;
   guide_ = std::move(guide);
   share_ = 0;
   capture_.restart(times_.timestamp);

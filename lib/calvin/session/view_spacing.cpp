@@ -7,11 +7,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <utility>
 
 #include "calvin/session/corner_motion.hpp"
 
 namespace calvin {
+
+namespace {
+
+Pixel center_of(const Observation& seen) {
+  Pixel center;
+  for (const Pixel& at : seen.uv) {
+    center.u += at.u / static_cast<double>(seen.uv.size());
+    center.v += at.v / static_cast<double>(seen.uv.size());
+  }
+  return center;
+}
+
+double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
+
+}  // namespace
 
 double view_distance(const View& a, const View& b) {
   const Observation& from = a.observation;
@@ -28,13 +44,13 @@ double view_distance(const View& a, const View& b) {
   }
   const CornerMotion moved = corner_motion(from, to);
   const bool alike = 2 * moved.shared >= std::max(from.ids.size(), to.ids.size());
-  return alike ? moved.all : HUGE_VAL;
+  return alike ? std::max(moved.all, distance(center_of(from), center_of(to))) : HUGE_VAL;
 }
 
 double ViewSpacing::distance_below(double relevant, const Spaced& a, const Spaced& b) {
   // Each new view makes a thousand pairs: the corners of few of them need to be looked at.
-  const double centers = std::hypot(a.center.u - b.center.u, a.center.v - b.center.v);
-  if (a.whole && b.whole && centers >= relevant) return centers;
+  const double centers = calvin::distance(a.center, b.center);
+  if (centers >= relevant) return centers;
   return view_distance(*a.view, *b.view);
 }
 
@@ -51,16 +67,12 @@ void ViewSpacing::find_nearest(Spaced& of) const {
 }
 
 void ViewSpacing::add(const std::shared_ptr<const View>& view) {
-  const Observation& seen = view->observation;
   Spaced added;
   added.view = view;
   added.distance = HUGE_VAL;
-  added.whole = seen.ids.size() == static_cast<std::size_t>(view->board.point_count());
-  for (const Pixel& at : seen.uv) {
-    added.center.u += at.u / static_cast<double>(seen.uv.size());
-    added.center.v += at.v / static_cast<double>(seen.uv.size());
-  }
-  for (Spaced& other : views_) {
+  added.center = center_of(view->observation);
+  // The last frames are mostly the nearest, after which the others need no second look.
+  for (Spaced& other : std::views::reverse(views_)) {
     const double distance = distance_below(std::max(other.distance, added.distance), other, added);
     if (other.nearest == nullptr || distance < other.distance) {
       other.nearest = added.view.get();

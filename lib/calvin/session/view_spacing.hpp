@@ -32,7 +32,6 @@ class ViewSpacing {
     std::shared_ptr<const View> view;
     const View* nearest = nullptr;
     double distance = 0;  // px, to the nearest
-    bool whole = false;   // no corner of the board is missing
     Pixel center;         // of the corners
   };
 
@@ -43,8 +42,8 @@ class ViewSpacing {
   std::vector<Spaced> views_;
 };
 
-// RMS distance of the corners that two views of a board share, px; infinite where they share less
-// than half of those of either.
+// RMS distance of the corners that two views of a board share, px, or that of the centres of what
+// they show, if that is more; infinite where they share less than half of those of either.
 [[nodiscard]] double view_distance(const View& a, const View& b);
 
 }  // namespace calvin

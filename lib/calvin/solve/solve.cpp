@@ -16,8 +16,8 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
-#include "calvin/solve/judge/auto_model.hpp"
-#include "calvin/solve/judge/simpler_model.hpp"
+#include "calvin/solve/auto_model.hpp"
+#include "calvin/solve/simpler_model.hpp"
 #include "calvin/solve/judge/solve_points.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"

@@ -21,6 +21,13 @@ struct View {
   Board board;
 };
 
+// Whether the sigma of a corner, px, is believed. Beyond these limits no camera sees and no corner
+// is worth anything: such sigmas are mistakes, whose squares have no place among numbers of double
+// precision either.
+[[nodiscard]] constexpr bool is_known_sigma(double sigma) noexcept {
+  return sigma >= 1e-6 && sigma <= 1e6;
+}
+
 // kInvalidArgument for a size of less than 1 or more than 65536 px.
 [[nodiscard]] CALVIN_API Status check_image_size(ImageSize size);
 

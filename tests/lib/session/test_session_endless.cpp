@@ -6,6 +6,7 @@
 #include <chrono>
 #include <fstream>
 #include <iostream>
+#include <numeric>
 #include <set>
 #include <string>
 #include <vector>
@@ -127,6 +128,31 @@ TEST(ManyViews, ThatWereAskedForAllStay) {
   EXPECT_EQ(session.views().size(), 1200U);
 }
 
+// A board of 40,000 corners whose ids come in any order: corners are looked up, not searched for,
+// and fewer views are kept. A search takes minutes.
+TEST(LargeBoards, AreHeldAgainstEachOtherQuickly) {
+  constexpr int kSide = 200;
+  Session session({CaptureMode::kAll, 3});
+  Random random(4);
+  std::vector<int> ids(kSide * kSide);
+  std::iota(ids.begin(), ids.end(), 0);
+  const Board board = parse_board("checkerboard:200x200:2mm").value();
+  for (int n = 0; n < 60; ++n) {
+    std::shuffle(ids.begin(), ids.end(), random);
+    View view;
+    view.board = board;
+    view.observation.board = board.text();
+    view.observation.image_size = scenes::kSize;
+    view.observation.timestamp = static_cast<std::uint64_t>(n) * 33'333'333;
+    view.observation.ids.assign(ids.begin(), ids.end() - n);
+    for (const int id : view.observation.ids) {
+      view.observation.uv.push_back({100.0 + 4 * (id % kSide) + n, 100.0 + 4 * (id / kSide)});
+    }
+    EXPECT_EQ(session.offer(view) == Reason::kAccepted || n >= 50, true);
+  }
+  EXPECT_EQ(session.views().size(), 50U);
+}
+
 // ---- Distances ----------------------------------------------------------------------------------
 
 View at(Pixel place, std::size_t corners = 54) {
@@ -144,7 +170,8 @@ View at(Pixel place, std::size_t corners = 54) {
 
 TEST(ViewDistances, AreThoseOfTheCornersShared) {
   EXPECT_DOUBLE_EQ(view_distance(at({100, 100}), at({103, 104})), 5);
-  EXPECT_NEAR(view_distance(at({100, 100}), at({103, 104}, 40)), 5, 1e-9);
+  EXPECT_NEAR(view_distance(at({100, 100}), at({103, 204}, 45)), std::hypot(3, 104), 1e-9);
+  EXPECT_NEAR(view_distance(at({100, 100}), at({100, 100}, 45)), 10, 1e-9) << "other parts";
   EXPECT_EQ(view_distance(at({100, 100}), at({100, 100}, 20)), HUGE_VAL) << "too few are shared";
   View other = at({100, 100});
   other.observation.board = "checkerboard:9x6:30mm";

@@ -69,6 +69,37 @@ TEST_F(GuidedSessions, LeaveOutAViewThatTellsLittle) {
   EXPECT_EQ(hold(turned).reason, Reason::kAccepted);
 }
 
+// What no board shows is refused with a word, guided or not.
+TEST_F(GuidedSessions, RefuseCornersThatNoBoardHas) {
+  begin_guided();
+  Observation strange = at(target_);
+  strange.ids.front() = 1'000'000;
+  const Offered offered = session_.offer(strange, times(frame_++));
+  EXPECT_EQ(offered.reason, Reason::kWrongBoard);
+  EXPECT_TRUE(offered.complaint.has_value());
+  Observation cut = at(target_);
+  cut.uv.resize(20);
+  EXPECT_EQ(session_.offer(cut, times(frame_++)).reason, Reason::kWrongBoard);
+  EXPECT_EQ(hold(target_).reason, Reason::kAccepted);
+}
+
+// A guide that comes when nobody is to be guided any more shows no ghost.
+TEST_F(GuidedSessions, AreLeftByAGuideThatComesTooLate) {
+  begin_guided();
+  ASSERT_EQ(hold(target_).reason, Reason::kAccepted);
+  const auto job = session_.take_solve();
+  ASSERT_TRUE(job.has_value());
+  const Solution solution = found(*job, 0.5);
+  ASSERT_TRUE(session_.solved(*job, solution).has_value());
+  const auto guide = guide_job(*job, solution);
+  ASSERT_TRUE(guide != nullptr);
+  SessionSettings every = settings_;
+  every.capture_mode = CaptureChoice::kAll;
+  set(every);
+  session_.guided(*job, guide);
+  EXPECT_TRUE(session_.progress().ghost.empty());
+}
+
 TEST_F(GuidedSessions, AskForSomethingElseAfterTenSeconds) {
   begin_guided();
   ASSERT_EQ(hold(target_).reason, Reason::kAccepted);

@@ -132,6 +132,27 @@ TEST(Recordings, OfAMovingBoardAreCalibratedFrom) {
   EXPECT_GE(all.readout, 0.95 * all.films - 1);
 }
 
+// A corner of which nobody knows how exact it is stays such a corner where the board moves.
+TEST(UnknownSigmas, StayUnknown) {
+  const Film film = {MotionKind::kHand, 0.02, 2, 0.05, CaptureMode::kAll};
+  scenes::Random random(1);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const Motion motion(film.motion, camera, scenes::kBoard, 1);
+  Session session({film.mode});
+  bool moves = false;
+  for (int i = 0; i < film.seconds * kFrames; ++i) {
+    Observation seen = frame(film, camera, motion, i / kFrames, random);
+    if (!seen.found()) continue;
+    seen.sigma.assign(seen.uv.size(), 0);
+    session.offer({seen, scenes::kBoard});
+  }
+  for (const auto& view : session.views()) {
+    moves |= !view->observation.velocity.empty();
+    for (const double sigma : view->observation.sigma) ASSERT_EQ(sigma, 0);
+  }
+  EXPECT_TRUE(moves);
+}
+
 // What a user knows is not estimated.
 TEST(KnownReadouts, AreTaken) {
   const Outcome outcome = calibrate({MotionKind::kHand, 0.02}, 3, 0.02);

@@ -11,6 +11,8 @@
 #include <optional>
 #include <vector>
 
+#include "calvin/detect/checkerboard/corners/grey_at.hpp"
+
 namespace calvin::detect {
 
 namespace {
@@ -36,19 +38,7 @@ struct Point {
   float y = 0;
 };
 
-std::optional<float> grey(const ImageView& image, Point p) {
-  if (!(p.x >= 0 && p.y >= 0 && p.x <= static_cast<float>(image.width - 1) &&
-        p.y <= static_cast<float>(image.height - 1))) {
-    return std::nullopt;
-  }
-  const int x = std::min(static_cast<int>(p.x), image.width - 2);
-  const int y = std::min(static_cast<int>(p.y), image.height - 2);
-  const float fx = p.x - static_cast<float>(x);
-  const float fy = p.y - static_cast<float>(y);
-  const auto at = [&](int dx, int dy) { return static_cast<float>(image.at(x + dx, y + dy)); };
-  return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) +
-         fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
-}
+std::optional<float> grey(const ImageView& image, Point p) { return grey_at(image, p.x, p.y); }
 
 // The place of the next node outwards of a line, extrapolated from its last two nodes, or from
 // three where they are there.
@@ -363,7 +353,7 @@ bool continues_beyond(const ImageView& image, const Lattice& lattice, Cell first
     const bool turns = (*inner > 0) != (*outer > 0);
     exchanged += turns && std::abs(*outer) > kContrast * node.contrast ? 1 : 0;
   }
-  return seen >= kFewest && 2 * exchanged > seen;
+  return seen >= kFewest && 4 * exchanged > 3 * seen;
 }
 
 }  // namespace calvin::detect

@@ -116,6 +116,7 @@ bool inside(const ImageView& image, const Expected& at) {
 
 // A node at an expected place where nothing can be seen at this level, copied from a neighbour.
 bool guess_at(const Lattice& lattice, Cell cell, const Expected& expected, Node& node) {
+  if (lattice.was_refused(cell, expected)) return false;
   for (const Cell step : kAround) {
     if (!lattice.has(cell + step) || lattice.at(cell + step).guessed) continue;
     node = lattice.at(cell + step);

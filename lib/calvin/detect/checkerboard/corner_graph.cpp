@@ -21,6 +21,14 @@ int pixel(const ImageView& image, float x, float y) {
   return image.at(u, v);
 }
 
+// Whether both edges of a corner run as those of its neighbour, with exchanged colours. Among small
+// squares a ring may see four that are none: all that is reached through it would be turned.
+bool are_parallel(const Corner& a, const Corner& b) {
+  constexpr float kTurn = 0.5F;  // sine of the angle between them
+  return std::abs(cross(a.rising, b.falling)) < kTurn &&
+         std::abs(cross(a.falling, b.rising)) < kTurn;
+}
+
 // Whether one edge joins two corners, bright on the same side all the way: on a floor of tiles, or
 // in a fabric, a corner three squares further on has the right colours too. `way` as in kWays.
 bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std::size_t way) {
@@ -82,8 +90,9 @@ void CornerGraph::build(const ImageView& image, std::span<const Corner> corners,
       const auto& back = nearest_[static_cast<std::size_t>(other)];
       const auto way =
           static_cast<std::size_t>(std::find(back.begin(), back.end(), self) - back.begin());
+      const Corner& to = corners[static_cast<std::size_t>(other)];
       if (way == back.size() || skips(corners, self, other) || skips(corners, other, self) ||
-          !is_joined(image, corners[i], corners[static_cast<std::size_t>(other)], w)) {
+          !are_parallel(corners[i], to) || !is_joined(image, corners[i], to, w)) {
         continue;
       }
       links_[i][w] = other;

@@ -40,7 +40,8 @@ Lattice::Lattice(int reach)
 void Lattice::clear() {
   for (int row = touched_.first.row; row <= touched_.last.row; ++row) {
     for (int col = touched_.first.col; col <= touched_.last.col; ++col) {
-      nodes_[index({col, row})].used = false;
+      Node& node = nodes_[index({col, row})];
+      node.used = node.refused = false;
     }
   }
   touched_ = {};
@@ -52,6 +53,7 @@ void Lattice::put(Cell c, const Node& node) {
   count_ += to.used ? 0 : 1;
   to = node;
   to.used = true;
+  to.refused = false;
   if (touched_.cols() <= 0) {
     touched_ = {c, c};
   } else {
@@ -64,6 +66,17 @@ void Lattice::remove(Cell c) {
   Node& node = nodes_[index(c)];
   count_ -= node.used ? 1 : 0;
   node.used = false;
+}
+
+void Lattice::refuse(Cell c) {
+  remove(c);
+  nodes_[index(c)].refused = true;
+}
+
+bool Lattice::was_refused(Cell c, const Expected& at) const {
+  constexpr float kSamePlace = 0.1F;  // of the spacing
+  const Node& node = nodes_[index(c)];
+  return node.refused && std::hypot(node.x - at.x, node.y - at.y) < kSamePlace * at.spacing;
 }
 
 CellRange Lattice::extent() const {

@@ -26,6 +26,7 @@ struct Node {
   float misfit = 0;    // of the last prune(), in parts of the spacing
   bool used = false;
   bool guessed = false;  // lies where its neighbours let it expect, and was not looked at yet
+  bool refused = false;  // was looked at and is no corner, see Lattice::refuse()
 };
 
 struct Cell {
@@ -83,6 +84,10 @@ class Lattice {
   [[nodiscard]] Node& at(Cell c) { return nodes_[index(c)]; }
   void put(Cell c, const Node& node);
   void remove(Cell c);
+  // Removes a node and remembers that there is no corner where it lay.
+  void refuse(Cell c);
+  // Whether a node was refused about where another one is expected in its cell.
+  [[nodiscard]] bool was_refused(Cell c, const Expected& at) const;
   [[nodiscard]] int count() const { return count_; }
   [[nodiscard]] CellRange extent() const;  // of the nodes that are there
 

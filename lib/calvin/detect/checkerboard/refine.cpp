@@ -10,162 +10,66 @@
 #include <limits>
 
 #include "calvin/detect/checkerboard/corners/fit_radius.hpp"
+#include "calvin/detect/checkerboard/node_fit.hpp"
 
 namespace calvin::detect {
 
 namespace {
 
-constexpr float kFirstRadius = 8;     // px, of the first fit
-constexpr float kCloseRadius = 4.5F;  // px, of a fit with something else near it
-constexpr float kSmaller = 0.75F;  // ratio of a window to the one before, which had something in it
+constexpr float kFirstRadius = 8;  // px, of the first fit
 constexpr float kPrune = 0.3F;     // of the spacing
 constexpr int kFewestNodes = 4;
-constexpr float kRoughly = 0.1F;         // px, last step of a fit that a better one follows
 constexpr float kLevelRadius = 5;        // px, in a smaller level
 constexpr float kLeastContrast = 0.25F;  // of the median
 // A corner that a hand or a shadow covers in part is not symmetric, which shows as noise.
 constexpr float kNoisiest = 3;       // of the median
 constexpr float kNoisy = 1.5F;       // of the median: something else is in the window
 constexpr float kMostNoise = 0.15F;  // of the contrast
-// The noise is told by the pixels of the rim too, which have no weight in the fit: where the next
-// edge lies just beyond the window, as of squares that were cut off, it is large and the residual
-// is not.
-constexpr float kFitsWell = 0.08F;  // of the contrast
 // A fit this much less certain than the others has something else in its window.
 constexpr float kUncertain = 20;             // of the median sigma
 constexpr float kUncertainInNoise = 6;       // likewise, beside a fixed part
 constexpr float kUncertainInNoisePx = 0.3F;  // px
-constexpr float kOfNoise = 1.4F;             // of the noise: a larger residual has another reason
 constexpr float kMostResidual = 0.9F;        // of the contrast
 constexpr float kLargestWidth = 8;           // px, of an edge
 constexpr float kLargestMove = 0.35F;        // of the spacing, between levels
 constexpr float kLargestError = 0.2F;        // of the spacing, from where neighbours predict it
 
-// The distance from a node to the nearest of the next grid lines, px.
-float spacing_at(const Lattice& lattice, Cell c) {
-  const Node& node = lattice.at(c);
-  float least = 1e6F;
-  for (const Cell step : kAround) {
-    if (!lattice.has(c + step)) continue;
-    const Node& next = lattice.at(c + step);
-    // The distance from the edge that crosses the way to the next node.
-    const Direction edge = step.row == 0 ? node.down : node.along;
-    least = std::min(least, std::abs(cross(edge, {next.x - node.x, next.y - node.y})));
-  }
-  return least;
-}
-
-SaddleFit fit_of(const Node& node) {
-  SaddleFit fit;
-  fit.x = static_cast<double>(node.x);
-  fit.y = static_cast<double>(node.y);
-  fit.along = node.along;
-  fit.down = node.down;
-  fit.along_width = fit.down_width = node.width;
-  return fit;
-}
-
-// Whether something else than a corner is in the window of a fit. `most`: noise, of the contrast.
-bool is_noisy(const SaddleFit& fit, float most) {
-  return !(fit.noise <= most * fit.swing()) &&
-         !(std::isfinite(fit.noise) && fit.residual <= kFitsWell * fit.swing());
-}
-
-bool colours_fit(const SaddleFit& fit, Cell c) { return (fit.contrast > 0) == Lattice::is_even(c); }
-
-void take(const SaddleFit& fit, Node& node) {
-  node.x = static_cast<float>(fit.x);
-  node.y = static_cast<float>(fit.y);
-  node.along = fit.along;
-  node.down = fit.down;
-  node.contrast = 2 * fit.swing();
-  node.width = std::max(fit.along_width, fit.down_width);
-  node.sigma = fit.sigma;
-}
-
-float distance(const SaddleFit& fit, const Node& node) {
-  return std::hypot(static_cast<float>(fit.x) - node.x, static_cast<float>(fit.y) - node.y);
-}
-
-// Fits once more with squares that light or ink has parted; keeps the better fit.
-void fit_parted(const ImageView& image, float radius, int steps, SaddleFit& fit) {
-  constexpr float kOfSwing = 0.06F;  // the residual that no noise explains
-  constexpr float kPartedWidth = 2;  // px, from which the steps find the gap
-  if (fit.has_gain || fit.residual < kOfSwing * fit.swing()) return;
-  // From the beginning: what was fitted without it may be a far too wide edge.
-  SaddleFit parted = fit;
-  parted.contrast = 0;
-  parted.along_width = parted.down_width = kPartedWidth;
-  parted.has_gain = true;
-  if (fit_saddle(image, radius, 2 * steps, parted, kRoughly) && parted.residual < fit.residual &&
-      parted.noise < kOfNoise * fit.noise) {
-    fit = parted;
-  }
-}
-
-// Whether all four squares of a corner are in view, as far from it as the border of the image lets
-// one look. A fit whose window is cut off there takes three of them for four.
-bool shows_four_squares(const ImageView& image, const SaddleFit& fit, float spacing) {
-  constexpr float kLeastSight = 2.5F;  // px
-  constexpr float kFarthest = 0.35F;   // of the spacing
-  constexpr float kClearly = 0.4F;     // of the contrast
-  const auto u = static_cast<float>(fit.x);
-  const auto v = static_cast<float>(fit.y);
-  const float border = std::min(std::min(u, v), std::min(static_cast<float>(image.width - 1) - u,
-                                                         static_cast<float>(image.height - 1) - v));
-  const float sight = std::min(border, kFarthest * spacing);
-  if (sight < kLeastSight) return false;
-  for (const float a : {-1.0F, 1.0F}) {
-    for (const float b : {-1.0F, 1.0F}) {
-      Direction way = {a * fit.along.x + b * fit.down.x, a * fit.along.y + b * fit.down.y};
-      const float length = std::hypot(way.x, way.y);
-      const int x = static_cast<int>(std::lround(u + sight * way.x / length));
-      const int y = static_cast<int>(std::lround(v + sight * way.y / length));
-      if (x < 0 || y < 0 || x >= image.width || y >= image.height) return false;
-      const float grey = static_cast<float>(image.at(x, y)) - fit.middle();
-      if (a * b * grey * (fit.contrast > 0 ? 1.0F : -1.0F) < kClearly * fit.swing()) return false;
+// How the rows and columns run at a node, by a plane through the nodes around it.
+void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected) {
+  float n = 0, col = 0, row = 0, cols = 0, rows = 0, both = 0;
+  Direction place, by_col, by_row;
+  place = by_col = by_row = {0, 0};
+  for (int dr = -1; dr <= 1; ++dr) {
+    for (int dc = -1; dc <= 1; ++dc) {
+      if (!lattice.has(c + Cell{dc, dr})) continue;
+      const Node& node = lattice.at(c + Cell{dc, dr});
+      const auto u = static_cast<float>(dc);
+      const auto v = static_cast<float>(dr);
+      const Direction p = {node.x - lattice.at(c).x, node.y - lattice.at(c).y};
+      n += 1;
+      col += u;
+      row += v;
+      cols += u * u;
+      rows += v * v;
+      both += u * v;
+      place = {place.x + p.x, place.y + p.y};
+      by_col = {by_col.x + u * p.x, by_col.y + u * p.y};
+      by_row = {by_row.x + v * p.x, by_row.y + v * p.y};
     }
   }
-  return true;
-}
-
-// Whether the ring around a fit that is too noisy for a corner says that it is one all the same.
-bool has_ring(const ImageView& image, const SaddleFit& fit) {
-  constexpr float kAsymmetry = 0.8F;
-  const int x = static_cast<int>(std::lround(fit.x));
-  const int y = static_cast<int>(std::lround(fit.y));
-  const bool has_room = x >= kRingReach && y >= kRingReach && x < image.width - kRingReach &&
-                        y < image.height - kRingReach;
-  Corner corner;
-  return !has_room || check_ring(image, x, y, RingSize::kLarge, kAsymmetry, corner);
-}
-
-// Whether there is a corner where a node was guessed, by a fit that knows its edges.
-bool confirm_guess(const ImageView& image, const Lattice& lattice, Cell c, Node& node) {
-  constexpr float kContrast = 0.35F;  // of a neighbour's
-  constexpr float kResidual = 0.35F;  // of the contrast
-  constexpr float kNoise = 0.1F;      // of the contrast: symmetric, whatever the ring says
-  const float spacing = spacing_at(lattice, c);
-  float radius = std::clamp(kShare * spacing, kLeastRadius, kLastRadius);
-  // A finger next to the corner is not in a smaller window.
-  for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= kSmaller) {
-    SaddleFit f = fit_of(node);
-    f.along_width = f.down_width = std::max(2.0F, node.width);
-    if (!fit_saddle(image, radius, 10, f)) return false;
-    if (f.residual > kOfNoise * f.noise) fit_parted(image, radius, 10, f);
-    if (!colours_fit(f, c) || 2 * f.swing() < kContrast * node.contrast ||
-        distance(f, node) > 0.3F * spacing) {
-      return false;
-    }
-    if (f.residual > kResidual * f.swing() || !shows_four_squares(image, f, spacing) ||
-        (f.noise > kNoise * f.swing() && !has_ring(image, f))) {
-      continue;
-    }
-    take(f, node);
-    node.guessed = false;
-    return true;
-  }
-  return false;
+  const float a = cols - col * col / n;
+  const float b = both - col * row / n;
+  const float d = rows - row * row / n;
+  const float determinant = a * d - b * b;
+  if (!(determinant > 0.1F)) return;
+  const Direction right = {by_col.x - col * place.x / n, by_col.y - col * place.y / n};
+  const Direction below = {by_row.x - row * place.x / n, by_row.y - row * place.y / n};
+  const auto unit = [](Direction w, Direction otherwise) {
+    const float length = std::hypot(w.x, w.y);
+    return length > 0 ? Direction{w.x / length, w.y / length} : otherwise;
+  };
+  expected.along = unit({d * right.x - b * below.x, d * right.y - b * below.y}, expected.along);
+  expected.down = unit({a * below.x - b * right.x, a * below.y - b * right.y}, expected.down);
 }
 
 }  // namespace
@@ -192,7 +96,8 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
     SaddleFit f = fit(c);
     const float radius = std::clamp(kShare * spacing, kLeastRadius, kLevelRadius);
     const bool good =
-        fit_saddle(pyramid.level(level), radius, 6, f, kRoughly) && colours_fit(f, c) &&
+        fit_saddle(pyramid.level(level), radius, 6, f, kRoughly, Pixels::kPoints) &&
+        colours_fit(f, c) &&
         std::hypot(f.x - fit(c).x, f.y - fit(c).y) < std::max(1.5F, kLargestMove * spacing);
     // A fit that runs away is dropped: the fit in the image will tell.
     if (good) fit(c) = f;
@@ -212,18 +117,13 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
   });
 }
 
-void Refinement::confirm_guesses(const ImageView& image, Lattice& lattice) {
-  lattice.for_each([&](Cell c, const Node& node) {
-    if (node.guessed && !confirm_guess(image, lattice, c, lattice.at(c))) lattice.remove(c);
-  });
-  lattice.prune(0.5F);
-}
+float Refinement::most_noise() const { return std::max(kNoisiest * usual_noise_, kMostNoise); }
 
 void Refinement::drop_misfits(Lattice& lattice) {
   const float least =
       kLeastContrast * fits_.median(lattice, [](const SaddleFit& f) { return f.swing(); });
   usual_noise_ = fits_.median(lattice, [](const SaddleFit& f) { return f.noise / f.swing(); });
-  const float most = std::max(kNoisiest * usual_noise_, kMostNoise);
+  const float most = most_noise();
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     const SaddleFit& f = fit(c);
     const float contrast = f.swing();
@@ -256,6 +156,10 @@ SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, 
   f.along_width = f.down_width = width;
   radius = std::clamp(kShare * spacing, kLeastRadius, radius);
   bool good = fit_saddle(image, radius, steps, f, kRoughly);
+  if (!good) {
+    f = parted_fit(fit_of(node));
+    good = fit_saddle(image, radius, 2 * steps, f, kRoughly);
+  }
   if (good && f.residual > kOfNoise * f.noise) fit_parted(image, radius, steps, f);
   good = good && colours_fit(f, c) && distance(f, node) < std::max(1.5F, kLargestMove * spacing);
   if (!good) f.noise = std::numeric_limits<float>::infinity();
@@ -310,18 +214,38 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   const SaddleFit& first = at(c);
   const float width = std::max(first.along_width, first.down_width);
   float radius = last_radius(spacing, width);
+  const float closest = closest_radius(spacing);
   SaddleFit best = first;
   best.noise = std::numeric_limits<float>::infinity();
-  for (bool again = false; !again || radius >= kCloseRadius; again = true, radius *= kSmaller) {
+  for (bool again = false; !again || radius >= closest; again = true, radius *= kSmaller) {
+    // So small a window tells little: it is for corners that would be lost.
+    if (again && radius < kCloseRadius && !is_noisy(best, most_noise())) break;
     SaddleFit f = first;
     if (!fit_saddle(image, radius, 8, f)) continue;
     // Squares that are parted sharply look like noise if the corner is not in a pixel's middle.
     if (f.noise > kNoisy * usual_noise_ * f.swing()) fit_parted(image, radius, 8, f);
     if (!colours_fit(f, c)) continue;
-    if (f.noise < best.noise) best = f;
+    // Of two that are corners the more certain one: a smaller window has to be worth its pixels.
+    if (is_noisy(best, most_noise()) ? f.noise < best.noise : f.sigma < best.sigma) best = f;
     if (f.noise <= kNoisy * usual_noise_ * f.swing()) break;
   }
   return best;
+}
+
+// The fit of a node that lies where its neighbours let it expect, one of which was fitted as
+// `near`.
+SaddleFit Refinement::lost_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                               const SaddleFit& near) {
+  if (!in_noise_) {
+    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, lattice.at(c).width, 8);
+    if (!std::isfinite(f.noise)) return f;
+    f.along_bend = near.along_bend;
+    f.down_bend = near.down_bend;
+    fit(c) = f;
+    return last_fit(image, lattice, c);
+  }
+  fit(c) = near;
+  return expected_fit(image, lattice, c);
 }
 
 void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
@@ -336,17 +260,9 @@ void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
     node.x = expected->x;
     node.y = expected->y;
     lattice.put(c, node);
-    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, node.width, 8);
-    if (std::isfinite(f.noise)) {
-      const SaddleFit& near = at(c + *step);
-      f.along_bend = near.along_bend;
-      f.down_bend = near.down_bend;
-      fit(c) = f;
-      f = last_fit(image, lattice, c);
-    }
+    const SaddleFit f = lost_fit(image, lattice, c, at(c + *step));
     const float contrast = f.swing();
-    const float most = std::max(kNoisiest * usual_noise_, kMostNoise);
-    if (!is_noisy(f, most) && contrast >= kLeastContrast * node.contrast / 2 &&
+    if (!is_noisy(f, most_noise()) && contrast >= kLeastContrast * node.contrast / 2 &&
         f.residual <= kMostResidual * contrast &&
         distance(f, node) < kLargestError * expected->spacing) {
       fit(c) = f;
@@ -357,7 +273,7 @@ void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
   }
   if (lattice.count() == before) return;
   drop_uncertain(lattice);
-  stray_corners_.remove_from(lattice);
+  stray_corners_.remove_from(lattice, slack(lattice));
 }
 
 template <typename F>
@@ -370,17 +286,82 @@ void Refinement::refit(Lattice& lattice, F fit_again) {
   lattice.for_each([&](Cell c, const Node& /*node*/) { take(fit(c), lattice.at(c)); });
 }
 
+// An edge that is w wide is off by w / .8 times the noise over its swing where that is alike all
+// along it; compression leaves it alike over some of it.
+Slack Refinement::slack(const Lattice& lattice) {
+  constexpr float kAlike = 0.4F / 0.798F;
+  const auto good = [&](Cell c) { return std::isfinite(at(c).noise); };
+  const auto place = [&](Cell c) {
+    const SaddleFit& f = at(c);
+    return f.noise / f.swing() * std::max(f.along_width, f.down_width) * kAlike;
+  };
+  return {fits_.median_where(lattice, good, place), fits_.median_where(lattice, good, [&](Cell c) {
+            return place(c) / spacing_at(lattice, c);
+          })};
+}
+
+// Whether the first fits tell little, or many of them have failed.
+bool Refinement::is_in_noise(const Lattice& lattice) {
+  constexpr float kNoisy = 0.008F;  // of the spacing
+  constexpr int kMostFailed = 8;    // one of so many
+  int failed = 0;
+  lattice.for_each([&](Cell c, const Node&) { failed += std::isfinite(at(c).noise) ? 0 : 1; });
+  return kMostFailed * failed > lattice.count() || slack(lattice).of_spacing > kNoisy;
+}
+
+// A fit to which the neighbours' places and the blur of the whole board tell how the edges run.
+SaddleFit Refinement::expected_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
+  const Node& node = lattice.at(c);
+  const float spacing = spacing_at(lattice, c);
+  SaddleFit f = fit_of(node);
+  f.along_bend = at(c).along_bend;
+  f.down_bend = at(c).down_bend;
+  f.slope = at(c).slope;
+  f.contrast_slope = at(c).contrast_slope;
+  f.has_expected = true;
+  f.expected = {node.along, node.down, usual_along_, usual_down_};
+  expect_directions(lattice, c, f.expected);
+  f.along = f.expected.along;
+  f.down = f.expected.down;
+  f.along_width = usual_along_;
+  f.down_width = usual_down_;
+  const float radius = last_radius(spacing, std::max(usual_along_, usual_down_));
+  const bool good = fit_saddle(image, radius, 10, f) && colours_fit(f, c) &&
+                    distance(f, node) < std::max(1.5F, kLargestMove * spacing);
+  if (!good) f.noise = std::numeric_limits<float>::infinity();
+  return f;
+}
+
+void Refinement::refine_in_noise(const ImageView& image, Lattice& lattice) {
+  const auto good = [&](Cell c) { return std::isfinite(at(c).noise); };
+  usual_along_ = fits_.median_where(lattice, good, [&](Cell c) { return at(c).along_width; });
+  usual_down_ = fits_.median_where(lattice, good, [&](Cell c) { return at(c).down_width; });
+  refit(lattice, [&](Cell c) { return expected_fit(image, lattice, c); });
+  lattice.prune(kPrune);
+  if (lattice.count() < kFewestNodes) return;
+  set_bends(lattice, fits_);
+  set_slopes(lattice, fits_);
+  refit(lattice, [&](Cell c) { return expected_fit(image, lattice, c); });
+}
+
 bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   const int before = lattice.count();
   begin(lattice);
-  refit(lattice, [&](Cell c) { return first_fit(image, lattice, c); });
-  lattice.prune(kPrune);
+  lattice.for_each([&](Cell c, const Node&) { fit(c) = first_fit(image, lattice, c); });
+  in_noise_ = is_in_noise(lattice);
+  if (in_noise_) {
+    refine_in_noise(image, lattice);
+  } else {
+    refit(lattice, [&](Cell c) { return at(c); });
+    lattice.prune(kPrune);
+    if (lattice.count() < kFewestNodes) return false;
+    set_bends(lattice, fits_);
+    set_slopes(lattice, fits_);
+    refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
+  }
   if (lattice.count() < kFewestNodes) return false;
-  set_bends(lattice, fits_);
-  set_slopes(lattice, fits_);
-  refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
   drop_uncertain(lattice);
-  stray_corners_.remove_from(lattice);
+  stray_corners_.remove_from(lattice, slack(lattice));
   if (lattice.count() < before) recover_lost(image, lattice);
   return 2 * lattice.count() >= before;
 }
@@ -396,7 +377,7 @@ bool Refinement::refine_again(const ImageView& image, const FitGrid& before, Lat
   usual_noise_ = fits_.median(lattice, [](const SaddleFit& f) { return f.noise / f.swing(); });
   refit(lattice, [&](Cell c) { return last_fit(image, lattice, c); });
   drop_uncertain(lattice);
-  stray_corners_.remove_from(lattice);
+  stray_corners_.remove_from(lattice, slack(lattice));
   if (lattice.count() < count) return false;
   // Bends and slopes for the next frame. The fits have used those of the frame before, and are
   // moved to where fits with their own bends would be.

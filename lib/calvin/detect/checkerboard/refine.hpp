@@ -23,9 +23,6 @@ class Refinement {
   // are fitted in the level first; guessed nodes are removed.
   void to_image(const Pyramid& pyramid, int level, Lattice& lattice, bool fitted);
 
-  // Removes the guessed nodes of a lattice that are no corners of the image.
-  void confirm_guesses(const ImageView& image, Lattice& lattice);
-
   // Whether the four outermost nodes of a whole board are corners of the image. Moves all other
   // nodes along with them.
   [[nodiscard]] bool confirm(const ImageView& image, Lattice& lattice) const;
@@ -53,17 +50,31 @@ class Refinement {
                                     float radius, float width, int steps) const;
   [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
+  [[nodiscard]] Slack slack(const Lattice& lattice);
+  // Whether first fits tell so little that what neighbours let expect has to help.
+  [[nodiscard]] bool is_in_noise(const Lattice& lattice);
+  // The last fits of a lattice in noise, from where its nodes were found.
+  void refine_in_noise(const ImageView& image, Lattice& lattice);
+  [[nodiscard]] SaddleFit expected_fit(const ImageView& image, const Lattice& lattice,
+                                       Cell c) const;
   // Fits all nodes by fit_again(cell), moves them there and removes nodes that fail the tests.
   template <typename F>
   void refit(Lattice& lattice, F fit_again);
+  // The most noise of a corner, of the contrast.
+  [[nodiscard]] float most_noise() const;
   void drop_misfits(Lattice& lattice);
   void drop_uncertain(Lattice& lattice);
+  [[nodiscard]] SaddleFit lost_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                   const SaddleFit& near);
   // Fits removed nodes once more where their neighbours predict them.
   void recover_lost(const ImageView& image, Lattice& lattice);
 
   FitGrid fits_;
   std::vector<Cell> cells_;  // of the nodes to begin with
   float usual_noise_ = 0;    // median of noise over contrast
+  bool in_noise_ = false;
+  float usual_along_ = 1;  // px, median width of the edges, in noise alone
+  float usual_down_ = 1;
   StrayCorners stray_corners_;
 };
 

@@ -16,7 +16,8 @@ constexpr std::size_t kFewest = 3;  // nodes of a difference
 constexpr std::size_t kMost = 5;
 constexpr int kLongest = 8;       // steps over gaps
 constexpr float kSigmas = 2;      // of the noise, which is in the median as well
-constexpr float kSlack = 0.01F;   // px, what a fit may be off by beside its noise
+constexpr float kSlack = 0.01F;   // px, what a fit may be off by at least beside its noise
+constexpr float kNoisy = 0.006F;  // of the spacing: of such slack five corners in a line make eight
 constexpr float kUnusual = 5;     // times the median
 constexpr int kFewForMedian = 6;  // differences of an order
 constexpr float kHigh = 2.5F;     // times the median, where that is high itself; up to
@@ -38,6 +39,28 @@ constexpr float kUncertain = 6;
 constexpr float kUncertainLeast = 0.06F;  // px
 constexpr float kUncertainError = 0.5F;   // px
 constexpr float kLeastPrecise = 0.35F;    // of the spacing, to which a place must be confirmed
+
+// Whether a node lies in line with the next two of its row and of its column, as well as their
+// noise lets one tell: where corners are noisy, differences of more of them tell less.
+bool is_in_line(const Lattice& lattice, Cell c) {
+  constexpr float kOff = 0.25F;         // of the spacing
+  constexpr float kOffInNoise = 0.45F;  // likewise
+  const auto is_straight = [&](Cell step) {
+    for (int first = -2; first <= 0; ++first) {
+      const Cell a = c + first * step;
+      if (!lattice.has(a) || !lattice.has(a + step) || !lattice.has(a + 2 * step)) continue;
+      const Node& from = lattice.at(a);
+      const Node& middle = lattice.at(a + step);
+      const Node& to = lattice.at(a + 2 * step);
+      const float spacing = 0.5F * std::hypot(to.x - from.x, to.y - from.y);
+      const float noise = std::hypot(from.sigma, 2 * middle.sigma, to.sigma);
+      const float off = std::hypot(from.x - 2 * middle.x + to.x, from.y - 2 * middle.y + to.y);
+      if (off < std::min(kOff * spacing + kSigmas * noise, kOffInNoise * spacing)) return true;
+    }
+    return false;
+  };
+  return is_straight({1, 0}) && is_straight({0, 1});
+}
 
 }  // namespace
 
@@ -61,7 +84,7 @@ void StrayCorners::add(const Lattice& lattice, Cell first, Cell step, std::span<
     const Node& node = lattice.at(d.cells[i]);
     d.x += weight * node.x;
     d.y += weight * node.y;
-    variance += weight * weight * (node.sigma * node.sigma + kSlack * kSlack);
+    variance += weight * weight * (node.sigma * node.sigma + slack_ * slack_);
   }
   const Node& from = lattice.at(d.cells[0]);
   const Node& to = lattice.at(d.cells[places.size() - 1]);
@@ -75,7 +98,7 @@ void StrayCorners::take_line(const Lattice& lattice, Cell first, Cell step, int 
   for (int i = 0; i < count; ++i) {
     if (lattice.has(first + i * step)) places_.push_back(i);
   }
-  const std::size_t nodes = std::min(places_.size(), kMost);
+  const std::size_t nodes = std::min(places_.size(), few_nodes_ ? kFewest : kMost);
   if (nodes < kFewest) return;
   for (std::size_t i = 0; i + nodes <= places_.size(); ++i) {
     add(lattice, first, step, std::span<const int>(places_).subspan(i, nodes));
@@ -153,7 +176,9 @@ void StrayCorners::collect_verdicts(const CellRange& extent) {
   }
 }
 
-void StrayCorners::remove_from(Lattice& lattice) {
+void StrayCorners::remove_from(Lattice& lattice, const Slack& slack) {
+  slack_ = std::max(slack.place, kSlack);
+  few_nodes_ = slack.of_spacing > kNoisy;
   sorted_.clear();
   lattice.for_each([&](Cell /*c*/, const Node& node) { sorted_.push_back(node.sigma); });
   if (sorted_.empty()) return;
@@ -171,7 +196,7 @@ void StrayCorners::remove_from(Lattice& lattice) {
     lattice.for_each([&](Cell c, const Node& node) {
       const Cell at = c - extent.first;
       const Verdict& v = verdicts_[static_cast<std::size_t>(at.row * extent.cols() + at.col)];
-      if (!v.confirmed) {
+      if (!v.confirmed && !is_in_line(lattice, c)) {
         lattice.remove(c);
         removed = true;
         return;

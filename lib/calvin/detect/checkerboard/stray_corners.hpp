@@ -14,13 +14,20 @@
 
 namespace calvin::detect {
 
+// How far a corner may be off by noise that is alike all over its window, which its sigma does not
+// tell: compression of the image does that.
+struct Slack {
+  float place = 0;       // px
+  float of_spacing = 0;  // the same in parts of the spacing
+};
+
 // Rows and columns of corners are smooth, whatever the lens: over five corners in a line the fourth
 // difference is a small share of the spacing, the same everywhere on a board. Keeps its memory.
 class StrayCorners {
  public:
   // Removes nodes of a fitted lattice, in px of the image: those that make the differences of their
   // lines too large, the one that explains most first, and those that no line confirms.
-  void remove_from(Lattice& lattice);
+  void remove_from(Lattice& lattice, const Slack& slack);
 
  private:
   // A difference of successive nodes of a line, of the order `count` - 1.
@@ -58,7 +65,9 @@ class StrayCorners {
   std::vector<Verdict> verdicts_;
   std::vector<int> places_;
   std::vector<float> sorted_;
-  float usual_sigma_ = 0;  // px, the median
+  float usual_sigma_ = 0;   // px, the median
+  float slack_ = 0;         // px
+  bool few_nodes_ = false;  // in a difference
 };
 
 }  // namespace calvin::detect

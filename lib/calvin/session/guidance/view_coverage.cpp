@@ -13,6 +13,7 @@
 #include "calvin/camera/image_transform.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/homography.hpp"
+#include "calvin/target/id_index.hpp"
 
 namespace calvin {
 
@@ -62,9 +63,11 @@ Result<BoardFootprint> footprint_of(const View& view) {
   const Observation& seen = view.observation;
   const auto points = view.board.points();
   std::vector<Pixel> xy;
+  const IdIndex board_ids(view.board);
   for (const int id : seen.ids) {
-    const Eigen::Vector3d& p = points[view.board.index_of(id).value()];
-    xy.push_back({p.x(), p.y()});
+    const auto index = board_ids.of(id);
+    if (!index) return make_error(ErrorCode::kInvalidArgument, "A corner is not on the board.");
+    xy.push_back({points[*index].x(), points[*index].y()});
   }
   const auto h = fit_homography(xy, seen.uv);
   if (!h) return tl::unexpected<Error>(h.error());

@@ -10,22 +10,18 @@
 #include <optional>
 
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/solve/view.hpp"
 #include "calvin/target/id_index.hpp"
 
 namespace calvin {
 
 namespace {
 
-// px. Beyond this no camera sees and no corner is worth anything: such sigmas are mistakes, whose
-// squares have no place among numbers of double precision either.
-constexpr double kLeastSigma = 1e-6;
-constexpr double kMostSigma = 1e6;
-
 // Absent where the detector says nothing of the corner, or nothing that can be.
 std::optional<double> weight_of(const Observation& observation, std::size_t i) {
   if (i >= observation.sigma.size()) return std::nullopt;
   const double sigma = observation.sigma[i];
-  if (!(sigma >= kLeastSigma && sigma <= kMostSigma)) return std::nullopt;
+  if (!is_known_sigma(sigma)) return std::nullopt;
   return 1 / sigma;
 }
 

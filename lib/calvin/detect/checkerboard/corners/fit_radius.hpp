@@ -8,7 +8,7 @@
 
 namespace calvin::detect {
 
-inline constexpr float kLeastRadius = 2.5F;  // px, of a fit's window
+inline constexpr float kLeastRadius = 2.8F;  // px, of a fit's window
 inline constexpr float kLastRadius = 14;     // px
 inline constexpr float kShare = 0.45F;       // of the spacing, of a window's radius
 

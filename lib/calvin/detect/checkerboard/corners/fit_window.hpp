@@ -21,7 +21,7 @@ struct Window {
   alignas(64) float x[kMostPixels + kBeyond];
   alignas(64) float y[kMostPixels + kBeyond];
   alignas(64) float grey[kMostPixels + kBeyond];
-  alignas(64) float error[kMostPixels + kBeyond];  // of the fit
+  alignas(64) float error[kMostPixels + kBeyond];  // of the fit, times the root of the weight
 };
 
 // Takes the pixels of an image (of step 1) in a disc around (x, y) that are within `band` px of one

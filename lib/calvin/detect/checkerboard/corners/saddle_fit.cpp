@@ -16,6 +16,7 @@ namespace calvin::detect {
 
 namespace {
 
+constexpr float kFewestPixels = 12;        // of a fit, by their weights
 constexpr float kLeastContrast = 3;        // grey levels
 constexpr float kLeastWidth = 0.2F;        // px
 constexpr float kLargestWidth = 8;         // px
@@ -66,15 +67,15 @@ float widened(float width, float step) {
 
 // The variance of the noise, from the differences between pixels on opposite sides of the corner: a
 // saddle looks the same turned by 180 degrees, whatever optics, ink or exposure did to it. `pixels`
-// is the sum of their weights; `count` is the number of pixels that are not cut off, which alone
-// have errors.
-float noise_variance(const Window& window, float square, float pixels, float count) {
+// is the sum of their weights: those on the rim, where the next edge may lie, count as little as in
+// the fit.
+float noise_variance(const Window& window, float square, float pixels) {
   constexpr int kOddUnknowns = 2;  // the place
   if (!window.whole) return square / std::max(pixels - static_cast<float>(kUnknowns), 1.0F);
   // A whole window lists its pixels in an order that is point-symmetric about its middle, which is
   // the corner to half a pixel.
   const float sum = odd_square(window);
-  return 0.5F * sum / std::max(0.5F * count - kOddUnknowns, 1.0F);
+  return 0.5F * sum / std::max(0.5F * pixels - kOddUnknowns, 1.0F);
 }
 
 // The factor L of A = L L^T, by columns; A is given by its upper triangle, row by row. Unknowns
@@ -158,11 +159,40 @@ struct StepSize {
   }
 };
 
+// By how much more the rounding of grey levels tells in a place than noise of its variance would.
+// Along an edge that is nearly a row, a column or a diagonal of pixels, grey changes by so little
+// that many pixels are rounded alike, unless noise of half a level mixes them. `variance` is that
+// of noise and rounding.
+float rounding_in_common(const SaddleFit& fit, float variance) {
+  constexpr float kMostNoise = 0.15F;  // grey levels^2: exp(-4 pi^2 kMostNoise) is .003
+  constexpr float kMixing = 39.478F;   // 4 pi^2
+  constexpr float kSteepest = 0.798F;  // the slope of an edge in its middle, swings per width
+  const float noise = std::max(variance - kRounding, 0.0F);
+  if (noise > kMostNoise) return 0;
+  float alike = 0;  // pixels, of both edges
+  for (const bool is_along : {true, false}) {
+    const Direction way = is_along ? fit.along : fit.down;
+    const float low = std::min(std::abs(way.x), std::abs(way.y));
+    const float high = std::max(std::abs(way.x), std::abs(way.y));
+    const float slope = kSteepest * fit.swing() / (is_along ? fit.along_width : fit.down_width);
+    const float change = slope * std::min(low, high - low) / high;  // grey levels in a pixel
+    alike += std::clamp(1 / std::max(change, 1e-3F), 1.0F, 2 * fit.radius) - 1;
+  }
+  // Each edge tells of one of the two coordinates.
+  return 0.5F * alike * kRounding * std::exp(-kMixing * noise);
+}
+
 // A fit in a window, of which the corner is at (x, y) from the middle.
 class Steps {
  public:
-  Steps(Window& window, float radius, SaddleFit& fit, float x, float y)
-      : window_(window), radius_(radius), fit_(fit), x_(x), y_(y), before_(fit) {}
+  Steps(Window& window, float radius, SaddleFit& fit, float x, float y, Pixels pixels)
+      : window_(window),
+        radius_(radius),
+        fit_(fit),
+        x_(x),
+        y_(y),
+        taken_for_(pixels),
+        before_(fit) {}
 
   // Takes one step. False where the fit has run away, or there is no saddle.
   [[nodiscard]] bool take(bool last);
@@ -176,9 +206,16 @@ class Steps {
   [[nodiscard]] float y() const { return y_; }
 
  private:
-  void sum(Sums sums) { accumulate(window_, fit_, radius_, x_, y_, sums, normal_); }
+  void sum(Sums sums) { accumulate(window_, fit_, radius_, x_, y_, sums, is_sharp(), normal_); }
+  [[nodiscard]] bool is_sharp() const {
+    // A pixel's square blurred to this width and a Gaussian of it differ by .006 of the contrast.
+    constexpr float kSharp = 0.6F;  // px
+    return taken_for_ == Pixels::kSquares && std::min(fit_.along_width, fit_.down_width) < kSharp;
+  }
   [[nodiscard]] bool has_gone_too_far() const;
   [[nodiscard]] bool find_change(bool last);
+  // Adds the information of what is expected of the edges to the sums.
+  void add_expected();
   void apply();
 
   Window& window_;
@@ -186,6 +223,7 @@ class Steps {
   SaddleFit& fit_;
   float x_;
   float y_;
+  Pixels taken_for_;
   Normal normal_{};
   float pixels_ = 0;  // the sum of their weights
   Factor factor_{};
@@ -202,6 +240,7 @@ class Steps {
 bool Steps::take(bool last) {
   if (is_near_) {
     sum(Sums::kGradient);
+    if (fit_.has_expected) add_expected();
     factor_.solve(normal_.gradient, change_);
     is_near_ = false;
   } else {
@@ -232,7 +271,7 @@ bool Steps::has_gone_too_far() const {
 bool Steps::find_change(bool last) {
   sum(fit_.has_gain ? Sums::kParted : Sums::kPlain);
   pixels_ = normal_.products[diagonal(kLevel)];
-  if (pixels_ < 2 * kUnknowns) return false;
+  if (pixels_ < kFewestPixels) return false;
   is_taken_back_ = !last && has_gone_too_far();
   if (is_taken_back_) {
     fit_ = before_;
@@ -245,9 +284,25 @@ bool Steps::find_change(bool last) {
   before_ = fit_;
   before_x_ = x_;
   before_y_ = y_;
+  if (fit_.has_expected) add_expected();
   if (!factorise(normal_, fit_.has_gain, pixels_, factor_)) return false;
   factor_.solve(normal_.gradient, change_);
   return std::all_of(change_, change_ + kUnknowns, [](float c) { return std::isfinite(c); });
+}
+
+void Steps::add_expected() {
+  constexpr float kTurned = 0.08F;   // rad, 1 sigma
+  constexpr float kWidened = 0.25F;  // 1 sigma of a width's logarithm
+  const float variance = normal_.square / pixels_ + kRounding;
+  const auto add = [&](int unknown, float off, float sigma) {
+    normal_.products[diagonal(unknown)] += variance / (sigma * sigma);
+    normal_.gradient[unknown] += variance / (sigma * sigma) * off;
+  };
+  const ExpectedEdges& expected = fit_.expected;
+  add(kAlong, cross(fit_.along, expected.along), kTurned);
+  add(kDown, cross(fit_.down, expected.down), kTurned);
+  add(kAlongWidth, std::log(expected.along_width / fit_.along_width), kWidened);
+  add(kDownWidth, std::log(expected.down_width / fit_.down_width), kWidened);
 }
 
 void Steps::apply() {
@@ -270,13 +325,16 @@ void Steps::finish() {
   fit_.radius = radius_;
   fit_.residual = std::sqrt(normal_.square / pixels_);
   fit_.cut = 1 - normal_.count / static_cast<float>(window_.count);
-  fit_.noise =
-      std::sqrt(noise_variance(window_, normal_.square, pixels_, normal_.count) + kRounding);
-  fit_.sigma = fit_.noise * std::sqrt(factor_.place_variance());
+  const float variance = std::max(noise_variance(window_, normal_.square, pixels_), kRounding);
+  const float in_common = rounding_in_common(fit_, variance);
+  fit_.noise = std::sqrt(variance);
+  fit_.at_border = !window_.whole;
+  fit_.sigma = std::sqrt((variance + in_common) * factor_.place_variance());
+  fit_.rounding = std::sqrt(in_common * factor_.place_variance());
 }
 
 // Takes steps in a window about the pixel in which the corner is.
-bool fit_in_window(const ImageView& image, float radius, int steps, float tolerance,
+bool fit_in_window(const ImageView& image, float radius, int steps, float tolerance, Pixels pixels,
                    SaddleFit& fit) {
   const int middle_x = static_cast<int>(std::lround(fit.x));
   const int middle_y = static_cast<int>(std::lround(fit.y));
@@ -292,7 +350,7 @@ bool fit_in_window(const ImageView& image, float radius, int steps, float tolera
   const auto x = static_cast<float>(fit.x - middle_x);
   const auto y = static_cast<float>(fit.y - middle_y);
   if (!is_fitted) start(window, fit, x, y);
-  Steps taken(window, radius, fit, x, y);
+  Steps taken(window, radius, fit, x, y, pixels);
   for (int i = 0; i < steps; ++i) {
     if (!taken.take(i + 1 == steps)) return false;
     if (taken.have_converged(tolerance)) break;
@@ -305,17 +363,17 @@ bool fit_in_window(const ImageView& image, float radius, int steps, float tolera
 
 }  // namespace
 
-bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit,
-                float tolerance) noexcept {
+bool fit_saddle(const ImageView& image, float radius, int steps, SaddleFit& fit, float tolerance,
+                Pixels pixels) noexcept {
   radius = std::min(radius, static_cast<float>(kMaxFitRadius));
   if (!(std::abs(fit.x) < 1e6) || !(std::abs(fit.y) < 1e6)) return false;
   const double u = fit.x;
   const double v = fit.y;
-  if (!fit_in_window(image, radius, steps, tolerance, fit)) return false;
+  if (!fit_in_window(image, radius, steps, tolerance, pixels, fit)) return false;
   // The corner was in another pixel: a window about that is symmetric, which gives the noise.
   const auto off = [](double from, double to) { return std::abs(to - std::round(from)); };
   if (std::max(off(u, fit.x), off(v, fit.y)) < kOffMiddle) return true;
-  return fit_in_window(image, radius, steps, tolerance, fit) &&
+  return fit_in_window(image, radius, steps, tolerance, pixels, fit) &&
          std::max(off(u, fit.x), off(v, fit.y)) <= static_cast<double>(kFarthest * radius);
 }
 

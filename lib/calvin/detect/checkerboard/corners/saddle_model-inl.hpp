@@ -10,6 +10,9 @@
 #define CALVIN_DETECT_SADDLE_MODEL_INL
 #endif
 
+#include <algorithm>
+#include <cmath>
+
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -97,6 +100,55 @@ HWY_INLINE Saddle<V> plain_saddle(D d, V a, V b, V shared) {
   s.width_b = hn::Mul(s.by_b, b);
   s.gain = hn::Zero(d);
   s.shared = hn::Mul(s.both, hn::Add(half, product));
+  return s;
+}
+
+// An edge in a sharp picture, of which the blur is mostly that of the pixels: a pixel shows the
+// mean over its square. Across an edge that is the longer side of the square as seen along the
+// edge, a box, and the shorter one, which is taken together with the blur of the optics.
+template <class V>
+struct SharpEdge {
+  V value;   // the mean of -1 on one side and +1 on the other
+  V slope;   // by the distance in units of sqrt(2) widths
+  V second;  // likewise, the second derivative
+
+  // `distance` is in px, `wide` is 1 / (sqrt(2) width), and (x, y) the direction of the edge.
+  template <class D>
+  HWY_INLINE SharpEdge(D d, V distance, float wide, float x, float y) {
+    constexpr float kLeastBlur = 0.08F;  // px, so that the fit sees where to go
+    const float half = 0.5F * std::max(std::abs(x), std::abs(y));
+    const float variance = 0.5F / (wide * wide) - half * half / 3;
+    // The box times the Gaussian's scale, as the edge alone has it.
+    const float scale = std::sqrt(2 * std::max(variance, kLeastBlur * kLeastBlur));
+    const auto set = [&](float v) { return hn::Set(d, v); };
+    const V before = hn::Mul(hn::Sub(distance, set(half)), set(1 / scale));
+    const V after = hn::Mul(hn::Add(distance, set(half)), set(1 / scale));
+    // The integral of erf(t) is t erf(t) + erf'(t) / 2, but for a constant.
+    const TwoErrors<V> e(d, before, after);
+    const V integral = hn::MulAdd(set(0.5F), hn::Sub(e.second_slope, e.first_slope),
+                                  hn::Sub(hn::Mul(after, e.second), hn::Mul(before, e.first)));
+    value = hn::Mul(set(0.5F * scale / half), integral);
+    slope = hn::Mul(set(0.5F / (half * wide)), hn::Sub(e.second, e.first));
+    second =
+        hn::Mul(set(0.5F / (half * wide * wide * scale)), hn::Sub(e.second_slope, e.first_slope));
+  }
+};
+
+// plain_saddle() of a sharp picture, of its distances in px.
+template <class D, class V>
+HWY_INLINE Saddle<V> sharp_saddle(D d, const SharpEdge<V>& a, const SharpEdge<V>& b, V shared) {
+  const V half = hn::Set(d, 0.5F);
+  const V seconds = hn::Mul(hn::Mul(hn::Mul(half, half), shared), hn::Mul(a.second, b.second));
+  const V share = hn::Mul(half, shared);
+  Saddle<V> s;
+  s.both = hn::Mul(a.slope, b.slope);
+  s.shared = hn::MulAdd(half, s.both, seconds);
+  s.value = hn::MulAdd(a.value, b.value, hn::Mul(share, hn::Add(seconds, s.both)));
+  s.by_a = hn::MulAdd(a.slope, b.value, hn::Mul(share, hn::Mul(a.second, b.slope)));
+  s.by_b = hn::MulAdd(b.slope, a.value, hn::Mul(share, hn::Mul(b.second, a.slope)));
+  s.width_a = hn::Neg(hn::Mul(half, hn::Mul(a.second, b.value)));
+  s.width_b = hn::Neg(hn::Mul(half, hn::Mul(b.second, a.value)));
+  s.gain = hn::Zero(d);
   return s;
 }
 

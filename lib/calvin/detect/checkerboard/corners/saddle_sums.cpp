@@ -67,8 +67,11 @@ HWY_INLINE void add_products(const V (*j)[kUnknowns], const V* e, [[maybe_unused
    ...);
 }
 
+// Which saddle a fit is of: the ordinary one, that of a sharp picture, that of squares parted.
+enum class Model { kPlain, kSharp, kParted };
+
 // Rows of J and errors of the pixels of a window, a vector at a time.
-template <bool kParted, class D>
+template <Model kModel, class D>
 class SaddleRows {
  public:
   using V = hn::Vec<D>;
@@ -106,8 +109,16 @@ class SaddleRows {
     const V a = hn::Mul(bent_a, wide_a);
     const V b = hn::Mul(bent_b, wide_b);
     const V shared = set(-dot(fit_.along, fit_.down));
-    Saddle<V> saddle = kParted ? parted_saddle(d, a, b, fit_.gain, wide_a, wide_b, shared)
-                               : plain_saddle(d, a, b, shared);
+    Saddle<V> saddle;
+    if constexpr (kModel == Model::kParted) {
+      saddle = parted_saddle(d, a, b, fit_.gain, wide_a, wide_b, shared);
+    } else if constexpr (kModel == Model::kSharp) {
+      const SharpEdge<V> edge_a(d, bent_a, kRoot / fit_.along_width, fit_.along.x, fit_.along.y);
+      const SharpEdge<V> edge_b(d, bent_b, kRoot / fit_.down_width, fit_.down.x, fit_.down.y);
+      saddle = sharp_saddle(d, edge_a, edge_b, shared);
+    } else {
+      saddle = plain_saddle(d, a, b, shared);
+    }
     // Next to the corner, where both edges are blurred, blur moves bent edges further.
     constexpr float kCrossing = 0.35355339F;  // sqrt(2) / 4
     const V crossing = hn::MulAdd(set(kCrossing * fit_.along_bend * fit_.along_width), b,
@@ -120,6 +131,7 @@ class SaddleRows {
     V error;
     const V in = weight(i, dx, dy, hn::MulAdd(local, saddle.value, base), error);
     e = hn::Mul(in, error);
+    hn::StoreU(e, d, window_.error + i);
     square_ = hn::MulAdd(e, e, square_);
     const V scale = hn::Mul(in, local);
     const V by_a = hn::Mul(hn::Mul(scale, wide_a), saddle.by_a);
@@ -140,7 +152,7 @@ class SaddleRows {
   [[nodiscard]] float count() const { return hn::GetLane(hn::SumOfLanes(d_, count_)); }
 
  private:
-  // Returns the square roots of the weights; writes the errors here and into the window.
+  // Returns the square roots of the weights, and the errors.
   HWY_INLINE V weight(int i, V dx, V dy, V model, V& error) {
     const D d = d_;
     const auto set = [d](float v) { return hn::Set(d, v); };
@@ -152,7 +164,6 @@ class SaddleRows {
     const V seen = hn::IfThenElse(hn::Le(grey, hn::Zero(d)), hn::Max(below, grey), below);
     const auto counted = hn::And(inside, hn::Eq(seen, model));
     error = hn::IfThenElseZero(counted, hn::Sub(grey, model));
-    hn::StoreU(error, d, window_.error + i);
     count_ = hn::Add(count_, hn::IfThenElseZero(counted, set(1)));
     // The disc is about the corner, not about a pixel: along its rim, which cuts pixels, the square
     // root of the weight falls from 1 to 0.
@@ -171,12 +182,11 @@ class SaddleRows {
   V count_;
 };
 
-template <Sums kSums>
-void accumulate_some(Window& window, const SaddleFit& fit, float radius, float x, float y,
-                     Normal& normal) {
-  constexpr bool kParted = kSums == Sums::kParted;
-  constexpr int kFirst = kParted ? 0 : 1;  // of the unknowns
-  constexpr int kFrom = kSums == Sums::kGradient ? kProducts : kFirst * kUnknowns;
+template <Model kModel, bool kWithProducts>
+void accumulate_as(Window& window, const SaddleFit& fit, float radius, float x, float y,
+                   Normal& normal) {
+  constexpr int kFirst = kModel == Model::kParted ? 0 : 1;  // of the unknowns
+  constexpr int kFrom = kWithProducts ? kFirst * kUnknowns : kProducts;
   using D = hn::ScalableTag<float>;
   using V = hn::Vec<D>;
   const D d;
@@ -184,7 +194,7 @@ void accumulate_some(Window& window, const SaddleFit& fit, float radius, float x
   V gradient[kUnknowns];
   for (int k = kFrom; k < kProducts; ++k) products[k] = hn::Zero(d);
   for (V& g : gradient) g = hn::Zero(d);
-  SaddleRows<kParted, D> rows(d, window, fit, radius, x, y);
+  SaddleRows<kModel, D> rows(d, window, fit, radius, x, y);
   const auto lanes = static_cast<int>(hn::Lanes(d));
   for (int i = 0; i < window.count; i += kTogether * lanes) {
     V j[kTogether][kUnknowns];
@@ -203,15 +213,18 @@ void accumulate_some(Window& window, const SaddleFit& fit, float radius, float x
 }
 
 void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y, Sums sums,
-                Normal& normal) {
-  switch (sums) {
-    case Sums::kParted:
-      return accumulate_some<Sums::kParted>(window, fit, radius, x, y, normal);
-    case Sums::kPlain:
-      return accumulate_some<Sums::kPlain>(window, fit, radius, x, y, normal);
-    case Sums::kGradient:
-      return accumulate_some<Sums::kGradient>(window, fit, radius, x, y, normal);
+                bool is_sharp, Normal& normal) {
+  if (sums == Sums::kParted) {
+    return accumulate_as<Model::kParted, true>(window, fit, radius, x, y, normal);
   }
+  if (is_sharp) {
+    return sums == Sums::kGradient
+               ? accumulate_as<Model::kSharp, false>(window, fit, radius, x, y, normal)
+               : accumulate_as<Model::kSharp, true>(window, fit, radius, x, y, normal);
+  }
+  return sums == Sums::kGradient
+             ? accumulate_as<Model::kPlain, false>(window, fit, radius, x, y, normal)
+             : accumulate_as<Model::kPlain, true>(window, fit, radius, x, y, normal);
 }
 
 }  // namespace calvin::detect::HWY_NAMESPACE
@@ -228,8 +241,8 @@ HWY_EXPORT(accumulate);
 }  // namespace
 
 void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y, Sums sums,
-                Normal& normal) noexcept {
-  HWY_DYNAMIC_DISPATCH(accumulate)(window, fit, radius, x, y, sums, normal);
+                bool is_sharp, Normal& normal) noexcept {
+  HWY_DYNAMIC_DISPATCH(accumulate)(window, fit, radius, x, y, sums, is_sharp, normal);
 }
 
 }  // namespace calvin::detect

@@ -43,8 +43,9 @@ struct Normal {
 constexpr int diagonal(int unknown) { return unknown * kUnknowns - unknown * (unknown - 1) / 2; }
 
 // Sums over a window; (x, y) is the corner of the fit from the middle of the window. Writes the
-// errors of the window's pixels too.
+// errors of the window's pixels too. `is_sharp`: pixels are squares, not points, where the saddle
+// has no gain.
 void accumulate(Window& window, const SaddleFit& fit, float radius, float x, float y, Sums sums,
-                Normal& normal) noexcept;
+                bool is_sharp, Normal& normal) noexcept;
 
 }  // namespace calvin::detect

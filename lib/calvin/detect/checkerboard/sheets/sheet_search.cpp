@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "calvin/detect/checkerboard/guesses.hpp"
 #include "calvin/detect/checkerboard/scatter.hpp"
 
 namespace calvin::detect {
@@ -30,9 +31,10 @@ constexpr float kFineReach = 64;        // px of other levels: smaller ones have
 constexpr std::size_t kFurtherParts = 3;
 
 // px, 1 sigma: the error that corners near each other have in common, which neither noise nor
-// scatter show. It does not average out over the views, so that sigmas of the noise alone would
-// make a calibration seem better than it is.
-constexpr double kBias = 0.001;
+// scatter show: what rendered pictures without noise leave beside their rounding. It does not
+// average out over the views, so that sigmas of the noise alone would make a calibration seem
+// better than it is.
+constexpr double kBias = 0.0003;
 
 int reach_of(const std::vector<WantedBoard>& wanted) {
   int most = 0;
@@ -170,7 +172,7 @@ int SheetSearch::least_group() const {
 void SheetSearch::search_level(int level) {
   SearchOptions options = this->options(level);
   for (const Sheet& sheet : sheets()) options.taken.push_back(in_level(sheet.outline, level));
-  search_.detect_corners(pyramid_.level(level), options);
+  search_.detect_corners(pyramid_.calm_level(level), options);
   while (search_.next_size() > 0 && search_.next_size() >= least_group() &&
          search_.next(lattice_)) {
     // A level further up has seen what this is, or is a part of.
@@ -179,14 +181,13 @@ void SheetSearch::search_level(int level) {
 }
 
 void SheetSearch::look_at_lattice(int level) {
-  const ImageView& full = pyramid_.level(0);
   const int enough = 2 * most_points_;
-  BoardSearch::complete(pyramid_.level(level), lattice_, enough, false);
+  BoardSearch::complete(pyramid_.calm_level(level), lattice_, enough, false);
   if (is_far_larger_than_all()) {
     const Box box = search_.box();
     refinement_.to_image(pyramid_, level, lattice_, false);
     const CellRange e = lattice_.extent();
-    if (note_other({e.cols(), e.rows(), is_size_certain(full, lattice_)}, true)) {
+    if (note_other({e.cols(), e.rows(), is_size_certain(pyramid_.calm_level(0), lattice_)}, true)) {
       other_area_.box.add(Pyramid::to_image(box.left, level), Pyramid::to_image(box.top, level));
       other_area_.box.add(Pyramid::to_image(box.right, level),
                           Pyramid::to_image(box.bottom, level));
@@ -194,16 +195,35 @@ void SheetSearch::look_at_lattice(int level) {
     return;
   }
   refinement_.to_image(pyramid_, level, lattice_, true);
-  // Corners that are too fine, or too near to the border, to be seen in the level.
-  BoardSearch::complete(full, lattice_, enough, true);
-  refinement_.confirm_guesses(full, lattice_);
+  complete_in_image(enough);
   if (is_taken(lattice_, 0)) return;
   match_boards();
   const bool accepted = match_.reason == Reason::kAccepted;
-  if (accepted && match_.whole && accept(match_wanted_, match_, lattice_)) return;
+  if (accepted && match_.whole && accept(match_wanted_, match_, lattice_)) {
+    if (sheets().back().whole) return;
+    // A corner was lost from where this level has it: another one may have it nearer.
+    --sheet_count_;
+  }
   if (accepted) note_part(level);
   if (match_.reason == Reason::kWrongBoard) {
     (void)note_other({match_.seen_cols, match_.seen_rows, match_.size_is_certain}, match_.certain);
+  }
+}
+
+// Adds corners that are too fine, or too near to the border, to be seen in the level. Where some
+// were added and few are missing, those are expected better than before, or at all.
+void SheetSearch::complete_in_image(int enough) {
+  constexpr int kRounds = 3;
+  constexpr double kMost = 0.7;  // of a board's corners
+  for (int round = 0; round < kRounds; ++round) {
+    const int before = lattice_.count();
+    BoardSearch::complete(pyramid_.calm_level(0), lattice_, enough, true);
+    confirm_guesses(pyramid_.level(0), lattice_);
+    const bool is_nearly_whole = std::ranges::any_of(wanted_, [&](const WantedBoard& w) {
+      const int points = w.board.point_count();
+      return lattice_.count() < points && lattice_.count() > kMost * points;
+    });
+    if (!is_nearly_whole || lattice_.count() <= before) return;
   }
 }
 
@@ -226,7 +246,7 @@ bool SheetSearch::is_better(const Match& match, std::size_t wanted) const {
 }
 
 void SheetSearch::match_boards() {
-  const ImageView& full = pyramid_.level(0);
+  const ImageView& full = pyramid_.calm_level(0);
   match_wanted_ = 0;
   if (wanted_.size() == 1) {
     match_ = match_board(full, wanted_[0].board, lattice_);
@@ -352,7 +372,7 @@ bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
   if (!match.whole || lattice.count() < before) {
     // Some nodes may have been no corners, and the refined places of the others tell the edge of
     // the board from something that covers it up to the next row.
-    match = match_board(image, wanted_[wanted].board, lattice);
+    match = match_board(pyramid_.calm_level(0), wanted_[wanted].board, lattice);
     if (match.reason != Reason::kAccepted) return false;
   }
   add_sheet(wanted, match, lattice, true);
@@ -378,7 +398,10 @@ void SheetSearch::add_sheet(std::size_t wanted, const Match& match, const Lattic
     const SaddleFit& fit = refinement_.at(cell);
     o.ids.push_back(id);
     o.uv.push_back({fit.x, fit.y});
-    o.sigma.push_back(std::hypot(ratio * static_cast<double>(fit.sigma), kBias));
+    // What the corners of a row have in common is smooth: scatter does not see it.
+    const double sigma =
+        std::max(ratio * static_cast<double>(fit.sigma), static_cast<double>(fit.rounding));
+    o.sigma.push_back(std::hypot(sigma, kBias));
   }
   o.ambiguous = match.ambiguous;
   o.blur = refinement_.blur(lattice);

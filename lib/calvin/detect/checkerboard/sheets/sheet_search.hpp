@@ -99,6 +99,8 @@ class SheetSearch {
   void search_level(int level);
   // `lattice_` in px of the level.
   void look_at_lattice(int level);
+  // `lattice_` in px of the image; `enough` as in BoardSearch::complete().
+  void complete_in_image(int enough);
   [[nodiscard]] bool is_far_larger_than_all() const;
   // Sets `match_` and `match_wanted_` to the board that explains `lattice_` best.
   void match_boards();

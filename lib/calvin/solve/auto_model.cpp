@@ -3,7 +3,7 @@
 
 // Every sensible model solved for the same corners, compared by the views that are held out.
 
-#include "calvin/solve/judge/auto_model.hpp"
+#include "calvin/solve/auto_model.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@
 
 #include "calvin/camera/lens_table.hpp"
 #include "calvin/core/text.hpp"
-#include "calvin/solve/judge/split_halves.hpp"
+#include "calvin/solve/split_halves.hpp"
 
 namespace calvin {
 
@@ -147,7 +147,7 @@ std::vector<std::size_t> as_good_as_any(const std::vector<Trial>& trials) {
 // as on any of these.
 std::size_t choose(const std::vector<Trial>& trials, const std::vector<PointSet>& views,
                    const BoardShape& shape, SolveOptions options, const std::stop_token& stop) {
-  constexpr double kAsClose = 1.02;  // times the least difference of halves
+  constexpr double kAsClose = 1.1;  // times the least difference of halves
   const std::vector<std::size_t> good = as_good_as_any(trials);
   std::vector<double> apart;
   for (const std::size_t i : good) {

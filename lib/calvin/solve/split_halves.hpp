@@ -13,9 +13,9 @@
 namespace calvin {
 
 // px: the largest difference of a projection where the corners of both halves covered the picture,
-// a rotation of the camera removed; the median over ways to halve the views, which are the same in
-// each call. `all`: the calibration of all of them, of the model in `options`. Absent where there
-// are too few views or halves do not determine the model.
+// a rotation of the camera removed; the geometric mean over ways to halve the views, which are the
+// same in each call. `all`: the calibration of all of them, of the model in `options`. Absent where
+// there are too few views or halves do not determine the model.
 [[nodiscard]] std::optional<double> split_half_difference(const std::vector<PointSet>& views,
                                                           const Calibration& all,
                                                           const BoardShape& shape,

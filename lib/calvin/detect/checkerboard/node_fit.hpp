@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What is common to all fits of nodes: where they begin, how large their windows are, and whether
+// what was fitted is a corner of the lattice.
+#pragma once
+
+#include "calvin/core/image.hpp"
+#include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
+#include "calvin/detect/checkerboard/lattice.hpp"
+
+namespace calvin::detect {
+
+inline constexpr float kRoughly = 0.1F;      // px, last step of a fit that a better one follows
+inline constexpr float kCloseRadius = 4.5F;  // px, of a fit with something else near it
+// The ratio of a window to the one before, which had something else in it.
+inline constexpr float kSmaller = 0.75F;
+inline constexpr float kOfNoise = 1.4F;  // of the noise: a larger residual has another reason
+
+// The distance from a node to the nearest of the next grid lines, px.
+[[nodiscard]] float spacing_at(const Lattice& lattice, Cell c);
+
+// The radius of the smallest window about a corner, px: half a square may lie beyond it, or less.
+[[nodiscard]] float closest_radius(float spacing);
+
+// Where the fit of a node begins.
+[[nodiscard]] SaddleFit fit_of(const Node& node);
+
+// The same for squares that light or ink has parted, where what was fitted without that may be a
+// far too wide edge.
+[[nodiscard]] SaddleFit parted_fit(SaddleFit fit);
+
+// Fits once more with squares that are parted, where the residual asks for it; keeps the better
+// fit.
+void fit_parted(const ImageView& image, float radius, int steps, SaddleFit& fit);
+
+// Whether something else than a corner is in the window of a fit. `most`: noise, of the contrast.
+[[nodiscard]] bool is_noisy(const SaddleFit& fit, float most);
+
+// Whether the colours of a fit are those of its cell.
+[[nodiscard]] bool colours_fit(const SaddleFit& fit, Cell c);
+
+// From a node to where it was fitted, px.
+[[nodiscard]] float distance(const SaddleFit& fit, const Node& node);
+
+// Moves a node to where it was fitted.
+void take(const SaddleFit& fit, Node& node);
+
+}  // namespace calvin::detect
