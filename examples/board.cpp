@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Boards from the command line: draw one to true scale, give it a name, list the names of a file.
+// Boards from the command line: draw one to true scale, give it a name, list the names of a file,
+// measure the sheet that a name stands for.
 #include <cstdio>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -13,6 +15,8 @@
 #include "calvin/core/text.hpp"
 #include "calvin/draw/board_drawing.hpp"
 #include "calvin/io/board_names.hpp"
+
+#include "board_measure.hpp"
 
 namespace {
 
@@ -23,10 +27,13 @@ constexpr std::string_view kUsage = R"(Usage:
   calvin-board draw BOARD FILE.(pdf|svg|png) [--paper PAPER] [--dpi DPI]
   calvin-board add FILE.json NAME BOARD
   calvin-board list FILE.json
+  calvin-board measure FILE.json#NAME [--model MODEL] FOLDER|OBSERVATIONS...
 
 BOARD is a text like checkerboard:9x6:25mm (inner corners, side of a square), or FILE.json#NAME.
 PAPER is {}, auto (the smallest of A4 to A0) or fit (as large as the board needs).
 DPI is the resolution of a PNG, {} if not given.
+FOLDER has pictures of the board by one camera, OBSERVATIONS is a file of them; MODEL is the lens of
+these cameras, brown5 if not given.
 )";
 
 std::string usage() {
@@ -93,10 +100,35 @@ int list(std::span<char*> arguments) {
   if (!boards) return failed(boards.error());
   int status = 0;
   for (const calvin::NamedBoard& board : *boards) {
-    fmt::print("{}\t{}\n", board.name, board.text);
+    const std::string measured =
+        board.measured_by > 0 ? fmt::format("\tmeasured by {} views", board.measured_by) : "";
+    fmt::print("{}\t{}{}\n", board.name, board.text, measured);
     if (const auto right = calvin::parse_board(board.text); !right) status = failed(right.error());
   }
   return status;
+}
+
+int measure(std::span<char*> arguments) {
+  std::string model = "brown5";
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (std::string_view(arguments[i]) == "--model" && i + 1 < arguments.size()) {
+      model = arguments[++i];
+    } else {
+      words.emplace_back(arguments[i]);
+    }
+  }
+  if (words.size() < 2) return wrong_usage("measure needs a named board, and pictures of it.");
+  const std::string named = words.front();
+  words.erase(words.begin());
+  const auto learnt = board_measure::measure(named, model, words);
+  if (!learnt) return failed(learnt.error());
+  if (!*learnt) {
+    fmt::print(stderr, "calvin-board: nothing new was learnt of {}.\n", named);
+    return kFailed;
+  }
+  fmt::print("Use it as board={}\n", named);
+  return 0;
 }
 
 }  // namespace
@@ -108,6 +140,7 @@ int main(int argc, char** argv) {
   if (command == "draw") return draw(arguments.subspan(2));
   if (command == "add") return add(arguments.subspan(2));
   if (command == "list") return list(arguments.subspan(2));
+  if (command == "measure") return measure(arguments.subspan(2));
   if (command == "--help" || command == "-h") {
     fmt::print("{}", usage());
     return 0;

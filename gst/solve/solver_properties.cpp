@@ -39,6 +39,14 @@ constexpr GEnumValue kCaptureModes[] = {
     choice(CaptureChoice::kAuto, "auto", "Views that are still, large and unlike those before"),
     choice(CaptureChoice::kManual, "manual", "Only on the signal capture-view"), kNoMoreChoices};
 
+constexpr GEnumValue kBoardShapes[] = {
+    choice(BoardShapeChoice::kNone, "none", "The board is as it was printed, and flat"),
+    choice(BoardShapeChoice::kWarp, "warp", "Two curvatures, from 8 views of one board on"),
+    choice(BoardShapeChoice::kPoints, "points", "Every control point, from 8 views on"),
+    choice(BoardShapeChoice::kAuto, "auto",
+           "The measured shape of a named board that has one; warp for any other"),
+    kNoMoreChoices};
+
 constexpr Property<CalibSolver> kRows[] = {
     {"location", "Location",
      "File for the calibration (native JSON), written at the first solve and whenever it got "
@@ -58,8 +66,16 @@ constexpr Property<CalibSolver> kRows[] = {
      "A calibration (a file, or whatever calibundistort takes) to start the solve from, which "
      "also gives the values that fix holds; unset: the views alone tell",
      kept_in<&SessionSettings::initial>},
-    {"warp", "Warp", "Estimate the two curvatures of the board too, from 8 views of one board on",
-     kept_in<&SessionSettings::warp>},
+    {"board", "Board",
+     "The board of the views as calibdetect has it: of FILE.json#NAME the measured shape is used, "
+     "where there is one (calvin-board measure). Other texts say nothing here",
+     kept_in<&SessionSettings::board>},
+    {"board-shape",
+     "Board Shape",
+     "What is estimated of the shape of the board",
+     kept_in<&SessionSettings::board_shape>,
+     {.choices = {"GstCalibSolveBoardShape", kBoardShapes}}},
+    {"warp", "Warp", "Deprecated: false is board-shape=none", kept_in<&SessionSettings::warp>},
     {"skew", "Skew", "Estimate the skew of the pixel axes too", kept_in<&SessionSettings::skew>},
     {"capture-mode",
      "Capture Mode",

@@ -3,10 +3,14 @@
 
 // calibsolve: where it starts from, what it holds, and settings that change while it runs.
 
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <filesystem>
+#include <string>
 #include <thread>
 
+#include "calvin/io/board_names.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "solve_fixture.hpp"
 
@@ -108,6 +112,32 @@ GST_START_TEST(test_warp_and_skew_are_estimated_where_they_are_asked_for) {
   fail_unless_equals_int(c.warp.has_value(), warp);
   fail_unless_equals_int(c.find("skew") != nullptr, skew);
   fail_unless(!skew || c.find("skew")->sigma.value_or(0) > 0);
+}
+GST_END_TEST;
+
+// A named board that was measured is where it was measured; what else is asked for of it is done.
+GST_START_TEST(test_a_named_board_is_taken_as_it_was_measured) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "calvin-measured";
+  std::filesystem::create_directories(folder);
+  const std::string file = (folder / "boards.json").string();
+  const bool late = __i__ % 2 == 1;
+  const char* shape = std::array{"auto", "warp", "none"}[static_cast<std::size_t>(__i__ / 2)];
+  SolveFixture f(std::string("board-shape=") + (late ? "points" : shape));
+  BoardMeasurement measured = unmeasured(f.scene.board).value();
+  measured.covariance *= 1e-6;
+  fail_unless(add_board(file, "desk", f.scene.board.text()).has_value());
+  fail_unless(store_measurement(file + "#desk", measured).has_value());
+  g_object_set(f.element, "board", (file + "#desk").c_str(), nullptr);
+  f.push_views(12);
+  if (late) gst_util_set_object_arg(G_OBJECT(f.element), "board-shape", shape);
+  f.eos();
+  std::filesystem::remove_all(folder);
+  const GstStructure* r = f.result("final");
+  fail_unless(r != nullptr);
+  const auto c = parse_calibration(gst_structure_get_string(r, "json")).value();
+  fail_unless_equals_int(c.warp.has_value(), __i__ / 2 != 2);
+  // What was measured is flat, and what is estimated is not.
+  if (c.warp) fail_unless_equals_int(std::abs(c.warp->kx) < 1e-9, __i__ / 2 == 0);
 }
 GST_END_TEST;
 
@@ -222,6 +252,7 @@ static Suite* calibsolve_settings_suite() {
   tcase_add_test(tc, test_an_initial_calibration_that_does_not_fit_is_left_out);
   tcase_add_test(tc, test_another_model_solves_the_views_again);
   tcase_add_loop_test(tc, test_warp_and_skew_are_estimated_where_they_are_asked_for, 0, 12);
+  tcase_add_loop_test(tc, test_a_named_board_is_taken_as_it_was_measured, 0, 6);
   tcase_add_test(tc, test_what_is_wrong_holds_up_nothing_else);
   tcase_add_test(tc, test_solve_takes_what_was_set_just_before);
   tcase_add_test(tc, test_another_location_gets_the_result);

@@ -138,6 +138,12 @@ void board_names(std::string_view bytes) {
   const auto after = list_boards(path);
   require(after.has_value(), "a file that was written can be read");
   require(parse_boards(path + "#added").has_value(), "a board that was added is found");
+  for (const NamedBoard& board : *after) {
+    if (board.measured_by == 0) continue;
+    const auto measured = read_measurement(path + "#" + board.name);
+    require(measured || !measured.error().message.empty(), "an error has a message");
+    break;
+  }
   if (!before) return;
   for (const NamedBoard& board : *before) {
     bool kept = board.name == "added";

@@ -12,6 +12,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/board_shape_io.hpp"
 #include "calvin/io/document.hpp"
 #include "calvin/target/board_error.hpp"
 #include "calvin/target/board_name.hpp"
@@ -43,6 +44,13 @@ Node empty_file() {
           {text_node(kFormat), version, {Node::Kind::kMap, {}, {}, {}}}};
 }
 
+// The text of a board in the map, which stands alone or in an object; null where there is none.
+template <typename AnyNode>
+AnyNode* text_of(AnyNode& board) {
+  AnyNode* text = board.kind == Node::Kind::kMap ? board.find("board") : &board;
+  return text != nullptr && text->kind == Node::Kind::kString ? text : nullptr;
+}
+
 Status check_names(const std::string& path, const Node& root) {
   const Node* format = root.find("format");
   if (format == nullptr || format->text != kFormat) return broken(path, "its format is another");
@@ -62,7 +70,7 @@ Status check_names(const std::string& path, const Node& root) {
     return broken(path, "it has no boards");
   }
   for (std::size_t i = 0; i < boards->items.size(); ++i) {
-    if (boards->items[i].kind != Node::Kind::kString) {
+    if (text_of(boards->items[i]) == nullptr) {
       return broken(path, fmt::format("'{}' is not a board text", boards->keys[i]));
     }
   }
@@ -92,16 +100,26 @@ std::string names_of(const std::vector<NamedBoard>& boards) {
   return join(names, ", ");
 }
 
-Result<Board> named_board(std::string_view text) {
+// FILE.json#NAME, taken apart.
+struct BoardPlace {
+  std::string path;
+  std::string_view name;
+};
+
+BoardPlace place_of(std::string_view text) {
   const auto hash = text.rfind('#');
-  const std::string path(trim(text.substr(0, hash)));
-  const std::string_view name = trim(text.substr(hash + 1));
+  return {std::string(trim(text.substr(0, hash))), trim(text.substr(hash + 1))};
+}
+
+Result<Board> named_board(std::string_view text) {
+  const auto [path, name] = place_of(text);
   if (path.empty()) return wrong_board_text(text, "there is no file before the '#'");
   if (name.empty()) return wrong_board_text(text, "there is no name after the '#'");
   const auto boards = list_boards(path);
   if (!boards) return wrong_board_text(text, boards.error().message, boards.error().code);
-  const auto it = std::find_if(boards->begin(), boards->end(),
-                               [name](const NamedBoard& board) { return board.name == name; });
+  const auto it =
+      std::find_if(boards->begin(), boards->end(),
+                   [&wanted = name](const NamedBoard& board) { return board.name == wanted; });
   if (it == boards->end()) {
     return wrong_board_text(
         text, fmt::format("'{}' has no board of that name, it has {}", path, names_of(*boards)),
@@ -155,7 +173,11 @@ Result<std::vector<NamedBoard>> list_boards(const std::string& path) {
   std::vector<NamedBoard> all;
   all.reserve(boards.items.size());
   for (std::size_t i = 0; i < boards.items.size(); ++i) {
-    all.push_back({boards.keys[i], boards.items[i].text});
+    const Node& board = boards.items[i];
+    const Node* shape = board.find("shape");
+    const Node* views = shape != nullptr ? shape->find("views") : nullptr;
+    all.push_back(
+        {boards.keys[i], text_of(board)->text, views != nullptr ? views->items.size() : 0});
   }
   return all;
 }
@@ -171,10 +193,68 @@ Status add_board(const std::string& path, std::string_view name, std::string_vie
   if (!root) return tl::unexpected<Error>(root.error());
   Node& boards = *root->find("boards");
   if (Node* known = boards.find(name)) {
-    known->text = board->text();
+    Node* known_text = text_of(*known);
+    const auto before = parse_board(known_text->text);
+    if (!before || *before != *board) known->erase("shape");
+    text_of(*known)->text = board->text();
   } else {
     boards.keys.emplace_back(name);
     boards.items.push_back(text_node(board->text()));
+  }
+  return write_file(path, io::print_json(*root));
+}
+
+Result<std::shared_ptr<const BoardMeasurement>> read_measurement(std::string_view text) {
+  for (const std::string_view part : split(text, ';')) {
+    if (!names_a_file(part)) continue;
+    const auto board = named_board(part);
+    if (!board) return tl::unexpected<Error>(board.error());
+    const auto [path, name] = place_of(part);
+    const auto root = read_names(path);
+    if (!root) return tl::unexpected<Error>(root.error());
+    const Node* known = root->find("boards")->find(name);
+    const Node* shape = known != nullptr ? known->find("shape") : nullptr;
+    if (shape == nullptr) continue;
+    auto measured = io::read_shape(*shape, *board);
+    if (!measured) {
+      return make_error(ErrorCode::kMalformed,
+                        fmt::format("The measured shape of the board '{}' in '{}' cannot be used: "
+                                    "{}. Measure it anew (calvin-board measure).",
+                                    name, shortened(path, 400), measured.error().message));
+    }
+    return std::make_shared<const BoardMeasurement>(*std::move(measured));
+  }
+  return std::shared_ptr<const BoardMeasurement>();
+}
+
+Status store_measurement(std::string_view named, const BoardMeasurement& measured) {
+  if (!names_a_file(named)) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("'{}' is no name of a board: a measured board is kept under one, "
+                                  "FILE.json#NAME.",
+                                  named));
+  }
+  const auto board = named_board(named);
+  if (!board) return tl::unexpected<Error>(board.error());
+  if (*board != measured.board) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("'{}' is {}, and {} was measured.", named, board->text(),
+                                  measured.board.text()));
+  }
+  const auto [path, name] = place_of(named);
+  auto root = read_names(path);
+  if (!root) return tl::unexpected<Error>(root.error());
+  Node& known = *root->find("boards")->find(name);
+  if (known.kind == Node::Kind::kString) {
+    known = {Node::Kind::kMap, {}, {"board"}, {text_node(board->text())}};
+  }
+  Node shape = io::shape_node(measured);
+  if (Node* before = known.find("shape"); before != nullptr) {
+    // What a newer program keeps with a shape is of the one before.
+    *before = std::move(shape);
+  } else {
+    known.keys.emplace_back("shape");
+    known.items.push_back(std::move(shape));
   }
   return write_file(path, io::print_json(*root));
 }

@@ -5,17 +5,21 @@
 //
 // A file of names is JSON, in UTF-8; keys that are not known here are kept as they are:
 //   {"format": "calvin-boards", "version": 1, "boards": {"floor": "checkerboard:9x6:25mm"}}
-// A name stands for one board text, never for another name, and stands once. It has 1 to 64 bytes
-// and neither '#', ';', control characters nor a space at its ends. A file has at most 1 MiB, and
-// its values lie at most 64 deep in each other.
+// A board that was measured is {"board": TEXT, "shape": {...}} in place of its text: this very
+// sheet. A name stands for one board text, never for another name, and stands once. It has 1 to 64
+// bytes and neither '#', ';', control characters nor a space at its ends. A file has at most 1 MiB,
+// and its values lie at most 64 deep in each other.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "calvin/core/result.hpp"
 #include "calvin/target/board.hpp"
+#include "calvin/target/board_measurement.hpp"
 
 namespace calvin {
 
@@ -32,7 +36,8 @@ inline constexpr int kMaxBoards = 16;
 
 struct NamedBoard {
   std::string name;
-  std::string text;  // as the file has it: parse_board() tells whether it is right
+  std::string text;             // as the file has it: parse_board() tells whether it is right
+  std::size_t measured_by = 0;  // views; 0: it was not measured
 };
 
 // The boards of a file, in its order.
@@ -40,8 +45,19 @@ struct NamedBoard {
 
 // Adds a board to a file, or replaces the one of that name in place; the file is created where
 // there is none and replaced atomically. `text` must be one right board text; its canonical form is
-// stored. A file that is not one of board names is left alone and is an error.
+// stored. The shape of a board that is replaced by another one is dropped. A file that is not one
+// of board names is left alone and is an error.
 [[nodiscard]] Status add_board(const std::string& path, std::string_view name,
                                std::string_view text);
+
+// What was measured of the first board of a `board` property that is one of a file and was
+// measured; null where none was. Errors are those of parse_boards(), and kMalformed for a shape
+// that is not one of its board.
+[[nodiscard]] Result<std::shared_ptr<const BoardMeasurement>> read_measurement(
+    std::string_view text);
+
+// Stores what was measured under a name that the file has already, for the same board; the file is
+// replaced atomically. kInvalidArgument where `named` is not FILE.json#NAME or the board differs.
+[[nodiscard]] Status store_measurement(std::string_view named, const BoardMeasurement& measured);
 
 }  // namespace calvin

@@ -40,6 +40,13 @@ const Node* Node::find(std::string_view key) const noexcept {
   return it == keys.end() ? nullptr : &items[static_cast<std::size_t>(it - keys.begin())];
 }
 
+void Node::erase(std::string_view key) {
+  const auto it = std::find(keys.begin(), keys.end(), key);
+  if (kind != Kind::kMap || it == keys.end()) return;
+  items.erase(items.begin() + (it - keys.begin()));
+  keys.erase(it);
+}
+
 Node* Node::find(std::string_view key) noexcept {
   return const_cast<Node*>(std::as_const(*this).find(key));
 }

@@ -26,6 +26,8 @@ struct Node {
   // The value of a key; nullptr where there is none or this is no map.
   [[nodiscard]] const Node* find(std::string_view key) const noexcept;
   [[nodiscard]] Node* find(std::string_view key) noexcept;
+  // Takes a key and its value out of a map, where it is there.
+  void erase(std::string_view key);
 };
 
 // How deep lists and maps may lie in each other.

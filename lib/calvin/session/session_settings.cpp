@@ -11,6 +11,7 @@
 
 #include "calvin/camera/frame_fit.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/io/board_names.hpp"
 #include "calvin/io/settings.hpp"
 
 namespace calvin {
@@ -33,10 +34,22 @@ struct Group {
   void (*keep)(SessionPlan&, const SessionPlan& before);
 };
 
+Status read_board(SessionPlan& plan) {
+  const SessionSettings& settings = plan.settings;
+  const BoardShapeChoice shape = settings.warp ? settings.board_shape : BoardShapeChoice::kNone;
+  plan.options.warp = shape != BoardShapeChoice::kNone;
+  plan.options.offsets = shape == BoardShapeChoice::kPoints;
+  if (shape != BoardShapeChoice::kAuto && shape != BoardShapeChoice::kPoints) return {};
+  if (!names_a_file(settings.board)) return {};
+  auto measured = read_measurement(settings.board);
+  if (!measured) return tl::unexpected<Error>(measured.error());
+  plan.options.measured = *std::move(measured);
+  return {};
+}
+
 Status read_lens(SessionPlan& plan) {
   const SessionSettings& settings = plan.settings;
   plan.options.model = settings.model;
-  plan.options.warp = settings.warp;
   plan.options.skew = settings.skew;
   for (const std::string_view name : split(settings.fix, ',')) {
     if (!name.empty()) plan.options.fix.emplace_back(name);
@@ -49,6 +62,7 @@ Status read_lens(SessionPlan& plan) {
     }
     plan.initial = *std::move(initial);
   }
+  if (const Status read = read_board(plan); !read) return read;
   SolveOptions complete = plan.options;
   complete.initial = plan.initial;
   return check(complete);
@@ -67,6 +81,8 @@ void keep_lens(SessionPlan& plan, const SessionPlan& before) {
   plan.settings.model = before.settings.model;
   plan.settings.fix = before.settings.fix;
   plan.settings.initial = before.settings.initial;
+  plan.settings.board = before.settings.board;
+  plan.settings.board_shape = before.settings.board_shape;
   plan.settings.warp = before.settings.warp;
   plan.settings.skew = before.settings.skew;
 }
@@ -101,11 +117,13 @@ void keep_files(SessionPlan& plan, const SessionPlan& before) {
   plan.settings.exports = before.settings.exports;
 }
 
+bool same_lens(const SessionSettings& a, const SessionSettings& b) {
+  return a.model == b.model && a.fix == b.fix && a.initial == b.initial && a.board == b.board &&
+         a.board_shape == b.board_shape && a.warp == b.warp && a.skew == b.skew;
+}
+
 constexpr Group kGroups[] = {
-    {[](const SessionSettings& a, const SessionSettings& b) {
-       return a.model == b.model && a.fix == b.fix && a.initial == b.initial && a.warp == b.warp &&
-              a.skew == b.skew;
-     },
+    {[](const SessionSettings& a, const SessionSettings& b) { return same_lens(a, b); },
      read_lens_and_files, keep_lens},
     {[](const SessionSettings& a, const SessionSettings& b) {
        return a.min_views == b.min_views && a.max_views == b.max_views;
@@ -151,14 +169,14 @@ SettingsRead read_settings(const SettingsUpdate& update) {
 bool may_wait(const SessionSettings& seen, const SessionSettings& now) {
   const bool other_lens = !kGroups[0].same(seen, now);
   if (other_lens && !now.initial.empty() && may_be_calibration_path(now.initial)) return true;
+  if (other_lens && names_a_file(now.board)) return true;
   if (!names_other_files(seen, now)) return false;
   const auto files = parse_calibration_files(now.location, now.exports);
   return files && !files->empty();
 }
 
 bool solves_differently(const SessionSettings& a, const SessionSettings& b) {
-  return a.model != b.model || a.fix != b.fix || a.initial != b.initial || a.warp != b.warp ||
-         a.skew != b.skew || a.runs != b.runs || a.readout_time != b.readout_time;
+  return !same_lens(a, b) || a.runs != b.runs || a.readout_time != b.readout_time;
 }
 
 bool writes_elsewhere(const SessionSettings& a, const SessionSettings& b) {

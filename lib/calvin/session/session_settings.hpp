@@ -18,6 +18,10 @@ namespace calvin {
 // What a user chose: kDefault is kAll where the source is not live, kAuto where it is.
 enum class CaptureChoice { kDefault, kAll, kAuto, kManual };
 
+// What is estimated of the board: kWarp its two curvatures, kPoints every control point; kAuto
+// takes the measured shape of a board that has one, and estimates the curvatures of another.
+enum class BoardShapeChoice { kNone, kWarp, kPoints, kAuto };
+
 // As set: texts are not read yet.
 struct SessionSettings {
   std::string location;
@@ -26,7 +30,9 @@ struct SessionSettings {
   std::string model = "brown5";
   std::string fix;
   std::string initial;
-  bool warp = true;
+  std::string board;  // as the detector has it: a file of names may have its measured shape
+  BoardShapeChoice board_shape = BoardShapeChoice::kAuto;
+  bool warp = true;  // false: as kNone
   bool skew = false;
   CaptureChoice capture_mode = CaptureChoice::kDefault;
   int min_views = 3;
@@ -48,7 +54,7 @@ struct SessionPlan {
   [[nodiscard]] SessionOptions session_options(bool live) const;
 };
 
-// An error for settings that cannot work. Reads the file of `initial`.
+// An error for settings that cannot work. Reads the files of `initial` and `board`.
 [[nodiscard]] Result<SessionPlan> make_plan(const SessionSettings& settings);
 
 // Settings that change while frames flow, from those `seen` last. What changed and cannot work goes
@@ -74,8 +80,8 @@ struct SettingsRead {
 // Looks at the disk for what may_wait() says.
 [[nodiscard]] SettingsRead read_settings(const SettingsUpdate& update);
 
-// Whether read_settings() may have to wait for the disk that a new `initial`, `location` or
-// `export` is on.
+// Whether read_settings() may have to wait for the disk that a new `initial`, `board`, `location`
+// or `export` is on.
 [[nodiscard]] bool may_wait(const SessionSettings& seen, const SessionSettings& now);
 
 // Whether the views are to be solved again, or the result is to be written again, when one set of

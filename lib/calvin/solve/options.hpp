@@ -4,6 +4,7 @@
 // The options of solve(): the model, the unknowns, and what is known of them before.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@
 #include "calvin/core/calibration.hpp"
 
 namespace calvin {
+
+struct BoardMeasurement;
 
 // How long a camera takes from the first row of a frame to the last, s; negative where it begins
 // with the last. A sigma of 0: it is known.
@@ -41,10 +44,16 @@ struct SolveOptions {
   // Estimates the two curvatures of the board (BoardWarp) too, from 8 views of one board on.
   bool warp = true;
 
-  // Estimates the aspect of the board too, and the place of every single corner: see Solution. With
-  // the offsets a solve takes tenths of a second instead of a millisecond.
+  // Estimates the aspect of the board too, and the place of every single corner with the
+  // curvatures, from 8 views that are not ambiguous on: see Solution.
   bool aspect = false;
   bool offsets = false;
+
+  // What other views say of the places of the corners, with a covariance. The corners are there,
+  // and what is left unknown of them is a part of the result's covariance; with `offsets` they are
+  // estimated anew, and it is their prior. It is left out, and a remark says so, where the views
+  // contradict it or are among those that it was made of. Null: nothing is known.
+  std::shared_ptr<const BoardMeasurement> measured;
 
   // What was known of the readout before: corners of views with velocities are put where the middle
   // row of the frame would have shown them, and the readout is estimated where it has a sigma and

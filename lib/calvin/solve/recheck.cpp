@@ -227,6 +227,7 @@ std::optional<Recheck::Step> Recheck::step() const {
 // By the mean square of the change over the region, of which noise alone would make a sum of
 // squares with as many degrees of freedom as have its mean and variance (F. Satterthwaite, 1946).
 void Recheck::judge(const Step& step, const PlacedGrid& region, RecheckReport& report) {
+  if (region.at.empty()) return;  // no ray leads to the picture: nothing can be told of it
   const Eigen::VectorXd du = product(region.u, step.by);
   const Eigen::VectorXd dv = product(region.v, step.by);
   const Eigen::MatrixXd u = product(region.u, step.variance);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -15,6 +16,8 @@
 #include "calvin/solve/misfit.hpp"
 
 namespace calvin {
+
+struct BoardMeasurement;
 
 struct RejectedView {
   std::size_t index = 0;  // in the views given
@@ -51,10 +54,15 @@ struct Solution {
   // of all other views puts them, the 6 parameters of its pose allowed for; weighted, and to first
   // order. calibration.held_out_rms is their mean's root: information, it decides nothing.
   std::vector<double> held_out;
-  // The measured board, where aspect and offsets were estimated. Offsets are in the order of
+  // The board, where aspect and offsets were estimated or known. Offsets are in the order of
   // Board::points(); all together are no shift, turn, scale, shear, tilt or curvature of the board.
   std::optional<BoardAspect> board_aspect;
   std::vector<CornerOffset> corner_offsets;
+  // Offsets and curvatures with their covariance, for the sessions that follow: what was known
+  // before (SolveOptions::measured) and what these views say. Null where offsets were no unknowns.
+  std::shared_ptr<const BoardMeasurement> measured;
+  // Whether these views contradict what was known before: another board, or bent otherwise.
+  bool other_board = false;
 };
 
 }  // namespace calvin

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,6 +23,7 @@
 #include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/residuals/points.hpp"
+#include "calvin/target/board_measurement.hpp"
 
 namespace calvin {
 
@@ -73,12 +75,26 @@ Result<UsableViews> usable_views(std::span<const View> views, ImageSize size) {
 // Views that tell the shape of their board, or one lens from another.
 constexpr std::size_t kViewsEnough = 8;
 
-// The shape that the options ask for; none unless there are views enough, all of one board.
-BoardShape shape_for(std::span<const View> views, std::size_t count, const SolveOptions& options) {
-  if (count < kViewsEnough) return {};
+bool of_one_board(std::span<const View> views) {
   const Board& board = views.front().board;
-  const auto same = [&board](const View& view) { return view.board == board; };
-  return std::all_of(views.begin(), views.end(), same) ? make_shape(board, options) : BoardShape();
+  return std::all_of(views.begin(), views.end(),
+                     [&board](const View& view) { return view.board == board; });
+}
+
+// The modes that the options ask for; none unless there are views enough, all of one board.
+BoardShape shape_for(std::span<const View> views, std::size_t count, const SolveOptions& options) {
+  if (count < kViewsEnough || !of_one_board(views)) return {};
+  return make_shape(views.front().board, options);
+}
+
+// The same with the offsets of a board, of which the curvatures are a part.
+BoardShape shape_of(std::shared_ptr<const BoardMeasurement> known, std::size_t count,
+                    SolveOptions options) {
+  options.warp = false;
+  options.aspect = options.aspect && count >= kViewsEnough;
+  BoardShape shape = make_shape(known->board, options);
+  shape.offsets = std::move(known);
+  return shape;
 }
 
 // The boards of the views used, each once, in the order of their first view.
@@ -106,6 +122,36 @@ void give_ids(std::span<const View> views, std::vector<RejectedCorner>& corners)
   }
 }
 
+constexpr const char* kOwnViews =
+    "The measured board is not used: views of this session are among those that measured it, and "
+    "count once.";
+constexpr const char* kOtherBoard =
+    "The measured board is not used, for these views show it otherwise: it is another sheet, or it "
+    "is bent. Measure it anew under a name of its own (calvin-board measure).";
+
+// Whether views that could be labelled in one way alone are enough to be trusted with the offsets
+// of points: most of them.
+bool mostly_unambiguous(const std::vector<PointSet>& views, std::size_t least) {
+  const auto sure = static_cast<std::size_t>(std::count_if(
+      views.begin(), views.end(), [](const PointSet& view) { return !view.ambiguous; }));
+  return sure >= least && 2 * sure > views.size();
+}
+
+std::vector<ViewMark> marks_of(std::span<const View> views, const std::vector<PointSet>& used) {
+  std::vector<ViewMark> marks;
+  for (const PointSet& view : used) {
+    if (!view.ambiguous) marks.push_back(mark_of(views[view.index].observation));
+  }
+  return marks;
+}
+
+bool any_of_them(const std::vector<ViewMark>& views, const std::vector<ViewMark>& known) {
+  return std::any_of(views.begin(), views.end(), [&known](const ViewMark& view) {
+    return std::any_of(known.begin(), known.end(),
+                       [&view](const ViewMark& k) { return same_view(view, k); });
+  });
+}
+
 // The solve of one model. Where the views leave it open a simpler one takes its place; where it
 // finds fault, others are tried.
 Result<Solution> solve_model(std::span<const View> views, std::vector<PointSet> points,
@@ -119,16 +165,101 @@ Result<Solution> solve_model(std::span<const View> views, std::vector<PointSet> 
     }
     if (solution && solution->calibration.model != options.model) return solution;
   }
-  // Others take their time, tenths of a second each where every corner's offset is an unknown.
-  if (!solution || options.offsets || solution->calibration.views.size() < kViewsEnough) {
-    return solution;
-  }
+  if (!solution || solution->calibration.views.size() < kViewsEnough) return solution;
   const Misfit& misfit = solution->misfit;
   if (!misfit.found() && misfit.noticed != Misfit::Cause::kModel) return solution;
   if (const auto again = usable_views(views, size)) {
     try_other_models(*solution, again->views, shape, size, options, stop);
   }
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+  return solution;
+}
+
+Result<Solution> solve_shaped(std::span<const View> views, std::vector<PointSet> points,
+                              const BoardShape& shape, ImageSize size, const SolveOptions& options,
+                              const std::stop_token& stop) {
+  return options.model == kAutoModel
+             ? solve_auto(points, shape, size, options, stop)
+             : solve_model(views, std::move(points), shape, size, options, stop);
+}
+
+// The solve with the offsets of points, from how the board is bent as far as curvatures tell.
+Result<Solution> solve_offsets(std::span<const View> views, std::vector<PointSet> points,
+                               BoardShape shape, ImageSize size, const SolveOptions& options,
+                               const std::stop_token& stop) {
+  if (!options.measured) {
+    SolveOptions bends = options;
+    bends.checks = false;
+    bends.warp = true;
+    const auto bent =
+        solve_shaped(views, points, shape_for(views, points.size(), bends), size, bends, stop);
+    if (!bent) return bent;
+    shape.start = bent->calibration.warp;
+  }
+  return solve_shaped(views, std::move(points), shape, size, options, stop);
+}
+
+// What is known of the points of the board of these views before they are solved; null where their
+// offsets are not asked for, or cannot be told. `why` is what the user is told of a measured board
+// that is not used.
+std::shared_ptr<const BoardMeasurement> known_board(std::span<const View> views,
+                                                    const std::vector<PointSet>& points,
+                                                    const SolveOptions& options, const char*& why) {
+  if (points.empty() || !of_one_board(views)) return nullptr;
+  if (options.measured && options.measured->board == views.front().board &&
+      mostly_unambiguous(points, 1)) {
+    if (!any_of_them(marks_of(views, points), options.measured->views)) return options.measured;
+    why = kOwnViews;
+  }
+  if (!options.offsets || !mostly_unambiguous(points, kViewsEnough)) return nullptr;
+  auto unknown = unmeasured(views.front().board);
+  return unknown ? std::make_shared<const BoardMeasurement>(*std::move(unknown)) : nullptr;
+}
+
+// The solve by all that the options ask for of the board.
+Result<Solution> solve_board(std::span<const View> views, std::vector<PointSet> points,
+                             ImageSize size, const SolveOptions& options,
+                             const std::stop_token& stop);
+
+// The solve with offsets of points, or with those that are known. Views that contradict what is
+// known of the board are solved without.
+Result<Solution> solve_known(std::span<const View> views, const std::vector<PointSet>& points,
+                             std::shared_ptr<const BoardMeasurement> known, ImageSize size,
+                             const SolveOptions& options, const std::stop_token& stop) {
+  auto solution = solve_offsets(views, points, shape_of(std::move(known), points.size(), options),
+                                size, options, stop);
+  if (!solution) return solution;
+  if (solution->other_board) {
+    SolveOptions without = options;
+    without.measured = nullptr;
+    solution = solve_board(views, points, size, without, stop);
+    if (!solution) return solution;
+    solution->other_board = true;
+    solution->calibration.remarks.emplace_back(kOtherBoard);
+  } else if (solution->measured) {
+    auto measured = std::make_shared<BoardMeasurement>(*solution->measured);
+    const auto marks = marks_of(views, points);
+    measured->views.insert(measured->views.end(), marks.begin(), marks.end());
+    solution->measured = std::move(measured);
+  }
+  return solution;
+}
+
+Result<Solution> solve_board(std::span<const View> views, std::vector<PointSet> points,
+                             ImageSize size, const SolveOptions& options,
+                             const std::stop_token& stop) {
+  SolveOptions asked = options;
+  const char* why = nullptr;
+  const auto known = known_board(views, points, options, why);
+  if (known != options.measured) asked.measured = nullptr;
+  if (known) {
+    auto solution = solve_known(views, points, known, size, asked, stop);
+    if (solution && why) solution->calibration.remarks.emplace_back(why);
+    return solution;
+  }
+  const BoardShape shape = shape_for(views, points.size(), asked);
+  auto solution = solve_shaped(views, std::move(points), shape, size, asked, stop);
+  if (solution && why) solution->calibration.remarks.emplace_back(why);
   return solution;
 }
 
@@ -149,11 +280,7 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
   }
   auto usable = usable_views(views, image_size);
   if (!usable) return tl::unexpected<Error>(usable.error());
-  const BoardShape shape = shape_for(views, usable->views.size(), options);
-  auto solution =
-      options.model == kAutoModel
-          ? solve_auto(usable->views, shape, image_size, options, stop)
-          : solve_model(views, std::move(usable->views), shape, image_size, options, stop);
+  auto solution = solve_board(views, std::move(usable->views), image_size, options, stop);
   if (!solution) return solution;
   give_ids(views, solution->rejected_corners);
   auto& rejected = solution->rejected;

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Boards by name, several boards at once, files of names.
+#include <cmath>
 #include <ctime>
 #include <string>
 #include <vector>
@@ -219,6 +220,108 @@ TEST_F(BoardNames, WrongNamesAndPlaces) {
   EXPECT_EQ(folder_.entries(), 0u);
   ASSERT_TRUE(add_board(file(), "größe 3", kRight).has_value());
   EXPECT_TRUE(parse_boards(file() + "#größe 3").has_value());
+}
+
+// Offsets of some um and sigmas that have something in common.
+BoardMeasurement some_shape() {
+  BoardMeasurement measured = unmeasured(parse_board(kRight).value()).value();
+  const Eigen::Index n = measured.covariance.rows();
+  Eigen::VectorXd mode(n);
+  for (Eigen::Index i = 0; i < n; ++i) mode[i] = 1e-5 * std::sin(static_cast<double>(i));
+  measured.covariance = mode * mode.transpose();
+  measured.covariance.diagonal().array() += 1e-10;
+  for (std::size_t i = 0; i < measured.offsets.size(); ++i) {
+    measured.offsets[i] = {1e-6 * static_cast<double>(i), -2e-5, 3e-4};
+  }
+  measured.views = {{{320.5, 240.25}, {100, 60}}, {{1, 2}, {3, 4}}};
+  return measured;
+}
+
+TEST_F(BoardNames, AMeasuredBoardReadsBackAsTheSame) {
+  ASSERT_TRUE(add_board(file(), "desk", kRight));
+  const std::string named = file() + "#desk";
+  EXPECT_EQ(read_measurement(named).value(), nullptr);
+  const BoardMeasurement stored = some_shape();
+  ASSERT_TRUE(store_measurement(named, stored));
+  EXPECT_EQ(parse_boards(named).value().front().text(), kRight);
+  const auto listed = list_boards(file()).value();
+  ASSERT_EQ(listed.size(), 1u);
+  EXPECT_EQ(listed[0].text, kRight);
+  EXPECT_EQ(listed[0].measured_by, 2u);
+  for (const std::string& text : {named, "checkerboard:4x3:1cm;" + named}) {
+    const auto read = read_measurement(text).value();
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->board, stored.board);
+    for (std::size_t i = 0; i < stored.offsets.size(); ++i) {
+      EXPECT_LT((read->offsets[i] - stored.offsets[i]).norm(), 1e-8) << i;
+    }
+    EXPECT_LT((read->covariance - stored.covariance).norm(), 0.01 * stored.covariance.norm());
+    ASSERT_EQ(read->views.size(), 2u);
+    EXPECT_TRUE(same_view(read->views[0], stored.views[0]));
+  }
+}
+
+TEST_F(BoardNames, StoringAShapeKeepsWhatIsThere) {
+  write(R"({"format": "calvin-boards", "version": 1, "note": [1, 2], "boards": {
+            "a": "checkerboard:5x4:1cm",
+            "desk": {"board": "checkerboard:9x6:25mm", "bought": "in May", "shape": {}},
+            "z": {"board": "checkerboard:4x3:1cm", "glued": true}}})");
+  ASSERT_TRUE(store_measurement(file() + "#desk", some_shape()));
+  ASSERT_TRUE(add_board(file(), "z", "checkerboard:8x7:1in"));
+  auto now = nlohmann::json::parse(*read_file(file()));
+  EXPECT_EQ(now["note"], nlohmann::json::parse("[1, 2]"));
+  EXPECT_EQ(now["boards"]["a"], "checkerboard:5x4:1cm");
+  EXPECT_EQ(now["boards"]["desk"]["bought"], "in May");
+  EXPECT_EQ(now["boards"]["desk"]["shape"]["offsets"].size(), 54u);
+  EXPECT_EQ(now["boards"]["z"]["board"], "checkerboard:8x7:25.4mm");
+  EXPECT_EQ(now["boards"]["z"]["glued"], true);
+  // The same board again keeps its shape, another one has none.
+  ASSERT_TRUE(add_board(file(), "desk", "checkerboard:9x6:2.5cm"));
+  EXPECT_TRUE(read_measurement(file() + "#desk").value());
+  ASSERT_TRUE(add_board(file(), "desk", "checkerboard:9x6:26mm"));
+  EXPECT_FALSE(read_measurement(file() + "#desk").value());
+  now = nlohmann::json::parse(*read_file(file()));
+  EXPECT_FALSE(now["boards"]["desk"].contains("shape"));
+  EXPECT_EQ(now["boards"]["desk"]["bought"], "in May");
+}
+
+TEST_F(BoardNames, AShapeIsKeptUnderTheNameOfItsBoardAlone) {
+  ASSERT_TRUE(add_board(file(), "desk", "checkerboard:9x6:26mm"));
+  const std::string before = *read_file(file());
+  EXPECT_FALSE(store_measurement(file() + "#desk", some_shape()));
+  EXPECT_FALSE(store_measurement(file() + "#wall", some_shape()));
+  EXPECT_FALSE(store_measurement(kRight, some_shape()));
+  EXPECT_EQ(*read_file(file()), before);
+}
+
+TEST_F(BoardNames, ShapesThatNoBoardHasAreRefused) {
+  ASSERT_TRUE(add_board(file(), "desk", kRight));
+  const std::string named = file() + "#desk";
+  ASSERT_TRUE(store_measurement(named, some_shape()));
+  const auto right = nlohmann::json::parse(*read_file(file()));
+  const auto refused = [&](const char* key, const nlohmann::json& value) {
+    auto wrong = right;
+    wrong["boards"]["desk"]["shape"][key] = value;
+    write(wrong.dump());
+    const auto read = read_measurement(named);
+    ASSERT_FALSE(read) << key << " " << value.dump().substr(0, 40);
+    EXPECT_NE(read.error().message.find("calvin-board measure"), std::string::npos);
+    // The board itself is as good as before.
+    EXPECT_TRUE(parse_boards(named));
+  };
+  refused("offsets", nlohmann::json::array());
+  refused("offsets", "none");
+  refused("own", nlohmann::json::array({nlohmann::json::array({1, 2, 3})}));
+  refused("modes", nlohmann::json::array({nlohmann::json::array({1, 2, 3})}));
+  refused("views", nlohmann::json::array({1}));
+  auto own = right["boards"]["desk"]["shape"]["own"];
+  own[3][1] = 0;
+  refused("own", own);
+  own[3][1] = -1e-5;
+  refused("own", own);
+  auto offsets = right["boards"]["desk"]["shape"]["offsets"];
+  offsets[0][0] = 1e6;
+  refused("offsets", offsets);
 }
 
 }  // namespace

@@ -278,6 +278,18 @@ TEST(Recheck, TheLatestViewsCount) {
   EXPECT_NEAR(moved, truth, 0.1 * truth);
 }
 
+// A calibration that no ray leads to the picture of is valid in form: nothing can be told of it.
+TEST(Recheck, OfACameraThatSeesNothingTellsNothing) {
+  Random random(5);
+  const Camera blind = Camera::make("eucm", kSize, {1, 320, 0.001, 1e12, 0.1, 1}).value();
+  Recheck recheck(blind, blind.to_calibration());
+  const Camera camera = scenes::random_camera("pinhole", random);
+  for (const View& view : views_of(camera, random, 300, 0.05)) {
+    const auto report = recheck.add(view);
+    if (report) EXPECT_EQ(report->displacement, 0);
+  }
+}
+
 // How the board of the calibration was bent says nothing of another one.
 TEST(Recheck, AnotherBoardIsFlat) {
   const Board other = Checkerboard{7, 6, 0.03};

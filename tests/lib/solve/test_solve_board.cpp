@@ -3,13 +3,12 @@
 
 // Boards that are not as they were meant: the solve that is asked to finds how.
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <Eigen/QR>
 
 #include "calvin/solve/residuals/board_shape.hpp"
+#include "inked_board.hpp"
 #include "scenes.hpp"
 
 namespace calvin {
@@ -18,57 +17,8 @@ namespace {
 using scenes::kBoard;
 using scenes::kSize;
 using scenes::Random;
-
-constexpr double kNoise = 0.05;  // px
-
-// Views of a board whose points are elsewhere, turned any way about its normal.
-std::vector<View> views_of(const Camera& camera, const std::vector<Eigen::Vector3d>& points,
-                           int count, Random& random) {
-  std::normal_distribution<double> noise(0, kNoise);
-  std::vector<View> views;
-  while (static_cast<int>(views.size()) < count) {
-    SE3 pose = scenes::random_pose(camera, kBoard, random, scenes::uniform(random, 0, 0.7));
-    const double turn = scenes::uniform(random, -std::numbers::pi, std::numbers::pi);
-    const Eigen::Vector3d middle = (kBoard.points().front() + kBoard.points().back()) / 2;
-    const Eigen::Matrix3d rotation = pose.rotation * exp_so3({0, 0, turn});
-    pose = {rotation, pose * middle - rotation * middle};
-    View view;
-    view.board = kBoard;
-    view.observation.image_size = kSize;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto at = camera.project(pose * points[i]);
-      if (!at || at->u < 0 || at->v < 0 || at->u > kSize.width - 1 || at->v > kSize.height - 1) {
-        break;
-      }
-      view.observation.ids.push_back(static_cast<int>(i));
-      view.observation.uv.push_back({at->u + noise(random), at->v + noise(random)});
-      view.observation.sigma.push_back(kNoise);
-    }
-    if (view.observation.ids.size() == points.size()) views.push_back(std::move(view));
-  }
-  return views;
-}
-
-// What ink may do: displacements of `sigma` m without what is a shift, turn, scale, shear, tilt or
-// curvature of the board.
-Eigen::MatrixX3d random_offsets(double sigma, Random& random) {
-  std::normal_distribution<double> ink(0, sigma);
-  const auto printed = kBoard.points();
-  const auto n = static_cast<Eigen::Index>(printed.size());
-  const Eigen::MatrixX3d drawn =
-      Eigen::MatrixX3d::NullaryExpr(n, 3, [&](Eigen::Index, Eigen::Index) { return ink(random); });
-  Eigen::MatrixXd smooth(n, 5);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3d& p = printed[static_cast<std::size_t>(i)];
-    smooth.row(i) << 1, p.x(), p.y(), p.x() * p.x(), p.y() * p.y();
-  }
-  Eigen::MatrixX3d left = drawn;
-  const Eigen::MatrixXd linear = smooth.leftCols<3>();
-  left.leftCols<2>() -= linear * linear.colPivHouseholderQr().solve(drawn.leftCols<2>());
-  // A curvature has no more than its own height: its shift and tilt are those of a pose.
-  left.col(2) -= smooth * smooth.colPivHouseholderQr().solve(drawn.col(2));
-  return left;
-}
+using scenes::random_offsets;
+using scenes::views_of;
 
 void expect_camera(const Calibration& found, const Camera& truth) {
   for (std::size_t i = 0; i < truth.parameters().size(); ++i) {

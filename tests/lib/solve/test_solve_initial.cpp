@@ -85,6 +85,17 @@ TEST(Initial, WhatIsFixedKeepsItsValue) {
   EXPECT_LT(scenes::normalised_error(c, camera), 4);
 }
 
+// Two tilts leave nothing open of a pinhole that is held.
+TEST(Initial, TheDistortionAloneIsFoundFromTwoTilts) {
+  Random random(2);
+  const Camera camera = scenes::random_camera("brown4", random);
+  auto views = views_of(camera, random, 2);
+  views.push_back(views.front());
+  const auto solution = solve(views, kSize, from(camera, {"fx", "fy", "cx", "cy"}));
+  ASSERT_TRUE(solution) << solution.error().message;
+  EXPECT_EQ(solution->calibration.covariance.size(), 16u);
+}
+
 TEST(Initial, AspectIsThatOfTheInitialCamera) {
   Random random(2);
   const Camera camera =

@@ -6,10 +6,13 @@
 #include "calvin/solve/fit/add_estimates.hpp"
 
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include <Eigen/Core>
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/target/board_fields.hpp"
 
 namespace calvin {
 
@@ -28,9 +31,9 @@ void add_sigmas(Calibration& calibration, const ParameterTable& table, const Eig
   }
 }
 
-// Copies the measured shape of the board; `c` is over all unknowns.
+// Copies what modes of the board tell; `c` is over all unknowns.
 void add_shape(Solution& solution, const Fit& fit, const ParameterTable& table,
-               const BoardShape& shape, const Eigen::MatrixXd& c) {
+               const Eigen::MatrixXd& c) {
   const auto value = [&](int unknown) { return fit.shared[static_cast<std::size_t>(unknown)]; };
   const auto sigma = [&](int unknown) { return std::sqrt(c(unknown, unknown)); };
   if (const ParameterRange warp = table.warp(0); !warp.empty()) {
@@ -39,22 +42,6 @@ void add_shape(Solution& solution, const Fit& fit, const ParameterTable& table,
   }
   if (const ParameterRange aspect = table.aspect(0); !aspect.empty()) {
     solution.board_aspect = BoardAspect{1 + value(aspect[0]), sigma(aspect[0])};
-  }
-  const ParameterRange offsets = table.offsets(0);
-  if (offsets.empty()) return;
-  const auto first = static_cast<std::size_t>(shape.unknowns.offsets().first);
-  const auto own = values_of(fit.shared, offsets);
-  const Eigen::Map<const Eigen::VectorXd> values(own.data(), offsets.count);
-  const Eigen::MatrixXd covariance =
-      c.block(offsets.first, offsets.first, offsets.count, offsets.count);
-  for (std::size_t i = 0; i < shape.displacement.size() / shape.modes; ++i) {
-    Eigen::MatrixXd moves(3, offsets.count);
-    for (Eigen::Index m = 0; m < offsets.count; ++m) {
-      moves.col(m) = shape.displacement[i * shape.modes + first + static_cast<std::size_t>(m)];
-    }
-    const Eigen::MatrixXd by_covariance = product(moves, covariance);
-    solution.corner_offsets.push_back(
-        {moves * values, by_covariance.cwiseProduct(moves).rowwise().sum().cwiseSqrt()});
   }
 }
 
@@ -72,10 +59,39 @@ void add_readout(Calibration& calibration, const Fit& fit, const ParameterTable&
 }  // namespace
 
 void add_estimates(Solution& solution, const Fit& fit, const ParameterTable& table,
-                   const BoardShape& shape, const Eigen::MatrixXd& covariance) {
+                   const Eigen::MatrixXd& covariance) {
   add_sigmas(solution.calibration, table, covariance);
-  add_shape(solution, fit, table, shape, covariance);
+  add_shape(solution, fit, table, covariance);
   add_readout(solution.calibration, fit, table, covariance);
+}
+
+// The curvatures that are nearest to the offsets, and what is left of each point.
+void add_board(Solution& solution, const Fit& fit, const BoardMeasurement& prior, double variance) {
+  auto measured = std::make_shared<BoardMeasurement>(prior);
+  measured->offsets = fit.board->offsets;
+  measured->covariance = (fit.board->estimated ? variance : 1) * fit.board->covariance;
+  const Eigen::MatrixXd basis = offset_basis(prior.board);
+  const Eigen::MatrixXd fields =
+      product(basis, product(basis.transpose(), curvature_fields(prior.board)));
+  const Eigen::MatrixXd to_bends =
+      solve_symmetric(product(fields.transpose(), fields), fields.transpose());
+  Eigen::VectorXd offsets(fields.rows());
+  for (std::size_t i = 0; i < measured->offsets.size(); ++i) {
+    offsets.segment<3>(3 * static_cast<Eigen::Index>(i)) = measured->offsets[i];
+  }
+  const Eigen::VectorXd bends = to_bends * offsets;
+  const Eigen::MatrixXd of_bends = congruent(measured->covariance, to_bends.transpose());
+  solution.calibration.warp =
+      BoardWarp{bends[0], bends[1], std::sqrt(of_bends(0, 0)), std::sqrt(of_bends(1, 1))};
+  const Eigen::VectorXd left = offsets - fields * bends;
+  const Eigen::MatrixXd by_bends = product(fields, to_bends);
+  const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(left.size(), left.size()) - by_bends;
+  const Eigen::VectorXd sigma =
+      congruent(measured->covariance, rest.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (Eigen::Index at = 0; at < left.size(); at += 3) {
+    solution.corner_offsets.push_back({left.segment<3>(at), sigma.segment<3>(at)});
+  }
+  if (fit.board->estimated) solution.measured = std::move(measured);
 }
 
 }  // namespace calvin

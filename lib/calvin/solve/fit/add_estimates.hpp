@@ -8,14 +8,18 @@
 
 #include "calvin/solve/fit/camera_fit.hpp"
 #include "calvin/solve/parameters/parameter_table.hpp"
-#include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/solution.hpp"
+#include "calvin/target/board_measurement.hpp"
 
 namespace calvin {
 
-// The sigmas of the parameters, which are in place, and their covariance; the measured shape of the
-// board; the readout. `covariance` is over all unknowns of the table.
+// The sigmas of the parameters, which are in place, and their covariance; the modes of the board;
+// the readout. `covariance` is over all unknowns of the table.
 void add_estimates(Solution& solution, const Fit& fit, const ParameterTable& table,
-                   const BoardShape& shape, const Eigen::MatrixXd& covariance);
+                   const Eigen::MatrixXd& covariance);
+
+// The board of a fit that has one, estimated or known. `variance` is that of a residual of weight
+// 1, px^2.
+void add_board(Solution& solution, const Fit& fit, const BoardMeasurement& prior, double variance);
 
 }  // namespace calvin

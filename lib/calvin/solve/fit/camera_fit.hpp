@@ -4,6 +4,7 @@
 // The least squares for one camera, from its start to its last iteration. Internal.
 #pragma once
 
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -24,6 +25,17 @@ struct Rival {
   double cost = 0;  // px^2
 };
 
+// The places of a board's points where they are not those of the printed board: estimated, or known
+// from others. What is left unknown of them adds to the covariance of the directions, whose
+// `information` supposes that the points are known.
+struct FittedBoard {
+  bool estimated = false;                // then covariances are for residuals of a variance of 1
+  std::vector<Eigen::Vector3d> offsets;  // m
+  Eigen::MatrixXd covariance;            // m^2, of x y z of one point after the other
+  Eigen::MatrixXd of_directions;         // what it adds
+  double determined = 0;  // how many of the numbers the views determine, not the prior
+};
+
 struct Fit {
   std::vector<double> shared;                // in the order of the table
   std::vector<SE3> camera_from_board;        // per view; valid for the views used
@@ -32,6 +44,7 @@ struct Fit {
   std::vector<std::vector<double>> squares;  // per view used: each corner's squared distance, px^2
   double cost = 0;                           // weighted, px^2, over the corners used
   Eigen::MatrixXd information;  // over Parameterization's directions, for residuals of 1 px
+  std::optional<FittedBoard> board;
   std::vector<Rival> rivals;
   int iterations = 0;
   bool converged = false;

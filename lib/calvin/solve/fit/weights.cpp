@@ -118,6 +118,7 @@ double determined_by_priors(const Fit& fit, const Parameterization& parameteriza
 double degrees_of_freedom(const Fit& fit, const Parameterization& parameterization) {
   double degrees =
       determined_by_priors(fit, parameterization) - static_cast<double>(fit.information.rows());
+  if (fit.board) degrees -= fit.board->determined;
   for (std::size_t v = 0; v < fit.views.size(); ++v) {
     if (fit.used[v]) degrees += 2 * static_cast<double>(fit.views[v].used()) - 6;
   }
@@ -155,6 +156,35 @@ std::vector<PointSet> with_common_sigma(std::vector<PointSet> views, const Weigh
                    [&](double w) { return scale.sigma / std::hypot(scale.sigma / w, common); });
   }
   return views;
+}
+
+Weights with_view_factors(const Fit& fit, const Weights& original, const WeightScale& scale) {
+  constexpr double kMost = 4;  // times the sigmas of other views, or a part of them
+  std::vector<double> logs(original.size(), 0);
+  double sum = 0;
+  double views = 0;
+  for (std::size_t v = 0; v < original.size(); ++v) {
+    double squares = 0;
+    double corners = 0;
+    for (std::size_t i = 0; fit.used[v] && i < original[v].size(); ++i) {
+      if (!(fit.views[v].weight[i] > 0)) continue;
+      const double w = original[v][i] / scale.sigma;
+      squares += fit.squares[v][i] * w * w;
+      corners += 1;
+    }
+    // A pose takes 6 of the residuals.
+    if (!(corners > 3) || !(squares > 0)) continue;
+    logs[v] = std::log(squares / (2 * corners - 6)) / 2;
+    sum += logs[v];
+    views += 1;
+  }
+  Weights weights = original;
+  for (std::size_t v = 0; v < original.size(); ++v) {
+    if (logs[v] == 0) continue;
+    const double factor = std::clamp(std::exp(logs[v] - sum / views), 1 / kMost, kMost);
+    for (double& w : weights[v]) w /= factor;
+  }
+  return weights;
 }
 
 double chi_of(const Fit& fit, const Parameterization& parameterization, const Weights& original,

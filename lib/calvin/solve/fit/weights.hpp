@@ -47,6 +47,11 @@ using Weights = std::vector<std::vector<double>>;
                                                       const Weights& original,
                                                       const WeightScale& scale, double common);
 
+// The weights where each view has its own factor of the sigmas: the root mean square of its corners
+// in use over their sigmas, the geometric mean of all views being 1.
+[[nodiscard]] Weights with_view_factors(const Fit& fit, const Weights& original,
+                                        const WeightScale& scale);
+
 // The square root of chi^2 per degree of freedom over the corners in use, by the detector's sigmas.
 [[nodiscard]] double chi_of(const Fit& fit, const Parameterization& parameterization,
                             const Weights& original, const WeightScale& scale);

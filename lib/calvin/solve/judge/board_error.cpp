@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/solve/fit/fit_derivatives.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/residuals/view_rows.hpp"
 
@@ -19,7 +20,6 @@ namespace {
 
 // Along x and y of the board. Offsets out of its plane are the curvatures', which are unknowns.
 constexpr Eigen::Index kAxes = 2;
-constexpr Eigen::Index kTranslation = 3;  // the first column of RowLayout that moves the board
 
 // The first corner of each board among the corners of all, and how many these are.
 std::map<std::size_t, Eigen::Index> first_corners(const Fit& fit, Eigen::Index& count) {
@@ -34,52 +34,16 @@ std::map<std::size_t, Eigen::Index> first_corners(const Fit& fit, Eigen::Index& 
   return ids;
 }
 
-// The residuals of one view, all of u and then all of v, and their derivatives.
-struct ViewDerivatives {
-  Eigen::Index first = 0;  // corner of all boards
-  std::vector<int> ids;    // of the corners, whose rows come first in either half
-  Eigen::VectorXd residual;
-  Eigen::MatrixXd pose;     // by the pose
-  Eigen::MatrixXd to_pose;  // from residuals to the pose that explains most of them
-  Eigen::MatrixXd shared;   // by the shared unknowns, the pose eliminated
-  Eigen::Matrix<double, Eigen::Dynamic, 3> along;  // by the place of its corner, in board axes
-
-  [[nodiscard]] Eigen::Index height() const { return residual.size() / 2; }
-};
-
-ViewDerivatives derivatives(const Fit& fit, std::size_t v, const ViewPoints& points,
-                            ViewRows& rows) {
-  const auto height = static_cast<Eigen::Index>(points.padded());
-  const Eigen::Map<const Eigen::MatrixXd> all(rows.u(0), 2 * height, rows.layout().columns());
-  ViewDerivatives by;
-  by.ids.assign(points.ids().begin(), points.ids().end());
-  by.residual = all.col(RowLayout::kResidual);
-  by.pose = all.leftCols(RowLayout::kPose);
-  by.shared = all.rightCols(rows.layout().shared());
-  const Eigen::MatrixXd transposed = by.pose.transpose();
-  const auto to_pose = scaled_solve(product(transposed, by.pose), transposed, 0);
-  by.to_pose = to_pose ? *to_pose : Eigen::MatrixXd::Zero(RowLayout::kPose, 2 * height);
-  by.shared -= product(by.pose, product(by.to_pose, by.shared));
-  by.along = by.pose.middleCols<3>(kTranslation).lazyProduct(fit.camera_from_board[v].rotation);
-  return by;
-}
-
-// Calls `use` with the derivatives of each view used.
+// Calls `use` with the derivatives of each view used, whose ids are made those among the corners of
+// all boards.
 template <typename Use>
 void for_views(const Fit& fit, const BoardShape& shape, const Parameterization& parameterization,
                const std::map<std::size_t, Eigen::Index>& first, Use use) {
-  const ParameterTable& table = parameterization.table;
-  ViewRows rows(row_layout(table, 0, 0));
-  for (std::size_t v = 0; v < fit.views.size(); ++v) {
-    if (!fit.used[v]) continue;
-    const ViewPoints points(fit.views[v], shape);
-    rows.resize(points.padded());
-    fill_rows_of(parameterization.model)(points, row_point(table, 0, 0, fit.shared),
-                                         fit.camera_from_board[v], Loss{}, rows);
-    ViewDerivatives by = derivatives(fit, v, points, rows);
-    by.first = first.at(fit.views[v].board);
+  for_view_derivatives(fit, shape, parameterization, [&](ViewDerivatives by) {
+    const auto before = static_cast<int>(first.at(fit.views[by.view].board));
+    for (int& id : by.ids) id += before;
     use(std::move(by));
-  }
+  });
 }
 
 // Least squares over the corners of all boards, three numbers each, and the directions, the poses
@@ -155,8 +119,8 @@ class BoardSolve {
   static void for_corners(const ViewDerivatives& view, Use use) {
     for (std::size_t i = 0; i < view.ids.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      use(view.first + view.ids[i], row);
-      use(view.first + view.ids[i], view.height() + row);
+      use(view.ids[i], row);
+      use(view.ids[i], view.height() + row);
     }
   }
 
@@ -209,7 +173,7 @@ Eigen::MatrixXd board_covariance(const Fit& fit, const BoardShape& shape,
     for (std::size_t i = 0; i < by.ids.size(); ++i) {
       const auto u = static_cast<Eigen::Index>(i);
       const Eigen::Index v = by.height() + u;
-      const Eigen::Index at = kAxes * (by.first + by.ids[i]);
+      const Eigen::Index at = kAxes * by.ids[i];
       for (Eigen::Index k = 0; k < kAxes; ++k) {
         sum.col(at + k) += by.along(u, k) * by.shared.row(u).transpose() +
                            by.along(v, k) * by.shared.row(v).transpose();

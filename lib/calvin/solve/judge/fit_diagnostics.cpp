@@ -120,7 +120,7 @@ class FitDiagnosis {
     // Shift, turn and scale of a whole board are explained by poses and focal length.
     constexpr double kRigid = 7;
     // Where each corner has its own offset, the means by corner are 0 anyway.
-    if (shape_.unknowns.offsets().empty()) {
+    if (!offsets_estimated()) {
       const double rigid = kRigid * static_cast<double>(parts_.size());
       result.board =
           board_.chi_square(variance_, kept, rigid + parameterization_.table.board(0).count);
@@ -131,6 +131,8 @@ class FitDiagnosis {
   }
 
  private:
+  [[nodiscard]] bool offsets_estimated() const { return fit_.board && fit_.board->estimated; }
+
   // What the views would say were the corners of the board where all of them together see them.
   [[nodiscard]] std::optional<Eigen::MatrixXd> board_known(const FitDiagnostics& found) const {
     const auto known = [&](double of_board) { return variance_ / std::max(of_board, 1e-30); };
@@ -152,9 +154,9 @@ class FitDiagnosis {
   }
 
   void add_shared(FitDiagnostics& result) const {
-    result.bends_known = !parameterization_.table.warp(0).empty();
+    result.bends_known = fit_.board || !parameterization_.table.warp(0).empty();
     result.picture_agrees = picture_shared_.deviations();
-    if (shape_.unknowns.offsets().empty()) {
+    if (!offsets_estimated()) {
       const double in_plane = board_shared_.deviations();
       result.board_agrees = std::max(in_plane, board_bent_.deviations());
       if (in_plane > kSignificant) result.board_variance = board_shared_.variance();
@@ -181,7 +183,7 @@ class FitDiagnosis {
     views_.emplace(covariance_);
     determined_ =
         static_cast<double>(covariance_.rows()) - determined_by_priors(fit_, parameterization_);
-    unknowns_ += determined_;
+    unknowns_ += determined_ + (fit_.board ? fit_.board->determined : 0);
     const double parts = std::clamp(residuals_ / 2 / kCornersPerPart, 1.0, 400.0);
     const double aspect =
         static_cast<double>(camera_.image_size().width) / camera_.image_size().height;
@@ -323,12 +325,37 @@ FitDiagnostics diagnose(const Fit& fit, const Camera& camera, const BoardShape& 
       .run(stop);
 }
 
+double board_excess(const FitDiagnostics& found) {
+  return found.views_covariance ? std::max(1.0, found.views.ratio()) : 1;
+}
+
+namespace {
+
+// How much larger the variance in the plane of a known board is by what the views agree on than it
+// is told to be.
+double known_excess(const FittedBoard& board, const FitDiagnostics& found) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < board.covariance.rows(); i += 3) {
+    sum += board.covariance(i, i) + board.covariance(i + 1, i + 1);
+  }
+  const double mean = sum / (2 * static_cast<double>(board.offsets.size()));
+  return mean > 0 ? std::max(1.0, found.board_variance / mean) : 1;
+}
+
+}  // namespace
+
 Eigen::MatrixXd honest_covariance(const Fit& fit, const BoardShape& shape,
                                   const Parameterization& parameterization,
-                                  const FitDiagnostics& found, const Eigen::MatrixXd& by_noise) {
+                                  const FitDiagnostics& found, const Eigen::MatrixXd& by_noise,
+                                  double variance) {
   const Eigen::MatrixXd to_unknowns = parameterization.basis.transpose();
   Eigen::MatrixXd c = by_noise;
   if (found.views_covariance) c = congruent(*found.views_covariance, to_unknowns);
+  if (fit.board) {
+    const double scale =
+        fit.board->estimated ? board_excess(found) * variance : known_excess(*fit.board, found);
+    return c + scale * congruent(fit.board->of_directions, to_unknowns);
+  }
   if (found.board_variance > 0) {
     const Eigen::MatrixXd of_board = board_covariance(fit, shape, parameterization);
     c += found.board_variance * congruent(of_board, to_unknowns);

@@ -56,11 +56,16 @@ struct FitDiagnostics {
                                       const PlacedGrid& covered, const Eigen::MatrixXd& covariance,
                                       double variance, const std::stop_token& stop);
 
+// How much larger the variance of a board's measured points is than noise makes it, where views
+// contradict each other.
+[[nodiscard]] double board_excess(const FitDiagnostics& found);
+
 // The covariance of all unknowns: of noise, or of what the views show of whatever there is; and of
-// what a board that is not as printed does in all of them alike. Each counts once.
+// what a board that is not as printed does in all of them alike, or what is left unknown of a
+// measured one. Each counts once. `variance` is that of a residual of weight 1, px^2.
 [[nodiscard]] Eigen::MatrixXd honest_covariance(const Fit& fit, const BoardShape& shape,
                                                 const Parameterization& parameterization,
                                                 const FitDiagnostics& found,
-                                                const Eigen::MatrixXd& by_noise);
+                                                const Eigen::MatrixXd& by_noise, double variance);
 
 }  // namespace calvin

@@ -212,20 +212,26 @@ struct Variance {
   double noise = 1;
 };
 
-// The promises and the verdict. Returns the covariance of all unknowns that they are made of.
-Eigen::MatrixXd add_checks(Solution& solution, const FinishedFit& from, const Camera& camera,
-                           const Eigen::MatrixXd& by_noise, const Variance& variance,
-                           const std::stop_token& stop) {
+// What the promises are made of.
+struct Promised {
+  Eigen::MatrixXd covariance;  // of all unknowns
+  double of_board = 1;         // times the noise: the variance of a measured board
+};
+
+// The promises and the verdict.
+Promised add_checks(Solution& solution, const FinishedFit& from, const Camera& camera,
+                    const Eigen::MatrixXd& by_noise, const Variance& variance,
+                    const std::stop_token& stop) {
   Calibration& calibration = solution.calibration;
   const Parameterization& parameterization = from.parameterization;
   const ProjectionGrids grids =
       projection_grids(camera, grid_columns(parameterization), calibration.covered);
   const FitDiagnostics found = diagnose(from.fit, camera, from.shape, parameterization,
                                         grids.covered, by_noise, variance.all, stop);
-  if (stop.stop_requested()) return by_noise;
-  const Eigen::MatrixXd promised =
-      with_rivals(honest_covariance(from.fit, from.shape, parameterization, found, by_noise),
-                  from.fit, variance.all);
+  if (stop.stop_requested()) return {by_noise};
+  const Eigen::MatrixXd promised = with_rivals(
+      honest_covariance(from.fit, from.shape, parameterization, found, by_noise, variance.all),
+      from.fit, variance.all);
   const ParameterRange own = parameterization.table.camera(0);
   const auto of_camera = [&own](const Eigen::MatrixXd& c) -> Eigen::MatrixXd {
     return c.block(own.first, own.first, own.count, own.count);
@@ -247,7 +253,7 @@ Eigen::MatrixXd add_checks(Solution& solution, const FinishedFit& from, const Ca
   calibration.misfit = to_string(solution.misfit.cause);
   calibration.split_half_ratio = solution.misfit.split_half_ratio;
   add_held_out(solution, found);
-  return promised;
+  return {promised, board_excess(found)};
 }
 
 Result<Solution> solution_of(const FinishedFit& from, ImageSize size, const SolveOptions& options,
@@ -295,11 +301,14 @@ Result<Solution> solution_of(const FinishedFit& from, ImageSize size, const Solv
   add_corners(solution, fit);
   if (from.scale.known) solution.calibration.chi = from.chi;
   const double noise = from.scale.known ? by_detector / variance : 1;
-  const Eigen::MatrixXd promised =
+  const Promised promised =
       options.checks ? add_checks(solution, from, *camera, *c, {variance, noise}, stop)
-                     : with_rivals(*c, fit, variance);
-  add_estimates(solution, fit, table, from.shape, promised);
-  if (options.checks) add_remarks(solution, promised, *camera, parameterization);
+                     : Promised{with_rivals(
+                           honest_covariance(fit, from.shape, parameterization, {}, *c, variance),
+                           fit, variance)};
+  add_estimates(solution, fit, table, promised.covariance);
+  if (fit.board) add_board(solution, fit, *from.shape.offsets, promised.of_board * variance);
+  if (options.checks) add_remarks(solution, promised.covariance, *camera, parameterization);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, kStopped);
   return solution;
 }

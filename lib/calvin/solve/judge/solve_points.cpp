@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/solve/fit/board_fit.hpp"
 #include "calvin/solve/fit/camera_fit.hpp"
 #include "calvin/solve/fit/weights.hpp"
 #include "calvin/solve/judge/make_solution.hpp"
@@ -51,6 +52,99 @@ std::optional<ReadoutTime> readout_for(std::vector<PointSet>& views, const Solve
   return std::nullopt;
 }
 
+// Fits with the common sigma, and with the offsets of the board's points, where they are unknowns.
+class BoardedFit {
+ public:
+  BoardedFit(const BoardShape& shape, ImageSize size, const Parameterization& parameterization,
+             const SolveOptions& options, Weights original, const WeightScale& scale,
+             const std::stop_token& stop)
+      : shape_(shape),
+        size_(size),
+        parameterization_(parameterization),
+        options_(options),
+        original_(std::move(original)),
+        scale_(scale),
+        stop_(stop) {}
+
+  Fit run(std::vector<PointSet> views) {
+    if (!shape_.offsets) return settled(std::move(views));
+    BoardFit board =
+        shape_.start ? BoardFit(*shape_.offsets, *shape_.start) : BoardFit(*shape_.offsets);
+    board.place(views);
+    Fit fit = settled(std::move(views));
+    if (!options_.offsets) return known(board, std::move(fit));
+    // A board that is another one than the measured one is no better for steps away from it.
+    contradicted_ = options_.measured && linearise(board, fit) && board.contradicts_prior();
+    if (contradicted_) return fit;
+    return estimated(board, std::move(fit));
+  }
+
+  [[nodiscard]] bool contradicted() const { return contradicted_; }
+
+ private:
+  bool linearise(BoardFit& board, const Fit& fit) const {
+    return fit.converged && board.linearise(fit, shape_, parameterization_);
+  }
+
+  // With offsets that these views estimate, too.
+  Fit estimated(BoardFit& board, Fit fit) {
+    constexpr int kRounds = 5;
+    // A smaller decrease of the cost is that of a few hundredths of a sigma, of all offsets.
+    constexpr double kSmall = 1e-6;
+    for (int i = 0; linearise(board, fit); ++i) {
+      const auto decrease = board.find_step(scale_.sigma);
+      if (!decrease) break;
+      if (i == kRounds || *decrease < kSmall * fit.cost) {
+        fit.board = board.fitted();
+        break;
+      }
+      board.take_step();
+      board.place(fit.views);
+      fit = settled(with_common_sigma(std::move(fit.views), original_, scale_, common_));
+    }
+    return fit;
+  }
+
+  // With the offsets that others found. No error of the board hides any more how much worse one
+  // view is than another, so that each gets a weight of its own.
+  Fit known(BoardFit& board, Fit fit) {
+    constexpr int kRounds = 2;
+    const Weights told = original_;
+    for (int i = 0; i < kRounds && fit.converged && scale_.known; ++i) {
+      original_ = with_view_factors(fit, told, scale_);
+      fit = settled(with_common_sigma(std::move(fit.views), original_, scale_, common_));
+    }
+    if (!linearise(board, fit)) return fit;
+    contradicted_ = board.contradicts_prior();
+    if (!contradicted_) fit.board = board.known();
+    return fit;
+  }
+
+  // The fit to points that stand still.
+  Fit settled(std::vector<PointSet> views) {
+    Fit fit = fit_camera(std::move(views), shape_, size_, parameterization_, options_, stop_);
+    constexpr int kRounds = 3;
+    for (int i = 0; i < kRounds && fit.converged && scale_.known; ++i) {
+      const double common = common_sigma(fit, original_, scale_, stop_);
+      if (std::abs(common - common_) <= kConverged * common) break;
+      fit = fit_camera(with_common_sigma(std::move(fit.views), original_, scale_, common), shape_,
+                       size_, parameterization_, options_, stop_);
+      common_ = common;
+    }
+    return fit;
+  }
+
+  const BoardShape& shape_;
+  ImageSize size_;
+  const Parameterization& parameterization_;
+  const SolveOptions& options_;
+  Weights original_;
+  WeightScale scale_;
+  const std::stop_token& stop_;
+  double common_ = 0;
+  bool contradicted_ = false;
+};
+
 }  // namespace
 
 Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& shape,
@@ -76,18 +170,13 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
         {table.readout(0).first, options.readout->value, options.readout->sigma / scale.sigma});
   }
   const Weights original = weights_of(views);
-  Fit fit = fit_camera(std::move(views), shape, image_size, *parameterization, options, stop);
-  constexpr int kRounds = 3;
-  double before = 0;
-  for (int i = 0; i < kRounds && fit.converged && scale.known; ++i) {
-    const double common = common_sigma(fit, original, scale, stop);
-    if (std::abs(common - before) <= kConverged * common) break;
-    fit = fit_camera(with_common_sigma(std::move(fit.views), original, scale, common), shape,
-                     image_size, *parameterization, options, stop);
-    before = common;
-  }
+  BoardedFit run(shape, image_size, *parameterization, options, original, scale, stop);
+  const Fit fit = run.run(std::move(views));
   const double chi = fit.converged ? chi_of(fit, *parameterization, original, scale) : 1;
-  return make_solution({fit, *parameterization, shape, scale, chi}, image_size, options, stop);
+  auto solution =
+      make_solution({fit, *parameterization, shape, scale, chi}, image_size, options, stop);
+  if (solution) solution->other_board = run.contradicted();
+  return solution;
 }
 
 }  // namespace calvin

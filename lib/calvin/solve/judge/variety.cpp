@@ -59,6 +59,7 @@ double firmness(const Fit& fit, const Parameterization& parameterization) {
   for (Eigen::Index c = 0; c < parameterization.basis.cols(); ++c) {
     if (moves(parameterization.basis, c, pinhole)) columns.push_back(c);
   }
+  if (columns.empty()) return HUGE_VAL;  // all of it is held
   const auto n = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd change(4, n);
   for (Eigen::Index i = 0; i < n; ++i) {

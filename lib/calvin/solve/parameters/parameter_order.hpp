@@ -48,19 +48,17 @@ struct CameraUnknowns {
   [[nodiscard]] constexpr ParameterRange all() const { return {0, skew().end()}; }
 };
 
-// The unknowns of a board, which are the coefficients of its modes: two curvatures, the aspect less
-// 1, and modes of single corners.
+// The unknowns of a board, which are the coefficients of its modes: two curvatures and the aspect
+// less 1.
 struct BoardUnknowns {
   bool has_warp = false;
   bool has_aspect = false;
-  int offset_count = 0;
 
   [[nodiscard]] constexpr ParameterRange warp() const { return {0, has_warp ? 2 : 0}; }
   [[nodiscard]] constexpr ParameterRange aspect() const {
     return {warp().end(), has_aspect ? 1 : 0};
   }
-  [[nodiscard]] constexpr ParameterRange offsets() const { return {aspect().end(), offset_count}; }
-  [[nodiscard]] constexpr ParameterRange all() const { return {0, offsets().end()}; }
+  [[nodiscard]] constexpr ParameterRange all() const { return {0, aspect().end()}; }
 };
 
 }  // namespace calvin

@@ -70,9 +70,6 @@ std::string ParameterTable::board_name(std::size_t j, int unknown) const {
     return fmt::format("board{}.{}", j, kWarpNames[index(unknown - warp(j).first)]);
   }
   if (aspect(j).has(unknown)) return fmt::format("board{}.aspect", j);
-  if (offsets(j).has(unknown)) {
-    return fmt::format("board{}.offset{}", j, unknown - offsets(j).first);
-  }
   return {};
 }
 

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,23 +15,26 @@
 #include "calvin/solve/options.hpp"
 #include "calvin/solve/parameters/parameter_order.hpp"
 #include "calvin/target/board.hpp"
+#include "calvin/target/board_measurement.hpp"
 
 namespace calvin {
 
 // How the shape of a board may differ from the printed one: point i of Board::points() moves by
 // coefficient[m] * displacement[i * modes + m], in m. The modes are in the order of BoardUnknowns:
-// the curvatures are those of BoardWarp (m), the aspect has no unit, and those of single corners
-// are an orthonormal basis of what corners may do (m).
+// the curvatures are those of BoardWarp (m), the aspect has no unit.
 struct BoardShape {
   std::size_t modes = 0;
   std::vector<Eigen::Vector3d> displacement;
   std::vector<double> prior;  // per mode, 1 sigma: holds modes that the views do not determine
   BoardUnknowns unknowns;     // which modes these are
+
+  // What is known of the points where their offsets are unknowns of their own, curvatures and all;
+  // else null. `start` is how the board is bent as far as others know.
+  std::shared_ptr<const BoardMeasurement> offsets;
+  std::optional<BoardWarp> start;
 };
 
-// The modes that the options ask for, about a board that is flat as it was printed. The modes of
-// single corners are orthogonal to every shift, turn, scale, shear, tilt and curvature of the
-// board, which poses, focal lengths and the other modes explain.
+// What the options ask for, about a board that is flat as it was printed.
 [[nodiscard]] BoardShape make_shape(const Board& board, const SolveOptions& options);
 
 // The control points of a board with this warp, m, board frame.

@@ -38,6 +38,7 @@ PointSet PointSet::without_corners() const {
   bare.board = board;
   bare.timestamp = timestamp;
   bare.sigma_known = sigma_known;
+  bare.ambiguous = ambiguous;
   return bare;
 }
 
@@ -61,6 +62,7 @@ PointSet to_points(const Board& board, const std::vector<Eigen::Vector3d>& point
                    const Observation& observation) {
   PointSet view;
   view.timestamp = observation.timestamp;
+  view.ambiguous = !observation.ambiguous.empty();
   const IdIndex board_ids(board);
   view.uv = observation.uv;
   view.ids.resize(observation.ids.size());

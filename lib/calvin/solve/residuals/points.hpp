@@ -33,6 +33,7 @@ struct PointSet {
   std::vector<double> weight;           // 1 / sigma; 0: left out
   std::vector<RowMotion> motion;        // empty: nothing moves
   bool sigma_known = true;              // every corner came with a sigma
+  bool ambiguous = false;               // the board may be labelled otherwise
 
   [[nodiscard]] std::size_t size() const noexcept { return points.size(); }
   [[nodiscard]] std::size_t used() const noexcept;
