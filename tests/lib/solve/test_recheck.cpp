@@ -286,7 +286,7 @@ TEST(Recheck, OfACameraThatSeesNothingTellsNothing) {
   const Camera camera = scenes::random_camera("pinhole", random);
   for (const View& view : views_of(camera, random, 300, 0.05)) {
     const auto report = recheck.add(view);
-    if (report) EXPECT_EQ(report->displacement, 0);
+    EXPECT_EQ(report ? report->displacement : 0, 0);
   }
 }
 
