@@ -229,6 +229,7 @@ done
 # A large folder takes no more than a small one: 100 pictures with 64 file descriptors.
 mkdir large
 for n in $(seq 10 109); do ln "exact/0$((n % 8)).jpg" "large/$n.jpg"; done
+# shellcheck disable=SC3045 # not in POSIX, and in every shell that is sh somewhere
 (ulimit -n 64 && leaves 0 large) || exit 1
 grep -q '^100 of 100 pictures used' out || fail "a large folder: $(cat out err)"
 ! grep -q CRITICAL err || fail "a large folder: $(cat err)"
