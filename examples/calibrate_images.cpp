@@ -6,7 +6,7 @@
 // for the files that is not there is made.
 //
 // The pictures go through one pipeline, one after the other:
-//   filesrc ! decodebin ! videoconvert ! concat ! calibrate ! fakesink
+//   appsrc ! queue ! calibrate ! fakesink
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -17,6 +17,7 @@
 #include <gst/gst.h>
 
 #include "calibrate_images_folder.hpp"
+#include "calibrate_images_pair.hpp"
 #include "calibrate_images_run.hpp"
 #include "calvin/core/file.hpp"
 #include "print_calibration.hpp"
@@ -26,7 +27,6 @@ namespace {
 using calibrate_images::Folder;
 using calibrate_images::Options;
 using calibrate_images::Outcome;
-using calibrate_images::Picture;
 
 constexpr int kFailed = 1;
 constexpr int kUsage = 2;
@@ -38,8 +38,10 @@ bool prepare(const Options& options) {
   std::filesystem::create_directory(options.output, error);
   if (!error) {
     const calvin::Status writable = calvin::check_writable(options.location());
-    if (!writable) fmt::print(stderr, "{}\n", writable.error().message);
-    return writable.has_value();
+    const calvin::Status status =
+        writable ? calibrate_images::check_pair(options.output) : writable;
+    if (!status) fmt::print(stderr, "{}\n", status.error().message);
+    return status.has_value();
   }
   fmt::print(stderr,
              "There is no folder {}, and it cannot be made: {}. Give --output a folder that is "
@@ -75,18 +77,19 @@ void print_pictures(const Folder& folder, const Outcome& outcome) {
       if (at < used.size()) used[at] = true;
     }
   }
-  std::size_t outliers = 0;
+  std::size_t blank = 0;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    if (used[i]) continue;
+    const bool looked_at = outcome.seen.contains(i);
+    if (looked_at && !outcome.corners.contains(i)) ++blank;
     const auto reason = outcome.reasons.find(i);
+    if (used[i] || (reason == outcome.reasons.end() && !looked_at)) continue;
     calibrate_images::leave_out(pictures[i].path, reason != outcome.reasons.end()
                                                       ? reason->second
                                                       : "its corners contradict the others'.");
-    outliers += outcome.corners.contains(i) ? 1 : 0;
   }
   const auto count = static_cast<std::size_t>(std::count(used.begin(), used.end(), true));
   fmt::print("{} of {} pictures used: {} left out, {} without a board\n", count, folder.files,
-             folder.files - pictures.size() + outliers, pictures.size() - outcome.corners.size());
+             folder.files - count - blank, blank);
 }
 
 // Whether the result is what was asked for, in a line of its own.
@@ -103,22 +106,6 @@ bool print_verdict(const Options& options, const calvin::Calibration& c) {
     fmt::print("verdict: good\n");
   }
   return !misfit && !poor;
-}
-
-// The first picture as it is and undistorted, as PNG.
-bool draw_pair(const Options& options, const Picture& picture) {
-  for (const bool undistort : {false, true}) {
-    const std::string element =
-        undistort ? fmt::format("! calibundistort calibration=\"{}\" ", options.location()) : "";
-    const std::string name = undistort ? "after.png" : "before.png";
-    const std::string text = fmt::format(
-        "filesrc location=\"{}\" ! decodebin ! videoconvert ! video/x-raw,format=GRAY8 {}! "
-        "videoconvert ! pngenc ! filesink location=\"{}\"",
-        picture.path.string(), element, (options.output / name).string());
-    g_autoptr(GstElement) pipeline = gst_parse_launch(text.c_str(), nullptr);
-    if (pipeline == nullptr || !calibrate_images::run(pipeline, {}, "").good) return false;
-  }
-  return true;
 }
 
 bool parse(int argc, char** argv, Options& options) {
@@ -175,18 +162,17 @@ bool parse(int argc, char** argv, Options& options) {
 int main(int argc, char** argv) {
   Options options;
   if (!parse(argc, argv, options)) return kUsage;
-  if (!prepare(options)) return kFailed;
+  if (!calibrate_images::check_elements() || !prepare(options)) return kFailed;
   const Folder folder = choose_pictures(options);
   if (folder.pictures.empty()) return kFailed;
   GstElement* pipeline = calibrate_images::make_pipeline(options, folder.pictures);
-  if (pipeline == nullptr) return kFailed;
   const Outcome outcome = calibrate_images::run(pipeline, folder.pictures, options.board);
   gst_object_unref(pipeline);
   print_pictures(folder, outcome);
   if (!outcome.good || !outcome.calibration) return kFailed;
   calvin_tools::print(*outcome.calibration);
   const bool good = print_verdict(options, *outcome.calibration);
-  if (!draw_pair(options, folder.pictures.front())) return kFailed;
+  if (!calibrate_images::draw_pair(options, folder.pictures.front().path)) return kFailed;
   fmt::print("camera.json, before.png and after.png are in {}\n", options.output.string());
   return options.verdict && !good ? kNotGood : 0;
 }

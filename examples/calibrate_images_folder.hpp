@@ -11,7 +11,6 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -19,9 +18,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <gst/pbutils/pbutils.h>
+#include <gst/gst.h>
 #include <gst/tag/tag.h>
 
+#include "calibrate_images_decode.hpp"
+#include "calibrate_images_own.hpp"
 #include "calvin/core/image.hpp"
 #include "calvin/core/result.hpp"
 
@@ -43,36 +44,29 @@ inline void leave_out(const std::filesystem::path& file, const std::string& why)
   fmt::print(stderr, "{}: left out, {}\n", file.filename().string(), why);
 }
 
-// The size of a picture that GStreamer decodes to its end, or why there is none and what to do.
-inline std::optional<calvin::ImageSize> size_of(GstDiscoverer* discoverer,
-                                                const std::filesystem::path& file,
-                                                std::string& why) {
+// The size of a picture that GStreamer decodes, or why there is none and what to do.
+inline calvin::Result<calvin::ImageSize> size_of(const std::filesystem::path& file) {
+  const auto fail = [](std::string why) {
+    return calvin::make_error(calvin::ErrorCode::kIo, std::move(why));
+  };
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(file, ignored);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    why = "it is a device or a FIFO: take it away.";  // which may never be written
-    return std::nullopt;
+    return fail("it is a device or a FIFO: take it away.");  // which may never be written
   }
   if (const std::ifstream stream(file); !stream) {
-    why = fmt::format("it cannot be opened ({}): make it readable, or take it away.",
-                      std::generic_category().message(errno));
-    return std::nullopt;
+    return fail(fmt::format("it cannot be opened ({}): make it readable, or take it away.",
+                            std::generic_category().message(errno)));
   }
-  g_autofree char* uri = gst_filename_to_uri(file.c_str(), nullptr);
-  g_autoptr(GError) error = nullptr;
-  g_autoptr(GstDiscovererInfo) info = gst_discoverer_discover_uri(discoverer, uri, &error);
-  const bool whole = info != nullptr && gst_discoverer_info_get_result(info) == GST_DISCOVERER_OK;
-  GList* streams = whole ? gst_discoverer_info_get_video_streams(info) : nullptr;
-  std::optional<calvin::ImageSize> size;
-  if (streams != nullptr) {
-    const auto* video = GST_DISCOVERER_VIDEO_INFO(streams->data);
-    size = {static_cast<int>(gst_discoverer_video_info_get_width(video)),
-            static_cast<int>(gst_discoverer_video_info_get_height(video))};
+  if (is_own(file)) {
+    return fail("this program made it from another picture, in an earlier run.");
   }
-  gst_discoverer_stream_info_list_free(streams);
-  if (size && (size->width < 1 || size->height < 1)) size.reset();  // it ended in its header
-  why = fmt::format("it cannot be decoded ({}): save it again as PNG or JPEG, or take it away.",
-                    error != nullptr ? error->message : "there is no picture in it");
+  const auto sample = decode(file);
+  if (!sample) return fail(sample.error().message);
+  const GstStructure* caps = gst_caps_get_structure(gst_sample_get_caps(sample->get()), 0);
+  calvin::ImageSize size;
+  gst_structure_get(caps, "width", G_TYPE_INT, &size.width, "height", G_TYPE_INT, &size.height,
+                    nullptr);
   return size;
 }
 
@@ -97,18 +91,16 @@ inline Folder find_pictures(const std::filesystem::path& path,
   if (error) fmt::print(stderr, "{}: {}\n", path.string(), error.message());
   std::sort(files.begin(), files.end());
   folder.files = files.size();
-  g_autoptr(GstDiscoverer) discoverer = gst_discoverer_new(10 * GST_SECOND, nullptr);
   for (const std::filesystem::path& file : files) {
     const std::string name = file.filename().string();
-    std::string why;
     if (std::any_of(unwanted.begin(), unwanted.end(), [&](const std::string& pattern) {
           return g_pattern_match_simple(pattern.c_str(), name.c_str()) != FALSE;
         })) {
       leave_out(file, "as you asked for.");
-    } else if (const auto size = size_of(discoverer, file, why)) {
+    } else if (const auto size = size_of(file)) {
       folder.pictures.push_back({file, *size});
     } else {
-      leave_out(file, why);
+      leave_out(file, size.error().message);
     }
   }
   return folder;

@@ -6,14 +6,17 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <gst/gst.h>
 
+#include "calibrate_images_feed.hpp"
 #include "calibrate_images_folder.hpp"
 #include "calvin/core/calibration.hpp"
 #include "calvin/io/calibration_io.hpp"
@@ -39,62 +42,39 @@ struct Options {
 // list, and why not.
 struct Outcome {
   bool good = false;
+  std::set<std::size_t> seen;  // it was looked for boards in them
   std::map<std::size_t, int> corners;
   std::map<std::size_t, std::string> reasons;
   std::optional<calvin::Calibration> calibration;
 };
 
-inline void link_decoded(GstElement* /*decodebin*/, GstPad* pad, gpointer sink) {
-  if (!gst_pad_is_linked(GST_PAD(sink))) gst_pad_link(pad, GST_PAD(sink));
+inline std::vector<std::filesystem::path> paths_of(const std::vector<Picture>& pictures) {
+  std::vector<std::filesystem::path> paths;
+  for (const Picture& picture : pictures) paths.push_back(picture.path);
+  return paths;
 }
 
-// The faster transform of jpegdec, its default, moves corners by some hundredths of a pixel.
-inline void decode_exactly(GstBin* /*decodebin*/, GstBin* /*in*/, GstElement* element,
-                           gpointer /*unused*/) {
-  if (g_object_class_find_property(G_OBJECT_GET_CLASS(element), "idct-method") != nullptr) {
-    gst_util_set_object_arg(G_OBJECT(element), "idct-method", "islow");
+// Whether every element is there that this program makes; the one that is not is named.
+inline bool check_elements() {
+  for (const char* name : {"appsrc", "appsink", "filesrc", "decodebin", "videoconvert", "queue",
+                           "calibrate", "calibundistort", "pngenc", "identity", "fakesink"}) {
+    g_autoptr(GstElementFactory) factory = gst_element_factory_find(name);
+    if (factory == nullptr) {
+      fmt::print(stderr, "the element {} is missing: is GST_PLUGIN_PATH set?\n", name);
+      return false;
+    }
   }
-}
-
-// Picture n is at n seconds, by which views are known again: files do not say when they are.
-inline GstPadProbeReturn set_time(GstPad* /*pad*/, GstPadProbeInfo* info, gpointer number) {
-  auto* buffer = gst_buffer_make_writable(GST_PAD_PROBE_INFO_BUFFER(info));
-  GST_BUFFER_PTS(buffer) = (*static_cast<guint64*>(number))++ * GST_SECOND;
-  GST_PAD_PROBE_INFO_DATA(info) = buffer;
-  return GST_PAD_PROBE_OK;
-}
-
-inline std::size_t picture_at(std::uint64_t time) {
-  return static_cast<std::size_t>(time / GST_SECOND);
-}
-
-// Adds filesrc ! decodebin ! videoconvert for one picture in front of the concat.
-inline void add_picture(GstBin* bin, GstElement* concat, const Picture& picture) {
-  GstElement* source = gst_element_factory_make("filesrc", nullptr);
-  GstElement* decoder = gst_element_factory_make("decodebin", nullptr);
-  GstElement* convert = gst_element_factory_make("videoconvert", nullptr);
-  g_object_set(source, "location", picture.path.c_str(), nullptr);
-  gst_bin_add_many(bin, source, decoder, convert, nullptr);
-  gst_element_link(source, decoder);
-  gst_element_link(convert, concat);
-  g_autoptr(GstPad) sink = gst_element_get_static_pad(convert, "sink");
-  g_signal_connect(decoder, "deep-element-added", G_CALLBACK(decode_exactly), nullptr);
-  g_signal_connect_object(decoder, "pad-added", G_CALLBACK(link_decoded), sink, G_CONNECT_DEFAULT);
+  return true;
 }
 
 inline GstElement* make_pipeline(const Options& options, const std::vector<Picture>& pictures) {
   GstElement* pipeline = gst_pipeline_new(nullptr);
-  GstElement* concat = gst_element_factory_make("concat", nullptr);
-  GstElement* filter = gst_element_factory_make("capsfilter", nullptr);
+  GstElement* feed = make_feed(paths_of(pictures));
+  GstElement* queue = gst_element_factory_make("queue", nullptr);  // one is decoded beside a search
   GstElement* calibrate = gst_element_factory_make("calibrate", nullptr);
   GstElement* sink = gst_element_factory_make("fakesink", nullptr);
-  if (concat == nullptr || calibrate == nullptr) {
-    fmt::print(stderr, "the element {} is missing: is GST_PLUGIN_PATH set?\n",
-               concat == nullptr ? "concat" : "calibrate");
-    return nullptr;
-  }
-  g_autoptr(GstCaps) gray = gst_caps_from_string("video/x-raw,format=GRAY8");
-  g_object_set(filter, "caps", gray, nullptr);
+  g_object_set(queue, "max-size-buffers", 1, "max-size-bytes", 0, "max-size-time", guint64{0},
+               nullptr);
   g_object_set(calibrate, "board", options.board.c_str(), "model", options.model.c_str(),
                "location", options.location().c_str(), "overlay", FALSE, "post-messages", TRUE,
                nullptr);
@@ -104,11 +84,8 @@ inline GstElement* make_pipeline(const Options& options, const std::vector<Pictu
   // Pictures wait for the detector, and every board counts.
   gst_util_set_object_arg(G_OBJECT(calibrate), "mode", "sync");
   gst_util_set_object_arg(G_OBJECT(calibrate), "capture-mode", "all");
-  gst_bin_add_many(GST_BIN(pipeline), concat, filter, calibrate, sink, nullptr);
-  gst_element_link_many(concat, filter, calibrate, sink, nullptr);
-  for (const Picture& picture : pictures) add_picture(GST_BIN(pipeline), concat, picture);
-  g_autoptr(GstPad) out = gst_element_get_static_pad(filter, "src");
-  gst_pad_add_probe(out, GST_PAD_PROBE_TYPE_BUFFER, set_time, g_new0(guint64, 1), g_free);
+  gst_bin_add_many(GST_BIN(pipeline), feed, queue, calibrate, sink, nullptr);
+  gst_element_link_many(feed, queue, calibrate, sink, nullptr);
   return pipeline;
 }
 
@@ -134,6 +111,7 @@ inline void look_at(const GstStructure* s, const std::vector<Picture>& pictures,
   if (!gst_structure_get_uint64(s, "timestamp", &time)) return;
   const std::size_t picture = picture_at(time);
   if (picture >= pictures.size()) return;
+  outcome.seen.insert(picture);
   int points = 0;
   gst_structure_get_int(s, "points", &points);
   if (points > 0) outcome.corners[picture] += points;
@@ -155,6 +133,13 @@ inline void refuse(const GstStructure* s, Outcome& outcome) {
       outlier ? "its corners contradict those of the others: look for a bent board, blur, or "
                 "another camera."
               : fmt::format("its board is {}.", reason);
+}
+
+// A picture that has changed or gone since it was looked at first.
+inline void lose(const GstStructure* s, Outcome& outcome) {
+  guint64 index = 0;
+  gst_structure_get_uint64(s, "index", &index);
+  outcome.reasons[static_cast<std::size_t>(index)] = gst_structure_get_string(s, "why");
 }
 
 inline void take_result(const GstStructure* s, Outcome& outcome) {
@@ -180,6 +165,7 @@ inline Outcome run(GstElement* pipeline, const std::vector<Picture>& pictures,
         if (gst_structure_has_name(s, "calib-detection")) look_at(s, pictures, board, outcome);
         if (gst_structure_has_name(s, "calib-view")) refuse(s, outcome);
         if (gst_structure_has_name(s, "calib-result")) take_result(s, outcome);
+        if (gst_structure_has_name(s, kLost)) lose(s, outcome);
         break;
       case GST_MESSAGE_WARNING:
         gst_message_parse_warning(message, &error, nullptr);

@@ -203,3 +203,73 @@ for n in 4 5 6 7; do
 done
 leaves 1 sizes
 grep -q 'several sizes (4 of 320x240, 4 of 640x480)' err || fail "$(cat err)"
+
+# A movie is no picture, and a file with a second picture in it, as phones and stereo cameras make
+# them, counts once: the pictures behind it keep their names.
+cp -r exact movie
+if gst-inspect-1.0 --exists avimux && gst-inspect-1.0 --exists avidemux; then
+  gst-launch-1.0 -q videotestsrc num-buffers=20 ! video/x-raw,width=640,height=480 ! jpegenc ! \
+    avimux ! filesink location=movie/00.avi
+  leaves 0 movie
+  grep -q '^00.avi: left out, it is a movie: save' err || fail "a movie: $(cat out err)"
+  grep -q '^8 of 9 pictures used: 1 left out, 0 without' out || fail "beside a movie: $(cat out)"
+  grep -q '^8/8 07.jpg: 54 corners' out || fail "names beside a movie: $(cat out)"
+fi
+for size in 640x480 160x120; do
+  rm -rf second
+  cp -r exact second
+  gst-launch-1.0 -q videotestsrc num-buffers=1 ! \
+    "video/x-raw,width=${size%x*},height=${size#*x}" ! jpegenc ! filesink location=blank.jpg
+  cat blank.jpg >>second/02.jpg
+  leaves 0 second
+  grep -q '^8 of 8 pictures used' out || fail "a second picture of $size: $(cat out err)"
+  grep -q '^8/8 07.jpg: 54 corners' out || fail "names behind a second picture: $(cat out)"
+done
+
+# A large folder takes no more than a small one: 100 pictures with 64 file descriptors.
+mkdir large
+for n in $(seq 10 109); do ln "exact/0$((n % 8)).jpg" "large/$n.jpg"; done
+# shellcheck disable=SC3045 # not in POSIX, and in every shell that is sh somewhere
+(ulimit -n 64 && leaves 0 large) || exit 1
+grep -q '^100 of 100 pictures used' out || fail "a large folder: $(cat out err)"
+! grep -q CRITICAL err || fail "a large folder: $(cat err)"
+
+# A name is a name, whatever it would mean to GStreamer.
+cp -r exact names
+mv names/00.jpg 'names/ a" ! filesink location=PWNED .jpg'
+rm -rf out\\put\"
+"$images" --output 'out\put"' names >out 2>err || fail "names: $(cat out err)"
+grep -q '^8 of 8 pictures used' out || fail "names: $(cat out err)"
+[ ! -e PWNED ] || fail "the name of a picture was run"
+for name in camera.json before.png after.png; do
+  [ -s 'out\put"'/$name ] || fail "there is no $name in the folder with such a name"
+done
+
+# What an earlier run left beside the pictures, where files go by default, is no picture.
+cp -r exact again
+cd again
+"$images" . >../first 2>../err || fail "beside the pictures: $(cat ../first ../err)"
+fx=$(grep '^fx' ../first)
+for n in 2 3; do
+  "$images" . >../out 2>../err || fail "beside the pictures, run $n: $(cat ../out ../err)"
+  for name in before.png after.png; do
+    grep -q "^$name: left out, this program made it" ../err || fail "$name in run $n: $(cat ../err)"
+  done
+  grep -q '^8 of ' ../out || fail "counts of run $n: $(cat ../out)"
+  [ "$(grep '^fx' ../out)" = "$fx" ] || fail "run $n has another result: $(cat ../first ../out)"
+done
+# One of the user with such a name is a picture, and is not replaced.
+for name in before.png after.png; do
+  rm -f before.png after.png
+  cp ../pictures/01.png "$name"
+  got=0
+  "$images" . >../out 2>../err || got=$?
+  [ "$got" = 1 ] || fail "the user's $name: left with $got: $(cat ../out ../err)"
+  grep -q "There is a $name in .* did not make.*rename it, or give --output" ../err ||
+    fail "the user's $name: $(cat ../err)"
+  ! grep -q corners ../out || fail "the user's $name is refused after the work: $(cat ../out)"
+  cmp -s ../pictures/01.png "$name" || fail "the user's $name was replaced"
+  "$images" --output ../new . >../out 2>../err || fail "the user's $name: $(cat ../out ../err)"
+  grep -q " $name: 54 corners" ../out || fail "the user's $name is no picture: $(cat ../out ../err)"
+done
+cd ..

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// One picture out of one file, by a pipeline that is gone when the picture is there: a folder takes
+// the memory, the threads and the file descriptors of a single picture, however many are in it.
+//   filesrc ! decodebin ! videoconvert ! appsink
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <gst/app/gstappsink.h>
+#include <gst/gst.h>
+
+#include "calvin/core/result.hpp"
+
+namespace calibrate_images {
+
+struct Unref {
+  void operator()(GstSample* sample) const { gst_sample_unref(sample); }
+};
+using Sample = std::unique_ptr<GstSample, Unref>;
+
+inline constexpr GstClockTime kPatience = 10 * GST_SECOND;  // until a file shows its first picture
+
+inline void link_decoded(GstElement* /*decodebin*/, GstPad* pad, gpointer sink) {
+  if (!gst_pad_is_linked(GST_PAD(sink))) gst_pad_link(pad, GST_PAD(sink));
+}
+
+// The faster transform of jpegdec, its default, moves corners by some hundredths of a pixel.
+inline void decode_exactly(GstBin* /*decodebin*/, GstBin* /*in*/, GstElement* element,
+                           gpointer /*unused*/) {
+  if (g_object_class_find_property(G_OBJECT_GET_CLASS(element), "idct-method") != nullptr) {
+    gst_util_set_object_arg(G_OBJECT(element), "idct-method", "islow");
+  }
+}
+
+// The first type that decodebin tells is that of the file: "image/..." of a still picture.
+inline gboolean note_type(GstElement* /*decodebin*/, GstPad* /*pad*/, GstCaps* caps,
+                          gpointer still) {
+  auto& is_still = *static_cast<std::optional<bool>*>(still);
+  const char* name = gst_structure_get_name(gst_caps_get_structure(caps, 0));
+  if (!is_still) is_still = g_str_has_prefix(name, "image/") != FALSE;
+  return TRUE;  // decodebin goes on as without this function
+}
+
+// The pipeline for one file. Its sink takes the first decoded stream that is video, as `gray`.
+inline GstElement* make_decoder(const std::filesystem::path& file, std::optional<bool>& still) {
+  GstElement* pipeline = gst_pipeline_new(nullptr);
+  GstElement* source = gst_element_factory_make("filesrc", nullptr);
+  GstElement* decoder = gst_element_factory_make("decodebin", nullptr);
+  GstElement* convert = gst_element_factory_make("videoconvert", nullptr);
+  GstElement* sink = gst_element_factory_make("appsink", "picture");
+  g_autoptr(GstCaps) gray = gst_caps_from_string("video/x-raw,format=GRAY8");
+  g_object_set(source, "location", file.c_str(), nullptr);
+  g_object_set(sink, "caps", gray, "sync", FALSE, "max-buffers", 1, nullptr);
+  gst_bin_add_many(GST_BIN(pipeline), source, decoder, convert, sink, nullptr);
+  gst_element_link(source, decoder);
+  gst_element_link(convert, sink);
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(convert, "sink");
+  g_signal_connect(decoder, "deep-element-added", G_CALLBACK(decode_exactly), nullptr);
+  g_signal_connect(decoder, "autoplug-continue", G_CALLBACK(note_type), &still);
+  g_signal_connect_object(decoder, "pad-added", G_CALLBACK(link_decoded), pad, G_CONNECT_DEFAULT);
+  return pipeline;
+}
+
+// Waits until the sink has a picture, or its stream has ended without one. What went wrong, if
+// anything did.
+inline std::string preroll(GstElement* pipeline) {
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  gst_element_set_state(pipeline, GST_STATE_PAUSED);
+  g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
+      bus, kPatience, static_cast<GstMessageType>(GST_MESSAGE_ASYNC_DONE | GST_MESSAGE_ERROR));
+  if (message == nullptr) return "it takes longer than 10 s";
+  if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_ERROR) return "";
+  g_autoptr(GError) error = nullptr;
+  gst_message_parse_error(message, &error, nullptr);
+  return error->message;
+}
+
+// Whether a second picture follows the first in a stream that is at its first.
+inline bool is_movie(GstElement* pipeline, GstAppSink* sink) {
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  const Sample first(gst_app_sink_try_pull_sample(sink, kPatience));
+  const Sample second(first ? gst_app_sink_try_pull_sample(sink, kPatience) : nullptr);
+  return second != nullptr;
+}
+
+// The picture in a file as GRAY8, the first where the file is a still picture with others behind it
+// (those of phones have maps of brightness or depth there). An error says why there is none and
+// what to do; a movie is one: which of its frames would be meant is not known.
+inline calvin::Result<Sample> decode(const std::filesystem::path& file) {
+  std::optional<bool> still;
+  GstElement* pipeline = make_decoder(file, still);
+  g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "picture");
+  std::string error = preroll(pipeline);
+  Sample sample;
+  bool movie = false;
+  if (error.empty()) {
+    sample.reset(gst_app_sink_try_pull_preroll(GST_APP_SINK(sink), 0));
+    movie = sample && !still.value_or(true) && is_movie(pipeline, GST_APP_SINK(sink));
+    error = "there is no picture in it";
+  }
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(pipeline);
+  if (movie) {
+    return calvin::make_error(calvin::ErrorCode::kUnsupported,
+                              "it is a movie: save those of its frames that show the board sharply "
+                              "as PNG or JPEG, or take it away.");
+  }
+  if (!sample) {
+    return calvin::make_error(
+        calvin::ErrorCode::kMalformed,
+        "it cannot be decoded (" + error + "): save it again as PNG or JPEG, or take it away.");
+  }
+  return sample;
+}
+
+}  // namespace calibrate_images
