@@ -18,11 +18,11 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/solve/auto_model.hpp"
-#include "calvin/solve/simpler_model.hpp"
 #include "calvin/solve/judge/solve_points.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/residuals/points.hpp"
+#include "calvin/solve/simpler_model.hpp"
 #include "calvin/target/board_measurement.hpp"
 
 namespace calvin {
