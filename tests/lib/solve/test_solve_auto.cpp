@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(AutoModel, AutoOfLens, ::testing::ValuesIn(model_names(
 // Whatever lens there is, what is promised of the model that was taken is kept: twice the expected
 // error, where there were corners.
 TEST_P(AutoOfLens, PromisesNoMoreThanItKeeps) {
-  const int sessions = scenes::full_count() ? 50 : 4;
+  const int sessions = scenes::full_count() ? 50 : 2;
   int kept = 0;
   for (int session = 0; session < sessions; ++session) {
     Random random(100 + session);

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -61,6 +62,9 @@ std::vector<std::string_view> candidates() {
   return models;
 }
 
+// One set of which several models tell views held out alike, and one of a narrow lens.
+bool is_telling(std::string_view name) { return name == "left" || name == "picam"; }
+
 TEST(AutoOfRealSets, TakesAModelThatHalvesAgreeOn) {
   constexpr double kAsGood = 1.03;  // times the best distance of views held out
   constexpr double kAgree = 1.2;    // times the best difference of halves
@@ -69,7 +73,7 @@ TEST(AutoOfRealSets, TakesAModelThatHalvesAgreeOn) {
   const double luck = scenes::full_count() ? 1.1 : 1.4;
   std::string missing;
   for (const Set& set : real::kSets) {
-    if (!set.quick && !scenes::full_count()) continue;
+    if (!scenes::full_count() && !is_telling(set.name)) continue;
     const real::Views all = real::read(set);
     if (all.views.empty()) {
       missing = std::string("CALVIN_DATA does not name a folder with ") + set.folder;
