@@ -171,8 +171,10 @@ std::string explain(const std::vector<Trial>& trials, std::size_t best) {
     others.push_back(fmt::format("{} {} by {:.1f} sigma", trials[i].model,
                                  sigmas > 0 ? "better" : "worse", std::abs(sigmas)));
   }
-  return fmt::format("The views ask for the model {}. On views held out: {}.", trials[best].model,
-                     join(others, ", "));
+  return fmt::format(
+      "The views ask for the model {}. Of models that predict views held out as well, the one is "
+      "taken on which halves of the views agree (from 8 views on). On views held out: {}.",
+      trials[best].model, join(others, ", "));
 }
 
 }  // namespace

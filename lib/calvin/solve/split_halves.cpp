@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Solves halves of the views.
+// The same halves are solved whatever the model is, so that models can be compared by them.
 
 #include "calvin/solve/split_halves.hpp"
 
