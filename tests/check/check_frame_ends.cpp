@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "calvin_config.h"
+#include "common/frames/padded_frame.hpp"
 #include "guarded_memory.hpp"
 #include "undistort_fixture.hpp"
 
@@ -164,6 +165,43 @@ GST_START_TEST(test_the_source_stays_in_the_frame) {
 }
 GST_END_TEST;
 
+// A frame each plane of which ends as a padded one does, before memory that is no one's.
+static GstVideoFrame padded_planes(const GstVideoInfo& info, GstAllocator* allocator,
+                                   std::vector<GstMemory*>& memories) {
+  GstVideoFrame frame = {};
+  frame.info = info;
+  for (guint p = 0; p < GST_VIDEO_INFO_N_PLANES(&info); ++p) {
+    const gsize bytes =
+        static_cast<gsize>(gst::plane_bytes(info, info, p).value_or(0)) + gst::kPadding;
+    memories.push_back(gst_allocator_alloc(allocator, bytes, nullptr));
+    GstMapInfo map;
+    fail_unless(gst_memory_map(memories.back(), &map, GST_MAP_READWRITE));
+    frame.data[p] = map.data;  // stays where it is
+    gst_memory_unmap(memories.back(), &map);
+  }
+  return frame;
+}
+
+GST_START_TEST(test_padding_has_room_for_what_gstreamer_reads_and_writes) {
+  const std::string format = formats_without_palette()[static_cast<std::size_t>(__i__)];
+  g_autoptr(GstAllocator) guarded = new_guarded_allocator();
+  for (const ImageSize size : {kOdd[0], kOdd[1], ImageSize{49, 131}, ImageSize{643, 483}}) {
+    const GstVideoInfo info = info_of(format, size);
+    if (!gst::needs_padding(info)) continue;
+    std::vector<GstMemory*> memories;
+    GstVideoFrame frame = padded_planes(info, guarded, memories);
+    std::vector<guint64> line(static_cast<std::size_t>(size.width) + 64);  // of four samples each
+    for (int y = 0; y < size.height; ++y) {
+      info.finfo->unpack_func(info.finfo, GST_VIDEO_PACK_FLAG_NONE, line.data(), frame.data,
+                              info.stride, 0, y, size.width);
+      info.finfo->pack_func(info.finfo, GST_VIDEO_PACK_FLAG_NONE, line.data(), 0, frame.data,
+                            info.stride, GST_VIDEO_INFO_CHROMA_SITE(&info), y, size.width);
+    }
+    for (GstMemory* memory : memories) gst_memory_unref(memory);
+  }
+}
+GST_END_TEST;
+
 static Suite* frame_ends_suite() {
   gst::register_metas();
   Suite* suite = suite_create("frame_ends");
@@ -176,6 +214,7 @@ static Suite* frame_ends_suite() {
       cases, test_a_frame_is_taken_if_its_last_pixel_is_all_there, 0,
       static_cast<int>(raw_formats().size()) * static_cast<int>(G_N_ELEMENTS(kElements)));
   tcase_add_loop_test(cases, test_the_source_stays_in_the_frame, 0, count);
+  tcase_add_loop_test(cases, test_padding_has_room_for_what_gstreamer_reads_and_writes, 0, count);
   return suite;
 }
 

@@ -12,8 +12,10 @@
 
 namespace calvin::gst {
 
-// As much as any of GStreamer's functions needs behind a frame, and more.
-inline constexpr gsize kPadding = 64;
+// As much as any of GStreamer's functions needs behind a plane, and more: where the chroma of the
+// last column lies in a tile that a plane does not have, the functions take it from behind the last
+// tile. One of 8x128 pixels of 10 bits has 1280 bytes.
+inline constexpr gsize kPadding = 4096;
 
 // Whether GStreamer's functions may go beyond the memory of frames: those of packed formats take
 // pixels that share chroma together, and the rows of UYVP, NV12_10LE32, NV16_10LE32 and

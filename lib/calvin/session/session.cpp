@@ -11,6 +11,8 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/session/corner_motion.hpp"
 
@@ -163,6 +165,17 @@ std::optional<ReadoutTime> Session::readout() const {
   if (options_.readout != 0) return ReadoutTime{options_.readout, 0};
   const double most = frame_time();
   return most > 0 ? std::optional(ReadoutTime{0, most}) : std::nullopt;
+}
+
+std::optional<std::string> Session::readout_doubt() const {
+  constexpr double kLonger = 1.1;  // times of frames jitter
+  const double given = std::abs(options_.readout);
+  const double frame = frame_time();
+  if (frame <= 0 || given <= kLonger * frame) return std::nullopt;
+  return fmt::format(
+      "No frame is read for {:.3g} ms where one comes every {:.3g} ms: give readout-time in "
+      "nanoseconds, or 0 to have it estimated where the board moves.",
+      1e3 * given, 1e3 * frame);
 }
 
 double Session::longest_readout() const {

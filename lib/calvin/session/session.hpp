@@ -94,6 +94,8 @@ class Session {
   [[nodiscard]] const ViewCoverage& coverage() const noexcept { return coverage_; }
   // What solve() is to take for the readout of the views; absent where nobody knows frames' times.
   [[nodiscard]] std::optional<ReadoutTime> readout() const;
+  // What speaks against the readout that was given, for a user; absent where nothing does.
+  [[nodiscard]] std::optional<std::string> readout_doubt() const;
 
   // At least min_views, and max_views reached or, in kAuto, the ranges of Progress spanned; without
   // guidance (kAll, kManual) min_views is enough.

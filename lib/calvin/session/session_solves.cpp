@@ -49,6 +49,7 @@ void CalibrationSession::failed(const SolveJob& job, const Error& why) {
 std::optional<Published> CalibrationSession::solved(const SolveJob& job, const Solution& solution) {
   if (!is_current(job.origin)) return std::nullopt;
   calibration_ = solution.calibration;
+  if (auto doubt = views_.readout_doubt()) calibration_->remarks.push_back(*std::move(doubt));
   solve_error_.clear();
   renew_hint();
   const double error = compared_error(*calibration_).value_or(HUGE_VAL);

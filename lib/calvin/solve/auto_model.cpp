@@ -105,19 +105,22 @@ bool is_better_in_most(const Trial& a, const Trial& b) {
 }
 
 // From simple to rich; lenses about a plane come first, which most other programs read.
-std::vector<const LensTraits*> candidates() {
+std::vector<std::string> candidates() {
   auto lenses = lenses_where([](const LensTraits& lens) { return lens.candidate; });
   std::stable_partition(lenses.begin(), lenses.end(),
                         [](const LensTraits* lens) { return lens->perspective; });
-  return lenses;
+  std::vector<std::string> models;
+  for (const LensTraits* lens : lenses) models.emplace_back(lens->model);
+  return models;
 }
 
-std::vector<Trial> try_all(const std::vector<PointSet>& views, const BoardShape& shape,
+std::vector<Trial> try_all(const std::vector<std::string>& models,
+                           const std::vector<PointSet>& views, const BoardShape& shape,
                            ImageSize size, SolveOptions options, const std::stop_token& stop) {
   std::vector<Trial> trials;
-  for (const LensTraits* lens : candidates()) {
+  for (const std::string& model : models) {
     if (stop.stop_requested()) break;
-    options.model = lens->model;
+    options.model = model;
     auto solution = solve_points(views, shape, size, options, stop);
     if (!solution) continue;
     auto held_out = held_out_of(views, *solution);
@@ -128,6 +131,24 @@ std::vector<Trial> try_all(const std::vector<PointSet>& views, const BoardShape&
 
 double held_out_rms(const Trial& trial) {
   return trial.solution.calibration.held_out_rms.value_or(HUGE_VAL);
+}
+
+struct Rivals {
+  std::vector<std::string> near;
+  std::vector<std::string> far;
+};
+
+// Which models may still be the best once all have the same corners. A poor model has left out those
+// that it explains worst, so that it is no better than it looks.
+Rivals rivals_of(const std::vector<Trial>& trials) {
+  constexpr double kFar = 1.5;  // times the least distance of corners held out
+  double least = HUGE_VAL;
+  for (const Trial& trial : trials) least = std::min(least, held_out_rms(trial));
+  Rivals rivals;
+  for (const Trial& trial : trials) {
+    (held_out_rms(trial) <= kFar * least ? rivals.near : rivals.far).push_back(trial.model);
+  }
+  return rivals;
 }
 
 // The models that predict views held out about as well as the best one does, in the order of the
@@ -163,7 +184,8 @@ std::size_t choose(const std::vector<Trial>& trials, const std::vector<PointSet>
   return good[static_cast<std::size_t>(first - apart.begin())];
 }
 
-std::string explain(const std::vector<Trial>& trials, std::size_t best) {
+std::string explain(const std::vector<Trial>& trials, std::size_t best,
+                    const std::vector<std::string>& far) {
   std::vector<std::string> others;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     if (i == best) continue;
@@ -171,6 +193,7 @@ std::string explain(const std::vector<Trial>& trials, std::size_t best) {
     others.push_back(fmt::format("{} {} by {:.1f} sigma", trials[i].model,
                                  sigmas > 0 ? "better" : "worse", std::abs(sigmas)));
   }
+  for (const std::string& model : far) others.push_back(model + " far worse");
   return fmt::format(
       "The views ask for the model {}. Of models that predict views held out as well, the one is "
       "taken on which halves of the views agree (from 8 views on). On views held out: {}.",
@@ -186,7 +209,7 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
   trial_options.checks = true;
   // A poor model rejects good corners that it cannot explain, so the best model decides for all
   // which corners are wrong.
-  std::vector<Trial> trials = try_all(views, shape, image_size, trial_options, stop);
+  std::vector<Trial> trials = try_all(candidates(), views, shape, image_size, trial_options, stop);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   if (trials.empty()) {
     trial_options.model = "pinhole";
@@ -198,7 +221,8 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
   const Solution reference = most_predictive->solution;
   trial_options.reject_outliers = false;
   const std::vector<PointSet> good_corners = masked(views, reference);
-  trials = try_all(good_corners, shape, image_size, trial_options, stop);
+  const Rivals rivals = rivals_of(trials);
+  trials = try_all(rivals.near, good_corners, shape, image_size, trial_options, stop);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   if (trials.empty()) return reference;
   const std::size_t best = choose(trials, good_corners, shape, trial_options, stop);
@@ -210,7 +234,7 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
   };
   add(solution.rejected, reference.rejected);
   add(solution.rejected_corners, reference.rejected_corners);
-  solution.calibration.remarks.push_back(explain(trials, best));
+  solution.calibration.remarks.push_back(explain(trials, best, rivals.far));
   return solution;
 }
 
@@ -228,7 +252,7 @@ void try_other_models(Solution& solution, const std::vector<PointSet>& views,
   const std::size_t every = std::max<std::size_t>(1, views.size() / kViews);
   std::vector<PointSet> some;
   for (std::size_t i = 0; i < views.size(); i += every) some.push_back(views[i]);
-  const std::vector<Trial> others = try_all(some, shape, image_size, options, stop);
+  const std::vector<Trial> others = try_all(candidates(), some, shape, image_size, options, stop);
   const Trial* better = nullptr;
   for (const Trial& other : others) {
     if (!is_better_in_most(own, other)) continue;

@@ -161,6 +161,20 @@ TEST(KnownReadouts, AreTaken) {
   EXPECT_LT(outcome.error, 2 * outcome.calibration.expected_error.value());
 }
 
+// Such as one in another unit.
+TEST(KnownReadouts, AreNoLongerThanAFrame) {
+  for (const double readout : {0.0, 0.033, 0.2}) {
+    scenes::Random random(1);
+    const Camera camera = scenes::random_camera("brown5", random);
+    const Motion motion(MotionKind::kHand, camera, scenes::kBoard, 1);
+    Session session({CaptureMode::kAll, 3, 0, readout});
+    for (int i = 0; i < 20; ++i) {
+      session.offer({frame({}, camera, motion, i / kFrames, random), scenes::kBoard});
+    }
+    EXPECT_EQ(session.readout_doubt().has_value(), readout > 0.1) << readout;
+  }
+}
+
 TEST(KnownReadouts, ThatAreWrongAreNoticed) {
   const Outcome outcome = calibrate({MotionKind::kHand, 0.02}, 3, 0.01);
   EXPECT_GT(outcome.calibration.chi.value(), 1.15);
