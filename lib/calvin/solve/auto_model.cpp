@@ -138,8 +138,8 @@ struct Rivals {
   std::vector<std::string> far;
 };
 
-// Which models may still be the best once all have the same corners. A poor model has left out those
-// that it explains worst, so that it is no better than it looks.
+// Which models may still be the best once all have the same corners. A poor model has left out
+// those that it explains worst, so that it is no better than it looks.
 Rivals rivals_of(const std::vector<Trial>& trials) {
   constexpr double kFar = 1.5;  // times the least distance of corners held out
   double least = HUGE_VAL;
