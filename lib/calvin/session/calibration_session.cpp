@@ -108,6 +108,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
     offered.reached = consider();
   }
   offered.reason = reason;
+  if (reason != Reason::kAccepted) ++refused_[reason];
   if (board_ == *board && fine) guide_from(view);
   if (new_board || reason == Reason::kAccepted) renew_hint();
   if (place >= last_reasons_.size()) last_reasons_.resize(place + 1, Reason::kAccepted);
@@ -248,9 +249,7 @@ std::string_view CalibrationSession::consider() {
 
 Status CalibrationSession::solve_now(const SessionSettings& now) {
   solve_waits_ = enough_views();
-  if (!solve_waits_) {
-    return tl::unexpected<Error>(too_few_views(views_.views().size(), plan_.settings.min_views));
-  }
+  if (!solve_waits_) return tl::unexpected<Error>(too_few());
   solve_when_up_to_date(now);
   return {};
 }
@@ -266,6 +265,7 @@ void CalibrationSession::reset() {
   published_ = finished_ = complained_ = false;
   asked_ = final_owed_ = solve_waits_ = false;
   last_reasons_.clear();
+  refused_.clear();
   solve_error_.clear();
   accepted_ = next_solve_ = 0;
   writes_.reset();

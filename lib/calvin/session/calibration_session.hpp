@@ -159,6 +159,9 @@ class CalibrationSession {
 
  private:
   [[nodiscard]] bool enough_views() const;
+  [[nodiscard]] Error too_few() const {
+    return too_few_views(views_.views().size(), plan_.settings.min_views, refused_);
+  }
   [[nodiscard]] std::string camera_name() const;
   [[nodiscard]] Result<Board> board_of(const std::string& text);
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
@@ -194,7 +197,8 @@ class CalibrationSession {
   std::string camera_;                // as the newest observation names it
   FrameTimes times_;                  // of the newest frame with a board
   std::vector<Reason> last_reasons_;  // by place
-  bool complained_ = false;           // of broken observations
+  Refusals refused_;
+  bool complained_ = false;       // of broken observations
   std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
   int frames_without_board_ = 0;  // that showed others, since it was seen
   Hint hint_;

@@ -130,8 +130,7 @@ Verdict CalibrationSession::verdict() const {
   } else if (published_) {
     verdict.status = writes_.status();
   } else {
-    verdict.status =
-        tl::unexpected<Error>(too_few_views(views_.views().size(), plan_.settings.min_views));
+    verdict.status = tl::unexpected<Error>(too_few());
   }
   return verdict;
 }

@@ -5,22 +5,63 @@
 
 #include "calvin/session/session_words.hpp"
 
+#include <algorithm>
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "calvin/core/text.hpp"
 
 namespace calvin {
 
-Error too_few_views(std::size_t views, int least) {
+namespace {
+
+std::string_view words_of(Reason refused) {
+  switch (refused) {
+    case Reason::kMoving:
+      return "it moved: hold it still for a moment";
+    case Reason::kBlurred:
+      return "it was blurred: focus, and more light or a shorter exposure";
+    case Reason::kTooFewPoints:
+      return "too few of its corners were in the picture";
+    case Reason::kTooSmall:
+      return "it was too small: come closer";
+    case Reason::kTooSimilar:
+      return "there was nothing new about it, or no view was asked for";
+    case Reason::kWrongBoard:
+      return "it was not the board that the property names";
+    case Reason::kOffSize:
+      return "the frames had another size than the views before";
+    default:
+      return to_string(refused);
+  }
+}
+
+// What kept the boards that were seen from being taken; nothing where none was.
+std::string told(const Refusals& refused) {
+  if (refused.empty()) return {};
+  const auto most =
+      std::max_element(refused.begin(), refused.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::size_t all = 0;
+  for (const auto& [reason, times] : refused) all += times;
+  return fmt::format(" A board was seen {} and not taken, {}{}.",
+                     all == 1 ? "once" : fmt::format("{} times", all),
+                     refused.size() > 1 ? "mostly since " : "since ", words_of(most->first));
+}
+
+}  // namespace
+
+Error too_few_views(std::size_t views, int least, const Refusals& refused) {
   return {
       ErrorCode::kDegenerate,
       fmt::format("No calibration: {} taken, at least {} are needed. Show the whole board, flat "
                   "and sharp, in different places and tilts, and check that the property "
-                  "`board` tells its inner corners.",
+                  "`board` tells its inner corners.{}",
                   views == 0   ? "no view of the board was"
                   : views == 1 ? "only one view of the board was"
                                : fmt::format("only {} views of the board were", views),
-                  least)};
+                  least, told(refused))};
 }
 
 Error solve_failed(const std::string& why, bool before) {

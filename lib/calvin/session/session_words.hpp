@@ -6,9 +6,11 @@
 
 #include <chrono>
 #include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "calvin/core/reason.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/session/files/calibration_files.hpp"
 
@@ -21,7 +23,10 @@ struct Notice {
   Error error;  // for kInfo its message alone counts
 };
 
-[[nodiscard]] Error too_few_views(std::size_t views, int least);
+// How often a board was seen and not taken, and why.
+using Refusals = std::map<Reason, std::size_t>;
+
+[[nodiscard]] Error too_few_views(std::size_t views, int least, const Refusals& refused);
 // Why there is no final result. `before`: there is one from an earlier solve.
 [[nodiscard]] Error solve_failed(const std::string& why, bool before);
 // Of settings that were refused while those before them go on.

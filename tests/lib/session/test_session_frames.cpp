@@ -113,5 +113,18 @@ TEST_F(SessionFrames, WantOneOfTheBoardsThatAreSeenInTurn) {
       << "the other board is four times as large";
 }
 
+TEST_F(SessionFrames, ThatGaveNoViewAreToldWithWhy) {
+  begin_auto();
+  for (int n = 0; n < 12; ++n) offer(at(n, n % 2 == 0 ? 9 : 0), n);
+  const std::string moved = session_.verdict().status.error().message;
+  EXPECT_NE(moved.find("no view of the board was taken"), std::string::npos) << moved;
+  EXPECT_NE(moved.find("A board was seen 12 times and not taken, since it moved"),
+            std::string::npos)
+      << moved;
+  session_.reset();
+  const std::string none = session_.verdict().status.error().message;
+  EXPECT_EQ(none.find("A board was seen"), std::string::npos) << none;
+}
+
 }  // namespace
 }  // namespace calvin
