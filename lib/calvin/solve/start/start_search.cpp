@@ -218,9 +218,31 @@ std::vector<Candidate> StartSearch::best_of(std::vector<Candidate> candidates, c
   }
   std::sort(candidates.begin(), candidates.end(), nearer);
   if (candidates.size() > trials) candidates.resize(trials);
+  drop_copies(candidates, few.views());
   for (Candidate& c : candidates) c = improved(std::move(c), sample, Regularization::kPriors);
   std::sort(candidates.begin(), candidates.end(), nearer);
   return candidates;
+}
+
+void StartSearch::drop_copies(std::vector<Candidate>& candidates, const Views& few) {
+  std::vector<Eigen::MatrixXd> directions = {stages().front()};
+  // A rich lens would take a few corners for more than they tell.
+  if (!is_rich()) directions.push_back(parameterization_.basis);
+  std::vector<std::vector<Candidate>> ends(directions.size());  // of all that were followed so far
+  const auto leads_elsewhere = [&](Candidate c) {
+    constexpr double kSameScale = 1e-2;  // as a part
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      c = minimised(std::move(c), few, directions[i], kRough, {});
+      const auto is_same = [&](const Candidate& other) {
+        return same_camera(c, other, parameterization_.table) &&
+               std::abs(c.scale - other.scale) <= kSameScale * other.scale;
+      };
+      if (std::any_of(ends[i].begin(), ends[i].end(), is_same)) return false;
+      ends[i].push_back(c);
+    }
+    return true;
+  };
+  std::erase_if(candidates, [&](const Candidate& c) { return !leads_elsewhere(c); });
 }
 
 Eigen::MatrixXd StartSearch::leading(int most) const {

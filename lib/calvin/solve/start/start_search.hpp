@@ -64,6 +64,8 @@ class StartSearch {
   // A rich lens begins with regularised coefficients: small ones, which grow as the views demand.
   [[nodiscard]] std::vector<Candidate> best_of(std::vector<Candidate> candidates,
                                                const Views& sample, std::size_t trials);
+  // Follows each a little way by a few corners, and keeps one of those that lead to one camera.
+  void drop_copies(std::vector<Candidate>& candidates, const Views& few);
   enum class Regularization { kPriors, kNone };
   using Priors = std::vector<ParameterTable::Prior>;
   [[nodiscard]] Priors small(double sigma) const;  // px, as weighted residuals are
