@@ -33,8 +33,9 @@ inline void print_verdict(const calvin::Calibration& c) {
     fmt::print("\n");
   }
   if (c.split_half_ratio) {
-    fmt::print("halves of the views differ by {:.2f} times what they should\n",
-               *c.split_half_ratio);
+    const bool held = *c.split_half_ratio > 1 && c.systematic.value_or(0) > 0;
+    fmt::print("halves of the views differ by {:.2f} times what the noise of corners explains{}\n",
+               *c.split_half_ratio, held ? "; sigmas and accuracy hold the rest too" : "");
   }
   if (!c.misfit.empty() && c.misfit != "none") fmt::print("misfit: {}\n", c.misfit);
   for (const std::string& remark : c.remarks) fmt::print("{}\n", remark);
