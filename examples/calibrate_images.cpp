@@ -67,16 +67,28 @@ Folder choose_pictures(const Options& options) {
   return folder;
 }
 
+// Whether each picture is in the result.
+std::vector<bool> used_of(const Folder& folder, const Outcome& outcome) {
+  std::vector<bool> used(folder.pictures.size());
+  if (!outcome.calibration) return used;
+  for (const calvin::ViewRecord& view : outcome.calibration->views) {
+    const std::size_t at = calibrate_images::picture_at(view.timestamp);
+    if (at < used.size()) used[at] = true;
+  }
+  return used;
+}
+
+const calibrate_images::Picture& first_used(const Folder& folder, const Outcome& outcome) {
+  const std::vector<bool> used = used_of(folder, outcome);
+  const auto at =
+      static_cast<std::size_t>(std::find(used.begin(), used.end(), true) - used.begin());
+  return at < used.size() ? folder.pictures[at] : folder.pictures.front();
+}
+
 // Each picture that is not in the result and why, then how many are.
 void print_pictures(const Folder& folder, const Outcome& outcome) {
   const auto& pictures = folder.pictures;
-  std::vector<bool> used(pictures.size());
-  if (outcome.calibration) {
-    for (const calvin::ViewRecord& view : outcome.calibration->views) {
-      const std::size_t at = calibrate_images::picture_at(view.timestamp);
-      if (at < used.size()) used[at] = true;
-    }
-  }
+  const std::vector<bool> used = used_of(folder, outcome);
   std::size_t blank = 0;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const bool looked_at = outcome.seen.contains(i);
@@ -120,7 +132,10 @@ bool parse(int argc, char** argv, Options& options) {
   double accuracy = 0;
   const GOptionEntry entries[] = {
       {"board", 0, 0, G_OPTION_ARG_STRING, &board, "The board in the pictures", "TEXT"},
-      {"model", 0, 0, G_OPTION_ARG_STRING, &model, "The camera model, or auto", "NAME"},
+      {"model", 0, 0, G_OPTION_ARG_STRING, &model,
+       "The camera model (default auto: the one that the pictures ask for; with --fix or "
+       "--initial brown5)",
+       "NAME"},
       {"fix", 0, 0, G_OPTION_ARG_STRING, &fix, "Parameters that are held or tied", "aspect,k3"},
       {"initial", 0, 0, G_OPTION_ARG_FILENAME, &initial, "A calibration to start from", "FILE"},
       {"leave-out", 0, 0, G_OPTION_ARG_STRING_ARRAY, &unwanted,
@@ -145,6 +160,8 @@ bool parse(int argc, char** argv, Options& options) {
     return false;
   }
   if (board != nullptr) options.board = board;
+  // What is held or started from belongs to a model.
+  if (fix == nullptr && initial == nullptr) options.model = "auto";
   if (model != nullptr) options.model = model;
   if (fix != nullptr) options.fix = fix;
   if (initial != nullptr) options.initial = initial;
@@ -172,7 +189,7 @@ int main(int argc, char** argv) {
   if (!outcome.good || !outcome.calibration) return kFailed;
   calvin_tools::print(*outcome.calibration);
   const bool good = print_verdict(options, *outcome.calibration);
-  if (!calibrate_images::draw_pair(options, folder.pictures.front().path)) return kFailed;
+  if (!calibrate_images::draw_pair(options, first_used(folder, outcome).path)) return kFailed;
   fmt::print("camera.json, before.png and after.png are in {}\n", options.output.string());
   return options.verdict && !good ? kNotGood : 0;
 }

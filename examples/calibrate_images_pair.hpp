@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// before.png and after.png: the first picture as it is and undistorted.
+// before.png and after.png: the first picture of the result as it is and undistorted.
 #pragma once
 
 #include <cstdio>

@@ -142,6 +142,16 @@ leaves 0 exact
 grep -q '^8 of 8 pictures used' out || fail "JPEG: $(cat out err)"
 rms=$(what rms)
 [ "$(echo "$rms" | cut -c1-4)" = 0.00 ] || fail "JPEG is not decoded exactly: RMS $rms px"
+grep -q 'The views ask for the model' out || fail "the model is not found: $(cat out)"
+
+# The picture that is shown undistorted is one of the camera, not merely the first.
+cp new/before.png shown.png
+gst-launch-1.0 -q videotestsrc num-buffers=1 ! video/x-raw,width=640,height=480 ! pngenc ! \
+  filesink location=exact/+blank.png
+leaves 0 exact
+grep -q '^8 of 9 pictures used: 0 left out, 1 without a board' out || fail "blank: $(cat out)"
+cmp shown.png new/before.png || fail "another picture is shown than one of the result"
+rm exact/+blank.png
 
 # What the user says of the solve arrives there.
 leaves 0 --model rational8 --fix k4,k5,k6,aspect exact
