@@ -20,6 +20,7 @@
 #include "calibrate_images_pair.hpp"
 #include "calibrate_images_run.hpp"
 #include "calvin/core/file.hpp"
+#include "calvin/io/board_names.hpp"
 #include "print_calibration.hpp"
 
 namespace {
@@ -95,9 +96,11 @@ void print_pictures(const Folder& folder, const Outcome& outcome) {
     if (looked_at && !outcome.corners.contains(i)) ++blank;
     const auto reason = outcome.reasons.find(i);
     if (used[i] || (reason == outcome.reasons.end() && !looked_at)) continue;
-    calibrate_images::leave_out(pictures[i].path, reason != outcome.reasons.end()
-                                                      ? reason->second
-                                                      : "its corners contradict the others'.");
+    if (reason != outcome.reasons.end()) {
+      calibrate_images::leave_out(pictures[i].path, reason->second);
+    } else if (outcome.calibration) {
+      calibrate_images::leave_out(pictures[i].path, "its corners contradict the others'.");
+    }
   }
   const auto count = static_cast<std::size_t>(std::count(used.begin(), used.end(), true));
   fmt::print("{} of {} pictures used: {} left out, {} without a board\n", count, folder.files,
@@ -115,7 +118,7 @@ bool print_verdict(const Options& options, const calvin::Calibration& c) {
     fmt::print("verdict: not good enough, accurate to {:.3g} px where {:.3g} px were asked for\n",
                accuracy, *options.accuracy);
   } else {
-    fmt::print("verdict: good\n");
+    fmt::print("verdict: good where corners were seen\n");
   }
   return !misfit && !poor;
 }
@@ -179,6 +182,10 @@ bool parse(int argc, char** argv, Options& options) {
 int main(int argc, char** argv) {
   Options options;
   if (!parse(argc, argv, options)) return kUsage;
+  if (const auto board = calvin::parse_boards(options.board); !board) {
+    fmt::print(stderr, "{}\n", board.error().message);
+    return kUsage;
+  }
   if (!calibrate_images::check_elements() || !prepare(options)) return kFailed;
   const Folder folder = choose_pictures(options);
   if (folder.pictures.empty()) return kFailed;
@@ -189,7 +196,9 @@ int main(int argc, char** argv) {
   if (!outcome.good || !outcome.calibration) return kFailed;
   calvin_tools::print(*outcome.calibration);
   const bool good = print_verdict(options, *outcome.calibration);
-  if (!calibrate_images::draw_pair(options, first_used(folder, outcome).path)) return kFailed;
-  fmt::print("camera.json, before.png and after.png are in {}\n", options.output.string());
+  const calibrate_images::Picture& shown = first_used(folder, outcome);
+  if (!calibrate_images::draw_pair(options, shown.path)) return kFailed;
+  fmt::print("camera.json, and {} as before.png and after.png, are in {}\n", shown.name(),
+             options.output.string());
   return options.verdict && !good ? kNotGood : 0;
 }

@@ -8,7 +8,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -38,17 +37,16 @@ inline void decode_exactly(GstBin* /*decodebin*/, GstBin* /*in*/, GstElement* el
   }
 }
 
-// The first type that decodebin tells is that of the file: "image/..." of a still picture.
-inline gboolean note_type(GstElement* /*decodebin*/, GstPad* /*pad*/, GstCaps* caps,
-                          gpointer still) {
-  auto& is_still = *static_cast<std::optional<bool>*>(still);
-  const char* name = gst_structure_get_name(gst_caps_get_structure(caps, 0));
-  if (!is_still) is_still = g_str_has_prefix(name, "image/") != FALSE;
+// The first type that decodebin tells is that of the file: "image/..." of a still picture. It tells
+// none of a text.
+inline gboolean note_type(GstElement* /*decodebin*/, GstPad* /*pad*/, GstCaps* caps, gpointer of) {
+  auto& type = *static_cast<std::string*>(of);
+  if (type.empty()) type = gst_structure_get_name(gst_caps_get_structure(caps, 0));
   return TRUE;  // decodebin goes on as without this function
 }
 
 // The pipeline for one file. Its sink takes the first decoded stream that is video, as `gray`.
-inline GstElement* make_decoder(const std::filesystem::path& file, std::optional<bool>& still) {
+inline GstElement* make_decoder(const std::filesystem::path& file, std::string& type) {
   GstElement* pipeline = gst_pipeline_new(nullptr);
   GstElement* source = gst_element_factory_make("filesrc", nullptr);
   GstElement* decoder = gst_element_factory_make("decodebin", nullptr);
@@ -62,10 +60,13 @@ inline GstElement* make_decoder(const std::filesystem::path& file, std::optional
   gst_element_link(convert, sink);
   g_autoptr(GstPad) pad = gst_element_get_static_pad(convert, "sink");
   g_signal_connect(decoder, "deep-element-added", G_CALLBACK(decode_exactly), nullptr);
-  g_signal_connect(decoder, "autoplug-continue", G_CALLBACK(note_type), &still);
+  g_signal_connect(decoder, "autoplug-continue", G_CALLBACK(note_type), &type);
   g_signal_connect_object(decoder, "pad-added", G_CALLBACK(link_decoded), pad, G_CONNECT_DEFAULT);
   return pipeline;
 }
+
+// In place of an error's words, of a file that decodebin takes for a text.
+inline constexpr const char* kText = "text";
 
 // Waits until the sink has a picture, or its stream has ended without one. What went wrong, if
 // anything did.
@@ -78,6 +79,7 @@ inline std::string preroll(GstElement* pipeline) {
   if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_ERROR) return "";
   g_autoptr(GError) error = nullptr;
   gst_message_parse_error(message, &error, nullptr);
+  if (g_error_matches(error, GST_STREAM_ERROR, GST_STREAM_ERROR_WRONG_TYPE)) return kText;
   return error->message;
 }
 
@@ -93,15 +95,16 @@ inline bool is_movie(GstElement* pipeline, GstAppSink* sink) {
 // (those of phones have maps of brightness or depth there). An error says why there is none and
 // what to do; a movie is one: which of its frames would be meant is not known.
 inline calvin::Result<Sample> decode(const std::filesystem::path& file) {
-  std::optional<bool> still;
-  GstElement* pipeline = make_decoder(file, still);
+  std::string type;
+  GstElement* pipeline = make_decoder(file, type);
   g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "picture");
   std::string error = preroll(pipeline);
   Sample sample;
   bool movie = false;
   if (error.empty()) {
     sample.reset(gst_app_sink_try_pull_preroll(GST_APP_SINK(sink), 0));
-    movie = sample && !still.value_or(true) && is_movie(pipeline, GST_APP_SINK(sink));
+    const bool still = type.empty() || type.starts_with("image/");
+    movie = sample && !still && is_movie(pipeline, GST_APP_SINK(sink));
     error = "there is no picture in it";
   }
   gst_element_set_state(pipeline, GST_STATE_NULL);
@@ -110,6 +113,9 @@ inline calvin::Result<Sample> decode(const std::filesystem::path& file) {
     return calvin::make_error(calvin::ErrorCode::kUnsupported,
                               "it is a movie: save those of its frames that show the board sharply "
                               "as PNG or JPEG, or take it away.");
+  }
+  if (error == kText || type.starts_with("text/") || type.starts_with("application/")) {
+    return calvin::make_error(calvin::ErrorCode::kUnsupported, "it is no picture.");
   }
   if (!sample) {
     return calvin::make_error(

@@ -4,6 +4,7 @@
 // calvin-show CALIBRATION [TRUTH]: prints a calibration of any known format, with the sigmas, and
 // beside a second one where the truth is known.
 #include <cstdio>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -11,9 +12,14 @@
 #include "print_calibration.hpp"
 
 int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    fmt::print(stderr, "usage: calvin-show CALIBRATION [TRUTH]\n");
-    return 2;
+  const bool help =
+      argc == 2 && (std::string_view(argv[1]) == "--help" || std::string_view(argv[1]) == "-h");
+  if (help || argc < 2 || argc > 3) {
+    fmt::print(help ? stdout : stderr,
+               "usage: calvin-show CALIBRATION [TRUTH]\n"
+               "Prints a calibration, beside another one where the truth is known. "
+               "calvin-compare tells how far two calibrations are apart.\n");
+    return help ? 0 : 2;
   }
   const auto calibration = calvin::read_calibration(argv[1]);
   if (!calibration) {

@@ -109,8 +109,9 @@ void CalibrationInput::take(CalibrationReader::ReadResult read, std::vector<Erro
   errors.push_back(std::move(read.error()));
   std::string& message = errors.back().message;
   if (errors.back().code == ErrorCode::kNotFound) {
-    message += " The frames go on as before until the file appears";
-    message += from_setting_ ? " again: the calibration that there was stays in force." : ".";
+    message += from_setting_
+                   ? " Until it appears again the calibration that there was stays in force."
+                   : " Until it appears, frames go on as they are, not undistorted.";
   }
 }
 

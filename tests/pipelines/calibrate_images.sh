@@ -56,8 +56,8 @@ head -c 3000 pictures/00.png >pictures/cut.png
 used 'cut.png: left out, .*: save it again as PNG or JPEG'
 : >pictures/empty.png
 used 'empty.png: left out, .*: save it again as PNG or JPEG'
-echo notes >pictures/notes.txt
-used 'notes.txt: left out, '
+seq -f "line %.0f of a text" 200 >pictures/notes.txt
+used 'notes.txt: left out, it is no picture'
 ln -s nowhere pictures/link.png
 used 'link.png: left out, it cannot be opened'
 gst-launch-1.0 -q videotestsrc num-buffers=1 ! video/x-raw,width=320,height=240 ! pngenc ! \
@@ -152,6 +152,18 @@ leaves 0 exact
 grep -q '^8 of 9 pictures used: 0 left out, 1 without a board' out || fail "blank: $(cat out)"
 cmp shown.png new/before.png || fail "another picture is shown than one of the result"
 rm exact/+blank.png
+grep -q '^camera.json, and 00.jpg as before.png and after.png, are in new' out || fail "$(cat out)"
+
+# A text that is no board ends before the pictures are looked at.
+leaves 2 --board 9x6 exact
+! grep -q pictures out || fail "the pictures are to blame: $(cat out)"
+# Two views are no calibration, and not since they contradict each other.
+mkdir few
+cp exact/00.jpg exact/01.jpg few
+leaves 1 few
+grep -q 'only 2 views' err || fail "no reason: $(cat err)"
+! grep -q contradict err || fail "a false reason: $(cat err)"
+rm -r few
 
 # What the user says of the solve arrives there.
 leaves 0 --model rational8 --fix k4,k5,k6,aspect exact

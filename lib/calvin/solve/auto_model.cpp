@@ -209,16 +209,22 @@ Result<Solution> solve_auto(const std::vector<PointSet>& views, const BoardShape
   trial_options.checks = true;
   // A poor model rejects good corners that it cannot explain, so the best model decides for all
   // which corners are wrong.
-  std::vector<Trial> trials = try_all(candidates(), views, shape, image_size, trial_options, stop);
+  const std::vector<PointSet> some = some_of(views);
+  std::vector<Trial> trials = try_all(candidates(), some, shape, image_size, trial_options, stop);
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
   if (trials.empty()) {
     trial_options.model = "pinhole";
     return solve_points(views, shape, image_size, trial_options, stop);
   }
-  const auto most_predictive = std::min_element(
+  const Trial& most_predictive = *std::min_element(
       trials.begin(), trials.end(),
       [](const Trial& a, const Trial& b) { return held_out_rms(a) < held_out_rms(b); });
-  const Solution reference = most_predictive->solution;
+  trial_options.model = most_predictive.model;
+  const Result<Solution> of_all = some.size() == views.size()
+                                      ? Result<Solution>(most_predictive.solution)
+                                      : solve_points(views, shape, image_size, trial_options, stop);
+  if (!of_all) return of_all;
+  const Solution& reference = *of_all;
   trial_options.reject_outliers = false;
   const std::vector<PointSet> good_corners = masked(views, reference);
   const Rivals rivals = rivals_of(trials);
@@ -247,12 +253,8 @@ void try_other_models(Solution& solution, const std::vector<PointSet>& views,
     return c.held_out_rms ? *c.held_out_rms * *c.held_out_rms : HUGE_VAL;
   };
   const Trial own = {options.model, solution, held_out_of(views, solution)};
-  // A part of many views tells as much.
-  constexpr std::size_t kViews = 50;
-  const std::size_t every = std::max<std::size_t>(1, views.size() / kViews);
-  std::vector<PointSet> some;
-  for (std::size_t i = 0; i < views.size(); i += every) some.push_back(views[i]);
-  const std::vector<Trial> others = try_all(candidates(), some, shape, image_size, options, stop);
+  const std::vector<Trial> others =
+      try_all(candidates(), some_of(views), shape, image_size, options, stop);
   const Trial* better = nullptr;
   for (const Trial& other : others) {
     if (!is_better_in_most(own, other)) continue;

@@ -17,16 +17,7 @@ namespace calvin {
 namespace {
 
 constexpr std::size_t kFewest = 8;   // views
-constexpr std::size_t kMost = 50;    // a part of many views tells as much
 constexpr std::size_t kSplits = 12;  // of which models are told apart that differ by a fifth
-
-// So many of the views, as evenly as they come.
-std::vector<PointSet> some_of(const std::vector<PointSet>& views) {
-  const std::size_t every = (views.size() + kMost - 1) / kMost;
-  std::vector<PointSet> some;
-  for (std::size_t i = 0; i < views.size(); i += every) some.push_back(views[i]);
-  return some;
-}
 
 // The same order on every machine, which std::shuffle is not.
 void shuffle(std::vector<PointSet>& views, std::mt19937& random) {
@@ -49,6 +40,14 @@ std::optional<double> largest_difference(const Calibration& a, const Calibration
 }
 
 }  // namespace
+
+std::vector<PointSet> some_of(const std::vector<PointSet>& views) {
+  constexpr std::size_t kMost = 50;
+  const std::size_t every = (views.size() + kMost - 1) / kMost;
+  std::vector<PointSet> some;
+  for (std::size_t i = 0; i < views.size(); i += every) some.push_back(views[i]);
+  return some;
+}
 
 std::optional<double> split_half_difference(const std::vector<PointSet>& views,
                                             const Calibration& all, const BoardShape& shape,

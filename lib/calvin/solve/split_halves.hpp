@@ -12,6 +12,9 @@
 
 namespace calvin {
 
+// At most 50 of the views, as evenly as they come: a part of many tells models apart as well.
+[[nodiscard]] std::vector<PointSet> some_of(const std::vector<PointSet>& views);
+
 // px: the largest difference of a projection where the corners of both halves covered the picture,
 // a rotation of the camera removed; the geometric mean over ways to halve the views, which are the
 // same in each call. `all`: the calibration of all of them, of the model in `options`. Absent where
