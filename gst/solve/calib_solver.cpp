@@ -117,6 +117,11 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times,
   return true;
 }
 
+void CalibSolver::saw_another_board(const std::string& words) {
+  const std::lock_guard guard(lock_);
+  session_.saw_another_board(words);
+}
+
 void CalibSolver::complain(const Error& why) {
   {
     const std::lock_guard guard(lock_);

@@ -132,6 +132,7 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   // As long as another board is in view nothing else helps.
   const std::string wrong_board = gst::read_hint(buffer);
   if (!captured && !wrong_board.empty()) progress.hint = wrong_board;
+  if (!wrong_board.empty()) solver.saw_another_board(wrong_board);
   gst::attach_guidance(buffer, progress);
   return GST_FLOW_OK;
 }

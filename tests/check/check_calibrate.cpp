@@ -194,6 +194,24 @@ GST_START_TEST(test_signals_and_state_cycles) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_the_end_without_a_calibration_tells_the_board_that_was_seen) {
+  g_autoptr(GstElement) pipeline = gst_parse_launch(
+      "calibtestsrc num-buffers=12 ! calibrate board=checkerboard:8x6:25mm ! fakesink", nullptr);
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  g_autoptr(GstMessage) warning =
+      gst_bus_timed_pop_filtered(bus, 60 * GST_SECOND, GST_MESSAGE_WARNING);
+  fail_unless(warning != nullptr);
+  g_autoptr(GError) error = nullptr;
+  gst_message_parse_warning(warning, &error, nullptr);
+  fail_unless(strstr(error->message, "no view of the board was taken") != nullptr &&
+                  strstr(error->message, "This is a 9x6 board, I look for 8x6.") != nullptr,
+              "%s", error->message);
+  gst_bus_set_flushing(bus, TRUE);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+}
+GST_END_TEST;
+
 static Suite* calibrate_suite() {
   Suite* suite = suite_create("calibrate");
   TCase* tc = tcase_create("general");
@@ -208,6 +226,7 @@ static Suite* calibrate_suite() {
   tcase_add_loop_test(tc, test_a_child_in_the_place_of_another_is_listened_to, 0, 2);
   tcase_add_test(tc, test_a_change_is_notified_once);
   tcase_add_test(tc, test_signals_and_state_cycles);
+  tcase_add_test(tc, test_the_end_without_a_calibration_tells_the_board_that_was_seen);
   return suite;
 }
 

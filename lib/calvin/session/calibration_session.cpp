@@ -266,6 +266,7 @@ void CalibrationSession::reset() {
   asked_ = final_owed_ = solve_waits_ = false;
   last_reasons_.clear();
   refused_.clear();
+  other_board_.clear();
   solve_error_.clear();
   accepted_ = next_solve_ = 0;
   writes_.reset();

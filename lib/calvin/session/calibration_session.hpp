@@ -92,6 +92,8 @@ class CalibrationSession {
   // One board as it was found on one frame; `place`: which of the observations of that frame it is.
   [[nodiscard]] Offered offer(const Observation& observation, const FrameTimes& times,
                               std::size_t place = 0);
+  // What the detector says of a board that is not the one it looks for.
+  void saw_another_board(std::string words) { other_board_ = std::move(words); }
   // Whether nobody was told yet that what comes cannot be an observation.
   [[nodiscard]] bool first_complaint();
 
@@ -160,7 +162,7 @@ class CalibrationSession {
  private:
   [[nodiscard]] bool enough_views() const;
   [[nodiscard]] Error too_few() const {
-    return too_few_views(views_.views().size(), plan_.settings.min_views, refused_);
+    return too_few_views(views_.views().size(), plan_.settings.min_views, refused_, other_board_);
   }
   [[nodiscard]] std::string camera_name() const;
   [[nodiscard]] Result<Board> board_of(const std::string& text);
@@ -198,6 +200,7 @@ class CalibrationSession {
   FrameTimes times_;                  // of the newest frame with a board
   std::vector<Reason> last_reasons_;  // by place
   Refusals refused_;
+  std::string other_board_;
   bool complained_ = false;       // of broken observations
   std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
   int frames_without_board_ = 0;  // that showed others, since it was seen

@@ -52,16 +52,17 @@ std::string told(const Refusals& refused) {
 
 }  // namespace
 
-Error too_few_views(std::size_t views, int least, const Refusals& refused) {
+Error too_few_views(std::size_t views, int least, const Refusals& refused,
+                    const std::string& other_board) {
   return {
       ErrorCode::kDegenerate,
       fmt::format("No calibration: {} taken, at least {} are needed. Show the whole board, flat "
                   "and sharp, in different places and tilts, and check that the property "
-                  "`board` tells its inner corners.{}",
+                  "`board` tells its inner corners.{}{}",
                   views == 0   ? "no view of the board was"
                   : views == 1 ? "only one view of the board was"
                                : fmt::format("only {} views of the board were", views),
-                  least, told(refused))};
+                  least, other_board.empty() ? "" : " " + other_board + ".", told(refused))};
 }
 
 Error solve_failed(const std::string& why, bool before) {
