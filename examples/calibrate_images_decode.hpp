@@ -114,7 +114,8 @@ inline calvin::Result<Sample> decode(const std::filesystem::path& file) {
                               "it is a movie: save those of its frames that show the board sharply "
                               "as PNG or JPEG, or take it away.");
   }
-  if (error == kText || type.starts_with("text/") || type.starts_with("application/")) {
+  if (!sample &&
+      (error == kText || type.starts_with("text/") || type.starts_with("application/"))) {
     return calvin::make_error(calvin::ErrorCode::kUnsupported, "it is no picture.");
   }
   if (!sample) {
