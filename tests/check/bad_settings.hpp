@@ -235,7 +235,7 @@ inline const std::vector<BadInput>& bad_settings() {
       {"a file of 4 GiB", "calibundistort", at_start, "calibration=@/huge", "larger than",
        kFileHelp, After::kRefused},
       {"a calibration file that is not there", "calibundistort", at_start,
-       "calibration=@/nothing/cam.json", "No such file", "until the file appears", After::kGoesOn},
+       "calibration=@/nothing/cam.json", "No such file", "not undistorted", After::kGoesOn},
       {"a name too long for a file", "calibundistort", at_start,
        "calibration=" + std::string(5000, 'x'), "too long", kFileHelp, After::kRefused},
 

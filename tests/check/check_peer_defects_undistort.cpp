@@ -85,7 +85,7 @@ GST_START_TEST(test_p13_settings_that_are_none_are_said_to_be) {
   g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, in);
   fail_unless(in == out);
   // A path is looked at beside the frames.
-  for (int n = 1; !f.bus.says(GST_MESSAGE_WARNING, "until the file appears"); ++n) {
+  for (int n = 1; !f.bus.says(GST_MESSAGE_WARNING, "not undistorted"); ++n) {
     gst_buffer_unref(f.push(kSize, n));
   }
 }
