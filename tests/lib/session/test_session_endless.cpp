@@ -94,21 +94,45 @@ TEST_F(EndlessStreams, KeepTheViewsThatDiffer) {
   EXPECT_GT(views.back()->observation.timestamp, times(40).timestamp);
 }
 
-// A view that was left out is named once, wherever it stands by then.
-TEST_F(EndlessStreams, NameTheViewThatASolveLeftOut) {
+// What the board shows late is new all the same: one of those that are nearly alike has to go.
+TEST_F(EndlessStreams, KeepWhatIsShownLate) {
   begin();
-  show(900);
-  auto job = session_.take_solve();
-  show(99);
-  ASSERT_TRUE(job);
-  Solution solution = found(*job, 0.1);
-  solution.rejected = {{7, Reason::kOutlier}};
-  for (int n = 999; n < 1800; ++n) {
-    (void)session_.offer(moving(n), times(n));
+  for (int n = 0; n < 1100; ++n) {
+    Observation still = moving(0);
+    still.timestamp = times(n).timestamp;
+    (void)session_.offer(still, times(n));
   }
+  frame_ = 1100;
+  std::set<std::uint64_t> late;
+  for (int i = 0; i < 20; ++i) {
+    late.insert(times(frame_).timestamp);
+    EXPECT_EQ(show(1).reason, Reason::kAccepted) << i;
+  }
+  const auto& views = session_.views().views();
+  EXPECT_EQ(
+      std::count_if(views.begin(), views.end(),
+                    [&late](const auto& v) { return late.contains(v->observation.timestamp); }),
+      20);
+}
+
+// A view that was left out is named once, wherever it stands by then: of those before it many have
+// had to go while the solve ran.
+TEST_F(EndlessStreams, NameTheViewThatASolveLeftOut) {
+  constexpr std::size_t kOutlier = 950;
+  begin();
+  for (int n = 0; n < 900; ++n) (void)session_.offer(moving(n), times(n));
+  frame_ = 900;
+  show(99);
+  const auto job = session_.take_solve();
+  ASSERT_TRUE(job);
+  ASSERT_EQ(job->views.size(), 999U);
+  Solution solution = found(*job, 0.1);
+  solution.rejected = {{kOutlier, Reason::kOutlier}};
+  for (int n = 999; n < 1800; ++n) (void)session_.offer(moving(n), times(n));
+  ASSERT_NE(session_.views().views()[kOutlier], job->views[kOutlier]);
   const auto rejected = session_.newly_rejected(*job, solution);
   ASSERT_EQ(rejected.size(), 1U);
-  EXPECT_EQ(rejected[0].times.timestamp, times(7).timestamp);
+  EXPECT_EQ(rejected[0].times.timestamp, times(kOutlier).timestamp);
   EXPECT_EQ(rejected[0].reason, Reason::kOutlier);
   EXPECT_TRUE(session_.newly_rejected(*job, solution).empty());
 }
