@@ -43,7 +43,7 @@ TESTS = {
     "detect": "detect",
     "solve": "solve pose recheck uncertainty difference",
     "remap": "undistorter views remap",
-    "session": "hint session calibration_session guided_capture refine_with_camera",
+    "session": "corner_motion hint session calibration_session guided_capture refine_with_camera",
     "draw": "overlay board_drawing",
     "synth": "motion synth",
     "gst": "",
