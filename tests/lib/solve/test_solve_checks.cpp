@@ -339,7 +339,10 @@ TEST_P(Auto, ChoosesTheSimplestThatIsRight) {
               std::string::npos);
     // A lens that bends lines is none without a coefficient.
     if (std::string_view(GetParam().truth) == "brown5") {
-      EXPECT_NE(solution->calibration.remarks.back().find("pinhole far worse"), std::string::npos);
+      const std::string& remark = solution->calibration.remarks.back();
+      EXPECT_TRUE(remark.find("pinhole far worse") != std::string::npos ||
+                  remark.find("pinhole worse by") != std::string::npos)
+          << remark;
     }
   }
   EXPECT_GE(right, 0.8 * trials);

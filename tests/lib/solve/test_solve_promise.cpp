@@ -132,7 +132,7 @@ double agreement_of(double bend, double shared, Random& random, double* variance
   constexpr double kInformation = 4;
   std::vector<double> common(kParts);
   for (double& c : common) c = shared * normal(random);
-  Agreement agreement;
+  Agreement agreement(kParts);
   for (std::size_t v = 0; v < 12; ++v) {
     const double slope = bend * normal(random);
     for (std::size_t p = 0; p < kParts; ++p) {
@@ -179,7 +179,7 @@ TEST(Contradiction, TellsTheCovarianceThatViewsHave) {
     }
     Contradiction contradiction(Eigen::Matrix3d::Identity() / kMany);
     for (const Eigen::Vector3d& x : seen) {
-      contradiction.add(Eigen::Matrix3d::Identity(), best - x);
+      contradiction.add(contradiction.share(Eigen::Matrix3d::Identity(), best - x));
     }
     mean += contradiction.covariance().value().diagonal() * kMany / kTrials;
     EXPECT_EQ(contradiction.chi_square().degrees, 3 * kMany);

@@ -11,12 +11,6 @@
 
 namespace calvin {
 
-void Agreement::add(std::size_t group, std::size_t part, double score, double information) {
-  if (parts_.size() <= part) parts_.resize(part + 1);
-  parts_[part].score[group % kGroups] += score;
-  parts_[part].information[group % kGroups] += information;
-}
-
 double Agreement::deviations() const {
   std::array<std::array<double, kGroups>, kGroups> common{};
   for (const Sums& part : parts_) {

@@ -17,7 +17,12 @@ class Agreement {
  public:
   static constexpr std::size_t kGroups = 16;  // views are dealt out to these in turn
 
-  void add(std::size_t group, std::size_t part, double score, double information);
+  explicit Agreement(std::size_t parts) : parts_(parts) {}
+
+  void add(std::size_t group, std::size_t part, double score, double information) {
+    parts_[part].score[group % kGroups] += score;
+    parts_[part].information[group % kGroups] += information;
+  }
 
   // The sum over parts and pairs of groups of what their scores have in common, over its standard
   // deviation, which the pairs themselves tell.

@@ -5,26 +5,11 @@
 
 #include "calvin/solve/judge/contradiction.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "calvin/geometry/dense.hpp"
-#include "calvin/geometry/symmetric.hpp"
 
 namespace calvin {
-
-namespace {
-
-// The W with W W^T = m, for a symmetric m whose diagonal is positive.
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& m) {
-  const Eigen::VectorXd scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const auto eigen = symmetric_eigen(inverse.asDiagonal() * m * inverse.asDiagonal());
-  if (!eigen) return Eigen::MatrixXd::Zero(m.rows(), m.cols());
-  return scale.asDiagonal() * eigen->vectors * eigen->values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
-}
-
-}  // namespace
 
 double ChiSquare::deviations() const {
   if (!(degrees > 0)) return 0;
@@ -36,28 +21,18 @@ Contradiction::Contradiction(const Eigen::MatrixXd& covariance)
     : root_(root_of(covariance)),
       scatter_(Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols())) {}
 
-// The fit to all views has absorbed a part of each: what is left of a gradient has the variance
-// k - k^2 along an eigenvector of the view's share of the information, k in 0..1. Divided by the
-// root of 1 - k it spreads as if nothing were absorbed (R. Bell, D. McCaffrey, Survey Methodology
-// 28(2), 2002).
-void Contradiction::add(const Eigen::MatrixXd& information, const Eigen::VectorXd& gradient) {
-  constexpr double kNothing = 1e-10;
-  constexpr double kLeastLeft = 0.02;  // a view that decides alone tells nothing of its error
-  const auto eigen = symmetric_eigen(congruent(information, root_));
-  if (!eigen) return;
-  Eigen::VectorXd along = eigen->vectors.transpose() * (root_.transpose() * gradient);
-  for (Eigen::Index i = 0; i < along.size(); ++i) {
-    const double share = std::clamp(eigen->values[i], 0.0, 1.0);
-    found_ += along[i] * along[i];
-    expected_ += share * (1 - share);
-    if (share > kNothing) {
-      chi_square_.sum += along[i] * along[i] / share;
-      chi_square_.degrees += 1;
-    }
-    along[i] /= std::sqrt(std::max(1 - share, kLeastLeft));
-  }
-  const Eigen::VectorXd spread = eigen->vectors * along;
-  scatter_ += spread * spread.transpose();
+ViewShare Contradiction::share(const Eigen::MatrixXd& information,
+                               const Eigen::VectorXd& gradient) const {
+  return {root_, information, gradient};
+}
+
+void Contradiction::add(const ViewShare& view) {
+  if (!view.valid()) return;
+  found_ += view.gradient().squaredNorm();
+  expected_ += view.information().trace() - view.information().squaredNorm();
+  chi_square_.sum += view.squares();
+  chi_square_.degrees += view.directions();
+  scatter_ += view.unabsorbed() * view.unabsorbed().transpose();
   ++views_;
 }
 

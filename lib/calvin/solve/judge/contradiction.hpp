@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "calvin/solve/judge/view_share.hpp"
+
 namespace calvin {
 
 // Standard deviations; one test in a hundred exceeds it by noise.
@@ -33,9 +35,14 @@ class Contradiction {
   // `covariance` is that of the directions by all views, were their residuals noise.
   explicit Contradiction(const Eigen::MatrixXd& covariance);
 
-  // The reduced information and gradient of a view at the optimum of all, over the variance of a
-  // residual.
-  void add(const Eigen::MatrixXd& information, const Eigen::VectorXd& gradient);
+  // The share of a view, of its reduced information and gradient at the optimum of all, over the
+  // variance of a residual.
+  [[nodiscard]] ViewShare share(const Eigen::MatrixXd& information,
+                                const Eigen::VectorXd& gradient) const;
+  void add(const ViewShare& view);
+
+  // The W of ViewShare.
+  [[nodiscard]] const Eigen::MatrixXd& root() const { return root_; }
 
   // The degrees are those of all views, of which the fit has absorbed as many as it has directions.
   [[nodiscard]] const ChiSquare& chi_square() const { return chi_square_; }

@@ -204,9 +204,14 @@ std::optional<double> BundleProblem::evaluate_trial() {
 
 std::optional<BundleProblem::Reduced> BundleProblem::reduced() {
   if (!elimination_.eliminate(current_.equations, 0)) return std::nullopt;
-  return Reduced{restrict_to(unknowns_.basis, elimination_.schur()),
-                 unknowns_.basis.transpose().lazyProduct(elimination_.reduced_gradient()),
-                 elimination_.reduced_cost()};
+  return reduced_to(unknowns_.basis, elimination_);
+}
+
+BundleProblem::Reduced reduced_to(const Eigen::MatrixXd& basis,
+                                  const ArrowElimination& elimination) {
+  return {restrict_to(basis, elimination.schur()),
+          basis.transpose().lazyProduct(elimination.reduced_gradient()),
+          elimination.reduced_cost()};
 }
 
 }  // namespace calvin

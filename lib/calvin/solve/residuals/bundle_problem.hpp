@@ -132,4 +132,8 @@ class BundleProblem {
   bool valid_ = false;
 };
 
+// Of the last elimination of small blocks, over the directions of a basis.
+[[nodiscard]] BundleProblem::Reduced reduced_to(const Eigen::MatrixXd& basis,
+                                                const ArrowElimination& elimination);
+
 }  // namespace calvin

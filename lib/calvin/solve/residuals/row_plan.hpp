@@ -27,6 +27,8 @@ class RowPlan {
   // Takes the values of the shared unknowns, which must stay where they are.
   void set(const std::vector<double>& shared);
 
+  [[nodiscard]] ViewRows& rows() { return rows_; }
+
   // Fills the rows of a view. The pose is camera_from_board, or camera_from_world for free points.
   RowSums fill(const ViewPoints& view, const SE3& pose, const Loss& loss);
   // Adds what was filled to the small block of the pose. Where there is a rig, `camera_from_rig` is
