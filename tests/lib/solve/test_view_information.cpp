@@ -129,6 +129,13 @@ Pool pool_of(const ViewScorer& scorer, const Camera& camera, int count, scenes::
   return pool;
 }
 
+double variance_of(const ViewScorer& scorer, const Pool& pool,
+                   const std::vector<std::size_t>& views) {
+  Eigen::MatrixXd sum = scorer.prior();
+  for (const std::size_t i : views) sum += pool.information[i];
+  return scorer.variance(sum);
+}
+
 TEST(MostInformative, IsNearTheBestOfAllChoices) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     scenes::Random random(seed);
@@ -136,9 +143,7 @@ TEST(MostInformative, IsNearTheBestOfAllChoices) {
     const ViewScorer scorer = ViewScorer::make(camera, {}).value();
     const Pool pool = pool_of(scorer, camera, 12, random);
     const auto variance = [&](const std::vector<std::size_t>& views) {
-      Eigen::MatrixXd sum = scorer.prior();
-      for (const std::size_t i : views) sum += pool.information[i];
-      return scorer.variance(sum);
+      return variance_of(scorer, pool, views);
     };
     double best = HUGE_VAL;
     for (std::size_t a = 0; a < 12; ++a) {
@@ -151,6 +156,27 @@ TEST(MostInformative, IsNearTheBestOfAllChoices) {
     const auto chosen = most_informative(scorer, pool.information, 4);
     ASSERT_EQ(chosen.size(), 4U);
     EXPECT_LT(variance(chosen), 1.25 * best) << "seed " << seed;
+  }
+}
+
+// Where an exchange ends: no view that was left is worth more than one that was taken.
+TEST(MostInformative, IsLeftByNoExchangeForABetterOne) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    scenes::Random random(seed);
+    const Camera camera = scenes::random_camera("brown5", random);
+    const ViewScorer scorer = ViewScorer::make(camera, {}).value();
+    const Pool pool = pool_of(scorer, camera, 40, random);
+    const auto chosen = most_informative(scorer, pool.information, 6);
+    const double taken = variance_of(scorer, pool, chosen);
+    for (std::size_t place = 0; place < chosen.size(); ++place) {
+      for (std::size_t other = 0; other < pool.information.size(); ++other) {
+        if (std::ranges::count(chosen, other) > 0) continue;
+        auto exchanged = chosen;
+        exchanged[place] = other;
+        EXPECT_GT(variance_of(scorer, pool, exchanged), taken * (1 - 1e-6))
+            << "seed " << seed << ": " << other << " for " << chosen[place];
+      }
+    }
   }
 }
 
