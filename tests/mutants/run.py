@@ -41,9 +41,10 @@ TESTS = {
     "target": "board",
     "io": "io observations board_names",
     "detect": "detect",
-    "solve": "solve pose recheck uncertainty difference",
+    "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
     "remap": "undistorter views remap",
-    "session": "corner_motion hint session calibration_session guided_capture refine_with_camera",
+    "session": "corner_motion view_guide operator hint session calibration_session guided_capture "
+    "refine_with_camera",
     "draw": "overlay board_drawing",
     "synth": "motion synth",
     "gst": "",
