@@ -4,6 +4,7 @@
 // The native calibration file (JSON) -> Calibration.
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -59,6 +60,25 @@ std::vector<Parameter> read_parameters(Fields& fields) {
   return parameters;
 }
 
+// What says that a matrix is the covariance of nothing: entries that no errors have in common.
+std::optional<std::string> no_covariance(const std::vector<std::vector<double>>& rows) {
+  constexpr double kRounding = 1e-6;  // files are written with as many digits as their makers like
+  const std::size_t size = rows.size();
+  for (std::size_t r = 0; r < size; ++r) {
+    if (!(rows[r][r] >= 0)) return fmt::format("has a negative variance in row {}", r + 1);
+  }
+  for (std::size_t r = 0; r < size; ++r) {
+    for (std::size_t c = 0; c < r; ++c) {
+      const double most = (1 + kRounding) * std::sqrt(rows[r][r]) * std::sqrt(rows[c][c]);
+      const bool same = std::abs(rows[r][c] - rows[c][r]) <= kRounding * most;
+      if (!same || !(std::abs(rows[r][c]) <= most)) {
+        return fmt::format("is no covariance: {} in row {}, column {}", rows[r][c], r + 1, c + 1);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 // Row-major. `size`: the number of parameters that have a sigma.
 std::vector<double> read_covariance(Fields& fields, std::size_t size) {
   std::vector<double> all;
@@ -66,7 +86,9 @@ std::vector<double> read_covariance(Fields& fields, std::size_t size) {
   if (!rows.empty() && rows.size() != size) {
     fields.complain("covariance",
                     fmt::format("has {} rows, but {} parameters have a sigma", rows.size(), size));
+    return all;
   }
+  if (const auto why = no_covariance(rows)) fields.complain("covariance", *why);
   for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
   return all;
 }

@@ -81,8 +81,10 @@ Words parameters_of(const std::string& model) {
   return names;
 }
 
-// Entry (row, column) of the covariance; no matrix that is turned over looks like it.
-int entry(std::size_t row, std::size_t column) { return static_cast<int>(100 * row + column + 1); }
+// Entry (row, column) of the covariance; rows in another order do not look like it.
+int entry(std::size_t row, std::size_t column) {
+  return static_cast<int>(100 * std::min(row, column) + std::max(row, column) + 1);
+}
 
 Calibration calibration_of(const std::string& model) {
   Calibration c;
