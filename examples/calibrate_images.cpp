@@ -86,22 +86,53 @@ const calibrate_images::Picture& first_used(const Folder& folder, const Outcome&
   return at < used.size() ? folder.pictures[at] : folder.pictures.front();
 }
 
+// Pictures that are left out, by the reason, both in the order in which they came.
+class LeftOut {
+ public:
+  void add(const std::filesystem::path& picture, const std::string& why) {
+    auto known =
+        std::find_if(all_.begin(), all_.end(), [&](const auto& r) { return r.why == why; });
+    if (known == all_.end()) {
+      all_.push_back({picture, why, {}});
+    } else {
+      known->others += (known->others.empty() ? "" : ", ") + picture.filename().string();
+    }
+  }
+  void print() const {
+    for (const Reason& reason : all_) {
+      calibrate_images::leave_out(reason.first, reason.why);
+      if (reason.others.empty()) continue;
+      fmt::print(stderr, "  The same: {}\n", reason.others);
+    }
+  }
+
+ private:
+  struct Reason {
+    std::filesystem::path first;
+    std::string why;
+    std::string others;
+  };
+  std::vector<Reason> all_;
+};
+
 // Each picture that is not in the result and why, then how many are.
 void print_pictures(const Folder& folder, const Outcome& outcome) {
   const auto& pictures = folder.pictures;
   const std::vector<bool> used = used_of(folder, outcome);
   std::size_t blank = 0;
+  LeftOut left_out;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const bool looked_at = outcome.seen.contains(i);
     if (looked_at && !outcome.corners.contains(i)) ++blank;
     const auto reason = outcome.reasons.find(i);
     if (used[i] || (reason == outcome.reasons.end() && !looked_at)) continue;
     if (reason != outcome.reasons.end()) {
-      calibrate_images::leave_out(pictures[i].path, reason->second);
+      left_out.add(pictures[i].path, reason->second);
     } else if (outcome.calibration) {
-      calibrate_images::leave_out(pictures[i].path, "its corners contradict the others'.");
+      left_out.add(pictures[i].path, "its corners contradict the others'.");
     }
   }
+  left_out.print();
   const auto count = static_cast<std::size_t>(std::count(used.begin(), used.end(), true));
   fmt::print("{} of {} pictures used: {} left out, {} without a board\n", count, folder.files,
              folder.files - count - blank, blank);
@@ -109,16 +140,14 @@ void print_pictures(const Folder& folder, const Outcome& outcome) {
 
 // Whether the result is what was asked for, in a line of its own.
 bool print_verdict(const Options& options, const calvin::Calibration& c) {
-  const bool misfit = !c.misfit.empty() && c.misfit != "none";
   const double accuracy = 2 * c.expected_error.value_or(0);
   const bool poor = options.accuracy && !(c.expected_error && accuracy <= *options.accuracy);
-  if (misfit) {
-    fmt::print("verdict: not good, misfit {}\n", c.misfit);
-  } else if (poor) {
+  const bool misfit = calvin_tools::has_misfit(c);
+  if (poor && !misfit) {
     fmt::print("verdict: not good enough, accurate to {:.3g} px where {:.3g} px were asked for\n",
                accuracy, *options.accuracy);
   } else {
-    fmt::print("verdict: good where corners were seen\n");
+    calvin_tools::print_verdict(c);
   }
   return !misfit && !poor;
 }

@@ -4,6 +4,7 @@
 // A calibration in words and numbers, as the tools print it.
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
@@ -14,16 +15,22 @@ namespace calvin_tools {
 
 inline std::string number(double value) { return fmt::format("{:.6g}", value); }
 
-inline void print_row(const calvin::Parameter& p, const calvin::Calibration* truth) {
+// How far two are apart, in the sigmas of both; a truth has none.
+inline void print_row(const calvin::Parameter& p, const calvin::Calibration* other) {
   fmt::print("{:<6} {:>12} {:>12}", p.name, number(p.value), p.sigma ? number(*p.sigma) : "");
-  if (const auto* t = truth != nullptr ? truth->find(p.name) : nullptr) {
-    fmt::print(" {:>12}", number(t->value));
-    if (p.sigma && *p.sigma > 0) fmt::print(" {:>8.2f}", (p.value - t->value) / *p.sigma);
+  if (const auto* o = other != nullptr ? other->find(p.name) : nullptr) {
+    const double sigma = std::hypot(p.sigma.value_or(0), o->sigma.value_or(0));
+    fmt::print(" {:>12}", number(o->value));
+    if (sigma > 0) fmt::print(" {:>8.2f}", (p.value - o->value) / sigma);
   }
   fmt::print("\n");
 }
 
-inline void print_verdict(const calvin::Calibration& c) {
+inline bool has_misfit(const calvin::Calibration& c) {
+  return !c.misfit.empty() && c.misfit != "none";
+}
+
+inline void print_accuracy(const calvin::Calibration& c) {
   if (c.expected_error) {
     fmt::print("accurate to {:.4f} px where corners were seen (2 sigma)\n", 2 * *c.expected_error);
   }
@@ -37,27 +44,36 @@ inline void print_verdict(const calvin::Calibration& c) {
     fmt::print("halves of the views differ by {:.2f} times what the noise of corners explains{}\n",
                *c.split_half_ratio, held ? "; sigmas and accuracy hold the rest too" : "");
   }
-  if (!c.misfit.empty() && c.misfit != "none") fmt::print("misfit: {}\n", c.misfit);
+  if (has_misfit(c)) fmt::print("misfit: {}\n", c.misfit);
   for (const std::string& remark : c.remarks) fmt::print("{}\n", remark);
 }
 
-// `truth` beside it, where it is known.
-inline void print(const calvin::Calibration& c, const calvin::Calibration* truth = nullptr) {
+// `other` beside it.
+inline void print(const calvin::Calibration& c, const calvin::Calibration* other = nullptr) {
   fmt::print("{} {}x{}, model {}", c.camera.empty() ? "camera" : c.camera, c.image_size.width,
              c.image_size.height, c.model);
   if (!c.views.empty()) fmt::print(", {} views", c.views.size());
   if (!c.board.empty()) fmt::print(" of {}", c.board);
   fmt::print("\n{:<6} {:>12} {:>12}", "", "value", "sigma");
-  if (truth != nullptr) fmt::print(" {:>12} {:>8}", "truth", "sigmas");
+  if (other != nullptr) fmt::print(" {:>12} {:>8}", "other", "sigmas");
   fmt::print("\n");
-  for (const calvin::Parameter& p : c.parameters) print_row(p, truth);
+  for (const calvin::Parameter& p : c.parameters) print_row(p, other);
   if (c.readout) {
     fmt::print("readout {:.2f} ms", 1e3 * *c.readout);
     if (c.readout_sigma) fmt::print(", sigma {:.2f} ms", 1e3 * *c.readout_sigma);
     fmt::print("\n");
   }
   if (c.rms) fmt::print("RMS reprojection error {:.4f} px\n", *c.rms);
-  print_verdict(c);
+  print_accuracy(c);
+}
+
+// A file without a verdict, as of other tools, has none here either.
+inline void print_verdict(const calvin::Calibration& c) {
+  if (has_misfit(c)) {
+    fmt::print("verdict: not good, misfit {}\n", c.misfit);
+  } else if (!c.misfit.empty()) {
+    fmt::print("verdict: good where corners were seen\n");
+  }
 }
 
 }  // namespace calvin_tools

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calvin-show CALIBRATION [TRUTH]: prints a calibration of any known format, with the sigmas, and
-// beside a second one where the truth is known.
+// calvin-show CALIBRATION [OTHER]: prints a calibration of any known format, with the sigmas and
+// the verdict, and beside a second one how many sigmas each parameter is from that.
 #include <cstdio>
 #include <string_view>
 
@@ -16,9 +16,10 @@ int main(int argc, char** argv) {
       argc == 2 && (std::string_view(argv[1]) == "--help" || std::string_view(argv[1]) == "-h");
   if (help || argc < 2 || argc > 3) {
     fmt::print(help ? stdout : stderr,
-               "usage: calvin-show CALIBRATION [TRUTH]\n"
-               "Prints a calibration, beside another one where the truth is known. "
-               "calvin-compare tells how far two calibrations are apart.\n");
+               "usage: calvin-show CALIBRATION [OTHER]\n"
+               "Prints a calibration, and how many sigmas each parameter is from another one, as "
+               "the truth of calibtestsrc.\n"
+               "calvin-compare tells how far the two are apart in the picture.\n");
     return help ? 0 : 2;
   }
   const auto calibration = calvin::read_calibration(argv[1]);
@@ -28,13 +29,15 @@ int main(int argc, char** argv) {
   }
   if (argc == 2) {
     calvin_tools::print(*calibration);
+    calvin_tools::print_verdict(*calibration);
     return 0;
   }
-  const auto truth = calvin::read_calibration(argv[2]);
-  if (!truth) {
-    fmt::print(stderr, "{}\n", truth.error().message);
+  const auto other = calvin::read_calibration(argv[2]);
+  if (!other) {
+    fmt::print(stderr, "{}\n", other.error().message);
     return 1;
   }
-  calvin_tools::print(*calibration, &*truth);
+  calvin_tools::print(*calibration, &*other);
+  calvin_tools::print_verdict(*calibration);
   return 0;
 }

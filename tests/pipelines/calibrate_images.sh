@@ -184,7 +184,8 @@ leaves 0 --model pinhole exact
 
 # Another board than the one that is asked for is told, with its size.
 leaves 1 --board checkerboard:8x5:25mm exact
-grep -q 'it shows a board of 9x6 inner corners' err || fail "no size: $(cat err)"
+[ "$(grep -c 'it shows a board of 9x6 inner corners' err)" = 1 ] || fail "no size: $(cat err)"
+grep -q '^  The same: .*07' err || fail "the others are not named: $(cat err)"
 
 # Two cameras are not one, by their names or by what they say themselves.
 mkdir two
