@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -98,19 +99,36 @@ TEST(ViewGuide, MeasuresOtherViewsByItsOwn) {
   EXPECT_NEAR(guide.outline().front().v, corner.v, 1e-9);
 }
 
-// A board that is held where it was asked for is never asked for at the same place again.
+// RMS distance of the corners of the board at two places, px.
+double distance_of(const Camera& camera, const SE3& a, const SE3& b) {
+  double squares = 0;
+  for (const Eigen::Vector3d& point : scenes::kBoard.points()) {
+    const Pixel one = camera.project(a * point).value();
+    const Pixel other = camera.project(b * point).value();
+    squares += std::pow(one.u - other.u, 2) + std::pow(one.v - other.v, 2);
+  }
+  return std::sqrt(squares / scenes::kBoard.point_count());
+}
+
+// A board that is held where it was asked for is never asked for there again, nor nearly there: its
+// corners have to move by 6 % of the picture's diagonal, less what noise does to a kept view.
 TEST(ViewGuide, AsksForSomethingElseNext) {
-  scenes::Random random(4);
-  const Camera camera = scenes::random_camera("brown5", random);
-  std::vector<SE3> poses = scenes::random_poses(camera, scenes::kBoard, random, 3);
-  for (int i = 0; i < 5; ++i) {
-    const auto guide = ViewGuide::make(camera, {}, views_of(camera, poses, random), scenes::kBoard);
-    for (const SE3& pose : poses) {
-      EXPECT_GT((pose.translation - guide->target()->translation).norm() +
-                    (pose.rotation - guide->target()->rotation).norm(),
-                0.02);
+  const double diagonal = std::hypot(scenes::kSize.width, scenes::kSize.height);
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    scenes::Random random(seed);
+    const Camera camera = scenes::random_camera("brown5", random);
+    std::vector<SE3> poses = scenes::random_poses(camera, scenes::kBoard, random, 3);
+    for (int i = 0; i < 20; ++i) {
+      const auto guide =
+          ViewGuide::make(camera, {}, views_of(camera, poses, random), scenes::kBoard);
+      if (!guide->target()) break;
+      for (const SE3& pose : poses) {
+        ASSERT_GT(distance_of(camera, pose, *guide->target()), 0.059 * diagonal)
+            << seed << ", " << i;
+      }
+      poses.push_back(*guide->target());
     }
-    poses.push_back(*guide->target());
+    EXPECT_GT(poses.size(), 8U);
   }
 }
 
