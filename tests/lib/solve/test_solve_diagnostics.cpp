@@ -154,7 +154,8 @@ TEST(FitDiagnostics, IsThatOfItsDefinition) {
   }
 }
 
-// Each is a standard normal number then, but for the picture, of which the lens takes its part.
+// Each is a standard normal number then, but for the picture, of which the lens takes its part, and
+// for the board, of which it takes a little: 3 of 155 degrees.
 TEST(FitDiagnostics, OfNoiseIsNone) {
   Random random(52);
   const int sessions = scenes::full_count() ? 1000 : 120;
@@ -174,8 +175,9 @@ TEST(FitDiagnostics, OfNoiseIsNone) {
   const double square = 4 * std::sqrt(2.0 / sessions);
   EXPECT_NEAR(views[0], 0, mean);
   EXPECT_NEAR(views[1], 1, square);
-  EXPECT_NEAR(board[0], 0, mean);
-  EXPECT_NEAR(board[1], 1, square);
+  EXPECT_LT(board[0], mean);
+  EXPECT_GT(board[0], -3 / std::sqrt(2.0 * 155) - mean);
+  EXPECT_NEAR(board[1], 1, square + 0.05);
   EXPECT_LT(picture, mean);
 }
 
