@@ -40,11 +40,14 @@ namespace hn = ::hwy::HWY_NAMESPACE;
 struct Mask {
   using Tag = hn::CappedTag<double, 8>;
   hn::Mask<Tag> raw;
-
-  friend HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.raw, b.raw)}; }
-  friend HWY_INLINE Mask operator|(Mask a, Mask b) { return {hn::Or(a.raw, b.raw)}; }
-  friend HWY_INLINE Mask operator!(Mask a) { return {hn::Not(a.raw)}; }
 };
+
+// The operators are no friends: gcc 12 compiles a friend that is defined in its class without the
+// instructions of the target, so that it takes vectors from elsewhere than its callers put them.
+// Where nothing is optimised, and so nothing is inlined, that crashes.
+HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.raw, b.raw)}; }
+HWY_INLINE Mask operator|(Mask a, Mask b) { return {hn::Or(a.raw, b.raw)}; }
+HWY_INLINE Mask operator!(Mask a) { return {hn::Not(a.raw)}; }
 
 struct DoubleVec {
   using Tag = Mask::Tag;
@@ -58,29 +61,29 @@ struct DoubleVec {
   // kSize doubles; the address is a multiple of kSize * sizeof(double).
   static HWY_INLINE DoubleVec load(const double* from) { return DoubleVec(hn::Load(Tag(), from)); }
   HWY_INLINE void store(double* to) const { hn::Store(raw, Tag(), to); }
-
-  HWY_INLINE DoubleVec& operator+=(DoubleVec b) { return *this = *this + b; }
-  HWY_INLINE DoubleVec& operator-=(DoubleVec b) { return *this = *this - b; }
-  HWY_INLINE DoubleVec& operator*=(DoubleVec b) { return *this = *this * b; }
-  friend HWY_INLINE DoubleVec operator+(DoubleVec a, DoubleVec b) {
-    return DoubleVec(hn::Add(a.raw, b.raw));
-  }
-  friend HWY_INLINE DoubleVec operator-(DoubleVec a, DoubleVec b) {
-    return DoubleVec(hn::Sub(a.raw, b.raw));
-  }
-  friend HWY_INLINE DoubleVec operator*(DoubleVec a, DoubleVec b) {
-    return DoubleVec(hn::Mul(a.raw, b.raw));
-  }
-  friend HWY_INLINE DoubleVec operator/(DoubleVec a, DoubleVec b) {
-    return DoubleVec(hn::Div(a.raw, b.raw));
-  }
-  friend HWY_INLINE DoubleVec operator-(DoubleVec a) { return DoubleVec(hn::Neg(a.raw)); }
-
-  friend HWY_INLINE Mask operator<(DoubleVec a, DoubleVec b) { return {hn::Lt(a.raw, b.raw)}; }
-  friend HWY_INLINE Mask operator<=(DoubleVec a, DoubleVec b) { return {hn::Le(a.raw, b.raw)}; }
-  friend HWY_INLINE Mask operator>(DoubleVec a, DoubleVec b) { return {hn::Gt(a.raw, b.raw)}; }
-  friend HWY_INLINE Mask operator>=(DoubleVec a, DoubleVec b) { return {hn::Ge(a.raw, b.raw)}; }
 };
+
+HWY_INLINE DoubleVec operator+(DoubleVec a, DoubleVec b) {
+  return DoubleVec(hn::Add(a.raw, b.raw));
+}
+HWY_INLINE DoubleVec operator-(DoubleVec a, DoubleVec b) {
+  return DoubleVec(hn::Sub(a.raw, b.raw));
+}
+HWY_INLINE DoubleVec operator*(DoubleVec a, DoubleVec b) {
+  return DoubleVec(hn::Mul(a.raw, b.raw));
+}
+HWY_INLINE DoubleVec operator/(DoubleVec a, DoubleVec b) {
+  return DoubleVec(hn::Div(a.raw, b.raw));
+}
+HWY_INLINE DoubleVec operator-(DoubleVec a) { return DoubleVec(hn::Neg(a.raw)); }
+HWY_INLINE DoubleVec& operator+=(DoubleVec& a, DoubleVec b) { return a = a + b; }
+HWY_INLINE DoubleVec& operator-=(DoubleVec& a, DoubleVec b) { return a = a - b; }
+HWY_INLINE DoubleVec& operator*=(DoubleVec& a, DoubleVec b) { return a = a * b; }
+
+HWY_INLINE Mask operator<(DoubleVec a, DoubleVec b) { return {hn::Lt(a.raw, b.raw)}; }
+HWY_INLINE Mask operator<=(DoubleVec a, DoubleVec b) { return {hn::Le(a.raw, b.raw)}; }
+HWY_INLINE Mask operator>(DoubleVec a, DoubleVec b) { return {hn::Gt(a.raw, b.raw)}; }
+HWY_INLINE Mask operator>=(DoubleVec a, DoubleVec b) { return {hn::Ge(a.raw, b.raw)}; }
 
 template <typename T>
 struct MaskType;
