@@ -177,7 +177,7 @@ TEST(FitDiagnostics, OfNoiseIsNone) {
   EXPECT_NEAR(views[1], 1, square);
   EXPECT_LT(board[0], mean);
   EXPECT_GT(board[0], -3 / std::sqrt(2.0 * 155) - mean);
-  EXPECT_NEAR(board[1], 1, square + 0.05);
+  EXPECT_NEAR(board[1], 1, square);
   EXPECT_LT(picture, mean);
 }
 
