@@ -176,6 +176,48 @@ TEST(ObliqueCorners, AreAsFarOffAsTheySay) {
   EXPECT_NEAR(predicted / square[1], 1, 0.05 + 3 * spread);
 }
 
+// A corner in so much noise that neighbours tell its place as well as the picture does: together
+// they tell it as well as the sigma says, and better than either.
+TEST(ExpectedCorners, AreAsFarOffAsTheySay) {
+  const Picture p = {"weak", 125, 20, 1.5, 0, 14, 4, 0};
+  constexpr double kExpected = 0.4;  // px
+  scenes::Random random(9);
+  std::normal_distribution<double> off(0, kExpected);
+  const int corners = scenes::full_count() ? 6000 : 1500;
+  double square = 0;
+  double predicted = 0;
+  int fitted = 0;
+  for (int n = 0; n < corners; ++n) {
+    const Pixel at = {uniform(random, 19.5, 20.5), uniform(random, 19.5, 20.5)};
+    const double angle = uniform(random, 0, 2 * std::numbers::pi);
+    const double opening = uniform(random, 1.2, 1.9);
+    const GrayImage image = corner_picture(p, 41, at, angle, opening, p.noise, random);
+    SaddleFit fit;
+    fit.x = at.u + off(random);
+    fit.y = at.v + off(random);
+    fit.along = direction(angle);
+    fit.down = direction(angle + opening);
+    fit.along_width = fit.down_width = static_cast<float>(p.blur);
+    fit.has_expected = true;
+    fit.expected = {fit.along,
+                    fit.down,
+                    fit.along_width,
+                    fit.down_width,
+                    fit.x,
+                    fit.y,
+                    static_cast<float>(kExpected)};
+    if (!detect::fit_saddle(image.view(), p.radius, 10, fit)) continue;
+    square += (fit.x - at.u) * (fit.x - at.u) + (fit.y - at.v) * (fit.y - at.v);
+    predicted += 2 * static_cast<double>(fit.sigma) * static_cast<double>(fit.sigma);
+    ++fitted;
+  }
+  EXPECT_GT(fitted, 0.98 * corners);
+  const double rms = std::sqrt(square / (2 * fitted));  // px, a coordinate
+  std::cout << "  RMS " << rms << " px, predicted " << std::sqrt(predicted / (2 * fitted)) << '\n';
+  EXPECT_LT(rms, 0.8 * kExpected);
+  EXPECT_NEAR(std::sqrt(predicted / (2 * fitted)) / rms, 1, 0.15);
+}
+
 // The nodes where a board of 9x6 corners is seen, with their noise, told to `sigma` px.
 void put_noisy(const Observation& seen, double sigma, std::normal_distribution<double>& noise,
                scenes::Random& random, detect::Lattice& lattice) {

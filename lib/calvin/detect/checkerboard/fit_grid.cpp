@@ -368,4 +368,25 @@ void set_slopes(const Lattice& lattice, FitGrid& fits) {
   });
 }
 
+ExpectedPlaces expect_places(const Lattice& lattice, FitGrid& fits, std::span<const Cell> cells) {
+  const auto usual =
+      static_cast<double>(fits.median(lattice, [](const SaddleFit& f) { return f.sigma; }));
+  const auto surface_through = [&](auto number) {
+    lattice.for_each([&](Cell c, const Node&) { fits.number(c) = number(fits.at(c)); });
+    const auto all = [&](Cell c) { return lattice.has(c); };
+    const auto there = [](Cell c) { return LatticePlace(c); };
+    const auto weight = [&](Cell c) {
+      const auto sigma = static_cast<double>(fits.at(c).sigma);
+      return usual * usual / (sigma * sigma);
+    };
+    return surface_of<3>(lattice, fits, all, there, weight, usual * usual);
+  };
+  const auto x = surface_through([](const SaddleFit& f) { return static_cast<float>(f.x); });
+  const auto y = surface_through([](const SaddleFit& f) { return static_cast<float>(f.y); });
+  ExpectedPlaces expected;
+  for (const Cell c : cells) expected.places.push_back({x.at(c), y.at(c)});
+  expected.sigma = static_cast<float>(std::sqrt(0.5 * (x.variance() + y.variance())));
+  return expected;
+}
+
 }  // namespace calvin::detect

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
@@ -68,5 +69,14 @@ void set_bends(const Lattice& lattice, FitGrid& fits);
 
 // Sets the slopes of level and contrast, from the levels and contrasts of all fits.
 void set_slopes(const Lattice& lattice, FitGrid& fits);
+
+// Where a surface of the third degree through the places of all nodes lets the nodes of `cells` be
+// expected, and how far nodes lie from it.
+struct ExpectedPlaces {
+  std::vector<Pixel> places;  // of each cell
+  float sigma = 0;            // px, 1 sigma of the places of nodes about the surface
+};
+[[nodiscard]] ExpectedPlaces expect_places(const Lattice& lattice, FitGrid& fits,
+                                           std::span<const Cell> cells);
 
 }  // namespace calvin::detect

@@ -39,6 +39,43 @@ SaddleFit fit_of(const Node& node) {
   return fit;
 }
 
+void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected) {
+  float n = 0, col = 0, row = 0, cols = 0, rows = 0, both = 0;
+  Direction place, by_col, by_row;
+  place = by_col = by_row = {0, 0};
+  for (int dr = -1; dr <= 1; ++dr) {
+    for (int dc = -1; dc <= 1; ++dc) {
+      if (!lattice.has(c + Cell{dc, dr})) continue;
+      const Node& node = lattice.at(c + Cell{dc, dr});
+      const auto u = static_cast<float>(dc);
+      const auto v = static_cast<float>(dr);
+      const Direction p = {node.x - lattice.at(c).x, node.y - lattice.at(c).y};
+      n += 1;
+      col += u;
+      row += v;
+      cols += u * u;
+      rows += v * v;
+      both += u * v;
+      place = {place.x + p.x, place.y + p.y};
+      by_col = {by_col.x + u * p.x, by_col.y + u * p.y};
+      by_row = {by_row.x + v * p.x, by_row.y + v * p.y};
+    }
+  }
+  const float a = cols - col * col / n;
+  const float b = both - col * row / n;
+  const float d = rows - row * row / n;
+  const float determinant = a * d - b * b;
+  if (!(determinant > 0.1F)) return;
+  const Direction right = {by_col.x - col * place.x / n, by_col.y - col * place.y / n};
+  const Direction below = {by_row.x - row * place.x / n, by_row.y - row * place.y / n};
+  const auto unit = [](Direction w, Direction otherwise) {
+    const float length = std::hypot(w.x, w.y);
+    return length > 0 ? Direction{w.x / length, w.y / length} : otherwise;
+  };
+  expected.along = unit({d * right.x - b * below.x, d * right.y - b * below.y}, expected.along);
+  expected.down = unit({a * below.x - b * right.x, a * below.y - b * right.y}, expected.down);
+}
+
 SaddleFit parted_fit(SaddleFit fit) {
   constexpr float kPartedWidth = 2;  // px, from which the steps find the gap
   fit.contrast = 0;

@@ -34,6 +34,10 @@ inline constexpr float kOfNoise = 1.4F;  // of the noise: a larger residual has 
 // fit.
 void fit_parted(const ImageView& image, float radius, int steps, SaddleFit& fit);
 
+// Sets how the rows and columns run at a node, by a plane through the nodes around it; leaves it
+// where these are too few.
+void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected);
+
 // Whether something else than a corner is in the window of a fit. `most`: noise, of the contrast.
 [[nodiscard]] bool is_noisy(const SaddleFit& fit, float most);
 

@@ -30,47 +30,14 @@ constexpr float kUncertain = 20;             // of the median sigma
 constexpr float kUncertainInNoise = 6;       // likewise, beside a fixed part
 constexpr float kUncertainInNoisePx = 0.3F;  // px
 constexpr float kMostResidual = 0.9F;        // of the contrast
-constexpr float kLargestWidth = 8;           // px, of an edge
-constexpr float kLargestMove = 0.35F;        // of the spacing, between levels
-constexpr float kLargestError = 0.2F;        // of the spacing, from where neighbours predict it
-
-// How the rows and columns run at a node, by a plane through the nodes around it.
-void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected) {
-  float n = 0, col = 0, row = 0, cols = 0, rows = 0, both = 0;
-  Direction place, by_col, by_row;
-  place = by_col = by_row = {0, 0};
-  for (int dr = -1; dr <= 1; ++dr) {
-    for (int dc = -1; dc <= 1; ++dc) {
-      if (!lattice.has(c + Cell{dc, dr})) continue;
-      const Node& node = lattice.at(c + Cell{dc, dr});
-      const auto u = static_cast<float>(dc);
-      const auto v = static_cast<float>(dr);
-      const Direction p = {node.x - lattice.at(c).x, node.y - lattice.at(c).y};
-      n += 1;
-      col += u;
-      row += v;
-      cols += u * u;
-      rows += v * v;
-      both += u * v;
-      place = {place.x + p.x, place.y + p.y};
-      by_col = {by_col.x + u * p.x, by_col.y + u * p.y};
-      by_row = {by_row.x + v * p.x, by_row.y + v * p.y};
-    }
-  }
-  const float a = cols - col * col / n;
-  const float b = both - col * row / n;
-  const float d = rows - row * row / n;
-  const float determinant = a * d - b * b;
-  if (!(determinant > 0.1F)) return;
-  const Direction right = {by_col.x - col * place.x / n, by_col.y - col * place.y / n};
-  const Direction below = {by_row.x - row * place.x / n, by_row.y - row * place.y / n};
-  const auto unit = [](Direction w, Direction otherwise) {
-    const float length = std::hypot(w.x, w.y);
-    return length > 0 ? Direction{w.x / length, w.y / length} : otherwise;
-  };
-  expected.along = unit({d * right.x - b * below.x, d * right.y - b * below.y}, expected.along);
-  expected.down = unit({a * below.x - b * right.x, a * below.y - b * right.y}, expected.down);
-}
+// Where the place is expected, noise has no places to choose from, and 30 pixels tell a contrast to
+// a fifth of their noise.
+constexpr float kMostResidualInNoise = 1.25F;  // of the contrast
+constexpr float kLargestWidth = 8;             // px, of an edge
+constexpr float kLargestMove = 0.35F;          // of the spacing, between levels
+constexpr float kLargestError = 0.2F;          // of the spacing, from where neighbours predict it
+// How well others tell the place of a corner that was lost in noise, at best.
+constexpr float kExpectedPlace = 0.04F;  // of the spacing, 1 sigma
 
 }  // namespace
 
@@ -232,10 +199,10 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   return best;
 }
 
-// The fit of a node that lies where its neighbours let it expect, one of which was fitted as
-// `near`.
+// The fit of a node that lies where others let it be expected, in noise to `sigma` px; one of its
+// neighbours was fitted as `near`.
 SaddleFit Refinement::lost_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                               const SaddleFit& near) {
+                               const SaddleFit& near, float sigma) {
   if (!in_noise_) {
     SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, lattice.at(c).width, 8);
     if (!std::isfinite(f.noise)) return f;
@@ -245,25 +212,32 @@ SaddleFit Refinement::lost_fit(const ImageView& image, const Lattice& lattice, C
     return last_fit(image, lattice, c);
   }
   fit(c) = near;
-  return expected_fit(image, lattice, c);
+  return expected_fit(image, lattice, c, sigma);
 }
 
 void Refinement::recover_lost(const ImageView& image, Lattice& lattice) {
-  const int before = lattice.count();
+  std::vector<Cell> lost;
   for (const Cell c : cells_) {
-    const auto expected = lattice.has(c) ? std::nullopt : lattice.expect(c);
-    if (!expected) continue;
+    if (!lattice.has(c)) lost.push_back(c);
+  }
+  const int before = lattice.count();
+  const auto surface = in_noise_ ? expect_places(lattice, fits_, lost) : ExpectedPlaces{};
+  const float most_residual = in_noise_ ? kMostResidualInNoise : kMostResidual;
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    const Cell c = lost[i];
+    const auto expected = lattice.expect(c);
     const auto step =
         std::find_if(kAround.begin(), kAround.end(), [&](Cell s) { return lattice.has(c + s); });
-    if (step == kAround.end()) continue;
+    if (!expected || step == kAround.end()) continue;
     Node node = lattice.at(c + *step);
-    node.x = expected->x;
-    node.y = expected->y;
+    node.x = in_noise_ ? static_cast<float>(surface.places[i].u) : expected->x;
+    node.y = in_noise_ ? static_cast<float>(surface.places[i].v) : expected->y;
     lattice.put(c, node);
-    const SaddleFit f = lost_fit(image, lattice, c, at(c + *step));
+    const float sigma = std::max(surface.sigma, kExpectedPlace * expected->spacing);
+    const SaddleFit f = lost_fit(image, lattice, c, at(c + *step), sigma);
     const float contrast = f.swing();
     if (!is_noisy(f, most_noise()) && contrast >= kLeastContrast * node.contrast / 2 &&
-        f.residual <= kMostResidual * contrast &&
+        f.residual <= most_residual * contrast &&
         distance(f, node) < kLargestError * expected->spacing) {
       fit(c) = f;
       take(f, lattice.at(c));
@@ -310,7 +284,8 @@ bool Refinement::is_in_noise(const Lattice& lattice) {
 }
 
 // A fit to which the neighbours' places and the blur of the whole board tell how the edges run.
-SaddleFit Refinement::expected_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
+SaddleFit Refinement::expected_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                   float sigma) const {
   const Node& node = lattice.at(c);
   const float spacing = spacing_at(lattice, c);
   SaddleFit f = fit_of(node);
@@ -319,7 +294,7 @@ SaddleFit Refinement::expected_fit(const ImageView& image, const Lattice& lattic
   f.slope = at(c).slope;
   f.contrast_slope = at(c).contrast_slope;
   f.has_expected = true;
-  f.expected = {node.along, node.down, usual_along_, usual_down_};
+  f.expected = {node.along, node.down, usual_along_, usual_down_, f.x, f.y, sigma};
   expect_directions(lattice, c, f.expected);
   f.along = f.expected.along;
   f.down = f.expected.down;

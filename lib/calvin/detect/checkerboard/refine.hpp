@@ -55,8 +55,9 @@ class Refinement {
   [[nodiscard]] bool is_in_noise(const Lattice& lattice);
   // The last fits of a lattice in noise, from where its nodes were found.
   void refine_in_noise(const ImageView& image, Lattice& lattice);
-  [[nodiscard]] SaddleFit expected_fit(const ImageView& image, const Lattice& lattice,
-                                       Cell c) const;
+  // `sigma`: px, of the place, which is not expected with 0.
+  [[nodiscard]] SaddleFit expected_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                       float sigma = 0) const;
   // Fits all nodes by fit_again(cell), moves them there and removes nodes that fail the tests.
   template <typename F>
   void refit(Lattice& lattice, F fit_again);
@@ -65,8 +66,8 @@ class Refinement {
   void drop_misfits(Lattice& lattice);
   void drop_uncertain(Lattice& lattice);
   [[nodiscard]] SaddleFit lost_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                                   const SaddleFit& near);
-  // Fits removed nodes once more where their neighbours predict them.
+                                   const SaddleFit& near, float sigma);
+  // Fits removed nodes once more where others predict them.
   void recover_lost(const ImageView& image, Lattice& lattice);
 
   FitGrid fits_;

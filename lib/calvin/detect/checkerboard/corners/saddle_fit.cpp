@@ -191,6 +191,8 @@ class Steps {
         fit_(fit),
         x_(x),
         y_(y),
+        expected_x_(static_cast<float>(fit.expected.x - fit.x) + x),
+        expected_y_(static_cast<float>(fit.expected.y - fit.y) + y),
         taken_for_(pixels),
         before_(fit) {}
 
@@ -223,6 +225,8 @@ class Steps {
   SaddleFit& fit_;
   float x_;
   float y_;
+  float expected_x_;
+  float expected_y_;
   Pixels taken_for_;
   Normal normal_{};
   float pixels_ = 0;  // the sum of their weights
@@ -303,6 +307,9 @@ void Steps::add_expected() {
   add(kDown, cross(fit_.down, expected.down), kTurned);
   add(kAlongWidth, std::log(expected.along_width / fit_.along_width), kWidened);
   add(kDownWidth, std::log(expected.down_width / fit_.down_width), kWidened);
+  if (expected.sigma == 0) return;
+  add(kX, expected_x_ - x_, expected.sigma);
+  add(kY, expected_y_ - y_, expected.sigma);
 }
 
 void Steps::apply() {

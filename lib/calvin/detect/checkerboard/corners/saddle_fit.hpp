@@ -34,6 +34,9 @@ struct ExpectedEdges {
   Direction down;
   float along_width = 1;  // px
   float down_width = 1;
+  double x = 0;  // px, where the edges cross
+  double y = 0;
+  float sigma = 0;  // px, 1 sigma of x and of y; 0: the place is not expected
 };
 
 struct SaddleFit {
@@ -58,7 +61,7 @@ struct SaddleFit {
   float down_bend = 0;
   Direction slope = {0, 0};           // grey levels per px
   Direction contrast_slope = {0, 0};  // grey levels per px
-  // With it, what is expected counts as a measurement that is right to .08 rad and a quarter.
+  // With it, what is expected counts as a measurement: directions to .08 rad, widths to a quarter.
   bool has_expected = false;
   ExpectedEdges expected;
 
