@@ -14,8 +14,11 @@ namespace calvin {
 
 namespace {
 
-constexpr int kGrid = 32;             // cells each way inside the image
-constexpr int kApart = 8;             // px along the border, to see whether there is anything
+constexpr int kGrid = 32;  // cells each way inside the image
+// To see whether there is anything: px along the border, between which a line that curves like the
+// border of the image reaches in by a small part of a pixel.
+constexpr int kApart = 32;
+constexpr int kFewCells = 8;
 constexpr double kReturn = 1e-6;      // of the image width
 constexpr double kShowsEdges = 0.95;  // of the way to the corners
 
@@ -50,7 +53,7 @@ Status check_monotone(const Camera& camera) {
   // What folds back does so beyond some line around the centre, which lies within the image in its
   // corners first: a look at those and at some pixels between them tells whether there is one.
   bool one = true;
-  for_pixels(camera.image_size(), kApart, kGrid / 2,
+  for_pixels(camera.image_size(), kApart, kFewCells,
              [&](Pixel p) { one = one && has_ray(camera, p); });
   if (one) return {};
   const Pixel center = {camera.cx(), camera.cy()};

@@ -87,8 +87,10 @@ double polygon_area(const std::vector<Pixel>& polygon) noexcept {
 
 bool contains(const std::vector<Pixel>& polygon, Pixel point) noexcept {
   if (polygon.size() < 3) return false;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    if (turn(polygon[i], polygon[(i + 1) % polygon.size()], point) < 0) return false;
+  Pixel before = polygon.back();
+  for (const Pixel next : polygon) {
+    if (turn(before, next, point) < 0) return false;
+    before = next;
   }
   return true;
 }

@@ -10,16 +10,39 @@
 
 namespace calvin {
 
+namespace {
+
+// Whether a matrix is so small that the packing for Eigen's fast product would take longer than a
+// product with it.
+bool is_small(Eigen::Index rows, Eigen::Index columns) {
+  constexpr Eigen::Index kFew = 16;
+  return rows <= kFew && columns <= kFew;
+}
+
+}  // namespace
+
 Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  // The packing for Eigen's fast product takes longer than a small one itself.
-  constexpr Eigen::Index kSmall = 64;
+  constexpr Eigen::Index kSmall = 64;  // likewise, of all that is multiplied
   if (a.rows() + a.cols() + b.cols() < kSmall) return a.lazyProduct(b);
-  return a * b;
+  if (!is_small(b.rows(), b.cols())) return a * b;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(a.rows(), b.cols());
+  for (Eigen::Index j = 0; j < b.cols(); ++j) {
+    for (Eigen::Index k = 0; k < b.rows(); ++k) out.col(j) += b(k, j) * a.col(k);
+  }
+  return out;
+}
+
+Eigen::MatrixXd transposed_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  if (!is_small(a.cols(), b.cols())) return a.transpose() * b;
+  Eigen::MatrixXd out(a.cols(), b.cols());
+  for (Eigen::Index j = 0; j < b.cols(); ++j) {
+    for (Eigen::Index i = 0; i < a.cols(); ++i) out(i, j) = a.col(i).dot(b.col(j));
+  }
+  return out;
 }
 
 Eigen::MatrixXd congruent(const Eigen::MatrixXd& m, const Eigen::MatrixXd& a) {
-  const Eigen::MatrixXd right = product(m, a);
-  return product(a.transpose(), right);
+  return transposed_product(a, product(m, a));
 }
 
 Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& m, const Eigen::MatrixXd& right) {

@@ -15,6 +15,10 @@ namespace calvin {
 // a b
 [[nodiscard]] Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
+// a^T b
+[[nodiscard]] Eigen::MatrixXd transposed_product(const Eigen::MatrixXd& a,
+                                                 const Eigen::MatrixXd& b);
+
 // a^T m a
 [[nodiscard]] Eigen::MatrixXd congruent(const Eigen::MatrixXd& m, const Eigen::MatrixXd& a);
 

@@ -230,24 +230,20 @@ void Recheck::judge(const Step& step, const PlacedGrid& region, RecheckReport& r
   if (region.at.empty()) return;  // no ray leads to the picture: nothing can be told of it
   const Eigen::VectorXd du = product(region.u, step.by);
   const Eigen::VectorXd dv = product(region.v, step.by);
-  const Eigen::MatrixXd u = product(region.u, step.variance);
-  const Eigen::MatrixXd v = product(region.v, step.variance);
+  const PlacedVariances of_places = variances(region, step.variance);
   double farthest = 0;
   double sigma = 0;  // of the farthest change, along its way
   double most = 0;   // variance of any change
   for (Eigen::Index i = 0; i < du.size(); ++i) {
-    Eigen::Matrix2d variance;
-    variance << u.row(i).dot(region.u.row(i)), u.row(i).dot(region.v.row(i)),
-        v.row(i).dot(region.u.row(i)), v.row(i).dot(region.v.row(i));
-    most = std::max(most, larger_eigenvalue(variance));
+    most = std::max(most, of_places.largest(i));
     const Eigen::Vector2d change(du[i], dv[i]);
     if (!(change.norm() > farthest)) continue;
     farthest = change.norm();
-    const Eigen::Vector2d along = change / farthest;
-    sigma = std::sqrt(std::max(along.dot(variance * along), 0.0));
+    sigma = std::sqrt(std::max(of_places.along(i, change / farthest), 0.0));
   }
   const Eigen::MatrixXd by_noise =
-      product(region.u.transpose(), u) + product(region.v.transpose(), v);
+      product(transposed_product(region.u, region.u) + transposed_product(region.v, region.v),
+              step.variance);
   const double mean = by_noise.trace();
   const double squares = by_noise.cwiseProduct(by_noise.transpose()).sum();
   const double degrees = squares > 0 ? mean * mean / squares : 0;

@@ -93,7 +93,7 @@ Result<BoardMeasurement> unmeasured(const Board& board) {
   const auto n = static_cast<Eigen::Index>(board.point_count());
   const Eigen::MatrixXd basis = offset_basis(board);
   const Eigen::MatrixXd curvatures =
-      product(basis.transpose(), curvature_fields(board)) * wide_curvature(board);
+      transposed_product(basis, curvature_fields(board)) * wide_curvature(board);
   const double offset = kOffset * board.cell_size(board.ids().front());
   Eigen::MatrixXd covariance = product(curvatures, curvatures.transpose());
   covariance.diagonal().array() += offset * offset;

@@ -72,9 +72,9 @@ void add_board(Solution& solution, const Fit& fit, const BoardMeasurement& prior
   measured->covariance = (fit.board->estimated ? variance : 1) * fit.board->covariance;
   const Eigen::MatrixXd basis = offset_basis(prior.board);
   const Eigen::MatrixXd fields =
-      product(basis, product(basis.transpose(), curvature_fields(prior.board)));
+      product(basis, transposed_product(basis, curvature_fields(prior.board)));
   const Eigen::MatrixXd to_bends =
-      solve_symmetric(product(fields.transpose(), fields), fields.transpose());
+      solve_symmetric(transposed_product(fields, fields), fields.transpose());
   Eigen::VectorXd offsets(fields.rows());
   for (std::size_t i = 0; i < measured->offsets.size(); ++i) {
     offsets.segment<3>(3 * static_cast<Eigen::Index>(i)) = measured->offsets[i];

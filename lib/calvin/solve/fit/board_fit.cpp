@@ -61,7 +61,7 @@ struct PointSums {
         pose.middleCols<3>(3 * i) += by.pose.row(row).transpose() * along;
       }
     }
-    const Eigen::MatrixXd absorbed = product(pose.transpose(), to_pose);
+    const Eigen::MatrixXd absorbed = transposed_product(pose, to_pose);
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto at = 3 * static_cast<Eigen::Index>(by.ids[static_cast<std::size_t>(i)]);
       for (Eigen::Index k = 0; k < n; ++k) {
@@ -78,7 +78,7 @@ BoardFit::BoardFit(const BoardMeasurement& prior)
     : prior_(prior),
       printed_(prior.board.points()),
       basis_(offset_basis(prior.board)),
-      curvatures_(product(basis_.transpose(), curvature_fields(prior.board))),
+      curvatures_(transposed_product(basis_, curvature_fields(prior.board))),
       prior_covariance_(congruent(prior.covariance, basis_)),
       offsets_(flat(prior.offsets)) {}
 
@@ -87,7 +87,7 @@ BoardFit::BoardFit(const BoardMeasurement& prior, const BoardWarp& start) : Boar
 }
 
 void BoardFit::place(std::vector<PointSet>& views) const {
-  const Eigen::MatrixXd squares = product(curvatures_.transpose(), curvatures_);
+  const Eigen::MatrixXd squares = transposed_product(curvatures_, curvatures_);
   const Eigen::VectorXd bends =
       solve_symmetric(squares, curvatures_.transpose() * (basis_.transpose() * offsets_).eval());
   // The curvatures of BoardWarp have a height, which those among the offsets leave to the pose.
@@ -117,7 +117,7 @@ bool BoardFit::linearise(const Fit& fit, const BoardShape& shape,
   const auto moves = scaled_solve(fit.information, -mixed, kLeastPivot);
   if (!moves) return false;
   moves_ = *moves;
-  information_ = congruent(sums.information, basis_) + product(mixed.transpose(), moves_);
+  information_ = congruent(sums.information, basis_) + transposed_product(mixed, moves_);
   gradient_ = basis_.transpose() * sums.gradient;
   cost_ = fit.cost;
   degrees_ = 2 * corners - 6 * views - static_cast<double>(directions);
@@ -157,11 +157,11 @@ bool BoardFit::contradicts_prior() const {
   const double noise = std::max(left / (degrees_ - numbers), 0.0);
   const Eigen::VectorXd known = basis_.transpose() * flat(prior_.offsets);
   Eigen::MatrixXd fields(known.size(), 3);
-  const Eigen::MatrixXd squares = product(curvatures_.transpose(), curvatures_);
+  const Eigen::MatrixXd squares = transposed_product(curvatures_, curvatures_);
   fields.col(0) = known - curvatures_ * solve_symmetric(squares, curvatures_.transpose() * known);
   fields.rightCols<2>() = curvatures_;
   const Eigen::MatrixXd seen = product(by_views, fields);
-  const Eigen::Matrix3d inverse_seen = inverse(product(fields.transpose(), seen));
+  const Eigen::Matrix3d inverse_seen = inverse(transposed_product(fields, seen));
   const Eigen::Vector3d found = inverse_seen * (seen.transpose() * more->col(0));
   const Eigen::Matrix3d spread =
       noise * inverse_seen + inverse_seen * congruent(prior_covariance_, seen) * inverse_seen;

@@ -181,7 +181,7 @@ Eigen::MatrixXd board_covariance(const Fit& fit, const BoardShape& shape,
     }
   });
   const auto moves =
-      scaled_solve(fit.information, product(parameterization.basis.transpose(), sum), kLeastPivot);
+      scaled_solve(fit.information, transposed_product(parameterization.basis, sum), kLeastPivot);
   const Eigen::Index n = fit.information.rows();
   return moves ? product(*moves, moves->transpose()) : Eigen::MatrixXd::Zero(n, n);
 }

@@ -35,14 +35,13 @@ Eigen::MatrixXd projection_metric(const PlacedGrid& grid,
   const Eigen::MatrixXd basis = parameterization.basis.middleRows(own.first, n);
   if (grid.at.empty()) return Eigen::MatrixXd::Zero(basis.cols(), basis.cols());
   const Eigen::MatrixXd sum =
-      product(grid.u.transpose(), grid.u) + product(grid.v.transpose(), grid.v);
+      transposed_product(grid.u, grid.u) + transposed_product(grid.v, grid.v);
   return congruent(sum, basis) / static_cast<double>(grid.at.size());
 }
 
 // From unknowns to directions, by the pseudo-inverse of the basis.
 Eigen::MatrixXd over_directions(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& basis) {
-  const Eigen::MatrixXd pick =
-      solve_symmetric(product(basis.transpose(), basis), basis.transpose());
+  const Eigen::MatrixXd pick = solve_symmetric(transposed_product(basis, basis), basis.transpose());
   return congruent(covariance, pick.transpose());
 }
 

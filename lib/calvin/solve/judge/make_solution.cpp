@@ -184,14 +184,14 @@ PromiseParts add_promise(Calibration& calibration, const ProjectionGrids& grids,
                          const Eigen::MatrixXd& promised, const Eigen::MatrixXd& by_noise,
                          double noise) {
   const auto promise = promise_of(grids, promised);
-  const auto least = promised == by_noise ? promise : promise_of(grids, by_noise);
+  const auto least = error_over(grids.covered, by_noise);
   if (!promise || !least || !(promise->covered > 0)) return {};
   calibration.expected_error = promise->covered;
   calibration.expected_error_anywhere = promise->anywhere;
   calibration.worst_place = promise->worst;
-  const double share = least->covered / promise->covered;
+  const double share = *least / promise->covered;
   calibration.systematic = std::clamp(1 - noise * share * share, 0.0, 1.0);
-  return {promise->covered, least->covered, {}};
+  return {promise->covered, *least, {}};
 }
 
 void add_held_out(Solution& solution, const FitDiagnostics& found) {
@@ -239,11 +239,10 @@ Promised add_checks(Solution& solution, const FinishedFit& from, const Camera& c
   PromiseParts promise =
       add_promise(calibration, grids, of_camera(promised), of_camera(by_noise), variance.noise);
   if (found.board_known) {
-    const auto known = promise_of(
-        grids,
+    promise.board_known = error_over(
+        grids.covered,
         of_camera(with_rivals(congruent(*found.board_known, parameterization.basis.transpose()),
                               from.fit, variance.all)));
-    if (known) promise.board_known = known->covered;
   }
   solution.misfit = misfit(found, calibration.chi, degrees_of_freedom(from.fit, parameterization),
                            calibration.rms.value_or(0), promise);

@@ -10,7 +10,6 @@
 #include <cmath>
 
 #include "calvin/camera/camera.hpp"
-#include "calvin/geometry/dense.hpp"
 
 namespace calvin {
 
@@ -22,17 +21,10 @@ struct Worst {
 };
 
 Worst worst_of(const PlacedGrid& grid, const Eigen::MatrixXd& covariance) {
-  const Eigen::MatrixXd u = product(grid.u, covariance);
-  const Eigen::MatrixXd v = product(grid.v, covariance);
-  const Eigen::VectorXd uu = u.cwiseProduct(grid.u).rowwise().sum();
-  const Eigen::VectorXd uv = u.cwiseProduct(grid.v).rowwise().sum();
-  const Eigen::VectorXd vv = v.cwiseProduct(grid.v).rowwise().sum();
+  const PlacedVariances of_places = variances(grid, covariance);
   Worst worst;
   for (std::size_t i = 0; i < grid.at.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    Eigen::Matrix2d of_place;
-    of_place << uu[k], uv[k], uv[k], vv[k];
-    const double variance = larger_eigenvalue(of_place);
+    const double variance = of_places.largest(static_cast<Eigen::Index>(i));
     if (i == 0 || variance > worst.variance) worst = {variance, grid.at[i]};
   }
   return worst;
@@ -48,6 +40,13 @@ std::optional<Promise> promise_of(const ProjectionGrids& grids, const Eigen::Mat
   if (!std::isfinite(anywhere.variance) || !std::isfinite(covered.variance)) return std::nullopt;
   return Promise{std::sqrt(std::max(covered.variance, 0.0)),
                  std::sqrt(std::max(anywhere.variance, 0.0)), anywhere.at};
+}
+
+std::optional<double> error_over(const PlacedGrid& grid, const Eigen::MatrixXd& covariance) {
+  if (grid.at.empty() || !covariance.allFinite()) return std::nullopt;
+  const double variance = worst_of(grid, covariance).variance;
+  if (!std::isfinite(variance)) return std::nullopt;
+  return std::sqrt(std::max(variance, 0.0));
 }
 
 std::optional<Promise> promise_of(const Calibration& calibration) {

@@ -25,6 +25,10 @@ struct Promise {
 [[nodiscard]] std::optional<Promise> promise_of(const ProjectionGrids& grids,
                                                 const Eigen::MatrixXd& covariance);
 
+// The part of it that is the largest over one grid, px, 1 sigma.
+[[nodiscard]] std::optional<double> error_over(const PlacedGrid& grid,
+                                               const Eigen::MatrixXd& covariance);
+
 // Of a calibration by its own covariance: see expected_error().
 [[nodiscard]] std::optional<Promise> promise_of(const Calibration& calibration);
 

@@ -29,16 +29,17 @@ constexpr int kGridHeight = 25;
 struct Cells {
   std::vector<Pixel> at;
   Eigen::MatrixXd u, v;
-  Eigen::MatrixXd u_turned, v_turned;
+  Eigen::MatrixX3d u_turned, v_turned;
 
   Cells(std::size_t count, std::size_t columns)
       : u(count, columns), v(count, columns), u_turned(count, 3), v_turned(count, 3) {
     at.reserve(count);
   }
   void resize(Eigen::Index rows) {
-    for (Eigen::MatrixXd* m : {&u, &v, &u_turned, &v_turned}) {
-      m->conservativeResize(rows, Eigen::NoChange);
-    }
+    u.conservativeResize(rows, Eigen::NoChange);
+    v.conservativeResize(rows, Eigen::NoChange);
+    u_turned.conservativeResize(rows, Eigen::NoChange);
+    v_turned.conservativeResize(rows, Eigen::NoChange);
   }
 };
 
@@ -53,7 +54,7 @@ void add_cell(const Camera& camera, const std::vector<int>& columns, Pixel pixel
   if (!M::project(camera.parameters().data(), camera.skew(), *ray, uv, jp, jq)) return;
   const auto row = static_cast<Eigen::Index>(cells.at.size());
   bool finite = true;
-  const auto set = [&](Eigen::MatrixXd& m, Eigen::Index column, double value) {
+  const auto set = [&](auto& m, Eigen::Index column, double value) {
     m(row, column) = value;
     finite = finite && std::isfinite(value);
   };
@@ -104,7 +105,7 @@ Cells within(const std::vector<Pixel>& polygon, Cells border, const Cells& pictu
   }
   const Eigen::Index first = border.u.rows();
   border.resize(static_cast<Eigen::Index>(border.at.size()));
-  const auto copy = [&](Eigen::MatrixXd& to, const Eigen::MatrixXd& from) {
+  const auto copy = [&](auto& to, const auto& from) {
     for (Eigen::Index c = 0; c < to.cols(); ++c) {
       double* column = to.col(c).data() + first;
       for (std::size_t i = 0; i < rows.size(); ++i) column[i] = from(rows[i], c);
@@ -120,13 +121,21 @@ Cells within(const std::vector<Pixel>& polygon, Cells border, const Cells& pictu
 // The cells less the rotation that is the best for all of them. Empty where fewer than three.
 PlacedGrid turned(Cells cells) {
   if (cells.at.size() < 3) return {};
-  const Eigen::MatrixXd u = cells.u_turned.transpose();
-  const Eigen::MatrixXd v = cells.v_turned.transpose();
-  const auto turn = scaled_solve(product(u, cells.u_turned) + product(v, cells.v_turned),
-                                 product(u, cells.u) + product(v, cells.v), 0);
+  // U^T u + V^T v, of the derivatives by the rotation and others.
+  const auto sum = [&cells](const auto& u, const auto& v) {
+    Eigen::MatrixXd products(3, u.cols());
+    for (Eigen::Index j = 0; j < u.cols(); ++j) {
+      for (Eigen::Index i = 0; i < 3; ++i) {
+        products(i, j) = cells.u_turned.col(i).dot(u.col(j)) + cells.v_turned.col(i).dot(v.col(j));
+      }
+    }
+    return products;
+  };
+  const auto turn = scaled_solve(sum(cells.u_turned, cells.v_turned), sum(cells.u, cells.v), 0);
   if (!turn) return {};
-  cells.u -= product(cells.u_turned, *turn);
-  cells.v -= product(cells.v_turned, *turn);
+  const Eigen::Matrix3Xd turns = *turn;
+  cells.u -= cells.u_turned.lazyProduct(turns);
+  cells.v -= cells.v_turned.lazyProduct(turns);
   return {std::move(cells.at), std::move(cells.u), std::move(cells.v)};
 }
 
@@ -165,8 +174,35 @@ ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& col
   return grid;
 }
 
-double larger_eigenvalue(const Eigen::Matrix2d& m) {
-  return (m(0, 0) + m(1, 1)) / 2 + std::hypot((m(0, 0) - m(1, 1)) / 2, (m(0, 1) + m(1, 0)) / 2);
+double PlacedVariances::along(Eigen::Index place, const Eigen::Vector2d& direction) const {
+  return direction[0] * direction[0] * uu[place] + 2 * direction[0] * direction[1] * uv[place] +
+         direction[1] * direction[1] * vv[place];
+}
+
+double PlacedVariances::largest(Eigen::Index place) const {
+  const double half = (uu[place] - vv[place]) / 2;
+  return (uu[place] + vv[place]) / 2 + std::sqrt(half * half + uv[place] * uv[place]);
+}
+
+PlacedVariances variances(const PlacedGrid& grid, const Eigen::MatrixXd& covariance) {
+  const Eigen::Index places = grid.u.rows();
+  PlacedVariances sum = {Eigen::VectorXd::Zero(places), Eigen::VectorXd::Zero(places),
+                         Eigen::VectorXd::Zero(places)};
+  Eigen::VectorXd u(places);
+  Eigen::VectorXd v(places);
+  for (Eigen::Index j = 0; j < covariance.cols(); ++j) {
+    // Half of the terms of the parameter by itself, all of those with the parameters before it.
+    u = covariance(j, j) / 2 * grid.u.col(j);
+    v = covariance(j, j) / 2 * grid.v.col(j);
+    for (Eigen::Index k = 0; k < j; ++k) {
+      u += covariance(k, j) * grid.u.col(k);
+      v += covariance(k, j) * grid.v.col(k);
+    }
+    sum.uu += 2 * u.cwiseProduct(grid.u.col(j));
+    sum.vv += 2 * v.cwiseProduct(grid.v.col(j));
+    sum.uv += u.cwiseProduct(grid.v.col(j)) + v.cwiseProduct(grid.u.col(j));
+  }
+  return sum;
 }
 
 }  // namespace calvin

@@ -48,7 +48,17 @@ struct ProjectionGrids {
                                                const std::vector<int>& columns,
                                                const std::vector<Pixel>& covered);
 
-// The larger eigenvalue of a symmetric matrix.
-[[nodiscard]] double larger_eigenvalue(const Eigen::Matrix2d& m);
+// The covariance of a projection, px^2, at each place of a grid.
+struct PlacedVariances {
+  Eigen::VectorXd uu;
+  Eigen::VectorXd uv;
+  Eigen::VectorXd vv;
+
+  // The variance at a place, in the direction of a unit vector and in that of the largest.
+  [[nodiscard]] double along(Eigen::Index place, const Eigen::Vector2d& direction) const;
+  [[nodiscard]] double largest(Eigen::Index place) const;
+};
+// `covariance`: of the parameters, symmetric.
+[[nodiscard]] PlacedVariances variances(const PlacedGrid& grid, const Eigen::MatrixXd& covariance);
 
 }  // namespace calvin
