@@ -41,6 +41,7 @@ tool gst-launch-1.0 -q calibtestsrc num-buffers=12 ! calibrate location="$build/
 grep -q '"expected_error"' "$build/smoke.json"
 unset GST_PLUGIN_SYSTEM_PATH_1_0 GST_PLUGIN_PATH_1_0 GST_REGISTRY
 
+export CK_TIMEOUT_MULTIPLIER=$patience # of what gst-check gives a test, which meson's leaves alone
 [ $# -gt 0 ] || set -- geometry camera board io remap undistorter detect_boards session
 meson test -C "$build" --no-rebuild --num-processes 2 --print-errorlogs \
   --timeout-multiplier $patience "$@"

@@ -276,11 +276,11 @@ Slack Refinement::slack(const Lattice& lattice) {
 
 // Whether the first fits tell little, or many of them have failed.
 bool Refinement::is_in_noise(const Lattice& lattice) {
-  constexpr float kNoisy = 0.008F;  // of the spacing
-  constexpr int kMostFailed = 8;    // one of so many
+  constexpr float kMostSlack = 0.008F;  // of the spacing
+  constexpr int kMostFailed = 8;        // one of so many
   int failed = 0;
   lattice.for_each([&](Cell c, const Node&) { failed += std::isfinite(at(c).noise) ? 0 : 1; });
-  return kMostFailed * failed > lattice.count() || slack(lattice).of_spacing > kNoisy;
+  return kMostFailed * failed > lattice.count() || slack(lattice).of_spacing > kMostSlack;
 }
 
 // A fit to which the neighbours' places and the blur of the whole board tell how the edges run.
