@@ -196,7 +196,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_the_end_without_a_calibration_tells_the_board_that_was_seen) {
   g_autoptr(GstElement) pipeline = gst_parse_launch(
-      "calibtestsrc num-buffers=12 ! calibrate board=checkerboard:8x6:25mm ! fakesink", nullptr);
+      "calibtestsrc num-buffers=12 ! calibrate overlay=false board=checkerboard:8x6:25mm ! "
+      "fakesink",
+      nullptr);
   g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   g_autoptr(GstMessage) warning =

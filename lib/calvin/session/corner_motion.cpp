@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <ranges>
 
 #include <Eigen/QR>
 
@@ -22,31 +21,29 @@ namespace {
 // Where an observation has a corner. Boards may have tens of thousands of them.
 class CornerPlaces {
  public:
-  explicit CornerPlaces(const Observation& seen) : ids_(seen.ids) {
-    if (std::is_sorted(ids_.begin(), ids_.end())) return;
-    order_.resize(ids_.size());
+  explicit CornerPlaces(const Observation& seen) : ids_(seen.ids), order_(ids_.size()) {
     std::iota(order_.begin(), order_.end(), 0U);
+    if (std::is_sorted(ids_.begin(), ids_.end())) return;
     std::sort(order_.begin(), order_.end(),
               [this](std::size_t a, std::size_t b) { return ids_[a] < ids_[b]; });
   }
 
   // Ids are asked for one after the other: the next one is mostly where the last one was left.
   std::optional<std::size_t> of(int id) {
-    if (next_ < ids_.size() && ids_[place(next_)] == id) return place(next_++);
-    const auto at = std::ranges::lower_bound(std::views::iota(std::size_t{0}, ids_.size()), id, {},
-                                             [this](std::size_t i) { return ids_[place(i)]; });
-    const std::size_t i = *at;
-    if (i >= ids_.size() || ids_[place(i)] != id) return std::nullopt;
-    next_ = i + 1;
-    return place(i);
+    const auto expected = order_.begin() + next_;
+    const auto at = expected != order_.end() && ids_[*expected] == id
+                        ? expected
+                        : std::lower_bound(order_.begin(), order_.end(), id,
+                                           [this](std::size_t i, int to) { return ids_[i] < to; });
+    if (at == order_.end() || ids_[*at] != id) return std::nullopt;
+    next_ = at - order_.begin() + 1;
+    return *at;
   }
 
  private:
-  [[nodiscard]] std::size_t place(std::size_t i) const { return order_.empty() ? i : order_[i]; }
-
   const std::vector<int>& ids_;
-  std::vector<std::size_t> order_;  // of rising ids; empty where they rise by themselves
-  std::size_t next_ = 0;
+  std::vector<std::size_t> order_;  // of rising ids
+  std::ptrdiff_t next_ = 0;
 };
 
 // A corner of the newest frame, and its steps to the two frames before, px/s.

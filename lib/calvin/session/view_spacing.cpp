@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <utility>
 
 #include "calvin/session/corner_motion.hpp"
@@ -72,7 +71,8 @@ void ViewSpacing::add(const std::shared_ptr<const View>& view) {
   added.distance = HUGE_VAL;
   added.center = center_of(view->observation);
   // The last frames are mostly the nearest, after which the others need no second look.
-  for (Spaced& other : std::views::reverse(views_)) {
+  for (auto it = views_.rbegin(); it != views_.rend(); ++it) {
+    Spaced& other = *it;
     const double distance = distance_below(std::max(other.distance, added.distance), other, added);
     if (other.nearest == nullptr || distance < other.distance) {
       other.nearest = added.view.get();

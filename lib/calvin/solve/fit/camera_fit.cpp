@@ -54,7 +54,9 @@ class FitRun {
     Candidate quick = search_.quick(all_);
     FitState state;
     if (std::isfinite(quick.scale)) state = steps_.solve_from(std::move(quick), kNearLambda);
-    if (!good(state) && !least_squares_.cancelled()) state = best_of_starts(std::move(state));
+    keep_rival(state);
+    if (!sure(state) && !least_squares_.cancelled()) state = best_of_starts(std::move(state));
+    if (state.converged && all_.size() < kFewViews) state = best_of_tilts(std::move(state));
     if (!least_squares_.cancelled()) return finish(std::move(state));
     Fit fit;
     fit.cancelled = true;
@@ -73,6 +75,13 @@ class FitRun {
     return state.sound && !search_.is_far(state.scale);
   }
 
+  // Whether no other start can lead to a better optimum. The optima of few views lie apart by as
+  // much as their focal lengths are uncertain: no other was ever found where they are not.
+  [[nodiscard]] bool sure(const FitState& state) const {
+    constexpr double kCertain = 5e-3;  // of the focal length
+    return good(state) && (all_.size() >= kFewViews || state.focal_sigma < kCertain);
+  }
+
   // Follows every start that may be right; the best result, `best` being one of them.
   FitState best_of_starts(FitState best) {
     std::vector<Candidate> starts = search_.thorough(all_);
@@ -88,8 +97,7 @@ class FitRun {
       if (better(state, best)) best = std::move(state);
       if (good(best) && !search_.many_basins(all_)) break;
     }
-    return best.converged && all_.size() < kFewViews ? best_of_tilts(std::move(best))
-                                                     : std::move(best);
+    return best;
   }
 
   // Tries the mirrored tilt of each view: a board that is small or hardly tilted fits nearly as
@@ -108,10 +116,10 @@ class FitRun {
 
   // Whether a view fits not much worse in the mirrored tilt, before the same camera.
   [[nodiscard]] bool mirrored_fits(const FitState& state, std::size_t v) const {
-    constexpr double kMuchWorse = 10;  // ratio of the costs
+    const double much_worse = sure(state) ? 3 : 10;  // ratio of the costs
     const auto camera = least_squares_.camera(state.at.shared);
     const auto fit = camera ? fit_pose(state.views[v]->set, *camera, Loss{}) : std::nullopt;
-    return fit && fit->other_cost < kMuchWorse * fit->cost;
+    return fit && fit->other_cost < much_worse * fit->cost;
   }
 
   // Keeps a sound result as a possible rival of the best; two results of one cost are the same.

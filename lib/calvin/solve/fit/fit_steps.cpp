@@ -81,10 +81,28 @@ FitState FitSteps::measured(FitState state) {
   if (!reduced) return state;
   state.information = reduced->information;
   const Eigen::Index n = state.information.rows();
-  const bool determined =
-      scaled_solve(state.information, Eigen::MatrixXd::Identity(n, n), kLeastPivot).has_value();
-  state.sound = determined && (!search_.is_rich() || sees_corners(state));
+  const auto inverse =
+      scaled_solve(state.information, Eigen::MatrixXd::Identity(n, n), kLeastPivot);
+  if (!inverse) return state;
+  state.focal_sigma = focal_sigma(state, *inverse);
+  state.sound = !search_.is_rich() || sees_corners(state);
   return state;
+}
+
+double FitSteps::focal_sigma(const FitState& state, const Eigen::MatrixXd& inverse) const {
+  double degrees = -static_cast<double>(inverse.rows());
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    if (state.used[v]) degrees += 2 * static_cast<double>(state.views[v]->set.used()) - 6;
+  }
+  const double variance = state.problem->cost() / std::max(degrees, 1.0);
+  const ParameterRange focal = parameterization_.table.focal(0);
+  double largest = 0;
+  for (int i = focal.first; i < focal.end(); ++i) {
+    const Eigen::VectorXd by = parameterization_.basis.row(i);
+    const double sigma = std::sqrt(variance * by.dot(inverse * by));
+    largest = std::max(largest, sigma / state.at.shared[static_cast<std::size_t>(i)]);
+  }
+  return largest;
 }
 
 // Whether every corner in use has a projection: a rational lens may have a pole between two

@@ -32,8 +32,10 @@ struct FitState {
   std::vector<FitView> masked;        // the views of which corners are left out
   std::vector<bool> used;
   bool converged = false;
-  bool sound = false;             // converged, every unknown is determined, every corner seen
-  Eigen::MatrixXd information;    // of the directions of the problem, poses eliminated
+  bool sound = false;           // converged, every unknown is determined, every corner seen
+  Eigen::MatrixXd information;  // of the directions of the problem, poses eliminated
+  // The larger sigma of a focal length, as a part of it, by the scatter of the residuals.
+  double focal_sigma = std::numeric_limits<double>::infinity();
   std::vector<double> distances;  // of all corners from where they belong, px
   double scale = std::numeric_limits<double>::infinity();  // robust_scale() of the distances, px
 };
@@ -70,6 +72,7 @@ class FitSteps {
   [[nodiscard]] FitState solve_masked(Estimate at, std::vector<ViewMask> masks, double lambda);
   [[nodiscard]] FitState measured(FitState state);
   [[nodiscard]] bool sees_corners(const FitState& state) const;
+  [[nodiscard]] double focal_sigma(const FitState& state, const Eigen::MatrixXd& inverse) const;
   [[nodiscard]] std::vector<double> distances(const Estimate& at);
   const FitView& masked(const FitView& view, const ViewMask& mask, FitState& state) const;
   [[nodiscard]] LmOptions final_options(const std::vector<const FitView*>& views,

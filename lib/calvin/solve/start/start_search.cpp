@@ -102,7 +102,10 @@ bool StartSearch::many_basins(const Views& views) const {
 }
 
 Candidate StartSearch::quick(const Views& views) {
-  if (!parameterization_.initial.empty() || many_basins(views)) return {};
+  if (!parameterization_.initial.empty() || parameterization_.lens.starts.size() > 1 ||
+      (is_rich() && views.size() < kFewViews)) {
+    return {};
+  }
   const std::size_t most = is_rich() ? kTrialViews : kQuickViews;
   const Thinned sample(sample_of(views, most), shape_);
   Candidate best = parameterization_.lens.perspective ? by_closed_form(sample.views())

@@ -32,9 +32,9 @@ class StartSearch {
 
   // Shared unknowns and a pose for each view; the scale is infinite where nothing leads anywhere.
   //
-  // For many views: from a few corners of a few views, by the closed form for a lens near enough to
-  // a pinhole and at several focal lengths for others. Nearly always right, and ten to hundreds of
-  // times cheaper than thorough().
+  // From a few corners of a few views, by the closed form for a lens near enough to a pinhole and
+  // at several focal lengths for others; not for a lens with several starts or for few views of one
+  // that is_rich(). Nearly always right, and ten to hundreds of times cheaper than thorough().
   [[nodiscard]] Candidate quick(const Views& views);
   // All starts there are, each tried on a few views: the different cameras that they lead to and
   // that may be right, the likeliest first.
