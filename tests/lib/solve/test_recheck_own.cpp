@@ -83,6 +83,7 @@ TEST_P(EveryModel, HasNotMovedForItsOwnViews) {
     }
     EXPECT_EQ(report.displacement, 0) << session;
   }
+  EXPECT_EQ(alarms, 0) << "of " << messages;
 }
 
 // Half a percent of the focal length, after ten views; by as much as it is, give or take what it

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "calvin/geometry/dense.hpp"
 #include "calvin/solve/fit/fit_derivatives.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
