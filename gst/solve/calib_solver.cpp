@@ -32,9 +32,13 @@ Status CalibSolver::start() {
   if (!writable) post_warning(element_, writable.error());
   GST_INFO_OBJECT(element_, "solves %s from %d views on, %" G_GSIZE_FORMAT " files",
                   plan->settings.model.c_str(), plan->settings.min_views, plan->files.size());
+  const SessionSettings settings = plan->settings;
   {
     const std::lock_guard guard(lock_);
     session_.start(*std::move(plan), writable.has_value());
+  }
+  if (!settings.journal.empty()) {
+    if (Status opened = open_journal(settings); !opened) return opened;
   }
   for (Worker* worker : {&updater_, &writer_}) {
     if (Status started = worker->start(); !started) return started;
@@ -53,18 +57,33 @@ void CalibSolver::obey() {
     const auto job = std::make_shared<const WriteJob>(*std::move(write));
     writer_.offer([this, job](const std::stop_token& stop) { run_write(*job, stop); });
   }
+  for (JournalEntry& entry : session_.take_journal()) {
+    if (journal_) journal_->add(std::move(entry));
+  }
+}
+
+void CalibSolver::stop() {
+  for (Worker* worker : {&worker_, &writer_, &updater_, &syncer_}) worker->stop();
+  const std::lock_guard guard(lock_);
+  journal_.reset();
 }
 
 void CalibSolver::set_size(ImageSize size) {
   std::optional<Error> warning;
+  Progress now;
+  std::string camera;
   {
     const std::lock_guard guard(lock_);
-    const bool any = !session_.views().views().empty();
     if (!session_.set_size(size, warning)) return;
-    GST_INFO_OBJECT(element_, "frames of %dx%d px: %s", size.width, size.height,
-                    any ? "a new session begins" : "no view was taken before");
+    now = session_.progress();
+    camera = session_.camera_name();
+    GST_INFO_OBJECT(element_, "frames of %dx%d px: a session with %d views", size.width,
+                    size.height, now.views);
+    obey();
   }
   if (warning) post_warning(element_, *warning);
+  post_notices();
+  if (now.views > 0) post_message(element_, progress_message({}, camera, now));
 }
 
 void CalibSolver::set_live(bool live) {
@@ -81,6 +100,7 @@ void CalibSolver::resume() {
   writer_.resume();
   worker_.resume();
   updater_.resume();
+  syncer_.resume();
   {
     const std::lock_guard guard(lock_);
     session_.resume();
@@ -99,6 +119,7 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times,
     offered = session_.offer(observation, times, place);
     obey();
   }
+  write_journal();
   const bool taken = offered.reason == Reason::kAccepted;
   GST_LOG_OBJECT(element_, "the view at %" GST_TIME_FORMAT " with %" G_GSIZE_FORMAT " corners: %s",
                  GST_TIME_ARGS(times.timestamp), observation.ids.size(),
@@ -165,19 +186,26 @@ void CalibSolver::solve_now() {
 
 void CalibSolver::reset() {
   GST_INFO_OBJECT(element_, "a new session begins: all views are forgotten");
-  const std::lock_guard guard(lock_);
-  session_.reset();
+  {
+    const std::lock_guard guard(lock_);
+    session_.reset();
+    obey();
+  }
+  write_journal();
 }
 
 bool CalibSolver::remove_view(unsigned index) {
-  const std::lock_guard guard(lock_);
-  if (!session_.remove_view(index)) {
-    GST_WARNING_OBJECT(element_, "there is no view %u to remove", index);
-    return false;
+  {
+    const std::lock_guard guard(lock_);
+    if (!session_.remove_view(index)) {
+      GST_WARNING_OBJECT(element_, "there is no view %u to remove", index);
+      return false;
+    }
+    GST_INFO_OBJECT(element_, "view %u is removed, %" G_GSIZE_FORMAT " are left", index,
+                    session_.views().views().size());
+    obey();
   }
-  GST_INFO_OBJECT(element_, "view %u is removed, %" G_GSIZE_FORMAT " are left", index,
-                  session_.views().views().size());
-  obey();
+  write_journal();
   return true;
 }
 

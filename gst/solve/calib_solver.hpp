@@ -12,6 +12,7 @@
 #include <gst/gst.h>
 
 #include "calvin/session/calibration_session.hpp"
+#include "calvin/session/files/journal.hpp"
 #include "common/calibration_event.hpp"
 #include "common/messages.hpp"
 #include "common/shared_settings.hpp"
@@ -30,28 +31,25 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   // Whether the corners are to be refined with the camera for final results.
   [[nodiscard]] bool refines_with_camera();
 
-  // An error for settings that cannot work; a file that cannot be written now is only a warning
-  // on the bus.
+  // An error for settings that cannot work and for a journal that cannot be kept; a file that
+  // cannot be written now is only a warning on the bus.
   [[nodiscard]] Status start();
   void cancel() {
     worker_.cancel();
     writer_.cancel();
     updater_.cancel();
+    syncer_.cancel();
   }
   // A solve or a write that cancel() cut short is asked for again.
   void resume();
-  void stop() {
-    worker_.stop();
-    writer_.stop();
-    updater_.stop();
-  }
+  void stop();
 
   // Brings settings that changed into force. Those that cannot work are a warning, and the ones
   // before them stay. Where a file may have to be waited for this is done beside, and they take
   // effect when it answers.
   void update();
 
-  // A new size begins a new session.
+  // A new size begins a new session, with the views that are there of such frames.
   void set_size(ImageSize size);
   void set_live(bool live);
 
@@ -84,8 +82,14 @@ class CalibSolver : public SharedSettings<SessionSettings> {
 
  private:
   // With the lock held, after whatever may have made the session ask for work: hands it to the
-  // worker and to the writer.
+  // worker, to the writer and to the journal.
   void obey();
+
+  // The journal: solver_journal.cpp
+  [[nodiscard]] Status open_journal(const SessionSettings& settings);
+  // Without the lock: writes what obey() gave to the journal.
+  void write_journal();
+  void sync_journal(const std::shared_ptr<Journal>& journal, const std::stop_token& stop);
 
   // update(), however long that takes; false when it was cancelled.
   [[nodiscard]] bool update_and_wait();
@@ -99,7 +103,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
 
   // Whether all that was asked for is solved and written, however long that takes; false when it
   // was cancelled.
-  [[nodiscard]] bool drain() { return worker_.drain() && writer_.drain(); }
+  [[nodiscard]] bool drain() { return worker_.drain() && writer_.drain() && syncer_.drain(); }
   void post_solve_progress(GstProgressType type, const std::string& text);
 
   // On the worker.
@@ -124,9 +128,11 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   void post_notices();
 
   GstElement* element_;
-  CalibrationSession session_;  // lock_
-  SessionFiles files_;          // on the writer
+  CalibrationSession session_;        // lock_
+  SessionFiles files_;                // on the writer
+  std::shared_ptr<Journal> journal_;  // lock_; null where none is kept
 
+  Worker syncer_;  // of the journal
   Worker writer_;
   Worker worker_;   // goes before it: what it solves is written
   Worker updater_;  // goes first: what it brings into force is solved

@@ -53,6 +53,12 @@ constexpr Property<CalibSolver> kRows[] = {
      "better; that of another session is replaced by the final result, or by one as good",
      kept_in<&SessionSettings::location>},
     {"export", "Export", export_blurb, kept_in<&SessionSettings::exports>},
+    {"journal",
+     "Journal",
+     "File that every view is written to before it is announced, and from which the next run takes "
+     "them up again (JSON lines); one for each camera",
+     kept_in<&SessionSettings::journal>,
+     {.flags = kMutableReady}},
     {"camera", "Camera",
      "Name of the camera in messages and files (unset = the one that the observations carry)",
      kept_in<&SessionSettings::camera>},

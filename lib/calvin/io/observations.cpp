@@ -5,6 +5,10 @@
 
 #include "calvin/io/observations.hpp"
 
+#include <cmath>
+#include <optional>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "calvin/core/file.hpp"
@@ -66,6 +70,32 @@ void read_points(Fields& fields, Observation& seen) {
   }
 }
 
+void read_velocity(Fields& fields, Observation& seen) {
+  for (const auto& velocity : fields.rows("velocity", 2)) {
+    seen.velocity.push_back({velocity[0], velocity[1]});
+  }
+  if (!seen.velocity.empty() && seen.velocity.size() != seen.ids.size()) {
+    fields.complain("velocity", "is not [u, v] for each point");
+  }
+}
+
+void read_ambiguous(Fields& fields, Observation& seen) {
+  for (const Node& node : fields.list("ambiguous")) {
+    const auto relabelling =
+        node.kind == Node::Kind::kString ? parse_relabelling(node.text) : std::nullopt;
+    if (!relabelling) {
+      fields.complain("ambiguous", "has what is no other labelling, as \"rotate180\" is");
+      return;
+    }
+    seen.ambiguous.push_back(*relabelling);
+  }
+}
+
+void read_blur(Fields& fields, Observation& seen) {
+  seen.blur = fields.optional_number("blur").value_or(0);
+  if (seen.blur < 0) fields.complain("blur", "is negative");
+}
+
 Observation read_view(Fields& fields, const std::string& board) {
   Observation seen;
   seen.camera = fields.optional_string("camera");
@@ -73,11 +103,53 @@ Observation read_view(Fields& fields, const std::string& board) {
   seen.timestamp = fields.optional_time("timestamp").value_or(kNoTimestamp);
   seen.image_size = read_size(fields);
   if (!fields.failed()) read_points(fields, seen);
+  if (!fields.failed()) read_velocity(fields, seen);
+  if (!fields.failed()) read_ambiguous(fields, seen);
+  if (!fields.failed()) read_blur(fields, seen);
   return seen;
 }
 
+// What a line {"reset":true,"views":2} begins: until both are there, the views before it count.
+struct Rewrite {
+  std::size_t start = 0;  // of its line in the content
+  std::vector<Observation> before;
+  std::size_t wanted = 0;  // views
+};
+
+// Takes lines into a file, of which the caller knows where they begin.
+class LineReader {
+ public:
+  explicit LineReader(ObservationFile& file) : file_(file) {}
+
+  [[nodiscard]] Status read(std::string_view line, bool first, std::size_t start);
+  // The end of the content.
+  void end();
+
+ private:
+  void read_reset(Fields& fields, std::size_t start);
+
+  ObservationFile& file_;
+  std::optional<Rewrite> rewrite_;
+};
+
+void LineReader::read_reset(Fields& fields, std::size_t start) {
+  int views = 0;
+  if (fields.find("views") != nullptr) views = fields.integer("views");
+  if (views < 0) fields.complain("views", "is negative");
+  if (fields.failed()) return;
+  std::vector<Observation> before = std::exchange(file_.observations, {});
+  rewrite_.reset();
+  if (views > 0) rewrite_ = Rewrite{start, std::move(before), static_cast<std::size_t>(views)};
+}
+
+void LineReader::end() {
+  if (!rewrite_) return;
+  file_.observations = std::move(rewrite_->before);
+  file_.whole_bytes = rewrite_->start;
+}
+
 // One whole line: the header where it is the first.
-Status read_line(std::string_view line, bool first, ObservationFile& file) {
+Status LineReader::read(std::string_view line, bool first, std::size_t start) {
   const auto node = io::parse_json(line);
   if (!node) return tl::unexpected(node.error());
   if (node->kind != Node::Kind::kMap) {
@@ -86,15 +158,16 @@ Status read_line(std::string_view line, bool first, ObservationFile& file) {
   std::optional<Error> problem;
   Fields fields(*node, "", problem);
   if (first) {
-    read_header(fields, file);
+    read_header(fields, file_);
   } else if (fields.find("format") != nullptr) {
     return make_error(
         ErrorCode::kMalformed,
         "it is a second header, as where two files are joined: its board may be another");
   } else if (fields.flag("reset")) {
-    file.observations.clear();
+    read_reset(fields, start);
   } else {
-    file.observations.push_back(read_view(fields, file.board));
+    file_.observations.push_back(read_view(fields, file_.board));
+    if (rewrite_ && file_.observations.size() >= rewrite_->wanted) rewrite_.reset();
   }
   if (problem) return tl::unexpected(*problem);
   return {};
@@ -104,6 +177,7 @@ Status read_line(std::string_view line, bool first, ObservationFile& file) {
 
 Result<ObservationFile> parse_observations(std::string_view content, std::string_view name) {
   ObservationFile file;
+  LineReader reader(file);
   int number = 0;
   while (file.whole_bytes < content.size()) {
     const auto end = content.find('\n', file.whole_bytes);
@@ -111,7 +185,7 @@ Result<ObservationFile> parse_observations(std::string_view content, std::string
     const std::string_view line = trim(content.substr(file.whole_bytes, end - file.whole_bytes));
     ++number;
     if (number == 1 || !line.empty()) {
-      if (const Status status = read_line(line, number == 1, file); !status) {
+      if (const Status status = reader.read(line, number == 1, file.whole_bytes); !status) {
         const std::string& why = status.error().message;
         return make_error(status.error().code,
                           fmt::format("'{}' cannot be used as observations: line {}: {}{} Give a "
@@ -128,11 +202,12 @@ Result<ObservationFile> parse_observations(std::string_view content, std::string
                                   "format and the board, is missing.",
                                   name));
   }
+  reader.end();
   return file;
 }
 
 Result<ObservationFile> read_observations(const std::filesystem::path& path) {
-  const auto content = read_file(path.string());
+  const auto content = read_file(path.string(), kMaxObservationBytes);
   if (!content) return tl::unexpected(content.error());
   return parse_observations(*content, path.string());
 }
@@ -140,6 +215,32 @@ Result<ObservationFile> read_observations(const std::filesystem::path& path) {
 std::string print_observation_header(std::string_view board) {
   return fmt::format("{{\"format\":\"{}\",\"version\":{},\"board\":{}}}\n", kFormat, kVersion,
                      io::json_string(board));
+}
+
+namespace {
+
+std::string print_velocity(const std::vector<Pixel>& velocity) {
+  std::string text;
+  for (const Pixel& of : velocity) {
+    text +=
+        fmt::format("{}[{},{}]", text.empty() ? "" : ",", format_double(of.u), format_double(of.v));
+  }
+  return fmt::format("[{}]", text);
+}
+
+std::string print_ambiguous(const std::vector<Relabelling>& ambiguous) {
+  std::string text;
+  for (const Relabelling& other : ambiguous) {
+    text += fmt::format("{}{}", text.empty() ? "" : ",", io::json_string(to_text(other)));
+  }
+  return fmt::format("[{}]", text);
+}
+
+}  // namespace
+
+std::string print_observation_reset(std::size_t views) {
+  return views == 0 ? "{\"reset\":true}\n"
+                    : fmt::format("{{\"reset\":true,\"views\":{}}}\n", views);
 }
 
 std::string print_observation(const Observation& seen, std::string_view board_of_file) {
@@ -150,12 +251,18 @@ std::string print_observation(const Observation& seen, std::string_view board_of
   line += fmt::format(",\"image_size\":[{},{}],\"points\":[", seen.image_size.width,
                       seen.image_size.height);
   for (std::size_t i = 0; i < seen.ids.size() && i < seen.uv.size(); ++i) {
-    const double sigma = i < seen.sigma.size() && seen.sigma[i] > 0 ? seen.sigma[i] : 1;
+    const bool known = i < seen.sigma.size() && seen.sigma[i] > 0 && std::isfinite(seen.sigma[i]);
+    const double sigma = known ? seen.sigma[i] : 1;
     line +=
         fmt::format("{}[{},{},{},{}]", i == 0 ? "" : ",", seen.ids[i], format_double(seen.uv[i].u),
                     format_double(seen.uv[i].v), format_double(sigma));
   }
-  return line + "]}\n";
+  line += ']';
+  if (!seen.velocity.empty()) line += ",\"velocity\":" + print_velocity(seen.velocity);
+  if (!seen.ambiguous.empty()) line += ",\"ambiguous\":" + print_ambiguous(seen.ambiguous);
+  if (seen.blur > 0 && std::isfinite(seen.blur))
+    line += fmt::format(",\"blur\":{}", format_double(seen.blur));
+  return line + "}\n";
 }
 
 std::string print_observations(const ObservationFile& file) {

@@ -4,6 +4,7 @@
 // Files of observations: what was seen of a board, frame by frame. docs/formats.md.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -15,28 +16,35 @@
 
 namespace calvin {
 
+// What read_observations() takes at most.
+inline constexpr std::size_t kMaxObservationBytes = std::size_t{256} << 20;
+
 struct ObservationFile {
   std::string board;  // board text; several are separated by ';'
   std::vector<Observation> observations;
 
   // The length in bytes of what is whole: less than the content where its last line is torn, as by
-  // a loss of power. Whoever appends cuts the file there first.
+  // a loss of power, or not all of the views follow that its last reset tells. Whoever appends cuts
+  // the file there first.
   std::size_t whole_bytes = 0;
 };
 
-// JSON lines: a header, then a line for each view. {"reset":true} forgets the views before it. A
-// last line without an end is left out; a broken line that has one is kMalformed, and the message
-// names `name` and the line. Views of a file with several boards tell theirs.
+// JSON lines: a header, then a line for each view. {"reset":true} forgets the views before it, and
+// {"reset":true,"views":3} does so once three more lines of views follow. A last line without an
+// end is left out; a broken line that has one is kMalformed, and the message names `name` and the
+// line. Views of a file with several boards tell theirs.
 [[nodiscard]] CALVIN_API Result<ObservationFile> parse_observations(std::string_view content,
                                                                     std::string_view name = "");
 
-// parse_observations() of a file of at most kMaxFileBytes; errors as of read_file().
+// parse_observations() of a file of at most kMaxObservationBytes; errors as of read_file().
 [[nodiscard]] CALVIN_API Result<ObservationFile> read_observations(
     const std::filesystem::path& path);
 
-// The header and the line of one view, both with their end: for a file that is appended to.
-// Numbers read back as the same. A sigma that is missing or not positive is 1.
+// The header, a reset and the line of one view, each with its end: for a file that is appended to.
+// `views`: how many follow that take the place of all before. Numbers read back as the same. A
+// sigma that is missing or not positive is 1.
 [[nodiscard]] CALVIN_API std::string print_observation_header(std::string_view board);
+[[nodiscard]] CALVIN_API std::string print_observation_reset(std::size_t views = 0);
 [[nodiscard]] CALVIN_API std::string print_observation(const Observation& observation,
                                                        std::string_view board_of_file);
 [[nodiscard]] CALVIN_API std::string print_observations(const ObservationFile& file);

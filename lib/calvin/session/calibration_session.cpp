@@ -47,9 +47,40 @@ bool CalibrationSession::set_size(ImageSize size, std::optional<Error>& warning)
   auto fitted = fit_initial(plan_, size);
   initial_ = std::move(fitted.calibration);
   warning = std::move(fitted.warning);
-  if (!views_.views().empty()) reset();
+  change_views(size);
   renew_hint();
   return true;
+}
+
+void CalibrationSession::change_views(ImageSize size) {
+  constexpr std::size_t kMostAside = 3000;  // a stream may change its size for ever
+  const Session::Views before = views_.views();
+  if (!before.empty()) begin_session();
+  Session::Views candidates = std::exchange(set_aside_, {});
+  candidates.insert(candidates.end(), before.begin(), before.end());
+  for (const auto& view : candidates) {
+    if (view->observation.image_size != size) {
+      set_aside_.push_back(view);
+    } else if (views_.restore(view) == Reason::kAccepted) {
+      camera_ = view->observation.camera;
+      note_taken({.timestamp = view->observation.timestamp});
+    }
+  }
+  if (set_aside_.size() > kMostAside) {
+    set_aside_.erase(set_aside_.begin(),
+                     set_aside_.end() - static_cast<std::ptrdiff_t>(kMostAside));
+  }
+  if (!views_.views().empty()) (void)consider();  // the hint tells where a limit is reached
+  const std::size_t taken_up = views_.views().size();
+  if (auto notice = other_frames(size, taken_up, set_aside_)) say_later(*std::move(notice));
+}
+
+void CalibrationSession::note_taken(const FrameTimes& times) {
+  if (const auto gone = views_.replaced()) {
+    taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(*gone));
+  }
+  taken_.push_back({times});
+  ++accepted_;
 }
 
 void CalibrationSession::set_live(bool live) {
@@ -98,11 +129,8 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   const Status fine = check(view, observation.image_size);
   const Reason reason = views_.offer(view, fine ? worth(view) : ViewWorth{});
   if (reason == Reason::kAccepted) {
-    if (const auto gone = views_.replaced()) {
-      taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(*gone));
-    }
-    taken_.push_back({times});
-    ++accepted_;
+    note_taken(times);
+    write_down({false, {views_.views().back()}});
     accepted_at_ = observation.timestamp;
     capture_.restart(accepted_at_);
     offered.reached = consider();
@@ -255,6 +283,13 @@ Status CalibrationSession::solve_now(const SessionSettings& now) {
 }
 
 void CalibrationSession::reset() {
+  const bool any = !views_.views().empty() || !set_aside_.empty();
+  begin_session();
+  set_aside_.clear();
+  if (any) write_down({true, {}});
+}
+
+void CalibrationSession::begin_session() {
   ++generation_;
   ++session_;
   ++revision_;
@@ -286,6 +321,9 @@ void CalibrationSession::outdate_results() {
 
 bool CalibrationSession::remove_view(std::size_t index) {
   if (!views_.remove_view(index)) return false;
+  JournalEntry left = {true, set_aside_};
+  left.views.insert(left.views.end(), views_.views().begin(), views_.views().end());
+  write_down(std::move(left));
   taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
   outdate_results();  // what is being solved has the view in it, and the files have it
   finished_ = !limit_reached().empty();

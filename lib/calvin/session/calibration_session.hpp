@@ -75,6 +75,9 @@ class CalibrationSession {
 
   // A new run; `writable`: whether its files can be written now.
   void start(SessionPlan plan, bool writable);
+  // Right after start(): what happens to the views goes to take_journal(), and those of an earlier
+  // run, which it holds, are taken up once the frames have their size.
+  void begin_journal(Session::Views earlier);
   [[nodiscard]] bool is_up_to_date(const SessionSettings& now) const { return now == seen_; }
   // Settings that were set, to be read beside the session; absent where nothing has changed.
   [[nodiscard]] std::optional<SettingsUpdate> begin_update(const SessionSettings& now);
@@ -86,7 +89,9 @@ class CalibrationSession {
 
   // ---- Frames and views: calibration_session.cpp
 
-  // A new size begins a new session; a word for the user, if any. False where the size is the same.
+  // A new size begins a new session, with the views that are there of frames of that size: those
+  // of the journal, and those of before the frames had yet another size. A word for the user, if
+  // any. False where the size is the same.
   [[nodiscard]] bool set_size(ImageSize size, std::optional<Error>& warning);
   void set_live(bool live);
   // One board as it was found on one frame; `place`: which of the observations of that frame it is.
@@ -110,11 +115,15 @@ class CalibrationSession {
   [[nodiscard]] const Hint& hint() const noexcept { return hint_; }
   // The best camera by now: the newest solution, or `initial`, or nominal_camera().
   [[nodiscard]] std::optional<Camera> camera() const;
+  // As the settings or else the newest observation name it.
+  [[nodiscard]] std::string camera_name() const;
   [[nodiscard]] const SessionPlan& plan() const noexcept { return plan_; }
 
   // ---- Solves: session_solves.cpp
 
   [[nodiscard]] std::optional<SolveJob> take_solve();
+  // What has happened to the views since it was asked last, in order; nothing without a journal.
+  [[nodiscard]] std::vector<JournalEntry> take_journal() { return std::exchange(entries_, {}); }
   // Whether what the job was made of still is what the session has.
   [[nodiscard]] bool is_current(const JobOrigin& origin) const;
   // Absent where it is not current: the solution is thrown away.
@@ -164,10 +173,17 @@ class CalibrationSession {
   [[nodiscard]] Error too_few() const {
     return too_few_views(views_.views().size(), plan_.settings.min_views, refused_, other_board_);
   }
-  [[nodiscard]] std::string camera_name() const;
   [[nodiscard]] Result<Board> board_of(const std::string& text);
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
   [[nodiscard]] std::string_view consider();
+  // The newest of views_ is one that has been taken.
+  void note_taken(const FrameTimes& times);
+  void begin_session();
+  // Keeps the views of frames of another size, and takes up those of `size`.
+  void change_views(ImageSize size);
+  void write_down(JournalEntry entry) {
+    if (journaling_) entries_.push_back(std::move(entry));
+  }
   // Whether a view tells enough, of what the hint asks for, to be kept.
   [[nodiscard]] ViewWorth worth(const View& view);
   void guide_from(const View& view);
@@ -195,6 +211,9 @@ class CalibrationSession {
   // What was seen.
   Session views_{SessionOptions{}};
   std::vector<TakenView> taken_;  // the views of views_
+  Session::Views set_aside_;      // of frames of other sizes than size_
+  bool journaling_ = false;
+  std::vector<JournalEntry> entries_;  // for take_journal()
   ImageSize size_;
   std::string camera_;                // as the newest observation names it
   FrameTimes times_;                  // of the newest frame with a board

@@ -65,12 +65,11 @@ Reason Session::offer(const View& view, ViewWorth worth) {
   const Reason reason = usable(view);
   if (reason != Reason::kAccepted) return reason;
   Recent& r = recent(view.observation.board);
-  const auto is_this = [&view](const Observation& o) { return is_same(o, view.observation); };
-  const auto shows_this = [&is_this](const Sighting& s) { return is_this(s.seen); };
+  const auto shows_this = [&view](const Sighting& s) { return is_same(s.seen, view.observation); };
   if (std::ranges::none_of(r.now, shows_this)) return r.reason = judge(view, r, worth);
-  const bool kept =
-      std::ranges::any_of(views_, [&](const auto& v) { return is_this(v->observation); });
-  if (asked_ && !kept && !full()) return r.reason = keep(view);
+  if (asked_ && !is_kept(view.observation) && !full()) {
+    return r.reason = keep(std::make_shared<const View>(view));
+  }
   return r.reason == Reason::kAccepted ? Reason::kTooSimilar : r.reason;
 }
 
@@ -93,8 +92,21 @@ Reason Session::judge(const View& view, Recent& r, ViewWorth worth) {
     const Reason reason = worth_keeping(view, pace, worth_it);
     if (reason != Reason::kAccepted) return reason;
   }
-  if (full()) return Reason::kTooSimilar;
-  return keep(velocities && is_significant(*velocities) ? moving(view, *velocities) : view);
+  if (full() || is_kept(view.observation)) return Reason::kTooSimilar;
+  const bool mend = velocities && is_significant(*velocities);
+  return keep(std::make_shared<const View>(mend ? moving(view, *velocities) : view));
+}
+
+Reason Session::restore(const std::shared_ptr<const View>& view) {
+  const bool asked = std::exchange(asked_, false);
+  const Reason reason = keep(view);
+  asked_ = asked;
+  return reason;
+}
+
+bool Session::is_kept(const Observation& seen) const {
+  return std::ranges::any_of(
+      views_, [&seen](const auto& view) { return is_same(view->observation, seen); });
 }
 
 Reason Session::usable(const View& view) const {
@@ -278,11 +290,10 @@ std::size_t Session::most_views(const View& like) const noexcept {
                   static_cast<std::size_t>(std::max(options_.min_views, options_.max_views)));
 }
 
-Reason Session::keep(View view) {
-  const auto kept = std::make_shared<const View>(std::move(view));
+Reason Session::keep(const std::shared_ptr<const View>& view) {
   replaced_.reset();
-  spacing_.add(kept);
-  if (views_.size() >= most_views(*kept)) {
+  spacing_.add(view);
+  if (views_.size() >= most_views(*view)) {
     const std::size_t crowded = spacing_.most_crowded(asked_ ? views_.size() : views_.size() + 1);
     spacing_.remove(crowded);
     if (crowded == views_.size()) return Reason::kTooSimilar;
@@ -290,8 +301,8 @@ Reason Session::keep(View view) {
     replaced_ = crowded;
   }
   asked_ = false;
-  coverage_.add(*kept);
-  views_.push_back(kept);
+  coverage_.add(*view);
+  views_.push_back(view);
   return Reason::kAccepted;
 }
 

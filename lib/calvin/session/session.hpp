@@ -56,8 +56,8 @@ struct SessionOptions {
 //     image diagonal away, or the corners have moved about their centre by at least 2.5 % of the
 //     board's size in the image on average (nearer, farther, turned, tilted).
 // A view whose velocities are known is kept with them; what they may be wrong by is in its sigmas.
-// An observation that comes again with its timestamp is of a copy of the frame: it tells nothing
-// new.
+// An observation that comes again with its timestamp is of a copy of the frame, or the frame itself
+// in a recording that is played again: it tells nothing new.
 class Session {
  public:
   explicit Session(SessionOptions options = {}) : options_(options) {}
@@ -66,6 +66,10 @@ class Session {
   // kManual for one that was not asked for, in kAuto for one that is not worth it, and where there
   // are so many views that the one that is most like another has to go, for that one.
   Reason offer(const View& view, ViewWorth worth = {});
+
+  // Takes up a view that was kept before, as it is: one of an earlier run, or of before the frames
+  // had another size. kTooSimilar only where there are so many that it has to go again.
+  Reason restore(const std::shared_ptr<const View>& view);
 
   // A frame that may have shown the board, but nothing of it is offered: there is a gap.
   void pass(const Observation& seen);
@@ -125,7 +129,9 @@ class Session {
   // Notes that another frame begins where it does, and forgets what is older than the one before.
   void begin_frame(const Observation& seen);
   [[nodiscard]] std::optional<Sighting> take_previous(const Observation& now);
-  [[nodiscard]] Reason keep(View view);
+  // Whether it is one of the views.
+  [[nodiscard]] bool is_kept(const Observation& seen) const;
+  [[nodiscard]] Reason keep(const std::shared_ptr<const View>& view);
   void time_frame(std::uint64_t timestamp);
   [[nodiscard]] double frame_time() const;       // s; 0: not known
   [[nodiscard]] double longest_readout() const;  // s; 0: not known

@@ -48,6 +48,12 @@ struct WriteJob {
   std::uint64_t number = 0;  // of the writes of all sessions
 };
 
+// What a journal is to hold next: that the views before are forgotten, if so, and then these.
+struct JournalEntry {
+  bool reset = false;
+  Session::Views views;
+};
+
 // On any thread: takes as long as the solve does.
 [[nodiscard]] Result<Solution> solve_job(const SolveJob& job, const std::stop_token& stop);
 

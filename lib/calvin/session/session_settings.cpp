@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calvin/camera/frame_fit.hpp"
+#include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/settings.hpp"
@@ -103,10 +104,22 @@ void keep_counts(SessionPlan& plan, const SessionPlan& before) {
   plan.settings.max_views = before.settings.max_views;
 }
 
+// What is written to a journal in its place would be the end of it.
+Status is_no_journal(const CalibrationFile& file, const std::string& journal) {
+  if (journal.empty() || !is_same_file(file.path, journal)) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("'{}' is the journal, and is to hold the calibration too: give "
+                                "each a file of its own.",
+                                file.path));
+}
+
 Status read_files(SessionPlan& plan) {
   auto files = parse_calibration_files(plan.settings.location, plan.settings.exports);
   if (!files) return tl::unexpected<Error>(files.error());
   plan.files = *std::move(files);
+  for (const CalibrationFile& file : plan.files) {
+    if (const Status other = is_no_journal(file, plan.settings.journal); !other) return other;
+  }
   if (const Status held = can_hold_all(plan.files, plan.settings.model); !held) return held;
   return are_different_files(plan.files);
 }

@@ -26,6 +26,7 @@ enum class BoardShapeChoice { kNone, kWarp, kPoints, kAuto };
 struct SessionSettings {
   std::string location;
   std::string exports;
+  std::string journal;
   std::string camera;  // empty: the name that the observations carry
   std::string model = "brown5";
   std::string fix;

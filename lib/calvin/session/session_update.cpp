@@ -18,7 +18,15 @@ void CalibrationSession::start(SessionPlan plan, bool writable) {
   initial_.reset();
   views_.set_options(plan_.session_options(live_));
   writes_.begin_files(writable);
-  reset();
+  set_aside_.clear();
+  journaling_ = false;
+  entries_.clear();
+  begin_session();
+}
+
+void CalibrationSession::begin_journal(Session::Views earlier) {
+  set_aside_ = std::move(earlier);
+  journaling_ = true;
 }
 
 std::optional<SettingsUpdate> CalibrationSession::begin_update(const SessionSettings& now) {

@@ -37,6 +37,10 @@ std::string_view words_of(Reason refused) {
   }
 }
 
+std::string views(std::size_t count) {
+  return count == 1 ? "1 view" : fmt::format("{} views", count);
+}
+
 // What kept the boards that were seen from being taken; nothing where none was.
 std::string told(const Refusals& refused) {
   if (refused.empty()) return {};
@@ -85,6 +89,22 @@ Notice late_files(const std::vector<CalibrationFile>& files, std::chrono::second
                        "reader behind it, does not answer. Results go on to the bus, and the "
                        "newest one is written once it answers; EOS waits for that.",
                        join(paths, "', '"), waited.count())}};
+}
+
+std::optional<Notice> other_frames(ImageSize size, std::size_t taken_up,
+                                   const Session::Views& set_aside) {
+  if (taken_up == 0 && set_aside.empty()) return std::nullopt;
+  std::string words = taken_up > 0
+                          ? fmt::format("{} that {} taken before of frames of {}x{} px {} on.",
+                                        views(taken_up), taken_up == 1 ? "was" : "were", size.width,
+                                        size.height, taken_up == 1 ? "goes" : "go")
+                          : fmt::format("The frames are {}x{} px now, and a new session begins.",
+                                        size.width, size.height);
+  if (!set_aside.empty()) {
+    words += fmt::format(" {} of frames of another size {} until such frames come again.",
+                         views(set_aside.size()), set_aside.size() == 1 ? "waits" : "wait");
+  }
+  return Notice{Notice::Kind::kInfo, {ErrorCode::kInvalidArgument, std::move(words)}};
 }
 
 Notice kept_file(const std::string& path) {

@@ -7,12 +7,15 @@
 #include <chrono>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "calvin/core/image.hpp"
 #include "calvin/core/reason.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/session/files/calibration_files.hpp"
+#include "calvin/session/session.hpp"
 
 namespace calvin {
 
@@ -36,6 +39,9 @@ using Refusals = std::map<Reason, std::size_t>;
 // Of a write that has not ended for so long.
 [[nodiscard]] Notice late_files(const std::vector<CalibrationFile>& files,
                                 std::chrono::seconds waited);
+// Of frames of a new size: which views go on with them and which wait, if any do.
+[[nodiscard]] std::optional<Notice> other_frames(ImageSize size, std::size_t taken_up,
+                                                 const Session::Views& set_aside);
 // Of a file that stays as another session left it.
 [[nodiscard]] Notice kept_file(const std::string& path);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calvin/core/file.hpp"
@@ -51,6 +52,11 @@ TEST(Observations, WhatIsPrintedReadsBackAsTheSame) {
     seen.ids = {3, 1, 2};
     seen.uv = {{1.0 / 3, -0.25}, {1e-17, 959.4999999999999}, {0, 0}};
     seen.sigma = {0.1, 0.7, 1.0 / 7};
+    if (file.observations.empty()) {
+      seen.velocity = {{1.0 / 3, -120.5}, {0, 1e-300}, {7, 8}};
+      seen.ambiguous = {{2, 0, 0}, {1, 0, -1}};
+      seen.blur = 0.7;
+    }
     file.observations.push_back(seen);
   }
   const std::string text = print_observations(file);
@@ -68,6 +74,13 @@ TEST(Observations, WhatIsPrintedReadsBackAsTheSame) {
     EXPECT_EQ(a.ids, b.ids);
     EXPECT_EQ(a.sigma, b.sigma);
     for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(a.uv[k].u, b.uv[k].u);
+    ASSERT_EQ(a.velocity.size(), b.velocity.size());
+    for (std::size_t k = 0; k < a.velocity.size(); ++k) {
+      EXPECT_EQ(a.velocity[k].u, b.velocity[k].u);
+      EXPECT_EQ(a.velocity[k].v, b.velocity[k].v);
+    }
+    EXPECT_EQ(a.ambiguous, b.ambiguous);
+    EXPECT_EQ(a.blur, b.blur);
   }
 }
 
@@ -96,6 +109,55 @@ TEST(Observations, AResetForgetsWhatCameBefore) {
   EXPECT_EQ(parse_observations(header + view + "\n{\"reset\":true}\n")->observations.size(), 0U);
 }
 
+// As where a view is taken out: the views before count until those in their place are all there.
+TEST(Observations, AResetWithViewsCountsOnceTheyAreThere) {
+  const std::string header(kText.substr(0, kText.find('\n') + 1));
+  const auto view = [](int id) {
+    return fmt::format("{{\"image_size\":[64,48],\"points\":[[{},1,2,0.5]]}}\n", id);
+  };
+  const std::string before = header + view(1) + view(2) + view(3);
+  const std::string text = before + print_observation_reset(2) + view(4) + view(5) + view(6);
+  const std::size_t there = text.size() - view(6).size();
+  const auto ids = [](const ObservationFile& file) {
+    std::vector<int> all;
+    for (const Observation& seen : file.observations) all.push_back(seen.ids.at(0));
+    return all;
+  };
+  for (std::size_t length = before.size(); length <= text.size(); ++length) {
+    const auto file = parse_observations(text.substr(0, length));
+    ASSERT_TRUE(file.has_value()) << length << ": " << file.error().message;
+    const bool rewritten = length >= there;
+    EXPECT_EQ(file->whole_bytes, length == text.size() ? length
+                                 : rewritten           ? there
+                                                       : before.size());
+    EXPECT_EQ(ids(*file), length == text.size() ? (std::vector<int>{4, 5, 6})
+                          : rewritten           ? (std::vector<int>{4, 5})
+                                                : (std::vector<int>{1, 2, 3}));
+  }
+  // One that stands for nobody is a reset.
+  EXPECT_TRUE(
+      parse_observations(before + print_observation_reset() + view(4))->observations.size() == 1);
+  EXPECT_EQ(ids(*parse_observations(before + print_observation_reset(0))), std::vector<int>());
+}
+
+// What a meta of somebody else holds must not break a file of hours.
+TEST(Observations, WhatIsNoNumberIsNotPrinted) {
+  Observation seen;
+  seen.board = "checkerboard:9x6:25mm";
+  seen.image_size = {64, 48};
+  seen.ids = {1, 2};
+  seen.uv = {{1, 2}, {3, 4}};
+  seen.sigma = {std::numeric_limits<double>::infinity(), std::nan("")};
+  seen.blur = std::numeric_limits<double>::infinity();
+  ObservationFile file;
+  file.board = seen.board;
+  file.observations = {seen};
+  const auto again = parse_observations(print_observations(file));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->observations.at(0).sigma, (std::vector<double>{1, 1}));
+  EXPECT_EQ(again->observations.at(0).blur, 0);
+}
+
 TEST(Observations, BrokenLinesAreRefusedByNumberAndName) {
   const std::string header(kText.substr(0, kText.find('\n') + 1));
   for (const std::string line :
@@ -105,7 +167,13 @@ TEST(Observations, BrokenLinesAreRefusedByNumberAndName) {
         R"({"image_size":[64,48],"points":[[1.5,1,2,1]]})",
         R"({"image_size":[64,48],"points":[[1,1,2,0]]})",
         R"({"image_size":[64,48],"points":[[1,1,1e999,1]]})",
-        R"({"image_size":[64,48],"timestamp":-5,"points":[]})"}) {
+        R"({"image_size":[64,48],"timestamp":-5,"points":[]})",
+        R"({"image_size":[64,48],"points":[[1,1,2,1]],"velocity":[[1,2],[3,4]]})",
+        R"({"image_size":[64,48],"points":[[1,1,2,1]],"velocity":[[1]]})",
+        R"({"image_size":[64,48],"points":[[1,1,2,1]],"ambiguous":["rotate45"]})",
+        R"({"image_size":[64,48],"points":[[1,1,2,1]],"ambiguous":[180]})",
+        R"({"image_size":[64,48],"points":[[1,1,2,1]],"blur":-1})", R"({"reset":true,"views":-1})",
+        R"({"reset":true,"views":1.5})"}) {
     const auto file = parse_observations(header + line + "\n", "log.jsonl");
     ASSERT_FALSE(file.has_value()) << line;
     EXPECT_NE(file.error().message.find("'log.jsonl'"), std::string::npos) << file.error().message;
