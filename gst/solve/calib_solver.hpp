@@ -12,7 +12,7 @@
 #include <gst/gst.h>
 
 #include "calvin/session/calibration_session.hpp"
-#include "calvin/session/files/journal.hpp"
+#include "calvin/session/journal.hpp"
 #include "common/calibration_event.hpp"
 #include "common/messages.hpp"
 #include "common/shared_settings.hpp"

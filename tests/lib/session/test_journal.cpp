@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // The journal of a session: whatever ends a run, the next one goes on with every view.
-#include "calvin/session/files/journal.hpp"
+#include "calvin/session/journal.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 // Reads what a journal holds of earlier runs, and appends to it.
 
-#include "calvin/session/files/journal.hpp"
+#include "calvin/session/journal.hpp"
 
 #include <algorithm>
 #include <map>
