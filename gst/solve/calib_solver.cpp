@@ -65,6 +65,8 @@ void CalibSolver::obey() {
 void CalibSolver::stop() {
   for (Worker* worker : {&worker_, &writer_, &updater_, &syncer_}) worker->stop();
   const std::lock_guard guard(lock_);
+  // The syncer may have it until its disk answers.
+  if (journal_) journal_->end();
   journal_.reset();
 }
 
@@ -207,6 +209,24 @@ bool CalibSolver::remove_view(unsigned index) {
   }
   write_journal();
   return true;
+}
+
+void CalibSolver::obey(const SolveCommand& command) {
+  switch (command.kind) {
+    case SolveCommand::Kind::kCaptureView:
+      capture_view();
+      break;
+    case SolveCommand::Kind::kSolve:
+      solve_now();
+      break;
+    case SolveCommand::Kind::kReset:
+      reset();
+      break;
+    case SolveCommand::Kind::kRemoveView:
+      // Where there is none, -1 is no index either.
+      remove_view(command.index.value_or(static_cast<unsigned>(progress().views) - 1));
+      break;
+  }
 }
 
 std::string CalibSolver::calibration_json() {

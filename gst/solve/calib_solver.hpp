@@ -17,6 +17,7 @@
 #include "common/messages.hpp"
 #include "common/shared_settings.hpp"
 #include "common/worker.hpp"
+#include "solve/solve_events.hpp"
 
 namespace calvin::gst {
 
@@ -75,6 +76,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   // what another thread has begun by then, one message or file at the most, it ends.
   void reset();
   bool remove_view(unsigned index);
+  void obey(const SolveCommand& command);
 
   // Native JSON of the newest solution, empty before the first one.
   [[nodiscard]] std::string calibration_json();

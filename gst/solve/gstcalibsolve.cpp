@@ -33,6 +33,7 @@
 #include "common/metas.hpp"
 #include "elements.hpp"
 #include "solve/calib_solver.hpp"
+#include "solve/solve_events.hpp"
 #include "solve/solver_properties.hpp"
 
 GST_DEBUG_CATEGORY(calibsolve_debug);
@@ -178,6 +179,21 @@ static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* ev
   return GST_BASE_TRANSFORM_CLASS(gst_calib_solve_parent_class)->sink_event(trans, event);
 }
 
+// Any thread: whoever sends the event.
+static gboolean gst_calib_solve_src_event(GstBaseTransform* trans, GstEvent* event) {
+  gst::CalibSolver& solver = *GST_CALIB_SOLVE(trans)->state;
+  const auto command = gst::solve_command(event);
+  const bool is_ours = command && command->is_ours;
+  if (command) {
+    GST_INFO_OBJECT(trans, "obeys %" GST_PTR_FORMAT, static_cast<void*>(event));
+    solver.obey(*command);
+  }
+  if (!is_ours)
+    return GST_BASE_TRANSFORM_CLASS(gst_calib_solve_parent_class)->src_event(trans, event);
+  gst_event_unref(event);
+  return TRUE;
+}
+
 static void gst_calib_solve_init(GstCalibSolve* self) {
   self->state = new State(GST_ELEMENT(self));
   gst::configure_meta_filter(GST_BASE_TRANSFORM(self));
@@ -234,6 +250,7 @@ static void gst_calib_solve_class_init(GstCalibSolveClass* klass) {
   gst::install_meta_filter(trans_class);
   trans_class->set_caps = gst_calib_solve_set_caps;
   trans_class->sink_event = gst_calib_solve_sink_event;
+  trans_class->src_event = gst_calib_solve_src_event;
   trans_class->transform_ip = gst_calib_solve_transform_ip;
   gst_element_class_set_static_metadata(
       GST_ELEMENT_CLASS(klass), "Camera calibration solver", "Filter/Analyzer/Video",

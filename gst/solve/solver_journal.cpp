@@ -17,7 +17,6 @@ GST_DEBUG_CATEGORY_EXTERN(calibsolve_debug);
 namespace calvin::gst {
 
 Status CalibSolver::open_journal(const SessionSettings& settings) {
-  // Joins the thread of the run before, which may hold the file until its disk has answered.
   if (Status started = syncer_.start(); !started) return started;
   auto opened = Journal::open(settings);
   if (!opened) return tl::unexpected<Error>(opened.error());

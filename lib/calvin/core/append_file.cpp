@@ -71,6 +71,8 @@ Status AppendFile::append(std::string_view bytes) const {
   return not_written(path_, error);
 }
 
+void AppendFile::unlock() const noexcept { ::flock(file_->get(), LOCK_UN); }
+
 Status AppendFile::sync() const {
   if (!file_->sync()) return not_written(path_, errno);
   return {};

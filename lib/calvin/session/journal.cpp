@@ -179,6 +179,11 @@ void Journal::close() {
   waiting_.clear();
 }
 
+void Journal::end() {
+  close();
+  file_.unlock();
+}
+
 Status Journal::write() {
   const std::lock_guard writing(writing_lock_);
   while (const auto entry = next()) {

@@ -46,6 +46,8 @@ class Journal {
   // errors in a row is told. kInvalidArgument for a view of a board that the journal is not of:
   // nothing more is written then.
   [[nodiscard]] Status write();
+  // Nothing more is taken, and another one may open the file.
+  void end();
   // Takes as long as the disk does.
   [[nodiscard]] Status sync() const { return file_.sync(); }
 
@@ -69,7 +71,7 @@ class Journal {
 
   std::mutex waiting_lock_;
   std::deque<JournalEntry> waiting_;
-  bool closed_ = false;  // a view of another board came
+  bool closed_ = false;  // it has ended, or a view of another board came
 
   std::mutex writing_lock_;  // before waiting_lock_
   std::string header_board_;

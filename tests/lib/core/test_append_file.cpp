@@ -48,9 +48,13 @@ TEST_F(AppendFiles, HaveOneWriter) {
   EXPECT_TRUE(moved.append("x"));
 }
 
-TEST_F(AppendFiles, AreFreeOnceTheirWriterIsGone) {
+TEST_F(AppendFiles, AreFreeOnceTheirWriterIsGoneOrDone) {
   { const auto first = AppendFile::open(path_); }
+  const auto second = AppendFile::open(path_);
+  ASSERT_TRUE(second);
+  second->unlock();
   EXPECT_TRUE(AppendFile::open(path_));
+  EXPECT_TRUE(second->sync());
 }
 
 // A journal must not end with half a line.
