@@ -21,5 +21,6 @@ namespace calvin::gst {
 // a bin that has the same properties.
 [[nodiscard]] std::vector<GParamSpec*> new_calibdetect_specs();
 [[nodiscard]] std::vector<GParamSpec*> new_calibsolve_specs();
+[[nodiscard]] std::vector<GParamSpec*> new_caliboverlay_specs();
 
 }  // namespace calvin::gst

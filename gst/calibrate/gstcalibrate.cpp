@@ -231,6 +231,7 @@ static void gst_calibrate_install_forwarded(GObjectClass* object_class) {
     forward(spec, (spec->flags & G_PARAM_WRITABLE) != 0);
   }
   for (GParamSpec* spec : gst::new_calibsolve_specs()) forward(spec, true);
+  for (GParamSpec* spec : gst::new_caliboverlay_specs()) forward(spec, true);
 }
 
 static void gst_calibrate_install_signals(GType type) {

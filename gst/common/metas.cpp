@@ -13,6 +13,7 @@
 #include <gst/video/video.h>
 
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/core/text.hpp"
 #include "common/patch_values.hpp"
 #include "common/values.hpp"
 
@@ -210,12 +211,44 @@ std::vector<Observation> read_observations(GstBuffer* buffer, std::optional<Erro
   return s == nullptr ? std::vector<Observation>() : observations_from_structure(s, problem);
 }
 
+namespace {
+
+constexpr std::size_t kMostCells = 64;  // of a map, each way: anybody may write one
+
+// A word for each row, a digit for each cell: "0110 0010".
+std::string to_text(const CoverageMap& map) {
+  std::string text;
+  for (std::size_t i = 0; i < map.covered.size(); ++i) {
+    if (i > 0 && i % static_cast<std::size_t>(map.columns) == 0) text += ' ';
+    text += map.covered[i] ? '1' : '0';
+  }
+  return text;
+}
+
+CoverageMap parse_map(const std::string& text) {
+  if (text.empty() || text.size() > kMostCells * (kMostCells + 1)) return {};
+  const auto rows = split(text, ' ');
+  CoverageMap map;
+  map.columns = static_cast<int>(rows.front().size());
+  if (rows.size() > kMostCells || rows.front().size() > kMostCells) return {};
+  for (const std::string_view row : rows) {
+    if (row.size() != rows.front().size() || row.empty()) return {};
+    for (const char cell : row) map.covered.push_back(cell == '1');
+  }
+  return map;
+}
+
+}  // namespace
+
 void set_progress(GstStructure* s, const Progress& p) {
   gst_structure_set(s, "views", G_TYPE_INT, p.views, "coverage", G_TYPE_DOUBLE, p.coverage, "x",
                     G_TYPE_DOUBLE, p.x, "y", G_TYPE_DOUBLE, p.y, "size", G_TYPE_DOUBLE, p.size,
                     "tilt", G_TYPE_DOUBLE, p.tilt, "skew", G_TYPE_DOUBLE, p.tilt, "hint",
                     G_TYPE_STRING, p.hint.c_str(), "ghost-share", G_TYPE_DOUBLE, p.ghost_share,
                     nullptr);
+  if (p.coverage_map.columns > 0) {
+    gst_structure_set(s, "coverage-map", G_TYPE_STRING, to_text(p.coverage_map).c_str(), nullptr);
+  }
   set_pixels(s, "ghost", p.ghost);
   set_double(s, "expected-error", p.expected_error);
   set_double(s, "expected-error-anywhere", p.expected_error_anywhere);
@@ -236,6 +269,7 @@ std::optional<Progress> read_guidance(GstBuffer* buffer) {
   Progress p;
   gst_structure_get_int(s, "views", &p.views);
   p.coverage = get_double(s, "coverage").value_or(0);
+  p.coverage_map = parse_map(get_string(s, "coverage-map"));
   p.x = get_double(s, "x").value_or(0);
   p.y = get_double(s, "y").value_or(0);
   p.size = get_double(s, "size").value_or(0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Draws the words with Pango on a dark box in the middle of the lower edge.
+// Draws the words with Pango on a dark box in the middle of an edge.
 
 #include "overlay/caption.hpp"
 
@@ -42,13 +42,22 @@ void rounded_box(cairo_t* cr, double width, double height, double radius) {
   cairo_close_path(cr);
 }
 
-// A tile of this size in the middle of the frame's lower edge, at multiples of 4 as all tiles.
-OverlayTile placed(ImageSize frame, const Sizes& sizes, int width, int height) {
+// Where a line of words may begin: at the top, behind the panel.
+int left_of(ImageSize frame, Caption::Place place) {
+  return place == Caption::Place::kTop ? std::min(overlay_panel_right(frame), frame.width / 2) : 0;
+}
+
+// A tile of this size in the middle of the room along an edge, at multiples of 4 as all tiles.
+OverlayTile placed(ImageSize frame, const Sizes& sizes, Caption::Place place, int width,
+                   int height) {
+  const int left = left_of(frame, place);
+  const auto margin = static_cast<int>(sizes.margin);
   OverlayTile tile;
-  tile.width = std::min(width, frame.width);
+  tile.width = std::min(width, frame.width - left);
   tile.height = std::min(height, frame.height);
-  tile.x = (frame.width - tile.width) / 2 / 4 * 4;
-  tile.y = std::max(0, frame.height - tile.height - static_cast<int>(sizes.margin)) / 4 * 4;
+  tile.x = (left + (frame.width - left - tile.width) / 2) / 4 * 4;
+  const int y = place == Caption::Place::kTop ? margin : frame.height - tile.height - margin;
+  tile.y = std::clamp(y, 0, frame.height - tile.height) / 4 * 4;
   tile.pixels.resize(4 * static_cast<std::size_t>(tile.width) *
                      static_cast<std::size_t>(tile.height));
   return tile;
@@ -75,20 +84,21 @@ struct Caption::Renderer {
     g_object_unref(fonts);
   }
 
-  OverlayTile draw(const std::string& text, ImageSize frame) {
+  OverlayTile draw(const std::string& text, ImageSize frame, Place place) {
     const Sizes sizes(frame);
     g_autofree char* valid = g_utf8_make_valid(text.c_str(), -1);
     pango_layout_set_text(layout, valid, -1);
     g_autoptr(PangoFontDescription) font = pango_font_description_from_string("Sans");
     pango_font_description_set_absolute_size(font, sizes.font * PANGO_SCALE);
     pango_layout_set_font_description(layout, font);
-    const double room = frame.width - 2 * (sizes.margin + sizes.padding);
+    const double room = frame.width - left_of(frame, place) - 2 * (sizes.margin + sizes.padding);
     pango_layout_set_width(layout, static_cast<int>(room * PANGO_SCALE));
     PangoRectangle logical;
     pango_layout_get_pixel_extents(layout, nullptr, &logical);
 
-    OverlayTile tile = placed(frame, sizes, logical.width + static_cast<int>(2 * sizes.padding),
-                              logical.height + static_cast<int>(sizes.padding));
+    OverlayTile tile =
+        placed(frame, sizes, place, logical.width + static_cast<int>(2 * sizes.padding),
+               logical.height + static_cast<int>(sizes.padding));
     const CairoSurface surface(cairo_image_surface_create_for_data(
         tile.pixels.data(), CAIRO_FORMAT_ARGB32, tile.width, tile.height, 4 * tile.width));
     const CairoContext painter(cairo_create(surface.get()));
@@ -111,14 +121,13 @@ struct Caption::Renderer {
 Caption::Caption() = default;
 Caption::~Caption() = default;
 
-const OverlayTile* Caption::draw(const std::string& text, ImageSize frame) {
+const OverlayTile* Caption::draw(const std::string& text, ImageSize frame, Place place) {
   if (text.empty() || std::min(frame.width, frame.height) < kNarrowest) return nullptr;
-  if (text == text_ && frame == frame_) return &tile_;
+  Drawn& drawn = place == Place::kTop ? top_ : bottom_;
+  if (text == drawn.text && frame == drawn.frame) return &drawn.tile;
   if (!renderer_) renderer_ = std::make_unique<Renderer>();
-  tile_ = renderer_->draw(text, frame);
-  text_ = text;
-  frame_ = frame;
-  return &tile_;
+  drawn = {text, frame, renderer_->draw(text, frame, place)};
+  return &drawn.tile;
 }
 
 }  // namespace calvin::gst
@@ -132,7 +141,8 @@ struct Caption::Renderer {};
 Caption::Caption() = default;
 Caption::~Caption() = default;
 
-const OverlayTile* Caption::draw(const std::string& /*text*/, ImageSize /*frame*/) {
+const OverlayTile* Caption::draw(const std::string& /*text*/, ImageSize /*frame*/,
+                                 Place /*place*/) {
   return nullptr;
 }
 

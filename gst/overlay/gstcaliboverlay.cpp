@@ -22,6 +22,7 @@
 #include <gst/video/gstvideofilter.h>
 #include <gst/video/video.h>
 
+#include "calvin/camera/image_transform.hpp"
 #include "calvin/draw/overlay.hpp"
 #include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
@@ -33,8 +34,8 @@
 #include "common/messages.hpp"
 #include "common/metas.hpp"
 #include "elements.hpp"
-#include "overlay/caption.hpp"
 #include "overlay/overlay_blend.hpp"
+#include "overlay/overlay_state.hpp"
 
 GST_DEBUG_CATEGORY_STATIC(caliboverlay_debug);
 #define GST_CAT_DEFAULT caliboverlay_debug
@@ -43,46 +44,20 @@ namespace {
 
 using namespace calvin;
 
-// A live detector skips frames: what it last saw stays for this long, or the marks would flicker.
-constexpr GstClockTime kHold = 250 * GST_MSECOND;
+using State = gst::OverlayState;
 
-// Something of an earlier buffer that is still shown.
-template <typename T>
-struct Held {
-  T value{};
-  GstClockTime since = GST_CLOCK_TIME_NONE;
-
-  void take(T next, GstClockTime now) {
-    value = std::move(next);
-    since = now;
-  }
-  // Forgets it when its time is over, or when time jumped.
-  void expire(GstClockTime now) {
-    const bool known = GST_CLOCK_TIME_IS_VALID(now) && GST_CLOCK_TIME_IS_VALID(since);
-    if (!known || now < since || now - since > kHold) *this = {};
-  }
-};
-
-// Touched by the streaming thread only, and by start and stop when there is none.
-struct State {
-  Held<std::vector<Observation>> observations;
-  Held<std::optional<Progress>> progress;
-  Held<bool> captured;
-  std::vector<OverlayTile> tiles;  // of the buffer at hand
-  gst::Caption caption;
-  const OverlayTile* words = nullptr;  // the caption's tile for the buffer at hand
-  std::optional<FramePart> part;       // of the buffer's picture that is the frame
-  bool blending_failed = false;
-  bool frame_refused = false;  // and that was reported
-
-  void forget() {
-    observations = {};
-    progress = {};
-    captured = {};
-    tiles.clear();
-    words = nullptr;
-  }
-};
+// Whether a corner of a board lies under the tile.
+bool touches(const OverlayTile& tile, const std::vector<Observation>& seen, ImageSize frame) {
+  const auto is_under = [&tile](Pixel at) {
+    return at.u >= tile.x && at.u < tile.x + tile.width && at.v >= tile.y &&
+           at.v < tile.y + tile.height;
+  };
+  return std::ranges::any_of(seen, [&](const Observation& o) {
+    if (o.image_size.width < 1 || o.image_size.height < 1) return false;
+    const auto to_frame = ImageTransform::scaled(o.image_size, frame);
+    return std::ranges::any_of(o.uv, [&](Pixel at) { return is_under(to_frame(at)); });
+  });
+}
 
 void read_metas(State& state, GstBuffer* buffer) {
   const GstClockTime now = GST_BUFFER_PTS(buffer);
@@ -96,6 +71,23 @@ void read_metas(State& state, GstBuffer* buffer) {
     if (progress->captured) state.captured.take(true, now);
     state.progress.take(std::move(progress), now);
   }
+}
+
+// Where the board is not: the words change places once it comes to where they are, and the other
+// place is free.
+const OverlayTile* draw_words(State& state, const Progress& progress, ImageSize frame) {
+  const std::string text = overlay_caption(progress);
+  using Place = gst::Caption::Place;
+  const auto& seen = state.observations.value;
+  const Place other = state.words_at == Place::kBottom ? Place::kTop : Place::kBottom;
+  const OverlayTile* words = state.caption.draw(text, frame, state.words_at);
+  if (words == nullptr || !touches(*words, seen, frame)) return words;
+  words = state.caption.draw(text, frame, other);
+  if (!touches(*words, seen, frame)) {
+    state.words_at = other;
+    return words;
+  }
+  return state.caption.draw(text, frame, state.words_at);
 }
 
 }  // namespace
@@ -180,8 +172,10 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
 
   std::optional<Progress> progress = state.progress.value;
   if (progress) progress->captured = state.captured.value;
-  state.words = progress ? state.caption.draw(overlay_caption(*progress), frame) : nullptr;
-  auto tiles = draw_overlay(frame, state.observations.value, progress);
+  const gst::OverlaySettings settings = state.settings();
+  state.words = progress && settings.caption ? draw_words(state, *progress, frame) : nullptr;
+  auto tiles = draw_overlay(frame, state.observations.value, progress,
+                            {.ghost = settings.ghost, .coverage = settings.coverage});
   if (tiles) {
     state.tiles = std::move(*tiles);
   } else {
@@ -237,6 +231,7 @@ static void gst_calib_overlay_init(GstCalibOverlay* self) {
 
 static void gst_calib_overlay_class_init(GstCalibOverlayClass* klass) {
   gst::install_finalize<gst_calib_overlay_state>(G_OBJECT_CLASS(klass));
+  gst::install_properties<gst_calib_overlay_state, gst::kOverlayProperties>(G_OBJECT_CLASS(klass));
 
   GstBaseTransformClass* transform_class = GST_BASE_TRANSFORM_CLASS(klass);
   gst::install_pixel_filter(transform_class);

@@ -88,6 +88,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   void obey();
 
   // The journal: solver_journal.cpp
+  [[nodiscard]] std::shared_ptr<Journal> journal();
   [[nodiscard]] Status open_journal(const SessionSettings& settings);
   // Without the lock: writes what obey() gave to the journal.
   void write_journal();
@@ -105,7 +106,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
 
   // Whether all that was asked for is solved and written, however long that takes; false when it
   // was cancelled.
-  [[nodiscard]] bool drain() { return worker_.drain() && writer_.drain() && syncer_.drain(); }
+  [[nodiscard]] bool drain();
   void post_solve_progress(GstProgressType type, const std::string& text);
 
   // On the worker.

@@ -18,6 +18,11 @@ void CalibSolver::post_solve_progress(GstProgressType type, const std::string& t
       gst_message_new_progress(GST_OBJECT(element_), type, "calibrate", displayed(text).c_str()));
 }
 
+// Without a journal the syncer was never started.
+bool CalibSolver::drain() {
+  return worker_.drain() && writer_.drain() && (!journal() || syncer_.drain());
+}
+
 void CalibSolver::finish() {
   if (!update_and_wait() || !drain()) return;
   LastWork last;

@@ -36,12 +36,13 @@ Status CalibSolver::open_journal(const SessionSettings& settings) {
   return {};
 }
 
+std::shared_ptr<Journal> CalibSolver::journal() {
+  const std::lock_guard guard(lock_);
+  return journal_;
+}
+
 void CalibSolver::write_journal() {
-  std::shared_ptr<Journal> journal;
-  {
-    const std::lock_guard guard(lock_);
-    journal = journal_;
-  }
+  const std::shared_ptr<Journal> journal = this->journal();
   if (!journal || !journal->is_waiting()) return;
   const Status written = journal->write();
   if (written) {

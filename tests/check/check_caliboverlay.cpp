@@ -226,6 +226,62 @@ GST_START_TEST(test_guidance_draws_bars_and_words) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_parts_are_left_out) {
+  for (const char* part : {"", "ghost", "coverage", "caption"}) {
+    Harness harness("I420, width=640, height=480");
+    if (*part != '\0') g_object_set(harness.h->element, part, FALSE, nullptr);
+    GstBuffer* in = harness.frame();
+    Progress guidance;
+    guidance.hint = "tilt the board left";
+    guidance.views = 12;
+    guidance.x = 0.5;
+    guidance.ghost = {{0.4, 0.4}, {0.6, 0.4}, {0.6, 0.6}, {0.4, 0.6}};
+    gst::attach_guidance(in, guidance);
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(harness.h, in);
+    const auto is_drawn = [&](int left, int top, int right, int bottom) {
+      return changes(harness.info, out, {left, top, right, bottom}).inside > 100;
+    };
+    const std::string_view off(part);
+    fail_unless_equals_int(is_drawn(0, 0, 150, 110), off != "coverage");
+    fail_unless_equals_int(is_drawn(240, 180, 400, 300), off != "ghost");
+    fail_unless_equals_int(is_drawn(100, 440, 540, 479), CALVIN_HAVE_PANGO && off != "caption");
+  }
+}
+GST_END_TEST;
+
+#if CALVIN_HAVE_PANGO
+// The words go where the board is not, and stay there until it comes.
+GST_START_TEST(test_words_make_room_for_the_board) {
+  Harness harness("I420, width=640, height=480");
+  const auto are_at_top = [&](double v) {
+    GstBuffer* in = harness.frame();
+    Progress guidance;
+    guidance.hint = "tilt the board left";
+    Observation board;
+    board.board = "checkerboard:3x2:25mm";
+    board.image_size = {640, 480};
+    board.timestamp = GST_BUFFER_PTS(in);
+    board.ids = {0, 1, 2, 3, 4, 5};
+    for (int i = 0; i < 6; ++i) board.uv.push_back({310 + 20.0 * (i % 3), v + 20.0 * (i / 3)});
+    board.sigma.assign(6, 0.1);
+    gst::attach_observations(in, std::vector{board});
+    gst::attach_guidance(in, guidance);
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(harness.h, in);
+    // Beside the corners, where only words can be.
+    const bool top = changes(harness.info, out, {380, 4, 560, 40}).inside > 300;
+    const bool bottom = changes(harness.info, out, {380, 440, 440, 476}).inside > 100;
+    fail_unless(top != bottom);
+    return top;
+  };
+  fail_if(are_at_top(200));
+  fail_unless(are_at_top(440));
+  fail_unless(are_at_top(200), "they do not jump back");
+  fail_if(are_at_top(10));
+  fail_if(are_at_top(200));
+}
+GST_END_TEST;
+#endif
+
 // 100 ms after the observation its marks are still there, 400 ms after no more; a new observation
 // replaces it at once, a flush forgets it.
 GST_START_TEST(test_marks_are_held_for_a_moment) {
@@ -303,6 +359,10 @@ static Suite* caliboverlay_suite() {
   tcase_add_test(tc, test_what_is_wrong_with_the_memory_is_told);
   tcase_add_test(tc, test_shared_memory_stays_as_it_is);
   tcase_add_test(tc, test_guidance_draws_bars_and_words);
+  tcase_add_test(tc, test_parts_are_left_out);
+#if CALVIN_HAVE_PANGO
+  tcase_add_test(tc, test_words_make_room_for_the_board);
+#endif
   tcase_add_test(tc, test_marks_are_held_for_a_moment);
   tcase_add_test(tc, test_a_new_size_forgets_the_marks);
 #else

@@ -112,7 +112,8 @@ GST_START_TEST(test_drawings_are_on_the_frame) {
     const GrayImage picture = scene.picture(3, 0);
     GstBuffer* in = cropped ? amid(picture, "GRAY8", 0) : frame_of(picture, "GRAY8", 0);
     gst::attach_observations(in, std::vector{scene.truth(3)});
-    gst::attach_guidance(in, {3, 0.5, 0.5, 0.5, 0.5, 0.5, {}, {}, {}, false, "tilt it", {}, {}, 0});
+    gst::attach_guidance(in,
+                         {3, 0.5, 0.5, 0.5, 0.5, 0.5, {}, {}, {}, false, "tilt it", {}, {}, 0, {}});
     g_autoptr(GstBuffer) out = gst_harness_push_and_pull(h, in);
     const ImageSize size = cropped ? kPart.whole : kSize;
     GrayImage& all = drawn[cropped ? 1 : 0];

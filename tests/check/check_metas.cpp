@@ -124,6 +124,7 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   guidance.size = 0.4;
   guidance.tilt = 0.5;
   guidance.captured = true;
+  guidance.coverage_map = {3, {true, false, false, false, true, true}};
   gst::attach_guidance(buffer, guidance);
   gst::GroundTruth truth;
   truth.calibration = "{}";
@@ -137,6 +138,8 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   fail_unless(g->expected_error == 0.25 && g->expected_error_anywhere == 2.5 && !g->rms);
   fail_unless(g->coverage == 0.1 && g->x == 0.2 && g->y == 0.3 && g->size == 0.4);
   fail_unless(g->tilt == 0.5 && g->captured);
+  fail_unless(g->coverage_map.columns == 3 && g->coverage_map.rows() == 2);
+  fail_unless(g->coverage_map.covered == guidance.coverage_map.covered);
   guidance.rms = 0.6;
   guidance.expected_error.reset();
   guidance.captured = false;
@@ -154,6 +157,24 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   fail_unless_equals_float(t->boards[0].observation.uv[0].v, 20);
   g_autoptr(GstBuffer) bare = gst_buffer_new();
   fail_if(gst::read_guidance(bare).has_value());
+}
+GST_END_TEST;
+
+// Anybody may write a map: what is none is as if it were not there.
+GST_START_TEST(test_a_map_is_rows_of_equal_length) {
+  const std::string wide(65, '1');
+  const char* const kNone[] = {"", " ", "11 1", "1  1", "11 ", wide.c_str()};
+  g_autoptr(GstBuffer) buffer = gst_buffer_new();
+  gst::attach_guidance(buffer, {});
+  const auto columns = [&](const char* text) {
+    GstCustomMeta* meta = gst_buffer_get_custom_meta(buffer, gst::kGuidanceName);
+    gst_structure_set(gst_custom_meta_get_structure(meta), "coverage-map", G_TYPE_STRING, text,
+                      nullptr);
+    return gst::read_guidance(buffer)->coverage_map.columns;
+  };
+  for (const char* text : kNone) fail_unless_equals_int(columns(text), 0);
+  fail_unless_equals_int(columns("x"), 1);
+  fail_unless_equals_int(columns("10 01 11"), 2);
 }
 GST_END_TEST;
 
@@ -186,6 +207,7 @@ static Suite* metas_suite() {
   tcase_add_test(tc, test_scaling_scales_the_corners);
   tcase_add_test(tc, test_cropping_drops_the_corners);
   tcase_add_test(tc, test_guidance_and_ground_truth_round_trip);
+  tcase_add_test(tc, test_a_map_is_rows_of_equal_length);
   tcase_add_test(tc, test_tilt_is_skew_too);
   suite_add_tcase(suite, tc);
   return suite;

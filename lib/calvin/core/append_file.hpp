@@ -33,7 +33,8 @@ class AppendFile {
   // All of it or, with an error, nothing: a full disk leaves no half line behind. kIo too where the
   // file was removed, and nobody would find what is written to it.
   [[nodiscard]] Status append(std::string_view bytes) const;
-  // Lets others append to it, though it stays open: for whoever is done, but has a sync() under way.
+  // Lets others append to it, though it stays open: for whoever is done, but has a sync() under
+  // way.
   void unlock() const noexcept;
   // From when it returns not even a loss of power takes away what was appended.
   [[nodiscard]] Status sync() const;

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The shapes of the overlay for one frame: rows of corners, the bars of progress, where the board
-// is wanted, the border.
+// The shapes of the overlay for one frame: rows of corners, where the board is wanted, the border.
+// overlay_panel.cpp has the bars.
 
 #include "calvin/draw/overlay.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <exception>
 
@@ -38,15 +37,6 @@ constexpr std::size_t kMostCorners = 2000;
 constexpr double kDarkest = 0.3;         // of a channel: pure blue is hard to see on black
 constexpr std::size_t kMostGhost = 256;  // points of its outline
 constexpr double kReached = 0.5;         // of what is wanted: the view is taken
-constexpr Colour kWhite{1, 1, 1, 1};
-constexpr Colour kGreen{0.2, 0.9, 0.35, 1};
-constexpr Colour kPanel{0, 0, 0, 0.5};
-constexpr Colour kTrack{1, 1, 1, 0.25};
-
-// The size of everything: 1 px of a frame 480 px high.
-double unit_of(ImageSize frame) {
-  return std::max(0.5, std::min(frame.width, frame.height) / 480.0);
-}
 
 // Red at 0, over yellow, green and blue to violet at 1.
 Colour rainbow(double t) {
@@ -55,11 +45,6 @@ Colour rainbow(double t) {
     return std::clamp(2 - std::abs(hue - peak), kDarkest, 1.0);
   };
   return {std::max(channel(0), std::clamp(hue - 4, kDarkest, 1.0)), channel(2), channel(4), 1};
-}
-
-// Red at 0, amber half way, green at 1.
-Colour traffic_light(double t) {
-  return {std::clamp(2 - 1.8 * t, 0.2, 0.95), std::clamp(0.3 + 1.1 * t, 0.3, 0.85), 0.25, 1};
 }
 
 struct Corner {
@@ -141,73 +126,6 @@ void add_observation(std::vector<Shape>& shapes, ImageSize frame, const Observat
   shapes.push_back({Kind::kCircle, corners[0].at, {}, 1.9 * radius, 1.2 * pen, kWhite, unit});
 }
 
-// One stroke of an icon, in a square of side 1.
-struct Stroke {
-  double x0, y0, x1, y1;
-};
-
-constexpr std::array kCoverageIcon = {Stroke{0, 0.1, 1, 0.1}, Stroke{1, 0.1, 1, 0.9},
-                                      Stroke{1, 0.9, 0, 0.9}, Stroke{0, 0.9, 0, 0.1},
-                                      Stroke{0, 0.5, 1, 0.5}, Stroke{0.5, 0.1, 0.5, 0.9}};
-constexpr std::array kAcrossIcon = {Stroke{0, 0.5, 1, 0.5}, Stroke{0, 0.5, 0.25, 0.25},
-                                    Stroke{0, 0.5, 0.25, 0.75}, Stroke{1, 0.5, 0.75, 0.25},
-                                    Stroke{1, 0.5, 0.75, 0.75}};
-constexpr std::array kDownIcon = {Stroke{0.5, 0, 0.5, 1}, Stroke{0.5, 0, 0.25, 0.25},
-                                  Stroke{0.5, 0, 0.75, 0.25}, Stroke{0.5, 1, 0.25, 0.75},
-                                  Stroke{0.5, 1, 0.75, 0.75}};
-constexpr std::array kSizeIcon = {Stroke{0, 0, 1, 0},       Stroke{1, 0, 1, 1},
-                                  Stroke{1, 1, 0, 1},       Stroke{0, 1, 0, 0},
-                                  Stroke{0, 0.5, 0.5, 0.5}, Stroke{0.5, 0.5, 0.5, 1}};
-constexpr std::array kTiltIcon = {Stroke{0.05, 0, 0.95, 0.25}, Stroke{0.95, 0.25, 0.95, 0.75},
-                                  Stroke{0.95, 0.75, 0.05, 1}, Stroke{0.05, 1, 0.05, 0}};
-
-struct Bar {
-  double Progress::*value;
-  std::span<const Stroke> icon;
-};
-constexpr std::array kBars = {Bar{&Progress::coverage, kCoverageIcon},
-                              Bar{&Progress::x, kAcrossIcon}, Bar{&Progress::y, kDownIcon},
-                              Bar{&Progress::size, kSizeIcon}, Bar{&Progress::tilt, kTiltIcon}};
-
-void add_box(std::vector<Shape>& shapes, double x, double y, double width, double height,
-             const Colour& colour) {
-  // Boxes are given by their edges; a pixel's edge lies half a pixel from its centre.
-  shapes.push_back(
-      {Kind::kBox, {x - 0.5, y - 0.5}, {x + width - 0.5, y + height - 0.5}, 0, 0, colour, 0});
-}
-
-void add_bars(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress) {
-  const double unit = unit_of(frame);
-  const double icon = 9 * unit;
-  const double pitch = 14 * unit;
-  const double length = 72 * unit;
-  const double margin = 10 * unit;
-  const double padding = 6 * unit;
-  add_box(shapes, margin, margin, 3 * padding + icon + length,
-          2 * padding + (kBars.size() - 1) * pitch + icon, kPanel);
-  const double x = margin + padding;
-  double y = margin + padding;
-  for (const Bar& bar : kBars) {
-    for (const Stroke& s : bar.icon) {
-      shapes.push_back({Kind::kLine,
-                        {x + s.x0 * icon, y + s.y0 * icon},
-                        {x + s.x1 * icon, y + s.y1 * icon},
-                        0,
-                        std::max(1.0, unit),
-                        kWhite,
-                        0});
-    }
-    const double raw = progress.*bar.value;
-    const double value = std::isfinite(raw) ? std::clamp(raw, 0.0, 1.0) : 0;
-    const double left = x + icon + padding;
-    add_box(shapes, left, y + 0.2 * icon, length, 0.6 * icon, kTrack);
-    if (value > 0) {
-      add_box(shapes, left, y + 0.2 * icon, value * length, 0.6 * icon, traffic_light(value));
-    }
-    y += pitch;
-  }
-}
-
 // Where the board is wanted: its outline, and lines across it from the bottom up, as many as the
 // present view has of what is wanted. A program may write any outline.
 void add_ghost(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress) {
@@ -249,17 +167,17 @@ bool drawable(ImageSize frame) {
 }
 
 std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> observations,
-                             const std::optional<Progress>& progress) {
+                             const std::optional<Progress>& progress, const OverlayParts& parts) {
   std::vector<Shape> shapes;
   if (!drawable(frame)) return shapes;
   if (progress && progress->captured) add_border(shapes, frame);
-  if (progress) add_ghost(shapes, frame, *progress);
+  if (progress && parts.ghost) add_ghost(shapes, frame, *progress);
   std::size_t room = kMostCorners;
   for (const Observation& observation :
        observations.first(std::min(observations.size(), kMostBoards))) {
     add_observation(shapes, frame, observation, room);
   }
-  if (progress) add_bars(shapes, frame, *progress);
+  if (progress && parts.coverage) add_panel(shapes, frame, *progress);
   return shapes;
 }
 
@@ -269,10 +187,11 @@ std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> obser
 
 Result<std::vector<OverlayTile>> draw_overlay(
     [[maybe_unused]] ImageSize frame, [[maybe_unused]] std::span<const Observation> observations,
-    [[maybe_unused]] const std::optional<Progress>& progress) {
+    [[maybe_unused]] const std::optional<Progress>& progress,
+    [[maybe_unused]] const OverlayParts& parts) {
 #if CALVIN_HAVE_CAIRO
   try {
-    const std::vector<Shape> shapes = shapes_of(frame, observations, progress);
+    const std::vector<Shape> shapes = shapes_of(frame, observations, progress, parts);
     if (shapes.empty()) return std::vector<OverlayTile>();
     return rasterise(frame, shapes);
   } catch (const std::exception& error) {

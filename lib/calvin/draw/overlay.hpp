@@ -32,16 +32,26 @@ struct OverlayTile {
   std::vector<std::uint8_t> pixels;
 };
 
+// What is left out on request.
+struct OverlayParts {
+  bool ghost = true;
+  bool coverage = true;  // bars and map
+};
+
 // Marks for every found observation (rows joined in the order of the ids, red to violet; control
 // point 0 is a disc, or a circle where the labelling is ambiguous) and, where there is `progress`,
 // one bar each for coverage, x, y, size and tilt, a value outside 0..1 taken as the nearer end, the
-// ghost, which fills with what the present view tells, and a border for `captured`. No tile where
-// there is nothing to draw. Corners are scaled to the frame from the image_size of their
-// observation. The first 64 observations are drawn, and the first 2000 corners of them.
-// kUnsupported where the library was built without Cairo, whatever the arguments.
+// map of what was covered, the ghost, which fills with what the present view tells, and a border
+// for `captured`. No tile where there is nothing to draw. Corners are scaled to the frame from the
+// image_size of their observation. The first 64 observations are drawn, and the first 2000 corners
+// of them. kUnsupported where the library was built without Cairo, whatever the arguments.
 [[nodiscard]] Result<std::vector<OverlayTile>> draw_overlay(
     ImageSize frame, std::span<const Observation> observations,
-    const std::optional<Progress>& progress);
+    const std::optional<Progress>& progress, const OverlayParts& parts = {});
+
+// Where the panel of bars and map ends on the right, px, with its margin. Not in a build without
+// Cairo.
+[[nodiscard]] int overlay_panel_right(ImageSize frame) noexcept;
 
 // One line: "12 views, accurate to 0.36 px: tilt the board left"; empty where there is nothing to
 // say. "Accurate to" is two sigma of the expected error; without it the rms is told. A hint is cut

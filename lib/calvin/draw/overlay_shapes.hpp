@@ -30,6 +30,20 @@ struct Shape {
   double halo = 0;  // px of dark around it, so that it shows on any ground
 };
 
+inline constexpr Colour kWhite{1, 1, 1, 1};
+inline constexpr Colour kGreen{0.2, 0.9, 0.35, 1};
+inline constexpr Colour kPanel{0, 0, 0, 0.5};
+inline constexpr Colour kTrack{1, 1, 1, 0.25};
+
+// The size of everything: 1 px of a frame 480 px high.
+[[nodiscard]] double unit_of(ImageSize frame) noexcept;
+
+void add_box(std::vector<Shape>& shapes, double x, double y, double width, double height,
+             const Colour& colour);
+
+// Bars and the map of what boards covered, in the upper left corner.
+void add_panel(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress);
+
 struct Extent {
   double left = 0;
   double top = 0;

@@ -4,6 +4,7 @@
 // How far a calibration is: what a session tells, messages and metas carry, and the overlay shows.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,20 @@
 #include "calvin/core/calibration.hpp"
 
 namespace calvin {
+
+// The picture in cells that are equal, row by row from the top.
+struct CoverageMap {
+  int columns = 0;
+  std::vector<bool> covered;  // whether a board was seen in the middle of each
+
+  [[nodiscard]] int rows() const {
+    return columns < 1 ? 0 : static_cast<int>(covered.size()) / columns;
+  }
+  [[nodiscard]] bool is_covered(int column, int row) const {
+    return covered[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                   static_cast<std::size_t>(column)];
+  }
+};
 
 struct Progress {
   int views = 0;
@@ -35,6 +50,7 @@ struct Progress {
   std::vector<Pixel> ghost;
   // Of what the view at the target would tell: as much of it as the newest view does, 0..1.
   double ghost_share = 0;
+  CoverageMap coverage_map;  // what boards covered; without columns where it is not known
 };
 
 }  // namespace calvin

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -67,7 +68,7 @@ Reason Session::offer(const View& view, ViewWorth worth) {
   Recent& r = recent(view.observation.board);
   const auto shows_this = [&view](const Sighting& s) { return is_same(s.seen, view.observation); };
   if (std::ranges::none_of(r.now, shows_this)) return r.reason = judge(view, r, worth);
-  if (asked_ && !is_kept(view.observation) && !full()) {
+  if (asked_ && !is_kept(view.observation, views_.size()) && !full()) {
     return r.reason = keep(std::make_shared<const View>(view));
   }
   return r.reason == Reason::kAccepted ? Reason::kTooSimilar : r.reason;
@@ -92,7 +93,7 @@ Reason Session::judge(const View& view, Recent& r, ViewWorth worth) {
     const Reason reason = worth_keeping(view, pace, worth_it);
     if (reason != Reason::kAccepted) return reason;
   }
-  if (full() || is_kept(view.observation)) return Reason::kTooSimilar;
+  if (full() || is_kept(view.observation, restored_)) return Reason::kTooSimilar;
   const bool mend = velocities && is_significant(*velocities);
   return keep(std::make_shared<const View>(mend ? moving(view, *velocities) : view));
 }
@@ -101,12 +102,19 @@ Reason Session::restore(const std::shared_ptr<const View>& view) {
   const bool asked = std::exchange(asked_, false);
   const Reason reason = keep(view);
   asked_ = asked;
+  if (reason == Reason::kAccepted) ++restored_;
   return reason;
 }
 
-bool Session::is_kept(const Observation& seen) const {
-  return std::ranges::any_of(
-      views_, [&seen](const auto& view) { return is_same(view->observation, seen); });
+bool Session::is_kept(const Observation& seen, std::size_t count) const {
+  return std::ranges::any_of(std::span(views_).first(count), [&seen](const auto& view) {
+    return is_same(view->observation, seen);
+  });
+}
+
+void Session::erase_view(std::size_t index) {
+  views_.erase(views_.begin() + static_cast<std::ptrdiff_t>(index));
+  if (index < restored_) --restored_;
 }
 
 Reason Session::usable(const View& view) const {
@@ -297,7 +305,7 @@ Reason Session::keep(const std::shared_ptr<const View>& view) {
     const std::size_t crowded = spacing_.most_crowded(asked_ ? views_.size() : views_.size() + 1);
     spacing_.remove(crowded);
     if (crowded == views_.size()) return Reason::kTooSimilar;
-    views_.erase(views_.begin() + static_cast<std::ptrdiff_t>(crowded));
+    erase_view(crowded);
     replaced_ = crowded;
   }
   asked_ = false;
@@ -308,6 +316,7 @@ Reason Session::keep(const std::shared_ptr<const View>& view) {
 
 void Session::reset() {
   views_.clear();
+  restored_ = 0;
   spacing_.clear();
   coverage_.clear();
   recent_.clear();
@@ -318,7 +327,7 @@ void Session::reset() {
 
 bool Session::remove_view(std::size_t index) {
   if (index >= views_.size()) return false;
-  views_.erase(views_.begin() + static_cast<std::ptrdiff_t>(index));
+  erase_view(index);
   spacing_.remove(index);
   coverage_.clear();
   for (const auto& view : views_) coverage_.add(*view);
@@ -329,6 +338,7 @@ Progress Session::progress() const {
   Progress p;
   p.views = static_cast<int>(views_.size());
   p.coverage = coverage_.coverage();
+  p.coverage_map = coverage_.map();
   p.x = coverage_.x();
   p.y = coverage_.y();
   p.size = coverage_.size();

@@ -56,8 +56,8 @@ struct SessionOptions {
 //     image diagonal away, or the corners have moved about their centre by at least 2.5 % of the
 //     board's size in the image on average (nearer, farther, turned, tilted).
 // A view whose velocities are known is kept with them; what they may be wrong by is in its sigmas.
-// An observation that comes again with its timestamp is of a copy of the frame, or the frame itself
-// in a recording that is played again: it tells nothing new.
+// An observation that comes again with its timestamp is of a copy of the frame: it tells nothing
+// new. Nor does one that a view of an earlier run was made of, where a recording is played again.
 class Session {
  public:
   explicit Session(SessionOptions options = {}) : options_(options) {}
@@ -129,8 +129,9 @@ class Session {
   // Notes that another frame begins where it does, and forgets what is older than the one before.
   void begin_frame(const Observation& seen);
   [[nodiscard]] std::optional<Sighting> take_previous(const Observation& now);
-  // Whether it is one of the views.
-  [[nodiscard]] bool is_kept(const Observation& seen) const;
+  // Whether one of the first `count` views was made of it.
+  [[nodiscard]] bool is_kept(const Observation& seen, std::size_t count) const;
+  void erase_view(std::size_t index);
   [[nodiscard]] Reason keep(const std::shared_ptr<const View>& view);
   void time_frame(std::uint64_t timestamp);
   [[nodiscard]] double frame_time() const;       // s; 0: not known
@@ -144,7 +145,8 @@ class Session {
 
   SessionOptions options_;
   Views views_;
-  ViewSpacing spacing_;  // of views_
+  std::size_t restored_ = 0;  // of them the first so many
+  ViewSpacing spacing_;       // of views_
   std::optional<std::size_t> replaced_;
   ViewCoverage coverage_;  // what was seen stays seen
   // What was usable of a board in the frame at hand, and in the one before unless it was followed

@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -268,6 +269,55 @@ TEST(Overlay, BarsAreAsLongAsTheirValues) {
   EXPECT_EQ(static_cast<double>(bright(7)), full);
 }
 
+// The inset is a small picture: what lies where in it is covered there.
+TEST(Overlay, TheMapShowsWhatWasCovered) {
+  const ImageSize size{640, 480};
+  Progress progress;
+  const int right = overlay_panel_right(size);
+  const auto greens = [&](int left, int top, int to_right, int bottom) {
+    Picture picture = drawn(size, {}, progress);
+    int count = 0;
+    for (int y = top; y < bottom; ++y) {
+      for (int x = left; x < to_right; ++x) {
+        const auto& p = picture.at(x, y);
+        count += p.alpha > 250 && p.green > 200 && p.red < 100 ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  EXPECT_EQ(greens(0, 0, 640, 480), 0);
+  progress.coverage_map = {4, std::vector<bool>(12, false)};
+  EXPECT_EQ(greens(0, 0, 640, 480), 0);
+  progress.coverage_map.covered.assign(12, true);
+  const int all = greens(0, 0, 640, 480);
+  EXPECT_GT(all, 4000);
+  EXPECT_EQ(greens(0, 0, right, 200), all) << "it is in the panel";
+  progress.coverage_map.covered.assign(12, false);
+  progress.coverage_map.covered[0] = progress.coverage_map.covered[1] = true;
+  const int two = greens(0, 0, 640, 480);
+  EXPECT_NEAR(two, all / 6.0, 0.1 * all / 6.0);
+  // From the left edge to the middle of the panel, and in its upper third.
+  EXPECT_EQ(greens(0, 0, right / 2 + 2, 480), two);
+}
+
+TEST(Overlay, PartsAreLeftOut) {
+  const ImageSize size{640, 480};
+  Progress progress;
+  progress.x = 1;
+  progress.ghost = {{0.4, 0.4}, {0.6, 0.4}, {0.6, 0.6}, {0.4, 0.6}};
+  const auto covered = [&](const OverlayParts& parts) {
+    Picture picture(size);
+    const auto tiles = draw_overlay(size, {}, progress, parts);
+    EXPECT_TRUE(tiles.has_value());
+    for (const OverlayTile& tile : *tiles) picture.place(tile);
+    return std::pair(picture.at(30, 30).alpha > 0, picture.at(256, 240).alpha > 0);
+  };
+  EXPECT_EQ(covered({}), std::pair(true, true));
+  EXPECT_EQ(covered({.ghost = false}), std::pair(true, false));
+  EXPECT_EQ(covered({.coverage = false}), std::pair(false, true));
+  EXPECT_EQ(covered({.ghost = false, .coverage = false}), std::pair(false, false));
+}
+
 TEST(Overlay, ATakenViewFlashesTheBorder) {
   const ImageSize size{640, 480};
   Progress progress;
@@ -294,6 +344,7 @@ TEST(Overlay, StrangeInputDrawsNothingStrange) {
   wild.ids.resize(20);
   Progress progress;
   progress.captured = true;
+  progress.coverage_map = {7, std::vector<bool>(13, true)};  // less than two rows
   for (const ImageSize size : {ImageSize{640, 480}, ImageSize{16, 16}, ImageSize{17, 2000},
                                ImageSize{1, 1}, ImageSize{0, 0}, ImageSize{-5, 480}}) {
     for (const char* board : {"checkerboard:9x6:25mm", "", "checkerboard:2x200:1mm", "nonsense"}) {

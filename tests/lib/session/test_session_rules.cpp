@@ -144,6 +144,22 @@ TEST(Coverage, CountsCellsOnce) {
   EXPECT_NEAR(coverage.coverage(), 5 * 3 / 192.0, 1e-12);
   coverage.add(look({{410, 300}}));  // two columns more
   EXPECT_NEAR(coverage.coverage(), 7 * 3 / 192.0, 1e-12);
+  const CoverageMap map = coverage.map();
+  ASSERT_EQ(map.columns, 16);
+  ASSERT_EQ(map.rows(), 12);
+  const Observation left = look({{260, 300}}).observation;
+  const Observation right = look({{410, 300}}).observation;
+  const ImageSize size = left.image_size;
+  for (int row = 0; row < 12; ++row) {
+    for (int column = 0; column < 16; ++column) {
+      const double u = (column + 0.5) * size.width / 16;
+      const double v = (row + 0.5) * size.height / 12;
+      const bool inside = u > left.uv.front().u && u < right.uv.back().u && v > left.uv.front().v &&
+                          v < left.uv.back().v;
+      EXPECT_EQ(map.is_covered(column, row), inside) << column << ", " << row;
+    }
+  }
+  EXPECT_EQ(std::ranges::count(map.covered, true), 7 * 3);
 }
 
 // Keeps `first`, then says what becomes of `then`, held still.

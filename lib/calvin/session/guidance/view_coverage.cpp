@@ -162,6 +162,8 @@ double ViewCoverage::coverage() const {
          static_cast<double>(covered_.size());
 }
 
+CoverageMap ViewCoverage::map() const { return {kColumns, std::vector<bool>(covered_.begin(), covered_.end())}; }
+
 double ViewCoverage::x() const { return x_.share_of(kRangeX); }
 double ViewCoverage::y() const { return y_.share_of(kRangeY); }
 double ViewCoverage::size() const { return std::clamp(largest_ / kRangeSize, 0.0, 1.0); }

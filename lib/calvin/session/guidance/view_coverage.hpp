@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calvin/session/guidance/hint.hpp"
+#include "calvin/session/progress.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {
@@ -33,6 +34,7 @@ class ViewCoverage {
   void clear() { *this = ViewCoverage(); }
 
   [[nodiscard]] double coverage() const;  // part of the image inside of any board, 0..1
+  [[nodiscard]] CoverageMap map() const;  // which part
   [[nodiscard]] double x() const;
   [[nodiscard]] double y() const;
   [[nodiscard]] double size() const;
