@@ -173,7 +173,8 @@ inline void offer(Rig& rig, const std::string& input) {
 inline void push_bad(Rig& rig, GstBuffer* buffer) {
   rig.open_with_caps();
   gst::attach_guidance(
-      buffer, {3, 0.5, 0.5, 0.5, 0.5, 0.5, {}, {}, {}, false, "tilt", {}, {}, 0, {}});  // to be drawn
+      buffer,
+      {3, 0.5, 0.5, 0.5, 0.5, 0.5, {}, {}, {}, false, "tilt", {}, {}, 0, {}});  // to be drawn
   const auto before = Rig::bytes(buffer);
   const GstFlowReturn flow = rig.push(buffer);
   fail_unless((flow == GST_FLOW_OK) == rig.goes_on(), "%s: %s", rig.what(),
@@ -272,7 +273,8 @@ inline void frames_of_fickle_memory(Rig& rig, const std::string& /*input*/) {
   guint out = 0;
   for (int n = 0; n < 6; ++n) {
     GstBuffer* in = gst_buffer_new_allocate(fickle, 640 * 480, nullptr);  // of bytes 0x55
-    gst::attach_guidance(in, {3, 0.5, 0.5, 0.5, 0.5, 0.5, {}, {}, {}, false, "tilt", {}, {}, 0, {}});
+    gst::attach_guidance(in,
+                         {3, 0.5, 0.5, 0.5, 0.5, 0.5, {}, {}, {}, false, "tilt", {}, {}, 0, {}});
     fail_unless_equals_int(rig.push(in), GST_FLOW_OK);
     out += rig.waiting();
     if (rig.waiting() == 0) continue;

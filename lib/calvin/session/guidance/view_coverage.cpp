@@ -162,7 +162,9 @@ double ViewCoverage::coverage() const {
          static_cast<double>(covered_.size());
 }
 
-CoverageMap ViewCoverage::map() const { return {kColumns, std::vector<bool>(covered_.begin(), covered_.end())}; }
+CoverageMap ViewCoverage::map() const {
+  return {kColumns, std::vector<bool>(covered_.begin(), covered_.end())};
+}
 
 double ViewCoverage::x() const { return x_.share_of(kRangeX); }
 double ViewCoverage::y() const { return y_.share_of(kRangeY); }
