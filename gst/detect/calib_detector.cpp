@@ -5,12 +5,14 @@
 
 #include "detect/calib_detector.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calvin/detect/brightness.hpp"
 #include "calvin/detect/patches.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
@@ -29,6 +31,12 @@ std::string wrong_board_hint(const Detection& detection, const Board& board) {
   const std::optional<Grid> grid = board.grid();
   return fmt::format("This is a {} board, I look for {}", size_seen(detection),
                      grid ? fmt::format("{}x{}", grid->cols, grid->rows) : board.text());
+}
+
+// What keeps the board from being found, in words; empty where nobody knows.
+std::string hint_of(const Detection& detection, const Board& board, bool dark) {
+  if (detection.seen_all) return wrong_board_hint(detection, board);
+  return dark ? "The picture is too dark: more light, or a longer exposure" : "";
 }
 
 }  // namespace
@@ -52,7 +60,8 @@ Status CalibDetector::start() {
   }
   luma_.reset();
   async_ = mode_known_ = frame_refused_ = false;
-  wrong_sizes_.clear();
+  hints_said_.clear();
+  dark_frames_ = 0;
   last_detection_ = GST_CLOCK_TIME_NONE;
   if (Status started = start_boards(); !started) return started;
   if (Status started = start_recheck(); !started) return started;
@@ -291,6 +300,7 @@ FrameFindings CalibDetector::run(const Job& job, const std::stop_token& stop) {
   const auto begin = std::chrono::steady_clock::now();
   auto detections = job.detector->detector->follow_all(image, job.times.timestamp, stop);
   const auto taken = std::chrono::steady_clock::now() - begin;
+  const bool dark = stays_dark(detections, image);
   const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
   for (Detection& detection : detections) {
     Observation& seen = detection.observation;
@@ -299,13 +309,12 @@ FrameFindings CalibDetector::run(const Job& job, const std::stop_token& stop) {
     if (job.patches) {
       seen.patches = cut_patches(image, seen, job.detector->boards[detection.board]);
     }
+    const std::string hint = hint_of(detection, job.detector->boards[detection.board], dark);
     if (!stop.stop_requested()) {
-      report(job, detection, static_cast<int>(found.observations.size()), static_cast<guint64>(us),
-             stop);
+      report(job, detection, hint, static_cast<int>(found.observations.size()),
+             static_cast<guint64>(us), stop);
     }
-    if (detection.seen_all && found.hint.empty()) {
-      found.hint = wrong_board_hint(detection, job.detector->boards[detection.board]);
-    }
+    if (found.hint.empty()) found.hint = hint;
     found.observations.push_back(std::move(seen));
   }
   const std::lock_guard guard(lock_);
@@ -313,14 +322,22 @@ FrameFindings CalibDetector::run(const Job& job, const std::stop_token& stop) {
   return found;
 }
 
-bool CalibDetector::is_news(const Detection& detection, int place) {
-  if (detection.observation.found()) wrong_sizes_.erase(place);
-  const std::string news = detection.observation.board + " " + size_seen(detection);
-  return detection.seen_all && wrong_sizes_[place].insert(news).second;
+bool CalibDetector::stays_dark(const std::vector<Detection>& detections, const ImageView& image) {
+  constexpr int kWhile = 10;  // frames: the first ones of many cameras are black
+  const auto is_found = [](const Detection& d) { return d.observation.found(); };
+  const bool dark = std::ranges::none_of(detections, is_found) && is_too_dark(image);
+  dark_frames_ = dark ? std::min(dark_frames_ + 1, kWhile) : 0;
+  return dark_frames_ >= kWhile;
 }
 
-void CalibDetector::report(const Job& job, const Detection& detection, int place,
-                           guint64 latency_us, const std::stop_token& stop) {
+bool CalibDetector::is_news(const Detection& detection, const std::string& hint, int place) {
+  if (detection.observation.found()) hints_said_.erase(place);
+  const std::string news = detection.observation.board + " " + hint;
+  return !hint.empty() && hints_said_[place].insert(news).second;
+}
+
+void CalibDetector::report(const Job& job, const Detection& detection, const std::string& hint,
+                           int place, guint64 latency_us, const std::stop_token& stop) {
   const Observation& o = detection.observation;
   const Board& board = job.detector->boards[detection.board];
   GST_LOG_OBJECT(element_,
@@ -328,8 +345,8 @@ void CalibDetector::report(const Job& job, const Detection& detection, int place
                  " corners, %" G_GUINT64_FORMAT " us",
                  o.board.c_str(), GST_TIME_ARGS(job.times.timestamp),
                  std::string(to_string(detection.reason)).c_str(), o.ids.size(), latency_us);
-  const bool is_wrong = is_news(detection, place);
-  if (job.settings.post_messages || is_wrong) {
+  const bool is_news = this->is_news(detection, hint, place);
+  if (job.settings.post_messages || is_news) {
     GstStructure* s = new_message("calib-detection", job.times, o.camera);
     gst_structure_set(s, "board", G_TYPE_STRING, o.board.c_str(), "found", G_TYPE_BOOLEAN,
                       o.found(), "points", G_TYPE_INT, static_cast<int>(o.ids.size()), "total",
@@ -339,10 +356,7 @@ void CalibDetector::report(const Job& job, const Detection& detection, int place
     if (detection.seen_cols > 0) {
       gst_structure_set(s, "seen", G_TYPE_STRING, size_seen(detection).c_str(), nullptr);
     }
-    if (detection.seen_all) {
-      const std::string hint = wrong_board_hint(detection, board);
-      gst_structure_set(s, "hint", G_TYPE_STRING, hint.c_str(), nullptr);
-    }
+    if (!hint.empty()) gst_structure_set(s, "hint", G_TYPE_STRING, hint.c_str(), nullptr);
     post(s, stop);
   }
   if (job.check && o.found()) recheck(job, {o, board}, place, stop);

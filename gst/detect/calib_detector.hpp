@@ -44,7 +44,7 @@ struct DetectorSettings {
 // What was found on a frame.
 struct FrameFindings {
   std::vector<Observation> observations;
-  std::string hint;  // for whoever shows another board than is looked for; empty: none
+  std::string hint;  // what keeps a board from being found: another one, the dark; empty: none
 };
 
 class CalibDetector : public SharedSettings<DetectorSettings> {
@@ -132,11 +132,13 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
 
   // On the worker.
   [[nodiscard]] FrameFindings run(const Job& job, const std::stop_token& stop);
-  // Whether it was not said yet that a board of this size is in view instead of the one at `place`.
-  [[nodiscard]] bool is_news(const Detection& detection, int place);
+  // Whether it has been too dark for a while to find anything.
+  [[nodiscard]] bool stays_dark(const std::vector<Detection>& detections, const ImageView& image);
+  // Whether it was not said yet what keeps the board at `place` from being found.
+  [[nodiscard]] bool is_news(const Detection& detection, const std::string& hint, int place);
   // What was seen of one board: it will stand at `place` in the meta.
-  void report(const Job& job, const Detection& detection, int place, guint64 latency_us,
-              const std::stop_token& stop);
+  void report(const Job& job, const Detection& detection, const std::string& hint, int place,
+              guint64 latency_us, const std::stop_token& stop);
   void post(GstStructure* message, const std::stop_token& stop);
   void recheck(const Job& job, const View& view, int place, const std::stop_token& stop);
 
@@ -165,9 +167,10 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   bool frame_refused_ = false;  // and that was reported
   GstClockTime last_detection_ = GST_CLOCK_TIME_NONE;
 
-  // Worker only, like the worker's jobs one at a time: what was reported of wrong boards at each
-  // place since its board was found.
-  std::map<int, std::set<std::string>> wrong_sizes_;
+  // Worker only, like the worker's jobs one at a time: what was said at each place since its board
+  // was found, and how many frames in a row were too dark.
+  std::map<int, std::set<std::string>> hints_said_;
+  int dark_frames_ = 0;
 
   Worker worker_;
   Worker board_reader_;

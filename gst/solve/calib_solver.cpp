@@ -140,9 +140,9 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times,
   return true;
 }
 
-void CalibSolver::saw_another_board(const std::string& words) {
+void CalibSolver::hear_detector(const std::string& words) {
   const std::lock_guard guard(lock_);
-  session_.saw_another_board(words);
+  session_.hear_detector(words);
 }
 
 void CalibSolver::complain(const Error& why) {

@@ -126,14 +126,11 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   std::optional<Error> problem;
   const auto observations = gst::read_observations(buffer, &problem);
   if (problem) solver.complain(*problem);
+  solver.hear_detector(gst::read_hint(buffer));
   const bool captured = gst_calib_solve_offer(self, observations, GST_BUFFER_DURATION(buffer));
   gst_calib_solve_push_calibration(self);
   Progress progress = solver.progress();
   progress.captured = captured;
-  // As long as another board is in view nothing else helps.
-  const std::string wrong_board = gst::read_hint(buffer);
-  if (!captured && !wrong_board.empty()) progress.hint = wrong_board;
-  if (!wrong_board.empty()) solver.saw_another_board(wrong_board);
   gst::attach_guidance(buffer, progress);
   return GST_FLOW_OK;
 }

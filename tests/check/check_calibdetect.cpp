@@ -181,6 +181,31 @@ GST_START_TEST(test_another_board_is_said_again_after_the_right_one) {
 }
 GST_END_TEST;
 
+// The first frames of many cameras are black, and nobody needs to hear of it.
+GST_START_TEST(test_the_dark_is_said_once_it_lasts) {
+  Fixture f("calibdetect mode=sync");
+  const GrayImage dark(640, 480, 18);
+  const auto push = [&f](const GrayImage& image, int n) {
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, check::frame_of(image, "GRAY8", n));
+    return gst::read_hint(out);
+  };
+  for (int n = 0; n < 9; ++n) fail_unless(push(dark, n).empty());
+  fail_unless(f.bus.named("calib-detection").empty());
+  for (int n = 9; n < 15; ++n) {
+    const std::string hint = push(dark, n);
+    fail_unless_equals_string(hint.c_str(),
+                              "The picture is too dark: more light, or a longer exposure");
+  }
+  fail_unless_equals_int(f.bus.named("calib-detection").size(), 1);
+  // Light alone ends it, with a board or without.
+  fail_unless(push(GrayImage(640, 480, 120), 15).empty());
+  fail_unless(push(dark, 16).empty());
+  fail_unless(push(f.scene.picture(3), 17).empty());
+  for (int n = 18; n < 30; ++n) push(dark, n);
+  fail_unless_equals_int(f.bus.named("calib-detection").size(), 2);
+}
+GST_END_TEST;
+
 // Async: the streaming thread hands the frame over and goes on; at EOS every result has arrived.
 GST_START_TEST(test_async_results_ride_on_later_buffers_and_are_complete_at_eos) {
   Fixture f("calibdetect mode=async post-messages=true");
@@ -436,6 +461,7 @@ static Suite* calibdetect_suite() {
   tcase_add_test(tc, test_two_sheets_of_a_board_are_two_observations);
   tcase_add_test(tc, test_another_board_is_said_without_asking);
   tcase_add_test(tc, test_another_board_is_said_again_after_the_right_one);
+  tcase_add_test(tc, test_the_dark_is_said_once_it_lasts);
   tcase_add_test(tc, test_max_rate_skips_frames);
   tcase_add_test(tc, test_a_wrong_board_text_is_an_error_that_shows_a_right_one);
   tcase_add_test(tc, test_a_wrong_board_text_while_running_keeps_the_old_board);

@@ -108,8 +108,11 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   drop_stale_guide(observation.timestamp);
   if (!observation.found()) {
     views_.pass(observation);
+    if (camera_.empty()) camera_ = observation.camera;
+    report(offered, place);
     return offered;
   }
+  last_obstacle_ = obstacle_;
   const auto board = board_of(observation.board);
   if (!board) {
     if (first_complaint()) offered.complaint = board.error();
@@ -139,13 +142,25 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   if (reason != Reason::kAccepted) ++refused_[reason];
   if (board_ == *board && fine) guide_from(view);
   if (new_board || reason == Reason::kAccepted) renew_hint();
-  if (place >= last_reasons_.size()) last_reasons_.resize(place + 1, Reason::kAccepted);
-  const bool new_reason = std::exchange(last_reasons_[place], reason) != reason;
-  offered.report = reason == Reason::kAccepted || new_reason;
+  report(offered, place);
   if (offered.report && !fine && first_complaint()) offered.complaint = fine.error();
+  return offered;
+}
+
+void CalibrationSession::report(Offered& offered, std::size_t place) {
+  if (place >= last_reasons_.size()) last_reasons_.resize(place + 1, Reason::kAccepted);
+  const bool is_new = std::exchange(last_reasons_[place], offered.reason) != offered.reason;
+  const bool is_hindered = !obstacle_.empty() && obstacle_ != told_obstacle_;
+  offered.report = offered.reason == Reason::kAccepted || is_new || is_hindered;
+  if (!offered.report) return;
+  told_obstacle_ = obstacle_;
   offered.camera = camera_name();
   offered.progress = progress();
-  return offered;
+}
+
+void CalibrationSession::hear_detector(const std::string& words) {
+  obstacle_ = words;
+  if (!words.empty()) last_obstacle_ = words;
 }
 
 ViewWorth CalibrationSession::worth(const View& view) {
@@ -194,7 +209,7 @@ bool CalibrationSession::choose_board(const Board& seen, const FrameTimes& times
 
 Progress CalibrationSession::progress() const {
   Progress now = views_.progress();
-  now.hint = to_text(hint_);
+  now.hint = obstacle_.empty() ? to_text(hint_) : obstacle_;
   now.target = hint_.target;
   if (guide_ && hint_.target) {
     for (const Pixel& at : guide_->outline()) {
@@ -301,7 +316,9 @@ void CalibrationSession::begin_session() {
   asked_ = final_owed_ = solve_waits_ = false;
   last_reasons_.clear();
   refused_.clear();
-  other_board_.clear();
+  obstacle_.clear();
+  told_obstacle_.clear();
+  last_obstacle_.clear();
   solve_error_.clear();
   accepted_ = next_solve_ = 0;
   writes_.reset();

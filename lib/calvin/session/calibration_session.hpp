@@ -97,8 +97,9 @@ class CalibrationSession {
   // One board as it was found on one frame; `place`: which of the observations of that frame it is.
   [[nodiscard]] Offered offer(const Observation& observation, const FrameTimes& times,
                               std::size_t place = 0);
-  // What the detector says of a board that is not the one it looks for.
-  void saw_another_board(std::string words) { other_board_ = std::move(words); }
+  // What keeps the detector from finding the board on the newest frame, in words: another board,
+  // the dark. Empty: nothing that it knows of.
+  void hear_detector(const std::string& words);
   // Whether nobody was told yet that what comes cannot be an observation.
   [[nodiscard]] bool first_complaint();
 
@@ -171,11 +172,13 @@ class CalibrationSession {
  private:
   [[nodiscard]] bool enough_views() const;
   [[nodiscard]] Error too_few() const {
-    return too_few_views(views_.views().size(), plan_.settings.min_views, refused_, other_board_);
+    return too_few_views(views_.views().size(), plan_.settings.min_views, refused_, last_obstacle_);
   }
   [[nodiscard]] Result<Board> board_of(const std::string& text);
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
   [[nodiscard]] std::string_view consider();
+  // Whether what came of an observation is news, and with what it is told.
+  void report(Offered& offered, std::size_t place);
   // The newest of views_ is one that has been taken.
   void note_taken(const FrameTimes& times);
   void begin_session();
@@ -219,7 +222,9 @@ class CalibrationSession {
   FrameTimes times_;                  // of the newest frame with a board
   std::vector<Reason> last_reasons_;  // by place
   Refusals refused_;
-  std::string other_board_;
+  std::string obstacle_;  // on the newest frame, as the detector says
+  std::string told_obstacle_;
+  std::string last_obstacle_;     // since a board was found
   bool complained_ = false;       // of broken observations
   std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
   int frames_without_board_ = 0;  // that showed others, since it was seen

@@ -57,7 +57,7 @@ std::string told(const Refusals& refused) {
 }  // namespace
 
 Error too_few_views(std::size_t views, int least, const Refusals& refused,
-                    const std::string& other_board) {
+                    const std::string& obstacle) {
   return {
       ErrorCode::kDegenerate,
       fmt::format("No calibration: {} taken, at least {} are needed. Show the whole board, flat "
@@ -66,7 +66,7 @@ Error too_few_views(std::size_t views, int least, const Refusals& refused,
                   views == 0   ? "no view of the board was"
                   : views == 1 ? "only one view of the board was"
                                : fmt::format("only {} views of the board were", views),
-                  least, other_board.empty() ? "" : " " + other_board + ".", told(refused))};
+                  least, obstacle.empty() ? "" : " " + obstacle + ".", told(refused))};
 }
 
 Error solve_failed(const std::string& why, bool before) {

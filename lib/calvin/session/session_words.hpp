@@ -29,9 +29,9 @@ struct Notice {
 // How often a board was seen and not taken, and why.
 using Refusals = std::map<Reason, std::size_t>;
 
-// `other_board`: what the detector says of a board that is not the one it looks for, or nothing.
+// `obstacle`: what keeps the detector from finding a board, or nothing.
 [[nodiscard]] Error too_few_views(std::size_t views, int least, const Refusals& refused,
-                                  const std::string& other_board);
+                                  const std::string& obstacle);
 // Why there is no final result. `before`: there is one from an earlier solve.
 [[nodiscard]] Error solve_failed(const std::string& why, bool before);
 // Of settings that were refused while those before them go on.

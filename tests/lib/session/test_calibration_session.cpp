@@ -54,6 +54,34 @@ TEST_F(CalibrationSessions, AskForASolveOnceThereAreEnoughViews) {
   EXPECT_FALSE(session_.take_solve().has_value()) << "each job is taken once";
 }
 
+// A picture without a board is told like one whose board is not taken: when that is new.
+TEST_F(CalibrationSessions, SayThatThereIsNoBoardAndWhy) {
+  begin();
+  Observation none = seen(0);
+  none.ids.clear();
+  none.uv.clear();
+  none.sigma.clear();
+  const auto offer_none = [&] { return session_.offer(none, times(0)); };
+  Offered offered = offer_none();
+  EXPECT_TRUE(offered.report);
+  EXPECT_EQ(offered.reason, Reason::kNotFound);
+  EXPECT_EQ(offered.camera, "left");
+  EXPECT_FALSE(offered.progress.hint.empty());
+  EXPECT_FALSE(offer_none().report);
+  session_.hear_detector("It is dark");
+  offered = offer_none();
+  EXPECT_TRUE(offered.report);
+  EXPECT_EQ(offered.progress.hint, "It is dark");
+  EXPECT_FALSE(offer_none().report);
+  EXPECT_NE(session_.verdict().status.error().message.find("It is dark."), std::string::npos);
+  session_.hear_detector("");
+  EXPECT_FALSE(offer_none().report);
+  EXPECT_TRUE(show(1).report);
+  EXPECT_EQ(session_.verdict().status.error().message.find("It is dark"), std::string::npos)
+      << "a board was found since";
+  EXPECT_TRUE(offer_none().report);
+}
+
 // Where every frame is a view, solves would never end: each waits for a quarter more views.
 TEST_F(CalibrationSessions, AskForFewerSolvesTheMoreViewsThereAre) {
   begin();
@@ -231,7 +259,8 @@ TEST_F(CalibrationSessions, ReportARejectionWhenItsReasonIsNew) {
   EXPECT_TRUE(session_.offer(seen(3), times(3)).report);
   EXPECT_TRUE(session_.offer(few, times(4)).report);
   few.ids.clear();
-  EXPECT_FALSE(session_.offer(few, times(5)).report) << "no board is nothing to tell";
+  EXPECT_TRUE(session_.offer(few, times(5)).report) << "nor is there a board now";
+  EXPECT_FALSE(session_.offer(few, times(6)).report);
 }
 
 TEST_F(CalibrationSessions, ComplainOnceOfWhatIsNoObservation) {
