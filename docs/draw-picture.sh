@@ -1,12 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Draws docs/images/before-after.png: run it in `meson devenv -C build` and give it the file's name.
+# Draws the pictures of docs/images into a folder: run it in `meson devenv -C build`.
+#   draw-picture.sh FOLDER
 set -eu
 out=$1
 queue="queue max-size-buffers=0 max-size-time=0 max-size-bytes=0"
 camera="fx=400,fy=400,cx=319,cy=241,k1=-0.32,k2=0.11,k3=-0.018,width=640,height=480"
 folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
+
+# A frame with the corners that were found beside the same frame undistorted.
 # shellcheck disable=SC2086 # several words
 gst-launch-1.0 -q \
   compositor name=mix background=white sink_1::xpos=650 ! video/x-raw,width=1290,height=480 ! \
@@ -14,4 +17,10 @@ gst-launch-1.0 -q \
   calibtestsrc num-buffers=28 calibration="$camera" ! video/x-raw,format=I420,width=640,height=480 ! \
   calibrate overlay=false ! tee name=t ! $queue ! caliboverlay ! videoconvert ! mix.sink_0 \
   t. ! $queue ! calibundistort ! videoconvert ! mix.sink_1
-mv "$folder/27.png" "$out"
+mv "$folder/27.png" "$out/before-after.png"
+
+# What whoever holds the board sees in a session that is under way.
+gst-launch-1.0 -q calibtestsrc motion=hand num-buffers=420 seed=3 ! \
+  video/x-raw,format=I420,width=640,height=480 ! calibrate capture-mode=auto mode=sync ! \
+  videoconvert ! pngenc snapshot=false ! multifilesink max-files=1 location="$folder/guide%03d.png"
+mv "$folder/guide419.png" "$out/guide.png"

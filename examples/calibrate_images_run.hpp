@@ -128,6 +128,7 @@ inline void refuse(const GstStructure* s, Outcome& outcome) {
   gst_structure_get_boolean(s, "accepted", &accepted);
   const char* reason = gst_structure_get_string(s, "reason");
   if (accepted || reason == nullptr || !gst_structure_get_uint64(s, "timestamp", &time)) return;
+  if (g_str_equal(reason, "not-found")) return;  // look_at() knows why
   const bool outlier = g_str_equal(reason, "outlier");
   outcome.reasons[picture_at(time)] =
       outlier ? "its corners contradict those of the others: look for a bent board, blur, or "

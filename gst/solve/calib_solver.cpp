@@ -33,9 +33,11 @@ Status CalibSolver::start() {
   GST_INFO_OBJECT(element_, "solves %s from %d views on, %" G_GSIZE_FORMAT " files",
                   plan->settings.model.c_str(), plan->settings.min_views, plan->files.size());
   const SessionSettings settings = plan->settings;
+  auto earlier = find_earlier(settings, plan->initial);
   {
     const std::lock_guard guard(lock_);
     session_.start(*std::move(plan), writable.has_value());
+    session_.judge_first(std::move(earlier));
   }
   if (!settings.journal.empty()) {
     if (Status opened = open_journal(settings); !opened) return opened;

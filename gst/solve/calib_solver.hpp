@@ -12,6 +12,7 @@
 #include <gst/gst.h>
 
 #include "calvin/session/calibration_session.hpp"
+#include "calvin/session/earlier_calibration.hpp"
 #include "calvin/session/journal.hpp"
 #include "common/calibration_event.hpp"
 #include "common/messages.hpp"
@@ -110,6 +111,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   void post_solve_progress(GstProgressType type, const std::string& text);
 
   // On the worker.
+  void judge_earlier(const SolveJob& job, const std::stop_token& stop);
   void run_solve(const SolveJob& job, const std::stop_token& stop);
   void publish(const SolveJob& job, const Solution& solution, const std::stop_token& stop);
   void complain_of_late_files(const SolveJob& job, const std::stop_token& stop);

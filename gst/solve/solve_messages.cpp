@@ -80,6 +80,19 @@ GstStructure* result_message(const FrameTimes& times, const Solution& solution,
   return s;
 }
 
+GstStructure* check_message(const SolveJob& job, const EarlierVerdict& verdict) {
+  const RecheckReport& report = verdict.report;
+  const Calibration& earlier = job.earlier->calibration;
+  GstStructure* s = new_message("calib-check", job.times, job.options.camera);
+  gst_structure_set(s, "views", G_TYPE_INT, static_cast<int>(job.views.size()), "moved",
+                    G_TYPE_DOUBLE, report.displacement, "moved-sigma", G_TYPE_DOUBLE,
+                    report.displacement_sigma, "hint", G_TYPE_STRING, verdict.words.c_str(),
+                    nullptr);
+  set_optional(s, "expected-error", earlier.expected_error);
+  set_optional(s, "expected-error-anywhere", earlier.expected_error_anywhere);
+  return s;
+}
+
 Error broken_observation(const Error& why) {
   return {why.code,
           fmt::format("An observation from upstream cannot be used, and further ones "

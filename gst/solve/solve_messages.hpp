@@ -9,6 +9,7 @@
 #include <gst/gst.h>
 
 #include "calvin/core/reason.hpp"
+#include "calvin/session/earlier_calibration.hpp"
 #include "calvin/session/progress.hpp"
 #include "calvin/solve/solve.hpp"
 #include "common/messages.hpp"
@@ -22,6 +23,9 @@ namespace calvin::gst {
 // `json` is the native text of the calibration for the final result, else nullptr.
 [[nodiscard]] GstStructure* result_message(const FrameTimes& times, const Solution& solution,
                                            const std::string& location, const char* json);
+
+// What the first views say of the calibration that was there before.
+[[nodiscard]] GstStructure* check_message(const SolveJob& job, const EarlierVerdict& verdict);
 
 // For a WARNING: what the meta calvin-observation holds cannot be an observation, and why.
 [[nodiscard]] Error broken_observation(const Error& why);

@@ -27,7 +27,28 @@ constexpr std::chrono::seconds kPatience{1};
 
 }  // namespace
 
+void CalibSolver::judge_earlier(const SolveJob& job, const std::stop_token& stop) {
+  const auto verdict = calvin::judge_earlier(job);
+  if (!verdict) return;
+  GST_INFO_OBJECT(element_, "%s", verdict->words.c_str());
+  {
+    const std::lock_guard guard(lock_);
+    if (!session_.judged(job, verdict->words)) return;
+  }
+  if (const auto report = begin_report(job, stop)) {
+    post_message(element_, check_message(job, *verdict));
+  }
+  const auto report = begin_report(job, stop);
+  if (!report) return;
+  if (verdict->holds) {
+    post_info(element_, verdict->words);
+  } else {
+    post_warning(element_, {ErrorCode::kInvalidArgument, verdict->words});
+  }
+}
+
 void CalibSolver::run_solve(const SolveJob& job, const std::stop_token& stop) {
+  judge_earlier(job, stop);
   auto solution = solve_job(job, stop);
   if (stop.stop_requested()) {
     GST_DEBUG_OBJECT(element_, "the solve of %" G_GSIZE_FORMAT " views was cancelled",

@@ -293,6 +293,39 @@ GDateTime* stray_date() {
 }
 }
 
+// Whoever has a good file need not calibrate again, and is told so before being asked for more.
+GST_START_TEST(test_the_calibration_of_before_is_judged_first) {
+  const bool moved = __i__ == 1;
+  check::TemporaryFolder folder;
+  SolveFixture f("location=" + folder / "cam.json", {}, "capture-mode=auto ");
+  Calibration before = f.scene.camera.to_calibration();
+  before.camera = "left";
+  if (moved) before.parameters[0].value *= 1.02;
+  fail_unless(write_calibration(folder / "cam.json", before).has_value());
+  // The element has read nothing yet: it starts anew.
+  gst_element_set_state(f.element, GST_STATE_READY);
+  gst_element_set_state(f.element, GST_STATE_PLAYING);
+  gst_harness_push_event(f.h, gst_event_new_stream_start("again"));
+  gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
+  for (int n = 0; n < 60 && f.bus.named("calib-check").empty(); ++n) {
+    g_signal_emit_by_name(f.element, "capture-view");
+    gst_buffer_unref(f.push(n));
+    g_usleep(20000);  // for the worker
+  }
+  const auto checks = f.bus.named("calib-check");
+  fail_unless_equals_int(checks.size(), 1);
+  fail_unless(check::get(checks[0], "moved-sigma") > 0);
+  const std::string hint = gst_structure_get_string(checks[0], "hint");
+  const char* const words = moved ? "does not hold any more" : "still holds";
+  fail_unless(hint.find(words) != std::string::npos, "%s", hint.c_str());
+  g_usleep(20000);
+  g_autoptr(GstBuffer) out = f.push(100);
+  const std::string shown = gst::read_guidance(out)->hint;
+  fail_unless_equals_string(shown.c_str(), hint.c_str());
+  fail_unless_equals_int(f.bus.says(GST_MESSAGE_WARNING, words), moved);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_a_clock_that_is_astray_dates_nothing) {
   check::TemporaryFolder folder;
   for (const bool astray : {false, true}) {
@@ -322,6 +355,7 @@ static Suite* calibsolve_sessions_suite() {
   tcase_add_loop_test(tc, test_the_session_before_is_another_one, 0, 3);
   tcase_add_test(tc, test_a_removed_view_leaves_the_file);
   tcase_add_test(tc, test_what_is_put_there_meanwhile_is_not_ours);
+  tcase_add_loop_test(tc, test_the_calibration_of_before_is_judged_first, 0, 2);
   tcase_add_test(tc, test_a_clock_that_is_astray_dates_nothing);
   return suite;
 }

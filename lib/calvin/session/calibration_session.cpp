@@ -209,7 +209,7 @@ bool CalibrationSession::choose_board(const Board& seen, const FrameTimes& times
 
 Progress CalibrationSession::progress() const {
   Progress now = views_.progress();
-  now.hint = obstacle_.empty() ? to_text(hint_) : obstacle_;
+  now.hint = hint_text();
   now.target = hint_.target;
   if (guide_ && hint_.target) {
     for (const Pixel& at : guide_->outline()) {
@@ -223,6 +223,13 @@ Progress CalibrationSession::progress() const {
     now.expected_error_anywhere = calibration_->expected_error_anywhere;
   }
   return now;
+}
+
+std::string CalibrationSession::hint_text() const {
+  // As long as another board is in view, or it is dark, nothing else helps.
+  if (!obstacle_.empty()) return obstacle_;
+  const bool is_told = verdict_until_ != kNoTimestamp && times_.timestamp <= verdict_until_;
+  return is_told ? verdict_words_ : to_text(hint_);
 }
 
 std::optional<Camera> CalibrationSession::camera() const {
@@ -324,6 +331,7 @@ void CalibrationSession::begin_session() {
   writes_.reset();
   guide_.reset();
   accepted_at_ = kNoTimestamp;
+  verdict_until_ = kNoTimestamp;
   capture_ = {};
   renew_hint();
 }

@@ -89,6 +89,11 @@ class CalibrationSession {
 
   // ---- Frames and views: calibration_session.cpp
 
+  // Likewise: what is to be judged by the first views of a guided session.
+  void judge_first(std::shared_ptr<const EarlierCalibration> earlier) {
+    earlier_ = std::move(earlier);
+  }
+
   // A new size begins a new session, with the views that are there of frames of that size: those
   // of the journal, and those of before the frames had yet another size. A word for the user, if
   // any. False where the size is the same.
@@ -133,6 +138,9 @@ class CalibrationSession {
   // The views that this solve left out and the one before did not; none where it is not current.
   [[nodiscard]] std::vector<TakenView> newly_rejected(const SolveJob& job,
                                                       const Solution& solution);
+  // What was to be judged first is, and the hint tells it for a while. False where the job is not
+  // current.
+  [[nodiscard]] bool judged(const SolveJob& job, std::string words);
   // The result was posted; what was owed is paid.
   void reported(const SolveJob& job);
 
@@ -177,6 +185,7 @@ class CalibrationSession {
   [[nodiscard]] Result<Board> board_of(const std::string& text);
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
   [[nodiscard]] std::string_view consider();
+  [[nodiscard]] std::string hint_text() const;
   // Whether what came of an observation is news, and with what it is told.
   void report(Offered& offered, std::size_t place);
   // The newest of views_ is one that has been taken.
@@ -222,7 +231,10 @@ class CalibrationSession {
   FrameTimes times_;                  // of the newest frame with a board
   std::vector<Reason> last_reasons_;  // by place
   Refusals refused_;
-  std::string obstacle_;  // on the newest frame, as the detector says
+  std::shared_ptr<const EarlierCalibration> earlier_;  // not judged yet
+  std::string verdict_words_;                          // of it
+  std::uint64_t verdict_until_ = kNoTimestamp;         // timestamp
+  std::string obstacle_;                               // on the newest frame, as the detector says
   std::string told_obstacle_;
   std::string last_obstacle_;     // since a board was found
   bool complained_ = false;       // of broken observations

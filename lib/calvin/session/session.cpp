@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "calvin/geometry/convex_hull.hpp"
-#include "calvin/session/corner_motion.hpp"
+#include "calvin/session/views/corner_motion.hpp"
 
 namespace calvin {
 

@@ -13,12 +13,12 @@
 
 #include "calvin/core/observation.hpp"
 #include "calvin/core/reason.hpp"
-#include "calvin/session/corner_motion.hpp"
 #include "calvin/session/guidance/guided_capture.hpp"
 #include "calvin/session/guidance/hint.hpp"
 #include "calvin/session/guidance/view_coverage.hpp"
 #include "calvin/session/progress.hpp"
-#include "calvin/session/view_spacing.hpp"
+#include "calvin/session/views/corner_motion.hpp"
+#include "calvin/session/views/view_spacing.hpp"
 #include "calvin/solve/solve.hpp"
 
 namespace calvin {
@@ -70,6 +70,8 @@ class Session {
   // Takes up a view that was kept before, as it is: one of an earlier run, or of before the frames
   // had another size. kTooSimilar only where there are so many that it has to go again.
   Reason restore(const std::shared_ptr<const View>& view);
+
+  [[nodiscard]] bool has_restored() const noexcept { return restored_ > 0; }
 
   // A frame that may have shown the board, but nothing of it is offered: there is a gap.
   void pass(const Observation& seen);

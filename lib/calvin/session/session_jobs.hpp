@@ -28,6 +28,13 @@ struct JobOrigin {
   std::uint64_t revision = 0;    // so does a new view
 };
 
+// A calibration that was there before the session, and what a user calls it at the beginning of a
+// sentence.
+struct EarlierCalibration {
+  Calibration calibration;
+  std::string name;
+};
+
 struct SolveJob {
   Session::Views views;
   ImageSize size;
@@ -38,6 +45,7 @@ struct SolveJob {
   std::string location;             // what the result tells of itself: its native file, or empty
   FrameTimes times;                 // likewise, of the newest frame with a board
   JobOrigin origin;
+  std::shared_ptr<const EarlierCalibration> earlier;  // to be judged first, if any
 };
 
 struct WriteJob {

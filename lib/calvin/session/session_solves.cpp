@@ -33,7 +33,19 @@ std::optional<SolveJob> CalibrationSession::take_solve() {
   job.times = times_;
   if (views_.options().mode == CaptureMode::kAuto) job.next_board = board_;
   job.origin = origin();
+  // Views of an earlier run may be those that it was made of.
+  const bool guided = views_.options().mode == CaptureMode::kAuto && !views_.has_restored();
+  if (guided) job.earlier = earlier_;
   return job;
+}
+
+bool CalibrationSession::judged(const SolveJob& job, std::string words) {
+  if (!is_current(job.origin)) return false;
+  constexpr std::uint64_t kReadable = 4'000'000'000;  // ns
+  earlier_.reset();
+  verdict_words_ = std::move(words);
+  verdict_until_ = times_.timestamp == kNoTimestamp ? kNoTimestamp : times_.timestamp + kReadable;
+  return true;
 }
 
 bool CalibrationSession::is_current(const JobOrigin& origin) const {

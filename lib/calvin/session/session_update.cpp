@@ -20,6 +20,7 @@ void CalibrationSession::start(SessionPlan plan, bool writable) {
   writes_.begin_files(writable);
   set_aside_.clear();
   journaling_ = false;
+  earlier_.reset();
   entries_.clear();
   begin_session();
 }

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calvin/session/corner_motion.hpp"
+#include "calvin/session/views/corner_motion.hpp"
 #include "scenes.hpp"
 
 namespace calvin {

@@ -13,7 +13,7 @@
 
 #include <unistd.h>
 
-#include "calvin/session/view_spacing.hpp"
+#include "calvin/session/views/view_spacing.hpp"
 #include "session_fixture.hpp"
 
 namespace calvin {

@@ -30,7 +30,7 @@ class SessionFrames : public CalibrationSessions {
     none.ids.clear();
     none.uv.clear();
     none.sigma.clear();
-    EXPECT_FALSE(session_.offer(none, times(n)).report) << "no board is nothing to tell";
+    EXPECT_EQ(session_.offer(none, times(n)).reason, Reason::kNotFound);
   }
 };
 

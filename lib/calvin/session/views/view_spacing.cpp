@@ -3,13 +3,13 @@
 
 // Distances of views, kept up to date view by view.
 
-#include "calvin/session/view_spacing.hpp"
+#include "calvin/session/views/view_spacing.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "calvin/session/corner_motion.hpp"
+#include "calvin/session/views/corner_motion.hpp"
 
 namespace calvin {
 

@@ -3,7 +3,7 @@
 
 // The corners that frames share, their differences, and the slopes of parabolas through them.
 
-#include "calvin/session/corner_motion.hpp"
+#include "calvin/session/views/corner_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
