@@ -23,6 +23,7 @@
 #include <gst/video/video.h>
 
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/draw/mirrored.hpp"
 #include "calvin/draw/overlay.hpp"
 #include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
@@ -34,6 +35,7 @@
 #include "common/messages.hpp"
 #include "common/metas.hpp"
 #include "elements.hpp"
+#include "overlay/mirror_frame.hpp"
 #include "overlay/overlay_blend.hpp"
 #include "overlay/overlay_state.hpp"
 
@@ -75,10 +77,10 @@ void read_metas(State& state, GstBuffer* buffer) {
 
 // Where the board is not: the words change places once it comes to where they are, and the other
 // place is free.
-const OverlayTile* draw_words(State& state, const Progress& progress, ImageSize frame) {
+const OverlayTile* draw_words(State& state, const std::vector<Observation>& seen,
+                              const Progress& progress, ImageSize frame) {
   const std::string text = overlay_caption(progress);
   using Place = gst::Caption::Place;
-  const auto& seen = state.observations.value;
   const Place other = state.words_at == Place::kBottom ? Place::kTop : Place::kBottom;
   const OverlayTile* words = state.caption.draw(text, frame, state.words_at);
   if (words == nullptr || !touches(*words, seen, frame)) return words;
@@ -132,9 +134,23 @@ static gboolean gst_calib_overlay_sink_event(GstBaseTransform* trans, GstEvent* 
   return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->sink_event(trans, event);
 }
 
+// A pointer in the mirror is over the other side of what is upstream. Any thread.
+static gboolean gst_calib_overlay_src_event(GstBaseTransform* trans, GstEvent* event) {
+  State& state = *GST_CALIB_OVERLAY(trans)->state;
+  double x = 0;
+  if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && state.settings().mirror &&
+      gst_structure_get_double(gst_event_get_structure(event), "pointer_x", &x)) {
+    event = GST_EVENT(gst_mini_object_make_writable(GST_MINI_OBJECT(event)));
+    gst_structure_set(gst_event_writable_structure(event), "pointer_x", G_TYPE_DOUBLE,
+                      state.width - 1 - x, nullptr);
+  }
+  return GST_BASE_TRANSFORM_CLASS(gst_calib_overlay_parent_class)->src_event(trans, event);
+}
+
 static gboolean gst_calib_overlay_set_info(GstVideoFilter* filter, GstCaps* in_caps,
-                                           GstVideoInfo* /*in*/, GstCaps* /*out_caps*/,
+                                           GstVideoInfo* in, GstCaps* /*out_caps*/,
                                            GstVideoInfo* /*out*/) {
+  GST_CALIB_OVERLAY(filter)->state->width = GST_VIDEO_INFO_WIDTH(in);
   GST_INFO_OBJECT(filter, "draws on %" GST_PTR_FORMAT, static_cast<void*>(in_caps));
   GST_CALIB_OVERLAY(filter)->state->forget();
   GST_CALIB_OVERLAY(filter)->state->frame_refused = false;
@@ -170,19 +186,25 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
   const ImageSize frame = state.part ? state.part->size : whole;
   read_metas(state, buffer);
 
+  const gst::OverlaySettings settings = state.settings();
+  state.mirror = settings.mirror;
   std::optional<Progress> progress = state.progress.value;
   if (progress) progress->captured = state.captured.value;
-  const gst::OverlaySettings settings = state.settings();
-  state.words = progress && settings.caption ? draw_words(state, *progress, frame) : nullptr;
-  auto tiles = draw_overlay(frame, state.observations.value, progress,
-                            {.ghost = settings.ghost, .coverage = settings.coverage});
+  if (progress && settings.mirror) progress = mirrored(*std::move(progress));
+  std::vector<Observation> seen = state.observations.value;
+  if (settings.mirror) {
+    for (Observation& o : seen) o = mirrored(std::move(o), frame);
+  }
+  state.words = progress && settings.caption ? draw_words(state, seen, *progress, frame) : nullptr;
+  auto tiles =
+      draw_overlay(frame, seen, progress, {.ghost = settings.ghost, .coverage = settings.coverage});
   if (tiles) {
     state.tiles = std::move(*tiles);
   } else {
     GST_DEBUG_OBJECT(trans, "draws nothing: %s", tiles.error().message.c_str());
     state.tiles.clear();
   }
-  const bool drawing = !state.tiles.empty() || state.words != nullptr;
+  const bool drawing = !state.tiles.empty() || state.words != nullptr || state.mirror;
   GST_LOG_OBJECT(
       trans, "%" GST_PTR_FORMAT ": %" G_GSIZE_FORMAT " boards, %s words, %" G_GSIZE_FORMAT " tiles",
       static_cast<void*>(buffer), state.observations.value.size(),
@@ -195,6 +217,7 @@ static void draw_on(GstCalibOverlay* self, GstVideoFrame& frame) {
   std::optional<gst::PaddedFrame> padded;
   if (gst::needs_padding(frame.info)) padded.emplace(frame);
   GstVideoFrame* under = padded ? &**padded : &frame;
+  if (state.mirror) gst::mirror_frame(*under, state.part);
   bool blended = true;
   const auto blend = [&](const OverlayTile& tile) {
     blended = gst::blend_tile(under, tile, state.part) && blended;
@@ -238,6 +261,7 @@ static void gst_calib_overlay_class_init(GstCalibOverlayClass* klass) {
   transform_class->start = gst_calib_overlay_start;
   transform_class->stop = gst_calib_overlay_stop;
   transform_class->sink_event = gst_calib_overlay_sink_event;
+  transform_class->src_event = gst_calib_overlay_src_event;
   transform_class->transform_caps = gst::map_memory_transform_caps;
   transform_class->before_transform = gst_calib_overlay_before_transform;
   transform_class->transform_ip = gst_calib_overlay_transform_ip;

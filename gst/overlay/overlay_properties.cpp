@@ -11,6 +11,10 @@ namespace calvin::gst {
 namespace {
 
 constexpr Property<OverlayState> kRows[] = {
+    {"mirror", "Mirror",
+     "Turn the picture left to right, as a mirror shows whoever holds the board; for the last "
+     "element before a window",
+     kept_in<&OverlaySettings::mirror>},
     {"ghost", "Ghost", "Draw where the board is wanted next", kept_in<&OverlaySettings::ghost>},
     {"coverage", "Coverage", "Draw how much was seen so far, as bars and as a map of the picture",
      kept_in<&OverlaySettings::coverage>},

@@ -4,6 +4,7 @@
 // What caliboverlay is set to, and what it knows of its stream.
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -21,6 +22,7 @@
 namespace calvin::gst {
 
 struct OverlaySettings {
+  bool mirror = false;
   bool ghost = true;
   bool coverage = true;
   bool caption = true;
@@ -57,7 +59,9 @@ struct OverlayState : SharedSettings<OverlaySettings> {
   Caption::Place words_at = Caption::Place::kBottom;
   const OverlayTile* words = nullptr;  // the caption's tile for the buffer at hand
   std::optional<FramePart> part;       // of the buffer's picture that is the frame
+  bool mirror = false;                 // the buffer at hand
   bool blending_failed = false;
+  std::atomic<int> width = 0;  // px, of the frames
   bool frame_refused = false;  // and that was reported
 
   void forget() {

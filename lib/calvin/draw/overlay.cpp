@@ -217,7 +217,9 @@ std::string overlay_caption(const Progress& progress) {
       // Elsewhere the board has not been yet.
       constexpr double kMuchWorse = 3;
       if (std::isfinite(anywhere) && anywhere > kMuchWorse * covered) {
-        text += fmt::format(" where the board was, {:.3g} px elsewhere", 2 * anywhere);
+        const std::string elsewhere = 2 * anywhere < 10 ? fmt::format("{:.2f}", 2 * anywhere)
+                                                        : fmt::format("{:.3g}", 2 * anywhere);
+        text += fmt::format(" where the board was, {} px elsewhere", elsewhere);
       }
     } else if (progress.rms && std::isfinite(*progress.rms)) {
       text += fmt::format(", rms {:.2f} px", *progress.rms);

@@ -39,6 +39,10 @@ TEST(OverlayCaption, SaysWhatIsKnown) {
   progress.expected_error_anywhere = 23.87;
   EXPECT_EQ(overlay_caption(progress),
             "12 views, accurate to 0.36 px where the board was, 47.7 px elsewhere: show the board");
+  progress.expected_error = 0.01;
+  progress.expected_error_anywhere = 0.0438;
+  EXPECT_EQ(overlay_caption(progress),
+            "12 views, accurate to 0.02 px where the board was, 0.09 px elsewhere: show the board");
   progress.hint.clear();
   progress.expected_error = std::nan("");
   EXPECT_EQ(overlay_caption(progress), "12 views, rms 0.18 px");
