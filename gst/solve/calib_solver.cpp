@@ -213,7 +213,7 @@ bool CalibSolver::remove_view(unsigned index) {
   return true;
 }
 
-void CalibSolver::obey(const SolveCommand& command) {
+void CalibSolver::run_command(const SolveCommand& command) {
   switch (command.kind) {
     case SolveCommand::Kind::kCaptureView:
       capture_view();

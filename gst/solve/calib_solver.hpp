@@ -77,7 +77,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   // what another thread has begun by then, one message or file at the most, it ends.
   void reset();
   bool remove_view(unsigned index);
-  void obey(const SolveCommand& command);
+  void run_command(const SolveCommand& command);
 
   // Native JSON of the newest solution, empty before the first one.
   [[nodiscard]] std::string calibration_json();

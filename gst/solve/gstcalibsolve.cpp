@@ -183,7 +183,7 @@ static gboolean gst_calib_solve_src_event(GstBaseTransform* trans, GstEvent* eve
   const bool is_ours = command && command->is_ours;
   if (command) {
     GST_INFO_OBJECT(trans, "obeys %" GST_PTR_FORMAT, static_cast<void*>(event));
-    solver.obey(*command);
+    solver.run_command(*command);
   }
   if (!is_ours)
     return GST_BASE_TRANSFORM_CLASS(gst_calib_solve_parent_class)->src_event(trans, event);

@@ -139,7 +139,7 @@ void add_ghost(std::vector<Shape>& shapes, ImageSize frame, const Progress& prog
   };
   if (count < 4 || count > kMostGhost || !std::ranges::all_of(progress.ghost, sane)) return;
   const double unit = unit_of(frame);
-  const double pen = std::max(1.0, 1.5 * unit);
+  const double pen = std::max(1.0, 2 * unit);
   // The outline goes around from the upper left: its edges have count / 4 points each.
   const std::size_t edge = count / 4;
   const double filled = std::clamp(progress.ghost_share, 0.0, 1.0) * static_cast<double>(edge);
@@ -151,6 +151,9 @@ void add_ghost(std::vector<Shape>& shapes, ImageSize frame, const Progress& prog
   for (std::size_t i = 0; i < count; ++i) {
     shapes.push_back({Kind::kLine, at(i), at((i + 1) % count), 0, pen, colour, unit});
   }
+  // Which way round: the corner that is beside control point 0 has its mark.
+  shapes.push_back({Kind::kDisc, at(0), {}, 5 * unit, pen, rainbow(0), unit});
+  shapes.push_back({Kind::kCircle, at(0), {}, 7 * unit, pen, kWhite, unit});
 }
 
 void add_border(std::vector<Shape>& shapes, ImageSize frame) {

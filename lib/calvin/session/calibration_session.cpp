@@ -229,7 +229,17 @@ std::string CalibrationSession::hint_text() const {
   // As long as another board is in view, or it is dark, nothing else helps.
   if (!obstacle_.empty()) return obstacle_;
   const bool is_told = verdict_until_ != kNoTimestamp && times_.timestamp <= verdict_until_;
-  return is_told ? verdict_words_ : to_text(hint_);
+  if (is_told) return verdict_words_;
+  return to_text(views_.views().empty() ? first_hint() : hint_);
+}
+
+// Whoever shows the board and has no view of it yet has to know why.
+Hint CalibrationSession::first_hint() const {
+  for (const Reason reason : last_reasons_) {
+    if (reason == Reason::kMoving) return {HintKind::kHoldStill};
+    if (reason == Reason::kTooSmall) return {HintKind::kComeCloser};
+  }
+  return hint_;
 }
 
 std::optional<Camera> CalibrationSession::camera() const {

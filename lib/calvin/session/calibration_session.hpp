@@ -186,6 +186,7 @@ class CalibrationSession {
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
   [[nodiscard]] std::string_view consider();
   [[nodiscard]] std::string hint_text() const;
+  [[nodiscard]] Hint first_hint() const;
   // Whether what came of an observation is news, and with what it is told.
   void report(Offered& offered, std::size_t place);
   // The newest of views_ is one that has been taken.

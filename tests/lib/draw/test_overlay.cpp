@@ -304,6 +304,23 @@ TEST(Overlay, TheMapShowsWhatWasCovered) {
   EXPECT_EQ(greens(0, 0, right / 2 + 2, 480), two);
 }
 
+// Which corner of the outline is the board's first one.
+TEST(Overlay, TheGhostSaysWhichWayRoundItIs) {
+  const ImageSize size{640, 480};
+  Progress progress;
+  const std::vector<Pixel> corners = {{0.4, 0.4}, {0.7, 0.4}, {0.7, 0.8}, {0.4, 0.8}};
+  for (std::size_t first = 0; first < 4; ++first) {
+    progress.ghost.clear();
+    for (std::size_t i = 0; i < 4; ++i) progress.ghost.push_back(corners[(first + i) % 4]);
+    Picture picture = drawn(size, {}, progress);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto& at =
+          picture.at(static_cast<int>(640 * corners[i].u), static_cast<int>(480 * corners[i].v));
+      EXPECT_EQ(at.red > 200 && at.green < 150, i == first) << first << ", " << i;
+    }
+  }
+}
+
 TEST(Overlay, PartsAreLeftOut) {
   const ImageSize size{640, 480};
   Progress progress;

@@ -45,6 +45,23 @@ TEST_F(SessionFrames, KnowThatTheBoardWasAway) {
   EXPECT_EQ(offer(at(31, 2), 31), Reason::kAccepted);
 }
 
+// "Show the whole board" would be no answer to who does.
+TEST_F(SessionFrames, AskABoardThatMovesToBeStill) {
+  const auto hint = [this] { return session_.progress().hint; };
+  begin_auto();
+  lose(0);
+  EXPECT_EQ(hint(), to_text(Hint{HintKind::kShowBoard}));
+  EXPECT_EQ(offer(at(1), 1), Reason::kMoving);
+  EXPECT_EQ(hint(), to_text(Hint{HintKind::kHoldStill}));
+  lose(2);
+  EXPECT_EQ(hint(), to_text(Hint{HintKind::kShowBoard}));
+  offer(at(3), 3);
+  EXPECT_EQ(offer(at(4), 4), Reason::kAccepted);
+  EXPECT_NE(hint(), to_text(Hint{HintKind::kHoldStill}));
+  EXPECT_EQ(offer(at(60, 200), 60), Reason::kMoving);
+  EXPECT_NE(hint(), to_text(Hint{HintKind::kHoldStill})) << "from then on the guide leads";
+}
+
 // What passes while nothing is captured is as good as away.
 TEST_F(SessionFrames, CompareWithNothingOfBeforeAPause) {
   begin_auto();
