@@ -57,11 +57,11 @@ Status CalibDetector::start() {
     ++generation_;
     result_.reset();
     frames_ = detections_ = skipped_ = 0;
+    hints_said_.clear();
+    dark_frames_ = 0;
   }
   luma_.reset();
   async_ = mode_known_ = frame_refused_ = false;
-  hints_said_.clear();
-  dark_frames_ = 0;
   last_detection_ = GST_CLOCK_TIME_NONE;
   if (Status started = start_boards(); !started) return started;
   if (Status started = start_recheck(); !started) return started;
@@ -326,11 +326,13 @@ bool CalibDetector::stays_dark(const std::vector<Detection>& detections, const I
   constexpr int kWhile = 10;  // frames: the first ones of many cameras are black
   const auto is_found = [](const Detection& d) { return d.observation.found(); };
   const bool dark = std::ranges::none_of(detections, is_found) && is_too_dark(image);
+  const std::lock_guard guard(lock_);
   dark_frames_ = dark ? std::min(dark_frames_ + 1, kWhile) : 0;
   return dark_frames_ >= kWhile;
 }
 
 bool CalibDetector::is_news(const Detection& detection, const std::string& hint, int place) {
+  const std::lock_guard guard(lock_);
   if (detection.observation.found()) hints_said_.erase(place);
   const std::string news = detection.observation.board + " " + hint;
   return !hint.empty() && hints_said_[place].insert(news).second;

@@ -167,8 +167,8 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   bool frame_refused_ = false;  // and that was reported
   GstClockTime last_detection_ = GST_CLOCK_TIME_NONE;
 
-  // Worker only, like the worker's jobs one at a time: what was said at each place since its board
-  // was found, and how many frames in a row were too dark.
+  // lock_: what was said at each place since its board was found, and how many frames in a row were
+  // too dark. Changed by the worker alone, but a job that was cancelled may outlive its run.
   std::map<int, std::set<std::string>> hints_said_;
   int dark_frames_ = 0;
 

@@ -139,6 +139,7 @@ static gboolean gst_calib_overlay_src_event(GstBaseTransform* trans, GstEvent* e
   State& state = *GST_CALIB_OVERLAY(trans)->state;
   double x = 0;
   if (GST_EVENT_TYPE(event) == GST_EVENT_NAVIGATION && state.settings().mirror &&
+      gst_event_get_structure(event) != nullptr &&
       gst_structure_get_double(gst_event_get_structure(event), "pointer_x", &x)) {
     event = GST_EVENT(gst_mini_object_make_writable(GST_MINI_OBJECT(event)));
     gst_structure_set(gst_event_writable_structure(event), "pointer_x", G_TYPE_DOUBLE,

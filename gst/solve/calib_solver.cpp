@@ -26,6 +26,13 @@ bool CalibSolver::refines_with_camera() {
 }
 
 Status CalibSolver::start() {
+  Status begun = begin();
+  // A journal that nobody writes to must not be kept from others.
+  if (!begun) stop();
+  return begun;
+}
+
+Status CalibSolver::begin() {
   auto plan = make_plan(settings());
   if (!plan) return tl::unexpected<Error>(plan.error());
   const Status writable = can_write_all(plan->files);
@@ -60,7 +67,11 @@ void CalibSolver::obey() {
     writer_.offer([this, job](const std::stop_token& stop) { run_write(*job, stop); });
   }
   for (JournalEntry& entry : session_.take_journal()) {
-    if (journal_) journal_->add(std::move(entry));
+    if (journal_) {
+      journal_->add(std::move(entry));
+    } else if (entry.reset) {
+      between_runs_.push_back(std::move(entry));
+    }
   }
 }
 
@@ -110,6 +121,7 @@ void CalibSolver::resume() {
     session_.resume();
     obey();
   }
+  sync_later(journal());
   post_notices();
 }
 
@@ -198,15 +210,17 @@ void CalibSolver::reset() {
   write_journal();
 }
 
-bool CalibSolver::remove_view(unsigned index) {
+bool CalibSolver::remove_view(std::optional<unsigned> wanted) {
   {
     const std::lock_guard guard(lock_);
+    // Where there is none, what comes before the first one is no index.
+    const std::size_t index = wanted ? *wanted : session_.views().views().size() - 1;
     if (!session_.remove_view(index)) {
-      GST_WARNING_OBJECT(element_, "there is no view %u to remove", index);
+      GST_WARNING_OBJECT(element_, "there is no view %" G_GSIZE_FORMAT " to remove", index);
       return false;
     }
-    GST_INFO_OBJECT(element_, "view %u is removed, %" G_GSIZE_FORMAT " are left", index,
-                    session_.views().views().size());
+    GST_INFO_OBJECT(element_, "view %" G_GSIZE_FORMAT " is removed, %" G_GSIZE_FORMAT " are left",
+                    index, session_.views().views().size());
     obey();
   }
   write_journal();
@@ -225,8 +239,7 @@ void CalibSolver::run_command(const SolveCommand& command) {
       reset();
       break;
     case SolveCommand::Kind::kRemoveView:
-      // Where there is none, -1 is no index either.
-      remove_view(command.index.value_or(static_cast<unsigned>(progress().views) - 1));
+      remove_view(command.index);
       break;
   }
 }

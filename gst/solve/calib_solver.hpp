@@ -22,7 +22,8 @@
 
 namespace calvin::gst {
 
-// Every function may be called from any thread and returns at once, but for finish().
+// Every function may be called from any thread and returns at once, but for finish() and, where a
+// journal is kept, for the system's write() of what it is to hold: a view is announced behind that.
 // None holds a lock while it posts or notifies.
 //
 // Other settings take effect with the next frame, or with solve_now().
@@ -76,7 +77,8 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   // From when it returns nothing of the session before is begun to be written, posted or announced;
   // what another thread has begun by then, one message or file at the most, it ends.
   void reset();
-  bool remove_view(unsigned index);
+  // Absent: the newest one.
+  bool remove_view(std::optional<unsigned> wanted);
   void run_command(const SolveCommand& command);
 
   // Native JSON of the newest solution, empty before the first one.
@@ -84,6 +86,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   [[nodiscard]] GstStructure* stats();
 
  private:
+  [[nodiscard]] Status begin();
   // With the lock held, after whatever may have made the session ask for work: hands it to the
   // worker, to the writer and to the journal.
   void obey();
@@ -93,6 +96,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   [[nodiscard]] Status open_journal(const SessionSettings& settings);
   // Without the lock: writes what obey() gave to the journal.
   void write_journal();
+  void sync_later(const std::shared_ptr<Journal>& journal);
   void sync_journal(const std::shared_ptr<Journal>& journal, const std::stop_token& stop);
 
   // update(), however long that takes; false when it was cancelled.
@@ -136,6 +140,9 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   CalibrationSession session_;        // lock_
   SessionFiles files_;                // on the writer
   std::shared_ptr<Journal> journal_;  // lock_; null where none is kept
+  // lock_: what was commanded between two runs, for the journal of the next one.
+  std::vector<JournalEntry> between_runs_;
+  std::string journal_path_;  // lock_; of the last run that kept one
 
   Worker syncer_;  // of the journal
   Worker writer_;

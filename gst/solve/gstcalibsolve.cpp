@@ -126,7 +126,10 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   std::optional<Error> problem;
   const auto observations = gst::read_observations(buffer, &problem);
   if (problem) solver.complain(*problem);
-  solver.hear_detector(gst::read_hint(buffer));
+  // A detector that skips frames has said nothing of this one.
+  if (gst_buffer_get_custom_meta(buffer, gst::kObservationName) != nullptr) {
+    solver.hear_detector(gst::read_hint(buffer));
+  }
   const bool captured = gst_calib_solve_offer(self, observations, GST_BUFFER_DURATION(buffer));
   gst_calib_solve_push_calibration(self);
   Progress progress = solver.progress();

@@ -27,14 +27,16 @@ constexpr Row kRows[] = {
     {"calvin-remove-view", "BackSpace", Kind::kRemoveView},
 };
 
+// The largest number, which no view has, for what is no index.
 std::optional<unsigned> index_of(const GstStructure* structure) {
+  if (!gst_structure_has_field(structure, "index")) return std::nullopt;
   guint index = 0;
   if (gst_structure_get_uint(structure, "index", &index)) return index;
   int number = 0;
   if (gst_structure_get_int(structure, "index", &number) && number >= 0) {
     return static_cast<unsigned>(number);
   }
-  return std::nullopt;
+  return G_MAXUINT;
 }
 
 std::optional<SolveCommand> of_custom(const GstStructure* structure) {

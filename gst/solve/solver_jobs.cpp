@@ -31,11 +31,11 @@ void CalibSolver::judge_earlier(const SolveJob& job, const std::stop_token& stop
   const auto verdict = calvin::judge_earlier(job);
   if (!verdict) return;
   GST_INFO_OBJECT(element_, "%s", verdict->words.c_str());
-  {
-    const std::lock_guard guard(lock_);
-    if (!session_.judged(job, verdict->words)) return;
-  }
   if (const auto report = begin_report(job, stop)) {
+    {
+      const std::lock_guard guard(lock_);
+      if (!session_.judged(job, verdict->words)) return;
+    }
     post_message(element_, check_message(job, *verdict));
   }
   const auto report = begin_report(job, stop);

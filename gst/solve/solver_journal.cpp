@@ -30,9 +30,17 @@ Status CalibSolver::open_journal(const SessionSettings& settings) {
                               "be views of their boards. Those that can are used.",
                               content.unusable, journal->path())});
   }
-  const std::lock_guard guard(lock_);
-  journal_ = journal;
-  session_.begin_journal(std::move(content.views));
+  {
+    const std::lock_guard guard(lock_);
+    journal_ = journal;
+    if (std::exchange(journal_path_, journal->path()) != journal->path()) between_runs_.clear();
+    for (JournalEntry& entry : std::exchange(between_runs_, {})) {
+      content.views = entry.views;  // each of them says what is left
+      journal->add(std::move(entry));
+    }
+    session_.begin_journal(std::move(content.views));
+  }
+  write_journal();
   return {};
 }
 
@@ -46,12 +54,17 @@ void CalibSolver::write_journal() {
   if (!journal || !journal->is_waiting()) return;
   const Status written = journal->write();
   if (written) {
-    syncer_.offer([this, journal](const std::stop_token& stop) { sync_journal(journal, stop); });
+    sync_later(journal);
   } else if (written.error().code == ErrorCode::kInvalidArgument) {
     post_error(element_, written.error());
   } else {
     post_warning(element_, written.error());
   }
+}
+
+void CalibSolver::sync_later(const std::shared_ptr<Journal>& journal) {
+  if (!journal) return;
+  syncer_.offer([this, journal](const std::stop_token& stop) { sync_journal(journal, stop); });
 }
 
 void CalibSolver::sync_journal(const std::shared_ptr<Journal>& journal,

@@ -123,6 +123,35 @@ GST_START_TEST(test_commands_reach_the_journal) {
 }
 GST_END_TEST;
 
+// Whoever begins anew while nothing runs means the next run.
+GST_START_TEST(test_commands_between_runs_count) {
+  check::TemporaryFolder folder;
+  SolveFixture f(journal_in(folder));
+  f.push_views(5);
+  gst_element_set_state(f.element, GST_STATE_READY);
+  if (__i__ == 0) {
+    g_signal_emit_by_name(f.element, "reset");
+  } else {
+    gboolean removed = FALSE;
+    g_signal_emit_by_name(f.element, "remove-view", 1, &removed);
+    fail_unless(removed);
+  }
+  gst_element_set_state(f.element, GST_STATE_PLAYING);
+  gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
+  fail_unless_equals_int(views(f), __i__ == 0 ? 0 : 4);
+  fail_unless_equals_int(held(folder), __i__ == 0 ? 0 : 4);
+  // Another journal is none of its business.
+  gst_element_set_state(f.element, GST_STATE_READY);
+  g_signal_emit_by_name(f.element, "reset");
+  std::filesystem::copy_file(folder / "views.jsonl", folder / "other.jsonl");
+  const std::size_t copied = held(folder);
+  g_object_set(f.element, "journal", (folder / "other.jsonl").c_str(), nullptr);
+  gst_element_set_state(f.element, GST_STATE_PLAYING);
+  gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
+  fail_unless_equals_int(views(f), copied);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_other_frames_wait_for_their_views) {
   check::TemporaryFolder folder;
   SolveFixture f(journal_in(folder));
@@ -220,6 +249,7 @@ static Suite* calibsolve_journal_suite() {
   tcase_add_test(tc, test_the_next_run_goes_on);
   tcase_add_test(tc, test_the_same_element_goes_on_too);
   tcase_add_test(tc, test_commands_reach_the_journal);
+  tcase_add_loop_test(tc, test_commands_between_runs_count, 0, 2);
   tcase_add_test(tc, test_other_frames_wait_for_their_views);
   tcase_add_test(tc, test_a_journal_that_cannot_be_kept_is_an_error);
   tcase_add_test(tc, test_another_board_is_an_error);

@@ -60,14 +60,17 @@ Status AppendFile::cut(std::size_t size) const {
   return {};
 }
 
-Status AppendFile::append(std::string_view bytes) const {
+Status AppendFile::append(std::string_view bytes) {
   const WriteSignalsBlocked blocked;
+  if (torn_at_ && !file_->cut(*torn_at_)) return not_written(path_, errno);
+  torn_at_.reset();
   struct stat info {};
   if (::fstat(file_->get(), &info) != 0) return not_written(path_, errno);
   if (info.st_nlink == 0) return not_written(path_, ENOENT);
   if (file_->write(bytes)) return {};
   const int error = errno;
-  (void)file_->cut(static_cast<std::size_t>(info.st_size));
+  const auto before = static_cast<std::size_t>(info.st_size);
+  if (!file_->cut(before)) torn_at_ = before;
   return not_written(path_, error);
 }
 

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -32,7 +33,7 @@ class AppendFile {
   [[nodiscard]] Status cut(std::size_t size) const;
   // All of it or, with an error, nothing: a full disk leaves no half line behind. kIo too where the
   // file was removed, and nobody would find what is written to it.
-  [[nodiscard]] Status append(std::string_view bytes) const;
+  [[nodiscard]] Status append(std::string_view bytes);
   // Lets others append to it, though it stays open: for whoever is done, but has a sync() under
   // way.
   void unlock() const noexcept;
@@ -45,6 +46,8 @@ class AppendFile {
 
   std::string path_;
   std::unique_ptr<Descriptor> file_;
+  // Where half of what could not be appended stands that could not be taken back either.
+  std::optional<std::size_t> torn_at_;
 };
 
 }  // namespace calvin

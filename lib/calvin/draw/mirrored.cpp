@@ -26,9 +26,11 @@ std::string with_sides_exchanged(std::string_view text) {
   constexpr std::string_view kLeft = "left";
   constexpr std::string_view kRight = "right";
   std::string turned;
+  bool is_name = false;  // between quotes, as of a file
   for (std::size_t i = 0; i < text.size();) {
-    const bool left = is_word(text, i, kLeft);
-    const bool right = is_word(text, i, kRight);
+    if (text[i] == '\'') is_name = !is_name;
+    const bool left = !is_name && is_word(text, i, kLeft);
+    const bool right = !is_name && is_word(text, i, kRight);
     if (left || right) {
       turned += left ? kRight : kLeft;
       i += left ? kLeft.size() : kRight.size();

@@ -81,8 +81,10 @@ void read_velocity(Fields& fields, Observation& seen) {
 
 void read_ambiguous(Fields& fields, Observation& seen) {
   for (const Node& node : fields.list("ambiguous")) {
-    const auto relabelling =
-        node.kind == Node::Kind::kString ? parse_relabelling(node.text) : std::nullopt;
+    // An empty one is of a detector that says it in words of its own.
+    const auto relabelling = node.kind != Node::Kind::kString ? std::nullopt
+                             : node.text.empty()              ? Relabelling()
+                                                              : parse_relabelling(node.text);
     if (!relabelling) {
       fields.complain("ambiguous", "has what is no other labelling, as \"rotate180\" is");
       return;

@@ -63,6 +63,7 @@ void CalibrationSession::change_views(ImageSize size) {
       set_aside_.push_back(view);
     } else if (views_.restore(view) == Reason::kAccepted) {
       camera_ = view->observation.camera;
+      board_ = view->board;
       note_taken({.timestamp = view->observation.timestamp});
     }
   }
@@ -70,7 +71,9 @@ void CalibrationSession::change_views(ImageSize size) {
     set_aside_.erase(set_aside_.begin(),
                      set_aside_.end() - static_cast<std::ptrdiff_t>(kMostAside));
   }
-  if (!views_.views().empty()) (void)consider();  // the hint tells where a limit is reached
+  // Only the first frame tells whether the source is live, and with it what is solved for.
+  taken_up_ = !views_.views().empty();
+  if (taken_up_) ++revision_;
   const std::size_t taken_up = views_.views().size();
   if (auto notice = other_frames(size, taken_up, set_aside_)) say_later(*std::move(notice));
 }
@@ -85,7 +88,11 @@ void CalibrationSession::note_taken(const FrameTimes& times) {
 
 void CalibrationSession::set_live(bool live) {
   live_ = live;
+  const CaptureMode before = views_.options().mode;
   views_.set_options(plan_.session_options(live));
+  if (views_.options().mode != before) next_solve_ = 0;
+  // The hint tells where a limit is reached.
+  if (std::exchange(taken_up_, false) && !views_.views().empty()) (void)consider();
 }
 
 // ---- Views --------------------------------------------------------------------------------------
@@ -106,6 +113,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
                                   std::size_t place) {
   Offered offered;
   drop_stale_guide(observation.timestamp);
+  if (observation.timestamp != kNoTimestamp) newest_ = observation.timestamp;
   if (!observation.found()) {
     views_.pass(observation);
     if (camera_.empty()) camera_ = observation.camera;
@@ -133,7 +141,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   const Reason reason = views_.offer(view, fine ? worth(view) : ViewWorth{});
   if (reason == Reason::kAccepted) {
     note_taken(times);
-    write_down({false, {views_.views().back()}});
+    write_down(false, {views_.views().back()});
     accepted_at_ = observation.timestamp;
     capture_.restart(accepted_at_);
     offered.reached = consider();
@@ -228,7 +236,7 @@ Progress CalibrationSession::progress() const {
 std::string CalibrationSession::hint_text() const {
   // As long as another board is in view, or it is dark, nothing else helps.
   if (!obstacle_.empty()) return obstacle_;
-  const bool is_told = verdict_until_ != kNoTimestamp && times_.timestamp <= verdict_until_;
+  const bool is_told = verdict_until_ != kNoTimestamp && newest_ <= verdict_until_;
   if (is_told) return verdict_words_;
   return to_text(views_.views().empty() ? first_hint() : hint_);
 }
@@ -318,7 +326,7 @@ void CalibrationSession::reset() {
   const bool any = !views_.views().empty() || !set_aside_.empty();
   begin_session();
   set_aside_.clear();
-  if (any) write_down({true, {}});
+  if (any) write_down(true, {});
 }
 
 void CalibrationSession::begin_session() {
@@ -356,9 +364,9 @@ void CalibrationSession::outdate_results() {
 
 bool CalibrationSession::remove_view(std::size_t index) {
   if (!views_.remove_view(index)) return false;
-  JournalEntry left = {true, set_aside_};
-  left.views.insert(left.views.end(), views_.views().begin(), views_.views().end());
-  write_down(std::move(left));
+  Session::Views left = set_aside_;
+  left.insert(left.end(), views_.views().begin(), views_.views().end());
+  write_down(true, std::move(left));
   taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
   outdate_results();  // what is being solved has the view in it, and the files have it
   finished_ = !limit_reached().empty();

@@ -194,8 +194,8 @@ class CalibrationSession {
   void begin_session();
   // Keeps the views of frames of another size, and takes up those of `size`.
   void change_views(ImageSize size);
-  void write_down(JournalEntry entry) {
-    if (journaling_) entries_.push_back(std::move(entry));
+  void write_down(bool reset, Session::Views views) {
+    if (journaling_) entries_.push_back({reset, std::move(views), plan_.settings.camera});
   }
   // Whether a view tells enough, of what the hint asks for, to be kept.
   [[nodiscard]] ViewWorth worth(const View& view);
@@ -225,6 +225,7 @@ class CalibrationSession {
   Session views_{SessionOptions{}};
   std::vector<TakenView> taken_;  // the views of views_
   Session::Views set_aside_;      // of frames of other sizes than size_
+  bool taken_up_ = false;         // and a solve of them waits for the mode
   bool journaling_ = false;
   std::vector<JournalEntry> entries_;  // for take_journal()
   ImageSize size_;
@@ -235,6 +236,7 @@ class CalibrationSession {
   std::shared_ptr<const EarlierCalibration> earlier_;  // not judged yet
   std::string verdict_words_;                          // of it
   std::uint64_t verdict_until_ = kNoTimestamp;         // timestamp
+  std::uint64_t newest_ = kNoTimestamp;                // of the newest frame, with a board or not
   std::string obstacle_;                               // on the newest frame, as the detector says
   std::string told_obstacle_;
   std::string last_obstacle_;     // since a board was found

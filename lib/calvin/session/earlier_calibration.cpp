@@ -68,13 +68,16 @@ std::optional<EarlierVerdict> judge_earlier(const SolveJob& job) {
     return std::nullopt;
   }
   const auto fitted = fit_to_frame(calibration, job.size);
-  if (!fitted) return std::nullopt;
+  // A size that was not calibrated may show another part of the sensor.
+  if (!fitted || fitted->scaled) return std::nullopt;
   Recheck recheck(fitted->camera, calibration);
   EarlierVerdict verdict;
   for (const auto& view : job.views) {
+    // One that moves is not where it is seen.
+    if (!view->observation.velocity.empty()) continue;
     if (const auto report = recheck.add(*view)) verdict.report = *report;
   }
-  if (verdict.report.points == 0) return std::nullopt;
+  if (!(verdict.report.displacement_sigma > 0)) return std::nullopt;
   verdict.holds = verdict.report.displacement <= kMoved * verdict.report.displacement_sigma;
   if (!is_known(verdict, job.views.size())) return std::nullopt;
   verdict.words = words_for(verdict, name);

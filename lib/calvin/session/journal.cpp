@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/observations.hpp"
@@ -19,6 +20,8 @@
 namespace calvin {
 
 namespace {
+
+constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 
 // Whether nothing but the beginning of a header was written before the program ended.
 bool holds_nothing(std::string_view content) {
@@ -56,51 +59,49 @@ std::string texts_of(const std::vector<Board>& boards) {
 
 }  // namespace
 
-Journal::Journal(AppendFile file, const SessionSettings& settings)
-    : file_(std::move(file)), camera_(settings.camera) {
-  // A text that is no board says nothing here: the detector refuses it.
-  if (auto boards = parse_boards(settings.board)) boards_ = *std::move(boards);
-}
-
 Result<std::unique_ptr<Journal>> Journal::open(const SessionSettings& settings) {
   const auto told = [](const Error& why) {
     return make_error(why.code, "The journal cannot be kept. " + why.message);
   };
   auto file = AppendFile::open(settings.journal);
   if (!file) return told(file.error());
-  std::unique_ptr<Journal> journal(new Journal(*std::move(file), settings));
+  std::unique_ptr<Journal> journal(new Journal(*std::move(file)));
   if (const Status read = journal->read(settings); !read) return told(read.error());
   return journal;
 }
 
 Status Journal::read(const SessionSettings& settings) {
-  const auto content = file_.read(kMaxObservationBytes);
+  const auto content = file_.read(kMostBytes);
   if (!content) return tl::unexpected<Error>(content.error());
+  // A text that is no board says nothing here: the detector refuses it.
+  const std::vector<Board> wanted = parse_boards(settings.board).value_or(std::vector<Board>());
   if (holds_nothing(*content)) {
-    header_board_ = texts_of(boards_);
+    header_board_ = texts_of(wanted);
     return content->empty() ? Status() : file_.cut(0);
   }
-  const auto observations = parse_observations(*content, file_.path());
-  if (!observations) return tl::unexpected<Error>(observations.error());
+  const auto held = parse_observations(*content, file_.path());
+  if (!held) return tl::unexpected<Error>(held.error());
   has_header_ = true;
-  header_board_ = observations->board;
-  if (const Status taken = take_up(settings, observations->observations); !taken) return taken;
-  if (observations->whole_bytes == content->size()) return {};
-  return file_.cut(observations->whole_bytes);
+  header_board_ = held->board;
+  take_up(held->observations);
+  if (const Status fits = check_is_of(settings, wanted); !fits) return fits;
+  // Whoever names boards may name others while frames flow.
+  if (!wanted.empty()) boards_.clear();
+  if (held->whole_bytes != content->size()) {
+    if (const Status cut = file_.cut(held->whole_bytes); !cut) return cut;
+  }
+  return compact(*held, content->size());
 }
 
-Status Journal::take_up(const SessionSettings& settings,
-                        const std::vector<Observation>& observations) {
-  std::vector<Board> held = boards_of(header_board_);
-  std::map<std::string, std::optional<Board>> boards;
+void Journal::take_up(const std::vector<Observation>& observations) {
+  boards_ = boards_of(header_board_);
+  std::map<std::string, std::optional<Board>> known;
   for (const Observation& seen : observations) {
-    if (!camera_.empty() && !seen.camera.empty() && seen.camera != camera_) {
-      return of_another(file_.path(), "camera", seen.camera, camera_);
-    }
-    const auto [board, is_new] = boards.try_emplace(seen.board);
+    if (!seen.camera.empty()) camera_ = seen.camera;
+    const auto [board, is_new] = known.try_emplace(seen.board);
     if (is_new) {
       if (auto parsed = parse_board(seen.board)) board->second = *std::move(parsed);
-      if (board->second && !is_among(*board->second, held)) held.push_back(*board->second);
+      if (board->second && !is_among(*board->second, boards_)) boards_.push_back(*board->second);
     }
     if (!board->second || !seen.found() || !check({seen, *board->second}, seen.image_size)) {
       ++content_.unusable;
@@ -108,14 +109,31 @@ Status Journal::take_up(const SessionSettings& settings,
     }
     content_.views.push_back(std::make_shared<const View>(View{seen, *board->second}));
   }
+}
+
+Status Journal::check_is_of(const SessionSettings& settings,
+                            const std::vector<Board>& wanted) const {
+  if (!settings.camera.empty() && !camera_.empty() && settings.camera != camera_) {
+    return of_another(file_.path(), "camera", camera_, settings.camera);
+  }
   const bool any =
-      std::ranges::any_of(held, [this](const Board& b) { return is_among(b, boards_); });
-  if (!boards_.empty() && !held.empty() && !any) {
-    return of_another(file_.path(), "board", texts_of(held), settings.board);
+      std::ranges::any_of(boards_, [&wanted](const Board& b) { return is_among(b, wanted); });
+  if (!wanted.empty() && !boards_.empty() && !any) {
+    return of_another(file_.path(), "board", texts_of(boards_), settings.board);
   }
-  for (const Board& board : held) {
-    if (!is_among(board, boards_)) boards_.push_back(board);
-  }
+  return {};
+}
+
+// Each view that was taken out has left a copy of all the others, and each session that was begun
+// anew all of its views.
+Status Journal::compact(const ObservationFile& held, std::size_t bytes) {
+  constexpr std::size_t kWorthIt = std::size_t{1} << 20;
+  if (bytes < kWorthIt) return {};
+  const std::string live = print_observations(held);
+  if (live.size() > bytes / 2 || !write_file(file_.path(), live)) return {};
+  auto file = AppendFile::open(file_.path());
+  if (!file) return tl::unexpected<Error>(file.error());
+  file_ = *std::move(file);
   return {};
 }
 
@@ -124,14 +142,22 @@ void Journal::add(JournalEntry entry) {
   const std::lock_guard guard(waiting_lock_);
   if (closed_) return;
   if (entry.reset) waiting_.clear();
-  if (waiting_.size() >= kMostWaiting) waiting_.pop_front();
+  // What was to be forgotten stays forgotten.
+  if (waiting_.size() >= kMostWaiting) waiting_.erase(waiting_.begin() + waiting_.front().reset);
   waiting_.push_back(std::move(entry));
 }
 
-bool Journal::admits(const JournalEntry& entry) const {
-  return boards_.empty() || std::ranges::all_of(entry.views, [this](const auto& view) {
-           return is_among(view->board, boards_);
-         });
+Status Journal::check_admits(const JournalEntry& entry) const {
+  for (const auto& view : entry.views) {
+    if (!boards_.empty() && !is_among(view->board, boards_)) {
+      return of_another(file_.path(), "board", texts_of(boards_), view->board.text());
+    }
+    const std::string& camera = view->observation.camera;
+    if (entry.camera.empty() && !camera_.empty() && !camera.empty() && camera != camera_) {
+      return of_another(file_.path(), "camera", camera_, camera);
+    }
+  }
+  return {};
 }
 
 std::string Journal::print(const JournalEntry& entry) {
@@ -144,12 +170,9 @@ std::string Journal::print(const JournalEntry& entry) {
   }
   if (entry.reset) text += print_observation_reset(entry.views.size());
   for (const auto& view : entry.views) {
-    if (camera_.empty()) {
-      text += print_observation(view->observation, header_board_);
-      continue;
-    }
     Observation named = view->observation;
-    named.camera = camera_;
+    if (!entry.camera.empty()) named.camera = entry.camera;
+    if (!named.camera.empty()) camera_ = named.camera;
     text += print_observation(named, header_board_);
   }
   return text;
@@ -181,16 +204,16 @@ void Journal::close() {
 
 void Journal::end() {
   close();
-  file_.unlock();
+  // Whoever writes just now keeps the file to the end of that.
+  if (const std::unique_lock writing(writing_lock_, std::try_to_lock); writing) file_.unlock();
 }
 
 Status Journal::write() {
   const std::lock_guard writing(writing_lock_);
   while (const auto entry = next()) {
-    if (!admits(*entry)) {
+    if (const Status admitted = check_admits(*entry); !admitted) {
       close();
-      return of_another(file_.path(), "board", texts_of(boards_),
-                        entry->views.front()->board.text());
+      return admitted;
     }
     if (const Status appended = file_.append(print(*entry)); !appended) {
       if (std::exchange(failed_, true)) return {};

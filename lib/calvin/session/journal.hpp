@@ -16,6 +16,7 @@
 
 #include "calvin/core/append_file.hpp"
 #include "calvin/core/result.hpp"
+#include "calvin/io/observations.hpp"
 #include "calvin/session/session.hpp"
 #include "calvin/session/session_jobs.hpp"
 #include "calvin/session/session_settings.hpp"
@@ -43,8 +44,8 @@ class Journal {
   void add(JournalEntry entry);
   [[nodiscard]] bool is_waiting();
   // Writes what was added. What cannot be written stays for the next time, and the first of such
-  // errors in a row is told. kInvalidArgument for a view of a board that the journal is not of:
-  // nothing more is written then.
+  // errors in a row is told. kInvalidArgument for a view of a board or a camera that the journal
+  // is not of: nothing more is written then.
   [[nodiscard]] Status write();
   // Nothing more is taken, and another one may open the file.
   void end();
@@ -52,28 +53,32 @@ class Journal {
   [[nodiscard]] Status sync() const { return file_.sync(); }
 
  private:
-  Journal(AppendFile file, const SessionSettings& settings);
+  explicit Journal(AppendFile file) : file_(std::move(file)) {}
   [[nodiscard]] Status read(const SessionSettings& settings);
-  [[nodiscard]] Status take_up(const SessionSettings& settings,
-                               const std::vector<Observation>& observations);
+  void take_up(const std::vector<Observation>& observations);
+  [[nodiscard]] Status check_is_of(const SessionSettings& settings,
+                                   const std::vector<Board>& wanted) const;
+  // Writes it anew where most of it was forgotten.
+  [[nodiscard]] Status compact(const ObservationFile& held, std::size_t bytes);
   // What waits longest; absent where nothing does.
   [[nodiscard]] std::optional<JournalEntry> next();
   void written(const JournalEntry& entry);
   void close();
   // The lines of an entry, behind the header where the file has none yet.
   [[nodiscard]] std::string print(const JournalEntry& entry);
-  [[nodiscard]] bool admits(const JournalEntry& entry) const;
+  // kInvalidArgument where it is of another board or camera.
+  [[nodiscard]] Status check_admits(const JournalEntry& entry) const;
 
   AppendFile file_;
-  std::string camera_;         // as the settings name it; empty: as each observation does
-  std::vector<Board> boards_;  // of the settings and of what the file held; empty: any
   Content content_;
 
   std::mutex waiting_lock_;
   std::deque<JournalEntry> waiting_;
   bool closed_ = false;  // it has ended, or a view of another board came
 
-  std::mutex writing_lock_;  // before waiting_lock_
+  std::mutex writing_lock_;    // before waiting_lock_
+  std::string camera_;         // of the newest view; empty: not known
+  std::vector<Board> boards_;  // of an earlier run; empty: any
   std::string header_board_;
   bool has_header_ = false;
   bool failed_ = false;  // and told

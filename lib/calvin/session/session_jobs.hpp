@@ -60,6 +60,7 @@ struct WriteJob {
 struct JournalEntry {
   bool reset = false;
   Session::Views views;
+  std::string camera;  // as the user names it; empty: as each view does
 };
 
 // On any thread: takes as long as the solve does.

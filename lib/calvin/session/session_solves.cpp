@@ -44,7 +44,7 @@ bool CalibrationSession::judged(const SolveJob& job, std::string words) {
   constexpr std::uint64_t kReadable = 4'000'000'000;  // ns
   earlier_.reset();
   verdict_words_ = std::move(words);
-  verdict_until_ = times_.timestamp == kNoTimestamp ? kNoTimestamp : times_.timestamp + kReadable;
+  verdict_until_ = newest_ == kNoTimestamp ? kNoTimestamp : newest_ + kReadable;
   return true;
 }
 

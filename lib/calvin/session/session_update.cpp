@@ -20,7 +20,10 @@ void CalibrationSession::start(SessionPlan plan, bool writable) {
   writes_.begin_files(writable);
   set_aside_.clear();
   journaling_ = false;
+  taken_up_ = false;
   earlier_.reset();
+  times_ = {};
+  newest_ = kNoTimestamp;
   entries_.clear();
   begin_session();
 }

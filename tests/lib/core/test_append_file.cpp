@@ -43,7 +43,7 @@ TEST_F(AppendFiles, HaveOneWriter) {
   const auto second = AppendFile::open(path_);
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find("another one"), std::string::npos);
-  const AppendFile moved = *std::move(first);
+  AppendFile moved = *std::move(first);
   EXPECT_FALSE(AppendFile::open(path_)) << "it is still open";
   EXPECT_TRUE(moved.append("x"));
 }
@@ -59,7 +59,7 @@ TEST_F(AppendFiles, AreFreeOnceTheirWriterIsGoneOrDone) {
 
 // A journal must not end with half a line.
 TEST_F(AppendFiles, HoldAllThatWasAppendedOrNothingOfIt) {
-  const auto file = AppendFile::open(path_);
+  auto file = AppendFile::open(path_);
   ASSERT_TRUE(file);
   ASSERT_TRUE(file->append("whole\n"));
   {
@@ -74,7 +74,7 @@ TEST_F(AppendFiles, HoldAllThatWasAppendedOrNothingOfIt) {
 }
 
 TEST_F(AppendFiles, ThatAreRemovedTakeNothingMore) {
-  const auto file = AppendFile::open(path_);
+  auto file = AppendFile::open(path_);
   ASSERT_TRUE(file);
   std::filesystem::remove(path_);
   EXPECT_FALSE(file->append("to nobody"));

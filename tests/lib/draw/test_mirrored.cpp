@@ -56,6 +56,8 @@ TEST(Mirrored, WordsAreThoseOfTheOtherSide) {
   Progress other;
   other.hint = "bright and leftover, right?";
   EXPECT_EQ(mirrored(other).hint, "bright and leftover, left?");
+  other.hint = "'left.json' still holds, on the left";
+  EXPECT_EQ(mirrored(other).hint, "'left.json' still holds, on the right");
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ TEST(Observations, WhatIsPrintedReadsBackAsTheSame) {
     seen.sigma = {0.1, 0.7, 1.0 / 7};
     if (file.observations.empty()) {
       seen.velocity = {{1.0 / 3, -120.5}, {0, 1e-300}, {7, 8}};
-      seen.ambiguous = {{2, 0, 0}, {1, 0, -1}};
+      seen.ambiguous = {{2, 0, 0}, {}, {1, 0, -1}};  // the second in words that nobody knows
       seen.blur = 0.7;
     }
     file.observations.push_back(seen);

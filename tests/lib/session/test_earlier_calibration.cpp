@@ -83,6 +83,8 @@ TEST_F(EarlierCalibrations, OfAnotherCameraOrSizeSayNothing) {
   EXPECT_TRUE(judge_earlier(other).has_value());
   other.size = {1280, 720};
   EXPECT_FALSE(judge_earlier(other).has_value());
+  other.size = {640, 480};
+  EXPECT_FALSE(judge_earlier(other).has_value()) << "it may show another part of the sensor";
   other.earlier = nullptr;
   EXPECT_FALSE(judge_earlier(other).has_value());
 }

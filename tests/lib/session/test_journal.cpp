@@ -256,6 +256,43 @@ TEST_F(Journals, OfAnotherBoardOrCameraAreRefused) {
   EXPECT_TRUE(Journal::open(other));
 }
 
+// Nobody names the cameras, but what they see does.
+TEST_F(Journals, OfOneCameraTakeNoViewOfAnother) {
+  run();
+  show_and_write(2);
+  Observation other = this->seen(50);
+  other.camera = "right";
+  const auto view = std::make_shared<const View>(View{other, scenes::kBoard});
+  journal_->add({false, {view}, ""});
+  const Status written = journal_->write();
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("right"), std::string::npos) << written.error().message;
+  run();
+  journal_->add({false, {view}, "left"});
+  EXPECT_TRUE(journal_->write()) << "the user says that it is the same";
+  EXPECT_EQ(held().size(), 3u);
+}
+
+// Each view that is taken out leaves a copy of the others behind.
+TEST_F(Journals, AreWrittenAnewWhereMostOfThemIsForgotten) {
+  run();
+  show_and_write(40);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(session_.remove_view(0));
+    write_down();
+  }
+  const auto left = kept();
+  const std::size_t before = read_file(settings_.journal)->size();
+  ASSERT_GT(before, std::size_t{1} << 20);
+  run();
+  EXPECT_EQ(kept(), left);
+  EXPECT_EQ(held(), left);
+  EXPECT_LT(read_file(settings_.journal)->size(), before / 4);
+  EXPECT_FALSE(Journal::open(settings_)) << "the new one is ours too";
+  show_and_write(1);
+  EXPECT_EQ(held().size(), left.size() + 1);
+}
+
 TEST_F(Journals, OfOneBoardTakeNoViewOfAnother) {
   run();
   show_and_write(2);
@@ -263,7 +300,7 @@ TEST_F(Journals, OfOneBoardTakeNoViewOfAnother) {
   Observation seen = this->seen(50);
   seen.board = "checkerboard:40x40:30mm";
   const auto board = parse_board(seen.board);
-  journal_->add({false, {std::make_shared<const View>(View{seen, *board})}});
+  journal_->add({false, {std::make_shared<const View>(View{seen, *board})}, ""});
   const Status written = journal_->write();
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, ErrorCode::kInvalidArgument);
