@@ -45,6 +45,7 @@ using ElementPtr = std::unique_ptr<GstElement, Unref>;
 G_DECLARE_FINAL_TYPE(GstCalibrate, gst_calibrate, GST, CALIBRATE, GstBin)
 
 // Nothing is kept of the children: an application may take them out, or put others in their place.
+// The overlay that `overlay=false` leaves out is kept with its properties as data of the object.
 struct _GstCalibrate {
   GstBin parent;
 };
@@ -62,10 +63,19 @@ enum { PROP_0, PROP_OVERLAY };
 static constexpr const char* kDetect = "detect";
 static constexpr const char* kSolve = "solve";
 static constexpr const char* kOverlay = "overlay";
+static constexpr const char* kLeftOut = "overlay-left-out";
 
 // The child of that name, nullptr where there is none.
 static ElementPtr gst_calibrate_child(GstCalibrate* self, const char* name) {
   return ElementPtr(gst_bin_get_by_name(GST_BIN(self), name));
+}
+
+// Likewise of what has properties: the overlay has them while it is left out, too.
+static ElementPtr gst_calibrate_owner(GstCalibrate* self, const char* name) {
+  ElementPtr child = gst_calibrate_child(self, name);
+  if (child || std::string_view(name) != kOverlay) return child;
+  auto* left_out = static_cast<GstElement*>(g_object_get_data(G_OBJECT(self), kLeftOut));
+  return ElementPtr(left_out != nullptr ? GST_ELEMENT(gst_object_ref(left_out)) : nullptr);
 }
 
 static bool gst_calibrate_has(GstElement* child, const char* name) {
@@ -100,10 +110,8 @@ static void gst_calibrate_element_removed(GstBin* bin, GstElement* element) {
                                        bin);
 }
 
-// A new child, linked behind the one of that name.
-static void gst_calibrate_add(GstCalibrate* self, const char* factory, const char* name,
-                              const char* before) {
-  GstElement* child = gst_element_factory_make(factory, name);
+// A child, linked behind the one of that name.
+static void gst_calibrate_add(GstCalibrate* self, GstElement* child, const char* before) {
   gst_bin_add(GST_BIN(self), child);
   const ElementPtr upstream = before != nullptr ? gst_calibrate_child(self, before) : nullptr;
   if (upstream) gst_element_link(upstream.get(), child);
@@ -118,11 +126,16 @@ static void gst_calibrate_set_overlay(GstCalibrate* self, bool wanted) {
   // A pad has one peer: the chain is opened before it is longer or shorter.
   gst_ghost_pad_set_target(GST_GHOST_PAD(src), nullptr);
   if (wanted) {
-    gst_calibrate_add(self, "caliboverlay", kOverlay, kSolve);
+    const ElementPtr left_out(
+        static_cast<GstElement*>(g_object_steal_data(G_OBJECT(self), kLeftOut)));
+    GstElement* child =
+        left_out ? left_out.get() : gst_element_factory_make("caliboverlay", kOverlay);
+    gst_calibrate_add(self, child, kSolve);
     gst_element_sync_state_with_parent(gst_calibrate_child(self, kOverlay).get());
   } else {
     gst_element_set_state(overlay.get(), GST_STATE_NULL);
     gst_bin_remove(GST_BIN(self), overlay.get());
+    g_object_set_data_full(G_OBJECT(self), kLeftOut, overlay.release(), gst_object_unref);
   }
   const ElementPtr last = gst_calibrate_child(self, wanted ? kOverlay : kSolve);
   if (!last) return;
@@ -146,7 +159,7 @@ static void gst_calibrate_set_property(GObject* object, guint id, const GValue* 
   }
   bool known = false;
   for (const char* name : {kDetect, kSolve, kOverlay}) {
-    const ElementPtr child = gst_calibrate_child(self, name);
+    const ElementPtr child = gst_calibrate_owner(self, name);
     if (!gst_calibrate_has(child.get(), spec->name)) continue;
     GST_DEBUG_OBJECT(self, "%s goes to %s", spec->name, name);
     g_object_set_property(G_OBJECT(child.get()), spec->name, value);
@@ -166,7 +179,7 @@ static void gst_calibrate_get_property(GObject* object, guint id, GValue* value,
   const char* first = setting ? kDetect : kSolve;
   const char* second = setting ? kSolve : kDetect;
   for (const char* name : {first, second, kOverlay}) {
-    const ElementPtr child = gst_calibrate_child(self, name);
+    const ElementPtr child = gst_calibrate_owner(self, name);
     if (!gst_calibrate_has(child.get(), spec->name)) continue;
     g_object_get_property(G_OBJECT(child.get()), spec->name, value);
     return;
@@ -208,8 +221,8 @@ static void gst_calibrate_expose(GstCalibrate* self, const char* child, const ch
 }
 
 static void gst_calibrate_init(GstCalibrate* self) {
-  gst_calibrate_add(self, "calibdetect", kDetect, nullptr);
-  gst_calibrate_add(self, "calibsolve", kSolve, kDetect);
+  gst_calibrate_add(self, gst_element_factory_make("calibdetect", kDetect), nullptr);
+  gst_calibrate_add(self, gst_element_factory_make("calibsolve", kSolve), kDetect);
   gst_calibrate_expose(self, kDetect, "sink");
   gst_calibrate_expose(self, kSolve, "src");
   gst_calibrate_set_overlay(self, true);

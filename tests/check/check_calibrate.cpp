@@ -81,6 +81,27 @@ GST_START_TEST(test_the_overlay_can_be_left_out_and_put_back) {
 }
 GST_END_TEST;
 
+// What is set of the overlay holds whether it is there or not.
+GST_START_TEST(test_an_overlay_that_is_left_out_keeps_its_settings) {
+  g_autoptr(GstElement) bin = own(gst_element_factory_make("calibrate", nullptr));
+  const auto mirror = [&bin] {
+    gboolean value = FALSE;
+    g_object_get(bin, "mirror", &value, nullptr);
+    return value != FALSE;
+  };
+  fail_if(mirror());
+  g_object_set(bin, "mirror", TRUE, "overlay", FALSE, nullptr);
+  fail_unless(mirror());
+  g_object_set(bin, "ghost", FALSE, nullptr);
+  g_object_set(bin, "overlay", TRUE, nullptr);
+  fail_unless(mirror());
+  g_autoptr(GstElement) overlay = gst_bin_get_by_name(GST_BIN(bin), "overlay");
+  gboolean ghost = TRUE;
+  g_object_get(overlay, "ghost", &ghost, nullptr);
+  fail_if(ghost);
+}
+GST_END_TEST;
+
 // Whoever takes a child out, or puts another in its place: the bin keeps nothing that is gone.
 GST_START_TEST(test_children_may_be_taken_out) {
   for (const char* name : {"detect", "solve", "overlay"}) {
@@ -223,6 +244,7 @@ static Suite* calibrate_suite() {
   tcase_add_test(tc, test_every_default_is_the_childs);
   tcase_add_test(tc, test_changes_of_a_child_are_notified);
   tcase_add_test(tc, test_the_overlay_can_be_left_out_and_put_back);
+  tcase_add_test(tc, test_an_overlay_that_is_left_out_keeps_its_settings);
   tcase_add_test(tc, test_children_may_be_taken_out);
   tcase_add_test(tc, test_a_child_in_the_place_of_another_gets_the_settings);
   tcase_add_loop_test(tc, test_a_child_in_the_place_of_another_is_listened_to, 0, 2);

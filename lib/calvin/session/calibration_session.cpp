@@ -92,7 +92,17 @@ void CalibrationSession::set_live(bool live) {
   views_.set_options(plan_.session_options(live));
   if (views_.options().mode != before) next_solve_ = 0;
   // The hint tells where a limit is reached.
-  if (std::exchange(taken_up_, false) && !views_.views().empty()) (void)consider();
+  if (!std::exchange(taken_up_, false) || views_.views().empty()) return;
+  (void)consider();
+  waits_for_readout_ = !views_.readout();
+}
+
+// Views that were taken up may move, and are mended only where the time of a frame is known.
+void CalibrationSession::solve_with_readout() {
+  if (!waits_for_readout_ || !views_.readout()) return;
+  waits_for_readout_ = false;
+  ++revision_;
+  if (enough_views()) ask(finished_);
 }
 
 // ---- Views --------------------------------------------------------------------------------------
@@ -114,6 +124,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   Offered offered;
   drop_stale_guide(observation.timestamp);
   if (observation.timestamp != kNoTimestamp) newest_ = observation.timestamp;
+  solve_with_readout();
   if (!observation.found()) {
     views_.pass(observation);
     if (camera_.empty()) camera_ = observation.camera;
@@ -350,6 +361,7 @@ void CalibrationSession::begin_session() {
   guide_.reset();
   accepted_at_ = kNoTimestamp;
   verdict_until_ = kNoTimestamp;
+  waits_for_readout_ = false;
   capture_ = {};
   renew_hint();
 }

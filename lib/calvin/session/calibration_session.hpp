@@ -187,6 +187,7 @@ class CalibrationSession {
   [[nodiscard]] std::string_view consider();
   [[nodiscard]] std::string hint_text() const;
   [[nodiscard]] Hint first_hint() const;
+  void solve_with_readout();
   // Whether what came of an observation is news, and with what it is told.
   void report(Offered& offered, std::size_t place);
   // The newest of views_ is one that has been taken.
@@ -223,9 +224,10 @@ class CalibrationSession {
 
   // What was seen.
   Session views_{SessionOptions{}};
-  std::vector<TakenView> taken_;  // the views of views_
-  Session::Views set_aside_;      // of frames of other sizes than size_
-  bool taken_up_ = false;         // and a solve of them waits for the mode
+  std::vector<TakenView> taken_;    // the views of views_
+  Session::Views set_aside_;        // of frames of other sizes than size_
+  bool taken_up_ = false;           // and a solve of them waits for the mode
+  bool waits_for_readout_ = false;  // for a solve of them that has it
   bool journaling_ = false;
   std::vector<JournalEntry> entries_;  // for take_journal()
   ImageSize size_;

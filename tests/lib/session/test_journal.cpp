@@ -117,6 +117,28 @@ TEST_F(Journals, LetTheNextRunSolveAtOnce) {
   EXPECT_EQ(held().size(), 4u) << "what was taken up is not written again";
 }
 
+// What a rolling shutter does to a board that moves can be mended once the time of a frame is
+// known.
+TEST_F(Journals, SolveAgainWithTheTimesOfFrames) {
+  run();
+  show_and_write(4);
+  open();
+  settings_.max_views = 4;
+  begin_with_journal();
+  const auto first = session_.take_solve();
+  ASSERT_TRUE(first.has_value());
+  EXPECT_FALSE(first->options.readout.has_value());
+  show(2);
+  EXPECT_FALSE(session_.take_solve().has_value()) << "two frames tell one time, behind the second";
+  show(1);
+  const auto second = session_.take_solve();
+  ASSERT_TRUE(second.has_value());
+  EXPECT_TRUE(second->options.readout.has_value());
+  EXPECT_EQ(second->views.size(), 4u);
+  show(3);
+  EXPECT_FALSE(session_.take_solve().has_value());
+}
+
 // A recording that was cut short and is played again, from its beginning.
 TEST_F(Journals, CountAFrameThatComesAgainOnce) {
   run();
