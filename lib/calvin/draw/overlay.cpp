@@ -186,6 +186,26 @@ std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> obser
 
 #endif
 
+// "12 views, accurate to 0.36 px"; empty before the first one.
+std::string figures_of(const Progress& progress) {
+  if (progress.views < 1) return {};
+  const std::string views =
+      fmt::format("{} view{}", progress.views, progress.views == 1 ? "" : "s");
+  const double covered = progress.expected_error.value_or(std::nan(""));
+  const double anywhere = progress.expected_error_anywhere.value_or(std::nan(""));
+  if (!std::isfinite(covered)) {
+    const bool known = progress.rms && std::isfinite(*progress.rms);
+    return known ? fmt::format("{}, rms {:.2f} px", views, *progress.rms) : views;
+  }
+  const std::string text = fmt::format("{}, accurate to {:.2f} px", views, 2 * covered);
+  // Elsewhere the board has not been yet.
+  constexpr double kMuchWorse = 3;
+  if (!std::isfinite(anywhere) || anywhere <= kMuchWorse * covered) return text;
+  const std::string elsewhere =
+      2 * anywhere < 10 ? fmt::format("{:.2f}", 2 * anywhere) : fmt::format("{:.3g}", 2 * anywhere);
+  return fmt::format("{} where the board was, {} px elsewhere", text, elsewhere);
+}
+
 }  // namespace
 
 Result<std::vector<OverlayTile>> draw_overlay(
@@ -210,27 +230,10 @@ Result<std::vector<OverlayTile>> draw_overlay(
 }
 
 std::string overlay_caption(const Progress& progress) {
-  std::string text;
-  if (progress.views > 0) {
-    text = fmt::format("{} view{}", progress.views, progress.views == 1 ? "" : "s");
-    const double covered = progress.expected_error.value_or(std::nan(""));
-    const double anywhere = progress.expected_error_anywhere.value_or(std::nan(""));
-    if (std::isfinite(covered)) {
-      text += fmt::format(", accurate to {:.2f} px", 2 * covered);
-      // Elsewhere the board has not been yet.
-      constexpr double kMuchWorse = 3;
-      if (std::isfinite(anywhere) && anywhere > kMuchWorse * covered) {
-        const std::string elsewhere = 2 * anywhere < 10 ? fmt::format("{:.2f}", 2 * anywhere)
-                                                        : fmt::format("{:.3g}", 2 * anywhere);
-        text += fmt::format(" where the board was, {} px elsewhere", elsewhere);
-      }
-    } else if (progress.rms && std::isfinite(*progress.rms)) {
-      text += fmt::format(", rms {:.2f} px", *progress.rms);
-    }
-  }
   const std::string hint = shortened(progress.hint, kLongestHint);
-  if (text.empty() || hint.empty()) return text + hint;
-  return text + ": " + hint;
+  const std::string figures = figures_of(progress);
+  if (figures.empty() || hint.empty()) return figures + hint;
+  return fmt::format("{} ({})", hint, figures);
 }
 
 }  // namespace calvin
