@@ -191,19 +191,23 @@ void attach_observations(GstBuffer* buffer, std::span<const Observation> observa
   if (GstStructure* meta = writable_meta(buffer, kObservationName)) set_fields(meta, s);
 }
 
-void attach_hint(GstBuffer* buffer, const std::string& hint) {
+void attach_hint(GstBuffer* buffer, const DetectorHint& hint) {
   GstStructure* meta = writable_meta(buffer, kObservationName);
   if (meta == nullptr) return;
-  if (hint.empty()) {
-    gst_structure_remove_field(meta, "hint");
+  if (hint.words.empty()) {
+    gst_structure_remove_fields(meta, "hint", "wrong-board", nullptr);
   } else {
-    gst_structure_set(meta, "hint", G_TYPE_STRING, hint.c_str(), nullptr);
+    gst_structure_set(meta, "hint", G_TYPE_STRING, hint.words.c_str(), "wrong-board",
+                      G_TYPE_BOOLEAN, hint.wrong_board, nullptr);
   }
 }
 
-std::string read_hint(GstBuffer* buffer) {
+DetectorHint read_hint(GstBuffer* buffer) {
   const GstStructure* s = readable_meta(buffer, kObservationName);
-  return s == nullptr ? std::string() : get_string(s, "hint");
+  if (s == nullptr) return {};
+  gboolean wrong_board = FALSE;
+  gst_structure_get_boolean(s, "wrong-board", &wrong_board);
+  return {get_string(s, "hint"), wrong_board != FALSE};
 }
 
 std::vector<Observation> read_observations(GstBuffer* buffer, std::optional<Error>* problem) {

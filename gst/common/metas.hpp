@@ -51,9 +51,13 @@ void register_metas();
 void attach_observations(GstBuffer* buffer, std::span<const Observation> observations);
 
 // What a user should be told of a frame that shows another board than is looked for, beside its
-// observations: the field `hint`. Empty: nothing.
-void attach_hint(GstBuffer* buffer, const std::string& hint);
-[[nodiscard]] std::string read_hint(GstBuffer* buffer);
+// observations: the fields `hint` and `wrong-board`. Without words: nothing.
+struct DetectorHint {
+  std::string words;         // what keeps a board from being found
+  bool wrong_board = false;  // it is another board; else the dark
+};
+void attach_hint(GstBuffer* buffer, const DetectorHint& hint);
+[[nodiscard]] DetectorHint read_hint(GstBuffer* buffer);
 [[nodiscard]] std::vector<Observation> read_observations(GstBuffer* buffer,
                                                          std::optional<Error>* problem = nullptr);
 

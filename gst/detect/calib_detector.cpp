@@ -314,7 +314,7 @@ FrameFindings CalibDetector::run(const Job& job, const std::stop_token& stop) {
       report(job, detection, hint, static_cast<int>(found.observations.size()),
              static_cast<guint64>(us), stop);
     }
-    if (found.hint.empty()) found.hint = hint;
+    if (found.hint.words.empty()) found.hint = {hint, detection.seen_all};
     found.observations.push_back(std::move(seen));
   }
   const std::lock_guard guard(lock_);

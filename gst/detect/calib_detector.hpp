@@ -21,6 +21,7 @@
 #include "common/frames/frame_luma.hpp"
 #include "common/frames/frame_part.hpp"
 #include "common/messages.hpp"
+#include "common/metas.hpp"
 #include "common/shared_settings.hpp"
 #include "common/worker.hpp"
 #include "detect/calibration_check.hpp"
@@ -44,7 +45,7 @@ struct DetectorSettings {
 // What was found on a frame.
 struct FrameFindings {
   std::vector<Observation> observations;
-  std::string hint;  // what keeps a board from being found: another one, the dark; empty: none
+  DetectorHint hint;
 };
 
 class CalibDetector : public SharedSettings<DetectorSettings> {

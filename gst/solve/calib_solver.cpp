@@ -154,9 +154,9 @@ bool CalibSolver::offer(const Observation& observation, const FrameTimes& times,
   return true;
 }
 
-void CalibSolver::hear_detector(const std::string& words) {
+void CalibSolver::hear_detector(const std::string& words, bool wrong_board) {
   const std::lock_guard guard(lock_);
-  session_.hear_detector(words);
+  session_.hear_detector(words, wrong_board);
 }
 
 void CalibSolver::complain(const Error& why) {

@@ -61,7 +61,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   bool offer(const Observation& observation, const FrameTimes& times, std::size_t place = 0);
   // An observation that cannot be one, and why: a WARNING, once per session.
   void complain(const Error& why);
-  void hear_detector(const std::string& words);
+  void hear_detector(const std::string& words, bool wrong_board);
   [[nodiscard]] Progress progress();
 
   // The newest calibration that has not been announced downstream.

@@ -128,7 +128,8 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   if (problem) solver.complain(*problem);
   // A detector that skips frames has said nothing of this one.
   if (gst_buffer_get_custom_meta(buffer, gst::kObservationName) != nullptr) {
-    solver.hear_detector(gst::read_hint(buffer));
+    const auto [words, wrong_board] = gst::read_hint(buffer);
+    solver.hear_detector(words, wrong_board);
   }
   const bool captured = gst_calib_solve_offer(self, observations, GST_BUFFER_DURATION(buffer));
   gst_calib_solve_push_calibration(self);

@@ -151,7 +151,8 @@ GST_START_TEST(test_another_board_is_said_without_asking) {
     g_autoptr(GstBuffer) out =
         gst_harness_push_and_pull(f.h, check::frame_of(f.scene.picture(3), "GRAY8", n));
     fail_if(gst::read_observations(out)[0].found());
-    const std::string hint = gst::read_hint(out);
+    const auto [hint, wrong_board] = gst::read_hint(out);
+    fail_unless(wrong_board);
     fail_unless_equals_string(hint.c_str(), "This is a 9x6 board, I look for 10x7");
   }
   const auto messages = f.bus.named("calib-detection");
@@ -171,7 +172,7 @@ GST_START_TEST(test_another_board_is_said_again_after_the_right_one) {
   for (int n = 0; n < 6; ++n) {
     const GrayImage image = n / 2 == 1 ? f.scene.picture(3) : wrong;
     g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, check::frame_of(image, "GRAY8", n));
-    fail_unless(gst::read_hint(out).empty() == (n / 2 == 1));
+    fail_unless(gst::read_hint(out).words.empty() == (n / 2 == 1));
   }
   const auto messages = f.bus.named("calib-detection");
   fail_unless_equals_int(messages.size(), 2);
@@ -187,7 +188,8 @@ GST_START_TEST(test_the_dark_is_said_once_it_lasts) {
   const GrayImage dark(640, 480, 18);
   const auto push = [&f](const GrayImage& image, int n) {
     g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.h, check::frame_of(image, "GRAY8", n));
-    return gst::read_hint(out);
+    fail_if(gst::read_hint(out).wrong_board);
+    return gst::read_hint(out).words;
   };
   for (int n = 0; n < 9; ++n) fail_unless(push(dark, n).empty());
   fail_unless(f.bus.named("calib-detection").empty());

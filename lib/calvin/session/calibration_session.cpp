@@ -128,6 +128,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   if (!observation.found()) {
     views_.pass(observation);
     if (camera_.empty()) camera_ = observation.camera;
+    if (wrong_board_) offered.reason = Reason::kWrongBoard;
     report(offered, place);
     return offered;
   }
@@ -177,8 +178,9 @@ void CalibrationSession::report(Offered& offered, std::size_t place) {
   offered.progress = progress();
 }
 
-void CalibrationSession::hear_detector(const std::string& words) {
+void CalibrationSession::hear_detector(const std::string& words, bool wrong_board) {
   obstacle_ = words;
+  wrong_board_ = wrong_board && !words.empty();
   if (!words.empty()) last_obstacle_ = words;
 }
 
@@ -353,6 +355,7 @@ void CalibrationSession::begin_session() {
   last_reasons_.clear();
   refused_.clear();
   obstacle_.clear();
+  wrong_board_ = false;
   told_obstacle_.clear();
   last_obstacle_.clear();
   solve_error_.clear();

@@ -104,7 +104,7 @@ class CalibrationSession {
                               std::size_t place = 0);
   // What keeps the detector from finding the board on the newest frame, in words: another board,
   // the dark. Empty: nothing that it knows of.
-  void hear_detector(const std::string& words);
+  void hear_detector(const std::string& words, bool wrong_board = false);
   // Whether nobody was told yet that what comes cannot be an observation.
   [[nodiscard]] bool first_complaint();
 
@@ -240,6 +240,7 @@ class CalibrationSession {
   std::uint64_t verdict_until_ = kNoTimestamp;         // timestamp
   std::uint64_t newest_ = kNoTimestamp;                // of the newest frame, with a board or not
   std::string obstacle_;                               // on the newest frame, as the detector says
+  bool wrong_board_ = false;
   std::string told_obstacle_;
   std::string last_obstacle_;     // since a board was found
   bool complained_ = false;       // of broken observations

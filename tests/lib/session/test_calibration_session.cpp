@@ -74,7 +74,11 @@ TEST_F(CalibrationSessions, SayThatThereIsNoBoardAndWhy) {
   EXPECT_EQ(offered.progress.hint, "It is dark");
   EXPECT_FALSE(offer_none().report);
   EXPECT_NE(session_.verdict().status.error().message.find("It is dark."), std::string::npos);
+  session_.hear_detector("This is a 9x6 board", true);
+  EXPECT_EQ(offer_none().reason, Reason::kWrongBoard);
+  EXPECT_FALSE(offer_none().report);
   session_.hear_detector("");
+  EXPECT_EQ(offer_none().reason, Reason::kNotFound);
   EXPECT_FALSE(offer_none().report);
   EXPECT_TRUE(show(1).report);
   EXPECT_EQ(session_.verdict().status.error().message.find("It is dark"), std::string::npos)
