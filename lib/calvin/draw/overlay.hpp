@@ -54,8 +54,8 @@ struct OverlayParts {
 [[nodiscard]] int overlay_panel_right(ImageSize frame) noexcept;
 
 // What to do first: "Tilt the board more. (12 views, accurate to 0.36 px)"; empty where there is
-// nothing to say. "Accurate to" is two sigma of the expected error; without it the rms is told. A hint is cut
-// behind 500 bytes.
+// nothing to say. "Accurate to" is two sigma of the expected error; without it the rms is told. A
+// hint is cut behind 500 bytes.
 [[nodiscard]] std::string overlay_caption(const Progress& progress);
 
 }  // namespace calvin
