@@ -131,6 +131,8 @@ Status Journal::compact(const ObservationFile& held, std::size_t bytes) {
   if (bytes < kWorthIt) return {};
   const std::string live = print_observations(held);
   if (live.size() > bytes / 2 || !write_file(file_.path(), live)) return {};
+  // Where no other file can take its place it is the same one still.
+  file_.unlock();
   auto file = AppendFile::open(file_.path());
   if (!file) return tl::unexpected<Error>(file.error());
   file_ = *std::move(file);

@@ -4,7 +4,9 @@
 // The journal of a session: whatever ends a run, the next one goes on with every view.
 #include "calvin/session/journal.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "calvin/core/file.hpp"
 #include "calvin/io/observations.hpp"
@@ -313,6 +315,20 @@ TEST_F(Journals, AreWrittenAnewWhereMostOfThemIsForgotten) {
   EXPECT_FALSE(Journal::open(settings_)) << "the new one is ours too";
   show_and_write(1);
   EXPECT_EQ(held().size(), left.size() + 1);
+  // As a file that a container has mounted: it is written in its place.
+  for (int i = 0; i < 20; ++i) show_and_write(1);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(session_.remove_view(0));
+    write_down();
+  }
+  const auto few = kept();
+  const int inside = ::open(settings_.journal.c_str(), O_RDONLY);
+  settings_.journal = "/proc/self/fd/" + std::to_string(inside);
+  run();
+  EXPECT_EQ(kept(), few);
+  show_and_write(1);
+  EXPECT_EQ(held().size(), few.size() + 1);
+  ::close(inside);
 }
 
 TEST_F(Journals, OfOneBoardTakeNoViewOfAnother) {
