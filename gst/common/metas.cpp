@@ -242,6 +242,30 @@ CoverageMap parse_map(const std::string& text) {
   return map;
 }
 
+void set_parameters(GstStructure* s, const std::vector<ParameterGroup>& groups) {
+  if (groups.empty()) return;
+  std::vector<GstStructure*> list;
+  for (const ParameterGroup& group : groups) {
+    list.push_back(gst_structure_new("parameters", "name", G_TYPE_STRING, group.name.c_str(),
+                                     "known", G_TYPE_DOUBLE, group.known, nullptr));
+  }
+  take_structures(s, "parameters", list);
+}
+
+std::vector<ParameterGroup> get_parameters(const GstStructure* s) {
+  std::vector<ParameterGroup> groups;
+  for (const GstStructure* group : get_structures(s, "parameters")) {
+    groups.push_back({get_string(group, "name"), get_double(group, "known").value_or(0)});
+  }
+  return groups;
+}
+
+bool get_boolean(const GstStructure* s, const char* field) {
+  gboolean value = FALSE;
+  gst_structure_get_boolean(s, field, &value);
+  return value != FALSE;
+}
+
 }  // namespace
 
 void set_progress(GstStructure* s, const Progress& p) {
@@ -249,11 +273,13 @@ void set_progress(GstStructure* s, const Progress& p) {
                     G_TYPE_DOUBLE, p.x, "y", G_TYPE_DOUBLE, p.y, "size", G_TYPE_DOUBLE, p.size,
                     "tilt", G_TYPE_DOUBLE, p.tilt, "skew", G_TYPE_DOUBLE, p.tilt, "hint",
                     G_TYPE_STRING, p.hint.c_str(), "ghost-share", G_TYPE_DOUBLE, p.ghost_share,
-                    nullptr);
+                    "done", G_TYPE_BOOLEAN, p.done, nullptr);
   if (p.coverage_map.columns > 0) {
     gst_structure_set(s, "coverage-map", G_TYPE_STRING, to_text(p.coverage_map).c_str(), nullptr);
   }
   set_pixels(s, "ghost", p.ghost);
+  set_parameters(s, p.parameters);
+  if (!p.summary.empty()) set_strings(s, "summary", p.summary);
   set_double(s, "expected-error", p.expected_error);
   set_double(s, "expected-error-anywhere", p.expected_error_anywhere);
   set_double(s, "rms", p.rms);
@@ -281,12 +307,13 @@ std::optional<Progress> read_guidance(GstBuffer* buffer) {
   p.expected_error = get_double(s, "expected-error");
   p.expected_error_anywhere = get_double(s, "expected-error-anywhere");
   p.rms = get_double(s, "rms");
-  gboolean captured = FALSE;
-  gst_structure_get_boolean(s, "captured", &captured);
-  p.captured = captured != FALSE;
+  p.captured = get_boolean(s, "captured");
   p.hint = get_string(s, "hint");
   p.ghost = get_pixels(s, "ghost");
   p.ghost_share = get_double(s, "ghost-share").value_or(0);
+  p.parameters = get_parameters(s);
+  p.done = get_boolean(s, "done");
+  p.summary = get_strings(s, "summary");
   return p;
 }
 

@@ -15,6 +15,7 @@
 #include <pango/pangocairo.h>
 
 #include "calvin/draw/cairo.hpp"
+#include "overlay/text_painter.hpp"
 
 namespace calvin::gst {
 
@@ -42,20 +43,14 @@ void rounded_box(cairo_t* cr, double width, double height, double radius) {
   cairo_close_path(cr);
 }
 
-// Where a line of words may begin: at the top, behind the panel.
-int left_of(ImageSize frame, Caption::Place place) {
-  return place == Caption::Place::kTop ? std::min(overlay_panel_right(frame), frame.width / 2) : 0;
-}
-
 // A tile of this size in the middle of the room along an edge, at multiples of 4 as all tiles.
-OverlayTile placed(ImageSize frame, const Sizes& sizes, Caption::Place place, int width,
-                   int height) {
-  const int left = left_of(frame, place);
+OverlayTile placed(ImageSize frame, const Sizes& sizes, OverlaySpan room, Caption::Place place,
+                   int width, int height) {
   const auto margin = static_cast<int>(sizes.margin);
   OverlayTile tile;
-  tile.width = std::min(width, frame.width - left);
+  tile.width = std::min(width, room.right - room.left);
   tile.height = std::min(height, frame.height);
-  tile.x = (left + (frame.width - left - tile.width) / 2) / 4 * 4;
+  tile.x = (room.left + (room.right - room.left - tile.width) / 2) / 4 * 4;
   const int y = place == Caption::Place::kTop ? margin : frame.height - tile.height - margin;
   tile.y = std::clamp(y, 0, frame.height - tile.height) / 4 * 4;
   tile.pixels.resize(4 * static_cast<std::size_t>(tile.width) *
@@ -63,70 +58,50 @@ OverlayTile placed(ImageSize frame, const Sizes& sizes, Caption::Place place, in
   return tile;
 }
 
-}  // namespace
+OverlayTile draw_words(TextPainter& painter, const Caption::Words& words, Caption::Place place) {
+  constexpr int kLines = 2;
+  const Sizes sizes(words.frame);
+  const OverlaySpan room =
+      place == Caption::Place::kTop ? words.room : OverlaySpan{0, words.frame.width};
+  PangoLayout* layout = painter.lay_out(
+      words.text, sizes.font, room.right - room.left - 2 * (sizes.margin + sizes.padding), kLines);
+  PangoRectangle logical;
+  pango_layout_get_pixel_extents(layout, nullptr, &logical);
 
-// A font map of its own: Pango's default one belongs to a thread.
-struct Caption::Renderer {
-  Renderer()
-      : fonts(pango_cairo_font_map_new()),
-        context(pango_font_map_create_context(fonts)),
-        layout(pango_layout_new(context)) {
-    pango_layout_set_single_paragraph_mode(layout, TRUE);
-    pango_layout_set_ellipsize(layout, PANGO_ELLIPSIZE_END);
-    pango_layout_set_height(layout, -2);  // two lines at the most
-    pango_layout_set_alignment(layout, PANGO_ALIGN_CENTER);
-  }
-  Renderer(const Renderer&) = delete;
-  Renderer& operator=(const Renderer&) = delete;
-  ~Renderer() {
-    g_object_unref(layout);
-    g_object_unref(context);
-    g_object_unref(fonts);
-  }
-
-  OverlayTile draw(const std::string& text, ImageSize frame, Place place) {
-    const Sizes sizes(frame);
-    g_autofree char* valid = g_utf8_make_valid(text.c_str(), -1);
-    pango_layout_set_text(layout, valid, -1);
-    g_autoptr(PangoFontDescription) font = pango_font_description_from_string("Sans");
-    pango_font_description_set_absolute_size(font, sizes.font * PANGO_SCALE);
-    pango_layout_set_font_description(layout, font);
-    const double room = frame.width - left_of(frame, place) - 2 * (sizes.margin + sizes.padding);
-    pango_layout_set_width(layout, static_cast<int>(room * PANGO_SCALE));
-    PangoRectangle logical;
-    pango_layout_get_pixel_extents(layout, nullptr, &logical);
-
-    OverlayTile tile =
-        placed(frame, sizes, place, logical.width + static_cast<int>(2 * sizes.padding),
-               logical.height + static_cast<int>(sizes.padding));
-    const CairoSurface surface(cairo_image_surface_create_for_data(
-        tile.pixels.data(), CAIRO_FORMAT_ARGB32, tile.width, tile.height, 4 * tile.width));
-    const CairoContext painter(cairo_create(surface.get()));
-    cairo_t* cr = painter.get();
-    rounded_box(cr, tile.width, tile.height, tile.height / 4.0);
+  OverlayTile tile =
+      placed(words.frame, sizes, room, place, logical.width + static_cast<int>(2 * sizes.padding),
+             logical.height + static_cast<int>(sizes.padding));
+  const CairoSurface surface(cairo_image_surface_create_for_data(
+      tile.pixels.data(), CAIRO_FORMAT_ARGB32, tile.width, tile.height, 4 * tile.width));
+  const CairoContext context(cairo_create(surface.get()));
+  cairo_t* cr = context.get();
+  rounded_box(cr, tile.width, tile.height, tile.height / 4.0);
+  if (words.done) {
+    cairo_set_source_rgba(cr, 0.05, 0.4, 0.12, 0.85);
+  } else {
     cairo_set_source_rgba(cr, 0, 0, 0, 0.6);
-    cairo_fill(cr);
-    cairo_move_to(cr, sizes.padding - logical.x, sizes.padding / 2 - logical.y);
-    cairo_set_source_rgb(cr, 1, 1, 1);
-    pango_cairo_show_layout(cr, layout);
-    cairo_surface_finish(surface.get());
-    return tile;
   }
+  cairo_fill(cr);
+  cairo_move_to(cr, sizes.padding - logical.x, sizes.padding / 2 - logical.y);
+  cairo_set_source_rgb(cr, 1, 1, 1);
+  pango_cairo_show_layout(cr, layout);
+  cairo_surface_finish(surface.get());
+  return tile;
+}
 
-  PangoFontMap* fonts;
-  PangoContext* context;
-  PangoLayout* layout;
-};
+}  // namespace
 
 Caption::Caption() = default;
 Caption::~Caption() = default;
 
-const OverlayTile* Caption::draw(const std::string& text, ImageSize frame, Place place) {
-  if (text.empty() || std::min(frame.width, frame.height) < kNarrowest) return nullptr;
+const OverlayTile* Caption::draw(const Words& words, Place place) {
+  if (words.text.empty() || std::min(words.frame.width, words.frame.height) < kNarrowest) {
+    return nullptr;
+  }
   Drawn& drawn = place == Place::kTop ? top_ : bottom_;
-  if (text == drawn.text && frame == drawn.frame) return &drawn.tile;
-  if (!renderer_) renderer_ = std::make_unique<Renderer>();
-  drawn = {text, frame, renderer_->draw(text, frame, place)};
+  if (words == drawn.words) return &drawn.tile;
+  if (!painter_) painter_ = std::make_unique<TextPainter>();
+  drawn = {words, draw_words(*painter_, words, place)};
   return &drawn.tile;
 }
 
@@ -136,15 +111,12 @@ const OverlayTile* Caption::draw(const std::string& text, ImageSize frame, Place
 
 namespace calvin::gst {
 
-struct Caption::Renderer {};
+class TextPainter {};
 
 Caption::Caption() = default;
 Caption::~Caption() = default;
 
-const OverlayTile* Caption::draw(const std::string& /*text*/, ImageSize /*frame*/,
-                                 Place /*place*/) {
-  return nullptr;
-}
+const OverlayTile* Caption::draw(const Words& /*words*/, Place /*place*/) { return nullptr; }
 
 }  // namespace calvin::gst
 

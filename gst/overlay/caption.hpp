@@ -19,20 +19,26 @@ class Caption {
 
   enum class Place { kBottom, kTop };
 
-  // The text's tile, nullptr where there is none; good until the next call for that place. Text and
-  // size of the frame that are those of the last call for it cost nothing. One thread at a time.
-  const OverlayTile* draw(const std::string& text, ImageSize frame, Place place = Place::kBottom);
-
- private:
-  struct Renderer;
-
-  struct Drawn {
+  struct Words {
     std::string text;
     ImageSize frame;
+    OverlaySpan room;   // at the top; at the bottom there is the whole frame
+    bool done = false;  // on green
+
+    [[nodiscard]] bool operator==(const Words&) const = default;
+  };
+
+  // The words' tile, nullptr where there is none; good until the next call for that place. Words
+  // that are those of the last call for it cost nothing. One thread at a time.
+  const OverlayTile* draw(const Words& words, Place place);
+
+ private:
+  struct Drawn {
+    Words words;
     OverlayTile tile;
   };
 
-  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<class TextPainter> painter_;
   Drawn bottom_;
   Drawn top_;
 };

@@ -22,7 +22,6 @@
 #include <gst/video/gstvideofilter.h>
 #include <gst/video/video.h>
 
-#include "calvin/camera/image_transform.hpp"
 #include "calvin/draw/mirrored.hpp"
 #include "calvin/draw/overlay.hpp"
 #include "common/element_class.hpp"
@@ -48,19 +47,6 @@ using namespace calvin;
 
 using State = gst::OverlayState;
 
-// Whether a corner of a board lies under the tile.
-bool touches(const OverlayTile& tile, const std::vector<Observation>& seen, ImageSize frame) {
-  const auto is_under = [&tile](Pixel at) {
-    return at.u >= tile.x && at.u < tile.x + tile.width && at.v >= tile.y &&
-           at.v < tile.y + tile.height;
-  };
-  return std::ranges::any_of(seen, [&](const Observation& o) {
-    if (o.image_size.width < 1 || o.image_size.height < 1) return false;
-    const auto to_frame = ImageTransform::scaled(o.image_size, frame);
-    return std::ranges::any_of(o.uv, [&](Pixel at) { return is_under(to_frame(at)); });
-  });
-}
-
 void read_metas(State& state, GstBuffer* buffer) {
   const GstClockTime now = GST_BUFFER_PTS(buffer);
   state.observations.expire(now);
@@ -75,21 +61,45 @@ void read_metas(State& state, GstBuffer* buffer) {
   }
 }
 
-// Where the board is not: the words change places once it comes to where they are, and the other
-// place is free.
+// Where the board is not: what is drawn changes places once the board comes to where it is, and the
+// other place is free.
+void place_panel(State& state, const std::vector<Observation>& seen, const Progress& progress,
+                 ImageSize frame) {
+  const PanelSide other = state.panel == PanelSide::kLeft ? PanelSide::kRight : PanelSide::kLeft;
+  const auto hides = [&](PanelSide side) {
+    return hides_corner(overlay_panel_box(frame, progress, side), seen, frame);
+  };
+  if (hides(state.panel) && !hides(other)) state.panel = other;
+}
+
 const OverlayTile* draw_words(State& state, const std::vector<Observation>& seen,
-                              const Progress& progress, ImageSize frame) {
-  const std::string text = overlay_caption(progress);
+                              const gst::Caption::Words& words) {
   using Place = gst::Caption::Place;
+  const auto hides = [&](const OverlayTile& tile) {
+    return hides_corner({tile.x, tile.y, tile.width, tile.height}, seen, words.frame);
+  };
   const Place other = state.words_at == Place::kBottom ? Place::kTop : Place::kBottom;
-  const OverlayTile* words = state.caption.draw(text, frame, state.words_at);
-  if (words == nullptr || !touches(*words, seen, frame)) return words;
-  words = state.caption.draw(text, frame, other);
-  if (!touches(*words, seen, frame)) {
-    state.words_at = other;
-    return words;
+  const OverlayTile* here = state.caption.draw(words, state.words_at);
+  if (here == nullptr || !hides(*here)) return here;
+  const OverlayTile* there = state.caption.draw(words, other);
+  if (hides(*there)) return here;
+  state.words_at = other;
+  return there;
+}
+
+// What is told in words for the buffer at hand.
+void draw_all_words(State& state, const gst::OverlaySettings& settings,
+                    const std::vector<Observation>& seen, const Progress& progress,
+                    ImageSize frame) {
+  OverlaySpan room{0, frame.width};
+  if (settings.coverage) {
+    place_panel(state, seen, progress, frame);
+    state.words_in_panel =
+        state.panel_words.draw(overlay_panel_words(frame, progress, state.panel), frame);
+    room = beside_panel(overlay_panel_box(frame, progress, state.panel), frame);
   }
-  return state.caption.draw(text, frame, state.words_at);
+  if (!settings.caption) return;
+  state.words = draw_words(state, seen, {overlay_caption(progress), frame, room, progress.done});
 }
 
 }  // namespace
@@ -196,9 +206,13 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
   if (settings.mirror) {
     for (Observation& o : seen) o = mirrored(std::move(o), frame);
   }
-  state.words = progress && settings.caption ? draw_words(state, seen, *progress, frame) : nullptr;
-  auto tiles =
-      draw_overlay(frame, seen, progress, {.ghost = settings.ghost, .coverage = settings.coverage});
+  state.words = state.words_in_panel = nullptr;
+  if (progress) draw_all_words(state, settings, seen, *progress, frame);
+  auto tiles = draw_overlay(frame, seen, progress,
+                            {.ghost = settings.ghost,
+                             .coverage = settings.coverage,
+                             .words = gst::PanelWords::can_draw(),
+                             .panel = state.panel});
   if (tiles) {
     state.tiles = std::move(*tiles);
   } else {
@@ -224,7 +238,9 @@ static void draw_on(GstCalibOverlay* self, GstVideoFrame& frame) {
     blended = gst::blend_tile(under, tile, state.part) && blended;
   };
   std::for_each(state.tiles.begin(), state.tiles.end(), blend);
-  if (state.words != nullptr) blend(*state.words);
+  for (const OverlayTile* words : {state.words_in_panel, state.words}) {
+    if (words != nullptr) blend(*words);
+  }
   if (padded) padded->copy_to(frame);
   if (!blended && !state.blending_failed) {
     state.blending_failed = true;

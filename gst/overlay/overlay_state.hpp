@@ -18,6 +18,7 @@
 #include "common/properties.hpp"
 #include "common/shared_settings.hpp"
 #include "overlay/caption.hpp"
+#include "overlay/panel_words.hpp"
 
 namespace calvin::gst {
 
@@ -57,9 +58,13 @@ struct OverlayState : SharedSettings<OverlaySettings> {
   std::vector<OverlayTile> tiles;  // of the buffer at hand
   Caption caption;
   Caption::Place words_at = Caption::Place::kBottom;
-  const OverlayTile* words = nullptr;  // the caption's tile for the buffer at hand
-  std::optional<FramePart> part;       // of the buffer's picture that is the frame
-  bool mirror = false;                 // the buffer at hand
+  PanelWords panel_words;
+  PanelSide panel = PanelSide::kLeft;
+  // The tiles of words for the buffer at hand.
+  const OverlayTile* words = nullptr;
+  const OverlayTile* words_in_panel = nullptr;
+  std::optional<FramePart> part;  // of the buffer's picture that is the frame
+  bool mirror = false;            // the buffer at hand
   bool blending_failed = false;
   std::atomic<int> width = 0;  // px, of the frames
   bool frame_refused = false;  // and that was reported
@@ -69,7 +74,7 @@ struct OverlayState : SharedSettings<OverlaySettings> {
     progress = {};
     captured = {};
     tiles.clear();
-    words = nullptr;
+    words = words_in_panel = nullptr;
   }
 };
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -73,9 +74,10 @@ void CalibSolver::run_solve(const SolveJob& job, const std::stop_token& stop) {
 void CalibSolver::publish(const SolveJob& job, const Solution& solution,
                           const std::stop_token& stop) {
   std::optional<Published> published;
+  auto errors = parameter_errors(solution.calibration);
   {
     const std::lock_guard guard(lock_);
-    published = session_.solved(job, solution);
+    published = session_.solved(job, solution, std::move(errors));
     obey();
   }
   if (!published) {
@@ -88,6 +90,10 @@ void CalibSolver::publish(const SolveJob& job, const Solution& solution,
       job.final ? "final" : "intermediate", job.views.size(), calibration.model.c_str(),
       calibration.rms.value_or(HUGE_VAL), calibration.expected_error.value_or(HUGE_VAL),
       published->better ? "" : ": no better than the one before");
+  if (!published->reached.empty()) {
+    GST_INFO_OBJECT(element_, "nothing more is captured: %s is reached",
+                    std::string(published->reached).c_str());
+  }
   const bool in_time = !published->writing || writer_.drain_for(kPatience);
   announce(job, solution, published->progress, stop);
   if (auto guide = guide_job(job, solution)) {

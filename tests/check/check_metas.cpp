@@ -125,6 +125,9 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   guidance.tilt = 0.5;
   guidance.captured = true;
   guidance.coverage_map = {3, {true, false, false, false, true, true}};
+  guidance.parameters = {{"focal length", 0.25}, {"distortion", 1}};
+  guidance.done = true;
+  guidance.summary = {"fx 1", "fy 2 \u00b1 3"};
   gst::attach_guidance(buffer, guidance);
   gst::GroundTruth truth;
   truth.calibration = "{}";
@@ -137,7 +140,11 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   fail_unless_equals_int(g->views, 7);
   fail_unless(g->expected_error == 0.25 && g->expected_error_anywhere == 2.5 && !g->rms);
   fail_unless(g->coverage == 0.1 && g->x == 0.2 && g->y == 0.3 && g->size == 0.4);
-  fail_unless(g->tilt == 0.5 && g->captured);
+  fail_unless(g->tilt == 0.5 && g->captured && g->done);
+  fail_unless(g->summary == guidance.summary);
+  fail_unless_equals_int(g->parameters.size(), 2);
+  fail_unless_equals_string(g->parameters[1].name.c_str(), "distortion");
+  fail_unless(g->parameters[0].known == 0.25 && g->parameters[1].known == 1);
   fail_unless(g->coverage_map.columns == 3 && g->coverage_map.rows() == 2);
   fail_unless(g->coverage_map.covered == guidance.coverage_map.covered);
   guidance.rms = 0.6;

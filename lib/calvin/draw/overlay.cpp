@@ -156,8 +156,7 @@ void add_ghost(std::vector<Shape>& shapes, ImageSize frame, const Progress& prog
   shapes.push_back({Kind::kCircle, at(0), {}, 7 * unit, pen, kWhite, unit});
 }
 
-void add_border(std::vector<Shape>& shapes, ImageSize frame) {
-  const double pen = 4 * unit_of(frame);
+void add_border(std::vector<Shape>& shapes, ImageSize frame, double pen) {
   add_box(shapes, 0, 0, frame.width, pen, kGreen);
   add_box(shapes, 0, frame.height - pen, frame.width, pen, kGreen);
   add_box(shapes, 0, pen, pen, frame.height - 2 * pen, kGreen);
@@ -173,14 +172,19 @@ std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> obser
                              const std::optional<Progress>& progress, const OverlayParts& parts) {
   std::vector<Shape> shapes;
   if (!drawable(frame)) return shapes;
-  if (progress && progress->captured) add_border(shapes, frame);
+  const double unit = unit_of(frame);
+  if (progress && progress->captured) {
+    add_border(shapes, frame, 4 * unit);
+  } else if (progress && progress->done) {
+    add_border(shapes, frame, 2 * unit);
+  }
   if (progress && parts.ghost) add_ghost(shapes, frame, *progress);
   std::size_t room = kMostCorners;
   for (const Observation& observation :
        observations.first(std::min(observations.size(), kMostBoards))) {
     add_observation(shapes, frame, observation, room);
   }
-  if (progress && parts.coverage) add_panel(shapes, frame, *progress);
+  if (progress && parts.coverage) add_panel(shapes, frame, *progress, parts);
   return shapes;
 }
 

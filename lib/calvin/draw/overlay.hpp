@@ -17,6 +17,7 @@
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
+#include "calvin/draw/overlay_layout.hpp"
 #include "calvin/session/progress.hpp"
 
 namespace calvin {
@@ -32,26 +33,26 @@ struct OverlayTile {
   std::vector<std::uint8_t> pixels;
 };
 
-// What is left out on request.
+// What is left out on request, and where the panel is.
 struct OverlayParts {
   bool ghost = true;
-  bool coverage = true;  // bars and map
+  bool coverage = true;  // the panel: bars, chips and map
+  bool words = true;     // whether somebody adds the words of the panel
+  PanelSide panel = PanelSide::kLeft;
 };
 
 // Marks for every found observation (rows joined in the order of the ids, red to violet; control
 // point 0 is a disc, or a circle where the labelling is ambiguous) and, where there is `progress`,
-// one bar each for coverage, x, y, size and tilt, a value outside 0..1 taken as the nearer end, the
-// map of what was covered, the ghost, which fills with what the present view tells, and a border
-// for `captured`. No tile where there is nothing to draw. Corners are scaled to the frame from the
-// image_size of their observation. The first 64 observations are drawn, and the first 2000 corners
-// of them. kUnsupported where the library was built without Cairo, whatever the arguments.
+// one bar each for coverage, x, y, size and tilt, a value outside 0..1 taken as the nearer end, a
+// chip for each group of parameters that turns green as they are known, the map of what was
+// covered, the ghost, which fills with what the present view tells, and a border for `captured`
+// and, a thinner one, for `done`; the words of overlay_panel_words() are not. No tile where there
+// is nothing to draw. Corners are scaled to the frame from the image_size of their observation. The
+// first 64 observations are drawn, and the first 2000 corners of them. kUnsupported where the
+// library was built without Cairo, whatever the arguments.
 [[nodiscard]] Result<std::vector<OverlayTile>> draw_overlay(
     ImageSize frame, std::span<const Observation> observations,
     const std::optional<Progress>& progress, const OverlayParts& parts = {});
-
-// Where the panel of bars and map ends on the right, px, with its margin. Not in a build without
-// Cairo.
-[[nodiscard]] int overlay_panel_right(ImageSize frame) noexcept;
 
 // What to do first: "Tilt the board more. (12 views, accurate to 0.36 px)"; empty where there is
 // nothing to say. "Accurate to" is two sigma of the expected error; without it the rms is told. A

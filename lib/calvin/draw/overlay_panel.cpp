@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The panel in the upper left corner of the overlay: bars of what was spanned so far, and a map of
-// where.
+// The panel in an upper corner of the overlay: bars of what was spanned so far and chips of what is
+// known of the camera or, once nothing more is needed, the calibration; and a map of the picture.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
 
+#include "calvin/camera/image_transform.hpp"
+#include "calvin/draw/overlay_layout.hpp"
 #include "calvin/draw/overlay_shapes.hpp"
 
 namespace calvin {
@@ -43,35 +45,62 @@ constexpr std::array kTiltIcon = {Stroke{0.05, 0, 0.95, 0.25}, Stroke{0.95, 0.25
 struct Bar {
   double Progress::*value;
   std::span<const Stroke> icon;
+  const char* words;
 };
-constexpr std::array kBars = {Bar{&Progress::coverage, kCoverageIcon},
-                              Bar{&Progress::x, kAcrossIcon}, Bar{&Progress::y, kDownIcon},
-                              Bar{&Progress::size, kSizeIcon}, Bar{&Progress::tilt, kTiltIcon}};
+constexpr std::array kBars = {
+    Bar{&Progress::coverage, kCoverageIcon, "covered"},
+    Bar{&Progress::x, kAcrossIcon, "left, right"}, Bar{&Progress::y, kDownIcon, "up, down"},
+    Bar{&Progress::size, kSizeIcon, "size"}, Bar{&Progress::tilt, kTiltIcon, "tilt"}};
+// Anybody may write a meta.
+constexpr std::size_t kMostChips = 4;
+constexpr std::size_t kMostLines = 20;
 
-// All in px of the frame.
-struct PanelSizes {
-  explicit PanelSizes(ImageSize frame) : unit(unit_of(frame)) {
-    const double most = 1.5 * map_width;  // of a picture that is higher than wide
-    map_height = std::min(most, map_width * frame.height / frame.width);
-  }
-  double unit;
-  double icon = 9 * unit;
-  double pitch = 14 * unit;
-  double length = 72 * unit;
-  double margin = 10 * unit;
-  double padding = 6 * unit;
-  double width = 3 * padding + icon + length;
-  double bars_height = 2 * padding + (kBars.size() - 1) * pitch + icon;
-  double map_width = width - 2 * padding;
-  double map_height = 0;
-};
+// A text is there for whoever can draw words: else the bars stay.
+bool shows_summary(const Progress& progress) { return progress.done && !progress.summary.empty(); }
+
+std::size_t lines_of(const Progress& progress) {
+  if (shows_summary(progress)) return std::min(progress.summary.size(), kMostLines);
+  return kBars.size() + std::min(progress.parameters.size(), kMostChips);
+}
 
 bool has_map(const Progress& progress) { return progress.coverage_map.rows() > 0; }
 
-void add_icon(std::vector<Shape>& shapes, const PanelSizes& sizes, std::span<const Stroke> icon,
-              double x, double y) {
-  const double side = sizes.icon;
-  const double pen = std::max(1.0, sizes.unit);
+// Where the parts of the panel are, all in px of the frame.
+struct PanelLayout {
+  PanelLayout(ImageSize frame, const Progress& progress, PanelSide side) : unit(unit_of(frame)) {
+    lines_height = 2 * padding + static_cast<double>(lines_of(progress) - 1) * pitch + icon;
+    map_height = std::min(1.5 * map_width, map_width * frame.height / frame.width);
+    height = lines_height + (has_map(progress) ? map_height + padding : 0);
+    left = side == PanelSide::kLeft ? margin : frame.width - margin - width;
+  }
+
+  // Of a line of the panel, half way up.
+  [[nodiscard]] double middle(std::size_t line) const {
+    return top + padding + icon / 2 + static_cast<double>(line) * pitch;
+  }
+
+  double unit;
+  double icon = 9 * unit;
+  double pitch = 14 * unit;
+  double bar = 11 * unit;  // its height
+  double length = 84 * unit;
+  double margin = 10 * unit;
+  double padding = 6 * unit;
+  double width = 3 * padding + icon + length;
+  double map_width = width - 2 * padding;
+  double left = 0;
+  double top = margin;
+  double lines_height = 0;
+  double map_height = 0;  // of a picture that is not much higher than wide: as it is
+  double height = 0;
+};
+
+void add_icon(std::vector<Shape>& shapes, const PanelLayout& panel, std::span<const Stroke> icon,
+              double middle) {
+  const double side = panel.icon;
+  const double pen = std::max(1.0, panel.unit);
+  const double x = panel.left + panel.padding;
+  const double y = middle - side / 2;
   for (const Stroke& s : icon) {
     shapes.push_back({Shape::Kind::kLine,
                       {x + s.x0 * side, y + s.y0 * side},
@@ -83,32 +112,40 @@ void add_icon(std::vector<Shape>& shapes, const PanelSizes& sizes, std::span<con
   }
 }
 
-void add_bars(std::vector<Shape>& shapes, const PanelSizes& sizes, const Progress& progress) {
-  const double left = sizes.margin + 2 * sizes.padding + sizes.icon;
-  const double height = 0.6 * sizes.icon;
-  double y = sizes.margin + sizes.padding;
-  for (const Bar& bar : kBars) {
-    add_icon(shapes, sizes, bar.icon, sizes.margin + sizes.padding, y);
-    const double raw = progress.*bar.value;
-    const double value = std::isfinite(raw) ? std::clamp(raw, 0.0, 1.0) : 0;
-    const double top = y + 0.2 * sizes.icon;
-    add_box(shapes, left, top, sizes.length, height, kTrack);
-    if (value > 0) {
-      add_box(shapes, left, top, value * sizes.length, height, traffic_light(value));
-    }
-    y += sizes.pitch;
+double part(double value) { return std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0; }
+
+void add_bars(std::vector<Shape>& shapes, const PanelLayout& panel, const Progress& progress) {
+  const double left = panel.left + 2 * panel.padding + panel.icon;
+  for (std::size_t i = 0; i < kBars.size(); ++i) {
+    const double middle = panel.middle(i);
+    add_icon(shapes, panel, kBars[i].icon, middle);
+    const double value = part(progress.*kBars[i].value);
+    const double top = middle - panel.bar / 2;
+    add_box(shapes, left, top, panel.length, panel.bar, kTrack);
+    if (value <= 0) continue;
+    add_box(shapes, left, top, value * panel.length, panel.bar, traffic_light(value));
+  }
+}
+
+// Whole boxes in the colour of what is known: there is nothing to be filled.
+void add_chips(std::vector<Shape>& shapes, const PanelLayout& panel, const Progress& progress) {
+  const std::size_t count = std::min(progress.parameters.size(), kMostChips);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double top = panel.middle(kBars.size() + i) - panel.bar / 2;
+    add_box(shapes, panel.left + panel.padding, top, panel.map_width, panel.bar,
+            traffic_light(part(progress.parameters[i].known)));
   }
 }
 
 // The picture as a small one, with what boards have covered of it; cells of a row that lie beside
 // each other are one box, of whole px: between two that share a pixel a line would show.
-void add_map(std::vector<Shape>& shapes, const PanelSizes& sizes, const CoverageMap& map) {
-  const double left = sizes.margin + sizes.padding;
-  const double top = sizes.margin + sizes.bars_height;
+void add_map(std::vector<Shape>& shapes, const PanelLayout& panel, const CoverageMap& map) {
+  const double left = panel.left + panel.padding;
+  const double top = panel.top + panel.lines_height;
   const auto x = [&](int column) {
-    return std::round(left + column * sizes.map_width / map.columns);
+    return std::round(left + column * panel.map_width / map.columns);
   };
-  const auto y = [&](int row) { return std::round(top + row * sizes.map_height / map.rows()); };
+  const auto y = [&](int row) { return std::round(top + row * panel.map_height / map.rows()); };
   add_box(shapes, x(0), y(0), x(map.columns) - x(0), y(map.rows()) - y(0), kTrack);
   for (int row = 0; row < map.rows(); ++row) {
     for (int column = 0; column < map.columns; ++column) {
@@ -123,17 +160,64 @@ void add_map(std::vector<Shape>& shapes, const PanelSizes& sizes, const Coverage
 
 }  // namespace
 
-int overlay_panel_right(ImageSize frame) noexcept {
-  const PanelSizes sizes(frame);
-  return static_cast<int>(2 * sizes.margin + sizes.width);
+OverlayBox overlay_panel_box(ImageSize frame, const Progress& progress, PanelSide side) {
+  const PanelLayout panel(frame, progress, side);
+  OverlayBox box;
+  box.x = static_cast<int>(std::floor(panel.left));
+  box.y = static_cast<int>(std::floor(panel.top));
+  box.width = static_cast<int>(std::ceil(panel.left + panel.width)) - box.x;
+  box.height = static_cast<int>(std::ceil(panel.top + panel.height)) - box.y;
+  return box;
 }
 
-void add_panel(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress) {
-  const PanelSizes sizes(frame);
-  const double below = has_map(progress) ? sizes.map_height + sizes.padding : 0;
-  add_box(shapes, sizes.margin, sizes.margin, sizes.width, sizes.bars_height + below, kPanel);
-  add_bars(shapes, sizes, progress);
-  if (has_map(progress)) add_map(shapes, sizes, progress.coverage_map);
+std::vector<OverlayWords> overlay_panel_words(ImageSize frame, const Progress& progress,
+                                              PanelSide side) {
+  const PanelLayout panel(frame, progress, side);
+  std::vector<OverlayWords> words;
+  const auto add = [&](std::string text, double left) {
+    const double room = panel.left + panel.width - panel.padding - left;
+    words.push_back({std::move(text), {left, panel.middle(words.size())}, room, 9.5 * panel.unit});
+  };
+  const double left = panel.left + panel.padding;
+  if (shows_summary(progress)) {
+    for (std::size_t i = 0; i < lines_of(progress); ++i) add(progress.summary[i], left);
+    return words;
+  }
+  const double indent = 4 * panel.unit;
+  for (const Bar& bar : kBars) add(bar.words, left + panel.icon + panel.padding + indent);
+  for (std::size_t i = 0; words.size() < lines_of(progress); ++i) {
+    add(progress.parameters[i].name, left + indent);
+  }
+  return words;
+}
+
+OverlaySpan beside_panel(const OverlayBox& panel, ImageSize frame) {
+  const int margin = panel.y;
+  const int middle = frame.width / 2;
+  if (panel.x >= middle) return {0, std::max(middle, panel.x - margin)};
+  return {std::min(middle, panel.x + panel.width + margin), frame.width};
+}
+
+bool hides_corner(const OverlayBox& box, std::span<const Observation> seen, ImageSize frame) {
+  const auto is_under = [&box](Pixel at) {
+    return at.u >= box.x && at.u < box.x + box.width && at.v >= box.y && at.v < box.y + box.height;
+  };
+  return std::ranges::any_of(seen, [&](const Observation& o) {
+    if (o.image_size.width < 1 || o.image_size.height < 1) return false;
+    const auto to_frame = ImageTransform::scaled(o.image_size, frame);
+    return std::ranges::any_of(o.uv, [&](Pixel at) { return is_under(to_frame(at)); });
+  });
+}
+
+void add_panel(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress,
+               const OverlayParts& parts) {
+  const PanelLayout panel(frame, progress, parts.panel);
+  add_box(shapes, panel.left, panel.top, panel.width, panel.height, kPanel);
+  if (!parts.words || !shows_summary(progress)) {
+    add_bars(shapes, panel, progress);
+    add_chips(shapes, panel, progress);
+  }
+  if (has_map(progress)) add_map(shapes, panel, progress.coverage_map);
 }
 
 }  // namespace calvin

@@ -177,22 +177,6 @@ OverlayTile tile_of(const Grid& grid, int first, int last, int row,
 
 }  // namespace
 
-double unit_of(ImageSize frame) noexcept {
-  return std::max(0.5, std::min(frame.width, frame.height) / 480.0);
-}
-
-void add_box(std::vector<Shape>& shapes, double x, double y, double width, double height,
-             const Colour& colour) {
-  // Boxes are given by their edges; a pixel's edge lies half a pixel from its centre.
-  shapes.push_back({Shape::Kind::kBox,
-                    {x - 0.5, y - 0.5},
-                    {x + width - 0.5, y + height - 0.5},
-                    0,
-                    0,
-                    colour,
-                    0});
-}
-
 Extent extent_of(const Shape& shape) noexcept {
   const Pixel to = shape.radius > 0 ? shape.from : shape.to;
   const double reach = shape.radius + shape.width / 2 + shape.halo + 0.5;

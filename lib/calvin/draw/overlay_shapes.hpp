@@ -41,8 +41,9 @@ inline constexpr Colour kTrack{1, 1, 1, 0.25};
 void add_box(std::vector<Shape>& shapes, double x, double y, double width, double height,
              const Colour& colour);
 
-// Bars and the map of what boards covered, in the upper left corner.
-void add_panel(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress);
+// Bars, chips and the map of what boards covered, in an upper corner.
+void add_panel(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress,
+               const OverlayParts& parts);
 
 struct Extent {
   double left = 0;

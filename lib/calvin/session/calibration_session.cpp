@@ -2,45 +2,18 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // What a session takes in: frames, views of boards, and commands. session_update.cpp brings other
-// settings into force, session_solves.cpp says what is solved and what is made of the results.
+// settings into force, session_solves.cpp says what is solved and what is made of the results, and
+// session_guidance.cpp what the user is told.
 
 #include "calvin/session/calibration_session.hpp"
 
-#include <cmath>
 #include <utility>
 
-#include "calvin/geometry/convex_hull.hpp"
 #include "calvin/session/guidance/hint_target.hpp"
+#include "calvin/session/guidance/stopping_criterion.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
-
-namespace {
-
-bool covers_most(const Calibration& calibration) {
-  constexpr double kMost = 0.8;  // of the picture
-  const ImageSize size = calibration.image_size;
-  return polygon_area(calibration.covered) >= kMost * size.width * size.height;
-}
-
-// Whether a calibration is as good as `target` px where corners were seen, and that is most of the
-// picture, or the rest is not much worse: a board that is held in the middle is never done.
-bool reaches(const Calibration& calibration, double target) {
-  constexpr double kMuchWorse = 5;  // times the target
-  if (calibration.expected_error.value_or(HUGE_VAL) > target) return false;
-  return covers_most(calibration) ||
-         calibration.expected_error_anywhere.value_or(0) <= kMuchWorse * target;
-}
-
-// Whether there is nothing to ask for any more; `target` px, 0 where the user has set none.
-bool is_good_enough(const Calibration& calibration, double target) {
-  constexpr double kAnywhere = 0.15;  // px
-  if (target > 0) return reaches(calibration, target);
-  return covers_most(calibration) &&
-         calibration.expected_error_anywhere.value_or(HUGE_VAL) <= kAnywhere;
-}
-
-}  // namespace
 
 bool CalibrationSession::set_size(ImageSize size, std::optional<Error>& warning) {
   if (std::exchange(size_, size) == size) return false;
@@ -153,7 +126,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   const Reason reason = views_.offer(view, fine ? worth(view) : ViewWorth{});
   if (reason == Reason::kAccepted) {
     note_taken(times);
-    write_down(false, {views_.views().back()});
+    write_down_newest();
     accepted_at_ = observation.timestamp;
     capture_.restart(accepted_at_);
     offered.reached = consider();
@@ -184,36 +157,6 @@ void CalibrationSession::hear_detector(const std::string& words, bool wrong_boar
   if (!words.empty()) last_obstacle_ = words;
 }
 
-ViewWorth CalibrationSession::worth(const View& view) {
-  if (!guide_) return capture_.worth(std::nullopt, view.observation.timestamp);
-  share_ = guide_->share(view);
-  return capture_.worth(NearView{share_, guide_->distance(view)}, view.observation.timestamp);
-}
-
-// A camera that is known badly may ask for what it cannot see.
-void CalibrationSession::drop_stale_guide(std::uint64_t now) {
-  constexpr std::uint64_t kLong = 10'000'000'000;  // ns
-  const bool known = now != kNoTimestamp && accepted_at_ != kNoTimestamp && now >= accepted_at_;
-  if (!guide_ || !known || now - accepted_at_ < kLong || !hint_.target) return;
-  guide_.reset();
-  renew_hint();
-}
-
-// Words that change with every twitch of a hand cannot be followed.
-void CalibrationSession::guide_from(const View& view) {
-  constexpr std::uint64_t kReadable = 2'000'000'000;  // ns
-  if (!guide_ || !guide_->footprint() || !hint_.target) return;
-  const auto seen = footprint_of(view);
-  if (!seen) return;
-  Hint next = hint_towards(*guide_->footprint(), *seen);
-  next.target = hint_.target;
-  const std::uint64_t now = view.observation.timestamp;
-  const bool known = now != kNoTimestamp && hint_since_ != kNoTimestamp && now >= hint_since_;
-  if (next == hint_ || (known && now - hint_since_ < kReadable)) return;
-  hint_ = next;
-  hint_since_ = now;
-}
-
 bool CalibrationSession::choose_board(const Board& seen, const FrameTimes& times) {
   constexpr int kGone = 15;  // frames with other boards alone
   const bool next = times.timestamp == kNoTimestamp || times.timestamp != times_.timestamp;
@@ -228,66 +171,12 @@ bool CalibrationSession::choose_board(const Board& seen, const FrameTimes& times
   return true;
 }
 
-Progress CalibrationSession::progress() const {
-  Progress now = views_.progress();
-  now.hint = hint_text();
-  now.target = hint_.target;
-  if (guide_ && hint_.target) {
-    for (const Pixel& at : guide_->outline()) {
-      now.ghost.push_back({(at.u + 0.5) / size_.width, (at.v + 0.5) / size_.height});
-    }
-    now.ghost_share = std::min(share_, 1.0);
-  }
-  if (calibration_) {
-    now.rms = calibration_->rms;
-    now.expected_error = calibration_->expected_error;
-    now.expected_error_anywhere = calibration_->expected_error_anywhere;
-  }
-  return now;
-}
-
-std::string CalibrationSession::hint_text() const {
-  // As long as another board is in view, or it is dark, nothing else helps.
-  if (!obstacle_.empty()) return obstacle_;
-  const bool is_told = verdict_until_ != kNoTimestamp && newest_ <= verdict_until_;
-  if (is_told) return verdict_words_;
-  return to_text(views_.views().empty() ? first_hint() : hint_);
-}
-
-// Whoever shows the board and has no view of it yet has to know why.
-Hint CalibrationSession::first_hint() const {
-  for (const Reason reason : last_reasons_) {
-    if (reason == Reason::kMoving) return {HintKind::kHoldStill};
-    if (reason == Reason::kTooSmall) return {HintKind::kComeCloser};
-  }
-  return hint_;
-}
-
 std::optional<Camera> CalibrationSession::camera() const {
   for (const std::optional<Calibration>* known : {&calibration_, &initial_}) {
     if (!*known) continue;
     if (auto camera = Camera::make(**known)) return *std::move(camera);
   }
   return nominal_camera(size_);
-}
-
-void CalibrationSession::renew_hint() {
-  if (finished_) {
-    hint_ = {HintKind::kDone};
-    return;
-  }
-  if (guide_ && calibration_ && is_good_enough(*calibration_, plan_.settings.target_error)) {
-    hint_ = {HintKind::kGood};
-    return;
-  }
-  if (guide_ && guide_->target()) {
-    if (!hint_.target) hint_ = views_.hint();
-    hint_.target = to_pose(*guide_->target());
-    return;
-  }
-  hint_ = views_.hint();
-  if (!board_) return;
-  if (const auto now = camera()) hint_.target = hint_target(views_.coverage(), *board_, *now);
 }
 
 bool CalibrationSession::enough_views() const {
@@ -300,23 +189,29 @@ std::string CalibrationSession::camera_name() const {
 
 std::string_view CalibrationSession::limit_reached() const {
   if (!enough_views()) return {};
-  const std::size_t views = views_.views().size();
-  const bool full =
-      plan_.settings.max_views > 0 && views >= static_cast<std::size_t>(plan_.settings.max_views);
-  if (full) return "max-views";
   const bool good = plan_.settings.target_error > 0 && published_ && calibration_ &&
-                    reaches(*calibration_, plan_.settings.target_error);
-  return good ? "target-error" : "";
+                    is_good_enough(*calibration_, plan_.settings.target_error);
+  if (good) return "target-error";
+  return views_.full() && !exchanges_views() ? "max-views" : "";
+}
+
+bool CalibrationSession::exchanges_views() const {
+  constexpr std::size_t kTurns = 2;  // each place is taken anew once: then more of it is in vain
+  return plan_.settings.target_error > 0 && views_.options().mode == CaptureMode::kAuto &&
+         accepted_ < kTurns * views_.views().size() && (!guide_ || guide_->has_exchange());
+}
+
+std::string_view CalibrationSession::end_at_limit(bool solve) {
+  const std::string_view limit = limit_reached();
+  finished_ = !limit.empty();
+  if (finished_ && solve) ask(true);
+  return limit;
 }
 
 std::string_view CalibrationSession::consider() {
   ++revision_;
   if (!enough_views()) return {};
-  if (const std::string_view limit = limit_reached(); !limit.empty()) {
-    finished_ = true;
-    ask(true);
-    return limit;
-  }
+  if (const std::string_view limit = end_at_limit(); !limit.empty()) return limit;
   if (accepted_ >= next_solve_) {
     // When every frame is a view, each solve waits for a quarter more of them.
     const bool all = views_.options().mode == CaptureMode::kAll;
@@ -377,11 +272,22 @@ void CalibrationSession::outdate_results() {
   writes_.forget();
 }
 
+void CalibrationSession::write_down_all() {
+  Session::Views all = set_aside_;
+  all.insert(all.end(), views_.views().begin(), views_.views().end());
+  write_down(true, std::move(all));
+}
+
+// A view that was given up for a better one is not to come back with the next run. Those that had
+// to go because there were too many may: they go again.
+void CalibrationSession::write_down_newest() {
+  if (views_.exchanged()) return write_down_all();
+  write_down(false, {views_.views().back()});
+}
+
 bool CalibrationSession::remove_view(std::size_t index) {
   if (!views_.remove_view(index)) return false;
-  Session::Views left = set_aside_;
-  left.insert(left.end(), views_.views().begin(), views_.views().end());
-  write_down(true, std::move(left));
+  write_down_all();
   taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
   outdate_results();  // what is being solved has the view in it, and the files have it
   finished_ = !limit_reached().empty();

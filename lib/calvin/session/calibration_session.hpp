@@ -23,6 +23,7 @@
 #include "calvin/session/frame_times.hpp"
 #include "calvin/session/guidance/guided_capture.hpp"
 #include "calvin/session/guidance/hint.hpp"
+#include "calvin/session/guidance/parameter_groups.hpp"
 #include "calvin/session/guidance/view_guide.hpp"
 #include "calvin/session/progress.hpp"
 #include "calvin/session/result_writes.hpp"
@@ -54,6 +55,7 @@ struct Published {
   bool better = false;   // than all before it: it goes downstream and to the files
   bool writing = false;  // files have yet to get a result
   Progress progress;
+  std::string_view reached;  // the setting for which nothing more is captured from now on, if any
 };
 
 // What the end of the stream has to wait for.
@@ -87,7 +89,7 @@ class CalibrationSession {
                                                              SettingsRead read,
                                                              const SessionSettings& now);
 
-  // ---- Frames and views: calibration_session.cpp
+  // ---- Frames and views: calibration_session.cpp; what is said of them: session_guidance.cpp
 
   // Likewise: what is to be judged by the first views of a guided session.
   void judge_first(std::shared_ptr<const EarlierCalibration> earlier) {
@@ -132,8 +134,10 @@ class CalibrationSession {
   [[nodiscard]] std::vector<JournalEntry> take_journal() { return std::exchange(entries_, {}); }
   // Whether what the job was made of still is what the session has.
   [[nodiscard]] bool is_current(const JobOrigin& origin) const;
-  // Absent where it is not current: the solution is thrown away.
-  [[nodiscard]] std::optional<Published> solved(const SolveJob& job, const Solution& solution);
+  // Absent where it is not current: the solution is thrown away. `errors`: parameter_errors() of
+  // the solution, which are found beside the session, since they take a while.
+  [[nodiscard]] std::optional<Published> solved(const SolveJob& job, const Solution& solution,
+                                                std::vector<GroupError> errors = {});
   void failed(const SolveJob& job, const Error& why);
   // The views that this solve left out and the one before did not; none where it is not current.
   [[nodiscard]] std::vector<TakenView> newly_rejected(const SolveJob& job,
@@ -185,6 +189,9 @@ class CalibrationSession {
   [[nodiscard]] Result<Board> board_of(const std::string& text);
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
   [[nodiscard]] std::string_view consider();
+  // Captures nothing more where limit_reached() names a setting, and returns it; what is there is
+  // to be solved for the final result.
+  std::string_view end_at_limit(bool solve = true);
   [[nodiscard]] std::string hint_text() const;
   [[nodiscard]] Hint first_hint() const;
   void solve_with_readout();
@@ -198,6 +205,10 @@ class CalibrationSession {
   void write_down(bool reset, Session::Views views) {
     if (journaling_) entries_.push_back({reset, std::move(views), plan_.settings.camera});
   }
+  void write_down_all();
+  void write_down_newest();
+  // Whether a view beyond max-views may take the place of one that tells less.
+  [[nodiscard]] bool exchanges_views() const;
   // Whether a view tells enough, of what the hint asks for, to be kept.
   [[nodiscard]] ViewWorth worth(const View& view);
   void guide_from(const View& view);
@@ -267,7 +278,9 @@ class CalibrationSession {
   bool solve_waits_ = false;                     // for settings to come into force
 
   // What came of it.
-  std::optional<Calibration> calibration_;  // newest solution
+  std::optional<Calibration> calibration_;       // newest solution
+  std::vector<GroupError> parameter_errors_;     // of it
+  Misfit::Cause misfit_ = Misfit::Cause::kNone;  // likewise
   std::string solve_error_;
   bool published_ = false;  // a calibration of what is set and kept was good enough for the files
   std::optional<double> published_error_;    // its compared_error(), px

@@ -27,6 +27,12 @@ struct CoverageMap {
   }
 };
 
+// Some parameters of a camera that mean one thing to a user, and how well they are known.
+struct ParameterGroup {
+  std::string name;  // "focal length", "principal point", "distortion"
+  double known = 0;  // 0..1: 1 where they are known as well as is wanted
+};
+
 struct Progress {
   int views = 0;
   double coverage = 0;  // part of the image that boards covered, 0..1
@@ -51,6 +57,10 @@ struct Progress {
   // Of what the view at the target would tell: as much of it as the newest view does, 0..1.
   double ghost_share = 0;
   CoverageMap coverage_map;  // what boards covered; without columns where it is not known
+  std::vector<ParameterGroup> parameters =
+      {};                                 // of the newest calibration; empty before the first one
+  bool done = false;                      // nothing more is needed
+  std::vector<std::string> summary = {};  // then: the calibration, a parameter in each line
 };
 
 }  // namespace calvin

@@ -90,12 +90,19 @@ Reason Session::judge(const View& view, Recent& r, ViewWorth worth) {
   if (!asked_) {
     const bool worth_it =
         pace == Pace::kStill ? worth.still : worth.moving || (restless && worth.restless);
-    const Reason reason = worth_keeping(view, pace, worth_it);
+    const Reason reason = worth_keeping(view, pace, worth_it, worth.in_place_of);
     if (reason != Reason::kAccepted) return reason;
   }
-  if (full() || is_kept(view.observation, restored_)) return Reason::kTooSimilar;
+  const auto place = full() ? place_of(worth.in_place_of) : std::nullopt;
+  if ((full() && !place) || is_kept(view.observation, restored_)) return Reason::kTooSimilar;
   const bool mend = velocities && is_significant(*velocities);
-  return keep(std::make_shared<const View>(mend ? moving(view, *velocities) : view));
+  return keep(std::make_shared<const View>(mend ? moving(view, *velocities) : view), place);
+}
+
+std::optional<std::size_t> Session::place_of(const View* view) const {
+  const auto found = std::ranges::find(views_, view, [](const auto& kept) { return kept.get(); });
+  if (found == views_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - views_.begin());
 }
 
 Reason Session::restore(const std::shared_ptr<const View>& view) {
@@ -155,7 +162,8 @@ Session::Pace Session::pace_of(const Observation& seen, const Observation* befor
   return steady ? Pace::kSteady : Pace::kUnknown;
 }
 
-Reason Session::worth_keeping(const View& view, Pace pace, bool worth_it) const {
+Reason Session::worth_keeping(const View& view, Pace pace, bool worth_it,
+                              const View* in_place_of) const {
   if (options_.mode == CaptureMode::kAll) return Reason::kAccepted;
   if (options_.mode == CaptureMode::kManual) return Reason::kTooSimilar;
   const Observation& seen = view.observation;
@@ -163,7 +171,7 @@ Reason Session::worth_keeping(const View& view, Pace pace, bool worth_it) const 
   if (hull_area(seen) < kSmallest * size.width * size.height) return Reason::kTooSmall;
   if (pace == Pace::kUnknown) return Reason::kMoving;
   if (seen.blur > std::max(kSharp * diagonal(size), kSharpEnough)) return Reason::kBlurred;
-  return worth_it && is_new(view) ? Reason::kAccepted : Reason::kTooSimilar;
+  return worth_it && is_new(view, in_place_of) ? Reason::kAccepted : Reason::kTooSimilar;
 }
 
 void Session::time_frame(std::uint64_t timestamp) {
@@ -270,11 +278,11 @@ std::optional<Session::Sighting> Session::take_previous(const Observation& now) 
   return sighting;
 }
 
-bool Session::is_new(const View& view) const {
+bool Session::is_new(const View& view, const View* in_place_of) const {
   const double scale = diagonal(view.observation.image_size);
   const double extent = std::sqrt(hull_area(view.observation));
   return std::all_of(views_.begin(), views_.end(), [&](const auto& kept) {
-    if (kept->observation.board != view.observation.board) return true;
+    if (kept.get() == in_place_of || kept->observation.board != view.observation.board) return true;
     const CornerMotion m = corner_motion(kept->observation, view.observation);
     return m.shared < kFewestCorners || m.center > kNewPosition * scale ||
            m.about_center > kNewShape * extent;
@@ -298,15 +306,20 @@ std::size_t Session::most_views(const View& like) const noexcept {
                   static_cast<std::size_t>(std::max(options_.min_views, options_.max_views)));
 }
 
-Reason Session::keep(const std::shared_ptr<const View>& view) {
+Reason Session::keep(const std::shared_ptr<const View>& view,
+                     std::optional<std::size_t> in_place_of) {
   replaced_.reset();
+  exchanged_ = in_place_of.has_value();
   spacing_.add(view);
-  if (views_.size() >= most_views(*view)) {
-    const std::size_t crowded = spacing_.most_crowded(asked_ ? views_.size() : views_.size() + 1);
-    spacing_.remove(crowded);
-    if (crowded == views_.size()) return Reason::kTooSimilar;
-    erase_view(crowded);
-    replaced_ = crowded;
+  auto gone = in_place_of;
+  if (!gone && views_.size() >= most_views(*view)) {
+    gone = spacing_.most_crowded(asked_ ? views_.size() : views_.size() + 1);
+  }
+  if (gone) {
+    spacing_.remove(*gone);
+    if (*gone == views_.size()) return Reason::kTooSimilar;
+    erase_view(*gone);
+    replaced_ = gone;
   }
   asked_ = false;
   coverage_.add(*view);

@@ -64,7 +64,8 @@ class Session {
 
   // Keeps the view when it returns kAccepted. kTooSimilar also for a view beyond max_views, in
   // kManual for one that was not asked for, in kAuto for one that is not worth it, and where there
-  // are so many views that the one that is most like another has to go, for that one.
+  // are so many views that the one that is most like another has to go, for that one. Beyond
+  // max_views one is kept in place of the view that `worth` names, if that is still there.
   Reason offer(const View& view, ViewWorth worth = {});
 
   // Takes up a view that was kept before, as it is: one of an earlier run, or of before the frames
@@ -94,6 +95,10 @@ class Session {
   [[nodiscard]] const Views& views() const noexcept { return views_; }
   // Which view the newest one took the place of, by its number until then.
   [[nodiscard]] const std::optional<std::size_t>& replaced() const noexcept { return replaced_; }
+  // Whether it did because it tells more, and not because there were too many.
+  [[nodiscard]] bool exchanged() const noexcept { return exchanged_; }
+  // Whether max_views are kept.
+  [[nodiscard]] bool full() const noexcept;
   // Of the views alone: a session knows no calibration and no frame.
   [[nodiscard]] Progress progress() const;
   [[nodiscard]] Hint hint() const { return coverage_.hint(); }
@@ -123,9 +128,11 @@ class Session {
   enum class Pace { kStill, kSteady, kUnknown };
   [[nodiscard]] Pace pace_of(const Observation& seen, const Observation* before,
                              const std::optional<CornerVelocities>& velocities) const;
-  [[nodiscard]] Reason worth_keeping(const View& view, Pace pace, bool worth_it) const;
-  [[nodiscard]] bool is_new(const View& view) const;
-  [[nodiscard]] bool full() const noexcept;
+  [[nodiscard]] Reason worth_keeping(const View& view, Pace pace, bool worth_it,
+                                     const View* in_place_of) const;
+  // Compared with all that are kept but `in_place_of`.
+  [[nodiscard]] bool is_new(const View& view, const View* in_place_of) const;
+  [[nodiscard]] std::optional<std::size_t> place_of(const View* view) const;
   // Beyond so many views each new one takes the place of another. A stream may go on for ever.
   [[nodiscard]] std::size_t most_views(const View& like) const noexcept;
   // Notes that another frame begins where it does, and forgets what is older than the one before.
@@ -134,7 +141,8 @@ class Session {
   // Whether one of the first `count` views was made of it.
   [[nodiscard]] bool is_kept(const Observation& seen, std::size_t count) const;
   void erase_view(std::size_t index);
-  [[nodiscard]] Reason keep(const std::shared_ptr<const View>& view);
+  [[nodiscard]] Reason keep(const std::shared_ptr<const View>& view,
+                            std::optional<std::size_t> in_place_of = std::nullopt);
   void time_frame(std::uint64_t timestamp);
   [[nodiscard]] double frame_time() const;       // s; 0: not known
   [[nodiscard]] double longest_readout() const;  // s; 0: not known
@@ -150,6 +158,7 @@ class Session {
   std::size_t restored_ = 0;  // of them the first so many
   ViewSpacing spacing_;       // of views_
   std::optional<std::size_t> replaced_;
+  bool exchanged_ = false;
   ViewCoverage coverage_;  // what was seen stays seen
   // What was usable of a board in the frame at hand, and in the one before unless it was followed
   // up; without timestamps nobody knows where a frame ends, and all is of the one before.

@@ -58,12 +58,14 @@ void CalibrationSession::failed(const SolveJob& job, const Error& why) {
   if (job.final) final_owed_ = false;
 }
 
-std::optional<Published> CalibrationSession::solved(const SolveJob& job, const Solution& solution) {
+std::optional<Published> CalibrationSession::solved(const SolveJob& job, const Solution& solution,
+                                                    std::vector<GroupError> errors) {
   if (!is_current(job.origin)) return std::nullopt;
   calibration_ = solution.calibration;
+  parameter_errors_ = std::move(errors);
+  misfit_ = solution.misfit.cause;
   if (auto doubt = views_.readout_doubt()) calibration_->remarks.push_back(*std::move(doubt));
   solve_error_.clear();
-  renew_hint();
   const double error = compared_error(*calibration_).value_or(HUGE_VAL);
   const bool better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
   if (better) {
@@ -74,7 +76,11 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
   }
   if (plan_.files.empty()) writes_.forget();
   writes_.ask(job.final);
-  return Published{better, writes_.waiting(), progress()};
+  // A final result of all views is followed by no other one.
+  const bool is_last = job.final && job.origin.revision == revision_;
+  const std::string_view reached = finished_ ? "" : end_at_limit(!is_last);
+  renew_hint();
+  return Published{better, writes_.waiting(), progress(), reached};
 }
 
 void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<const ViewGuide> guide) {
@@ -85,6 +91,7 @@ void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<const ViewG
   guide_ = std::move(guide);
   share_ = 0;
   capture_.restart(times_.timestamp);
+  end_at_limit();
   renew_hint();
 }
 

@@ -279,7 +279,10 @@ TEST(Overlay, BarsAreAsLongAsTheirValues) {
 TEST(Overlay, TheMapShowsWhatWasCovered) {
   const ImageSize size{640, 480};
   Progress progress;
-  const int right = overlay_panel_right(size);
+  progress.coverage_map.columns = 0;
+  const OverlayBox panel = overlay_panel_box(size, progress, PanelSide::kLeft);
+  const int right = panel.x + panel.width;
+  const int middle = panel.x + panel.width / 2;
   const auto greens = [&](int left, int top, int to_right, int bottom) {
     Picture picture = drawn(size, {}, progress);
     int count = 0;
@@ -303,7 +306,7 @@ TEST(Overlay, TheMapShowsWhatWasCovered) {
   const int two = greens(0, 0, 640, 480);
   EXPECT_NEAR(two, all / 6.0, 0.1 * all / 6.0);
   // From the left edge to the middle of the panel, and in its upper third.
-  EXPECT_EQ(greens(0, 0, right / 2 + 2, 480), two);
+  EXPECT_EQ(greens(0, 0, middle + 2, 480), two);
 }
 
 // Which corner of the outline is the board's first one.

@@ -185,9 +185,15 @@ TEST_F(CalibrationSessions, AreCompleteWithTheErrorThatIsWanted) {
   EXPECT_EQ(show(1).reached, "");
   const auto job = session_.take_solve();
   EXPECT_FALSE(job->final);
-  ASSERT_TRUE(session_.solved(*job, found(*job, 0.2)).has_value());
-  EXPECT_EQ(show(1).reached, "target-error");
-  EXPECT_TRUE(session_.take_solve()->final);
+  const auto published = session_.solved(*job, found(*job, 0.2));
+  ASSERT_TRUE(published.has_value());
+  EXPECT_EQ(published->reached, "target-error");
+  EXPECT_FALSE(show(1).report) << "nothing more is captured";
+  const auto last = session_.take_solve();
+  ASSERT_TRUE(last.has_value());
+  EXPECT_TRUE(last->final);
+  EXPECT_EQ(session_.solved(*last, found(*last, 0.2))->reached, "") << "once";
+  EXPECT_FALSE(session_.take_solve().has_value());
 }
 
 // A newer job takes the place of one that waits, or that a flush cut short: nothing final is lost.

@@ -32,9 +32,49 @@ TEST_F(CalibrationSessions, AreNotCompleteWithACornerOfThePicture) {
     Solution solution = found(*job, 0.1);
     solution.calibration.expected_error_anywhere = c.anywhere;
     solution.calibration.covered = c.covered;
-    ASSERT_TRUE(session_.solved(*job, solution).has_value());
-    EXPECT_EQ(show(1).reached, c.reached) << c.anywhere;
+    const auto published = session_.solved(*job, solution);
+    ASSERT_TRUE(published.has_value());
+    EXPECT_EQ(published->reached, c.reached) << c.anywhere;
   }
+}
+
+// More views of the kind help nobody whose board bends: the words say what does.
+TEST_F(CalibrationSessions, AreNotCompleteWhereSomethingSpeaksAgainstTheResult) {
+  SessionSettings settings;
+  settings.target_error = 0.2;
+  begin(settings);
+  show(3);
+  const auto job = session_.take_solve();
+  Solution solution = found(*job, 0.1);
+  solution.misfit.cause = Misfit::Cause::kBoard;
+  solution.calibration.misfit = "board";
+  EXPECT_EQ(session_.solved(*job, solution)->reached, "");
+  EXPECT_FALSE(session_.progress().done);
+  EXPECT_EQ(session_.progress().hint, advice(Misfit::Cause::kBoard));
+  // Once a result agrees with its views, it counts.
+  show(1);
+  const auto next = session_.take_solve();
+  EXPECT_EQ(session_.solved(*next, found(*next, 0.1))->reached, "target-error");
+  EXPECT_TRUE(session_.progress().done);
+  EXPECT_EQ(session_.progress().hint, to_text(Hint{HintKind::kDone}));
+}
+
+TEST_F(CalibrationSessions, TellWhatIsKnownOfTheCamera) {
+  SessionSettings settings;
+  settings.target_error = 0.2;
+  begin(settings);
+  show(3);
+  EXPECT_TRUE(session_.progress().parameters.empty());
+  const auto job = session_.take_solve();
+  const auto published =
+      session_.solved(*job, found(*job, 0.5), {{"focal length", 2}, {"principal point", 0.9}});
+  ASSERT_TRUE(published.has_value());
+  const Progress& now = published->progress;
+  ASSERT_EQ(now.parameters.size(), 2U);
+  EXPECT_EQ(now.parameters[0].name, "focal length");
+  EXPECT_DOUBLE_EQ(now.parameters[0].known, 0.5);  // wanted: 5 times the target
+  EXPECT_DOUBLE_EQ(now.parameters[1].known, 1);
+  EXPECT_TRUE(now.summary.empty()) << "not done yet";
 }
 
 // Of two results the one is better that is better anywhere: with more of the picture in view, the

@@ -3,6 +3,9 @@
 
 // What a session does with the guide that follows a solve: which views it takes, what it tells.
 
+#include <algorithm>
+#include <string_view>
+
 #include "calvin/geometry/se3.hpp"
 #include "session_fixture.hpp"
 
@@ -139,6 +142,57 @@ TEST_F(GuidedSessions, SayThatTheyAreDone) {
   settings.max_views = 5;
   set(settings);
   EXPECT_NE(session_.progress().hint, to_text(Hint{HintKind::kDone}));
+}
+
+// With a target a session that is full goes on with views that tell more than one that it has.
+TEST_F(GuidedSessions, ExchangeAWeakViewForABetterOne) {
+  begin_guided();
+  session_.begin_journal({});
+  SessionSettings settings = settings_;
+  settings.max_views = 4;
+  settings.target_error = 0.01;
+  set(settings);
+  EXPECT_EQ(hold(target_).reached, "");
+  finish_solve(session_.take_solve());
+  ASSERT_EQ(session_.views().views().size(), 4U);
+  const auto before = session_.views().views();
+  (void)session_.take_journal();
+
+  EXPECT_EQ(hold(to_se3(*session_.hint().target)).reason, Reason::kAccepted);
+  const auto& after = session_.views().views();
+  ASSERT_EQ(after.size(), 4U);
+  int stayed = 0;
+  for (const auto& view : before) stayed += std::ranges::count(after, view) > 0 ? 1 : 0;
+  EXPECT_EQ(stayed, 3);
+  // The view that went does not come back with the next run.
+  const auto entries = session_.take_journal();
+  ASSERT_EQ(entries.size(), 1U);
+  EXPECT_TRUE(entries.front().reset);
+  EXPECT_EQ(entries.front().views, after);
+
+  // One that tells less than each of them is left alone, and so is any until the next solve.
+  wait(9);
+  EXPECT_EQ(hold(target_).reason, Reason::kTooSimilar);
+  finish_solve(session_.take_solve());
+  const SE3 far = {target_.rotation, 4 * target_.translation};
+  wait(9);
+  EXPECT_EQ(hold(far).reason, Reason::kTooSimilar);
+}
+
+// A target that cannot be reached is no reason to go on for ever.
+TEST_F(GuidedSessions, EndTheExchangeOfViews) {
+  begin_guided();
+  SessionSettings settings = settings_;
+  settings.max_views = 4;
+  settings.target_error = 1e-6;
+  set(settings);
+  for (int i = 0; i < 40 && session_.hint().kind != HintKind::kDone; ++i) {
+    if (session_.hint().target) hold(to_se3(*session_.hint().target));
+    if (const auto job = session_.take_solve()) finish_solve(job);
+    wait(1);
+  }
+  EXPECT_EQ(session_.hint().kind, HintKind::kDone);
+  EXPECT_EQ(session_.views().views().size(), 4U);
 }
 
 TEST_F(GuidedSessions, AreGuidedInCaptureModeAutoAlone) {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "calvin/core/observation.hpp"
+#include "calvin/solve/view.hpp"
 
 namespace calvin {
 
@@ -17,6 +18,8 @@ struct ViewWorth {
   bool still = true;
   bool moving = true;
   bool restless = true;
+  // Where no more are kept: which of those that are it may take the place of.
+  const View* in_place_of = nullptr;
 };
 
 // How a view compares with the one that is asked for.

@@ -110,9 +110,11 @@ std::optional<ViewGuide> ViewGuide::make(const Camera& camera, const SolveOption
   auto scorer = ViewScorer::make(camera, options);
   if (!scorer) return std::nullopt;
   ViewGuide guide(camera, *std::move(scorer));
+  std::vector<Eigen::MatrixXd> all;
   for (const auto& view : kept) {
     const auto pose = solve_pose(camera, view->board, view->observation);
     const auto information = pose ? guide.scorer_.information(*view, *pose) : std::nullopt;
+    all.push_back(information.value_or(Eigen::MatrixXd()));
     if (!information) continue;
     guide.known_ += *information;
     const auto& corners = view->observation.uv;
@@ -120,9 +122,26 @@ std::optional<ViewGuide> ViewGuide::make(const Camera& camera, const SolveOption
     guide.covered_ = convex_hull(std::move(guide.covered_));
   }
   guide.variance_ = guide.scorer_.variance(guide.known_);
+  guide.find_weakest(kept, all);
   const double sigma = middle_sigma(kept);
   guide.find_target(kept, board, sigma > 0 ? sigma : 1);
+  guide.has_exchange_ = guide.target_view_ && guide.exchange_for(*guide.target_view_) != nullptr;
   return guide;
+}
+
+void ViewGuide::find_weakest(const std::vector<std::shared_ptr<const View>>& kept,
+                             const std::vector<Eigen::MatrixXd>& information) {
+  double least = HUGE_VAL;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    // A view that has no pose tells nothing.
+    const bool tells = information[i].size() > 0;
+    const Eigen::MatrixXd without = tells ? Eigen::MatrixXd(known_ - information[i]) : known_;
+    const double variance = scorer_.variance(without);
+    if (!(variance < least)) continue;
+    least = variance;
+    weakest_ = kept[i];
+    without_weakest_ = without;
+  }
 }
 
 void ViewGuide::find_target(const std::vector<std::shared_ptr<const View>>& kept,
@@ -176,6 +195,16 @@ double ViewGuide::share(const View& view) const {
   const auto pose = solve_pose(camera_, view.board, view.observation);
   const auto information = pose ? scorer_.information(view, *pose) : std::nullopt;
   return information ? std::max(0.0, gain(view, *information) / target_gain_) : 0;
+}
+
+const View* ViewGuide::exchange_for(const View& view) const {
+  constexpr double kWorth = 0.97;  // of the variance: less is not worth a solve
+  if (!weakest_) return nullptr;
+  const auto pose = solve_pose(camera_, view.board, view.observation);
+  const auto information = pose ? scorer_.information(view, *pose) : std::nullopt;
+  if (!information) return nullptr;
+  const double variance = scorer_.variance(without_weakest_ + *information);
+  return variance < kWorth * variance_ ? weakest_.get() : nullptr;
 }
 
 double ViewGuide::distance(const View& view) const {

@@ -47,10 +47,17 @@ class ViewGuide {
   // RMS distance of the corners from where the target would show them, px; infinite without a
   // target, and where the view has no corner of its board.
   [[nodiscard]] double distance(const View& view) const;
+  // Which of the views that are kept tells least, if the view would tell more in its place; else
+  // null.
+  [[nodiscard]] const View* exchange_for(const View& view) const;
+  // Whether the target would: it tells most.
+  [[nodiscard]] bool has_exchange() const noexcept { return has_exchange_; }
 
  private:
   ViewGuide(Camera camera, ViewScorer scorer)
       : camera_(std::move(camera)), scorer_(std::move(scorer)), known_(scorer_.prior()) {}
+  void find_weakest(const std::vector<std::shared_ptr<const View>>& kept,
+                    const std::vector<Eigen::MatrixXd>& information);
   void find_target(const std::vector<std::shared_ptr<const View>>& kept, const Board& board,
                    double sigma);
   [[nodiscard]] double gain(const View& view, const Eigen::MatrixXd& information) const;
@@ -58,8 +65,12 @@ class ViewGuide {
 
   Camera camera_;
   ViewScorer scorer_;
-  Eigen::MatrixXd known_;       // the prior and the information of the views that are kept
-  double variance_ = 0;         // px^2, of known_
+  Eigen::MatrixXd known_;  // the prior and the information of the views that are kept
+  double variance_ = 0;    // px^2, of known_
+  // The view without which the variance grows least, and what is known without it.
+  std::shared_ptr<const View> weakest_;
+  Eigen::MatrixXd without_weakest_;
+  bool has_exchange_ = false;
   std::vector<Pixel> covered_;  // the convex hull of the corners of the views that are kept
   std::optional<SE3> target_;
   std::optional<View> target_view_;  // as the camera would see it

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Draws the words of the panel with Pango, white in a dark outline: they lie on any colour.
+
+#include "overlay/panel_words.hpp"
+
+#include "calvin_config.h"
+
+#if CALVIN_HAVE_PANGO
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <pango/pangocairo.h>
+
+#include "calvin/draw/cairo.hpp"
+#include "overlay/text_painter.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+constexpr double kSmallest = 5;  // px of a font that anybody can read
+
+// Around all of the words, at multiples of 4 as all tiles, in the frame.
+OverlayTile around(const std::vector<OverlayWords>& words, ImageSize frame) {
+  double left = frame.width;
+  double top = frame.height;
+  double right = 0;
+  double bottom = 0;
+  for (const OverlayWords& w : words) {
+    left = std::min(left, w.at.u - w.size / 4);
+    right = std::max(right, w.at.u + w.width);
+    top = std::min(top, w.at.v - w.size);
+    bottom = std::max(bottom, w.at.v + w.size);
+  }
+  OverlayTile tile;
+  tile.x = std::clamp(static_cast<int>(left), 0, frame.width) / 4 * 4;
+  tile.y = std::clamp(static_cast<int>(top), 0, frame.height) / 4 * 4;
+  tile.width = std::clamp(static_cast<int>(std::ceil(right)), 0, frame.width) - tile.x;
+  tile.height = std::clamp(static_cast<int>(std::ceil(bottom)), 0, frame.height) - tile.y;
+  return tile;
+}
+
+void draw_line(cairo_t* cr, TextPainter& painter, const OverlayWords& words,
+               const OverlayTile& tile) {
+  PangoLayout* layout = painter.lay_out(words.text, words.size, words.width, 1);
+  PangoRectangle logical;
+  pango_layout_get_pixel_extents(layout, nullptr, &logical);
+  cairo_move_to(cr, words.at.u + 0.5 - tile.x, words.at.v + 0.5 - tile.y - logical.height / 2.0);
+  pango_cairo_layout_path(cr, layout);
+  cairo_set_source_rgba(cr, 0, 0, 0, 0.75);
+  cairo_set_line_width(cr, words.size / 5);
+  cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+  cairo_stroke_preserve(cr);
+  cairo_set_source_rgb(cr, 1, 1, 1);
+  cairo_fill(cr);
+}
+
+}  // namespace
+
+PanelWords::PanelWords() = default;
+PanelWords::~PanelWords() = default;
+
+bool PanelWords::can_draw() noexcept { return true; }
+
+const OverlayTile* PanelWords::draw(std::vector<OverlayWords> words, ImageSize frame) {
+  if (words.empty() || words.front().size < kSmallest) return nullptr;
+  const bool is_new = words != words_ || frame != frame_;
+  if (is_new) {
+    words_ = std::move(words);
+    frame_ = frame;
+    tile_ = around(words_, frame);
+  }
+  if (tile_.width < 1 || tile_.height < 1) return nullptr;
+  if (!is_new) return &tile_;
+  tile_.pixels.resize(4 * static_cast<std::size_t>(tile_.width) *
+                      static_cast<std::size_t>(tile_.height));
+  const CairoSurface surface(cairo_image_surface_create_for_data(
+      tile_.pixels.data(), CAIRO_FORMAT_ARGB32, tile_.width, tile_.height, 4 * tile_.width));
+  const CairoContext context(cairo_create(surface.get()));
+  if (!painter_) painter_ = std::make_unique<TextPainter>();
+  for (const OverlayWords& w : words_) draw_line(context.get(), *painter_, w, tile_);
+  cairo_surface_finish(surface.get());
+  return &tile_;
+}
+
+}  // namespace calvin::gst
+
+#else
+
+namespace calvin::gst {
+
+class TextPainter {};
+
+PanelWords::PanelWords() = default;
+PanelWords::~PanelWords() = default;
+
+bool PanelWords::can_draw() noexcept { return false; }
+
+const OverlayTile* PanelWords::draw(std::vector<OverlayWords> /*words*/, ImageSize /*frame*/) {
+  return nullptr;
+}
+
+}  // namespace calvin::gst
+
+#endif

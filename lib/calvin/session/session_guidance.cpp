@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What a session tells its user: how far it is, what to show next, and which views that waits for.
+
+#include <algorithm>
+#include <utility>
+
+#include "calvin/session/calibration_session.hpp"
+#include "calvin/session/guidance/hint_target.hpp"
+#include "calvin/session/guidance/stopping_criterion.hpp"
+
+namespace calvin {
+
+ViewWorth CalibrationSession::worth(const View& view) {
+  if (!guide_) return capture_.worth(std::nullopt, view.observation.timestamp);
+  share_ = guide_->share(view);
+  const NearView near{share_, guide_->distance(view)};
+  ViewWorth worth = capture_.worth(near, view.observation.timestamp);
+  if (views_.full() && exchanges_views()) worth.in_place_of = guide_->exchange_for(view);
+  return worth;
+}
+
+// A camera that is known badly may ask for what it cannot see.
+void CalibrationSession::drop_stale_guide(std::uint64_t now) {
+  constexpr std::uint64_t kLong = 10'000'000'000;  // ns
+  const bool known = now != kNoTimestamp && accepted_at_ != kNoTimestamp && now >= accepted_at_;
+  if (!guide_ || !known || now - accepted_at_ < kLong || !hint_.target) return;
+  guide_.reset();
+  renew_hint();
+}
+
+// Words that change with every twitch of a hand cannot be followed.
+void CalibrationSession::guide_from(const View& view) {
+  constexpr std::uint64_t kReadable = 2'000'000'000;  // ns
+  if (!guide_ || !guide_->footprint() || !hint_.target) return;
+  const auto seen = footprint_of(view);
+  if (!seen) return;
+  Hint next = hint_towards(*guide_->footprint(), *seen);
+  next.target = hint_.target;
+  const std::uint64_t now = view.observation.timestamp;
+  const bool known = now != kNoTimestamp && hint_since_ != kNoTimestamp && now >= hint_since_;
+  if (next == hint_ || (known && now - hint_since_ < kReadable)) return;
+  hint_ = next;
+  hint_since_ = now;
+}
+
+Progress CalibrationSession::progress() const {
+  Progress now = views_.progress();
+  now.hint = hint_text();
+  now.target = hint_.target;
+  if (guide_ && hint_.target) {
+    for (const Pixel& at : guide_->outline()) {
+      now.ghost.push_back({(at.u + 0.5) / size_.width, (at.v + 0.5) / size_.height});
+    }
+    now.ghost_share = std::min(share_, 1.0);
+  }
+  if (calibration_) {
+    now.rms = calibration_->rms;
+    now.expected_error = calibration_->expected_error;
+    now.expected_error_anywhere = calibration_->expected_error_anywhere;
+    now.parameters =
+        parameter_groups(parameter_errors_, wanted_error_anywhere(plan_.settings.target_error));
+  }
+  now.done =
+      calibration_ && (finished_ || is_good_enough(*calibration_, plan_.settings.target_error));
+  if (now.done) now.summary = parameter_lines(*calibration_);
+  return now;
+}
+
+std::string CalibrationSession::hint_text() const {
+  // As long as another board is in view, or it is dark, nothing else helps.
+  if (!obstacle_.empty()) return obstacle_;
+  const bool is_told = verdict_until_ != kNoTimestamp && newest_ <= verdict_until_;
+  if (is_told) return verdict_words_;
+  // More views of the kind do not help where the views contradict what is solved.
+  const double target = plan_.settings.target_error;
+  const bool is_doubted = !finished_ && calibration_ && is_accurate(*calibration_, target) &&
+                          !is_good_enough(*calibration_, target);
+  if (is_doubted) return advice(misfit_);
+  return to_text(views_.views().empty() ? first_hint() : hint_);
+}
+
+// Whoever shows the board and has no view of it yet has to know why.
+Hint CalibrationSession::first_hint() const {
+  for (const Reason reason : last_reasons_) {
+    if (reason == Reason::kMoving) return {HintKind::kHoldStill};
+    if (reason == Reason::kTooSmall) return {HintKind::kComeCloser};
+  }
+  return hint_;
+}
+
+void CalibrationSession::renew_hint() {
+  if (finished_) {
+    hint_ = {HintKind::kDone};
+    return;
+  }
+  if (guide_ && calibration_ && is_good_enough(*calibration_, plan_.settings.target_error)) {
+    hint_ = {HintKind::kGood};
+    return;
+  }
+  if (guide_ && guide_->target()) {
+    if (!hint_.target) hint_ = views_.hint();
+    hint_.target = to_pose(*guide_->target());
+    return;
+  }
+  hint_ = views_.hint();
+  if (!board_) return;
+  if (const auto now = camera()) hint_.target = hint_target(views_.coverage(), *board_, *now);
+}
+
+}  // namespace calvin
