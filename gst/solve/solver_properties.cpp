@@ -95,7 +95,8 @@ constexpr Property<CalibSolver> kRows[] = {
      {.range = Range{2, 1000}}},
     {"max-views",
      "Maximum Views",
-     "Views after which nothing more is captured and the final result is posted (0 = no limit)",
+     "Views that are kept at most: with them the final result is posted or, while target-error is "
+     "not reached, a view that tells more takes the place of one that tells less (0 = no limit)",
      kept_in<&SessionSettings::max_views>,
      {.range = Range{0, 100000}}},
     {"target-error",

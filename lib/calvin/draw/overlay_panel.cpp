@@ -83,7 +83,7 @@ struct PanelLayout {
   double icon = 9 * unit;
   double pitch = 14 * unit;
   double bar = 11 * unit;  // its height
-  double length = 84 * unit;
+  double length = 88 * unit;
   double margin = 10 * unit;
   double padding = 6 * unit;
   double width = 3 * padding + icon + length;
@@ -174,9 +174,11 @@ std::vector<OverlayWords> overlay_panel_words(ImageSize frame, const Progress& p
                                               PanelSide side) {
   const PanelLayout panel(frame, progress, side);
   std::vector<OverlayWords> words;
+  // Numbers are longer than words.
+  const double size = (shows_summary(progress) ? 8.5 : 9.5) * panel.unit;
   const auto add = [&](std::string text, double left) {
     const double room = panel.left + panel.width - panel.padding - left;
-    words.push_back({std::move(text), {left, panel.middle(words.size())}, room, 9.5 * panel.unit});
+    words.push_back({std::move(text), {left, panel.middle(words.size())}, room, size});
   };
   const double left = panel.left + panel.padding;
   if (shows_summary(progress)) {

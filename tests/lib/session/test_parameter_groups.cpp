@@ -98,8 +98,8 @@ TEST(ParameterLines, HaveAsManyDigitsAsAreKnown) {
                             {"k3", 0, std::nullopt},   {"p1", 1e-9, 1e-12}};
   const auto lines = parameter_lines(calibration);
   ASSERT_EQ(lines.size(), 6U);
-  EXPECT_EQ(lines[0], "fx 536.12 \u00b1 0.41");
-  EXPECT_EQ(lines[1], "k1 -0.2718 \u00b1 0.0031");
+  EXPECT_EQ(lines[0], "fx 536.1 \u00b1 0.4");
+  EXPECT_EQ(lines[1], "k1 -0.272 \u00b1 0.003");
   EXPECT_EQ(lines[2], "cy 236 \u00b1 12");
   EXPECT_EQ(lines[3], "k2 0.25");
   EXPECT_EQ(lines[4], "k3 0");

@@ -50,8 +50,8 @@ std::string line_of(const Parameter& p) {
   constexpr int kMostDigits = 6;
   const double sigma = p.sigma.value_or(0);
   if (!(sigma > 0) || !std::isfinite(sigma)) return fmt::format("{} {:.6g}", p.name, p.value);
-  const int digits = 1 - static_cast<int>(std::floor(std::log10(sigma)));
-  if (digits > kMostDigits) return fmt::format("{} {:.4g} \u00b1 {:.2g}", p.name, p.value, sigma);
+  const int digits = -static_cast<int>(std::floor(std::log10(sigma)));
+  if (digits > kMostDigits) return fmt::format("{} {:.4g} \u00b1 {:.1g}", p.name, p.value, sigma);
   const int shown = std::max(0, digits);
   return fmt::format("{} {:.{}f} \u00b1 {:.{}f}", p.name, p.value, shown, sigma, shown);
 }

@@ -28,8 +28,8 @@ struct GroupError {
 [[nodiscard]] std::vector<ParameterGroup> parameter_groups(const std::vector<GroupError>& errors,
                                                            double wanted);
 
-// "fx 536.12 ± 0.41" for each parameter, the two leading digits of each sigma; without it where
-// there is none.
+// "fx 536.1 ± 0.4" for each parameter, to the leading digit of its sigma; without one where there
+// is none.
 [[nodiscard]] std::vector<std::string> parameter_lines(const Calibration& calibration);
 
 }  // namespace calvin
