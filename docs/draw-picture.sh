@@ -19,8 +19,22 @@ gst-launch-1.0 -q \
   t. ! $queue ! calibundistort ! videoconvert ! mix.sink_1
 mv "$folder/27.png" "$out/before-after.png"
 
-# What whoever holds the board sees in a session that is under way.
-gst-launch-1.0 -q calibtestsrc motion=hand num-buffers=420 seed=3 ! \
-  video/x-raw,format=I420,width=640,height=480 ! calibrate capture-mode=auto mode=sync ! \
-  videoconvert ! pngenc snapshot=false ! multifilesink max-files=1 location="$folder/guide%03d.png"
-mv "$folder/guide419.png" "$out/guide.png"
+# What whoever holds the board sees: the last of so many frames.
+#   draw_session FRAMES FORMAT WIDTH HEIGHT FILE PROPERTY=VALUE...
+draw_session() {
+  frames=$1 format=$2 width=$3 height=$4 file=$5
+  shift 5
+  case $file in *.jpg) encoder="jpegenc quality=90" ;; *) encoder="pngenc snapshot=false" ;; esac
+  # shellcheck disable=SC2086 # an element and its properties
+  gst-launch-1.0 -q calibtestsrc motion=hand num-buffers="$frames" seed=3 ! \
+    "video/x-raw,format=$format,width=$width,height=$height" ! \
+    calibrate capture-mode=auto mode=sync "$@" ! videoconvert ! $encoder ! \
+    multifilesink max-files=1 location="$folder/last%05d"
+  mv "$folder"/last* "$out/$file"
+}
+
+# A session that is under way, at three sizes, and one that is done.
+draw_session 420 NV12 640 480 guide.png
+draw_session 420 BGRx 1920 1080 guide-1080.jpg
+draw_session 420 NV12 3840 2160 guide-2160.jpg
+draw_session 420 BGRx 640 480 done.png target-error=0.4

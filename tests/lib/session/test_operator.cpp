@@ -9,21 +9,18 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
-
-#include <Eigen/Geometry>
+#include <optional>
 
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/session/calibration_session.hpp"
-#include "calvin/session/guidance/board_placement.hpp"
 #include "scenes.hpp"
+#include "simulated_hand.hpp"
 #include "true_error.hpp"
 
 namespace calvin {
 namespace {
 
 constexpr int kViews = 25;
-constexpr double kFrame = 1.0 / 15;  // s
 
 // What was known after a view.
 struct Known {
@@ -42,59 +39,27 @@ struct Course {
 class Operator {
  public:
   Operator(const Camera& truth, double noise, unsigned seed)
-      : truth_(truth), placement_(scenes::kBoard, truth_), noise_(noise), random_(seed) {
-    const BoardArea area = scenes::kBoard.outline();
-    middle_ = {(area.left + area.right) / 2, (area.top + area.bottom) / 2, 0};
-  }
+      : truth_(truth), noise_(noise), random_(seed), hand_(truth_, random_) {}
 
-  // Goes where the session wants the board, not exactly and with a hand that trembles, holds it
-  // there for 1.5 s at most, looks up half a second after a view was taken.
   Course follow() {
     begin(CaptureChoice::kAuto);
-    Hand from = hand_at(*placement_.pose_at(placement_.middle(), 0.3, {0.05, 0.1, 0.05}));
-    Hand to = from;
-    double begun = 0;
-    double there = 0;
-    double wait = 1.5;
-    for (double now = kFrame; now < 180 && views() < kViews; now += kFrame) {
-      if (now > wait) {
-        from = std::exchange(to, about(wanted()));
-        begun = now;
-        there = now + 0.8 + 1.2 * (to.place - from.place).norm() / from.place.norm();
-        wait = there + 1.5;
-      }
-      const bool moves = now < there;
-      if (show(pose_of(between(from, to, (now - begun) / (there - begun)), moves ? 1e-3 : 2e-5),
-               now)) {
-        wait = now + 0.5;
-      }
-    }
+    hand_.follow([this] { return wanted(); },
+                 [this](const SE3& pose, double now) { return show(pose, now); },
+                 [this] { return views() >= kViews; });
     return run_;
   }
 
-  // Anywhere in the picture, tilted 0 to 45 degrees; every view is taken.
+  // Every view is taken.
   Course ignore_hints() {
     begin(CaptureChoice::kManual);
     for (double now = 1; views() < kViews; now += 1) {
-      const double tilt = draw(0, std::numbers::pi / 4);
-      const double side = draw(0, 2 * std::numbers::pi);
-      const auto pose = placement_.pose_at(
-          {draw(0, scenes::kSize.width), draw(0, scenes::kSize.height)}, draw(0.3, 0.9),
-          {tilt * std::cos(side), tilt * std::sin(side), draw(-0.3, 0.3)});
-      if (!pose || !placement_.is_inside(*pose)) continue;
       session_.capture_view();
-      show(*pose, now);
+      show(hand_.anywhere(), now);
     }
     return run_;
   }
 
  private:
-  // Where the middle of the board is, and how it is turned.
-  struct Hand {
-    Eigen::Vector3d place;
-    Eigen::Quaterniond turn;
-  };
-
   void begin(CaptureChoice mode) {
     SessionSettings settings;
     settings.capture_mode = mode;
@@ -105,38 +70,9 @@ class Operator {
     session_.set_live(true);
   }
   [[nodiscard]] std::size_t views() const { return session_.views().views().size(); }
-  double draw(double low, double high) { return scenes::uniform(random_, low, high); }
-  Eigen::Vector3d tremble(double size) {
-    std::normal_distribution<double> normal(0, size);
-    const double x = normal(random_);
-    const double y = normal(random_);
-    return {x, y, normal(random_)};
-  }
-
-  [[nodiscard]] Hand hand_at(const SE3& pose) const {
-    return {pose * middle_, Eigen::Quaterniond(pose.rotation)};
-  }
-  [[nodiscard]] SE3 wanted() {
-    if (const auto& target = session_.hint().target) return to_se3(*target);
-    return placement_.pose_at(placement_.middle(), 0.4, tremble(0.3)).value();
-  }
-  Hand about(const SE3& pose) {
-    Hand hand = hand_at(pose);
-    const double distance = hand.place.norm();
-    hand.place += distance * tremble(0.025) + distance * Eigen::Vector3d(0, 0, draw(-0.1, 0.1));
-    hand.turn = Eigen::Quaterniond(exp_so3(tremble(0.1))) * hand.turn;
-    return hand;
-  }
-  // The smoothest way from rest to rest (T. Flash, N. Hogan, The Coordination of Arm Movements,
-  // J. Neuroscience 5(7), 1985).
-  static Hand between(const Hand& from, const Hand& to, double part) {
-    const double t = std::clamp(part, 0.0, 1.0);
-    const double way = t * t * t * (10 - 15 * t + 6 * t * t);
-    return {from.place + way * (to.place - from.place), from.turn.slerp(way, to.turn)};
-  }
-  SE3 pose_of(const Hand& hand, double shake) {
-    const Eigen::Matrix3d turn = hand.turn.toRotationMatrix();
-    return {turn, hand.place + hand.place.norm() * tremble(shake) - turn * middle_};
+  [[nodiscard]] std::optional<SE3> wanted() const {
+    const auto& target = session_.hint().target;
+    return target ? std::optional(to_se3(*target)) : std::nullopt;
   }
 
   // Whether the view was taken. What is asked for is solved at once.
@@ -172,10 +108,9 @@ class Operator {
   }
 
   Camera truth_;
-  BoardPlacement placement_;
   double noise_;
   scenes::Random random_;
-  Eigen::Vector3d middle_;
+  scenes::SimulatedHand hand_;
   CalibrationSession session_;
   Course run_;
 };

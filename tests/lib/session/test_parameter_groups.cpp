@@ -103,7 +103,7 @@ TEST(ParameterLines, HaveAsManyDigitsAsAreKnown) {
   EXPECT_EQ(lines[2], "cy 236 \u00b1 12");
   EXPECT_EQ(lines[3], "k2 0.25");
   EXPECT_EQ(lines[4], "k3 0");
-  EXPECT_EQ(lines[5], "p1 1e-09 \u00b1 1e-12");
+  EXPECT_EQ(lines[5], "p1 1.00e-09 \u00b1 1e-12");
 }
 
 }  // namespace

@@ -47,11 +47,11 @@ double error_of(Calibration calibration, std::string_view group) {
 }
 
 std::string line_of(const Parameter& p) {
-  constexpr int kMostDigits = 6;
+  constexpr int kMostDigits = 4;  // behind the point
   const double sigma = p.sigma.value_or(0);
   if (!(sigma > 0) || !std::isfinite(sigma)) return fmt::format("{} {:.6g}", p.name, p.value);
   const int digits = -static_cast<int>(std::floor(std::log10(sigma)));
-  if (digits > kMostDigits) return fmt::format("{} {:.4g} \u00b1 {:.1g}", p.name, p.value, sigma);
+  if (digits > kMostDigits) return fmt::format("{} {:.2e} \u00b1 {:.0e}", p.name, p.value, sigma);
   const int shown = std::max(0, digits);
   return fmt::format("{} {:.{}f} \u00b1 {:.{}f}", p.name, p.value, shown, sigma, shown);
 }
