@@ -27,6 +27,7 @@ smallest_case() {
   case "$1" in
     detect) echo 1 1 640 480 ;;
     elements) echo --benchmark_filter=[^a]sync.*GRAY8 ;;
+    scores) echo '--benchmark_filter=calvin' ;;
     solve) echo '--benchmark_filter=brown5.10.views' ;;
     undistort) echo '--benchmark_filter=^GRAY8.1080p[|]' ;;
     views) echo '--benchmark_filter=^480x270' ;;
