@@ -127,6 +127,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   if (reason == Reason::kAccepted) {
     note_taken(times);
     write_down_newest();
+    note_missed();
     accepted_at_ = observation.timestamp;
     capture_.restart(accepted_at_);
     offered.reached = consider();
@@ -257,6 +258,7 @@ void CalibrationSession::begin_session() {
   accepted_ = next_solve_ = 0;
   writes_.reset();
   guide_.reset();
+  missed_.clear();
   accepted_at_ = kNoTimestamp;
   verdict_until_ = kNoTimestamp;
   waits_for_readout_ = false;

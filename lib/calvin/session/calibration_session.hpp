@@ -212,6 +212,8 @@ class CalibrationSession {
   // Whether a view tells enough, of what the hint asks for, to be kept.
   [[nodiscard]] ViewWorth worth(const View& view);
   void guide_from(const View& view);
+  // A view was taken: whether it was of what the guide asked for.
+  void note_missed();
   // Asks for something else where nobody has got to the target for long.
   void drop_stale_guide(std::uint64_t now);
   // The setting that ends the capture with what is there, or nothing.
@@ -260,6 +262,7 @@ class CalibrationSession {
   Hint hint_;
   std::shared_ptr<const ViewGuide> guide_;  // after the newest solve
   double share_ = 0;                        // ViewGuide::share() of the newest observation
+  ViewGuide::Views missed_;                 // the newest views that were asked for in vain
   GuidedCapture capture_;
   std::uint64_t accepted_at_ = kNoTimestamp;  // timestamp of the newest view
   std::uint64_t hint_since_ = kNoTimestamp;   // timestamp at which the hint last changed

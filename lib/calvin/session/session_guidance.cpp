@@ -21,6 +21,16 @@ ViewWorth CalibrationSession::worth(const View& view) {
   return worth;
 }
 
+// The view that tells most may be one that a hand does not get to: whoever another view was taken
+// of for want of it is asked for something else next.
+void CalibrationSession::note_missed() {
+  constexpr double kFar = 0.25;     // of what the target tells: less was nowhere near it
+  constexpr std::size_t kMost = 3;  // then the first one may be asked for again
+  if (!guide_ || !guide_->target_view() || share_ >= kFar) return;
+  missed_.push_back(guide_->target_view());
+  if (missed_.size() > kMost) missed_.erase(missed_.begin());
+}
+
 // A camera that is known badly may ask for what it cannot see.
 void CalibrationSession::drop_stale_guide(std::uint64_t now) {
   constexpr std::uint64_t kLong = 10'000'000'000;  // ns

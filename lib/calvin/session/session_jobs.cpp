@@ -22,7 +22,7 @@ std::shared_ptr<const ViewGuide> guide_job(const SolveJob& job, const Solution& 
   if (!job.next_board) return nullptr;
   const auto camera = Camera::make(solution.calibration);
   if (!camera) return nullptr;
-  auto guide = ViewGuide::make(*camera, job.options, job.views, *job.next_board);
+  auto guide = ViewGuide::make(*camera, job.options, job.views, *job.next_board, job.missed);
   return guide ? std::make_shared<const ViewGuide>(*std::move(guide)) : nullptr;
 }
 

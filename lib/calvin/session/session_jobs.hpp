@@ -42,6 +42,7 @@ struct SolveJob {
   int runs = 1;
   bool final = false;
   std::optional<Board> next_board;  // to be guided to a view of; absent where nobody is guided
+  ViewGuide::Views missed;          // views that were asked for and that nobody got to
   std::string location;             // what the result tells of itself: its native file, or empty
   FrameTimes times;                 // likewise, of the newest frame with a board
   JobOrigin origin;

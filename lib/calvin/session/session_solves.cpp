@@ -32,6 +32,7 @@ std::optional<SolveJob> CalibrationSession::take_solve() {
   job.location = plan_.settings.location;
   job.times = times_;
   if (views_.options().mode == CaptureMode::kAuto) job.next_board = board_;
+  job.missed = missed_;
   job.origin = origin();
   // Views of an earlier run may be those that it was made of.
   const bool guided = views_.options().mode == CaptureMode::kAuto && !views_.has_restored();

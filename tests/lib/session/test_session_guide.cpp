@@ -4,6 +4,7 @@
 // What a session does with the guide that follows a solve: which views it takes, what it tells.
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "calvin/geometry/se3.hpp"
@@ -114,6 +115,26 @@ TEST_F(GuidedSessions, AskForSomethingElseAfterTenSeconds) {
   nothing.image_size = scenes::kSize;
   EXPECT_EQ(session_.offer(nothing, times(frame_)).reason, Reason::kNotFound);
   EXPECT_TRUE(session_.progress().ghost.empty());
+}
+
+// Who does not get to the view that is asked for gives another one in the end, and is asked for
+// something else then.
+TEST_F(GuidedSessions, DoNotInsistOnAViewThatNobodyGetsTo) {
+  begin_guided();
+  const auto outline = session_.progress().ghost;
+  const SE3 elsewhere = {target_.rotation, 3 * target_.translation};
+  hold(elsewhere);
+  ASSERT_LT(session_.progress().ghost_share, 0.25);
+  wait(9);
+  ASSERT_EQ(hold(elsewhere).reason, Reason::kAccepted);
+  finish_solve(session_.take_solve());
+  const auto& next = session_.progress().ghost;
+  ASSERT_FALSE(next.empty());
+  double farthest = 0;
+  for (std::size_t i = 0; i < next.size(); ++i) {
+    farthest = std::max(farthest, std::hypot(next[i].u - outline[i].u, next[i].v - outline[i].v));
+  }
+  EXPECT_GT(farthest, 0.06) << "of the picture's width";
 }
 
 TEST_F(GuidedSessions, KeepTheirWordsForTwoSeconds) {

@@ -132,6 +132,36 @@ TEST(ViewGuide, AsksForSomethingElseNext) {
   }
 }
 
+// Where no outline can be drawn, nobody can bring a board: a lens that sees 180 degrees ends within
+// many boards at its border.
+TEST(ViewGuide, AsksForWhatCanBeDrawn) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    scenes::Random random(seed);
+    const Camera camera = scenes::random_camera("fisheye", random);
+    std::vector<SE3> poses = scenes::random_poses(camera, scenes::kBoard, random, 3);
+    for (int i = 0; i < 4; ++i) {
+      const auto guide =
+          ViewGuide::make(camera, {}, views_of(camera, poses, random), scenes::kBoard);
+      ASSERT_TRUE(guide->target().has_value());
+      EXPECT_FALSE(guide->outline().empty()) << seed << ", " << i;
+      poses.push_back(*guide->target());
+    }
+  }
+}
+
+TEST(ViewGuide, DoesNotAskForWhatWasMissedBefore) {
+  const double diagonal = std::hypot(scenes::kSize.width, scenes::kSize.height);
+  scenes::Random random(3);
+  const Camera camera = scenes::random_camera("brown5", random);
+  const auto kept =
+      views_of(camera, scenes::random_poses(camera, scenes::kBoard, random, 4), random);
+  const auto first = ViewGuide::make(camera, {}, kept, scenes::kBoard);
+  ASSERT_TRUE(first && first->target_view());
+  const auto second = ViewGuide::make(camera, {}, kept, scenes::kBoard, {first->target_view()});
+  ASSERT_TRUE(second && second->target());
+  EXPECT_GT(distance_of(camera, *first->target(), *second->target()), 0.059 * diagonal);
+}
+
 TEST(ViewGuide, NeedsNoViews) {
   scenes::Random random(4);
   const Camera camera = scenes::random_camera("brown5", random);

@@ -105,8 +105,8 @@ double middle_sigma(const std::vector<std::shared_ptr<const View>>& views) {
 }  // namespace
 
 std::optional<ViewGuide> ViewGuide::make(const Camera& camera, const SolveOptions& options,
-                                         const std::vector<std::shared_ptr<const View>>& kept,
-                                         const Board& board) {
+                                         const Views& kept, const Board& board,
+                                         const Views& missed) {
   auto scorer = ViewScorer::make(camera, options);
   if (!scorer) return std::nullopt;
   ViewGuide guide(camera, *std::move(scorer));
@@ -124,13 +124,14 @@ std::optional<ViewGuide> ViewGuide::make(const Camera& camera, const SolveOption
   guide.variance_ = guide.scorer_.variance(guide.known_);
   guide.find_weakest(kept, all);
   const double sigma = middle_sigma(kept);
-  guide.find_target(kept, board, sigma > 0 ? sigma : 1);
+  Views unlike = kept;
+  unlike.insert(unlike.end(), missed.begin(), missed.end());
+  guide.find_target(unlike, board, sigma > 0 ? sigma : 1);
   guide.has_exchange_ = guide.target_view_ && guide.exchange_for(*guide.target_view_) != nullptr;
   return guide;
 }
 
-void ViewGuide::find_weakest(const std::vector<std::shared_ptr<const View>>& kept,
-                             const std::vector<Eigen::MatrixXd>& information) {
+void ViewGuide::find_weakest(const Views& kept, const std::vector<Eigen::MatrixXd>& information) {
   double least = HUGE_VAL;
   for (std::size_t i = 0; i < kept.size(); ++i) {
     // A view that has no pose tells nothing.
@@ -144,10 +145,10 @@ void ViewGuide::find_weakest(const std::vector<std::shared_ptr<const View>>& kep
   }
 }
 
-void ViewGuide::find_target(const std::vector<std::shared_ptr<const View>>& kept,
-                            const Board& board, double sigma) {
+void ViewGuide::find_target(const Views& unlike, const Board& board, double sigma) {
   // The board may stick out of the picture a little, so that corners are seen near its border.
   const BoardPlacement placement(board, camera_, wanted_area(board));
+  const BoardPlacement whole(board, camera_);
   const ImageSize picture = camera_.image_size();
   const auto consider = [&](const SE3& pose) {
     auto view = placement.view(pose, sigma);
@@ -157,9 +158,13 @@ void ViewGuide::find_target(const std::vector<std::shared_ptr<const View>>& kept
     const double gained = information ? gain(*view, *information) : 0;
     if (gained <= target_gain_) return;
     const auto like = [&](const auto& other) { return is_like(*view, *other); };
-    if (std::ranges::any_of(kept, like)) return;
+    if (std::ranges::any_of(unlike, like)) return;
+    // What cannot be shown cannot be followed: a wide lens may end within the edge of the board.
+    std::vector<Pixel> outline = whole.outline(pose);
+    if (outline.empty()) return;
     target_ = pose;
-    target_view_ = std::move(view);
+    target_view_ = std::make_shared<const View>(*std::move(view));
+    outline_ = std::move(outline);
     target_gain_ = gained;
   };
   const auto all_turns = turns();
@@ -174,7 +179,6 @@ void ViewGuide::find_target(const std::vector<std::shared_ptr<const View>>& kept
     }
   }
   if (!target_) return;
-  outline_ = BoardPlacement(board, camera_).outline(*target_);
   if (const auto footprint = footprint_of(*target_view_)) footprint_ = *footprint;
 }
 

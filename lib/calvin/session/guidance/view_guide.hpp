@@ -22,17 +22,24 @@ namespace calvin {
 
 class ViewGuide {
  public:
+  using Views = std::vector<std::shared_ptr<const View>>;
+
   // For a camera that is known roughly, the views that a session keeps, and the board that is to be
-  // seen next. Absent where no solve takes the options. Takes milliseconds.
-  [[nodiscard]] static std::optional<ViewGuide> make(
-      const Camera& camera, const SolveOptions& options,
-      const std::vector<std::shared_ptr<const View>>& kept, const Board& board);
+  // seen next. `missed`: targets that nobody got to; another one is asked for. Absent where no
+  // solve takes the options. Takes milliseconds.
+  [[nodiscard]] static std::optional<ViewGuide> make(const Camera& camera,
+                                                     const SolveOptions& options, const Views& kept,
+                                                     const Board& board, const Views& missed = {});
 
   // camera_from_board of the view that lowers the variance of ViewScorer most and covers most of
   // what was not covered of the picture, both as logarithms: the board in the picture, large
   // enough to be found, tilted no more than a hand would, a little rolled, and unlike the views
   // that are kept. Absent where the picture has room for none.
   [[nodiscard]] const std::optional<SE3>& target() const noexcept { return target_; }
+  // As the camera would see it; null without a target.
+  [[nodiscard]] const std::shared_ptr<const View>& target_view() const noexcept {
+    return target_view_;
+  }
   // The outline of the board there, px.
   [[nodiscard]] const std::vector<Pixel>& outline() const noexcept { return outline_; }
 
@@ -56,10 +63,8 @@ class ViewGuide {
  private:
   ViewGuide(Camera camera, ViewScorer scorer)
       : camera_(std::move(camera)), scorer_(std::move(scorer)), known_(scorer_.prior()) {}
-  void find_weakest(const std::vector<std::shared_ptr<const View>>& kept,
-                    const std::vector<Eigen::MatrixXd>& information);
-  void find_target(const std::vector<std::shared_ptr<const View>>& kept, const Board& board,
-                   double sigma);
+  void find_weakest(const Views& kept, const std::vector<Eigen::MatrixXd>& information);
+  void find_target(const Views& unlike, const Board& board, double sigma);
   [[nodiscard]] double gain(const View& view, const Eigen::MatrixXd& information) const;
   [[nodiscard]] double uncovered(const std::vector<Pixel>& hull) const;
 
@@ -73,7 +78,7 @@ class ViewGuide {
   bool has_exchange_ = false;
   std::vector<Pixel> covered_;  // the convex hull of the corners of the views that are kept
   std::optional<SE3> target_;
-  std::optional<View> target_view_;  // as the camera would see it
+  std::shared_ptr<const View> target_view_;
   std::vector<Pixel> outline_;
   std::optional<BoardFootprint> footprint_;
   double target_gain_ = 0;
