@@ -208,17 +208,13 @@ static void gst_calib_overlay_before_transform(GstBaseTransform* trans, GstBuffe
   }
   state.words = state.words_in_panel = nullptr;
   if (progress) draw_all_words(state, settings, seen, *progress, frame);
-  auto tiles = draw_overlay(frame, seen, progress,
-                            {.ghost = settings.ghost,
-                             .coverage = settings.coverage,
-                             .words = gst::PanelWords::can_draw(),
-                             .panel = state.panel});
-  if (tiles) {
-    state.tiles = std::move(*tiles);
-  } else {
-    GST_DEBUG_OBJECT(trans, "draws nothing: %s", tiles.error().message.c_str());
-    state.tiles.clear();
-  }
+  const auto tiles = state.painter.draw(frame, seen, progress,
+                                        {.ghost = settings.ghost,
+                                         .coverage = settings.coverage,
+                                         .words = gst::PanelWords::can_draw(),
+                                         .panel = state.panel});
+  state.tiles = tiles.value_or(std::span<const OverlayTile>());
+  if (!tiles) GST_DEBUG_OBJECT(trans, "draws nothing: %s", tiles.error().message.c_str());
   const bool drawing = !state.tiles.empty() || state.words != nullptr || state.mirror;
   GST_LOG_OBJECT(
       trans, "%" GST_PTR_FORMAT ": %" G_GSIZE_FORMAT " boards, %s words, %" G_GSIZE_FORMAT " tiles",

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -55,7 +56,8 @@ struct OverlayState : SharedSettings<OverlaySettings> {
   Held<std::vector<Observation>> observations;
   Held<std::optional<Progress>> progress;
   Held<bool> captured;
-  std::vector<OverlayTile> tiles;  // of the buffer at hand
+  OverlayPainter painter;
+  std::span<const OverlayTile> tiles;  // of the buffer at hand
   Caption caption;
   Caption::Place words_at = Caption::Place::kBottom;
   PanelWords panel_words;
@@ -73,7 +75,7 @@ struct OverlayState : SharedSettings<OverlaySettings> {
     observations = {};
     progress = {};
     captured = {};
-    tiles.clear();
+    tiles = {};
     words = words_in_panel = nullptr;
   }
 };

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,9 @@
 #include "calvin/draw/overlay_shapes.hpp"
 #include "calvin/target/board.hpp"
 #include "calvin_config.h"
+#if CALVIN_HAVE_CAIRO
+#include "calvin/draw/overlay_raster.hpp"
+#endif
 
 namespace calvin {
 
@@ -212,16 +216,32 @@ std::string figures_of(const Progress& progress) {
 
 }  // namespace
 
-Result<std::vector<OverlayTile>> draw_overlay(
+#if CALVIN_HAVE_CAIRO
+
+struct OverlayPainter::State {
+  OverlayRaster raster;
+};
+
+#else
+
+struct OverlayPainter::State {};
+
+#endif
+
+OverlayPainter::OverlayPainter() = default;
+OverlayPainter::~OverlayPainter() = default;
+
+Result<std::span<const OverlayTile>> OverlayPainter::draw(
     [[maybe_unused]] ImageSize frame, [[maybe_unused]] std::span<const Observation> observations,
     [[maybe_unused]] const std::optional<Progress>& progress,
     [[maybe_unused]] const OverlayParts& parts) {
 #if CALVIN_HAVE_CAIRO
   try {
-    const std::vector<Shape> shapes = shapes_of(frame, observations, progress, parts);
-    if (shapes.empty()) return std::vector<OverlayTile>();
-    return rasterise(frame, shapes);
+    if (!state_) state_ = std::make_unique<State>();
+    state_->raster.draw(frame, shapes_of(frame, observations, progress, parts));
+    return state_->raster.tiles();
   } catch (const std::exception& error) {
+    state_.reset();
     return make_error(ErrorCode::kIo,
                       fmt::format("The overlay cannot be drawn: {}.", error.what()));
   }
@@ -231,6 +251,16 @@ Result<std::vector<OverlayTile>> draw_overlay(
       "This build draws nothing on the video: it was made without Cairo. Build it with "
       "-Ddraw=enabled.");
 #endif
+}
+
+Result<std::vector<OverlayTile>> draw_overlay(ImageSize frame,
+                                              std::span<const Observation> observations,
+                                              const std::optional<Progress>& progress,
+                                              const OverlayParts& parts) {
+  OverlayPainter painter;
+  const auto tiles = painter.draw(frame, observations, progress, parts);
+  if (!tiles) return tl::unexpected<Error>(tiles.error());
+  return std::vector<OverlayTile>(tiles->begin(), tiles->end());
 }
 
 std::string overlay_caption(const Progress& progress) {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -53,6 +54,26 @@ struct OverlayParts {
 [[nodiscard]] Result<std::vector<OverlayTile>> draw_overlay(
     ImageSize frame, std::span<const Observation> observations,
     const std::optional<Progress>& progress, const OverlayParts& parts = {});
+
+// draw_overlay() for the frames of a video: what is as it was in the last frame is not drawn again.
+// One thread at a time.
+class OverlayPainter {
+ public:
+  OverlayPainter();
+  OverlayPainter(const OverlayPainter&) = delete;
+  OverlayPainter& operator=(const OverlayPainter&) = delete;
+  ~OverlayPainter();
+
+  // Good until the next call.
+  [[nodiscard]] Result<std::span<const OverlayTile>> draw(ImageSize frame,
+                                                          std::span<const Observation> observations,
+                                                          const std::optional<Progress>& progress,
+                                                          const OverlayParts& parts = {});
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 // What to do first: "Tilt the board more. (12 views, accurate to 0.36 px)"; empty where there is
 // nothing to say. "Accurate to" is two sigma of the expected error; without it the rms is told. A

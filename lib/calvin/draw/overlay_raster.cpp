@@ -6,16 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
+#include <span>
+#include <utility>
 
-#include "calvin/draw/cairo.hpp"
-#include "calvin/draw/overlay_shapes.hpp"
+#include "calvin/draw/overlay_raster.hpp"
 
 namespace calvin {
 
 namespace {
 
-constexpr Colour kHalo{0, 0, 0, 0.5};
+constexpr Colour kDark{0, 0, 0, 0.5};
 
 // Whole pixels, right and bottom excluded.
 struct Box {
@@ -107,50 +107,64 @@ class Grid {
   std::vector<std::vector<std::size_t>> touched_;
 };
 
-void paint(cairo_t* cr, const Shape& shape, const Colour& colour, double grow) {
-  cairo_set_source_rgba(cr, colour.red, colour.green, colour.blue, colour.alpha);
-  cairo_set_line_width(cr, shape.width + 2 * grow);
-  switch (shape.kind) {
-    case Shape::Kind::kLine:
-      cairo_move_to(cr, shape.from.u, shape.from.v);
-      cairo_line_to(cr, shape.to.u, shape.to.v);
-      cairo_stroke(cr);
-      return;
-    case Shape::Kind::kCircle:
-      cairo_arc(cr, shape.from.u, shape.from.v, shape.radius, 0, 2 * std::numbers::pi);
-      cairo_stroke(cr);
-      return;
-    case Shape::Kind::kDisc:
-      cairo_arc(cr, shape.from.u, shape.from.v, shape.radius + grow, 0, 2 * std::numbers::pi);
-      cairo_fill(cr);
-      return;
-    case Shape::Kind::kBox:
-      cairo_rectangle(cr, shape.from.u - grow, shape.from.v - grow,
-                      shape.to.u - shape.from.u + 2 * grow, shape.to.v - shape.from.v + 2 * grow);
-      cairo_fill(cr);
-      return;
+// Lines of one width and colour are one path.
+void paint_lines(cairo_t* cr, std::span<const Shape* const> lines, const Colour& colour,
+                 double width) {
+  if (lines.empty()) return;
+  for (const Shape* line : lines) {
+    cairo_move_to(cr, line->from.u, line->from.v);
+    cairo_line_to(cr, line->to.u, line->to.v);
   }
+  cairo_set_source_rgba(cr, colour.red, colour.green, colour.blue, colour.alpha);
+  cairo_set_line_width(cr, width);
+  cairo_stroke(cr);
 }
 
-OverlayTile painted(const Box& box, const std::vector<Shape>& shapes,
-                    const std::vector<std::size_t>& numbers) {
-  OverlayTile tile{box.left, box.top, box.right - box.left, box.bottom - box.top, {}};
-  const int stride = 4 * tile.width;
-  tile.pixels.resize(static_cast<std::size_t>(stride) * static_cast<std::size_t>(tile.height));
-  const CairoSurface surface(cairo_image_surface_create_for_data(
-      tile.pixels.data(), CAIRO_FORMAT_ARGB32, tile.width, tile.height, stride));
-  const CairoContext context(cairo_create(surface.get()));
-  cairo_t* cr = context.get();
-  // Cairo's pixels have their centres at halves.
-  cairo_translate(cr, 0.5 - tile.x, 0.5 - tile.y);
-  cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
-  cairo_set_antialias(cr, CAIRO_ANTIALIAS_FAST);
-  for (const std::size_t number : numbers) {
-    if (shapes[number].halo > 0) paint(cr, shapes[number], kHalo, shapes[number].halo);
+void paint_box(cairo_t* cr, const Shape& box, const Colour& colour, double grow) {
+  cairo_set_source_rgba(cr, colour.red, colour.green, colour.blue, colour.alpha);
+  cairo_rectangle(cr, box.from.u - grow, box.from.v - grow, box.to.u - box.from.u + 2 * grow,
+                  box.to.v - box.from.v + 2 * grow);
+  cairo_fill(cr);
+}
+
+// What is to be seen of the shapes: the dark around them, or they themselves.
+enum class Layer { kHalo, kShape };
+
+void paint(cairo_t* cr, MarkMasks& masks, const std::vector<Shape>& shapes, Layer layer) {
+  const auto colour_of = [layer](const Shape& shape) {
+    return layer == Layer::kHalo ? kDark : shape.colour;
+  };
+  std::vector<const Shape*> lines;
+  const auto end_lines = [&] {
+    if (lines.empty()) return;
+    const Shape& first = *lines.front();
+    const double grow = layer == Layer::kHalo ? first.halo : 0;
+    paint_lines(cr, lines, colour_of(first), first.width + 2 * grow);
+    lines.clear();
+  };
+  const auto goes_on = [&](const Shape& shape) {
+    if (lines.empty()) return true;
+    const Shape& first = *lines.front();
+    return first.width == shape.width && first.halo == shape.halo &&
+           colour_of(first) == colour_of(shape);
+  };
+  for (const Shape& shape : shapes) {
+    if (layer == Layer::kHalo && !(shape.halo > 0)) continue;
+    const double grow = layer == Layer::kHalo ? shape.halo : 0;
+    if (shape.kind == Shape::Kind::kLine) {
+      if (!goes_on(shape)) end_lines();
+      lines.push_back(&shape);
+      continue;
+    }
+    // The dark may be laid down in any order.
+    if (layer == Layer::kShape) end_lines();
+    if (shape.kind == Shape::Kind::kBox) {
+      paint_box(cr, shape, colour_of(shape), grow);
+    } else {
+      masks.paint(cr, shape, colour_of(shape), grow);
+    }
   }
-  for (const std::size_t number : numbers) paint(cr, shapes[number], shapes[number].colour, 0);
-  cairo_surface_finish(surface.get());
-  return tile;
+  end_lines();
 }
 
 // Grown to multiples of four: then no chroma sample of any format lies in two tiles.
@@ -159,10 +173,10 @@ Box aligned(const Box& box, const Box& bounds) {
           std::min((box.bottom + 3) / 4 * 4, bounds.bottom)};
 }
 
-// The tile of a run of touched cells; `last` is the run's last column.
-OverlayTile tile_of(const Grid& grid, int first, int last, int row,
-                    const std::vector<Shape>& shapes) {
-  std::vector<std::size_t> numbers;
+// What the tile of a run of touched cells covers, and the numbers of the shapes in it; `last` is
+// the run's last column.
+Box box_of(const Grid& grid, int first, int last, int row, const std::vector<Shape>& shapes,
+           std::vector<std::size_t>& numbers) {
   Box box;
   for (int column = first; column <= last; ++column) {
     for (const std::size_t number : grid.touching(column, row)) {
@@ -172,7 +186,7 @@ OverlayTile tile_of(const Grid& grid, int first, int last, int row,
   }
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  return painted(aligned(box, grid.cells(first, last, row)), shapes, numbers);
+  return aligned(box, grid.cells(first, last, row));
 }
 
 }  // namespace
@@ -184,19 +198,50 @@ Extent extent_of(const Shape& shape) noexcept {
           std::max(shape.from.u, to.u) + reach, std::max(shape.from.v, to.v) + reach};
 }
 
-std::vector<OverlayTile> rasterise(ImageSize frame, const std::vector<Shape>& shapes) {
+OverlayTile OverlayRaster::painted(const OverlayBox& box, const std::vector<Shape>& shapes) {
+  OverlayTile tile{box.x, box.y, box.width, box.height, {}};
+  const int stride = 4 * tile.width;
+  tile.pixels.resize(static_cast<std::size_t>(stride) * static_cast<std::size_t>(tile.height));
+  const CairoSurface surface(cairo_image_surface_create_for_data(
+      tile.pixels.data(), CAIRO_FORMAT_ARGB32, tile.width, tile.height, stride));
+  const CairoContext context(cairo_create(surface.get()));
+  cairo_t* cr = context.get();
+  // Cairo's pixels have their centres at halves.
+  cairo_translate(cr, 0.5 - tile.x, 0.5 - tile.y);
+  cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
+  cairo_set_antialias(cr, CAIRO_ANTIALIAS_FAST);
+  paint(cr, masks_, shapes, Layer::kHalo);
+  paint(cr, masks_, shapes, Layer::kShape);
+  cairo_surface_finish(surface.get());
+  return tile;
+}
+
+void OverlayRaster::draw(ImageSize frame, const std::vector<Shape>& shapes) {
   Grid grid(frame);
   for (std::size_t i = 0; i < shapes.size(); ++i) grid.add(shapes[i], i);
-  std::vector<OverlayTile> tiles;
+  std::vector<OverlayTile> before = std::exchange(tiles_, {});
+  const std::vector<std::vector<Shape>> were_painted = std::exchange(painted_, {});
+  const auto add = [&](const OverlayBox& box, std::vector<Shape> within) {
+    const auto is_there = [&](const OverlayTile& tile) {
+      return OverlayBox{tile.x, tile.y, tile.width, tile.height} == box &&
+             were_painted[static_cast<std::size_t>(&tile - before.data())] == within;
+    };
+    const auto known = std::ranges::find_if(before, is_there);
+    tiles_.push_back(known == before.end() ? painted(box, within) : std::move(*known));
+    painted_.push_back(std::move(within));
+  };
   for (int row = 0; row < grid.rows(); ++row) {
     for (int column = 0; column < grid.columns(); ++column) {
       if (grid.touching(column, row).empty()) continue;
       const int first = column;
       while (column + 1 < grid.columns() && !grid.touching(column + 1, row).empty()) ++column;
-      tiles.push_back(tile_of(grid, first, column, row, shapes));
+      std::vector<std::size_t> numbers;
+      const Box box = box_of(grid, first, column, row, shapes, numbers);
+      std::vector<Shape> within;
+      for (const std::size_t number : numbers) within.push_back(shapes[number]);
+      add({box.left, box.top, box.right - box.left, box.bottom - box.top}, std::move(within));
     }
   }
-  return tiles;
 }
 
 }  // namespace calvin

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The few shapes that an overlay is made of, and their raster. Private to draw/.
+// The few shapes that an overlay is made of. Private to draw/.
 #pragma once
 
 #include <vector>
@@ -16,6 +16,8 @@ struct Colour {
   double green = 0;
   double blue = 0;
   double alpha = 1;
+
+  [[nodiscard]] bool operator==(const Colour&) const = default;
 };
 
 // Positions in px of the frame, the centre of the first pixel at (0, 0).
@@ -28,6 +30,12 @@ struct Shape {
   double width = 0;   // of the pen, px
   Colour colour;
   double halo = 0;  // px of dark around it, so that it shows on any ground
+
+  [[nodiscard]] bool operator==(const Shape& o) const {
+    return kind == o.kind && from.u == o.from.u && from.v == o.from.v && to.u == o.to.u &&
+           to.v == o.to.v && radius == o.radius && width == o.width && colour == o.colour &&
+           halo == o.halo;
+  }
 };
 
 inline constexpr Colour kWhite{1, 1, 1, 1};
@@ -54,9 +62,5 @@ struct Extent {
 
 // The pixels that a shape can touch.
 [[nodiscard]] Extent extent_of(const Shape& shape) noexcept;
-
-// Tiles of the cells that shapes touch: neighbours in a row are one tile, cut to the shapes'
-// extent. Later shapes lie over earlier ones, every halo under every shape.
-[[nodiscard]] std::vector<OverlayTile> rasterise(ImageSize frame, const std::vector<Shape>& shapes);
 
 }  // namespace calvin

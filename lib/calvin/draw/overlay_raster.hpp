@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The shapes of the overlay as tiles. Private to draw/.
+#pragma once
+
+#include <vector>
+
+#include "calvin/draw/overlay_marks.hpp"
+#include "calvin/draw/overlay_shapes.hpp"
+
+namespace calvin {
+
+// For the frames of a video: what is as it was in the last one is not drawn again.
+class OverlayRaster {
+ public:
+  // Tiles of the cells that shapes touch: neighbours in a row are one tile, cut to the shapes'
+  // extent. Later shapes lie over earlier ones, every halo under every shape.
+  void draw(ImageSize frame, const std::vector<Shape>& shapes);
+  [[nodiscard]] const std::vector<OverlayTile>& tiles() const noexcept { return tiles_; }
+
+ private:
+  OverlayTile painted(const OverlayBox& box, const std::vector<Shape>& shapes);
+
+  MarkMasks masks_;
+  std::vector<OverlayTile> tiles_;
+  std::vector<std::vector<Shape>> painted_;  // what each of them shows
+};
+
+}  // namespace calvin
