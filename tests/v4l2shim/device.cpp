@@ -7,7 +7,6 @@
 #include "device.hpp"
 
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -16,50 +15,14 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <sstream>
 #include <string>
 #include <string_view>
-
-#include "calvin/core/text.hpp"
 
 namespace calvin::v4l2 {
 
 namespace {
 
 constexpr std::uint32_t kMaxBuffers = 32;
-
-std::uint32_t rate_of_environment() {
-  const char* text = std::getenv("CALVIN_V4L2_FPS");
-  const int rate = parse_int(text == nullptr ? "" : text).value_or(30);
-  return static_cast<std::uint32_t>(std::clamp(rate, 1, 1000));
-}
-
-std::string environment(const char* name, const char* otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : text;
-}
-
-// The first is what the device begins with.
-std::vector<std::uint32_t> fourccs_of_environment() {
-  const std::string wanted = environment("CALVIN_V4L2_FORMATS", "YUYV,MJPG");
-  std::vector<std::uint32_t> fourccs;
-  for (const PixelFormat& format : pixel_formats()) {
-    if (wanted.find(format.name) != std::string::npos) fourccs.push_back(format.fourcc);
-  }
-  if (fourccs.empty()) fourccs.push_back(V4L2_PIX_FMT_YUYV);
-  return fourccs;
-}
-
-std::vector<ImageSize> sizes_of_environment() {
-  std::istringstream wanted(environment("CALVIN_V4L2_SIZES", "640x480,320x240"));
-  std::vector<ImageSize> sizes;
-  ImageSize size;
-  for (char by = 0, comma = 0; wanted >> size.width >> by >> size.height; wanted >> comma) {
-    if (size.width >= 16 && size.height >= 16) sizes.push_back({size.width & ~1, size.height & ~1});
-  }
-  if (sizes.empty()) sizes.push_back(kFullSize);
-  return sizes;
-}
 
 template <std::size_t N>
 void copy_text(__u8 (&to)[N], std::string_view text) {
@@ -82,32 +45,28 @@ T& as(void* argument) {
 
 }  // namespace
 
-Device::Device(bool blocking)
-    : blocking_(blocking),
-      rate_(rate_of_environment()),
-      sizes_(sizes_of_environment()),
-      size_(sizes_.front()),
-      fourccs_(fourccs_of_environment()),
-      fourcc_(fourccs_.front()) {
-  ready_fd_ = ::eventfd(0, EFD_SEMAPHORE | EFD_CLOEXEC | EFD_NONBLOCK);
-}
+Device::Device(Settings settings, bool blocking)
+    : settings_(std::move(settings)),
+      blocking_(blocking),
+      size_(settings_.sizes.front()),
+      fourcc_(settings_.fourccs.front()) {}
 
 Device::~Device() {
   stop();
   v4l2_requestbuffers none{};
   request_buffers(none);
-  ::close(ready_fd_);
 }
 
 bool Device::is_offered(std::uint32_t fourcc) const {
-  return std::find(fourccs_.begin(), fourccs_.end(), fourcc) != fourccs_.end();
+  const auto& offered = settings_.fourccs;
+  return std::find(offered.begin(), offered.end(), fourcc) != offered.end();
 }
 
-int Device::describe(v4l2_capability& capability) {
+int Device::describe(v4l2_capability& capability) const {
   capability = fresh(capability);
   copy_text(capability.driver, "uvcvideo");  // v4l2src spares such cameras the interlace probing
   copy_text(capability.card, "Emulated camera");
-  copy_text(capability.bus_info, "usb-emulated-1");
+  copy_text(capability.bus_info, "usb-emulated-" + std::to_string(settings_.camera + 1));
   capability.version = 0x060100;
   capability.device_caps = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING | V4L2_CAP_EXT_PIX_FORMAT;
   capability.capabilities = capability.device_caps | V4L2_CAP_DEVICE_CAPS;
@@ -123,12 +82,13 @@ int Device::enumerate(v4l2_input& input) {
 }
 
 int Device::enumerate(v4l2_fmtdesc& format) const {
-  if (format.type != V4L2_BUF_TYPE_VIDEO_CAPTURE || format.index >= fourccs_.size()) return -EINVAL;
+  if (format.type != V4L2_BUF_TYPE_VIDEO_CAPTURE || format.index >= settings_.fourccs.size())
+    return -EINVAL;
   const std::uint32_t index = format.index;
   format = fresh(format);
   format.index = index;
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  format.pixelformat = fourccs_[index];
+  format.pixelformat = settings_.fourccs[index];
   const PixelFormat& pixels = *find_pixel_format(format.pixelformat);
   format.flags = pixels.line_bytes == 0 ? V4L2_FMT_FLAG_COMPRESSED : 0;
   copy_text(format.description, pixels.description);
@@ -136,17 +96,17 @@ int Device::enumerate(v4l2_fmtdesc& format) const {
 }
 
 int Device::enumerate(v4l2_frmsizeenum& size) const {
-  if (size.index >= sizes_.size() || !is_offered(size.pixel_format)) return -EINVAL;
+  if (size.index >= settings_.sizes.size() || !is_offered(size.pixel_format)) return -EINVAL;
   size.type = V4L2_FRMSIZE_TYPE_DISCRETE;
-  size.discrete.width = static_cast<__u32>(sizes_[size.index].width);
-  size.discrete.height = static_cast<__u32>(sizes_[size.index].height);
+  size.discrete.width = static_cast<__u32>(settings_.sizes[size.index].width);
+  size.discrete.height = static_cast<__u32>(settings_.sizes[size.index].height);
   return 0;
 }
 
 int Device::enumerate(v4l2_frmivalenum& interval) const {
   if (interval.index > 0 || !is_offered(interval.pixel_format)) return -EINVAL;
   interval.type = V4L2_FRMIVAL_TYPE_DISCRETE;
-  interval.discrete = {1, rate_};
+  interval.discrete = {1, settings_.rate};
   return 0;
 }
 
@@ -154,7 +114,7 @@ int Device::get_rate(v4l2_streamparm& parameters) const {
   if (parameters.type != V4L2_BUF_TYPE_VIDEO_CAPTURE) return -EINVAL;
   parameters.parm.capture = fresh(parameters.parm.capture);
   parameters.parm.capture.capability = V4L2_CAP_TIMEPERFRAME;
-  parameters.parm.capture.timeperframe = {1, rate_};
+  parameters.parm.capture.timeperframe = {1, settings_.rate};
   return 0;
 }
 
@@ -164,9 +124,11 @@ void Device::complete(v4l2_pix_format& pix) const {
     return std::abs(static_cast<long>(pix.width) - size.width) +
            std::abs(static_cast<long>(pix.height) - size.height);
   };
-  const ImageSize size = *std::min_element(
-      sizes_.begin(), sizes_.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
-  const std::uint32_t fourcc = is_offered(pix.pixelformat) ? pix.pixelformat : fourccs_.front();
+  const ImageSize size =
+      *std::min_element(settings_.sizes.begin(), settings_.sizes.end(),
+                        [&](auto a, auto b) { return distance(a) < distance(b); });
+  const std::uint32_t fourcc =
+      is_offered(pix.pixelformat) ? pix.pixelformat : settings_.fourccs.front();
   pix = fresh(pix);
   pix.width = static_cast<__u32>(size.width);
   pix.height = static_cast<__u32>(size.height);
@@ -256,10 +218,10 @@ int Device::dequeue(v4l2_buffer& buffer) {
   for (;;) {
     {
       const std::lock_guard lock(mutex_);
+      if (gone_) return -ENODEV;
       if (!thread_.joinable()) return -EINVAL;
       if (!done_.empty()) {
-        std::uint64_t count = 0;
-        if (::read(ready_fd_, &count, sizeof(count)) < 0) return -EIO;
+        if (!ready_.answer()) return -EIO;
         buffer.index = done_.front();
         done_.pop_front();
         const int status = fill_in(buffer);
@@ -269,7 +231,7 @@ int Device::dequeue(v4l2_buffer& buffer) {
       }
     }
     if (!blocking_) return -EAGAIN;
-    pollfd one = {ready_fd_, POLLIN, 0};
+    pollfd one = {ready_.fd(), POLLIN, 0};
     ::poll(&one, 1, 100);  // not for ever: STREAMOFF may come from another thread
   }
 }
@@ -278,7 +240,9 @@ int Device::start() {
   const std::lock_guard lock(mutex_);
   if (thread_.joinable()) return 0;
   if (buffers_.empty()) return -EINVAL;
-  if (!film_) film_ = std::make_unique<Film>(*find_pixel_format(fourcc_), size_);
+  if (!film_) film_ = std::make_unique<Film>(*find_pixel_format(fourcc_), size_, settings_.camera);
+  if (settings_.ring > 0) film_->render_all(settings_.ring);
+  counters_ = {};
   thread_ = std::jthread([this](const std::stop_token& stop) { play(stop); });
   return 0;
 }
@@ -292,11 +256,10 @@ int Device::stop() {
   if (thread.joinable()) {
     thread.request_stop();
     thread.join();
+    report(counters_, settings_);
   }
   const std::lock_guard lock(mutex_);
-  std::uint64_t count = 0;
-  while (::read(ready_fd_, &count, sizeof(count)) > 0) {
-  }
+  while (!done_.empty() && ready_.answer()) done_.pop_front();
   queued_.clear();
   done_.clear();
   for (Buffer& b : buffers_) b.queued = b.done = false;
@@ -305,22 +268,36 @@ int Device::stop() {
 
 void Device::play(const std::stop_token& stop) {
   const auto begin = std::chrono::steady_clock::now();
-  const auto period = std::chrono::nanoseconds(1'000'000'000 / rate_);
+  const auto period = std::chrono::nanoseconds(1'000'000'000 / settings_.rate);
   for (std::uint32_t sequence = 0; !stop.stop_requested(); ++sequence) {
     std::unique_lock lock(mutex_);
     wake_.wait_until(lock, stop, begin + (sequence + 1) * period, [] { return false; });
     lock.unlock();
-    if (!stop.stop_requested()) expose(sequence);
+    if (stop.stop_requested()) break;
+    if (settings_.unplug > 0 && sequence == settings_.unplug) pull_plug(settings_);
+    if (is_gone()) break;
+    expose(sequence);
   }
+  counters_.stop();
 }
 
 // A frame for which no buffer waits is lost, and its number with it, as in hardware.
 void Device::expose(std::uint32_t sequence) {
-  const auto& frame = film_->frame(sequence);
+  const bool is_to_be_lost = settings_.lose > 0 && (sequence + 1) % settings_.lose == 0;
+  if (is_to_be_lost) {
+    ++counters_.lost_on_request;
+  } else if (fill(film_->frame(sequence), sequence)) {
+    ++counters_.filled;
+  } else {
+    ++counters_.lost;
+  }
+}
+
+bool Device::fill(const std::vector<std::uint8_t>& frame, std::uint32_t sequence) {
   const auto now = std::chrono::duration_cast<std::chrono::microseconds>(
       std::chrono::steady_clock::now().time_since_epoch());
   const std::lock_guard lock(mutex_);
-  if (queued_.empty()) return;
+  if (queued_.empty()) return false;
   const std::uint32_t index = queued_.front();
   queued_.pop_front();
   Buffer& b = buffers_[index];
@@ -331,11 +308,25 @@ void Device::expose(std::uint32_t sequence) {
   b.queued = false;
   b.done = true;
   done_.push_back(index);
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const auto written = ::write(ready_fd_, &one, sizeof(one));
+  ready_.ring();
+  return true;
+}
+
+// What was filled and not fetched goes with the device, and so it is with the kernel's.
+bool Device::is_gone() {
+  const std::lock_guard lock(mutex_);
+  if (!gone_ && !is_plugged_in(settings_)) {
+    gone_ = true;
+    ready_.hang_up();
+  }
+  return gone_;
 }
 
 int Device::control(std::uint32_t request, void* argument) {
+  return is_gone() ? -ENODEV : answer(request, argument);
+}
+
+int Device::answer(std::uint32_t request, void* argument) {
   switch (request) {
     case VIDIOC_QUERYCAP:
       return describe(as<v4l2_capability>(argument));

@@ -16,23 +16,27 @@
 #include <thread>
 #include <vector>
 
+#include "counters.hpp"
 #include "film.hpp"
+#include "plug.hpp"
+#include "settings.hpp"
 
 namespace calvin::v4l2 {
 
 class Device {
  public:
   // Not `blocking`: DQBUF answers EAGAIN where no filled buffer waits.
-  explicit Device(bool blocking);
+  Device(Settings settings, bool blocking);
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
   ~Device();
 
-  // The answer to ioctl(): 0 or a negative errno. ENOTTY for what is not emulated.
+  // The answer to ioctl(): 0 or a negative errno. ENOTTY for what is not emulated, ENODEV for ever
+  // once the cable was pulled.
   int control(std::uint32_t request, void* argument);
 
   // To duplicate as the caller's descriptor: readable while a filled buffer waits.
-  [[nodiscard]] int ready_fd() const noexcept { return ready_fd_; }
+  [[nodiscard]] int ready_fd() const noexcept { return ready_.fd(); }
   // What mmap() at the offset of a buffer maps.
   [[nodiscard]] int memory_fd() const noexcept { return memory_fd_; }
 
@@ -50,8 +54,9 @@ class Device {
     timeval timestamp{};
   };
 
+  int answer(std::uint32_t request, void* argument);
   int control_buffers(std::uint32_t request, void* argument);
-  static int describe(v4l2_capability& capability);
+  int describe(v4l2_capability& capability) const;
   static int enumerate(v4l2_input& input);
   int enumerate(v4l2_fmtdesc& format) const;
   int enumerate(v4l2_frmsizeenum& size) const;
@@ -67,22 +72,24 @@ class Device {
   int stop();
   void play(const std::stop_token& stop);
   void expose(std::uint32_t sequence);
+  bool fill(const std::vector<std::uint8_t>& frame, std::uint32_t sequence);
+  bool is_gone();
   [[nodiscard]] bool is_offered(std::uint32_t fourcc) const;
 
+  const Settings settings_;
   const bool blocking_;
-  const std::uint32_t rate_;      // frames per s
-  std::vector<ImageSize> sizes_;  // offered
   ImageSize size_;
-  std::vector<std::uint32_t> fourccs_;  // offered
   std::uint32_t fourcc_;
-  int ready_fd_ = -1;
   int memory_fd_ = -1;
   std::uint8_t* memory_ = nullptr;
   std::size_t buffer_size_ = 0;  // whole pages
   std::unique_ptr<Film> film_;
+  Counters counters_;  // of the thread, while it runs
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable_any wake_;
+  Doorbell ready_;  // rings for each filled buffer
+  bool gone_ = false;
   std::vector<Buffer> buffers_;
   std::deque<std::uint32_t> queued_;
   std::deque<std::uint32_t> done_;

@@ -5,8 +5,12 @@
 
 #include "film.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+
+#include "calvin/core/text.hpp"
 
 namespace calvin::v4l2 {
 
@@ -21,28 +25,30 @@ Camera film_camera(ImageSize size) {
   return same_view ? default_camera(kFullSize).scaled(size) : default_camera(size);
 }
 
-Board film_board() {
+Board film_board(int camera) {
   const char* text = std::getenv("CALVIN_V4L2_BOARD");
-  const auto board = parse_board(text == nullptr ? kDefaultBoard : text);
+  const auto texts = split(text == nullptr ? kDefaultBoard : text, ';');
+  const auto at = static_cast<std::size_t>(camera);
+  const auto board = parse_board(texts[at < texts.size() ? at : 0]);
   if (board) return *board;
   std::fprintf(stderr, "CALVIN_V4L2_BOARD: %s\n", board.error().message.c_str());
   return *parse_board(kDefaultBoard);
 }
 
-Film::Film(const PixelFormat& format, ImageSize size)
+Film::Film(const PixelFormat& format, ImageSize size, int camera)
     : format_(&format),
       camera_(film_camera(size)),
-      board_(film_board()),
-      motion_(MotionKind::kRandom, camera_, board_, kSeed),
+      board_(film_board(camera)),
+      motion_(MotionKind::kRandom, camera_, board_, kSeed + static_cast<std::uint64_t>(camera)),
       renderer_(camera_),
       frames_(kPoses) {}
 
 SE3 Film::camera_from_board(std::uint32_t frame) const {
-  return motion_.camera_from_board(frame / kFramesPerPose % kPoses);
+  return motion_.camera_from_board(static_cast<double>(frame / kFramesPerPose % frames_.size()));
 }
 
 const std::vector<std::uint8_t>& Film::frame(std::uint32_t frame) {
-  auto& bytes = frames_[frame / kFramesPerPose % kPoses];
+  auto& bytes = frames_[frame / kFramesPerPose % frames_.size()];
   if (bytes.empty()) {
     RenderOptions options;
     options.noise = 1;
@@ -52,6 +58,14 @@ const std::vector<std::uint8_t>& Film::frame(std::uint32_t frame) {
     bytes = format_->encode(image);
   }
   return bytes;
+}
+
+void Film::render_all(std::size_t bytes) {
+  const std::size_t most = bytes / std::max<std::size_t>(1, frame(0).size());
+  frames_.resize(std::clamp<std::size_t>(most, 1, frames_.size()));
+  for (std::uint32_t pose = 0; pose < frames_.size(); ++pose) {
+    [[maybe_unused]] const auto& rendered = frame(pose * kFramesPerPose);
+  }
 }
 
 }  // namespace calvin::v4l2

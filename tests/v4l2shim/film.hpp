@@ -4,6 +4,7 @@
 // Film: what the emulated camera sees, a board held in one pose after the other, in a loop.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -21,16 +22,19 @@ inline constexpr ImageSize kFullSize = {640, 480};
 // The camera whose image is kFullSize; sizes of its shape are the same image, scaled.
 [[nodiscard]] Camera film_camera(ImageSize size);
 
-// checkerboard:9x6:25mm, or the one of the environment variable CALVIN_V4L2_BOARD.
-[[nodiscard]] Board film_board();
+// checkerboard:9x6:25mm, or what the environment variable CALVIN_V4L2_BOARD names for that camera.
+[[nodiscard]] Board film_board(int camera = 0);
 
 class Film {
  public:
-  Film(const PixelFormat& format, ImageSize size);
+  // Each camera sees a session of its own.
+  Film(const PixelFormat& format, ImageSize size, int camera = 0);
 
   [[nodiscard]] SE3 camera_from_board(std::uint32_t frame) const;
   // The bytes of a frame; rendered when first asked for, so that opening the device is instant.
   [[nodiscard]] const std::vector<std::uint8_t>& frame(std::uint32_t frame);
+  // Renders every picture that it has from now on, as many as fit into so many bytes, but one.
+  void render_all(std::size_t bytes);
 
  private:
   const PixelFormat* format_;
@@ -38,7 +42,7 @@ class Film {
   Board board_;
   Motion motion_;
   BoardRenderer renderer_;
-  std::vector<std::vector<std::uint8_t>> frames_;
+  std::vector<std::vector<std::uint8_t>> frames_;  // one for each pose
 };
 
 }  // namespace calvin::v4l2

@@ -4,11 +4,22 @@
 // An emulated V4L2 camera for programs started with LD_PRELOAD: takes the place of the C library's
 // functions that v4l2src calls on a device. For tests only.
 //
-//   CALVIN_V4L2_DEVICE   the path that is the camera (/dev/video0)
-//   CALVIN_V4L2_FPS      frames per second (30); poses change every 15 frames at any rate
-//   CALVIN_V4L2_FORMATS  what it offers, of YUYV, MJPG, NV12 and GREY (YUYV,MJPG)
-//   CALVIN_V4L2_SIZES    likewise, even ones (640x480,320x240)
-//   CALVIN_V4L2_BOARD    the board that it sees (checkerboard:9x6:25mm)
+//   CALVIN_V4L2_DEVICE    the path that is the camera (/dev/video0), or those of several
+//   CALVIN_V4L2_FPS       frames per second (30); poses change every 15 frames at any rate
+//   CALVIN_V4L2_FORMATS   what it offers, of YUYV, MJPG, NV12 and GREY (YUYV,MJPG)
+//   CALVIN_V4L2_SIZES     likewise, even ones (640x480,320x240)
+//   CALVIN_V4L2_BOARD     the board that it sees (checkerboard:9x6:25mm)
+//   CALVIN_V4L2_RING      MB of pictures that are rendered before the first frame and shown again
+//                         and again, so that a frame costs its copy; 0: each when it is first shown
+//   CALVIN_V4L2_LOSE      one frame in so many is lost; 0: those alone that no buffer waits for
+//   CALVIN_V4L2_UNPLUG    frames after which the cable is pulled; 0: never
+//   CALVIN_V4L2_PLUG      a file: the cable is in while it exists, and UNPLUG removes it. Without
+//                         one a camera that was unplugged is gone for the rest of the process
+//   CALVIN_V4L2_COUNTERS  a file to which each stream appends a line of JSON when it ends
+//
+// Several cameras have the same formats, sizes and rate, and poses of their own. Of DEVICE, LOSE,
+// UNPLUG and PLUG each takes its part between commas, and of BOARD between semicolons; where there
+// are fewer boards, the others see the first.
 
 // Headers must not turn open into open64, nor into its checked variant: both are defined here.
 #undef _FILE_OFFSET_BITS
@@ -33,7 +44,7 @@
 
 #define CALVIN_EXPORT extern "C" __attribute__((visibility("default")))
 
-using calvin::v4l2::Device;
+using namespace calvin::v4l2;
 
 namespace {
 
@@ -49,11 +60,6 @@ std::atomic<Device*>* slot(int fd) {
 Device* device_of(int fd) {
   const auto* s = slot(fd);
   return s == nullptr ? nullptr : s->load();
-}
-
-bool is_camera(const char* path) {
-  const char* camera = std::getenv("CALVIN_V4L2_DEVICE");
-  return path != nullptr && std::strcmp(path, camera == nullptr ? "/dev/video0" : camera) == 0;
 }
 
 template <typename Function>
@@ -75,10 +81,15 @@ int hand_out(Device* device, int flags) {
   return fd;
 }
 
-int open_camera(int flags) {
+int open_camera(int camera, int flags) {
   Device* device = nullptr;
   try {
-    device = new Device((flags & O_NONBLOCK) == 0);
+    Settings settings(camera);
+    if (!is_plugged_in(settings)) {
+      errno = ENOENT;
+      return -1;
+    }
+    device = new Device(std::move(settings), (flags & O_NONBLOCK) == 0);
   } catch (...) {
     errno = ENOMEM;
     return -1;
@@ -89,11 +100,15 @@ int open_camera(int flags) {
 }
 
 template <typename Stat>
-int describe(Stat* info) {
+int describe(int camera, Stat* info) {
+  if (!is_plugged_in(Settings(camera))) {
+    errno = ENOENT;
+    return -1;
+  }
   std::memset(info, 0, sizeof(*info));
   info->st_mode = S_IFCHR | 0660;
   info->st_nlink = 1;
-  info->st_rdev = makedev(81, 0);
+  info->st_rdev = makedev(81, static_cast<unsigned>(camera));
   return 0;
 }
 
@@ -101,7 +116,7 @@ int describe(Stat* info) {
 
 #define CALVIN_OPEN(name)                                                            \
   CALVIN_EXPORT int name(const char* path, int flags, ...) {                         \
-    if (is_camera(path)) return open_camera(flags);                                  \
+    if (const int n = camera_at(path); n >= 0) return open_camera(n, flags);         \
     static const auto function = real<int(const char*, int, ...)>(#name);            \
     va_list arguments;                                                               \
     va_start(arguments, flags);                                                      \
@@ -114,18 +129,18 @@ CALVIN_OPEN(open)
 CALVIN_OPEN(open64)
 
 // What open() is in programs built with _FORTIFY_SOURCE.
-#define CALVIN_OPEN_2(name)                                          \
-  CALVIN_EXPORT int name(const char* path, int flags) {              \
-    if (is_camera(path)) return open_camera(flags);                  \
-    static const auto function = real<int(const char*, int)>(#name); \
-    return function(path, flags);                                    \
+#define CALVIN_OPEN_2(name)                                                  \
+  CALVIN_EXPORT int name(const char* path, int flags) {                      \
+    if (const int n = camera_at(path); n >= 0) return open_camera(n, flags); \
+    static const auto function = real<int(const char*, int)>(#name);         \
+    return function(path, flags);                                            \
   }
 CALVIN_OPEN_2(__open_2)
 CALVIN_OPEN_2(__open64_2)
 
 #define CALVIN_STAT(name, Stat)                                               \
   CALVIN_EXPORT int name(const char* path, struct Stat* info) noexcept {      \
-    if (is_camera(path)) return describe(info);                               \
+    if (const int n = camera_at(path); n >= 0) return describe(n, info);      \
     static const auto function = real<int(const char*, struct Stat*)>(#name); \
     return function(path, info);                                              \
   }
