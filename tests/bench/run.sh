@@ -19,7 +19,8 @@ esac
 [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dbenchmarks=enabled
 [ $# -gt 0 ] || set -- $(ls "$source/tests/bench" | sed -n 's/^bench_\(.*\)\.cpp$/\1/p')
 # shellcheck disable=SC2046 # one word per program
-ninja -C "$build" gst/libgstcalvin.so $(printf 'tests/bench/bench_%s\n' "$@")
+ninja -C "$build" gst/libgstcalvin.so tests/v4l2shim/libv4l2shim.so \
+  $(printf 'tests/bench/bench_%s\n' "$@")
 export GST_PLUGIN_PATH_1_0="$build/gst"
 
 # The arguments of a program's smallest case.
@@ -27,15 +28,26 @@ smallest_case() {
   case "$1" in
     detect) echo 1 1 640 480 ;;
     elements) echo --benchmark_filter=[^a]sync.*GRAY8 ;;
+    live) echo 1 ;;
     scores) echo '--benchmark_filter=calvin' ;;
     solve) echo '--benchmark_filter=brown5.10.views' ;;
     undistort) echo '--benchmark_filter=^GRAY8.1080p[|]' ;;
     views) echo '--benchmark_filter=^480x270' ;;
   esac
-  [ "$1" = detect ] || echo --benchmark_repetitions=1 --benchmark_min_time=0.001
+  case "$1" in
+    detect | live) ;;
+    *) echo --benchmark_repetitions=1 --benchmark_min_time=0.001 ;;
+  esac
+}
+# The emulated camera, for those that need one.
+preloaded() {
+  case "$1" in
+    live) echo "$build/tests/v4l2shim/libv4l2shim.so" ;;
+  esac
 }
 for name in "$@"; do
   echo "== $name"
   # shellcheck disable=SC2046 # several words
-  "$build/tests/bench/bench_$name" $([ -z "$smallest" ] || smallest_case "$name")
+  LD_PRELOAD=$(preloaded "$name") \
+    "$build/tests/bench/bench_$name" $([ -z "$smallest" ] || smallest_case "$name")
 done
