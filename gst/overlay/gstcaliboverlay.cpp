@@ -102,6 +102,13 @@ void draw_all_words(State& state, const gst::OverlaySettings& settings,
   state.words = draw_words(state, seen, {overlay_caption(progress), frame, room, progress.done});
 }
 
+// To find and read fonts takes longer than a frame may: before there is one.
+void load_fonts(State& state) {
+  constexpr ImageSize kAny{640, 480};
+  state.caption.draw({"Words", kAny, {0, kAny.width}}, gst::Caption::Place::kBottom);
+  state.panel_words.draw(overlay_panel_words(kAny, Progress{}, PanelSide::kLeft), kAny);
+}
+
 }  // namespace
 
 #define GST_TYPE_CALIB_OVERLAY (gst_calib_overlay_get_type())
@@ -124,6 +131,7 @@ static gboolean gst_calib_overlay_start(GstBaseTransform* trans) {
   State& state = *GST_CALIB_OVERLAY(trans)->state;
   state.forget();
   state.blending_failed = false;
+  load_fonts(state);
   // Only a build that cannot draw at all refuses to draw nothing.
   if (const auto nothing = draw_overlay({}, {}, {}); !nothing) {
     gst::post_warning(GST_ELEMENT(trans), nothing.error());
