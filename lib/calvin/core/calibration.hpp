@@ -57,6 +57,14 @@ struct Rectangle {
   double height = 0;
 };
 
+// The camera that was calibrated, as its driver tells of it; empty where that is not known.
+struct CaptureDevice {
+  std::string node;  // "/dev/video0", which may be another camera's after the next start
+  std::string name;  // "HD Pro Webcam C920"
+  std::string bus;   // where it is plugged in: "usb-0000:00:14.0-1"
+  std::optional<bool> autofocus;
+};
+
 struct Calibration {
   std::string camera;
   ImageSize image_size;
@@ -88,6 +96,8 @@ struct Calibration {
   // where it was estimated. Negative: the last row comes first.
   std::optional<double> readout;
   std::optional<double> readout_sigma;
+  std::optional<CaptureDevice> device;
+  // Where the lens stood for all views, in the units of the camera's controls.
   std::optional<double> focus;
   std::optional<double> zoom;
   std::string created;  // ISO 8601, UTC

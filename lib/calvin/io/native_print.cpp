@@ -97,6 +97,16 @@ void put_quality(Json& json, const Calibration& calibration) {
   if (!calibration.remarks.empty()) json["remarks"] = calibration.remarks;
 }
 
+void put_device(Json& json, const Calibration& calibration) {
+  if (!calibration.device) return;
+  Json device = Json::object();
+  put(device, "node", calibration.device->node);
+  put(device, "name", calibration.device->name);
+  put(device, "bus", calibration.device->bus);
+  if (calibration.device->autofocus) device["autofocus"] = *calibration.device->autofocus;
+  if (!device.empty()) json["device"] = std::move(device);
+}
+
 void put_rest(Json& json, const Calibration& calibration) {
   for (const Pixel& p : calibration.covered) json["covered"].push_back({p.u, p.v});
   put(json, "board", calibration.board);
@@ -113,6 +123,7 @@ void put_rest(Json& json, const Calibration& calibration) {
   if (const auto& crop = calibration.sensor_crop) {
     json["sensor_crop"] = {crop->x, crop->y, crop->width, crop->height};
   }
+  put_device(json, calibration);
   put(json, "focus", calibration.focus);
   put(json, "zoom", calibration.zoom);
   put(json, "created", calibration.created);

@@ -185,6 +185,20 @@ void read_verdict(Fields& fields, Calibration& calibration) {
   }
 }
 
+// Absent where the file tells nothing of it.
+std::optional<CaptureDevice> read_device(Fields& fields) {
+  if (fields.find("device") == nullptr) return std::nullopt;
+  Fields values = fields.map("device");
+  CaptureDevice device;
+  device.node = values.optional_string("node");
+  device.name = values.optional_string("name");
+  device.bus = values.optional_string("bus");
+  if (values.find("autofocus") != nullptr) device.autofocus = values.flag("autofocus");
+  const bool empty = device.node.empty() && device.name.empty() && device.bus.empty();
+  if (empty && !device.autofocus) return std::nullopt;
+  return device;
+}
+
 void read_quality(Fields& fields, Calibration& calibration) {
   calibration.rms = read_error(fields, "rms");
   calibration.held_out_rms = read_error(fields, "held_out_rms");
@@ -193,6 +207,7 @@ void read_quality(Fields& fields, Calibration& calibration) {
   read_verdict(fields, calibration);
   calibration.readout = fields.optional_number("readout");
   calibration.readout_sigma = read_error(fields, "readout_sigma");
+  calibration.device = read_device(fields);
   calibration.focus = fields.optional_number("focus");
   calibration.zoom = fields.optional_number("zoom");
   if (fields.find("warp") != nullptr) {

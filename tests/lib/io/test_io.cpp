@@ -162,6 +162,7 @@ TEST(CalibrationFile, NativeHoldsEverything) {
   c.views = {{18446744073709551614U, 0.18, 54, false, {{0.1, -0.2, 1e-300}, {0, 0.01, 0.5}}},
              {kNoTimestamp, 0.21, 50, true, {{0, 0, 3}, {-0.1, 0, 0.7}}}};
   c.sensor_crop = Rectangle{160, 120, 320.5, 240};
+  c.device = CaptureDevice{"/dev/video2", "HD \"Pro\" Webcam", "usb-0000:00:14.0-1", false};
   c.focus = 200;
   c.zoom = 0;
   c.created = "2026-11-21T10:00:00Z";
@@ -201,6 +202,11 @@ TEST(CalibrationFile, NativeHoldsEverything) {
   }
   ASSERT_TRUE(back->sensor_crop);
   EXPECT_EQ(back->sensor_crop->width, 320.5);
+  ASSERT_TRUE(back->device);
+  EXPECT_EQ(back->device->node, "/dev/video2");
+  EXPECT_EQ(back->device->name, "HD \"Pro\" Webcam");
+  EXPECT_EQ(back->device->bus, "usb-0000:00:14.0-1");
+  EXPECT_EQ(back->device->autofocus, false);
   EXPECT_EQ(back->focus, 200);
   EXPECT_EQ(back->zoom, 0);
   EXPECT_EQ(back->created, c.created);

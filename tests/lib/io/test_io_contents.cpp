@@ -334,6 +334,7 @@ TEST(FileContents, EveryFieldOfTheNativeFormat) {
   c.views = {{7, 0.5, 54, false, {{1.5, -2.5, 3.5}, {4.5, 5.5, 6.5}}},
              {kNoTimestamp, 0.875, 53, true, {{7.5, 8.5, 9.5}, {10.5, 11.5, 12.5}}}};
   c.sensor_crop = Rectangle{11, 12, 13.5, 14};
+  c.device = CaptureDevice{"/dev/video2", "A camera", "usb-1", true};
   c.focus = 15;
   c.zoom = 16.5;
   c.created = "2026-11-21T10:00:00Z";
@@ -369,6 +370,7 @@ TEST(FileContents, EveryFieldOfTheNativeFormat) {
     {{"rms": 0.875, "points": 53, "held_out": true, "camera_from_board": {{"rotation": [7.5, 8.5, 9.5], "translation": [10.5, 11.5, 12.5]}}}}
   ],
   "sensor_crop": [11, 12, 13.5, 14],
+  "device": {{"node": "/dev/video2", "name": "A camera", "bus": "usb-1", "autofocus": true}},
   "focus": 15,
   "zoom": 16.5,
   "created": "2026-11-21T10:00:00Z"
@@ -386,8 +388,17 @@ TEST(FileContents, EveryFieldOfTheNativeFormat) {
   EXPECT_EQ(read->sensor_crop->x, 11);
   EXPECT_EQ(read->sensor_crop->y, 12);
   EXPECT_EQ(read->sensor_crop->height, 14);
+  EXPECT_EQ(read->device.value().name, "A camera");
+  EXPECT_EQ(read->device.value().autofocus, true);
   EXPECT_EQ(read->focus, 15);
   EXPECT_EQ(read->zoom, 16.5);
+  // What a driver does not tell is absent, and a device of which nothing is known is none.
+  c.device = CaptureDevice{"/dev/video2", "", "", std::nullopt};
+  EXPECT_NE(print_calibration(c)->find("\"device\": {\"node\": \"/dev/video2\"},"),
+            std::string::npos);
+  EXPECT_FALSE(parse_calibration(print_calibration(c).value())->device->autofocus);
+  c.device = CaptureDevice{};
+  EXPECT_EQ(print_calibration(c)->find("device"), std::string::npos);
 }
 
 }  // namespace
