@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What file.cpp does with a file that is open. Private to core/.
+// What file.cpp does with a file that is open. For core/, and device/ closes by it.
 #pragma once
 
 #include <sys/types.h>
