@@ -38,6 +38,7 @@ void CalibrationSession::change_views(ImageSize size) {
       camera_ = view->observation.camera;
       board_ = view->board;
       note_taken({.timestamp = view->observation.timestamp});
+      lens_.views_restored();
     }
   }
   if (set_aside_.size() > kMostAside) {
@@ -126,6 +127,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   const Reason reason = views_.offer(view, fine ? worth(view) : ViewWorth{});
   if (reason == Reason::kAccepted) {
     note_taken(times);
+    lens_.view_taken();
     write_down_newest();
     note_missed();
     accepted_at_ = observation.timestamp;
@@ -263,6 +265,7 @@ void CalibrationSession::begin_session() {
   verdict_until_ = kNoTimestamp;
   waits_for_readout_ = false;
   capture_ = {};
+  lens_.begin();
   renew_hint();
 }
 

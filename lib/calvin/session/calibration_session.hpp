@@ -19,6 +19,7 @@
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/reason.hpp"
+#include "calvin/device/lens.hpp"
 #include "calvin/session/files/session_files.hpp"
 #include "calvin/session/frame_times.hpp"
 #include "calvin/session/guidance/guided_capture.hpp"
@@ -31,6 +32,8 @@
 #include "calvin/session/session_jobs.hpp"
 #include "calvin/session/session_settings.hpp"
 #include "calvin/session/session_words.hpp"
+#include "calvin/session/watch/lens_watch.hpp"
+#include "calvin/session/watch/stream_watch.hpp"
 
 namespace calvin {
 
@@ -126,6 +129,19 @@ class CalibrationSession {
   // As the settings or else the newest observation name it.
   [[nodiscard]] std::string camera_name() const;
   [[nodiscard]] const SessionPlan& plan() const noexcept { return plan_; }
+
+  // ---- The camera: session_watch.cpp. What the user should hear of it is a notice, see below.
+
+  // Whose lens is to be read about once a second; empty: none.
+  [[nodiscard]] const std::string& lens_node() const noexcept { return lens_.node(); }
+  void see_lens(const Result<LensState>& read);
+  // A second more has passed, and the lens does not answer.
+  void wait_for_lens();
+  // ns from one frame to the next; 0: not known.
+  void set_frame_duration(std::uint64_t duration) { stream_.set_frame_duration(duration); }
+  void frame_came() { stream_.frame_came(); }
+  // A second more has passed. `frames_expected`: one could have come.
+  void second_passed(bool frames_expected);
 
   // ---- Solves: session_solves.cpp
 
@@ -267,6 +283,10 @@ class CalibrationSession {
   std::uint64_t accepted_at_ = kNoTimestamp;  // timestamp of the newest view
   std::uint64_t hint_since_ = kNoTimestamp;   // timestamp at which the hint last changed
   std::map<std::string, Board> boards_;       // by their texts, of the newest frames
+
+  // The camera.
+  LensWatch lens_;
+  StreamWatch stream_;
 
   // What is solved.
   std::uint64_t session_ = 0;

@@ -15,7 +15,13 @@ Result<Solution> solve_job(const SolveJob& job, const std::stop_token& stop) {
   std::vector<View> views;
   views.reserve(job.views.size());
   for (const auto& view : job.views) views.push_back(*view);
-  return solve_in_runs(views, job.size, job.options, job.runs, stop);
+  auto solution = solve_in_runs(views, job.size, job.options, job.runs, stop);
+  if (solution && job.lens) {
+    solution->calibration.device = job.lens->device;
+    solution->calibration.focus = job.lens->focus;
+    solution->calibration.zoom = job.lens->zoom;
+  }
+  return solution;
 }
 
 std::shared_ptr<const ViewGuide> guide_job(const SolveJob& job, const Solution& solution) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "calvin/core/calibration.hpp"
+#include "calvin/device/lens.hpp"
 #include "calvin/session/files/calibration_files.hpp"
 #include "calvin/session/frame_times.hpp"
 #include "calvin/session/guidance/view_guide.hpp"
@@ -45,6 +46,7 @@ struct SolveJob {
   ViewGuide::Views missed;          // views that were asked for and that nobody got to
   std::string location;             // what the result tells of itself: its native file, or empty
   FrameTimes times;                 // likewise, of the newest frame with a board
+  std::optional<LensState> lens;    // likewise, what stood still of it for all views
   JobOrigin origin;
   std::shared_ptr<const EarlierCalibration> earlier;  // to be judged first, if any
 };

@@ -27,6 +27,7 @@ struct SessionSettings {
   std::string location;
   std::string exports;
   std::string journal;
+  std::string device;  // V4L2 node of the camera; empty: its lens is not read
   std::string camera;  // empty: the name that the observations carry
   std::string model = "brown5";
   std::string fix;

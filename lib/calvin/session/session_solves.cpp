@@ -33,6 +33,7 @@ std::optional<SolveJob> CalibrationSession::take_solve() {
   job.times = times_;
   if (views_.options().mode == CaptureMode::kAuto) job.next_board = board_;
   job.missed = missed_;
+  job.lens = lens_.of_views();
   job.origin = origin();
   // Views of an earlier run may be those that it was made of.
   const bool guided = views_.options().mode == CaptureMode::kAuto && !views_.has_restored();

@@ -22,6 +22,8 @@ void CalibrationSession::start(SessionPlan plan, bool writable) {
   journaling_ = false;
   taken_up_ = false;
   earlier_.reset();
+  lens_ = LensWatch(plan_.settings.device);
+  stream_ = {};
   times_ = {};
   newest_ = kNoTimestamp;
   entries_.clear();

@@ -107,6 +107,24 @@ std::optional<Notice> other_frames(ImageSize size, std::size_t taken_up,
   return Notice{Notice::Kind::kInfo, {ErrorCode::kInvalidArgument, std::move(words)}};
 }
 
+Notice frames_stopped(std::uint64_t seconds, std::size_t kept) {
+  const std::string waiting =
+      kept == 0 ? "" : fmt::format(" {} {} for that.", views(kept), kept == 1 ? "waits" : "wait");
+  return {Notice::Kind::kWarning,
+          {ErrorCode::kIo,
+           fmt::format("No frame has come for {} s: the camera, or what is between it and this "
+                       "element, has stopped. See that it is plugged in and that no other program "
+                       "has it; dmesg tells what a USB camera suffers from. The session goes on "
+                       "when frames come again.{}",
+                       seconds, waiting)}};
+}
+
+Notice frames_again(std::size_t kept) {
+  return {Notice::Kind::kInfo,
+          {ErrorCode::kInvalidArgument, fmt::format("Frames come again, and the session goes on{}.",
+                                                    kept == 0 ? "" : " with " + views(kept))}};
+}
+
 Notice kept_file(const std::string& path) {
   return {Notice::Kind::kInfo,
           {ErrorCode::kInvalidArgument,

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,16 +16,10 @@
 #include "calvin/core/reason.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/session/files/calibration_files.hpp"
+#include "calvin/session/notice.hpp"
 #include "calvin/session/session.hpp"
 
 namespace calvin {
-
-// What a user should hear while a session goes on.
-struct Notice {
-  enum class Kind { kInfo, kWarning };
-  Kind kind = Kind::kWarning;
-  Error error;  // for kInfo its message alone counts
-};
 
 // How often a board was seen and not taken, and why.
 using Refusals = std::map<Reason, std::size_t>;
@@ -42,6 +37,10 @@ using Refusals = std::map<Reason, std::size_t>;
 // Of frames of a new size: which views go on with them and which wait, if any do.
 [[nodiscard]] std::optional<Notice> other_frames(ImageSize size, std::size_t taken_up,
                                                  const Session::Views& set_aside);
+// Of a camera that has not sent for so long, and of one that sends again; `kept`: the number of
+// views.
+[[nodiscard]] Notice frames_stopped(std::uint64_t seconds, std::size_t kept);
+[[nodiscard]] Notice frames_again(std::size_t kept);
 // Of a file that stays as another session left it.
 [[nodiscard]] Notice kept_file(const std::string& path);
 
