@@ -3,7 +3,8 @@
 
 // Tells the session of calibsolve what happens on the streaming thread and what the application
 // commands; solver_update.cpp brings other settings into force, solver_jobs.cpp solves,
-// solver_files.cpp writes, and solver_finish.cpp waits for both.
+// solver_files.cpp writes, solver_finish.cpp waits for both, and solver_watch.cpp watches the
+// camera.
 
 #include "solve/calib_solver.hpp"
 
@@ -49,10 +50,12 @@ Status CalibSolver::begin() {
   if (!settings.journal.empty()) {
     if (Status opened = open_journal(settings); !opened) return opened;
   }
-  for (Worker* worker : {&updater_, &writer_}) {
+  for (Worker* worker : {&updater_, &writer_, &worker_}) {
     if (Status started = worker->start(); !started) return started;
   }
-  return worker_.start();
+  if (settings.device.empty()) return {};
+  if (Status started = lens_reader_.start(); !started) return started;
+  return begin_watch();
 }
 
 void CalibSolver::obey() {
@@ -76,8 +79,9 @@ void CalibSolver::obey() {
 }
 
 void CalibSolver::stop() {
-  for (Worker* worker : {&worker_, &writer_, &updater_, &syncer_}) worker->stop();
+  for (Worker* worker : workers()) worker->stop();
   const std::lock_guard guard(lock_);
+  watching_ = is_live_ = stream_runs_ = false;
   // The syncer may have it until its disk answers.
   if (journal_) journal_->end();
   journal_.reset();
@@ -102,6 +106,7 @@ void CalibSolver::set_size(ImageSize size) {
 }
 
 void CalibSolver::set_live(bool live) {
+  watch_stream(live);
   const std::lock_guard guard(lock_);
   session_.set_live(live);
   const CaptureMode mode = session_.views().options().mode;
@@ -111,16 +116,21 @@ void CalibSolver::set_live(bool live) {
                                                : "views are kept on the signal capture-view");
 }
 
+void CalibSolver::cancel() {
+  for (Worker* worker : workers()) worker->cancel();
+  expect_no_frame();
+}
+
 void CalibSolver::resume() {
-  writer_.resume();
-  worker_.resume();
-  updater_.resume();
-  syncer_.resume();
+  for (Worker* worker : workers()) worker->resume();
+  bool watching = false;
   {
     const std::lock_guard guard(lock_);
     session_.resume();
     obey();
+    watching = watching_;
   }
+  if (watching) watch_on();
   sync_later(journal());
   post_notices();
 }

@@ -5,6 +5,7 @@
 // streaming thread, solves on a worker, writes on another one and posts what happens.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,12 +38,7 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   // An error for settings that cannot work and for a journal that cannot be kept; a file that
   // cannot be written now is only a warning on the bus.
   [[nodiscard]] Status start();
-  void cancel() {
-    worker_.cancel();
-    writer_.cancel();
-    updater_.cancel();
-    syncer_.cancel();
-  }
+  void cancel();
   // A solve or a write that cancel() cut short is asked for again.
   void resume();
   void stop();
@@ -55,6 +51,14 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   // A new size begins a new session, with the views that are there of such frames.
   void set_size(ImageSize size);
   void set_live(bool live);
+
+  // A live camera that stops sending is told of, once. Also before the first frame, where it is
+  // known by then that the source is live.
+  void watch_stream(bool live);
+  // ns from one frame to the next; 0: not known.
+  void set_frame_duration(GstClockTime duration);
+  // A frame, or an event that tells that there is none.
+  void frame_came();
 
   // What was found on one frame, with the times of that frame; true when a view was taken.
   // `place` is that of the observation among those of its frame.
@@ -132,9 +136,26 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   // On the writer.
   void run_write(const WriteJob& job, const std::stop_token& stop);
   [[nodiscard]] bool begin_write(const WriteJob& job);
-  void post_notices(const std::stop_token& stop);
+
+  // The camera: solver_watch.cpp
+  [[nodiscard]] Status begin_watch();
+  void watch_on();
+  void expect_no_frame();
+  // On the watcher: once a second, for as long as the element runs.
+  void begin_second();
+  void end_second(const std::stop_token& stop);
+  void look_at_lens();
+  // On the reader of the lens.
+  void read_lens(const std::string& node, const std::stop_token& stop);
+
+  // In a job of that worker.
+  void post_notices(Worker& worker, const std::stop_token& stop);
   // On the streaming thread: what the writer was kept from saying.
   void post_notices();
+
+  [[nodiscard]] std::array<Worker*, 6> workers() {
+    return {&worker_, &writer_, &updater_, &syncer_, &watcher_, &lens_reader_};
+  }
 
   GstElement* element_;
   CalibrationSession session_;        // lock_
@@ -143,11 +164,16 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   // lock_: what was commanded between two runs, for the journal of the next one.
   std::vector<JournalEntry> between_runs_;
   std::string journal_path_;  // lock_; of the last run that kept one
+  bool watching_ = false;     // lock_: the watcher is at work
+  bool is_live_ = false;      // lock_
+  bool stream_runs_ = false;  // lock_: it has not ended, and is not flushed
 
   Worker syncer_;  // of the journal
   Worker writer_;
   Worker worker_;   // goes before it: what it solves is written
-  Worker updater_;  // goes first: what it brings into force is solved
+  Worker updater_;  // goes before: what it brings into force is solved
+  Worker lens_reader_;
+  Worker watcher_;  // goes before it: what it asks for is read
 };
 
 }  // namespace calvin::gst

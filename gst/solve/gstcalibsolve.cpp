@@ -117,6 +117,7 @@ static void gst_calib_solve_want_patches(GstCalibSolve* self) {
 static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
   gst::CalibSolver& solver = *self->state;
+  solver.frame_came();
   // Asked once after each CAPS: only then does a live source know that it is one.
   if (!std::exchange(self->state->mode_known, true)) {
     solver.set_live(gst::upstream_is_live(trans));
@@ -139,6 +140,13 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
   return GST_FLOW_OK;
 }
 
+// 0 where the caps do not tell.
+static GstClockTime gst_calib_solve_frame_duration(const GstVideoInfo& info) {
+  const int frames = GST_VIDEO_INFO_FPS_N(&info);
+  if (frames <= 0) return 0;
+  return gst_util_uint64_scale_int(GST_SECOND, GST_VIDEO_INFO_FPS_D(&info), frames);
+}
+
 static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
                                          GstCaps* /*out_caps*/) {
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
@@ -146,6 +154,8 @@ static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
   if (!gst::video_info_of(info, caps)) return FALSE;
   self->state->mode_known = self->state->patches_asked = false;
   self->state->set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
+  self->state->set_frame_duration(gst_calib_solve_frame_duration(info));
+  if (gst::upstream_says_live(trans).value_or(false)) self->state->watch_stream(true);
   gst_calib_solve_want_patches(self);
   return TRUE;
 }
@@ -157,6 +167,9 @@ static gboolean gst_calib_solve_sink_event(GstBaseTransform* trans, GstEvent* ev
     case GST_EVENT_EOS:
       solver.finish();
       gst_calib_solve_push_calibration(self);
+      break;
+    case GST_EVENT_GAP:
+      solver.frame_came();
       break;
     case GST_EVENT_CUSTOM_DOWNSTREAM:
       // An observation that no buffer could take.

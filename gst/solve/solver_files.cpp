@@ -42,15 +42,15 @@ void CalibSolver::run_write(const WriteJob& job, const std::stop_token& stop) {
     const std::lock_guard guard(lock_);
     session_.end_write(job, outcome);
   }
-  post_notices(stop);
+  post_notices(writer_, stop);
 }
 
-void CalibSolver::post_notices(const std::stop_token& stop) {
+void CalibSolver::post_notices(Worker& worker, const std::stop_token& stop) {
   for (;;) {
     std::unique_lock guard(lock_);
     if (!session_.has_notice()) return;
     // A notice is taken only where it may be posted.
-    const auto report = writer_.begin_report(stop, element_);
+    const auto report = worker.begin_report(stop, element_);
     if (!report) return;
     const auto notice = session_.take_notice();
     guard.unlock();

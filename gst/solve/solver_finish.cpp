@@ -24,6 +24,7 @@ bool CalibSolver::drain() {
 }
 
 void CalibSolver::finish() {
+  expect_no_frame();
   if (!update_and_wait() || !drain()) return;
   LastWork last;
   {

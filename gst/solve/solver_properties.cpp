@@ -59,6 +59,12 @@ constexpr Property<CalibSolver> kRows[] = {
      "them up again (JSON lines); one for each camera",
      kept_in<&SessionSettings::journal>,
      {.flags = kMutableReady}},
+    {"device",
+     "Device",
+     "V4L2 node of the camera, such as /dev/video0: where its lens stands is kept with the "
+     "calibration, and autofocus and a lens that is moved are told of (unset = not read)",
+     kept_in<&SessionSettings::device>,
+     {.flags = kMutableReady}},
     {"camera", "Camera",
      "Name of the camera in messages and files (unset = the one that the observations carry)",
      kept_in<&SessionSettings::camera>},

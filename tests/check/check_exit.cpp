@@ -147,6 +147,16 @@ static const struct {
     {"exit at a result", [] { end_at_message("calib-result"); }},
     {"exit at a detection", [] { end_at_message("calib-detection"); }},
     {"exit while a handler waits", end_while_a_handler_waits},
+    {"exit while a camera is watched",
+     [] {
+       GstElement* pipeline = gst_parse_launch(
+           "calibtestsrc is-live=true ! calibsolve device=/dev/null ! fakesink", nullptr);
+       gst_element_set_state(pipeline, GST_STATE_PLAYING);
+       g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+       // That the lens cannot be read: all threads are at work.
+       GstMessage* told = gst_bus_timed_pop_filtered(bus, 60 * GST_SECOND, GST_MESSAGE_WARNING);
+       if (told != nullptr) end();
+     }},
     {"exit of a child",
      [] {
        play(calibrating());
@@ -173,6 +183,8 @@ static const struct {
      }},
     {"a child frees a calibdetect", [] { free_in_a_child("calibdetect"); }},
     {"a child frees a calibsolve", [] { free_in_a_child("calibsolve"); }},
+    {"a child frees a calibsolve that reads a lens",
+     [] { free_in_a_child("calibsolve device=/dev/null"); }},
     {"a child frees a calibrate", [] { free_in_a_child("calibrate"); }},
     {"a child frees a calibundistort", [] { free_in_a_child("calibundistort"); }},
     {"a child undistorts", undistort_in_a_child},

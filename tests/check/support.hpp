@@ -55,7 +55,7 @@ class Bus {
     }
     return found;
   }
-  // The texts of all errors or warnings.
+  // The texts of all errors, warnings or infos.
   std::vector<std::string> texts(GstMessageType type) {
     std::vector<std::string> found;
     for (GstMessage* message : messages()) {
@@ -63,6 +63,7 @@ class Bus {
       g_autoptr(GError) error = nullptr;
       if (type == GST_MESSAGE_ERROR) gst_message_parse_error(message, &error, nullptr);
       if (type == GST_MESSAGE_WARNING) gst_message_parse_warning(message, &error, nullptr);
+      if (type == GST_MESSAGE_INFO) gst_message_parse_info(message, &error, nullptr);
       if (error != nullptr) found.emplace_back(error->message);
     }
     return found;

@@ -6,6 +6,8 @@
 // change pixels.
 #pragma once
 
+#include <optional>
+
 #include <gst/base/gstbasetransform.h>
 #include <gst/video/video.h>
 
@@ -34,6 +36,10 @@ void install_pixel_filter(GstBaseTransformClass* trans_class);
 // Any raw video in system memory, with overlays that wait to be drawn or without, or in DMA memory
 // under a name that there is for it, on both pads.
 void add_raw_video_pads(GstElementClass* element_class);
+
+// What the LATENCY query upstream says of the source; absent where nobody answers. Streaming
+// thread.
+[[nodiscard]] std::optional<bool> upstream_says_live(GstBaseTransform* trans);
 
 // True unless the LATENCY query upstream says that the source is not live: one that cannot answer
 // must not be held up. Streaming thread.
