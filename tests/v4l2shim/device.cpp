@@ -49,7 +49,8 @@ Device::Device(Settings settings, bool blocking)
     : settings_(std::move(settings)),
       blocking_(blocking),
       size_(settings_.sizes.front()),
-      fourcc_(settings_.fourccs.front()) {}
+      fourcc_(settings_.fourccs.front()),
+      controls_(Controls::of(settings_.path)) {}
 
 Device::~Device() {
   stop();
@@ -241,6 +242,7 @@ int Device::start() {
   if (thread_.joinable()) return 0;
   if (buffers_.empty()) return -EINVAL;
   if (!film_) film_ = std::make_unique<Film>(*find_pixel_format(fourcc_), size_, settings_.camera);
+  film_->show(controls_.look());  // also of what is rendered beforehand
   if (settings_.ring > 0) film_->render_all(settings_.ring);
   counters_ = {};
   thread_ = std::jthread([this](const std::stop_token& stop) { play(stop); });
@@ -283,6 +285,7 @@ void Device::play(const std::stop_token& stop) {
 
 // A frame for which no buffer waits is lost, and its number with it, as in hardware.
 void Device::expose(std::uint32_t sequence) {
+  film_->show(controls_.look());
   const bool is_to_be_lost = settings_.lose > 0 && (sequence + 1) % settings_.lose == 0;
   if (is_to_be_lost) {
     ++counters_.lost_on_request;
@@ -370,13 +373,8 @@ int Device::control_buffers(std::uint32_t request, void* argument) {
       return start();
     case VIDIOC_STREAMOFF:
       return stop();
-    case VIDIOC_QUERYCTRL:
-    case VIDIOC_QUERY_EXT_CTRL:
-    case VIDIOC_G_CTRL:
-    case VIDIOC_S_CTRL:
-      return -EINVAL;  // there are no controls
     default:
-      return -ENOTTY;
+      return controls_.control(request, argument);
   }
 }
 

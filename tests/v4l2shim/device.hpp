@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "controls.hpp"
 #include "counters.hpp"
 #include "film.hpp"
 #include "plug.hpp"
@@ -80,6 +81,7 @@ class Device {
   const bool blocking_;
   ImageSize size_;
   std::uint32_t fourcc_;
+  Controls& controls_;  // of all that have the camera open
   int memory_fd_ = -1;
   std::uint8_t* memory_ = nullptr;
   std::size_t buffer_size_ = 0;  // whole pages

@@ -18,6 +18,14 @@ namespace {
 
 constexpr std::uint64_t kSeed = 1;
 
+Camera zoomed(const Camera& camera, double zoom) {
+  Calibration calibration = camera.to_calibration();
+  for (Parameter& p : calibration.parameters) {
+    if (p.name == "fx" || p.name == "fy") p.value *= zoom;
+  }
+  return Camera::make(calibration).value_or(camera);
+}
+
 }  // namespace
 
 Camera film_camera(ImageSize size) {
@@ -47,12 +55,20 @@ SE3 Film::camera_from_board(std::uint32_t frame) const {
   return motion_.camera_from_board(static_cast<double>(frame / kFramesPerPose % frames_.size()));
 }
 
+void Film::show(const Look& look) {
+  if (look == look_) return;
+  look_ = look;
+  renderer_ = BoardRenderer(zoomed(camera_, look.zoom));
+  for (auto& bytes : frames_) bytes.clear();
+}
+
 const std::vector<std::uint8_t>& Film::frame(std::uint32_t frame) {
   auto& bytes = frames_[frame / kFramesPerPose % frames_.size()];
   if (bytes.empty()) {
     RenderOptions options;
     options.noise = 1;
-    options.blur = 0.5;
+    options.blur = look_.blur;
+    options.exposure = look_.exposure;
     options.seed = frame / kFramesPerPose;
     const GrayImage image = renderer_.render(board_, camera_from_board(frame), options);
     bytes = format_->encode(image);

@@ -9,6 +9,8 @@
 //   CALVIN_V4L2_FORMATS   what it offers, of YUYV, MJPG, NV12 and GREY (YUYV,MJPG)
 //   CALVIN_V4L2_SIZES     likewise, even ones (640x480,320x240)
 //   CALVIN_V4L2_BOARD     the board that it sees (checkerboard:9x6:25mm)
+//   CALVIN_V4L2_CONTROLS  where its controls stand at first (focus_automatic_continuous=1,
+//                         focus_absolute=30,zoom_absolute=100), or none, of cameras without any
 //   CALVIN_V4L2_RING      MB of pictures that are rendered before the first frame and shown again
 //                         and again, so that a frame costs its copy; 0: each when it is first shown
 //   CALVIN_V4L2_LOSE      one frame in so many is lost; 0: those alone that no buffer waits for
