@@ -31,11 +31,12 @@ LEAST_OF_ALL = 0.85
 LEAST_OF_ROOM = 0.7
 
 # The order of docs/conventions.md: a mutant of a room may show in those below it.
-ROOMS = ("core geometry camera target io detect solve remap session draw synth gst").split()
+ROOMS = ("core device geometry camera target io detect solve remap session draw synth gst").split()
 
 # The tests of a room: what begins with one of these, those that tell most for their time first.
 TESTS = {
     "core": "core file",
+    "device": "lens",
     "geometry": "geometry",
     "camera": "camera usable_area",
     "target": "board",
@@ -44,7 +45,7 @@ TESTS = {
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
     "remap": "undistorter views remap",
     "session": "corner_motion view_guide operator hint session calibration_session guided_capture "
-    "refine_with_camera",
+    "refine_with_camera watch",
     "draw": "overlay board_drawing",
     "synth": "motion synth",
     "gst": "",
@@ -52,6 +53,7 @@ TESTS = {
 # What else is likely to notice; tests/check programs by their names there.
 NEAR = {
     "core": "io* board board_names observations session* calibsolve_settings",
+    "device": "calibsolve_lens",
     "geometry": "session pose difference solve_initial camera motion solve",
     "camera": "solve_peers solve_opencv solve_omni solve_initial undistorter views remap_view "
     "solve_ceres solve uncertainty",
@@ -72,6 +74,7 @@ NEAR_FILES = {
     "calib_detector": "calibdetect*",
     "calib_solver": "calibsolve*",
     "solver_jobs": "calibsolve*",
+    "solver_watch": "calibsolve_silence calibsolve_lens",
     "solve_messages": "calibsolve* calibrate*",
     "worker": "worker calibsolve*",
     "metas": "metas guidance",
