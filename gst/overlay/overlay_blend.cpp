@@ -8,7 +8,12 @@
 
 #include "overlay/overlay_blend.hpp"
 
+#include <cstdint>
+#include <vector>
+
 #include <gst/video/video-overlay-composition.h>
+
+#include "calvin/draw/tile_yuv.hpp"
 
 namespace calvin::gst {
 
@@ -48,13 +53,20 @@ bool blend_tile(GstVideoFrame* frame, const OverlayTile& tile,
                 const std::optional<FramePart>& part) {
   const int left = tile.x + (part ? part->x : 0);
   const int top = tile.y + (part ? part->y : 0);
+  const bool is_rgb = GST_VIDEO_INFO_IS_RGB(&frame->info);
+  const std::vector<std::uint8_t> ayuv = is_rgb ? std::vector<std::uint8_t>() : ayuv_of(tile);
+  const std::vector<std::uint8_t>& bytes = is_rgb ? tile.pixels : ayuv;
   GstVideoInfo info;
-  gst_video_info_set_format(&info, GST_VIDEO_OVERLAY_COMPOSITION_FORMAT_RGB,
-                            static_cast<guint>(tile.width), static_cast<guint>(tile.height));
-  info.flags = static_cast<GstVideoFlags>(info.flags | GST_VIDEO_FLAG_PREMULTIPLIED_ALPHA);
-  g_autoptr(GstBuffer) pixels = gst_buffer_new_wrapped_full(
-      GST_MEMORY_FLAG_READONLY, const_cast<std::uint8_t*>(tile.pixels.data()), tile.pixels.size(),
-      0, tile.pixels.size(), nullptr, nullptr);
+  gst_video_info_set_format(
+      &info,
+      is_rgb ? GST_VIDEO_OVERLAY_COMPOSITION_FORMAT_RGB : GST_VIDEO_OVERLAY_COMPOSITION_FORMAT_YUV,
+      static_cast<guint>(tile.width), static_cast<guint>(tile.height));
+  if (is_rgb) {
+    info.flags = static_cast<GstVideoFlags>(info.flags | GST_VIDEO_FLAG_PREMULTIPLIED_ALPHA);
+  }
+  g_autoptr(GstBuffer) pixels =
+      gst_buffer_new_wrapped_full(GST_MEMORY_FLAG_READONLY, const_cast<std::uint8_t*>(bytes.data()),
+                                  bytes.size(), 0, bytes.size(), nullptr, nullptr);
   GstVideoFrame source;
   if (!gst_video_frame_map(&source, &info, pixels, GST_MAP_READ)) return false;
   gboolean blended = FALSE;
