@@ -282,6 +282,7 @@ void set_progress(GstStructure* s, const Progress& p) {
   if (!p.summary.empty()) set_strings(s, "summary", p.summary);
   set_double(s, "expected-error", p.expected_error);
   set_double(s, "expected-error-anywhere", p.expected_error_anywhere);
+  set_double(s, "wanted-error-anywhere", p.wanted_error_anywhere);
   set_double(s, "rms", p.rms);
 }
 
@@ -306,6 +307,7 @@ std::optional<Progress> read_guidance(GstBuffer* buffer) {
   p.tilt = get_double(s, get_double(s, "tilt") ? "tilt" : "skew").value_or(0);
   p.expected_error = get_double(s, "expected-error");
   p.expected_error_anywhere = get_double(s, "expected-error-anywhere");
+  p.wanted_error_anywhere = get_double(s, "wanted-error-anywhere");
   p.rms = get_double(s, "rms");
   p.captured = get_boolean(s, "captured");
   p.hint = get_string(s, "hint");

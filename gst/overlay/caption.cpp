@@ -59,7 +59,7 @@ OverlayTile placed(ImageSize frame, const Sizes& sizes, OverlaySpan room, Captio
 }
 
 OverlayTile draw_words(TextPainter& painter, const Caption::Words& words, Caption::Place place) {
-  constexpr int kLines = 2;
+  constexpr int kLines = 3;  // on a small frame
   const Sizes sizes(words.frame);
   const OverlaySpan room =
       place == Caption::Place::kTop ? words.room : OverlaySpan{0, words.frame.width};

@@ -118,6 +118,7 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   guidance.views = 7;
   guidance.expected_error = 0.25;
   guidance.expected_error_anywhere = 2.5;
+  guidance.wanted_error_anywhere = 0.75;
   guidance.coverage = 0.1;
   guidance.x = 0.2;
   guidance.y = 0.3;
@@ -141,7 +142,7 @@ GST_START_TEST(test_guidance_and_ground_truth_round_trip) {
   fail_unless(g->expected_error == 0.25 && g->expected_error_anywhere == 2.5 && !g->rms);
   fail_unless(g->coverage == 0.1 && g->x == 0.2 && g->y == 0.3 && g->size == 0.4);
   fail_unless(g->tilt == 0.5 && g->captured && g->done);
-  fail_unless(g->summary == guidance.summary);
+  fail_unless(g->summary == guidance.summary && g->wanted_error_anywhere == 0.75);
   fail_unless_equals_int(g->parameters.size(), 2);
   fail_unless_equals_string(g->parameters[1].name.c_str(), "distortion");
   fail_unless(g->parameters[0].known == 0.25 && g->parameters[1].known == 1);

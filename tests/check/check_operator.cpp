@@ -100,10 +100,11 @@ class Operator {
     }
     return pose_from_rays(corners, rays);
   }
-  // The points of the board that the ghost is an outline of: as many for each edge.
+  // The points of the board that the ghost is an outline of, around its corners: as many for each
+  // edge.
   static std::vector<Eigen::Vector3d> around() {
     constexpr int kOfEdge = 8;
-    const BoardArea area = scenes::kBoard.outline();
+    const BoardArea area = scenes::kBoard.extent();
     std::vector<Eigen::Vector3d> points;
     for (int i = 0; i < 4 * kOfEdge; ++i) {
       const double t = (i % kOfEdge) / static_cast<double>(kOfEdge);

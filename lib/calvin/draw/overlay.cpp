@@ -38,9 +38,10 @@ constexpr int kMostPoints = 1000000;  // of any board
 // Of one frame. Anybody may write an observation, and each corner costs some 50 us of the stream.
 constexpr std::size_t kMostBoards = 64;
 constexpr std::size_t kMostCorners = 2000;
-constexpr double kDarkest = 0.3;         // of a channel: pure blue is hard to see on black
-constexpr std::size_t kMostGhost = 256;  // points of its outline
-constexpr double kReached = 0.5;         // of what is wanted: the view is taken
+constexpr double kDarkest = 0.3;            // of a channel: pure blue is hard to see on black
+constexpr std::size_t kMostGhost = 256;     // points of its outline
+constexpr double kReached = 0.5;            // of what the view would tell: it is taken
+constexpr Colour kGhost{1, 0.85, 0.15, 1};  // on a white board too
 
 // Red at 0, over yellow, green and blue to violet at 1.
 Colour rainbow(double t) {
@@ -130,11 +131,11 @@ void add_observation(std::vector<Shape>& shapes, ImageSize frame, const Observat
   shapes.push_back({Kind::kCircle, corners[0].at, {}, 1.9 * radius, 1.2 * pen, kWhite, unit});
 }
 
-// Where the board is wanted: its outline, and lines across it from the bottom up, as many as the
-// present view has of what is wanted. A program may write any outline.
+// Where the board is wanted: the outline of its corners, so much of it in green as the present view
+// has of what is wanted. A program may write any outline.
 void add_ghost(std::vector<Shape>& shapes, ImageSize frame, const Progress& progress) {
   const auto at = [&](std::size_t i) {
-    const Pixel& part = progress.ghost[i];
+    const Pixel& part = progress.ghost[i % progress.ghost.size()];
     return Pixel{coordinate_at(part.u, frame.width), coordinate_at(part.v, frame.height)};
   };
   const std::size_t count = progress.ghost.size();
@@ -143,28 +144,23 @@ void add_ghost(std::vector<Shape>& shapes, ImageSize frame, const Progress& prog
   };
   if (count < 4 || count > kMostGhost || !std::ranges::all_of(progress.ghost, sane)) return;
   const double unit = unit_of(frame);
-  const double pen = std::max(1.0, 2 * unit);
-  // The outline goes around from the upper left: its edges have count / 4 points each.
-  const std::size_t edge = count / 4;
-  const double filled = std::clamp(progress.ghost_share, 0.0, 1.0) * static_cast<double>(edge);
-  for (std::size_t i = 1; i < edge; ++i) {
-    if (static_cast<double>(edge - i) > filled) continue;
-    shapes.push_back({Kind::kLine, at(edge + i), at(count - i), 0, pen, kGreen, 0});
-  }
-  const Colour colour = progress.ghost_share >= kReached ? kGreen : kWhite;
+  const double pen = std::max(1.0, 2.5 * unit);
+  const double share = std::clamp(progress.ghost_share / kReached, 0.0, 1.0);
+  const auto filled = static_cast<std::size_t>(std::lround(share * static_cast<double>(count)));
   for (std::size_t i = 0; i < count; ++i) {
-    shapes.push_back({Kind::kLine, at(i), at((i + 1) % count), 0, pen, colour, unit});
+    const Colour& colour = i < filled ? kGreen : kGhost;
+    shapes.push_back({Kind::kLine, at(i), at(i + 1), 0, pen, colour, unit});
   }
-  // Which way round: the corner that is beside control point 0 has its mark.
+  // Which way round: the corner that is control point 0 has its mark.
   shapes.push_back({Kind::kDisc, at(0), {}, 5 * unit, pen, rainbow(0), unit});
-  shapes.push_back({Kind::kCircle, at(0), {}, 7 * unit, pen, kWhite, unit});
+  shapes.push_back({Kind::kCircle, at(0), {}, 7 * unit, pen, kGhost, unit});
 }
 
-void add_border(std::vector<Shape>& shapes, ImageSize frame, double pen) {
-  add_box(shapes, 0, 0, frame.width, pen, kGreen);
-  add_box(shapes, 0, frame.height - pen, frame.width, pen, kGreen);
-  add_box(shapes, 0, pen, pen, frame.height - 2 * pen, kGreen);
-  add_box(shapes, frame.width - pen, pen, pen, frame.height - 2 * pen, kGreen);
+void add_border(std::vector<Shape>& shapes, ImageSize frame, double pen, const Colour& colour) {
+  add_box(shapes, 0, 0, frame.width, pen, colour);
+  add_box(shapes, 0, frame.height - pen, frame.width, pen, colour);
+  add_box(shapes, 0, pen, pen, frame.height - 2 * pen, colour);
+  add_box(shapes, frame.width - pen, pen, pen, frame.height - 2 * pen, colour);
 }
 
 bool drawable(ImageSize frame) {
@@ -178,9 +174,9 @@ std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> obser
   if (!drawable(frame)) return shapes;
   const double unit = unit_of(frame);
   if (progress && progress->captured) {
-    add_border(shapes, frame, 4 * unit);
+    add_border(shapes, frame, 4 * unit, kWhite);
   } else if (progress && progress->done) {
-    add_border(shapes, frame, 2 * unit);
+    add_border(shapes, frame, 2 * unit, kGreen);
   }
   if (progress && parts.ghost) add_ghost(shapes, frame, *progress);
   std::size_t room = kMostCorners;
@@ -211,7 +207,10 @@ std::string figures_of(const Progress& progress) {
   if (!std::isfinite(anywhere) || anywhere <= kMuchWorse * covered) return text;
   const std::string elsewhere =
       2 * anywhere < 10 ? fmt::format("{:.2f}", 2 * anywhere) : fmt::format("{:.3g}", 2 * anywhere);
-  return fmt::format("{} where the board was, {} px elsewhere", text, elsewhere);
+  const double wanted = progress.wanted_error_anywhere.value_or(std::nan(""));
+  const std::string goal =
+      std::isfinite(wanted) ? fmt::format(", {:.2f} px wanted", 2 * wanted) : std::string();
+  return fmt::format("{} where the board was, {} px elsewhere{}", text, elsewhere, goal);
 }
 
 }  // namespace

@@ -114,26 +114,30 @@ void add_icon(std::vector<Shape>& shapes, const PanelLayout& panel, std::span<co
 
 double part(double value) { return std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0; }
 
+void add_bar(std::vector<Shape>& shapes, const PanelLayout& panel, double left, double middle,
+             double value) {
+  const double length = panel.left + panel.width - panel.padding - left;
+  const double top = middle - panel.bar / 2;
+  const double filled = part(value);
+  add_box(shapes, left, top, length, panel.bar, kTrack);
+  if (filled <= 0) return;
+  add_box(shapes, left, top, filled * length, panel.bar, traffic_light(filled));
+}
+
 void add_bars(std::vector<Shape>& shapes, const PanelLayout& panel, const Progress& progress) {
   const double left = panel.left + 2 * panel.padding + panel.icon;
   for (std::size_t i = 0; i < kBars.size(); ++i) {
-    const double middle = panel.middle(i);
-    add_icon(shapes, panel, kBars[i].icon, middle);
-    const double value = part(progress.*kBars[i].value);
-    const double top = middle - panel.bar / 2;
-    add_box(shapes, left, top, panel.length, panel.bar, kTrack);
-    if (value <= 0) continue;
-    add_box(shapes, left, top, value * panel.length, panel.bar, traffic_light(value));
+    add_icon(shapes, panel, kBars[i].icon, panel.middle(i));
+    add_bar(shapes, panel, left, panel.middle(i), progress.*kBars[i].value);
   }
 }
 
-// Whole boxes in the colour of what is known: there is nothing to be filled.
+// What is known of the camera, wider than what was seen by the room of the icons.
 void add_chips(std::vector<Shape>& shapes, const PanelLayout& panel, const Progress& progress) {
   const std::size_t count = std::min(progress.parameters.size(), kMostChips);
   for (std::size_t i = 0; i < count; ++i) {
-    const double top = panel.middle(kBars.size() + i) - panel.bar / 2;
-    add_box(shapes, panel.left + panel.padding, top, panel.map_width, panel.bar,
-            traffic_light(part(progress.parameters[i].known)));
+    add_bar(shapes, panel, panel.left + panel.padding, panel.middle(kBars.size() + i),
+            progress.parameters[i].known);
   }
 }
 
@@ -189,6 +193,12 @@ std::vector<OverlayWords> overlay_panel_words(ImageSize frame, const Progress& p
   for (const Bar& bar : kBars) add(bar.words, left + panel.icon + panel.padding + indent);
   for (std::size_t i = 0; words.size() < lines_of(progress); ++i) {
     add(progress.parameters[i].name, left + indent);
+  }
+  if (has_map(progress)) {
+    words.push_back({"where boards were",
+                     {left + indent, panel.top + panel.lines_height + panel.icon},
+                     panel.map_width - indent,
+                     size});
   }
   return words;
 }

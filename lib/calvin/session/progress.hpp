@@ -51,8 +51,8 @@ struct Progress {
   bool captured = false;       // a view was taken from the frame at hand
   std::string hint;            // what to show next, a sentence: of to_text(), or of another program
   std::optional<Pose> target;  // of the hint, camera_from_board; absent where it has none
-  // The outline of the board at the target, as parts of the picture: 0 .. 1 across and down, a
-  // little beyond where the board may stick out; empty where there is none.
+  // The outline of the corners of the board at the target, as parts of the picture: 0 .. 1 across
+  // and down; empty where there is none.
   std::vector<Pixel> ghost;
   // Of what the view at the target would tell: as much of it as the newest view does, 0..1.
   double ghost_share = 0;
@@ -61,6 +61,8 @@ struct Progress {
       {};                                 // of the newest calibration; empty before the first one
   bool done = false;                      // nothing more is needed
   std::vector<std::string> summary = {};  // then: the calibration, a parameter in each line
+  // What expected_error_anywhere is to come to, px; absent where nobody wants anything.
+  std::optional<double> wanted_error_anywhere = std::nullopt;
 };
 
 }  // namespace calvin

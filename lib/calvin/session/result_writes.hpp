@@ -44,6 +44,10 @@ class ResultWrites {
   // To say where the write that began last has not ended for so long: once for each set of files.
   [[nodiscard]] std::optional<Notice> late(std::chrono::seconds waited);
 
+  // Whether all files have the newest result.
+  [[nodiscard]] bool is_written() const noexcept {
+    return last_number_ > 0 && !waiting() && status_.has_value();
+  }
   // Of the write that ended last.
   [[nodiscard]] const Status& status() const noexcept { return status_; }
   // What is to be said of the writes that have ended, and what else had to wait; a notice that is

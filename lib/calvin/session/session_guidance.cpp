@@ -69,6 +69,7 @@ Progress CalibrationSession::progress() const {
     now.rms = calibration_->rms;
     now.expected_error = calibration_->expected_error;
     now.expected_error_anywhere = calibration_->expected_error_anywhere;
+    now.wanted_error_anywhere = wanted_error_anywhere(plan_.settings.target_error);
     now.parameters =
         parameter_groups(parameter_errors_, wanted_error_anywhere(plan_.settings.target_error));
   }
@@ -88,7 +89,10 @@ std::string CalibrationSession::hint_text() const {
   const bool is_doubted = !finished_ && calibration_ && is_accurate(*calibration_, target) &&
                           !is_good_enough(*calibration_, target);
   if (is_doubted) return advice(misfit_);
-  return to_text(views_.views().empty() ? first_hint() : hint_);
+  if (views_.views().empty()) return to_text(first_hint());
+  const bool is_saved = plan_.settings.location.empty() ? false : writes_.is_written();
+  if (finished_ && is_saved) return done_text(plan_.settings.location);
+  return guide_ && hint_.target ? text_to_outline(hint_) : to_text(hint_);
 }
 
 // Whoever shows the board and has no view of it yet has to know why.

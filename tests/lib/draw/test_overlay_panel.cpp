@@ -40,9 +40,10 @@ TEST(OverlayPanel, HasALineForEachBarAndChip) {
       EXPECT_LE(box.x + box.width, frame.width);
       EXPECT_EQ(side == PanelSide::kLeft, box.x < frame.width / 2);
       const auto words = overlay_panel_words(frame, under_way(), side);
-      ASSERT_EQ(words.size(), 8U);
+      ASSERT_EQ(words.size(), 9U);
       EXPECT_EQ(words[0].text, "covered");
       EXPECT_EQ(words[7].text, "distortion");
+      EXPECT_EQ(words[8].text, "where boards were");
       for (std::size_t i = 0; i < words.size(); ++i) {
         EXPECT_TRUE(is_within(words[i], box)) << words[i].text;
         if (i == 0) continue;
@@ -55,7 +56,7 @@ TEST(OverlayPanel, HasALineForEachBarAndChip) {
 TEST(OverlayPanel, HasTheNumbersOnceItIsDone) {
   Progress progress = under_way();
   progress.summary = {"fx 1", "fy 2"};
-  EXPECT_EQ(overlay_panel_words(kFrame, progress, PanelSide::kLeft).size(), 8U) << "not yet";
+  EXPECT_EQ(overlay_panel_words(kFrame, progress, PanelSide::kLeft).size(), 9U) << "not yet";
   progress.done = true;
   const auto words = overlay_panel_words(kFrame, progress, PanelSide::kLeft);
   ASSERT_EQ(words.size(), 2U);
@@ -65,7 +66,7 @@ TEST(OverlayPanel, HasTheNumbersOnceItIsDone) {
   EXPECT_LE(overlay_panel_words(kFrame, progress, PanelSide::kLeft).size(), 20U);
   progress.done = false;
   progress.parameters.assign(100000, {"y", 1});
-  EXPECT_LE(overlay_panel_words(kFrame, progress, PanelSide::kLeft).size(), 9U);
+  EXPECT_LE(overlay_panel_words(kFrame, progress, PanelSide::kLeft).size(), 10U);
 }
 
 TEST(OverlayPanel, LeavesHalfOfTheFrameToOtherWords) {
@@ -121,20 +122,20 @@ Colour colour_at(const Progress& progress, int x, int y, const OverlayParts& par
   return {};
 }
 
-TEST(OverlayPanel, ChipsTurnGreen) {
+TEST(OverlayPanel, ChipsFillAndTurnGreen) {
   const Progress progress = under_way();
   const auto words = overlay_panel_words(kFrame, progress, PanelSide::kRight);
-  const auto chip = [&](std::size_t i) {
+  const auto chip = [&](std::size_t i, double along) {
     const OverlayWords& at = words.at(5 + i);
-    return colour_at(progress, static_cast<int>(at.at.u), static_cast<int>(at.at.v),
-                     {.panel = PanelSide::kRight});
+    return colour_at(progress, static_cast<int>(at.at.u + along * at.width),
+                     static_cast<int>(at.at.v), {.panel = PanelSide::kRight});
   };
-  const Colour unknown = chip(0);
-  const Colour half = chip(1);
-  const Colour known = chip(2);
-  EXPECT_GT(unknown.red, 2 * unknown.green);
+  EXPECT_LT(chip(0, 0).alpha, 250) << "of what is unknown there is nothing";
+  const Colour half = chip(1, 0.3);
   EXPECT_GT(half.red, 180);
   EXPECT_GT(half.green, 180);
+  EXPECT_LT(chip(1, 0.7).alpha, 250);
+  const Colour known = chip(2, 0.9);
   EXPECT_GT(known.green, 2 * known.red);
 }
 
@@ -162,7 +163,8 @@ TEST(OverlayPanel, ADoneSessionHasAGreenBorder) {
   EXPECT_GT(border.green, 2 * border.red);
   EXPECT_EQ(colour_at(progress, 3, 300).alpha, 0) << "thinner than that of a view";
   progress.captured = true;
-  EXPECT_GT(colour_at(progress, 3, 300).alpha, 250);
+  const Colour taken = colour_at(progress, 3, 300);
+  EXPECT_GT(std::min(taken.green, taken.red), 250);
 }
 
 #endif

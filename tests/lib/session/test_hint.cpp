@@ -152,5 +152,17 @@ TEST(Hints, SayWhichWay) {
   }
 }
 
+// What leads to a place is told beside the outline that shows it.
+TEST(Hints, LeadToTheOutline) {
+  EXPECT_EQ(text_to_outline({HintKind::kMove, HintDirection::kLeft}),
+            "To the outline: move the board to the left side of the image.");
+  EXPECT_EQ(text_to_outline({HintKind::kTilt, HintDirection::kTop}),
+            "To the outline: tilt the board: its top edge nearer to the camera.");
+  for (const HintKind kind : {HintKind::kHoldStill, HintKind::kGood, HintKind::kDone}) {
+    EXPECT_EQ(text_to_outline({kind}), to_text({kind}));
+  }
+  EXPECT_EQ(done_text("cam.json"), "Done: the calibration is in 'cam.json'.");
+}
+
 }  // namespace
 }  // namespace calvin

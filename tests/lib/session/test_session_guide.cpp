@@ -154,6 +154,7 @@ TEST_F(GuidedSessions, SayThatTheyAreDone) {
   SessionSettings settings = settings_;
   settings.max_views = 4;
   set(settings);
+  EXPECT_NE(session_.progress().hint.find("To the outline: "), std::string::npos);
   EXPECT_EQ(hold(target_).reached, "max-views");
   EXPECT_EQ(session_.progress().hint, to_text(Hint{HintKind::kDone}));
   EXPECT_TRUE(session_.progress().ghost.empty());

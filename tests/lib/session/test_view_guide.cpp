@@ -90,10 +90,10 @@ TEST(ViewGuide, MeasuresOtherViewsByItsOwn) {
   for (double& sigma : blurred.observation.sigma) sigma *= 10;
   EXPECT_LT(guide.share(blurred), 0.7 * guide.share(there));
   EXPECT_EQ(guide.share(View{}), 0);
-  // The outline is that of the whole board, all around.
+  // The outline is that of the corners, all around, from the first one on.
   EXPECT_EQ(guide.outline().size() % 4, 0U);
   const SE3& target = *guide.target();
-  const BoardArea area = scenes::kBoard.outline();
+  const BoardArea area = scenes::kBoard.extent();
   const Pixel corner = camera.project(target * Eigen::Vector3d(area.left, area.top, 0)).value();
   EXPECT_NEAR(guide.outline().front().u, corner.u, 1e-9);
   EXPECT_NEAR(guide.outline().front().v, corner.v, 1e-9);

@@ -5,6 +5,8 @@
 
 #include "calvin/session/guidance/hint.hpp"
 
+#include <fmt/format.h>
+
 namespace calvin {
 
 namespace {
@@ -71,6 +73,20 @@ std::string to_text(const Hint& hint) {
       break;
   }
   return "Show the whole board to the camera.";
+}
+
+std::string text_to_outline(const Hint& hint) {
+  std::string text = to_text(hint);
+  using enum HintKind;
+  const bool leads = hint.kind == kMove || hint.kind == kComeCloser || hint.kind == kMoveBack ||
+                     hint.kind == kTilt;
+  if (!leads) return text;
+  text.front() = static_cast<char>(text.front() - 'A' + 'a');
+  return "To the outline: " + text;
+}
+
+std::string done_text(std::string_view location) {
+  return fmt::format("Done: the calibration is in '{}'.", location);
 }
 
 }  // namespace calvin

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "calvin/core/calibration.hpp"
 
@@ -51,5 +52,9 @@ struct Hint {
 
 // "Move the board to the left side of the image." and the like, for every hint.
 [[nodiscard]] std::string to_text(const Hint& hint);
+// Likewise where an outline shows the place: "To the outline: move the board to the left ...".
+[[nodiscard]] std::string text_to_outline(const Hint& hint);
+// kDone, with the file that has the calibration.
+[[nodiscard]] std::string done_text(std::string_view location);
 
 }  // namespace calvin

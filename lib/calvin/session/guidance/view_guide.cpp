@@ -148,7 +148,7 @@ void ViewGuide::find_weakest(const Views& kept, const std::vector<Eigen::MatrixX
 void ViewGuide::find_target(const Views& unlike, const Board& board, double sigma) {
   // The board may stick out of the picture a little, so that corners are seen near its border.
   const BoardPlacement placement(board, camera_, wanted_area(board));
-  const BoardPlacement whole(board, camera_);
+  const BoardPlacement corners(board, camera_, board.extent());
   const ImageSize picture = camera_.image_size();
   const auto consider = [&](const SE3& pose) {
     auto view = placement.view(pose, sigma);
@@ -159,8 +159,8 @@ void ViewGuide::find_target(const Views& unlike, const Board& board, double sigm
     if (gained <= target_gain_) return;
     const auto like = [&](const auto& other) { return is_like(*view, *other); };
     if (std::ranges::any_of(unlike, like)) return;
-    // What cannot be shown cannot be followed: a wide lens may end within the edge of the board.
-    std::vector<Pixel> outline = whole.outline(pose);
+    // What cannot be shown cannot be followed: a wide lens may end within the board.
+    std::vector<Pixel> outline = corners.outline(pose);
     if (outline.empty()) return;
     target_ = pose;
     target_view_ = std::make_shared<const View>(*std::move(view));

@@ -40,7 +40,7 @@ class ViewGuide {
   [[nodiscard]] const std::shared_ptr<const View>& target_view() const noexcept {
     return target_view_;
   }
-  // The outline of the board there, px.
+  // The outline of the corners there, px: what a person sees marked on the board that is held.
   [[nodiscard]] const std::vector<Pixel>& outline() const noexcept { return outline_; }
 
   // How the picture shows it there.
