@@ -90,7 +90,7 @@ std::string CalibrationSession::hint_text() const {
                           !is_good_enough(*calibration_, target);
   if (is_doubted) return advice(misfit_);
   if (views_.views().empty()) return to_text(first_hint());
-  const bool is_saved = plan_.settings.location.empty() ? false : writes_.is_written();
+  const bool is_saved = !plan_.settings.location.empty() && writes_.is_written();
   if (finished_ && is_saved) return done_text(plan_.settings.location);
   return guide_ && hint_.target ? text_to_outline(hint_) : to_text(hint_);
 }
