@@ -192,13 +192,45 @@ TEST_F(GuidedSessions, ExchangeAWeakViewForABetterOne) {
   EXPECT_TRUE(entries.front().reset);
   EXPECT_EQ(entries.front().views, after);
 
-  // One that tells less than each of them is left alone, and so is any until the next solve.
+  // Until the next solve nobody knows which one tells least now.
   wait(9);
   EXPECT_EQ(hold(target_).reason, Reason::kTooSimilar);
-  finish_solve(session_.take_solve());
+}
+
+// Full, with a target that is not reached.
+class FullSessions : public GuidedSessions {
+ protected:
+  void SetUp() override {
+    begin_guided();
+    SessionSettings settings = settings_;
+    settings.max_views = 4;
+    settings.target_error = 0.01;
+    set(settings);
+    ASSERT_EQ(hold(target_).reason, Reason::kAccepted);
+    finish_solve(session_.take_solve());
+    ASSERT_EQ(session_.views().views().size(), 4U);
+    ASSERT_FALSE(session_.progress().ghost.empty()) << "it goes on";
+    wait(9);  // by then anything that is new would be kept if there were room
+  }
+};
+
+TEST_F(FullSessions, LeaveAViewThatTellsLess) {
+  const auto before = session_.views().views();
   const SE3 far = {target_.rotation, 4 * target_.translation};
-  wait(9);
-  EXPECT_EQ(hold(far).reason, Reason::kTooSimilar);
+  EXPECT_EQ(hold(far, 1).reason, Reason::kTooSimilar);
+  EXPECT_EQ(session_.views().views(), before);
+}
+
+// It is like the view that it replaces, and like no other one.
+TEST_F(FullSessions, TakeASharperViewOfTheSamePlace) {
+  int taken = 0;
+  for (unsigned n = 0; n < 3 && taken == 0; ++n) {
+    scenes::Random random(n);
+    const SE3 pose = scenes::random_pose(camera_, scenes::kBoard, random, 0.5);
+    taken += hold(pose, 0.01).reason == Reason::kAccepted ? 1 : 0;
+  }
+  EXPECT_EQ(taken, 1) << "one of the three tells least";
+  EXPECT_EQ(session_.views().views().size(), 4U);
 }
 
 // A target that cannot be reached is no reason to go on for ever.
