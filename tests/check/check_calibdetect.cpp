@@ -438,9 +438,10 @@ GST_START_TEST(test_no_state_change_waits_for_a_detection) {
   for (std::uint8_t& pixel : noise.pixels) pixel = static_cast<std::uint8_t>(random());
   for (const char* mode : {"sync", "async"}) {
     const std::string launch = std::string("calibdetect mode=") + mode + " board=" + boards;
-    // The least of three: another program may take the processor away.
+    // The least of three: another program may take the processor away, for so long that there is
+    // nothing left to interrupt.
     std::optional<gint64> least;
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < 3 || (!least && round < 30); ++round) {
       const auto taken = stop_while_detecting(launch.c_str(), noise);
       if (taken) least = std::min(least.value_or(*taken), *taken);
     }
