@@ -114,6 +114,12 @@ void set_frame(GstStructure* s, const Observation* first) {
                     first != nullptr ? first->image_size.height : 0, nullptr);
 }
 
+bool get_boolean(const GstStructure* s, const char* field) {
+  gboolean value = FALSE;
+  gst_structure_get_boolean(s, field, &value);
+  return value != FALSE;
+}
+
 std::optional<double> get_double(const GstStructure* s, const char* field) {
   double value = 0;
   if (!gst_structure_get_double(s, field, &value)) return std::nullopt;
@@ -205,9 +211,7 @@ void attach_hint(GstBuffer* buffer, const DetectorHint& hint) {
 DetectorHint read_hint(GstBuffer* buffer) {
   const GstStructure* s = readable_meta(buffer, kObservationName);
   if (s == nullptr) return {};
-  gboolean wrong_board = FALSE;
-  gst_structure_get_boolean(s, "wrong-board", &wrong_board);
-  return {get_string(s, "hint"), wrong_board != FALSE};
+  return {get_string(s, "hint"), get_boolean(s, "wrong-board")};
 }
 
 std::vector<Observation> read_observations(GstBuffer* buffer, std::optional<Error>* problem) {
@@ -260,20 +264,14 @@ std::vector<ParameterGroup> get_parameters(const GstStructure* s) {
   return groups;
 }
 
-bool get_boolean(const GstStructure* s, const char* field) {
-  gboolean value = FALSE;
-  gst_structure_get_boolean(s, field, &value);
-  return value != FALSE;
-}
-
 }  // namespace
 
 void set_progress(GstStructure* s, const Progress& p) {
   gst_structure_set(s, "views", G_TYPE_INT, p.views, "coverage", G_TYPE_DOUBLE, p.coverage, "x",
                     G_TYPE_DOUBLE, p.x, "y", G_TYPE_DOUBLE, p.y, "size", G_TYPE_DOUBLE, p.size,
                     "tilt", G_TYPE_DOUBLE, p.tilt, "skew", G_TYPE_DOUBLE, p.tilt, "hint",
-                    G_TYPE_STRING, p.hint.c_str(), "ghost-share", G_TYPE_DOUBLE, p.ghost_share,
-                    "done", G_TYPE_BOOLEAN, p.done, nullptr);
+                    G_TYPE_STRING, displayed(p.hint).c_str(), "ghost-share", G_TYPE_DOUBLE,
+                    p.ghost_share, "done", G_TYPE_BOOLEAN, p.done, nullptr);
   if (p.coverage_map.columns > 0) {
     gst_structure_set(s, "coverage-map", G_TYPE_STRING, to_text(p.coverage_map).c_str(), nullptr);
   }

@@ -29,7 +29,8 @@ GstStructure* view_message(const FrameTimes& times, const std::string& camera, R
   GstStructure* s = new_message("calib-view", times, camera);
   gst_structure_set(s, "accepted", G_TYPE_BOOLEAN, reason == Reason::kAccepted, "reason",
                     G_TYPE_STRING, std::string(to_string(reason)).c_str(), "views", G_TYPE_INT,
-                    progress.views, "hint", G_TYPE_STRING, progress.hint.c_str(), nullptr);
+                    progress.views, "hint", G_TYPE_STRING, displayed(progress.hint).c_str(),
+                    nullptr);
   return s;
 }
 
@@ -86,8 +87,8 @@ GstStructure* check_message(const SolveJob& job, const EarlierVerdict& verdict) 
   GstStructure* s = new_message("calib-check", job.times, job.options.camera);
   gst_structure_set(s, "views", G_TYPE_INT, static_cast<int>(job.views.size()), "moved",
                     G_TYPE_DOUBLE, report.displacement, "moved-sigma", G_TYPE_DOUBLE,
-                    report.displacement_sigma, "hint", G_TYPE_STRING, verdict.words.c_str(),
-                    nullptr);
+                    report.displacement_sigma, "hint", G_TYPE_STRING,
+                    displayed(verdict.words).c_str(), nullptr);
   set_optional(s, "expected-error", earlier.expected_error);
   set_optional(s, "expected-error-anywhere", earlier.expected_error_anywhere);
   return s;

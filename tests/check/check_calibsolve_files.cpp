@@ -170,6 +170,23 @@ GST_START_TEST(test_what_is_said_of_names_is_utf8) {
 }
 GST_END_TEST;
 
+// The picture names the file of a session that is done.
+GST_START_TEST(test_the_hint_names_a_file_in_utf8) {
+  check::TemporaryFolder folder;
+  SolveFixture f("max-views=5");
+  const std::string location = folder / "caf\xe9.json";
+  g_object_set(f.element, "location", location.c_str(), nullptr);
+  f.push_views(5);
+  for (int i = 0; i < 3000 && f.result("final") == nullptr; ++i) g_usleep(10000);
+  fail_unless(f.result("final") != nullptr);
+  g_autoptr(GstBuffer) out = f.push(6);
+  const auto guidance = gst::read_guidance(out);
+  fail_unless(guidance.has_value() && guidance->done);
+  fail_unless(guidance->hint.find("caf\xef\xbf\xbd.json") != std::string::npos, "%s",
+              guidance->hint.c_str());
+}
+GST_END_TEST;
+
 static bool is_final(const GstStructure* result) {
   return g_strcmp0(gst_structure_get_string(result, "state"), "final") == 0;
 }
@@ -303,6 +320,7 @@ static Suite* calibsolve_files_suite() {
   tcase_add_test(tc, test_a_file_that_fails_is_the_only_one);
   tcase_add_test(tc, test_names_need_not_be_utf8);
   tcase_add_test(tc, test_what_is_said_of_names_is_utf8);
+  tcase_add_test(tc, test_the_hint_names_a_file_in_utf8);
   tcase_add_test(tc, test_a_final_result_that_could_not_be_written_is_tried_again_at_the_end);
   tcase_add_test(tc, test_a_result_that_could_not_be_written_is_tried_again_with_the_next);
   tcase_add_loop_test(tc, test_a_lens_that_a_format_does_not_hold_is_an_error_at_the_start, 0,
