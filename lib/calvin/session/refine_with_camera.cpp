@@ -82,7 +82,7 @@ class CornerRefinement {
   CornerRefinement(const Observation& seen, const Checkerboard& board, const Camera& camera,
                    const SE3& camera_from_board)
       : seen_(seen),
-        grid_(*board.grid()),
+        grid_(board.grid()),
         at_(static_cast<std::size_t>(board.point_count()), kNone) {
     const auto points = board.points();
     for (std::size_t i = 0; i < seen.ids.size(); ++i) {

@@ -51,7 +51,7 @@ std::vector<Eigen::Vector3d> lattice(const Board& board) {
   const auto* checkerboard = board.as<Checkerboard>();
   if (checkerboard == nullptr) return board.points();
   const auto& [cols, rows, size] = *checkerboard;
-  auto points = Checkerboard{cols + 2, rows + 2, size}.points();
+  auto points = Grid{cols + 2, rows + 2, size}.points();
   for (auto& p : points) p -= Eigen::Vector3d(size, size, 0);
   return points;
 }

@@ -11,14 +11,37 @@
 
 namespace calvin {
 
+namespace {
+
+template <typename Kind>
+concept OnGrid = requires(const Kind& kind) {
+  { kind.grid() } -> std::same_as<Grid>;
+};
+
+// Who answers what is asked about the control points of a board: the grid, where they lie on one.
+template <typename Kind>
+decltype(auto) points_of(const Kind& kind) {
+  if constexpr (OnGrid<Kind>) {
+    return kind.grid();
+  } else {
+    return (kind);
+  }
+}
+
+}  // namespace
+
 Board::Board() {
   static const auto kNone = std::make_shared<const Kind>();
   kind_ = kNone;
 }
 
-Board::Board(Checkerboard kind) : kind_(std::make_shared<const Kind>(kind)) {}
+template <BoardKind OneKind>
+Board::Board(OneKind kind) : kind_(std::make_shared<const Kind>(std::move(kind))) {}
 
-Board::Board(PointBoard kind) : kind_(std::make_shared<const Kind>(std::move(kind))) {}
+template Board::Board(Checkerboard);
+template Board::Board(PuzzleBoard);
+template Board::Board(CharucoBoard);
+template Board::Board(PointBoard);
 
 bool operator==(const Board& a, const Board& b) {
   return a.kind_ == b.kind_ || *a.kind_ == *b.kind_;
@@ -33,35 +56,40 @@ Status Board::check() const {
 }
 
 int Board::point_count() const noexcept {
-  return std::visit([](const auto& kind) { return kind.point_count(); }, *kind_);
+  return std::visit([](const auto& kind) { return points_of(kind).count(); }, *kind_);
 }
 
 std::vector<int> Board::ids() const {
-  return std::visit([](const auto& kind) { return kind.ids(); }, *kind_);
+  return std::visit([](const auto& kind) { return points_of(kind).ids(); }, *kind_);
 }
 
 std::vector<Eigen::Vector3d> Board::points() const {
-  return std::visit([](const auto& kind) { return kind.points(); }, *kind_);
+  return std::visit([](const auto& kind) { return points_of(kind).points(); }, *kind_);
 }
 
 std::optional<std::size_t> Board::index_of(int id) const noexcept {
-  return std::visit([id](const auto& kind) { return kind.index_of(id); }, *kind_);
+  return std::visit([id](const auto& kind) { return points_of(kind).index_of(id); }, *kind_);
 }
 
 std::optional<Grid> Board::grid() const noexcept {
-  return std::visit([](const auto& kind) { return kind.grid(); }, *kind_);
+  return std::visit(
+      [](const auto& kind) -> std::optional<Grid> {
+        if constexpr (OnGrid<std::decay_t<decltype(kind)>>) return kind.grid();
+        return std::nullopt;
+      },
+      *kind_);
 }
 
 std::vector<int> Board::neighbours(int id) const {
-  return std::visit([id](const auto& kind) { return kind.neighbours(id); }, *kind_);
+  return std::visit([id](const auto& kind) { return points_of(kind).neighbours(id); }, *kind_);
 }
 
 double Board::cell_size(int id) const noexcept {
-  return std::visit([id](const auto& kind) { return kind.cell_size(id); }, *kind_);
+  return std::visit([id](const auto& kind) { return points_of(kind).cell_size(id); }, *kind_);
 }
 
 BoardArea Board::extent() const noexcept {
-  return std::visit([](const auto& kind) { return kind.extent(); }, *kind_);
+  return std::visit([](const auto& kind) { return points_of(kind).extent(); }, *kind_);
 }
 
 BoardArea Board::outline() const noexcept {

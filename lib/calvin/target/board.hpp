@@ -7,6 +7,7 @@
 // face). On a grid the origin is control point 0, x runs along a row and y down the columns.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -25,8 +26,15 @@ namespace calvin {
 
 inline constexpr std::string_view kDefaultBoard = "checkerboard:9x6:25mm";
 
-struct Checkerboard;
-class PointBoard;
+class Board;
+
+// One of the kinds of boards, in target/kinds.hpp.
+template <typename Kind>
+concept BoardKind = !std::same_as<Kind, Board> && requires(const Kind& kind) {
+  { kind.text() } -> std::same_as<std::string>;
+  { kind.check() } -> std::same_as<Status>;
+  { kind.symmetries() } -> std::same_as<std::vector<Relabelling>>;
+};
 
 // A value: copies are cheap, and equal where kind and all measures are. parse_board() makes one of
 // its text. Who needs to know the kind (a detector, what draws and renders) includes
@@ -39,8 +47,8 @@ class Board {
   Board(const Board&) = default;  // without a move, which would leave a board without a kind
   Board& operator=(const Board&) = default;
   ~Board() = default;
-  Board(Checkerboard kind);  // NOLINT: it is one
-  Board(PointBoard kind);    // NOLINT: it is one
+  template <BoardKind OneKind>
+  Board(OneKind kind);  // NOLINT: it is one
 
   // The part that only boards of this kind have; null for another one.
   template <typename OneKind>

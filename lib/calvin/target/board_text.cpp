@@ -5,7 +5,10 @@
 
 #include "calvin/target/board.hpp"
 
+#include <algorithm>
 #include <array>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -18,19 +21,6 @@ namespace calvin {
 namespace {
 
 constexpr int kMaxSide = 200;
-constexpr std::string_view kExample =
-    "A right text is 'checkerboard:9x6:25mm': 9 by 6 inner corners, squares of 25 mm.";
-
-struct Unit {
-  std::string_view name;
-  double metres;
-};
-constexpr std::array<Unit, 5> kUnits = {
-    {{"mm", 1e-3}, {"cm", 1e-2}, {"um", 1e-6}, {"in", 0.0254}, {"m", 1}}};
-
-// Kinds of the board text that this version does not know yet.
-constexpr std::array<std::string_view, 6> kOtherKinds = {"circles",   "acircles", "charuco",
-                                                         "aprilgrid", "points",   "dot"};
 
 constexpr std::size_t kLongest = 100;
 
@@ -48,67 +38,164 @@ std::string_view without_stop(std::string_view phrase) {
   return phrase;
 }
 
+// The fields of a text, after its kind.
+using Fields = std::vector<std::string_view>;
+
+tl::unexpected<Error> refuse(std::string why) {
+  return make_error(ErrorCode::kInvalidArgument, std::move(why));
+}
+
+struct Sides {
+  int cols = 0;
+  int rows = 0;
+};
+
+// `what` has as many columns and rows, `least` of them along each side and `least_count` in all.
+Result<Sides> parse_sides(std::string_view text, std::string_view what, int least,
+                          int least_count) {
+  const auto sides = split(text, 'x');
+  const auto cols = parse_int(sides.front());
+  const auto rows = parse_int(sides.back());
+  if (sides.size() != 2 || !cols || !rows)
+    return refuse(fmt::format("'{}' is not COLSxROWS", text));
+  if (*cols < least || *rows < least || *cols > kMaxSide || *rows > kMaxSide ||
+      *cols * *rows < least_count) {
+    const int longer = least_count / least;
+    return refuse(fmt::format("{}x{} {} is out of range ({}x{} to {}x{})", *cols, *rows, what,
+                              longer, least, kMaxSide, kMaxSide));
+  }
+  return Sides{*cols, *rows};
+}
+
+Result<double> parse_side(std::string_view text, std::string_view what) {
+  const auto size = parse_length(text);
+  if (!size) return size;
+  if (*size < 1e-6 || *size > 1000) {
+    return refuse(fmt::format("{} of {} are out of range (1um to 1000m)", what, text));
+  }
+  return size;
+}
+
+Result<Board> parse_checkerboard(const Fields& fields) {
+  if (fields.size() != 2) return refuse("it needs a kind, a size in corners and a length");
+  const auto sides = parse_sides(fields[0], "inner corners", 2, 6);
+  if (!sides) return tl::unexpected(sides.error());
+  const auto size = parse_side(fields[1], "squares");
+  if (!size) return tl::unexpected(size.error());
+  return Checkerboard{sides->cols, sides->rows, *size};
+}
+
+Result<Board> parse_puzzle(const Fields& fields) {
+  if (fields.size() != 2 && fields.size() != 3) {
+    return refuse("it needs a kind, a size in corners, a length and, if not 0,0, its place");
+  }
+  const auto sides = parse_sides(fields[0], "inner corners", 3, 9);
+  if (!sides) return tl::unexpected(sides.error());
+  const auto size = parse_side(fields[1], "squares");
+  if (!size) return tl::unexpected(size.error());
+  PuzzleBoard board{sides->cols, sides->rows, *size};
+  if (fields.size() == 3) {
+    const auto place = split(fields[2], ',');
+    const auto x = parse_int(place.front());
+    const auto y = parse_int(place.back());
+    constexpr int kMost = PuzzleBoard::kMapSide - 1;
+    if (place.size() != 2 || !x || !y || *x < 0 || *y < 0 || *x > kMost || *y > kMost) {
+      return refuse(
+          fmt::format("'{}' is no place x,y of the map (0,0 to {},{})", fields[2], kMost, kMost));
+    }
+    board.x0 = *x;
+    board.y0 = *y;
+  }
+  return board;
+}
+
+Result<const MarkerDictionary*> parse_dictionary(std::string_view name) {
+  if (const MarkerDictionary* dictionary = find_dictionary(name)) return dictionary;
+  if (marker_dictionaries().empty()) {
+    return refuse(
+        "this build knows no dictionary of markers: it was made without OpenCV. Build it with "
+        "-Dopencv=enabled, or take a PuzzleBoard, which needs none");
+  }
+  std::vector<std::string> names;
+  for (const MarkerDictionary& known : marker_dictionaries()) names.emplace_back(known.name);
+  return refuse(fmt::format("there is no dictionary '{}'; known are {}", name, join(names, ", ")));
+}
+
+Result<Board> parse_charuco(const Fields& fields) {
+  if (fields.size() < 4) {
+    return refuse(
+        "it needs a kind, a size in squares, the sides of a square and of a marker, and a "
+        "dictionary");
+  }
+  const auto sides = parse_sides(fields[0], "squares", 3, 9);
+  if (!sides) return tl::unexpected(sides.error());
+  const auto square = parse_side(fields[1], "squares");
+  if (!square) return tl::unexpected(square.error());
+  const auto marker = parse_side(fields[2], "markers");
+  if (!marker) return tl::unexpected(marker.error());
+  const auto dictionary = parse_dictionary(fields[3]);
+  if (!dictionary) return tl::unexpected(dictionary.error());
+  CharucoBoard board{sides->cols, sides->rows, *square, *marker, *dictionary};
+  for (std::size_t i = 4; i < fields.size(); ++i) {
+    if (fields[i] == "legacy") {
+      board.legacy = true;
+    } else if (fields[i] == "inverted") {
+      board.inverted = true;
+    } else {
+      return refuse(fmt::format("'{}' is neither 'legacy' nor 'inverted'", fields[i]));
+    }
+  }
+  if (const Status status = board.check(); !status) return tl::unexpected(status.error());
+  return board;
+}
+
+struct KindOfText {
+  std::string_view name;
+  Result<Board> (*parse)(const Fields& fields);
+  std::string_view example;
+};
+constexpr std::array<KindOfText, 3> kKinds = {{
+    {"checkerboard", parse_checkerboard,
+     "A right text is 'checkerboard:9x6:25mm': 9 by 6 inner corners, squares of 25 mm."},
+    {"puzzle", parse_puzzle,
+     "A right text is 'puzzle:14x9:20mm': a PuzzleBoard of 14 by 9 inner corners, squares of 20 "
+     "mm."},
+    {"charuco", parse_charuco,
+     "A right text is 'charuco:5x7:40mm:20mm:DICT_6X6_250': 5 by 7 squares of 40 mm, markers of "
+     "20 mm."},
+}};
+
+const KindOfText* kind_of_text(std::string_view text) {
+  const std::string_view name = split(text, ':').front();
+  const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
+                                 [&](const KindOfText& k) { return k.name == name; });
+  return kind == kKinds.end() ? nullptr : &*kind;
+}
+
 }  // namespace
 
 tl::unexpected<Error> wrong_board_text(std::string_view text, std::string_view why,
                                        ErrorCode code) {
-  return make_error(
-      code, one_line(fmt::format("The board text '{}' is wrong: {}. {}",
-                                 text.substr(0, 2 * kLongest), without_stop(why), kExample)));
-}
-
-Result<double> parse_length(std::string_view text) {
-  for (const Unit& unit : kUnits) {
-    if (!text.ends_with(unit.name)) continue;
-    const auto number = parse_double(trim(text.substr(0, text.size() - unit.name.size())));
-    if (!number) break;
-    if (!(*number > 0)) {
-      return make_error(ErrorCode::kInvalidArgument,
-                        fmt::format("'{}' is not a positive length", text));
-    }
-    return *number * unit.metres;
-  }
-  return make_error(
-      ErrorCode::kInvalidArgument,
-      fmt::format("'{}' is not a length with a unit (mm, cm, m, in, um), like 25mm", text));
+  const KindOfText* kind = kind_of_text(text);
+  return make_error(code, one_line(fmt::format("The board text '{}' is wrong: {}. {}",
+                                               text.substr(0, 2 * kLongest), without_stop(why),
+                                               (kind == nullptr ? kKinds[0] : *kind).example)));
 }
 
 Result<Board> parse_board(std::string_view text) {
   if (text.size() > kLongest) return wrong_board_text(text, "it is too long");
   const auto fields = split(text, ':');
-  for (const std::string_view kind : kOtherKinds) {
-    if (fields[0] == kind) {
-      return wrong_board_text(
-          text, fmt::format("boards of the kind '{}' are not known to this version", kind));
-    }
-  }
   if (fields[0].ends_with(".json")) {
     return wrong_board_text(text,
                             "a file of board names needs the name too, as in boards.json#floor");
   }
-  if (fields[0] != "checkerboard") {
+  const KindOfText* kind = kind_of_text(text);
+  if (kind == nullptr) {
     return wrong_board_text(text, fmt::format("there is no kind of board called '{}'", fields[0]));
   }
-  if (fields.size() != 3)
-    return wrong_board_text(text, "it needs a kind, a size in corners and a length");
-
-  const auto sides = split(fields[1], 'x');
-  const auto cols = parse_int(sides.front());
-  const auto rows = parse_int(sides.back());
-  if (sides.size() != 2 || !cols || !rows) {
-    return wrong_board_text(text, fmt::format("'{}' is not COLSxROWS", fields[1]));
-  }
-  if (*cols < 2 || *rows < 2 || *cols > kMaxSide || *rows > kMaxSide || *cols * *rows < 6) {
-    return wrong_board_text(text, fmt::format("{}x{} inner corners is out of range (3x2 to {}x{})",
-                                              *cols, *rows, kMaxSide, kMaxSide));
-  }
-  const auto size = parse_length(fields[2]);
-  if (!size) return wrong_board_text(text, size.error().message);
-  if (*size < 1e-6 || *size > 1000) {
-    return wrong_board_text(
-        text, fmt::format("squares of {} are out of range (1um to 1000m)", fields[2]));
-  }
-  return Checkerboard{*cols, *rows, *size};
+  auto board = kind->parse({fields.begin() + 1, fields.end()});
+  if (!board) return wrong_board_text(text, board.error().message);
+  return board;
 }
 
 }  // namespace calvin

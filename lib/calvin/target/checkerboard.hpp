@@ -4,11 +4,8 @@
 // Checkerboard: dark and light squares, whose inner corners are the control points.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
@@ -24,16 +21,9 @@ struct Checkerboard {
   double size = 0;  // m, side of a square
 
   [[nodiscard]] std::string text() const;
-  [[nodiscard]] Status check() const;
-  [[nodiscard]] int point_count() const noexcept { return cols * rows; }
-  [[nodiscard]] std::vector<int> ids() const;
-  [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
-  [[nodiscard]] std::optional<std::size_t> index_of(int id) const noexcept;
-  [[nodiscard]] std::optional<Grid> grid() const noexcept { return Grid{cols, rows, size}; }
-  [[nodiscard]] std::vector<int> neighbours(int id) const;
-  [[nodiscard]] double cell_size(int /*id*/) const noexcept { return size; }
-  [[nodiscard]] BoardArea extent() const noexcept;
-  [[nodiscard]] BoardArea outline() const noexcept;
+  [[nodiscard]] Status check() const { return grid().check(); }
+  [[nodiscard]] Grid grid() const noexcept { return {cols, rows, size}; }
+  [[nodiscard]] BoardArea outline() const noexcept { return grid().outline(); }
   [[nodiscard]] std::vector<Relabelling> symmetries() const;
   [[nodiscard]] bool looks_like(const Checkerboard& other) const noexcept;
 

@@ -5,6 +5,15 @@
 // BoardArea: a rectangle in the plane of a board.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/core/export.hpp"
+#include "calvin/core/result.hpp"
+
 namespace calvin {
 
 struct GridPlace {
@@ -12,6 +21,17 @@ struct GridPlace {
   int row = 0;
 
   friend bool operator==(const GridPlace&, const GridPlace&) = default;
+};
+
+// m, in the board frame, with sides along x and y.
+struct BoardArea {
+  double left = 0;
+  double top = 0;
+  double right = 0;
+  double bottom = 0;
+
+  [[nodiscard]] double width() const noexcept { return right - left; }
+  [[nodiscard]] double height() const noexcept { return bottom - top; }
 };
 
 // Control points in columns along x and rows along y of the board frame. The id of a point is
@@ -29,18 +49,24 @@ struct Grid {
   [[nodiscard]] int id(GridPlace p) const noexcept { return p.row * cols + p.col; }
   [[nodiscard]] GridPlace place(int id) const noexcept { return {id % cols, id / cols}; }
 
+  // kInvalidArgument for measures that no board has.
+  [[nodiscard]] CALVIN_API Status check() const;
+
+  // What the functions answer is said of Board, in target/board.hpp.
+  [[nodiscard]] CALVIN_API std::vector<int> ids() const;
+  [[nodiscard]] CALVIN_API std::vector<Eigen::Vector3d> points() const;
+  [[nodiscard]] CALVIN_API std::optional<std::size_t> index_of(int id) const noexcept;
+  [[nodiscard]] CALVIN_API std::vector<int> neighbours(int id) const;
+  [[nodiscard]] double cell_size(int /*id*/) const noexcept { return pitch; }
+  [[nodiscard]] BoardArea extent() const noexcept {
+    return {0, 0, (cols - 1) * pitch, (rows - 1) * pitch};
+  }
+  // Around whole cells outside of the outermost control points.
+  [[nodiscard]] BoardArea outline() const noexcept {
+    return {-pitch, -pitch, cols * pitch, rows * pitch};
+  }
+
   friend bool operator==(const Grid&, const Grid&) = default;
-};
-
-// m, in the board frame, with sides along x and y.
-struct BoardArea {
-  double left = 0;
-  double top = 0;
-  double right = 0;
-  double bottom = 0;
-
-  [[nodiscard]] double width() const noexcept { return right - left; }
-  [[nodiscard]] double height() const noexcept { return bottom - top; }
 };
 
 }  // namespace calvin

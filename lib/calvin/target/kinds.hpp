@@ -8,13 +8,15 @@
 #include <variant>
 
 #include "calvin/target/board.hpp"
+#include "calvin/target/charuco_board.hpp"
 #include "calvin/target/checkerboard.hpp"
 #include "calvin/target/point_board.hpp"
+#include "calvin/target/puzzle_board.hpp"
 
 namespace calvin {
 
-// A new kind is a file in target/, a name here and a constructor of Board.
-struct Board::Kind : std::variant<Checkerboard, PointBoard> {
+// A new kind is a file in target/, a name here and a line in board.cpp.
+struct Board::Kind : std::variant<Checkerboard, PuzzleBoard, CharucoBoard, PointBoard> {
   using variant::variant;
 };
 

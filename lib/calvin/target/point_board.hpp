@@ -47,11 +47,10 @@ class PointBoard {
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] Status check() const { return {}; }
-  [[nodiscard]] int point_count() const noexcept { return static_cast<int>(dots().size()); }
+  [[nodiscard]] int count() const noexcept { return static_cast<int>(dots().size()); }
   [[nodiscard]] std::vector<int> ids() const;
   [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
   [[nodiscard]] std::optional<std::size_t> index_of(int id) const noexcept;
-  [[nodiscard]] std::optional<Grid> grid() const noexcept { return std::nullopt; }
   [[nodiscard]] std::vector<int> neighbours(int id) const;
   [[nodiscard]] double cell_size(int id) const noexcept;
   [[nodiscard]] BoardArea extent() const noexcept;

@@ -66,7 +66,7 @@ Pixel Sheet::center() const { return mean_of(observation.uv); }
 
 std::vector<Pixel> outline_of(const Observation& corners, const Checkerboard& board) {
   constexpr double kMargin = 0.6;  // squares
-  const Grid grid = *board.grid();
+  const Grid grid = board.grid();
   std::vector<Pixel> cells;
   cells.reserve(corners.ids.size());
   for (const int id : corners.ids) {

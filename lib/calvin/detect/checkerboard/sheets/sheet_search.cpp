@@ -390,7 +390,7 @@ void SheetSearch::add_sheet(std::size_t wanted, const Match& match, const Lattic
   sheet.alignment = match.alignment;
   Observation& o = sheet.observation = {};
   const double ratio = static_cast<double>(scatter(lattice, pyramid_.level(0).size()));
-  const Grid grid = *board.grid();
+  const Grid grid = board.grid();
   for (const int id : board.ids()) {
     const GridPlace at = grid.place(id);
     const Cell cell = match.alignment.cell({at.col, at.row});
