@@ -5,20 +5,17 @@
 
 #include "calvin/detect/detector.hpp"
 
-#include <vector>
-
 #include <fmt/format.h>
 
+#include "calvin/detect/checkerboard/pattern.hpp"
 #include "calvin/detect/checkerboard/sheets/checkerboard_detector.hpp"
-#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
 namespace {
 
-Result<Checkerboard> as_checkerboard(const Board& board) {
-  const auto* checkerboard = board.as<Checkerboard>();
-  if (checkerboard == nullptr) {
+Status check_detectable(const Board& board) {
+  if (!detect::has_pattern(board)) {
     return make_error(
         ErrorCode::kUnsupported,
         fmt::format("The board {} cannot be detected: there is no detector for boards "
@@ -26,13 +23,14 @@ Result<Checkerboard> as_checkerboard(const Board& board) {
                     board.text()));
   }
   // Two lines of corners have no curvature, and are in any pattern of bricks.
-  if (checkerboard->cols < 3 || checkerboard->rows < 3) {
+  const Grid grid = board.grid().value_or(Grid{});
+  if (grid.cols < 3 || grid.rows < 3) {
     return make_error(ErrorCode::kUnsupported,
                       fmt::format("The board {} cannot be detected: at least 3x3 inner corners are "
                                   "needed.",
                                   board.text()));
   }
-  return *checkerboard;
+  return {};
 }
 
 }  // namespace
@@ -41,13 +39,12 @@ Result<std::unique_ptr<Detector>> make_detector(std::span<const Board> boards) {
   if (boards.empty()) {
     return make_error(ErrorCode::kInvalidArgument, "There is no board to detect: name one.");
   }
-  std::vector<Checkerboard> checkerboards;
   for (const Board& board : boards) {
-    const auto checkerboard = as_checkerboard(board);
-    if (!checkerboard) return tl::unexpected<Error>(checkerboard.error());
-    checkerboards.push_back(*checkerboard);
+    if (const Status status = check_detectable(board); !status) {
+      return tl::unexpected<Error>(status.error());
+    }
   }
-  return detect::make_checkerboard_detector(checkerboards);
+  return detect::make_checkerboard_detector(boards);
 }
 
 Result<std::unique_ptr<Detector>> make_detector(const Board& board) {

@@ -83,8 +83,8 @@ class CornerRefinement {
                    const SE3& camera_from_board)
       : seen_(seen),
         grid_(board.grid()),
-        at_(static_cast<std::size_t>(board.point_count()), kNone) {
-    const auto points = board.points();
+        at_(static_cast<std::size_t>(board.grid().count()), kNone) {
+    const auto points = board.grid().points();
     for (std::size_t i = 0; i < seen.ids.size(); ++i) {
       const auto id = static_cast<std::size_t>(seen.ids[i]);
       local_.push_back(local_picture(camera, camera_from_board, points[id], board.size));

@@ -237,7 +237,7 @@ Relabelling difference(const Checkerboard& board, const GridAlignment& from,
 bool is_enough(const Lattice& lattice, const Checkerboard& board, const CellRange& e,
                const Edges& edges) {
   const int count = lattice.count();
-  const int all = board.point_count();
+  const int all = board.grid().count();
   if (count == all) return true;
   if (count < kLeastNodes || count < kLeastShare * all || e.cols() < 3 || e.rows() < 3)
     return false;
@@ -334,7 +334,7 @@ bool is_far_larger(const Lattice& lattice, const Checkerboard& board) {
   constexpr double kFar = 1.5;
   const CellRange e = lattice.extent();
   const auto [shorter, longer] = std::minmax({e.cols(), e.rows()});
-  return lattice.count() > kFar * board.point_count() &&
+  return lattice.count() > kFar * board.grid().count() &&
          (shorter > std::min(board.cols, board.rows) + 1 ||
           longer > std::max(board.cols, board.rows) + 1);
 }
@@ -349,13 +349,13 @@ Match match_board(const ImageView& image, const Checkerboard& board, Lattice& la
   const CellRange e = lattice.extent();
   Match match = wrong_board(board, lattice);
   if (!small_enough) {
-    match.certain = lattice.count() > board.point_count();
+    match.certain = lattice.count() > board.grid().count();
     match.size_is_certain = is_size_certain(image, lattice);
     return match;
   }
   if (has_size_of(e, board) && continues_anywhere(image, lattice, e)) return match;
   match.reason = Reason::kNotFound;
-  match.whole = lattice.count() == board.point_count();
+  match.whole = lattice.count() == board.grid().count();
   // A whole board may lack the margin that tells its edge.
   const Edges edges = match.whole ? Edges{} : edges_of(image, lattice, e);
   auto all = alignments(board, e, edges);

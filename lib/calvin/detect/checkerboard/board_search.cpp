@@ -199,7 +199,7 @@ void BoardSearch::detect_corners(const ImageView& image, const SearchOptions& op
   }
   // Too few corners for a board: this test makes images without one cheap.
   if (static_cast<int>(corners_.size()) < options.least_nodes) return;
-  graph_.build(image, corners_, options.reach);
+  graph_.build(image, corners_, options.reach, options.surroundings);
   find_groups();
 }
 

@@ -23,6 +23,7 @@ struct SearchOptions {
   int least_nodes = 9;                    // of a lattice
   std::size_t most_groups = 4;            // lattices in an image
   float reach = 144;                      // px, the largest distance between neighbours
+  Surroundings surroundings;              // of the corners of any board that is looked for
   std::vector<std::vector<Pixel>> taken;  // convex polygons in which corners are left out
 };
 

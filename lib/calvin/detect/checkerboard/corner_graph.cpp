@@ -31,17 +31,23 @@ bool are_parallel(const Corner& a, const Corner& b) {
 
 // Whether one edge joins two corners, bright on the same side all the way: on a floor of tiles, or
 // in a fabric, a corner three squares further on has the right colours too. `way` as in kWays.
-bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std::size_t way) {
+bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std::size_t way,
+               const Surroundings& surroundings) {
   constexpr float kAside = 0.25F;  // of the way
   constexpr float kLeastAside = 1.2F;
-  constexpr float kMostAside = 3;  // px: the squares across may be narrow
-  constexpr float kLeast = 0.12F;  // of the corners' contrast, between the two sides of the edge
-  constexpr float kEvery = 3;      // px
-  constexpr float kInner = 0.6F;   // of the way; close to the corners the ring has looked
-  constexpr int kForgiven = 8;     // of so many samples one
+  constexpr float kMostAside = 3;   // px: the squares across may be narrow
+  constexpr float kLeast = 0.12F;   // of the corners' contrast, between the two sides of the edge
+  constexpr float kEvery = 3;       // px
+  constexpr float kInner = 0.3F;    // of the way; close to the corners the ring has looked
+  constexpr float kOfAside = 0.6F;  // of the way to what is printed beside the edge
+  constexpr float kRim = 0.04F;     // of the way, around what is printed on the edge
+  constexpr int kForgiven = 8;      // of so many samples one
   const Direction step = {to.x - from.x, to.y - from.y};
   const float length = std::sqrt(dot(step, step));
-  const float aside = std::clamp(kAside * length, kLeastAside, kMostAside) / length;
+  const float most_aside = std::min(kAside, kOfAside * surroundings.aside);
+  const float aside = std::clamp(most_aside * length, kLeastAside, kMostAside) / length;
+  // The middle of the edge may be that of a dot.
+  const float middle = surroundings.along < 1 ? 0.5F - surroundings.along + kRim : 0;
   // Both ways along the rising edge it is bright from +x towards +y.
   const float side = way < 2 ? aside : -aside;
   const Direction across = {-side * step.y, side * step.x};
@@ -53,7 +59,8 @@ bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std
   for (int i = 0; i < samples; ++i) {
     const int steps = (i + 1) / 2;
     const float off = static_cast<float>(steps) / static_cast<float>(samples);
-    const float share = 0.5F + kInner * ((i & 1) != 0 ? off : -off);
+    const float inner = middle + 2 * (kInner - middle) * off;
+    const float share = 0.5F + ((i & 1) != 0 ? inner : -inner);
     const float x = from.x + share * step.x;
     const float y = from.y + share * step.y;
     const int bright = pixel(image, x + across.x, y + across.y);
@@ -78,7 +85,8 @@ bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const
   return opposite != kNoCorner && square(to) > kLongestLink * kLongestLink * square(opposite);
 }
 
-void CornerGraph::build(const ImageView& image, std::span<const Corner> corners, float reach) {
+void CornerGraph::build(const ImageView& image, std::span<const Corner> corners, float reach,
+                        const Surroundings& surroundings) {
   search_.run(corners, image.size(), reach, nearest_);
   links_.assign(corners.size(), {kNoCorner, kNoCorner, kNoCorner, kNoCorner});
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -92,7 +100,7 @@ void CornerGraph::build(const ImageView& image, std::span<const Corner> corners,
           static_cast<std::size_t>(std::find(back.begin(), back.end(), self) - back.begin());
       const Corner& to = corners[static_cast<std::size_t>(other)];
       if (way == back.size() || skips(corners, self, other) || skips(corners, other, self) ||
-          !are_parallel(corners[i], to) || !is_joined(image, corners[i], to, w)) {
+          !are_parallel(corners[i], to) || !is_joined(image, corners[i], to, w, surroundings)) {
         continue;
       }
       links_[i][w] = other;

@@ -11,6 +11,7 @@
 
 #include "calvin/detect/checkerboard/corners/corner.hpp"
 #include "calvin/detect/checkerboard/neighbour_search.hpp"
+#include "calvin/detect/checkerboard/surroundings.hpp"
 
 namespace calvin::detect {
 
@@ -18,7 +19,8 @@ namespace calvin::detect {
 class CornerGraph {
  public:
   // Neighbours no further than `reach` px apart are seen.
-  void build(const ImageView& image, std::span<const Corner> corners, float reach);
+  void build(const ImageView& image, std::span<const Corner> corners, float reach,
+             const Surroundings& surroundings);
 
   // The neighbour of a corner on each way, or kNoCorner; mutual.
   [[nodiscard]] const std::array<int, kWays>& neighbours(int corner) const {

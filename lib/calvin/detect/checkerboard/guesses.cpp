@@ -16,13 +16,12 @@ namespace calvin::detect {
 
 namespace {
 
-// Whether all four squares of a corner are in view, as far from it as the border of the image lets
-// one look. A fit whose window is cut off there takes three of them for four.
-bool shows_four_squares(const ImageView& image, const SaddleFit& fit, float spacing) {
+// Whether all four squares of a corner are in view `away` px from it, or as far as the border of
+// the image lets one look. A fit whose window is cut off there takes three of them for four.
+bool shows_four_squares(const ImageView& image, const SaddleFit& fit, float away) {
   constexpr float kLeastSight = 2.5F;   // px, to the border; of a sharp corner
   constexpr float kSharpSight = 1;      // px, and
   constexpr float kSharpWidths = 2.5F;  // widths
-  constexpr float kFarthest = 0.35F;    // of the spacing
   constexpr float kClearly = 0.3F;      // of what the fit lets expect
   const auto u = static_cast<float>(fit.x);
   const auto v = static_cast<float>(fit.y);
@@ -30,7 +29,7 @@ bool shows_four_squares(const ImageView& image, const SaddleFit& fit, float spac
                                                          static_cast<float>(image.height - 1) - v));
   const float width = std::max(fit.along_width, fit.down_width);
   if (border < std::min(kLeastSight, kSharpSight + kSharpWidths * width)) return false;
-  const float sight = std::min(border, kFarthest * spacing);
+  const float sight = std::min(border, away);
   for (const float a : {-1.0F, 1.0F}) {
     for (const float b : {-1.0F, 1.0F}) {
       Direction way = {a * fit.along.x + b * fit.down.x, a * fit.along.y + b * fit.down.y};
@@ -50,15 +49,13 @@ bool shows_four_squares(const ImageView& image, const SaddleFit& fit, float spac
 
 // Whether a place may be near a corner of these colours, by the squares around it: most guesses are
 // none, and a fit takes far longer to tell.
-bool may_be_corner(const ImageView& image, const Node& node, bool even, float spacing) {
-  constexpr float kAway = 0.35F;   // of the spacing
+bool may_be_corner(const ImageView& image, const Node& node, bool even, float away) {
   constexpr float kLeast = 0.08F;  // of the contrast, a sixth of what it is at a corner
   float saddle = 0;  // how much brighter the squares between +along and +down are, grey levels
   for (const float a : {-1.0F, 1.0F}) {
     for (const float b : {-1.0F, 1.0F}) {
-      const auto grey =
-          grey_at(image, node.x + kAway * spacing * (a * node.along.x + b * node.down.x),
-                  node.y + kAway * spacing * (a * node.along.y + b * node.down.y));
+      const auto grey = grey_at(image, node.x + away * (a * node.along.x + b * node.down.x),
+                                node.y + away * (a * node.along.y + b * node.down.y));
       if (!grey) return true;
       saddle += 0.25F * a * b * *grey;
     }
@@ -87,14 +84,20 @@ bool confirm_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
   constexpr float kFar = 0.3F;        // of the spacing, from where it is expected
   constexpr float kFarther = 0.45F;   // of a good one: no other corner of its colours is so near
   constexpr float kGood = 0.1F;       // of the contrast
+  constexpr float kAway = 0.35F;      // of the spacing
+  constexpr float kOfAside = 0.6F;
   const float spacing = spacing_at(lattice, c);
-  if (!may_be_corner(image, node, Lattice::is_even(c), spacing)) return false;
-  float radius = std::clamp(kShare * spacing, kLeastRadius, kLastRadius);
-  const float closest = closest_radius(spacing);
+  // The middle between what is printed in a square and the corner, where anything is.
+  const float away = std::min(kAway, kOfAside * lattice.surroundings().aside) * spacing;
+  if (!may_be_corner(image, node, Lattice::is_even(c), away)) return false;
+  const float clear = clear_at(lattice, c);
+  float radius = std::clamp(kShare * clear, kLeastRadius, kLastRadius);
+  const float closest = closest_radius(clear);
   // A finger next to the corner is not in a smaller window.
   for (bool again = false; !again || radius >= closest; again = true, radius *= kSmaller) {
     SaddleFit f = fit_of(node);
     f.along_width = f.down_width = std::max(2.0F, node.width);
+    f.room = room_at(lattice, c);
     if (!fit_saddle(image, radius, 10, f)) return false;
     if (f.residual > kOfNoise * f.noise) fit_parted(image, radius, 10, f);
     const bool is_good = f.residual < kGood * f.swing() && f.noise < kGood * f.swing();
@@ -102,7 +105,7 @@ bool confirm_guess(const ImageView& image, const Lattice& lattice, Cell c, Node&
         distance(f, node) > (is_good ? kFarther : kFar) * spacing) {
       return false;
     }
-    if (f.residual > kResidual * f.swing() || !shows_four_squares(image, f, spacing) ||
+    if (f.residual > kResidual * f.swing() || !shows_four_squares(image, f, away) ||
         (is_noisy(f, kNoise) && !has_ring(image, f, spacing))) {
       continue;
     }

@@ -34,8 +34,10 @@ float distance(const Node& a, const Node& b) { return std::hypot(a.x - b.x, a.y 
 
 }  // namespace
 
-Lattice::Lattice(int reach)
-    : reach_(reach), nodes_(static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1))) {}
+Lattice::Lattice(int reach, const Surroundings& surroundings)
+    : reach_(reach),
+      surroundings_(surroundings),
+      nodes_(static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1))) {}
 
 void Lattice::clear() {
   for (int row = touched_.first.row; row <= touched_.last.row; ++row) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "calvin/detect/checkerboard/corners/corner.hpp"
+#include "calvin/detect/checkerboard/surroundings.hpp"
 
 namespace calvin::detect {
 
@@ -73,7 +74,9 @@ struct Box {
 class Lattice {
  public:
   // Nodes up to `reach` rows and columns from the first one.
-  explicit Lattice(int reach);
+  explicit Lattice(int reach, const Surroundings& surroundings = {});
+
+  [[nodiscard]] const Surroundings& surroundings() const { return surroundings_; }
 
   void clear();
   [[nodiscard]] bool in_reach(Cell c) const {
@@ -120,6 +123,7 @@ class Lattice {
   [[nodiscard]] float misfit(Cell c) const;
 
   int reach_;
+  Surroundings surroundings_;
   int count_ = 0;
   CellRange touched_;  // all nodes lie within; removing does not shrink it
   std::vector<Node> nodes_;

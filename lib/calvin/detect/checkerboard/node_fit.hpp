@@ -20,6 +20,12 @@ inline constexpr float kOfNoise = 1.4F;  // of the noise: a larger residual has 
 // The distance from a node to the nearest of the next grid lines, px.
 [[nodiscard]] float spacing_at(const Lattice& lattice, Cell c);
 
+// The part of it that is a window's, px: all of it, where nothing is printed on the edges.
+[[nodiscard]] float clear_at(const Lattice& lattice, Cell c);
+
+// How far from the edges of a node nothing else is printed, px.
+[[nodiscard]] float room_at(const Lattice& lattice, Cell c);
+
 // The radius of the smallest window about a corner, px: half a square may lie beyond it, or less.
 [[nodiscard]] float closest_radius(float spacing);
 

@@ -46,6 +46,7 @@ void Refinement::begin(const Lattice& lattice) {
   cells_.clear();
   lattice.for_each([&](Cell c, const Node& node) {
     fit(c) = fit_of(node);
+    fit(c).room = room_at(lattice, c);
     cells_.push_back(c);
   });
 }
@@ -61,7 +62,7 @@ void Refinement::to_image(const Pyramid& pyramid, int level, Lattice& lattice, b
     if (!fitted) return;
     const float spacing = spacing_at(lattice, c);
     SaddleFit f = fit(c);
-    const float radius = std::clamp(kShare * spacing, kLeastRadius, kLevelRadius);
+    const float radius = std::clamp(kShare * clear_at(lattice, c), kLeastRadius, kLevelRadius);
     const bool good =
         fit_saddle(pyramid.level(level), radius, 6, f, kRoughly, Pixels::kPoints) &&
         colours_fit(f, c) &&
@@ -121,10 +122,13 @@ SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, 
   const float spacing = spacing_at(lattice, c);
   SaddleFit f = fit_of(node);
   f.along_width = f.down_width = width;
-  radius = std::clamp(kShare * spacing, kLeastRadius, radius);
+  f.room = room_at(lattice, c);
+  radius = std::clamp(kShare * clear_at(lattice, c), kLeastRadius, radius);
   bool good = fit_saddle(image, radius, steps, f, kRoughly);
   if (!good) {
-    f = parted_fit(fit_of(node));
+    SaddleFit start = fit_of(node);
+    start.room = f.room;
+    f = parted_fit(start);
     good = fit_saddle(image, radius, 2 * steps, f, kRoughly);
   }
   if (good && f.residual > kOfNoise * f.noise) fit_parted(image, radius, steps, f);
@@ -177,11 +181,11 @@ SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, 
 // The last fit, with the bends and slopes from the first fits, in the largest window that has
 // nothing else in it: no next edge, no finger, no end of the paper.
 SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
-  const float spacing = spacing_at(lattice, c);
+  const float clear = clear_at(lattice, c);
   const SaddleFit& first = at(c);
   const float width = std::max(first.along_width, first.down_width);
-  float radius = last_radius(spacing, width);
-  const float closest = closest_radius(spacing);
+  float radius = last_radius(clear, width);
+  const float closest = closest_radius(clear);
   SaddleFit best = first;
   best.noise = std::numeric_limits<float>::infinity();
   for (bool again = false; !again || radius >= closest; again = true, radius *= kSmaller) {
@@ -289,6 +293,7 @@ SaddleFit Refinement::expected_fit(const ImageView& image, const Lattice& lattic
   const Node& node = lattice.at(c);
   const float spacing = spacing_at(lattice, c);
   SaddleFit f = fit_of(node);
+  f.room = room_at(lattice, c);
   f.along_bend = at(c).along_bend;
   f.down_bend = at(c).down_bend;
   f.slope = at(c).slope;
@@ -300,7 +305,7 @@ SaddleFit Refinement::expected_fit(const ImageView& image, const Lattice& lattic
   f.down = f.expected.down;
   f.along_width = usual_along_;
   f.down_width = usual_down_;
-  const float radius = last_radius(spacing, std::max(usual_along_, usual_down_));
+  const float radius = last_radius(clear_at(lattice, c), std::max(usual_along_, usual_down_));
   const bool good = fit_saddle(image, radius, 10, f) && colours_fit(f, c) &&
                     distance(f, node) < std::max(1.5F, kLargestMove * spacing);
   if (!good) f.noise = std::numeric_limits<float>::infinity();
@@ -346,6 +351,7 @@ bool Refinement::refine_again(const ImageView& image, const FitGrid& before, Lat
   begin(lattice);
   lattice.for_each([&](Cell c, const Node& node) {
     fit(c) = before.at(c);
+    fit(c).room = room_at(lattice, c);
     fit(c).x = static_cast<double>(node.x);
     fit(c).y = static_cast<double>(node.y);
   });

@@ -350,8 +350,9 @@ bool fit_in_window(const ImageView& image, float radius, int steps, float tolera
   }
   Window window;
   const bool is_fitted = fit.contrast != 0;
-  const float band = kNearEdge * std::max(fit.along_width, fit.down_width) +
+  const float near = kNearEdge * std::max(fit.along_width, fit.down_width) +
                      (is_fitted ? kNearFittedEdgePx : kNearEdgePx) + std::abs(fit.gain);
+  const float band = std::min(near, fit.room);
   radius = gather(image, middle_x, middle_y, radius, band, fit.along, fit.down, window);
   if (window.count < 2 * kUnknowns) return false;
   const auto x = static_cast<float>(fit.x - middle_x);

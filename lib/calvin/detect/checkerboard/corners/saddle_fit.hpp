@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/checkerboard/corners/corner.hpp"
@@ -59,6 +60,8 @@ struct SaddleFit {
   // Given by the caller.
   float along_bend = 0;  // 1/px
   float down_bend = 0;
+  // px from an edge, where something else begins; pixels beyond are left out.
+  float room = std::numeric_limits<float>::infinity();
   Direction slope = {0, 0};           // grey levels per px
   Direction contrast_slope = {0, 0};  // grey levels per px
   // With it, what is expected counts as a measurement: directions to .08 rad, widths to a quarter.

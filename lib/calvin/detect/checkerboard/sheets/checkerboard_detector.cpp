@@ -22,13 +22,13 @@ namespace {
 
 // The boards of a list that differ, how often each is there, and which of them each is.
 struct WantedBoards {
-  explicit WantedBoards(std::span<const Checkerboard> list) {
-    for (const Checkerboard& board : list) {
-      const auto known =
-          std::ranges::find_if(boards, [&](const WantedBoard& w) { return w.board == board; });
+  explicit WantedBoards(std::span<const Board> list) {
+    for (const Board& board : list) {
+      const auto known = std::ranges::find_if(
+          boards, [&](const WantedBoard& w) { return w.pattern.board == board; });
       of_list.push_back(static_cast<std::size_t>(known - boards.begin()));
       if (known == boards.end()) {
-        boards.push_back({board, 1});
+        boards.push_back({Pattern(board), 1});
       } else {
         ++known->sheets;
       }
@@ -122,7 +122,7 @@ void CheckerboardDetector::remember(ImageSize size, std::uint64_t timestamp) {
       continue;
     }
     if (!place.tracker) {
-      place.tracker = std::make_shared<Tracker>(search_.wanted()[place.wanted].board);
+      place.tracker = std::make_shared<Tracker>(search_.wanted()[place.wanted].pattern.grid);
     }
     place.tracker->remember(sheet->lattice, sheet->fits, sheet->alignment, size, timestamp,
                             sheet->searched);
@@ -145,7 +145,7 @@ std::vector<Detection> CheckerboardDetector::results(SheetPlaces& places, ImageS
       result.seen_rows = other->rows;
       result.seen_all = other->certain;
     }
-    result.observation.board = search_.wanted()[place.wanted].board.text();
+    result.observation.board = search_.wanted()[place.wanted].pattern.board.text();
     result.observation.image_size = size;
   }
   return all;
@@ -153,7 +153,7 @@ std::vector<Detection> CheckerboardDetector::results(SheetPlaces& places, ImageS
 
 }  // namespace
 
-std::unique_ptr<Detector> make_checkerboard_detector(std::span<const Checkerboard> boards) {
+std::unique_ptr<Detector> make_checkerboard_detector(std::span<const Board> boards) {
   return std::make_unique<CheckerboardDetector>(WantedBoards(boards));
 }
 

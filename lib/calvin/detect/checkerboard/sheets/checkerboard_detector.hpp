@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The checkerboard detector.
+// The detector of checkerboards, plain or with a code.
 //
 // In levels of half the size, the smallest first: peaks of a response to corners, a test of a ring
 // of pixels around each, the graph of neighbours whose edges have opposite colours, lattices out of
@@ -15,12 +15,10 @@
 
 #include "calvin/detect/detection.hpp"
 #include "calvin/target/board.hpp"
-#include "calvin/target/checkerboard.hpp"
 
 namespace calvin::detect {
 
-// The same board may be there several times.
-[[nodiscard]] std::unique_ptr<Detector> make_checkerboard_detector(
-    std::span<const Checkerboard> boards);
+// For boards that has_pattern() knows; the same one may be there several times.
+[[nodiscard]] std::unique_ptr<Detector> make_checkerboard_detector(std::span<const Board> boards);
 
 }  // namespace calvin::detect

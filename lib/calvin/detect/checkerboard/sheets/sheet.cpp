@@ -64,9 +64,8 @@ bool goes_on_with(const Sheet& sheet, const Lattice& lattice, int level) {
 
 Pixel Sheet::center() const { return mean_of(observation.uv); }
 
-std::vector<Pixel> outline_of(const Observation& corners, const Checkerboard& board) {
+std::vector<Pixel> outline_of(const Observation& corners, const Grid& grid) {
   constexpr double kMargin = 0.6;  // squares
-  const Grid grid = board.grid();
   std::vector<Pixel> cells;
   cells.reserve(corners.ids.size());
   for (const int id : corners.ids) {

@@ -12,13 +12,13 @@
 #include "calvin/detect/checkerboard/board_match.hpp"
 #include "calvin/detect/checkerboard/fit_grid.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
-#include "calvin/target/board.hpp"
+#include "calvin/target/grid.hpp"
 
 namespace calvin::detect {
 
 // The lattice and the fits are in px of the image.
 struct Sheet {
-  explicit Sheet(int reach) : lattice(reach) {}
+  Sheet(int reach, const Surroundings& surroundings) : lattice(reach, surroundings) {}
 
   std::size_t wanted = 0;  // which of the boards that are looked for it shows
   bool searched = false;   // found by a search of the whole image, not where it was predicted
@@ -34,7 +34,7 @@ struct Sheet {
 
 // A convex polygon, px, around the corners of a sheet and about half a square more: no corner of
 // another sheet is in it.
-[[nodiscard]] std::vector<Pixel> outline_of(const Observation& corners, const Checkerboard& board);
+[[nodiscard]] std::vector<Pixel> outline_of(const Observation& corners, const Grid& grid);
 
 // The polygon in px of a level of the pyramid.
 [[nodiscard]] std::vector<Pixel> in_level(const std::vector<Pixel>& outline, int level);

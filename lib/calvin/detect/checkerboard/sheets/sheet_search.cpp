@@ -20,6 +20,7 @@ namespace {
 constexpr int kLeastSide = 16;       // px; no board is in a smaller image
 constexpr int kExtraRows = 3;        // rows around a board that are kept, to see that it is larger
 constexpr double kLeastShare = 0.2;  // of a board's corners
+constexpr int kLeastCoded = 9;       // corners of a board with a code, of which any part will do
 // Peaks of the response that are looked at, the strongest first.
 constexpr int kPointsPerCorner = 15;
 constexpr int kFewestPoints = 800;
@@ -38,14 +39,21 @@ constexpr double kBias = 0.0003;
 
 int reach_of(const std::vector<WantedBoard>& wanted) {
   int most = 0;
-  for (const WantedBoard& w : wanted) most = std::max({most, w.board.cols, w.board.rows});
+  for (const WantedBoard& w : wanted)
+    most = std::max({most, w.pattern.grid.cols, w.pattern.grid.rows});
   return most + kExtraRows;
+}
+
+Surroundings surroundings_of(const std::vector<WantedBoard>& wanted) {
+  Surroundings all;
+  for (const WantedBoard& w : wanted) all = all.with(w.pattern.surroundings);
+  return all;
 }
 
 // The element of a list that keeps the memory of those that are not in use, at its end.
 template <typename T>
-T& append(std::vector<T>& list, std::size_t& count, int reach) {
-  if (count == list.size()) list.emplace_back(reach);
+T& append(std::vector<T>& list, std::size_t& count, int reach, const Surroundings& surroundings) {
+  if (count == list.size()) list.emplace_back(reach, surroundings);
   return list[count++];
 }
 
@@ -78,11 +86,13 @@ bool LatticeArea::has(const LatticeArea& other) const {
 SheetSearch::SheetSearch(std::vector<WantedBoard> wanted)
     : wanted_(std::move(wanted)),
       reach_(reach_of(wanted_)),
-      lattice_(reach_),
-      trial_(reach_),
-      best_(reach_),
-      other_(reach_) {
-  for (const WantedBoard& w : wanted_) most_points_ = std::max(most_points_, w.board.point_count());
+      surroundings_(surroundings_of(wanted_)),
+      lattice_(reach_, surroundings_),
+      trial_(reach_, surroundings_),
+      best_(reach_, surroundings_),
+      other_(reach_, surroundings_) {
+  for (const WantedBoard& w : wanted_)
+    most_points_ = std::max(most_points_, w.pattern.grid.count());
 }
 
 void SheetSearch::begin(const ImageView& image) {
@@ -106,15 +116,14 @@ int SheetSearch::missing() const {
 }
 
 bool SheetSearch::confirm_prediction(std::size_t wanted, const FitGrid& before) {
-  const Checkerboard& board = wanted_[wanted].board;
   if (image_.data == nullptr) return false;
   pyramid_.build(image_, 1);
   const ImageView& full = pyramid_.level(0);
   if (!refinement_.confirm(full, lattice_)) return false;
   const bool good = before.empty() ? refinement_.refine(full, lattice_)
                                    : refinement_.refine_again(full, before, lattice_);
-  if (!good || lattice_.count() < board.point_count()) return false;
-  const Match match = match_board(full, board, lattice_);
+  if (!good || lattice_.count() < wanted_[wanted].pattern.grid.count()) return false;
+  const Match match = this->match(wanted, lattice_);
   if (match.reason != Reason::kAccepted || is_taken(lattice_, 0)) return false;
   add_sheet(wanted, match, lattice_, false);
   return true;
@@ -148,13 +157,14 @@ SearchOptions SheetSearch::options(int level) const {
   options.most_groups = 3;
   options.reach = 0;
   for (const WantedBoard& w : wanted_) {
-    const int points = w.board.point_count();
-    const int least = std::max(6, static_cast<int>(kLeastShare * static_cast<double>(points)));
+    const int points = w.pattern.grid.count();
+    const double share = kLeastShare * static_cast<double>(points);
+    const int least = w.pattern.code ? kLeastCoded : std::max(6, static_cast<int>(share));
     options.least_nodes = std::min(options.least_nodes, least);
-    options.most_points += w.sheets * kPointsPerCorner * points;
+    options.most_points += w.sheets * (kPointsPerCorner + w.pattern.code_corners) * points;
     options.most_groups += static_cast<std::size_t>(w.sheets);
     // The largest squares are those of a board of which a part fills the image.
-    const auto squares = static_cast<float>(std::max(w.board.cols, w.board.rows) + 1);
+    const auto squares = static_cast<float>(std::max(w.pattern.grid.cols, w.pattern.grid.rows) + 1);
     options.reach = std::max(options.reach, kLargestSquare * across / squares);
   }
   options.most_points = std::max(kFewestPoints, options.most_points);
@@ -165,7 +175,7 @@ SearchOptions SheetSearch::options(int level) const {
 int SheetSearch::least_group() const {
   if (missing() > 0) return 0;
   int least = most_points_;
-  for (const WantedBoard& w : wanted_) least = std::min(least, w.board.point_count());
+  for (const WantedBoard& w : wanted_) least = std::min(least, w.pattern.grid.count());
   return least / 2 + 1;
 }
 
@@ -220,7 +230,7 @@ void SheetSearch::complete_in_image(int enough) {
     BoardSearch::complete(pyramid_.calm_level(0), lattice_, enough, true);
     confirm_guesses(pyramid_.level(0), lattice_);
     const bool is_nearly_whole = std::ranges::any_of(wanted_, [&](const WantedBoard& w) {
-      const int points = w.board.point_count();
+      const int points = w.pattern.grid.count();
       return lattice_.count() < points && lattice_.count() > kMost * points;
     });
     if (!is_nearly_whole || lattice_.count() <= before) return;
@@ -228,8 +238,10 @@ void SheetSearch::complete_in_image(int enough) {
 }
 
 bool SheetSearch::is_far_larger_than_all() const {
-  return std::all_of(wanted_.begin(), wanted_.end(),
-                     [&](const WantedBoard& w) { return is_far_larger(lattice_, w.board); });
+  // A code tells how large a board is.
+  return std::all_of(wanted_.begin(), wanted_.end(), [&](const WantedBoard& w) {
+    return !w.pattern.code && is_far_larger(lattice_, w.pattern.squares());
+  });
 }
 
 // The board that leaves the least to be excused: a whole one, one whose colours are those of the
@@ -240,24 +252,30 @@ bool SheetSearch::is_better(const Match& match, std::size_t wanted) const {
     const bool accepted = m.reason == Reason::kAccepted;
     return std::tuple(kind, accepted && m.whole, accepted && !m.exchanged,
                       accepted && missing(k) > 0,
-                      accepted ? -wanted_[k].board.point_count() : int{m.certain});
+                      accepted ? -wanted_[k].pattern.grid.count() : int{m.certain});
   };
   return rank(match, wanted) > rank(match_, match_wanted_);
 }
 
+Match SheetSearch::match(std::size_t wanted, Lattice& lattice) {
+  const ImageView& image = pyramid_.calm_level(0);
+  const Pattern& pattern = wanted_[wanted].pattern;
+  if (pattern.code) return code_match_.match(image, pattern.grid, *pattern.code, lattice);
+  return match_board(image, pattern.squares(), lattice);
+}
+
 void SheetSearch::match_boards() {
-  const ImageView& full = pyramid_.calm_level(0);
   match_wanted_ = 0;
   if (wanted_.size() == 1) {
-    match_ = match_board(full, wanted_[0].board, lattice_);
+    match_ = match(0, lattice_);
     return;
   }
   // Each removes the nodes that are stray as far as its board goes.
   best_ = lattice_;
-  match_ = match_board(full, wanted_[0].board, best_);
+  match_ = match(0, best_);
   for (std::size_t k = 1; k < wanted_.size(); ++k) {
     trial_ = lattice_;
-    Match match = match_board(full, wanted_[k].board, trial_);
+    Match match = this->match(k, trial_);
     if (!is_better(match, k)) continue;
     match_ = std::move(match);
     match_wanted_ = k;
@@ -275,7 +293,7 @@ void SheetSearch::note_part(int level) {
   });
   Part* to = part != all.end() ? &*part : nullptr;
   if (to == nullptr && all.size() < kFurtherParts + static_cast<std::size_t>(missing())) {
-    to = &append(parts_, part_count_, reach_);
+    to = &append(parts_, part_count_, reach_, surroundings_);
   } else {
     // In place of the smallest one, which is the last, where there is no room for more.
     if (to == nullptr) to = &all.back();
@@ -301,7 +319,7 @@ void SheetSearch::sort_parts() {
 // Whether a part is enough to be a sheet that nobody asked for: what a hand leaves of a sheet on
 // its other side is none.
 bool SheetSearch::is_large(const Part& part) const {
-  return 2 * part.lattice.count() > wanted_[part.wanted].board.point_count();
+  return 2 * part.lattice.count() > wanted_[part.wanted].pattern.grid.count();
 }
 
 // Whether the rest of the board is covered or out of the image: most of it was seen, and a level
@@ -310,7 +328,7 @@ bool SheetSearch::is_large(const Part& part) const {
 bool SheetSearch::is_rest_hidden(const Part& part, int level) const {
   constexpr float kRoom = 10;    // px of the level
   constexpr double kFew = 0.04;  // of the board's corners
-  const int points = wanted_[part.wanted].board.point_count();
+  const int points = wanted_[part.wanted].pattern.grid.count();
   const int unseen = points - part.lattice.count();
   return unseen > kFew * points && unseen <= part.lattice.count() && part.level > level &&
          LatticeArea(part.lattice, 0).square >= kRoom * static_cast<float>(1 << level);
@@ -346,7 +364,7 @@ bool SheetSearch::is_known_other(int level) const {
   if (!other_is_sure_ || !other_area_.has(LatticeArea(lattice_, level))) return false;
   // The board may lie on a floor of tiles, which is the other one.
   return std::none_of(wanted_.begin(), wanted_.end(), [&](const WantedBoard& w) {
-    const int points = w.board.point_count();
+    const int points = w.pattern.grid.count();
     return other_.count() > points && lattice_.count() <= points && 2 * lattice_.count() > points;
   });
 }
@@ -372,7 +390,7 @@ bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
   if (!match.whole || lattice.count() < before) {
     // Some nodes may have been no corners, and the refined places of the others tell the edge of
     // the board from something that covers it up to the next row.
-    match = match_board(pyramid_.calm_level(0), wanted_[wanted].board, lattice);
+    match = this->match(wanted, lattice);
     if (match.reason != Reason::kAccepted) return false;
   }
   add_sheet(wanted, match, lattice, true);
@@ -381,8 +399,8 @@ bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
 
 void SheetSearch::add_sheet(std::size_t wanted, const Match& match, const Lattice& lattice,
                             bool searched) {
-  Sheet& sheet = append(sheets_, sheet_count_, reach_);
-  const Checkerboard& board = wanted_[wanted].board;
+  Sheet& sheet = append(sheets_, sheet_count_, reach_, surroundings_);
+  const Grid& grid = wanted_[wanted].pattern.grid;
   sheet.wanted = wanted;
   sheet.searched = searched;
   sheet.lattice = lattice;
@@ -390,8 +408,7 @@ void SheetSearch::add_sheet(std::size_t wanted, const Match& match, const Lattic
   sheet.alignment = match.alignment;
   Observation& o = sheet.observation = {};
   const double ratio = static_cast<double>(scatter(lattice, pyramid_.level(0).size()));
-  const Grid grid = board.grid();
-  for (const int id : board.ids()) {
+  for (const int id : grid.ids()) {
     const GridPlace at = grid.place(id);
     const Cell cell = match.alignment.cell({at.col, at.row});
     if (!lattice.has(cell)) continue;
@@ -405,8 +422,8 @@ void SheetSearch::add_sheet(std::size_t wanted, const Match& match, const Lattic
   }
   o.ambiguous = match.ambiguous;
   o.blur = refinement_.blur(lattice);
-  sheet.whole = static_cast<int>(o.ids.size()) == board.point_count();
-  sheet.outline = outline_of(o, board);
+  sheet.whole = static_cast<int>(o.ids.size()) == grid.count();
+  sheet.outline = outline_of(o, grid);
 }
 
 }  // namespace calvin::detect

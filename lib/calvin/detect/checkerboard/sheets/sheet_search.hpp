@@ -13,18 +13,19 @@
 #include "calvin/core/image.hpp"
 #include "calvin/detect/checkerboard/board_match.hpp"
 #include "calvin/detect/checkerboard/board_search.hpp"
+#include "calvin/detect/checkerboard/code/code_match.hpp"
 #include "calvin/detect/checkerboard/fit_grid.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
+#include "calvin/detect/checkerboard/pattern.hpp"
 #include "calvin/detect/checkerboard/refine.hpp"
 #include "calvin/detect/checkerboard/sheets/sheet.hpp"
 #include "calvin/detect/pyramid.hpp"
-#include "calvin/target/board.hpp"
 
 namespace calvin::detect {
 
 // A board, and how many sheets of it are expected to be in view.
 struct WantedBoard {
-  Checkerboard board;
+  Pattern pattern;
   int sheets = 1;
 };
 
@@ -83,7 +84,7 @@ class SheetSearch {
  private:
   // A lattice that is a part of a board, as far as was seen.
   struct Part {
-    explicit Part(int reach) : lattice(reach) {}
+    Part(int reach, const Surroundings& surroundings) : lattice(reach, surroundings) {}
     Lattice lattice;  // px of the image
     Match match;
     std::size_t wanted = 0;
@@ -102,6 +103,8 @@ class SheetSearch {
   // `lattice_` in px of the image; `enough` as in BoardSearch::complete().
   void complete_in_image(int enough);
   [[nodiscard]] bool is_far_larger_than_all() const;
+  // The board `wanted` over a lattice in px of the image.
+  [[nodiscard]] Match match(std::size_t wanted, Lattice& lattice);
   // Sets `match_` and `match_wanted_` to the board that explains `lattice_` best.
   void match_boards();
   [[nodiscard]] bool is_better(const Match& match, std::size_t wanted) const;
@@ -124,11 +127,13 @@ class SheetSearch {
 
   std::vector<WantedBoard> wanted_;
   int reach_;
+  Surroundings surroundings_;
   int most_points_ = 0;  // of a board
   ImageView image_;
   Pyramid pyramid_;
   BoardSearch search_;
   Refinement refinement_;
+  CodeMatch code_match_;
   Lattice lattice_;
   Lattice trial_;  // of a board, where there are several
   Lattice best_;

@@ -31,8 +31,8 @@ float steps_ahead(std::uint64_t before, std::uint64_t last, std::uint64_t now) {
 
 }  // namespace
 
-Tracker::Tracker(const Checkerboard& board) : board_(board) {
-  for (auto& nodes : nodes_) nodes.resize(static_cast<std::size_t>(board.point_count()));
+Tracker::Tracker(const Grid& grid) : grid_(grid) {
+  for (auto& nodes : nodes_) nodes.resize(static_cast<std::size_t>(grid.count()));
 }
 
 void Tracker::remember(const Lattice& lattice, const FitGrid& fits, const GridAlignment& alignment,
@@ -42,10 +42,10 @@ void Tracker::remember(const Lattice& lattice, const FitGrid& fits, const GridAl
   std::swap(nodes_[0], nodes_[1]);
   times_[1] = std::exchange(times_[0], timestamp);
   const bool lies_alike = alignment.quarter == 0;
-  fits_.reset(lies_alike ? CellRange{{1, 0}, {board_.cols, board_.rows - 1}} : CellRange{});
+  fits_.reset(lies_alike ? CellRange{{1, 0}, {grid_.cols, grid_.rows - 1}} : CellRange{});
   auto to = nodes_[0].begin();
-  for (int row = 0; row < board_.rows; ++row) {
-    for (int col = 0; col < board_.cols; ++col) {
+  for (int row = 0; row < grid_.rows; ++row) {
+    for (int col = 0; col < grid_.cols; ++col) {
       const Cell from = alignment.cell({col, row});
       *to++ = turned(lattice.at(from), alignment.quarter);
       if (lies_alike) fits_.at({col + 1, row}) = fits.at(from);
@@ -65,8 +65,8 @@ bool Tracker::predict(ImageSize size, std::uint64_t timestamp, Lattice& lattice)
   const float ahead = frames_ == 2 ? steps_ahead(times_[1], times_[0], timestamp) : 0;
   lattice.clear();
   std::size_t id = 0;
-  for (int row = 0; row < board_.rows; ++row) {
-    for (int col = 0; col < board_.cols; ++col, ++id) {
+  for (int row = 0; row < grid_.rows; ++row) {
+    for (int col = 0; col < grid_.cols; ++col, ++id) {
       Node node = nodes_[0][id];
       node.x += ahead * (node.x - nodes_[1][id].x);
       node.y += ahead * (node.y - nodes_[1][id].y);

@@ -12,8 +12,7 @@
 #include "calvin/detect/checkerboard/board_match.hpp"
 #include "calvin/detect/checkerboard/fit_grid.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
-#include "calvin/target/board.hpp"
-#include "calvin/target/checkerboard.hpp"
+#include "calvin/target/grid.hpp"
 
 namespace calvin::detect {
 
@@ -25,7 +24,7 @@ inline constexpr int kSearchAgainFrames = 30;                 // where frames ha
 // not followed: what comes into view is better looked for. Keeps its memory.
 class Tracker {
  public:
-  explicit Tracker(const Checkerboard& board);
+  explicit Tracker(const Grid& grid);
 
   // Takes a whole board with its fits in px of an image at `timestamp` ns (or kNoTimestamp), as it
   // was found by a search of the whole image or by following it.
@@ -42,7 +41,7 @@ class Tracker {
   [[nodiscard]] const FitGrid& fits() const { return fits_; }
 
  private:
-  Checkerboard board_;
+  Grid grid_;
   ImageSize size_;
   int frames_ = 0;    // remembered in a row, up to 2
   int followed_ = 0;  // frames since the last search

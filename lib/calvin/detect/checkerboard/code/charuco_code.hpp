@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The markers in the squares of a ChArUco board.
+#pragma once
+
+#include "calvin/detect/checkerboard/code/code.hpp"
+#include "calvin/target/charuco_board.hpp"
+
+namespace calvin::detect {
+
+// The bits of a cell are those of the marker in the square to the right of its corner and below, in
+// rows.
+class CharucoCode final : public Code {
+ public:
+  explicit CharucoCode(const CharucoBoard& board);
+
+  void read(const ImageView& image, const Lattice& lattice,
+            std::vector<CodeBit>& bits) const override;
+  [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
+
+ private:
+  int side_;       // bits
+  float share_;    // of a square's side, that of a marker
+  bool inverted_;  // markers are light, in dark squares
+};
+
+}  // namespace calvin::detect

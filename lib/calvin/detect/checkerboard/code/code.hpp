@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The code that is printed on a board and names its corners: what it is where, and how it is read
+// where the corners of a lattice let it be expected. No marker is searched in the picture.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "calvin/core/image.hpp"
+#include "calvin/detect/checkerboard/lattice.hpp"
+#include "calvin/target/board.hpp"
+
+namespace calvin::detect {
+
+// A bit of a code: the how manieth of those that belong to a cell. On a board, cells are counted as
+// control points are.
+struct CodePlace {
+  Cell cell;
+  int index = 0;
+};
+
+// A bit that was seen in a cell of a lattice.
+struct CodeBit {
+  CodePlace at;
+  bool light = false;
+};
+
+class Code {
+ public:
+  Code(const Code&) = delete;
+  Code& operator=(const Code&) = delete;
+  virtual ~Code() = default;
+
+  // Reads what a picture shows of the code; bits that are neither light nor dark are left out.
+  // Appends to `bits`.
+  virtual void read(const ImageView& image, const Lattice& lattice,
+                    std::vector<CodeBit>& bits) const = 0;
+
+  // The same bit about the node of cell {0, 0}, where the x of its board runs along +col, +row,
+  // -col, -row of the lattice.
+  [[nodiscard]] virtual CodePlace turned(const CodePlace& at, int quarter) const = 0;
+
+  // Whether there is more of the code where a sheet is larger than the board.
+  [[nodiscard]] bool goes_on() const { return goes_on_; }
+
+  // Whether the square outside control point 0, up and to the left of it, is dark.
+  [[nodiscard]] bool begins_dark() const { return begins_dark_; }
+
+  // 1 where the board has a light bit, -1 where it has a dark one, 0 where it has none.
+  [[nodiscard]] int at(const CodePlace& place) const {
+    const Cell c = place.cell;
+    if (c.col < -kBeyond || c.row < -kBeyond || c.col >= cols_ + kBeyond ||
+        c.row >= rows_ + kBeyond) {
+      return 0;
+    }
+    return bits_[index(place)];
+  }
+
+ protected:
+  static constexpr int kBeyond = 4;  // cells
+
+  Code(const Grid& grid, int bits_of_cell, bool begins_dark, bool goes_on)
+      : cols_(grid.cols),
+        rows_(grid.rows),
+        bits_of_cell_(bits_of_cell),
+        begins_dark_(begins_dark),
+        goes_on_(goes_on),
+        bits_(static_cast<std::size_t>((grid.cols + 2 * kBeyond) * (grid.rows + 2 * kBeyond) *
+                                       bits_of_cell)) {}
+
+  void set(const CodePlace& place, bool light) {
+    bits_[index(place)] = static_cast<std::int8_t>(light ? 1 : -1);
+  }
+  // Calls f for every cell of at() where a board has bits or may have some.
+  template <typename F>
+  void for_each_cell(F f) const {
+    for (int row = -kBeyond; row < rows_ + kBeyond; ++row) {
+      for (int col = -kBeyond; col < cols_ + kBeyond; ++col) f(Cell{col, row});
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t index(const CodePlace& place) const {
+    const Cell c = place.cell;
+    return static_cast<std::size_t>(((c.row + kBeyond) * (cols_ + 2 * kBeyond) + c.col + kBeyond) *
+                                        bits_of_cell_ +
+                                    place.index);
+  }
+
+  int cols_;
+  int rows_;
+  int bits_of_cell_;
+  bool begins_dark_;
+  bool goes_on_;
+  std::vector<std::int8_t> bits_;
+};
+
+// Null for a board without a code.
+[[nodiscard]] std::shared_ptr<const Code> code_of(const Board& board);
+
+}  // namespace calvin::detect

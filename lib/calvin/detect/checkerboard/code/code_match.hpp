@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Which corners of a board the corners of a lattice are, by the code between them.
+#pragma once
+
+#include <vector>
+
+#include "calvin/core/image.hpp"
+#include "calvin/detect/checkerboard/board_match.hpp"
+#include "calvin/detect/checkerboard/code/code.hpp"
+#include "calvin/detect/checkerboard/lattice.hpp"
+#include "calvin/target/grid.hpp"
+
+namespace calvin::detect {
+
+// Keeps its memory.
+class CodeMatch {
+ public:
+  // As match_board() in board_match.hpp, for a board with a code: no labelling is ambiguous.
+  // kWrongBoard for one of which the code says that it is larger, and for a whole grid without this
+  // code.
+  [[nodiscard]] Match match(const ImageView& image, const Grid& grid, const Code& code,
+                            Lattice& lattice);
+
+ private:
+  // How many bits of a board were seen, and how many of them were as they are on it.
+  struct Count {
+    int seen = 0;
+    int right = 0;
+  };
+  // A way to lay the board over the lattice, and how sure it is.
+  struct Candidate {
+    GridAlignment alignment;
+    double evidence = 0;
+  };
+  [[nodiscard]] Count count(const Code& code, Cell shift, const CellRange& within,
+                            bool inside) const;
+  void turn(const Code& code, int quarter);
+  void compare(const Grid& grid, const Code& code, const CellRange& extent);
+  [[nodiscard]] bool is_larger(const Grid& grid, const Code& code);
+
+  std::vector<CodeBit> bits_;
+  std::vector<CodeBit> turned_;
+  Candidate best_;
+  double next_best_ = 0;  // evidence
+  int candidates_ = 0;
+};
+
+}  // namespace calvin::detect
