@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calvin/detect/checkerboard/corners/grey_at.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 
 namespace calvin::detect {
@@ -22,11 +23,18 @@ constexpr float kLeastSpacing = 4.5F;    // px
 constexpr float kPrune = 0.45F;          // of the spacing, from where a node is expected
 constexpr int kFewestNodes = 6;          // to build on
 
+bool has_markers(const Surroundings& surroundings) { return surroundings.aside < 1; }
+
+// The ring of the response to corners: a marker leaves little of a square between itself and them.
+RingSize response_ring(const Surroundings& surroundings) {
+  return has_markers(surroundings) ? RingSize::kSmall : RingSize::kLarge;
+}
+
 // Sets the place of a corner to the centroid of the response around its peak.
-void refine_place(const ImageView& image, const SaddlePoint& p, Corner& corner) {
+void refine_place(const ImageView& image, const SaddlePoint& p, RingSize ring, Corner& corner) {
   constexpr int kReach = 2;
   ResponsePatch patch;
-  saddle_responses(image, p.x - kReach, p.y - kReach, 2 * kReach + 1, patch);
+  saddle_responses(image, p.x - kReach, p.y - kReach, 2 * kReach + 1, ring, patch);
   int sum = 0;
   int x = 0;
   int y = 0;
@@ -43,6 +51,57 @@ void refine_place(const ImageView& image, const SaddlePoint& p, Corner& corner) 
   };
   corner.x = static_cast<float>(p.x) + share(x);
   corner.y = static_cast<float>(p.y) + share(y);
+}
+
+// Whether there is a corner at a pixel, by either ring.
+bool check_rings(const ImageView& image, int x, int y, float asymmetry, Corner& corner) {
+  return check_ring(image, x, y, RingSize::kLarge, asymmetry, corner) ||
+         check_ring(image, x, y, RingSize::kSmall, asymmetry, corner);
+}
+
+// The same at a peak of the response, which what is printed beside the edges may have moved by a
+// pixel. Moves the peak to the strongest pixel around it that is a corner.
+bool check_around(const ImageView& image, float asymmetry, SaddlePoint& p, Corner& corner) {
+  constexpr float kLeast = 0.4F;  // of the peak's response
+  ResponsePatch patch;
+  saddle_responses(image, p.x - 1, p.y - 1, 3, RingSize::kSmall, patch);
+  const auto least = static_cast<int>(kLeast * static_cast<float>(p.response));
+  SaddlePoint best;
+  for (int dy = 0; dy < 3; ++dy) {
+    for (int dx = 0; dx < 3; ++dx) {
+      const std::uint8_t r = patch.at[dy][dx];
+      Corner trial;
+      if (r <= std::max<int>(least, best.response) ||
+          !check_rings(image, p.x - 1 + dx, p.y - 1 + dy, asymmetry, trial)) {
+        continue;
+      }
+      best = {p.x - 1 + dx, p.y - 1 + dy, r};
+      corner = trial;
+    }
+  }
+  if (best.response == 0) return false;
+  p = best;
+  return true;
+}
+
+// Whether the edges of a corner go on, in all four ways, farther than those between the bits of a
+// marker do.
+bool has_long_edges(const ImageView& image, const Corner& corner) {
+  constexpr float kFar = 6;        // px along the edge
+  constexpr float kAside = 1.2F;   // px
+  constexpr float kLeast = 0.25F;  // of the contrast, between the two sides of the edge
+  for (int way = 0; way < kWays; ++way) {
+    const bool is_rising = way < 2;
+    const Direction edge = is_rising ? corner.rising : corner.falling;
+    const float far = (way & 1) == 0 ? kFar : -kFar;
+    // Going from +x to +y it is brighter behind a rising edge, also where that is left backwards.
+    const float side = (is_rising ? kAside : -kAside) * ((way & 1) == 0 ? 1.0F : -1.0F);
+    const Direction at = {corner.x + far * edge.x, corner.y + far * edge.y};
+    const auto bright = grey_at(image, at.x - side * edge.y, at.y + side * edge.x);
+    const auto dark = grey_at(image, at.x + side * edge.y, at.y - side * edge.x);
+    if (bright && dark && *bright - *dark < kLeast * corner.contrast) return false;
+  }
+  return true;
 }
 
 Direction towards(Direction reference, Direction line) {
@@ -87,12 +146,12 @@ bool runs_along(const Corner& corner, bool even, const Node& near) {
 }
 
 // The strongest response near an expected place.
-SaddlePoint strongest(const ImageView& image, const Expected& expected) {
+SaddlePoint strongest(const ImageView& image, const Expected& expected, RingSize ring) {
   const int reach = std::clamp(static_cast<int>(std::lround(0.22F * expected.spacing)), 1, 6);
   const int x = static_cast<int>(std::lround(expected.x));
   const int y = static_cast<int>(std::lround(expected.y));
   ResponsePatch patch;
-  saddle_responses(image, x - reach, y - reach, 2 * reach + 1, patch);
+  saddle_responses(image, x - reach, y - reach, 2 * reach + 1, ring, patch);
   SaddlePoint best;
   for (int dy = 0; dy <= 2 * reach; ++dy) {
     for (int dx = 0; dx <= 2 * reach; ++dx) {
@@ -132,13 +191,16 @@ bool find_node(const ImageView& image, const Lattice& lattice, Cell cell, Node& 
   const auto expected = lattice.expect(cell);
   if (!expected || expected->spacing < kLeastSpacing || !inside(image, *expected)) return false;
   if (near_border(image, *expected)) return guess_at(lattice, cell, *expected, node);
-  const SaddlePoint peak = strongest(image, *expected);
+  SaddlePoint peak = strongest(image, *expected, response_ring(lattice.surroundings()));
   if (peak.response < kWeakResponse) return false;
-  Corner corner = {static_cast<float>(peak.x), static_cast<float>(peak.y), {}, {}, 0};
-  if (!check_ring(image, peak.x, peak.y, RingSize::kLarge, kAsymmetryInGap, corner) &&
-      !check_ring(image, peak.x, peak.y, RingSize::kSmall, kAsymmetryInGap, corner)) {
+  Corner corner;
+  if (!check_rings(image, peak.x, peak.y, kAsymmetryInGap, corner) &&
+      !(has_markers(lattice.surroundings()) &&
+        check_around(image, kAsymmetryInGap, peak, corner))) {
     return false;
   }
+  corner.x = static_cast<float>(peak.x);
+  corner.y = static_cast<float>(peak.y);
   for (const Cell step : kAround) {
     if (!lattice.has(cell + step)) continue;
     const Node& near = lattice.at(cell + step);
@@ -186,15 +248,19 @@ void BoardSearch::detect_corners(const ImageView& image, const SearchOptions& op
   corners_.clear();
   groups_.clear();
   next_group_ = 0;
-  for (const SaddlePoint& p : saddle_search_.find(image, options.threshold,
-                                                  static_cast<std::size_t>(options.most_points))) {
+  image_ = image;
+  const bool markers = has_markers(options.surroundings);
+  const RingSize ring = response_ring(options.surroundings);
+  for (SaddlePoint p : saddle_search_.find(image, ring, options.threshold,
+                                           static_cast<std::size_t>(options.most_points))) {
     if (is_taken(options, p)) continue;
     Corner corner;
-    if (!check_ring(image, p.x, p.y, RingSize::kLarge, kAsymmetry, corner) &&
-        !check_ring(image, p.x, p.y, RingSize::kSmall, kAsymmetry, corner)) {
+    if (!check_rings(image, p.x, p.y, kAsymmetry, corner) &&
+        !(markers && check_around(image, kAsymmetry, p, corner))) {
       continue;
     }
-    refine_place(image, p, corner);
+    refine_place(image, p, ring, corner);
+    if (markers && !has_long_edges(image, corner)) continue;
     corners_.push_back(corner);
   }
   // Too few corners for a board: this test makes images without one cheap.
@@ -284,6 +350,8 @@ void BoardSearch::complete(const ImageView& image, Lattice& lattice, int enough,
 bool BoardSearch::next(Lattice& lattice) {
   while (next_group_ < groups_.size()) {
     fill(groups_[next_group_++], lattice);
+    // What markers hide at the ends of rows would be pruned before it is looked for.
+    if (has_markers(options_.surroundings)) complete(image_, lattice, options_.most_points, false);
     lattice.prune(kPrune);
     if (lattice.count() >= std::min(options_.least_nodes, kFewestNodes)) return true;
   }

@@ -30,7 +30,8 @@ struct SearchOptions {
 // Keeps its memory.
 class BoardSearch {
  public:
-  // Finds the corners of an image (of step 1) and who is whose neighbour.
+  // Finds the corners of an image (of step 1), which has to stay until the last lattice, and who is
+  // whose neighbour.
   void detect_corners(const ImageView& image, const SearchOptions& options);
 
   // Moves to the next lattice of at least `least_nodes` corners, the largest first, its stray
@@ -57,6 +58,7 @@ class BoardSearch {
   void find_groups();
   void fill(const Group& group, Lattice& lattice);
 
+  ImageView image_;  // of detect_corners()
   SearchOptions options_;
   SaddleSearch saddle_search_;
   CornerGraph graph_;

@@ -35,17 +35,17 @@ bool is_joined(const ImageView& image, const Corner& from, const Corner& to, std
                const Surroundings& surroundings) {
   constexpr float kAside = 0.25F;  // of the way
   constexpr float kLeastAside = 1.2F;
-  constexpr float kMostAside = 3;   // px: the squares across may be narrow
-  constexpr float kLeast = 0.12F;   // of the corners' contrast, between the two sides of the edge
-  constexpr float kEvery = 3;       // px
-  constexpr float kInner = 0.3F;    // of the way; close to the corners the ring has looked
-  constexpr float kOfAside = 0.6F;  // of the way to what is printed beside the edge
-  constexpr float kRim = 0.04F;     // of the way, around what is printed on the edge
-  constexpr int kForgiven = 8;      // of so many samples one
+  constexpr float kMostAside = 3;  // px: the squares across may be narrow
+  constexpr float kLeast = 0.12F;  // of the corners' contrast, between the two sides of the edge
+  constexpr float kEvery = 3;      // px
+  constexpr float kInner = 0.3F;   // of the way; close to the corners the ring has looked
+  constexpr float kMostBesideMarkers = 1.6F;  // px: what lies between them and the edge is narrower
+  constexpr float kRim = 0.04F;               // of the way, around what is printed on the edge
+  constexpr int kForgiven = 8;                // of so many samples one
   const Direction step = {to.x - from.x, to.y - from.y};
   const float length = std::sqrt(dot(step, step));
-  const float most_aside = std::min(kAside, kOfAside * surroundings.aside);
-  const float aside = std::clamp(most_aside * length, kLeastAside, kMostAside) / length;
+  const float most_aside = surroundings.aside < 1 ? kMostBesideMarkers : kMostAside;
+  const float aside = std::clamp(kAside * length, kLeastAside, most_aside) / length;
   // The middle of the edge may be that of a dot.
   const float middle = surroundings.along < 1 ? 0.5F - surroundings.along + kRim : 0;
   // Both ways along the rising edge it is bright from +x towards +y.
@@ -87,7 +87,8 @@ bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const
 
 void CornerGraph::build(const ImageView& image, std::span<const Corner> corners, float reach,
                         const Surroundings& surroundings) {
-  search_.run(corners, image.size(), reach, nearest_);
+  // Between two corners of squares, what markers have for corners may be nearer.
+  search_.run(corners, image.size(), reach, surroundings.aside < 1, nearest_);
   links_.assign(corners.size(), {kNoCorner, kNoCorner, kNoCorner, kNoCorner});
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const int self = static_cast<int>(i);

@@ -41,14 +41,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 // The nearest corners of one corner, by lanes of vectors.
 class Nearest {
  public:
-  Nearest(const CornerCells& cells, int self, float reach)
+  Nearest(const CornerCells& cells, int self, float reach, bool parallel)
       : cells_(cells),
         x_(cells.x[self]),
         y_(cells.y[self]),
         edges_{{cells.rising_x[self], cells.rising_y[self]},
                {cells.falling_x[self], cells.falling_y[self]}},
         contrast_(cells.contrast[self]),
-        reach_(reach) {
+        reach_(reach),
+        parallel_(parallel) {
     for (int way = 0; way < kWays; ++way) {
       for (int lane = 0; lane < kLongestVector; ++lane) {
         cost_[way][lane] = std::numeric_limits<float>::infinity();
@@ -119,6 +120,7 @@ class Nearest {
       auto good = hn::And(hn::And(like, hn::Le(off, hn::Mul(along, set(kCone)))),
                           hn::And(hn::Ge(along, set(kLeastStep)), hn::Le(along, set(reach_))));
       if (hn::AllFalse(d, good)) continue;
+      if (parallel_) good = hn::And(good, is_parallel(i, line));
       // The edge that arrives there is the other one.
       const auto to_x = at(line == 0 ? cells_.falling_x : cells_.rising_x);
       const auto to_y = at(line == 0 ? cells_.falling_y : cells_.rising_y);
@@ -129,6 +131,17 @@ class Nearest {
       take(hn::AndNot(against, good), cost, i, 2 * line);
       take(hn::And(against, good), cost, i, 2 * line + 1);
     }
+  }
+
+  // Whether the edge that crosses an edge of ours is parallel to the one that crosses it there.
+  [[nodiscard]] hn::Mask<D> is_parallel(int i, int line) const {
+    constexpr float kMostTurn = 0.5F;  // sine of the angle between them
+    const D d;
+    const auto to_x = hn::LoadU(d, (line == 0 ? cells_.rising_x : cells_.falling_x) + i);
+    const auto to_y = hn::LoadU(d, (line == 0 ? cells_.rising_y : cells_.falling_y) + i);
+    const auto across = hn::Sub(hn::Mul(hn::Set(d, edges_[1 - line][0]), to_y),
+                                hn::Mul(hn::Set(d, edges_[1 - line][1]), to_x));
+    return hn::Le(hn::Abs(across), hn::Set(d, kMostTurn));
   }
 
   template <typename Mask, typename V>
@@ -162,13 +175,17 @@ class Nearest {
   float edges_[2][2];
   float contrast_;
   float reach_;
+  bool parallel_;
   int scanned_ = 0;
   alignas(64) float cost_[kWays][kLongestVector];
   alignas(64) int best_[kWays][kLongestVector];  // in the order of the cells
 };
 
-void find_nearest(const CornerCells& cells, float reach, std::array<int, kWays>* nearest) {
-  for (int i = 0; i < cells.count; ++i) nearest[cells.index[i]] = Nearest(cells, i, reach).find();
+void find_nearest(const CornerCells& cells, float reach, bool parallel,
+                  std::array<int, kWays>* nearest) {
+  for (int i = 0; i < cells.count; ++i) {
+    nearest[cells.index[i]] = Nearest(cells, i, reach, parallel).find();
+  }
 }
 
 }  // namespace calvin::detect::HWY_NAMESPACE
@@ -222,9 +239,10 @@ CornerCells NeighbourSearch::sort_into_cells(std::span<const Corner> corners, Im
 }
 
 void NeighbourSearch::run(std::span<const Corner> corners, ImageSize size, float reach,
-                          std::vector<std::array<int, kWays>>& nearest) {
+                          bool parallel, std::vector<std::array<int, kWays>>& nearest) {
   nearest.resize(corners.size());
-  HWY_DYNAMIC_DISPATCH(find_nearest)(sort_into_cells(corners, size), reach, nearest.data());
+  HWY_DYNAMIC_DISPATCH(find_nearest)
+  (sort_into_cells(corners, size), reach, parallel, nearest.data());
 }
 
 }  // namespace calvin::detect

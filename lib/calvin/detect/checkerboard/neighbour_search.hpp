@@ -43,7 +43,8 @@ class NeighbourSearch {
  public:
   // For each corner the nearest one on each way, no further than `reach` px, whose edge arrives
   // there with exchanged colours; kNoCorner where there is none, or only one that skips corners.
-  void run(std::span<const Corner> corners, ImageSize size, float reach,
+  // With `parallel`, both edges have to run as those of the corner.
+  void run(std::span<const Corner> corners, ImageSize size, float reach, bool parallel,
            std::vector<std::array<int, kWays>>& nearest);
 
  private:

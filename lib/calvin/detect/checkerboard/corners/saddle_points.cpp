@@ -19,9 +19,11 @@
 #ifndef CALVIN_DETECT_SADDLE_POINTS_RING
 #define CALVIN_DETECT_SADDLE_POINTS_RING
 namespace calvin::detect {
-// The samples, a sixteenth of a turn apart. Opposite ones are 8 apart.
-inline constexpr int kRingX[16] = {5, 5, 4, 2, 0, -2, -4, -5, -5, -5, -4, -2, 0, 2, 4, 5};
-inline constexpr int kRingY[16] = {0, 2, 4, 5, 5, 5, 4, 2, 0, -2, -4, -5, -5, -5, -4, -2};
+// The samples of both rings, about a sixteenth of a turn apart. Opposite ones are 8 apart.
+inline constexpr int kRingX[2][16] = {{3, 3, 2, 1, 0, -1, -2, -3, -3, -3, -2, -1, 0, 1, 2, 3},
+                                      {5, 5, 4, 2, 0, -2, -4, -5, -5, -5, -4, -2, 0, 2, 4, 5}};
+inline constexpr int kRingY[2][16] = {{0, 1, 2, 3, 3, 3, 2, 1, 0, -1, -2, -3, -3, -3, -2, -1},
+                                      {0, 2, 4, 5, 5, 5, 4, 2, 0, -2, -4, -5, -5, -5, -4, -2}};
 }  // namespace calvin::detect
 #endif
 
@@ -35,10 +37,13 @@ HWY_INLINE V difference(V a, V b) {
   return hn::Sub(hn::Max(a, b), hn::Min(a, b));
 }
 
-// The response at lanes `at`, at + 1, ... All sums are kept as means, in bytes.
-template <class D>
+// The response at lanes `at`, at + 1, ... All sums are kept as means, in bytes. `kRing` as in
+// kRingX.
+template <int kRing, class D>
 HWY_INLINE hn::Vec<D> response_at(D d, const std::uint8_t* at, std::ptrdiff_t stride) {
-  const auto load = [&](int k) { return hn::LoadU(d, at + kRingY[k] * stride + kRingX[k]); };
+  const auto load = [&](int k) {
+    return hn::LoadU(d, at + kRingY[kRing][k] * stride + kRingX[kRing][k]);
+  };
   const auto mean = [](auto a, auto b) { return hn::AverageRound(a, b); };
   hn::Vec<D> sums[2], differences[2], rings[2];
   for (int half = 0; half < 2; ++half) {
@@ -68,37 +73,51 @@ HWY_INLINE hn::Vec<D> response_at(D d, const std::uint8_t* at, std::ptrdiff_t st
   return hn::SaturatedSub(hn::SaturatedSub(sum, difference_mean), off);
 }
 
-void response_row(const std::uint8_t* at, std::ptrdiff_t stride, std::uint8_t* out,
-                  std::size_t count) {
+template <int kRing>
+void response_row_of(const std::uint8_t* at, std::ptrdiff_t stride, std::uint8_t* out,
+                     std::size_t count) {
   const hn::ScalableTag<std::uint8_t> d;
   const std::size_t lanes = hn::Lanes(d);
   std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes) hn::StoreU(response_at(d, at + i, stride), d, out + i);
+  for (; i + lanes <= count; i += lanes)
+    hn::StoreU(response_at<kRing>(d, at + i, stride), d, out + i);
   if (i == count) return;
   if (count >= lanes) {
     i = count - lanes;
-    hn::StoreU(response_at(d, at + i, stride), d, out + i);
+    hn::StoreU(response_at<kRing>(d, at + i, stride), d, out + i);
     return;
   }
   const hn::CappedTag<std::uint8_t, 1> one;
-  for (; i < count; ++i) hn::StoreU(response_at(one, at + i, stride), one, out + i);
+  for (; i < count; ++i) hn::StoreU(response_at<kRing>(one, at + i, stride), one, out + i);
+}
+
+void response_row(const std::uint8_t* at, std::ptrdiff_t stride, RingSize ring, std::uint8_t* out,
+                  std::size_t count) {
+  (ring == RingSize::kSmall ? response_row_of<0> : response_row_of<1>)(at, stride, out, count);
 }
 
 // The responses of a patch whose pixels from (x, y) on are far enough from the border of the image.
-void response_patch(const ImageView& image, int x, int y, int width, int height,
-                    std::uint8_t* out) {
+template <int kRing>
+void response_patch_of(const ImageView& image, int x, int y, int width, int height,
+                       std::uint8_t* out) {
   const hn::CappedTag<std::uint8_t, kPatchWidth> d;
   const hn::CappedTag<std::uint8_t, 1> one;
   for (int row = 0; row < height; ++row, out += kPatchWidth) {
     const std::uint8_t* at = image.data + (y + row) * image.stride + x;
     if (width == static_cast<int>(hn::Lanes(d))) {
-      hn::StoreU(response_at(d, at, image.stride), d, out);
+      hn::StoreU(response_at<kRing>(d, at, image.stride), d, out);
       continue;
     }
     for (int i = 0; i < width; ++i) {
-      hn::StoreU(response_at(one, at + i, image.stride), one, out + i);
+      hn::StoreU(response_at<kRing>(one, at + i, image.stride), one, out + i);
     }
   }
+}
+
+void response_patch(const ImageView& image, int x, int y, int width, int height, RingSize ring,
+                    std::uint8_t* out) {
+  (ring == RingSize::kSmall ? response_patch_of<0> : response_patch_of<1>)(image, x, y, width,
+                                                                           height, out);
 }
 
 // Sets a bit for each pixel of the middle row that is at least `threshold` and no less than its
@@ -210,9 +229,9 @@ constexpr std::size_t kMaxPoints = 2;  // times those wanted, before the thresho
 constexpr int kRingRows = 4;           // at least 2 * kPeakRows + 1, a power of two
 
 // Moves a point to the greatest response next to it.
-void climb(const ImageView& image, SaddlePoint& p) {
+void climb(const ImageView& image, RingSize ring, SaddlePoint& p) {
   ResponsePatch patch;
-  saddle_responses(image, p.x - 1, p.y - 1, 3, patch);
+  saddle_responses(image, p.x - 1, p.y - 1, 3, ring, patch);
   const SaddlePoint from = p;
   for (int dy = 0; dy < 3; ++dy) {
     for (int dx = 0; dx < 3; ++dx) {
@@ -224,7 +243,7 @@ void climb(const ImageView& image, SaddlePoint& p) {
 
 }  // namespace
 
-void saddle_responses(const ImageView& image, int x, int y, int height,
+void saddle_responses(const ImageView& image, int x, int y, int height, RingSize ring,
                       ResponsePatch& patch) noexcept {
   // A patch may reach over the border of the image, but vectors must not.
   const int left = std::max(x, kResponseRadius);
@@ -235,7 +254,7 @@ void saddle_responses(const ImageView& image, int x, int y, int height,
   if (width < kPatchWidth || bottom - top < height) std::memset(patch.at, 0, sizeof patch.at);
   if (width <= 0 || bottom <= top) return;
   HWY_DYNAMIC_DISPATCH(response_patch)
-  (image, left, top, width, bottom - top, patch.at[top - y] + left - x);
+  (image, left, top, width, bottom - top, ring, patch.at[top - y] + left - x);
 }
 
 // Keeps the strongest half of the points: weaker ones cannot be among those wanted.
@@ -263,8 +282,8 @@ void SaddleSearch::take_peaks(const std::uint8_t* row, int y, int width) {
   }
 }
 
-std::span<const SaddlePoint> SaddleSearch::find(const ImageView& image, std::uint8_t threshold,
-                                                std::size_t most) {
+std::span<const SaddlePoint> SaddleSearch::find(const ImageView& image, RingSize ring,
+                                                std::uint8_t threshold, std::size_t most) {
   points_.clear();
   most_ = kMaxPoints * most;
   points_.reserve(most_);
@@ -285,7 +304,7 @@ std::span<const SaddlePoint> SaddleSearch::find(const ImageView& image, std::uin
     std::uint8_t* const newest = ring_row(k);
     if (k < end) {
       HWY_DYNAMIC_DISPATCH(response_row)
-      (image.data + row_at(k) * image.stride + kResponseRadius, image.stride,
+      (image.data + row_at(k) * image.stride + kResponseRadius, image.stride, ring,
        newest + kResponseRadius, static_cast<std::size_t>(inner));
     } else {
       std::memset(newest, 0, bits);
@@ -306,7 +325,7 @@ std::span<const SaddlePoint> SaddleSearch::find(const ImageView& image, std::uin
         [](const SaddlePoint& a, const SaddlePoint& b) { return a.response > b.response; });
     points_.resize(most);
   }
-  for (SaddlePoint& p : points_) climb(image, p);
+  for (SaddlePoint& p : points_) climb(image, ring, p);
   return points_;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "calvin/core/image.hpp"
+#include "calvin/detect/checkerboard/corners/corner.hpp"
 
 namespace calvin::detect {
 
@@ -25,21 +26,22 @@ struct SaddlePoint {
 // too close to the border and beyond it. It is that of ChESS (Bennett and Lasenby, Computer Vision
 // and Image Understanding 118, 2014: sum response - difference response - 16 x mean response, over
 // 8) with half its mean response, in the mean of its sixteen samples, so that it is a grey level:
-// 0.75 of the contrast at an ideal corner, 0 where negative.
+// 0.75 of the contrast at an ideal corner, 0 where negative. The larger ring has a radius of 5 px,
+// the smaller one of 3.
 inline constexpr int kPatchWidth = 16;
 inline constexpr int kMaxPatchHeight = 16;
 struct ResponsePatch {
   std::uint8_t at[kMaxPatchHeight][kPatchWidth];
 };
-void saddle_responses(const ImageView& image, int x, int y, int height,
+void saddle_responses(const ImageView& image, int x, int y, int height, RingSize ring,
                       ResponsePatch& patch) noexcept;
 
 // Finds the greatest responses within 3 px around them. Keeps its memory.
 class SaddleSearch {
  public:
   // The `most` strongest of at least `threshold`; the image has step 1. Valid until the next call.
-  [[nodiscard]] std::span<const SaddlePoint> find(const ImageView& image, std::uint8_t threshold,
-                                                  std::size_t most);
+  [[nodiscard]] std::span<const SaddlePoint> find(const ImageView& image, RingSize ring,
+                                                  std::uint8_t threshold, std::size_t most);
 
  private:
   void take_peaks(const std::uint8_t* row, int y, int width);

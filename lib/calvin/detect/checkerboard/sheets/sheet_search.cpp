@@ -20,7 +20,7 @@ namespace {
 constexpr int kLeastSide = 16;       // px; no board is in a smaller image
 constexpr int kExtraRows = 3;        // rows around a board that are kept, to see that it is larger
 constexpr double kLeastShare = 0.2;  // of a board's corners
-constexpr int kLeastCoded = 9;       // corners of a board with a code, of which any part will do
+constexpr int kLeastCoded = 5;       // corners of a board with a code, of which any part will do
 // Peaks of the response that are looked at, the strongest first.
 constexpr int kPointsPerCorner = 15;
 constexpr int kFewestPoints = 800;
@@ -156,6 +156,7 @@ SearchOptions SheetSearch::options(int level) const {
   options.most_points = 0;
   options.most_groups = 3;
   options.reach = 0;
+  options.surroundings = surroundings_;
   for (const WantedBoard& w : wanted_) {
     const int points = w.pattern.grid.count();
     const double share = kLeastShare * static_cast<double>(points);
