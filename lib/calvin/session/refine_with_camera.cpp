@@ -15,8 +15,8 @@
 
 #include "calvin/detect/checkerboard/corners/fit_radius.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
+#include "calvin/detect/checkerboard/pattern.hpp"
 #include "calvin/detect/patches.hpp"
-#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
@@ -79,15 +79,16 @@ float bend(const Eigen::Vector2d& v, const Eigen::Vector2d& twice, const Eigen::
 
 class CornerRefinement {
  public:
-  CornerRefinement(const Observation& seen, const Checkerboard& board, const Camera& camera,
+  CornerRefinement(const Observation& seen, const detect::Pattern& pattern, const Camera& camera,
                    const SE3& camera_from_board)
       : seen_(seen),
-        grid_(board.grid()),
-        at_(static_cast<std::size_t>(board.grid().count()), kNone) {
-    const auto points = board.grid().points();
+        grid_(pattern.grid),
+        surroundings_(pattern.surroundings),
+        at_(static_cast<std::size_t>(grid_.count()), kNone) {
+    const auto points = grid_.points();
     for (std::size_t i = 0; i < seen.ids.size(); ++i) {
       const auto id = static_cast<std::size_t>(seen.ids[i]);
-      local_.push_back(local_picture(camera, camera_from_board, points[id], board.size));
+      local_.push_back(local_picture(camera, camera_from_board, points[id], grid_.pitch));
       fits_.push_back(local_.back() ? first_guess(i) : std::nullopt);
       at_[id] = i;
     }
@@ -140,9 +141,11 @@ class CornerRefinement {
     const ImageView patch = patch_view(*seen_.patches, i);
     const double room = std::min({f.x, f.y, patch.width - 1 - f.x, patch.height - 1 - f.y});
     const float width = std::max(f.along_width, f.down_width);
+    const auto spacing = static_cast<float>(local_[i]->spacing());
+    f.room = surroundings_.room(spacing, width);
     const int middle = patch.width / 2;
     const float radius =
-        std::min(detect::last_radius(static_cast<float>(local_[i]->spacing()), width),
+        std::min(detect::last_radius(surroundings_.clear(spacing), width),
                  static_cast<float>(middle - kRoom));
     const bool good = room > 1 && fit_saddle(patch, radius, kSteps, f, kTolerance);
     const Pixel to = place(i, f);
@@ -186,6 +189,7 @@ class CornerRefinement {
 
   const Observation& seen_;
   Grid grid_;
+  detect::Surroundings surroundings_;
   std::vector<std::optional<Local>> local_;     // per corner
   std::vector<std::optional<SaddleFit>> fits_;  // per corner, in px of its patch
   std::vector<std::size_t> at_;                 // per id
@@ -234,9 +238,8 @@ Observation refine_with_camera(const Observation& seen, const Board& board, cons
   const auto known = [&board](int id) { return board.index_of(id).has_value(); };
   if (!usable || !std::all_of(seen.ids.begin(), seen.ids.end(), known)) return seen;
   // The control points of other boards are no saddles.
-  const auto* checkerboard = board.as<Checkerboard>();
-  if (checkerboard == nullptr) return seen;
-  return CornerRefinement(seen, *checkerboard, camera, camera_from_board).run();
+  if (!detect::has_pattern(board)) return seen;
+  return CornerRefinement(seen, detect::Pattern(board), camera, camera_from_board).run();
 }
 
 Result<Solution> solve_in_runs(std::span<const View> views, ImageSize image_size,

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace calvin::detect {
 
@@ -25,16 +24,11 @@ float spacing_at(const Lattice& lattice, Cell c) {
 }
 
 float clear_at(const Lattice& lattice, Cell c) {
-  constexpr float kOfWindow = 0.6F;  // of what is clear, the radius of the largest window
-  return std::min(1.0F, lattice.surroundings().along / kOfWindow) * spacing_at(lattice, c);
+  return lattice.surroundings().clear(spacing_at(lattice, c));
 }
 
 float room_at(const Lattice& lattice, Cell c) {
-  const float aside = lattice.surroundings().aside;
-  if (aside >= 1) return std::numeric_limits<float>::infinity();
-  constexpr float kWidths = 1;    // of the blur, from what is printed there into the room
-  constexpr float kLeast = 1.5F;  // px
-  return std::max(kLeast, aside * spacing_at(lattice, c) - kWidths * lattice.at(c).width);
+  return lattice.surroundings().room(spacing_at(lattice, c), lattice.at(c).width);
 }
 
 float closest_radius(float spacing) {
