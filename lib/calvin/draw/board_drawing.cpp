@@ -18,14 +18,15 @@
 #include <cmath>
 #include <exception>
 #include <numbers>
-#include <variant>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "calvin/draw/cairo.hpp"
 #include "calvin/draw/page.hpp"
 #include "calvin/draw/png.hpp"
-#include "calvin/target/kinds.hpp"
+#include "calvin/target/artwork.hpp"
 
 namespace calvin {
 
@@ -63,14 +64,21 @@ struct Canvas {
   double units_per_metre = 1;
   // A PNG is drawn on an alpha-only surface, which Cairo writes as 8-bit grey: a quarter of the
   // memory, and opaque means white.
-  cairo_operator_t ink = CAIRO_OPERATOR_OVER;
+  bool is_alpha_only = false;
+
+  void take_ink(cairo_t* cr, bool is_dark) const {
+    const double level = is_dark ? 0 : 1;
+    cairo_set_source_rgb(cr, level, level, level);
+    cairo_set_operator(cr,
+                       is_alpha_only && is_dark ? CAIRO_OPERATOR_DEST_OUT : CAIRO_OPERATOR_OVER);
+  }
 };
 
 Canvas canvas_for(const BoardLayout& page, const DrawingOptions& options, std::string* bytes) {
   Canvas canvas;
   if (options.format == DrawingFormat::kPng) {
     canvas.units_per_metre = options.dpi / kInch;
-    canvas.ink = CAIRO_OPERATOR_DEST_OUT;
+    canvas.is_alpha_only = true;
     canvas.surface.reset(cairo_image_surface_create(
         CAIRO_FORMAT_A8, static_cast<int>(std::ceil(page.width * canvas.units_per_metre - 1e-6)),
         static_cast<int>(std::ceil(page.height * canvas.units_per_metre - 1e-6))));
@@ -87,22 +95,58 @@ Canvas canvas_for(const BoardLayout& page, const DrawingOptions& options, std::s
   return canvas;
 }
 
-void draw_pattern(cairo_t* cr, const Checkerboard& board, const BoardLayout& page) {
-  for (int j = 0; j <= board.rows; ++j) {
-    for (int i = j % 2; i <= board.cols; i += 2) {
-      cairo_rectangle(cr, page.x + (i - 1) * board.size, page.y + (j - 1) * board.size, board.size,
-                      board.size);
+// Dark cells side by side in a row.
+struct Run {
+  int first = 0;
+  int end = 0;  // the column after the last
+  int row = 0;  // the first of all rows that have it
+};
+
+std::vector<Run> runs_of(const Artwork& artwork, int row) {
+  std::vector<Run> runs;
+  for (int col = 0; col < artwork.cols(); ++col) {
+    if (!artwork.is_dark(col, row)) continue;
+    if (runs.empty() || runs.back().end != col) runs.push_back({col, col, row});
+    ++runs.back().end;
+  }
+  return runs;
+}
+
+// Runs that are the same in row after row are drawn as one: cells that only touch may show a gap.
+void draw_cells(cairo_t* cr, const Artwork& artwork) {
+  std::vector<Run> open;
+  for (int row = 0; row <= artwork.rows(); ++row) {
+    auto runs = row < artwork.rows() ? runs_of(artwork, row) : std::vector<Run>();
+    for (const Run& above : open) {
+      const auto same = std::find_if(runs.begin(), runs.end(), [&](const Run& run) {
+        return run.first == above.first && run.end == above.end;
+      });
+      if (same != runs.end()) {
+        same->row = above.row;
+        continue;
+      }
+      const auto x = [&](int col) { return artwork.x[static_cast<std::size_t>(col)]; };
+      const auto y = [&](int cut) { return artwork.y[static_cast<std::size_t>(cut)]; };
+      cairo_rectangle(cr, x(above.first), y(above.row), x(above.end) - x(above.first),
+                      y(row) - y(above.row));
     }
+    open = std::move(runs);
   }
   cairo_fill(cr);
 }
 
-void draw_pattern(cairo_t* cr, const PointBoard& board, const BoardLayout& page) {
-  for (const PointBoard::Dot& dot : board.dots()) {
+void draw_artwork(cairo_t* cr, const Board& board, const Canvas& canvas) {
+  const Artwork artwork = artwork_of(board);
+  draw_cells(cr, artwork);
+  for (std::size_t i = 0; i < artwork.discs.size(); ++i) {
+    const Artwork::Disc& disc = artwork.discs[i];
     cairo_new_sub_path(cr);
-    cairo_arc(cr, page.x + dot.x, page.y + dot.y, dot.diameter / 2, 0, 2 * std::numbers::pi);
+    cairo_arc(cr, disc.x, disc.y, disc.diameter / 2, 0, 2 * std::numbers::pi);
+    // Those of one colour that follow each other are one path.
+    if (i + 1 < artwork.discs.size() && artwork.discs[i + 1].is_dark == disc.is_dark) continue;
+    canvas.take_ink(cr, disc.is_dark);
+    cairo_fill(cr);
   }
-  cairo_fill(cr);
 }
 
 double text_width(cairo_t* cr, const std::string& text, double size) {
@@ -157,9 +201,11 @@ void draw_page(const Canvas& canvas, const Board& board, const BoardLayout& page
   cairo_set_source_rgb(cr, 1, 1, 1);
   cairo_paint(cr);
   cairo_scale(cr, canvas.units_per_metre, canvas.units_per_metre);
-  cairo_set_operator(cr, canvas.ink);
-  cairo_set_source_rgb(cr, 0, 0, 0);
-  std::visit([&](const auto& kind) { draw_pattern(cr, kind, page); }, board.kind());
+  canvas.take_ink(cr, true);
+  cairo_save(cr);
+  cairo_translate(cr, page.x, page.y);
+  draw_artwork(cr, board, canvas);
+  cairo_restore(cr);
 
   const CairoFontOptions hints(cairo_font_options_create());
   cairo_font_options_set_hint_style(hints.get(), CAIRO_HINT_STYLE_NONE);

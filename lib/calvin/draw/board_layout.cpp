@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -82,17 +83,31 @@ std::optional<Extent> turned_for(const Board& board, const Paper& paper) {
   return std::nullopt;
 }
 
-double largest_square_upright(const Checkerboard& board, double width, double height) {
-  const auto along = [](int squares, double length) {
-    return std::min(length / (squares + 1), (length - 2 * kSmallestBorder) / squares);
+// What lies on a page grows with the cells, but for a border that is at least so wide and the
+// caption.
+double largest_cell_upright(const Extent& cells, double width, double height) {
+  const auto along = [](double count, double length) {
+    return std::min(length / (count + 1), (length - 2 * kSmallestBorder) / count);
   };
-  return std::min(along(board.cols + 1, width), along(board.rows + 1, height - kCaptionHeight));
+  return std::min(along(cells.width, width), along(cells.height, height - kCaptionHeight));
 }
 
-double largest_square(const Checkerboard& board, const Paper& paper) {
-  const double size = std::max(largest_square_upright(board, paper.width, paper.height),
-                               largest_square_upright(board, paper.height, paper.width));
+double largest_cell(const Board& board, const Paper& paper) {
+  const double own = board.cell_size(board.ids().front());
+  const Extent cells{pattern_of(board).width / own, pattern_of(board).height / own};
+  const double size = std::max(largest_cell_upright(cells, paper.width, paper.height),
+                               largest_cell_upright(cells, paper.height, paper.width));
   return std::floor(size * 1e4 + 1e-6) / 1e4;  // down to 0.1 mm
+}
+
+// The same board with cells of another size; absent for one whose measures are no multiples of one.
+std::optional<Board> with_cells_of(const Board& board, double size) {
+  return std::visit(
+      [size](const auto& kind) -> std::optional<Board> {
+        if constexpr (requires { kind.with_cells_of(size); }) return kind.with_cells_of(size);
+        return std::nullopt;
+      },
+      board.kind());
 }
 
 std::string in_mm(const Extent& extent) {
@@ -106,12 +121,11 @@ tl::unexpected<Error> does_not_fit(const Board& board, const Paper& paper) {
   });
   std::string advice = fmt::format(
       "paper '{}' holds it", better == kPapers.end() ? std::string_view("fit") : better->name);
-  const auto* checkerboard = board.as<Checkerboard>();
-  const double size = checkerboard == nullptr ? 0 : largest_square(*checkerboard, paper);
-  if (size > 0) {
-    const Checkerboard smaller = {checkerboard->cols, checkerboard->rows, size};
+  const double size = largest_cell(board, paper);
+  const auto smaller = size > 0 ? with_cells_of(board, size) : std::nullopt;
+  if (smaller) {
     advice += fmt::format(", or squares of at most {}mm do ({})", std::round(size * 1e4) / 10,
-                          smaller.text());
+                          smaller->text());
   }
   return make_error(
       ErrorCode::kInvalidArgument,

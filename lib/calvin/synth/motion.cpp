@@ -14,7 +14,6 @@
 #include <Eigen/Geometry>
 
 #include "calvin/synth/random.hpp"
-#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
@@ -46,13 +45,13 @@ std::vector<Eigen::Vector3d> outline(const Board& board) {
   return points;
 }
 
-// All corners of all squares, and all control points of a board without any; in the board frame.
+// All corners of all squares, or all control points and those that would go on around them; all
+// control points of a board without a grid. In the board frame.
 std::vector<Eigen::Vector3d> lattice(const Board& board) {
-  const auto* checkerboard = board.as<Checkerboard>();
-  if (checkerboard == nullptr) return board.points();
-  const auto& [cols, rows, size] = *checkerboard;
-  auto points = Grid{cols + 2, rows + 2, size}.points();
-  for (auto& p : points) p -= Eigen::Vector3d(size, size, 0);
+  const auto grid = board.grid();
+  if (!grid) return board.points();
+  auto points = Grid{grid->cols + 2, grid->rows + 2, grid->pitch}.points();
+  for (auto& p : points) p -= Eigen::Vector3d(grid->pitch, grid->pitch, 0);
   return points;
 }
 

@@ -4,6 +4,7 @@
 // The polygon that a pixel covers on the board, and how it is cut. Internal.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -11,8 +12,8 @@
 namespace calvin::synth {
 
 // A pixel's corner: its place in the pixel, and what it shows of the board plane in homogeneous
-// coordinates, (x/w, y/w) in units of the scene. These change over a pixel as the ray does, which
-// is nearly linear for any lens, where x/w is not.
+// coordinates, (x/w, y/w) in m. These change over a pixel as the ray does, which is nearly linear
+// for any lens, where x/w is not.
 struct Vertex {
   float u, v;
   double x, y, w;
@@ -20,33 +21,54 @@ struct Vertex {
 
 // A polygon small enough to stay on the stack; convex but for the lens's distortion in one pixel.
 struct Polygon {
-  std::array<Vertex, 32> vertices;
+  static constexpr std::size_t kMost = 40;
+
+  std::array<Vertex, kMost> vertices;
   std::size_t count = 0;
+
+  Polygon() {}  // NOLINT: the vertices beyond the count are never read
+  Polygon(const Polygon& other) { *this = other; }
+  Polygon& operator=(const Polygon& other) {
+    count = other.count;
+    std::copy_n(other.vertices.begin(), count, vertices.begin());
+    return *this;
+  }
+  ~Polygon() = default;
 
   void push(const Vertex& vertex) {
     if (count < vertices.size()) vertices[count++] = vertex;
   }
+  [[nodiscard]] const Vertex& after(std::size_t i) const {
+    return vertices[i + 1 < count ? i + 1 : 0];
+  }
+  // px
   [[nodiscard]] double area() const {
     double twice = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const Vertex& a = vertices[i];
-      const Vertex& b = vertices[i + 1 < count ? i + 1 : 0];
+      const Vertex& b = after(i);
       twice += static_cast<double>(a.u * b.v - b.u * a.v);
     }
     return std::abs(twice) / 2;
   }
 };
 
-// Cuts `all` along coordinate / w = at (Sutherland and Hodgman): the part below it and the rest.
-inline void cut(const Polygon& all, double Vertex::*coordinate, double at, Polygon& below,
-                Polygon& above) {
+// A line of the board plane, a x + b y = c.
+struct Line {
+  double a, b, c;
+};
+
+// Cuts `all` along a line (Sutherland and Hodgman): the part with the smaller a x + b y and the
+// rest.
+inline void cut(const Polygon& all, const Line& line, Polygon& below, Polygon& above) {
+  const auto side = [&line](const Vertex& p) { return line.a * p.x + line.b * p.y - line.c * p.w; };
   below.count = 0;
   above.count = 0;
   for (std::size_t i = 0; i < all.count; ++i) {
     const Vertex& a = all.vertices[i];
-    const Vertex& b = all.vertices[i + 1 < all.count ? i + 1 : 0];
-    const double da = a.*coordinate - at * a.w;
-    const double db = b.*coordinate - at * b.w;
+    const Vertex& b = all.after(i);
+    const double da = side(a);
+    const double db = side(b);
     (da < 0 ? below : above).push(a);
     if ((da < 0) == (db < 0)) continue;
     const double t = da / (da - db);

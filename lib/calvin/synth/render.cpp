@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The mean of the board over each pixel, as the scene of its kind has it.
+// The mean of the board over each pixel.
 
 #include "calvin/synth/render.hpp"
 
@@ -11,18 +11,15 @@
 #include <numbers>
 #include <optional>
 #include <utility>
-#include <variant>
 
 #include <Eigen/LU>
 
 #include "calvin/camera/image_transform.hpp"
-#include "calvin/synth/dot_scene.hpp"
 #include "calvin/synth/filter.hpp"
 #include "calvin/synth/random.hpp"
 #include "calvin/synth/rays.hpp"
-#include "calvin/synth/scene_levels.hpp"
-#include "calvin/synth/square_scene.hpp"
-#include "calvin/target/kinds.hpp"
+#include "calvin/synth/scene.hpp"
+#include "calvin/target/artwork.hpp"
 
 namespace calvin {
 
@@ -35,11 +32,11 @@ double front_side(const SE3& camera_from_board) {
   return camera_from_board.rotation.col(2).dot(camera_from_board.translation);
 }
 
-// `unit` is the length of the scene's coordinates, m.
-Eigen::Matrix3d plane_from_ray_of(double unit, const SE3& camera_from_board) {
+// Takes a ray to the board plane, (x, y, 1) / distance.
+Eigen::Matrix3d plane_from_ray_of(const SE3& camera_from_board) {
   Eigen::Matrix3d ray_from_plane;
-  ray_from_plane << unit * camera_from_board.rotation.col(0),
-      unit * camera_from_board.rotation.col(1), camera_from_board.translation;
+  ray_from_plane << camera_from_board.rotation.col(0), camera_from_board.rotation.col(1),
+      camera_from_board.translation;
   // Seen edge-on, or from a pose that is no number, there is no board.
   Eigen::Matrix3d plane_from_ray = ray_from_plane.inverse();
   if (!plane_from_ray.allFinite()) plane_from_ray.setZero();
@@ -53,38 +50,18 @@ synth::SceneLevels levels_of(const RenderOptions& options, bool from_behind) {
           exposure * options.background};
 }
 
-synth::SquareScene scene_of(const Checkerboard& board, const synth::SceneLevels& levels) {
-  return {board, levels};
-}
-synth::DotScene scene_of(const PointBoard& board, const synth::SceneLevels& levels) {
-  return {board, levels};
-}
-
-// What a camera sees of a board of one kind from one place.
-template <typename Scene>
-struct BoardView {
-  Scene scene;
-  Eigen::Matrix3d plane_from_ray;  // takes a ray to (x, y, 1) / distance
-
-  template <typename Kind>
-  BoardView(const Kind& board, const RenderOptions& options, const SE3& camera_from_board)
-      : scene(scene_of(board, levels_of(options, front_side(camera_from_board) < 0))),
-        plane_from_ray(plane_from_ray_of(scene.unit(), camera_from_board)) {}
-};
-
 // Where a row of the rays meets the board plane.
-template <typename Scene>
 struct NodeRow {
   std::vector<Eigen::Vector3d> at;  // (x, y, w) as in Vertex
-  std::vector<typename Scene::Place> places;
+  std::vector<synth::Scene::Cell> cells;
 
-  explicit NodeRow(std::size_t count) : at(count), places(count, Scene::nothing()) {}
+  explicit NodeRow(std::size_t count) : at(count), cells(count, synth::Scene::nothing()) {}
 
-  void fill(const float* rays, const BoardView<Scene>& view) {
+  void fill(const float* rays, const synth::Scene& scene, const Eigen::Matrix3d& plane_from_ray) {
     for (std::size_t i = 0; i < at.size(); ++i, rays += 3) {
-      at[i] = view.plane_from_ray * Eigen::Map<const Eigen::Vector3f>(rays).cast<double>();
-      places[i] = at[i].z() > 0 ? view.scene.place_at(at[i].x() / at[i].z(), at[i].y() / at[i].z())
-                                : Scene::nothing();
+      at[i] = plane_from_ray * Eigen::Map<const Eigen::Vector3f>(rays).cast<double>();
+      cells[i] = at[i].z() > 0 ? scene.cell_at(at[i].x() / at[i].z(), at[i].y() / at[i].z())
+                               : synth::Scene::nothing();
     }
   }
   [[nodiscard]] Vertex vertex(std::size_t i, float u, float v) const {
@@ -92,16 +69,15 @@ struct NodeRow {
   }
 };
 
-template <typename Scene>
-void render_row(const Scene& scene, const NodeRow<Scene>& upper, const NodeRow<Scene>& lower,
-                float* out, std::size_t width) {
+void render_row(const synth::Scene& scene, const synth::SceneLevels& levels, const NodeRow& upper,
+                const NodeRow& lower, float* out, std::size_t width) {
   for (std::size_t i = 0; i < width; ++i) {
     const auto corners = [&] {
       return synth::PixelCorners{upper.vertex(i, 0, 0), upper.vertex(i + 1, 1, 0),
                                  lower.vertex(i + 1, 1, 1), lower.vertex(i, 0, 1)};
     };
     out[i] = static_cast<float>(scene.mean(
-        corners, {upper.places[i], upper.places[i + 1], lower.places[i + 1], lower.places[i]}));
+        levels, corners, {upper.cells[i], upper.cells[i + 1], lower.cells[i + 1], lower.cells[i]}));
   }
 }
 
@@ -131,37 +107,34 @@ const float* BoardRenderer::rays_above(int row) const {
 
 GrayImage BoardRenderer::render(const Board& board, const SE3& camera_from_board,
                                 const RenderOptions& options) const {
-  const PoseOfRow still = [&](double /*v*/) { return camera_from_board; };
-  return std::visit([&](const auto& kind) { return render_rows(kind, still, false, options); },
-                    board.kind());
+  return render_rows(
+      board, [&](double /*v*/) { return camera_from_board; }, false, options);
 }
 
 GrayImage BoardRenderer::render(const Board& board, const PoseOfRow& camera_from_board,
                                 const RenderOptions& options) const {
-  return std::visit(
-      [&](const auto& kind) { return render_rows(kind, camera_from_board, true, options); },
-      board.kind());
+  return render_rows(board, camera_from_board, true, options);
 }
 
-template <typename Kind>
-GrayImage BoardRenderer::render_rows(const Kind& board, const PoseOfRow& camera_from_board,
+GrayImage BoardRenderer::render_rows(const Board& board, const PoseOfRow& camera_from_board,
                                      bool moves, const RenderOptions& options) const {
-  using Scene = decltype(scene_of(board, levels_of(options, false)));
+  const synth::Scene scene(artwork_of(board));
   synth::FloatImage image(size_);
   const auto width = static_cast<std::size_t>(size_.width);
-  NodeRow<Scene> upper(width + 1);
-  NodeRow<Scene> lower(width + 1);
-  std::optional<BoardView<Scene>> view;
-  view.emplace(board, options, camera_from_board(0));
-  lower.fill(rays_above(0), *view);
+  NodeRow upper(width + 1);
+  NodeRow lower(width + 1);
+  SE3 pose = camera_from_board(0);
+  Eigen::Matrix3d plane_from_ray = plane_from_ray_of(pose);
+  lower.fill(rays_above(0), scene, plane_from_ray);
   for (int y = 0; y < size_.height; ++y) {
     std::swap(upper, lower);
     if (moves) {
-      view.emplace(board, options, camera_from_board(y));
-      upper.fill(rays_above(y), *view);
+      pose = camera_from_board(y);
+      plane_from_ray = plane_from_ray_of(pose);
+      upper.fill(rays_above(y), scene, plane_from_ray);
     }
-    lower.fill(rays_above(y + 1), *view);
-    render_row(view->scene, upper, lower, image.row(y), width);
+    lower.fill(rays_above(y + 1), scene, plane_from_ray);
+    render_row(scene, levels_of(options, front_side(pose) < 0), upper, lower, image.row(y), width);
   }
   synth::blur(image, options.blur);
   return synth::quantise(image, options.noise, options.seed);

@@ -6,8 +6,8 @@
 // Intensities are linear: grey level = exposure * reflectance, without gamma, lens shading or
 // glare. A pixel is the mean of the scene over its square, to the accuracy of a straight edge
 // within one pixel; edges lie where the camera's project() puts them to better than 0.002 px.
-// Around a checkerboard runs a light margin of one square, around that a constant background, which
-// also stands where the camera model is not valid. From behind a board is a blank light card.
+// Around a board of squares runs a light margin of one square, around that a constant background,
+// which also stands where the camera model is not valid. From behind a board is a blank light card.
 #pragma once
 
 #include <cstdint>
@@ -55,8 +55,7 @@ class BoardRenderer {
 
  private:
   [[nodiscard]] const float* rays_above(int row) const;
-  template <typename Kind>
-  [[nodiscard]] GrayImage render_rows(const Kind& board, const PoseOfRow& camera_from_board,
+  [[nodiscard]] GrayImage render_rows(const Board& board, const PoseOfRow& camera_from_board,
                                       bool moves, const RenderOptions& options) const;
 
   ImageSize size_;

@@ -47,11 +47,24 @@ Status CharucoBoard::check() const {
   return {};
 }
 
+BoardArea CharucoBoard::outline() const noexcept {
+  const BoardArea squares = grid().outline();
+  const double frame = inverted ? square / 2 : 0;
+  return {squares.left - frame, squares.top - frame, squares.right + frame, squares.bottom + frame};
+}
+
 bool CharucoBoard::looks_like(const CharucoBoard& other) const noexcept {
   CharucoBoard same_size = other;
   same_size.square = square;
   same_size.marker = marker;
   return *this == same_size;
+}
+
+CharucoBoard CharucoBoard::with_cells_of(double side) const noexcept {
+  CharucoBoard other = *this;
+  other.square = side;
+  other.marker = marker / square * side;
+  return other;
 }
 
 }  // namespace calvin

@@ -25,7 +25,7 @@ struct CharucoBoard {
   // The order of OpenCV before 4.7, in which the upper left square is light where there is an even
   // number of rows.
   bool legacy = false;
-  bool inverted = false;  // all colours are exchanged
+  bool inverted = false;  // all colours are exchanged, on a dark sheet
 
   // Whether a square holds a marker; the others are as dark as the rims of the markers.
   [[nodiscard]] bool has_marker(int col, int row) const noexcept {
@@ -38,9 +38,13 @@ struct CharucoBoard {
   [[nodiscard]] std::string text() const;
   [[nodiscard]] Status check() const;
   [[nodiscard]] Grid grid() const noexcept { return {cols - 1, rows - 1, square}; }
-  [[nodiscard]] BoardArea outline() const noexcept { return grid().outline(); }
+  // Half a square of the dark sheet around an inverted board belongs to it.
+  [[nodiscard]] BoardArea outline() const noexcept;
   [[nodiscard]] std::vector<Relabelling> symmetries() const { return {}; }
   [[nodiscard]] bool looks_like(const CharucoBoard& other) const noexcept;
+
+  // The markers keep their share of a square.
+  [[nodiscard]] CharucoBoard with_cells_of(double side) const noexcept;
 
   friend bool operator==(const CharucoBoard&, const CharucoBoard&) = default;
 };

@@ -27,6 +27,10 @@ struct Checkerboard {
   [[nodiscard]] std::vector<Relabelling> symmetries() const;
   [[nodiscard]] bool looks_like(const Checkerboard& other) const noexcept;
 
+  [[nodiscard]] Checkerboard with_cells_of(double side) const noexcept {
+    return {cols, rows, side};
+  }
+
   friend bool operator==(const Checkerboard&, const Checkerboard&) = default;
 };
 

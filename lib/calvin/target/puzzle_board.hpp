@@ -45,6 +45,10 @@ struct PuzzleBoard {
   [[nodiscard]] std::vector<Relabelling> symmetries() const { return {}; }
   [[nodiscard]] bool looks_like(const PuzzleBoard& other) const noexcept;
 
+  [[nodiscard]] PuzzleBoard with_cells_of(double side) const noexcept {
+    return {cols, rows, side, x0, y0};
+  }
+
   friend bool operator==(const PuzzleBoard&, const PuzzleBoard&) = default;
 };
 

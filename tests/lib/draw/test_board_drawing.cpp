@@ -212,7 +212,7 @@ TEST(Drawing, TheDetectorFindsTheCornersWhereTheyAre) {
   const cv::Mat view(image.height, image.width, CV_8U, image.pixels.data());
   ASSERT_TRUE(cv::findChessboardCornersSB(view, {board.cols, board.rows}, corners));
   if (corners.front().y > corners.back().y) std::reverse(corners.begin(), corners.end());
-  const auto points = board.points();
+  const auto points = board.grid().points();
   ASSERT_EQ(corners.size(), points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_NEAR(corners[i].x, (page.x + points[i].x()) * dpi / 0.0254 - 0.5, 0.15) << i;

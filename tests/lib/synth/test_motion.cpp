@@ -44,7 +44,7 @@ class MotionOf : public ::testing::TestWithParam<int> {
     const Checkerboard larger = {b.cols + 2, b.rows + 2, b.size};
     const SE3 shifted = {pose.rotation, pose * Eigen::Vector3d(-b.size, -b.size, 0)};
     return true_observation(cam, larger, shifted).ids.size() ==
-           static_cast<std::size_t>(larger.point_count());
+           static_cast<std::size_t>(larger.grid().count());
   }
 };
 INSTANTIATE_TEST_SUITE_P(Cameras, MotionOf, ::testing::Range(0, 4));

@@ -293,7 +293,7 @@ TEST(Renderer, ARollingShutterShowsEachRowAsOfItsTime) {
   double moved = 0;
   for (std::size_t i = 0; i < truth.ids.size(); ++i) {
     const Pixel p = truth.uv[i];
-    const Pixel q = cam.project(pose(p.v) * board().points()[i]).value();
+    const Pixel q = cam.project(pose(p.v) * board().grid().points()[i]).value();
     EXPECT_LT(std::hypot(p.u - q.u, p.v - q.v), 1e-6);
     moved = std::max(moved, std::hypot(p.u - still.uv[i].u, p.v - still.uv[i].v));
   }

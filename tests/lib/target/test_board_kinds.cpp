@@ -165,7 +165,7 @@ TEST(PointBoards, AreStillBoardsWhenMovedFrom) {
   const PointBoard taken = std::move(dots);
   const Board other = std::move(board);
   EXPECT_EQ(dots, taken);  // NOLINT(bugprone-use-after-move): it is this that is asked
-  EXPECT_EQ(dots.point_count(), 5);
+  EXPECT_EQ(dots.count(), 5);
   EXPECT_EQ(board, other);  // NOLINT(bugprone-use-after-move): likewise
   EXPECT_EQ(board.text(), "points:plate");
 }

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The cells and discs of each kind of board.
+
+#include "calvin/target/artwork.hpp"
+
+#include <variant>
+
+#include "calvin/target/kinds.hpp"
+
+namespace calvin {
+
+namespace {
+
+// Fills the cells between the cuts.
+template <typename IsDark>
+void fill_cells(Artwork& artwork, IsDark is_dark) {
+  artwork.dark.reserve(static_cast<std::size_t>(artwork.cols()) *
+                       static_cast<std::size_t>(artwork.rows()));
+  for (int row = 0; row < artwork.rows(); ++row) {
+    for (int col = 0; col < artwork.cols(); ++col) artwork.dark.push_back(is_dark(col, row));
+  }
+}
+
+// The edges of the squares around so many inner corners.
+std::vector<double> square_cuts(int corners, double side) {
+  std::vector<double> cuts;
+  for (int i = -1; i <= corners; ++i) cuts.push_back(i * side);
+  return cuts;
+}
+
+// Whole squares around all control points; is_dark takes the control point below and to the right
+// of a square.
+template <typename IsDark>
+void print_squares(Artwork& artwork, const Grid& grid, IsDark is_dark) {
+  artwork.margin = grid.pitch;
+  artwork.x = square_cuts(grid.cols, grid.pitch);
+  artwork.y = square_cuts(grid.rows, grid.pitch);
+  fill_cells(artwork, [&](int col, int row) { return is_dark(GridPlace{col, row}); });
+}
+
+void print(Artwork& artwork, const Checkerboard& board) {
+  print_squares(artwork, board.grid(), [](GridPlace p) { return (p.col + p.row) % 2 == 0; });
+}
+
+void print(Artwork& artwork, const PuzzleBoard& board) {
+  print_squares(artwork, board.grid(), [&](GridPlace p) { return board.is_dark_before(p); });
+  const double diameter = PuzzleBoard::kDotDiameter * board.size;
+  for (int row = 0; row < board.rows; ++row) {
+    for (int col = 0; col < board.cols; ++col) {
+      const double x = col * board.size;
+      const double y = row * board.size;
+      const double half = board.size / 2;
+      if (col + 1 < board.cols) {
+        artwork.discs.push_back({x + half, y, diameter, !board.is_light_after({col, row})});
+      }
+      if (row + 1 < board.rows) {
+        artwork.discs.push_back({x, y + half, diameter, !board.is_light_below({col, row})});
+      }
+    }
+  }
+}
+
+// The squares of a ChArUco board, each cut as the marker in the middle of it is, with its rim, into
+// cells.
+class CharucoCells {
+ public:
+  explicit CharucoCells(const CharucoBoard& board)
+      : board_(board), marker_cells_(board.dictionary->side + 2) {}
+
+  [[nodiscard]] std::vector<double> cuts(int squares) const {
+    const double gap = (board_.square - board_.marker) / 2;
+    std::vector<double> cuts;
+    for (int i = 0; i < squares; ++i) {
+      const double start = (i - 1) * board_.square;
+      cuts.push_back(start);
+      for (int k = 0; k <= marker_cells_; ++k) {
+        cuts.push_back(start + gap + k * board_.marker / marker_cells_);
+      }
+    }
+    cuts.push_back((squares - 1) * board_.square);
+    return cuts;
+  }
+
+  // Before colours are exchanged.
+  [[nodiscard]] bool is_dark(int col, int row) const {
+    const int cells = marker_cells_ + 2;  // along a square: a gap on either side
+    const GridPlace square{col / cells, row / cells};
+    if (!board_.has_marker(square.col, square.row)) return true;
+    const int i = col % cells - 1;
+    const int j = row % cells - 1;
+    const auto is_within = [](int k, int first, int last) { return k >= first && k <= last; };
+    const int last = marker_cells_ - 1;
+    if (!is_within(i, 0, last) || !is_within(j, 0, last)) return false;
+    if (!is_within(i, 1, last - 1) || !is_within(j, 1, last - 1)) return true;
+    const int id = board_.marker_in(square.col, square.row);
+    return !board_.dictionary->is_light(id, i - 1, j - 1);
+  }
+
+ private:
+  const CharucoBoard& board_;
+  int marker_cells_;  // along a side, with the rim
+};
+
+void print(Artwork& artwork, const CharucoBoard& board) {
+  const CharucoCells cells(board);
+  artwork.margin = board.square;
+  artwork.x = cells.cuts(board.cols);
+  artwork.y = cells.cuts(board.rows);
+  if (!board.inverted) {
+    fill_cells(artwork, [&](int col, int row) { return cells.is_dark(col, row); });
+    return;
+  }
+  // The dark around an inverted board is printed, where the light around another one is not.
+  artwork.x.insert(artwork.x.begin(), artwork.outline.left);
+  artwork.x.push_back(artwork.outline.right);
+  artwork.y.insert(artwork.y.begin(), artwork.outline.top);
+  artwork.y.push_back(artwork.outline.bottom);
+  const int cols = artwork.cols() - 2;
+  const int rows = artwork.rows() - 2;
+  fill_cells(artwork, [&](int col, int row) {
+    const bool is_inside = col > 0 && row > 0 && col <= cols && row <= rows;
+    return !is_inside || !cells.is_dark(col - 1, row - 1);
+  });
+}
+
+void print(Artwork& artwork, const PointBoard& board) {
+  for (const PointBoard::Dot& dot : board.dots()) {
+    artwork.discs.push_back({dot.x, dot.y, dot.diameter, true});
+  }
+}
+
+}  // namespace
+
+Artwork artwork_of(const Board& board) {
+  Artwork artwork;
+  if (!board.check()) return artwork;
+  artwork.outline = board.outline();
+  std::visit([&](const auto& kind) { print(artwork, kind); }, board.kind());
+  return artwork;
+}
+
+}  // namespace calvin
