@@ -23,7 +23,7 @@ namespace {
 
 using calvin::Board;
 using calvin::Camera;
-using calvin::Checkerboard;
+using calvin::Grid;
 using calvin::ImageSize;
 using calvin::SE3;
 using calvin::synth::Uniform;
@@ -41,7 +41,7 @@ Camera camera_of(const SceneClass& kind, ImageSize size, Uniform& random) {
 }
 
 // Of the smallest square in view, px.
-double least_square(const calvin::Observation& truth, const Checkerboard& board) {
+double least_square(const calvin::Observation& truth, const Grid& board) {
   double least = 1e9;
   for (std::size_t i = 0; i < truth.ids.size(); ++i) {
     for (std::size_t k = i + 1; k < truth.ids.size(); ++k) {
@@ -54,10 +54,10 @@ double least_square(const calvin::Observation& truth, const Checkerboard& board)
   return least;
 }
 
-bool outer_squares_in_view(const Camera& camera, const Checkerboard& board, const SE3& pose) {
+bool outer_squares_in_view(const Camera& camera, const Grid& board, const SE3& pose) {
   for (const double x : {-1.0, static_cast<double>(board.cols)}) {
     for (const double y : {-1.0, static_cast<double>(board.rows)}) {
-      const auto at = camera.project(pose * Eigen::Vector3d(x * board.size, y * board.size, 0));
+      const auto at = camera.project(pose * Eigen::Vector3d(x * board.pitch, y * board.pitch, 0));
       if (!at || at->u < 0 || at->v < 0 || at->u > camera.image_size().width - 1 ||
           at->v > camera.image_size().height - 1) {
         return false;
@@ -67,10 +67,10 @@ bool outer_squares_in_view(const Camera& camera, const Checkerboard& board, cons
   return true;
 }
 
-SE3 pose_of(const SceneClass& kind, const Camera& camera, const Checkerboard& board,
-            Uniform& random) {
+SE3 pose_of(const SceneClass& kind, const Camera& camera, const Board& of, Uniform& random) {
+  const Grid board = of.grid().value();
   const ImageSize size = camera.image_size();
-  const Eigen::Vector3d middle((board.cols - 1) * board.size / 2, (board.rows - 1) * board.size / 2,
+  const Eigen::Vector3d middle((board.cols - 1) * board.pitch / 2, (board.rows - 1) * board.pitch / 2,
                                0);
   for (;;) {
     const auto ray = camera.unproject({random(0, size.width - 1), random(0, size.height - 1)});
@@ -78,7 +78,7 @@ SE3 pose_of(const SceneClass& kind, const Camera& camera, const Checkerboard& bo
     double squares = random(kind.fill_from, kind.fill_to) *
                      std::min(size.width / (board.cols + 1.0), size.height / (board.rows + 1.0));
     if (kind.square_to > 0) squares = random(kind.square_from, kind.square_to);
-    const double distance = camera.fx() * board.size / squares;
+    const double distance = camera.fx() * board.pitch / squares;
     const double tilt = random(0, kind.tilt);
     const double side = random(0, 2 * kPi);
     const Eigen::Matrix3d rotation =
@@ -86,9 +86,9 @@ SE3 pose_of(const SceneClass& kind, const Camera& camera, const Checkerboard& bo
         calvin::exp_so3({tilt * std::cos(side), tilt * std::sin(side), 0}) *
         calvin::exp_so3({0, 0, random(0, 2 * kPi)});
     SE3 pose = {rotation, *ray * distance - rotation * middle};
-    const auto truth = calvin::true_observation(camera, board, pose);
+    const auto truth = calvin::true_observation(camera, of, pose);
     if (truth.ids.size() < 12 || least_square(truth, board) < 8) continue;
-    const double seen = static_cast<double>(truth.ids.size()) / board.point_count();
+    const double seen = static_cast<double>(truth.ids.size()) / board.count();
     if (kind.cut ? (seen > 0.95 || seen < 0.45) : !outer_squares_in_view(camera, board, pose)) {
       continue;
     }
@@ -170,7 +170,7 @@ Camera enlarged(const Camera& camera, int border, int fine) {
       .value();
 }
 
-cv::Mat rendered(const SceneClass& kind, const Camera& camera, const Checkerboard& board,
+cv::Mat rendered(const SceneClass& kind, const Camera& camera, const Board& board,
                  const calvin::PoseOfRow& pose, Uniform& random) {
   // What is blurred comes from beyond the border of the picture too. A lens blurs before the pixels
   // sample, and ink does not run in steps of them: pixels that are blurred afterwards have moved
@@ -273,8 +273,7 @@ Scene make_scene(const SceneClass& kind, ImageSize size, std::uint64_t seed) {
   Uniform random(seed, 77);
   Scene scene;
   const char* usual = seed % 3 == 0 ? "checkerboard:11x8:25mm" : "checkerboard:9x6:25mm";
-  const Board board = calvin::parse_board(*kind.board != 0 ? kind.board : usual).value();
-  scene.board = *board.as<Checkerboard>();
+  scene.board = calvin::parse_board(*kind.board != 0 ? kind.board : usual).value();
   const Camera camera = camera_of(kind, size, random);
   const calvin::PoseOfRow pose =
       motion_of(kind, camera, pose_of(kind, camera, scene.board, random), random);
@@ -306,10 +305,8 @@ cv::Mat make_negative(ImageSize size, std::uint64_t seed) {
     // A board of another size.
     static const char* const kOthers[] = {"8x6", "9x5",  "10x6", "9x7",
                                           "7x5", "11x8", "8x5",  "10x7"};
-    const Checkerboard board =
-        *calvin::parse_board(fmt::format("checkerboard:{}:25mm", kOthers[seed / 6 % 8]))
-             .value()
-             .as<Checkerboard>();
+    const Board board =
+        calvin::parse_board(fmt::format("checkerboard:{}:25mm", kOthers[seed / 6 % 8])).value();
     const SceneClass scene{.name = "", .tilt = 0.6, .clutter = true};
     const Camera camera = camera_of(scene, size, random);
     SE3 pose = pose_of(scene, camera, board, random);

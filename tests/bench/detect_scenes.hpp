@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Rendered boards, of which the corners are known, and pictures without any, for the detectors.
+// Rendered boards with corners of squares, of which the corners are known, and pictures without any, for the detectors.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,6 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/target/board.hpp"
-#include "calvin/target/kinds.hpp"
 
 namespace bench {
 
@@ -48,7 +47,7 @@ struct SceneClass {
 [[nodiscard]] const std::vector<SceneClass>& scene_classes();
 
 struct Scene {
-  calvin::Checkerboard board;
+  calvin::Board board;
   cv::Mat image;              // 8-bit grey
   cv::Mat clean;              // the same in floating point, before noise
   calvin::Observation truth;  // the corners that can be seen

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct Node {
   float width = 1;     // px, the blur of the edges as far as known
   float sigma = 0;     // px, of the place, once it was fitted
   float misfit = 0;    // of the last prune(), in parts of the spacing
+  // Of the edges towards the next corners around, as in kAround: 1 where there is a light dot, -1
+  // where there is a dark one, 0 where there is none or nobody knows.
+  std::array<std::int8_t, 4> dots{};
   bool used = false;
   bool guessed = false;  // lies where its neighbours let it expect, and was not looked at yet
   bool refused = false;  // was looked at and is no corner, see Lattice::refuse()

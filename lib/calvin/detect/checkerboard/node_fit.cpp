@@ -7,6 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "calvin/target/puzzle_board.hpp"
 
 namespace calvin::detect {
 
@@ -21,6 +24,55 @@ float spacing_at(const Lattice& lattice, Cell c) {
     least = std::min(least, std::abs(cross(edge, {next.x - node.x, next.y - node.y})));
   }
   return least;
+}
+
+namespace {
+
+// px, from a node to the next one of an axis, or to where it would be; none where none is there.
+std::optional<Direction> step_at(const Lattice& lattice, Cell c, Cell axis) {
+  const Node& node = lattice.at(c);
+  for (const int side : {1, -1}) {
+    if (!lattice.has(c + side * axis)) continue;
+    const Node& next = lattice.at(c + side * axis);
+    const auto sign = static_cast<float>(side);
+    return Direction{sign * (next.x - node.x), sign * (next.y - node.y)};
+  }
+  return std::nullopt;
+}
+
+bool has_dots(const Node& node) {
+  return std::ranges::any_of(node.dots, [](std::int8_t dot) { return dot != 0; });
+}
+
+}  // namespace
+
+EdgeDots dots_at(const Lattice& lattice, Cell c) {
+  constexpr auto kRadius = static_cast<float>(PuzzleBoard::kDotDiameter / 2);
+  EdgeDots dots;
+  const Node& node = lattice.at(c);
+  if (!has_dots(node)) return dots;
+  const auto along = step_at(lattice, c, {1, 0});
+  const auto down = step_at(lattice, c, {0, 1});
+  if (!along || !down) return dots;
+  for (std::size_t way = 0; way < 4; ++way) {
+    if (node.dots[way] == 0) continue;
+    EdgeDot& dot = dots.all[static_cast<std::size_t>(dots.count++)];
+    dot.light = node.dots[way] > 0;
+    dot.on_along = way % 2 == 0;
+    const Direction step = dot.on_along ? *along : *down;
+    const Direction other = dot.on_along ? *down : *along;
+    // The next corner of this side tells the middle of the edge best.
+    const Cell to = c + kAround[way];
+    const float half = way < 2 ? 0.5F : -0.5F;
+    dot.center = {half * step.x, half * step.y};
+    if (lattice.has(to)) {
+      const Node& next = lattice.at(to);
+      dot.center = {0.5F * (next.x - node.x), 0.5F * (next.y - node.y)};
+    }
+    dot.along_edge = {2 * kRadius * dot.center.x, 2 * kRadius * dot.center.y};
+    dot.across = {kRadius * other.x, kRadius * other.y};
+  }
+  return dots;
 }
 
 float clear_at(const Lattice& lattice, Cell c) {

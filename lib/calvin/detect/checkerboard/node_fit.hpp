@@ -26,6 +26,9 @@ inline constexpr float kOfNoise = 1.4F;  // of the noise: a larger residual has 
 // How far from the edges of a node nothing else is printed, px.
 [[nodiscard]] float room_at(const Lattice& lattice, Cell c);
 
+// The dots around a node, as far as they are known.
+[[nodiscard]] EdgeDots dots_at(const Lattice& lattice, Cell c);
+
 // The radius of the smallest window about a corner, px: half a square may lie beyond it, or less.
 [[nodiscard]] float closest_radius(float spacing);
 

@@ -188,10 +188,12 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
   const float closest = closest_radius(clear);
   SaddleFit best = first;
   best.noise = std::numeric_limits<float>::infinity();
+  const EdgeDots dots = dots_at(lattice, c);
   for (bool again = false; !again || radius >= closest; again = true, radius *= kSmaller) {
     // So small a window tells little: it is for corners that would be lost.
     if (again && radius < kCloseRadius && !is_noisy(best, most_noise())) break;
     SaddleFit f = first;
+    f.dots = dots;
     if (!fit_saddle(image, radius, 8, f)) continue;
     // Squares that are parted sharply look like noise if the corner is not in a pixel's middle.
     if (f.noise > kNoisy * usual_noise_ * f.swing()) fit_parted(image, radius, 8, f);
@@ -298,6 +300,13 @@ SaddleFit Refinement::expected_fit(const ImageView& image, const Lattice& lattic
   f.down_bend = at(c).down_bend;
   f.slope = at(c).slope;
   f.contrast_slope = at(c).contrast_slope;
+  float clear = clear_at(lattice, c);
+  if (std::isfinite(at(c).noise) && at(c).contrast != 0) f.dots = dots_at(lattice, c);
+  if (f.dots.count > 0) {
+    f.level = at(c).level;
+    f.contrast = at(c).contrast;
+    clear = spacing;
+  }
   f.has_expected = true;
   f.expected = {node.along, node.down, usual_along_, usual_down_, f.x, f.y, sigma};
   expect_directions(lattice, c, f.expected);
@@ -305,7 +314,7 @@ SaddleFit Refinement::expected_fit(const ImageView& image, const Lattice& lattic
   f.down = f.expected.down;
   f.along_width = usual_along_;
   f.down_width = usual_down_;
-  const float radius = last_radius(clear_at(lattice, c), std::max(usual_along_, usual_down_));
+  const float radius = last_radius(clear, std::max(usual_along_, usual_down_));
   const bool good = fit_saddle(image, radius, 10, f) && colours_fit(f, c) &&
                     distance(f, node) < std::max(1.5F, kLargestMove * spacing);
   if (!good) f.noise = std::numeric_limits<float>::infinity();

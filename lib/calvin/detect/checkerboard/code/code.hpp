@@ -44,6 +44,10 @@ class Code {
   // -col, -row of the lattice.
   [[nodiscard]] virtual CodePlace turned(const CodePlace& at, int quarter) const = 0;
 
+  // Whether the bits are dots: bit 0 between the corner of its cell and the next of the row, bit 1
+  // between it and the next of the column.
+  [[nodiscard]] virtual bool has_dots() const { return false; }
+
   // Whether there is more of the code where a sheet is larger than the board.
   [[nodiscard]] bool goes_on() const { return goes_on_; }
 

@@ -14,6 +14,7 @@ namespace {
 // nats: of as many wrong codes as e to this, none looks right by chance.
 constexpr double kLeastEvidence = 9;
 constexpr double kLeastLead = 5;     // nats, before the next best way
+constexpr double kFewRight = 0.6;    // of the first bits
 constexpr double kLeastRight = 0.7;  // of the bits; something may cover the others
 
 // How unlikely it is that so many bits are right by chance: the exponent of Chernoff's bound, nats.
@@ -54,9 +55,11 @@ Match wrong_board(const CellRange& extent, int quarter) {
 
 }  // namespace
 
-// Counts the bits of cells within a range, or of those that are not.
+// Counts the bits of cells within a range, or of those that are not; no further than to see that
+// too few are right.
 CodeMatch::Count CodeMatch::count(const Code& code, Cell shift, const CellRange& within,
                                   bool inside) const {
+  constexpr int kEnough = 48;  // bits: by chance, six of them in ten are not right
   Count sum;
   for (const CodeBit& bit : turned_) {
     const Cell cell = bit.at.cell + shift;
@@ -66,6 +69,7 @@ CodeMatch::Count CodeMatch::count(const Code& code, Cell shift, const CellRange&
     const int expected = code.at({cell, bit.at.index});
     sum.seen += expected != 0 ? 1 : 0;
     sum.right += expected == (bit.light ? 1 : -1) ? 1 : 0;
+    if (sum.seen == kEnough && sum.right < kFewRight * sum.seen) break;
   }
   return sum;
 }
@@ -139,6 +143,27 @@ Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& cod
   match.reason = Reason::kAccepted;
   match.whole = lattice.count() == grid.count();
   return match;
+}
+
+void set_dots(const Code& code, const Grid& grid, const GridAlignment& alignment,
+              Lattice& lattice) {
+  const Cell shift = alignment.point({0, 0});
+  const auto is_on_board = [&](Cell cell) {
+    const Cell point = alignment.point(cell);
+    return grid.contains({point.col, point.row});
+  };
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    for (std::size_t way = 0; way < kAround.size(); ++way) {
+      const Cell next = c + kAround[way];
+      std::int8_t& dot = lattice.at(c).dots[way];
+      dot = 0;
+      if (!is_on_board(c) || !is_on_board(next)) continue;
+      const CodePlace seen = {way < 2 ? c : next, static_cast<int>(way % 2)};
+      CodePlace place = code.turned(seen, alignment.quarter);
+      place.cell = place.cell + shift;
+      dot = static_cast<std::int8_t>(code.at(place));
+    }
+  });
 }
 
 }  // namespace calvin::detect

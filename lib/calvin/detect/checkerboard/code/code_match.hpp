@@ -14,6 +14,9 @@
 
 namespace calvin::detect {
 
+// Tells each node of a lattice that is a board with dots what is on its edges.
+void set_dots(const Code& code, const Grid& grid, const GridAlignment& alignment, Lattice& lattice);
+
 // Keeps its memory.
 class CodeMatch {
  public:

@@ -17,6 +17,7 @@ class PuzzleCode final : public Code {
 
   void read(const ImageView& image, const Lattice& lattice,
             std::vector<CodeBit>& bits) const override;
+  [[nodiscard]] bool has_dots() const override { return true; }
   [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
 };
 

@@ -357,7 +357,11 @@ bool fit_in_window(const ImageView& image, float radius, int steps, float tolera
   if (window.count < 2 * kUnknowns) return false;
   const auto x = static_cast<float>(fit.x - middle_x);
   const auto y = static_cast<float>(fit.y - middle_y);
-  if (!is_fitted) start(window, fit, x, y);
+  if (!is_fitted) {
+    start(window, fit, x, y);
+  } else if (fit.dots.count > 0) {
+    remove_dots(fit, x, y, window);
+  }
   Steps taken(window, radius, fit, x, y, pixels);
   for (int i = 0; i < steps; ++i) {
     if (!taken.take(i + 1 == steps)) return false;

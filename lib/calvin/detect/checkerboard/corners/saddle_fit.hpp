@@ -24,6 +24,7 @@
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/checkerboard/corners/corner.hpp"
+#include "calvin/detect/checkerboard/corners/edge_dots.hpp"
 
 namespace calvin::detect {
 
@@ -67,6 +68,9 @@ struct SaddleFit {
   // With it, what is expected counts as a measurement: directions to .08 rad, widths to a quarter.
   bool has_expected = false;
   ExpectedEdges expected;
+
+  // On the edges; they are taken out of the pixels where the contrast is known.
+  EdgeDots dots;
 
   // Results of the last step.
   float radius = 0;        // px, of the window

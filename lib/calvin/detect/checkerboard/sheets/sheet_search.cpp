@@ -117,6 +117,11 @@ int SheetSearch::missing() const {
 
 bool SheetSearch::confirm_prediction(std::size_t wanted, const FitGrid& before) {
   if (image_.data == nullptr) return false;
+  const Pattern& pattern = wanted_[wanted].pattern;
+  if (pattern.code && pattern.code->has_dots()) {
+    set_dots(*pattern.code, pattern.grid, {0, {1, 0}, pattern.grid.cols, pattern.grid.rows},
+             lattice_);
+  }
   pyramid_.build(image_, 1);
   const ImageView& full = pyramid_.level(0);
   if (!refinement_.confirm(full, lattice_)) return false;
@@ -387,6 +392,10 @@ std::optional<OtherBoard> SheetSearch::other() const {
 bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
   const ImageView& image = pyramid_.level(0);
   const int before = lattice.count();
+  const Pattern& pattern = wanted_[wanted].pattern;
+  if (pattern.code && pattern.code->has_dots()) {
+    set_dots(*pattern.code, pattern.grid, match.alignment, lattice);
+  }
   if (!refinement_.refine(image, lattice)) return false;
   if (!match.whole || lattice.count() < before) {
     // Some nodes may have been no corners, and the refined places of the others tell the edge of
