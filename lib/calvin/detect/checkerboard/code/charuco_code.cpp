@@ -96,8 +96,8 @@ std::optional<Levels> levels_of(const ImageView& image, const Square& square, fl
 }  // namespace
 
 CharucoCode::CharucoCode(const CharucoBoard& board)
-    : Code(board.grid(), board.dictionary->side * board.dictionary->side,
-           board.has_marker(0, 0) == board.inverted, false),
+    : Code(board.grid(), board.dictionary->side * board.dictionary->side, 1,
+           board.has_marker(0, 0) == board.inverted),
       side_(board.dictionary->side),
       share_(static_cast<float>(board.marker / board.square)),
       inverted_(board.inverted) {

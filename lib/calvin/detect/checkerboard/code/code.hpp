@@ -44,12 +44,15 @@ class Code {
   // -col, -row of the lattice.
   [[nodiscard]] virtual CodePlace turned(const CodePlace& at, int quarter) const = 0;
 
+  // Which of its codes a bit belongs to: a PuzzleBoard has two of them.
+  static constexpr std::size_t kFamilies = 2;
+  [[nodiscard]] std::size_t family(int index) const {
+    return static_cast<std::size_t>(index % families_);
+  }
+
   // Whether the bits are dots: bit 0 between the corner of its cell and the next of the row, bit 1
   // between it and the next of the column.
   [[nodiscard]] virtual bool has_dots() const { return false; }
-
-  // Whether there is more of the code where a sheet is larger than the board.
-  [[nodiscard]] bool goes_on() const { return goes_on_; }
 
   // Whether the square outside control point 0, up and to the left of it, is dark.
   [[nodiscard]] bool begins_dark() const { return begins_dark_; }
@@ -65,26 +68,19 @@ class Code {
   }
 
  protected:
-  static constexpr int kBeyond = 4;  // cells
+  static constexpr int kBeyond = 1;  // cells
 
-  Code(const Grid& grid, int bits_of_cell, bool begins_dark, bool goes_on)
+  Code(const Grid& grid, int bits_of_cell, int families, bool begins_dark)
       : cols_(grid.cols),
         rows_(grid.rows),
         bits_of_cell_(bits_of_cell),
+        families_(families),
         begins_dark_(begins_dark),
-        goes_on_(goes_on),
         bits_(static_cast<std::size_t>((grid.cols + 2 * kBeyond) * (grid.rows + 2 * kBeyond) *
                                        bits_of_cell)) {}
 
   void set(const CodePlace& place, bool light) {
     bits_[index(place)] = static_cast<std::int8_t>(light ? 1 : -1);
-  }
-  // Calls f for every cell of at() where a board has bits or may have some.
-  template <typename F>
-  void for_each_cell(F f) const {
-    for (int row = -kBeyond; row < rows_ + kBeyond; ++row) {
-      for (int col = -kBeyond; col < cols_ + kBeyond; ++col) f(Cell{col, row});
-    }
   }
 
  private:
@@ -98,8 +94,8 @@ class Code {
   int cols_;
   int rows_;
   int bits_of_cell_;
+  int families_;
   bool begins_dark_;
-  bool goes_on_;
   std::vector<std::int8_t> bits_;
 };
 

@@ -53,23 +53,58 @@ Match wrong_board(const CellRange& extent, int quarter) {
   return match;
 }
 
+// Whether most nodes of a line next to the board, or of one farther out, are there: a sheet that is
+// larger than the board is another one, however much of its code is the same.
+bool goes_on(const GridAlignment& alignment, const Lattice& lattice) {
+  const CellRange e = lattice.extent();
+  const Cell last = alignment.origin + Cell{alignment.cols - 1, alignment.rows - 1};
+  const auto is_line = [&](Cell first, Cell step, int count) {
+    int nodes = 0;
+    for (int i = 0; i < count; ++i) nodes += lattice.has(first + i * step) ? 1 : 0;
+    return nodes >= 3 && 2 * nodes > count;
+  };
+  for (int col = e.first.col; col <= e.last.col; ++col) {
+    const bool is_outside = col < alignment.origin.col || col > last.col;
+    if (is_outside && is_line({col, e.first.row}, {0, 1}, e.rows())) return true;
+  }
+  for (int row = e.first.row; row <= e.last.row; ++row) {
+    const bool is_outside = row < alignment.origin.row || row > last.row;
+    if (is_outside && is_line({e.first.col, row}, {1, 0}, e.cols())) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
-// Counts the bits of cells within a range, or of those that are not; no further than to see that
-// too few are right.
-CodeMatch::Count CodeMatch::count(const Code& code, Cell shift, const CellRange& within,
-                                  bool inside) const {
+// nats, that this is no chance; none where most bits of a family are as good as chance, for the
+// codes of two places may have one family in common.
+double CodeMatch::Count::evidence() const {
+  int all = 0;
+  int good = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (right[i] < kLeastRight * seen[i]) return 0;
+    all += seen[i];
+    good += right[i];
+  }
+  return evidence_of(all, good);
+}
+
+// Counts no further than to see that too few bits are right.
+CodeMatch::Count CodeMatch::count(const Code& code, Cell shift) const {
   constexpr int kEnough = 48;  // bits: by chance, six of them in ten are not right
   Count sum;
+  int seen = 0;
+  int right = 0;
   for (const CodeBit& bit : turned_) {
-    const Cell cell = bit.at.cell + shift;
-    const bool is_inside = cell.col >= within.first.col && cell.row >= within.first.row &&
-                           cell.col <= within.last.col && cell.row <= within.last.row;
-    if (is_inside != inside) continue;
-    const int expected = code.at({cell, bit.at.index});
-    sum.seen += expected != 0 ? 1 : 0;
-    sum.right += expected == (bit.light ? 1 : -1) ? 1 : 0;
-    if (sum.seen == kEnough && sum.right < kFewRight * sum.seen) break;
+    const int expected = code.at({bit.at.cell + shift, bit.at.index});
+    if (expected == 0) continue;
+    const bool is_right = (expected > 0) == bit.light;
+    const std::size_t family = code.family(bit.at.index);
+    ++sum.seen[family];
+    sum.right[family] += is_right ? 1 : 0;
+    ++seen;
+    right += is_right ? 1 : 0;
+    if (seen == kEnough && right < kFewRight * seen) break;
   }
   return sum;
 }
@@ -83,8 +118,6 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& ext
   best_ = {};
   next_best_ = 0;
   candidates_ = 0;
-  // The squares around the outermost control points have markers too.
-  const CellRange board = {{-1, -1}, {grid.cols - 1, grid.rows - 1}};
   for (int quarter = 0; quarter < 4; ++quarter) {
     turn(code, quarter);
     const int cols = quarter % 2 == 0 ? grid.cols : grid.rows;
@@ -95,9 +128,7 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& ext
         const GridAlignment alignment = {quarter, {col, row}, cols, rows};
         if (begins_dark(alignment) != code.begins_dark()) continue;
         ++candidates_;
-        const Count bits = count(code, alignment.point({0, 0}), board, true);
-        const double evidence =
-            bits.right < kLeastRight * bits.seen ? 0 : evidence_of(bits.seen, bits.right);
+        const double evidence = count(code, alignment.point({0, 0})).evidence();
         if (evidence > best_.evidence) {
           next_best_ = best_.evidence;
           best_ = {alignment, evidence};
@@ -107,15 +138,6 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& ext
       }
     }
   }
-}
-
-// Whether the code goes on beyond the board.
-bool CodeMatch::is_larger(const Grid& grid, const Code& code) {
-  if (!code.goes_on()) return false;
-  const CellRange board = {{0, 0}, {grid.cols - 1, grid.rows - 1}};
-  turn(code, best_.alignment.quarter);
-  const Count beyond = count(code, best_.alignment.point({0, 0}), board, false);
-  return evidence_of(beyond.seen, beyond.right) >= kLeastEvidence;
 }
 
 Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& code,
@@ -133,7 +155,7 @@ Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& cod
     match.size_is_certain = true;
     return match;
   }
-  if (is_larger(grid, code)) {
+  if (goes_on(best_.alignment, lattice)) {
     match = wrong_board(extent, best_.alignment.quarter);
     match.size_is_certain = is_size_certain(image, lattice);
     return match;
@@ -145,19 +167,13 @@ Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& cod
   return match;
 }
 
-void set_dots(const Code& code, const Grid& grid, const GridAlignment& alignment,
+void set_dots(const Code& code, const GridAlignment& alignment,
               Lattice& lattice) {
   const Cell shift = alignment.point({0, 0});
-  const auto is_on_board = [&](Cell cell) {
-    const Cell point = alignment.point(cell);
-    return grid.contains({point.col, point.row});
-  };
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     for (std::size_t way = 0; way < kAround.size(); ++way) {
       const Cell next = c + kAround[way];
       std::int8_t& dot = lattice.at(c).dots[way];
-      dot = 0;
-      if (!is_on_board(c) || !is_on_board(next)) continue;
       const CodePlace seen = {way < 2 ? c : next, static_cast<int>(way % 2)};
       CodePlace place = code.turned(seen, alignment.quarter);
       place.cell = place.cell + shift;

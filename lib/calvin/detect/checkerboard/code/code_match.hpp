@@ -4,6 +4,7 @@
 // Which corners of a board the corners of a lattice are, by the code between them.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "calvin/core/image.hpp"
@@ -15,7 +16,7 @@
 namespace calvin::detect {
 
 // Tells each node of a lattice that is a board with dots what is on its edges.
-void set_dots(const Code& code, const Grid& grid, const GridAlignment& alignment, Lattice& lattice);
+void set_dots(const Code& code, const GridAlignment& alignment, Lattice& lattice);
 
 // Keeps its memory.
 class CodeMatch {
@@ -27,21 +28,20 @@ class CodeMatch {
                             Lattice& lattice);
 
  private:
-  // How many bits of a board were seen, and how many of them were as they are on it.
+  // How many bits of each family were seen, and how many of them were as they are on the board.
   struct Count {
-    int seen = 0;
-    int right = 0;
+    std::array<int, Code::kFamilies> seen{};
+    std::array<int, Code::kFamilies> right{};
+    [[nodiscard]] double evidence() const;
   };
   // A way to lay the board over the lattice, and how sure it is.
   struct Candidate {
     GridAlignment alignment;
     double evidence = 0;
   };
-  [[nodiscard]] Count count(const Code& code, Cell shift, const CellRange& within,
-                            bool inside) const;
+  [[nodiscard]] Count count(const Code& code, Cell shift) const;
   void turn(const Code& code, int quarter);
   void compare(const Grid& grid, const Code& code, const CellRange& extent);
-  [[nodiscard]] bool is_larger(const Grid& grid, const Code& code);
 
   std::vector<CodeBit> bits_;
   std::vector<CodeBit> turned_;

@@ -50,11 +50,13 @@ std::optional<float> light_of(const ImageView& image, Direction middle, Directio
 }  // namespace
 
 PuzzleCode::PuzzleCode(const PuzzleBoard& board)
-    : Code(board.grid(), 2, board.is_dark_before({0, 0}), true) {
-  for_each_cell([&](Cell c) {
-    set({c, 0}, board.is_light_after({c.col, c.row}));
-    set({c, 1}, board.is_light_below({c.col, c.row}));
-  });
+    : Code(board.grid(), 2, 2, board.is_dark_before({0, 0})) {
+  for (int row = 0; row < board.rows; ++row) {
+    for (int col = 0; col < board.cols; ++col) {
+      if (col + 1 < board.cols) set({{col, row}, 0}, board.is_light_after({col, row}));
+      if (row + 1 < board.rows) set({{col, row}, 1}, board.is_light_below({col, row}));
+    }
+  }
 }
 
 void PuzzleCode::read(const ImageView& image, const Lattice& lattice,

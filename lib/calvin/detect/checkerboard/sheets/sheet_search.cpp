@@ -119,8 +119,7 @@ bool SheetSearch::confirm_prediction(std::size_t wanted, const FitGrid& before) 
   if (image_.data == nullptr) return false;
   const Pattern& pattern = wanted_[wanted].pattern;
   if (pattern.code && pattern.code->has_dots()) {
-    set_dots(*pattern.code, pattern.grid, {0, {1, 0}, pattern.grid.cols, pattern.grid.rows},
-             lattice_);
+    set_dots(*pattern.code, {0, {1, 0}, pattern.grid.cols, pattern.grid.rows}, lattice_);
   }
   pyramid_.build(image_, 1);
   const ImageView& full = pyramid_.level(0);
@@ -394,7 +393,7 @@ bool SheetSearch::accept(std::size_t wanted, Match match, Lattice& lattice) {
   const int before = lattice.count();
   const Pattern& pattern = wanted_[wanted].pattern;
   if (pattern.code && pattern.code->has_dots()) {
-    set_dots(*pattern.code, pattern.grid, match.alignment, lattice);
+    set_dots(*pattern.code, match.alignment, lattice);
   }
   if (!refinement_.refine(image, lattice)) return false;
   if (!match.whole || lattice.count() < before) {

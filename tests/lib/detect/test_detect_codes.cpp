@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Boards with a code: in pictures of every class their corners are found as those of checkerboards
+// are, none has the name of another, and what the detector says of its errors is so.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iostream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "calvin/detect/detector.hpp"
+#include "calvin/synth/render.hpp"
+#include "calvin/target/marker_dictionary.hpp"
+#include "detect_scenes.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+ImageView view_of(const cv::Mat& image) {
+  return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step[0]), 1};
+}
+
+struct Kind {
+  const char* name;
+  const char* board;
+  const char* other;  // a board of this kind that is not this one
+};
+constexpr Kind kKinds[] = {
+    {"Puzzle", "puzzle:14x9:20mm", "puzzle:14x9:20mm:200,100"},
+    {"PuzzlePlace", "puzzle:10x11:20mm:333,77", "puzzle:10x11:20mm"},
+    {"Charuco", "charuco:8x6:40mm:30mm:DICT_5X5_100", "charuco:8x6:40mm:30mm:DICT_4X4_100"},
+    {"CharucoLegacy", "charuco:7x8:40mm:30mm:DICT_6X6_250:legacy",
+     "charuco:7x8:40mm:30mm:DICT_6X6_250"},
+    {"CharucoInverted", "charuco:6x8:40mm:24mm:DICT_4X4_50:inverted",
+     "charuco:6x8:40mm:24mm:DICT_4X4_50"},
+};
+
+// What came of the pictures of a class.
+struct Score {
+  int visible = 0;  // corners
+  int named = 0;    // corners with their own name, within a pixel
+  int wrong = 0;    // corners with the name of another
+  double square = 0;
+  double predicted = 0;
+};
+
+double distance(const Pixel& a, const Pixel& b) { return std::hypot(a.u - b.u, a.v - b.v); }
+
+void add(const bench::Scene& scene, const Observation& seen, Score& score) {
+  score.visible += static_cast<int>(scene.truth.ids.size());
+  for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+    const auto at = std::ranges::find(scene.truth.ids, seen.ids[i]) - scene.truth.ids.begin();
+    const auto own = static_cast<std::size_t>(at);
+    const bool right =
+        own < scene.truth.ids.size() && distance(scene.truth.uv[own], seen.uv[i]) < 1;
+    if (!right) {
+      // A place that is none is nobody's; one that is another corner's has a wrong name.
+      for (std::size_t k = 0; k < scene.truth.uv.size(); ++k) {
+        score.wrong += k != own && distance(scene.truth.uv[k], seen.uv[i]) < 1.5 ? 1 : 0;
+      }
+      continue;
+    }
+    ++score.named;
+    score.square += std::pow(distance(scene.truth.uv[own], seen.uv[i]), 2);
+    score.predicted += 2 * seen.sigma[i] * seen.sigma[i];
+  }
+}
+
+class Codes : public ::testing::TestWithParam<Kind> {
+ protected:
+  void SetUp() override {
+    if (std::strstr(GetParam().board, "charuco") != nullptr && marker_dictionaries().empty()) {
+      GTEST_SKIP() << "this build knows no dictionary of markers";
+    }
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Boards, Codes, ::testing::ValuesIn(kKinds),
+                         [](const auto& test) { return test.param.name; });
+
+// How many of the visible corners are to be named, %. Where squares are small, or a picture is out
+// of focus or shaken, markers cannot be told from the corners beside them; ink and light that have
+// run leave nothing between the two.
+double least_named(const bench::SceneClass& kind, bool has_markers) {
+  const std::string name = kind.name;
+  const char* const kHard[] = {"small squares", "blur",     "motion",
+                               "over-exposed",  "ink gain", "all at once"};
+  const bool is_hard = std::ranges::find(kHard, name) != std::end(kHard);
+  if (has_markers) return is_hard ? 0 : 90;
+  return name == "over-exposed" ? 70 : 97;
+}
+
+TEST_P(Codes, NameTheCornersThatAreSeen) {
+  const Board board = parse_board(GetParam().board).value();
+  const auto detector = make_detector(board).value();
+  const bool full = scenes::full_count();
+  const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{1280, 720};
+  const int pictures = full ? 190 : 6;
+  int wrong = 0;
+  for (bench::SceneClass kind : bench::scene_classes()) {
+    if (kind.dark > kind.bright || *kind.board != 0) continue;
+    kind.board = GetParam().board;
+    Score score;
+    for (int i = 0; i < pictures; ++i) {
+      const auto scene = bench::make_scene(kind, size, 4000 + static_cast<std::uint64_t>(i));
+      const Observation seen = detector->detect(view_of(scene.image)).observation;
+      EXPECT_TRUE(seen.ambiguous.empty()) << kind.name;
+      add(scene, seen, score);
+    }
+    wrong += score.wrong;
+    const double named = 100.0 * score.named / score.visible;
+    const bool has_markers = std::strstr(GetParam().board, "charuco") != nullptr;
+    EXPECT_GE(named, least_named(kind, has_markers)) << kind.name;
+    std::cout << GetParam().name << ", " << kind.name << ": " << named << " % named, "
+              << score.wrong << " wrong, RMS " << std::sqrt(score.square / std::max(score.named, 1))
+              << " px, predicted over real "
+              << std::sqrt(score.predicted / std::max(score.square, 1e-12)) << "\n";
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST_P(Codes, AreNotThoseOfAnotherBoard) {
+  const auto detector = make_detector(parse_board(GetParam().board).value()).value();
+  bench::SceneClass kind{.name = "plain"};
+  for (const char* other : {GetParam().other, "checkerboard:14x9:20mm"}) {
+    kind.board = other;
+    for (std::uint64_t seed = 0; seed < (scenes::full_count() ? 100 : 6); ++seed) {
+      const auto scene = bench::make_scene(kind, {1280, 720}, seed);
+      EXPECT_FALSE(detector->detect(view_of(scene.image)).observation.found()) << other << seed;
+    }
+  }
+}
+
+TEST_P(Codes, AreInNoOtherPicture) {
+  const auto detector = make_detector(parse_board(GetParam().board).value()).value();
+  const bool full = scenes::full_count();
+  const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{800, 600};
+  for (std::uint64_t seed = 0; seed < (full ? 1200 : 48); ++seed) {
+    const auto picture = bench::make_negative(size, 5000 + seed);
+    EXPECT_FALSE(detector->detect(view_of(picture)).observation.found()) << seed;
+  }
+}
+
+// A part anywhere of a board that is far larger than the picture, in any turn.
+TEST_P(Codes, NameAPartInTheMidstOfABoard) {
+  const Board board = parse_board(GetParam().board).value();
+  const auto detector = make_detector(board).value();
+  const Camera camera = default_camera({640, 480});
+  const Grid grid = board.grid().value();
+  scenes::Random random(3);
+  for (int n = 0; n < 24; ++n) {
+    const Eigen::Vector3d middle(scenes::uniform(random, 1.5, grid.cols - 2.5) * grid.pitch,
+                                 scenes::uniform(random, 1.5, grid.rows - 2.5) * grid.pitch, 0);
+    const Eigen::Matrix3d rotation = exp_so3({0, 0, scenes::uniform(random, 0, 6.28)});
+    const SE3 pose = {rotation, Eigen::Vector3d(0, 0, 5 * grid.pitch) - rotation * middle};
+    const Observation truth = true_observation(camera, board, pose);
+    const auto image = render_board(camera, board, pose, {.noise = 3, .blur = 0.8});
+    const Observation seen = detector->detect(image.view()).observation;
+    ASSERT_GE(4 * seen.ids.size(), 3 * truth.ids.size()) << n;
+    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+      const auto own = std::ranges::find(truth.ids, seen.ids[i]) - truth.ids.begin();
+      ASSERT_LT(static_cast<std::size_t>(own), truth.ids.size()) << n;
+      EXPECT_LT(distance(truth.uv[static_cast<std::size_t>(own)], seen.uv[i]), 0.2) << n;
+    }
+  }
+}
+
+// A board that moves is followed, in whatever turn it was found.
+TEST_P(Codes, AreFollowed) {
+  const Board board = parse_board(GetParam().board).value();
+  const Camera camera = default_camera({640, 480});
+  const Grid grid = board.grid().value();
+  const Eigen::Vector3d middle((grid.cols - 1) * grid.pitch / 2, (grid.rows - 1) * grid.pitch / 2,
+                               0);
+  for (const double turn : {0.1, 1.7, 3.2, 4.8}) {
+    const auto detector = make_detector(board).value();
+    for (int frame = 0; frame < 5; ++frame) {
+      const Eigen::Matrix3d rotation = exp_so3({0.2, 0.1, turn + 0.01 * frame});
+      const SE3 pose = {rotation,
+                        Eigen::Vector3d(0.01 * frame, 0, 17 * grid.pitch) - rotation * middle};
+      const Observation truth = true_observation(camera, board, pose);
+      const auto image = render_board(camera, board, pose, {.noise = 2, .blur = 0.6});
+      const auto seen =
+          detector->follow(image.view(), static_cast<std::uint64_t>(frame) * 33'000'000)
+              .observation;
+      ASSERT_EQ(seen.ids, truth.ids) << turn << " " << frame;
+      for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+        EXPECT_LT(distance(truth.uv[i], seen.uv[i]), 0.2) << turn << " " << frame;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace calvin

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Photographs of boards with a code: beside OpenCV's detector of ChArUco boards none of them shows
+// less.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "calvin/detect/detector.hpp"
+#include "calvin/solve/solve.hpp"
+#include "calvin/target/marker_dictionary.hpp"
+
+namespace calvin {
+namespace {
+
+// Empty where it is not there.
+std::filesystem::path real_data(const char* name) {
+  const char* all = std::getenv("CALVIN_DATA");
+  const auto folder = std::filesystem::path(all == nullptr ? "" : all) / name;
+  return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
+}
+
+std::vector<std::filesystem::path> pictures_of(const std::filesystem::path& folder,
+                                               const std::string& extension) {
+  std::vector<std::filesystem::path> all;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == extension) all.push_back(entry.path());
+  }
+  std::ranges::sort(all);
+  return all;
+}
+
+Observation seen_in(Detector& detector, const std::filesystem::path& picture) {
+  const cv::Mat image = cv::imread(picture.string(), cv::IMREAD_GRAYSCALE);
+  return detector
+      .detect({image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step[0]), 1})
+      .observation;
+}
+
+struct Set {
+  const char* name;
+  const char* folder;
+  const char* board;
+  int pictures;  // on which the board is found
+  int corners;   // what OpenCV 4.6 finds in all, where it knows the order of the board
+  double rms;    // px, what a calibration of OpenCV's corners has
+};
+
+class RealCharuco : public ::testing::TestWithParam<Set> {};
+constexpr Set kSets[] = {
+    {"New", "charuco-photonvision-1280", "charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000", 16, 0, 0.255},
+    {"Legacy", "charuco-photonvision-legacy-480",
+     "charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000:legacy", 16, 713, 0},
+    {"Covered", "charuco-rct-small", "charuco:5x7:40mm:20mm:DICT_6X6_250", 2, 24 + 19, 0},
+};
+INSTANTIATE_TEST_SUITE_P(Sets, RealCharuco, ::testing::ValuesIn(kSets),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(RealCharuco, IsFoundAsOftenAsByOpenCv) {
+  const Set& set = GetParam();
+  const auto folder = real_data(set.folder);
+  if (folder.empty()) GTEST_SKIP() << "without CALVIN_DATA there is no " << set.folder;
+  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  const Board board = parse_board(set.board).value();
+  const auto detector = make_detector(board).value();
+  std::vector<View> views;
+  int corners = 0;
+  ImageSize size;
+  for (const auto& picture : pictures_of(folder, ".jpg")) {
+    const Observation seen = seen_in(*detector, picture);
+    if (!seen.found()) continue;
+    corners += static_cast<int>(seen.ids.size());
+    size = seen.image_size;
+    views.push_back({.observation = seen, .board = board});
+  }
+  EXPECT_EQ(static_cast<int>(views.size()), set.pictures);
+  EXPECT_GE(corners, set.corners);
+  if (set.rms == 0) return;
+  // Names that are wrong would not fit a camera.
+  SolveOptions options;
+  options.model = "brown5";
+  const auto solution = solve(views, size, options);
+  ASSERT_TRUE(solution) << solution.error().message;
+  EXPECT_LT(solution->calibration.rms, set.rms);
+}
+
+// The first corners of the map: a picture of the paper's authors.
+TEST(RealPuzzleBoard, IsNamedWhereTheMapHasIt) {
+  const auto folder = real_data("puzzleboard");
+  if (folder.empty()) GTEST_SKIP() << "without CALVIN_DATA there is no puzzleboard";
+  const Board board = parse_board("puzzle:20x20:20mm").value();
+  const auto detector = make_detector(board).value();
+  const Observation seen = seen_in(*detector, folder / "example7.png");
+  ASSERT_EQ(seen.ids.size(), 16U);
+  for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+    const GridPlace place = board.grid()->place(seen.ids[i]);
+    EXPECT_NEAR(seen.uv[i].u, 50 + 94.5 * place.col, 2);
+    EXPECT_NEAR(seen.uv[i].v, 80 + 94.5 * place.row, 2);
+  }
+}
+
+}  // namespace
+}  // namespace calvin
