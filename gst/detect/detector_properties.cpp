@@ -28,7 +28,8 @@ void recheck_was_set(DetectorSettings& settings, bool to_another) {
 constexpr Property<CalibDetector> kRows[] = {
     {"board",
      "Board",
-     "The board to find, KIND:COLSxROWS:SIZE with inner corners and the side of a square, or "
+     "The board to find, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
+     "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, or "
      "FILE.json#NAME; several separated by ;",
      kept_in<&DetectorSettings::board>,
      {.was_set = board_was_set}},

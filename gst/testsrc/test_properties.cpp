@@ -19,7 +19,8 @@ constexpr GEnumValue kMotions[] = {
 constexpr Property<TestState> kRows[] = {
     {"board",
      "Board",
-     "The board to render, KIND:COLSxROWS:SIZE with inner corners and the side of a square, or "
+     "The board to render, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
+     "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, or "
      "FILE.json#NAME",
      kept_in<&TestSettings::scene, &SceneSettings::board>,
      {.flags = kMutableReady}},

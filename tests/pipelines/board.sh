@@ -85,6 +85,15 @@ grep -q 'width="279.4mm"' board.svg || fail 'board.svg is not in mm'
 expect 0 '297.0 x 210.0 mm' "$board" draw boards.json#floor board.png --dpi 50 --paper a4
 [ "$(first_bytes board.png 8)" = 89504e470d0a1a0a ] || fail 'board.png is no PNG'
 
+for text in puzzle:14x9:20mm charuco:5x7:36mm:18mm:DICT_6X6_250; do
+  "$board" add "${text%%:*}.json" part "$text" >out 2>&1 || {
+    grep -q 'without OpenCV' out || fail "$text has no name: $(cat out)"
+    continue
+  }
+  for format in pdf svg png; do
+    expect 0 "$text on a page" "$board" draw "${text%%:*}.json#part" "coded.$format" --dpi 50
+  done
+done
 expect 1 "paper 'a2' holds it" "$board" draw checkerboard:9x6:40mm big.pdf --paper a4
 expect 1 'no paper called' "$board" draw checkerboard:9x6:40mm big.pdf --paper b7
 expect 1 '.pdf, .svg or .png' "$board" draw checkerboard:9x6:25mm board.jpg

@@ -36,6 +36,7 @@ constexpr double kInch = 0.0254;  // m
 constexpr double kPoint = 0.0254 / 72;
 constexpr double kMostPixels = 2e8;     // of a PNG: as many bytes while drawing
 constexpr double kLongestSide = 32767;  // px, Cairo's own limit
+constexpr double kRoundness = 1e-6;     // m, of a drawn circle
 
 // Everything of the caption, m.
 constexpr double kBaseline = 0.0055;  // above the lower edge: what most printers can still reach
@@ -138,6 +139,7 @@ void draw_cells(cairo_t* cr, const Artwork& artwork) {
 void draw_artwork(cairo_t* cr, const Board& board, const Canvas& canvas) {
   const Artwork artwork = artwork_of(board);
   draw_cells(cr, artwork);
+  cairo_set_tolerance(cr, kRoundness * canvas.units_per_metre);
   for (std::size_t i = 0; i < artwork.discs.size(); ++i) {
     const Artwork::Disc& disc = artwork.discs[i];
     cairo_new_sub_path(cr);

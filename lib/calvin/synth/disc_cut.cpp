@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kTolerance = 3e-5;  // of the area of a pixel
-constexpr double kMostLines = 24;
+constexpr double kMostLines = 40;
 constexpr double kWidest = kPi / 4;  // rad
 
 // What a polygon covers of the board plane, seen from the centre of a disc.

@@ -21,7 +21,7 @@ struct Vertex {
 
 // A polygon small enough to stay on the stack; convex but for the lens's distortion in one pixel.
 struct Polygon {
-  static constexpr std::size_t kMost = 40;
+  static constexpr std::size_t kMost = 96;
 
   std::array<Vertex, kMost> vertices;
   std::size_t count = 0;

@@ -16,7 +16,8 @@ namespace calvin {
 int CharucoBoard::marker_in(int col, int row) const noexcept {
   // In a row there is a marker in every other square; the first square of the board tells which.
   const int shift = has_marker(0, 0) ? 1 : 0;
-  const int before = row / 2 * cols + (row % 2 == 0 ? 0 : (cols + shift) / 2);
+  const int of_two_rows = cols;
+  const int before = row / 2 * of_two_rows + (row % 2 == 0 ? 0 : (cols + shift) / 2);
   return before + col / 2;
 }
 

@@ -15,14 +15,14 @@
 namespace calvin {
 
 // Control points are the inner corners, numbered in rows from the upper left, as OpenCV's are since
-// 4.7. What the functions answer is said of Board, in target/board.hpp.
+// 4.6. What the functions answer is said of Board, in target/board.hpp.
 struct CharucoBoard {
   int cols = 0;       // squares along x
   int rows = 0;       // along y
   double square = 0;  // m, side of a square
   double marker = 0;  // m, side of a marker with its rim
   const MarkerDictionary* dictionary = nullptr;
-  // The order of OpenCV before 4.7, in which the upper left square is light where there is an even
+  // The order of OpenCV before 4.6, in which the upper left square is light where there is an even
   // number of rows.
   bool legacy = false;
   bool inverted = false;  // all colours are exchanged, on a dark sheet

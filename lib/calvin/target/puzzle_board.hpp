@@ -5,7 +5,8 @@
 //
 // P. Stelldinger, N. Schönherr and J. Biermann, "PuzzleBoard: A New Camera Calibration Pattern with
 // Position Encoding", arXiv 2409.20127. A board is a part of a map of 501 x 501 corners, in which
-// any 3x3 squares occur once. Pattern and code are in the public domain (CC0).
+// any 3x3 squares with the dots on their edges occur once, and any 4x4 in no other turn either.
+// Pattern and code are in the public domain (CC0).
 #pragma once
 
 #include <string>

@@ -66,7 +66,7 @@ TEST(Neighbours, AreJoinedByOneEdge) {
       }
     }
     detect::CornerGraph graph;
-    graph.build(image.view(), corners, 144);
+    graph.build(image.view(), corners, 144, {});
     std::size_t links = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const auto& ways = graph.neighbours(static_cast<int>(i));
@@ -79,7 +79,7 @@ TEST(Neighbours, AreJoinedByOneEdge) {
 // The corners of a board, exact.
 detect::Lattice lattice_of(const Camera& camera, const Checkerboard& board, const SE3& pose) {
   detect::Lattice lattice(20);
-  const auto points = board.points();
+  const auto points = board.grid().points();
   const auto at = [&](int col, int row) {
     return camera.project(pose * points[static_cast<std::size_t>(row * board.cols + col)]).value();
   };

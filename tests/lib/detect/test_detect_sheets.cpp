@@ -233,10 +233,10 @@ TEST_F(Table, ASheetThatLeavesTakesNoOtherAlong) {
 // its border end: beyond that there may be another sheet.
 TEST(Outlines, AreHalfASquareLargerAlongBothSides) {
   constexpr double kSquare = 30;  // px
-  const Checkerboard board = {12, 3, 0.03};
+  const Grid board = {12, 3, 0.03};
   Observation corners;
   for (const int id : board.ids()) {
-    const GridPlace place = board.grid()->place(id);
+    const GridPlace place = board.place(id);
     corners.ids.push_back(id);
     corners.uv.push_back({kSquare * place.col, kSquare * place.row});
   }

@@ -215,7 +215,7 @@ TEST(RealBoards, OfAnotherSizeAreNoPartOfTheBoard) {
       const ImageView view = {image.data, image.cols, image.rows,
                               static_cast<std::ptrdiff_t>(image.step[0]), 1};
       const Observation seen = right->detect(view).observation;
-      if (static_cast<int>(seen.ids.size()) != set.board.point_count()) continue;
+      if (static_cast<int>(seen.ids.size()) != set.board.grid().count()) continue;
       // The margins are in view: the corners keep two squares off the border.
       const Pixel a = seen.uv[0];
       const Pixel b = seen.uv[1];

@@ -19,9 +19,6 @@
 #include "calvin/draw/board_drawing.hpp"
 #include "calvin_config.h"
 
-#if CALVIN_HAVE_CAIRO
-#include <cairo.h>
-#endif
 #if CALVIN_HAVE_OPENCV
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
@@ -30,7 +27,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/image.hpp"
 #include "calvin/target/kinds.hpp"
-#include "temporary_folder.hpp"
+#include "read_picture.hpp"
 
 namespace calvin {
 namespace {
@@ -133,33 +130,6 @@ void expect_true_to_scale(const GrayImage& image, const Checkerboard& board,
   }
 }
 
-struct Reader {
-  std::string_view bytes;
-};
-
-cairo_status_t read_bytes(void* closure, unsigned char* data, unsigned int length) {
-  auto* reader = static_cast<Reader*>(closure);
-  if (reader->bytes.size() < length) return CAIRO_STATUS_READ_ERROR;
-  std::copy_n(reader->bytes.begin(), length, data);
-  reader->bytes.remove_prefix(length);
-  return CAIRO_STATUS_SUCCESS;
-}
-
-GrayImage decode_png(const std::string& png) {
-  Reader reader{png};
-  cairo_surface_t* surface = cairo_image_surface_create_from_png_stream(read_bytes, &reader);
-  EXPECT_EQ(cairo_surface_status(surface), CAIRO_STATUS_SUCCESS);
-  GrayImage image(cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface));
-  const unsigned char* data = cairo_image_surface_get_data(surface);
-  const int stride = cairo_image_surface_get_stride(surface);
-  const int step = cairo_image_surface_get_format(surface) == CAIRO_FORMAT_A8 ? 1 : 4;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) image.row(y)[x] = data[y * stride + x * step];
-  }
-  cairo_surface_destroy(surface);
-  return image;
-}
-
 std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i)
@@ -179,7 +149,7 @@ TEST(Drawing, PngIsTrueToScale) {
     const auto board = *board_of(c.board).as<Checkerboard>();
     const auto png = draw_board(board, {DrawingFormat::kPng, c.paper, c.dpi});
     ASSERT_TRUE(png.has_value()) << png.error().message;
-    const GrayImage image = decode_png(*png);
+    const GrayImage image = scenes::decode_png(*png);
     const BoardLayout page = lay_out_board(board, c.paper).value();
     EXPECT_NEAR(image.width, page.width / 0.0254 * c.dpi, 1) << c.board;
     EXPECT_NEAR(image.height, page.height / 0.0254 * c.dpi, 1) << c.board;
@@ -206,7 +176,7 @@ TEST(Drawing, TheDetectorFindsTheCornersWhereTheyAre) {
   const double dpi = 100;
   const auto png = draw_board(board, {DrawingFormat::kPng, "a4", dpi});
   ASSERT_TRUE(png.has_value()) << png.error().message;
-  GrayImage image = decode_png(*png);
+  GrayImage image = scenes::decode_png(*png);
   const BoardLayout page = lay_out_board(board, "a4").value();
   std::vector<cv::Point2f> corners;
   const cv::Mat view(image.height, image.width, CV_8U, image.pixels.data());
@@ -334,33 +304,14 @@ TEST(Drawing, SvgIsInMillimetres) {
   EXPECT_EQ(square, polygons.size());
 }
 
-// The grey levels of a binary PGM file.
-GrayImage decode_pgm(const std::string& pgm) {
-  int width = 0;
-  int height = 0;
-  int used = 0;
-  if (std::sscanf(pgm.c_str(), "P5 %d %d 255%n", &width, &height, &used) != 2) return {};
-  GrayImage image(width, height);
-  const auto start = static_cast<std::size_t>(used) + 1;
-  if (pgm.size() < start + image.pixels.size()) return {};
-  std::copy_n(pgm.begin() + static_cast<std::ptrdiff_t>(start), image.pixels.size(),
-              image.pixels.begin());
-  return image;
-}
-
 TEST(Drawing, PdfIsTrueToScale) {
   const auto board = *board_of("checkerboard:9x6:25mm").as<Checkerboard>();
   const auto pdf = draw_board(board, {DrawingFormat::kPdf, "a4"});
   ASSERT_TRUE(pdf.has_value()) << pdf.error().message;
-  const TemporaryFolder folder;
-  ASSERT_TRUE(write_file(folder.path("board.pdf"), *pdf).has_value());
   const double dpi = 200;
-  const std::string command =
-      "cd '" + folder.path() + "' && pdftoppm -r 200 -gray -singlefile board.pdf board 2>/dev/null";
-  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "pdftoppm is not installed";
-  const auto pgm = read_file(folder.path("board.pgm"));
-  ASSERT_TRUE(pgm.has_value()) << pgm.error().message;
-  const GrayImage image = decode_pgm(*pgm);
+  const auto page_of_pdf = scenes::decode_pdf(*pdf, dpi);
+  if (!page_of_pdf) GTEST_SKIP() << "pdftoppm is not installed";
+  const GrayImage& image = *page_of_pdf;
   // The renderer covers the page with whole pixels.
   EXPECT_NEAR(image.width, 297 / 25.4 * dpi + 0.5, 0.51);
   EXPECT_NEAR(image.height, 210 / 25.4 * dpi + 0.5, 0.51);

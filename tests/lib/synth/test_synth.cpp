@@ -16,6 +16,8 @@
 #include "calvin/synth/render.hpp"
 #include "calvin/target/kinds.hpp"
 
+#include "brute_force.hpp"
+
 namespace calvin {
 namespace {
 
@@ -33,39 +35,18 @@ Camera camera_of(std::string_view model, const std::vector<double>& parameters,
 Camera brown() { return camera_of("brown5", {520, 518, 325, 236, -0.28, 0.09, 5e-4, -7e-4, 0.01}); }
 Camera fisheye() { return camera_of("fisheye", {180, 181, 322, 238, 0.01, -0.004, 0.001, -2e-4}); }
 
-// The scene as the header describes it, point by point, by another way than the renderer's: the ray
-// is cut with the plane in the camera frame.
-double scene_at(const Camera& camera, const Checkerboard& b, const SE3& pose,
-                const RenderOptions& o, Pixel pixel) {
-  const auto ray = camera.unproject(pixel);
-  if (!ray) return o.background;
-  const Eigen::Vector3d normal = pose.rotation.col(2);
-  const double distance = normal.dot(pose.translation) / normal.dot(*ray);
-  if (!(distance > 0)) return o.background;
-  const Eigen::Vector3d on_board = pose.inverse() * (distance * *ray);
-  const double x = on_board.x() / b.size;
-  const double y = on_board.y() / b.size;
-  if (x < -2 || y < -2 || x >= b.cols + 1 || y >= b.rows + 1) return o.background;
-  if (x < -1 || y < -1 || x >= b.cols || y >= b.rows) return o.light;
-  const bool same = (static_cast<int>(x + 2) + static_cast<int>(y + 2)) % 2 == 0;
-  return same ? o.dark : o.light;
-}
-
-// One sample at random in each of 32 x 32 cells of a pixel: an edge leaves less than 0.5 grey
-// levels, 1 sigma, of uncertainty.
+// The scene as the header describes it, point by point.
 double brute_force(const Camera& camera, const Checkerboard& b, const SE3& pose,
                    const RenderOptions& o, int u, int v) {
-  constexpr int kSub = 32;
-  static std::mt19937 random(17);
-  const auto jitter = [] { return static_cast<double>(random()) / 4294967296.0; };
-  double sum = 0;
-  for (int j = 0; j < kSub; ++j) {
-    for (int i = 0; i < kSub; ++i) {
-      sum += scene_at(camera, b, pose, o,
-                      {u - 0.5 + (i + jitter()) / kSub, v - 0.5 + (j + jitter()) / kSub});
-    }
-  }
-  return sum / (kSub * kSub);
+  const auto level = [&](double x_in_m, double y_in_m) {
+    const double x = x_in_m / b.size;
+    const double y = y_in_m / b.size;
+    if (x < -2 || y < -2 || x >= b.cols + 1 || y >= b.rows + 1) return o.background;
+    if (x < -1 || y < -1 || x >= b.cols || y >= b.rows) return o.light;
+    const bool same = (static_cast<int>(x + 2) + static_cast<int>(y + 2)) % 2 == 0;
+    return same ? o.dark : o.light;
+  };
+  return scenes::mean_seen(camera, pose, o.background, level, u, v);
 }
 
 class RenderedBy : public ::testing::TestWithParam<int> {

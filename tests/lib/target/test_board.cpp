@@ -48,6 +48,9 @@ TEST(Board, UnitsAndCanonicalText) {
       {"checkerboard:3x2:1um", "checkerboard:3x2:0.001mm"},
       {"checkerboard:2x3:1000m", "checkerboard:2x3:1000000mm"},
       {"checkerboard:200x200:33.3mm", "checkerboard:200x200:33.3mm"},
+      {"puzzle:14x9:20mm", "puzzle:14x9:20mm"},
+      {" puzzle : 14 x 9 : 2 cm : 0 , 0 ", "puzzle:14x9:20mm"},
+      {"puzzle:3x3:1in:500,0", "puzzle:3x3:25.4mm:500,0"},
   };
   for (const auto& [text, canonical] : cases) {
     const auto board = parse_board(text);
@@ -57,6 +60,26 @@ TEST(Board, UnitsAndCanonicalText) {
     ASSERT_TRUE(again.has_value()) << board->text();
     EXPECT_NEAR(again->cell_size(0), board->cell_size(0), 1e-9) << text;
   }
+}
+
+TEST(Board, TextsOfCharucoBoards) {
+  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no markers";
+  for (const auto& [text, canonical] : {
+           std::pair{"charuco:5x7:40mm:20mm:DICT_6X6_250", "charuco:5x7:40mm:20mm:DICT_6X6_250"},
+           {"charuco : 5 x 7 : 4cm : 0.02m : DICT_6X6_250 : legacy",
+            "charuco:5x7:40mm:20mm:DICT_6X6_250:legacy"},
+           {"charuco:3x3:40mm:39.9mm:DICT_4X4_50:inverted:legacy",
+            "charuco:3x3:40mm:39.9mm:DICT_4X4_50:legacy:inverted"},
+           {"charuco:10x10:1in:.5in:DICT_4X4_50", "charuco:10x10:25.4mm:12.7mm:DICT_4X4_50"},
+       }) {
+    const auto board = parse_board(text);
+    ASSERT_TRUE(board.has_value()) << text << ": " << board.error().message;
+    EXPECT_EQ(board->text(), canonical) << text;
+    EXPECT_EQ(parse_board(canonical).value().text(), canonical);
+  }
+  const Board board = parse_board("charuco:5x7:40mm:20mm:DICT_6X6_250").value();
+  EXPECT_EQ(board.point_count(), 24) << "the inner corners of 5 by 7 squares";
+  EXPECT_EQ(board.as<CharucoBoard>()->marker_count(), 17);
 }
 
 // To a nanometre: a thousandth of a micrometre over ten squares is nothing, a micrometre is not.
@@ -81,6 +104,14 @@ TEST(Board, LengthsInEveryUnit) {
   }
 }
 
+void expect_refused(const std::string& text, const std::string& what_is_said) {
+  const auto board = parse_board(text);
+  ASSERT_FALSE(board.has_value()) << text;
+  EXPECT_EQ(board.error().code, ErrorCode::kInvalidArgument) << text.substr(0, 80);
+  EXPECT_NE(board.error().message.find(what_is_said), std::string::npos) << board.error().message;
+  EXPECT_LT(board.error().message.size(), 1000u) << board.error().message;
+}
+
 TEST(Board, EveryWrongTextShowsARightOne) {
   const std::string endless(100000, 'x');
   for (const std::string& wrong : std::vector<std::string>{"",
@@ -90,7 +121,6 @@ TEST(Board, EveryWrongTextShowsARightOne) {
                                                            "checkerboard:9x6:25mm:more",
                                                            "chessboard:9x6:25mm",
                                                            "Checkerboard:9x6:25mm",
-                                                           "charuco:5x7:40mm:20mm:DICT_6X6_250",
                                                            "dot",
                                                            "checkerboard:9:25mm",
                                                            "checkerboard:9x6x2:25mm",
@@ -120,11 +150,40 @@ TEST(Board, EveryWrongTextShowsARightOne) {
       EXPECT_TRUE(parse_board(wrong).has_value()) << "white space at the end is nobody's mistake";
       continue;
     }
-    const Error error = parse_board(wrong).error();
-    EXPECT_EQ(error.code, ErrorCode::kInvalidArgument) << wrong.substr(0, 80);
-    EXPECT_NE(error.message.find(kRight), std::string::npos) << error.message;
-    EXPECT_LT(error.message.size(), 600u) << error.message;
+    expect_refused(wrong, kRight);
   }
+}
+
+TEST(Board, EveryWrongTextOfAPuzzleBoardShowsARightOne) {
+  for (const char* wrong :
+       {"puzzle", "puzzle:", "puzzle:14x9", "puzzle:14:20mm", "puzzle:2x9:20mm", "puzzle:14x9:20",
+        "puzzle:201x9:20mm", "puzzle:14x9:0mm", "puzzle:14x9:20mm:", "puzzle:14x9:20mm:1",
+        "puzzle:14x9:20mm:1,2,3", "puzzle:14x9:20mm:501,0", "puzzle:14x9:20mm:0,501",
+        "puzzle:14x9:20mm:-1,0", "puzzle:14x9:20mm:1.5,0", "puzzle:14x9:20mm:1,0:more"}) {
+    expect_refused(wrong, "puzzle:14x9:20mm");
+  }
+}
+
+TEST(Board, EveryWrongTextOfACharucoBoardShowsARightOne) {
+  const std::string right = "charuco:5x7:40mm:20mm:DICT_6X6_250";
+  for (const std::string wrong :
+       {"charuco", "charuco:5x7", "charuco:5x7:40mm", "charuco:5x7:40mm:20mm",
+        "charuco:2x7:40mm:20mm:DICT_6X6_250", "charuco:5x7:40:20mm:DICT_6X6_250",
+        "charuco:5x7:40mm:20:DICT_6X6_250", "charuco:5x7:40mm:40mm:DICT_6X6_250",
+        "charuco:5x7:40mm:50mm:DICT_6X6_250", "charuco:5x7:40mm:20mm:",
+        "charuco:5x7:40mm:20mm:DICT_6X6_251", "charuco:5x7:40mm:20mm:6X6_250",
+        "charuco:5x7:40mm:20mm:DICT_6X6_250:", "charuco:5x7:40mm:20mm:DICT_6X6_250:old",
+        "charuco:11x10:40mm:20mm:DICT_4X4_50"}) {
+    expect_refused(wrong, right);
+  }
+  if (marker_dictionaries().empty()) {
+    expect_refused(right, "made without OpenCV");
+    return;
+  }
+  EXPECT_NE(parse_board("charuco:5x7:40mm:20mm:X").error().message.find("DICT_ARUCO_ORIGINAL"),
+            std::string::npos);
+  EXPECT_NE(parse_board("charuco:11x10:40mm:20mm:DICT_4X4_50").error().message.find("55 markers"),
+            std::string::npos);
 }
 
 TEST(Board, ErrorsAreOneLine) {

@@ -15,55 +15,48 @@
 #include "calvin/target/board.hpp"
 #include "calvin/target/kinds.hpp"
 
+#include "board_kinds.hpp"
+
 namespace calvin {
 namespace {
 
-// Four dots around one in the middle, 50 mm apart along x and 30 mm along y; ids with gaps.
-std::vector<PointBoard::Dot> five_dots() {
-  return {{20, 0.05, 0.03, 0.01},
-          {3, 0, 0.03, 0.01},
-          {7, 0.1, 0.03, 0.02},
-          {40, 0.05, 0, 0.01},
-          {41, 0.05, 0.06, 0.01}};
-}
+using scenes::five_dots;
 
 Board point_board() { return PointBoard::make("plate.json", five_dots()).value(); }
 
-const Board kBoards[] = {Checkerboard{4, 3, 0.1}, point_board()};
+const std::vector<scenes::NamedBoard> kBoards = scenes::board_of_each_kind();
 
-class BoardKinds : public ::testing::TestWithParam<Board> {};
-INSTANTIATE_TEST_SUITE_P(Each, BoardKinds, ::testing::ValuesIn(kBoards), [](const auto& test) {
-  return test.index == 0 ? "Checkerboard" : "Points";
-});
+class BoardKinds : public ::testing::TestWithParam<scenes::NamedBoard> {
+ protected:
+  static const Board& board() { return GetParam().board; }
+};
+INSTANTIATE_TEST_SUITE_P(Each, BoardKinds, ::testing::ValuesIn(kBoards), scenes::name_of);
 
 TEST_P(BoardKinds, HasAPointForEachIdAndForNoOther) {
-  const Board& board = GetParam();
-  const auto ids = board.ids();
-  ASSERT_EQ(static_cast<int>(ids.size()), board.point_count());
-  ASSERT_EQ(board.points().size(), ids.size());
-  for (std::size_t i = 0; i < ids.size(); ++i) EXPECT_EQ(board.index_of(ids[i]), i);
+  const auto ids = board().ids();
+  ASSERT_EQ(static_cast<int>(ids.size()), board().point_count());
+  ASSERT_EQ(board().points().size(), ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) EXPECT_EQ(board().index_of(ids[i]), i);
   int known = 0;
-  for (int id = -5; id < 100; ++id) known += board.index_of(id).has_value() ? 1 : 0;
-  EXPECT_EQ(known, board.point_count());
+  for (int id = -5; id < 100; ++id) known += board().index_of(id).has_value() ? 1 : 0;
+  EXPECT_EQ(known, board().point_count());
 }
 
 TEST_P(BoardKinds, ANeighbourIsOneBothWays) {
-  const Board& board = GetParam();
-  for (const int id : board.ids()) {
-    for (const int other : board.neighbours(id)) {
-      const auto back = board.neighbours(other);
+  for (const int id : board().ids()) {
+    for (const int other : board().neighbours(id)) {
+      const auto back = board().neighbours(other);
       EXPECT_NE(std::find(back.begin(), back.end(), id), back.end()) << id << " " << other;
     }
   }
-  EXPECT_TRUE(board.neighbours(-1).empty());
+  EXPECT_TRUE(board().neighbours(-1).empty());
 }
 
 TEST_P(BoardKinds, ThePointsFillTheExtentAndTheOutlineIsAroundIt) {
-  const Board& board = GetParam();
-  const BoardArea extent = board.extent();
-  const BoardArea outline = board.outline();
+  const BoardArea extent = board().extent();
+  const BoardArea outline = board().outline();
   BoardArea seen = {1e9, 1e9, -1e9, -1e9};
-  for (const Eigen::Vector3d& p : board.points()) {
+  for (const Eigen::Vector3d& p : board().points()) {
     seen = {std::min(seen.left, p.x()), std::min(seen.top, p.y()), std::max(seen.right, p.x()),
             std::max(seen.bottom, p.y())};
   }
@@ -77,12 +70,26 @@ TEST_P(BoardKinds, ThePointsFillTheExtentAndTheOutlineIsAroundIt) {
   EXPECT_GT(outline.bottom, extent.bottom);
 }
 
+TEST_P(BoardKinds, HasATextThatIsItself) {
+  if (board().as<PointBoard>() != nullptr) return;  // it has the name of its file
+  const auto again = parse_board(board().text());
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(again->text(), board().text());
+  EXPECT_TRUE(again->looks_like(board()));
+}
+
+TEST_P(BoardKinds, LooksLikeNoOtherKind) {
+  int alike = 0;
+  for (const auto& other : kBoards) alike += other.board.looks_like(board()) ? 1 : 0;
+  EXPECT_EQ(alike, 1);
+}
+
 TEST_P(BoardKinds, IsEqualToItselfAlone) {
   int equal = 0;
-  for (const Board& other : kBoards) equal += other == GetParam() ? 1 : 0;
+  for (const auto& other : kBoards) equal += other.board == board() ? 1 : 0;
   EXPECT_EQ(equal, 1);
-  EXPECT_TRUE(GetParam().looks_like(GetParam()));
-  EXPECT_TRUE(GetParam().check().has_value());
+  EXPECT_TRUE(board().looks_like(board()));
+  EXPECT_TRUE(board().check().has_value());
 }
 
 TEST(Checkerboards, KnowTheirNeighbours) {
@@ -100,6 +107,23 @@ TEST(Checkerboards, LookLikeThoseOfAnotherSizeAndThoseOnTheirSide) {
   EXPECT_FALSE(board.looks_like(Checkerboard{9, 7, 0.025}));
   EXPECT_FALSE(board.looks_like(point_board()));
   EXPECT_NE(board, Board(Checkerboard{6, 9, 0.025}));
+}
+
+// A size shows in no picture, and a code in every one.
+TEST(BoardsWithACode, LookLikeThoseOfTheSameCode) {
+  const Board board = PuzzleBoard{9, 6, 0.025, 4, 5};
+  EXPECT_TRUE(board.looks_like(PuzzleBoard{9, 6, 0.1, 4, 5}));
+  EXPECT_FALSE(board.looks_like(PuzzleBoard{6, 9, 0.025, 4, 5}));
+  EXPECT_FALSE(board.looks_like(PuzzleBoard{9, 6, 0.025, 5, 4}));
+  EXPECT_TRUE(board.symmetries().empty());
+  const MarkerDictionary* dictionary = find_dictionary("DICT_4X4_50");
+  if (dictionary == nullptr) GTEST_SKIP() << "this build knows no markers";
+  const CharucoBoard charuco{6, 4, 0.04, 0.03, dictionary};
+  EXPECT_TRUE(charuco.looks_like({6, 4, 0.08, 0.05, dictionary}));
+  EXPECT_FALSE(charuco.looks_like({6, 4, 0.04, 0.03, dictionary, true}));
+  EXPECT_FALSE(charuco.looks_like({6, 4, 0.04, 0.03, dictionary, false, true}));
+  EXPECT_FALSE(charuco.looks_like({6, 4, 0.04, 0.03, find_dictionary("DICT_4X4_100")}));
+  EXPECT_TRUE(charuco.symmetries().empty());
 }
 
 TEST(PointBoards, AreInTheOrderOfTheirIds) {
