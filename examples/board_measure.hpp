@@ -25,7 +25,7 @@
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/solve/solve.hpp"
-#include "calvin/target/board_measurement.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 
 namespace board_measure {
 

@@ -14,6 +14,7 @@
 
 #include "calvin/detect/brightness.hpp"
 #include "calvin/detect/patches.hpp"
+#include "calvin/target/kinds.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
 #define GST_CAT_DEFAULT calibdetect_debug
@@ -26,11 +27,14 @@ std::string size_seen(const Detection& detection) {
   return fmt::format("{}x{}", detection.seen_cols, detection.seen_rows);
 }
 
-// What a user should hear who holds up another board: the sizes, which are what differs.
+// What a user should hear who holds up another board: of a checkerboard the sizes, which are what
+// differs.
 std::string wrong_board_hint(const Detection& detection, const Board& board) {
-  const std::optional<Grid> grid = board.grid();
+  const auto* checkerboard = board.as<Checkerboard>();
   return fmt::format("This is a {} board, I look for {}", size_seen(detection),
-                     grid ? fmt::format("{}x{}", grid->cols, grid->rows) : board.text());
+                     checkerboard != nullptr
+                         ? fmt::format("{}x{}", checkerboard->cols, checkerboard->rows)
+                         : board.text());
 }
 
 // What keeps the board from being found, in words; empty where nobody knows.

@@ -70,8 +70,8 @@ bool outer_squares_in_view(const Camera& camera, const Grid& board, const SE3& p
 SE3 pose_of(const SceneClass& kind, const Camera& camera, const Board& of, Uniform& random) {
   const Grid board = of.grid().value();
   const ImageSize size = camera.image_size();
-  const Eigen::Vector3d middle((board.cols - 1) * board.pitch / 2, (board.rows - 1) * board.pitch / 2,
-                               0);
+  const Eigen::Vector3d middle((board.cols - 1) * board.pitch / 2,
+                               (board.rows - 1) * board.pitch / 2, 0);
   for (;;) {
     const auto ray = camera.unproject({random(0, size.width - 1), random(0, size.height - 1)});
     if (!ray) continue;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Rendered boards with corners of squares, of which the corners are known, and pictures without any, for the detectors.
+// Rendered boards with corners of squares, of which the corners are known, and pictures without
+// any, for the detectors.
 #pragma once
 
 #include <cstdint>

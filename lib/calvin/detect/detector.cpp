@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "calvin/detect/checkerboard/pattern.hpp"
+#include "calvin/detect/checkerboard/code/pattern.hpp"
 #include "calvin/detect/checkerboard/sheets/checkerboard_detector.hpp"
 
 namespace calvin {

@@ -19,7 +19,7 @@
 
 #include "calvin/core/result.hpp"
 #include "calvin/target/board.hpp"
-#include "calvin/target/board_measurement.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 
 namespace calvin {
 

@@ -6,7 +6,7 @@
 
 #include "calvin/core/result.hpp"
 #include "calvin/io/document.hpp"
-#include "calvin/target/board_measurement.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 
 namespace calvin::io {
 

@@ -13,9 +13,9 @@
 
 #include <Eigen/LU>
 
+#include "calvin/detect/checkerboard/code/pattern.hpp"
 #include "calvin/detect/checkerboard/corners/fit_radius.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
-#include "calvin/detect/checkerboard/pattern.hpp"
 #include "calvin/detect/patches.hpp"
 
 namespace calvin {
@@ -144,9 +144,8 @@ class CornerRefinement {
     const auto spacing = static_cast<float>(local_[i]->spacing());
     f.room = surroundings_.room(spacing, width);
     const int middle = patch.width / 2;
-    const float radius =
-        std::min(detect::last_radius(surroundings_.clear(spacing), width),
-                 static_cast<float>(middle - kRoom));
+    const float radius = std::min(detect::last_radius(surroundings_.clear(spacing), width),
+                                  static_cast<float>(middle - kRoom));
     const bool good = room > 1 && fit_saddle(patch, radius, kSteps, f, kTolerance);
     const Pixel to = place(i, f);
     if (!good || !(std::hypot(to.u - seen_.uv[i].u, to.v - seen_.uv[i].v) < kFarthest)) {

@@ -23,7 +23,7 @@
 #include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/residuals/points.hpp"
 #include "calvin/solve/simpler_model.hpp"
-#include "calvin/target/board_measurement.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 
 namespace calvin {
 

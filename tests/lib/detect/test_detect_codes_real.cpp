@@ -56,8 +56,8 @@ struct Set {
 class RealCharuco : public ::testing::TestWithParam<Set> {};
 constexpr Set kSets[] = {
     {"New", "charuco-photonvision-1280", "charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000", 16, 0, 0.255},
-    {"Legacy", "charuco-photonvision-legacy-480",
-     "charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000:legacy", 16, 713, 0},
+    {"Legacy", "charuco-photonvision-legacy-480", "charuco:8x8:25.4mm:19.05mm:DICT_4X4_1000:legacy",
+     16, 713, 0},
     {"Covered", "charuco-rct-small", "charuco:5x7:40mm:20mm:DICT_6X6_250", 2, 24 + 19, 0},
 };
 INSTANTIATE_TEST_SUITE_P(Sets, RealCharuco, ::testing::ValuesIn(kSets),

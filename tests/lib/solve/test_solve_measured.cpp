@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/solve/residuals/board_shape.hpp"
-#include "calvin/target/board_measurement.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 #include "halves.hpp"
 #include "inked_board.hpp"
 #include "real_sets.hpp"

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
-#include "calvin/target/board_fields.hpp"
-#include "calvin/target/board_measurement.hpp"
 #include "calvin/target/kinds.hpp"
+#include "calvin/target/measured/board_fields.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 
 namespace calvin {
 namespace {

@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "calvin/geometry/dense.hpp"
-#include "calvin/target/board_fields.hpp"
+#include "calvin/target/measured/board_fields.hpp"
 
 namespace calvin {
 

@@ -9,7 +9,7 @@
 #include "calvin/solve/fit/camera_fit.hpp"
 #include "calvin/solve/parameters/parameter_table.hpp"
 #include "calvin/solve/solution.hpp"
-#include "calvin/target/board_measurement.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 
 namespace calvin {
 

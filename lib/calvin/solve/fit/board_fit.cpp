@@ -14,7 +14,7 @@
 #include "calvin/geometry/dense.hpp"
 #include "calvin/solve/fit/fit_derivatives.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
-#include "calvin/target/board_fields.hpp"
+#include "calvin/target/measured/board_fields.hpp"
 
 namespace calvin {
 

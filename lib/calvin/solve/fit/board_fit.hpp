@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "calvin/solve/fit/camera_fit.hpp"
-#include "calvin/target/board_measurement.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 
 namespace calvin {
 

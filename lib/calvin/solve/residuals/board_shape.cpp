@@ -7,7 +7,7 @@
 
 #include <utility>
 
-#include "calvin/target/board_fields.hpp"
+#include "calvin/target/measured/board_fields.hpp"
 
 namespace calvin {
 

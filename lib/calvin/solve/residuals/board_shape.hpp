@@ -15,7 +15,7 @@
 #include "calvin/solve/options.hpp"
 #include "calvin/solve/parameters/parameter_order.hpp"
 #include "calvin/target/board.hpp"
-#include "calvin/target/board_measurement.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 
 namespace calvin {
 

@@ -167,8 +167,7 @@ Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& cod
   return match;
 }
 
-void set_dots(const Code& code, const GridAlignment& alignment,
-              Lattice& lattice) {
+void set_dots(const Code& code, const GridAlignment& alignment, Lattice& lattice) {
   const Cell shift = alignment.point({0, 0});
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     for (std::size_t way = 0; way < kAround.size(); ++way) {

@@ -3,7 +3,7 @@
 
 // The fields by which a board may differ from the printed one, and those that others explain.
 
-#include "calvin/target/board_fields.hpp"
+#include "calvin/target/measured/board_fields.hpp"
 
 #include <cmath>
 #include <vector>

@@ -3,7 +3,7 @@
 
 // What is printed around the corners of a board of each kind.
 
-#include "calvin/detect/checkerboard/pattern.hpp"
+#include "calvin/detect/checkerboard/code/pattern.hpp"
 
 #include <utility>
 

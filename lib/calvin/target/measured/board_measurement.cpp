@@ -3,7 +3,7 @@
 
 // Measured boards: what is known before, their covariance by few numbers, and marks of views.
 
-#include "calvin/target/board_measurement.hpp"
+#include "calvin/target/measured/board_measurement.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include "calvin/geometry/dense.hpp"
 #include "calvin/geometry/symmetric.hpp"
-#include "calvin/target/board_fields.hpp"
+#include "calvin/target/measured/board_fields.hpp"
 
 namespace calvin {
 

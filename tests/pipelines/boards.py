@@ -1,0 +1,64 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# SPDX-FileCopyrightText: 2026 The gst-calvin authors
+#
+# A camera that does not exist is calibrated with a board of every kind, and is what it was within what
+# the calibration says of itself: four sigmas, and twice what it promises where the board was.
+#   boards.py GST_LAUNCH
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+BOARDS = [
+    "checkerboard:9x6:25mm",
+    "puzzle:14x9:18mm",
+    "puzzle:9x6:25mm:250,411",
+    "charuco:8x6:32mm:24mm:DICT_5X5_250",
+    "charuco:6x8:32mm:20mm:DICT_4X4_100:legacy",
+    "charuco:7x5:40mm:30mm:DICT_6X6_250:inverted",
+]
+
+
+def run(launch, folder, board):
+    """The calibration and the truth; None where this build does not know the board."""
+    out, truth = os.path.join(folder, "camera.json"), os.path.join(folder, "truth.json")
+    for path in (out, truth):
+        if os.path.exists(path):
+            os.remove(path)
+    line = (
+        f"calibtestsrc board={board} num-buffers=24 noise=2 blur=0.7 seed=5 ground-truth={truth} ! "
+        f"video/x-raw,format=GRAY8,width=640,height=480 ! calibrate board={board} overlay=false "
+        f"model=brown5 location={out} ! fakesink"
+    )
+    done = subprocess.run([launch, "-q"] + line.split(), capture_output=True, text=True, timeout=300)
+    if "made without OpenCV" in done.stderr:
+        return None
+    if done.returncode != 0:
+        sys.exit(f"{board}: {done.stderr}")
+    return json.load(open(out)), json.load(open(truth))
+
+
+def check(board, found, truth):
+    if found["board"] != board:
+        sys.exit(f"the file names {found['board']}, not {board}")
+    for name in ("fx", "fy", "cx", "cy"):
+        apart = found["parameters"][name] - truth["parameters"][name]
+        if abs(apart) > 4 * found["sigma"][name]:
+            sys.exit(f"{board}: {name} is {apart:.3f} px off, sigma {found['sigma'][name]:.3f}")
+    used = [view for view in found["views"] if not view["held_out"]]
+    if len(used) < 15:
+        sys.exit(f"{board}: only {len(used)} views")
+    if found["misfit"] != "none":
+        sys.exit(f"{board}: misfit {found['misfit']}")
+    print(f"{board}: rms {found['rms']:.4f}, expected error {found['expected_error']:.3f} px")
+
+
+with tempfile.TemporaryDirectory() as folder:
+    for board in BOARDS:
+        result = run(sys.argv[1], folder, board)
+        if result is None:
+            print(f"{board}: this build does not know it")
+            continue
+        check(board, *result)
