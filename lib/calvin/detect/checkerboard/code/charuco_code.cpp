@@ -74,6 +74,21 @@ std::optional<float> mean_around(const ImageView& image, const Square& square, f
   return sum / (4 * kSteps);
 }
 
+// The mean grey level about the middle (s, t) of a marker's cell.
+std::optional<float> mean_in(const ImageView& image, const Square& square, float s, float t,
+                             float cell) {
+  constexpr float kOff = 0.2F;  // of the cell
+  float sum = 0;
+  for (const float ds : {-kOff, kOff}) {
+    for (const float dt : {-kOff, kOff}) {
+      const auto grey = square.grey(image, s + ds * cell, t + dt * cell);
+      if (!grey) return std::nullopt;
+      sum += 0.25F * *grey;
+    }
+  }
+  return sum;
+}
+
 // The grey levels of a marker's rim, and of the square around it.
 struct Levels {
   float rim = 0;
@@ -129,8 +144,8 @@ void CharucoCode::read(const ImageView& image, const Lattice& lattice,
           square ? levels_of(image, *square, share_, side_, inverted_) : std::nullopt;
       if (!levels) continue;
       for (int i = 0; i < side_ * side_; ++i) {
-        const auto grey = square->grey(image, first + cell * static_cast<float>(i % side_),
-                                       first + cell * static_cast<float>(i / side_));
+        const auto grey = mean_in(image, *square, first + cell * static_cast<float>(i % side_),
+                                  first + cell * static_cast<float>(i / side_), cell);
         if (!grey) continue;
         const float light =
             (2 * *grey - levels->rim - levels->around) / std::abs(levels->around - levels->rim);

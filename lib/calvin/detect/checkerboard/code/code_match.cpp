@@ -15,7 +15,7 @@ namespace {
 constexpr double kLeastEvidence = 9;
 constexpr double kLeastLead = 5;     // nats, before the next best way
 constexpr double kFewRight = 0.6;    // of the first bits
-constexpr double kLeastRight = 0.7;  // of the bits; something may cover the others
+constexpr double kLeastRight = 0.8;  // of the bits; something may cover the others
 
 // How unlikely it is that so many bits are right by chance: the exponent of Chernoff's bound, nats.
 double evidence_of(int seen, int right) {
