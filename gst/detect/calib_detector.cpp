@@ -30,6 +30,9 @@ std::string size_seen(const Detection& detection) {
 // What a user should hear who holds up another board: of a checkerboard the sizes, which are what
 // differs.
 std::string wrong_board_hint(const Detection& detection, const Board& board) {
+  if (!detection.seen_board.empty()) {
+    return fmt::format("This is {}, I look for {}", detection.seen_board, board.text());
+  }
   const auto* checkerboard = board.as<Checkerboard>();
   return fmt::format("This is a {} board, I look for {}", size_seen(detection),
                      checkerboard != nullptr
@@ -37,9 +40,14 @@ std::string wrong_board_hint(const Detection& detection, const Board& board) {
                          : board.text());
 }
 
+// Whether another board is seen, and it is certain which.
+bool is_named(const Detection& detection) {
+  return detection.seen_all || !detection.seen_board.empty();
+}
+
 // What keeps the board from being found, in words; empty where nobody knows.
 std::string hint_of(const Detection& detection, const Board& board, bool dark) {
-  if (detection.seen_all) return wrong_board_hint(detection, board);
+  if (is_named(detection)) return wrong_board_hint(detection, board);
   return dark ? "The picture is too dark: more light, or a longer exposure" : "";
 }
 
@@ -318,7 +326,7 @@ FrameFindings CalibDetector::run(const Job& job, const std::stop_token& stop) {
       report(job, detection, hint, static_cast<int>(found.observations.size()),
              static_cast<guint64>(us), stop);
     }
-    if (found.hint.words.empty()) found.hint = {hint, detection.seen_all};
+    if (found.hint.words.empty()) found.hint = {hint, is_named(detection)};
     found.observations.push_back(std::move(seen));
   }
   const std::lock_guard guard(lock_);

@@ -107,6 +107,10 @@ def main():
             env["PATH"] = f"{build / 'examples'}:{env['PATH']}"
             if "v4l2src" in line:
                 env["LD_PRELOAD"] = shim
+                # Whoever looks for a board holds it before the camera.
+                board = re.search(r"\bboard=(\S+)", line)
+                if board:
+                    env["CALVIN_V4L2_BOARD"] = board.group(1).strip("'")
             status, output = run(line, env, folder)
             for file in re.findall(r"(?:[ :]location|ground-truth)=(\S+\.json)", line):
                 if not (pathlib.Path(folder) / file).is_file():

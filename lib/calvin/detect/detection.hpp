@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <stop_token>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct Detection {
   int seen_cols = 0;  // kWrongBoard only
   int seen_rows = 0;
   bool seen_all = false;  // kWrongBoard: where all margins are in view, that is the board's size
+  // kWrongBoard: the text of the board, or of the part of it that is seen, where its code tells it;
+  // lengths are those of the board that was looked for.
+  std::string seen_board;
   std::size_t board = 0;  // its place in the list that the detector was made for
 };
 

@@ -157,6 +157,29 @@ TEST_P(Codes, AreInNoOtherPicture) {
   }
 }
 
+// Of a board from elsewhere in the map the text is known, whichever way it lies; the lengths are
+// those of the board that is looked for.
+TEST(WrongPuzzle, IsSaidByItsPlace) {
+  const auto detector = make_detector(parse_board("puzzle:14x9:20mm").value()).value();
+  for (const char* text : {"puzzle:9x6:20mm:250,411", "puzzle:8x11:20mm:499,2", "puzzle:16x9:20mm",
+                           "puzzle:14x9:20mm:1,1", "puzzle:7x7:20mm:333,166"}) {
+    const Board board = parse_board(text).value();
+    const Camera camera = default_camera({960, 720});
+    const Grid grid = board.grid().value();
+    const Eigen::Vector3d middle((grid.cols - 1) * grid.pitch / 2, (grid.rows - 1) * grid.pitch / 2,
+                                 0);
+    for (const double turn : {0.1, 1.6, 3.3, 4.7}) {
+      const Eigen::Matrix3d rotation = exp_so3({0.2, -0.1, turn});
+      const SE3 pose = {rotation, Eigen::Vector3d(0, 0, 0.55) - rotation * middle};
+      const auto image = render_board(camera, board, pose, {.noise = 2, .blur = 0.7});
+      const Detection d = detector->detect(image.view());
+      EXPECT_FALSE(d.observation.found()) << text << " " << turn;
+      EXPECT_EQ(d.reason, Reason::kWrongBoard) << text << " " << turn;
+      EXPECT_EQ(d.seen_board, text) << turn;
+    }
+  }
+}
+
 // A part anywhere of a board that is far larger than the picture, in any turn.
 TEST_P(Codes, NameAPartInTheMidstOfABoard) {
   const Board board = parse_board(GetParam().board).value();

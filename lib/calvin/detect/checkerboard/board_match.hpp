@@ -40,6 +40,7 @@ struct Match {
   bool size_is_certain = false;        // kWrongBoard: no line of nodes can follow on any side
   int seen_cols = 0;                   // of the lattice, its longer side where the board has it
   int seen_rows = 0;
+  std::string seen;  // kWrongBoard: the text of the board that is seen, where its code tells it
 };
 
 // Whether a lattice is so much larger than the board that no stray nodes explain it.

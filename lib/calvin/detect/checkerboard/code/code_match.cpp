@@ -7,23 +7,15 @@
 
 #include <cmath>
 
+#include "calvin/detect/checkerboard/code/evidence.hpp"
+#include "calvin/detect/checkerboard/code/puzzle_map.hpp"
+
 namespace calvin::detect {
 
 namespace {
 
-// nats: of as many wrong codes as e to this, none looks right by chance.
-constexpr double kLeastEvidence = 9;
-constexpr double kLeastLead = 5;     // nats, before the next best way
-constexpr double kFewRight = 0.6;    // of the first bits
-constexpr double kLeastRight = 0.8;  // of the bits; something may cover the others
-
-// How unlikely it is that so many bits are right by chance: the exponent of Chernoff's bound, nats.
-double evidence_of(int seen, int right) {
-  if (2 * right <= seen) return 0;
-  const double p = right / static_cast<double>(seen);
-  const double wrong = p < 1 ? (1 - p) * std::log(2 * (1 - p)) : 0;
-  return seen * (p * std::log(2 * p) + wrong);
-}
+constexpr double kLeastLead = 5;   // nats, before the next best way
+constexpr double kFewRight = 0.6;  // of the first bits
 
 // The cells in which a board begins whose window meets the lattice in at least two rows and
 // columns.
@@ -140,6 +132,27 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& ext
   }
 }
 
+// What a lattice is that is no part of the board: a PuzzleBoard from elsewhere in the map, or a
+// whole grid without this code. kNotFound where neither is certain.
+Match CodeMatch::another_board(const ImageView& image, const Grid& grid, const Code& code,
+                               const Lattice& lattice) const {
+  const CellRange extent = lattice.extent();
+  const bool lies_alike = (extent.cols() >= extent.rows()) == (grid.cols >= grid.rows);
+  const bool is_certain = is_size_certain(image, lattice);
+  Match match;
+  if (code.has_dots()) {
+    if (const auto board = locate_in_map(code, bits_, extent, grid.pitch)) {
+      match = wrong_board(extent, lies_alike ? 0 : 1);
+      match.seen = board->text();
+    }
+  }
+  if (is_certain && match.reason != Reason::kWrongBoard) {
+    match = wrong_board(extent, lies_alike ? 0 : 1);
+  }
+  match.size_is_certain = is_certain;
+  return match;
+}
+
 Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& code,
                        Lattice& lattice) {
   Match match;
@@ -149,16 +162,12 @@ Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& cod
   compare(grid, code, extent);
   const double chances = std::log(std::max(candidates_, 1));
   if (best_.evidence < kLeastEvidence + chances || best_.evidence < next_best_ + kLeastLead) {
-    if (!is_size_certain(image, lattice)) return match;
-    match =
-        wrong_board(extent, (extent.cols() >= extent.rows()) == (grid.cols >= grid.rows) ? 0 : 1);
-    match.size_is_certain = true;
-    return match;
+    return another_board(image, grid, code, lattice);
   }
   if (goes_on(best_.alignment, lattice)) {
-    match = wrong_board(extent, best_.alignment.quarter);
-    match.size_is_certain = is_size_certain(image, lattice);
-    return match;
+    match = another_board(image, grid, code, lattice);
+    return match.reason == Reason::kWrongBoard ? match
+                                               : wrong_board(extent, best_.alignment.quarter);
   }
   match.alignment = best_.alignment;
   trim(match.alignment, grid, lattice);

@@ -40,6 +40,8 @@ class CodeMatch {
     double evidence = 0;
   };
   [[nodiscard]] Count count(const Code& code, Cell shift) const;
+  [[nodiscard]] Match another_board(const ImageView& image, const Grid& grid, const Code& code,
+                                    const Lattice& lattice) const;
   void turn(const Code& code, int quarter);
   void compare(const Grid& grid, const Code& code, const CellRange& extent);
 

@@ -144,6 +144,7 @@ std::vector<Detection> CheckerboardDetector::results(SheetPlaces& places, ImageS
       result.seen_cols = other->cols;
       result.seen_rows = other->rows;
       result.seen_all = other->certain;
+      result.seen_board = other->text;
     }
     result.observation.board = search_.wanted()[place.wanted].pattern.board.text();
     result.observation.image_size = size;

@@ -202,7 +202,8 @@ void SheetSearch::look_at_lattice(int level) {
     const Box box = search_.box();
     refinement_.to_image(pyramid_, level, lattice_, false);
     const CellRange e = lattice_.extent();
-    if (note_other({e.cols(), e.rows(), is_size_certain(pyramid_.calm_level(0), lattice_)}, true)) {
+    if (note_other({e.cols(), e.rows(), is_size_certain(pyramid_.calm_level(0), lattice_), ""},
+                   true)) {
       other_area_.box.add(Pyramid::to_image(box.left, level), Pyramid::to_image(box.top, level));
       other_area_.box.add(Pyramid::to_image(box.right, level),
                           Pyramid::to_image(box.bottom, level));
@@ -221,7 +222,8 @@ void SheetSearch::look_at_lattice(int level) {
   }
   if (accepted) note_part(level);
   if (match_.reason == Reason::kWrongBoard) {
-    (void)note_other({match_.seen_cols, match_.seen_rows, match_.size_is_certain}, match_.certain);
+    (void)note_other({match_.seen_cols, match_.seen_rows, match_.size_is_certain, match_.seen},
+                     match_.certain);
   }
 }
 

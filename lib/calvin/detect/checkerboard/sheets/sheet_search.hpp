@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "calvin/core/image.hpp"
@@ -34,6 +35,7 @@ struct OtherBoard {
   int cols = 0;
   int rows = 0;
   bool certain = false;  // its edges are in view on all sides
+  std::string text;      // where its code tells it
 };
 
 // Where a lattice lies in the image, and how large its squares are there about, px.
