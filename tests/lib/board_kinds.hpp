@@ -41,6 +41,10 @@ inline std::vector<NamedBoard> board_of_each_kind() {
            {"CharucoBoard", "charuco:5x4:40mm:30mm:DICT_4X4_50"},
            {"LegacyCharucoBoard", "charuco:5x4:40mm:20mm:DICT_6X6_250:legacy"},
            {"InvertedCharucoBoard", "charuco:4x5:40mm:31mm:DICT_5X5_100:inverted"},
+           {"CircleGrid", "circles:5x4:30mm"},
+           {"InvertedCircleGrid", "circles:5x4:30mm:inverted"},
+           {"MarkedCircleGrid", "dots:6x5:7mm:rings=1.1+4.1:big=1.3"},
+           {"AsymmetricCircleGrid", "acircles:3x5:20mm"},
        }) {
     const auto board = parse_board(text);
     if (board) all.push_back({name, *board});

@@ -18,6 +18,11 @@ BOARDS = [
     "charuco:8x6:32mm:24mm:DICT_5X5_250",
     "charuco:6x8:32mm:20mm:DICT_4X4_100:legacy",
     "charuco:7x5:40mm:30mm:DICT_6X6_250:inverted",
+    "circles:9x7:25mm",
+    "circles:8x6:30mm:inverted",
+    "acircles:5x13:15mm",
+    "dots:12x9:20mm:rings=2.2+9.2+2.6",
+    "dots:9x9:22mm:big=0.0",
 ]
 
 

@@ -61,10 +61,6 @@ namespace {
 
 HWY_EXPORT(halve_rows);
 
-// px; a smaller level would have no room for a board's corners.
-constexpr int kLeastWidth = 150;
-constexpr int kLeastHeight = 100;
-
 ImageView resized(std::vector<std::uint8_t>& pixels, int width, int height) {
   const auto size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   if (pixels.size() < size) pixels.resize(size);
@@ -73,7 +69,7 @@ ImageView resized(std::vector<std::uint8_t>& pixels, int width, int height) {
 
 }  // namespace
 
-void Pyramid::build(const ImageView& image, int most_levels) {
+void Pyramid::build(const ImageView& image, int most_levels, ImageSize least) {
   views_[0] = image;
   for (ImageView& calm : calm_) calm = {};
   if (image.step != 1) {
@@ -84,7 +80,7 @@ void Pyramid::build(const ImageView& image, int most_levels) {
     const ImageView& from = views_[count_ - 1];
     const int width = from.width / 2;
     const int height = from.height / 2;
-    if (width < kLeastWidth || height < kLeastHeight) break;
+    if (width < least.width || height < least.height) break;
     ImageView& to = views_[count_] = resized(pixels_[count_], width, height);
     for (int y = 0; y < height; ++y) {
       const std::uint8_t* upper = from.data + 2 * y * from.stride;

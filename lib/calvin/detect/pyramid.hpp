@@ -14,10 +14,13 @@ namespace calvin::detect {
 class Pyramid {
  public:
   static constexpr int kMaxLevels = 8;
+  // Smaller levels have no room for the corners of a board.
+  static constexpr ImageSize kLeastForCorners = {150, 100};
 
   // Level 0 is the image itself, in place wherever its pixels lie side by side; each further level
-  // has half the size, down to where a board of the whole image can just be seen. Keeps its memory.
-  void build(const ImageView& image, int most_levels = kMaxLevels);
+  // has half the size, as long as that is not below the least one. Keeps its memory.
+  void build(const ImageView& image, int most_levels = kMaxLevels,
+             ImageSize least = kLeastForCorners);
 
   [[nodiscard]] int levels() const noexcept { return count_; }
   [[nodiscard]] const ImageView& level(int i) const { return views_[static_cast<std::size_t>(i)]; }

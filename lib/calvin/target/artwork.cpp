@@ -125,6 +125,39 @@ void print(Artwork& artwork, const CharucoBoard& board) {
   });
 }
 
+// The ground of a board of discs is dark where they are light.
+template <typename Kind>
+void print_ground(Artwork& artwork, const Kind& board, double spacing) {
+  artwork.margin = spacing / 2;
+  if (!board.inverted) return;
+  artwork.x = {artwork.outline.left, artwork.outline.right};
+  artwork.y = {artwork.outline.top, artwork.outline.bottom};
+  artwork.dark = {1};
+}
+
+void print(Artwork& artwork, const CircleGrid& board) {
+  print_ground(artwork, board, board.pitch);
+  for (int row = 0; row < board.rows; ++row) {
+    for (int col = 0; col < board.cols; ++col) {
+      const DiscMark mark = board.mark({col, row});
+      const double diameter = mark == DiscMark::kLarge ? kLargeDiscDiameter : kDiscDiameter;
+      const double x = col * board.pitch;
+      const double y = row * board.pitch;
+      artwork.discs.push_back({x, y, diameter * board.pitch, !board.inverted});
+      if (mark != DiscMark::kRing) continue;
+      artwork.discs.push_back({x, y, kRingHole * board.pitch, board.inverted});
+    }
+  }
+}
+
+void print(Artwork& artwork, const AsymmetricCircleGrid& board) {
+  const double spacing = board.cell_size(0);
+  print_ground(artwork, board, spacing);
+  for (const Eigen::Vector3d& centre : board.points()) {
+    artwork.discs.push_back({centre.x(), centre.y(), kDiscDiameter * spacing, !board.inverted});
+  }
+}
+
 void print(Artwork& artwork, const PointBoard& board) {
   for (const PointBoard::Dot& dot : board.dots()) {
     artwork.discs.push_back({dot.x, dot.y, dot.diameter, true});

@@ -149,12 +149,80 @@ Result<Board> parse_charuco(const Fields& fields) {
   return board;
 }
 
+// "2.2+12.2": columns and rows, from 0.
+Result<std::vector<GridPlace>> parse_places(std::string_view text) {
+  std::vector<GridPlace> places;
+  for (const std::string_view place : split(text, '+')) {
+    const auto parts = split(place, '.');
+    const auto col = parse_int(parts.front());
+    const auto row = parse_int(parts.back());
+    if (parts.size() != 2 || !col || !row) {
+      return refuse(fmt::format("'{}' is not COLUMN.ROW", place));
+    }
+    places.push_back({*col, *row});
+  }
+  std::ranges::sort(places, {}, [](GridPlace p) { return std::pair(p.row, p.col); });
+  const auto again = std::ranges::unique(places);
+  places.erase(again.begin(), again.end());
+  return places;
+}
+
+// Columns, rows and pitch of discs.
+struct Discs {
+  Sides sides;
+  double pitch = 0;
+};
+Result<Discs> parse_discs(const Fields& fields) {
+  if (fields.size() < 2) return refuse("it needs a kind, a size in circles and a distance");
+  const auto sides = parse_sides(fields[0], "circles", 2, 6);
+  if (!sides) return tl::unexpected(sides.error());
+  const auto pitch = parse_side(fields[1], "distances");
+  if (!pitch) return tl::unexpected(pitch.error());
+  return Discs{*sides, *pitch};
+}
+
+template <typename Kind>
+Result<Board> parse_circles(const Fields& fields) {
+  const auto discs = parse_discs(fields);
+  if (!discs) return tl::unexpected(discs.error());
+  Kind board;
+  board.cols = discs->sides.cols;
+  board.rows = discs->sides.rows;
+  board.pitch = discs->pitch;
+  for (std::size_t i = 2; i < fields.size(); ++i) {
+    if (fields[i] != "inverted") return refuse(fmt::format("'{}' is not 'inverted'", fields[i]));
+    board.inverted = true;
+  }
+  return board;
+}
+
+Result<Board> parse_dots(const Fields& fields) {
+  const auto discs = parse_discs(fields);
+  if (!discs) return tl::unexpected(discs.error());
+  CircleGrid board{discs->sides.cols, discs->sides.rows, discs->pitch, {}, {}, false};
+  for (std::size_t i = 2; i < fields.size(); ++i) {
+    if (fields[i] == "inverted") {
+      board.inverted = true;
+      continue;
+    }
+    const bool is_ring = fields[i].starts_with("rings=");
+    if (!is_ring && !fields[i].starts_with("big=")) {
+      return refuse(fmt::format("'{}' is none of 'rings=', 'big=' and 'inverted'", fields[i]));
+    }
+    auto places = parse_places(fields[i].substr(fields[i].find('=') + 1));
+    if (!places) return tl::unexpected(places.error());
+    (is_ring ? board.rings : board.large) = std::move(*places);
+  }
+  if (const Status status = board.check(); !status) return tl::unexpected(status.error());
+  return board;
+}
+
 struct KindOfText {
   std::string_view name;
   Result<Board> (*parse)(const Fields& fields);
   std::string_view example;
 };
-constexpr std::array<KindOfText, 3> kKinds = {{
+constexpr std::array<KindOfText, 6> kKinds = {{
     {"checkerboard", parse_checkerboard,
      "A right text is 'checkerboard:9x6:25mm': 9 by 6 inner corners, squares of 25 mm."},
     {"puzzle", parse_puzzle,
@@ -163,6 +231,14 @@ constexpr std::array<KindOfText, 3> kKinds = {{
     {"charuco", parse_charuco,
      "A right text is 'charuco:5x7:40mm:20mm:DICT_6X6_250': 5 by 7 squares of 40 mm, markers of "
      "20 mm."},
+    {"circles", parse_circles<CircleGrid>,
+     "A right text is 'circles:7x5:30mm': 7 by 5 circles, 30 mm from centre to centre."},
+    {"acircles", parse_circles<AsymmetricCircleGrid>,
+     "A right text is 'acircles:4x11:20mm': 11 rows of 4 circles, 20 mm from row to row."},
+    {"dots", parse_dots,
+     "A right text is 'dots:14x10:7mm:rings=2.2+12.2+2.8': 14 by 10 dots 7 mm apart, of which "
+     "those "
+     "at column 2, row 2 and so on are rings."},
 }};
 
 const KindOfText* kind_of_text(std::string_view text) {

@@ -10,13 +10,15 @@
 #include "calvin/target/board.hpp"
 #include "calvin/target/charuco_board.hpp"
 #include "calvin/target/checkerboard.hpp"
+#include "calvin/target/circle_grid.hpp"
 #include "calvin/target/point_board.hpp"
 #include "calvin/target/puzzle_board.hpp"
 
 namespace calvin {
 
 // A new kind is a file in target/, a name here and a line in board.cpp.
-struct Board::Kind : std::variant<Checkerboard, PuzzleBoard, CharucoBoard, PointBoard> {
+struct Board::Kind : std::variant<Checkerboard, PuzzleBoard, CharucoBoard, CircleGrid,
+                                  AsymmetricCircleGrid, PointBoard> {
   using variant::variant;
 };
 

@@ -81,8 +81,13 @@ double thread_ms() {
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
-TEST(Bytes, AreNoBoardAndTakeNoLongerThanTheirPixels) {
-  const auto finder = std::move(*make_detector(scenes::kBoard));
+class BytesFor : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Boards, BytesFor,
+                         ::testing::Values("checkerboard:9x6:25mm", "puzzle:9x6:25mm",
+                                           "circles:7x5:30mm", "dots:7x5:30mm:big=0.0:inverted"));
+
+TEST_P(BytesFor, AreNoBoardAndTakeNoLongerThanTheirPixels) {
+  const auto finder = make_detector(parse_board(GetParam()).value()).value();
   std::mt19937 random(8);
   double worst = 0;
   for (const Shape& shape : shapes()) {

@@ -126,6 +126,67 @@ TEST(BoardsWithACode, LookLikeThoseOfTheSameCode) {
   EXPECT_TRUE(charuco.symmetries().empty());
 }
 
+// OpenCV's order, as its samples lay out the points of an asymmetric grid.
+TEST(CircleGrids, AreOpenCvs) {
+  const Board board = parse_board("acircles:4x11:20mm").value();
+  const auto points = board.points();
+  ASSERT_EQ(points.size(), 44U);
+  for (int row = 0; row < 11; ++row) {
+    for (int col = 0; col < 4; ++col) {
+      const auto& p = points[static_cast<std::size_t>(4 * row + col)];
+      EXPECT_NEAR(p.x(), (2 * col + row % 2) * 0.02, 1e-12);
+      EXPECT_NEAR(p.y(), row * 0.02, 1e-12);
+    }
+  }
+  EXPECT_EQ(board.neighbours(0), (std::vector<int>{4}));
+  EXPECT_EQ(board.neighbours(5), (std::vector<int>{1, 2, 9, 10}));
+  EXPECT_FALSE(board.grid().has_value());
+}
+
+TEST(CircleGrids, TellTheirTurnByMarksAndByShiftedRows) {
+  const auto turns = [](const char* text) {
+    std::vector<int> all;
+    for (const Relabelling& r : parse_board(text).value().symmetries()) {
+      all.push_back(r.quarter_turns);
+    }
+    return all;
+  };
+  EXPECT_EQ(turns("circles:7x5:30mm"), (std::vector<int>{2}));
+  EXPECT_EQ(turns("circles:5x5:30mm"), (std::vector<int>{1, 2, 3}));
+  EXPECT_EQ(turns("dots:5x5:30mm:big=0.0"), std::vector<int>());
+  EXPECT_EQ(turns("dots:5x5:30mm:big=2.2"), (std::vector<int>{1, 2, 3}));
+  EXPECT_EQ(turns("dots:7x5:30mm:rings=0.0+6.4"), (std::vector<int>{2}));
+  EXPECT_EQ(turns("dots:7x5:30mm:rings=0.0:big=6.4"), std::vector<int>());
+  EXPECT_EQ(turns("acircles:4x11:20mm"), std::vector<int>());
+  EXPECT_EQ(turns("acircles:4x10:20mm"), (std::vector<int>{2}));
+}
+
+TEST(CircleGrids, LookLikeThoseOfAnotherSizeWithTheSameMarks) {
+  const auto board = [](const char* text) { return parse_board(text).value(); };
+  EXPECT_TRUE(board("circles:7x5:30mm").looks_like(board("circles:5x7:12mm")));
+  EXPECT_FALSE(board("circles:7x5:30mm").looks_like(board("circles:7x5:30mm:inverted")));
+  EXPECT_FALSE(board("circles:7x5:30mm").looks_like(board("dots:7x5:30mm:big=0.0")));
+  EXPECT_FALSE(board("acircles:4x11:20mm").looks_like(board("acircles:11x4:20mm")));
+  EXPECT_EQ(board("dots:7x5:30mm:rings=3.3+1.0+3.3").text(), "dots:7x5:30mm:rings=1.0+3.3");
+  EXPECT_EQ(board("dots:7x5:30mm").text(), "circles:7x5:30mm");
+}
+
+TEST(CircleGrids, OfWrongMarksThereAreNone) {
+  for (const auto& [text, why] : {std::pair{"dots:7x5:30mm:rings=7.0", "no mark at column 7"},
+                                  {"dots:7x5:30mm:rings=1.1:big=1.1", "no mark at column 1"},
+                                  {"dots:7x5:30mm:rings=1", "COLUMN.ROW"},
+                                  {"dots:7x5:30mm:rings=", "COLUMN.ROW"},
+                                  {"dots:7x5:30mm:holes=1.1", "rings="},
+                                  {"circles:7x5:30mm:big=0.0", "'inverted'"},
+                                  {"circles:7x5", "a distance"},
+                                  {"acircles:1x9:20mm", "out of range"}}) {
+    const auto board = parse_board(text);
+    ASSERT_FALSE(board) << text;
+    EXPECT_NE(board.error().message.find(why), std::string::npos) << board.error().message;
+    EXPECT_NE(board.error().message.find("A right text is"), std::string::npos);
+  }
+}
+
 TEST(PointBoards, AreInTheOrderOfTheirIds) {
   const Board board = point_board();
   EXPECT_EQ(board.text(), "points:plate.json");

@@ -17,27 +17,13 @@
 #include <utility>
 
 #include "calvin/detect/checkerboard/corners/saddle_sums.hpp"
+#include "calvin/detect/unknown_pairs.hpp"
 
 #ifndef CALVIN_DETECT_SADDLE_SUMS_PAIRS
 #define CALVIN_DETECT_SADDLE_SUMS_PAIRS
 namespace calvin::detect {
 
-// The two unknowns of each product, in the order of Normal::products.
-struct Pairs {
-  int first[kProducts];
-  int second[kProducts];
-};
-inline constexpr Pairs kPairs = [] {
-  Pairs pairs{};
-  int k = 0;
-  for (int p = 0; p < kUnknowns; ++p) {
-    for (int q = p; q < kUnknowns; ++q, ++k) {
-      pairs.first[k] = p;
-      pairs.second[k] = q;
-    }
-  }
-  return pairs;
-}();
+inline constexpr UnknownPairs<kUnknowns> kPairs;
 inline constexpr float kWhite = 255;
 
 }  // namespace calvin::detect

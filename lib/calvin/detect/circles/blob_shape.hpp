@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The ellipse around a place of an image, to a fraction of a pixel: what discs are told by.
+#pragma once
+
+#include <optional>
+
+#include "calvin/core/image.hpp"
+#include "calvin/detect/circles/ellipse.hpp"
+
+namespace calvin::detect {
+
+// Looks for the rim along rays from a place inside of a disc, at most `reach` px away. Absent where
+// the rim is no ellipse, or has less than `contrast` grey levels.
+[[nodiscard]] std::optional<Ellipse> measure_blob(const ImageView& image, double x, double y,
+                                                  bool light, double reach, float contrast);
+
+}  // namespace calvin::detect
