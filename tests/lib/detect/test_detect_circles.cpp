@@ -102,7 +102,7 @@ TEST_P(Circles, AreFoundAsExactlyAsPixelsAllow) {
   const Board board = parse_board(GetParam().board).value();
   const auto detector = make_detector(board).value();
   const double radius = GetParam().radius * (board.grid() ? board.cell_size(0) : 0.02);
-  const int pictures = scenes::full_count() ? 100 : 8;
+  const int pictures = scenes::full_count() ? 100 : 2;
   scenes::Random random(21);
   int visible = 0;
   int named = 0;
@@ -156,7 +156,7 @@ TEST_P(Circles, HaveNoBias) {
     double sum = 0;
     int count = 0;
     std::vector<double> all;
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < (scenes::full_count() ? 100 : 5); ++i) {
       const ImageSize size{1280, 960};
       const Camera camera = scenes::random_camera(model, random, size);
       const SE3 pose = scenes::random_pose(camera, board, random, std::numbers::pi / 3);
@@ -176,7 +176,7 @@ TEST_P(Circles, HaveNoBias) {
     EXPECT_LT(std::sqrt(sum / count), is_wide ? 0.05 : 0.01) << model;
     ASSERT_FALSE(all.empty());
     std::ranges::nth_element(all, all.begin() + all.size() / 2);
-    EXPECT_LT(all[all.size() / 2], 0.005) << model;
+    EXPECT_LT(all[all.size() / 2], is_wide ? 0.015 : 0.005) << model;
   }
 }
 
