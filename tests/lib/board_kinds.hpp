@@ -41,6 +41,8 @@ inline std::vector<NamedBoard> board_of_each_kind() {
            {"CharucoBoard", "charuco:5x4:40mm:30mm:DICT_4X4_50"},
            {"LegacyCharucoBoard", "charuco:5x4:40mm:20mm:DICT_6X6_250:legacy"},
            {"InvertedCharucoBoard", "charuco:4x5:40mm:31mm:DICT_5X5_100:inverted"},
+           {"AprilGrid", "aprilgrid:3x2:40mm:0.3"},
+           {"AprilGridWithThinBorders", "aprilgrid:2x3:40mm:0.25:tag25h9:border=1:first=4"},
        }) {
     const auto board = parse_board(text);
     if (board) all.push_back({name, *board});

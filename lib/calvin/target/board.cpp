@@ -41,6 +41,7 @@ Board::Board(OneKind kind) : kind_(std::make_shared<const Kind>(std::move(kind))
 template Board::Board(Checkerboard);
 template Board::Board(PuzzleBoard);
 template Board::Board(CharucoBoard);
+template Board::Board(AprilGrid);
 template Board::Board(PointBoard);
 
 bool operator==(const Board& a, const Board& b) {
