@@ -34,6 +34,10 @@ struct AprilGrid {
   [[nodiscard]] int tag_in(int col, int row) const noexcept {
     return first + (rows - 1 - row) * cols + col;
   }
+  // A bit of a tag, from its upper left. Kalibr has tags the other way up than OpenCV.
+  [[nodiscard]] bool is_light(int id, int col, int row) const {
+    return dictionary->is_light(id, dictionary->side - 1 - col, dictionary->side - 1 - row);
+  }
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] Status check() const;

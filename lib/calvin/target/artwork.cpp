@@ -151,7 +151,7 @@ class AprilGridCells {
     const int i = x.at - board_.border;
     const int j = y.at - board_.border;
     if (i < 0 || j < 0 || i >= side || j >= side) return true;
-    return !board_.dictionary->is_light(board_.tag_in(x.tag, y.tag), i, j);
+    return !board_.is_light(board_.tag_in(x.tag, y.tag), i, j);
   }
 
  private:

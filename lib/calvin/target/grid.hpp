@@ -50,6 +50,10 @@ struct Grid {
     const int pairs = (line < 0 ? line - 1 : line) / 2;
     return pairs * (pitch + gap) + (line - 2 * pairs) * pitch;
   }
+  // m, from a line to the next, on average.
+  [[nodiscard]] double mean_step() const noexcept { return gap == 0 ? pitch : (pitch + gap) / 2; }
+  // The shorter step in parts of it.
+  [[nodiscard]] double gap_share() const noexcept { return gap == 0 ? 1 : gap / mean_step(); }
 
   [[nodiscard]] int count() const noexcept { return cols * rows; }
   [[nodiscard]] bool contains(GridPlace p) const noexcept {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "calvin/detect/checkerboard/corners/grey_at.hpp"
 #include "calvin/geometry/convex_hull.hpp"
@@ -284,6 +285,7 @@ void BoardSearch::find_groups() {
     }
     Group group = {static_cast<int>(i), static_cast<int>(queue_.size()), {}};
     if (group.size < options_.least_nodes) continue;
+    if (options_.surroundings.gap < 1) group.first = clearest_corner();
     for (const int k : queue_) {
       const Corner& corner = corners_[static_cast<std::size_t>(k)];
       group.box.add(corner.x, corner.y);
@@ -297,8 +299,44 @@ void BoardSearch::find_groups() {
   cell_.resize(corners_.size());
 }
 
+std::array<float, 2> BoardSearch::step_ratios(int corner) const {
+  const auto& links = graph_.neighbours(corner);
+  const Corner& from = corners_[static_cast<std::size_t>(corner)];
+  std::array<float, 2> ratios{};
+  for (std::size_t edge = 0; edge < 2; ++edge) {
+    float length[2] = {1, 1};
+    if (links[2 * edge] == kNoCorner || links[2 * edge + 1] == kNoCorner) continue;
+    for (std::size_t back = 0; back < 2; ++back) {
+      const Corner& to = corners_[static_cast<std::size_t>(links[2 * edge + back])];
+      length[back] = std::hypot(to.x - from.x, to.y - from.y);
+    }
+    ratios[edge] = std::log(length[0] / length[1]);
+  }
+  return {ratios[0], -ratios[1]};
+}
+
+int BoardSearch::clearest_corner() const {
+  const float usual = std::log(options_.surroundings.step_ratio());
+  int clearest = queue_.front();
+  float least = std::numeric_limits<float>::infinity();
+  for (const int corner : queue_) {
+    const auto [rising, falling] = step_ratios(corner);
+    // Both say the same, and as much as they should.
+    const float off = std::min(std::abs(rising - usual) + std::abs(falling - usual),
+                               std::abs(rising + usual) + std::abs(falling + usual));
+    if (off >= least) continue;
+    least = off;
+    clearest = corner;
+  }
+  return clearest;
+}
+
 void BoardSearch::fill(const Group& group, Lattice& lattice) {
   lattice.clear();
+  if (!lattice.has_even_steps()) {
+    const auto [rising, falling] = step_ratios(group.first);
+    lattice.set_long_first(rising + falling > 0);
+  }
   const auto start = static_cast<std::size_t>(group.first);
   const Corner& first = corners_[start];
   lattice.put({0, 0}, node_of(first, true, first.rising, first.falling));

@@ -82,13 +82,14 @@ bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const
   const auto& ways = nearest_[static_cast<std::size_t>(from)];
   const auto way = static_cast<std::size_t>(std::find(ways.begin(), ways.end(), to) - ways.begin());
   const int opposite = way < ways.size() ? ways[way ^ 1] : kNoCorner;
-  return opposite != kNoCorner && square(to) > kLongestLink * kLongestLink * square(opposite);
+  return opposite != kNoCorner && square(to) > rules_.longest_link * rules_.longest_link * square(opposite);
 }
 
 void CornerGraph::build(const ImageView& image, std::span<const Corner> corners, float reach,
                         const Surroundings& surroundings) {
   // Between two corners of squares, what markers have for corners may be nearer.
-  search_.run(corners, image.size(), reach, surroundings.aside < 1, nearest_);
+  rules_ = {reach, surroundings.aside < 1, kLongestLink * surroundings.step_ratio()};
+  search_.run(corners, image.size(), rules_, nearest_);
   links_.assign(corners.size(), {kNoCorner, kNoCorner, kNoCorner, kNoCorner});
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const int self = static_cast<int>(i);

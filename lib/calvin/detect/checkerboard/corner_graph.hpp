@@ -31,6 +31,7 @@ class CornerGraph {
   [[nodiscard]] bool skips(std::span<const Corner> corners, int from, int to) const;
 
   NeighbourSearch search_;
+  NeighbourRules rules_;
   std::vector<std::array<int, kWays>> nearest_;
   std::vector<std::array<int, kWays>> links_;
 };

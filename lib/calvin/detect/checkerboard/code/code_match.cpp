@@ -138,7 +138,8 @@ Match CodeMatch::another_board(const ImageView& image, const Grid& grid, const C
                                const Lattice& lattice) const {
   const CellRange extent = lattice.extent();
   const bool lies_alike = (extent.cols() >= extent.rows()) == (grid.cols >= grid.rows);
-  const bool is_certain = is_size_certain(image, lattice);
+  // The ends of a pattern are looked for where squares are alike.
+  const bool is_certain = lattice.has_even_steps() && is_size_certain(image, lattice);
   Match match;
   if (code.has_dots()) {
     if (const auto board = locate_in_map(code, bits_, extent, grid.pitch)) {
