@@ -47,8 +47,8 @@ Status AprilGrid::check() const {
   };
   if (dictionary == nullptr) return refuse("it has no family of tags");
   if (!(spacing >= kLeastSpacing && spacing <= kMostSpacing)) {
-    return refuse(fmt::format("gaps are from {} to {} of a tag's side", kLeastSpacing,
-                              kMostSpacing));
+    return refuse(
+        fmt::format("gaps are from {} to {} of a tag's side", kLeastSpacing, kMostSpacing));
   }
   if (border != 1 && border != 2) return refuse("borders of tags are 1 or 2 bits wide");
   const auto known = static_cast<int>(dictionary->codes.size());

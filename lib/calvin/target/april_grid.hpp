@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// AprilGrid: AprilTags in rows with small dark squares between their corners, as Kalibr prints them.
+// AprilGrid: AprilTags in rows with small dark squares between their corners, as Kalibr prints
+// them.
 #pragma once
 
 #include <string>
@@ -30,7 +31,8 @@ struct AprilGrid {
   int border = kUsualBorder;  // cells, of the dark border around the bits of a tag
   int first = 0;              // the id of the tag at the lower left
 
-  // The id of a tag by its place from the upper left. Tags are numbered in rows from the lower left.
+  // The id of a tag by its place from the upper left. Tags are numbered in rows from the lower
+  // left.
   [[nodiscard]] int tag_in(int col, int row) const noexcept {
     return first + (rows - 1 - row) * cols + col;
   }

@@ -82,7 +82,8 @@ bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const
   const auto& ways = nearest_[static_cast<std::size_t>(from)];
   const auto way = static_cast<std::size_t>(std::find(ways.begin(), ways.end(), to) - ways.begin());
   const int opposite = way < ways.size() ? ways[way ^ 1] : kNoCorner;
-  return opposite != kNoCorner && square(to) > rules_.longest_link * rules_.longest_link * square(opposite);
+  return opposite != kNoCorner &&
+         square(to) > rules_.longest_link * rules_.longest_link * square(opposite);
 }
 
 void CornerGraph::build(const ImageView& image, std::span<const Corner> corners, float reach,

@@ -371,8 +371,8 @@ void set_slopes(const Lattice& lattice, FitGrid& fits) {
     const auto gradient = [&](const Surface<2>& surface) {
       const LatticePlace at = lattice.place(c);
       const auto change = [&](Cell way) {
-        return static_cast<float>(
-            0.5 * (surface.at(moved(at, way, 1)) - surface.at(moved(at, way, -1))));
+        return static_cast<float>(0.5 *
+                                  (surface.at(moved(at, way, 1)) - surface.at(moved(at, way, -1))));
       };
       const float along = change({1, 0});
       const float down = change({0, 1});

@@ -18,7 +18,8 @@ constexpr float kLeastSpacing =
 float distance(const Node& a, const Node& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 // The weights of nodes at the places pa, pb and pd of a line, for what is expected at its place 0:
-// by a straight line through two of them, or by the mean of that and a parabola through three.
+// by a straight line through the first two of them, or by the mean of that and the parabola through
+// all. Two that are close together tell little of one far from them: then by the parabola alone.
 struct Extrapolation {
   float a;
   float b;
@@ -26,9 +27,11 @@ struct Extrapolation {
 
   Extrapolation(float pa, float pb) : a(1 + pa / (pb - pa)), b(-pa / (pb - pa)) {}
   Extrapolation(float pa, float pb, float pd) : Extrapolation(pa, pb) {
-    a = 0.5F * (a + pb * pd / ((pa - pb) * (pa - pd)));
-    b = 0.5F * (b + pa * pd / ((pb - pa) * (pb - pd)));
-    d = 0.5F * (pa * pb / ((pd - pa) * (pd - pb)));
+    const float straight = pb - pa < pa ? 0 : 0.5F;
+    const float bent = 1 - straight;
+    a = straight * a + bent * pb * pd / ((pa - pb) * (pa - pd));
+    b = straight * b + bent * pa * pd / ((pb - pa) * (pb - pd));
+    d = bent * pa * pb / ((pd - pa) * (pd - pb));
   }
 };
 
@@ -124,20 +127,15 @@ void Lattice::add_extrapolation(Cell c, Cell step, Votes& votes) const {
   const float pa = length(c, step);
   const float ab = length(c + step, step);
   const float between = distance(a, b) / ab;
-  // Two nodes that are close to each other tell little of one that is far from them.
-  const bool are_close = ab < pa;
   if (!has(c + 3 * step)) {
     const Extrapolation by(pa, pa + ab);
-    const float weight = are_close ? ab * ab / (pa * pa) : 1;
+    const float weight = ab < pa ? ab * ab / (pa * pa) : 1;
     votes.add(by.a * a.x + by.b * b.x, by.a * a.y + by.b * b.y, between, weight);
     return;
   }
   const Node& d = at(c + 3 * step);
-  const float pd = pa + ab + length(c + 2 * step, step);
-  const Extrapolation by = are_close ? Extrapolation(pa, pd) : Extrapolation(pa, pa + ab, pd);
-  const Node& second = are_close ? d : b;
-  votes.add(by.a * a.x + by.b * second.x + by.d * d.x, by.a * a.y + by.b * second.y + by.d * d.y,
-            between);
+  const Extrapolation by(pa, pa + ab, pa + ab + length(c + 2 * step, step));
+  votes.add(by.a * a.x + by.b * b.x + by.d * d.x, by.a * a.y + by.b * b.y + by.d * d.y, between);
 }
 
 std::optional<Expected> Lattice::expect(Cell c) const {
@@ -196,10 +194,13 @@ void Lattice::prune(float share) {
     });
     if (!removed) break;
   }
+  // Across the border of an image, where the corners of two tags are close together, only one may
+  // be left to the other and to its line.
+  const int least = has_even_steps() ? 2 : 1;
   for (bool again = true; again;) {
     again = false;
     for_each([&](Cell c, const Node& /*node*/) {
-      if (neighbours(c) >= 2) return;
+      if (neighbours(c) >= least) return;
       remove(c);
       again = true;
     });

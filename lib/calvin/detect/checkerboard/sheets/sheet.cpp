@@ -64,8 +64,8 @@ bool goes_on_with(const Sheet& sheet, const Lattice& lattice, int level) {
     const Pixel at = transform(*to_cell, in_image(node, level));
     const bool near =
         std::abs(at.u - first.col) < 2 * reach && std::abs(at.v - first.row) < 2 * reach;
-    const bool is_on_grid = off_lines(sheet.lattice, at.u, true) < most &&
-                            off_lines(sheet.lattice, at.v, false) < most;
+    const bool is_on_grid =
+        off_lines(sheet.lattice, at.u, true) < most && off_lines(sheet.lattice, at.v, false) < most;
     on_grid += near && is_on_grid ? 1 : 0;
   });
   return on_grid > kMost * lattice.count();
