@@ -18,6 +18,8 @@ BOARDS = [
     "charuco:8x6:32mm:24mm:DICT_5X5_250",
     "charuco:6x8:32mm:20mm:DICT_4X4_100:legacy",
     "charuco:7x5:40mm:30mm:DICT_6X6_250:inverted",
+    "aprilgrid:5x4:40mm:0.3",
+    "aprilgrid:4x4:50mm:0.25:tag25h9:border=1:first=3",
 ]
 
 

@@ -5,6 +5,11 @@
 
 #include "calvin/detect/detector.hpp"
 
+#include <algorithm>
+#include <exception>
+#include <utility>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "calvin/detect/checkerboard/code/pattern.hpp"
@@ -33,6 +38,83 @@ Status check_detectable(const Board& board) {
   return {};
 }
 
+// The boards of a list whose lines of corners are spaced alike: a lattice of one spacing is none of
+// another.
+struct Family {
+  double gap_share = 1;
+  std::vector<Board> boards;
+  std::vector<std::size_t> of_list;  // the place of each in the list
+  std::unique_ptr<Detector> detector;
+};
+
+std::vector<Family> families_of(std::span<const Board> boards) {
+  std::vector<Family> families;
+  for (std::size_t i = 0; i < boards.size(); ++i) {
+    const double share = boards[i].grid().value_or(Grid{}).gap_share();
+    auto family = std::ranges::find(families, share, &Family::gap_share);
+    if (family == families.end()) {
+      families.push_back({share, {}, {}, nullptr});
+      family = families.end() - 1;
+    }
+    family->boards.push_back(boards[i]);
+    family->of_list.push_back(i);
+  }
+  return families;
+}
+
+// Looks for the boards of several families, one after the other.
+class FamiliesDetector final : public Detector {
+ public:
+  explicit FamiliesDetector(std::vector<Family> families, std::size_t listed)
+      : families_(std::move(families)), listed_(listed) {
+    for (Family& family : families_) {
+      family.detector = detect::make_checkerboard_detector(family.boards);
+    }
+  }
+
+  std::vector<Detection> detect_all(const ImageView& image,
+                                    std::stop_token stop) noexcept override {
+    return by_all([&](Detector& detector) { return detector.detect_all(image, stop); });
+  }
+  std::vector<Detection> follow_all(const ImageView& image, std::uint64_t timestamp,
+                                    std::stop_token stop) noexcept override {
+    return by_all([&](Detector& detector) { return detector.follow_all(image, timestamp, stop); });
+  }
+
+ private:
+  // In the order of the list, then the further sheets of each family.
+  template <typename F>
+  std::vector<Detection> by_all(F detect) noexcept {
+    try {
+      std::vector<Detection> all(listed_);
+      for (const Family& family : families_) {
+        std::vector<Detection> found = detect(*family.detector);
+        if (found.empty()) return {};  // no memory
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          found[i].board = family.of_list[found[i].board];
+          if (i < family.boards.size()) {
+            all[family.of_list[i]] = std::move(found[i]);
+          } else {
+            all.push_back(std::move(found[i]));
+          }
+        }
+      }
+      return all;
+    } catch (const std::exception&) {
+      return {};
+    }
+  }
+
+  std::vector<Family> families_;
+  std::size_t listed_;
+};
+
+std::unique_ptr<Detector> make_detector_of(std::span<const Board> boards) {
+  std::vector<Family> families = families_of(boards);
+  if (families.size() == 1) return detect::make_checkerboard_detector(boards);
+  return std::make_unique<FamiliesDetector>(std::move(families), boards.size());
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Detector>> make_detector(std::span<const Board> boards) {
@@ -44,7 +126,7 @@ Result<std::unique_ptr<Detector>> make_detector(std::span<const Board> boards) {
       return tl::unexpected<Error>(status.error());
     }
   }
-  return detect::make_checkerboard_detector(boards);
+  return make_detector_of(boards);
 }
 
 Result<std::unique_ptr<Detector>> make_detector(const Board& board) {

@@ -34,7 +34,7 @@ struct AprilGrid {
   // The id of a tag by its place from the upper left. Tags are numbered in rows from the lower
   // left.
   [[nodiscard]] int tag_in(int col, int row) const noexcept {
-    return first + (rows - 1 - row) * cols + col;
+    return first + Grid{cols, rows, tag}.id({col, rows - 1 - row});
   }
   // A bit of a tag, from its upper left. Kalibr has tags the other way up than OpenCV.
   [[nodiscard]] bool is_light(int id, int col, int row) const {

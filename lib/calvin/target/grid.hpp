@@ -50,10 +50,11 @@ struct Grid {
     const int pairs = (line < 0 ? line - 1 : line) / 2;
     return pairs * (pitch + gap) + (line - 2 * pairs) * pitch;
   }
-  // m, from a line to the next, on average.
+  // m, from a line to the next, at least and on average.
+  [[nodiscard]] double least_step() const noexcept { return gap == 0 || gap > pitch ? pitch : gap; }
   [[nodiscard]] double mean_step() const noexcept { return gap == 0 ? pitch : (pitch + gap) / 2; }
   // The shorter step in parts of it.
-  [[nodiscard]] double gap_share() const noexcept { return gap == 0 ? 1 : gap / mean_step(); }
+  [[nodiscard]] double gap_share() const noexcept { return least_step() / mean_step(); }
 
   [[nodiscard]] int count() const noexcept { return cols * rows; }
   [[nodiscard]] bool contains(GridPlace p) const noexcept {

@@ -184,6 +184,28 @@ TEST(WrongPuzzle, IsSaidByItsPlace) {
   }
 }
 
+// Of an AprilGrid with other tags, or more of them, the text is known too.
+TEST(WrongAprilGrid, IsSaidByItsTags) {
+  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  const auto detector = make_detector(parse_board("aprilgrid:4x3:40mm:0.3").value()).value();
+  for (const char* text : {"aprilgrid:4x3:40mm:0.3:first=12", "aprilgrid:4x4:40mm:0.3",
+                           "aprilgrid:3x5:40mm:0.3", "aprilgrid:2x3:40mm:0.3:first=100"}) {
+    const Board board = parse_board(text).value();
+    const BoardArea area = board.extent();
+    const Eigen::Vector3d middle(area.width() / 2, area.height() / 2, 0);
+    for (const double turn : {0.1, 1.6, 3.3, 4.7}) {
+      const Eigen::Matrix3d rotation = exp_so3({0.2, -0.1, turn});
+      const SE3 pose = {rotation, Eigen::Vector3d(0, 0, 0.45) - rotation * middle};
+      const auto image =
+          render_board(default_camera({960, 720}), board, pose, {.noise = 2, .blur = 0.7});
+      const Detection d = detector->detect(image.view());
+      EXPECT_FALSE(d.observation.found()) << text << " " << turn;
+      EXPECT_EQ(d.reason, Reason::kWrongBoard) << text << " " << turn;
+      EXPECT_EQ(d.seen_board, text) << turn;
+    }
+  }
+}
+
 // A part anywhere of a board that is far larger than the picture, in any turn.
 TEST_P(Codes, NameAPartInTheMidstOfABoard) {
   const Board board = parse_board(GetParam().board).value();

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/draw/board_drawing.hpp"
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 #include "calvin_config.h"
 
 #include "artwork_at.hpp"

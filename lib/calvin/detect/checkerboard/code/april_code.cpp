@@ -5,6 +5,9 @@
 
 #include "calvin/detect/checkerboard/code/april_code.hpp"
 
+#include "calvin/detect/checkerboard/code/april_tags.hpp"
+#include "calvin/target/kinds.hpp"
+
 namespace calvin::detect {
 
 namespace {
@@ -23,6 +26,7 @@ MarkerShape shape_of(const AprilGrid& board) {
 
 AprilCode::AprilCode(const AprilGrid& board)
     : Code(board.grid(), board.dictionary->side * board.dictionary->side, 1, true),
+      board_(board),
       shape_(shape_of(board)) {
   const int side = shape_.side;
   for (int row = 0; row < board.rows; ++row) {
@@ -49,6 +53,19 @@ void AprilCode::read(const ImageView& image, const Lattice& lattice,
 
 CodePlace AprilCode::turned(const CodePlace& at, int quarter) const {
   return turned_in_marker(at, shape_.side, quarter);
+}
+
+std::optional<Board> AprilCode::other_board(std::span<const CodeBit> bits,
+                                            const CellRange& /*extent*/) const {
+  std::vector<CodeBit> turned_bits(bits.begin(), bits.end());
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    for (std::size_t i = 0; i < bits.size(); ++i) {
+      turned_bits[i].at = turned(bits[i].at, quarter);
+    }
+    const auto board = grid_of_tags(tags_in(board_, turned_bits), board_);
+    if (board) return *board;
+  }
+  return std::nullopt;
 }
 
 }  // namespace calvin::detect

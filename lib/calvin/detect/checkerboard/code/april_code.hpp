@@ -18,8 +18,12 @@ class AprilCode final : public Code {
   void read(const ImageView& image, const Lattice& lattice,
             std::vector<CodeBit>& bits) const override;
   [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
+  // With another first tag, or with other columns and rows.
+  [[nodiscard]] std::optional<Board> other_board(std::span<const CodeBit> bits,
+                                                 const CellRange& extent) const override;
 
  private:
+  AprilGrid board_;
   MarkerShape shape_;
 };
 

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "calvin/detect/checkerboard/code/evidence.hpp"
-#include "calvin/detect/checkerboard/code/puzzle_map.hpp"
 
 namespace calvin::detect {
 
@@ -132,8 +131,8 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& ext
   }
 }
 
-// What a lattice is that is no part of the board: a PuzzleBoard from elsewhere in the map, or a
-// whole grid without this code. kNotFound where neither is certain.
+// What a lattice is that is no part of the board: another one that its code tells, as a PuzzleBoard
+// from elsewhere in the map, or a whole grid without this code. kNotFound where neither is certain.
 Match CodeMatch::another_board(const ImageView& image, const Grid& grid, const Code& code,
                                const Lattice& lattice) const {
   const CellRange extent = lattice.extent();
@@ -141,11 +140,9 @@ Match CodeMatch::another_board(const ImageView& image, const Grid& grid, const C
   // The ends of a pattern are looked for where squares are alike.
   const bool is_certain = lattice.has_even_steps() && is_size_certain(image, lattice);
   Match match;
-  if (code.has_dots()) {
-    if (const auto board = locate_in_map(code, bits_, extent, grid.pitch)) {
-      match = wrong_board(extent, lies_alike ? 0 : 1);
-      match.seen = board->text();
-    }
+  if (const auto board = code.other_board(bits_, extent)) {
+    match = wrong_board(extent, lies_alike ? 0 : 1);
+    match.seen = board->text();
   }
   if (is_certain && match.reason != Reason::kWrongBoard) {
     match = wrong_board(extent, lies_alike ? 0 : 1);

@@ -3,7 +3,7 @@
 
 // The cells and discs of each kind of board.
 
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 
 #include <variant>
 
