@@ -5,7 +5,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <span>
 #include <vector>
 
@@ -60,9 +59,6 @@ class BoardSearch {
   // Of the corners of a group, where the lines of a board are not alike far apart: the one whose
   // links tell best which are the longer steps.
   [[nodiscard]] int clearest_corner() const;
-  // The logarithms of how many times farther the next corner along its rising edge is than the one
-  // behind it, and the one behind its falling edge than the one along that; 0 where one is missing.
-  [[nodiscard]] std::array<float, 2> step_ratios(int corner) const;
   void fill(const Group& group, Lattice& lattice);
 
   ImageView image_;  // of detect_corners()

@@ -112,4 +112,20 @@ void CornerGraph::build(const ImageView& image, std::span<const Corner> corners,
   }
 }
 
+std::array<float, 2> CornerGraph::step_ratios(std::span<const Corner> corners, int corner) const {
+  const auto& links = neighbours(corner);
+  const Corner& from = corners[static_cast<std::size_t>(corner)];
+  std::array<float, 2> ratios{};
+  for (std::size_t edge = 0; edge < 2; ++edge) {
+    float length[2] = {1, 1};
+    if (links[2 * edge] == kNoCorner || links[2 * edge + 1] == kNoCorner) continue;
+    for (std::size_t back = 0; back < 2; ++back) {
+      const Corner& to = corners[static_cast<std::size_t>(links[2 * edge + back])];
+      length[back] = std::hypot(to.x - from.x, to.y - from.y);
+    }
+    ratios[edge] = std::log(length[0] / length[1]);
+  }
+  return {ratios[0], -ratios[1]};
+}
+
 }  // namespace calvin::detect

@@ -26,6 +26,12 @@ bool begins_dark(const GridAlignment& alignment) {
   return Lattice::is_even(alignment.cell({0, 0})) == (alignment.quarter % 2 == 1);
 }
 
+// Whether the longer steps of the lattice are where the board has them, from its first column on.
+bool steps_fit(const GridAlignment& alignment, const Lattice& lattice) {
+  const Cell first = alignment.cell({0, 0});
+  return lattice.has_even_steps() || lattice.length(first, alignment.cell({1, 0}) - first) > 1;
+}
+
 // Removes the nodes beyond the board.
 void trim(const GridAlignment& alignment, const Grid& grid, Lattice& lattice) {
   lattice.for_each([&](Cell c, const Node& /*node*/) {
@@ -105,7 +111,8 @@ void CodeMatch::turn(const Code& code, int quarter) {
   for (CodeBit& bit : turned_) bit.at = code.turned(bit.at, quarter);
 }
 
-void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& extent) {
+void CodeMatch::compare(const Grid& grid, const Code& code, const Lattice& lattice) {
+  const CellRange extent = lattice.extent();
   best_ = {};
   next_best_ = 0;
   candidates_ = 0;
@@ -118,6 +125,7 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& ext
       for (int col = all.first.col; col <= all.last.col; ++col) {
         const GridAlignment alignment = {quarter, {col, row}, cols, rows};
         if (begins_dark(alignment) != code.begins_dark()) continue;
+        if (!steps_fit(alignment, lattice)) continue;
         ++candidates_;
         const double evidence = count(code, alignment.point({0, 0})).evidence();
         if (evidence > best_.evidence) {
@@ -157,7 +165,7 @@ Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& cod
   bits_.clear();
   code.read(image, lattice, bits_);
   const CellRange extent = lattice.extent();
-  compare(grid, code, extent);
+  compare(grid, code, lattice);
   const double chances = std::log(std::max(candidates_, 1));
   if (best_.evidence < kLeastEvidence + chances || best_.evidence < next_best_ + kLeastLead) {
     return another_board(image, grid, code, lattice);
