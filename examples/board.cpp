@@ -30,8 +30,8 @@ constexpr std::string_view kUsage = R"(Usage:
   calvin-board measure FILE.json#NAME [--model MODEL] FOLDER|OBSERVATIONS...
 
 BOARD is a text like checkerboard:9x6:25mm or puzzle:14x9:20mm (inner corners, side of a square),
-charuco:5x7:40mm:20mm:DICT_6X6_250 (squares, their side, that of a marker, its dictionary), or
-FILE.json#NAME.
+charuco:5x7:40mm:20mm:DICT_6X6_250 (squares, their side, that of a marker, its dictionary),
+aprilgrid:6x6:88mm:0.3 (tags, their side, the gap between them as a part of it), or FILE.json#NAME.
 PAPER is {}, auto (the smallest of A4 to A0) or fit (as large as the board needs).
 DPI is the resolution of a PNG, {} if not given.
 FOLDER has pictures of the board by one camera, OBSERVATIONS is a file of them; MODEL is the lens of

@@ -29,8 +29,8 @@ constexpr Property<CalibDetector> kRows[] = {
     {"board",
      "Board",
      "The board to find, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
-     "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, or "
-     "FILE.json#NAME; several separated by ;",
+     "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
+     "aprilgrid:COLSxROWS:SIZE:GAP with tags, or FILE.json#NAME; several separated by ;",
      kept_in<&DetectorSettings::board>,
      {.was_set = board_was_set}},
     {"camera", "Camera", "Name of the camera in metas, messages and files",

@@ -20,8 +20,8 @@ constexpr Property<TestState> kRows[] = {
     {"board",
      "Board",
      "The board to render, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
-     "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, or "
-     "FILE.json#NAME",
+     "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
+     "aprilgrid:COLSxROWS:SIZE:GAP with tags, or FILE.json#NAME",
      kept_in<&TestSettings::scene, &SceneSettings::board>,
      {.flags = kMutableReady}},
     {"calibration",

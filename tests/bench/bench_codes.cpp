@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Boards with a code: corners named, corner error and time, beside OpenCV's detector of ChArUco
-// boards where that knows the board.
+// Boards with a code: corners named, corner error and time, beside OpenCV's detectors of ChArUco
+// boards and of AprilTags.
 //   bench_codes [PICTURES] [WIDTH HEIGHT]
 // PICTURES per class (100) at 1920x1080. CALVIN_BENCH_CLASS: the classes alone whose names hold it.
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include <opencv2/aruco/charuco.hpp>
 #endif
 
+#include "calvin/target/kinds.hpp"
 #include "detect_scenes.hpp"
 #include "detect_subjects.hpp"
 
@@ -33,12 +34,6 @@ struct Subjects {
   int dictionary;  // of OpenCV, negative where it does not know the board
   float marker;    // of a square
 };
-const Subjects kBoards[] = {
-    {"puzzle:14x9:20mm", 0, 0, -1, 0},
-    {"charuco:8x5:40mm:30mm:DICT_5X5_100", 8, 5, cv::aruco::DICT_5X5_100, 0.75F},
-    {"charuco:11x7:30mm:22mm:DICT_4X4_100", 11, 7, cv::aruco::DICT_4X4_100, 22.0F / 30},
-};
-
 // Boards with an odd number of rows are the same in every version; ids count from the upper left.
 std::vector<std::pair<int, cv::Point2f>> by_opencv_charuco(const cv::Mat& image,
                                                            const Subjects& board) {
@@ -65,6 +60,53 @@ std::vector<std::pair<int, cv::Point2f>> by_opencv_charuco(const cv::Mat& image,
   std::vector<std::pair<int, cv::Point2f>> all;
   for (std::size_t i = 0; i < ids.size(); ++i) all.emplace_back(ids[i], corners[i]);
   return all;
+}
+
+// The corners of single tags, each fitted to the edges of its tag.
+std::vector<std::pair<int, cv::Point2f>> by_opencv_tags(const cv::Mat& image,
+                                                        const calvin::AprilGrid& board) {
+  std::vector<std::vector<cv::Point2f>> tags;
+  std::vector<int> ids;
+#if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 7
+  cv::aruco::DetectorParameters parameters;
+  parameters.markerBorderBits = board.border;
+  parameters.cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
+  cv::aruco::ArucoDetector(dictionary, parameters).detectMarkers(image, tags, ids);
+#else
+  const auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->markerBorderBits = board.border;
+  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
+  cv::aruco::detectMarkers(image, dictionary, tags, ids, parameters);
+#endif
+  std::vector<std::pair<int, cv::Point2f>> all;
+  const calvin::Grid grid = board.grid();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const int at = ids[i] - board.first;
+    if (at < 0 || at >= board.cols * board.rows) continue;
+    const int col = 2 * (at % board.cols);
+    const int row = 2 * (board.rows - 1 - at / board.cols);
+    // Its first corner is the lower right one: Kalibr has tags the other way up.
+    const int ids_around[] = {grid.id({col + 1, row + 1}), grid.id({col, row + 1}),
+                              grid.id({col, row}), grid.id({col + 1, row})};
+    for (std::size_t k = 0; k < 4; ++k) all.emplace_back(ids_around[k], tags[i][k]);
+  }
+  return all;
+}
+
+const Subjects kBoards[] = {
+    {"puzzle:14x9:20mm", 0, 0, -1, 0},
+    {"charuco:8x5:40mm:30mm:DICT_5X5_100", 8, 5, cv::aruco::DICT_5X5_100, 0.75F},
+    {"charuco:11x7:30mm:22mm:DICT_4X4_100", 11, 7, cv::aruco::DICT_4X4_100, 22.0F / 30},
+    {"aprilgrid:6x6:88mm:0.3", 0, 0, cv::aruco::DICT_APRILTAG_36h11, 0},
+    {"aprilgrid:5x4:88mm:0.3:border=1", 0, 0, cv::aruco::DICT_APRILTAG_36h11, 0},
+};
+
+std::vector<std::pair<int, cv::Point2f>> by_opencv(const cv::Mat& image, const Subjects& board) {
+  const calvin::Board text = calvin::parse_board(board.board).value();
+  const auto* april = text.as<calvin::AprilGrid>();
+  return april == nullptr ? by_opencv_charuco(image, board) : by_opencv_tags(image, *april);
 }
 
 struct Score {
@@ -116,7 +158,7 @@ void measure(const Subjects& board, SceneClass kind, int pictures, calvin::Image
       ours.add(scene.truth, seen.ids[k], seen.uv[k]);
     if (board.dictionary < 0) continue;
     const double begin = thread_ms();
-    const auto theirs = by_opencv_charuco(scene.image, board);
+    const auto theirs = by_opencv(scene.image, board);
     peer.ms.push_back(thread_ms() - begin);
     for (const auto& [id, at] : theirs) peer.add(scene.truth, id, {at.x, at.y});
   }

@@ -55,9 +55,10 @@ double least_square(const calvin::Observation& truth, const Grid& board) {
 }
 
 bool outer_squares_in_view(const Camera& camera, const Grid& board, const SE3& pose) {
-  for (const double x : {-1.0, static_cast<double>(board.cols)}) {
-    for (const double y : {-1.0, static_cast<double>(board.rows)}) {
-      const auto at = camera.project(pose * Eigen::Vector3d(x * board.pitch, y * board.pitch, 0));
+  const calvin::BoardArea area = board.outline();
+  for (const double x : {area.left, area.right}) {
+    for (const double y : {area.top, area.bottom}) {
+      const auto at = camera.project(pose * Eigen::Vector3d(x, y, 0));
       if (!at || at->u < 0 || at->v < 0 || at->u > camera.image_size().width - 1 ||
           at->v > camera.image_size().height - 1) {
         return false;
@@ -70,15 +71,15 @@ bool outer_squares_in_view(const Camera& camera, const Grid& board, const SE3& p
 SE3 pose_of(const SceneClass& kind, const Camera& camera, const Board& of, Uniform& random) {
   const Grid board = of.grid().value();
   const ImageSize size = camera.image_size();
-  const Eigen::Vector3d middle((board.cols - 1) * board.pitch / 2,
-                               (board.rows - 1) * board.pitch / 2, 0);
+  const calvin::BoardArea area = board.extent();
+  const Eigen::Vector3d middle(area.width() / 2, area.height() / 2, 0);
   for (;;) {
     const auto ray = camera.unproject({random(0, size.width - 1), random(0, size.height - 1)});
     if (!ray) continue;
     double squares = random(kind.fill_from, kind.fill_to) *
                      std::min(size.width / (board.cols + 1.0), size.height / (board.rows + 1.0));
     if (kind.square_to > 0) squares = random(kind.square_from, kind.square_to);
-    const double distance = camera.fx() * board.pitch / squares;
+    const double distance = camera.fx() * board.mean_step() / squares;
     const double tilt = random(0, kind.tilt);
     const double side = random(0, 2 * kPi);
     const Eigen::Matrix3d rotation =
@@ -87,7 +88,7 @@ SE3 pose_of(const SceneClass& kind, const Camera& camera, const Board& of, Unifo
         calvin::exp_so3({0, 0, random(0, 2 * kPi)});
     SE3 pose = {rotation, *ray * distance - rotation * middle};
     const auto truth = calvin::true_observation(camera, of, pose);
-    if (truth.ids.size() < 12 || least_square(truth, board) < 8) continue;
+    if (truth.ids.size() < 12 || least_square(truth, board) < 8 * board.gap_share()) continue;
     const double seen = static_cast<double>(truth.ids.size()) / board.count();
     if (kind.cut ? (seen > 0.95 || seen < 0.45) : !outer_squares_in_view(camera, board, pose)) {
       continue;

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 
 namespace calvin::scenes {
 

@@ -45,6 +45,8 @@ inline std::vector<NamedBoard> board_of_each_kind() {
            {"InvertedCircleGrid", "circles:5x4:30mm:inverted"},
            {"MarkedCircleGrid", "dots:6x5:7mm:rings=1.1+4.1:big=1.3"},
            {"AsymmetricCircleGrid", "acircles:3x5:20mm"},
+           {"AprilGrid", "aprilgrid:3x2:40mm:0.3"},
+           {"AprilGridWithThinBorders", "aprilgrid:2x3:40mm:0.25:tag25h9:border=1:first=4"},
        }) {
     const auto board = parse_board(text);
     if (board) all.push_back({name, *board});

@@ -23,6 +23,8 @@ BOARDS = [
     "acircles:5x13:15mm",
     "dots:12x9:20mm:rings=2.2+9.2+2.6",
     "dots:9x9:22mm:big=0.0",
+    "aprilgrid:5x4:40mm:0.3",
+    "aprilgrid:4x4:50mm:0.25:tag25h9:border=1:first=3",
 ]
 
 

@@ -61,52 +61,65 @@ Status check_detectable(const Board& board) {
   return {};
 }
 
-// Asks a detector of each family.
-class DetectorOfSeveral final : public Detector {
- public:
-  explicit DetectorOfSeveral(std::span<const Board> boards) : listed_(boards.size()) {
-    for (const Family& family : kFamilies) {
-      Part part;
-      std::vector<Board> own;
-      for (std::size_t i = 0; i < boards.size(); ++i) {
-        if (family_of(boards[i]) != &family) continue;
-        part.places.push_back(i);
-        own.push_back(boards[i]);
-      }
-      if (own.empty()) continue;
-      part.detector = family.make(own);
-      parts_.push_back(std::move(part));
+// Boards that are looked for together: of one family, and with lines that are spaced alike, as a
+// lattice of one spacing is none of another.
+struct Group {
+  const Family* family = nullptr;
+  double gap_share = 1;
+  std::vector<Board> boards;
+  std::vector<std::size_t> of_list;  // the place of each in the list
+  std::unique_ptr<Detector> detector;
+};
+
+std::vector<Group> groups_of(std::span<const Board> boards) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < boards.size(); ++i) {
+    const Family* family = family_of(boards[i]);
+    const double share = boards[i].grid().value_or(Grid{}).gap_share();
+    auto group = std::ranges::find_if(
+        groups, [&](const Group& g) { return g.family == family && g.gap_share == share; });
+    if (group == groups.end()) {
+      groups.push_back({family, share, {}, {}, nullptr});
+      group = groups.end() - 1;
     }
+    group->boards.push_back(boards[i]);
+    group->of_list.push_back(i);
+  }
+  return groups;
+}
+
+// Looks for the boards of several groups, one group after the other.
+class GroupsDetector final : public Detector {
+ public:
+  GroupsDetector(std::vector<Group> groups, std::size_t listed)
+      : groups_(std::move(groups)), listed_(listed) {
+    for (Group& group : groups_) group.detector = group.family->make(group.boards);
   }
 
   std::vector<Detection> detect_all(const ImageView& image,
                                     std::stop_token stop) noexcept override {
-    return join([&](Detector& d) { return d.detect_all(image, stop); });
+    return by_all([&](Detector& detector) { return detector.detect_all(image, stop); });
   }
   std::vector<Detection> follow_all(const ImageView& image, std::uint64_t timestamp,
                                     std::stop_token stop) noexcept override {
-    return join([&](Detector& d) { return d.follow_all(image, timestamp, stop); });
+    return by_all([&](Detector& detector) { return detector.follow_all(image, timestamp, stop); });
   }
 
  private:
-  struct Part {
-    std::unique_ptr<Detector> detector;
-    std::vector<std::size_t> places;  // of its boards in the list
-  };
-
-  template <typename Ask>
-  std::vector<Detection> join(Ask ask) noexcept {
+  // In the order of the list, then the further sheets of each group.
+  template <typename F>
+  std::vector<Detection> by_all(F detect) noexcept {
     try {
       std::vector<Detection> all(listed_);
-      for (const Part& part : parts_) {
-        std::vector<Detection> some = ask(*part.detector);
-        if (some.size() < part.places.size()) return {};  // no memory
-        for (std::size_t i = 0; i < some.size(); ++i) {
-          some[i].board = part.places[some[i].board];
-          if (i < part.places.size()) {
-            all[some[i].board] = std::move(some[i]);
+      for (const Group& group : groups_) {
+        std::vector<Detection> found = detect(*group.detector);
+        if (found.empty()) return {};  // no memory
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          found[i].board = group.of_list[found[i].board];
+          if (i < group.boards.size()) {
+            all[group.of_list[i]] = std::move(found[i]);
           } else {
-            all.push_back(std::move(some[i]));
+            all.push_back(std::move(found[i]));
           }
         }
       }
@@ -116,8 +129,8 @@ class DetectorOfSeveral final : public Detector {
     }
   }
 
+  std::vector<Group> groups_;
   std::size_t listed_;
-  std::vector<Part> parts_;
 };
 
 }  // namespace
@@ -131,11 +144,9 @@ Result<std::unique_ptr<Detector>> make_detector(std::span<const Board> boards) {
       return tl::unexpected<Error>(status.error());
     }
   }
-  const Family* family = family_of(boards.front());
-  const bool is_one = std::ranges::all_of(
-      boards, [family](const Board& board) { return family_of(board) == family; });
-  if (is_one) return family->make(boards);
-  return std::make_unique<DetectorOfSeveral>(boards);
+  std::vector<Group> groups = groups_of(boards);
+  if (groups.size() == 1) return groups.front().family->make(boards);
+  return std::make_unique<GroupsDetector>(std::move(groups), boards.size());
 }
 
 Result<std::unique_ptr<Detector>> make_detector(const Board& board) {

@@ -36,9 +36,12 @@ double spacing_of(const Observation& seen, const Board& board) {
 std::shared_ptr<const CornerPatches> cut_patches(const ImageView& image, const Observation& seen,
                                                  const Board& board) {
   constexpr double kRoom = 4;  // px: the corner moves, and the window has a rim
-  const float radius = std::min(detect::last_radius(static_cast<float>(spacing_of(seen, board)),
-                                                    static_cast<float>(seen.blur)),
-                                static_cast<float>(detect::kMaxFitRadius));
+  // The window ends before the nearest line, which may be nearer than the farthest one is.
+  const Grid grid = board.grid().value_or(Grid{1, 1, 1});
+  const double spacing = spacing_of(seen, board) * grid.least_step() / grid.pitch;
+  const float radius =
+      std::min(detect::last_radius(static_cast<float>(spacing), static_cast<float>(seen.blur)),
+               static_cast<float>(detect::kMaxFitRadius));
   auto patches = std::make_shared<CornerPatches>();
   patches->side = 2 * static_cast<int>(std::ceil(static_cast<double>(radius) + kRoom)) + 1;
   if (!seen.found() || image.width < patches->side || image.height < patches->side) return nullptr;

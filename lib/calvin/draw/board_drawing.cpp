@@ -26,7 +26,7 @@
 #include "calvin/draw/cairo.hpp"
 #include "calvin/draw/page.hpp"
 #include "calvin/draw/png.hpp"
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 
 namespace calvin {
 

@@ -14,7 +14,6 @@
 #include "calvin/core/utf8.hpp"
 #include "calvin/io/board_shape_io.hpp"
 #include "calvin/io/document.hpp"
-#include "calvin/target/board_error.hpp"
 #include "calvin/target/board_name.hpp"
 
 namespace calvin {

@@ -29,7 +29,8 @@ constexpr float kTolerance = 0.002F;  // px
 constexpr double kFarthest = 1.5;     // px, of a corner from its first place
 constexpr double kRoom = 2.5;         // px, of a patch around a window
 
-// The picture of the board around one of its corners, in px per square.
+// The picture of the board around one of its corners, in px per square: on an AprilGrid, per dark
+// square beside it.
 struct Local {
   Eigen::Vector2d at;
   Eigen::Vector2d along;  // by the column
@@ -88,7 +89,7 @@ class CornerRefinement {
     const auto points = grid_.points();
     for (std::size_t i = 0; i < seen.ids.size(); ++i) {
       const auto id = static_cast<std::size_t>(seen.ids[i]);
-      local_.push_back(local_picture(camera, camera_from_board, points[id], grid_.pitch));
+      local_.push_back(local_picture(camera, camera_from_board, points[id], grid_.least_step()));
       fits_.push_back(local_.back() ? first_guess(i) : std::nullopt);
       at_[id] = i;
     }
@@ -165,11 +166,15 @@ class CornerRefinement {
     const auto slope = [&](int columns, int rows, auto number) {
       const SaddleFit* before = neighbour(-columns, -rows);
       const SaddleFit* after = neighbour(columns, rows);
-      const int steps = (before == nullptr ? 0 : 1) + (after == nullptr ? 0 : 1);
-      if (steps == 0) return 0.0;
+      const auto place = [&](int side) {
+        return columns != 0 ? grid_.distance_to(here.col + side)
+                            : grid_.distance_to(here.row + side);
+      };
+      const double way = place(after == nullptr ? 0 : 1) - place(before == nullptr ? 0 : -1);
+      if (way == 0) return 0.0;
       const double from = number(before == nullptr ? *first[i] : *before);
       const double to = number(after == nullptr ? *first[i] : *after);
-      return (to - from) / steps;
+      return (to - from) * grid_.least_step() / way;
     };
     const auto gradient = [&](auto number) {
       Eigen::Matrix2d squares;  // px per square, in rows

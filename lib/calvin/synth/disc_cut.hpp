@@ -5,7 +5,7 @@
 #pragma once
 
 #include "calvin/synth/pixel_polygon.hpp"
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 
 namespace calvin::synth {
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 
 namespace calvin::synth {
 

@@ -50,8 +50,12 @@ std::vector<Eigen::Vector3d> outline(const Board& board) {
 std::vector<Eigen::Vector3d> lattice(const Board& board) {
   const auto grid = board.grid();
   if (!grid) return board.points();
-  auto points = Grid{grid->cols + 2, grid->rows + 2, grid->pitch}.points();
-  for (auto& p : points) p -= Eigen::Vector3d(grid->pitch, grid->pitch, 0);
+  std::vector<Eigen::Vector3d> points;
+  for (int row = -1; row <= grid->rows; ++row) {
+    for (int col = -1; col <= grid->cols; ++col) {
+      points.emplace_back(grid->distance_to(col), grid->distance_to(row), 0);
+    }
+  }
   return points;
 }
 

@@ -19,7 +19,7 @@
 #include "calvin/synth/random.hpp"
 #include "calvin/synth/rays.hpp"
 #include "calvin/synth/scene.hpp"
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 
 namespace calvin {
 

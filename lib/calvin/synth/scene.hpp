@@ -14,7 +14,7 @@
 #include "calvin/synth/cuts.hpp"
 #include "calvin/synth/disc_index.hpp"
 #include "calvin/synth/pixel_polygon.hpp"
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 
 namespace calvin::synth {
 

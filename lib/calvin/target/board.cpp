@@ -43,6 +43,7 @@ template Board::Board(PuzzleBoard);
 template Board::Board(CharucoBoard);
 template Board::Board(CircleGrid);
 template Board::Board(AsymmetricCircleGrid);
+template Board::Board(AprilGrid);
 template Board::Board(PointBoard);
 
 bool operator==(const Board& a, const Board& b) {

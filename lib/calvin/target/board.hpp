@@ -75,7 +75,8 @@ class Board {
 
   // The ids of the control points next to one, ascending.
   [[nodiscard]] CALVIN_API std::vector<int> neighbours(int id) const;
-  // m, to the next control point: what a control point has for itself.
+  // m, to the next control point: what a control point has for itself; across its tag, where it has
+  // one.
   [[nodiscard]] CALVIN_API double cell_size(int id) const noexcept;
 
   // Around the control points, and around all that is printed but the white border.

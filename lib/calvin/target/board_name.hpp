@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What a board may be called. Internal.
+// What a board may be called, and what is said of a text that names none. Internal.
 #pragma once
 
 #include <string_view>
@@ -13,5 +13,9 @@ namespace calvin {
 // kInvalidArgument for a name that could not stand in the text of boards, a file or a message:
 // names have 1 to 64 bytes of UTF-8 without control characters and what separates boards.
 [[nodiscard]] Status check_board_name(std::string_view name);
+
+// `why` is a phrase that continues "The board text '...' is wrong: ".
+[[nodiscard]] tl::unexpected<Error> wrong_board_text(std::string_view text, std::string_view why,
+                                                     ErrorCode code = ErrorCode::kInvalidArgument);
 
 }  // namespace calvin

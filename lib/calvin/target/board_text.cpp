@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "calvin/core/text.hpp"
-#include "calvin/target/board_error.hpp"
+#include "calvin/target/board_name.hpp"
 #include "calvin/target/kinds.hpp"
 
 namespace calvin {
@@ -217,12 +217,61 @@ Result<Board> parse_dots(const Fields& fields) {
   return board;
 }
 
+// The name of a dictionary, or of a family of AprilTags as they and Kalibr call it.
+Result<const MarkerDictionary*> parse_family(std::string_view name) {
+  for (const std::string_view prefix : {"tag", "t", ""}) {
+    if (!name.starts_with(prefix)) continue;
+    const std::string family = fmt::format("DICT_APRILTAG_{}", name.substr(prefix.size()));
+    if (const MarkerDictionary* dictionary = find_dictionary(family)) return dictionary;
+  }
+  return parse_dictionary(name);
+}
+
+// One of the fields behind the gap of an AprilGrid.
+Status parse_april_option(std::string_view field, AprilGrid& board) {
+  const auto pair = split(field, '=');
+  const auto value = pair.size() == 2 ? parse_int(pair[1]) : std::nullopt;
+  if (pair[0] == "border" || pair[0] == "first") {
+    if (!value) return refuse(fmt::format("'{}' is no whole number", field));
+    (pair[0] == "border" ? board.border : board.first) = *value;
+    return {};
+  }
+  const auto dictionary = parse_family(field);
+  if (!dictionary) return tl::unexpected(dictionary.error());
+  board.dictionary = *dictionary;
+  return {};
+}
+
+Result<Board> parse_april_grid(const Fields& fields) {
+  if (fields.size() < 3) {
+    return refuse(
+        "it needs a kind, a size in tags, the side of a tag and the gap between tags as a part of "
+        "it");
+  }
+  const auto sides = parse_sides(fields[0], "tags", 2, 4);
+  if (!sides) return tl::unexpected(sides.error());
+  const auto tag = parse_side(fields[1], "tags");
+  if (!tag) return tl::unexpected(tag.error());
+  const auto spacing = parse_double(fields[2]);
+  if (!spacing) return refuse(fmt::format("'{}' is no gap, as 0.3 of a tag's side is", fields[2]));
+  const auto family = parse_family(AprilGrid::kUsualFamily);
+  if (!family) return tl::unexpected(family.error());
+  AprilGrid board{sides->cols, sides->rows, *tag, *spacing, *family};
+  for (std::size_t i = 3; i < fields.size(); ++i) {
+    if (const Status status = parse_april_option(fields[i], board); !status) {
+      return tl::unexpected(status.error());
+    }
+  }
+  if (const Status status = board.check(); !status) return tl::unexpected(status.error());
+  return board;
+}
+
 struct KindOfText {
   std::string_view name;
   Result<Board> (*parse)(const Fields& fields);
   std::string_view example;
 };
-constexpr std::array<KindOfText, 6> kKinds = {{
+constexpr std::array<KindOfText, 7> kKinds = {{
     {"checkerboard", parse_checkerboard,
      "A right text is 'checkerboard:9x6:25mm': 9 by 6 inner corners, squares of 25 mm."},
     {"puzzle", parse_puzzle,
@@ -231,6 +280,8 @@ constexpr std::array<KindOfText, 6> kKinds = {{
     {"charuco", parse_charuco,
      "A right text is 'charuco:5x7:40mm:20mm:DICT_6X6_250': 5 by 7 squares of 40 mm, markers of "
      "20 mm."},
+    {"aprilgrid", parse_april_grid,
+     "A right text is 'aprilgrid:6x6:88mm:0.3': 6 by 6 tags of 88 mm, 0.3 of that between them."},
     {"circles", parse_circles<CircleGrid>,
      "A right text is 'circles:7x5:30mm': 7 by 5 circles, 30 mm from centre to centre."},
     {"acircles", parse_circles<AsymmetricCircleGrid>,

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <numbers>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -104,13 +103,9 @@ std::string AsymmetricCircleGrid::text() const {
                      inverted ? ":inverted" : "");
 }
 
-Status AsymmetricCircleGrid::check() const { return Grid{cols, rows, pitch}.check(); }
+Status AsymmetricCircleGrid::check() const { return unshifted().check(); }
 
-std::vector<int> AsymmetricCircleGrid::ids() const {
-  std::vector<int> all(static_cast<std::size_t>(count()));
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
+std::vector<int> AsymmetricCircleGrid::ids() const { return unshifted().ids(); }
 
 std::vector<Eigen::Vector3d> AsymmetricCircleGrid::points() const {
   std::vector<Eigen::Vector3d> all;
@@ -123,8 +118,7 @@ std::vector<Eigen::Vector3d> AsymmetricCircleGrid::points() const {
 }
 
 std::optional<std::size_t> AsymmetricCircleGrid::index_of(int id) const noexcept {
-  if (id < 0 || id >= count()) return std::nullopt;
-  return static_cast<std::size_t>(id);
+  return unshifted().index_of(id);
 }
 
 std::vector<int> AsymmetricCircleGrid::neighbours(int id) const {
@@ -136,7 +130,7 @@ std::vector<int> AsymmetricCircleGrid::neighbours(int id) const {
     const int row = at.row + step.row;
     const int x = at.col + step.col;
     if (row < 0 || row >= rows || x < 0 || x - row % 2 > 2 * (cols - 1)) continue;
-    all.push_back(row * cols + x / 2);
+    all.push_back(unshifted().id({x / 2, row}));
   }
   return all;
 }

@@ -41,7 +41,7 @@ struct CircleGrid {
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] Status check() const;
-  [[nodiscard]] Grid grid() const noexcept { return {cols, rows, pitch}; }
+  [[nodiscard]] Grid grid() const noexcept { return {cols, rows, pitch, 0}; }
   [[nodiscard]] BoardArea outline() const noexcept;
   [[nodiscard]] std::vector<Relabelling> symmetries() const;
   [[nodiscard]] bool looks_like(const CircleGrid& other) const noexcept;
@@ -61,11 +61,13 @@ struct AsymmetricCircleGrid {
   double pitch = 0;       // m, from a row to the next
   bool inverted = false;  // light discs on dark ground
 
-  [[nodiscard]] int count() const noexcept { return cols * rows; }
+  // Row by row, as if rows were not shifted.
+  [[nodiscard]] Grid unshifted() const noexcept { return {cols, rows, pitch, 0}; }
+  [[nodiscard]] int count() const noexcept { return unshifted().count(); }
   // The centre of a disc, in pitches.
   [[nodiscard]] GridPlace half_steps(int id) const noexcept {
-    const int row = id / cols;
-    return {2 * (id % cols) + row % 2, row};
+    const GridPlace p = unshifted().place(id);
+    return {2 * p.col + p.row % 2, p.row};
   }
 
   [[nodiscard]] std::string text() const;

@@ -15,7 +15,7 @@ namespace calvin {
 Status Grid::check() const {
   constexpr int kMost = 10000;
   if (cols < 1 || rows < 1 || cols > kMost || rows > kMost || !std::isfinite(pitch) ||
-      !(pitch > 0)) {
+      !(pitch > 0) || !std::isfinite(gap) || !(gap >= 0)) {
     return make_error(
         ErrorCode::kInvalidArgument,
         fmt::format("A board of {}x{} corners {} m apart does not exist.", cols, rows, pitch));
@@ -33,7 +33,7 @@ std::vector<Eigen::Vector3d> Grid::points() const {
   std::vector<Eigen::Vector3d> all;
   all.reserve(static_cast<std::size_t>(count()));
   for (int row = 0; row < rows; ++row) {
-    for (int col = 0; col < cols; ++col) all.emplace_back(col * pitch, row * pitch, 0);
+    for (int col = 0; col < cols; ++col) all.emplace_back(distance_to(col), distance_to(row), 0);
   }
   return all;
 }

@@ -40,6 +40,21 @@ struct Grid {
   int cols = 0;
   int rows = 0;
   double pitch = 0;  // m, from one control point to the next, along x and along y
+  // m, the same from every second column and row to the next, which is closer; 0 where all are a
+  // pitch apart.
+  double gap = 0;
+
+  // m, from column 0 to another one, or from row 0; those may lie beyond the grid.
+  [[nodiscard]] double distance_to(int line) const noexcept {
+    if (gap == 0) return line * pitch;
+    const int pairs = (line < 0 ? line - 1 : line) / 2;
+    return pairs * (pitch + gap) + (line - 2 * pairs) * pitch;
+  }
+  // m, from a line to the next, at least and on average.
+  [[nodiscard]] double least_step() const noexcept { return gap == 0 || gap > pitch ? pitch : gap; }
+  [[nodiscard]] double mean_step() const noexcept { return gap == 0 ? pitch : (pitch + gap) / 2; }
+  // The shorter step in parts of it.
+  [[nodiscard]] double gap_share() const noexcept { return least_step() / mean_step(); }
 
   [[nodiscard]] int count() const noexcept { return cols * rows; }
   [[nodiscard]] bool contains(GridPlace p) const noexcept {
@@ -59,11 +74,11 @@ struct Grid {
   [[nodiscard]] CALVIN_API std::vector<int> neighbours(int id) const;
   [[nodiscard]] double cell_size(int /*id*/) const noexcept { return pitch; }
   [[nodiscard]] BoardArea extent() const noexcept {
-    return {0, 0, (cols - 1) * pitch, (rows - 1) * pitch};
+    return {0, 0, distance_to(cols - 1), distance_to(rows - 1)};
   }
   // Around whole cells outside of the outermost control points.
   [[nodiscard]] BoardArea outline() const noexcept {
-    return {-pitch, -pitch, cols * pitch, rows * pitch};
+    return {distance_to(-1), distance_to(-1), distance_to(cols), distance_to(rows)};
   }
 
   friend bool operator==(const Grid&, const Grid&) = default;

@@ -7,6 +7,7 @@
 
 #include <variant>
 
+#include "calvin/target/april_grid.hpp"
 #include "calvin/target/board.hpp"
 #include "calvin/target/charuco_board.hpp"
 #include "calvin/target/checkerboard.hpp"
@@ -17,7 +18,7 @@
 namespace calvin {
 
 // A new kind is a file in target/, a name here and a line in board.cpp.
-struct Board::Kind : std::variant<Checkerboard, PuzzleBoard, CharucoBoard, CircleGrid,
+struct Board::Kind : std::variant<Checkerboard, PuzzleBoard, CharucoBoard, AprilGrid, CircleGrid,
                                   AsymmetricCircleGrid, PointBoard> {
   using variant::variant;
 };

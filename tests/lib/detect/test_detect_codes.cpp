@@ -37,7 +37,12 @@ constexpr Kind kKinds[] = {
      "charuco:7x8:40mm:30mm:DICT_6X6_250"},
     {"CharucoInverted", "charuco:6x8:40mm:24mm:DICT_4X4_50:inverted",
      "charuco:6x8:40mm:24mm:DICT_4X4_50"},
+    {"AprilGrid", "aprilgrid:6x6:88mm:0.3", "aprilgrid:6x6:88mm:0.3:first=36"},
+    {"AprilGridThin", "aprilgrid:5x4:88mm:0.25:tag25h9:border=1:first=7",
+     "aprilgrid:5x4:88mm:0.25:tag16h5:border=1:first=7"},
 };
+
+bool has_markers(const Kind& kind) { return std::strstr(kind.board, "puzzle") == nullptr; }
 
 // What came of the pictures of a class.
 struct Score {
@@ -86,7 +91,7 @@ void add(const bench::Scene& scene, const Observation& seen, Score& score) {
 class Codes : public ::testing::TestWithParam<Kind> {
  protected:
   void SetUp() override {
-    if (std::strstr(GetParam().board, "charuco") != nullptr && marker_dictionaries().empty()) {
+    if (has_markers(GetParam()) && marker_dictionaries().empty()) {
       GTEST_SKIP() << "this build knows no dictionary of markers";
     }
   }
@@ -106,7 +111,6 @@ bool is_hard(const bench::SceneClass& kind) {
 TEST_P(Codes, NameTheCornersThatAreSeen) {
   const Board board = parse_board(GetParam().board).value();
   const auto detector = make_detector(board).value();
-  const bool has_markers = std::strstr(GetParam().board, "charuco") != nullptr;
   const bool full = scenes::full_count();
   const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{1280, 720};
   const int pictures = full ? 190 : 2;
@@ -128,8 +132,8 @@ TEST_P(Codes, NameTheCornersThatAreSeen) {
     (is_hard(kind) ? hard : all).add(score);
   }
   EXPECT_EQ(all.wrong + hard.wrong, 0);
-  EXPECT_GE(all.named_share(), has_markers ? 94 : 98);
-  EXPECT_GE(hard.named_share(), has_markers ? 30 : 90);
+  EXPECT_GE(all.named_share(), has_markers(GetParam()) ? 94 : 98);
+  EXPECT_GE(hard.named_share(), has_markers(GetParam()) ? 30 : 90);
   // A few pictures tell it roughly.
   EXPECT_GE(all.predicted_share(), full ? 0.8 : 0.7);
   EXPECT_LE(all.predicted_share(), full ? 1.25 : 1.5);
@@ -180,6 +184,28 @@ TEST(WrongPuzzle, IsSaidByItsPlace) {
   }
 }
 
+// Of an AprilGrid with other tags, or more of them, the text is known too.
+TEST(WrongAprilGrid, IsSaidByItsTags) {
+  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  const auto detector = make_detector(parse_board("aprilgrid:4x3:40mm:0.3").value()).value();
+  for (const char* text : {"aprilgrid:4x3:40mm:0.3:first=12", "aprilgrid:4x4:40mm:0.3",
+                           "aprilgrid:3x5:40mm:0.3", "aprilgrid:2x3:40mm:0.3:first=100"}) {
+    const Board board = parse_board(text).value();
+    const BoardArea area = board.extent();
+    const Eigen::Vector3d middle(area.width() / 2, area.height() / 2, 0);
+    for (const double turn : {0.1, 1.6, 3.3, 4.7}) {
+      const Eigen::Matrix3d rotation = exp_so3({0.2, -0.1, turn});
+      const SE3 pose = {rotation, Eigen::Vector3d(0, 0, 0.45) - rotation * middle};
+      const auto image =
+          render_board(default_camera({960, 720}), board, pose, {.noise = 2, .blur = 0.7});
+      const Detection d = detector->detect(image.view());
+      EXPECT_FALSE(d.observation.found()) << text << " " << turn;
+      EXPECT_EQ(d.reason, Reason::kWrongBoard) << text << " " << turn;
+      EXPECT_EQ(d.seen_board, text) << turn;
+    }
+  }
+}
+
 // A part anywhere of a board that is far larger than the picture, in any turn.
 TEST_P(Codes, NameAPartInTheMidstOfABoard) {
   const Board board = parse_board(GetParam().board).value();
@@ -188,10 +214,11 @@ TEST_P(Codes, NameAPartInTheMidstOfABoard) {
   const Grid grid = board.grid().value();
   scenes::Random random(3);
   for (int n = 0; n < 24; ++n) {
-    const Eigen::Vector3d middle(scenes::uniform(random, 1.5, grid.cols - 2.5) * grid.pitch,
-                                 scenes::uniform(random, 1.5, grid.rows - 2.5) * grid.pitch, 0);
+    const Eigen::Vector3d middle(scenes::uniform(random, 1.5, grid.cols - 2.5) * grid.mean_step(),
+                                 scenes::uniform(random, 1.5, grid.rows - 2.5) * grid.mean_step(),
+                                 0);
     const Eigen::Matrix3d rotation = exp_so3({0, 0, scenes::uniform(random, 0, 6.28)});
-    const SE3 pose = {rotation, Eigen::Vector3d(0, 0, 5 * grid.pitch) - rotation * middle};
+    const SE3 pose = {rotation, Eigen::Vector3d(0, 0, 5 * grid.mean_step()) - rotation * middle};
     const Observation truth = true_observation(camera, board, pose);
     const auto image = render_board(camera, board, pose, {.noise = 3, .blur = 0.8});
     const Observation seen = detector->detect(image.view()).observation;
@@ -209,14 +236,14 @@ TEST_P(Codes, AreFollowed) {
   const Board board = parse_board(GetParam().board).value();
   const Camera camera = default_camera({640, 480});
   const Grid grid = board.grid().value();
-  const Eigen::Vector3d middle((grid.cols - 1) * grid.pitch / 2, (grid.rows - 1) * grid.pitch / 2,
-                               0);
+  const BoardArea area = grid.extent();
+  const Eigen::Vector3d middle(area.width() / 2, area.height() / 2, 0);
   for (const double turn : {0.1, 1.7, 3.2, 4.8}) {
     const auto detector = make_detector(board).value();
     for (int frame = 0; frame < 5; ++frame) {
       const Eigen::Matrix3d rotation = exp_so3({0.2, 0.1, turn + 0.01 * frame});
-      const SE3 pose = {rotation,
-                        Eigen::Vector3d(0.01 * frame, 0, 17 * grid.pitch) - rotation * middle};
+      const SE3 pose = {
+          rotation, Eigen::Vector3d(0.01 * frame, 0, 17 * grid.mean_step()) - rotation * middle};
       const Observation truth = true_observation(camera, board, pose);
       const auto image = render_board(camera, board, pose, {.noise = 2, .blur = 0.6});
       const auto seen =

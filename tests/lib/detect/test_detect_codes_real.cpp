@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Photographs of boards with a code: beside OpenCV's detector of ChArUco boards none of them shows
-// less.
+// Photographs of boards with a code: beside OpenCV's detectors of ChArUco boards and of AprilTags
+// none of them shows less.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -102,6 +102,39 @@ TEST(RealCharucoOrder, IsThatOfTheText) {
   const auto detector = make_detector(board).value();
   for (const auto& picture : pictures_of(folder, ".jpg")) {
     EXPECT_FALSE(seen_in(*detector, picture).found()) << picture;
+  }
+}
+
+struct AprilSet {
+  const char* name;
+  const char* folder;
+  const char* extension;
+  const char* board;
+  int pictures;
+};
+
+class RealAprilGrid : public ::testing::TestWithParam<AprilSet> {};
+constexpr AprilSet kAprilSets[] = {
+    {"EurocAndTum", "aprilgrid-rs-images", ".png", "aprilgrid:6x6:88mm:0.3", 4},
+    {"Phone", "aprilgrid-phone", ".jpg", "aprilgrid:6x6:88mm:0.3", 2},
+    {"ThinBorders", "aprilgrid-phone", ".png", "aprilgrid:14x11:88mm:0.25:border=1", 1},
+};
+INSTANTIATE_TEST_SUITE_P(Sets, RealAprilGrid, ::testing::ValuesIn(kAprilSets),
+                         [](const auto& test) { return test.param.name; });
+
+// Tag 0 is at the lower left of a board that stands upright.
+TEST_P(RealAprilGrid, IsFoundWholeInEveryPicture) {
+  const AprilSet& set = GetParam();
+  const auto folder = real_data(set.folder);
+  if (folder.empty()) GTEST_SKIP() << "without CALVIN_DATA there is no " << set.folder;
+  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  const Board board = parse_board(set.board).value();
+  const auto detector = make_detector(board).value();
+  const auto pictures = pictures_of(folder, set.extension);
+  EXPECT_EQ(static_cast<int>(pictures.size()), set.pictures);
+  for (const auto& picture : pictures) {
+    const Observation seen = seen_in(*detector, picture);
+    EXPECT_EQ(seen.ids, board.ids()) << picture;
   }
 }
 

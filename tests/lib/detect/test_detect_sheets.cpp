@@ -139,6 +139,37 @@ TEST_F(Table, BoardsOfThreeSizesOneOfThemPartlyHidden) {
 
 // A 9x6 board could be a part of a 10x7 board, and a 10x7 board shows one of 9x6: each is the board
 // that leaves nothing to be excused.
+// A checkerboard and AprilGrids of two spacings, one of them by its first tag: each is what its
+// place in the list says.
+TEST_F(Table, BoardsWhoseLinesAreSpacedUnlikeEachOther) {
+  std::vector<Board> boards = {kSmall};
+  for (const char* text :
+       {"aprilgrid:3x3:40mm:0.3", "aprilgrid:3x3:40mm:0.5", "aprilgrid:3x3:40mm:0.3:first=9"}) {
+    const auto board = parse_board(text);
+    if (!board) GTEST_SKIP() << "this build knows no dictionary of markers";
+    boards.push_back(*board);
+  }
+  std::vector<Sheet> sheets;
+  for (std::size_t i = 0; i < boards.size(); ++i) {
+    const double x = i % 2 == 0 ? -0.15 : 0.15;
+    const double y = i < 2 ? -0.11 : 0.11;
+    sheets.push_back({boards[i], at(boards[i], x, y, 0.6, {0.1, -0.1, 0.2 * (i + 1.0)})});
+  }
+  const auto detector = make_detector(boards).value();
+  for (const bool followed : {false, true}) {
+    const GrayImage image = picture(sheets);
+    const auto seen =
+        followed ? detector->follow_all(image.view(), kFrame) : detector->detect_all(image.view());
+    ASSERT_EQ(seen.size(), boards.size());
+    for (std::size_t i = 0; i < boards.size(); ++i) {
+      EXPECT_EQ(seen[i].board, i);
+      EXPECT_EQ(seen[i].observation.board, boards[i].text());
+      EXPECT_EQ(seen[i].observation.ids.size(), boards[i].ids().size()) << boards[i].text();
+      EXPECT_LT(error(seen[i], sheets[i]), 0.3) << boards[i].text();
+    }
+  }
+}
+
 TEST_F(Table, ABoardIsNotTakenForAPartOfALargerOne) {
   for (const bool larger_first : {true, false}) {
     const std::vector<Board> list =

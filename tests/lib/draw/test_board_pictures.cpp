@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/draw/board_drawing.hpp"
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 #include "calvin_config.h"
 
 #include "artwork_at.hpp"
@@ -42,6 +42,7 @@ TEST_P(DrawnBoard, FitsInTheSizeThatIsNamed) {
     if (const auto* checkerboard = b.as<Checkerboard>()) other = checkerboard->with_cells_of(size);
     if (const auto* puzzle = b.as<PuzzleBoard>()) other = puzzle->with_cells_of(size);
     if (const auto* charuco = b.as<CharucoBoard>()) other = charuco->with_cells_of(size);
+    if (const auto* april = b.as<AprilGrid>()) other = april->with_cells_of(size);
     EXPECT_NEAR(other.outline().width(), factor * b.outline().width(), 1e-12) << text;
     return other;
   };

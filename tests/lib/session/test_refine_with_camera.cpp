@@ -39,25 +39,25 @@ struct Album {
   }
 };
 
-Album make_album(const Camera& camera, int count) {
+Album make_album(const Camera& camera, int count, const Board& board = scenes::kBoard) {
   Album album = {camera, {}};
   scenes::Random random(3);
   const BoardRenderer renderer(camera);
-  const auto detector = make_detector(scenes::kBoard).value();
+  const auto detector = make_detector(board).value();
   for (int i = 0; static_cast<int>(album.pictures.size()) < count; ++i) {
     Picture p;
-    p.pose = scenes::random_pose(camera, scenes::kBoard, random, scenes::uniform(random, 0, 0.7));
+    p.pose = scenes::random_pose(camera, board, random, scenes::uniform(random, 0, 0.7));
     RenderOptions options;
     options.noise = 2;
     options.blur = 1;
     options.seed = static_cast<std::uint64_t>(i);
-    const GrayImage image = renderer.render(scenes::kBoard, p.pose, options);
-    p.view.board = scenes::kBoard;
+    const GrayImage image = renderer.render(board, p.pose, options);
+    p.view.board = board;
     p.view.observation = detector->detect(image.view()).observation;
     p.view.observation.image_size = camera.image_size();
-    p.truth = true_observation(camera, scenes::kBoard, p.pose);
+    p.truth = true_observation(camera, board, p.pose);
     if (p.view.observation.ids != p.truth.ids) continue;
-    p.view.observation.patches = cut_patches(image.view(), p.view.observation, scenes::kBoard);
+    p.view.observation.patches = cut_patches(image.view(), p.view.observation, board);
     album.pictures.push_back(std::move(p));
   }
   return album;
@@ -103,6 +103,23 @@ TEST_P(CornerRefinement, FindsCornersAsWellAsTheDetectorFromNearTheirPlace) {
   EXPECT_LT(std::sqrt(again), 1.05 * std::sqrt(detected));
   // What was left of the first places is nothing.
   EXPECT_NEAR(std::sqrt(disturbed / again), 1, 1e-3);
+}
+
+// Its corners have a near line on one side and a far one on the other.
+TEST(AprilGridRefinement, FindsCornersAsWellAsTheDetector) {
+  const auto board = parse_board("aprilgrid:4x3:40mm:0.3");
+  if (!board) GTEST_SKIP() << "this build knows no dictionary of markers";
+  const Album album = make_album(default_camera({1280, 960}), 8, *board);
+  scenes::Random random(5);
+  double detected = 0;
+  double disturbed = 0;
+  for (const Picture& p : album.pictures) {
+    detected += squares(p.view.observation, p.truth);
+    Observation moved = p.view.observation;
+    disturb(moved, 0.2, random);
+    disturbed += squares(refine_with_camera(moved, *board, album.camera, p.pose), p.truth);
+  }
+  EXPECT_LT(std::sqrt(disturbed), 1.05 * std::sqrt(detected));
 }
 
 // A lamp beside the board: corners are not drawn to its brighter side, in its first and last column

@@ -19,7 +19,7 @@
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 #include "calvin/synth/scene.hpp"
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 
 #include "artwork_at.hpp"
 #include "board_kinds.hpp"

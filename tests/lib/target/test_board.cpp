@@ -82,6 +82,32 @@ TEST(Board, TextsOfCharucoBoards) {
   EXPECT_EQ(board.as<CharucoBoard>()->marker_count(), 17);
 }
 
+TEST(Board, TextsOfAprilGrids) {
+  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no markers";
+  for (const auto& [text, canonical] : {
+           std::pair{"aprilgrid:6x6:88mm:0.3", "aprilgrid:6x6:88mm:0.3"},
+           {"aprilgrid : 6 x 7 : 8.8cm : 0.30 : border = 2 : first = 0", "aprilgrid:6x7:88mm:0.3"},
+           {"aprilgrid:6x6:88mm:0.3:t36h11", "aprilgrid:6x6:88mm:0.3"},
+           {"aprilgrid:6x6:88mm:0.3:first=36:border=1", "aprilgrid:6x6:88mm:0.3:border=1:first=36"},
+           {"aprilgrid:2x3:1in:.25:25h9", "aprilgrid:2x3:25.4mm:0.25:tag25h9"},
+           {"aprilgrid:2x3:25mm:0.25:DICT_APRILTAG_16h5", "aprilgrid:2x3:25mm:0.25:tag16h5"},
+           {"aprilgrid:2x3:25mm:0.25:DICT_4X4_50", "aprilgrid:2x3:25mm:0.25:DICT_4X4_50"},
+       }) {
+    const auto board = parse_board(text);
+    ASSERT_TRUE(board.has_value()) << text << ": " << board.error().message;
+    EXPECT_EQ(board->text(), canonical) << text;
+    EXPECT_EQ(parse_board(canonical).value().text(), canonical);
+  }
+  const Board board = parse_board("aprilgrid:6x4:100mm:0.3").value();
+  EXPECT_EQ(board.point_count(), 96) << "four corners of each tag";
+  EXPECT_EQ(board.as<AprilGrid>()->tag_in(0, 3), 0) << "rows of tags are counted from the lowest";
+  EXPECT_EQ(board.as<AprilGrid>()->tag_in(5, 0), 23);
+  EXPECT_NEAR(board.points()[2].x(), 0.13, 1e-12);
+  EXPECT_NEAR(board.points()[95].x(), 5 * 0.13 + 0.1, 1e-12);
+  EXPECT_NEAR(board.outline().left, -0.03, 1e-12) << "the outermost dark squares belong to it";
+  EXPECT_NEAR(board.outline().bottom, 4 * 0.13, 1e-12);
+}
+
 // To a nanometre: a thousandth of a micrometre over ten squares is nothing, a micrometre is not.
 TEST(Board, TheTextKeepsTheLength) {
   for (const char* text : {"checkerboard:9x6:0.3334in", "checkerboard:9x6:25.4005mm",
@@ -184,6 +210,27 @@ TEST(Board, EveryWrongTextOfACharucoBoardShowsARightOne) {
             std::string::npos);
   EXPECT_NE(parse_board("charuco:11x10:40mm:20mm:DICT_4X4_50").error().message.find("55 markers"),
             std::string::npos);
+}
+
+TEST(Board, EveryWrongTextOfAnAprilGridShowsARightOne) {
+  const std::string right = "aprilgrid:6x6:88mm:0.3";
+  for (const std::string wrong :
+       {"aprilgrid", "aprilgrid:6x6", "aprilgrid:6x6:88mm", "aprilgrid:6:88mm:0.3",
+        "aprilgrid:1x6:88mm:0.3", "aprilgrid:6x6:88:0.3", "aprilgrid:6x6:88mm:26mm",
+        "aprilgrid:6x6:88mm:0", "aprilgrid:6x6:88mm:1", "aprilgrid:6x6:88mm:nan",
+        "aprilgrid:6x6:88mm:0.3:", "aprilgrid:6x6:88mm:0.3:tag99h9",
+        "aprilgrid:6x6:88mm:0.3:border=3",
+        "aprilgrid:6x6:88mm:0.3:border=", "aprilgrid:6x6:88mm:0.3:first=-1",
+        "aprilgrid:6x6:88mm:0.3:first=552", "aprilgrid:6x6:88mm:0.3:tag25h9:first=2147483647"}) {
+    expect_refused(wrong, right);
+  }
+  if (marker_dictionaries().empty()) {
+    expect_refused(right, "made without OpenCV");
+    return;
+  }
+  EXPECT_NE(
+      parse_board("aprilgrid:6x6:88mm:0.3:first=552").error().message.find("36 tags from 552"),
+      std::string::npos);
 }
 
 TEST(Board, ErrorsAreOneLine) {

@@ -187,6 +187,19 @@ TEST(CircleGrids, OfWrongMarksThereAreNone) {
   }
 }
 
+TEST(AprilGrids, LookLikeThoseOfTheSameTags) {
+  const auto board = parse_board("aprilgrid:4x3:40mm:0.3");
+  if (!board) GTEST_SKIP() << "this build knows no markers";
+  EXPECT_TRUE(board->looks_like(parse_board("aprilgrid:4x3:88mm:0.3").value()));
+  for (const char* other :
+       {"aprilgrid:3x4:40mm:0.3", "aprilgrid:4x3:40mm:0.25", "aprilgrid:4x3:40mm:0.3:first=12",
+        "aprilgrid:4x3:40mm:0.3:border=1", "aprilgrid:4x3:40mm:0.3:tag36h10"}) {
+    EXPECT_FALSE(board->looks_like(parse_board(other).value())) << other;
+  }
+  EXPECT_EQ(board->neighbours(9), (std::vector<int>{1, 8, 10, 17}));
+  EXPECT_NEAR(board->cell_size(0), 0.04, 1e-15);
+}
+
 TEST(PointBoards, AreInTheOrderOfTheirIds) {
   const Board board = point_board();
   EXPECT_EQ(board.text(), "points:plate.json");

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "calvin/detect/checkerboard/corners/grey_at.hpp"
 #include "calvin/geometry/convex_hull.hpp"
@@ -85,21 +86,28 @@ bool check_around(const ImageView& image, float asymmetry, SaddlePoint& p, Corne
 }
 
 // Whether the edges of a corner go on, in all four ways, farther than those between the bits of a
-// marker do.
-bool has_long_edges(const ImageView& image, const Corner& corner) {
+// marker do. Where the lines of a board are not alike far apart, the longer way of each edge tells.
+bool has_long_edges(const ImageView& image, const Corner& corner, bool even_steps) {
   constexpr float kFar = 6;        // px along the edge
+  constexpr float kNear = 3;       // px, the shorter way
   constexpr float kAside = 1.2F;   // px
   constexpr float kLeast = 0.25F;  // of the contrast, between the two sides of the edge
-  for (int way = 0; way < kWays; ++way) {
+  const auto goes_on = [&](int way, float far) {
     const bool is_rising = way < 2;
     const Direction edge = is_rising ? corner.rising : corner.falling;
-    const float far = (way & 1) == 0 ? kFar : -kFar;
+    if ((way & 1) != 0) far = -far;
     // Going from +x to +y it is brighter behind a rising edge, also where that is left backwards.
     const float side = (is_rising ? kAside : -kAside) * ((way & 1) == 0 ? 1.0F : -1.0F);
     const Direction at = {corner.x + far * edge.x, corner.y + far * edge.y};
     const auto bright = grey_at(image, at.x - side * edge.y, at.y + side * edge.x);
     const auto dark = grey_at(image, at.x + side * edge.y, at.y - side * edge.x);
-    if (bright && dark && *bright - *dark < kLeast * corner.contrast) return false;
+    return !bright || !dark || *bright - *dark >= kLeast * corner.contrast;
+  };
+  for (int way = 0; way < kWays; way += 2) {
+    const bool ahead = goes_on(way, kFar);
+    const bool behind = goes_on(way + 1, kFar);
+    if (ahead && behind) continue;
+    if (even_steps || !(ahead || behind) || !goes_on(ahead ? way + 1 : way, kNear)) return false;
   }
   return true;
 }
@@ -260,7 +268,7 @@ void BoardSearch::detect_corners(const ImageView& image, const SearchOptions& op
       continue;
     }
     refine_place(image, p, ring, corner);
-    if (markers && !has_long_edges(image, corner)) continue;
+    if (markers && !has_long_edges(image, corner, options.surroundings.gap == 1)) continue;
     corners_.push_back(corner);
   }
   // Too few corners for a board: this test makes images without one cheap.
@@ -284,6 +292,7 @@ void BoardSearch::find_groups() {
     }
     Group group = {static_cast<int>(i), static_cast<int>(queue_.size()), {}};
     if (group.size < options_.least_nodes) continue;
+    if (options_.surroundings.gap < 1) group.first = clearest_corner();
     for (const int k : queue_) {
       const Corner& corner = corners_[static_cast<std::size_t>(k)];
       group.box.add(corner.x, corner.y);
@@ -297,8 +306,28 @@ void BoardSearch::find_groups() {
   cell_.resize(corners_.size());
 }
 
+int BoardSearch::clearest_corner() const {
+  const float usual = std::log(options_.surroundings.step_ratio());
+  int clearest = queue_.front();
+  float least = std::numeric_limits<float>::infinity();
+  for (const int corner : queue_) {
+    const auto [rising, falling] = graph_.step_ratios(corners_, corner);
+    // Both say the same, and as much as they should.
+    const float off = std::min(std::abs(rising - usual) + std::abs(falling - usual),
+                               std::abs(rising + usual) + std::abs(falling + usual));
+    if (off >= least) continue;
+    least = off;
+    clearest = corner;
+  }
+  return clearest;
+}
+
 void BoardSearch::fill(const Group& group, Lattice& lattice) {
   lattice.clear();
+  if (!lattice.has_even_steps()) {
+    const auto [rising, falling] = graph_.step_ratios(corners_, group.first);
+    lattice.set_long_first(rising + falling > 0);
+  }
   const auto start = static_cast<std::size_t>(group.first);
   const Corner& first = corners_[start];
   lattice.put({0, 0}, node_of(first, true, first.rising, first.falling));

@@ -56,6 +56,9 @@ class BoardSearch {
     Box box;
   };
   void find_groups();
+  // Of the corners of a group, where the lines of a board are not alike far apart: the one whose
+  // links tell best which are the longer steps.
+  [[nodiscard]] int clearest_corner() const;
   void fill(const Group& group, Lattice& lattice);
 
   ImageView image_;  // of detect_corners()

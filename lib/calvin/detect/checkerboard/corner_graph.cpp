@@ -82,13 +82,15 @@ bool CornerGraph::skips(std::span<const Corner> corners, int from, int to) const
   const auto& ways = nearest_[static_cast<std::size_t>(from)];
   const auto way = static_cast<std::size_t>(std::find(ways.begin(), ways.end(), to) - ways.begin());
   const int opposite = way < ways.size() ? ways[way ^ 1] : kNoCorner;
-  return opposite != kNoCorner && square(to) > kLongestLink * kLongestLink * square(opposite);
+  return opposite != kNoCorner &&
+         square(to) > rules_.longest_link * rules_.longest_link * square(opposite);
 }
 
 void CornerGraph::build(const ImageView& image, std::span<const Corner> corners, float reach,
                         const Surroundings& surroundings) {
   // Between two corners of squares, what markers have for corners may be nearer.
-  search_.run(corners, image.size(), reach, surroundings.aside < 1, nearest_);
+  rules_ = {reach, surroundings.aside < 1, kLongestLink * surroundings.step_ratio()};
+  search_.run(corners, image.size(), rules_, nearest_);
   links_.assign(corners.size(), {kNoCorner, kNoCorner, kNoCorner, kNoCorner});
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const int self = static_cast<int>(i);
@@ -108,6 +110,22 @@ void CornerGraph::build(const ImageView& image, std::span<const Corner> corners,
       links_[static_cast<std::size_t>(other)][way] = self;
     }
   }
+}
+
+std::array<float, 2> CornerGraph::step_ratios(std::span<const Corner> corners, int corner) const {
+  const auto& links = neighbours(corner);
+  const Corner& from = corners[static_cast<std::size_t>(corner)];
+  std::array<float, 2> ratios{};
+  for (std::size_t edge = 0; edge < 2; ++edge) {
+    float length[2] = {1, 1};
+    if (links[2 * edge] == kNoCorner || links[2 * edge + 1] == kNoCorner) continue;
+    for (std::size_t back = 0; back < 2; ++back) {
+      const Corner& to = corners[static_cast<std::size_t>(links[2 * edge + back])];
+      length[back] = std::hypot(to.x - from.x, to.y - from.y);
+    }
+    ratios[edge] = std::log(length[0] / length[1]);
+  }
+  return {ratios[0], -ratios[1]};
 }
 
 }  // namespace calvin::detect

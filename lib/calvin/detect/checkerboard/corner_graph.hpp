@@ -27,10 +27,15 @@ class CornerGraph {
     return links_[static_cast<std::size_t>(corner)];
   }
 
+  // The logarithms of how many times farther the next corner along its rising edge is than the one
+  // behind it, and the one behind its falling edge than the one along that; 0 where one is missing.
+  [[nodiscard]] std::array<float, 2> step_ratios(std::span<const Corner> corners, int corner) const;
+
  private:
   [[nodiscard]] bool skips(std::span<const Corner> corners, int from, int to) const;
 
   NeighbourSearch search_;
+  NeighbourRules rules_;
   std::vector<std::array<int, kWays>> nearest_;
   std::vector<std::array<int, kWays>> links_;
 };

@@ -14,17 +14,12 @@ namespace calvin::detect {
 
 namespace {
 
-// A place in a lattice, in columns and rows; may lie between nodes.
-struct LatticePlace {
-  double col;
-  double row;
+// A place so many mean steps along the way of a step, or behind.
+LatticePlace moved(const LatticePlace& from, Cell step, double by) {
+  return {from.col + by * step.col, from.row + by * step.row};
+}
 
-  LatticePlace(double at_col, double at_row) : col(at_col), row(at_row) {}
-  // Every cell is a place.
-  LatticePlace(Cell c) : col(c.col), row(c.row) {}  // NOLINT(google-explicit-constructor)
-};
-
-// A polynomial of degree kDegree over columns and rows, fitted by weighted least squares.
+// A polynomial of degree kDegree over the places of a lattice, fitted by weighted least squares.
 template <int kDegree>
 class Surface {
  public:
@@ -32,15 +27,16 @@ class Surface {
   static constexpr int kTerms = terms_of(kDegree);
   using Terms = Eigen::Matrix<double, kTerms, 1>;
 
-  explicit Surface(const CellRange& extent)
-      : middle_col_(0.5 * (extent.first.col + extent.last.col)),
-        middle_row_(0.5 * (extent.first.row + extent.last.row)),
-        half_cols_(std::max(0.5 * (extent.cols() - 1), 1.0)),
-        half_rows_(std::max(0.5 * (extent.rows() - 1), 1.0)) {}
+  // Over the places from one to another.
+  Surface(const LatticePlace& first, const LatticePlace& last)
+      : middle_col_(0.5 * (first.col + last.col)),
+        middle_row_(0.5 * (first.row + last.row)),
+        half_cols_(std::max(0.5 * (last.col - first.col), 1.0)),
+        half_rows_(std::max(0.5 * (last.row - first.row), 1.0)) {}
 
   // The monomials at a place, those of a lower degree first, in coordinates that run from -1 to 1
   // over the lattice.
-  [[nodiscard]] Terms terms(LatticePlace s) const {
+  [[nodiscard]] Terms terms(const LatticePlace& s) const {
     const double x = (s.col - middle_col_) / half_cols_;
     const double y = (s.row - middle_row_) / half_rows_;
     Terms t;
@@ -54,7 +50,7 @@ class Surface {
     return t;
   }
   // `weight` is 1 / variance of the value, up to a factor that all values share.
-  void add(LatticePlace s, double value, double weight) {
+  void add(const LatticePlace& s, double value, double weight) {
     const Terms t = terms(s);
     normal_.template selfadjointView<Eigen::Lower>().rankUpdate(t, weight);
     right_ += weight * value * t;
@@ -85,7 +81,7 @@ class Surface {
       coefficients_[k] = normal_(k, k) > 0 ? (right_[k] - others) / normal_(k, k) : 0;
     }
   }
-  [[nodiscard]] double at(LatticePlace s) const { return terms(s).dot(coefficients_); }
+  [[nodiscard]] double at(const LatticePlace& s) const { return terms(s).dot(coefficients_); }
   // The variance of a value of weight 1, measured by the residuals.
   [[nodiscard]] double variance() const { return variance_; }
 
@@ -144,7 +140,8 @@ Surface<kDegree> surface_of(const Lattice& lattice, FitGrid& fits, H has, S plac
                             double variance) {
   constexpr float kOut = 5;  // times the median distance from the first surface
   const auto through = [&](auto is_in) {
-    Surface<kDegree> surface(lattice.extent());
+    const CellRange extent = lattice.extent();
+    Surface<kDegree> surface(lattice.place(extent.first), lattice.place(extent.last));
     lattice.for_each([&](Cell c, const Node& /*node*/) {
       if (is_in(c)) surface.add(place(c), static_cast<double>(fits.number(c)), weight(c));
     });
@@ -193,11 +190,13 @@ class Line {
     double square = 0;
     double off = 0;
     const Direction side = normal(c);
-    for (const Cell next : {c + step_, c - step_}) {
-      if (!lattice_.has(next)) continue;
-      const auto [u, v] = way(c, next);
-      off += static_cast<double>(side.x) * u + static_cast<double>(side.y) * v;
-      square += u * u + v * v;
+    // Neighbours at different distances see an error of the edge's direction at the node alike.
+    for (const Cell step : {step_, -1 * step_}) {
+      if (!lattice_.has(c + step)) continue;
+      const double share = 1 / length(c, step);
+      const auto [u, v] = way(c, c + step);
+      off += share * (static_cast<double>(side.x) * u + static_cast<double>(side.y) * v);
+      square += share * (u * u + v * v);
     }
     return 2 * off / square;
   }
@@ -206,7 +205,15 @@ class Line {
     const SaddleFit& f = fits_.at(c);
     const auto sigma = static_cast<double>(f.sigma);
     const double square = square_to_next(c);
-    if (has_both(c)) return 6 * sigma * sigma / (square * square);
+    if (has_both(c)) {
+      // In mean steps, of which one is as long as the step to the next node says.
+      const double ahead = length(c, step_);
+      const double behind = length(c, -1 * step_);
+      const double unit = square / (ahead * ahead) * (ahead + behind) / 2;
+      const double sum = 1 / ahead + 1 / behind;
+      const double squares = 1 / (ahead * ahead) + 1 / (behind * behind) + sum * sum;
+      return squares * sigma * sigma / (unit * unit);
+    }
     // The variance of a fitted direction is 3 sigma^2 / radius^2.
     const auto radius = static_cast<double>(f.radius);
     return sigma * sigma * (8 / square + 12 / (radius * radius)) / square;
@@ -214,14 +221,20 @@ class Line {
   // The place whose curvature bend(c) is: at an end the mean over the way to the neighbour, less
   // the part that the node's own window has taken into its direction.
   [[nodiscard]] LatticePlace place(Cell c) const {
-    if (has_both(c)) return c;
+    const LatticePlace at = lattice_.place(c);
+    // Of three nodes that are not alike far apart the mean place.
+    if (has_both(c)) return moved(at, step_, (length(c, step_) - length(c, -1 * step_)) / 3);
     const auto radius = static_cast<double>(fits_.at(c).radius);
-    double inwards = 1.0 / 3 - radius * radius / (5 * square_to_next(c));
-    if (!lattice_.has(c + step_)) inwards = -inwards;
-    return {c.col + inwards * step_.col, c.row + inwards * step_.row};
+    const double inwards = 1.0 / 3 - radius * radius / (5 * square_to_next(c));
+    const Cell to = lattice_.has(c + step_) ? step_ : -1 * step_;
+    return moved(at, to, inwards * length(c, to));
   }
 
  private:
+  // Of a step from a node, in mean steps.
+  [[nodiscard]] double length(Cell c, Cell step) const {
+    return static_cast<double>(lattice_.length(c, step));
+  }
   [[nodiscard]] std::pair<double, double> way(Cell c, Cell next) const {
     return {fits_.at(next).x - fits_.at(c).x, fits_.at(next).y - fits_.at(c).y};
   }
@@ -274,10 +287,10 @@ void take_bends(const Lattice& lattice, Cell step, const Line& line,
   // the second difference of the bends. A window reaches half as far and is off by a part of that.
   constexpr double kOfChange = 1.0 / 15;
   lattice.for_each([&](Cell c, const Node& /*node*/) {
-    const Cell within = line.within(c);
-    const double change =
-        surface.at(within - step) - 2 * surface.at(within) + surface.at(within + step);
-    const double bend = surface.at(c) - kOfChange * change;
+    const LatticePlace within = lattice.place(line.within(c));
+    const double change = surface.at(moved(within, step, -1)) - 2 * surface.at(within) +
+                          surface.at(moved(within, step, 1));
+    const double bend = surface.at(lattice.place(c)) - kOfChange * change;
     SaddleFit& f = fits.at(c);
     float& own = line.is_row() ? f.along_bend : f.down_bend;
     const double move = error_per_bend(f, line.is_row() ? f.down_width : f.along_width) *
@@ -333,7 +346,7 @@ void set_slopes(const Lattice& lattice, FitGrid& fits) {
   const auto surface_through = [&](auto number) {
     lattice.for_each([&](Cell c, const Node& /*node*/) { fits.number(c) = number(fits.at(c)); });
     const auto all = [&](Cell c) { return lattice.has(c); };
-    const auto there = [](Cell c) { return LatticePlace(c); };
+    const auto there = [&](Cell c) { return lattice.place(c); };
     const auto alike = [](Cell /*c*/) { return 1.0; };
     return surface_of<2>(lattice, fits, all, there, alike, 0);
   };
@@ -341,21 +354,25 @@ void set_slopes(const Lattice& lattice, FitGrid& fits) {
   const auto contrast = surface_through([](const SaddleFit& f) { return std::abs(f.contrast); });
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     SaddleFit& f = fits.at(c);
-    // The steps of a column and of a row, px, turn changes per cell into a gradient per px.
+    // The mean steps of a column and of a row, px, turn changes per step into a gradient per px.
     Direction step[2];
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const Cell ahead = lattice.has(c + kAround[axis]) ? c + kAround[axis] : c;
       const Cell behind = lattice.has(c - kAround[axis]) ? c - kAround[axis] : c;
-      const int cells = (ahead - behind).col + (ahead - behind).row;
-      if (cells == 0) return;
-      step[axis] = {static_cast<float>((fits.at(ahead).x - fits.at(behind).x) / cells),
-                    static_cast<float>((fits.at(ahead).y - fits.at(behind).y) / cells)};
+      const LatticePlace from = lattice.place(behind);
+      const LatticePlace to = lattice.place(ahead);
+      const double steps = to.col - from.col + to.row - from.row;
+      if (steps == 0) return;
+      step[axis] = {static_cast<float>((fits.at(ahead).x - fits.at(behind).x) / steps),
+                    static_cast<float>((fits.at(ahead).y - fits.at(behind).y) / steps)};
     }
     const float area = cross(step[0], step[1]);
     if (!(std::abs(area) > 1)) return;
     const auto gradient = [&](const Surface<2>& surface) {
+      const LatticePlace at = lattice.place(c);
       const auto change = [&](Cell way) {
-        return static_cast<float>(0.5 * (surface.at(c + way) - surface.at(c - way)));
+        return static_cast<float>(0.5 *
+                                  (surface.at(moved(at, way, 1)) - surface.at(moved(at, way, -1))));
       };
       const float along = change({1, 0});
       const float down = change({0, 1});
@@ -374,7 +391,7 @@ ExpectedPlaces expect_places(const Lattice& lattice, FitGrid& fits, std::span<co
   const auto surface_through = [&](auto number) {
     lattice.for_each([&](Cell c, const Node&) { fits.number(c) = number(fits.at(c)); });
     const auto all = [&](Cell c) { return lattice.has(c); };
-    const auto there = [](Cell c) { return LatticePlace(c); };
+    const auto there = [&](Cell c) { return lattice.place(c); };
     const auto weight = [&](Cell c) {
       const auto sigma = static_cast<double>(fits.at(c).sigma);
       return usual * usual / (sigma * sigma);
@@ -384,7 +401,10 @@ ExpectedPlaces expect_places(const Lattice& lattice, FitGrid& fits, std::span<co
   const auto x = surface_through([](const SaddleFit& f) { return static_cast<float>(f.x); });
   const auto y = surface_through([](const SaddleFit& f) { return static_cast<float>(f.y); });
   ExpectedPlaces expected;
-  for (const Cell c : cells) expected.places.push_back({x.at(c), y.at(c)});
+  for (const Cell c : cells) {
+    const LatticePlace at = lattice.place(c);
+    expected.places.push_back({x.at(at), y.at(at)});
+  }
   expected.sigma = static_cast<float>(std::sqrt(0.5 * (x.variance() + y.variance())));
   return expected;
 }

@@ -15,8 +15,30 @@ namespace {
 constexpr float kLeastSpacing =
     3;  // px; smaller ones count as this, for places are rounded to pixels
 
+float distance(const Node& a, const Node& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+// The weights of nodes at the places pa, pb and pd of a line, for what is expected at its place 0:
+// by a straight line through the first two of them, or by the mean of that and the parabola through
+// all. Two that are close together tell little of one far from them: then by the parabola alone.
+struct Extrapolation {
+  float a;
+  float b;
+  float d = 0;
+
+  Extrapolation(float pa, float pb) : a(1 + pa / (pb - pa)), b(-pa / (pb - pa)) {}
+  Extrapolation(float pa, float pb, float pd) : Extrapolation(pa, pb) {
+    const float straight = pb - pa < pa ? 0 : 0.5F;
+    const float bent = 1 - straight;
+    a = straight * a + bent * pb * pd / ((pa - pb) * (pa - pd));
+    b = straight * b + bent * pa * pd / ((pb - pa) * (pb - pd));
+    d = bent * pa * pb / ((pd - pa) * (pd - pb));
+  }
+};
+
+}  // namespace
+
 // Weighted sums of predicted places, and of the spacings of the nodes that predict them.
-struct Votes {
+struct Lattice::Votes {
   float x = 0;
   float y = 0;
   float spacing = 0;
@@ -29,10 +51,6 @@ struct Votes {
     weight += w;
   }
 };
-
-float distance(const Node& a, const Node& b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
-}  // namespace
 
 Lattice::Lattice(int reach, const Surroundings& surroundings)
     : reach_(reach),
@@ -102,37 +120,50 @@ int Lattice::neighbours(Cell c) const {
       std::count_if(kAround.begin(), kAround.end(), [&](Cell step) { return has(c + step); }));
 }
 
+// Extrapolates the next nodes of a line.
+void Lattice::add_extrapolation(Cell c, Cell step, Votes& votes) const {
+  const Node& a = at(c + step);
+  const Node& b = at(c + 2 * step);
+  const float pa = length(c, step);
+  const float ab = length(c + step, step);
+  const float between = distance(a, b) / ab;
+  if (!has(c + 3 * step)) {
+    const Extrapolation by(pa, pa + ab);
+    const float weight = ab < pa ? ab * ab / (pa * pa) : 1;
+    votes.add(by.a * a.x + by.b * b.x, by.a * a.y + by.b * b.y, between, weight);
+    return;
+  }
+  const Node& d = at(c + 3 * step);
+  const Extrapolation by(pa, pa + ab, pa + ab + length(c + 2 * step, step));
+  votes.add(by.a * a.x + by.b * b.x + by.d * d.x, by.a * a.y + by.b * b.y + by.d * d.y, between);
+}
+
 std::optional<Expected> Lattice::expect(Cell c) const {
   Votes votes;
   for (const Cell step : kAround) {
     if (!has(c + step)) continue;
     const Node& a = at(c + step);
-    if (has(c + 2 * step)) {
-      // Extrapolation of the line's next nodes: the mean of a straight line and a parabola.
-      const Node& b = at(c + 2 * step);
-      float x = 2 * a.x - b.x;
-      float y = 2 * a.y - b.y;
-      if (has(c + 3 * step)) {
-        const Node& d = at(c + 3 * step);
-        x = 0.5F * (x + 3 * a.x - 3 * b.x + d.x);
-        y = 0.5F * (y + 3 * a.y - 3 * b.y + d.y);
-      }
-      votes.add(x, y, distance(a, b));
-    }
+    if (has(c + 2 * step)) add_extrapolation(c, step, votes);
+    const float pa = length(c, step);
     if (step.col + step.row > 0 && has(c - step)) {
       const Node& b = at(c - step);
-      votes.add(0.5F * (a.x + b.x), 0.5F * (a.y + b.y), 0.5F * distance(a, b), 2);
+      const float pb = length(c, -1 * step);
+      const float of_a = pb / (pa + pb);
+      const float of_b = pa / (pa + pb);
+      votes.add(of_a * a.x + of_b * b.x, of_a * a.y + of_b * b.y, distance(a, b) / (pa + pb), 2);
     }
     // A parallelogram with the next way around.
     const Cell aside = {-step.row, step.col};
     if (has(c + aside) && has(c + step + aside)) {
       const Node& p = at(c + aside);
       const Node& q = at(c + step + aside);
-      votes.add(a.x + p.x - q.x, a.y + p.y - q.y, 0.5F * (distance(a, q) + distance(p, q)));
+      votes.add(a.x + p.x - q.x, a.y + p.y - q.y,
+                0.5F * (distance(a, q) / length(c, aside) + distance(p, q) / pa));
     }
   }
   if (votes.weight == 0) return std::nullopt;
-  return Expected{votes.x / votes.weight, votes.y / votes.weight, votes.spacing / votes.weight};
+  return Expected{votes.x / votes.weight, votes.y / votes.weight,
+                  surroundings_.gap * votes.spacing / votes.weight};
 }
 
 float Lattice::misfit(Cell c) const {
@@ -163,10 +194,13 @@ void Lattice::prune(float share) {
     });
     if (!removed) break;
   }
+  // Across the border of an image, where the corners of two tags are close together, only one may
+  // be left to the other and to its line.
+  const int least = has_even_steps() ? 2 : 1;
   for (bool again = true; again;) {
     again = false;
     for_each([&](Cell c, const Node& /*node*/) {
-      if (neighbours(c) >= 2) return;
+      if (neighbours(c) >= least) return;
       remove(c);
       again = true;
     });

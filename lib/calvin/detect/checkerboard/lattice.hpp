@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Corners in rows and columns, some of them missing: a flat array around the first one.
+// Corners in rows and columns, some of them missing: a flat array around the first one. The lines
+// of a lattice are alike far apart, or two steps of different lengths follow each other in turn.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -44,11 +46,17 @@ struct Cell {
 [[nodiscard]] inline Cell operator*(int s, Cell c) { return {s * c.col, s * c.row}; }
 inline constexpr std::array<Cell, 4> kAround = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
+// A place on the board of a lattice, in mean steps from a line to the next; may lie between nodes.
+struct LatticePlace {
+  double col = 0;
+  double row = 0;
+};
+
 // Where a node is expected.
 struct Expected {
   float x = 0;
   float y = 0;
-  float spacing = 0;  // px between the nodes that it is expected from
+  float spacing = 0;  // px to the nearest next line, by the nodes that it is expected from
 };
 
 // The range of columns and rows of nodes, both ends included; empty where first > last.
@@ -81,6 +89,28 @@ class Lattice {
   explicit Lattice(int reach, const Surroundings& surroundings = {});
 
   [[nodiscard]] const Surroundings& surroundings() const { return surroundings_; }
+
+  // Whether the step from column 0 to column 1 is the longer one, where steps differ. Where columns
+  // are farther apart after an even one, rows are so after an odd one: a square between four even
+  // nodes is bright, and not as wide as it is high.
+  void set_long_first(bool long_first) {
+    shift_ = long_first ? 1 - surroundings_.gap : surroundings_.gap - 1;
+  }
+  [[nodiscard]] bool has_even_steps() const { return surroundings_.gap == 1; }
+  // In mean steps: odd columns are shifted from the middle between even ones, odd rows as far the
+  // other way.
+  [[nodiscard]] float place(int line, bool is_col) const {
+    const float shift = is_col ? shift_ : -shift_;
+    return static_cast<float>(line) + ((line & 1) != 0 ? shift : 0);
+  }
+  [[nodiscard]] LatticePlace place(Cell c) const {
+    return {static_cast<double>(place(c.col, true)), static_cast<double>(place(c.row, false))};
+  }
+  // The length of a step of one cell along a line, in mean steps.
+  [[nodiscard]] float length(Cell from, Cell step) const {
+    return step.row == 0 ? std::abs(place(from.col + step.col, true) - place(from.col, true))
+                         : std::abs(place(from.row + step.row, false) - place(from.row, false));
+  }
 
   void clear();
   [[nodiscard]] bool in_reach(Cell c) const {
@@ -125,9 +155,12 @@ class Lattice {
   }
   [[nodiscard]] int neighbours(Cell c) const;
   [[nodiscard]] float misfit(Cell c) const;
+  struct Votes;
+  void add_extrapolation(Cell c, Cell step, Votes& votes) const;
 
   int reach_;
   Surroundings surroundings_;
+  float shift_ = 0;  // mean steps, of odd columns
   int count_ = 0;
   CellRange touched_;  // all nodes lie within; removing does not shrink it
   std::vector<Node> nodes_;

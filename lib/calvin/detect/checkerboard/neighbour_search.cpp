@@ -41,15 +41,16 @@ namespace hn = hwy::HWY_NAMESPACE;
 // The nearest corners of one corner, by lanes of vectors.
 class Nearest {
  public:
-  Nearest(const CornerCells& cells, int self, float reach, bool parallel)
+  Nearest(const CornerCells& cells, int self, const NeighbourRules& rules)
       : cells_(cells),
         x_(cells.x[self]),
         y_(cells.y[self]),
         edges_{{cells.rising_x[self], cells.rising_y[self]},
                {cells.falling_x[self], cells.falling_y[self]}},
         contrast_(cells.contrast[self]),
-        reach_(reach),
-        parallel_(parallel) {
+        reach_(rules.reach),
+        parallel_(rules.parallel),
+        longest_link_(rules.longest_link) {
     for (int way = 0; way < kWays; ++way) {
       for (int lane = 0; lane < kLongestVector; ++lane) {
         cost_[way][lane] = std::numeric_limits<float>::infinity();
@@ -164,7 +165,7 @@ class Nearest {
     }
     float most = 0;
     for (int way = 0; way < kWays; ++way) {
-      most = std::max(most, std::min(least[way], kLongestLink * least[way ^ 1]));
+      most = std::max(most, std::min(least[way], longest_link_ * least[way ^ 1]));
     }
     return most;
   }
@@ -176,15 +177,16 @@ class Nearest {
   float contrast_;
   float reach_;
   bool parallel_;
+  float longest_link_;
   int scanned_ = 0;
   alignas(64) float cost_[kWays][kLongestVector];
   alignas(64) int best_[kWays][kLongestVector];  // in the order of the cells
 };
 
-void find_nearest(const CornerCells& cells, float reach, bool parallel,
+void find_nearest(const CornerCells& cells, const NeighbourRules& rules,
                   std::array<int, kWays>* nearest) {
   for (int i = 0; i < cells.count; ++i) {
-    nearest[cells.index[i]] = Nearest(cells, i, reach, parallel).find();
+    nearest[cells.index[i]] = Nearest(cells, i, rules).find();
   }
 }
 
@@ -238,11 +240,12 @@ CornerCells NeighbourSearch::sort_into_cells(std::span<const Corner> corners, Im
   return cells;
 }
 
-void NeighbourSearch::run(std::span<const Corner> corners, ImageSize size, float reach,
-                          bool parallel, std::vector<std::array<int, kWays>>& nearest) {
+void NeighbourSearch::run(std::span<const Corner> corners, ImageSize size,
+                          const NeighbourRules& rules,
+                          std::vector<std::array<int, kWays>>& nearest) {
   nearest.resize(corners.size());
   HWY_DYNAMIC_DISPATCH(find_nearest)
-  (sort_into_cells(corners, size), reach, parallel, nearest.data());
+  (sort_into_cells(corners, size), rules, nearest.data());
 }
 
 }  // namespace calvin::detect

@@ -18,8 +18,15 @@ inline constexpr int kWays = 4;
 inline constexpr int kNoCorner = -1;
 
 // A link skips corners if it is this many times longer than the one on the other side of its
-// corner.
+// corner lets expect.
 inline constexpr float kLongestLink = 2;
+
+// What neighbours have to be like.
+struct NeighbourRules {
+  float reach = 0;         // px, how far they may be apart
+  bool parallel = false;   // both edges have to run as those of the corner
+  float longest_link = 2;  // times the one on the other side
+};
 
 // Corners in square cells of the image, by cells in rows.
 struct CornerCells {
@@ -41,10 +48,9 @@ struct CornerCells {
 // Keeps its memory.
 class NeighbourSearch {
  public:
-  // For each corner the nearest one on each way, no further than `reach` px, whose edge arrives
-  // there with exchanged colours; kNoCorner where there is none, or only one that skips corners.
-  // With `parallel`, both edges have to run as those of the corner.
-  void run(std::span<const Corner> corners, ImageSize size, float reach, bool parallel,
+  // For each corner the nearest one on each way whose edge arrives there with exchanged colours;
+  // kNoCorner where there is none, or only one that skips corners.
+  void run(std::span<const Corner> corners, ImageSize size, const NeighbourRules& rules,
            std::vector<std::array<int, kWays>>& nearest);
 
  private:

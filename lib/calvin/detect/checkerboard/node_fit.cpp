@@ -21,7 +21,10 @@ float spacing_at(const Lattice& lattice, Cell c) {
     const Node& next = lattice.at(c + step);
     // The distance from the edge that crosses the way to the next node.
     const Direction edge = step.row == 0 ? node.down : node.along;
-    least = std::min(least, std::abs(cross(edge, {next.x - node.x, next.y - node.y})));
+    const float distance = std::abs(cross(edge, {next.x - node.x, next.y - node.y}));
+    // The line on the other side may be nearer, and have no node here.
+    const float other = lattice.length(c, -1 * step) / lattice.length(c, step);
+    least = std::min(least, std::min(1.0F, other) * distance);
   }
   return least;
 }
@@ -107,8 +110,8 @@ void expect_directions(const Lattice& lattice, Cell c, ExpectedEdges& expected) 
     for (int dc = -1; dc <= 1; ++dc) {
       if (!lattice.has(c + Cell{dc, dr})) continue;
       const Node& node = lattice.at(c + Cell{dc, dr});
-      const auto u = static_cast<float>(dc);
-      const auto v = static_cast<float>(dr);
+      const float u = lattice.place(c.col + dc, true) - lattice.place(c.col, true);
+      const float v = lattice.place(c.row + dr, false) - lattice.place(c.row, false);
       const Direction p = {node.x - lattice.at(c).x, node.y - lattice.at(c).y};
       n += 1;
       col += u;

@@ -150,9 +150,12 @@ bool Refinement::confirm(const ImageView& image, Lattice& lattice) const {
       shift[col][row] = {static_cast<float>(f.x) - node.x, static_cast<float>(f.y) - node.y};
     }
   }
+  const LatticePlace first = lattice.place(e.first);
+  const LatticePlace last = lattice.place(e.last);
   lattice.for_each([&](Cell c, const Node& /*node*/) {
-    const float s = static_cast<float>(c.col - e.first.col) / static_cast<float>(e.cols() - 1);
-    const float t = static_cast<float>(c.row - e.first.row) / static_cast<float>(e.rows() - 1);
+    const LatticePlace at = lattice.place(c);
+    const auto s = static_cast<float>((at.col - first.col) / (last.col - first.col));
+    const auto t = static_cast<float>((at.row - first.row) / (last.row - first.row));
     const auto mean = [&](float Direction::*of) {
       return (1 - s) * ((1 - t) * shift[0][0].*of + t * shift[0][1].*of) +
              s * ((1 - t) * shift[1][0].*of + t * shift[1][1].*of);

@@ -67,8 +67,9 @@ class Flattened {
     lattice.for_each([&](Cell c, const Node& node) {
       const double n = ++count_;
       const Place at = lens_.straight(node);
-      middle_.x += (c.col - middle_.x) / n;
-      middle_.y += (c.row - middle_.y) / n;
+      const LatticePlace place = lattice.place(c);
+      middle_.x += (place.col - middle_.x) / n;
+      middle_.y += (place.row - middle_.y) / n;
       origin_.x += (at.x - origin_.x) / n;
       origin_.y += (at.y - origin_.y) / n;
     });
@@ -113,7 +114,10 @@ class Flattened {
   }
 
  private:
-  [[nodiscard]] Place from_middle(Cell c) const { return {c.col - middle_.x, c.row - middle_.y}; }
+  [[nodiscard]] Place from_middle(Cell c) const {
+    const LatticePlace place = lattice_.place(c);
+    return {place.col - middle_.x, place.row - middle_.y};
+  }
   [[nodiscard]] Place straight(const Node& node) const {
     const Place at = lens_.straight(node);
     return {at.x - origin_.x, at.y - origin_.y};
@@ -159,56 +163,81 @@ Lens lens_of(const Lattice& lattice, ImageSize image) {
   return best;
 }
 
-constexpr std::array<double, 4> kThird = {1, -3, 3, -1};
-constexpr std::array<double, 5> kFourth = {1, -4, 6, -4, 1};
-constexpr std::array<double, 6> kFifth = {1, -5, 10, -10, 5, -1};
+// The weights of a divided difference over so many lines from `first` on.
+template <std::size_t kLines>
+std::array<double, kLines> difference_over(const Lattice& lattice, int first, bool is_col) {
+  std::array<double, kLines> weights{};
+  const auto place = [&](std::size_t i) {
+    return static_cast<double>(lattice.place(first + static_cast<int>(i), is_col));
+  };
+  for (std::size_t i = 0; i < kLines; ++i) {
+    weights[i] = 1;
+    for (std::size_t k = 0; k < kLines; ++k) {
+      if (k != i) weights[i] /= place(i) - place(k);
+    }
+  }
+  return weights;
+}
 
 // The sum of the squares of mixed differences, each over its variance by the corners' sigmas.
-struct Squares {
-  double sum = 0;
-  double count = 0;
+class Squares {
+ public:
+  Squares(const Lattice& lattice, const Flattened& flat) : lattice_(lattice), flat_(flat) {}
 
-  // Takes every place where the lattice has all corners of the difference, in both directions.
-  template <std::size_t kLong, std::size_t kShort>
-  Squares(const Lattice& lattice, const Flattened& flat, const std::array<double, kLong>& along,
-          const std::array<double, kShort>& aside) {
-    lattice.for_each([&](Cell c, const Node& /*node*/) {
-      add(lattice, flat, c, along, aside);
-      add(lattice, flat, c, aside, along);
+  // Takes every place where the lattice has all corners of a difference over so many lines along
+  // the rows and along the columns, in both directions.
+  template <std::size_t kAlong, std::size_t kAside>
+  void take() {
+    sum_ = count_ = 0;
+    lattice_.for_each([&](Cell c, const Node& /*node*/) {
+      add<kAlong, kAside>(c);
+      add<kAside, kAlong>(c);
     });
   }
+  [[nodiscard]] double sum() const { return sum_; }
+  [[nodiscard]] double count() const { return count_; }
 
  private:
-  // `cols`, `rows`: the weights of the difference that begins in a cell.
+  // The difference that begins in a cell.
   template <std::size_t kCols, std::size_t kRows>
-  void add(const Lattice& lattice, const Flattened& flat, Cell first,
-           const std::array<double, kCols>& cols, const std::array<double, kRows>& rows) {
+  void add(Cell first) {
+    constexpr int kLastCol = static_cast<int>(kCols) - 1;
+    constexpr int kLastRow = static_cast<int>(kRows) - 1;
+    if (!lattice_.has(first + Cell{kLastCol, kLastRow})) return;
+    const auto cols = difference_over<kCols>(lattice_, first.col, true);
+    const auto rows = difference_over<kRows>(lattice_, first.row, false);
     Place difference;
     double variance = 0;
     for (std::size_t i = 0; i < kCols; ++i) {
       for (std::size_t k = 0; k < kRows; ++k) {
         const Cell c = first + Cell{static_cast<int>(i), static_cast<int>(k)};
-        if (!lattice.has(c)) return;
+        if (!lattice_.has(c)) return;
         const double weight = cols[i] * rows[k];
-        const Place off = flat.off(c);
-        const auto sigma = static_cast<double>(lattice.at(c).sigma);
+        const Place off = flat_.off(c);
+        const auto sigma = static_cast<double>(lattice_.at(c).sigma);
         difference.x += weight * off.x;
         difference.y += weight * off.y;
         variance += weight * weight * sigma * sigma;
       }
     }
-    sum += 0.5 * (difference.x * difference.x + difference.y * difference.y) / variance;
-    ++count;
+    sum_ += 0.5 * (difference.x * difference.x + difference.y * difference.y) / variance;
+    ++count_;
   }
+
+  const Lattice& lattice_;
+  const Flattened& flat_;
+  double sum_ = 0;
+  double count_ = 0;
 };
 
 // The ratio of the corners' errors to their sigmas, by differences.
 double ratio_by(const Lattice& lattice, const Flattened& flat) {
   constexpr double kPresumed = 1;  // this many differences are added that say 1
   constexpr double kEnough = 6;    // differences over six corners by five, else five by four
-  Squares squares(lattice, flat, kFifth, kFourth);
-  if (squares.count < kEnough) squares = Squares(lattice, flat, kFourth, kThird);
-  return std::sqrt((squares.sum + kPresumed) / (squares.count + kPresumed));
+  Squares squares(lattice, flat);
+  squares.take<6, 5>();
+  if (squares.count() < kEnough) squares.take<5, 4>();
+  return std::sqrt((squares.sum() + kPresumed) / (squares.count() + kPresumed));
 }
 
 // For each axis a surface through the distances from the homography: a polynomial of total degree

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kFewest = 3;  // nodes of a difference
 constexpr std::size_t kMost = 5;
-constexpr int kLongest = 8;       // steps over gaps
+constexpr int kLongest = 8;       // steps over missing nodes
 constexpr float kSigmas = 2;      // of the noise, which is in the median as well
 constexpr float kSlack = 0.01F;   // px, what a fit may be off by at least beside its noise
 constexpr float kNoisy = 0.006F;  // of the spacing: of such slack five corners in a line make eight
@@ -53,8 +53,12 @@ bool is_in_line(const Lattice& lattice, Cell c) {
       const Node& middle = lattice.at(a + step);
       const Node& to = lattice.at(a + 2 * step);
       const float spacing = 0.5F * std::hypot(to.x - from.x, to.y - from.y);
-      const float noise = std::hypot(from.sigma, 2 * middle.sigma, to.sigma);
-      const float off = std::hypot(from.x - 2 * middle.x + to.x, from.y - 2 * middle.y + to.y);
+      // Twice how far the middle one is from the line through the others.
+      const float of_to = lattice.length(a, step);
+      const float of_from = lattice.length(a + step, step);
+      const float noise = std::hypot(of_from * from.sigma, 2 * middle.sigma, of_to * to.sigma);
+      const float off = std::hypot(of_from * from.x - 2 * middle.x + of_to * to.x,
+                                   of_from * from.y - 2 * middle.y + of_to * to.y);
       if (off < std::min(kOff * spacing + kSigmas * noise, kOffInNoise * spacing)) return true;
     }
     return false;
@@ -69,15 +73,18 @@ void StrayCorners::add(const Lattice& lattice, Cell first, Cell step, std::span<
   d.step = step;
   for (const int place : places) d.places |= std::uint64_t{1} << (place & 63);
   d.count = static_cast<int>(places.size());
-  const int span = places.back() - places.front();
-  if (span > kLongest) return;
+  if (places.back() - places.front() > kLongest) return;
+  const auto at = [&](std::size_t i) {
+    const Cell c = first + places[i] * step;
+    return step.row == 0 ? lattice.place(c.col, true) : lattice.place(c.row, false);
+  };
   float factorial = 1;
   for (int k = 2; k < d.count; ++k) factorial *= static_cast<float>(k);
   float variance = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
     float weight = factorial;
     for (std::size_t k = 0; k < places.size(); ++k) {
-      if (k != i) weight /= static_cast<float>(places[i] - places[k]);
+      if (k != i) weight /= at(i) - at(k);
     }
     d.weights[i] = weight;
     d.cells[i] = first + places[i] * step;
@@ -88,7 +95,7 @@ void StrayCorners::add(const Lattice& lattice, Cell first, Cell step, std::span<
   }
   const Node& from = lattice.at(d.cells[0]);
   const Node& to = lattice.at(d.cells[places.size() - 1]);
-  d.spacing = std::hypot(to.x - from.x, to.y - from.y) / static_cast<float>(span);
+  d.spacing = std::hypot(to.x - from.x, to.y - from.y) / (at(places.size() - 1) - at(0));
   d.noise = std::sqrt(variance);
   differences_.push_back(d);
 }

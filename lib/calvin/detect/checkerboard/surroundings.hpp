@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What else a board has around its corners than the edges of its squares.
+// How far it is from the corners of a board to the next lines of corners, and to what else is
+// printed around them.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +10,10 @@
 
 namespace calvin::detect {
 
-// Shares of a square's side.
+// `along` and `aside` are shares of the distance to the nearest next line.
 struct Surroundings {
+  // Of every two steps from a line of corners to the next the shorter one, in parts of their mean.
+  float gap = 1;
   float along = 1;  // from a corner along an edge, to what is printed on the edge
   float aside = 1;  // from an edge, to what is printed beside it
 
@@ -28,9 +31,12 @@ struct Surroundings {
     return std::max(kLeast, aside * spacing - width);
   }
 
+  // How many times longer the longer step is than the shorter one.
+  [[nodiscard]] float step_ratio() const { return (2 - gap) / gap; }
+
   // Of any of two boards.
   [[nodiscard]] Surroundings with(const Surroundings& other) const {
-    return {std::min(along, other.along), std::min(aside, other.aside)};
+    return {std::min(gap, other.gap), std::min(along, other.along), std::min(aside, other.aside)};
   }
 };
 

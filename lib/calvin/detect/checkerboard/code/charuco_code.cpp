@@ -1,111 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Looks at the cells of the markers that squares may hold.
+// Looks at the squares that may hold markers.
 
 #include "calvin/detect/checkerboard/code/charuco_code.hpp"
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <optional>
-
-#include "calvin/detect/checkerboard/corners/grey_at.hpp"
 
 namespace calvin::detect {
 
 namespace {
 
-// A square of a lattice in the picture.
-class Square {
- public:
-  // The one whose upper left corner is the node of `cell`. Absent where fewer than two of its
-  // corners are there, and the others are not expected.
-  static std::optional<Square> at(const Lattice& lattice, Cell cell) {
-    Square square;
-    int known = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Cell c = cell + Cell{static_cast<int>(i % 2), static_cast<int>(i / 2)};
-      if (lattice.has(c)) {
-        square.corners_[i] = {lattice.at(c).x, lattice.at(c).y};
-        square.contrast_ = std::max(square.contrast_, lattice.at(c).contrast);
-        ++known;
-        continue;
-      }
-      const auto expected = lattice.in_reach(c) ? lattice.expect(c) : std::nullopt;
-      if (!expected) return std::nullopt;
-      square.corners_[i] = {expected->x, expected->y};
-    }
-    if (known < 2) return std::nullopt;
-    return square;
-  }
-
-  // grey levels, of its corners
-  [[nodiscard]] float contrast() const { return contrast_; }
-
-  // At (s, t), 0..1 from its upper left corner along the row and down.
-  [[nodiscard]] std::optional<float> grey(const ImageView& image, float s, float t) const {
-    const auto place = [&](float Direction::*of) {
-      return std::lerp(std::lerp(corners_[0].*of, corners_[1].*of, s),
-                       std::lerp(corners_[2].*of, corners_[3].*of, s), t);
-    };
-    return grey_at(image, place(&Direction::x), place(&Direction::y));
-  }
-
- private:
-  std::array<Direction, 4> corners_{};
-  float contrast_ = 0;
-};
-
-// The mean grey level along the sides of a smaller square in the middle of a square.
-std::optional<float> mean_around(const ImageView& image, const Square& square, float side) {
-  constexpr int kSteps = 6;  // of each side
-  const float low = 0.5F - 0.5F * side;
-  float sum = 0;
-  for (int i = 0; i < kSteps; ++i) {
-    const float along = low + side * static_cast<float>(i) / kSteps;
-    const auto top = square.grey(image, along, low);
-    const auto right = square.grey(image, 1 - low, along);
-    const auto bottom = square.grey(image, 1 - along, 1 - low);
-    const auto left = square.grey(image, low, 1 - along);
-    if (!top || !right || !bottom || !left) return std::nullopt;
-    sum += *top + *right + *bottom + *left;
-  }
-  return sum / (4 * kSteps);
-}
-
-// The mean grey level about the middle (s, t) of a marker's cell.
-std::optional<float> mean_in(const ImageView& image, const Square& square, float s, float t,
-                             float cell) {
-  constexpr float kOff = 0.2F;  // of the cell
-  float sum = 0;
-  for (const float ds : {-kOff, kOff}) {
-    for (const float dt : {-kOff, kOff}) {
-      const auto grey = square.grey(image, s + ds * cell, t + dt * cell);
-      if (!grey) return std::nullopt;
-      sum += 0.25F * *grey;
-    }
-  }
-  return sum;
-}
-
-// The grey levels of a marker's rim, and of the square around it.
-struct Levels {
-  float rim = 0;
-  float around = 0;
-};
-
-// Absent where the square cannot hold a marker: they differ too little, or the wrong way.
-std::optional<Levels> levels_of(const ImageView& image, const Square& square, float share, int side,
-                                bool inverted) {
-  constexpr float kLeast = 0.2F;  // of the contrast of the corners
-  const float cell = share / static_cast<float>(side + 2);
-  const auto rim = mean_around(image, square, share - cell);
-  const auto around = mean_around(image, square, 0.5F * (1 + share));
-  if (!rim || !around) return std::nullopt;
-  const float contrast = inverted ? *rim - *around : *around - *rim;
-  if (!(contrast > kLeast * square.contrast())) return std::nullopt;
-  return Levels{*rim, *around};
+MarkerShape shape_of(const CharucoBoard& board) {
+  MarkerShape shape;
+  const auto share = static_cast<float>(board.marker / board.square);
+  shape.side = board.dictionary->side;
+  shape.cell = share / static_cast<float>(shape.side + 2);
+  shape.rim = share - shape.cell;
+  shape.around = 0.5F * (1 + share);
+  shape.inverted = board.inverted;
+  return shape;
 }
 
 }  // namespace
@@ -113,17 +25,16 @@ std::optional<Levels> levels_of(const ImageView& image, const Square& square, fl
 CharucoCode::CharucoCode(const CharucoBoard& board)
     : Code(board.grid(), board.dictionary->side * board.dictionary->side, 1,
            board.has_marker(0, 0) == board.inverted),
-      side_(board.dictionary->side),
-      share_(static_cast<float>(board.marker / board.square)),
-      inverted_(board.inverted) {
+      shape_(shape_of(board)) {
+  const int side = shape_.side;
   // Control point 0 is the lower right corner of square (0, 0).
   for (int row = 0; row < board.rows; ++row) {
     for (int col = 0; col < board.cols; ++col) {
       if (!board.has_marker(col, row)) continue;
       const int id = board.marker_in(col, row);
-      for (int i = 0; i < side_ * side_; ++i) {
-        const bool light = board.dictionary->is_light(id, i % side_, i / side_);
-        set({{col - 1, row - 1}, i}, light != inverted_);
+      for (int i = 0; i < side * side; ++i) {
+        const bool light = board.dictionary->is_light(id, i % side, i / side);
+        set({{col - 1, row - 1}, i}, light != shape_.inverted);
       }
     }
   }
@@ -131,40 +42,18 @@ CharucoCode::CharucoCode(const CharucoBoard& board)
 
 void CharucoCode::read(const ImageView& image, const Lattice& lattice,
                        std::vector<CodeBit>& bits) const {
-  constexpr float kClearly = 0.15F;
   const CellRange e = lattice.extent();
-  const float cell = share_ / static_cast<float>(side_ + 2);
-  const float first = 0.5F - 0.5F * share_ + 1.5F * cell;  // the middle of the first bit
   for (int row = e.first.row - 1; row <= e.last.row; ++row) {
     for (int col = e.first.col - 1; col <= e.last.col; ++col) {
-      const Cell at = {col, row};
-      if (Lattice::is_even(at) == inverted_) continue;  // a square without a marker
-      const auto square = Square::at(lattice, at);
-      const auto levels =
-          square ? levels_of(image, *square, share_, side_, inverted_) : std::nullopt;
-      if (!levels) continue;
-      for (int i = 0; i < side_ * side_; ++i) {
-        const auto grey = mean_in(image, *square, first + cell * static_cast<float>(i % side_),
-                                  first + cell * static_cast<float>(i / side_), cell);
-        if (!grey) continue;
-        const float light =
-            (2 * *grey - levels->rim - levels->around) / std::abs(levels->around - levels->rim);
-        if (std::abs(light) >= kClearly) bits.push_back({{at, i}, light > 0});
-      }
+      // Every other square has none.
+      if (Lattice::is_even({col, row}) == shape_.inverted) continue;
+      read_marker(image, lattice, {col, row}, shape_, bits);
     }
   }
 }
 
 CodePlace CharucoCode::turned(const CodePlace& at, int quarter) const {
-  // In half cells, so that the middle of a square is a whole number.
-  Cell middle = 2 * at.cell + Cell{1, 1};
-  Cell bit = {at.index % side_, at.index / side_};
-  for (int i = 0; i < quarter; ++i) {
-    middle = {middle.row, -middle.col};
-    bit = {bit.row, side_ - 1 - bit.col};
-  }
-  const Cell from = middle - Cell{1, 1};
-  return {{from.col / 2, from.row / 2}, bit.row * side_ + bit.col};
+  return turned_in_marker(at, shape_.side, quarter);
 }
 
 }  // namespace calvin::detect

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "calvin/detect/checkerboard/code/code.hpp"
+#include "calvin/detect/checkerboard/code/marker_reader.hpp"
 #include "calvin/target/charuco_board.hpp"
 
 namespace calvin::detect {
@@ -20,9 +21,7 @@ class CharucoCode final : public Code {
   [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
 
  private:
-  int side_;       // bits
-  float share_;    // of a square's side, that of a marker
-  bool inverted_;  // markers are light, in dark squares
+  MarkerShape shape_;
 };
 
 }  // namespace calvin::detect

@@ -5,6 +5,7 @@
 
 #include "calvin/detect/checkerboard/code/code.hpp"
 
+#include "calvin/detect/checkerboard/code/april_code.hpp"
 #include "calvin/detect/checkerboard/code/charuco_code.hpp"
 #include "calvin/detect/checkerboard/code/puzzle_code.hpp"
 #include "calvin/target/kinds.hpp"
@@ -16,6 +17,7 @@ std::shared_ptr<const Code> code_of(const Board& board) {
   if (const auto* charuco = board.as<CharucoBoard>()) {
     return std::make_shared<CharucoCode>(*charuco);
   }
+  if (const auto* april = board.as<AprilGrid>()) return std::make_shared<AprilCode>(*april);
   return nullptr;
 }
 

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "calvin/core/image.hpp"
@@ -43,6 +45,13 @@ class Code {
   // The same bit about the node of cell {0, 0}, where the x of its board runs along +col, +row,
   // -col, -row of the lattice.
   [[nodiscard]] virtual CodePlace turned(const CodePlace& at, int quarter) const = 0;
+
+  // Another board of this kind that the bits of a whole lattice say it is; lengths are those of the
+  // board of this code. Absent where that is not certain.
+  [[nodiscard]] virtual std::optional<Board> other_board(std::span<const CodeBit> /*bits*/,
+                                                         const CellRange& /*extent*/) const {
+    return std::nullopt;
+  }
 
   // Which of its codes a bit belongs to: a PuzzleBoard has two of them.
   static constexpr std::size_t kFamilies = 2;

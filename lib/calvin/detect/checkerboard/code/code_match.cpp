@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "calvin/detect/checkerboard/code/evidence.hpp"
-#include "calvin/detect/checkerboard/code/puzzle_map.hpp"
 
 namespace calvin::detect {
 
@@ -25,6 +24,12 @@ CellRange origins(const CellRange& e, int cols, int rows) {
 
 bool begins_dark(const GridAlignment& alignment) {
   return Lattice::is_even(alignment.cell({0, 0})) == (alignment.quarter % 2 == 1);
+}
+
+// Whether the longer steps of the lattice are where the board has them, from its first column on.
+bool steps_fit(const GridAlignment& alignment, const Lattice& lattice) {
+  const Cell first = alignment.cell({0, 0});
+  return lattice.has_even_steps() || lattice.length(first, alignment.cell({1, 0}) - first) > 1;
 }
 
 // Removes the nodes beyond the board.
@@ -106,7 +111,8 @@ void CodeMatch::turn(const Code& code, int quarter) {
   for (CodeBit& bit : turned_) bit.at = code.turned(bit.at, quarter);
 }
 
-void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& extent) {
+void CodeMatch::compare(const Grid& grid, const Code& code, const Lattice& lattice) {
+  const CellRange extent = lattice.extent();
   best_ = {};
   next_best_ = 0;
   candidates_ = 0;
@@ -119,6 +125,7 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& ext
       for (int col = all.first.col; col <= all.last.col; ++col) {
         const GridAlignment alignment = {quarter, {col, row}, cols, rows};
         if (begins_dark(alignment) != code.begins_dark()) continue;
+        if (!steps_fit(alignment, lattice)) continue;
         ++candidates_;
         const double evidence = count(code, alignment.point({0, 0})).evidence();
         if (evidence > best_.evidence) {
@@ -132,19 +139,18 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const CellRange& ext
   }
 }
 
-// What a lattice is that is no part of the board: a PuzzleBoard from elsewhere in the map, or a
-// whole grid without this code. kNotFound where neither is certain.
+// What a lattice is that is no part of the board: another one that its code tells, as a PuzzleBoard
+// from elsewhere in the map, or a whole grid without this code. kNotFound where neither is certain.
 Match CodeMatch::another_board(const ImageView& image, const Grid& grid, const Code& code,
                                const Lattice& lattice) const {
   const CellRange extent = lattice.extent();
   const bool lies_alike = (extent.cols() >= extent.rows()) == (grid.cols >= grid.rows);
-  const bool is_certain = is_size_certain(image, lattice);
+  // The ends of a pattern are looked for where squares are alike.
+  const bool is_certain = lattice.has_even_steps() && is_size_certain(image, lattice);
   Match match;
-  if (code.has_dots()) {
-    if (const auto board = locate_in_map(code, bits_, extent, grid.pitch)) {
-      match = wrong_board(extent, lies_alike ? 0 : 1);
-      match.seen = board->text();
-    }
+  if (const auto board = code.other_board(bits_, extent)) {
+    match = wrong_board(extent, lies_alike ? 0 : 1);
+    match.seen = board->text();
   }
   if (is_certain && match.reason != Reason::kWrongBoard) {
     match = wrong_board(extent, lies_alike ? 0 : 1);
@@ -159,7 +165,7 @@ Match CodeMatch::match(const ImageView& image, const Grid& grid, const Code& cod
   bits_.clear();
   code.read(image, lattice, bits_);
   const CellRange extent = lattice.extent();
-  compare(grid, code, extent);
+  compare(grid, code, lattice);
   const double chances = std::log(std::max(candidates_, 1));
   if (best_.evidence < kLeastEvidence + chances || best_.evidence < next_best_ + kLeastLead) {
     return another_board(image, grid, code, lattice);

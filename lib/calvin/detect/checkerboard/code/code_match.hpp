@@ -43,7 +43,7 @@ class CodeMatch {
   [[nodiscard]] Match another_board(const ImageView& image, const Grid& grid, const Code& code,
                                     const Lattice& lattice) const;
   void turn(const Code& code, int quarter);
-  void compare(const Grid& grid, const Code& code, const CellRange& extent);
+  void compare(const Grid& grid, const Code& code, const Lattice& lattice);
 
   std::vector<CodeBit> bits_;
   std::vector<CodeBit> turned_;

@@ -21,11 +21,20 @@ Surroundings surroundings_of(const Board& board) {
   if (const auto* charuco = board.as<CharucoBoard>()) {
     all.aside = static_cast<float>(0.5 * (1 - charuco->marker / charuco->square));
   }
+  if (const auto* april = board.as<AprilGrid>()) {
+    const double border = april->border / (april->dictionary->side + 2.0 * april->border);
+    all.gap = static_cast<float>(april->grid().gap_share());
+    all.aside = static_cast<float>(border / april->spacing);
+  }
   return all;
 }
 
-// In every other square, one for two cells of the marker.
+// In every other square of a ChArUco board, and in one of four of an AprilGrid, one for two cells
+// of the marker.
 int code_corners_of(const Board& board) {
+  if (const auto* april = board.as<AprilGrid>()) {
+    return april->dictionary->side * april->dictionary->side / 8;
+  }
   const auto* charuco = board.as<CharucoBoard>();
   return charuco == nullptr ? 0 : charuco->dictionary->side * charuco->dictionary->side / 4;
 }
@@ -41,7 +50,7 @@ Pattern::Pattern(Board of)
 
 bool has_pattern(const Board& board) {
   return board.as<Checkerboard>() != nullptr || board.as<PuzzleBoard>() != nullptr ||
-         board.as<CharucoBoard>() != nullptr;
+         board.as<CharucoBoard>() != nullptr || board.as<AprilGrid>() != nullptr;
 }
 
 }  // namespace calvin::detect

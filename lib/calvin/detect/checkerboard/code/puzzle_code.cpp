@@ -8,7 +8,9 @@
 #include <cmath>
 #include <optional>
 
+#include "calvin/detect/checkerboard/code/puzzle_map.hpp"
 #include "calvin/detect/checkerboard/corners/grey_at.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin::detect {
 
@@ -50,13 +52,18 @@ std::optional<float> light_of(const ImageView& image, Direction middle, Directio
 }  // namespace
 
 PuzzleCode::PuzzleCode(const PuzzleBoard& board)
-    : Code(board.grid(), 2, 2, board.is_dark_before({0, 0})) {
+    : Code(board.grid(), 2, 2, board.is_dark_before({0, 0})), size_(board.size) {
   for (int row = 0; row < board.rows; ++row) {
     for (int col = 0; col < board.cols; ++col) {
       if (col + 1 < board.cols) set({{col, row}, 0}, board.is_light_after({col, row}));
       if (row + 1 < board.rows) set({{col, row}, 1}, board.is_light_below({col, row}));
     }
   }
+}
+
+std::optional<Board> PuzzleCode::other_board(std::span<const CodeBit> bits,
+                                             const CellRange& extent) const {
+  return locate_in_map(*this, bits, extent, size_);
 }
 
 void PuzzleCode::read(const ImageView& image, const Lattice& lattice,

@@ -19,6 +19,12 @@ class PuzzleCode final : public Code {
             std::vector<CodeBit>& bits) const override;
   [[nodiscard]] bool has_dots() const override { return true; }
   [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
+  // From elsewhere in the map.
+  [[nodiscard]] std::optional<Board> other_board(std::span<const CodeBit> bits,
+                                                 const CellRange& extent) const override;
+
+ private:
+  double size_;  // m, side of a square
 };
 
 }  // namespace calvin::detect

@@ -32,15 +32,27 @@ Pixel in_image(const Node& node, int level) {
           static_cast<double>(Pyramid::to_image(node.y, level))};
 }
 
+// How far a place is from the next line of a lattice, in mean steps.
+double off_lines(const Lattice& lattice, double place, bool is_col) {
+  const int even = 2 * static_cast<int>(std::floor(place / 2));
+  double least = 1;
+  for (int line = even; line <= even + 2; ++line) {
+    least = std::min(least, std::abs(static_cast<double>(lattice.place(line, is_col)) - place));
+  }
+  return least;
+}
+
 // Whether most nodes lie where the rows and columns of the sheet's own nodes would go on, no
 // further off than the board is long.
 bool goes_on_with(const Sheet& sheet, const Lattice& lattice, int level) {
-  constexpr double kOff = 0.2;  // squares
+  constexpr double kOff = 0.2;  // of the shorter step
   constexpr double kMost = 0.8;
+  const double most = kOff * static_cast<double>(sheet.lattice.surroundings().gap);
   std::vector<Pixel> cells;
   std::vector<Pixel> places;
   sheet.lattice.for_each([&](Cell c, const Node& node) {
-    cells.push_back({static_cast<double>(c.col), static_cast<double>(c.row)});
+    const LatticePlace at = sheet.lattice.place(c);
+    cells.push_back({at.col, at.row});
     places.push_back(in_image(node, 0));
   });
   const auto to_cell = fit_homography(places, cells);
@@ -52,10 +64,9 @@ bool goes_on_with(const Sheet& sheet, const Lattice& lattice, int level) {
     const Pixel at = transform(*to_cell, in_image(node, level));
     const bool near =
         std::abs(at.u - first.col) < 2 * reach && std::abs(at.v - first.row) < 2 * reach;
-    on_grid +=
-        near && std::abs(at.u - std::round(at.u)) < kOff && std::abs(at.v - std::round(at.v)) < kOff
-            ? 1
-            : 0;
+    const bool is_on_grid =
+        off_lines(sheet.lattice, at.u, true) < most && off_lines(sheet.lattice, at.v, false) < most;
+    on_grid += near && is_on_grid ? 1 : 0;
   });
   return on_grid > kMost * lattice.count();
 }
@@ -65,12 +76,14 @@ bool goes_on_with(const Sheet& sheet, const Lattice& lattice, int level) {
 Pixel Sheet::center() const { return mean_of(observation.uv); }
 
 std::vector<Pixel> outline_of(const Observation& corners, const Grid& grid) {
-  constexpr double kMargin = 0.6;  // squares
+  constexpr double kMargin = 0.6;  // of the shorter step
+  const double step = grid.mean_step();
+  const double margin = kMargin * grid.gap_share();
   std::vector<Pixel> cells;
   cells.reserve(corners.ids.size());
   for (const int id : corners.ids) {
     const GridPlace place = grid.place(id);
-    cells.push_back({static_cast<double>(place.col), static_cast<double>(place.row)});
+    cells.push_back({grid.distance_to(place.col) / step, grid.distance_to(place.row) / step});
   }
   const auto to_image = fit_homography(cells, corners.uv);
   if (!to_image) return convex_hull(corners.uv);
@@ -83,8 +96,8 @@ std::vector<Pixel> outline_of(const Observation& corners, const Grid& grid) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Pixel& cell = cells[i];
     const Pixel outwards = {
-        cell.u + kMargin * (2 * cell.u - left.u - right.u) / std::max(right.u - left.u, 1.0),
-        cell.v + kMargin * (2 * cell.v - top.v - bottom.v) / std::max(bottom.v - top.v, 1.0)};
+        cell.u + margin * (2 * cell.u - left.u - right.u) / std::max(right.u - left.u, 1.0),
+        cell.v + margin * (2 * cell.v - top.v - bottom.v) / std::max(bottom.v - top.v, 1.0)};
     const Pixel from = transform(*to_image, cell);
     const Pixel to = transform(*to_image, outwards);
     const Pixel moved = {corners.uv[i].u + to.u - from.u, corners.uv[i].v + to.v - from.v};

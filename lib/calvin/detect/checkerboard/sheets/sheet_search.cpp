@@ -170,7 +170,8 @@ SearchOptions SheetSearch::options(int level) const {
     options.most_groups += static_cast<std::size_t>(w.sheets);
     // The largest squares are those of a board of which a part fills the image.
     const auto squares = static_cast<float>(std::max(w.pattern.grid.cols, w.pattern.grid.rows) + 1);
-    options.reach = std::max(options.reach, kLargestSquare * across / squares);
+    const float longest = 2 - w.pattern.surroundings.gap;
+    options.reach = std::max(options.reach, kLargestSquare * longest * across / squares);
   }
   options.most_points = std::max(kFewestPoints, options.most_points);
   options.reach = std::clamp(options.reach, kLeastReach, most);
@@ -337,8 +338,9 @@ bool SheetSearch::is_rest_hidden(const Part& part, int level) const {
   constexpr double kFew = 0.04;  // of the board's corners
   const int points = wanted_[part.wanted].pattern.grid.count();
   const int unseen = points - part.lattice.count();
+  const float narrowest = part.lattice.surroundings().gap * LatticeArea(part.lattice, 0).square;
   return unseen > kFew * points && unseen <= part.lattice.count() && part.level > level &&
-         LatticeArea(part.lattice, 0).square >= kRoom * static_cast<float>(1 << level);
+         narrowest >= kRoom * static_cast<float>(1 << level);
 }
 
 bool SheetSearch::is_done(int level) const {

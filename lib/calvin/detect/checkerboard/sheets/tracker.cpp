@@ -64,6 +64,8 @@ bool Tracker::predict(ImageSize size, std::uint64_t timestamp, Lattice& lattice)
   }
   const float ahead = frames_ == 2 ? steps_ahead(times_[1], times_[0], timestamp) : 0;
   lattice.clear();
+  lattice.set_long_first(
+      false);  // column 1 has the first corners, and the first step is a long one
   std::size_t id = 0;
   for (int row = 0; row < grid_.rows; ++row) {
     for (int col = 0; col < grid_.cols; ++col, ++id) {

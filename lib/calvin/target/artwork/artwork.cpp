@@ -3,7 +3,7 @@
 
 // The cells and discs of each kind of board.
 
-#include "calvin/target/artwork.hpp"
+#include "calvin/target/artwork/artwork.hpp"
 
 #include <variant>
 
@@ -156,6 +156,58 @@ void print(Artwork& artwork, const AsymmetricCircleGrid& board) {
   for (const Eigen::Vector3d& centre : board.points()) {
     artwork.discs.push_back({centre.x(), centre.y(), kDiscDiameter * spacing, !board.inverted});
   }
+}
+
+// An AprilGrid, cut as its tags are, with their borders, into cells, and between them.
+class AprilGridCells {
+ public:
+  explicit AprilGridCells(const AprilGrid& board)
+      : board_(board), tag_cells_(board.dictionary->side + 2 * board.border) {}
+
+  [[nodiscard]] std::vector<double> cuts(int tags) const {
+    const Grid grid = board_.grid();
+    std::vector<double> cuts = {grid.distance_to(-1)};
+    for (int i = 0; i < tags; ++i) {
+      for (int k = 0; k <= tag_cells_; ++k) {
+        cuts.push_back(grid.distance_to(2 * i) + k * board_.tag / tag_cells_);
+      }
+    }
+    cuts.push_back(grid.distance_to(2 * tags));
+    return cuts;
+  }
+
+  [[nodiscard]] bool is_dark(int col, int row) const {
+    const Cell x = cell_of(col);
+    const Cell y = cell_of(row);
+    if (x.is_gap || y.is_gap) return x.is_gap && y.is_gap;
+    const int side = board_.dictionary->side;
+    const int i = x.at - board_.border;
+    const int j = y.at - board_.border;
+    if (i < 0 || j < 0 || i >= side || j >= side) return true;
+    return !board_.is_light(board_.tag_in(x.tag, y.tag), i, j);
+  }
+
+ private:
+  struct Cell {
+    int tag = 0;
+    int at = 0;  // in the tag
+    bool is_gap = false;
+  };
+  [[nodiscard]] Cell cell_of(int line) const {
+    const int period = tag_cells_ + 1;
+    return {(line - 1) / period, (line + period - 1) % period, line % period == 0};
+  }
+
+  const AprilGrid& board_;
+  int tag_cells_;  // along a side, with the border
+};
+
+void print(Artwork& artwork, const AprilGrid& board) {
+  const AprilGridCells cells(board);
+  artwork.margin = board.grid().gap;
+  artwork.x = cells.cuts(board.cols);
+  artwork.y = cells.cuts(board.rows);
+  fill_cells(artwork, [&](int col, int row) { return cells.is_dark(col, row); });
 }
 
 void print(Artwork& artwork, const PointBoard& board) {

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The tags of an AprilGrid.
+#pragma once
+
+#include "calvin/detect/checkerboard/code/code.hpp"
+#include "calvin/detect/checkerboard/code/marker_reader.hpp"
+#include "calvin/target/april_grid.hpp"
+
+namespace calvin::detect {
+
+// The bits of a cell are those of the tag of which its corner is the upper left one, in rows.
+class AprilCode final : public Code {
+ public:
+  explicit AprilCode(const AprilGrid& board);
+
+  void read(const ImageView& image, const Lattice& lattice,
+            std::vector<CodeBit>& bits) const override;
+  [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
+  // With another first tag, or with other columns and rows.
+  [[nodiscard]] std::optional<Board> other_board(std::span<const CodeBit> bits,
+                                                 const CellRange& extent) const override;
+
+ private:
+  AprilGrid board_;
+  MarkerShape shape_;
+};
+
+}  // namespace calvin::detect

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// How the bits of a marker are read that is expected in a square between four corners.
+#pragma once
+
+#include <vector>
+
+#include "calvin/core/image.hpp"
+#include "calvin/detect/checkerboard/code/code.hpp"
+#include "calvin/detect/checkerboard/lattice.hpp"
+
+namespace calvin::detect {
+
+// A marker in the middle of a square, in parts of the square's side.
+struct MarkerShape {
+  int side = 0;           // bits
+  float cell = 0;         // side of a bit
+  float rim = 0;          // side of the square along which the rim is looked at
+  float around = 0;       // side of the square along which what is around the marker is looked at
+  bool inverted = false;  // the rim is light
+};
+
+// Reads the bits of the marker in the square whose upper left corner is the node of cell `at`, in
+// rows, where it may hold one. Appends to `bits`.
+void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const MarkerShape& shape,
+                 std::vector<CodeBit>& bits);
+
+// Code::turned() for such bits.
+[[nodiscard]] CodePlace turned_in_marker(const CodePlace& at, int side, int quarter);
+
+}  // namespace calvin::detect

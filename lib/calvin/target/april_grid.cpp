@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What an AprilGrid answers.
+
+#include "calvin/target/april_grid.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+#include "calvin/target/length.hpp"
+
+namespace calvin {
+
+namespace {
+
+// Tags that are nearly as far apart as they are large cannot be told from what is between them.
+constexpr double kLeastSpacing = 0.1;
+constexpr double kMostSpacing = 0.7;
+
+// A family of AprilTags as they call it, "tag25h9"; the name of any other dictionary.
+std::string family_of(std::string_view dictionary) {
+  constexpr std::string_view kPrefix = "DICT_APRILTAG_";
+  if (!dictionary.starts_with(kPrefix)) return std::string(dictionary);
+  return fmt::format("tag{}", dictionary.substr(kPrefix.size()));
+}
+
+}  // namespace
+
+std::string AprilGrid::text() const {
+  std::string all =
+      fmt::format("aprilgrid:{}x{}:{}:{}", cols, rows, length_text(tag), format_double(spacing));
+  if (dictionary != nullptr && dictionary->name != kUsualFamily) {
+    all += fmt::format(":{}", family_of(dictionary->name));
+  }
+  if (border != kUsualBorder) all += fmt::format(":border={}", border);
+  if (first != 0) all += fmt::format(":first={}", first);
+  return all;
+}
+
+Status AprilGrid::check() const {
+  const auto refuse = [&](std::string why) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("The board {} does not exist: {}.", text(), why));
+  };
+  if (dictionary == nullptr) return refuse("it has no family of tags");
+  if (!(spacing >= kLeastSpacing && spacing <= kMostSpacing)) {
+    return refuse(
+        fmt::format("gaps are from {} to {} of a tag's side", kLeastSpacing, kMostSpacing));
+  }
+  if (border != 1 && border != 2) return refuse("borders of tags are 1 or 2 bits wide");
+  const auto known = static_cast<int>(dictionary->codes.size());
+  if (first < 0 || first >= known || cols * rows > known - first) {
+    return refuse(fmt::format("it needs {} tags from {} on, {} has {}", cols * rows, first,
+                              family_of(dictionary->name), known));
+  }
+  return grid().check();
+}
+
+bool AprilGrid::looks_like(const AprilGrid& other) const noexcept {
+  AprilGrid same_size = other;
+  same_size.tag = tag;
+  return *this == same_size;
+}
+
+AprilGrid AprilGrid::with_cells_of(double side) const noexcept {
+  AprilGrid other = *this;
+  other.tag = side;
+  return other;
+}
+
+}  // namespace calvin
