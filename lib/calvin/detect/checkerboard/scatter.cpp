@@ -163,7 +163,10 @@ Lens lens_of(const Lattice& lattice, ImageSize image) {
   return best;
 }
 
-// The weights of a divided difference over so many lines from `first` on.
+// The weights of divided differences over so many lines: from an even one on, and from an odd one.
+template <std::size_t kLines>
+using Weights = std::array<std::array<double, kLines>, 2>;
+
 template <std::size_t kLines>
 std::array<double, kLines> difference_over(const Lattice& lattice, int first, bool is_col) {
   std::array<double, kLines> weights{};
@@ -179,6 +182,11 @@ std::array<double, kLines> difference_over(const Lattice& lattice, int first, bo
   return weights;
 }
 
+template <std::size_t kLines>
+Weights<kLines> weights_of(const Lattice& lattice, bool is_col) {
+  return {difference_over<kLines>(lattice, 0, is_col), difference_over<kLines>(lattice, 1, is_col)};
+}
+
 // The sum of the squares of mixed differences, each over its variance by the corners' sigmas.
 class Squares {
  public:
@@ -189,9 +197,13 @@ class Squares {
   template <std::size_t kAlong, std::size_t kAside>
   void take() {
     sum_ = count_ = 0;
+    const auto long_cols = weights_of<kAlong>(lattice_, true);
+    const auto long_rows = weights_of<kAlong>(lattice_, false);
+    const auto short_cols = weights_of<kAside>(lattice_, true);
+    const auto short_rows = weights_of<kAside>(lattice_, false);
     lattice_.for_each([&](Cell c, const Node& /*node*/) {
-      add<kAlong, kAside>(c);
-      add<kAside, kAlong>(c);
+      add(c, long_cols, short_rows);
+      add(c, short_cols, long_rows);
     });
   }
   [[nodiscard]] double sum() const { return sum_; }
@@ -200,12 +212,9 @@ class Squares {
  private:
   // The difference that begins in a cell.
   template <std::size_t kCols, std::size_t kRows>
-  void add(Cell first) {
-    constexpr int kLastCol = static_cast<int>(kCols) - 1;
-    constexpr int kLastRow = static_cast<int>(kRows) - 1;
-    if (!lattice_.has(first + Cell{kLastCol, kLastRow})) return;
-    const auto cols = difference_over<kCols>(lattice_, first.col, true);
-    const auto rows = difference_over<kRows>(lattice_, first.row, false);
+  void add(Cell first, const Weights<kCols>& all_cols, const Weights<kRows>& all_rows) {
+    const auto& cols = all_cols[static_cast<std::size_t>(first.col & 1)];
+    const auto& rows = all_rows[static_cast<std::size_t>(first.row & 1)];
     Place difference;
     double variance = 0;
     for (std::size_t i = 0; i < kCols; ++i) {
