@@ -31,7 +31,9 @@ constexpr std::string_view kUsage = R"(Usage:
 
 BOARD is a text like checkerboard:9x6:25mm or puzzle:14x9:20mm (inner corners, side of a square),
 charuco:5x7:40mm:20mm:DICT_6X6_250 (squares, their side, that of a marker, its dictionary),
-aprilgrid:6x6:88mm:0.3 (tags, their side, the gap between them as a part of it), or FILE.json#NAME.
+aprilgrid:6x6:88mm:0.3 (tags, their side, the gap between them as a part of it),
+circles:7x5:30mm, acircles:4x11:20mm or dots:14x10:7mm:rings=2.2+12.2+2.8 (circles, their distance,
+which of them are rings; big=0.0 for larger ones), or FILE.json#NAME.
 PAPER is {}, auto (the smallest of A4 to A0) or fit (as large as the board needs).
 DPI is the resolution of a PNG, {} if not given.
 FOLDER has pictures of the board by one camera, OBSERVATIONS is a file of them; MODEL is the lens of

@@ -30,7 +30,9 @@ constexpr Property<CalibDetector> kRows[] = {
      "Board",
      "The board to find, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
      "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
-     "aprilgrid:COLSxROWS:SIZE:GAP with tags, or FILE.json#NAME; several separated by ;",
+     "aprilgrid:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, acircles:COLSxROWS:SIZE or "
+     "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, or FILE.json#NAME; several "
+     "separated by ;",
      kept_in<&DetectorSettings::board>,
      {.was_set = board_was_set}},
     {"camera", "Camera", "Name of the camera in metas, messages and files",
