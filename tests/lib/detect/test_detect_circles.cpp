@@ -245,6 +245,51 @@ TEST(WrongCircles, AreSaidByTheirText) {
   }
 }
 
+// A board that moves is followed: in each frame its discs are where a search of the frame has them,
+// and have the same names.
+TEST_P(Circles, AreFollowed) {
+  const Board board = parse_board(GetParam().board).value();
+  const auto follows = make_detector(board).value();
+  const auto searches = make_detector(board).value();
+  const Camera camera = default_camera({1280, 720});
+  const BoardArea area = board.extent();
+  const double width = std::max(area.width(), area.height());
+  for (int frame = 0; frame < 35; ++frame) {
+    const double way = 0.004 * width * frame;
+    const Eigen::Matrix3d rotation = exp_so3({0.3, 0.01 * frame, 0.2});
+    const Eigen::Vector3d middle(area.width() / 2, area.height() / 2, 0);
+    const SE3 pose = {rotation, Eigen::Vector3d(way, 0.3 * way, 2.2 * width) - rotation * middle};
+    const auto image = render_board(camera, board, pose, {.noise = 2, .blur = 0.8});
+    const Observation one =
+        follows->follow(image.view(), static_cast<std::uint64_t>(frame) * 33'000'000).observation;
+    const Observation other = searches->detect(image.view()).observation;
+    ASSERT_EQ(one.ids.size(), static_cast<std::size_t>(board.point_count())) << frame;
+    ASSERT_EQ(other.ids, one.ids) << frame;
+    for (std::size_t i = 0; i < one.ids.size(); ++i) {
+      EXPECT_LT(distance(one.uv[i], other.uv[i]), 0.02) << frame << " " << i;
+    }
+  }
+}
+
+// A jump by one disc, which leaves all but the last row where discs are.
+TEST(FollowedCircles, HaveTheirOwnNamesAfterAJump) {
+  const Board board = parse_board("circles:7x5:30mm").value();
+  const auto detector = make_detector(board).value();
+  const Camera camera = default_camera({960, 720});
+  for (int frame = 0; frame < 6; ++frame) {
+    const double jump = frame < 3 ? 0 : 0.03 * (frame - 2);
+    const SE3 pose = {Eigen::Matrix3d::Identity(), Eigen::Vector3d(jump - 0.12, -0.06, 0.4)};
+    const auto image = render_board(camera, board, pose, {.noise = 2, .blur = 0.8});
+    const Observation truth = true_observation(camera, board, pose);
+    const Observation seen =
+        detector->follow(image.view(), static_cast<std::uint64_t>(frame) * 33'000'000).observation;
+    ASSERT_EQ(seen.ids, truth.ids) << frame;
+    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+      EXPECT_LT(distance(seen.uv[i], truth.uv[i]), 0.05) << frame << " " << i;
+    }
+  }
+}
+
 GrayImage side_by_side(const GrayImage& left, const GrayImage& right) {
   GrayImage all(left.width + right.width, left.height);
   for (int y = 0; y < left.height; ++y) {

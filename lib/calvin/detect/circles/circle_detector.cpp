@@ -6,7 +6,6 @@
 #include "calvin/detect/circles/circle_detector.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -19,7 +18,10 @@
 #include "calvin/detect/circles/circle_pattern.hpp"
 #include "calvin/detect/circles/disc_lattice.hpp"
 #include "calvin/detect/circles/disc_sheet.hpp"
+#include "calvin/detect/circles/disc_tracker.hpp"
+#include "calvin/detect/circles/known_discs.hpp"
 #include "calvin/detect/pyramid.hpp"
+#include "calvin/detect/search_again.hpp"
 
 namespace calvin::detect {
 
@@ -46,8 +48,17 @@ double distance(const Pixel& a, const Pixel& b) { return std::hypot(a.u - b.u, a
 // A sheet that was found.
 struct FoundSheet {
   std::size_t pattern = 0;
+  CellMap map;
   Observation observation;
   Pixel centre;
+  DiscLattice discs{0};
+};
+
+// A sheet of the last frame.
+struct FollowedSheet {
+  std::size_t pattern = 0;
+  CellMap map;
+  DiscTracker tracker;
 };
 
 // Sheets of boards without a place yet that no picture has: a board of another size.
@@ -59,37 +70,6 @@ struct OtherSheet {
   std::string text;
 };
 
-// Which discs lie where, so that none is taken twice. Keeps its memory.
-class KnownDiscs {
- public:
-  void begin(const std::vector<Ellipse>& discs) {
-    for (auto& bucket : buckets_) bucket.clear();
-    for (const Ellipse& e : discs) buckets_[bucket_of(e.x, e.y)].push_back(e);
-  }
-  // False for a disc whose centre lies within another one of about its size.
-  [[nodiscard]] bool add(const Ellipse& e) {
-    for (const double dx : {-kSide, 0.0, kSide}) {
-      for (const double dy : {-kSide, 0.0, kSide}) {
-        for (const Ellipse& other : buckets_[bucket_of(e.x + dx, e.y + dy)]) {
-          constexpr double kWithin = 0.25;  // of the radius, squared
-          if (other.square_distance_of(e) < kWithin) return false;
-        }
-      }
-    }
-    buckets_[bucket_of(e.x, e.y)].push_back(e);
-    return true;
-  }
-
- private:
-  static constexpr double kSide = 32;  // px
-  static constexpr std::size_t kBuckets = 1024;
-  static std::size_t bucket_of(double x, double y) {
-    const auto cell = [](double v) { return static_cast<std::size_t>(std::floor(v / kSide) + 64); };
-    return (cell(x) * 31 + cell(y)) % kBuckets;
-  }
-  std::array<std::vector<Ellipse>, kBuckets> buckets_;
-};
-
 class CircleDetector final : public Detector {
  public:
   explicit CircleDetector(std::span<const Board> boards);
@@ -98,26 +78,38 @@ class CircleDetector final : public Detector {
                                     std::stop_token stop) noexcept override {
     try {
       last_.clear();
-      return detect(image, stop);
+      followed_.clear();
+      begin(image);
+      search(stop);
+      return results(image.size());
     } catch (const std::exception&) {
       return {};  // no memory
     }
   }
-  std::vector<Detection> follow_all(const ImageView& image, std::uint64_t /*timestamp*/,
+  std::vector<Detection> follow_all(const ImageView& image, std::uint64_t timestamp,
                                     std::stop_token stop) noexcept override {
     try {
-      return detect(image, stop);
+      begin(image);
+      const bool was_followed = !is_search_due(timestamp) && follow(image.size(), timestamp);
+      if (!was_followed) search(stop);
+      remember(image.size(), timestamp, was_followed);
+      return results(image.size());
     } catch (const std::exception&) {
       return {};
     }
   }
 
  private:
-  [[nodiscard]] std::vector<Detection> detect(const ImageView& image, const std::stop_token& stop);
+  void begin(const ImageView& image);
+  [[nodiscard]] bool follow(ImageSize size, std::uint64_t timestamp);
+  void remember(ImageSize size, std::uint64_t timestamp, bool was_followed);
+  [[nodiscard]] bool is_search_due(std::uint64_t timestamp);
+  void search(const std::stop_token& stop);
   void search_level(int level, bool light, const std::stop_token& stop);
   void find_discs(int level, bool light, std::vector<Ellipse>& discs);
   void look_at(const DiscLattice& lattice, bool light);
   [[nodiscard]] bool name(DiscSheet& sheet, std::size_t pattern);
+  [[nodiscard]] bool observe(DiscSheet& sheet, std::size_t pattern, const CellMap& map);
   void note_other(const DiscLattice& lattice, bool light);
   [[nodiscard]] bool is_known(const DiscLattice& lattice) const;
   [[nodiscard]] bool all_found() const;
@@ -136,6 +128,9 @@ class CircleDetector final : public Detector {
   std::vector<FoundSheet> found_;
   std::optional<OtherSheet> other_;
   std::vector<Pixel> last_;  // px, the centres of the results of the last frame
+  std::vector<FollowedSheet> followed_;
+  int since_search_ = 0;  // frames
+  std::uint64_t searched_ = kNoTimestamp;
 };
 
 CircleDetector::CircleDetector(std::span<const Board> boards) {
@@ -153,11 +148,14 @@ CircleDetector::CircleDetector(std::span<const Board> boards) {
   }
 }
 
-std::vector<Detection> CircleDetector::detect(const ImageView& image, const std::stop_token& stop) {
+void CircleDetector::begin(const ImageView& image) {
   found_.clear();
   other_.reset();
-  for (auto& discs : discs_) discs.clear();
   pyramid_.build(image, Pyramid::kMaxLevels, kLeastLevel);
+}
+
+void CircleDetector::search(const std::stop_token& stop) {
+  for (auto& discs : discs_) discs.clear();
   for (int level = pyramid_.levels() - 1; level >= 0 && !stop.stop_requested(); --level) {
     for (const bool light : {false, true}) {
       if (std::ranges::any_of(patterns_,
@@ -168,7 +166,7 @@ std::vector<Detection> CircleDetector::detect(const ImageView& image, const std:
     if (all_found()) break;
   }
   if (stop.stop_requested()) found_.clear();
-  return results(image.size());
+  std::ranges::sort(found_, {}, [](const FoundSheet& s) { return distance(s.centre, {}); });
 }
 
 // Discs of a sheet that is seen at an angle are found in several levels: those of smaller levels
@@ -248,13 +246,66 @@ bool CircleDetector::name(DiscSheet& sheet, std::size_t pattern) {
   }
   const double least =
       p.has_marks() ? kFewestWithMarks / static_cast<double>(p.discs().size()) : kLeastShare;
-  const auto map = place_on(p, sheet.lattice(), marks, std::min(least, kLeastShare));
-  if (!map) return false;
-  FoundSheet found{pattern, sheet.observe(pyramid_.level(0), p, *map), {}};
+  const auto maps = place_on(p, sheet.lattice(), marks, std::min(least, kLeastShare));
+  if (maps.empty()) return false;
+  // Of the ways that are as good as each other the one with control point 0 at the top left.
+  const CellMap map = std::ranges::min(maps, {}, [&](const CellMap& m) {
+    const Ellipse* first = sheet.lattice().at(m.back(p.discs().front().cell));
+    return first == nullptr ? 1e9 : std::hypot(first->x, first->y);
+  });
+  return observe(sheet, pattern, map);
+}
+
+bool CircleDetector::observe(DiscSheet& sheet, std::size_t pattern, const CellMap& map) {
+  FoundSheet found;
+  found.pattern = pattern;
+  found.map = map;
+  found.observation = sheet.observe(pyramid_.level(0), patterns_[pattern], map);
   if (static_cast<int>(found.observation.ids.size()) < kFewestDiscs) return false;
   found.centre = mean_of(found.observation.uv);
+  found.discs = sheet.lattice();
   found_.push_back(std::move(found));
   return true;
+}
+
+// Looks for the sheets of the last frame where they are going; false where one is not there with
+// all of its discs, or has come to another size.
+bool CircleDetector::follow(ImageSize size, std::uint64_t timestamp) {
+  if (followed_.empty()) return false;
+  for (const FollowedSheet& followed : followed_) {
+    const auto discs = followed.tracker.predict(size, timestamp);
+    DiscSheet sheet;
+    if (!discs || !sheet.fit(pyramid_.level(0), *discs, discs->count(), marks_) ||
+        !observe(sheet, followed.pattern, followed.map) ||
+        found_.back().discs.count() < discs->count()) {
+      found_.clear();
+      return false;
+    }
+  }
+  return all_found();
+}
+
+void CircleDetector::remember(ImageSize size, std::uint64_t timestamp, bool was_followed) {
+  if (!was_followed) {
+    followed_.clear();
+    for (const FoundSheet& sheet : found_) {
+      followed_.push_back({sheet.pattern, sheet.map, DiscTracker()});
+    }
+    since_search_ = 0;
+    searched_ = timestamp;
+  }
+  for (std::size_t i = 0; i < followed_.size(); ++i) {
+    followed_[i].tracker.remember(found_[i].discs, size, timestamp);
+  }
+}
+
+// Further sheets come into view: the whole image is searched once a second.
+bool CircleDetector::is_search_due(std::uint64_t timestamp) {
+  ++since_search_;
+  if (timestamp == kNoTimestamp || searched_ == kNoTimestamp) {
+    return since_search_ >= kSearchAgainFrames;
+  }
+  return timestamp < searched_ || timestamp - searched_ >= kSearchAgain;
 }
 
 void CircleDetector::note_other(const DiscLattice& lattice, bool light) {
@@ -291,7 +342,6 @@ bool CircleDetector::all_found() const {
 }
 
 std::vector<Detection> CircleDetector::results(ImageSize size) {
-  std::ranges::sort(found_, {}, [](const FoundSheet& s) { return distance(s.centre, {}); });
   std::vector<Detection> all;
   std::vector<bool> given(found_.size(), false);
   const auto add = [&](std::size_t board, std::size_t pattern, std::optional<std::size_t> sheet) {

@@ -105,11 +105,11 @@ std::optional<std::size_t> CirclePattern::disc_in(Cell c) const {
   return static_cast<std::size_t>(i);
 }
 
-std::optional<CellMap> place_on(const CirclePattern& pattern, const DiscLattice& lattice,
-                                std::span<const SeenMark> marks, double least_share) {
+std::vector<CellMap> place_on(const CirclePattern& pattern, const DiscLattice& lattice,
+                              std::span<const SeenMark> marks, double least_share) {
   const auto count = static_cast<double>(pattern.discs().size());
   if (lattice.count() < least_share * count || lattice.count() > static_cast<int>(count)) {
-    return std::nullopt;
+    return {};
   }
   const CellRange range = range_of(pattern.discs());
   std::vector<Placing> all;
@@ -133,12 +133,13 @@ std::optional<CellMap> place_on(const CirclePattern& pattern, const DiscLattice&
       }
     }
   }
-  if (pattern.has_marks() && most_marks == 0) return std::nullopt;
+  if (pattern.has_marks() && most_marks == 0) return {};
   for (const Placing& other : all) {
-    if (!are_same(pattern, lattice, all.front().map, other.map)) return std::nullopt;
+    if (!are_same(pattern, lattice, all.front().map, other.map)) return {};
   }
-  if (all.empty()) return std::nullopt;
-  return all.front().map;
+  std::vector<CellMap> maps;
+  for (const Placing& placing : all) maps.push_back(placing.map);
+  return maps;
 }
 
 std::optional<Board> board_of(const DiscLattice& lattice, const Board& like) {

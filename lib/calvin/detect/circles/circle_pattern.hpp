@@ -67,12 +67,12 @@ class CirclePattern {
 // What a lattice's disc shows of a mark; absent where that cannot be told.
 using SeenMark = std::optional<DiscMark>;
 
-// The only way to lay a board over a lattice but for the board's own turns: every disc of the
-// lattice is one of the board's, with the mark that it shows. Absent where there is none, or where
-// there are several, and where less than `least_share` of the board is seen.
-[[nodiscard]] std::optional<CellMap> place_on(const CirclePattern& pattern,
-                                              const DiscLattice& lattice,
-                                              std::span<const SeenMark> marks, double least_share);
+// The ways to lay a board over a lattice: the only one, and those by the board's own turns. Every
+// disc of the lattice is one of the board's, with the mark that it shows. Empty where there is
+// none, or where there are others, and where less than `least_share` of the board is seen.
+[[nodiscard]] std::vector<CellMap> place_on(const CirclePattern& pattern,
+                                            const DiscLattice& lattice,
+                                            std::span<const SeenMark> marks, double least_share);
 
 // The board without marks of which a lattice shows every disc; its distance is that of `like`.
 [[nodiscard]] std::optional<Board> board_of(const DiscLattice& lattice, const Board& like);

@@ -12,13 +12,10 @@
 #include "calvin/detect/checkerboard/board_match.hpp"
 #include "calvin/detect/checkerboard/fit_grid.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
+#include "calvin/detect/search_again.hpp"
 #include "calvin/target/grid.hpp"
 
 namespace calvin::detect {
-
-// The whole image is searched again after so long.
-inline constexpr std::uint64_t kSearchAgain = 1'000'000'000;  // ns
-inline constexpr int kSearchAgainFrames = 30;                 // where frames have no time
 
 // Follows the corners of a board that was seen whole, each at its own speed. A part of a board is
 // not followed: what comes into view is better looked for. Keeps its memory.
