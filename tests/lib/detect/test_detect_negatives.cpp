@@ -23,8 +23,13 @@ ImageView view_of(const cv::Mat& image) {
 }
 
 // Clutter, tiles, textiles, text, keys and boards of other sizes.
-TEST(Negatives, HaveNoBoard) {
-  const auto finder = std::move(*make_detector(scenes::kBoard));
+class NegativesFor : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Boards, NegativesFor,
+                         ::testing::Values("checkerboard:9x6:25mm", "circles:7x5:30mm",
+                                           "circles:4x4:30mm:inverted", "acircles:4x11:20mm",
+                                           "dots:9x9:20mm:big=0.0"));
+TEST_P(NegativesFor, HaveNoBoard) {
+  const auto finder = make_detector(parse_board(GetParam()).value()).value();
   const bool full = scenes::full_count();
   const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{800, 600};
   for (std::uint64_t seed = 0; seed < (full ? 1200 : 72); ++seed) {

@@ -226,7 +226,7 @@ bool CircleDetector::is_known(const DiscLattice& lattice) const {
 void CircleDetector::look_at(const DiscLattice& lattice, bool light) {
   DiscSheet sheet;
   const ImageView& image = pyramid_.level(0);
-  if (!sheet.fit(image, lattice, kFewestDiscs, marks_)) return;
+  if (!sheet.fit(image, lattice, kFewestDiscs, marks_) || !sheet.are_round(image)) return;
   // The whole of a larger board is seen before a part of it is taken for a smaller one.
   for (int steps = 0; steps < reach_ && sheet.grow(image); ++steps) {
   }

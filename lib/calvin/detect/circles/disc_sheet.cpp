@@ -69,6 +69,33 @@ bool is_there(const ImageView& image, const Ellipse& expected) {
   return alike > kSamples / 2;
 }
 
+// How far the rim leaves the ellipse four times around, px: a square's corners do by .14 radii, as
+// far as the blur lets it be seen. Measured by the disc itself, a square seen at any angle is one.
+double fourth_harmonic(const ImageView& image, const DiscFit& fit) {
+  constexpr int kSamples = 32;
+  const Ellipse& e = fit.ellipse;
+  const double a = std::sqrt(e.xx);
+  const double b = e.xy / a;
+  const double c = std::sqrt(std::max(e.yy - b * b, 0.0));
+  const float half = 0.5F * (e.inside + e.outside);
+  const double slope = static_cast<double>(e.outside - e.inside) /
+                       (std::sqrt(2 * std::numbers::pi) * fit.width);  // grey levels per px
+  double even = 0;
+  double odd = 0;
+  for (int k = 0; k < kSamples; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kSamples;
+    const double x = std::cos(angle);
+    const double y = std::sin(angle);
+    const auto grey =
+        grey_at(image, static_cast<float>(e.x + a * x), static_cast<float>(e.y + b * x + c * y));
+    if (!grey) return 0;  // at the border
+    const double off = static_cast<double>(half - *grey) / slope;
+    even += off * std::cos(4 * angle);
+    odd += off * std::sin(4 * angle);
+  }
+  return 2.0 / kSamples * std::hypot(even, odd);
+}
+
 }  // namespace
 
 bool DiscSheet::fit(const ImageView& image, const DiscLattice& lattice, int least,
@@ -211,6 +238,17 @@ std::vector<SeenMark> DiscSheet::marks(const ImageView& image) const {
     all.push_back(mark_of(image, disc->fit, expected ? &expected->disc : nullptr));
   }
   return all;
+}
+
+bool DiscSheet::are_round(const ImageView& image) const {
+  constexpr double kOfRadius = 0.06;  // half of a square's
+  constexpr double kOfWidth = 0.6;    // of the blur: beyond it grey levels say no more how far
+  std::vector<double> shares;
+  for (const Fitted& disc : discs_) {
+    const double most = std::min(kOfRadius * disc.fit.ellipse.radius(), kOfWidth * disc.fit.width);
+    shares.push_back(fourth_harmonic(image, disc.fit) / most);
+  }
+  return median_of(std::move(shares)) < 1;
 }
 
 void DiscSheet::set_slope(Fitted& disc) const {

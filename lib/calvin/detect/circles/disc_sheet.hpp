@@ -31,6 +31,9 @@ class DiscSheet {
   // Adds discs one step beyond the extent; false where there are none.
   [[nodiscard]] bool grow(const ImageView& image);
 
+  // False for the squares of a checkerboard.
+  [[nodiscard]] bool are_round(const ImageView& image) const;
+
   // What the discs show, of the board or not.
   [[nodiscard]] const DiscLattice& lattice() const { return lattice_; }
   [[nodiscard]] std::vector<SeenMark> marks(const ImageView& image) const;
