@@ -132,6 +132,8 @@ void DiscGraph::begin(std::span<const Ellipse> discs) {
     right = std::max(right, e.x);
     bottom = std::max(bottom, e.y);
   }
+  constexpr double kMostBuckets = 200;  // along a side
+  bucket_ = std::max(bucket_, std::max(right, bottom) / kMostBuckets);
   bucket_cols_ = static_cast<int>(right / bucket_) + 1;
   bucket_rows_ = static_cast<int>(bottom / bucket_) + 1;
   const auto bucket_of = [&](const Ellipse& e) {
