@@ -53,7 +53,8 @@ Status check_detectable(const Board& board) {
   const double narrowest = std::min(area.width(), area.height());
   constexpr double kTwoSteps = 1.99;  // of the grid, or of half of an asymmetric one
   const double step = board.grid() ? board.cell_size(0) : board.cell_size(0) / 2;
-  if (narrowest < kTwoSteps * step) {
+  constexpr int kFewest = 9;
+  if (narrowest < kTwoSteps * step || board.point_count() < kFewest) {
     return make_error(ErrorCode::kUnsupported,
                       fmt::format("The board {} cannot be detected: at least 3x3 {} are needed.",
                                   board.text(), family->points));

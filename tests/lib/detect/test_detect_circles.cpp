@@ -230,6 +230,26 @@ TEST(PlainCircles, NameNoPartOfABoard) {
   EXPECT_FALSE(detector->detect(image.view()).observation.found());
 }
 
+TEST(SmallBoardsOfCircles, AreRefused) {
+  for (const char* text : {"circles:7x2:30mm", "acircles:2x3:20mm", "acircles:2x4:20mm"}) {
+    const auto detector = make_detector(parse_board(text).value());
+    ASSERT_FALSE(detector.has_value()) << text;
+    EXPECT_NE(detector.error().message.find("at least 3x3 circles"), std::string::npos);
+  }
+  for (const char* text : {"circles:3x3:30mm", "acircles:3x3:20mm", "acircles:2x5:20mm"}) {
+    const Board board = parse_board(text).value();
+    const auto detector = make_detector(board).value();
+    const Camera camera = default_camera({640, 480});
+    const BoardArea area = board.extent();
+    const SE3 pose = {exp_so3({0.2, 0.1, 0.1}),
+                      Eigen::Vector3d(-area.width() / 2, -area.height() / 2, 0.3)};
+    const auto image = render_board(camera, board, pose, {.noise = 2, .blur = 0.8});
+    EXPECT_EQ(detector->detect(image.view()).observation.ids.size(),
+              static_cast<std::size_t>(board.point_count()))
+        << text;
+  }
+}
+
 // Who holds up a board of another size hears which.
 TEST(WrongCircles, AreSaidByTheirText) {
   const auto detector = make_detector(parse_board("circles:7x5:30mm").value()).value();
