@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Boards from the command line: draw one to true scale, give it a name, list the names of a file,
-// measure the sheet that a name stands for.
+// measure the sheet that a name stands for, tell which board a picture shows.
 #include <cstdio>
 #include <span>
 #include <string>
@@ -16,6 +16,7 @@
 #include "calvin/draw/board_drawing.hpp"
 #include "calvin/io/board_names.hpp"
 
+#include "board_identify.hpp"
 #include "board_measure.hpp"
 
 namespace {
@@ -28,6 +29,7 @@ constexpr std::string_view kUsage = R"(Usage:
   calvin-board add FILE.json NAME BOARD
   calvin-board list FILE.json
   calvin-board measure FILE.json#NAME [--model MODEL] FOLDER|OBSERVATIONS...
+  calvin-board identify PICTURE... [--side SIDE]
 
 BOARD is a text like checkerboard:9x6:25mm or puzzle:14x9:20mm (inner corners, side of a square),
 charuco:5x7:40mm:20mm:DICT_6X6_250 (squares, their side, that of a marker, its dictionary),
@@ -38,6 +40,8 @@ PAPER is {}, auto (the smallest of A4 to A0) or fit (as large as the board needs
 DPI is the resolution of a PNG, {} if not given.
 FOLDER has pictures of the board by one camera, OBSERVATIONS is a file of them; MODEL is the lens of
 these cameras, brown5 if not given.
+SIDE is what a square, a tag or the distance of circles measures, which no picture tells; 25mm if
+not given.
 )";
 
 std::string usage() {
@@ -135,6 +139,28 @@ int measure(std::span<char*> arguments) {
   return 0;
 }
 
+int identify(std::span<char*> arguments) {
+  double side = 0.025;  // m
+  std::vector<std::string> pictures;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (std::string_view(arguments[i]) != "--side" || i + 1 == arguments.size()) {
+      pictures.emplace_back(arguments[i]);
+      continue;
+    }
+    const auto length = calvin::parse_length(arguments[++i]);
+    if (!length || !(*length > 0)) return wrong_usage("a side is a length like 25mm.");
+    side = *length;
+  }
+  if (pictures.empty()) return wrong_usage("identify needs a picture.");
+  int status = 0;
+  for (const std::string& picture : pictures) {
+    const auto seen = board_identify::identify(picture, side);
+    if (!seen) status = failed(seen.error());
+    if (seen && !*seen) status = kFailed;
+  }
+  return status;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -145,6 +171,7 @@ int main(int argc, char** argv) {
   if (command == "add") return add(arguments.subspan(2));
   if (command == "list") return list(arguments.subspan(2));
   if (command == "measure") return measure(arguments.subspan(2));
+  if (command == "identify") return identify(arguments.subspan(2));
   if (command == "--help" || command == "-h") {
     fmt::print("{}", usage());
     return 0;

@@ -14,7 +14,6 @@
 
 #include "calvin/detect/brightness.hpp"
 #include "calvin/detect/patches.hpp"
-#include "calvin/target/kinds.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibdetect_debug);
 #define GST_CAT_DEFAULT calibdetect_debug
@@ -23,32 +22,12 @@ namespace calvin::gst {
 
 namespace {
 
-std::string size_seen(const Detection& detection) {
-  return fmt::format("{}x{}", detection.seen_cols, detection.seen_rows);
-}
-
-// What a user should hear who holds up another board: of a checkerboard the sizes, which are what
-// differs.
-std::string wrong_board_hint(const Detection& detection, const Board& board) {
-  if (!detection.seen_board.empty()) {
-    return fmt::format("This is {}, I look for {}", detection.seen_board, board.text());
-  }
-  const auto* checkerboard = board.as<Checkerboard>();
-  return fmt::format("This is a {} board, I look for {}", size_seen(detection),
-                     checkerboard != nullptr
-                         ? fmt::format("{}x{}", checkerboard->cols, checkerboard->rows)
-                         : board.text());
-}
-
-// Whether another board is seen, and it is certain which.
-bool is_named(const Detection& detection) {
-  return detection.seen_all || !detection.seen_board.empty();
-}
-
-// What keeps the board from being found, in words; empty where nobody knows.
-std::string hint_of(const Detection& detection, const Board& board, bool dark) {
-  if (is_named(detection)) return wrong_board_hint(detection, board);
-  return dark ? "The picture is too dark: more light, or a longer exposure" : "";
+// What a user has to know of a board that nobody named.
+std::string taken_in_words(const Board& board) {
+  return fmt::format(
+      "This is taken for {}. No picture tells how large it is: measure it, and set the board with "
+      "its true lengths where poses or distances matter.",
+      board.text());
 }
 
 }  // namespace
@@ -80,17 +59,6 @@ Status CalibDetector::start() {
   return worker_.start();
 }
 
-Result<CalibDetector::SharedDetector> CalibDetector::make_boards_detector(const std::string& text) {
-  auto boards = parse_boards(text);
-  if (!boards) return tl::unexpected<Error>(boards.error());
-  auto detector = make_detector(*boards);
-  if (!detector) return tl::unexpected<Error>(detector.error());
-  auto both = std::make_shared<BoardsDetector>();
-  both->boards = *std::move(boards);
-  both->detector = *std::move(detector);
-  return both;
-}
-
 Status CalibDetector::start_boards() {
   std::string text;
   {
@@ -100,7 +68,7 @@ Status CalibDetector::start_boards() {
     boards_found_.reset();
     text = settings_.board;
   }
-  if (Status taken = take_boards(make_boards_detector(text)); !taken) return taken;
+  if (Status taken = take_boards(BoardsDetector::make(text)); !taken) return taken;
   return board_reader_.start();
 }
 
@@ -121,14 +89,14 @@ Status CalibDetector::update_boards() {
   if (changed && names_a_file(text)) {
     read_boards_beside(text);
   } else if (changed) {
-    found = make_boards_detector(text);
+    found = BoardsDetector::make(text);
   }
   return found ? take_boards(*std::move(found)) : Status();
 }
 
 void CalibDetector::read_boards_beside(const std::string& text) {
   board_reader_.offer([this, text, turn = boards_asked_for_](const std::stop_token& /*stop*/) {
-    auto found = make_boards_detector(text);
+    auto found = BoardsDetector::make(text);
     const std::lock_guard guard(lock_);
     if (turn == boards_asked_for_) boards_found_ = std::move(found);
   });
@@ -137,7 +105,7 @@ void CalibDetector::read_boards_beside(const std::string& text) {
 Status CalibDetector::take_boards(Result<SharedDetector> boards) {
   if (!boards) return tl::unexpected<Error>(boards.error());
   detector_ = *std::move(boards);
-  for (const Board& board : detector_->boards) {
+  for (const Board& board : detector_->boards()) {
     GST_INFO_OBJECT(element_, "looks for %s", board.text().c_str());
   }
   return {};
@@ -249,6 +217,7 @@ std::optional<FrameFindings> CalibDetector::look(GstBuffer* buffer, const FrameT
     const std::lock_guard guard(lock_);
     ++frames_;
     job.generation = generation_;
+    job.boards_asked_for = boards_asked_for_;
     job.patches = patches_wanted_;
   }
   // A frame that waited for a worker that is at another one would be stale when its turn came.
@@ -310,7 +279,13 @@ FrameFindings CalibDetector::run(const Job& job, const std::stop_token& stop) {
   FrameFindings found;
   const ImageView image = frame_of(job.luma->view(job.picture), job.part);
   const auto begin = std::chrono::steady_clock::now();
-  auto detections = job.detector->detector->follow_all(image, job.times.timestamp, stop);
+  SharedDetector boards = job.detector;
+  auto detections = boards->follow(image, job.times.timestamp, stop);
+  if (SharedDetector taken = boards->identify(image, detections, stop)) {
+    boards = std::move(taken);
+    detections = boards->follow(image, job.times.timestamp, stop);
+    take_board(job, boards, stop);
+  }
   const auto taken = std::chrono::steady_clock::now() - begin;
   const bool dark = stays_dark(detections, image);
   const auto us = std::chrono::duration_cast<std::chrono::microseconds>(taken).count();
@@ -318,20 +293,31 @@ FrameFindings CalibDetector::run(const Job& job, const std::stop_token& stop) {
     Observation& seen = detection.observation;
     seen.camera = job.settings.camera;
     seen.timestamp = job.times.timestamp;
-    if (job.patches) {
-      seen.patches = cut_patches(image, seen, job.detector->boards[detection.board]);
-    }
-    const std::string hint = hint_of(detection, job.detector->boards[detection.board], dark);
+    const Board* board = boards->board_of(detection);
+    if (job.patches && board != nullptr) seen.patches = cut_patches(image, seen, *board);
+    const DetectorHint hint = boards->hint_of(detection, dark);
     if (!stop.stop_requested()) {
-      report(job, detection, hint, static_cast<int>(found.observations.size()),
+      report(job, {detection, board, hint.words, static_cast<int>(found.observations.size())},
              static_cast<guint64>(us), stop);
     }
-    if (found.hint.words.empty()) found.hint = {hint, is_named(detection)};
+    if (found.hint.words.empty()) found.hint = hint;
     found.observations.push_back(std::move(seen));
   }
   const std::lock_guard guard(lock_);
   ++detections_;
   return found;
+}
+
+// The frames after this one are searched for the board that is in view.
+void CalibDetector::take_board(const Job& job, const SharedDetector& boards,
+                               const std::stop_token& stop) {
+  {
+    const std::lock_guard guard(lock_);
+    if (stop.stop_requested() || job.boards_asked_for != boards_asked_for_) return;
+    boards_found_ = boards;
+  }
+  const auto report = worker_.begin_report(stop, element_);
+  if (report) post_info(element_, taken_in_words(boards->boards().front()));
 }
 
 bool CalibDetector::stays_dark(const std::vector<Detection>& detections, const ImageView& image) {
@@ -350,30 +336,34 @@ bool CalibDetector::is_news(const Detection& detection, const std::string& hint,
   return !hint.empty() && hints_said_[place].insert(news).second;
 }
 
-void CalibDetector::report(const Job& job, const Detection& detection, const std::string& hint,
-                           int place, guint64 latency_us, const std::stop_token& stop) {
+void CalibDetector::report(const Job& job, const Seen& seen, guint64 latency_us,
+                           const std::stop_token& stop) {
+  const Detection& detection = seen.detection;
   const Observation& o = detection.observation;
-  const Board& board = job.detector->boards[detection.board];
   GST_LOG_OBJECT(element_,
                  "%s on the frame at %" GST_TIME_FORMAT ": %s, %" G_GSIZE_FORMAT
                  " corners, %" G_GUINT64_FORMAT " us",
                  o.board.c_str(), GST_TIME_ARGS(job.times.timestamp),
                  std::string(to_string(detection.reason)).c_str(), o.ids.size(), latency_us);
-  const bool is_news = this->is_news(detection, hint, place);
+  const bool is_news = this->is_news(detection, seen.hint, seen.place);
   if (job.settings.post_messages || is_news) {
     GstStructure* s = new_message("calib-detection", job.times, o.camera);
     gst_structure_set(s, "board", G_TYPE_STRING, o.board.c_str(), "found", G_TYPE_BOOLEAN,
                       o.found(), "points", G_TYPE_INT, static_cast<int>(o.ids.size()), "total",
-                      G_TYPE_INT, board.point_count(), "index", G_TYPE_INT, place, "reason",
-                      G_TYPE_STRING, std::string(to_string(detection.reason)).c_str(), "latency-us",
-                      G_TYPE_UINT64, latency_us, nullptr);
+                      G_TYPE_INT, seen.board != nullptr ? seen.board->point_count() : 0, "index",
+                      G_TYPE_INT, seen.place, "reason", G_TYPE_STRING,
+                      std::string(to_string(detection.reason)).c_str(), "latency-us", G_TYPE_UINT64,
+                      latency_us, nullptr);
     if (detection.seen_cols > 0) {
-      gst_structure_set(s, "seen", G_TYPE_STRING, size_seen(detection).c_str(), nullptr);
+      const std::string size = fmt::format("{}x{}", detection.seen_cols, detection.seen_rows);
+      gst_structure_set(s, "seen", G_TYPE_STRING, size.c_str(), nullptr);
     }
-    if (!hint.empty()) gst_structure_set(s, "hint", G_TYPE_STRING, hint.c_str(), nullptr);
+    if (!seen.hint.empty()) {
+      gst_structure_set(s, "hint", G_TYPE_STRING, seen.hint.c_str(), nullptr);
+    }
     post(s, stop);
   }
-  if (job.check && o.found()) recheck(job, {o, board}, place, stop);
+  if (job.check && o.found()) recheck(job, {o, *seen.board}, seen.place, stop);
 }
 
 void CalibDetector::recheck(const Job& job, const View& view, int place,

@@ -15,7 +15,7 @@
 #include <gst/gst.h>
 
 #include "calvin/core/observation.hpp"
-#include "calvin/detect/detector.hpp"
+#include "calvin/detect/detection.hpp"
 #include "calvin/io/board_names.hpp"
 #include "common/calibration_reader.hpp"
 #include "common/frames/frame_luma.hpp"
@@ -24,6 +24,7 @@
 #include "common/metas.hpp"
 #include "common/shared_settings.hpp"
 #include "common/worker.hpp"
+#include "detect/boards_detector.hpp"
 #include "detect/calibration_check.hpp"
 
 namespace calvin::gst {
@@ -91,13 +92,6 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   void next_segment();
 
  private:
-  struct BoardsDetector {
-    std::vector<Board> boards;  // as `board` lists them
-    std::unique_ptr<Detector> detector;
-  };
-  using SharedDetector = std::shared_ptr<const BoardsDetector>;
-  [[nodiscard]] static Result<SharedDetector> make_boards_detector(const std::string& boards);
-
   // What one detection needs.
   struct Job {
     FrameTimes times;
@@ -108,7 +102,16 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
     Picture picture;
     std::optional<FramePart> part;  // of the picture that is the frame
     guint64 generation = 0;
+    guint64 boards_asked_for = 0;
     bool patches = false;
+  };
+
+  // What was seen of one board.
+  struct Seen {
+    const Detection& detection;
+    const Board* board;  // nullptr: any will do, and none was taken yet
+    std::string hint;    // what keeps it from being found
+    int place = 0;       // where it will stand in the meta
   };
 
   // `board` is read before the first frame; names in a file that are set while frames flow are read
@@ -137,9 +140,8 @@ class CalibDetector : public SharedSettings<DetectorSettings> {
   [[nodiscard]] bool stays_dark(const std::vector<Detection>& detections, const ImageView& image);
   // Whether it was not said yet what keeps the board at `place` from being found.
   [[nodiscard]] bool is_news(const Detection& detection, const std::string& hint, int place);
-  // What was seen of one board: it will stand at `place` in the meta.
-  void report(const Job& job, const Detection& detection, const std::string& hint, int place,
-              guint64 latency_us, const std::stop_token& stop);
+  void take_board(const Job& job, const SharedDetector& boards, const std::stop_token& stop);
+  void report(const Job& job, const Seen& seen, guint64 latency_us, const std::stop_token& stop);
   void post(GstStructure* message, const std::stop_token& stop);
   void recheck(const Job& job, const View& view, int place, const std::stop_token& stop);
 

@@ -32,7 +32,7 @@ constexpr Property<CalibDetector> kRows[] = {
      "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
      "aprilgrid:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, acircles:COLSxROWS:SIZE or "
      "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, or FILE.json#NAME; several "
-     "separated by ;",
+     "separated by ;. auto, or auto:SIZE, takes what is in view when it is certain which one it is",
      kept_in<&DetectorSettings::board>,
      {.was_set = board_was_set}},
     {"camera", "Camera", "Name of the camera in metas, messages and files",

@@ -40,6 +40,9 @@ expect 2 'Usage' "$board" draw checkerboard:9x6:25mm
 expect 2 'Usage' "$board" draw checkerboard:9x6:25mm board.pdf --paper
 expect 2 'Usage' "$board" draw checkerboard:9x6:25mm board.png --dpi many
 expect 2 'no command' "$board" print
+expect 2 'needs a picture' "$board" identify
+expect 2 'a length' "$board" identify board.png --side wide
+expect 1 'cannot be read\|can be read' "$board" identify boards.json
 expect 0 'Usage' "$board" --help
 
 # Twelve views through a pinhole, tilted each in its own way.
@@ -93,6 +96,20 @@ for text in puzzle:14x9:20mm charuco:5x7:36mm:18mm:DICT_6X6_250; do
   for format in pdf svg png; do
     expect 0 "$text on a page" "$board" draw "${text%%:*}.json#part" "coded.$format" --dpi 50
   done
+done
+# What is drawn is known again, but for its length.
+for text in checkerboard:9x6:20mm puzzle:9x6:20mm:120,7 circles:9x6:20mm acircles:4x11:20mm \
+  charuco:9x6:20mm:14mm:DICT_4X4_50:legacy aprilgrid:4x5:20mm:0.3:tag36h11:first=3; do
+  "$board" draw "$text" known.png --dpi 100 >out 2>&1 || {
+    grep -q 'without OpenCV' out || fail "$text is not drawn: $(cat out)"
+    continue
+  }
+  "$board" identify known.png >out 2>&1 || true
+  grep -q 'without OpenCV' out && continue
+  expect 0 'known.png: ' "$board" identify known.png --side 20mm
+  "$board" add known.json seen "$(cut -d ' ' -f 2 out)" >/dev/null
+  "$board" add known.json drawn "$text" >/dev/null
+  [ "$("$board" list known.json | cut -f 2 | uniq | wc -l)" = 1 ] || fail "$text: $(cat out)"
 done
 expect 1 "paper 'a2' holds it" "$board" draw checkerboard:9x6:40mm big.pdf --paper a4
 expect 1 'no paper called' "$board" draw checkerboard:9x6:40mm big.pdf --paper b7

@@ -21,6 +21,15 @@ int CharucoBoard::marker_in(int col, int row) const noexcept {
   return before + col / 2;
 }
 
+GridPlace CharucoBoard::square_of(int id) const noexcept {
+  const int of_two_rows = cols;
+  const int of_first = marker_in(has_marker(0, 1) ? 0 : 1, 1);
+  const int rest = id % of_two_rows;
+  const int row = 2 * (id / of_two_rows) + (rest < of_first ? 0 : 1);
+  const int before = rest < of_first ? rest : rest - of_first;  // in its row
+  return {2 * before + (has_marker(0, row) ? 0 : 1), row};
+}
+
 int CharucoBoard::marker_count() const noexcept {
   return (cols * rows + (has_marker(0, 0) ? 1 : 0)) / 2;
 }

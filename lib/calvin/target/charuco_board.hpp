@@ -33,6 +33,8 @@ struct CharucoBoard {
   }
   // Of such a square. Markers are numbered in rows from the upper left.
   [[nodiscard]] int marker_in(int col, int row) const noexcept;
+  // The inverse: the square of a marker, which may lie beyond the last row.
+  [[nodiscard]] GridPlace square_of(int id) const noexcept;
   [[nodiscard]] int marker_count() const noexcept;
 
   [[nodiscard]] std::string text() const;

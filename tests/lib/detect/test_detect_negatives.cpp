@@ -11,6 +11,7 @@
 #include "calvin/detect/checkerboard/board_match.hpp"
 #include "calvin/detect/checkerboard/corner_graph.hpp"
 #include "calvin/detect/detector.hpp"
+#include "calvin/detect/identify.hpp"
 #include "calvin/synth/render.hpp"
 #include "detect_scenes.hpp"
 #include "scenes.hpp"
@@ -35,6 +36,18 @@ TEST_P(NegativesFor, HaveNoBoard) {
   for (std::uint64_t seed = 0; seed < (full ? 1200 : 72); ++seed) {
     const Detection d = finder->detect(view_of(bench::make_negative(size, 5000 + seed)));
     EXPECT_FALSE(d.observation.found()) << seed;
+  }
+}
+
+// Some of them have checkerboards, which are said to be in view; nothing else is.
+TEST(Negatives, ShowNoBoardWithACodeAndNoCircles) {
+  const bool full = scenes::full_count();
+  const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{800, 600};
+  for (std::uint64_t seed = 0; seed < (full ? 1200 : 36); ++seed) {
+    for (const IdentifiedBoard& seen :
+         identify_boards(view_of(bench::make_negative(size, 5000 + seed)), 0.025)) {
+      EXPECT_TRUE(seen.board.text().starts_with("checkerboard")) << seed << seen.board.text();
+    }
   }
 }
 

@@ -57,6 +57,7 @@ TEST(CharucoBoard, NumbersMarkersAsOpenCvDoes) {
         const int row = static_cast<int>(std::floor(middles[id].y));
         ASSERT_TRUE(board.has_marker(col, row)) << board.text() << " " << id;
         EXPECT_EQ(board.marker_in(col, row), static_cast<int>(id)) << board.text();
+        EXPECT_EQ(board.square_of(static_cast<int>(id)), (GridPlace{col, row})) << board.text();
       }
     }
   }
@@ -74,6 +75,7 @@ TEST(CharucoBoard, ALegacyBoardIsTheLowerPartOfALongerOne) {
       const int row = static_cast<int>(std::floor(middle.y)) - 1;
       if (row < 0) continue;
       ASSERT_TRUE(board.has_marker(col, row)) << board.text();
+      EXPECT_EQ(board.square_of(count), (GridPlace{col, row})) << board.text();
       EXPECT_EQ(board.marker_in(col, row), count++) << board.text();
     }
     EXPECT_EQ(count, board.marker_count()) << board.text();

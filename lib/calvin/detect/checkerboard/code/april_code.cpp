@@ -55,17 +55,22 @@ CodePlace AprilCode::turned(const CodePlace& at, int quarter) const {
   return turned_in_marker(at, shape_.side, quarter);
 }
 
-std::optional<Board> AprilCode::other_board(std::span<const CodeBit> bits,
-                                            const CellRange& /*extent*/) const {
+std::optional<AprilGrid> AprilCode::grid_of(std::span<const CodeBit> bits) const {
   std::vector<CodeBit> turned_bits(bits.begin(), bits.end());
   for (int quarter = 0; quarter < 4; ++quarter) {
     for (std::size_t i = 0; i < bits.size(); ++i) {
       turned_bits[i].at = turned(bits[i].at, quarter);
     }
-    const auto board = grid_of_tags(tags_in(board_, turned_bits), board_);
-    if (board) return *board;
+    if (const auto board = grid_of_tags(tags_in(board_, turned_bits), board_)) return board;
   }
   return std::nullopt;
+}
+
+std::optional<Board> AprilCode::other_board(const ImageView& /*image*/, const Lattice& /*lattice*/,
+                                            std::span<const CodeBit> bits, bool /*whole*/) const {
+  const auto board = grid_of(bits);
+  if (!board || *board == board_) return std::nullopt;
+  return *board;
 }
 
 }  // namespace calvin::detect

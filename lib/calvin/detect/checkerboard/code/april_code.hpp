@@ -19,8 +19,11 @@ class AprilCode final : public Code {
             std::vector<CodeBit>& bits) const override;
   [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
   // With another first tag, or with other columns and rows.
-  [[nodiscard]] std::optional<Board> other_board(std::span<const CodeBit> bits,
-                                                 const CellRange& extent) const override;
+  [[nodiscard]] std::optional<Board> other_board(const ImageView& image, const Lattice& lattice,
+                                                 std::span<const CodeBit> bits,
+                                                 bool whole) const override;
+  // The grid of tags of this family that bits are of, with the measures of this one.
+  [[nodiscard]] std::optional<AprilGrid> grid_of(std::span<const CodeBit> bits) const;
 
  private:
   AprilGrid board_;

@@ -64,7 +64,7 @@ std::optional<AprilGrid> grid_of_tags(std::span<const SeenTag> tags, const April
     const Cell at = place(t);
     return t.id == board.tag_in(at.col, at.row);
   });
-  if (!agree || board.rows < 2 || board == like || !board.check()) return std::nullopt;
+  if (!agree || board.rows < 2 || !board.check()) return std::nullopt;
   return board;
 }
 

@@ -23,8 +23,7 @@ struct SeenTag {
 [[nodiscard]] std::vector<SeenTag> tags_in(const AprilGrid& family, std::span<const CodeBit> bits);
 
 // The board of which all columns, and as many rows, are there, with the measures of `like`. Absent
-// where tags are too few or contradict each other, where columns are missing, and for `like`
-// itself.
+// where tags are too few or contradict each other, and where columns are missing.
 [[nodiscard]] std::optional<AprilGrid> grid_of_tags(std::span<const SeenTag> tags,
                                                     const AprilGrid& like);
 

@@ -7,25 +7,11 @@
 
 namespace calvin::detect {
 
-namespace {
-
-MarkerShape shape_of(const CharucoBoard& board) {
-  MarkerShape shape;
-  const auto share = static_cast<float>(board.marker / board.square);
-  shape.side = board.dictionary->side;
-  shape.cell = share / static_cast<float>(shape.side + 2);
-  shape.rim = share - shape.cell;
-  shape.around = 0.5F * (1 + share);
-  shape.inverted = board.inverted;
-  return shape;
-}
-
-}  // namespace
-
 CharucoCode::CharucoCode(const CharucoBoard& board)
     : Code(board.grid(), board.dictionary->side * board.dictionary->side, 1,
            board.has_marker(0, 0) == board.inverted),
-      shape_(shape_of(board)) {
+      shape_(marker_shape(static_cast<float>(board.marker / board.square), board.dictionary->side,
+                          board.inverted)) {
   const int side = shape_.side;
   // Control point 0 is the lower right corner of square (0, 0).
   for (int row = 0; row < board.rows; ++row) {

@@ -46,10 +46,13 @@ class Code {
   // -col, -row of the lattice.
   [[nodiscard]] virtual CodePlace turned(const CodePlace& at, int quarter) const = 0;
 
-  // Another board of this kind that the bits of a whole lattice say it is; lengths are those of the
-  // board of this code. Absent where that is not certain.
-  [[nodiscard]] virtual std::optional<Board> other_board(std::span<const CodeBit> /*bits*/,
-                                                         const CellRange& /*extent*/) const {
+  // Another board that a lattice is, by what is printed on it; `bits` are what was read of it.
+  // `whole` where no line of corners can follow on any side. Lengths are those of the board of this
+  // code. Absent where that is not certain.
+  [[nodiscard]] virtual std::optional<Board> other_board(const ImageView& /*image*/,
+                                                         const Lattice& /*lattice*/,
+                                                         std::span<const CodeBit> /*bits*/,
+                                                         bool /*whole*/) const {
     return std::nullopt;
   }
 

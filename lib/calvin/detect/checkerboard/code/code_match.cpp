@@ -71,6 +71,25 @@ bool goes_on(const GridAlignment& alignment, const Lattice& lattice) {
   return false;
 }
 
+// Whether a further line of nodes, of a board of which a code was read, would have been seen on any
+// side: it would lie in the image.
+bool is_next_line_in_view(const ImageView& image, const Lattice& lattice) {
+  const CellRange e = lattice.extent();
+  const auto is_in_view = [&](Cell c) {
+    const auto place = lattice.in_reach(c) ? lattice.expect(c) : std::nullopt;
+    return !place ||
+           (place->x >= 0 && place->y >= 0 && place->x <= static_cast<float>(image.width - 1) &&
+            place->y <= static_cast<float>(image.height - 1));
+  };
+  for (int col = e.first.col; col <= e.last.col; ++col) {
+    if (!is_in_view({col, e.first.row - 1}) || !is_in_view({col, e.last.row + 1})) return false;
+  }
+  for (int row = e.first.row; row <= e.last.row; ++row) {
+    if (!is_in_view({e.first.col - 1, row}) || !is_in_view({e.last.col + 1, row})) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 // nats, that this is no chance; none where most bits of a family are as good as chance, for the
@@ -148,14 +167,15 @@ Match CodeMatch::another_board(const ImageView& image, const Grid& grid, const C
   // The ends of a pattern are looked for where squares are alike.
   const bool is_certain = lattice.has_even_steps() && is_size_certain(image, lattice);
   Match match;
-  if (const auto board = code.other_board(bits_, extent)) {
+  if (const auto board = code.other_board(image, lattice, bits_, is_certain)) {
     match = wrong_board(extent, lies_alike ? 0 : 1);
     match.seen = board->text();
+    match.size_is_certain = is_next_line_in_view(image, lattice);
   }
   if (is_certain && match.reason != Reason::kWrongBoard) {
     match = wrong_board(extent, lies_alike ? 0 : 1);
   }
-  match.size_is_certain = is_certain;
+  match.size_is_certain |= is_certain;
   return match;
 }
 

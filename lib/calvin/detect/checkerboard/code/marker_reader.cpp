@@ -109,6 +109,36 @@ std::optional<Levels> levels_of(const ImageView& image, const Square& square,
 
 }  // namespace
 
+MarkerShape marker_shape(float share, int side, bool inverted) {
+  MarkerShape shape;
+  shape.side = side;
+  shape.cell = share / static_cast<float>(side + 2);
+  shape.rim = share - shape.cell;
+  shape.around = 0.5F * (1 + share);
+  shape.inverted = inverted;
+  return shape;
+}
+
+std::optional<float> measure_marker(const ImageView& image, const Lattice& lattice, Cell at,
+                                    const MarkerShape& shape) {
+  constexpr float kStep = 0.02F;  // of the square's side
+  constexpr float kLast = 0.98F;
+  constexpr float kEdge = 0.5F;  // of the way from the grey level of the rim to that around it
+  const auto square = Square::at(lattice, at);
+  const auto levels = square ? levels_of(image, *square, shape) : std::nullopt;
+  if (!levels) return std::nullopt;
+  // Outwards from the rim.
+  float before = 0;
+  for (float side = shape.rim + kStep; side < kLast; side += kStep) {
+    const auto grey = mean_around(image, *square, side);
+    if (!grey) return std::nullopt;
+    const float now = (*grey - levels->rim) / (levels->around - levels->rim);
+    if (now >= kEdge) return side - kStep * (now - kEdge) / (now - before);
+    before = now;
+  }
+  return std::nullopt;
+}
+
 void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const MarkerShape& shape,
                  std::vector<CodeBit>& bits) {
   constexpr float kClearly = 0.15F;

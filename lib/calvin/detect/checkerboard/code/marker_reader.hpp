@@ -4,6 +4,7 @@
 // How the bits of a marker are read that is expected in a square between four corners.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "calvin/core/image.hpp"
@@ -21,10 +22,18 @@ struct MarkerShape {
   bool inverted = false;  // the rim is light
 };
 
+// That of a ChArUco board whose markers have so large a share of a square's side.
+[[nodiscard]] MarkerShape marker_shape(float share, int side, bool inverted);
+
 // Reads the bits of the marker in the square whose upper left corner is the node of cell `at`, in
 // rows, where it may hold one. Appends to `bits`.
 void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const MarkerShape& shape,
                  std::vector<CodeBit>& bits);
+
+// The share of the square's side that its marker has, rim and all: `shape` tells about where the
+// rim is. Absent where it has none.
+[[nodiscard]] std::optional<float> measure_marker(const ImageView& image, const Lattice& lattice,
+                                                  Cell at, const MarkerShape& shape);
 
 // Code::turned() for such bits.
 [[nodiscard]] CodePlace turned_in_marker(const CodePlace& at, int side, int quarter);

@@ -61,9 +61,9 @@ PuzzleCode::PuzzleCode(const PuzzleBoard& board)
   }
 }
 
-std::optional<Board> PuzzleCode::other_board(std::span<const CodeBit> bits,
-                                             const CellRange& extent) const {
-  return locate_in_map(*this, bits, extent, size_);
+std::optional<Board> PuzzleCode::other_board(const ImageView& /*image*/, const Lattice& lattice,
+                                             std::span<const CodeBit> bits, bool /*whole*/) const {
+  return locate_in_map(*this, bits, lattice.extent(), size_);
 }
 
 void PuzzleCode::read(const ImageView& image, const Lattice& lattice,

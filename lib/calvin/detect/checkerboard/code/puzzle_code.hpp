@@ -20,8 +20,9 @@ class PuzzleCode final : public Code {
   [[nodiscard]] bool has_dots() const override { return true; }
   [[nodiscard]] CodePlace turned(const CodePlace& at, int quarter) const override;
   // From elsewhere in the map.
-  [[nodiscard]] std::optional<Board> other_board(std::span<const CodeBit> bits,
-                                                 const CellRange& extent) const override;
+  [[nodiscard]] std::optional<Board> other_board(const ImageView& image, const Lattice& lattice,
+                                                 std::span<const CodeBit> bits,
+                                                 bool whole) const override;
 
  private:
   double size_;  // m, side of a square

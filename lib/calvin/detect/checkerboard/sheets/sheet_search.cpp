@@ -202,9 +202,7 @@ void SheetSearch::look_at_lattice(int level) {
   if (is_far_larger_than_all()) {
     const Box box = search_.box();
     refinement_.to_image(pyramid_, level, lattice_, false);
-    const CellRange e = lattice_.extent();
-    if (note_other({e.cols(), e.rows(), is_size_certain(pyramid_.calm_level(0), lattice_), ""},
-                   true)) {
+    if (note_other(far_larger_board(), true)) {
       other_area_.box.add(Pyramid::to_image(box.left, level), Pyramid::to_image(box.top, level));
       other_area_.box.add(Pyramid::to_image(box.right, level),
                           Pyramid::to_image(box.bottom, level));
@@ -250,6 +248,16 @@ bool SheetSearch::is_far_larger_than_all() const {
   return std::all_of(wanted_.begin(), wanted_.end(), [&](const WantedBoard& w) {
     return !w.pattern.code && is_far_larger(lattice_, w.pattern.squares());
   });
+}
+
+// Named as the first board that is wanted would name it: with its longer side first, or not.
+OtherBoard SheetSearch::far_larger_board() {
+  const CellRange e = lattice_.extent();
+  const Grid& grid = wanted_.front().pattern.grid;
+  const bool certain = is_size_certain(pyramid_.calm_level(0), lattice_);
+  const bool alike = (e.cols() >= e.rows()) == (grid.cols >= grid.rows);
+  return alike ? OtherBoard{e.cols(), e.rows(), certain, ""}
+               : OtherBoard{e.rows(), e.cols(), certain, ""};
 }
 
 // The board that leaves the least to be excused: a whole one, one whose colours are those of the

@@ -105,6 +105,8 @@ class SheetSearch {
   // `lattice_` in px of the image; `enough` as in BoardSearch::complete().
   void complete_in_image(int enough);
   [[nodiscard]] bool is_far_larger_than_all() const;
+  // What `lattice_` in px of the image is then.
+  [[nodiscard]] OtherBoard far_larger_board();
   // The board `wanted` over a lattice in px of the image.
   [[nodiscard]] Match match(std::size_t wanted, Lattice& lattice);
   // Sets `match_` and `match_wanted_` to the board that explains `lattice_` best.

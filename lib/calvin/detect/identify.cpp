@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Searches a picture for boards of every kind, and for those with a code in a mirror, too.
+
+#include "calvin/detect/identify.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "calvin/detect/checkerboard/code/any_code.hpp"
+#include "calvin/detect/checkerboard/sheets/sheet_search.hpp"
+#include "calvin/detect/circles/circle_detector.hpp"
+#include "calvin/target/kinds.hpp"
+
+namespace calvin {
+
+namespace {
+
+constexpr double kUsualSpacing = 0.3;  // of a tag's side: AprilGrids as Kalibr prints them
+
+bool has_code(const IdentifiedBoard& seen) {
+  return seen.board.as<Checkerboard>() == nullptr && seen.board.as<CircleGrid>() == nullptr &&
+         seen.board.as<AsymmetricCircleGrid>() == nullptr;
+}
+
+// Adds the largest sheet of corners that are spaced as those of a pattern.
+void find_squares(const ImageView& image, detect::Pattern pattern, const std::stop_token& stop,
+                  std::vector<IdentifiedBoard>& seen) {
+  const double side = pattern.grid.pitch;
+  const bool are_alike = pattern.grid.gap == 0;
+  detect::SheetSearch search({detect::WantedBoard{std::move(pattern), 1}});
+  search.begin(image);
+  if (!search.run(false, stop)) return;
+  const auto other = search.other();
+  if (!other) return;
+  if (const auto board = parse_board(other->text)) {
+    seen.push_back({*board, other->certain, false});
+  } else if (are_alike && other->certain) {
+    seen.push_back({Checkerboard{other->cols, other->rows, side}, true, false});
+  }
+}
+
+std::vector<IdentifiedBoard> find_corners(const ImageView& image, double side,
+                                          const std::stop_token& stop) {
+  std::vector<IdentifiedBoard> seen;
+  find_squares(image, detect::any_board_of_squares(side), stop, seen);
+  if (auto grid = detect::any_april_grid(side, kUsualSpacing)) {
+    find_squares(image, *std::move(grid), stop, seen);
+  }
+  return seen;
+}
+
+std::optional<IdentifiedBoard> find_circles(const ImageView& image, double side,
+                                            const std::stop_token& stop) {
+  // Larger than any grid in a picture, so that none of them is a part of it.
+  constexpr int kMany = 40;
+  const std::array<Board, 2> boards = {Board(CircleGrid{kMany, kMany, side, {}, {}, false}),
+                                       Board(CircleGrid{kMany, kMany, side, {}, {}, true})};
+  const auto detector = detect::make_circle_detector(boards);
+  for (const Detection& seen : detector->detect_all(image, stop)) {
+    if (!seen.seen_all || seen.seen_board.empty()) continue;
+    const auto board = parse_board(seen.seen_board);
+    if (!board) continue;
+    if (const auto* grid = board->as<AsymmetricCircleGrid>()) {
+      return IdentifiedBoard{AsymmetricCircleGrid{grid->cols, grid->rows, side, grid->inverted},
+                             true, false};
+    }
+    return IdentifiedBoard{*board, true, false};
+  }
+  return std::nullopt;
+}
+
+std::vector<IdentifiedBoard> find_in_mirror(const ImageView& image, double side,
+                                            const std::stop_token& stop) {
+  std::vector<std::uint8_t> mirrored;
+  mirrored.reserve(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  for (int row = 0; row < image.height; ++row) {
+    const std::uint8_t* of_row = image.data + row * image.stride;
+    for (int col = image.width - 1; col >= 0; --col) {
+      mirrored.push_back(of_row[static_cast<std::ptrdiff_t>(col) * image.step]);
+    }
+  }
+  auto all = find_corners({mirrored.data(), image.width, image.height, image.width, 1}, side, stop);
+  std::erase_if(all, [](const IdentifiedBoard& seen) { return !has_code(seen); });
+  for (IdentifiedBoard& seen : all) seen.mirrored = true;
+  return all;
+}
+
+std::vector<IdentifiedBoard> find_boards(const ImageView& image, double side,
+                                         const std::stop_token& stop) {
+  auto all = find_corners(image, side, stop);
+  if (std::ranges::none_of(all, has_code)) {
+    auto mirrored = find_in_mirror(image, side, stop);
+    all.insert(all.end(), mirrored.begin(), mirrored.end());
+  }
+  if (auto circles = find_circles(image, side, stop)) all.push_back(*std::move(circles));
+  if (std::ranges::any_of(all, has_code)) {
+    std::erase_if(
+        all, [](const IdentifiedBoard& seen) { return seen.board.as<Checkerboard>() != nullptr; });
+  }
+  std::ranges::stable_partition(all, has_code);
+  return all;
+}
+
+}  // namespace
+
+std::vector<IdentifiedBoard> identify_boards(const ImageView& image, double side,
+                                             std::stop_token stop) {
+  if (image.data == nullptr || image.width <= 0 || image.height <= 0) return {};
+  try {
+    auto all = find_boards(image, side, stop);
+    return stop.stop_requested() ? std::vector<IdentifiedBoard>() : all;
+  } catch (const std::exception&) {
+    return {};  // no memory
+  }
+}
+
+}  // namespace calvin

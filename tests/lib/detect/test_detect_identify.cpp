@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Boards that nobody asked for are named by their own text: of any kind, whichever way they lie,
+// and in a mirror. Where there is none, nothing is named.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calvin/detect/identify.hpp"
+#include "calvin/synth/render.hpp"
+#include "calvin/target/marker_dictionary.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+constexpr double kSide = 0.025;  // m
+
+// A board in the middle of a picture, turned about its normal.
+GrayImage picture_of(const Board& board, double turn) {
+  const BoardArea area = board.extent();
+  const Eigen::Vector3d middle((area.left + area.right) / 2, (area.top + area.bottom) / 2, 0);
+  const Eigen::Matrix3d rotation = exp_so3({0.2, -0.1, turn});
+  const BoardArea all = board.outline();
+  const double away = 1.05 * std::hypot(all.width(), all.height());
+  const SE3 pose = {rotation, Eigen::Vector3d(0, 0, away) - rotation * middle};
+  return render_board(default_camera({1280, 960}), board, pose, {.noise = 2, .blur = 0.7});
+}
+
+GrayImage mirrored(GrayImage image) {
+  for (int row = 0; row < image.height; ++row) {
+    const auto begin = image.pixels.begin() + static_cast<std::ptrdiff_t>(row) * image.width;
+    std::reverse(begin, begin + image.width);
+  }
+  return image;
+}
+
+// What is said to be in view; "" where nothing is, "~" in front of what is in a mirror.
+std::string first_of(const GrayImage& image) {
+  const auto seen = identify_boards(image.view(), kSide);
+  if (seen.empty()) return "";
+  std::string text = seen.front().board.text();
+  if (seen.front().mirrored) text.insert(0, 1, '~');
+  return seen.front().whole ? text : text.append(" in part");
+}
+
+// The longer side of a checkerboard or of a grid of circles counts as a row; of dictionaries that
+// begin with the same markers the smallest is named.
+constexpr const char* kWithoutMarkers[] = {
+    "checkerboard:9x6:25mm",     "checkerboard:10x7:25mm", "checkerboard:8x5:25mm",
+    "puzzle:9x6:25mm:250,411",   "puzzle:14x9:25mm",       "circles:7x5:25mm",
+    "circles:8x6:25mm:inverted", "acircles:4x11:25mm",     "acircles:3x7:25mm:inverted"};
+constexpr const char* kWithMarkers[] = {"charuco:5x7:25mm:12.5mm:DICT_6X6_50",
+                                        "charuco:5x7:25mm:15mm:DICT_4X4_50",
+                                        "charuco:8x6:25mm:18.75mm:DICT_5X5_50",
+                                        "charuco:6x8:25mm:20mm:DICT_7X7_50:legacy",
+                                        "charuco:5x4:25mm:17.5mm:DICT_ARUCO_ORIGINAL",
+                                        "charuco:7x8:25mm:18.75mm:DICT_6X6_50:legacy",
+                                        "charuco:6x9:25mm:15mm:DICT_4X4_50:inverted",
+                                        "charuco:4x4:25mm:20mm:DICT_4X4_50",
+                                        "charuco:11x8:25mm:20mm:DICT_APRILTAG_36h11",
+                                        "aprilgrid:6x6:25mm:0.3",
+                                        "aprilgrid:4x3:25mm:0.3:first=12",
+                                        "aprilgrid:5x4:25mm:0.3:tag25h9:border=1"};
+
+void expect_identified(const char* text) {
+  const Board board = parse_board(text).value();
+  for (const double turn : {0.1, 1.6, 3.3, 4.7}) {
+    const auto seen = identify_boards(picture_of(board, turn).view(), kSide);
+    ASSERT_FALSE(seen.empty()) << text << " " << turn;
+    EXPECT_TRUE(seen.front().board == board) << seen.front().board.text() << " for " << text;
+    EXPECT_FALSE(seen.front().mirrored);
+    EXPECT_TRUE(seen.front().whole) << text << " " << turn;
+  }
+}
+
+TEST(Identify, NamesBoardsWithoutMarkers) {
+  for (const char* text : kWithoutMarkers) expect_identified(text);
+}
+
+TEST(Identify, NamesBoardsWithMarkers) {
+  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no dictionary of markers";
+  for (const char* text : kWithMarkers) expect_identified(text);
+}
+
+// Only a code tells whether it is seen in a mirror.
+TEST(Identify, TellsAMirror) {
+  EXPECT_EQ(first_of(mirrored(picture_of(parse_board("puzzle:14x9:25mm").value(), 0.1))),
+            "~puzzle:14x9:25mm");
+  EXPECT_EQ(first_of(mirrored(picture_of(parse_board("checkerboard:9x6:25mm").value(), 0.1))),
+            "checkerboard:9x6:25mm");
+  if (marker_dictionaries().empty()) return;
+  EXPECT_EQ(
+      first_of(mirrored(picture_of(parse_board("charuco:5x7:25mm:20mm:DICT_4X4_50").value(), 0.1))),
+      "~charuco:5x7:25mm:20mm:DICT_4X4_50");
+}
+
+TEST(Identify, SaysNothingOfWhatIsNoBoard) {
+  EXPECT_TRUE(identify_boards({}, kSide).empty());
+  GrayImage grey;
+  grey.width = 640;
+  grey.height = 480;
+  grey.pixels.assign(640 * 480, 128);
+  EXPECT_TRUE(identify_boards(grey.view(), kSide).empty());
+  std::stop_source stopped;
+  stopped.request_stop();
+  const auto picture = picture_of(parse_board("checkerboard:9x6:25mm").value(), 0.1);
+  EXPECT_TRUE(identify_boards(picture.view(), kSide, stopped.get_token()).empty());
+}
+
+}  // namespace
+}  // namespace calvin
