@@ -17,6 +17,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
 #include "calvin/io/calibration_formats.hpp"
+#include "calvin/io/text_document.hpp"
 #include "calvin_config.h"
 
 namespace calvin {
@@ -70,20 +71,6 @@ tl::unexpected<Error> not_held(const Writer& writer, std::string_view model) {
                                 writer.format, model, join(held, ", ")));
 }
 
-bool is_control(char c) {
-  return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f';
-}
-
-Result<Node> parse_document(std::string_view text) {
-  const std::string_view content = trim(text);
-  // What begins with a comment is JSON to whoever wrote it. Its lines count from the first one on.
-  if (content.starts_with('{') || content.starts_with('[') || content.starts_with('/')) {
-    return io::parse_json(text);
-  }
-  if (content.starts_with('<')) return io::parse_xml(content);
-  return io::parse_yaml(content);
-}
-
 // Everything but the image size, which an OpenCV file need not have.
 Status check(Calibration calibration) {
   if (calibration.image_size == ImageSize{}) calibration.image_size = {1, 1};
@@ -98,18 +85,7 @@ Result<Calibration> parse_text(std::string_view content) {
                       fmt::format("it is larger than the {} MiB that a calibration may have",
                                   kMaxCalibrationBytes >> 20));
   }
-  if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
-  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) {
-    return make_error(ErrorCode::kMalformed, "it is UTF-16 text: save it as UTF-8");
-  }
-  if (const auto control = std::find_if(content.begin(), content.end(), is_control);
-      control != content.end()) {
-    return make_error(ErrorCode::kMalformed, fmt::format("it is not text: there is a byte {} in it",
-                                                         static_cast<int>(*control)));
-  }
-  const std::string text = valid_utf8(content);
-  if (trim(text).empty()) return make_error(ErrorCode::kMalformed, "it is empty");
-  const auto root = parse_document(text);
+  const auto root = io::parse_text_document(content);
   if (!root) return tl::unexpected(root.error());
   const auto reader = std::find_if(kReaders.begin(), kReaders.end(),
                                    [&](const Reader& r) { return r.claims(*root); });

@@ -11,6 +11,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/io/calibration_formats.hpp"
+#include "calvin/io/native_fields.hpp"
 
 namespace calvin::io {
 
@@ -58,48 +59,6 @@ std::vector<Parameter> read_parameters(Fields& fields) {
     if (p.sigma.value_or(0) < 0) sigmas.complain(p.name, "is negative");
   }
   return parameters;
-}
-
-// What says that a matrix is the covariance of nothing: entries that no errors have in common.
-std::optional<std::string> no_covariance(const std::vector<std::vector<double>>& rows) {
-  constexpr double kRounding = 1e-6;  // files are written with as many digits as their makers like
-  const std::size_t size = rows.size();
-  for (std::size_t r = 0; r < size; ++r) {
-    if (!(rows[r][r] >= 0)) return fmt::format("has a negative variance in row {}", r + 1);
-  }
-  for (std::size_t r = 0; r < size; ++r) {
-    for (std::size_t c = 0; c < r; ++c) {
-      const double most = (1 + kRounding) * std::sqrt(rows[r][r]) * std::sqrt(rows[c][c]);
-      const bool same = std::abs(rows[r][c] - rows[c][r]) <= kRounding * most;
-      if (!same || !(std::abs(rows[r][c]) <= most)) {
-        return fmt::format("is no covariance: {} in row {}, column {}", rows[r][c], r + 1, c + 1);
-      }
-    }
-  }
-  return std::nullopt;
-}
-
-// Row-major. `size`: the number of parameters that have a sigma.
-std::vector<double> read_covariance(Fields& fields, std::size_t size) {
-  std::vector<double> all;
-  const auto rows = fields.rows("covariance", size);
-  if (!rows.empty() && rows.size() != size) {
-    fields.complain("covariance",
-                    fmt::format("has {} rows, but {} parameters have a sigma", rows.size(), size));
-    return all;
-  }
-  if (const auto why = no_covariance(rows)) fields.complain("covariance", *why);
-  for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
-  return all;
-}
-
-Pose read_pose(Fields fields) {
-  Pose pose;
-  const auto rotation = fields.numbers("rotation", 3);
-  const auto translation = fields.numbers("translation", 3);
-  std::copy(rotation.begin(), rotation.end(), pose.rotation.begin());
-  std::copy(translation.begin(), translation.end(), pose.translation.begin());
-  return pose;
 }
 
 std::vector<ViewRecord> read_views(Fields& fields, Problem& problem) {
@@ -258,7 +217,8 @@ Result<Calibration> read_native(const Node& root) {
   }
   const auto estimated = std::count_if(calibration.parameters.begin(), calibration.parameters.end(),
                                        [](const Parameter& p) { return p.sigma.has_value(); });
-  calibration.covariance = read_covariance(fields, static_cast<std::size_t>(estimated));
+  calibration.covariance =
+      read_covariance(fields, static_cast<std::size_t>(estimated), "parameters have a sigma");
   read_quality(fields, calibration);
   for (const auto& uv : fields.rows("covered", 2)) calibration.covered.push_back({uv[0], uv[1]});
   calibration.board = fields.optional_string("board");

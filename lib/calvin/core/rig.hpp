@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Rig: cameras that know where each of them stands. Data only: rig/ finds it, io/ has its file.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+
+namespace calvin {
+
+struct RigCamera {
+  Calibration calibration;  // its `camera` is the camera's name
+  Pose rig_from_camera;
+  // Row-major, 6 x 6: how far the camera is turned about the axes of the rig (rad), then where it
+  // stands in the rig (m), from what is true. Empty for the camera that is the rig.
+  std::vector<double> covariance;
+  std::optional<double> rms;  // px, of the corners that it has seen
+};
+
+struct Rig {
+  std::vector<RigCamera> cameras;
+  std::string world;          // the name of the camera whose frame is the rig's, or kBoardWorld
+  std::optional<double> rms;  // px, of all corners
+  std::uint64_t pairing_tolerance = 0;  // ns: pictures no farther apart were taken for one instant
+};
+
+// The frame of the rig is that of the board that all cameras have seen.
+inline constexpr const char* kBoardWorld = "board";
+
+}  // namespace calvin

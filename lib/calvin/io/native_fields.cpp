@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Poses and covariances, checked.
+
+#include "calvin/io/native_fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace calvin::io {
+
+namespace {
+
+// What says that a matrix is the covariance of nothing: entries that no errors have in common.
+std::optional<std::string> no_covariance(const std::vector<std::vector<double>>& rows) {
+  constexpr double kRounding = 1e-6;  // files are written with as many digits as their makers like
+  const std::size_t size = rows.size();
+  for (std::size_t r = 0; r < size; ++r) {
+    if (!(rows[r][r] >= 0)) return fmt::format("has a negative variance in row {}", r + 1);
+  }
+  for (std::size_t r = 0; r < size; ++r) {
+    for (std::size_t c = 0; c < r; ++c) {
+      const double most = (1 + kRounding) * std::sqrt(rows[r][r]) * std::sqrt(rows[c][c]);
+      const bool same = std::abs(rows[r][c] - rows[c][r]) <= kRounding * most;
+      if (!same || !(std::abs(rows[r][c]) <= most)) {
+        return fmt::format("is no covariance: {} in row {}, column {}", rows[r][c], r + 1, c + 1);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<double> read_covariance(Fields& fields, std::size_t size, std::string_view of) {
+  std::vector<double> all;
+  const auto rows = fields.rows("covariance", size);
+  if (!rows.empty() && rows.size() != size) {
+    fields.complain("covariance", fmt::format("has {} rows, but {} {}", rows.size(), size, of));
+    return all;
+  }
+  if (const auto why = no_covariance(rows)) fields.complain("covariance", *why);
+  for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
+  return all;
+}
+
+Pose read_pose(Fields fields) {
+  Pose pose;
+  const auto rotation = fields.numbers("rotation", 3);
+  const auto translation = fields.numbers("translation", 3);
+  std::copy(rotation.begin(), rotation.end(), pose.rotation.begin());
+  std::copy(translation.begin(), translation.end(), pose.translation.begin());
+  return pose;
+}
+
+}  // namespace calvin::io

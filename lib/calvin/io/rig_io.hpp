@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The file of a rig: JSON, known by its content. docs/formats.md.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "calvin/core/export.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/core/rig.hpp"
+
+namespace calvin {
+
+// More is no rig.
+inline constexpr std::size_t kMaxRigBytes = std::size_t{64} << 20;
+
+// The calibration of every camera makes a Camera. kMalformed for broken content, kUnsupported for
+// what a newer version has written; the message names `name` and says what is wrong.
+[[nodiscard]] CALVIN_API Result<Rig> parse_rig(std::string_view content,
+                                               std::string_view name = "");
+
+// parse_rig() of a file; errors as of read_calibration().
+[[nodiscard]] CALVIN_API Result<Rig> read_rig(const std::filesystem::path& path);
+
+// The inverse: numbers read back as the same. kInvalidArgument where a camera has no image size.
+[[nodiscard]] CALVIN_API Result<std::string> print_rig(const Rig& rig);
+
+// The file is written whole, as write_calibration() does.
+[[nodiscard]] CALVIN_API Status write_rig(const std::filesystem::path& path, const Rig& rig);
+
+}  // namespace calvin

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Poses and labellings of single views.
+
+#include "calvin/rig/board_views.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/solve/fit/weights.hpp"
+#include "calvin/solve/start/pose_fit.hpp"
+#include "calvin/solve/view.hpp"
+
+namespace calvin::rig {
+
+namespace {
+
+// The other tilt of a plane is looked at where its squared distances are at most as many times
+// those of the better one, of corners with noise in them.
+constexpr double kTiltRatio = 6;
+
+// A quarter turn of a board that is `height` m high, which puts it into the first quadrant again.
+SE3 quarter_turn(double height) { return {exp_so3({0, 0, std::numbers::pi / 2}), {height, 0, 0}}; }
+
+// Whether a plane has a second tilt that its corners nearly allow.
+bool has_two_tilts(const PoseFit& fit, const PointSet& seen) {
+  const auto corners = static_cast<double>(seen.used());
+  constexpr double kRounding = 1e-6;  // px^2 of a corner
+  return fit.other_cost <= kTiltRatio * (fit.cost + kRounding * corners) &&
+         (fit.other.rotation - fit.camera_from_board.rotation).norm() > 1e-3;
+}
+
+bool find_poses(BoardView& view, const Camera& camera) {
+  const auto rays = rays_of(view.seen, camera);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (rays[i].isZero()) view.seen.weight[i] = 0;
+  }
+  if (!spans_plane(view.seen)) return false;
+  const auto fit = fit_pose(view.seen, camera, Loss{});
+  if (!fit) return false;
+  view.poses = {fit->camera_from_board};
+  if (has_two_tilts(*fit, view.seen)) view.poses.push_back(fit->other);
+  return true;
+}
+
+// Which of the boards that were seen before a board is; a new one is added.
+std::size_t number_of(const Board& board, std::vector<Board>& boards) {
+  const auto known = std::ranges::find(boards, board);
+  const auto number = static_cast<std::size_t>(known - boards.begin());
+  if (known == boards.end()) boards.push_back(board);
+  return number;
+}
+
+}  // namespace
+
+std::vector<SE3> labellings_of(const View& view) {
+  std::vector<SE3> all = {SE3()};
+  const BoardArea extent = view.board.extent();
+  const auto grid = view.board.grid();
+  const double pitch = grid ? grid->pitch : 0;
+  for (const Relabelling& other : view.observation.ambiguous) {
+    SE3 motion;
+    double width = extent.width();
+    double height = extent.height();
+    for (int i = 0; i < other.quarter_turns; ++i) {
+      motion = quarter_turn(height) * motion;
+      std::swap(width, height);
+    }
+    motion.translation += Eigen::Vector3d(other.cols * pitch, other.rows * pitch, 0);
+    all.push_back(motion);
+  }
+  return all;
+}
+
+Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& seen,
+                                           const std::vector<Camera>& cameras) {
+  std::vector<BoardView> all;
+  std::vector<PointSet> sets;
+  std::vector<Board> boards;
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    for (std::size_t v = 0; v < seen[c].views.size(); ++v) {
+      const View& view = seen[c].views[v];
+      if (!view.observation.found()) continue;
+      if (const Status good = check(view, cameras[c].image_size()); !good) {
+        return make_error(good.error().code,
+                          fmt::format("A view of the camera '{}': {}", seen[c].calibration.camera,
+                                      good.error().message));
+      }
+      all.push_back({{c, v}, number_of(view.board, boards), {}, labellings_of(view), {}});
+      sets.push_back(to_points(view.board, view.board.points(), view.observation));
+    }
+  }
+  (void)normalise_weights(sets);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].seen = std::move(sets[i]);
+  std::erase_if(all, [&](BoardView& view) { return !find_poses(view, cameras[view.of.camera]); });
+  return all;
+}
+
+double misfit(const BoardView& view, const Camera& camera, const SE3& camera_from_board,
+              const SE3& labelling) {
+  constexpr double kNoProjection = 1e4;  // px
+  const SE3 camera_from_own = camera_from_board * labelling;
+  double sum = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < view.seen.size(); ++i) {
+    const double weight = view.seen.weight[i];
+    if (!(weight > 0)) continue;
+    const auto at = camera.project(camera_from_own * view.seen.points[i]);
+    const double distance =
+        at ? weight * std::hypot(at->u - view.seen.uv[i].u, at->v - view.seen.uv[i].v)
+           : kNoProjection;
+    sum += std::min(distance, kNoProjection) * std::min(distance, kNoProjection);
+    count += 1;
+  }
+  return count > 0 ? std::sqrt(sum / count) : kNoProjection;
+}
+
+}  // namespace calvin::rig

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What one view says of where its board is before its camera: one pose, or several that are about
+// as good. Internal.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/geometry/se3.hpp"
+#include "calvin/rig/rig_views.hpp"
+#include "calvin/solve/residuals/points.hpp"
+
+namespace calvin::rig {
+
+struct BoardView {
+  RigView of;
+  std::size_t board = 0;  // equal for views of one board
+  PointSet seen;          // weights of all views of the rig have the median 1
+  // other_from_own of board frames: the board by another labelling that is as good; the first one
+  // is the identity.
+  std::vector<SE3> labellings;
+  // camera_from_board by the labelling of the observation: the best, and the other tilt of the
+  // plane where that fits nearly as well.
+  std::vector<SE3> poses;
+};
+
+// The motions of the board frame that go with Observation::ambiguous; the first one is the
+// identity.
+[[nodiscard]] std::vector<SE3> labellings_of(const View& view);
+
+// The views of all cameras, those first whose camera comes first; without views that determine no
+// pose. `cameras` are those of the views, in their order. Errors are those of check() in
+// solve/view.hpp, and name the camera.
+[[nodiscard]] Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& seen,
+                                                         const std::vector<Camera>& cameras);
+
+// The root mean square of the weighted distances of corners from where they are expected, px:
+// `camera_from_board` takes the board as `labelling` has it. Large where one has no projection.
+[[nodiscard]] double misfit(const BoardView& view, const Camera& camera,
+                            const SE3& camera_from_board, const SE3& labelling);
+
+}  // namespace calvin::rig

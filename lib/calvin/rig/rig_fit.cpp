@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The rig as a BundleProblem, what contradicts it, and how well it is known.
+
+#include "calvin/rig/rig_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "calvin/solve/linear/lm.hpp"
+#include "calvin/solve/parameters/parameter_table.hpp"
+#include "calvin/solve/residuals/bundle_problem.hpp"
+
+namespace calvin::rig {
+
+namespace {
+
+constexpr int kPose = ArrowLayout::kPose;
+constexpr double kMedianDistance = 1.17741;  // of two normal coordinates, in their sigma
+
+// The intrinsics of all cameras and the places of all but the first.
+ParameterTable table_of(const std::vector<Camera>& cameras) {
+  std::vector<TableCamera> all;
+  for (const Camera& camera : cameras) {
+    TableCamera one;
+    one.model = camera.model();
+    one.skew = camera.skew();
+    one.has_rig_pose = !all.empty();
+    all.push_back(std::move(one));
+  }
+  return ParameterTable(std::move(all), {BoardUnknowns()});
+}
+
+std::vector<double> values_of_cameras(const ParameterTable& table,
+                                      const std::vector<Camera>& cameras) {
+  std::vector<double> values(static_cast<std::size_t>(table.count()), 0.0);
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const ParameterRange range = table.intrinsics(c);
+    std::ranges::copy(cameras[c].parameters(), values.begin() + range.first);
+  }
+  return values;
+}
+
+// The cameras are held as they are.
+ParameterTable held(ParameterTable table, const std::vector<double>& values) {
+  for (std::size_t c = 0; c < table.cameras(); ++c) {
+    const ParameterRange range = table.intrinsics(c);
+    for (int i = range.first; i < range.end(); ++i) {
+      table.hold(i, values[static_cast<std::size_t>(i)]);
+    }
+  }
+  return table;
+}
+
+struct Distances {
+  std::vector<std::vector<double>> of_views;  // px, weighted, of all corners of each placed view
+  double sigma = 0;                           // px, per coordinate, of the corners in use
+};
+
+// Corners without a projection are as far as can be.
+Distances distances_of(const std::vector<BoardView>& views, const RigPlaces& places,
+                       const std::vector<Camera>& cameras,
+                       const std::vector<std::vector<double>>& weights) {
+  constexpr double kFar = 1e6;  // px
+  Distances all;
+  std::vector<double> used;
+  for (std::size_t p = 0; p < places.views.size(); ++p) {
+    const PlacedView& placed = places.views[p];
+    const BoardView& view = views[placed.view];
+    const SE3 to_camera = places.camera_from_rig[view.of.camera] *
+                          places.rig_from_board[placed.pose] * placed.board_from_own;
+    std::vector<double>& distances = all.of_views.emplace_back();
+    for (std::size_t i = 0; i < view.seen.size(); ++i) {
+      const auto at = cameras[view.of.camera].project(to_camera * view.seen.points[i]);
+      const double distance =
+          at ? std::hypot(at->u - view.seen.uv[i].u, at->v - view.seen.uv[i].v) : kFar;
+      distances.push_back(view.seen.weight[i] * distance);
+      if (weights[p][i] > 0) used.push_back(distances.back());
+    }
+  }
+  if (used.empty()) return all;
+  const auto middle = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
+  std::ranges::nth_element(used, middle);
+  all.sigma = *middle / kMedianDistance;
+  return all;
+}
+
+class RigSolver {
+ public:
+  RigSolver(const std::vector<BoardView>& views, RigPlaces places,
+            const std::vector<Camera>& cameras, const std::stop_token& stop)
+      : views_(views),
+        places_(std::move(places)),
+        cameras_(cameras),
+        stop_(stop),
+        table_(table_of(cameras)),
+        values_(values_of_cameras(table_, cameras)) {
+    for (const PlacedView& placed : places_.views) {
+      weights_.push_back(views[placed.view].seen.weight);
+      PointSet seen = views[placed.view].seen;
+      for (Eigen::Vector3d& point : seen.points) point = placed.board_from_own * point;
+      sets_.push_back(std::move(seen));
+    }
+  }
+
+  [[nodiscard]] Status run() {
+    constexpr double kSoft = 5;  // px: places are known about
+    constexpr int kRounds = 3;
+    if (!minimise_over(Loss{Loss::Kind::kCauchy, kSoft})) return undetermined();
+    for (int round = 0; round < kRounds; ++round) {
+      const bool changed = leave_out();
+      if (!minimise_over(Loss{})) return undetermined();
+      if (!changed) break;
+    }
+    if (stop_.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+    return {};
+  }
+
+  [[nodiscard]] const RigPlaces& places() const { return places_; }
+  [[nodiscard]] const ParameterTable& table() const { return table_; }
+  [[nodiscard]] const std::vector<std::vector<double>>& weights() const { return weights_; }
+  [[nodiscard]] bool is_used(std::size_t placed) const {
+    return std::ranges::any_of(weights_[placed], [](double w) { return w > 0; });
+  }
+
+  // The equations at the optimum over all unknowns of the table, for residuals of 1 px.
+  [[nodiscard]] std::optional<BundleProblem::Reduced> equations() {
+    return problem(table_, Loss{}).reduced();
+  }
+  // px^2 per residual beyond those that were fitted.
+  [[nodiscard]] double variance() {
+    double corners = 0;
+    for (const auto& view : weights_) {
+      corners += static_cast<double>(std::ranges::count_if(view, [](double w) { return w > 0; }));
+    }
+    const auto free =
+        static_cast<double>(kPose) * static_cast<double>(used_poses() + cameras_.size() - 1);
+    return problem(held(table_, values_), Loss{}).cost() / std::max(2 * corners - free, 1.0);
+  }
+
+ private:
+  [[nodiscard]] static tl::unexpected<Error> undetermined() {
+    return make_error(ErrorCode::kDegenerate,
+                      "What the cameras have seen does not determine where they stand: show the "
+                      "board to two cameras at a time in more places.");
+  }
+
+  [[nodiscard]] std::size_t used_poses() const {
+    std::vector<bool> used(places_.rig_from_board.size(), false);
+    for (std::size_t p = 0; p < places_.views.size(); ++p) {
+      if (is_used(p)) used[places_.views[p].pose] = true;
+    }
+    return static_cast<std::size_t>(std::ranges::count(used, true));
+  }
+
+  // Poses that nothing is seen of any more are no unknowns.
+  [[nodiscard]] BundleProblem problem(const ParameterTable& table, const Loss& loss) {
+    BundlePoint start;
+    start.shared = values_;
+    start.camera_from_rig = places_.camera_from_rig;
+    ResidualBlocks blocks;
+    points_.clear();
+    points_.reserve(sets_.size());
+    numbers_.assign(places_.rig_from_board.size(), std::nullopt);
+    for (std::size_t p = 0; p < sets_.size(); ++p) {
+      if (!is_used(p)) continue;
+      sets_[p].weight = weights_[p];
+      points_.emplace_back(sets_[p], BoardShape());
+      auto& number = numbers_[places_.views[p].pose];
+      if (!number) {
+        number = start.rig_from_board.size();
+        start.rig_from_board.push_back(places_.rig_from_board[places_.views[p].pose]);
+      }
+      blocks.boards.push_back(
+          {&points_.back(), *number, views_[places_.views[p].view].of.camera, 0});
+    }
+    const ParameterTable* kept = &(tables_ = table);
+    return BundleProblem(std::move(blocks), {kept, kept->basis(), {}}, std::move(start), loss,
+                         stop_);
+  }
+
+  [[nodiscard]] bool minimise_over(const Loss& loss) {
+    BundleProblem fit = problem(held(table_, values_), loss);
+    if (!fit.valid()) return false;
+    (void)minimise(fit, LmOptions{}, stop_);
+    places_.camera_from_rig = fit.point().camera_from_rig;
+    for (std::size_t pose = 0; pose < numbers_.size(); ++pose) {
+      if (numbers_[pose])
+        places_.rig_from_board[pose] = fit.point().rig_from_board[*numbers_[pose]];
+    }
+    return true;
+  }
+
+  // Views that contradict the others, and single corners. Whether any were left out that were not
+  // before, or the other way round.
+  [[nodiscard]] bool leave_out() {
+    constexpr double kFarCorner = 6;  // sigmas
+    constexpr double kFarView = 5;
+    constexpr std::size_t kFewest = 4;
+    const Distances all = distances_of(views_, places_, cameras_, weights_);
+    bool changed = false;
+    for (std::size_t p = 0; p < sets_.size(); ++p) {
+      std::vector<double> now = views_[places_.views[p].view].seen.weight;
+      const std::vector<double>& distances = all.of_views[p];
+      std::vector<double> sorted = distances;
+      const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+      std::ranges::nth_element(sorted, middle);
+      const bool is_far = *middle > kFarView * kMedianDistance * all.sigma;
+      std::size_t left = 0;
+      for (std::size_t i = 0; i < now.size(); ++i) {
+        if (is_far || distances[i] > kFarCorner * all.sigma) now[i] = 0;
+        left += now[i] > 0 ? 1 : 0;
+      }
+      if (left < kFewest) now.assign(now.size(), 0.0);
+      changed |= now != weights_[p];
+      weights_[p] = std::move(now);
+    }
+    return changed;
+  }
+
+  const std::vector<BoardView>& views_;
+  RigPlaces places_;
+  const std::vector<Camera>& cameras_;
+  const std::stop_token& stop_;
+  ParameterTable table_;
+  ParameterTable tables_;  // of the last problem, which refers to it
+  std::vector<double> values_;
+  std::vector<std::vector<double>> weights_;  // of placed views; 0: left out
+  std::vector<PointSet> sets_;                // of placed views, with the labels of their boards
+  std::vector<ViewPoints> points_;            // of the last problem
+  std::vector<std::optional<std::size_t>> numbers_;  // of poses in the last problem
+};
+
+// The covariance of the intrinsics of all cameras, over the unknowns of the table.
+Eigen::MatrixXd covariance_of_intrinsics(const ParameterTable& table,
+                                         const std::vector<RigCameraViews>& calibrations) {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(table.count(), table.count());
+  for (std::size_t c = 0; c < calibrations.size(); ++c) {
+    const Calibration& calibration = calibrations[c].calibration;
+    std::vector<std::optional<int>> unknowns;
+    for (const Parameter& p : calibration.parameters) {
+      if (p.sigma) unknowns.push_back(table.find(p.name, c));
+    }
+    const std::size_t size = unknowns.size();
+    if (calibration.covariance.size() != size * size) continue;
+    for (std::size_t i = 0; i < size; ++i) {
+      for (std::size_t j = 0; j < size; ++j) {
+        if (!unknowns[i] || !unknowns[j]) continue;
+        all(*unknowns[i], *unknowns[j]) = calibration.covariance[i * size + j];
+      }
+    }
+  }
+  return all;
+}
+
+// That of the places of the cameras: by the noise of the corners, and by that of the intrinsics,
+// which move the optimum by -H_pp^-1 H_pi of their own error (the implicit function of the
+// gradient).
+std::optional<Eigen::MatrixXd> covariance_of_places(const ParameterTable& table,
+                                                    const Eigen::MatrixXd& information,
+                                                    double variance,
+                                                    const Eigen::MatrixXd& of_intrinsics) {
+  const Eigen::Index first = table.rig_pose(1).first;
+  const auto count =
+      static_cast<Eigen::Index>(kPose) * static_cast<Eigen::Index>(table.cameras() - 1);
+  const Eigen::MatrixXd own = information.block(first, first, count, count);
+  const Eigen::LDLT<Eigen::MatrixXd> factors(own);
+  if (factors.info() != Eigen::Success || !factors.isPositive()) return std::nullopt;
+  const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(count, count));
+  const Eigen::MatrixXd moved = factors.solve(information.block(first, 0, count, first));
+  return variance * inverse + moved * of_intrinsics.topLeftCorner(first, first) * moved.transpose();
+}
+
+// px, not weighted, of the corners in use.
+void add_rms(const std::vector<BoardView>& views, const RigSolver& solver,
+             const std::vector<Camera>& cameras, RigFit& fit) {
+  std::vector<double> squares(cameras.size(), 0.0);
+  std::vector<double> corners(cameras.size(), 0.0);
+  const Distances all = distances_of(views, solver.places(), cameras, solver.weights());
+  for (std::size_t p = 0; p < all.of_views.size(); ++p) {
+    const BoardView& view = views[solver.places().views[p].view];
+    for (std::size_t i = 0; i < all.of_views[p].size(); ++i) {
+      if (!(solver.weights()[p][i] > 0)) continue;
+      const double distance = all.of_views[p][i] / view.seen.weight[i];
+      squares[view.of.camera] += distance * distance;
+      corners[view.of.camera] += 1;
+    }
+  }
+  double square = 0;
+  double corner = 0;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    fit.camera_rms.push_back(corners[c] > 0 ? std::sqrt(squares[c] / corners[c]) : 0);
+    square += squares[c];
+    corner += corners[c];
+  }
+  fit.rms = corner > 0 ? std::sqrt(square / corner) : 0;
+}
+
+}  // namespace
+
+Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
+                       const std::vector<RigCameraViews>& calibrations,
+                       const std::vector<Camera>& cameras, const std::stop_token& stop) {
+  RigSolver solver(views, std::move(from), cameras, stop);
+  if (const Status solved = solver.run(); !solved) return tl::unexpected<Error>(solved.error());
+  RigFit fit;
+  const auto equations = solver.equations();
+  const auto covariance =
+      equations ? covariance_of_places(solver.table(), equations->information, solver.variance(),
+                                       covariance_of_intrinsics(solver.table(), calibrations))
+                : std::nullopt;
+  if (!covariance) {
+    return make_error(ErrorCode::kDegenerate,
+                      "What the cameras have seen does not determine where they stand: show the "
+                      "board to two cameras at a time in more places.");
+  }
+  fit.covariance = *covariance;
+  fit.places = solver.places();
+  for (std::size_t p = 0; p < fit.places.views.size(); ++p) {
+    if (!solver.is_used(p)) fit.rejected.push_back(fit.places.views[p].view);
+  }
+  add_rms(views, solver, cameras, fit);
+  return fit;
+}
+
+}  // namespace calvin::rig

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// One least squares over the places of all cameras and boards. Internal.
+#pragma once
+
+#include <cstddef>
+#include <stop_token>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/core/result.hpp"
+#include "calvin/rig/rig_start.hpp"
+
+namespace calvin::rig {
+
+struct RigFit {
+  RigPlaces places;
+  // Over the places of all cameras but the first: d of each as retract() in
+  // solve/residuals/bundle_problem.hpp has it, for camera_from_rig.
+  Eigen::MatrixXd covariance;
+  std::vector<double> camera_rms;     // px
+  double rms = 0;                     // px, of all corners in use
+  std::vector<std::size_t> rejected;  // views that contradict the others
+};
+
+// From places near the optimum. Intrinsics stay as they are; how well they are known is a part of
+// the covariance, by the covariances of `calibrations`, those of different cameras independent.
+// Corners and views that are far off what the others say are left out. kDegenerate where that
+// leaves a camera without views, or its place undetermined; kCancelled where a stop was requested.
+[[nodiscard]] Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
+                                     const std::vector<RigCameraViews>& calibrations,
+                                     const std::vector<Camera>& cameras,
+                                     const std::stop_token& stop);
+
+}  // namespace calvin::rig

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Prim's tree over cameras, then each board where most of its views agree.
+
+#include "calvin/rig/rig_start.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+
+namespace calvin::rig {
+
+namespace {
+
+std::string quoted(const std::vector<std::string>& names) {
+  std::vector<std::string> all;
+  for (const std::string& name : names) all.push_back(fmt::format("'{}'", name));
+  return join(all, ", ");
+}
+
+tl::unexpected<Error> not_joined(const std::vector<std::string>& joined,
+                                 const std::vector<std::string>& others) {
+  return make_error(
+      ErrorCode::kDegenerate,
+      fmt::format("The cameras {} have seen no board at the same time as {}: show one to both, "
+                  "where their pictures overlap, or to a third camera with each of them.",
+                  quoted(others), quoted(joined)));
+}
+
+tl::unexpected<Error> not_decided(const std::string& a, const std::string& b) {
+  return make_error(
+      ErrorCode::kDegenerate,
+      fmt::format("What the cameras '{}' and '{}' have seen leaves open where they stand to each "
+                  "other: the board looks the same when it is turned, or it is seen from far away "
+                  "and flat. Show it in more places and tilted, or take a board that names its "
+                  "corners, as puzzle:14x9:20mm.",
+                  a, b));
+}
+
+// The link to a further camera that most views agree on; nullptr where there is none.
+const Link* best_link(const std::vector<Link>& links,
+                      const std::vector<std::optional<SE3>>& placed) {
+  const Link* best = nullptr;
+  for (const Link& link : links) {
+    if (placed[link.a].has_value() == placed[link.b].has_value()) continue;
+    const auto rank = [](const Link& l) { return std::pair(l.is_decided, l.votes); };
+    if (best == nullptr || rank(link) > rank(*best)) best = &link;
+  }
+  return best;
+}
+
+Result<std::vector<SE3>> place_cameras(const std::vector<Link>& links,
+                                       const std::vector<std::string>& names) {
+  std::vector<std::optional<SE3>> placed(names.size());
+  placed.front() = SE3();
+  while (const Link* link = best_link(links, placed)) {
+    if (!link->is_decided) return not_decided(names[link->a], names[link->b]);
+    if (placed[link->a]) {
+      placed[link->b] = link->b_from_a * *placed[link->a];
+    } else {
+      placed[link->a] = link->b_from_a.inverse() * *placed[link->b];
+    }
+  }
+  std::vector<std::string> joined;
+  std::vector<std::string> others;
+  std::vector<SE3> all;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    (placed[c] ? joined : others).push_back(names[c]);
+    all.push_back(placed[c].value_or(SE3()));
+  }
+  if (!others.empty()) return not_joined(joined, others);
+  return all;
+}
+
+// The pose of one board at one instant, with the labels of one of its views.
+struct BoardPlace {
+  SE3 rig_from_board;
+  std::vector<SE3> board_from_own;  // of the views, in their order
+  double misfit = 0;                // px, the sum over the views
+};
+
+// As the view `first` of a group has it.
+BoardPlace place_by(std::size_t first, const std::vector<std::size_t>& group,
+                    const std::vector<BoardView>& views, const std::vector<Camera>& cameras,
+                    const std::vector<SE3>& camera_from_rig) {
+  const BoardView& own = views[group[first]];
+  const SE3 rig_from_own = camera_from_rig[own.of.camera].inverse();
+  BoardPlace best;
+  bool none = true;
+  for (const SE3& pose : own.poses) {
+    BoardPlace place{rig_from_own * pose, {}, 0};
+    BoardView with_pose = own;
+    with_pose.poses = {pose};
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const BoardView& other = views[group[i]];
+      if (i == first) {
+        place.board_from_own.emplace_back();
+        continue;
+      }
+      const Agreement agreed = agreement(with_pose, other, cameras[other.of.camera],
+                                         camera_from_rig[other.of.camera] * rig_from_own);
+      place.board_from_own.push_back(agreed.labelling);
+      place.misfit += agreed.misfit;
+    }
+    if (none || place.misfit < best.misfit) best = std::move(place);
+    none = false;
+  }
+  return best;
+}
+
+}  // namespace
+
+Result<RigPlaces> place_all(const std::vector<BoardView>& views,
+                            const std::vector<std::vector<std::size_t>>& groups,
+                            const std::vector<Camera>& cameras, const std::vector<Link>& links,
+                            const std::vector<std::string>& names) {
+  auto camera_from_rig = place_cameras(links, names);
+  if (!camera_from_rig) return tl::unexpected<Error>(camera_from_rig.error());
+  RigPlaces places;
+  places.camera_from_rig = *std::move(camera_from_rig);
+  for (const auto& group : groups) {
+    std::map<std::size_t, std::vector<std::size_t>> by_board;
+    for (const std::size_t v : group) by_board[views[v].board].push_back(v);
+    for (const auto& [board, of_board] : by_board) {
+      if (of_board.size() < 2) continue;  // what one camera sees says nothing of the others
+      BoardPlace best;
+      for (std::size_t first = 0; first < of_board.size(); ++first) {
+        BoardPlace place = place_by(first, of_board, views, cameras, places.camera_from_rig);
+        if (first == 0 || place.misfit < best.misfit) best = std::move(place);
+      }
+      for (std::size_t i = 0; i < of_board.size(); ++i) {
+        places.views.push_back({of_board[i], places.rig_from_board.size(), best.board_from_own[i]});
+      }
+      places.rig_from_board.push_back(best.rig_from_board);
+    }
+  }
+  return places;
+}
+
+}  // namespace calvin::rig

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The first places of all cameras and boards: along the tree of the best links. Internal.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "calvin/core/result.hpp"
+#include "calvin/rig/board_views.hpp"
+#include "calvin/rig/links.hpp"
+
+namespace calvin::rig {
+
+// A view in the least squares: which board at which instant it shows, and how its labels lie.
+struct PlacedView {
+  std::size_t view = 0;
+  std::size_t pose = 0;  // the number of rig_from_board
+  SE3 board_from_own;    // of the labels of the board's pose and of this view
+};
+
+struct RigPlaces {
+  std::vector<SE3> camera_from_rig;  // the first camera is the rig
+  std::vector<SE3> rig_from_board;   // of each board at each instant
+  std::vector<PlacedView> views;
+};
+
+// kDegenerate where cameras are joined to the others by no link, and where a link that is needed is
+// not decided; the message names them and says what to show. `names` are those of the cameras.
+[[nodiscard]] Result<RigPlaces> place_all(const std::vector<BoardView>& views,
+                                          const std::vector<std::vector<std::size_t>>& groups,
+                                          const std::vector<Camera>& cameras,
+                                          const std::vector<Link>& links,
+                                          const std::vector<std::string>& names);
+
+}  // namespace calvin::rig

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What the cameras of a rig have seen, and the pictures that were taken at the same time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/export.hpp"
+#include "calvin/solve/view.hpp"
+
+namespace calvin {
+
+// A camera whose intrinsics are known, and every board that it has seen.
+struct RigCameraViews {
+  Calibration calibration;  // its `camera` is the camera's name
+  std::vector<View> views;  // with timestamps of a clock that all cameras share
+};
+
+// A view by its camera and its place in that camera's list.
+struct RigView {
+  std::size_t camera = 0;
+  std::size_t view = 0;
+};
+
+// Pictures of one time: of each board at most one of a camera.
+struct Instant {
+  std::uint64_t timestamp = 0;  // ns, of the first one
+  std::vector<RigView> views;   // by camera, then as the camera lists them
+};
+
+struct Instants {
+  std::vector<Instant> instants;  // those in which two cameras or more have seen a board
+  std::uint64_t farthest = 0;     // ns, between two pictures of one instant, at the most
+};
+
+// Pictures that are at most `tolerance` ns apart are of one instant; where a camera has several,
+// the first one. A picture belongs to one instant. Views without a timestamp are left out.
+[[nodiscard]] CALVIN_API Instants pair_instants(const std::vector<RigCameraViews>& cameras,
+                                                std::uint64_t tolerance);
+
+}  // namespace calvin

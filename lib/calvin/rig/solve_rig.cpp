@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The steps of a solve: views, links, tree, least squares, and what is said of the result.
+
+#include "calvin/rig/solve_rig.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <iterator>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Core>
+
+#include "calvin/rig/board_views.hpp"
+#include "calvin/rig/floor.hpp"
+#include "calvin/rig/links.hpp"
+#include "calvin/rig/rig_distances.hpp"
+#include "calvin/rig/rig_fit.hpp"
+#include "calvin/rig/rig_start.hpp"
+
+namespace calvin {
+
+namespace {
+
+using rig::BoardView;
+using rig::Link;
+
+constexpr Eigen::Index kPose = 6;
+
+Result<std::vector<Camera>> cameras_of(const std::vector<RigCameraViews>& seen) {
+  if (seen.size() < 2) {
+    return make_error(ErrorCode::kInvalidArgument, "A rig has two cameras or more: name them.");
+  }
+  std::vector<Camera> cameras;
+  std::set<std::string> names;
+  for (const RigCameraViews& one : seen) {
+    const std::string& name = one.calibration.camera;
+    if (!names.insert(name).second || name.empty()) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("Two cameras of the rig are called '{}', or have no name: give "
+                                    "each its own, by which it is told from the others.",
+                                    name));
+    }
+    auto camera = Camera::make(one.calibration);
+    if (!camera) {
+      return make_error(camera.error().code,
+                        fmt::format("The calibration of '{}': {}", name, camera.error().message));
+    }
+    cameras.push_back(*std::move(camera));
+  }
+  return cameras;
+}
+
+std::vector<std::string> names_of(const std::vector<RigCameraViews>& seen) {
+  std::vector<std::string> names;
+  for (const RigCameraViews& one : seen) names.push_back(one.calibration.camera);
+  return names;
+}
+
+// The views of each instant, by their numbers.
+std::vector<std::vector<std::size_t>> groups_of(const Instants& instants,
+                                                const std::vector<BoardView>& views) {
+  std::vector<std::vector<std::size_t>> groups;
+  const auto key = [](const RigView& v) { return std::pair(v.camera, v.view); };
+  for (const Instant& instant : instants.instants) {
+    std::vector<std::size_t>& group = groups.emplace_back();
+    for (const RigView& view : instant.views) {
+      const auto at = std::ranges::lower_bound(views, key(view), {},
+                                               [&](const BoardView& v) { return key(v.of); });
+      if (at != views.end() && key(at->of) == key(view)) {
+        group.push_back(static_cast<std::size_t>(at - views.begin()));
+      }
+    }
+  }
+  return groups;
+}
+
+std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
+  std::vector<double> all;
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
+    for (Eigen::Index c = 0; c < matrix.cols(); ++c) all.push_back(matrix(r, c));
+  }
+  return all;
+}
+
+// Of the turns and places of all cameras in the frame of the rig, from that of retract() on
+// camera_from_rig: for R = exp(d) R0 and t = exp(d) t0 + e the camera stands at -R^T t, so that
+// both move by -R0^T of d and e. The first camera has zeros.
+Eigen::MatrixXd in_rig_frame(const Eigen::MatrixXd& covariance,
+                             const std::vector<SE3>& camera_from_rig) {
+  const auto count = kPose * static_cast<Eigen::Index>(camera_from_rig.size());
+  Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(count, count - kPose);
+  for (std::size_t c = 1; c < camera_from_rig.size(); ++c) {
+    const auto at = kPose * static_cast<Eigen::Index>(c);
+    const Eigen::Matrix3d back = -camera_from_rig[c].rotation.transpose();
+    turn.block<3, 3>(at, at - kPose) = back;
+    turn.block<3, 3>(at + 3, at - kPose + 3) = back;
+  }
+  return turn * covariance * turn.transpose();
+}
+
+// 1 sigma of the distance between two cameras, m.
+double distance_sigma(const Eigen::MatrixXd& covariance, std::size_t a, std::size_t b,
+                      const Eigen::Vector3d& between) {
+  const double distance = between.norm();
+  if (!(distance > 0)) return 0;
+  const Eigen::Vector3d along = between / distance;
+  Eigen::VectorXd by = Eigen::VectorXd::Zero(covariance.rows());
+  by.segment<3>(kPose * static_cast<Eigen::Index>(a) + 3) = -along;
+  by.segment<3>(kPose * static_cast<Eigen::Index>(b) + 3) = along;
+  return std::sqrt(std::max(by.dot(covariance * by), 0.0));
+}
+
+// The link by which the tree of the best links hangs most loosely.
+std::optional<std::size_t> weakest_of(const std::vector<RigLink>& links, std::size_t cameras) {
+  std::vector<bool> joined(cameras, false);
+  joined.front() = true;
+  std::optional<std::size_t> weakest;
+  for (std::size_t n = 1; n < cameras; ++n) {
+    std::optional<std::size_t> best;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      if (joined[links[i].a] == joined[links[i].b]) continue;
+      if (!best || links[i].agree > links[*best].agree) best = i;
+    }
+    if (!best) break;
+    joined[links[*best].a] = joined[links[*best].b] = true;
+    if (!weakest || links[*best].agree < links[*weakest].agree) weakest = best;
+  }
+  return weakest;
+}
+
+// Poses and covariances of all cameras, `covariance` over their turns and places.
+void set_cameras(const std::vector<RigCameraViews>& seen, const std::vector<SE3>& camera_from_rig,
+                 const Eigen::MatrixXd& covariance, const std::vector<double>& rms, Rig& to) {
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    RigCamera camera;
+    camera.calibration = seen[c].calibration;
+    camera.rig_from_camera = to_pose(camera_from_rig[c].inverse());
+    camera.rms = rms[c];
+    const auto at = kPose * static_cast<Eigen::Index>(c);
+    const Eigen::MatrixXd own = covariance.block(at, at, kPose, kPose);
+    if (!own.isZero(0)) camera.covariance = row_major(own);
+    to.cameras.push_back(std::move(camera));
+  }
+}
+
+RigLink link_between(std::size_t a, std::size_t b, const std::vector<SE3>& camera_from_rig,
+                     const Eigen::MatrixXd& covariance) {
+  RigLink link;
+  link.a = a;
+  link.b = b;
+  const SE3 rig_from_a = camera_from_rig[a].inverse();
+  const SE3 rig_from_b = camera_from_rig[b].inverse();
+  const Eigen::Vector3d between = rig_from_b.translation - rig_from_a.translation;
+  link.distance = between.norm();
+  link.distance_sigma = distance_sigma(covariance, a, b, between);
+  const double cosine = rig_from_a.rotation.col(2).dot(rig_from_b.rotation.col(2));
+  link.angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+  return link;
+}
+
+// ---- Jointly ------------------------------------------------------------------------------------
+
+void set_links(const std::vector<BoardView>& views, const std::vector<Link>& links,
+               const std::vector<Camera>& cameras, const rig::RigFit& fit,
+               const Eigen::MatrixXd& covariance, RigSolution& solution) {
+  std::vector<SE3> board_from_own(views.size());
+  std::vector<bool> used(views.size(), false);
+  for (const rig::PlacedView& placed : fit.places.views) {
+    board_from_own[placed.view] = placed.board_from_own;
+    used[placed.view] = true;
+  }
+  for (const std::size_t view : fit.rejected) used[view] = false;
+  for (const Link& link : links) {
+    RigLink one = link_between(link.a, link.b, fit.places.camera_from_rig, covariance);
+    one.views = link.common.size();
+    std::vector<rig::CommonView> agreeing;
+    const SE3 b_from_a =
+        fit.places.camera_from_rig[link.b] * fit.places.camera_from_rig[link.a].inverse();
+    for (const rig::CommonView& common : link.common) {
+      if (used[common.a] && used[common.b]) agreeing.push_back(common);
+    }
+    one.agree = agreeing.size();
+    const auto error = rig::distance_error(views, agreeing, board_from_own, cameras[link.a],
+                                           cameras[link.b], b_from_a);
+    if (error) {
+      one.bias = error->bias;
+      one.spread = error->spread;
+    }
+    solution.links.push_back(one);
+  }
+  solution.weakest = weakest_of(solution.links, cameras.size());
+}
+
+Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
+                                  const std::vector<Camera>& cameras, const RigOptions& options,
+                                  const std::stop_token& stop) {
+  const auto views = rig::board_views(seen, cameras);
+  if (!views) return tl::unexpected<Error>(views.error());
+  const Instants instants = pair_instants(seen, options.tolerance);
+  const auto groups = groups_of(instants, *views);
+  const std::vector<Link> links = rig::find_links(*views, groups, cameras);
+  auto places = rig::place_all(*views, groups, cameras, links, names_of(seen));
+  if (!places) return tl::unexpected<Error>(places.error());
+  const auto fit = rig::fit_rig(*views, *std::move(places), seen, cameras, stop);
+  if (!fit) return tl::unexpected<Error>(fit.error());
+  RigSolution solution;
+  solution.farthest = instants.farthest;
+  solution.rig.world = seen.front().calibration.camera;
+  solution.rig.rms = fit->rms;
+  solution.rig.pairing_tolerance = options.tolerance;
+  const Eigen::MatrixXd covariance = in_rig_frame(fit->covariance, fit->places.camera_from_rig);
+  set_cameras(seen, fit->places.camera_from_rig, covariance, fit->camera_rms, solution.rig);
+  for (const std::size_t view : fit->rejected) solution.rejected.push_back((*views)[view].of);
+  set_links(*views, links, cameras, *fit, covariance, solution);
+  return solution;
+}
+
+// ---- By the floor -------------------------------------------------------------------------------
+
+// The board that all cameras have seen: the first one of the first camera of which that is so.
+std::optional<std::size_t> floor_of(const std::vector<BoardView>& views, std::size_t cameras) {
+  for (const BoardView& candidate : views) {
+    std::set<std::size_t> of;
+    for (const BoardView& view : views) {
+      if (view.board == candidate.board) of.insert(view.of.camera);
+    }
+    if (of.size() == cameras) return candidate.board;
+  }
+  return std::nullopt;
+}
+
+tl::unexpected<Error> no_floor() {
+  return make_error(ErrorCode::kDegenerate,
+                    "No board was seen by all cameras: lay one where each of them sees it, or "
+                    "solve jointly, with a board that is carried from one to the next.");
+}
+
+tl::unexpected<Error> turned_floor() {
+  return make_error(ErrorCode::kDegenerate,
+                    "The board on the floor looks the same when it is turned, so that cameras "
+                    "around it cannot agree: take one with an odd and an even number of corners, "
+                    "or one that names them, as puzzle:14x9:20mm.");
+}
+
+Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
+                                   const std::vector<Camera>& cameras) {
+  auto views = rig::board_views(seen, cameras);
+  if (!views) return tl::unexpected<Error>(views.error());
+  const auto floor = floor_of(*views, cameras.size());
+  if (!floor) return no_floor();
+  std::erase_if(*views, [&](const BoardView& view) { return view.board != *floor; });
+  if (std::ranges::any_of(*views, [](const BoardView& v) { return v.labellings.size() > 1; })) {
+    return turned_floor();
+  }
+  RigSolution solution;
+  std::vector<SE3> camera_from_rig;
+  std::vector<double> rms;
+  const auto count = kPose * static_cast<Eigen::Index>(cameras.size());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  double squares = 0;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    std::vector<BoardView> own;
+    std::ranges::copy_if(*views, std::back_inserter(own),
+                         [&](const BoardView& view) { return view.of.camera == c; });
+    const auto pose = rig::floor_pose(own, seen[c].calibration, cameras[c]);
+    if (!pose) return tl::unexpected<Error>(pose.error());
+    camera_from_rig.push_back(pose->camera_from_board);
+    rms.push_back(pose->rms);
+    squares += pose->rms * pose->rms;
+    const auto at = kPose * static_cast<Eigen::Index>(c);
+    covariance.block(at, at, kPose, kPose) = pose->covariance;
+    if (pose->has_two_tilts) {
+      solution.remarks.push_back(fmt::format(
+          "The camera '{}' sees the board so flat or so small that the mirrored tilt fits nearly "
+          "as well: show it larger, or tilted.",
+          seen[c].calibration.camera));
+    }
+  }
+  solution.rig.world = kBoardWorld;
+  solution.rig.rms = std::sqrt(squares / static_cast<double>(cameras.size()));
+  set_cameras(seen, camera_from_rig, covariance, rms, solution.rig);
+  for (std::size_t a = 0; a < cameras.size(); ++a) {
+    for (std::size_t b = a + 1; b < cameras.size(); ++b) {
+      solution.links.push_back(link_between(a, b, camera_from_rig, covariance));
+    }
+  }
+  return solution;
+}
+
+}  // namespace
+
+Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras, const RigOptions& options,
+                              std::stop_token stop) {
+  const auto known = cameras_of(cameras);
+  if (!known) return tl::unexpected<Error>(known.error());
+  try {
+    return options.mode == RigMode::kFloor ? solve_by_floor(cameras, *known)
+                                           : solve_jointly(cameras, *known, options, stop);
+  } catch (const std::exception&) {
+    return make_error(ErrorCode::kDegenerate, "There is no memory for so many views: take fewer.");
+  }
+}
+
+std::string to_text(const RigLink& link, const Rig& rig) {
+  constexpr double kMillimetre = 1e-3;  // m
+  constexpr double kDegree = std::numbers::pi / 180;
+  std::string text = fmt::format(
+      "'{}' and '{}': {:.1f} mm apart (+-{:.2g}), axes at {:.1f} degrees",
+      rig.cameras[link.a].calibration.camera, rig.cameras[link.b].calibration.camera,
+      link.distance / kMillimetre, link.distance_sigma / kMillimetre, link.angle / kDegree);
+  if (link.views > 0) text += fmt::format(", {} of {} common views agree", link.agree, link.views);
+  if (link.bias && link.spread) {
+    text += fmt::format(", distances on the board within {:.2g} mm, {:+.2f} %",
+                        *link.spread / kMillimetre, 100 * *link.bias);
+  }
+  return text;
+}
+
+}  // namespace calvin

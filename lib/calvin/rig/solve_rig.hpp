@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Where the cameras of a rig stand: extrinsic calibration of any number of cameras from boards.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "calvin/core/export.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/core/rig.hpp"
+#include "calvin/rig/rig_views.hpp"
+
+namespace calvin {
+
+enum class RigMode {
+  // Two cameras or more see a board at one time, and it is shown in many places: all of them and
+  // all boards in one least squares. The frame is that of the first camera.
+  kJoint,
+  // Every camera has seen the same board, which lies still, at any time; each is solved by itself.
+  // The frame is that of the board.
+  kFloor,
+};
+
+struct RigOptions {
+  RigMode mode = RigMode::kJoint;
+  std::uint64_t tolerance = 10'000'000;  // ns, between pictures of one instant
+};
+
+// What two cameras have in common.
+struct RigLink {
+  std::size_t a = 0;  // cameras of the rig, a < b
+  std::size_t b = 0;
+  std::size_t views = 0;  // boards that both have seen at one time
+  std::size_t agree = 0;  // of them, those that agree with where the cameras stand
+  double distance = 0;    // m, between the cameras
+  double distance_sigma = 0;
+  double angle = 0;  // rad, between the optical axes
+  // Of the distances between corners that both cameras have seen, by their rays, to those on the
+  // board: the mean of the ratio less 1, and the root mean square of what is left, m. Absent where
+  // rays are too nearly parallel.
+  std::optional<double> bias;
+  std::optional<double> spread;
+};
+
+struct RigSolution {
+  Rig rig;
+  std::vector<RigLink> links;
+  std::optional<std::size_t> weakest;  // of the links, the one that fewest views hold
+  std::uint64_t farthest = 0;          // ns, between two pictures of one instant, at the most
+  std::vector<RigView> rejected;       // contradict the others
+  std::vector<std::string> remarks;    // sentences for the user
+};
+
+// Intrinsics stay as they are; how well they are known is a part of the covariances. The same views
+// give the same numbers. kInvalidArgument for fewer than two cameras, names that are missing or
+// there twice, and broken calibrations or views; kDegenerate where the views leave open where a
+// camera stands: the message says which, and what to show.
+[[nodiscard]] CALVIN_API Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras,
+                                                       const RigOptions& options = {},
+                                                       std::stop_token stop = {});
+
+// One line: "'left' and 'right': 13 views, 99.3 mm apart (+-0.2), axes at 0.4 degrees, ...".
+[[nodiscard]] CALVIN_API std::string to_text(const RigLink& link, const Rig& rig);
+
+}  // namespace calvin
