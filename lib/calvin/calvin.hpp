@@ -12,11 +12,14 @@
 #include "calvin/core/observation.hpp"           // IWYU pragma: export
 #include "calvin/core/reason.hpp"                // IWYU pragma: export
 #include "calvin/core/result.hpp"                // IWYU pragma: export
+#include "calvin/core/rig.hpp"                   // IWYU pragma: export
 #include "calvin/detect/detector.hpp"            // IWYU pragma: export
 #include "calvin/geometry/se3.hpp"               // IWYU pragma: export
 #include "calvin/io/calibration_io.hpp"          // IWYU pragma: export
 #include "calvin/io/observations.hpp"            // IWYU pragma: export
+#include "calvin/io/rig_io.hpp"                  // IWYU pragma: export
 #include "calvin/remap/picture_undistorter.hpp"  // IWYU pragma: export
+#include "calvin/rig/solve_rig.hpp"              // IWYU pragma: export
 #include "calvin/solve/pose.hpp"                 // IWYU pragma: export
 #include "calvin/solve/solve.hpp"                // IWYU pragma: export
 #include "calvin/target/board.hpp"               // IWYU pragma: export

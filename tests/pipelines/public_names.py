@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 
-MOST_HEADERS = 24
+MOST_HEADERS = 28
 MOST_SYMBOLS = 200
 
 page = pathlib.Path(sys.argv[1]).read_text()

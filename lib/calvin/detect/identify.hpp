@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Which board is in a picture, where nobody said.
+// Which board is in a picture, where nobody said. Internal.
 #pragma once
 
 #include <stop_token>
 #include <vector>
 
-#include "calvin/core/export.hpp"
 #include "calvin/core/image.hpp"
 #include "calvin/target/board.hpp"
 
@@ -28,8 +27,7 @@ struct IdentifiedBoard {
 // seen to be; the gaps of an AprilGrid are taken for 0.3 of a tag as Kalibr has them. Takes some
 // ten times as long as the search for a board that is known. Any image will do; empty where nothing
 // is seen, where a stop was requested, and where there is no memory.
-[[nodiscard]] CALVIN_API std::vector<IdentifiedBoard> identify_boards(const ImageView& image,
-                                                                      double side,
-                                                                      std::stop_token stop = {});
+[[nodiscard]] std::vector<IdentifiedBoard> identify_boards(const ImageView& image, double side,
+                                                           std::stop_token stop = {});
 
 }  // namespace calvin

@@ -141,6 +141,7 @@ void set_cameras(const std::vector<RigCameraViews>& seen, const std::vector<SE3>
     RigCamera camera;
     camera.calibration = seen[c].calibration;
     camera.rig_from_camera = to_pose(camera_from_rig[c].inverse());
+    for (double& x : camera.rig_from_camera.translation) x += 0.0;  // no -0 of the first camera
     camera.rms = rms[c];
     const auto at = kPose * static_cast<Eigen::Index>(c);
     const Eigen::MatrixXd own = covariance.block(at, at, kPose, kPose);

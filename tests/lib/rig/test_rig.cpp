@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
+#include "calvin/io/rig_io.hpp"
 #include "calvin/rig/solve_rig.hpp"
 #include "simulated_rig.hpp"
 
@@ -32,7 +33,7 @@ const Kind kKinds[] = {
     {"Stereo", [](Random& r) { return scenes::stereo_rig(r); }, 15, 120, 900},
     {"RingOfFour", [](Random& r) { return scenes::ring_rig(4, r); }, 40, 50, 500},
     {"RingOfEight", [](Random& r) { return scenes::ring_rig(8, r); }, 60, 20, 200},
-    {"Chain", [](Random& r) { return scenes::chain_rig(4, r); }, 60, 50, 400},
+    {"Chain", [](Random& r) { return scenes::chain_rig(4, r); }, 90, 50, 400},
 };
 
 class Rigs : public ::testing::TestWithParam<Kind> {};
@@ -65,6 +66,227 @@ TEST_P(Rigs, AreAsWellKnownAsTheySay) {
   const double margin = scenes::full_count() ? 0.1 : 0.15;
   EXPECT_NEAR(squares / cameras, 1, margin);
   EXPECT_LE(beyond, 1);
+}
+
+// Boards that look the same after a turn, which every camera names as it likes. Where two cameras
+// share one place of the board alone the rig is refused.
+TEST(Rig, IsNeverTurnedByASymmetricBoard) {
+  const int trials = scenes::full_count() ? 300 : 30;
+  int refused = 0;
+  for (const char* text : {"checkerboard:8x6:25mm", "checkerboard:6x6:25mm", "circles:7x5:25mm"}) {
+    for (int trial = 0; trial < trials; ++trial) {
+      Random random(3000 + static_cast<std::uint64_t>(trial));
+      SimulatedRig rig = trial % 2 == 0 ? scenes::stereo_rig(random) : scenes::ring_rig(4, random);
+      rig.board = parse_board(text).value();
+      const auto solved = solve_rig(scenes::seen_by(rig, 40, 0.7, random));
+      if (!solved) {
+        ++refused;
+        continue;
+      }
+      for (std::size_t c = 1; c < rig.cameras.size(); ++c) {
+        const SE3 truth = rig.world_from_camera[0].inverse() * rig.world_from_camera[c];
+        EXPECT_LT(place_error(solved->rig.cameras[c], truth).largest, 6) << text << trial;
+      }
+    }
+  }
+  std::cout << refused << " of " << 3 * trials << " refused\n";
+  EXPECT_LE(refused, 3 * trials / 20);
+}
+
+// At one place such a board says nothing of which way round the cameras see it.
+TEST(Rig, IsRefusedWhereASymmetricBoardLeavesItOpen) {
+  Random random(4);
+  SimulatedRig rig = scenes::stereo_rig(random);
+  rig.board = parse_board("checkerboard:8x6:25mm").value();
+  std::vector<RigCameraViews> seen;
+  do {
+    seen = scenes::seen_by(rig, 1, 0.7, random);
+  } while (seen[0].views.empty() || seen[1].views.empty());
+  const auto solved = solve_rig(seen);
+  ASSERT_FALSE(solved.has_value());
+  EXPECT_EQ(solved.error().code, ErrorCode::kDegenerate);
+  EXPECT_NE(solved.error().message.find("puzzle:14x9:20mm"), std::string::npos);
+  // A board that tells its orientation is enough at one place.
+  rig.board = scenes::kBoard;
+  do {
+    seen = scenes::seen_by(rig, 1, 0.7, random);
+  } while (seen[0].views.empty() || seen[1].views.empty());
+  EXPECT_TRUE(solve_rig(seen).has_value());
+}
+
+// A small board, far away and flat, has two tilts that fit alike: the wrong ones are not taken.
+TEST(Rig, IsNotTiltedByAFlatBoard) {
+  const int trials = scenes::full_count() ? 2000 : 200;
+  int refused = 0;
+  int wrong = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    Random random(5000 + static_cast<std::uint64_t>(trial));
+    SimulatedRig rig = scenes::stereo_rig(random);
+    rig.board = parse_board("checkerboard:5x4:15mm").value();
+    rig.middle.z() = 1;
+    const auto solved = solve_rig(scenes::seen_by(rig, 8, 0.17, random));
+    if (!solved) {
+      ++refused;
+      continue;
+    }
+    const SE3 truth = rig.world_from_camera[0].inverse() * rig.world_from_camera[1];
+    wrong += place_error(solved->rig.cameras[1], truth).largest > 6 ? 1 : 0;
+  }
+  std::cout << wrong << " of " << trials << " wrong, " << refused << " refused\n";
+  EXPECT_LE(wrong, trials / 1000);
+  EXPECT_LT(refused, trials / 4);
+}
+
+// How well the intrinsics are known is a part of how well the rig is.
+TEST(Rig, KnowsThatIntrinsicsAreNotExact) {
+  const int trials = scenes::full_count() ? 600 : 120;
+  double squares = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    Random random(6000 + static_cast<std::uint64_t>(trial));
+    const SimulatedRig rig = scenes::stereo_rig(random);
+    auto seen = scenes::seen_by(rig, 15, 0.7, random);
+    std::normal_distribution<double> noise(0, 1);
+    for (RigCameraViews& camera : seen) {
+      // Both focal lengths err together.
+      const double focal = noise(random);
+      const double sigmas[] = {1.5, 1.5, 2, 2};
+      camera.calibration.covariance = std::vector<double>(16, 0.0);
+      for (std::size_t i = 0; i < 4; ++i) {
+        Parameter& p = camera.calibration.parameters[i];
+        p.sigma = sigmas[i];
+        p.value += sigmas[i] * (i < 2 ? focal : noise(random));
+        camera.calibration.covariance[5 * i] = sigmas[i] * sigmas[i];
+      }
+      camera.calibration.covariance[1] = camera.calibration.covariance[4] = sigmas[0] * sigmas[1];
+    }
+    const auto solved = solve_rig(seen);
+    ASSERT_TRUE(solved.has_value()) << solved.error().message;
+    const SE3 truth = rig.world_from_camera[0].inverse() * rig.world_from_camera[1];
+    squares += place_error(solved->rig.cameras[1], truth).square;
+  }
+  std::cout << "mean of e^T C^-1 e / 6 = " << squares / trials << '\n';
+  EXPECT_NEAR(squares / trials, 1, 0.25);
+}
+
+// Each camera by itself before a board that lies still, at a time of its own.
+TEST(Floor, GivesEveryCameraItsPlaceBeforeTheBoard) {
+  const int trials = scenes::full_count() ? 500 : 60;
+  double squares = 0;
+  int cameras = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    Random random(7000 + static_cast<std::uint64_t>(trial));
+    SimulatedRig rig = scenes::ring_rig(4, random);
+    rig.reach.setZero();
+    // Flat on the floor, seen from above: z of the world points down.
+    const BoardArea extent = rig.board.extent();
+    const SE3 world_from_board = {Eigen::Matrix3d::Identity(),
+                                  {-extent.width() / 2, -extent.height() / 2, 0}};
+    std::vector<RigCameraViews> seen(4);
+    for (std::size_t c = 0; c < 4; ++c) {
+      seen[c].calibration = rig.cameras[c].to_calibration();
+      seen[c].calibration.camera = "cam" + std::to_string(c);
+      const SE3 pose = rig.world_from_camera[c].inverse() * world_from_board;
+      for (std::size_t n = 0; n <= c; ++n) {
+        View view = scenes::observe(rig.cameras[c], rig.board, pose, rig.noise, random);
+        view.observation.timestamp = (1 + 10 * c + n) * 1'000'000'000;
+        seen[c].views.push_back(std::move(view));
+      }
+    }
+    const auto solved = solve_rig(seen, {RigMode::kFloor, 0});
+    ASSERT_TRUE(solved.has_value()) << solved.error().message;
+    EXPECT_EQ(solved->rig.world, kBoardWorld);
+    for (std::size_t c = 0; c < 4; ++c) {
+      const SE3 truth = world_from_board.inverse() * rig.world_from_camera[c];
+      squares += place_error(solved->rig.cameras[c], truth).square;
+      ++cameras;
+    }
+  }
+  std::cout << "mean of e^T C^-1 e / 6 = " << squares / cameras << '\n';
+  EXPECT_NEAR(squares / cameras, 1, 0.15);
+}
+
+TEST(Floor, IsRefusedWhereTheBoardMovesOrLooksTheSameTurned) {
+  Random random(8);
+  SimulatedRig rig = scenes::stereo_rig(random);
+  const auto moved = solve_rig(scenes::seen_by(rig, 10, 0.5, random), {RigMode::kFloor, 0});
+  ASSERT_FALSE(moved.has_value());
+  EXPECT_NE(moved.error().message.find("several places"), std::string::npos);
+  rig.board = parse_board("checkerboard:8x6:25mm").value();
+  const auto turned = solve_rig(scenes::seen_by(rig, 10, 0.5, random), {RigMode::kFloor, 0});
+  ASSERT_FALSE(turned.has_value());
+  EXPECT_NE(turned.error().message.find("puzzle:14x9:20mm"), std::string::npos);
+}
+
+TEST(Rig, NamesTheCameraThatSharesNothing) {
+  Random random(9);
+  SimulatedRig rig = scenes::stereo_rig(random);
+  auto seen = scenes::seen_by(rig, 20, 0.7, random);
+  for (View& view : seen[1].views) view.observation.timestamp += 500'000'000;
+  const auto solved = solve_rig(seen);
+  ASSERT_FALSE(solved.has_value());
+  EXPECT_EQ(solved.error().code, ErrorCode::kDegenerate);
+  EXPECT_NE(solved.error().message.find("'cam1'"), std::string::npos);
+}
+
+// One picture of one camera shows another board place than the others: it is left out.
+TEST(Rig, LeavesOutAViewThatContradictsTheOthers) {
+  Random random(10);
+  const SimulatedRig rig = scenes::stereo_rig(random);
+  auto seen = scenes::seen_by(rig, 20, 0.7, random);
+  const std::uint64_t at = seen[0].views[3].observation.timestamp;
+  const auto same = std::ranges::find_if(seen[1].views, [&](const View& view) {
+    return view.observation.timestamp - at <= 10'000'000;
+  });
+  ASSERT_NE(same, seen[1].views.end());
+  for (Pixel& p : same->observation.uv) p.u += 8;
+  const auto solved = solve_rig(seen);
+  ASSERT_TRUE(solved.has_value()) << solved.error().message;
+  EXPECT_FALSE(solved->rejected.empty());
+  const SE3 truth = rig.world_from_camera[0].inverse() * rig.world_from_camera[1];
+  EXPECT_LT(place_error(solved->rig.cameras[1], truth).largest, 4);
+}
+
+TEST(Rig, IsTheSameAtEveryRun) {
+  Random random(11);
+  const SimulatedRig rig = scenes::ring_rig(4, random);
+  const auto seen = scenes::seen_by(rig, 40, 0.7, random);
+  const auto first = solve_rig(seen);
+  const auto second = solve_rig(seen);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(print_rig(first->rig).value(), print_rig(second->rig).value());
+}
+
+TEST(Rig, RefusesNamesThatDoNotTellCamerasApart) {
+  Random random(12);
+  auto seen = scenes::seen_by(scenes::stereo_rig(random), 10, 0.7, random);
+  EXPECT_EQ(solve_rig({seen[0]}).error().code, ErrorCode::kInvalidArgument);
+  seen[1].calibration.camera = "cam0";
+  const auto solved = solve_rig(seen);
+  ASSERT_FALSE(solved.has_value());
+  EXPECT_NE(solved.error().message.find("'cam0'"), std::string::npos);
+}
+
+TEST(Instants, HavePicturesOfOneTime) {
+  const auto camera = [](std::vector<std::uint64_t> times) {
+    RigCameraViews views;
+    for (const std::uint64_t t : times) {
+      View view{{}, scenes::kBoard};
+      view.observation.timestamp = t;
+      view.observation.ids = {0};
+      views.views.push_back(view);
+    }
+    return views;
+  };
+  const auto paired = pair_instants({camera({0, 100, 200, 300}), camera({7, 95, 260, 500})}, 10);
+  ASSERT_EQ(paired.instants.size(), 2U);
+  EXPECT_EQ(paired.farthest, 7U);
+  EXPECT_EQ(paired.instants[0].timestamp, 0U);
+  EXPECT_EQ(paired.instants[1].timestamp, 95U);
+  EXPECT_EQ(paired.instants[1].views.size(), 2U);
+  // A picture belongs to one instant.
+  const auto close = pair_instants({camera({0, 8}), camera({4})}, 10);
+  ASSERT_EQ(close.instants.size(), 1U);
+  EXPECT_EQ(close.instants[0].views.size(), 2U);
 }
 
 }  // namespace

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calvin-rig [OPTIONS] RIG.json CALIBRATION VIEWS CALIBRATION VIEWS...: where the cameras of a rig
+// stand, from what each of them has seen of boards.
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+#include "calvin/geometry/se3.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/io/rig_io.hpp"
+#include "calvin/rig/solve_rig.hpp"
+
+#include "rig_views.hpp"
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+constexpr std::string_view kUsage =
+    R"(Usage: calvin-rig [OPTIONS] RIG.json CALIBRATION VIEWS CALIBRATION VIEWS...
+Finds where cameras stand, and writes it to RIG.json. For each camera: its calibration, and what it
+has seen of boards: a folder of pictures, FOLDER/PREFIX* in quotes, or a file of observations (the
+journal of calibsolve). Pictures with the same number in their names were taken at one time.
+
+  --board BOARD   the board in the pictures, checkerboard:9x6:25mm if not given
+  --floor         the board lies still, and every camera has seen it at any time: the frame of the
+                  rig is that of the board. Else the board is carried before two cameras or more at
+                  a time, and the frame is that of the first camera
+  --tolerance MS  how far observations of one instant may be apart, 10 if not given
+  --help          this text
+)";
+
+struct Arguments {
+  std::string board = "checkerboard:9x6:25mm";
+  calvin::RigOptions options;
+  std::vector<std::string> words;
+};
+
+int wrong_usage(std::string_view why) {
+  fmt::print(stderr, "calvin-rig: {}\n\n{}", why, kUsage);
+  return kWrongUsage;
+}
+
+int failed(const calvin::Error& error) {
+  fmt::print(stderr, "calvin-rig: {}\n", error.message);
+  return kFailed;
+}
+
+// Absent for wrong usage, which was said.
+std::optional<Arguments> parse(std::span<char*> given) {
+  Arguments arguments;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const std::string_view word = given[i];
+    const bool has_value = i + 1 < given.size();
+    if (word == "--floor") {
+      arguments.options.mode = calvin::RigMode::kFloor;
+    } else if (word == "--board" && has_value) {
+      arguments.board = given[++i];
+    } else if (word == "--tolerance" && has_value) {
+      constexpr double kMillisecond = 1e6;  // ns
+      constexpr double kMost = 1e6;         // ms
+      const auto ms = calvin::parse_double(given[++i]);
+      if (!ms || !(*ms >= 0 && *ms <= kMost)) {
+        wrong_usage("a tolerance is a number of milliseconds.");
+        return std::nullopt;
+      }
+      arguments.options.tolerance = static_cast<std::uint64_t>(*ms * kMillisecond);
+    } else if (word.starts_with("--")) {
+      wrong_usage(fmt::format("'{}' is no option, or needs a value.", word));
+      return std::nullopt;
+    } else {
+      arguments.words.emplace_back(word);
+    }
+  }
+  if (arguments.words.size() < 5 || arguments.words.size() % 2 == 0) {
+    wrong_usage("it takes a file for the rig, then a calibration and views for each camera.");
+    return std::nullopt;
+  }
+  return arguments;
+}
+
+bool differ(const std::vector<std::string>& names) {
+  const std::set<std::string> all(names.begin(), names.end());
+  return all.size() == names.size() && all.count("") == 0;
+}
+
+// Cameras whose files have no names that tell them apart are called after their files, by their
+// names alone or with their folders.
+void name_cameras(const std::vector<std::string>& files,
+                  std::vector<calvin::RigCameraViews>& cameras) {
+  std::vector<std::string> own;
+  std::vector<std::string> stems;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    own.push_back(cameras[i].calibration.camera);
+    stems.push_back(std::filesystem::path(files[i]).stem().string());
+  }
+  if (differ(own)) return;
+  const std::vector<std::string>& names = differ(stems) ? stems : files;
+  for (std::size_t i = 0; i < cameras.size(); ++i) cameras[i].calibration.camera = names[i];
+}
+
+void print(const calvin::RigSolution& solved) {
+  const calvin::Rig& rig = solved.rig;
+  for (const calvin::RigLink& link : solved.links) {
+    fmt::print("{}\n", calvin::to_text(link, rig));
+  }
+  if (solved.weakest && rig.cameras.size() > 2) {
+    const calvin::RigLink& weakest = solved.links[*solved.weakest];
+    fmt::print("The weakest link is that of '{}' and '{}'.\n",
+               rig.cameras[weakest.a].calibration.camera,
+               rig.cameras[weakest.b].calibration.camera);
+  }
+  for (const calvin::RigCamera& camera : rig.cameras) {
+    const auto& at = camera.rig_from_camera.translation;
+    fmt::print("'{}' at {:.1f} {:.1f} {:.1f} mm of '{}', rms {:.3f} px\n",
+               camera.calibration.camera, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], rig.world,
+               camera.rms.value_or(0));
+  }
+  if (!solved.rejected.empty()) {
+    fmt::print("{} views contradict the others and were left out.\n", solved.rejected.size());
+  }
+  if (solved.farthest > 0) {
+    fmt::print("Pictures of one instant are up to {:.3f} ms apart.\n",
+               1e-6 * static_cast<double>(solved.farthest));
+  }
+  for (const std::string& remark : solved.remarks) fmt::print("{}\n", remark);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
+  if (given.size() == 1 && std::string_view(given[0]) == "--help") {
+    fmt::print("{}", kUsage);
+    return 0;
+  }
+  const auto arguments = parse(given);
+  if (!arguments) return kWrongUsage;
+  std::vector<calvin::RigCameraViews> cameras;
+  std::vector<std::string> files;
+  for (std::size_t i = 1; i + 1 < arguments->words.size(); i += 2) {
+    auto calibration = calvin::read_calibration(arguments->words[i]);
+    if (!calibration) return failed(calibration.error());
+    auto views = rig_views::read(arguments->words[i + 1], arguments->board);
+    if (!views) return failed(views.error());
+    fmt::print("{}: {} views in {}\n", arguments->words[i], views->size(), arguments->words[i + 1]);
+    cameras.push_back({*std::move(calibration), *std::move(views)});
+    files.push_back(arguments->words[i]);
+  }
+  name_cameras(files, cameras);
+  const auto solved = calvin::solve_rig(cameras, arguments->options);
+  if (!solved) return failed(solved.error());
+  if (const auto written = calvin::write_rig(arguments->words[0], solved->rig); !written) {
+    return failed(written.error());
+  }
+  print(*solved);
+  return 0;
+}

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The file of a rig: what is written is read again as the same, and whatever is wrong in a file is
+// said by its place.
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/io/rig_io.hpp"
+#include "temporary_folder.hpp"
+
+namespace calvin {
+namespace {
+
+Rig sample() {
+  Rig rig;
+  for (const char* name : {"left", "r\"ight"}) {
+    RigCamera camera;
+    camera.calibration =
+        Camera::make("brown5", {640, 480}, {536.1, 536, 342.4, 235.5, -0.27, 0.1, 0.001, 0, 0.01})
+            .value()
+            .to_calibration();
+    camera.calibration.camera = name;
+    camera.rig_from_camera = {{0.1, -0.2, 1.0 / 3}, {0.12, 0, 1e-7}};
+    camera.rms = 0.21;
+    rig.cameras.push_back(std::move(camera));
+  }
+  rig.cameras[1].covariance.assign(36, 0.0);
+  for (std::size_t i = 0; i < 6; ++i) rig.cameras[1].covariance[7 * i] = 1e-8 / 3;
+  rig.world = "left";
+  rig.rms = 0.2;
+  rig.pairing_tolerance = 10'000'000;
+  return rig;
+}
+
+TEST(RigFile, IsReadAsItWasWritten) {
+  const Rig rig = sample();
+  const auto text = print_rig(rig);
+  ASSERT_TRUE(text.has_value()) << text.error().message;
+  const auto read = parse_rig(*text);
+  ASSERT_TRUE(read.has_value()) << read.error().message;
+  EXPECT_EQ(print_rig(*read).value(), *text);
+  ASSERT_EQ(read->cameras.size(), 2U);
+  EXPECT_EQ(read->cameras[1].calibration.camera, "r\"ight");
+  EXPECT_EQ(read->cameras[1].rig_from_camera.rotation, rig.cameras[1].rig_from_camera.rotation);
+  EXPECT_EQ(read->cameras[1].rig_from_camera.translation,
+            rig.cameras[1].rig_from_camera.translation);
+  EXPECT_TRUE(read->cameras[0].covariance.empty());
+  EXPECT_EQ(read->cameras[1].covariance, rig.cameras[1].covariance);
+  EXPECT_EQ(read->cameras[1].calibration.parameters.size(), 9U);
+  EXPECT_EQ(read->world, "left");
+  EXPECT_EQ(read->rms, 0.2);
+  EXPECT_EQ(read->pairing_tolerance, 10'000'000U);
+}
+
+TEST(RigFile, GoesToADiskAndBack) {
+  TemporaryFolder folder;
+  const std::string path = folder.path("rig.json");
+  ASSERT_TRUE(write_rig(path, sample()).has_value());
+  EXPECT_TRUE(read_rig(path).has_value());
+  EXPECT_EQ(read_rig(folder.path("none.json")).error().code, ErrorCode::kNotFound);
+  EXPECT_FALSE(write_rig(folder.path("none/rig.json"), sample()).has_value());
+}
+
+// A text with one thing changed, and a word of what is said.
+TEST(RigFile, SaysWhatIsWrong) {
+  const std::string good = print_rig(sample()).value();
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return at == std::string::npos ? text : text.replace(at, from.size(), to);
+  };
+  const std::pair<std::string, const char*> wrong[] = {
+      {"", "empty"},
+      {"[]", "none of the fields"},
+      {"{}", "format"},
+      {with("calvin-rig", "calvin-calibration"), "calvin-calibration"},
+      {with("\"version\": 1", "\"version\": 2"), "newer version"},
+      {with("\"fx\": 536.1", "\"fx\": -1"), "fx"},
+      {with("\"r\\\"ight\"", "\"left\""), "twice"},
+      {with("\"rig_from_camera\"", "\"pose\""), "rig_from_camera"},
+      {with("\"calibration\"", "\"camera_file\""), "calibration"},
+      {with("\"rotation\"", "\"turn\""), "rotation"},
+  };
+  for (const auto& [text, word] : wrong) {
+    const auto read = parse_rig(text, "rig.json");
+    ASSERT_FALSE(read.has_value()) << word;
+    EXPECT_NE(read.error().message.find(word), std::string::npos) << read.error().message;
+    EXPECT_NE(read.error().message.find("calvin-rig has written"), std::string::npos);
+  }
+}
+
+TEST(RigFile, OfAnyBytesIsNoRig) {
+  const std::string good = print_rig(sample()).value();
+  for (std::size_t i = 0; i < good.size(); i += 7) {
+    std::string cut = good.substr(0, i);
+    EXPECT_FALSE(parse_rig(cut).has_value());
+    std::string broken = good;
+    broken[i] = '\x01';
+    EXPECT_FALSE(parse_rig(broken).has_value());
+  }
+}
+
+TEST(RigFile, IsNotWrittenOfABrokenCamera) {
+  Rig rig = sample();
+  rig.cameras[0].calibration.image_size = {};
+  EXPECT_FALSE(print_rig(rig).has_value());
+}
+
+}  // namespace
+}  // namespace calvin

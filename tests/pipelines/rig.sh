@@ -1,0 +1,81 @@
+#!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# SPDX-FileCopyrightText: 2026 The gst-calvin authors
+#
+# The example program `rig` as users type it. Argument: the program.
+set -eu
+rig=$(realpath "$1")
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+fail() {
+  echo "FAIL: $*" >&2
+  exit 1
+}
+
+# expect STATUS WORDS COMMAND...: the exit status, and words among what it prints.
+expect() {
+  status=$1
+  words=$2
+  shift 2
+  got=0
+  "$@" >out 2>&1 || got=$?
+  [ "$got" = "$status" ] || fail "$* left with $got, not $status: $(cat out)"
+  grep -q -- "$words" out || fail "$* did not say '$words': $(cat out)"
+}
+
+# A pinhole, and what it sees from X m to the right of the first one, MS later, of a board (the
+# text after board=) that moves unless STILL is 1.
+camera() {
+  cat >"$1.json" <<END
+{"format": "calvin-calibration", "version": 1, "camera": "$1", "image_size": [640, 480],
+ "model": "pinhole", "parameters": {"fx": 500, "fy": 500, "cx": 320, "cy": 240}}
+END
+}
+views() {
+  awk -v shift="$2" -v ms="$3" -v still="$4" 'BEGIN {
+    print "{\"format\":\"calvin-observations\",\"version\":1,\"board\":\"checkerboard:9x6:25mm\"}"
+    for (n = 0; n < 12; ++n) {
+      m = still ? 1 : n
+      a = 0.5 * sin(2.4 * m); b = 0.5 * cos(2.4 * m); points = ""
+      for (i = 0; i < 54; ++i) {
+        x = 0.025 * (i % 9 - 4); y = 0.025 * (int(i / 9) - 2.5)
+        z = 0.45 + x * sin(a) + y * cos(a) * sin(b)
+        u = 320 + 500 * (x * cos(a) - y * sin(a) * sin(b) + 0.02 * sin(m) + 0.05 - shift) / z
+        v = 240 + 500 * (y * cos(b) + 0.02 * cos(3 * m)) / z
+        points = points sprintf("%s[%d,%.4f,%.4f,0.05]", i ? "," : "", i, u + 0.05 * sin(99 * n + 7 * i * i + 9 * shift), v + 0.05 * cos(77 * n + 5 * i * i + 7 * shift))
+      }
+      printf "{\"timestamp\":%d%06d,\"image_size\":[640,480],\"points\":[%s]}\n", 1000 * n + ms, 0, points
+    }
+  }' >"$1.jsonl"
+}
+for name in left right late; do camera "$name"; done
+views left 0 1 0
+views right 0.1 4 0
+views late 0.1 501 0
+
+expect 0 "'left' and 'right': 100.0 mm apart" "$rig" rig.json left.json left.jsonl right.json right.jsonl
+grep -q '12 of 12 common views agree' out || fail "views: $(cat out)"
+grep -q 'up to 3.000 ms apart' out || fail "times: $(cat out)"
+grep -q '"format": "calvin-rig"' rig.json || fail 'rig.json is no rig'
+cp rig.json before.json
+expect 1 "'late'" "$rig" rig.json left.json left.jsonl late.json late.jsonl
+cmp -s rig.json before.json || fail 'a failure has touched the file'
+expect 1 "'right'" "$rig" --tolerance 1 rig.json left.json left.jsonl right.json right.jsonl
+expect 0 '100.0 mm apart' "$rig" --tolerance 501 rig.json left.json left.jsonl late.json late.jsonl
+expect 1 'several places' "$rig" --floor rig.json left.json left.jsonl right.json right.jsonl
+
+views left 0 1 1
+views right 0.1 4 1
+expect 0 "mm of 'board'" "$rig" --floor floor.json left.json left.jsonl right.json right.jsonl
+grep -q '"world": "board"' floor.json || fail 'the frame is not that of the board'
+
+expect 1 'none.json' "$rig" rig.json none.json left.jsonl right.json right.jsonl
+expect 1 'none.jsonl' "$rig" rig.json left.json none.jsonl right.json right.jsonl
+expect 1 'Cannot write' "$rig" none/rig.json left.json left.jsonl right.json right.jsonl
+expect 2 'Usage' "$rig"
+expect 2 'Usage' "$rig" rig.json left.json left.jsonl
+expect 2 'milliseconds' "$rig" --tolerance soon rig.json left.json left.jsonl right.json right.jsonl
+expect 2 'no option' "$rig" --ceiling rig.json left.json left.jsonl right.json right.jsonl
+expect 0 'Usage' "$rig" --help
