@@ -91,12 +91,15 @@ Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& se
                           fmt::format("A view of the camera '{}': {}", seen[c].calibration.camera,
                                       good.error().message));
       }
-      all.push_back({{c, v}, number_of(view.board, boards), {}, labellings_of(view), {}});
+      all.push_back({{c, v}, number_of(view.board, boards), {}, 1, labellings_of(view), {}});
       sets.push_back(to_points(view.board, view.board.points(), view.observation));
     }
   }
-  (void)normalise_weights(sets);
-  for (std::size_t i = 0; i < all.size(); ++i) all[i].seen = std::move(sets[i]);
+  const WeightScale scale = normalise_weights(sets);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].seen = std::move(sets[i]);
+    all[i].sigma = scale.sigma;
+  }
   std::erase_if(all, [&](BoardView& view) { return !find_poses(view, cameras[view.of.camera]); });
   return all;
 }

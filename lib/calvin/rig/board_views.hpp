@@ -21,6 +21,7 @@ struct BoardView {
   RigView of;
   std::size_t board = 0;  // equal for views of one board
   PointSet seen;          // weights of all views of the rig have the median 1
+  double sigma = 1;       // px, of a corner with the weight 1
   // other_from_own of board frames: the board by another labelling that is as good; the first one
   // is the identity.
   std::vector<SE3> labellings;

@@ -22,6 +22,7 @@
 #include "calvin/rig/rig_distances.hpp"
 #include "calvin/rig/rig_fit.hpp"
 #include "calvin/rig/rig_start.hpp"
+#include "calvin/rig/timing.hpp"
 
 namespace calvin {
 
@@ -201,10 +202,11 @@ void set_links(const std::vector<BoardView>& views, const std::vector<Link>& lin
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop) {
-  const auto views = rig::board_views(seen, cameras);
+  auto views = rig::board_views(seen, cameras);
   if (!views) return tl::unexpected<Error>(views.error());
   const Instants instants = pair_instants(seen, options.tolerance);
-  const auto groups = groups_of(instants, *views);
+  auto groups = groups_of(instants, *views);
+  rig::allow_for_timing(seen, *views, groups);
   const std::vector<Link> links = rig::find_links(*views, groups, cameras);
   auto places = rig::place_all(*views, groups, cameras, links, names_of(seen));
   if (!places) return tl::unexpected<Error>(places.error());

@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibrig: where several cameras stand, from the boards that were found in front of each.
+
+/**
+ * SECTION:element-calibrig
+ * @title: calibrig
+ *
+ * Passes the frames of several cameras, each from a sink pad to the source pad of the same number,
+ * and solves where the cameras stand by the boards that calibdetect has found upstream: pictures of
+ * one time belong together. Never holds a frame back.
+ *
+ * ## Example launch line
+ * |[
+ * gst-launch-1.0 -m calibrig name=rig location=rig.json sink_0::intrinsics=left.json
+ * sink_1::intrinsics=right.json v4l2src device=/dev/video0 ! calibdetect ! rig.sink_0 v4l2src
+ * device=/dev/video2 ! calibdetect ! rig.sink_1
+ * ]|
+ */
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gst/gst.h>
+
+#include "common/calibration_event.hpp"
+#include "common/element_class.hpp"
+#include "common/messages.hpp"
+#include "common/metas.hpp"
+#include "elements.hpp"
+#include "rig/rig_messages.hpp"
+#include "rig/rig_pad.hpp"
+#include "rig/rig_solver.hpp"
+
+GST_DEBUG_CATEGORY(calibrig_debug);
+#define GST_CAT_DEFAULT calibrig_debug
+
+G_DECLARE_FINAL_TYPE(GstCalibRig, gst_calib_rig, GST, CALIB_RIG, GstElement)
+
+using namespace calvin;
+
+struct _GstCalibRig {
+  GstElement parent;
+  gst::RigSolver* solver;
+  guint next_camera;  // object lock
+};
+
+static void gst_calib_rig_child_proxy_init(gpointer iface, gpointer data);
+
+G_DEFINE_FINAL_TYPE_WITH_CODE(GstCalibRig, gst_calib_rig, GST_TYPE_ELEMENT,
+                              G_IMPLEMENT_INTERFACE(GST_TYPE_CHILD_PROXY,
+                                                    gst_calib_rig_child_proxy_init))
+GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibrig, "calibrig", GST_RANK_NONE, gst_calib_rig_get_type(),
+                                      GST_DEBUG_CATEGORY_INIT(calibrig_debug, "calibrig", 0,
+                                                              "places of several cameras"))
+
+static GstStaticPadTemplate gst_calib_rig_sink_template = GST_STATIC_PAD_TEMPLATE(
+    "sink_%u", GST_PAD_SINK, GST_PAD_REQUEST, GST_STATIC_CAPS("video/x-raw(ANY)"));
+static GstStaticPadTemplate gst_calib_rig_src_template = GST_STATIC_PAD_TEMPLATE(
+    "src_%u", GST_PAD_SRC, GST_PAD_SOMETIMES, GST_STATIC_CAPS("video/x-raw(ANY)"));
+
+static gst::RigSolver& gst_calib_rig_solver(GObject* object) {
+  return *GST_CALIB_RIG(object)->solver;
+}
+
+// New references of all sink pads, by their numbers.
+static std::vector<GstPad*> gst_calib_rig_sink_pads(GstCalibRig* self) {
+  std::vector<GstPad*> pads;
+  GST_OBJECT_LOCK(self);
+  for (GList* l = GST_ELEMENT(self)->sinkpads; l != nullptr; l = l->next) {
+    pads.push_back(GST_PAD(gst_object_ref(l->data)));
+  }
+  GST_OBJECT_UNLOCK(self);
+  std::ranges::sort(pads, {}, gst::camera_of);
+  return pads;
+}
+
+// Where nobody is linked behind it, the pipeline ends where this element does.
+static bool gst_calib_rig_is_last(GstCalibRig* self) {
+  bool is_linked = false;
+  GST_OBJECT_LOCK(self);
+  for (GList* l = GST_ELEMENT(self)->srcpads; l != nullptr; l = l->next) {
+    is_linked = is_linked || gst_pad_is_linked(GST_PAD(l->data));
+  }
+  GST_OBJECT_UNLOCK(self);
+  return !is_linked;
+}
+
+// ---- Streaming ----------------------------------------------------------------------------------
+
+// A rig that is new goes ahead of the next frame.
+static void gst_calib_rig_push_rig(GstCalibRig* self, GstPad* pad) {
+  if (const auto json = self->solver->take_rig(gst::stream_of(pad).rig_number)) {
+    gst_pad_push_event(gst::source_of(pad), gst::new_rig_event(*json));
+  }
+}
+
+// How much later a frame was taken by the clock that its reference timestamp is of, than by its
+// own; 0 where it has none.
+static GstClockTimeDiff gst_calib_rig_clock_offset(GstBuffer* buffer, GstClockTime running_time) {
+  const GstReferenceTimestampMeta* meta = gst_buffer_get_reference_timestamp_meta(buffer, nullptr);
+  if (meta == nullptr || !GST_CLOCK_TIME_IS_VALID(running_time)) return 0;
+  return GST_CLOCK_DIFF(running_time, meta->timestamp);
+}
+
+static void gst_calib_rig_offer(GstCalibRig* self, GstPad* pad,
+                                const std::vector<Observation>& observations,
+                                GstClockTimeDiff offset) {
+  const GstSegment* segment = &gst::stream_of(pad).segment;
+  for (const Observation& seen : observations) {
+    if (!seen.found()) continue;
+    const FrameTimes times = gst::frame_times(segment, seen.timestamp, GST_CLOCK_TIME_NONE);
+    if (!GST_CLOCK_TIME_IS_VALID(times.running_time)) continue;
+    self->solver->offer(gst::camera_of(pad), seen, times,
+                        times.running_time + static_cast<GstClockTime>(offset));
+  }
+}
+
+static GstFlowReturn gst_calib_rig_chain(GstPad* pad, GstObject* parent, GstBuffer* buffer) {
+  GstCalibRig* self = GST_CALIB_RIG(parent);
+  const gst::RigPadStream& stream = gst::stream_of(pad);
+  const auto observations = gst::read_observations(buffer);
+  const GstClockTime running_time =
+      gst_segment_to_running_time(&stream.segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+  gst_calib_rig_offer(self, pad, observations, gst_calib_rig_clock_offset(buffer, running_time));
+  GstPad* source = gst::source_of(pad);
+  // Cameras of which nobody wants the frames are calibrated all the same.
+  if (!gst_pad_is_linked(source)) {
+    gst_buffer_unref(buffer);
+    return GST_FLOW_OK;
+  }
+  gst_calib_rig_push_rig(self, pad);
+  return gst_pad_push(source, buffer);
+}
+
+// Whether all other pads are at their end, too.
+static bool gst_calib_rig_ends_with(GstCalibRig* self, GstPad* pad) {
+  bool all = true;
+  GST_OBJECT_LOCK(self);
+  gst::stream_of(pad).at_end = true;
+  for (GList* l = GST_ELEMENT(self)->sinkpads; l != nullptr; l = l->next) {
+    all = all && gst::stream_of(GST_PAD(l->data)).at_end;
+  }
+  GST_OBJECT_UNLOCK(self);
+  return all;
+}
+
+static void gst_calib_rig_runs_on(GstCalibRig* self, GstPad* pad) {
+  GST_OBJECT_LOCK(self);
+  gst::stream_of(pad).at_end = false;
+  GST_OBJECT_UNLOCK(self);
+}
+
+static void gst_calib_rig_finish(GstCalibRig* self, GstEvent* eos) {
+  self->solver->finish();
+  if (!GST_OBJECT_FLAG_IS_SET(self, GST_ELEMENT_FLAG_SINK)) return;
+  GstMessage* message = gst_message_new_eos(GST_OBJECT(self));
+  gst_message_set_seqnum(message, gst_event_get_seqnum(eos));
+  gst_element_post_message(GST_ELEMENT(self), message);
+}
+
+// A camera whose pad came while the others run: its settings are there by its first frame.
+static void gst_calib_rig_introduce(GstCalibRig* self, GstPad* pad) {
+  if (std::exchange(gst::stream_of(pad).is_known, true)) return;
+  const Status added = self->solver->add_camera(gst::camera_of(pad), gst::settings_of(pad));
+  if (!added) gst::post_warning(GST_ELEMENT(self), added.error());
+}
+
+static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEvent* event) {
+  GstCalibRig* self = GST_CALIB_RIG(parent);
+  gst::RigPadStream& stream = gst::stream_of(pad);
+  switch (GST_EVENT_TYPE(event)) {
+    case GST_EVENT_CAPS:
+      gst_calib_rig_introduce(self, pad);
+      break;
+    case GST_EVENT_SEGMENT:
+      gst_event_copy_segment(event, &stream.segment);
+      gst_calib_rig_runs_on(self, pad);
+      break;
+    case GST_EVENT_FLUSH_STOP:
+      gst_segment_init(&stream.segment, GST_FORMAT_TIME);
+      gst_calib_rig_runs_on(self, pad);
+      break;
+    case GST_EVENT_EOS:
+      if (gst_calib_rig_ends_with(self, pad)) gst_calib_rig_finish(self, event);
+      gst_calib_rig_push_rig(self, pad);
+      break;
+    case GST_EVENT_CUSTOM_DOWNSTREAM:
+      // An observation that no buffer could take.
+      if (gst_event_has_name(event, gst::kObservationName)) {
+        gst_calib_rig_offer(self, pad,
+                            gst::observations_from_structure(gst_event_get_structure(event)), 0);
+      }
+      break;
+    case GST_EVENT_CUSTOM_DOWNSTREAM_STICKY:
+      if (const auto calibration = gst::parse_calibration_event(event)) {
+        if (gst::settings_of(pad).intrinsics.empty()) {
+          self->solver->set_intrinsics(gst::camera_of(pad), calibration->json);
+        }
+      }
+      break;
+    default:
+      break;
+  }
+  GstPad* source = gst::source_of(pad);
+  // Events that nobody takes are kept by the source pad for whoever is linked later.
+  const gboolean pushed = gst_pad_push_event(source, event);
+  return pushed || !gst_pad_is_linked(source);
+}
+
+static gboolean gst_calib_rig_src_event(GstPad* pad, GstObject* /*parent*/, GstEvent* event) {
+  return gst_pad_push_event(GST_PAD(gst_pad_get_element_private(pad)), event);
+}
+
+// What is asked of one side is asked of the other. A pad that nobody is linked to takes any caps.
+static gboolean gst_calib_rig_sink_query(GstPad* pad, GstObject* parent, GstQuery* query) {
+  GstPad* source = gst::source_of(pad);
+  if (!gst_pad_is_linked(source)) return gst_pad_query_default(pad, parent, query);
+  return gst_pad_peer_query(source, query);
+}
+
+static gboolean gst_calib_rig_src_query(GstPad* pad, GstObject* /*parent*/, GstQuery* query) {
+  return gst_pad_peer_query(GST_PAD(gst_pad_get_element_private(pad)), query);
+}
+
+static GstIterator* gst_calib_rig_internal_links(GstPad* pad, GstObject* /*parent*/) {
+  GstPad* other =
+      GST_PAD_IS_SINK(pad) ? gst::source_of(pad) : GST_PAD(gst_pad_get_element_private(pad));
+  GValue value = G_VALUE_INIT;
+  g_value_init(&value, GST_TYPE_PAD);
+  g_value_set_object(&value, other);
+  GstIterator* iterator = gst_iterator_new_single(GST_TYPE_PAD, &value);
+  g_value_unset(&value);
+  return iterator;
+}
+
+// ---- Pads ---------------------------------------------------------------------------------------
+
+// The number that a name asks for, or the next one that is free.
+static guint gst_calib_rig_number(GstCalibRig* self, const char* name) {
+  guint number = 0;
+  const bool is_asked = name != nullptr && sscanf(name, "sink_%u", &number) == 1;
+  GST_OBJECT_LOCK(self);
+  if (!is_asked) number = self->next_camera;
+  self->next_camera = std::max(self->next_camera, number + 1);
+  GST_OBJECT_UNLOCK(self);
+  return number;
+}
+
+static GstPad* gst_calib_rig_request_new_pad(GstElement* element, GstPadTemplate* templ,
+                                             const char* name, const GstCaps* /*caps*/) {
+  constexpr guint kMost = 4096;
+  GstCalibRig* self = GST_CALIB_RIG(element);
+  const guint number = gst_calib_rig_number(self, name);
+  if (number >= kMost) {
+    GST_ERROR_OBJECT(self, "no rig has a camera %u", number);
+    return nullptr;
+  }
+  g_autofree char* sink_name = g_strdup_printf("sink_%u", number);
+  g_autofree char* src_name = g_strdup_printf("src_%u", number);
+  GstPad* source = gst_pad_new_from_static_template(&gst_calib_rig_src_template, src_name);
+  GstPad* sink = gst::new_rig_pad(templ, sink_name, number, source);
+  gst_pad_set_element_private(source, sink);
+  gst_pad_set_chain_function(sink, gst_calib_rig_chain);
+  gst_pad_set_event_function(sink, gst_calib_rig_sink_event);
+  gst_pad_set_query_function(sink, gst_calib_rig_sink_query);
+  gst_pad_set_iterate_internal_links_function(sink, gst_calib_rig_internal_links);
+  gst_pad_set_event_function(source, gst_calib_rig_src_event);
+  gst_pad_set_query_function(source, gst_calib_rig_src_query);
+  gst_pad_set_iterate_internal_links_function(source, gst_calib_rig_internal_links);
+  const bool runs =
+      GST_STATE(element) > GST_STATE_READY || GST_STATE_TARGET(element) > GST_STATE_READY;
+  if (runs) {
+    gst_pad_set_active(source, TRUE);
+    gst_pad_set_active(sink, TRUE);
+  }
+  gst_element_add_pad(element, source);
+  if (!gst_element_add_pad(element, sink)) {
+    gst_element_remove_pad(element, source);
+    return nullptr;
+  }
+  gst_child_proxy_child_added(GST_CHILD_PROXY(self), G_OBJECT(sink), sink_name);
+  return sink;
+}
+
+static void gst_calib_rig_release_pad(GstElement* element, GstPad* pad) {
+  GstPad* source = gst::source_of(pad);
+  gst_child_proxy_child_removed(GST_CHILD_PROXY(element), G_OBJECT(pad), GST_PAD_NAME(pad));
+  gst_pad_set_active(pad, FALSE);
+  gst_pad_set_active(source, FALSE);
+  gst_element_remove_pad(element, source);
+  gst_element_remove_pad(element, pad);
+}
+
+static GObject* gst_calib_rig_child_by_index(GstChildProxy* proxy, guint index) {
+  GObject* child = nullptr;
+  GST_OBJECT_LOCK(proxy);
+  if (auto* pad = g_list_nth_data(GST_ELEMENT(proxy)->sinkpads, index)) {
+    child = G_OBJECT(g_object_ref(G_OBJECT(pad)));
+  }
+  GST_OBJECT_UNLOCK(proxy);
+  return child;
+}
+
+static guint gst_calib_rig_children_count(GstChildProxy* proxy) {
+  GST_OBJECT_LOCK(proxy);
+  const guint count = GST_ELEMENT(proxy)->numsinkpads;
+  GST_OBJECT_UNLOCK(proxy);
+  return count;
+}
+
+static void gst_calib_rig_child_proxy_init(gpointer iface, gpointer /*data*/) {
+  auto* child_proxy = static_cast<GstChildProxyInterface*>(iface);
+  child_proxy->get_child_by_index = gst_calib_rig_child_by_index;
+  child_proxy->get_children_count = gst_calib_rig_children_count;
+}
+
+// ---- Element ------------------------------------------------------------------------------------
+
+static bool gst_calib_rig_start(GstCalibRig* self) {
+  Status started = self->solver->start();
+  for (GstPad* pad : gst_calib_rig_sink_pads(self)) {
+    gst_calib_rig_runs_on(self, pad);
+    gst_segment_init(&gst::stream_of(pad).segment, GST_FORMAT_TIME);
+    if (started) started = self->solver->add_camera(gst::camera_of(pad), gst::settings_of(pad));
+    gst::stream_of(pad).is_known = true;
+    gst_object_unref(pad);
+  }
+  if (!started) gst::post_error(GST_ELEMENT(self), started.error());
+  return started.has_value();
+}
+
+static GstStateChangeReturn gst_calib_rig_change_state(GstElement* element, GstStateChange change) {
+  GstCalibRig* self = GST_CALIB_RIG(element);
+  if (change == GST_STATE_CHANGE_READY_TO_PAUSED) {
+    self->solver->resume();
+    if (gst_calib_rig_is_last(self)) {
+      GST_OBJECT_FLAG_SET(self, GST_ELEMENT_FLAG_SINK);
+    } else {
+      GST_OBJECT_FLAG_UNSET(self, GST_ELEMENT_FLAG_SINK);
+    }
+    if (!gst_calib_rig_start(self)) return GST_STATE_CHANGE_FAILURE;
+  }
+  // Before the pads are deactivated: that waits for streaming threads, of which one may be waiting
+  // for the last solve.
+  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) self->solver->cancel();
+  const auto result = GST_ELEMENT_CLASS(gst_calib_rig_parent_class)->change_state(element, change);
+  if (change == GST_STATE_CHANGE_PAUSED_TO_READY) self->solver->stop();
+  return result;
+}
+
+static void gst_calib_rig_init(GstCalibRig* self) {
+  self->solver = new gst::RigSolver(GST_ELEMENT(self));
+}
+
+static void gst_calib_rig_class_init(GstCalibRigClass* klass) {
+  auto* object_class = G_OBJECT_CLASS(klass);
+  gst::install_finalize<gst_calib_rig_solver>(object_class);
+  gst::install_dispose<gst_calib_rig_solver>(object_class);
+  gst::install_properties<gst_calib_rig_solver, gst::kRigProperties>(object_class);
+  auto* element_class = GST_ELEMENT_CLASS(klass);
+  element_class->request_new_pad = gst_calib_rig_request_new_pad;
+  element_class->release_pad = gst_calib_rig_release_pad;
+  element_class->change_state = gst_calib_rig_change_state;
+  gst_element_class_add_static_pad_template_with_gtype(element_class, &gst_calib_rig_sink_template,
+                                                       gst_calib_rig_pad_get_type());
+  gst_element_class_add_static_pad_template(element_class, &gst_calib_rig_src_template);
+  gst_element_class_set_static_metadata(
+      element_class, "Places of several cameras", "Filter/Analyzer/Video",
+      "Solves where cameras stand to each other from the boards that were found upstream",
+      "The gst-calvin authors");
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The structures of calibrig.
+
+#include "rig/rig_messages.hpp"
+
+#include <optional>
+#include <vector>
+
+#include "calvin/core/text.hpp"
+#include "common/values.hpp"
+
+namespace calvin::gst {
+
+namespace {
+
+void set_optional(GstStructure* s, const char* field, const std::optional<double>& value) {
+  if (value) gst_structure_set(s, field, G_TYPE_DOUBLE, *value, nullptr);
+}
+
+GstStructure* link_structure(const RigLink& link, const Rig& rig) {
+  GstStructure* s = gst_structure_new(
+      "link", "a", G_TYPE_STRING, displayed(rig.cameras[link.a].calibration.camera).c_str(), "b",
+      G_TYPE_STRING, displayed(rig.cameras[link.b].calibration.camera).c_str(), "views", G_TYPE_INT,
+      static_cast<int>(link.views), "agree", G_TYPE_INT, static_cast<int>(link.agree), "distance",
+      G_TYPE_DOUBLE, link.distance, "distance-sigma", G_TYPE_DOUBLE, link.distance_sigma, "angle",
+      G_TYPE_DOUBLE, link.angle, nullptr);
+  set_optional(s, "bias", link.bias);
+  set_optional(s, "spread", link.spread);
+  return s;
+}
+
+}  // namespace
+
+GstStructure* rig_progress_message(const FrameTimes& times, const RigProgress& progress) {
+  GstStructure* s = new_message("calib-rig-progress", times, "");
+  gst_structure_set(s, "cameras", G_TYPE_INT, static_cast<int>(progress.cameras.size()), "weakest",
+                    G_TYPE_STRING, displayed(progress.weakest).c_str(), nullptr);
+  std::vector<GstStructure*> links;
+  for (const RigProgress::Link& link : progress.links) {
+    links.push_back(gst_structure_new("link", "a", G_TYPE_STRING, displayed(link.a).c_str(), "b",
+                                      G_TYPE_STRING, displayed(link.b).c_str(), "views", G_TYPE_INT,
+                                      link.views, nullptr));
+  }
+  take_structures(s, "links", links);
+  return s;
+}
+
+GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& solution,
+                                 const std::string& location, const char* json) {
+  const Rig& rig = solution.rig;
+  GstStructure* s = new_message("calib-rig-result", times, "");
+  gst_structure_set(s, "state", G_TYPE_STRING, json != nullptr ? "final" : "intermediate",
+                    "cameras", G_TYPE_INT, static_cast<int>(rig.cameras.size()), "world",
+                    G_TYPE_STRING, displayed(rig.world).c_str(), "pairing", G_TYPE_UINT64,
+                    static_cast<guint64>(solution.farthest), "rejected", G_TYPE_INT,
+                    static_cast<int>(solution.rejected.size()), nullptr);
+  set_optional(s, "rms", rig.rms);
+  std::vector<GstStructure*> links;
+  for (const RigLink& link : solution.links) links.push_back(link_structure(link, rig));
+  take_structures(s, "links", links);
+  if (solution.weakest) {
+    const RigLink& weakest = solution.links[*solution.weakest];
+    gst_structure_set(s, "weakest", G_TYPE_STRING,
+                      displayed(rig.cameras[weakest.a].calibration.camera + " " +
+                                rig.cameras[weakest.b].calibration.camera)
+                          .c_str(),
+                      nullptr);
+  }
+  if (!solution.remarks.empty()) {
+    gst_structure_set(s, "remarks", G_TYPE_STRING, displayed(join(solution.remarks, " ")).c_str(),
+                      nullptr);
+  }
+  if (!location.empty()) {
+    gst_structure_set(s, "location", G_TYPE_STRING, displayed(location).c_str(), nullptr);
+  }
+  if (json != nullptr) gst_structure_set(s, "json", G_TYPE_STRING, json, nullptr);
+  return s;
+}
+
+GstEvent* new_rig_event(const std::string& json) {
+  return gst_event_new_custom(
+      GST_EVENT_CUSTOM_DOWNSTREAM_STICKY,
+      gst_structure_new(kRigEvent, "json", G_TYPE_STRING, json.c_str(), nullptr));
+}
+
+}  // namespace calvin::gst

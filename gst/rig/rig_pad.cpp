@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The pad as a GObject.
+
+#include "rig/rig_pad.hpp"
+
+#include <fmt/format.h>
+
+#include "common/property_kinds.hpp"
+
+struct _GstCalibRigPad {
+  GstPad parent;
+  std::size_t camera;
+  GstPad* source;
+  calvin::gst::RigPadStream* stream;
+  calvin::gst::RigCameraSettings* settings;  // object lock
+};
+
+G_DEFINE_FINAL_TYPE(GstCalibRigPad, gst_calib_rig_pad, GST_TYPE_PAD)
+
+enum { PROP_INTRINSICS = 1, PROP_CAMERA };
+
+static void gst_calib_rig_pad_set_property(GObject* object, guint id, const GValue* value,
+                                           GParamSpec* /*spec*/) {
+  auto& settings = *GST_CALIB_RIG_PAD(object)->settings;
+  GST_OBJECT_LOCK(object);
+  calvin::gst::read_value(value, id == PROP_CAMERA ? settings.name : settings.intrinsics);
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void gst_calib_rig_pad_get_property(GObject* object, guint id, GValue* value,
+                                           GParamSpec* /*spec*/) {
+  auto& settings = *GST_CALIB_RIG_PAD(object)->settings;
+  GST_OBJECT_LOCK(object);
+  calvin::gst::write_value(id == PROP_CAMERA ? settings.name : settings.intrinsics, value);
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void gst_calib_rig_pad_finalize(GObject* object) {
+  GstCalibRigPad* self = GST_CALIB_RIG_PAD(object);
+  delete self->stream;
+  delete self->settings;
+  G_OBJECT_CLASS(gst_calib_rig_pad_parent_class)->finalize(object);
+}
+
+static void gst_calib_rig_pad_class_init(GstCalibRigPadClass* klass) {
+  auto* object_class = G_OBJECT_CLASS(klass);
+  object_class->set_property = gst_calib_rig_pad_set_property;
+  object_class->get_property = gst_calib_rig_pad_get_property;
+  object_class->finalize = gst_calib_rig_pad_finalize;
+  using calvin::gst::kMutableReady;
+  g_object_class_install_property(
+      object_class, PROP_INTRINSICS,
+      calvin::gst::new_spec({"intrinsics", "Intrinsics",
+                             "The calibration of the camera (a file, or whatever calibundistort "
+                             "takes); none: the one that comes from upstream",
+                             kMutableReady},
+                            std::string()));
+  g_object_class_install_property(
+      object_class, PROP_CAMERA,
+      calvin::gst::new_spec(
+          {"camera", "Camera", "Name of the camera in the rig; none: cam and the number of the pad",
+           kMutableReady},
+          std::string()));
+}
+
+static void gst_calib_rig_pad_init(GstCalibRigPad* self) {
+  self->stream = new calvin::gst::RigPadStream;
+  gst_segment_init(&self->stream->segment, GST_FORMAT_TIME);
+  self->settings = new calvin::gst::RigCameraSettings;
+}
+
+namespace calvin::gst {
+
+GstPad* new_rig_pad(GstPadTemplate* templ, const char* name, std::size_t camera, GstPad* source) {
+  auto* pad = GST_PAD(g_object_new(gst_calib_rig_pad_get_type(), "name", name, "direction",
+                                   GST_PAD_SINK, "template", templ, nullptr));
+  GST_CALIB_RIG_PAD(pad)->camera = camera;
+  GST_CALIB_RIG_PAD(pad)->source = source;
+  return pad;
+}
+
+std::size_t camera_of(GstPad* pad) { return GST_CALIB_RIG_PAD(pad)->camera; }
+
+GstPad* source_of(GstPad* pad) { return GST_CALIB_RIG_PAD(pad)->source; }
+
+RigCameraSettings settings_of(GstPad* pad) {
+  GST_OBJECT_LOCK(pad);
+  RigCameraSettings settings = *GST_CALIB_RIG_PAD(pad)->settings;
+  GST_OBJECT_UNLOCK(pad);
+  if (settings.name.empty()) settings.name = fmt::format("cam{}", camera_of(pad));
+  return settings;
+}
+
+RigPadStream& stream_of(GstPad* pad) { return *GST_CALIB_RIG_PAD(pad)->stream; }
+
+}  // namespace calvin::gst

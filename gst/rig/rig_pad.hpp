@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// A sink pad of calibrig: one camera, with properties of its own.
+#pragma once
+
+#include <cstddef>
+
+#include <gst/gst.h>
+
+#include "rig/rig_solver.hpp"
+
+G_DECLARE_FINAL_TYPE(GstCalibRigPad, gst_calib_rig_pad, GST, CALIB_RIG_PAD, GstPad)
+
+namespace calvin::gst {
+
+// Of a new pad, before it is added to the element. `source` is the pad behind it.
+[[nodiscard]] GstPad* new_rig_pad(GstPadTemplate* templ, const char* name, std::size_t camera,
+                                  GstPad* source);
+
+[[nodiscard]] std::size_t camera_of(GstPad* pad);
+[[nodiscard]] GstPad* source_of(GstPad* pad);
+
+// The name of the pad's number, as cam0, where none was set.
+[[nodiscard]] RigCameraSettings settings_of(GstPad* pad);
+
+// What only the streaming thread of the pad uses.
+struct RigPadStream {
+  GstSegment segment;
+  guint64 rig_number = 0;  // of the rig that went downstream last
+  bool at_end = false;     // under the object lock of the element
+  bool is_known = false;   // the solver was told of the camera since it started
+};
+[[nodiscard]] RigPadStream& stream_of(GstPad* pad);
+
+}  // namespace calvin::gst

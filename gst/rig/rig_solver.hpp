@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What calibrig does: tells its session what the cameras see, solves on a worker, posts and writes.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <gst/gst.h>
+
+#include "calvin/session/rig/rig_session.hpp"
+#include "common/messages.hpp"
+#include "common/properties.hpp"
+#include "common/shared_settings.hpp"
+#include "common/worker.hpp"
+
+namespace calvin::gst {
+
+enum RigModeChoice { kRigFloor, kRigJoint, kRigStereo };
+
+struct RigSettings {
+  std::string board;
+  RigModeChoice mode = kRigJoint;
+  std::string location;
+  guint64 tolerance = 10 * GST_MSECOND;
+};
+
+// What a pad is told of its camera.
+struct RigCameraSettings {
+  std::string name;
+  std::string intrinsics;  // as `calibration` of calibundistort; empty: the event tells them
+};
+
+class RigSolver : public SharedSettings<RigSettings> {
+ public:
+  explicit RigSolver(GstElement* element) : element_(element) {}
+
+  // An error for settings that cannot work.
+  [[nodiscard]] Status start();
+  // Any thread: whoever waits for a solve goes on without it.
+  void cancel() { worker_.cancel(); }
+  void resume() { worker_.resume(); }
+  void stop() { worker_.stop(); }
+
+  // Before its first frame. An error for intrinsics that cannot be read.
+  [[nodiscard]] Status add_camera(std::size_t camera, const RigCameraSettings& settings);
+  // Streaming threads, each for its own camera.
+  void set_intrinsics(std::size_t camera, const std::string& json);
+  // `times` are of the frame that the board was seen on; `shared_clock` is its time by the clock
+  // of all cameras.
+  void offer(std::size_t camera, Observation observation, const FrameTimes& times,
+             GstClockTime shared_clock);
+  // The last camera has come to its end: waits for the last solve, and says what came of it.
+  void finish();
+
+  // The rig as JSON where it is another one than that with the number `known`, which becomes its
+  // own.
+  [[nodiscard]] std::optional<std::string> take_rig(guint64& known);
+  [[nodiscard]] std::string rig_json();
+
+ private:
+  void solve_if_due(bool final);
+  void run(const RigJob& job, const std::stop_token& stop);
+  void publish(const RigJob& job, const RigSolution& solution, const std::stop_token& stop);
+
+  GstElement* element_;
+
+  // Under lock_.
+  RigSession session_;
+  FrameTimes times_;
+  std::string json_;
+  guint64 json_number_ = 0;
+  std::optional<Error> error_;  // of the last solve, or of the last write
+  bool complained_ = false;     // of a broken observation
+  bool write_failed_ = false;   // and that was said
+
+  Worker worker_;
+};
+
+extern const Property<RigSolver> kRigProperties[4];
+
+}  // namespace calvin::gst

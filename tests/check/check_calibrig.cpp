@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calibrig: frames of several cameras pass, whatever becomes of the others, and where the cameras
+// stand comes out as it is.
+
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/io/rig_io.hpp"
+#include "common/calibration_event.hpp"
+#include "rig_views.hpp"
+#include "support.hpp"
+
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+
+using namespace calvin;
+
+namespace {
+
+using rig_views::SeenByCamera;
+
+// A rig of cameras, a harness around the pads of each, and what they see.
+struct RigFixture {
+  explicit RigFixture(std::vector<SeenByCamera> of, bool with_intrinsics = true,
+                      GstClockTime clock_error = 0)
+      : cameras(std::move(of)), element(check::make_element("calibrig")), bus(element) {
+    gst_object_ref_sink(element);
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      const std::string number = std::to_string(c);
+      harnesses.push_back(gst_harness_new_with_element(element, ("sink_" + number).c_str(),
+                                                       ("src_" + number).c_str()));
+      if (with_intrinsics) {
+        const std::string file = folder / ("cam" + number + ".json").c_str();
+        (void)write_calibration(file, cameras[c].calibration);
+        gst_child_proxy_set(GST_CHILD_PROXY(element), ("sink_" + number + "::intrinsics").c_str(),
+                            file.c_str(), nullptr);
+      }
+      for (Observation& seen : cameras[c].observations) seen.timestamp += c * clock_error;
+    }
+  }
+  ~RigFixture() {
+    bus.detach();
+    for (GstHarness* h : harnesses) gst_harness_teardown(h);
+    gst_object_unref(element);
+  }
+
+  // A harness starts its element before anything can be set.
+  void start() {
+    gst_element_set_state(element, GST_STATE_NULL);
+    gst_element_set_state(element, GST_STATE_PLAYING);
+    for (std::size_t c = 0; c < harnesses.size(); ++c) {
+      const ImageSize size = cameras[c].calibration.image_size;
+      gst_harness_set_src_caps(harnesses[c], check::caps_of("GRAY8", size));
+    }
+  }
+  // A frame of a camera, and the one that came out.
+  GstBuffer* push(std::size_t camera, const std::vector<Observation>& observations,
+                  GstClockTime pts) {
+    const ImageSize size = cameras[camera].calibration.image_size;
+    GstBuffer* buffer = gst_buffer_new_allocate(
+        nullptr, static_cast<gsize>(GST_ROUND_UP_4(size.width) * size.height), nullptr);
+    GST_BUFFER_PTS(buffer) = pts;
+    gst::attach_observations(buffer, observations);
+    return gst_harness_push_and_pull(harnesses[camera], buffer);
+  }
+  // What all cameras see, in the order of time.
+  void push_all(std::size_t leave_out = 1000) {
+    std::vector<std::pair<std::uint64_t, std::pair<std::size_t, std::size_t>>> order;
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      for (std::size_t v = 0; v < cameras[c].observations.size(); ++v) {
+        if (c != leave_out) order.push_back({cameras[c].observations[v].timestamp, {c, v}});
+      }
+    }
+    std::sort(order.begin(), order.end());
+    for (const auto& [time, of] : order) {
+      gst_buffer_unref(push(of.first, {cameras[of.first].observations[of.second]}, time));
+    }
+  }
+  void end_all() {
+    for (GstHarness* h : harnesses) gst_harness_push_event(h, gst_event_new_eos());
+  }
+  const GstStructure* final_result() {
+    for (const GstStructure* s : bus.named("calib-rig-result")) {
+      if (std::strcmp(gst_structure_get_string(s, "state"), "final") == 0) return s;
+    }
+    return nullptr;
+  }
+  double worst(const Rig& found) const { return rig_views::worst_error(found, cameras); }
+
+  std::vector<SeenByCamera> cameras;
+  check::TemporaryFolder folder;
+  GstElement* element;
+  check::Bus bus;
+  std::vector<GstHarness*> harnesses;
+};
+
+}  // namespace
+
+GST_START_TEST(test_two_cameras_stand_where_they_are) {
+  RigFixture f(rig_views::stereo());
+  const std::string location = f.folder / "rig.json";
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_object_set(f.element, "location", location.c_str(), nullptr);
+  f.start();
+  f.push_all();
+  f.end_all();
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  int cameras = 0;
+  gst_structure_get_int(result, "cameras", &cameras);
+  fail_unless_equals_int(cameras, 2);
+  const auto rig = read_rig(location);
+  fail_unless(rig.has_value());
+  fail_unless(f.worst(*rig) < 5, "%f sigmas", f.worst(*rig));
+  const auto posted = parse_rig(gst_structure_get_string(result, "json"));
+  fail_unless(posted.has_value() && print_rig(*posted).value() == print_rig(*rig).value());
+  // Simulated pictures of one instant are a millisecond apart.
+  guint64 pairing = 0;
+  gst_structure_get_uint64(result, "pairing", &pairing);
+  fail_unless_equals_uint64(pairing, GST_MSECOND);
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_four_cameras_of_different_lenses_and_sizes) {
+  RigFixture f(rig_views::ring());
+  f.start();
+  f.push_all();
+  f.end_all();
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  const auto rig = parse_rig(gst_structure_get_string(result, "json"));
+  fail_unless(rig.has_value() && rig->cameras.size() == 4);
+  fail_unless(f.worst(*rig) < 5, "%f sigmas", f.worst(*rig));
+  // The rig went downstream on every pad, ahead of the end.
+  for (GstHarness* h : f.harnesses) {
+    bool told = false;
+    while (GstEvent* event = gst_harness_try_pull_event(h)) {
+      told = told || gst_event_has_name(event, "calvin-rig");
+      gst_event_unref(event);
+    }
+    fail_unless(told || h != f.harnesses.back());
+  }
+}
+GST_END_TEST;
+
+// A progress tells who has seen what with whom, before there is any result.
+GST_START_TEST(test_progress_tells_links_and_the_weakest) {
+  RigFixture f(rig_views::stereo());
+  f.start();
+  f.push_all();
+  const auto progress = f.bus.named("calib-rig-progress");
+  fail_unless(progress.size() > 5);
+  const GstStructure* last = progress.back();
+  fail_unless_equals_string(gst_structure_get_string(last, "weakest"), "cam0 cam1");
+  const GValue* links = gst_structure_get_value(last, "links");
+  fail_unless(GST_VALUE_HOLDS_ARRAY(links));
+  fail_unless_equals_int(gst_value_array_get_size(links), 1);
+  f.end_all();
+}
+GST_END_TEST;
+
+// The calibration of a calibrate upstream will do.
+GST_START_TEST(test_intrinsics_come_with_the_event) {
+  RigFixture f(rig_views::stereo(), false);
+  f.start();
+  for (std::size_t c = 0; c < 2; ++c) {
+    const auto json = print_calibration(f.cameras[c].calibration);
+    gst_harness_push_event(f.harnesses[c], gst::new_calibration_event({"x", *json}));
+  }
+  f.push_all();
+  f.end_all();
+  fail_unless(f.final_result() != nullptr);
+}
+GST_END_TEST;
+
+// What is missing is said at the end: an error where a file was asked for.
+GST_START_TEST(test_the_end_without_a_rig_says_what_is_missing) {
+  struct Case {
+    bool intrinsics;
+    bool both;
+    GstClockTime clock_error;
+    const char* word;
+  };
+  constexpr Case kCases[] = {{false, true, 0, "intrinsics=FILE"},
+                             {true, false, 0, "has seen no board"},
+                             {true, true, GST_SECOND / 2, "have seen no board at the same time"}};
+  for (const bool wants_file : {false, true}) {
+    const Case& c = kCases[__i__];
+    RigFixture f(rig_views::stereo(), c.intrinsics, c.clock_error);
+    if (wants_file) {
+      g_object_set(f.element, "location", (f.folder / "rig.json").c_str(), nullptr);
+    }
+    f.start();
+    f.push_all(c.both ? 1000 : 1);
+    f.end_all();
+    const auto texts = f.bus.texts(wants_file ? GST_MESSAGE_ERROR : GST_MESSAGE_WARNING);
+    fail_unless_equals_int(texts.size(), 1);
+    fail_unless(texts[0].find(c.word) != std::string::npos, "%s", texts[0].c_str());
+    fail_unless(f.final_result() == nullptr);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_intrinsics_that_cannot_be_read_are_an_error) {
+  RigFixture f(rig_views::stereo(), false);
+  gst_child_proxy_set(GST_CHILD_PROXY(f.element), "sink_1::intrinsics", "/nowhere/cam.json",
+                      "sink_1::camera", "right", nullptr);
+  fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_NULL),
+                         GST_STATE_CHANGE_SUCCESS);
+  fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_PAUSED),
+                         GST_STATE_CHANGE_FAILURE);
+  const auto texts = f.bus.texts(GST_MESSAGE_ERROR);
+  fail_unless_equals_int(texts.size(), 1);
+  fail_unless(texts[0].find("'right'") != std::string::npos, "%s", texts[0].c_str());
+}
+GST_END_TEST;
+
+// One camera ends, or restarts: the others go on, and the last one's end is the session's.
+GST_START_TEST(test_the_end_of_one_camera_is_not_that_of_the_rig) {
+  RigFixture f(rig_views::stereo());
+  f.start();
+  f.push_all();
+  gst_harness_push_event(f.harnesses[0], gst_event_new_eos());
+  fail_unless(f.final_result() == nullptr);
+  g_autoptr(GstBuffer) passed = f.push(1, {}, 50 * GST_SECOND);
+  fail_unless(passed != nullptr);
+  gst_harness_push_event(f.harnesses[1], gst_event_new_eos());
+  fail_unless(f.final_result() != nullptr);
+}
+GST_END_TEST;
+
+// Frames pass as they came, on a pad whose neighbour gets none at all.
+GST_START_TEST(test_no_pad_waits_for_another) {
+  RigFixture f(rig_views::ring());
+  f.start();
+  for (int n = 0; n < 50; ++n) {
+    GstBuffer* buffer = gst_buffer_new_allocate(nullptr, 1280 * 960, nullptr);
+    GST_BUFFER_PTS(buffer) = static_cast<guint64>(n) * GST_SECOND / 30;
+    g_autoptr(GstBuffer) out = gst_harness_push_and_pull(f.harnesses[0], buffer);
+    fail_unless(out == buffer);
+  }
+}
+GST_END_TEST;
+
+// Nobody is linked behind one camera, or behind any: the rig is found and the pipeline ends.
+GST_START_TEST(test_sources_need_not_be_linked) {
+  const std::string launch =
+      "calibrig name=rig calibtestsrc num-buffers=12 ! calibdetect ! rig.sink_0 "
+      "calibtestsrc num-buffers=12 ! calibdetect ! rig.sink_1 ";
+  g_autoptr(GstElement) pipeline =
+      gst_parse_launch((launch + (__i__ == 0 ? "rig.src_0 ! fakesink" : "")).c_str(), nullptr);
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  g_autoptr(GstMessage) end = gst_bus_timed_pop_filtered(
+      bus, 60 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  fail_unless(end != nullptr && GST_MESSAGE_TYPE(end) == GST_MESSAGE_EOS);
+  gst_bus_set_flushing(bus, TRUE);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+}
+GST_END_TEST;
+
+// State cycles, flushes and pads that come and go while frames flow.
+GST_START_TEST(test_states_flushes_and_pads) {
+  RigFixture f(rig_views::stereo());
+  f.start();
+  f.push_all();
+  for (GstHarness* h : f.harnesses) {
+    gst_harness_push_event(h, gst_event_new_flush_start());
+    gst_harness_push_event(h, gst_event_new_flush_stop(TRUE));
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    gst_harness_push_event(h, gst_event_new_segment(&segment));
+  }
+  g_autoptr(GstBuffer) after = f.push(0, {}, 0);
+  fail_unless(after != nullptr);
+  g_autoptr(GstPad) third = gst_element_request_pad_simple(f.element, "sink_%u");
+  fail_unless_equals_string(GST_PAD_NAME(third), "sink_2");
+  gst_element_release_request_pad(f.element, third);
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  gst_element_set_state(f.element, GST_STATE_PLAYING);
+  fail_unless(f.bus.texts(GST_MESSAGE_ERROR).empty());
+}
+GST_END_TEST;
+
+static Suite* calibrig_suite(void) {
+  Suite* s = suite_create("calibrig");
+  TCase* tc = tcase_create("general");
+  suite_add_tcase(s, tc);
+  tcase_set_timeout(tc, 120);
+  tcase_add_test(tc, test_two_cameras_stand_where_they_are);
+  tcase_add_test(tc, test_four_cameras_of_different_lenses_and_sizes);
+  tcase_add_test(tc, test_progress_tells_links_and_the_weakest);
+  tcase_add_test(tc, test_intrinsics_come_with_the_event);
+  tcase_add_loop_test(tc, test_the_end_without_a_rig_says_what_is_missing, 0, 3);
+  tcase_add_test(tc, test_intrinsics_that_cannot_be_read_are_an_error);
+  tcase_add_test(tc, test_the_end_of_one_camera_is_not_that_of_the_rig);
+  tcase_add_test(tc, test_no_pad_waits_for_another);
+  tcase_add_loop_test(tc, test_sources_need_not_be_linked, 0, 2);
+  tcase_add_test(tc, test_states_flushes_and_pads);
+  return s;
+}
+
+GST_CHECK_MAIN(calibrig);

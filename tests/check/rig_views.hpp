@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What the cameras of a simulated rig see, for the tests of elements: apart from these, as the
+// library's check() and their namespace of that name exclude each other.
+#pragma once
+
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/core/rig.hpp"
+#include "calvin/geometry/se3.hpp"
+
+namespace calvin::rig_views {
+
+struct SeenByCamera {
+  Calibration calibration;
+  SE3 world_from_camera;
+  std::vector<Observation> observations;
+};
+
+// Two cameras side by side, or four of different lenses and sizes in a ring.
+[[nodiscard]] std::vector<SeenByCamera> stereo();
+[[nodiscard]] std::vector<SeenByCamera> ring();
+
+// The largest component of how far the cameras of a rig are from where they stand, in sigmas.
+[[nodiscard]] double worst_error(const Rig& rig, const std::vector<SeenByCamera>& truth);
+
+}  // namespace calvin::rig_views
