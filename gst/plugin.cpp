@@ -17,6 +17,7 @@ static gboolean plugin_init(GstPlugin* plugin) {
   any |= GST_ELEMENT_REGISTER(calibsolve, plugin);
   any |= GST_ELEMENT_REGISTER(calibtestsrc, plugin);
   any |= GST_ELEMENT_REGISTER(calibundistort, plugin);
+  any |= GST_ELEMENT_REGISTER(calibview, plugin);
   any |= GST_ELEMENT_REGISTER(calibrate, plugin);
   any |= GST_ELEMENT_REGISTER(calibrig, plugin);
   return any;

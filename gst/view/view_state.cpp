@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Reads the rig, at the start and whenever its file is another one.
+
+#include "view/view_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <system_error>
+
+#include "calvin/io/rig_io.hpp"
+#include "common/messages.hpp"
+
+GST_DEBUG_CATEGORY_EXTERN(calibview_debug);
+#define GST_CAT_DEFAULT calibview_debug
+
+namespace calvin::gst {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Result<Rig> read_setting(const std::string& text) {
+  if (text.empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "There is no rig to show: set rig=FILE, as calibrig location=FILE or "
+                      "calvin-rig has written it.");
+  }
+  return text.starts_with('{') ? parse_rig(text) : read_rig(text);
+}
+
+}  // namespace
+
+const Property<ViewState> kViewProperties[3] = {
+    {"rig",
+     "Rig",
+     "The rig to show: its file, which is read again when it is replaced, or its JSON",
+     kept_in<&ViewSettings::rig>,
+     {.flags = kMutableReady}},
+    {"orbit",
+     "Orbit",
+     "How fast whoever looks goes around the rig (degrees per second; 0 = not at all)",
+     kept_in<&ViewSettings::orbit>,
+     {.range = Range{-360, 360}}},
+    {"is-live",
+     "Is Live",
+     "Make each frame at its time, as a camera does",
+     returned_by<&ViewState::is_live, &ViewState::set_live>,
+     {.flags = kMutableReady}},
+};
+
+std::optional<ViewState::Stamp> ViewState::stamp_of(const std::string& path) {
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(path, error);
+  if (error) return std::nullopt;
+  const auto size = std::filesystem::file_size(path, error);
+  if (error) return std::nullopt;
+  return Stamp{written, size};
+}
+
+Status ViewState::start() {
+  path_ = settings().rig;
+  const auto stamp = stamp_of(path_);
+  const auto rig = read_setting(path_);
+  const bool may_come = !rig && (path_.empty() || rig.error().code == ErrorCode::kNotFound);
+  if (!rig && !may_come) return tl::unexpected<Error>(rig.error());
+  if (may_come) post_warning(GST_ELEMENT(element_), rig.error());
+  auto scene = std::make_shared<Scene>();
+  if (rig) {
+    *scene = make_scene(*rig);
+  } else {
+    scene->notes = {"no rig yet"};
+  }
+  {
+    const std::lock_guard guard(lock_);
+    scene_ = std::move(scene);
+    viewpoint_ = {};
+    stamp_ = rig ? stamp : std::nullopt;
+  }
+  next_look_ = 0;
+  return reader_.start();
+}
+
+// What cannot be read may be half written: the old rig stays until there is another one.
+void ViewState::look_again() {
+  constexpr gint64 kEvery = 500'000;  // us
+  const gint64 now = g_get_monotonic_time();
+  if (now < next_look_ || path_.empty() || path_.starts_with('{')) return;
+  next_look_ = now + kEvery;
+  reader_.offer([this, path = path_](const std::stop_token& stop) {
+    const auto stamp = stamp_of(path);
+    {
+      const std::lock_guard guard(lock_);
+      if (!stamp || stamp == stamp_) return;
+    }
+    const auto rig = read_rig(path);
+    if (!rig) return;
+    GST_INFO_OBJECT(element_, "the rig was replaced");
+    auto scene = std::make_shared<const Scene>(make_scene(*rig));
+    const std::lock_guard guard(lock_);
+    if (stop.stop_requested()) return;
+    scene_ = std::move(scene);
+    stamp_ = stamp;
+  });
+}
+
+Status ViewState::draw(GstClockTime time, ImageSize size, std::uint8_t* pixels,
+                       std::ptrdiff_t stride) {
+  look_again();
+  std::shared_ptr<const Scene> scene;
+  SceneViewpoint viewpoint;
+  {
+    const std::lock_guard guard(lock_);
+    scene = scene_;
+    viewpoint = viewpoint_;
+    viewpoint.azimuth +=
+        kDegree * settings_.orbit * static_cast<double>(time) / static_cast<double>(GST_SECOND);
+  }
+  return draw_scene(*scene, viewpoint, size, pixels, stride);
+}
+
+void ViewState::drag_by(double right, double down) {
+  constexpr double kTurn = 3;  // rad, for the height of the picture
+  const std::lock_guard guard(lock_);
+  viewpoint_.azimuth -= kTurn * right;
+  viewpoint_.elevation = std::clamp(viewpoint_.elevation + kTurn * down, -1.5, 1.5);
+}
+
+void ViewState::zoom_by(double steps) {
+  constexpr double kStep = 1.1;
+  const std::lock_guard guard(lock_);
+  viewpoint_.zoom = std::clamp(viewpoint_.zoom * std::pow(kStep, steps), 0.2, 8.0);
+}
+
+}  // namespace calvin::gst

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The view of a rig: frusta are as wide as the cameras see, everything is in the picture, what is
+// up is up, and nothing is drawn beside the picture.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+
+#include "calvin/draw/scene/scene_picture.hpp"
+#include "calvin_config.h"
+#include "simulated_rig.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::Random;
+
+Rig rig_of(const scenes::SimulatedRig& simulated) {
+  Rig rig;
+  for (std::size_t c = 0; c < simulated.cameras.size(); ++c) {
+    RigCamera camera;
+    camera.calibration = simulated.cameras[c].to_calibration();
+    camera.calibration.camera = "cam" + std::to_string(c);
+    camera.rig_from_camera =
+        to_pose(simulated.world_from_camera[0].inverse() * simulated.world_from_camera[c]);
+    if (c > 0) {
+      camera.covariance.assign(36, 0.0);
+      for (std::size_t i = 0; i < 6; ++i) camera.covariance[7 * i] = 1e-8;
+    }
+    rig.cameras.push_back(std::move(camera));
+  }
+  rig.world = "cam0";
+  return rig;
+}
+
+bool is_of(const ScenePath& path, const SceneColour& colour) {
+  return path.colour.red == colour.red && path.colour.green == colour.green &&
+         path.colour.blue == colour.blue;
+}
+
+// The outline of each camera's picture leads back to the border of its image.
+TEST(Scene, HasFrustaAsWideAsTheLens) {
+  Random random(1);
+  const auto simulated = scenes::stereo_rig(random);
+  const Rig rig = rig_of(simulated);
+  const Scene scene = make_scene(rig);
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    const auto label =
+        std::ranges::find(scene.labels, rig.cameras[c].calibration.camera, &SceneLabel::text);
+    ASSERT_NE(label, scene.labels.end());
+    const SE3 pose = to_se3(rig.cameras[c].rig_from_camera);
+    EXPECT_LT((label->at - pose.translation).norm(), 1e-12);
+    const auto outline = std::ranges::find_if(scene.paths, [&](const ScenePath& path) {
+      return path.is_closed && !path.is_filled && path.points.size() == 32 &&
+             is_of(path, label->colour);
+    });
+    ASSERT_NE(outline, scene.paths.end());
+    const ImageSize size = simulated.cameras[c].image_size();
+    for (const Eigen::Vector3d& point : outline->points) {
+      const auto at = simulated.cameras[c].project(pose.inverse() * point);
+      ASSERT_TRUE(at.has_value());
+      const double off =
+          std::min({std::abs(at->u), std::abs(at->v), std::abs(at->u - size.width + 1),
+                    std::abs(at->v - size.height + 1)});
+      EXPECT_LT(off, 1e-4);
+    }
+  }
+}
+
+TEST(Scene, IsWhollyInThePictureFromEverywhere) {
+  Random random(2);
+  for (const auto& simulated :
+       {scenes::stereo_rig(random), scenes::ring_rig(8, random), scenes::chain_rig(5, random)}) {
+    const Scene scene = make_scene(rig_of(simulated));
+    for (double azimuth = 0; azimuth < 6; azimuth += 0.7) {
+      for (const double elevation : {-0.3, 0.45, 1.4}) {
+        const ImageSize size = {1280, 720};
+        const SceneProjection projection(scene, {azimuth, elevation, 1}, size);
+        for (const SceneLabel& label : scene.labels) {
+          const auto at = projection.project(label.at);
+          ASSERT_TRUE(at.has_value());
+          EXPECT_GT(at->u, 0);
+          EXPECT_GT(at->v, 0);
+          EXPECT_LT(at->u, size.width);
+          EXPECT_LT(at->v, size.height);
+        }
+        const auto middle = projection.project(scene.middle);
+        EXPECT_NEAR(middle->u, (size.width - 1) / 2.0, 1e-6);
+        EXPECT_NEAR(middle->v, (size.height - 1) / 2.0, 1e-6);
+        const auto above = projection.project(scene.middle + 0.3 * scene.radius * scene.up);
+        EXPECT_LT(above->v, middle->v);
+        EXPECT_NEAR(above->u, middle->u, 1e-6);
+      }
+    }
+  }
+}
+
+// Cameras are upright: up in the scene is up in their pictures.
+TEST(Scene, StandsAsItsCamerasDo) {
+  Random random(3);
+  const Rig rig = rig_of(scenes::ring_rig(6, random));
+  const Scene scene = make_scene(rig);
+  for (const RigCamera& camera : rig.cameras) {
+    EXPECT_GT(-to_se3(camera.rig_from_camera).rotation.col(1).dot(scene.up), 0.7);
+  }
+  Rig floor = rig;
+  floor.world = kBoardWorld;
+  EXPECT_EQ(make_scene(floor).up, -Eigen::Vector3d::UnitZ());
+}
+
+// Any rig has a finite scene: a single camera, cameras in one place, and one that sees behind
+// itself.
+TEST(Scene, OfOddRigsIsFinite) {
+  Random random(4);
+  Rig one = rig_of(scenes::stereo_rig(random));
+  one.cameras.resize(1);
+  Rig same = rig_of(scenes::stereo_rig(random));
+  same.cameras[1].rig_from_camera = same.cameras[0].rig_from_camera;
+  Rig wide = rig_of(scenes::stereo_rig(random));
+  wide.cameras[0].calibration =
+      Camera::make("fisheye", {1000, 1000}, {200, 200, 499.5, 499.5, 0.02, 0, 0, 0})
+          .value()
+          .to_calibration();
+  Rig broken = rig_of(scenes::stereo_rig(random));
+  broken.cameras[0].calibration.parameters.clear();
+  for (const Rig& rig : {one, same, wide, broken, Rig()}) {
+    const Scene scene = make_scene(rig);
+    EXPECT_TRUE(std::isfinite(scene.radius) && scene.radius > 0);
+    for (const ScenePath& path : scene.paths) {
+      for (const Eigen::Vector3d& point : path.points) EXPECT_TRUE(point.allFinite());
+    }
+  }
+}
+
+TEST(ScenePicture, IsDrawnWithinItsRows) {
+  Random random(5);
+  const Scene scene = make_scene(rig_of(scenes::ring_rig(8, random)));
+  for (const ImageSize size : {ImageSize{640, 360}, {1919, 1081}, {16, 16}}) {
+    const std::ptrdiff_t stride = 4 * size.width + 64;
+    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(stride * size.height), 0xAB);
+    const Status drawn = draw_scene(scene, {}, size, pixels.data(), stride);
+#if CALVIN_HAVE_CAIRO
+    ASSERT_TRUE(drawn.has_value());
+    int bright = 0;
+    for (int row = 0; row < size.height; ++row) {
+      const std::uint8_t* begin = pixels.data() + row * stride;
+      for (int col = 0; col < size.width; ++col) bright += begin[4 * col + 1] > 100 ? 1 : 0;
+      for (int i = 4 * size.width; i < stride; ++i) ASSERT_EQ(begin[i], 0xAB) << row;
+    }
+    EXPECT_GT(bright, size.width > 100 ? 500 : 0);
+#else
+    EXPECT_EQ(drawn.error().code, ErrorCode::kUnsupported);
+#endif
+  }
+}
+
+}  // namespace
+}  // namespace calvin
