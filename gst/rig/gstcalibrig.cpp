@@ -292,6 +292,7 @@ static void gst_calib_rig_release_pad(GstElement* element, GstPad* pad) {
   gst_child_proxy_child_removed(GST_CHILD_PROXY(element), G_OBJECT(pad), GST_PAD_NAME(pad));
   gst_pad_set_active(pad, FALSE);
   gst_pad_set_active(source, FALSE);
+  GST_CALIB_RIG(element)->solver->remove_camera(gst::camera_of(pad));
   gst_element_remove_pad(element, source);
   gst_element_remove_pad(element, pad);
 }

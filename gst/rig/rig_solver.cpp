@@ -91,6 +91,11 @@ Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settin
   return {};
 }
 
+void RigSolver::remove_camera(std::size_t camera) {
+  const std::lock_guard guard(lock_);
+  session_.remove(camera);
+}
+
 void RigSolver::set_intrinsics(std::size_t camera, const std::string& json) {
   const auto calibration = parse_calibration(json);
   if (!calibration) return;  // an empty one: there is none any more, and the last one stays

@@ -47,6 +47,7 @@ class RigSolver : public SharedSettings<RigSettings> {
 
   // Before its first frame. An error for intrinsics that cannot be read.
   [[nodiscard]] Status add_camera(std::size_t camera, const RigCameraSettings& settings);
+  void remove_camera(std::size_t camera);
   // Streaming threads, each for its own camera.
   void set_intrinsics(std::size_t camera, const std::string& json);
   // `times` are of the frame that the board was seen on; `shared_clock` is its time by the clock

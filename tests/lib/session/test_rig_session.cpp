@@ -185,6 +185,24 @@ TEST(RigSession, AllowsForCamerasThatRunFreely) {
   EXPECT_LT(squares / trials, 3);
 }
 
+// Numbers of cameras may have gaps, a camera may go, and one may come back with another size.
+TEST(RigSession, HasTheCamerasThatAreThere) {
+  Sessions s;
+  s.session.set_name(5, "late");
+  EXPECT_TRUE(s.offer(0, kPlace, 0));
+  EXPECT_TRUE(s.offer(1, kPlace, 1'000'000));
+  EXPECT_FALSE(s.session.take_solve(true).has_value());
+  EXPECT_NE(s.session.lack().message.find("'late'"), std::string::npos);
+  s.session.remove(5);
+  const auto job = s.session.take_solve(true);
+  ASSERT_TRUE(job.has_value());
+  EXPECT_EQ(job->cameras.size(), 2U);
+  Observation other = s.seen(0, kOther, kFrame).value();
+  other.image_size = {1400, 1000};
+  EXPECT_TRUE(s.session.offer(0, other).value());
+  EXPECT_EQ(s.session.progress().links.size(), 0U);
+}
+
 TEST(RigSession, SaysWhatItLacks) {
   RigSession session;
   session.start({});

@@ -79,6 +79,11 @@ void RigSession::set_name(std::size_t camera, std::string name) {
   at(camera).name = std::move(name);
 }
 
+void RigSession::remove(std::size_t camera) {
+  at(camera) = {};
+  ++revision_;
+}
+
 void RigSession::set_intrinsics(std::size_t camera, const Calibration& calibration) {
   at(camera).intrinsics = calibration;
   ++revision_;
@@ -163,6 +168,14 @@ Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
   auto view = to_view(observation);
   if (!view) return tl::unexpected<Error>(view.error());
   Camera& own = at(camera);
+  // Pictures of another size are those of another camera, whose views begin anew.
+  const bool is_other =
+      !own.kept.empty() && own.kept.front().observation.image_size != view->observation.image_size;
+  if (is_other) {
+    own.kept.clear();
+    own.recent.clear();
+    own.last.reset();
+  }
   set_velocity(own, *view);
   const std::uint64_t now = view->observation.timestamp;
   const bool fresh = is_new(own, *view);
@@ -199,7 +212,7 @@ void RigSession::thin_out() {
 
 // The intrinsics for the pictures that the camera has.
 std::optional<Calibration> RigSession::fitted(const Camera& camera) const {
-  if (!camera.intrinsics || camera.kept.empty()) return std::nullopt;
+  if (camera.name.empty() || !camera.intrinsics || camera.kept.empty()) return std::nullopt;
   const ImageSize size = camera.kept.front().observation.image_size;
   Calibration calibration = *camera.intrinsics;
   if (calibration.image_size != size) {
@@ -226,7 +239,10 @@ std::optional<RigJob> RigSession::take_solve(bool final) {
       std::max(kFewest, static_cast<std::uint64_t>(kMore * static_cast<double>(asked_revision_)));
   if (final ? is_solved() : more < enough) return std::nullopt;
   RigJob job{views(), settings_.options, final, generation_};
-  const bool all_there = job.cameras.size() == cameras_.size() && job.cameras.size() >= 2;
+  const auto there =
+      std::ranges::count_if(cameras_, [](const Camera& c) { return !c.name.empty(); });
+  const bool all_there =
+      job.cameras.size() == static_cast<std::size_t>(there) && job.cameras.size() >= 2;
   if (!all_there) return std::nullopt;
   asked_revision_ = revision_;
   return job;
@@ -255,7 +271,7 @@ RigProgress RigSession::progress() const {
   }
   // Along the tree of the pairs with most views: the one that has fewest of them.
   std::vector<bool> joined(cameras_.size(), false);
-  if (!joined.empty()) joined.front() = true;
+  if (!common.empty()) joined[common.begin()->first.first] = true;
   const RigProgress::Link* weakest = nullptr;
   for (const auto& [pair, views] : common) {
     progress.links.push_back({cameras_[pair.first].name, cameras_[pair.second].name, views});
@@ -280,12 +296,15 @@ RigProgress RigSession::progress() const {
 }
 
 Error RigSession::lack() const {
-  if (cameras_.size() < 2) {
+  const auto there =
+      std::ranges::count_if(cameras_, [](const Camera& c) { return !c.name.empty(); });
+  if (there < 2) {
     return {ErrorCode::kInvalidArgument,
             "A rig has two cameras or more: link each to a pad of its own, sink_0, sink_1 and so "
             "on."};
   }
   for (const Camera& camera : cameras_) {
+    if (camera.name.empty()) continue;
     if (camera.kept.empty()) {
       return {ErrorCode::kDegenerate,
               fmt::format("The camera '{}' has seen no board: put calibdetect before it, and show "

@@ -49,7 +49,9 @@ class RigSession {
  public:
   // Forgets all views and cameras.
   void start(RigSessionSettings settings);
+  // A camera is there from its name on, until it is removed with all that it has seen.
   void set_name(std::size_t camera, std::string name);
+  void remove(std::size_t camera);
   // Of pictures of any size with the aspect of the calibration.
   void set_intrinsics(std::size_t camera, const Calibration& calibration);
 
@@ -71,7 +73,7 @@ class RigSession {
 
  private:
   struct Camera {
-    std::string name;
+    std::string name;  // empty: there is no such camera
     std::optional<Calibration> intrinsics;
     std::deque<View> recent;  // of the last moment, not kept
     std::vector<View> kept;
