@@ -38,7 +38,8 @@ constexpr Size kSizes[] = {{"720p", {1280, 720}}, {"1080p", {1920, 1080}}, {"4K"
 class Scenes {
  public:
   explicit Scenes(ImageSize size) : size_(size) {
-    const check::Scene scene{.size = size};
+    check::Scene scene{.size = size};
+    scene.motion = Motion(MotionKind::kHand, scene.camera, scene.board, 1);
     for (int n = 0; n < kFrames; ++n) boards_.push_back({scene.truth(n)});
     progress_.views = 12;
     progress_.coverage = 0.6;
@@ -88,9 +89,8 @@ class Scenes {
     const auto height = static_cast<guint>(tile.height);
     gst_buffer_add_video_meta(pixels, GST_VIDEO_FRAME_FLAG_NONE,
                               GST_VIDEO_OVERLAY_COMPOSITION_FORMAT_RGB, width, height);
-    GstVideoOverlayRectangle* rectangle =
-        gst_video_overlay_rectangle_new_raw(pixels, tile.x, tile.y, width, height,
-                                            GST_VIDEO_OVERLAY_FORMAT_FLAG_PREMULTIPLIED_ALPHA);
+    GstVideoOverlayRectangle* rectangle = gst_video_overlay_rectangle_new_raw(
+        pixels, tile.x, tile.y, width, height, GST_VIDEO_OVERLAY_FORMAT_FLAG_PREMULTIPLIED_ALPHA);
     gst_video_overlay_composition_add_rectangle(composition, rectangle);
     gst_video_overlay_rectangle_unref(rectangle);
     gst_buffer_unref(pixels);
