@@ -55,6 +55,10 @@ class StampMaker {
 
   TileStamp stamp() {
     const int last = std::min(tile_.height, layout_.size.height - top_);
+    // As much as there can be of 3 or 4 bytes a pixel where half of the tile is transparent.
+    const std::size_t likely = tile_.pixels.size() / 2;
+    stamp_.add.reserve(likely);
+    stamp_.keep.reserve(likely);
     for (int y = std::max(0, -top_); y < last; ++y) add_row(y);
     return std::move(stamp_);
   }
@@ -117,9 +121,11 @@ class StampMaker {
     for_plane(plane, [&](std::size_t /*c*/, const SampleLayout& s) {
       const Samples samples = samples_of(s, from, to, y);
       if (samples.first >= samples.end) return;
-      const int begin = samples.first * s.step + s.offset;
+      // Pixels that share nothing are taken whole, or a vector would end within the last one.
+      const bool whole = s.x_shift == 0;
+      const int begin = samples.first * s.step + (whole ? 0 : s.offset);
       first = end == 0 ? begin : std::min(first, begin);
-      end = std::max(end, (samples.end - 1) * s.step + s.offset + 1);
+      end = std::max(end, whole ? samples.end * s.step : (samples.end - 1) * s.step + s.offset + 1);
       row = y >> s.y_shift;
     });
     if (first >= end) return;
