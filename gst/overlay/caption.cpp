@@ -48,6 +48,7 @@ OverlayTile placed(ImageSize frame, const Sizes& sizes, OverlaySpan room, Captio
                    int width, int height) {
   const auto margin = static_cast<int>(sizes.margin);
   OverlayTile tile;
+  tile.serial = next_tile_serial();
   tile.width = std::min(width, room.right - room.left);
   tile.height = std::min(height, frame.height);
   tile.x = (room.left + (room.right - room.left - tile.width) / 2) / 4 * 4;

@@ -238,8 +238,9 @@ static void draw_on(GstCalibOverlay* self, GstVideoFrame& frame) {
   GstVideoFrame* under = padded ? &**padded : &frame;
   if (state.mirror) gst::mirror_frame(*under, state.part);
   bool blended = true;
+  state.blender.begin_frame(under, state.part);
   const auto blend = [&](const OverlayTile& tile) {
-    blended = gst::blend_tile(under, tile, state.part) && blended;
+    blended = state.blender.blend(tile) && blended;
   };
   std::for_each(state.tiles.begin(), state.tiles.end(), blend);
   for (const OverlayTile* words : {state.words_in_panel, state.words}) {

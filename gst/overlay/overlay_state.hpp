@@ -19,6 +19,7 @@
 #include "common/properties.hpp"
 #include "common/shared_settings.hpp"
 #include "overlay/caption.hpp"
+#include "overlay/overlay_blend.hpp"
 #include "overlay/panel_words.hpp"
 
 namespace calvin::gst {
@@ -57,6 +58,7 @@ struct OverlayState : SharedSettings<OverlaySettings> {
   Held<std::optional<Progress>> progress;
   Held<bool> captured;
   OverlayPainter painter;
+  TileBlender blender;
   std::span<const OverlayTile> tiles;  // of the buffer at hand
   Caption caption;
   Caption::Place words_at = Caption::Place::kBottom;

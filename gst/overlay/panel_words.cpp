@@ -37,6 +37,7 @@ OverlayTile around(const std::vector<OverlayWords>& words, ImageSize frame) {
     bottom = std::max(bottom, w.at.v + w.size);
   }
   OverlayTile tile;
+  tile.serial = next_tile_serial();
   tile.x = std::clamp(static_cast<int>(left), 0, frame.width) / 4 * 4;
   tile.y = std::clamp(static_cast<int>(top), 0, frame.height) / 4 * 4;
   tile.width = std::clamp(static_cast<int>(std::ceil(right)), 0, frame.width) - tile.x;

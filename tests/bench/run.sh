@@ -30,6 +30,7 @@ smallest_case() {
     detect) echo 1 1 640 480 ;;
     elements) echo --benchmark_filter=[^a]sync.*GRAY8 ;;
     live) echo 1 ;;
+    overlay) echo '--benchmark_filter=^NV12.720p[|]' ;;
     scores) echo '--benchmark_filter=calvin' ;;
     solve) echo '--benchmark_filter=brown5.10.views' ;;
     undistort) echo '--benchmark_filter=^GRAY8.1080p[|]' ;;

@@ -7,6 +7,7 @@
 #include "calvin/draw/overlay.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <exception>
 #include <memory>
@@ -182,7 +183,9 @@ std::vector<Shape> shapes_of(ImageSize frame, std::span<const Observation> obser
   std::size_t room = kMostCorners;
   for (const Observation& observation :
        observations.first(std::min(observations.size(), kMostBoards))) {
+    const std::size_t before = shapes.size();
     add_observation(shapes, frame, observation, room);
+    for (std::size_t i = before; i < shapes.size(); ++i) shapes[i].moves = true;
   }
   if (progress && parts.coverage) add_panel(shapes, frame, *progress, parts);
   return shapes;
@@ -226,6 +229,11 @@ struct OverlayPainter::State {
 struct OverlayPainter::State {};
 
 #endif
+
+std::uint64_t next_tile_serial() noexcept {
+  static std::atomic<std::uint64_t> last = 0;
+  return ++last;
+}
 
 OverlayPainter::OverlayPainter() = default;
 OverlayPainter::~OverlayPainter() = default;

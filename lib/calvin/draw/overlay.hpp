@@ -32,7 +32,12 @@ struct OverlayTile {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> pixels;
+  // Another one for each drawing: what is made of the tile may be kept by it. 0 where nothing may.
+  std::uint64_t serial = 0;
 };
+
+// Any thread.
+[[nodiscard]] std::uint64_t next_tile_serial() noexcept;
 
 // What is left out on request, and where the panel is.
 struct OverlayParts {

@@ -51,7 +51,8 @@ class Grid {
         cell_(std::clamp(std::min(frame.width, frame.height) / 24 / 8 * 8, 16, 64)),
         columns_((frame.width + cell_ - 1) / cell_),
         rows_((frame.height + cell_ - 1) / cell_),
-        touched_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+        touched_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+        moves_(touched_.size()) {}
 
   [[nodiscard]] int columns() const noexcept { return columns_; }
   [[nodiscard]] int rows() const noexcept { return rows_; }
@@ -61,6 +62,11 @@ class Grid {
   [[nodiscard]] Box cells(int first_column, int last_column, int row) const noexcept {
     return {first_column * cell_, row * cell_, std::min((last_column + 1) * cell_, frame_.right),
             std::min((row + 1) * cell_, frame_.bottom)};
+  }
+
+  // Cells of one tile: what moves draws nothing again beside it.
+  [[nodiscard]] bool join(int column, int next, int row) const {
+    return !touching(next, row).empty() && moves_[index(column, row)] == moves_[index(next, row)];
   }
 
   // A line is cut into pieces of a cell's length, so that a diagonal does not touch its whole
@@ -76,7 +82,7 @@ class Grid {
         piece.from = between(shape, static_cast<double>(i) / pieces);
         piece.to = between(shape, static_cast<double>(i + 1) / pieces);
       }
-      touch(clipped(extent_of(piece), frame_), number);
+      touch(clipped(extent_of(piece), frame_), number, shape.moves);
     }
   }
 
@@ -90,12 +96,13 @@ class Grid {
     return {std::lerp(shape.from.u, shape.to.u, t), std::lerp(shape.from.v, shape.to.v, t)};
   }
 
-  void touch(const Box& box, std::size_t number) {
+  void touch(const Box& box, std::size_t number, bool moves) {
     if (box.empty()) return;
     for (int row = box.top / cell_; row <= (box.bottom - 1) / cell_; ++row) {
       for (int column = box.left / cell_; column <= (box.right - 1) / cell_; ++column) {
         auto& shapes = touched_[index(column, row)];
         if (shapes.empty() || shapes.back() != number) shapes.push_back(number);
+        if (moves) moves_[index(column, row)] = true;
       }
     }
   }
@@ -105,6 +112,7 @@ class Grid {
   int columns_;
   int rows_;
   std::vector<std::vector<std::size_t>> touched_;
+  std::vector<bool> moves_;  // whether one of them does
 };
 
 // Lines of one width and colour are one path.
@@ -199,7 +207,7 @@ Extent extent_of(const Shape& shape) noexcept {
 }
 
 OverlayTile OverlayRaster::painted(const OverlayBox& box, const std::vector<Shape>& shapes) {
-  OverlayTile tile{box.x, box.y, box.width, box.height, {}};
+  OverlayTile tile{box.x, box.y, box.width, box.height, {}, next_tile_serial()};
   const int stride = 4 * tile.width;
   tile.pixels.resize(static_cast<std::size_t>(stride) * static_cast<std::size_t>(tile.height));
   const CairoSurface surface(cairo_image_surface_create_for_data(
@@ -234,7 +242,7 @@ void OverlayRaster::draw(ImageSize frame, const std::vector<Shape>& shapes) {
     for (int column = 0; column < grid.columns(); ++column) {
       if (grid.touching(column, row).empty()) continue;
       const int first = column;
-      while (column + 1 < grid.columns() && !grid.touching(column + 1, row).empty()) ++column;
+      while (column + 1 < grid.columns() && grid.join(column, column + 1, row)) ++column;
       std::vector<std::size_t> numbers;
       const Box box = box_of(grid, first, column, row, shapes, numbers);
       std::vector<Shape> within;

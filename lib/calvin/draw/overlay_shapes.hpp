@@ -29,12 +29,13 @@ struct Shape {
   double radius = 0;  // of a circle or disc, px
   double width = 0;   // of the pen, px
   Colour colour;
-  double halo = 0;  // px of dark around it, so that it shows on any ground
+  double halo = 0;     // px of dark around it, so that it shows on any ground
+  bool moves = false;  // with the board: what does not is kept from frame to frame
 
   [[nodiscard]] bool operator==(const Shape& o) const {
     return kind == o.kind && from.u == o.from.u && from.v == o.from.v && to.u == o.to.u &&
            to.v == o.to.v && radius == o.radius && width == o.width && colour == o.colour &&
-           halo == o.halo;
+           halo == o.halo && moves == o.moves;
   }
 };
 

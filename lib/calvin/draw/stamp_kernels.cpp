@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Takes the pixels of tiles apart, and blends the runs of a stamp, which are bytes whatever the
+// format, a vector at a time.
+
+#include "calvin/core/vector_targets.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calvin/draw/stamp_kernels.cpp"
+#include <hwy/foreach_target.h>
+// The order matters: Highway includes this file again for each target from the line above.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include "calvin/draw/stamp_kernels.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// add + keep frame / 255, rounded: (t + t / 256) / 256 with t = keep frame + 128 is exact.
+void blend_bytes(const std::uint8_t* add, const std::uint8_t* keep, int count,
+                 std::uint8_t* frame) {
+  const hn::CappedTag<std::uint16_t, 16> wide;
+  const hn::Rebind<std::int16_t, decltype(wide)> narrowing;
+  const hn::Rebind<std::uint8_t, decltype(wide)> bytes;
+  const auto lanes = static_cast<int>(hn::Lanes(wide));
+  int i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    const auto load = [&](const std::uint8_t* from) {
+      return hn::PromoteTo(wide, hn::LoadU(bytes, from + i));
+    };
+    const auto t = hn::Add(hn::Mul(load(keep), load(frame)), hn::Set(wide, 128));
+    const auto kept = hn::ShiftRight<8>(hn::Add(t, hn::ShiftRight<8>(t)));
+    const auto sum = hn::BitCast(narrowing, hn::Add(load(add), kept));
+    hn::StoreU(hn::DemoteTo(bytes, sum), bytes, frame + i);
+  }
+  for (; i < count; ++i) {
+    const int t = keep[i] * frame[i] + 128;
+    frame[i] = static_cast<std::uint8_t>(std::min(255, add[i] + ((t + (t >> 8)) >> 8)));
+  }
+}
+
+void blend_stamp(const TileStamp& stamp, const FramePlanes& frame) {
+  for (const TileStamp::Run& run : stamp.runs) {
+    const auto plane = static_cast<std::size_t>(run.plane);
+    std::uint8_t* row = frame.data[plane] + run.row * frame.stride[plane];
+    blend_bytes(stamp.add.data() + run.first, stamp.keep.data() + run.first, run.count,
+                row + run.byte);
+  }
+}
+
+// The matrix in 256ths, of premultiplied colours: what it adds is multiplied by alpha too. No sum
+// that is kept is below 0 or has more than 16 bits.
+template <class D, class V>
+HWY_INLINE void to_yuv(D d, V r, V g, V b, V alpha, V* yuv) {
+  const auto times = [d](V v, int factor) {
+    return hn::Mul(v, hn::Set(d, static_cast<std::uint16_t>(factor)));
+  };
+  // alpha 256 / 255, exact at both ends.
+  const V whole = hn::Add(alpha, hn::ShiftRight<7>(alpha));
+  const V half = hn::ShiftLeft<7>(whole);
+  const V light = hn::Add(times(r, 47), hn::Add(times(g, 157), times(b, 16)));
+  yuv[0] = hn::ShiftRight<8>(hn::Add(light, hn::ShiftLeft<4>(whole)));
+  yuv[1] =
+      hn::ShiftRight<8>(hn::Sub(hn::Add(half, times(b, 112)), hn::Add(times(r, 26), times(g, 87))));
+  yuv[2] = hn::ShiftRight<8>(
+      hn::Sub(hn::Add(half, times(r, 112)), hn::Add(times(g, 102), times(b, 10))));
+}
+
+void split_pixels(const std::uint8_t* argb, int count, bool is_rgb, const ComponentRows& to) {
+  const hn::CappedTag<std::uint16_t, kSpareComponents> wide;
+  const hn::Rebind<std::int16_t, decltype(wide)> narrowing;
+  const hn::Rebind<std::uint8_t, decltype(wide)> bytes;
+  const auto lanes = static_cast<int>(hn::Lanes(wide));
+  for (int i = 0; i < count; i += lanes) {
+    const std::uint8_t* from = argb + static_cast<std::ptrdiff_t>(4) * i;
+    std::uint8_t last[4 * kSpareComponents] = {};
+    if (count - i < lanes) {
+      std::memcpy(last, from, 4 * static_cast<std::size_t>(count - i));
+      from = last;
+    }
+    hn::VFromD<decltype(bytes)> c[4];
+    hn::LoadInterleaved4(bytes, from, c[0], c[1], c[2], c[3]);
+    if constexpr (std::endian::native == std::endian::big) {
+      std::swap(c[0], c[3]);
+      std::swap(c[1], c[2]);
+    }
+    hn::StoreU(hn::Sub(hn::Set(bytes, 255), c[3]), bytes, to.keep + i);
+    hn::VFromD<decltype(wide)> yuv[3];
+    to_yuv(wide, hn::PromoteTo(wide, c[2]), hn::PromoteTo(wide, c[1]), hn::PromoteTo(wide, c[0]),
+           hn::PromoteTo(wide, c[3]), yuv);
+    for (int k = 0; k < 3; ++k) {
+      hn::StoreU(is_rgb ? c[2 - k] : hn::DemoteTo(bytes, hn::BitCast(narrowing, yuv[k])), bytes,
+                 to.add[k] + i);
+    }
+  }
+}
+
+}  // namespace calvin::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace calvin {
+
+namespace {
+
+HWY_EXPORT(blend_stamp);
+HWY_EXPORT(split_pixels);
+
+}  // namespace
+
+void blend_stamp(const TileStamp& stamp, const FramePlanes& frame) noexcept {
+  HWY_DYNAMIC_DISPATCH(blend_stamp)(stamp, frame);
+}
+
+void split_pixels(const std::uint8_t* argb, int count, bool is_rgb,
+                  const ComponentRows& to) noexcept {
+  HWY_DYNAMIC_DISPATCH(split_pixels)(argb, count, is_rgb, to);
+}
+
+}  // namespace calvin
+
+#endif  // HWY_ONCE

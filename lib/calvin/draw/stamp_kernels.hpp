@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The loops over the bytes of stamps. Private to draw/ and the elements.
+#pragma once
+
+#include <cstdint>
+
+#include "calvin/draw/tile_stamp.hpp"
+
+namespace calvin {
+
+// The planes are those of a frame of the layout and size of which the stamp was made.
+void blend_stamp(const TileStamp& stamp, const FramePlanes& frame) noexcept;
+
+// Where the components of pixels go, with room for `kSpareComponents` more than there are.
+struct ComponentRows {
+  std::uint8_t* add[3];  // premultiplied
+  std::uint8_t* keep;    // 255 - alpha
+};
+inline constexpr int kSpareComponents = 16;
+
+// Of a tile's pixels: R G B, or Y U V as ayuv_of() has it, but premultiplied.
+void split_pixels(const std::uint8_t* argb, int count, bool is_rgb,
+                  const ComponentRows& to) noexcept;
+
+}  // namespace calvin

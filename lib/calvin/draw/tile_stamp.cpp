@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Converts the pixels of a tile that are not transparent, a run of them at a time.
+
+#include "calvin/draw/tile_stamp.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "calvin/draw/stamp_kernels.hpp"
+
+namespace calvin {
+
+namespace {
+
+// Runs begin and end at multiples of so many pixels of their tile, where it has them: vectors take
+// whole ones, and gaps that are shorter cost less than a run of their own.
+constexpr int kStep = 16;
+
+// A row of a tile, or a part of it, in components.
+struct Components {
+  explicit Components(int width)
+      : room(static_cast<std::size_t>(std::max(0, width) + kSpareComponents)), bytes(4 * room) {}
+  [[nodiscard]] ComponentRows rows() {
+    return {{&bytes[0], &bytes[room], &bytes[2 * room]}, &bytes[3 * room]};
+  }
+  std::size_t room;
+  std::vector<std::uint8_t> bytes;
+};
+
+// `count` samples from `from`, of every 2^shift-th pixel, to every step-th byte.
+void scatter(const std::uint8_t* from, int shift, int count, std::uint8_t* to, int step) {
+  if (shift == 0 && step == 1) {
+    std::copy_n(from, count, to);
+    return;
+  }
+  for (int i = 0; i < count; ++i) {
+    to[static_cast<std::ptrdiff_t>(i) * step] = from[static_cast<std::ptrdiff_t>(i) << shift];
+  }
+}
+
+class StampMaker {
+ public:
+  StampMaker(const OverlayTile& tile, int left, int top, const PixelLayout& layout)
+      : tile_(tile),
+        left_(left),
+        top_(top),
+        layout_(layout),
+        first_(std::max(0, -left)),
+        end_(std::min(tile.width, layout.size.width - left)),
+        components_(tile.width),
+        rows_(components_.rows()) {}
+
+  TileStamp stamp() {
+    const int last = std::min(tile_.height, layout_.size.height - top_);
+    // As much as there can be of 3 or 4 bytes a pixel where half of the tile is transparent.
+    const std::size_t likely = tile_.pixels.size() / 2;
+    stamp_.add.reserve(likely);
+    stamp_.keep.reserve(likely);
+    for (int y = std::max(0, -top_); y < last; ++y) add_row(y);
+    return std::move(stamp_);
+  }
+
+ private:
+  [[nodiscard]] const std::uint8_t* pixel(int x, int y) const {
+    return tile_.pixels.data() + 4 * (static_cast<std::ptrdiff_t>(y) * tile_.width + x);
+  }
+
+  [[nodiscard]] bool transparent(int from, int to, int y) const {
+    // What is premultiplied is 0 where alpha is.
+    const std::uint8_t* bytes = pixel(from, y);
+    std::uint32_t all = 0;
+    for (int i = 0; i < to - from; ++i) {
+      std::uint32_t one = 0;
+      std::memcpy(&one, bytes + static_cast<std::ptrdiff_t>(4) * i, sizeof(one));
+      all |= one;
+    }
+    return all == 0;
+  }
+
+  void add_row(int y) {
+    int from = first_;
+    for (int x = first_; x < end_; x += kStep) {
+      const int to = std::min(x + kStep, end_);
+      if (!transparent(x, to, y)) continue;
+      if (from < x) add_run(from, x, y);
+      from = to;
+    }
+    if (from < end_) add_run(from, end_, y);
+  }
+
+  void add_run(int from, int to, int y) {
+    split_pixels(pixel(from, y), to - from, layout_.is_rgb, rows_);
+    std::array<bool, 3> done{};
+    for (int c = 0; c < layout_.count; ++c) {
+      const auto plane = static_cast<std::size_t>(layout_.components.at(c).plane);
+      if (!done[plane]) add_plane(static_cast<int>(plane), left_ + from, left_ + to, top_ + y);
+      done[plane] = true;
+    }
+  }
+
+  // A component's samples for the pixels from..to of a row of the frame; empty where others hold
+  // them.
+  struct Samples {
+    int first = 0;  // sample, pixel first << x_shift of the frame
+    int end = 0;
+  };
+  [[nodiscard]] static Samples samples_of(const SampleLayout& s, int from, int to, int y) {
+    if ((y & ((1 << s.y_shift) - 1)) != 0) return {};
+    const int up = (1 << s.x_shift) - 1;
+    return {(from + up) >> s.x_shift, (to + up) >> s.x_shift};
+  }
+
+  // All components of the plane in one run of bytes.
+  void add_plane(int plane, int from, int to, int y) {
+    int first = 0;
+    int end = 0;
+    int row = 0;
+    for_plane(plane, [&](std::size_t /*c*/, const SampleLayout& s) {
+      const Samples samples = samples_of(s, from, to, y);
+      if (samples.first >= samples.end) return;
+      // Pixels that share nothing are taken whole, or a vector would end within the last one.
+      const bool whole = s.x_shift == 0;
+      const int begin = samples.first * s.step + (whole ? 0 : s.offset);
+      first = end == 0 ? begin : std::min(first, begin);
+      end = std::max(end, whole ? samples.end * s.step : (samples.end - 1) * s.step + s.offset + 1);
+      row = y >> s.y_shift;
+    });
+    if (first >= end) return;
+    const std::size_t at = stamp_.add.size();
+    stamp_.runs.push_back({plane, row, first, end - first, at});
+    stamp_.add.resize(at + static_cast<std::size_t>(end - first), 0);
+    stamp_.keep.resize(stamp_.add.size(), 255);
+    for_plane(plane, [&](std::size_t c, const SampleLayout& s) {
+      const Samples samples = samples_of(s, from, to, y);
+      const int count = samples.end - samples.first;
+      if (count <= 0) return;
+      const auto in_row = static_cast<std::ptrdiff_t>((samples.first << s.x_shift) - from);
+      const std::size_t byte =
+          at + static_cast<std::size_t>(samples.first * s.step + s.offset - first);
+      scatter(rows_.add[c] + in_row, s.x_shift, count, &stamp_.add[byte], s.step);
+      scatter(rows_.keep + in_row, s.x_shift, count, &stamp_.keep[byte], s.step);
+    });
+  }
+
+  template <typename Visit>
+  void for_plane(int plane, Visit visit) const {
+    for (std::size_t c = 0; c < static_cast<std::size_t>(layout_.count); ++c) {
+      if (layout_.components[c].plane == plane) visit(c, layout_.components[c]);
+    }
+  }
+
+  const OverlayTile& tile_;
+  int left_;
+  int top_;
+  const PixelLayout& layout_;
+  int first_;  // column of the tile that is in the frame
+  int end_;
+  Components components_;
+  ComponentRows rows_;
+  TileStamp stamp_;
+};
+
+}  // namespace
+
+TileStamp stamp_of(const OverlayTile& tile, int left, int top, const PixelLayout& layout) {
+  return StampMaker(tile, left, top, layout).stamp();
+}
+
+void TileStamps::begin_frame(const PixelLayout& layout) {
+  if (!(layout == layout_)) entries_.clear();
+  layout_ = layout;
+  std::erase_if(entries_, [](const auto& entry) { return !entry.second.shown; });
+  for (auto& [serial, entry] : entries_) entry.shown = false;
+}
+
+const TileStamp& TileStamps::of(const OverlayTile& tile, int left, int top) {
+  if (tile.serial == 0) return unknown_ = stamp_of(tile, left, top, layout_);
+  const auto [known, is_new] = entries_.try_emplace(tile.serial);
+  Entry& entry = known->second;
+  if (is_new || entry.left != left || entry.top != top) {
+    entry = {left, top, true, stamp_of(tile, left, top, layout_)};
+  }
+  entry.shown = true;
+  return entry.stamp;
+}
+
+}  // namespace calvin
