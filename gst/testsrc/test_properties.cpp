@@ -32,6 +32,18 @@ constexpr Property<TestState> kRows[] = {
      "for any size",
      kept_in<&TestSettings::scene, &SceneSettings::calibration>,
      {.flags = kMutableReady}},
+    {"rig",
+     "Rig",
+     "The file of a rig, or its JSON: then the camera is one of that, and the board moves before "
+     "the "
+     "first of them; calibration says nothing",
+     kept_in<&TestSettings::scene, &SceneSettings::rig>,
+     {.flags = kMutableReady}},
+    {"camera",
+     "Camera",
+     "The name of the camera in the rig; unset: the first one",
+     kept_in<&TestSettings::scene, &SceneSettings::camera>,
+     {.flags = kMutableReady}},
     {"motion",
      "Motion",
      "How the board moves before the camera",

@@ -8,12 +8,15 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/core/text.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/rig_io.hpp"
 #include "calvin/io/settings.hpp"
 
 namespace calvin::gst {
@@ -40,6 +43,28 @@ Result<Camera> camera_for(const std::optional<Calibration>& calibration, ImageSi
   return ImageTransform::scaled(from, size)(*camera);
 }
 
+// The camera of a rig by its name.
+Status take_from_rig(const SceneSettings& settings, SceneSource& source) {
+  const auto rig = settings.rig.starts_with('{') ? parse_rig(settings.rig) : read_rig(settings.rig);
+  if (!rig) return tl::unexpected(rig.error());
+  const auto own = std::ranges::find_if(rig->cameras, [&](const RigCamera& camera) {
+    return settings.camera.empty() || camera.calibration.camera == settings.camera;
+  });
+  if (own == rig->cameras.end()) {
+    std::vector<std::string> names;
+    for (const RigCamera& camera : rig->cameras) names.push_back(camera.calibration.camera);
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("The rig has no camera '{}': it has {}.", settings.camera, join(names, ", ")));
+  }
+  const auto first = Camera::make(rig->cameras.front().calibration);
+  if (!first) return tl::unexpected(first.error());
+  source.calibration = own->calibration;
+  source.first = SceneSource::First{*first, to_se3(own->rig_from_camera).inverse() *
+                                                to_se3(rig->cameras.front().rig_from_camera)};
+  return {};
+}
+
 }  // namespace
 
 Result<SceneSource> read_scene_settings(const SceneSettings& settings) {
@@ -50,7 +75,13 @@ Result<SceneSource> read_scene_settings(const SceneSettings& settings) {
                       fmt::format("calibtestsrc renders one board; board='{}' names {}.",
                                   settings.board, boards->size()));
   }
-  SceneSource source = {boards->front(), {}, settings.motion, settings.seed};
+  SceneSource source = {boards->front(), {}, settings.motion, settings.seed, {}};
+  if (!settings.rig.empty()) {
+    if (const Status taken = take_from_rig(settings, source); !taken) {
+      return tl::unexpected(taken.error());
+    }
+    return source;
+  }
   if (!settings.calibration.empty()) {
     auto calibration = parse_calibration_setting(settings.calibration);
     if (!calibration) return tl::unexpected(calibration.error());
@@ -63,7 +94,8 @@ TestScene::TestScene(const SceneSource& source, const Camera& camera)
     : source_(source),
       camera_(camera),
       truth_(camera.to_calibration()),
-      motion_(source.motion, camera, source.board, source.seed),
+      motion_(source.motion, source.first ? source.first->camera : camera, source.board,
+              source.seed),
       renderer_(camera) {
   const bool named = source.calibration && !source.calibration->camera.empty();
   truth_.camera = named ? source.calibration->camera : "cam0";
@@ -94,15 +126,24 @@ bool TestScene::rolls(const TestFrame& frame) const {
          (source_.motion == MotionKind::kOrbit || source_.motion == MotionKind::kHand);
 }
 
+// As the own camera sees the board. What it sees from behind is the back of a sheet, which shows
+// nothing: the board is then where no ray leads to.
+SE3 TestScene::placed(double at) const {
+  const SE3 pose = motion_.camera_from_board(at);
+  if (!source_.first) return pose;
+  const SE3 own = source_.first->own_from_first * pose;
+  const bool is_front = own.rotation.col(2).dot(own.translation) > 0;
+  return is_front ? own : SE3{Eigen::Matrix3d::Identity(), {0, 0, -1e3}};
+}
+
 SE3 TestScene::pose(const TestFrame& frame, double v) const {
   if (source_.motion == MotionKind::kRandom) {
     const auto holds = frame.time / kHold;
-    return motion_.camera_from_board(frame.hold ? static_cast<double>(holds)
-                                                : static_cast<double>(frame.number));
+    return placed(frame.hold ? static_cast<double>(holds) : static_cast<double>(frame.number));
   }
   const double rows = std::max(camera_.image_size().height - 1, 1);
   const double later = static_cast<double>(frame.readout) * v / rows;
-  return motion_.camera_from_board((static_cast<double>(frame.time) + later) * 1e-9);
+  return placed((static_cast<double>(frame.time) + later) * 1e-9);
 }
 
 GrayImage TestScene::picture(const TestFrame& frame, RenderOptions options) const {

@@ -8,8 +8,10 @@
 #include <optional>
 #include <string>
 
+#include "calvin/camera/camera.hpp"
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/result.hpp"
+#include "calvin/geometry/se3.hpp"
 #include "calvin/synth/motion.hpp"
 #include "calvin/synth/render.hpp"
 
@@ -18,6 +20,8 @@ namespace calvin::gst {
 struct SceneSettings {
   std::string board{kDefaultBoard};
   std::string calibration;  // as parse_calibration_setting() takes it; empty: default_camera()
+  std::string rig;          // a file or JSON: then the camera is one of that
+  std::string camera;       // its name; empty: the first one
   MotionKind motion = MotionKind::kRandom;
   std::uint64_t seed = 0;
 };
@@ -28,6 +32,12 @@ struct SceneSource {
   std::optional<Calibration> calibration;
   MotionKind motion = MotionKind::kRandom;
   std::uint64_t seed = 0;
+  // Of a camera of a rig: the board moves before the first one, as that sees it.
+  struct First {
+    Camera camera;
+    SE3 own_from_first;
+  };
+  std::optional<First> first;
 };
 [[nodiscard]] Result<SceneSource> read_scene_settings(const SceneSettings& settings);
 
@@ -57,6 +67,7 @@ class TestScene {
  private:
   TestScene(const SceneSource& source, const Camera& camera);
 
+  [[nodiscard]] SE3 placed(double at) const;
   // Whether the board moves while a frame is taken.
   [[nodiscard]] bool rolls(const TestFrame& frame) const;
 

@@ -251,6 +251,47 @@ GST_START_TEST(test_no_pad_waits_for_another) {
 }
 GST_END_TEST;
 
+// Rendered, found, paired and solved: two cameras that do not exist, in one pipeline.
+GST_START_TEST(test_rendered_cameras_stand_where_they_are) {
+  check::TemporaryFolder folder;
+  const auto cameras = rig_views::stereo();
+  Rig truth;
+  for (const SeenByCamera& camera : cameras) {
+    truth.cameras.push_back({camera.calibration, to_pose(camera.world_from_camera), {}, {}});
+  }
+  truth.world = "cam0";
+  const std::string studio = folder / "studio.json";
+  fail_unless(write_rig(studio, truth).has_value());
+  std::string rig_launch = "calibrig name=rig location=" + (folder / "rig.json");
+  std::string camera_launch;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const std::string number = std::to_string(c);
+    const std::string file = folder / ("cam" + number + ".json").c_str();
+    fail_unless(write_calibration(file, cameras[c].calibration).has_value());
+    rig_launch += " sink_" + number + "::intrinsics=" + file;
+    camera_launch += " calibtestsrc num-buffers=60 rig=" + studio + " camera=cam" + number +
+                     " ! calibdetect ! rig.sink_" + number;
+  }
+  const std::string launch = rig_launch + camera_launch;
+  g_autoptr(GstElement) pipeline = gst_parse_launch(launch.c_str(), nullptr);
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  g_autoptr(GstMessage) end = gst_bus_timed_pop_filtered(
+      bus, 90 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  fail_unless(end != nullptr);
+  g_autoptr(GError) error = nullptr;
+  if (GST_MESSAGE_TYPE(end) == GST_MESSAGE_ERROR) gst_message_parse_error(end, &error, nullptr);
+  fail_if(error != nullptr, "%s", error != nullptr ? error->message : "");
+  gst_bus_set_flushing(bus, TRUE);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  const auto rig = read_rig(folder / "rig.json");
+  fail_unless(rig.has_value());
+  const double worst = rig_views::worst_error(*rig, cameras);
+  fail_unless(worst < 5, "%f sigmas", worst);
+  fail_unless(rig->rms.value() < 0.1, "%f px", rig->rms.value());
+}
+GST_END_TEST;
+
 // Nobody is linked behind one camera, or behind any: the rig is found and the pipeline ends.
 GST_START_TEST(test_sources_need_not_be_linked) {
   const std::string launch =
@@ -304,6 +345,7 @@ static Suite* calibrig_suite(void) {
   tcase_add_test(tc, test_intrinsics_that_cannot_be_read_are_an_error);
   tcase_add_test(tc, test_the_end_of_one_camera_is_not_that_of_the_rig);
   tcase_add_test(tc, test_no_pad_waits_for_another);
+  tcase_add_test(tc, test_rendered_cameras_stand_where_they_are);
   tcase_add_loop_test(tc, test_sources_need_not_be_linked, 0, 2);
   tcase_add_test(tc, test_states_flushes_and_pads);
   return s;

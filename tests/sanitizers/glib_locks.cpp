@@ -1,20 +1,26 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Tells the thread sanitizer of GLib's mutexes and of GStreamer's buffer pools. GLib makes the
-// first of futexes and is not instrumented: without this, two threads that GST_OBJECT_LOCK or a
-// queue keeps apart look like a race. The second hand a buffer from the thread that was done with
-// it to the one that fills it anew through an atomic queue. Linked into the tests, these functions
-// stand before the libraries' own for everybody but those themselves.
+// Tells the thread sanitizer of GLib's mutexes and of how GStreamer hands buffers on. GLib makes
+// the first of futexes and is not instrumented: without this, two threads that GST_OBJECT_LOCK or a
+// queue keeps apart look like a race. A pool hands a buffer from the thread that was done with it
+// to the one that fills it anew through an atomic queue, a harness through a queue of its own, and
+// memory is written to by whoever has its last reference, which a counter tells. Linked into the
+// tests, these functions stand before the libraries' own for everybody but those themselves.
 
 #include <dlfcn.h>
 
+#include <gst/check/gstharness.h>
 #include <gst/gst.h>
+#include <gst/video/video.h>
 
 extern "C" void __tsan_acquire(void* address);
 extern "C" void __tsan_release(void* address);
 
 namespace {
+
+// Of all that was let go of: which references a memory had is known to GStreamer alone.
+char let_go;
 
 template <typename F>
 F* next(const char* name) {
@@ -62,7 +68,31 @@ gboolean g_cond_wait_until(GCond* condition, GMutex* mutex, gint64 end_time) {
 void gst_mini_object_unref(GstMiniObject* object) {
   static auto* const kReal = next<void(GstMiniObject*)>("gst_mini_object_unref");
   __tsan_release(object);
+  __tsan_release(&let_go);
   kReal(object);
+}
+
+gboolean gst_video_frame_map(GstVideoFrame* frame, const GstVideoInfo* info, GstBuffer* buffer,
+                             GstMapFlags flags) {
+  static auto* const kReal =
+      next<gboolean(GstVideoFrame*, const GstVideoInfo*, GstBuffer*, GstMapFlags)>(
+          "gst_video_frame_map");
+  const gboolean mapped = kReal(frame, info, buffer, flags);
+  if (mapped != FALSE && (flags & GST_MAP_WRITE) != 0) __tsan_acquire(&let_go);
+  return mapped;
+}
+
+GstFlowReturn gst_pad_push(GstPad* pad, GstBuffer* buffer) {
+  static auto* const kReal = next<GstFlowReturn(GstPad*, GstBuffer*)>("gst_pad_push");
+  __tsan_release(buffer);
+  return kReal(pad, buffer);
+}
+
+GstBuffer* gst_harness_pull(GstHarness* h) {
+  static auto* const kReal = next<GstBuffer*(GstHarness*)>("gst_harness_pull");
+  GstBuffer* buffer = kReal(h);
+  if (buffer != nullptr) __tsan_acquire(buffer);
+  return buffer;
 }
 
 // Whoever frees an object knows what all did who have let go of it before.
