@@ -269,7 +269,7 @@ GST_START_TEST(test_rendered_cameras_stand_where_they_are) {
     const std::string file = folder / ("cam" + number + ".json").c_str();
     fail_unless(write_calibration(file, cameras[c].calibration).has_value());
     rig_launch += " sink_" + number + "::intrinsics=" + file;
-    camera_launch += " calibtestsrc num-buffers=60 rig=" + studio + " camera=cam" + number +
+    camera_launch += " calibtestsrc num-buffers=40 rig=" + studio + " camera=cam" + number +
                      " ! calibdetect ! rig.sink_" + number;
   }
   const std::string launch = rig_launch + camera_launch;
