@@ -22,6 +22,10 @@ namespace {
 // Of all that was let go of: which references a memory had is known to GStreamer alone.
 char let_go;
 
+// Links with libgstvideo whoever needs nothing of it: only what a program is linked with do its own
+// functions stand before.
+[[maybe_unused]] auto* volatile in_libgstvideo = &gst_video_info_init;
+
 template <typename F>
 F* next(const char* name) {
   return reinterpret_cast<F*>(dlsym(RTLD_NEXT, name));
