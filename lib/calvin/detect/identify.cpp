@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Searches a picture for boards of every kind, and for those with a code in a mirror, too.
+// Identifies boards: searches a picture for every kind, and for those with a code in a mirror, too.
 
 #include "calvin/detect/identify.hpp"
 
@@ -103,7 +103,7 @@ std::vector<IdentifiedBoard> find_boards(const ImageView& image, double side,
     std::erase_if(
         all, [](const IdentifiedBoard& seen) { return seen.board.as<Checkerboard>() != nullptr; });
   }
-  std::ranges::stable_partition(all, has_code);
+  std::stable_partition(all.begin(), all.end(), has_code);
   return all;
 }
 

@@ -162,8 +162,7 @@ Result<std::vector<GridPlace>> parse_places(std::string_view text) {
     places.push_back({*col, *row});
   }
   std::ranges::sort(places, {}, [](GridPlace p) { return std::pair(p.row, p.col); });
-  const auto again = std::ranges::unique(places);
-  places.erase(again.begin(), again.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
   return places;
 }
 

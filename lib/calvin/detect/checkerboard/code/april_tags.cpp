@@ -48,15 +48,17 @@ std::vector<SeenTag> tags_in(const AprilGrid& family, std::span<const CodeBit> b
 
 std::optional<AprilGrid> grid_of_tags(std::span<const SeenTag> tags, const AprilGrid& like) {
   if (tags.size() < kFewestTags) return std::nullopt;
-  const auto [left, right] =
-      std::ranges::minmax(tags, {}, [](const SeenTag& t) { return t.cell.col; });
-  const auto [top, bottom] =
-      std::ranges::minmax(tags, {}, [](const SeenTag& t) { return t.cell.row; });
+  Cell from = tags[0].cell;
+  Cell to = from;
+  for (const SeenTag& tag : tags) {
+    from = {std::min(from.col, tag.cell.col), std::min(from.row, tag.cell.row)};
+    to = {std::max(to.col, tag.cell.col), std::max(to.row, tag.cell.row)};
+  }
   AprilGrid board = like;
-  board.cols = (right.cell.col - left.cell.col) / 2 + 1;
-  board.rows = (bottom.cell.row - top.cell.row) / 2 + 1;
-  const auto place = [&](const SeenTag& t) {
-    return Cell{(t.cell.col - left.cell.col) / 2, (t.cell.row - top.cell.row) / 2};
+  board.cols = (to.col - from.col) / 2 + 1;
+  board.rows = (to.row - from.row) / 2 + 1;
+  const auto place = [from](const SeenTag& t) {
+    return Cell{(t.cell.col - from.col) / 2, (t.cell.row - from.row) / 2};
   };
   board.first = 0;
   board.first = tags[0].id - board.tag_in(place(tags[0]).col, place(tags[0]).row);

@@ -64,9 +64,9 @@ MarkersOfDictionaries look_up(std::span<const CodeBit> bits, int side,
               << (count - 1 - static_cast<std::size_t>(bits[to].at.index));
     }
     if (to - from == count) {
-      for (const KnownMarker& marker :
-           std::ranges::equal_range(known, code, {}, &KnownMarker::code)) {
-        seen[marker.dictionary].push_back({cell, marker.id});
+      auto marker = std::ranges::lower_bound(known, code, {}, &KnownMarker::code);
+      for (; marker != known.end() && marker->code == code; ++marker) {
+        seen[marker->dictionary].push_back({cell, marker->id});
       }
     }
     from = to;
