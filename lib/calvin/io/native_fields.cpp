@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Poses and covariances, checked.
+// Heads, poses and covariances, checked.
 
 #include "calvin/io/native_fields.hpp"
 
@@ -36,6 +36,22 @@ std::optional<std::string> no_covariance(const std::vector<std::vector<double>>&
 }
 
 }  // namespace
+
+void read_head(Fields& fields, std::string_view known, int newest, std::string_view of) {
+  const std::string format = fields.string("format");
+  if (!fields.failed() && format != known) {
+    fields.complain("format", fmt::format("is '{}'; the file of {} says '{}'", format, of, known));
+  }
+  const int version = fields.integer("version");
+  if (version > newest) {
+    fields.complain("version",
+                    fmt::format("is {}: a newer version of this software wrote the file, and this "
+                                "one reads up to {}",
+                                version, newest),
+                    ErrorCode::kUnsupported);
+  }
+  if (version < 1) fields.complain("version", "is not 1");
+}
 
 std::vector<double> read_covariance(Fields& fields, std::size_t size, std::string_view of) {
   std::vector<double> all;

@@ -13,6 +13,10 @@
 
 namespace calvin::io {
 
+// `format` and `version`: another format than `known` is refused, and a version after `newest`.
+// `of` is what the file is one of: "a camera".
+void read_head(Fields& fields, std::string_view known, int newest, std::string_view of);
+
 // `covariance`, row-major; empty where it is absent or wrong. `of` says in a complaint what `size`
 // counts: "parameters have a sigma".
 [[nodiscard]] std::vector<double> read_covariance(Fields& fields, std::size_t size,

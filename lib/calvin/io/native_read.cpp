@@ -21,23 +21,6 @@ constexpr std::string_view kFormat = "calvin-calibration";
 
 using Problem = std::optional<Error>;
 
-void read_head(Fields& fields) {
-  const std::string format = fields.string("format");
-  if (!fields.failed() && format != kFormat) {
-    fields.complain("format",
-                    fmt::format("is '{}'; the file of a camera says '{}'", format, kFormat));
-  }
-  const int version = fields.integer("version");
-  if (version > kNativeVersion) {
-    fields.complain("version",
-                    fmt::format("is {}: a newer version of this software wrote the file, and this "
-                                "one reads up to {}",
-                                version, kNativeVersion),
-                    ErrorCode::kUnsupported);
-  }
-  if (version < 1) fields.complain("version", "is not 1");
-}
-
 std::vector<Parameter> read_parameters(Fields& fields) {
   // No camera model has as many. The names are looked up one by one, so that more would take their
   // time before anybody saw that they are unknown.
@@ -197,7 +180,7 @@ Result<Calibration> read_native(const Node& root) {
   Problem problem;
   Fields fields(root, "", problem);
   Calibration calibration;
-  read_head(fields);
+  read_head(fields, kFormat, kNativeVersion, "a camera");
   if (problem) return tl::unexpected(*problem);
   calibration.camera = fields.optional_string("camera");
   const auto size = fields.numbers("image_size", 2);

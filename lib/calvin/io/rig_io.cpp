@@ -34,20 +34,17 @@ constexpr std::size_t kPose = 6;
 
 // ---- Reading ------------------------------------------------------------------------------------
 
-void read_head(Fields& fields) {
-  const std::string format = fields.string("format");
-  if (!fields.failed() && format != kFormat) {
-    fields.complain("format", fmt::format("is '{}'; the file of a rig says '{}'", format, kFormat));
+// What no rig has: so that whatever is computed of it stays finite.
+void check_range(Fields& fields, const RigCamera& camera) {
+  constexpr double kFarthest = 1e6;  // m; of a turn, rad
+  const auto is_far = [](double x) { return !(std::abs(x) <= kFarthest); };
+  if (std::ranges::any_of(camera.rig_from_camera.translation, is_far) ||
+      std::ranges::any_of(camera.rig_from_camera.rotation, is_far)) {
+    fields.complain("rig_from_camera", "is out of range (1e6 m, 1e6 rad)");
   }
-  const int version = fields.integer("version");
-  if (version > kVersion) {
-    fields.complain("version",
-                    fmt::format("is {}: a newer version of this software wrote the file, and this "
-                                "one reads up to {}",
-                                version, kVersion),
-                    ErrorCode::kUnsupported);
+  if (std::ranges::any_of(camera.covariance, [](double x) { return !(std::abs(x) <= 1e12); })) {
+    fields.complain("covariance", "is out of range (1e12)");
   }
-  if (version < 1) fields.complain("version", "is not 1");
 }
 
 Result<Calibration> read_camera_calibration(const Node& node) {
@@ -80,6 +77,7 @@ RigCamera read_rig_camera(Fields fields) {
     camera.covariance = io::read_covariance(fields, kPose, "numbers say where a camera is");
   }
   camera.rms = fields.optional_number("rms");
+  check_range(fields, camera);
   return camera;
 }
 
@@ -120,7 +118,7 @@ Result<Rig> parse_text(std::string_view content) {
   }
   std::optional<Error> problem;
   Fields fields(*root, "", problem);
-  read_head(fields);
+  io::read_head(fields, kFormat, kVersion, "a rig");
   Rig rig;
   if (!problem) read_cameras(fields, problem, rig);
   rig.world = fields.optional_string("world");

@@ -85,6 +85,7 @@ TEST(RigFile, SaysWhatIsWrong) {
       {with("\"rig_from_camera\"", "\"pose\""), "rig_from_camera"},
       {with("\"calibration\"", "\"camera_file\""), "calibration"},
       {with("\"rotation\"", "\"turn\""), "rotation"},
+      {with("0.12", "1e300"), "out of range"},
   };
   for (const auto& [text, word] : wrong) {
     const auto read = parse_rig(text, "rig.json");
