@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,7 @@ TEST(Scene, HasFrustaAsWideAsTheLens) {
     const SE3 pose = to_se3(rig.cameras[c].rig_from_camera);
     EXPECT_LT((label->at - pose.translation).norm(), 1e-12);
     const auto outline = std::ranges::find_if(scene.paths, [&](const ScenePath& path) {
-      return path.is_closed && !path.is_filled && path.points.size() == 32 &&
+      return path.is_closed && !path.is_filled && path.points.size() == 64 &&
              is_of(path, label->colour);
     });
     ASSERT_NE(outline, scene.paths.end());
@@ -99,6 +100,87 @@ TEST(Scene, IsWhollyInThePictureFromEverywhere) {
       }
     }
   }
+}
+
+// A pinhole at 38 degrees across the shorter side, by a formula of its own: spherical coordinates
+// around the middle, and tangents.
+TEST(Scene, IsProjectedAsItsViewpointSays) {
+  Random random(6);
+  Scene scene = make_scene(rig_of(scenes::ring_rig(5, random)));
+  scene.up = Eigen::Vector3d::UnitZ();
+  scene.behind = Eigen::Vector3d::UnitX();
+  const ImageSize size = {1000, 600};
+  const SceneViewpoint viewpoint = {0.7, 0.3, 1.5};
+  const SceneProjection projection(scene, viewpoint, size);
+  const double half = 19 * std::numbers::pi / 180;
+  const double distance = scene.radius / std::sin(half) / viewpoint.zoom;
+  for (const SceneLabel& label : scene.labels) {
+    const Eigen::Vector3d d = label.at - scene.middle;
+    // Turned so that whoever looks is on the first axis, then tilted down to the ground.
+    const double x = std::cos(0.7) * d.x() + std::sin(0.7) * d.y();
+    const double y = -std::sin(0.7) * d.x() + std::cos(0.7) * d.y();
+    const double towards = std::cos(0.3) * x + std::sin(0.3) * d.z();
+    const double up = -std::sin(0.3) * x + std::cos(0.3) * d.z();
+    const double focal = 300 / std::tan(half);
+    const auto at = projection.project(label.at);
+    ASSERT_TRUE(at.has_value());
+    EXPECT_NEAR(at->u, 499.5 + focal * y / (distance - towards), 1e-6);
+    EXPECT_NEAR(at->v, 299.5 - focal * up / (distance - towards), 1e-6);
+  }
+}
+
+// What is partly behind whoever looks is cut, not lost.
+TEST(Scene, IsCutInFrontOfWhoeverLooks) {
+  Random random(7);
+  const Scene scene = make_scene(rig_of(scenes::ring_rig(5, random)));
+  const SceneProjection projection(scene, {0.6, 0.45, 1}, {1000, 600});
+  // Behind: as far again as the middle is away.
+  const auto from = [&](double depth) {
+    Eigen::Vector3d ahead;
+    for (int k = 0; k < 3; ++k) {
+      ahead(k) = projection.depth(scene.middle + Eigen::Vector3d::Unit(k)) -
+                 projection.depth(scene.middle);
+    }
+    return Eigen::Vector3d(scene.middle + (depth - projection.distance()) * ahead);
+  };
+  ScenePath line;
+  line.points = {from(projection.distance()), from(-projection.distance())};
+  EXPECT_EQ(projection.project(line).size(), 2U);
+  line.points = {from(-1), from(-2)};
+  EXPECT_TRUE(projection.project(line).empty());
+  ScenePath shape;
+  const Eigen::Vector3d aside = 0.1 * scene.up;
+  shape.is_closed = true;
+  shape.points = {from(projection.distance()), from(projection.distance()) + aside,
+                  from(-1) + aside, from(-1)};
+  const auto cut = projection.project(shape);
+  EXPECT_EQ(cut.size(), 4U);
+  for (const Pixel& at : cut) EXPECT_TRUE(std::isfinite(at.u) && std::isfinite(at.v));
+}
+
+// Each ellipsoid is as large as the covariance says, by the factor that is to be read.
+TEST(Scene, HasEllipsoidsOfOneSigma) {
+  Random random(8);
+  Rig rig = rig_of(scenes::stereo_rig(random));
+  const double sigmas[] = {1e-4, 2e-4, 4e-4};  // m
+  rig.cameras[1].covariance.assign(36, 0.0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    rig.cameras[1].covariance[7 * (3 + k)] = sigmas[k] * sigmas[k];
+  }
+  const Scene scene = make_scene(rig);
+  double factor = 0;
+  for (const std::string& note : scene.notes) {
+    const auto x = note.find(" x ");
+    if (x != std::string::npos) factor = std::stod(note.substr(x + 3));
+  }
+  ASSERT_GT(factor, 0);
+  const Eigen::Vector3d at = to_se3(rig.cameras[1].rig_from_camera).translation;
+  Eigen::Vector3d reach = Eigen::Vector3d::Zero();
+  for (const ScenePath& path : scene.paths) {
+    if (path.points.size() != 32) continue;
+    for (const Eigen::Vector3d& p : path.points) reach = reach.cwiseMax((p - at).cwiseAbs());
+  }
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(reach(k), factor * sigmas[k], 1e-9);
 }
 
 // Cameras are upright: up in the scene is up in their pictures.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Shapes out of poses.
+// Makes the shapes of a scene out of the poses and lenses of a rig.
 
 #include "calvin/draw/scene/scene.hpp"
 
@@ -46,6 +46,13 @@ SceneColour with_alpha(SceneColour colour, double alpha) {
 
 bool is_of_board(const Rig& rig) { return rig.world == kBoardWorld; }
 
+// The largest of 1, 2 and 5 times a power of ten that is not above a number.
+double round_below(double number) {
+  const double power = std::pow(10.0, std::floor(std::log10(number)));
+  const double digit = number / power;
+  return power * (digit >= 5 ? 5 : digit >= 2 ? 2 : 1);
+}
+
 // Against the mean of where the cameras' pictures have their lower sides, or away from the board.
 Eigen::Vector3d up_of(const Rig& rig) {
   if (is_of_board(rig)) return -Eigen::Vector3d::UnitZ();
@@ -70,20 +77,26 @@ Eigen::Vector3d behind(const Rig& rig, const Eigen::Vector3d& up) {
   return level(sum / std::max<double>(1, static_cast<double>(rig.cameras.size())), up);
 }
 
-// The ray of a pixel, or of the nearest one on the way to the centre that has one.
+// The ray of a pixel, or of the farthest one on the way to it from the centre that has one.
 std::optional<Eigen::Vector3d> ray_towards(const Camera& camera, Pixel at) {
-  constexpr double kStep = 0.02;
+  constexpr int kHalvings = 12;  // to a fraction of a pixel
   const Pixel centre = image_center(camera.image_size());
-  for (double t = 1; t > 0; t -= kStep) {
-    const auto ray = camera.unproject({std::lerp(centre.u, at.u, t), std::lerp(centre.v, at.v, t)});
-    if (ray) return ray;
+  const auto ray_at = [&](double t) {
+    return camera.unproject({std::lerp(centre.u, at.u, t), std::lerp(centre.v, at.v, t)});
+  };
+  if (const auto whole = ray_at(1)) return whole;
+  double has = 0;
+  double lacks = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (has + lacks);
+    (ray_at(middle) ? has : lacks) = middle;
   }
-  return std::nullopt;
+  return ray_at(has);
 }
 
 // The rays through the border of a picture, clockwise from the upper left, camera frame.
 std::vector<Eigen::Vector3d> border_rays(const Camera& camera) {
-  constexpr int kSteps = 8;  // of each side
+  constexpr int kSteps = 16;  // of each side
   const ImageSize size = camera.image_size();
   const double right = size.width - 1;
   const double bottom = size.height - 1;
@@ -177,7 +190,7 @@ class SceneMaker {
     return axes.eigenvectors() * axes.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
   }
 
-  // All by one factor, a power of ten, so that the largest can be seen and hides nothing.
+  // All by one round factor, so that the largest can be seen and hides nothing.
   void add_ellipsoids() {
     double largest = 0;
     for (const RigCamera& camera : rig_.cameras) {
@@ -187,7 +200,7 @@ class SceneMaker {
     }
     if (!(largest > 0)) return;
     const double most = kLargestError * size_ / largest;
-    const double factor = std::max(1.0, std::pow(10.0, std::floor(std::log10(most))));
+    const double factor = std::max(1.0, round_below(most));
     for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
       const auto error = error_of(rig_.cameras[c]);
       if (!error) continue;
@@ -240,7 +253,7 @@ class SceneMaker {
     }
   }
 
-  // Below everything, or the plane of the board; steps of 1, 2 or 5 of a power of ten.
+  // Below everything, or the plane of the board.
   void add_ground() {
     double lowest = is_of_board(rig_) ? 0 : 1e300;
     for (const ScenePath& path : scene_.paths) {
@@ -248,9 +261,7 @@ class SceneMaker {
         if (!is_of_board(rig_)) lowest = std::min(lowest, p.dot(scene_.up));
       }
     }
-    const double rough = scene_.radius / 5;
-    const double power = std::pow(10.0, std::floor(std::log10(rough)));
-    const double step = power * (rough / power >= 5 ? 5 : rough / power >= 2 ? 2 : 1);
+    const double step = round_below(scene_.radius / 5);
     const Eigen::Vector3d& x = scene_.behind;
     const Eigen::Vector3d y = scene_.up.cross(x);
     const Eigen::Vector3d middle =

@@ -73,13 +73,8 @@ class ScenePainter {
 
   void paint_path(const ScenePath& path) {
     cairo_new_path(to_);
-    for (const Eigen::Vector3d& p : path.points) {
-      const auto at = projection_.project(p);
-      if (!at) {
-        cairo_new_path(to_);
-        return;
-      }
-      cairo_line_to(to_, at->u + 0.5, at->v + 0.5);
+    for (const Pixel& at : projection_.project(path)) {
+      cairo_line_to(to_, at.u + 0.5, at.v + 0.5);
     }
     if (path.is_closed) cairo_close_path(to_);
     set_colour(to_, path.colour, light(path));

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "calvin/core/image.hpp"
 #include "calvin/core/result.hpp"
@@ -27,15 +28,24 @@ class SceneProjection {
   SceneProjection(const Scene& scene, const SceneViewpoint& viewpoint, ImageSize size);
 
   [[nodiscard]] std::optional<Pixel> project(const Eigen::Vector3d& point) const;
+  // A line or the rim of a shape; what is beside or behind whoever looks is cut off. Empty where
+  // that is all of it.
+  [[nodiscard]] std::vector<Pixel> project(const ScenePath& path) const;
   // m, along the line of sight.
   [[nodiscard]] double depth(const Eigen::Vector3d& point) const;
   [[nodiscard]] double distance() const { return distance_; }  // m, to the middle
 
  private:
+  [[nodiscard]] Eigen::Vector3d to_view(const Eigen::Vector3d& point) const {
+    return rotation_ * (point - from_);
+  }
+  [[nodiscard]] Pixel pixel_of(const Eigen::Vector3d& in_view) const;
+
   Eigen::Matrix3d rotation_;  // view_from_rig: right, down, ahead
   Eigen::Vector3d from_;      // m, frame of the rig
   double distance_ = 1;
-  double focal_ = 1;  // px
+  double nearest_ = 0;  // m, ahead: what is nearer is not seen
+  double focal_ = 1;    // px
   Pixel centre_;
 };
 

@@ -29,6 +29,8 @@ SceneProjection::SceneProjection(const Scene& scene, const SceneViewpoint& viewp
       std::cos(elevation) * (std::cos(viewpoint.azimuth) * x + std::sin(viewpoint.azimuth) * y) +
       std::sin(elevation) * up;
   distance_ = scene.radius / std::sin(kFieldOfView / 2) / std::clamp(viewpoint.zoom, 0.1, 10.0);
+  constexpr double kNearest = 0.02;  // of the distance
+  nearest_ = kNearest * distance_;
   from_ = scene.middle + distance_ * towards;
   const Eigen::Vector3d ahead = -towards;
   const Eigen::Vector3d right = ahead.cross(up).normalized();
@@ -43,11 +45,34 @@ double SceneProjection::depth(const Eigen::Vector3d& point) const {
   return rotation_.row(2).dot(point - from_);
 }
 
+Pixel SceneProjection::pixel_of(const Eigen::Vector3d& in_view) const {
+  return {centre_.u + focal_ * in_view.x() / in_view.z(),
+          centre_.v + focal_ * in_view.y() / in_view.z()};
+}
+
 std::optional<Pixel> SceneProjection::project(const Eigen::Vector3d& point) const {
-  constexpr double kNearest = 0.02;  // of the distance
-  const Eigen::Vector3d seen = rotation_ * (point - from_);
-  if (seen.z() < kNearest * distance_) return std::nullopt;
-  return Pixel{centre_.u + focal_ * seen.x() / seen.z(), centre_.v + focal_ * seen.y() / seen.z()};
+  const Eigen::Vector3d seen = to_view(point);
+  if (seen.z() < nearest_) return std::nullopt;
+  return pixel_of(seen);
+}
+
+// Cut at the plane in front of whoever looks (I. Sutherland, G. Hodgman, Reentrant Polygon
+// Clipping, CACM 17(1), 1974). An open line that leaves and comes back is joined along that plane,
+// out of sight or nearly so.
+std::vector<Pixel> SceneProjection::project(const ScenePath& path) const {
+  std::vector<Pixel> pixels;
+  const std::size_t count = path.points.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d to = to_view(path.points[i]);
+    const bool has_before = i > 0 || path.is_closed;
+    const Eigen::Vector3d from = to_view(path.points[(i + count - 1) % count]);
+    if (has_before && (from.z() < nearest_) != (to.z() < nearest_)) {
+      const double share = (nearest_ - from.z()) / (to.z() - from.z());
+      pixels.push_back(pixel_of(from + share * (to - from)));
+    }
+    if (to.z() >= nearest_) pixels.push_back(pixel_of(to));
+  }
+  return pixels;
 }
 
 }  // namespace calvin
