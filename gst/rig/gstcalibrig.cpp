@@ -20,6 +20,7 @@
  */
 
 #include <algorithm>
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <utility>
@@ -42,6 +43,8 @@ GST_DEBUG_CATEGORY(calibrig_debug);
 G_DECLARE_FINAL_TYPE(GstCalibRig, gst_calib_rig, GST, CALIB_RIG, GstElement)
 
 using namespace calvin;
+
+static constexpr guint kMostCameras = 4096;
 
 struct _GstCalibRig {
   GstElement parent;
@@ -166,8 +169,7 @@ static void gst_calib_rig_finish(GstCalibRig* self, GstEvent* eos) {
 // A camera whose pad came while the others run: its settings are there by its first frame.
 static void gst_calib_rig_introduce(GstCalibRig* self, GstPad* pad) {
   if (std::exchange(gst::stream_of(pad).is_known, true)) return;
-  const Status added = self->solver->add_camera(gst::camera_of(pad), gst::settings_of(pad));
-  if (!added) gst::post_warning(GST_ELEMENT(self), added.error());
+  self->solver->add_camera_later(gst::camera_of(pad), gst::settings_of(pad));
 }
 
 static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEvent* event) {
@@ -181,7 +183,12 @@ static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEven
       gst_event_copy_segment(event, &stream.segment);
       gst_calib_rig_runs_on(self, pad);
       break;
+    case GST_EVENT_FLUSH_START:
+      // The thread of this pad may be waiting for the last solve.
+      self->solver->cancel();
+      break;
     case GST_EVENT_FLUSH_STOP:
+      self->solver->resume();
       gst_segment_init(&stream.segment, GST_FORMAT_TIME);
       gst_calib_rig_runs_on(self, pad);
       break;
@@ -212,8 +219,16 @@ static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEven
   return pushed || !gst_pad_is_linked(source);
 }
 
+// The sink pad before a source pad; nullptr once it was released.
+static GstPad* gst_calib_rig_sink_of(GstPad* source) {
+  return static_cast<GstPad*>(gst_pad_get_element_private(source));
+}
+
 static gboolean gst_calib_rig_src_event(GstPad* pad, GstObject* /*parent*/, GstEvent* event) {
-  return gst_pad_push_event(GST_PAD(gst_pad_get_element_private(pad)), event);
+  GstPad* sink = gst_calib_rig_sink_of(pad);
+  if (sink != nullptr) return gst_pad_push_event(sink, event);
+  gst_event_unref(event);
+  return FALSE;
 }
 
 // What is asked of one side is asked of the other. A pad that nobody is linked to takes any caps.
@@ -224,12 +239,13 @@ static gboolean gst_calib_rig_sink_query(GstPad* pad, GstObject* parent, GstQuer
 }
 
 static gboolean gst_calib_rig_src_query(GstPad* pad, GstObject* /*parent*/, GstQuery* query) {
-  return gst_pad_peer_query(GST_PAD(gst_pad_get_element_private(pad)), query);
+  GstPad* sink = gst_calib_rig_sink_of(pad);
+  return sink != nullptr && gst_pad_peer_query(sink, query);
 }
 
 static GstIterator* gst_calib_rig_internal_links(GstPad* pad, GstObject* /*parent*/) {
-  GstPad* other =
-      GST_PAD_IS_SINK(pad) ? gst::source_of(pad) : GST_PAD(gst_pad_get_element_private(pad));
+  GstPad* other = GST_PAD_IS_SINK(pad) ? gst::source_of(pad) : gst_calib_rig_sink_of(pad);
+  if (other == nullptr) return nullptr;
   GValue value = G_VALUE_INIT;
   g_value_init(&value, GST_TYPE_PAD);
   g_value_set_object(&value, other);
@@ -243,20 +259,19 @@ static GstIterator* gst_calib_rig_internal_links(GstPad* pad, GstObject* /*paren
 // The number that a name asks for, or the next one that is free.
 static guint gst_calib_rig_number(GstCalibRig* self, const char* name) {
   guint number = 0;
-  const bool is_asked = name != nullptr && sscanf(name, "sink_%u", &number) == 1;
+  const bool is_asked = name != nullptr && std::sscanf(name, "sink_%u", &number) == 1;
   GST_OBJECT_LOCK(self);
   if (!is_asked) number = self->next_camera;
-  self->next_camera = std::max(self->next_camera, number + 1);
+  if (number < kMostCameras) self->next_camera = std::max(self->next_camera, number + 1);
   GST_OBJECT_UNLOCK(self);
   return number;
 }
 
 static GstPad* gst_calib_rig_request_new_pad(GstElement* element, GstPadTemplate* templ,
                                              const char* name, const GstCaps* /*caps*/) {
-  constexpr guint kMost = 4096;
   GstCalibRig* self = GST_CALIB_RIG(element);
   const guint number = gst_calib_rig_number(self, name);
-  if (number >= kMost) {
+  if (number >= kMostCameras) {
     GST_ERROR_OBJECT(self, "no rig has a camera %u", number);
     return nullptr;
   }
@@ -293,6 +308,8 @@ static void gst_calib_rig_release_pad(GstElement* element, GstPad* pad) {
   gst_pad_set_active(pad, FALSE);
   gst_pad_set_active(source, FALSE);
   GST_CALIB_RIG(element)->solver->remove_camera(gst::camera_of(pad));
+  // Somebody may keep the source pad longer than this one.
+  gst_pad_set_element_private(source, nullptr);
   gst_element_remove_pad(element, source);
   gst_element_remove_pad(element, pad);
 }

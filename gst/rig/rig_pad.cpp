@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The pad as a GObject.
+// The properties of a pad, and its way to the source pad behind it.
 
 #include "rig/rig_pad.hpp"
 
@@ -39,6 +39,7 @@ static void gst_calib_rig_pad_get_property(GObject* object, guint id, GValue* va
 
 static void gst_calib_rig_pad_finalize(GObject* object) {
   GstCalibRigPad* self = GST_CALIB_RIG_PAD(object);
+  gst_object_unref(self->source);
   delete self->stream;
   delete self->settings;
   G_OBJECT_CLASS(gst_calib_rig_pad_parent_class)->finalize(object);
@@ -77,7 +78,7 @@ GstPad* new_rig_pad(GstPadTemplate* templ, const char* name, std::size_t camera,
   auto* pad = GST_PAD(g_object_new(gst_calib_rig_pad_get_type(), "name", name, "direction",
                                    GST_PAD_SINK, "template", templ, nullptr));
   GST_CALIB_RIG_PAD(pad)->camera = camera;
-  GST_CALIB_RIG_PAD(pad)->source = source;
+  GST_CALIB_RIG_PAD(pad)->source = GST_PAD(gst_object_ref_sink(source));
   return pad;
 }
 

@@ -14,7 +14,7 @@ G_DECLARE_FINAL_TYPE(GstCalibRigPad, gst_calib_rig_pad, GST, CALIB_RIG_PAD, GstP
 
 namespace calvin::gst {
 
-// Of a new pad, before it is added to the element. `source` is the pad behind it.
+// A new, floating pad. `source`, the new pad behind it, lives as long as it does.
 [[nodiscard]] GstPad* new_rig_pad(GstPadTemplate* templ, const char* name, std::size_t camera,
                                   GstPad* source);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What calibrig does.
+// Reads intrinsics, asks the session of calibrig what to solve, and publishes what comes of it.
 
 #include "rig/rig_solver.hpp"
 
@@ -44,7 +44,8 @@ const Property<RigSolver> kRigProperties[4] = {
      {.choices = {"GstCalibRigMode", kModes}, .flags = kMutableReady}},
     {"location",
      "Location",
-     "The file of the rig; written at the first solve, then at every one",
+     "The file of the rig; written at the first solve, then at every one. What was there before is "
+     "kept as FILE~",
      kept_in<&RigSettings::location>,
      {.flags = kMutableReady}},
     {"tolerance",
@@ -71,8 +72,12 @@ Status RigSolver::start() {
     json_.clear();
     error_.reset();
     complained_ = write_failed_ = false;
+    unread_.clear();
   }
-  return worker_.start();
+  if (Status started = reader_.start(); !started) return started;
+  if (Status started = worker_.start(); !started) return started;
+  file_ = {};  // no job of the run before is left
+  return {};
 }
 
 Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settings) {
@@ -89,6 +94,33 @@ Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settin
   session_.set_name(camera, settings.name);
   if (intrinsics) session_.set_intrinsics(camera, *intrinsics);
   return {};
+}
+
+void RigSolver::add_camera_later(std::size_t camera, const RigCameraSettings& settings) {
+  {
+    const std::lock_guard guard(lock_);
+    session_.set_name(camera, settings.name);
+    if (settings.intrinsics.empty()) return;
+    unread_.emplace_back(camera, settings);
+  }
+  reader_.offer([this](const std::stop_token& stop) { read_intrinsics(stop); });
+}
+
+// Those of all cameras that wait: a job that comes later takes the place of one that has not begun.
+void RigSolver::read_intrinsics(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    std::pair<std::size_t, RigCameraSettings> next;
+    {
+      const std::lock_guard guard(lock_);
+      if (unread_.empty()) return;
+      next = std::move(unread_.front());
+      unread_.erase(unread_.begin());
+    }
+    const Status added = add_camera(next.first, next.second);
+    if (added) continue;
+    const auto report = reader_.begin_report(stop, element_);
+    if (report) post_warning(element_, added.error());
+  }
 }
 
 void RigSolver::remove_camera(std::size_t camera) {
@@ -136,7 +168,7 @@ void RigSolver::solve_if_due(bool final) {
 }
 
 void RigSolver::finish() {
-  if (!worker_.drain()) return;
+  if (!reader_.drain() || !worker_.drain()) return;
   solve_if_due(true);
   if (!worker_.drain()) return;
   std::optional<Error> error;
@@ -159,11 +191,6 @@ std::optional<std::string> RigSolver::take_rig(guint64& known) {
   const std::lock_guard guard(lock_);
   if (json_number_ == known || json_.empty()) return std::nullopt;
   known = json_number_;
-  return json_;
-}
-
-std::string RigSolver::rig_json() {
-  const std::lock_guard guard(lock_);
   return json_;
 }
 
@@ -197,7 +224,7 @@ void RigSolver::publish(const RigJob& job, const RigSolution& solution,
   const auto json = print_rig(solution.rig);
   if (!json) return;
   const std::string location = settings().location;
-  const Status written = location.empty() ? Status() : write_rig(location, solution.rig);
+  const Status written = location.empty() ? Status() : file_.write(location, solution.rig);
   FrameTimes times;
   bool first_failure = false;
   {

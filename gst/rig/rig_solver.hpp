@@ -8,9 +8,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gst/gst.h>
 
+#include "calvin/session/rig/rig_file.hpp"
 #include "calvin/session/rig/rig_session.hpp"
 #include "common/messages.hpp"
 #include "common/properties.hpp"
@@ -41,12 +44,24 @@ class RigSolver : public SharedSettings<RigSettings> {
   // An error for settings that cannot work.
   [[nodiscard]] Status start();
   // Any thread: whoever waits for a solve goes on without it.
-  void cancel() { worker_.cancel(); }
-  void resume() { worker_.resume(); }
-  void stop() { worker_.stop(); }
+  void cancel() {
+    worker_.cancel();
+    reader_.cancel();
+  }
+  void resume() {
+    worker_.resume();
+    reader_.resume();
+  }
+  void stop() {
+    worker_.stop();
+    reader_.stop();
+  }
 
-  // Before its first frame. An error for intrinsics that cannot be read.
+  // Before there are frames. An error for intrinsics that cannot be read.
   [[nodiscard]] Status add_camera(std::size_t camera, const RigCameraSettings& settings);
+  // While the others run: the file is read beside the stream, and a WARNING says where it cannot
+  // be.
+  void add_camera_later(std::size_t camera, const RigCameraSettings& settings);
   void remove_camera(std::size_t camera);
   // Streaming threads, each for its own camera.
   void set_intrinsics(std::size_t camera, const std::string& json);
@@ -60,9 +75,9 @@ class RigSolver : public SharedSettings<RigSettings> {
   // The rig as JSON where it is another one than that with the number `known`, which becomes its
   // own.
   [[nodiscard]] std::optional<std::string> take_rig(guint64& known);
-  [[nodiscard]] std::string rig_json();
 
  private:
+  void read_intrinsics(const std::stop_token& stop);
   void solve_if_due(bool final);
   void run(const RigJob& job, const std::stop_token& stop);
   void publish(const RigJob& job, const RigSolution& solution, const std::stop_token& stop);
@@ -78,7 +93,12 @@ class RigSolver : public SharedSettings<RigSettings> {
   bool complained_ = false;     // of a broken observation
   bool write_failed_ = false;   // and that was said
 
+  std::vector<std::pair<std::size_t, RigCameraSettings>> unread_;  // cameras that came later
+
+  RigFile file_;  // of the worker alone
+
   Worker worker_;
+  Worker reader_;
 };
 
 extern const Property<RigSolver> kRigProperties[4];

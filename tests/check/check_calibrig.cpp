@@ -109,6 +109,8 @@ GST_START_TEST(test_two_cameras_stand_where_they_are) {
   const std::string location = f.folder / "rig.json";
   gst_element_set_state(f.element, GST_STATE_NULL);
   g_object_set(f.element, "location", location.c_str(), nullptr);
+  // Of another session: it is kept.
+  fail_unless(g_file_set_contents(location.c_str(), "{\"another\": 1}", -1, nullptr));
   f.start();
   f.push_all();
   f.end_all();
@@ -120,6 +122,9 @@ GST_START_TEST(test_two_cameras_stand_where_they_are) {
   const auto rig = read_rig(location);
   fail_unless(rig.has_value());
   fail_unless(f.worst(*rig) < 5, "%f sigmas", f.worst(*rig));
+  g_autofree char* kept = nullptr;
+  fail_unless(g_file_get_contents((location + "~").c_str(), &kept, nullptr, nullptr));
+  fail_unless_equals_string(kept, "{\"another\": 1}");
   const auto posted = parse_rig(gst_structure_get_string(result, "json"));
   fail_unless(posted.has_value() && print_rig(*posted).value() == print_rig(*rig).value());
   // Simulated pictures of one instant are a millisecond apart.

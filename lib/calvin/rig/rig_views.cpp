@@ -19,12 +19,11 @@ struct TimedView {
   RigView of;
 };
 
-std::vector<TimedView> in_order(const std::vector<RigCameraViews>& cameras) {
+std::vector<TimedView> in_order(const std::vector<ViewTimes>& cameras) {
   std::vector<TimedView> all;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    for (std::size_t v = 0; v < cameras[c].views.size(); ++v) {
-      const Observation& seen = cameras[c].views[v].observation;
-      if (seen.timestamp != kNoTimestamp && seen.found()) all.push_back({seen.timestamp, {c, v}});
+    for (std::size_t v = 0; v < cameras[c].size(); ++v) {
+      if (cameras[c][v] != kNoTimestamp) all.push_back({cameras[c][v], {c, v}});
     }
   }
   std::ranges::sort(all, {}, [](const TimedView& view) {
@@ -42,6 +41,17 @@ bool is_shared(const Instant& instant) {
 }  // namespace
 
 Instants pair_instants(const std::vector<RigCameraViews>& cameras, std::uint64_t tolerance) {
+  std::vector<ViewTimes> times;
+  for (const RigCameraViews& camera : cameras) {
+    ViewTimes& of = times.emplace_back();
+    for (const View& view : camera.views) {
+      of.push_back(view.observation.found() ? view.observation.timestamp : kNoTimestamp);
+    }
+  }
+  return pair_instants(times, tolerance);
+}
+
+Instants pair_instants(const std::vector<ViewTimes>& cameras, std::uint64_t tolerance) {
   Instants result;
   Instant now;
   std::map<std::size_t, std::uint64_t> pictures;  // of this instant, by camera
@@ -68,6 +78,22 @@ Instants pair_instants(const std::vector<RigCameraViews>& cameras, std::uint64_t
   }
   end_instant();
   return result;
+}
+
+std::optional<std::size_t> weakest_pair(const std::vector<CameraPair>& pairs) {
+  if (pairs.empty()) return std::nullopt;
+  std::set<std::size_t> joined = {pairs.front().a};
+  std::optional<std::size_t> weakest;
+  for (;;) {
+    std::optional<std::size_t> best;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (joined.contains(pairs[i].a) == joined.contains(pairs[i].b)) continue;
+      if (!best || pairs[i].views > pairs[*best].views) best = i;
+    }
+    if (!best) return weakest;
+    joined.insert({pairs[*best].a, pairs[*best].b});
+    if (!weakest || pairs[*best].views < pairs[*weakest].views) weakest = best;
+  }
 }
 
 }  // namespace calvin

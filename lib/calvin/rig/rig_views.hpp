@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "calvin/core/calibration.hpp"
@@ -37,9 +38,26 @@ struct Instants {
   std::uint64_t farthest = 0;     // ns, between two pictures of one instant, at the most
 };
 
+// When each view of a camera was taken, ns, as its camera lists them; kNoTimestamp for one that
+// does not count.
+using ViewTimes = std::vector<std::uint64_t>;
+
 // Pictures that are at most `tolerance` ns apart are of one instant; where a camera has several,
 // the first one. A picture belongs to one instant. Views without a timestamp are left out.
 [[nodiscard]] CALVIN_API Instants pair_instants(const std::vector<RigCameraViews>& cameras,
                                                 std::uint64_t tolerance);
+[[nodiscard]] Instants pair_instants(const std::vector<ViewTimes>& cameras,
+                                     std::uint64_t tolerance);
+
+// Two cameras, and how many views hold them together.
+struct CameraPair {
+  std::size_t a = 0;
+  std::size_t b = 0;
+  std::size_t views = 0;
+};
+
+// The pair of a list by which the tree of the best pairs (R. C. Prim, Bell System Technical Journal
+// 36, 1957) hangs most loosely, by its place in the list; absent for an empty list.
+[[nodiscard]] std::optional<std::size_t> weakest_pair(const std::vector<CameraPair>& pairs);
 
 }  // namespace calvin

@@ -117,22 +117,10 @@ double distance_sigma(const Eigen::MatrixXd& covariance, std::size_t a, std::siz
   return std::sqrt(std::max(by.dot(covariance * by), 0.0));
 }
 
-// The link by which the tree of the best links hangs most loosely.
-std::optional<std::size_t> weakest_of(const std::vector<RigLink>& links, std::size_t cameras) {
-  std::vector<bool> joined(cameras, false);
-  joined.front() = true;
-  std::optional<std::size_t> weakest;
-  for (std::size_t n = 1; n < cameras; ++n) {
-    std::optional<std::size_t> best;
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      if (joined[links[i].a] == joined[links[i].b]) continue;
-      if (!best || links[i].agree > links[*best].agree) best = i;
-    }
-    if (!best) break;
-    joined[links[*best].a] = joined[links[*best].b] = true;
-    if (!weakest || links[*best].agree < links[*weakest].agree) weakest = best;
-  }
-  return weakest;
+std::optional<std::size_t> weakest_of(const std::vector<RigLink>& links) {
+  std::vector<CameraPair> pairs;
+  for (const RigLink& link : links) pairs.push_back({link.a, link.b, link.agree});
+  return weakest_pair(pairs);
 }
 
 // Poses and covariances of all cameras, `covariance` over their turns and places.
@@ -196,7 +184,7 @@ void set_links(const std::vector<BoardView>& views, const std::vector<Link>& lin
     }
     solution.links.push_back(one);
   }
-  solution.weakest = weakest_of(solution.links, cameras.size());
+  solution.weakest = weakest_of(solution.links);
 }
 
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,

@@ -42,6 +42,12 @@ const CalibrationFile* copied_over(const std::vector<CalibrationFile>& files) {
 
 std::string copy_of(const std::string& path) { return path + "~"; }
 
+Status keep_copy(const std::string& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return tl::unexpected<Error>(bytes.error());
+  return write_file(copy_of(path), *bytes);
+}
+
 Result<std::vector<CalibrationFile>> parse_calibration_files(const std::string& location,
                                                              const std::string& exports) {
   std::vector<CalibrationFile> files;

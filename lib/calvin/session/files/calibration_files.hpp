@@ -23,6 +23,8 @@ struct CalibrationFile {
 
 // Where what another session left in a file is kept when it is replaced.
 [[nodiscard]] std::string copy_of(const std::string& path);
+// Copies a file there.
+[[nodiscard]] Status keep_copy(const std::string& path);
 
 // Whether each is a file of its own, and none the copy_of() another: two texts for one would
 // overwrite each other at every solve.

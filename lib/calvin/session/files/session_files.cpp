@@ -17,12 +17,6 @@ namespace calvin {
 
 namespace {
 
-Status keep_copy(const std::string& path) {
-  const auto bytes = read_file(path);
-  if (!bytes) return tl::unexpected<Error>(bytes.error());
-  return write_file(copy_of(path), *bytes);
-}
-
 std::string figures(const Calibration& calibration) {
   const auto error = compared_error(calibration);
   std::string text =

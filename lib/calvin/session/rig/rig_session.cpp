@@ -252,15 +252,15 @@ void RigSession::solved(const RigJob& job, bool well) {
   if (is_current(job) && well && job.final) solved_revision_ = asked_revision_;
 }
 
-RigProgress RigSession::progress() const {
-  RigProgress progress;
-  std::vector<RigCameraViews> seen;
+// By the times of the views alone: this is asked for on streaming threads.
+std::vector<CameraPair> RigSession::pairs() const {
+  std::vector<ViewTimes> times;
   for (const Camera& camera : cameras_) {
-    seen.push_back({{}, camera.kept});
-    if (!camera.kept.empty()) progress.cameras.push_back(camera.name);
+    ViewTimes& of = times.emplace_back();
+    for (const View& view : camera.kept) of.push_back(view.observation.timestamp);
   }
-  std::map<std::pair<std::size_t, std::size_t>, int> common;
-  for (const Instant& instant : pair_instants(seen, settings_.options.tolerance).instants) {
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> common;
+  for (const Instant& instant : pair_instants(times, settings_.options.tolerance).instants) {
     for (std::size_t i = 0; i < instant.views.size(); ++i) {
       for (std::size_t j = i + 1; j < instant.views.size(); ++j) {
         const std::size_t a = instant.views[i].camera;
@@ -269,29 +269,24 @@ RigProgress RigSession::progress() const {
       }
     }
   }
-  // Along the tree of the pairs with most views: the one that has fewest of them.
-  std::vector<bool> joined(cameras_.size(), false);
-  if (!common.empty()) joined[common.begin()->first.first] = true;
-  const RigProgress::Link* weakest = nullptr;
-  for (const auto& [pair, views] : common) {
-    progress.links.push_back({cameras_[pair.first].name, cameras_[pair.second].name, views});
+  std::vector<CameraPair> all;
+  for (const auto& [pair, views] : common) all.push_back({pair.first, pair.second, views});
+  return all;
+}
+
+RigProgress RigSession::progress() const {
+  RigProgress progress;
+  for (const Camera& camera : cameras_) {
+    if (!camera.kept.empty()) progress.cameras.push_back(camera.name);
   }
-  for (std::size_t n = 1; n < cameras_.size(); ++n) {
-    const RigProgress::Link* best = nullptr;
-    std::size_t to = 0;
-    std::size_t i = 0;
-    for (const auto& [pair, views] : common) {
-      const RigProgress::Link& link = progress.links[i++];
-      if (joined[pair.first] == joined[pair.second]) continue;
-      if (best != nullptr && best->views >= views) continue;
-      best = &link;
-      to = joined[pair.first] ? pair.second : pair.first;
-    }
-    if (best == nullptr) break;
-    joined[to] = true;
-    if (weakest == nullptr || best->views < weakest->views) weakest = best;
+  const std::vector<CameraPair> all = pairs();
+  for (const CameraPair& pair : all) {
+    progress.links.push_back(
+        {cameras_[pair.a].name, cameras_[pair.b].name, static_cast<int>(pair.views)});
   }
-  if (weakest != nullptr) progress.weakest = weakest->a + " " + weakest->b;
+  if (const auto weakest = weakest_pair(all)) {
+    progress.weakest = progress.links[*weakest].a + " " + progress.links[*weakest].b;
+  }
   return progress;
 }
 

@@ -89,6 +89,8 @@ class RigSession {
   void keep_recent_at(std::uint64_t timestamp);
   void thin_out();
   [[nodiscard]] std::vector<RigCameraViews> views() const;
+  // That have seen a board at one time.
+  [[nodiscard]] std::vector<CameraPair> pairs() const;
   [[nodiscard]] std::optional<Calibration> fitted(const Camera& camera) const;
 
   RigSessionSettings settings_;
