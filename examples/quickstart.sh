@@ -16,16 +16,7 @@ usage() {
   exit 2
 }
 
-prepare() {
-  "$source/examples/install-packages.sh" build
-  [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dtests=false
-  echo "Building; $build/quickstart.log tells how far it is."
-  ninja -C "$build" gst/libgstcalvin.so examples/calvin-board examples/calvin-show \
-    examples/calvin-calibrate-images >"$build/quickstart.log" || { cat "$build/quickstart.log" >&2; exit 1; }
-  export GST_PLUGIN_PATH_1_0="$build/gst${GST_PLUGIN_PATH_1_0:+:$GST_PLUGIN_PATH_1_0}"
-  mkdir -p "$output"
-  cd "$output"
-}
+. "$source/examples/prepare.sh"
 
 # One picture of the synthetic camera as it is, and one undistorted.
 draw_pair() {
@@ -48,27 +39,14 @@ run_synthetic() {
   ls -1
 }
 
-# The pictures of the Debian package opencv-doc, taken out of it without installing it.
-fetch_pictures() {
-  pictures=$output/opencv-doc
-  if [ ! -d "$pictures" ]; then
-    mkdir -p "$output/package"
-    (cd "$output/package" && { apt-get download -q opencv-doc || {
-      apt-get update -q && apt-get download -q opencv-doc; }; })
-    dpkg-deb --extract "$output"/package/opencv-doc_*.deb "$output/package"
-    mkdir -p "$pictures.new"
-    find "$output/package" -name 'left[0-9]*.jpg' -exec cp {} "$pictures.new" \;
-    mv "$pictures.new" "$pictures"
-    rm -r "$output/package"
-  fi
-}
-
 run_images() {
   board=${2:-checkerboard:9x6:25mm}
   if [ -n "${1:-}" ]; then
-    case "$1" in /*) pictures=$1 ;; *) pictures=$start/$1 ;; esac
+    pictures=$(absolute "$1")
   else
-    fetch_pictures
+    pictures=$output/opencv-doc
+    fetch_pictures left "$pictures"
+    rm -rf "$output/package"
     board=checkerboard:9x6:30mm
   fi
   # calvin-calibrate-images does not replace the pair that the synthetic camera left here.
@@ -99,10 +77,12 @@ run_camera() {
   "$build/examples/calvin-show" camera.json
 }
 
+# shellcheck disable=SC2086 # several words
+programs="calvin-board calvin-show calvin-calibrate-images"
 start=$PWD
 case "${1:-}" in
-  "") [ $# -eq 0 ] || usage; prepare; run_synthetic ;;
-  --images) [ $# -le 3 ] || usage; shift; prepare; run_images "$@" ;;
-  --camera) [ $# -le 3 ] || usage; shift; prepare; run_camera "$@" ;;
+  "") [ $# -eq 0 ] || usage; prepare $programs; run_synthetic ;;
+  --images) [ $# -le 3 ] || usage; shift; prepare $programs; run_images "$@" ;;
+  --camera) [ $# -le 3 ] || usage; shift; prepare $programs; run_camera "$@" ;;
   *) usage ;;
 esac

@@ -96,18 +96,22 @@ bool differ(const std::vector<std::string>& names) {
   return all.size() == names.size() && all.count("") == 0;
 }
 
-// Cameras whose files have no names that tell them apart are called after their files, by their
-// names alone or with their folders.
+// Cameras whose files have no names that tell them apart are called after their files: by their
+// names alone, by their folders' (left/camera.json), or by both.
 void name_cameras(const std::vector<std::string>& files,
                   std::vector<calvin::RigCameraViews>& cameras) {
   std::vector<std::string> own;
   std::vector<std::string> stems;
+  std::vector<std::string> folders;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     own.push_back(cameras[i].calibration.camera);
-    stems.push_back(std::filesystem::path(files[i]).stem().string());
+    const std::filesystem::path file(files[i]);
+    stems.push_back(file.stem().string());
+    folders.push_back(file.parent_path().filename().string());
   }
   if (differ(own)) return;
-  const std::vector<std::string>& names = differ(stems) ? stems : files;
+  const std::vector<std::string>& names =
+      differ(stems) ? stems : (differ(folders) ? folders : files);
   for (std::size_t i = 0; i < cameras.size(); ++i) cameras[i].calibration.camera = names[i];
 }
 

@@ -20,7 +20,7 @@ namespace calvin::gst {
 class CalibrationReader {
  public:
   using Clock = CalibrationSetting::Clock;
-  using ReadResult = Result<Calibration>;
+  using ReadResult = Result<CameraSetting>;
 
   CalibrationReader() : desk_(std::make_shared<Desk>()), worker_(std::make_unique<Worker>()) {}
 
@@ -29,7 +29,7 @@ class CalibrationReader {
   // Returns at once.
   void stop() { worker_->stop(); }
 
-  // See parse_calibration_setting(). The next poll() reads it, changed or not.
+  // See parse_camera_setting(). The next poll() reads it, changed or not.
   void set(const std::string& text);
   // Reads what has just been set, on this thread.
   [[nodiscard]] std::optional<ReadResult> read(Clock::time_point now) {

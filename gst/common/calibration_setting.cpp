@@ -9,8 +9,6 @@
 
 #include <utility>
 
-#include "calvin/io/settings.hpp"
-
 namespace calvin::gst {
 
 constexpr auto kPause = std::chrono::milliseconds(500);
@@ -34,17 +32,17 @@ bool CalibrationSetting::may_wait() const {
   return changed_ ? may_be_calibration_path(text_) : is_path_;
 }
 
-std::optional<Result<Calibration>> CalibrationSetting::poll(Clock::time_point now) {
+std::optional<Result<CameraSetting>> CalibrationSetting::poll(Clock::time_point now) {
   if (!is_due(now)) return std::nullopt;
   next_look_ = now + kPause;
   if (!std::exchange(changed_, false)) return read_if_replaced();
   is_path_ = is_calibration_path(text_);
   // Before reading: a file that changes meanwhile is read once more.
   if (is_path_) stamp_ = look();
-  return parse_calibration_setting(text_);
+  return parse_camera_setting(text_);
 }
 
-std::optional<Result<Calibration>> CalibrationSetting::read_if_replaced() {
+std::optional<Result<CameraSetting>> CalibrationSetting::read_if_replaced() {
   const auto stamp = look();
   if (stamp == stamp_) {
     if (!doubt_) return std::nullopt;
@@ -52,7 +50,7 @@ std::optional<Result<Calibration>> CalibrationSetting::read_if_replaced() {
   }
   stamp_ = stamp;
   doubt_.reset();
-  auto read = parse_calibration_setting(text_);
+  auto read = parse_camera_setting(text_);
   if (read) return read;
   doubt_ = read.error();
   return std::nullopt;

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "calvin/core/calibration.hpp"
+#include "calvin/io/settings.hpp"
 
 namespace calvin::gst {
 
@@ -18,7 +18,7 @@ class CalibrationSetting {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // See parse_calibration_setting(). The next poll() reads it, changed or not.
+  // See parse_camera_setting(). The next poll() reads it, changed or not.
   void set(const std::string& text);
   [[nodiscard]] bool empty() const { return text_.empty(); }
 
@@ -26,7 +26,7 @@ class CalibrationSetting {
   // not any more). Absent where nothing has changed. Looks at the file at most twice a second. A
   // file that changes and cannot be read, or is gone, has another look before that is said: it may
   // be half written, or about to be replaced.
-  [[nodiscard]] std::optional<Result<Calibration>> poll(Clock::time_point now);
+  [[nodiscard]] std::optional<Result<CameraSetting>> poll(Clock::time_point now);
   // Whether poll() would take a look now, and whether that may wait for a disk or a network.
   [[nodiscard]] bool is_due(Clock::time_point now) const;
   [[nodiscard]] bool may_wait() const;
@@ -43,7 +43,7 @@ class CalibrationSetting {
     friend bool operator==(const Stamp&, const Stamp&) = default;
   };
   [[nodiscard]] std::optional<Stamp> look() const;
-  [[nodiscard]] std::optional<Result<Calibration>> read_if_replaced();
+  [[nodiscard]] std::optional<Result<CameraSetting>> read_if_replaced();
 
   std::string text_;
   bool changed_ = false;

@@ -144,7 +144,13 @@ Status CalibDetector::take_recheck(CalibrationReader::ReadResult read) {
     return make_error(read.error().code,
                       "The calibration to check against (recheck): " + read.error().message);
   }
-  check_ = std::make_shared<CalibrationCheck>(*std::move(read));
+  auto* calibration = std::get_if<Calibration>(&*read);
+  if (calibration == nullptr) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "The file to check against (recheck) is one of several cameras: give the "
+                      "calibration of this one.");
+  }
+  check_ = std::make_shared<CalibrationCheck>(std::move(*calibration));
   GST_INFO_OBJECT(element_, "holds boards against another calibration");
   return {};
 }

@@ -32,6 +32,7 @@
 #include "common/element_class.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
+#include "common/rig_event.hpp"
 #include "elements.hpp"
 #include "rig/rig_messages.hpp"
 #include "rig/rig_pad.hpp"

@@ -28,6 +28,7 @@ GstStructure* link_structure(const RigLink& link, const Rig& rig) {
       G_TYPE_DOUBLE, link.angle, nullptr);
   set_optional(s, "bias", link.bias);
   set_optional(s, "spread", link.spread);
+  set_optional(s, "epipolar-error", link.epipolar_error);
   return s;
 }
 
@@ -77,12 +78,6 @@ GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& sol
   }
   if (json != nullptr) gst_structure_set(s, "json", G_TYPE_STRING, json, nullptr);
   return s;
-}
-
-GstEvent* new_rig_event(const std::string& json) {
-  return gst_event_new_custom(
-      GST_EVENT_CUSTOM_DOWNSTREAM_STICKY,
-      gst_structure_new(kRigEvent, "json", G_TYPE_STRING, json.c_str(), nullptr));
 }
 
 }  // namespace calvin::gst

@@ -13,18 +13,14 @@
 
 namespace calvin::gst {
 
-inline constexpr char kRigEvent[] = "calvin-rig";
-
 // calib-rig-progress {cameras, links: array of {a, b, views}, weakest}.
 [[nodiscard]] GstStructure* rig_progress_message(const FrameTimes& times,
                                                  const RigProgress& progress);
 
 // calib-rig-result {state, cameras, rms, location, links: array of {a, b, views, agree, distance,
-// distance-sigma, angle, bias, spread}, weakest, pairing, remarks, json in the final one}.
+// distance-sigma, angle, bias, spread, epipolar-error}, weakest, pairing, remarks, json in the
+// final one}.
 [[nodiscard]] GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& solution,
                                                const std::string& location, const char* json);
-
-// The sticky event `calvin-rig` {json}.
-[[nodiscard]] GstEvent* new_rig_event(const std::string& json);
 
 }  // namespace calvin::gst

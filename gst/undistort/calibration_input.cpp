@@ -11,8 +11,10 @@
 
 #include "calvin/camera/usable_area.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/rig_io.hpp"
 #include "common/calibration_event.hpp"
 #include "common/frames/frame_planes.hpp"
+#include "common/rig_event.hpp"
 #include "common/values.hpp"
 
 namespace calvin::gst {
@@ -42,6 +44,7 @@ Result<CalibrationEvent> parse_event(GstEvent* event) {
 std::vector<Error> CalibrationInput::start() {
   from_setting_.reset();
   from_event_.reset();
+  from_rig_event_.reset();
   event_.reset();
   frames_ = {};
   part_.reset();
@@ -80,6 +83,13 @@ void CalibrationInput::set_upright(Orientation upright) {
   changed_ = true;
 }
 
+void CalibrationInput::set_side(std::optional<StereoSide> side) {
+  if (side == std::exchange(side_, side)) return;
+  camera_.reset();
+  changed_ = new_ = true;
+  said_.clear();
+}
+
 bool CalibrationInput::is_calibration(GstEvent* event) {
   return is_peers(event) || parse_calibration_event(event).has_value();
 }
@@ -96,7 +106,15 @@ Status CalibrationInput::take_event(GstEvent* event) {
   }
   event_.reset(gst_event_ref(event));
   from_event_ = std::move(calibration);
-  if (text_.empty()) changed_ = new_ = true;
+  if (&in_force() == &from_event_) changed_ = new_ = true;
+  return {};
+}
+
+Status CalibrationInput::take_rig_event(GstEvent* event) {
+  auto read = parse_rig(parse_rig_event(event).value_or(""));
+  if (!read) return tl::unexpected(read.error());
+  from_rig_event_ = *std::move(read);
+  if (&in_force() == &from_rig_event_) changed_ = new_ = true;
   return {};
 }
 
@@ -142,9 +160,79 @@ void CalibrationInput::judge(const Calibration& known, std::vector<Error>& error
   poor_ = !usable;
 }
 
+std::optional<CameraSetting>& CalibrationInput::in_force() {
+  if (!text_.empty()) return from_setting_;
+  return side_ ? from_rig_event_ : from_event_;
+}
+
+// The calibration of the frames; nullptr where there is none.
+Calibration* CalibrationInput::known(std::vector<Error>& errors) {
+  std::optional<CameraSetting>& source = in_force();
+  if (!source) return nullptr;
+  auto* rig = std::get_if<Rig>(&*source);
+  if (!side_ && rig != nullptr) {
+    report({ErrorCode::kInvalidArgument,
+            "The calibration is a rig: say with rectify=left or rectify=right which of its cameras "
+            "the frames are of, or give the calibration of that camera alone. Until then they pass "
+            "unchanged."},
+           errors);
+    return nullptr;
+  }
+  if (!side_) return &std::get<Calibration>(*source);
+  if (rig == nullptr) {
+    report({ErrorCode::kInvalidArgument,
+            "The calibration is that of one camera, and rectification wants a pair: give the file "
+            "that calvin-rig or calibrig wrote, or set rectify=none. Until then frames pass "
+            "unchanged."},
+           errors);
+    return nullptr;
+  }
+  const auto own = camera_of_side(*rig, *side_);
+  if (own) return &rig->cameras[*own].calibration;
+  report(own.error(), errors);
+  return nullptr;
+}
+
+void CalibrationInput::report_scaling(const Calibration& known, std::vector<Error>& errors) {
+  if (known.sensor_crop) {
+    report({ErrorCode::kInvalidArgument,
+            fmt::format("The sensor_crop of the calibration, {}x{} px, is scaled to the frames of "
+                        "{}x{}.",
+                        known.sensor_crop->width, known.sensor_crop->height, frames_.width,
+                        frames_.height)},
+           errors);
+    return;
+  }
+  report(
+      {ErrorCode::kInvalidArgument,
+       fmt::format("The calibration is for {}x{} px and is scaled to the frames of "
+                   "{}x{}. That is right where the camera scales its whole picture; "
+                   "where it shows a part of it, add sensor_crop to the calibration.",
+                   known.image_size.width, known.image_size.height, frames_.width, frames_.height)},
+      errors);
+}
+
+Status CalibrationInput::set_camera(const FittedCamera& fitted) {
+  std::shared_ptr<const Rectification> rectification;
+  if (side_) {
+    if (part_ || fitted.turned) {
+      return make_error(ErrorCode::kUnsupported,
+                        "Rectification takes whole frames as the camera gives them: put cropping "
+                        "and turning behind this element. Until then frames pass unchanged.");
+    }
+    auto sights = rectified_sights(std::get<Rig>(*in_force()), *side_, frames_);
+    if (!sights) return tl::unexpected(sights.error());
+    const std::size_t own = *side_ == StereoSide::kLeft ? 0 : 1;
+    rectification = std::make_shared<const Rectification>(Rectification{*std::move(sights), own});
+  }
+  rectification_ = std::move(rectification);
+  camera_ = fitted.camera;
+  return {};
+}
+
 void CalibrationInput::fit(std::vector<Error>& errors) {
-  std::optional<Calibration>& known = text_.empty() ? from_event_ : from_setting_;
-  if (!known) {
+  Calibration* of_frames = known(errors);
+  if (of_frames == nullptr) {
     camera_.reset();
     ++serial_;
     return;
@@ -167,32 +255,20 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
   }
   // A calibration that does not say its size is taken to be for the frames that it meets first:
   // nothing tells later which of two sizes it is right for.
-  if (known->image_size == ImageSize{}) known->image_size = frames_;
-  auto fitted =
-      part_ ? fit_to_part(*known, *part_, upright_) : fit_to_frame(*known, frames_, upright_);
+  if (of_frames->image_size == ImageSize{}) of_frames->image_size = frames_;
+  const auto fitted = part_ ? fit_to_part(*of_frames, *part_, upright_)
+                            : fit_to_frame(*of_frames, frames_, upright_);
   if (!fitted) {
     report(fitted.error(), errors);
     return;
   }
-  if (fitted->scaled && known->sensor_crop) {
-    report({ErrorCode::kInvalidArgument,
-            fmt::format("The sensor_crop of the calibration, {}x{} px, is scaled to the frames of "
-                        "{}x{}.",
-                        known->sensor_crop->width, known->sensor_crop->height, frames_.width,
-                        frames_.height)},
-           errors);
-  } else if (fitted->scaled) {
-    report({ErrorCode::kInvalidArgument,
-            fmt::format("The calibration is for {}x{} px and is scaled to the frames of "
-                        "{}x{}. That is right where the camera scales its whole picture; "
-                        "where it shows a part of it, add sensor_crop to the calibration.",
-                        known->image_size.width, known->image_size.height, frames_.width,
-                        frames_.height)},
-           errors);
+  if (fitted->scaled) report_scaling(*of_frames, errors);
+  judge(*of_frames, errors);
+  if (const Status taken = set_camera(*fitted); !taken) {
+    report(taken.error(), errors);
+    return;
   }
-  judge(*known, errors);
-  camera_ = std::move(fitted->camera);
-  name_ = known->camera;
+  name_ = of_frames->camera;
   ++serial_;
 }
 

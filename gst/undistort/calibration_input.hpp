@@ -2,9 +2,10 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Which camera the frames come from: the property `calibration`, or else the event of an element
-// upstream, fitted to the frames.
+// upstream, fitted to the frames; of a rig the camera of one side.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,10 +14,17 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/frame_fit.hpp"
+#include "calvin/remap/rectification.hpp"
 #include "common/calibration_reader.hpp"
 #include "common/event_ptr.hpp"
 
 namespace calvin::gst {
+
+// The cameras of a stereo pair (rectified_sights()), and which of them the frames are of.
+struct Rectification {
+  std::vector<Sight> sights;
+  std::size_t own = 0;
+};
 
 // Streaming thread, or before it starts. What is broken never takes the place of what worked.
 class CalibrationInput {
@@ -33,11 +41,16 @@ class CalibrationInput {
   // upright picture has is one of that picture.
   void set_upright(Orientation upright);
 
+  // Frames of that camera of a pair are to be rectified: a rig takes the place of a calibration.
+  void set_side(std::optional<StereoSide> side);
+
   // Whether it is a calibration event: ours, or the one of GStreamer's cameracalibrate.
   [[nodiscard]] static bool is_calibration(GstEvent* event);
   // Keeps a calibration event. An Error where its calibration cannot be read: the one before stays.
   [[nodiscard]] Status take_event(GstEvent* event);
-  // The last one, as it came, or nullptr.
+  // The same of the event of a calibrig.
+  [[nodiscard]] Status take_rig_event(GstEvent* event);
+  // The last calibration event, as it came, or nullptr.
   [[nodiscard]] GstEvent* event() const { return event_.get(); }
 
   // Takes in what is new, and returns what the user should hear of it, in order. Waits for no disk:
@@ -47,26 +60,37 @@ class CalibrationInput {
   // The camera of the frames; absent without a calibration that fits. `serial` counts its changes.
   [[nodiscard]] const std::optional<Camera>& camera() const { return camera_; }
   [[nodiscard]] const std::string& name() const { return name_; }
+  // Of a camera() that is one of a stereo pair; else nullptr.
+  [[nodiscard]] const std::shared_ptr<const Rectification>& rectification() const {
+    return rectification_;
+  }
   [[nodiscard]] int serial() const { return serial_; }
 
  private:
   void take(CalibrationReader::ReadResult read, std::vector<Error>& errors);
   void fit(std::vector<Error>& errors);
+  [[nodiscard]] std::optional<CameraSetting>& in_force();
+  [[nodiscard]] Calibration* known(std::vector<Error>& errors);
+  [[nodiscard]] Status set_camera(const FittedCamera& fitted);
+  void report_scaling(const Calibration& known, std::vector<Error>& errors);
   void judge(const Calibration& known, std::vector<Error>& errors);
   void report(Error error, std::vector<Error>& errors);
 
   std::string text_;
   CalibrationReader setting_;
-  std::optional<Calibration> from_setting_;
-  std::optional<Calibration> from_event_;
+  std::optional<CameraSetting> from_setting_;
+  std::optional<CameraSetting> from_event_;
+  std::optional<CameraSetting> from_rig_event_;
   EventPtr event_;
 
   ImageSize frames_;
   std::optional<FramePart> part_;
   Orientation upright_;
+  std::optional<StereoSide> side_;
   bool interlaced_ = false;
   bool changed_ = false;
   std::optional<Camera> camera_;
+  std::shared_ptr<const Rectification> rectification_;
   std::string name_;
   int serial_ = 0;
   bool new_ = false;   // the calibration in force was not judged yet

@@ -95,14 +95,15 @@ void FrameUndistorter::adopt(const UndistorterBuilder::Built& built, std::vector
 
 // Puts what belongs to `key` to use as soon as it is there; until then what there is for the same
 // camera, or what was in use.
-void FrameUndistorter::want(const Key& key, const Result<Camera>& camera, bool wait,
+void FrameUndistorter::want(const Key& key, const Result<Camera>& camera,
+                            const std::shared_ptr<const Rectification>& rectification, bool wait,
                             std::vector<Error>& errors) {
   if (slot(key).key != key && requested_ != key && failed_ != key) {
     if (!camera) {
       adopt({key, tl::unexpected(camera.error()), ++turn_}, errors);
       return;
     }
-    UndistorterBuilder::Request request = {key, *camera, {}, ++turn_};
+    UndistorterBuilder::Request request = {key, *camera, rectification, {}, ++turn_};
     for (const FramePlane& plane : planes_) request.planes.push_back(plane.layout);
     if (wait) {
       adopt(builder_.build(request), errors);
@@ -148,15 +149,15 @@ std::vector<Error> FrameUndistorter::update(const CalibrationInput& input, const
   }
   const bool wait = worth_waiting(key, request);
   if (undistort) {
-    want(key, *input.camera(), wait, errors);
+    want(key, *input.camera(), input.rectification(), wait, errors);
   } else if (must_move()) {
-    want(key, plain_camera(in_.size()), wait, errors);
+    want(key, plain_camera(in_.size()), nullptr, wait, errors);
   } else {
     current_.reset();
   }
   // Where an undistorter cannot be built the frames still have to come out in their size.
   if (must_move() && !current_) {
-    want(plain, plain_camera(in_.size()), true, errors);
+    want(plain, plain_camera(in_.size()), nullptr, true, errors);
   }
   return errors;
 }

@@ -76,7 +76,9 @@ class FrameUndistorter {
   [[nodiscard]] Key key_of(int camera, const ViewOptions& view, bool distort) const;
   // Whether this is built before the next frame goes out.
   [[nodiscard]] bool worth_waiting(const Key& key, const Request& request);
-  void want(const Key& key, const Result<Camera>& camera, bool wait, std::vector<Error>& errors);
+  void want(const Key& key, const Result<Camera>& camera,
+            const std::shared_ptr<const Rectification>& rectification, bool wait,
+            std::vector<Error>& errors);
   void forget();
   // Into and out of the planes of the frames that have to be unpacked.
   void unpack(const GstVideoFrame& in) const;

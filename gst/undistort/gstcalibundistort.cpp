@@ -27,6 +27,7 @@
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
 #include "common/messages.hpp"
+#include "common/rig_event.hpp"
 #include "elements.hpp"
 #include "undistort/frame_mapping.hpp"
 #include "undistort/undistort_caps.hpp"
@@ -163,6 +164,7 @@ static gboolean gst_calib_undistort_sink_event(GstBaseTransform* trans, GstEvent
     if (now) s.update();
     return TRUE;
   }
+  if (gst::parse_rig_event(event)) s.keep_rig_event(EventPtr(gst_event_ref(event)));
   if (s.tags.take(event)) s.input.set_upright(s.tags.upright());
   return GST_BASE_TRANSFORM_CLASS(gst_calib_undistort_parent_class)->sink_event(trans, event);
 }

@@ -24,6 +24,11 @@ constexpr GEnumValue kDirections[] = {
     choice(Direction::kUndistort, "undistort", "From the camera's picture to the view"),
     choice(Direction::kDistort, "distort", "From the view back to the camera's picture"),
     kNoMoreChoices};
+constexpr GEnumValue kSides[] = {
+    choice(Rectify::kNone, "none", "The camera has a view of its own"),
+    choice(Rectify::kLeft, "left", "The frames are of the left, or upper, camera of the pair"),
+    choice(Rectify::kRight, "right", "The frames are of the right, or lower, camera"),
+    kNoMoreChoices};
 constexpr GEnumValue kInterpolations[] = {
     choice(Interpolation::kNearest, "nearest", "Nearest pixel"),
     choice(Interpolation::kBilinear, "bilinear", "Straight between 2 x 2 pixels"),
@@ -119,6 +124,14 @@ constexpr Property<UndistortState> kRows[] = {
      "and becomes the camera's picture (distort)",
      in_view<&ViewSettings::direction>,
      {.choices = {"GstCalibDirection", kDirections}}},
+    {"rectify",
+     "Rectify",
+     "Turns the view so that its rows are those of the other camera of a stereo pair. calibration "
+     "is then the file or text of a rig of two cameras (calvin-rig and calibrig write it), empty: "
+     "the calvin-rig event of an element upstream. Wants rectilinear; alpha counts for both "
+     "cameras, alpha-mode for nothing",
+     kept_in<&UndistortSettings::rectify>,
+     {.choices = {"GstCalibRectify", kSides}}},
     {"interpolation",
      "Interpolation",
      "Which pixels of the input make one of the output",

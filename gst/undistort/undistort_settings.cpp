@@ -27,6 +27,11 @@ ViewOptions ViewSettings::view() const {
   return options;
 }
 
+std::optional<StereoSide> UndistortSettings::side() const {
+  if (rectify == Rectify::kNone) return std::nullopt;
+  return rectify == Rectify::kLeft ? StereoSide::kLeft : StereoSide::kRight;
+}
+
 Sampling ViewSettings::sampling() const { return {interpolation, outside}; }
 
 }  // namespace calvin::gst

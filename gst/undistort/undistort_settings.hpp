@@ -4,13 +4,16 @@
 // What the properties of calibundistort are set to.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "calvin/remap/rectification.hpp"
 #include "calvin/remap/undistorter.hpp"
 
 namespace calvin::gst {
 
 enum class Direction { kUndistort, kDistort };
+enum class Rectify { kNone, kLeft, kRight };
 
 // What the output shows and how it is made.
 struct ViewSettings {
@@ -35,7 +38,11 @@ struct UndistortSettings {
   std::string calibration;
   bool calibration_was_set = false;  // since the streaming thread looked last
   bool enabled = true;
+  Rectify rectify = Rectify::kNone;
   ViewSettings view;
+
+  // Of the camera that the frames are of, where they are to be rectified.
+  [[nodiscard]] std::optional<StereoSide> side() const;
 };
 
 }  // namespace calvin::gst

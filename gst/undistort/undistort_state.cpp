@@ -17,7 +17,7 @@ namespace calvin::gst {
 Status UndistortState::start() {
   output.reset();
   tags.reset();
-  EventPtr stale;
+  Arrived stale;
   static_cast<void>(take_settings(stale));
   fitted.reset();
   set_output_calibration("");
@@ -42,7 +42,12 @@ void UndistortState::stop() {
 
 void UndistortState::keep_event(EventPtr event) {
   const std::lock_guard guard(lock_);
-  arrived_event_ = std::move(event);
+  arrived_.calibration = std::move(event);
+}
+
+void UndistortState::keep_rig_event(EventPtr event) {
+  const std::lock_guard guard(lock_);
+  arrived_.rig = std::move(event);
 }
 
 std::shared_ptr<const Undistorter> UndistortState::shown() {
@@ -50,11 +55,20 @@ std::shared_ptr<const Undistorter> UndistortState::shown() {
   return shown_;
 }
 
-UndistortSettings UndistortState::take_settings(EventPtr& event) {
+UndistortSettings UndistortState::take_settings(Arrived& arrived) {
   const std::lock_guard guard(lock_);
   if (std::exchange(settings_.calibration_was_set, false)) input.set_text(settings_.calibration);
-  event = std::move(arrived_event_);
+  input.set_side(settings_.side());
+  arrived = std::exchange(arrived_, {});
   return settings_;
+}
+
+void UndistortState::take_events(const Arrived& arrived) {
+  const auto warn = [this](const Status& taken) {
+    if (!taken) post_warning(GST_ELEMENT(element), taken.error());
+  };
+  if (arrived.calibration) warn(input.take_event(arrived.calibration.get()));
+  if (arrived.rig) warn(input.take_rig_event(arrived.rig.get()));
 }
 
 std::string UndistortState::output_calibration() {
@@ -98,12 +112,9 @@ void UndistortState::set_passthrough(bool passthrough) {
 
 void UndistortState::update() {
   renegotiated = false;
-  EventPtr event;
-  const UndistortSettings now = take_settings(event);
-  if (event) {
-    const Status taken = input.take_event(event.get());
-    if (!taken) post_warning(GST_ELEMENT(element), taken.error());
-  }
+  Arrived arrived;
+  const UndistortSettings now = take_settings(arrived);
+  take_events(arrived);
   if (!live) live = upstream_is_live(element);
   distort = now.view.distort();
   const int serial = input.serial();

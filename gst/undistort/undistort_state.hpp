@@ -34,8 +34,9 @@ struct UndistortState : SharedSettings<UndistortSettings> {
 
   // Any thread.
   [[nodiscard]] std::string output_calibration();
-  // A calibration event, to be looked at by the next update().
+  // A calibration event, and that of a rig, to be looked at by the next update().
   void keep_event(EventPtr event);
+  void keep_rig_event(EventPtr event);
   // How the last frame was moved.
   [[nodiscard]] std::shared_ptr<const Undistorter> shown();
 
@@ -61,13 +62,20 @@ struct UndistortState : SharedSettings<UndistortSettings> {
   OutputEvent output;
 
  private:
+  // Events that nobody has looked at.
+  struct Arrived {
+    EventPtr calibration;
+    EventPtr rig;
+  };
+
   // Under lock_.
   std::string output_calibration_;
-  EventPtr arrived_event_;  // not yet looked at
+  Arrived arrived_;
   std::shared_ptr<const Undistorter> shown_;
 
-  // The settings as they are now. What has changed goes to the input; that of an event is returned.
-  [[nodiscard]] UndistortSettings take_settings(EventPtr& event);
+  // The settings as they are now. What has changed goes to the input; events are returned.
+  [[nodiscard]] UndistortSettings take_settings(Arrived& arrived);
+  void take_events(const Arrived& arrived);
   void set_output_calibration(const std::string& json);
   // The calibration is that of the frames with the lens in them.
   void fit_input();

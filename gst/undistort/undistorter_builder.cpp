@@ -6,6 +6,7 @@
 #include "undistort/undistorter_builder.hpp"
 
 #include <ctime>
+#include <span>
 #include <utility>
 
 namespace calvin::gst {
@@ -68,14 +69,16 @@ std::optional<UndistorterBuilder::Time> UndistorterBuilder::estimate(const Key& 
   return p.knows(key) ? *p.map : *p.map + *p.search;
 }
 
-Result<std::shared_ptr<const ViewRange>> UndistorterBuilder::range_of(const Key& key,
-                                                                      const Camera& camera) {
+Result<std::shared_ptr<const ViewRange>> UndistorterBuilder::range_of(const Request& request) {
+  const Key& key = request.key;
   {
     const std::lock_guard guard(lock_);
     if (past(key).knows(key)) return past(key).range;
   }
   const Time begin = thread_time();
-  auto found = ViewRange::find(camera, key.view);
+  auto found = request.rectification
+                   ? ViewRange::find(std::span(request.rectification->sights), key.view)
+                   : ViewRange::find(request.camera, key.view);
   if (!found) return tl::unexpected(found.error());
   auto range = std::make_shared<const ViewRange>(*std::move(found));
   const std::lock_guard guard(lock_);
@@ -89,10 +92,11 @@ UndistorterBuilder::Built UndistorterBuilder::make(const Request& request,
                                                    const std::stop_token& stop) {
   const Key& key = request.key;
   const Camera& camera = request.camera;
-  const auto range = range_of(key, camera);
+  const auto range = range_of(request);
   if (!range) return {key, tl::unexpected(range.error()), request.turn};
   const Time begin = thread_time();
-  const auto view = (*range)->view(key.view);
+  const std::size_t own = request.rectification ? request.rectification->own : 0;
+  const auto view = (*range)->view(key.view, own);
   if (!view) return {key, tl::unexpected(view.error()), request.turn};
   auto made = key.distort ? Undistorter::make_back(camera, *view, request.planes, stop)
                           : Undistorter::make(camera, *view, request.planes, stop);

@@ -14,6 +14,7 @@
 #include "calvin/remap/undistorter.hpp"
 #include "calvin/remap/view_range.hpp"
 #include "common/worker.hpp"
+#include "undistort/calibration_input.hpp"
 
 namespace calvin::gst {
 
@@ -31,6 +32,8 @@ class UndistorterBuilder {
   struct Request {
     Key key;
     Camera camera;
+    std::shared_ptr<const Rectification>
+        rectification;  // nullptr: the camera has a view of its own
     std::vector<PlaneLayout> planes;
     int turn = 0;  // for whoever asks: comes back with what was built
   };
@@ -76,7 +79,7 @@ class UndistorterBuilder {
   };
   [[nodiscard]] Past& past(const Key& key) { return past_[key.camera == 0 ? 0 : 1]; }
   Built make(const Request& request, const std::stop_token& stop);
-  Result<std::shared_ptr<const ViewRange>> range_of(const Key& key, const Camera& camera);
+  Result<std::shared_ptr<const ViewRange>> range_of(const Request& request);
 
   std::mutex lock_;
   std::stop_source stop_;

@@ -25,12 +25,12 @@ enum class After {
 // What a build must have been made with to come upon this input.
 enum class Needs { kNothing, kFormats, kDrawing };
 
-class Rig;
+class InputFixture;
 
 struct BadInput {
   const char* what;
   const char* element;  // "NAME PROPERTY=VALUE ..."
-  void (*give)(Rig&, const std::string& input);
+  void (*give)(InputFixture&, const std::string& input);
   std::string input;   // "@" stands for the folder with the files
   const char* says;    // a part of the message: what is wrong
   const char* advice;  // another one: what to do
@@ -57,15 +57,15 @@ inline void make_bad_files(const TemporaryFolder& folder) {
 }
 
 // Gives the input and collects what the element says. `give` uses it in the order of its functions.
-class Rig {
+class InputFixture {
  public:
-  explicit Rig(const BadInput& bad)
+  explicit InputFixture(const BadInput& bad)
       : bad_(bad),
         element_(gst_object_ref_sink(make_element(bad.element))),
         bus(GST_ELEMENT(element_)) {
     make_bad_files(folder_);
   }
-  ~Rig() {
+  ~InputFixture() {
     if (h_ != nullptr) {
       gst_harness_teardown(h_);
     } else {

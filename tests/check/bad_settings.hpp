@@ -136,7 +136,7 @@ inline const std::vector<BadInput>& bad_settings() {
       {"the JSON of something else", "calibundistort", in_file, "{\"answer\": 42}",
        "none of the fields of a calibration", kFileHelp, After::kRefused},
       {"another format's name", "calibundistort", in_file,
-       native("calvin-calibration", "calvin-rig"), "'format' is 'calvin-rig'", kFileHelp,
+       native("calvin-calibration", "calvin-fixture"), "'format' is 'calvin-fixture'", kFileHelp,
        After::kRefused},
       {"a version of the future", "calibundistort", in_file,
        native("\"version\": 1", "\"version\": 99"), "newer version", kFileHelp, After::kRefused},

@@ -9,8 +9,8 @@
 
 using namespace calvin;
 using check::BadInput;
+using check::InputFixture;
 using check::Needs;
-using check::Rig;
 
 static constexpr char kDrawsNothing[] = "This build draws nothing on the video";
 
@@ -23,9 +23,9 @@ static const std::vector<BadInput>& bad_input() {
   return kAll;
 }
 
-static std::string all_texts(Rig& rig, GstMessageType type) {
+static std::string all_texts(InputFixture& fixture, GstMessageType type) {
   std::string all;
-  for (const std::string& text : rig.bus.texts(type)) all += text + "\n";
+  for (const std::string& text : fixture.bus.texts(type)) all += text + "\n";
   return all;
 }
 
@@ -43,16 +43,16 @@ static BadInput answered_by_this_build(BadInput bad) {
 
 GST_START_TEST(test_bad_input_is_answered) {
   const BadInput bad = answered_by_this_build(bad_input().at(static_cast<std::size_t>(__i__)));
-  Rig rig(bad);
-  bad.give(rig, bad.input);
-  const GstMessageType type = rig.goes_on() ? GST_MESSAGE_WARNING : GST_MESSAGE_ERROR;
-  const std::string said = all_texts(rig, type);
+  InputFixture fixture(bad);
+  bad.give(fixture, bad.input);
+  const GstMessageType type = fixture.goes_on() ? GST_MESSAGE_WARNING : GST_MESSAGE_ERROR;
+  const std::string said = all_texts(fixture, type);
   fail_unless(said.find(bad.says) != std::string::npos, "%s: '%s' is not in: %s", bad.what,
               bad.says, said.c_str());
   fail_unless(said.find(bad.advice) != std::string::npos, "%s: '%s' is not in: %s", bad.what,
               bad.advice, said.c_str());
-  if (rig.goes_on()) {
-    const std::string errors = all_texts(rig, GST_MESSAGE_ERROR);
+  if (fixture.goes_on()) {
+    const std::string errors = all_texts(fixture, GST_MESSAGE_ERROR);
     fail_unless(errors.empty(), "%s: %s", bad.what, errors.c_str());
   }
 }

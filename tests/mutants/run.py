@@ -31,7 +31,7 @@ LEAST_OF_ALL = 0.85
 LEAST_OF_ROOM = 0.7
 
 # The order of docs/conventions.md: a mutant of a room may show in those below it.
-ROOMS = ("core device geometry camera target io detect solve remap session draw synth gst").split()
+ROOMS = ("core device geometry camera target io detect solve rig remap session draw synth gst").split()
 
 # The tests of a room: what begins with one of these, those that tell most for their time first.
 TESTS = {
@@ -43,7 +43,8 @@ TESTS = {
     "io": "io observations board_names",
     "detect": "detect",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
-    "remap": "undistorter views remap",
+    "rig": "rig solve_rig",
+    "remap": "undistorter views remap rectification",
     "session": "corner_motion view_guide operator hint session calibration_session guided_capture "
     "refine_with_camera watch",
     "draw": "overlay board_drawing",
@@ -61,6 +62,7 @@ NEAR = {
     "io": "calibundistort_files calibsolve_settings",
     "detect": "refine_with_camera calibdetect",
     "solve": "refine_with_camera calibsolve*",
+    "rig": "rectification* calibrig",
     "remap": "calibundistort*",
     "session": "overlay calibsolve*",
     "draw": "caliboverlay",

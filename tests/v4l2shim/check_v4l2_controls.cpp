@@ -216,9 +216,12 @@ GST_START_TEST(test_a_zoomed_camera_is_calibrated_and_its_lens_is_in_the_file) {
   fail_unless(file.has_value(), "%s", file ? "" : file.error().message.c_str());
   fail_unless(file->zoom == 150);
   fail_unless(file->focus == 30);
-  fail_unless_equals_string(file->device.value().name.c_str(), "Emulated camera");
+  fail_unless(file->device.has_value());
+  fail_unless_equals_string(file->device->name.c_str(), "Emulated camera");
   const double truth = 1.5 * v4l2::film_camera({640, 480}).fx();
-  const double fx = file->find("fx")->value;
+  const Parameter* focal_length = file->find("fx");
+  fail_unless(focal_length != nullptr);
+  const double fx = focal_length->value;
   fail_unless(std::abs(fx - truth) < 0.01 * truth, "fx is %g, not %g", fx, truth);
 }
 GST_END_TEST;

@@ -201,6 +201,20 @@ Result<Rig> parse_rig(std::string_view content, std::string_view name) {
   return result;
 }
 
+bool is_rig(std::string_view content) noexcept {
+  // Most files need not be parsed for this.
+  if (content.size() > kMaxRigBytes || content.find(kFormat) == std::string_view::npos) {
+    return false;
+  }
+  try {
+    const auto root = io::parse_text_document(content);
+    const Node* format = root ? root->find("format") : nullptr;
+    return format != nullptr && format->text == kFormat;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 Result<Rig> read_rig(const std::filesystem::path& path) {
   const auto content = read_file(path.string(), kMaxRigBytes);
   if (!content) return tl::unexpected(content.error());

@@ -22,6 +22,9 @@ inline constexpr std::size_t kMaxRigBytes = std::size_t{64} << 20;
 [[nodiscard]] CALVIN_API Result<Rig> parse_rig(std::string_view content,
                                                std::string_view name = "");
 
+// Whether the content says that it is a rig, sound or not.
+[[nodiscard]] bool is_rig(std::string_view content) noexcept;
+
 // parse_rig() of a file; errors as of read_calibration().
 [[nodiscard]] CALVIN_API Result<Rig> read_rig(const std::filesystem::path& path);
 

@@ -10,9 +10,11 @@
 #include <string>
 #include <system_error>
 
+#include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/key_list.hpp"
+#include "calvin/io/rig_io.hpp"
 
 namespace calvin {
 
@@ -56,6 +58,17 @@ Result<Calibration> parse_calibration_setting(std::string_view text) {
       break;
   }
   return read_calibration(std::filesystem::path(text));
+}
+
+Result<CameraSetting> parse_camera_setting(std::string_view text) {
+  const Setting kind = kind_of(text);
+  if (kind == Setting::kText && is_rig(text)) return parse_rig(text);
+  if (kind == Setting::kFile) {
+    const std::filesystem::path path(text);
+    const auto content = read_file(path.string(), kMaxRigBytes);
+    if (content && is_rig(*content)) return parse_rig(*content, path.string());
+  }
+  return parse_calibration_setting(text);
 }
 
 }  // namespace calvin

@@ -5,8 +5,11 @@
 #pragma once
 
 #include <string_view>
+#include <variant>
 
 #include "calvin/core/calibration.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/core/rig.hpp"
 
 namespace calvin {
 
@@ -15,6 +18,11 @@ namespace calvin {
 // is a key list (io/key_list.hpp). Anything else is a path that does not exist yet: kNotFound, and
 // the caller may wait for it. Other errors as of parse_calibration() and read_calibration().
 [[nodiscard]] Result<Calibration> parse_calibration_setting(std::string_view text);
+
+// The same, for an element that knows what to do with the cameras of a rig: its JSON or its file.
+// Other errors as of parse_rig() and read_rig().
+using CameraSetting = std::variant<Calibration, Rig>;
+[[nodiscard]] Result<CameraSetting> parse_camera_setting(std::string_view text);
 
 // Whether the text is (or will be) the path of a file, rather than a calibration in itself: then it
 // may be worth looking again for a newer one.

@@ -16,11 +16,6 @@ enum class OpenCvGrid { kPastTheEdge, kPixels };
 // The grid of the OpenCV that the library was built with; without one, that of 4.8 and newer.
 [[nodiscard]] OpenCvGrid opencv_grid() noexcept;
 
-// A rectangle on the plane of a projection.
-struct PlaneBox {
-  Pixel low;
-  Pixel high;
-};
 struct OpenCvRectangles {
   PlaneBox inner;  // within the border of the grid
   PlaneBox outer;  // around all points of the grid

@@ -30,6 +30,12 @@ enum class Projection : std::uint8_t {
   kFisheye
 };
 
+// A rectangle on the plane of a projection.
+struct PlaneBox {
+  Pixel low;
+  Pixel high;
+};
+
 // Half the width, on the plane, of the widest view that may be asked for.
 [[nodiscard]] double widest(Projection projection) noexcept;
 

@@ -5,7 +5,6 @@
 
 #include "calvin/rig/rig_distances.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace calvin::rig {
@@ -32,33 +31,19 @@ std::optional<Eigen::Vector3d> meet(const Eigen::Vector3d& ray_a, const Eigen::V
   return 0.5 * (along_a * ray_a + base + along_b * other);
 }
 
-// Corners of a board that both views show; `first_from_second` are its frames by their labels.
-std::vector<Corner> corners_of(const BoardView& a, const BoardView& b, const SE3& first_from_second,
-                               const Camera& camera_a, const Camera& camera_b,
-                               const SE3& a_from_b) {
-  constexpr double kSame = 1e-6;  // m
+std::vector<Corner> met(const std::vector<CommonCorner>& common, const SE3& a_from_b) {
   std::vector<Corner> corners;
-  for (std::size_t j = 0; j < b.seen.size(); ++j) {
-    const Eigen::Vector3d point = first_from_second * b.seen.points[j];
-    const auto same = std::ranges::find_if(
-        a.seen.points, [&](const Eigen::Vector3d& p) { return (p - point).norm() < kSame; });
-    if (same == a.seen.points.end()) continue;
-    const auto i = static_cast<std::size_t>(same - a.seen.points.begin());
-    if (!(a.seen.weight[i] > 0) || !(b.seen.weight[j] > 0)) continue;
-    const auto ray_a = camera_a.unproject(a.seen.uv[i]);
-    const auto ray_b = camera_b.unproject(b.seen.uv[j]);
-    const auto met = ray_a && ray_b ? meet(*ray_a, *ray_b, a_from_b) : std::nullopt;
-    if (met) corners.push_back({point, *met});
+  for (const CommonCorner& c : common) {
+    if (const auto point = meet(c.ray_a, c.ray_b, a_from_b)) {
+      corners.push_back({c.on_board, *point});
+    }
   }
   return corners;
 }
 
 }  // namespace
 
-std::optional<DistanceError> distance_error(const std::vector<BoardView>& views,
-                                            const std::vector<CommonView>& common,
-                                            const std::vector<SE3>& board_from_own,
-                                            const Camera& camera_a, const Camera& camera_b,
+std::optional<DistanceError> distance_error(const std::vector<std::vector<CommonCorner>>& views,
                                             const SE3& b_from_a) {
   struct Pair {
     double on_board;
@@ -67,10 +52,8 @@ std::optional<DistanceError> distance_error(const std::vector<BoardView>& views,
   std::vector<Pair> pairs;
   double on_board = 0;
   double seen = 0;
-  for (const CommonView& c : common) {
-    const SE3 first_from_second = board_from_own[c.a].inverse() * board_from_own[c.b];
-    const auto corners = corners_of(views[c.a], views[c.b], first_from_second, camera_a, camera_b,
-                                    b_from_a.inverse());
+  for (const std::vector<CommonCorner>& view : views) {
+    const std::vector<Corner> corners = met(view, b_from_a.inverse());
     // Each corner and the one half of them further: pairs that are far apart, and no corner twice.
     const std::size_t half = corners.size() / 2;
     for (std::size_t i = 0; i < half; ++i) {

@@ -8,9 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "calvin/camera/camera.hpp"
 #include "calvin/geometry/se3.hpp"
-#include "calvin/rig/links.hpp"
+#include "calvin/rig/common_corners.hpp"
 
 namespace calvin::rig {
 
@@ -19,13 +18,9 @@ struct DistanceError {
   double spread = 0;  // m, root mean square of what is left
 };
 
-// Of the corners of all common views of a link that are in use. Absent where no two rays meet at an
-// angle of a degree.
-[[nodiscard]] std::optional<DistanceError> distance_error(const std::vector<BoardView>& views,
-                                                          const std::vector<CommonView>& common,
-                                                          const std::vector<SE3>& board_from_own,
-                                                          const Camera& camera_a,
-                                                          const Camera& camera_b,
-                                                          const SE3& b_from_a);
+// Of the corners of each common view of two cameras. Absent where no two rays meet at an angle of a
+// degree.
+[[nodiscard]] std::optional<DistanceError> distance_error(
+    const std::vector<std::vector<CommonCorner>>& views, const SE3& b_from_a);
 
 }  // namespace calvin::rig

@@ -22,6 +22,7 @@
 #include "calvin/rig/rig_distances.hpp"
 #include "calvin/rig/rig_fit.hpp"
 #include "calvin/rig/rig_start.hpp"
+#include "calvin/rig/stereo.hpp"
 #include "calvin/rig/timing.hpp"
 
 namespace calvin {
@@ -156,6 +157,21 @@ RigLink link_between(std::size_t a, std::size_t b, const std::vector<SE3>& camer
 
 // ---- Jointly ------------------------------------------------------------------------------------
 
+double mean_focal(const Camera& a, const Camera& b) {
+  return (a.fx() + a.fy() + b.fx() + b.fy()) / 4;
+}
+
+void set_errors(const std::vector<std::vector<rig::CommonCorner>>& views, const SE3& b_from_a,
+                double focal, RigLink& link) {
+  if (const auto error = rig::distance_error(views, b_from_a)) {
+    link.bias = error->bias;
+    link.spread = error->spread;
+  }
+  std::vector<rig::CommonCorner> all;
+  for (const auto& view : views) all.insert(all.end(), view.begin(), view.end());
+  link.epipolar_error = rig::epipolar_error(all, b_from_a, focal);
+}
+
 void set_links(const std::vector<BoardView>& views, const std::vector<Link>& links,
                const std::vector<Camera>& cameras, const rig::RigFit& fit,
                const Eigen::MatrixXd& covariance, RigSolution& solution) {
@@ -169,19 +185,18 @@ void set_links(const std::vector<BoardView>& views, const std::vector<Link>& lin
   for (const Link& link : links) {
     RigLink one = link_between(link.a, link.b, fit.places.camera_from_rig, covariance);
     one.views = link.common.size();
-    std::vector<rig::CommonView> agreeing;
-    const SE3 b_from_a =
-        fit.places.camera_from_rig[link.b] * fit.places.camera_from_rig[link.a].inverse();
+    std::vector<std::vector<rig::CommonCorner>> agreeing;
     for (const rig::CommonView& common : link.common) {
-      if (used[common.a] && used[common.b]) agreeing.push_back(common);
+      if (!used[common.a] || !used[common.b]) continue;
+      agreeing.push_back(
+          rig::common_corners(views[common.a], views[common.b],
+                              board_from_own[common.a].inverse() * board_from_own[common.b],
+                              cameras[link.a], cameras[link.b]));
     }
     one.agree = agreeing.size();
-    const auto error = rig::distance_error(views, agreeing, board_from_own, cameras[link.a],
-                                           cameras[link.b], b_from_a);
-    if (error) {
-      one.bias = error->bias;
-      one.spread = error->spread;
-    }
+    set_errors(agreeing,
+               fit.places.camera_from_rig[link.b] * fit.places.camera_from_rig[link.a].inverse(),
+               mean_focal(cameras[link.a], cameras[link.b]), one);
     solution.links.push_back(one);
   }
   solution.weakest = weakest_of(solution.links);
@@ -309,6 +324,10 @@ std::string to_text(const RigLink& link, const Rig& rig) {
   if (link.bias && link.spread) {
     text += fmt::format(", distances on the board within {:.2g} mm, {:+.2f} %",
                         *link.spread / kMillimetre, 100 * *link.bias);
+  }
+  if (link.epipolar_error) {
+    text +=
+        fmt::format(", corners within {:.2f} px of the rows of each other", *link.epipolar_error);
   }
   return text;
 }

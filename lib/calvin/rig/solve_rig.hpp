@@ -46,6 +46,9 @@ struct RigLink {
   // rays are too nearly parallel.
   std::optional<double> bias;
   std::optional<double> spread;
+  // px: how far corners are from the rows of each other in rectified pictures, root mean square.
+  // Absent where no common view is in use.
+  std::optional<double> epipolar_error;
 };
 
 struct RigSolution {

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The corners that two cameras have seen at one time, whatever labels each gave them. Internal.
+#pragma once
+
+#include <vector>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/geometry/se3.hpp"
+#include "calvin/rig/links.hpp"
+
+namespace calvin::rig {
+
+struct CommonCorner {
+  Eigen::Vector3d on_board;  // m, by the labels of the first view
+  Eigen::Vector3d ray_a;     // frame of the first camera
+  Eigen::Vector3d ray_b;     // frame of the second
+};
+
+// Of one board, the corners that are in use in both views; `first_from_second` are its frames by
+// their labels.
+[[nodiscard]] std::vector<CommonCorner> common_corners(const BoardView& a, const BoardView& b,
+                                                       const SE3& first_from_second,
+                                                       const Camera& camera_a,
+                                                       const Camera& camera_b);
+
+}  // namespace calvin::rig
