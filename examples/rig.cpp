@@ -10,15 +10,19 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/rig_io.hpp"
+#include "calvin/io/stereo_io.hpp"
+#include "calvin/remap/rectification.hpp"
 #include "calvin/rig/solve_rig.hpp"
 
 #include "rig_views.hpp"
@@ -39,12 +43,16 @@ journal of calibsolve). Pictures with the same number in their names were taken 
                   rig is that of the board. Else the board is carried before two cameras or more at
                   a time, and the frame is that of the first camera
   --tolerance MS  how far observations of one instant may be apart, 10 if not given
+  --export FORMAT:PATH,...
+                  further files: kalibr (a camchain), calvin; of two cameras opencv (the stereo
+                  parameters, YAML), and ros (left.yaml and right.yaml in the folder PATH)
   --help          this text
 )";
 
 struct Arguments {
   std::string board = "checkerboard:9x6:25mm";
   calvin::RigOptions options;
+  std::vector<std::pair<std::string, std::string>> exports;  // format, path
   std::vector<std::string> words;
 };
 
@@ -56,6 +64,20 @@ int wrong_usage(std::string_view why) {
 int failed(const calvin::Error& error) {
   fmt::print(stderr, "calvin-rig: {}\n", error.message);
   return kFailed;
+}
+
+// Whether all were understood.
+bool parse_exports(std::string_view text, Arguments& arguments) {
+  static const std::set<std::string_view> kFormats = {"calvin", "kalibr", "opencv", "ros"};
+  for (const std::string_view part : calvin::split(text, ',')) {
+    const auto colon = part.find(':');
+    const std::string_view format = part.substr(0, colon);
+    if (colon == std::string_view::npos || colon + 1 == part.size() || !kFormats.contains(format)) {
+      return false;
+    }
+    arguments.exports.emplace_back(format, part.substr(colon + 1));
+  }
+  return true;
 }
 
 // Absent for wrong usage, which was said.
@@ -77,6 +99,11 @@ std::optional<Arguments> parse(std::span<char*> given) {
         return std::nullopt;
       }
       arguments.options.tolerance = static_cast<std::uint64_t>(*ms * kMillisecond);
+    } else if (word == "--export" && has_value) {
+      if (!parse_exports(given[++i], arguments)) {
+        wrong_usage("--export takes FORMAT:PATH, with calvin, kalibr, opencv or ros.");
+        return std::nullopt;
+      }
     } else if (word.starts_with("--")) {
       wrong_usage(fmt::format("'{}' is no option, or needs a value.", word));
       return std::nullopt;
@@ -113,6 +140,25 @@ void name_cameras(const std::vector<std::string>& files,
   const std::vector<std::string>& names =
       differ(stems) ? stems : (differ(folders) ? folders : files);
   for (std::size_t i = 0; i < cameras.size(); ++i) cameras[i].calibration.camera = names[i];
+}
+
+calvin::Status write_text(const std::filesystem::path& path,
+                          const calvin::Result<std::string>& text) {
+  if (!text) return tl::unexpected<calvin::Error>(text.error());
+  return calvin::write_file(path.string(), *text);
+}
+
+calvin::Status write_export(const calvin::Rig& rig, const std::string& format,
+                            const std::filesystem::path& path) {
+  if (format == "calvin" || format == "kalibr") return calvin::write_rig(path, rig, format);
+  const auto pair = calvin::rectified_pair(rig);
+  if (!pair) return tl::unexpected<calvin::Error>(pair.error());
+  if (format == "opencv") return write_text(path, calvin::print_opencv_stereo(rig, *pair));
+  std::error_code none;
+  std::filesystem::create_directories(path, none);
+  calvin::Status left = write_text(path / "left.yaml", calvin::print_ros_stereo(rig, *pair, true));
+  if (!left) return left;
+  return write_text(path / "right.yaml", calvin::print_ros_stereo(rig, *pair, false));
 }
 
 void print(const calvin::RigSolution& solved) {
@@ -170,5 +216,9 @@ int main(int argc, char** argv) {
     return failed(written.error());
   }
   print(*solved);
+  for (const auto& [format, path] : arguments->exports) {
+    const auto written = write_export(solved->rig, format, path);
+    if (!written) return failed(written.error());
+  }
   return 0;
 }

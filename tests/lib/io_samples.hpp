@@ -14,6 +14,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/lens_table.hpp"
 #include "calvin/core/calibration.hpp"
+#include "calvin/io/calibration_io.hpp"
 #include "calvin_config.h"
 
 namespace calvin::test {
@@ -130,6 +131,14 @@ inline std::vector<Eigen::Vector3d> grid() {
 
 inline bool readable(std::string_view format) {
   return CALVIN_HAVE_FORMATS || format == "calvin" || format == "opencv-json";
+}
+
+// All that hold a camera with skew, and the lens of brown5. Kalibr's does not:
+// test_rig_formats.cpp.
+inline std::vector<std::string_view> formats_with_skew() {
+  std::vector<std::string_view> formats = calibration_formats();
+  std::erase(formats, "kalibr");
+  return formats;
 }
 
 // The file formats of OpenCV and ROS know the lenses of their own programs only.

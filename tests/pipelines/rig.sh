@@ -66,10 +66,24 @@ expect 1 "'right'" "$rig" --tolerance 1 rig.json left.json left.jsonl right.json
 expect 0 '100.0 mm apart' "$rig" --tolerance 501 rig.json left.json left.jsonl late.json late.jsonl
 expect 1 'several places' "$rig" --floor rig.json left.json left.jsonl right.json right.jsonl
 
+sed 's/"pinhole"/"brown5"/; s/"cy": 240/"cy": 240, "k1": 0, "k2": 0, "p1": 0, "p2": 0, "k3": 0.001/' left.json >five.json
+
 views left 0 1 1
 views right 0.1 4 1
 expect 0 "mm of 'board'" "$rig" --floor floor.json left.json left.jsonl right.json right.jsonl
 grep -q '"world": "board"' floor.json || fail 'the frame is not that of the board'
+
+expect 0 'apart' "$rig" --export kalibr:chain.yaml,opencv:stereo.yml,ros:ros rig.json \
+  left.json left.jsonl right.json right.jsonl
+grep -q 'camera_model: pinhole' chain.yaml || fail 'no camchain'
+grep -q 'T_cn_cnm1' chain.yaml || fail 'a camchain without places'
+grep -q '^Q: !!opencv-matrix' stereo.yml || fail 'no stereo parameters'
+grep -q 'projection_matrix' ros/left.yaml || fail 'no camera_info of the left camera'
+# P of the right camera has -f b: a tenth of a metre.
+tail -n 1 ros/right.yaml | tr -d ',[]' | awk '{ exit !($5 < -0.0995 * $2 && $5 > -0.1005 * $2) }' ||
+  fail "the right camera is elsewhere: $(cat ros/right.yaml)"
+expect 1 'brown4' "$rig" --export kalibr:chain.yaml rig.json five.json left.jsonl right.json right.jsonl
+expect 2 'FORMAT:PATH' "$rig" --export obj:x rig.json left.json left.jsonl right.json right.jsonl
 
 expect 1 'none.json' "$rig" rig.json none.json left.jsonl right.json right.jsonl
 expect 1 'none.jsonl' "$rig" rig.json left.json none.jsonl right.json right.jsonl

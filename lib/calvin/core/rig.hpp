@@ -4,6 +4,8 @@
 // Rig: cameras that know where each of them stands. Data only: rig/ finds it, io/ has its file.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,6 +29,23 @@ struct Rig {
   std::string world;          // the name of the camera whose frame is the rig's, or kBoardWorld
   std::optional<double> rms;  // px, of all corners
   std::uint64_t pairing_tolerance = 0;  // ns: pictures no farther apart were taken for one instant
+};
+
+// The two cameras of a stereo pair, and the one pinhole that the rectified pictures of both have:
+// rows correspond, or columns where the pair stands one above the other.
+struct RectifiedPair {
+  std::size_t left = 0;  // cameras of the rig; the upper one is the left one
+  std::size_t right = 1;
+  bool is_vertical = false;
+  double baseline = 0;  // m
+  // Row-major, 3 x 3: from the frame of each camera to that of its rectified pictures.
+  std::array<double, 9> rectified_from_left{};
+  std::array<double, 9> rectified_from_right{};
+  ImageSize image_size;
+  double fx = 0;  // px
+  double fy = 0;
+  double cx = 0;
+  double cy = 0;
 };
 
 // The frame of the rig is that of the board that all cameras have seen.

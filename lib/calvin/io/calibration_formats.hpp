@@ -7,6 +7,8 @@
 // format does not hold.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 
 #include "calvin/core/calibration.hpp"
@@ -29,10 +31,23 @@ inline constexpr int kNativeVersion = 1;
 [[nodiscard]] Result<std::string> print_opencv_json(const Calibration& calibration);
 [[nodiscard]] bool opencv_holds(std::string_view model);
 
+// Kalibr's camchain of one camera: kalibr.cpp has that of several too (rig_formats.hpp).
+[[nodiscard]] bool is_kalibr(const Node& root);
+[[nodiscard]] Result<Calibration> read_kalibr_camera(const Node& root);
+[[nodiscard]] Result<std::string> print_kalibr_camera(const Calibration& calibration);
+[[nodiscard]] bool kalibr_holds(std::string_view model);
+
 // The YAML of ROS's camera_info_manager and camera_calibration_parsers.
 [[nodiscard]] bool is_ros(const Node& root);
 [[nodiscard]] Result<Calibration> read_ros(const Node& root);
 [[nodiscard]] Result<std::string> print_ros(const Calibration& calibration);
+// Row-major: R, 3 x 3, and P, 3 x 4, of one camera of a stereo pair; else it is not rectified.
+struct RosRectification {
+  std::array<double, 9> rotation;
+  std::array<double, 12> projection;
+};
+[[nodiscard]] Result<std::string> print_ros(const Calibration& calibration,
+                                            const std::optional<RosRectification>& rectification);
 [[nodiscard]] bool ros_holds(std::string_view model);
 
 }  // namespace calvin::io

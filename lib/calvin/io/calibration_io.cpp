@@ -31,8 +31,9 @@ struct Reader {
   Result<Calibration> (*read)(const Node&);
 };
 // In this order: the first that claims a document reads it.
-constexpr std::array<Reader, 3> kReaders = {{{io::is_native, io::read_native},
+constexpr std::array<Reader, 4> kReaders = {{{io::is_native, io::read_native},
                                              {io::is_ros, io::read_ros},
+                                             {io::is_kalibr, io::read_kalibr_camera},
                                              {io::is_opencv, io::read_opencv}}};
 
 struct Writer {
@@ -40,17 +41,18 @@ struct Writer {
   Result<std::string> (*print)(const Calibration&);
   bool (*holds)(std::string_view model);
 };
-constexpr std::array<Writer, 5> kWriters = {
+constexpr std::array<Writer, 6> kWriters = {
     {{"calvin", io::print_native, [](std::string_view) { return true; }},
      {"opencv-yaml", io::print_opencv_yaml, io::opencv_holds},
      {"opencv-xml", io::print_opencv_xml, io::opencv_holds},
      {"opencv-json", io::print_opencv_json, io::opencv_holds},
-     {"ros", io::print_ros, io::ros_holds}}};
+     {"ros", io::print_ros, io::ros_holds},
+     {"kalibr", io::print_kalibr_camera, io::kalibr_holds}}};
 
 constexpr std::string_view kKnown =
     CALVIN_HAVE_FORMATS
-        ? "Give a calibration in the native JSON, OpenCV's YAML, XML or JSON or ROS's camera_info, "
-          "or calibrate again."
+        ? "Give a calibration in the native JSON, OpenCV's YAML, XML or JSON, ROS's camera_info or "
+          "Kalibr's camchain, or calibrate again."
         : "Give a calibration in the native JSON or OpenCV's JSON, or calibrate again.";
 
 Result<const Writer*> find_writer(std::string_view format) {

@@ -61,20 +61,26 @@ std::string print_field(const Syntax& syntax, std::string_view name, const Stora
                      join_reals(matrix.data, syntax.comma));
 }
 
-Result<std::string> print_opencv(const Syntax& syntax, const Calibration& calibration) {
-  const auto storage = to_storage(calibration);
-  if (!storage) return tl::unexpected(storage.error());
+std::string print_storage(const Syntax& syntax, const Storage& storage) {
   std::string text(syntax.head);
-  for (const auto& [name, value] : *storage) {
+  for (const auto& [name, value] : storage) {
     if (text.size() > syntax.head.size()) text += syntax.next;
     text += print_field(syntax, name, value);
   }
   return text.append(syntax.tail);
 }
 
+Result<std::string> print_opencv(const Syntax& syntax, const Calibration& calibration) {
+  const auto storage = to_storage(calibration);
+  if (!storage) return tl::unexpected(storage.error());
+  return print_storage(syntax, *storage);
+}
+
 }  // namespace
 
 bool opencv_holds(std::string_view model) { return opencv_lens(model) != nullptr; }
+
+std::string print_opencv_yaml(const Storage& storage) { return print_storage(kYaml, storage); }
 
 Result<std::string> print_opencv_yaml(const Calibration& calibration) {
   return print_opencv(kYaml, calibration);

@@ -27,6 +27,9 @@ using Storage = std::vector<std::pair<std::string_view, StorageValue>>;
 // The fields to write, under the names of OpenCV's own calibration sample.
 [[nodiscard]] Result<Storage> to_storage(const Calibration& calibration);
 
+// As a file in YAML.
+[[nodiscard]] std::string print_opencv_yaml(const Storage& storage);
+
 // A number that OpenCV and a JSON parser take for a real one: "520.0".
 [[nodiscard]] std::string format_real(double value);
 [[nodiscard]] std::string join_reals(const std::vector<double>& values, std::string_view separator);

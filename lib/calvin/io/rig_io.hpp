@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The file of a rig: JSON, known by its content. docs/formats.md.
+// Files of rigs: the native one (JSON), Kalibr's camchain, OpenCV's stereo parameters; known by
+// their content. docs/formats.md.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "calvin/core/export.hpp"
 #include "calvin/core/result.hpp"
@@ -22,16 +24,24 @@ inline constexpr std::size_t kMaxRigBytes = std::size_t{64} << 20;
 [[nodiscard]] CALVIN_API Result<Rig> parse_rig(std::string_view content,
                                                std::string_view name = "");
 
-// Whether the content says that it is a rig, sound or not.
+// Whether the content says that it is a rig and no single camera, sound or not. OpenCV's stereo
+// parameters are the calibration of their first camera too, and do not count.
 [[nodiscard]] bool is_rig(std::string_view content) noexcept;
 
 // parse_rig() of a file; errors as of read_calibration().
 [[nodiscard]] CALVIN_API Result<Rig> read_rig(const std::filesystem::path& path);
 
-// The inverse: numbers read back as the same. kInvalidArgument where a camera has no image size.
-[[nodiscard]] CALVIN_API Result<std::string> print_rig(const Rig& rig);
+// The inverse, in one of rig_formats(): numbers read back as the same; only the native format holds
+// everything. kInvalidArgument for an unknown format or where a camera has no image size,
+// kUnsupported where the format has no such camera model.
+[[nodiscard]] CALVIN_API Result<std::string> print_rig(const Rig& rig,
+                                                       std::string_view format = "calvin");
 
 // The file is written whole, as write_calibration() does.
-[[nodiscard]] CALVIN_API Status write_rig(const std::filesystem::path& path, const Rig& rig);
+[[nodiscard]] CALVIN_API Status write_rig(const std::filesystem::path& path, const Rig& rig,
+                                          std::string_view format = "calvin");
+
+// "calvin", "kalibr".
+[[nodiscard]] CALVIN_API std::vector<std::string_view> rig_formats();
 
 }  // namespace calvin

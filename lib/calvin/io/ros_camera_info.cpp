@@ -87,6 +87,11 @@ Result<Calibration> read_ros(const Node& root) {
 }
 
 Result<std::string> print_ros(const Calibration& calibration) {
+  return print_ros(calibration, std::nullopt);
+}
+
+Result<std::string> print_ros(const Calibration& calibration,
+                              const std::optional<RosRectification>& rectification) {
   if (calibration.image_size.width < 1 || calibration.image_size.height < 1) {
     return make_error(ErrorCode::kInvalidArgument,
                       "The calibration does not say its image size, which a ROS file must hold.");
@@ -106,9 +111,13 @@ Result<std::string> print_ros(const Calibration& calibration) {
   text += print_matrix("camera_matrix", {3, 3, {k.begin(), k.end()}});
   text += fmt::format("distortion_model: {}\n", model->name);
   text += print_matrix("distortion_coefficients", {1, static_cast<int>(d.size()), d});
-  text += print_matrix("rectification_matrix", {3, 3, {1, 0, 0, 0, 1, 0, 0, 0, 1}});
-  text += print_matrix("projection_matrix",
-                       {3, 4, {k[0], k[1], k[2], 0, 0, k[4], k[5], 0, 0, 0, 1, 0}});
+  const RosRectification as_it_is = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                     {k[0], k[1], k[2], 0, 0, k[4], k[5], 0, 0, 0, 1, 0}};
+  const RosRectification& shown = rectification.value_or(as_it_is);
+  text +=
+      print_matrix("rectification_matrix", {3, 3, {shown.rotation.begin(), shown.rotation.end()}});
+  text +=
+      print_matrix("projection_matrix", {3, 4, {shown.projection.begin(), shown.projection.end()}});
   return text;
 }
 

@@ -5,10 +5,13 @@
 
 #include "calvin/remap/rectification.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "calvin/camera/frame_fit.hpp"
+#include "calvin/remap/view_range.hpp"
 #include "calvin/rig/stereo.hpp"
 
 namespace calvin {
@@ -43,6 +46,35 @@ Result<std::vector<Sight>> rectified_sights(const Rig& rig, StereoSide side, Ima
                       is_left ? pair->left_from_rectified : pair->right_from_rectified});
   }
   return sights;
+}
+
+Result<RectifiedPair> rectified_pair(const Rig& rig, double alpha) {
+  const auto pair = stereo_pair(rig);
+  if (!pair) return tl::unexpected(pair.error());
+  const ImageSize size = rig.cameras[pair->left].calibration.image_size;
+  const auto sights = rectified_sights(rig, StereoSide::kLeft, size);
+  if (!sights) return tl::unexpected(sights.error());
+  ViewOptions options;
+  options.alpha = alpha;
+  const auto range = ViewRange::find(std::span(*sights), options);
+  if (!range) return tl::unexpected(range.error());
+  const auto view = range->view(options);
+  if (!view) return tl::unexpected(view.error());
+  const Camera& plane = view->camera.plane();
+  RectifiedPair result;
+  result.left = pair->left;
+  result.right = pair->right;
+  result.is_vertical = pair->is_vertical;
+  result.baseline = pair->baseline;
+  // The transpose of a matrix in the order of its columns.
+  std::copy_n(pair->left_from_rectified.data(), 9, result.rectified_from_left.begin());
+  std::copy_n(pair->right_from_rectified.data(), 9, result.rectified_from_right.begin());
+  result.image_size = size;
+  result.fx = plane.fx();
+  result.fy = plane.fy();
+  result.cx = plane.cx();
+  result.cy = plane.cy();
+  return result;
 }
 
 }  // namespace calvin

@@ -27,4 +27,8 @@ enum class StereoSide { kLeft, kRight };
 [[nodiscard]] Result<std::vector<Sight>> rectified_sights(const Rig& rig, StereoSide side,
                                                           ImageSize size);
 
+// What both cameras make of frames of the left one's size, at that alpha. Errors as of
+// ViewRange::find().
+[[nodiscard]] Result<RectifiedPair> rectified_pair(const Rig& rig, double alpha = 0);
+
 }  // namespace calvin

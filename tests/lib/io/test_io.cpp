@@ -52,7 +52,7 @@ Pixel textbook(double x, double y) {
 }
 
 TEST(CalibrationFile, EveryFormatHoldsEveryModelThatItCan) {
-  for (const std::string_view format : calibration_formats()) {
+  for (const std::string_view format : test::formats_with_skew()) {
     if (!readable(format)) continue;
     for (const std::string_view model : model_names()) {
       SCOPED_TRACE(std::string(format) + " " + std::string(model));
@@ -83,7 +83,7 @@ TEST(CalibrationFile, EveryFormatHoldsEveryModelThatItCan) {
 }
 
 TEST(CalibrationFile, CoefficientsThatAreAllZeroAreNotWritten) {
-  for (const std::string_view format : calibration_formats()) {
+  for (const std::string_view format : test::formats_with_skew()) {
     if (!readable(format) || format == "calvin") continue;
     SCOPED_TRACE(format);
     Calibration calibration = test::sample("tilted14");
@@ -255,7 +255,7 @@ TEST(CalibrationFile, NoNumberThatIsNotFiniteIsWritten) {
   EXPECT_FALSE(print_calibration(c));
   c = test::sample("brown5");
   c.parameters[5].value = INFINITY;
-  for (const auto format : calibration_formats()) EXPECT_FALSE(print_calibration(c, format));
+  for (const auto format : test::formats_with_skew()) EXPECT_FALSE(print_calibration(c, format));
 }
 
 TEST(CalibrationFile, FormatsThatCannotHoldIt) {
@@ -293,7 +293,7 @@ TEST(CalibrationFile, NamesOfAnyCharacterAreReadBack) {
     Calibration c = test::sample("brown5");
     const std::string word = fmt::format("a{}b", utf8(code));
     c.camera = fmt::format("{} {}", word, utf8(code));
-    for (const std::string_view format : calibration_formats()) {
+    for (const std::string_view format : test::formats_with_skew()) {
       const auto text = print_calibration(c, format);
       ASSERT_TRUE(text) << text.error().message;
       if (std::find(control.begin(), control.end(), code) != control.end()) {
@@ -315,7 +315,7 @@ class Comma : public std::numpunct<char> {
 };
 
 void expect_same_numbers() {
-  for (const std::string_view format : calibration_formats()) {
+  for (const std::string_view format : test::formats_with_skew()) {
     if (!readable(format)) continue;
     const auto text = print_calibration(test::sample("brown5"), format);
     ASSERT_TRUE(text);

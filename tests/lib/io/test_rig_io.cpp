@@ -91,7 +91,7 @@ TEST(RigFile, SaysWhatIsWrong) {
     const auto read = parse_rig(text, "rig.json");
     ASSERT_FALSE(read.has_value()) << word;
     EXPECT_NE(read.error().message.find(word), std::string::npos) << read.error().message;
-    EXPECT_NE(read.error().message.find("calvin-rig has written"), std::string::npos);
+    EXPECT_NE(read.error().message.find("Give a file that calvin-rig"), std::string::npos);
   }
 }
 
