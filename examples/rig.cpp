@@ -3,6 +3,7 @@
 
 // calvin-rig [OPTIONS] RIG.json CALIBRATION VIEWS CALIBRATION VIEWS...: where the cameras of a rig
 // stand, from what each of them has seen of boards.
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
@@ -111,8 +112,12 @@ std::optional<Arguments> parse(std::span<char*> given) {
       arguments.words.emplace_back(word);
     }
   }
-  if (arguments.words.size() < 5 || arguments.words.size() % 2 == 0) {
-    wrong_usage("it takes a file for the rig, then a calibration and views for each camera.");
+  const std::size_t least = arguments.options.mode == calvin::RigMode::kFloor ? 3 : 5;
+  if (arguments.words.size() < least || arguments.words.size() % 2 == 0) {
+    wrong_usage(
+        "it takes a file for the rig, then a calibration and views for each camera: two of them, "
+        "or "
+        "one and --floor.");
     return std::nullopt;
   }
   return arguments;
@@ -161,6 +166,14 @@ calvin::Status write_export(const calvin::Rig& rig, const std::string& format,
   return write_text(path / "right.yaml", calvin::print_ros_stereo(rig, *pair, false));
 }
 
+// " (+-0.1 0.1 0.4)", of the place of a camera that is not the frame itself.
+std::string place_sigmas(const calvin::RigCamera& camera) {
+  constexpr std::size_t kPose = 6;
+  if (camera.covariance.size() != kPose * kPose) return "";
+  const auto mm = [&](std::size_t i) { return 1e3 * std::sqrt(camera.covariance[i * kPose + i]); };
+  return fmt::format(" (+-{:.2g} {:.2g} {:.2g})", mm(3), mm(4), mm(5));
+}
+
 void print(const calvin::RigSolution& solved) {
   const calvin::Rig& rig = solved.rig;
   for (const calvin::RigLink& link : solved.links) {
@@ -174,9 +187,9 @@ void print(const calvin::RigSolution& solved) {
   }
   for (const calvin::RigCamera& camera : rig.cameras) {
     const auto& at = camera.rig_from_camera.translation;
-    fmt::print("'{}' at {:.1f} {:.1f} {:.1f} mm of '{}', rms {:.3f} px\n",
+    fmt::print("'{}' at {:.1f} {:.1f} {:.1f} mm of '{}'{}, rms {:.3f} px\n",
                camera.calibration.camera, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], rig.world,
-               camera.rms.value_or(0));
+               place_sigmas(camera), camera.rms.value_or(0));
   }
   if (!solved.rejected.empty()) {
     fmt::print("{} views contradict the others and were left out.\n", solved.rejected.size());

@@ -31,6 +31,7 @@ smallest_case() {
     elements) echo --benchmark_filter=[^a]sync.*GRAY8 ;;
     live) echo 1 ;;
     overlay) echo '--benchmark_filter=^NV12.720p[|]' ;;
+    rig) echo '--benchmark_filter=^4.cameras..50' ;;
     scores) echo '--benchmark_filter=calvin' ;;
     solve) echo '--benchmark_filter=brown5.10.views' ;;
     undistort) echo '--benchmark_filter=^GRAY8.1080p[|]' ;;

@@ -16,6 +16,18 @@
 
 namespace bench {
 
+// exp(w + dw) = exp(w) exp(Jr dw) (G. S. Chirikjian, Stochastic Models, Information Theory, and
+// Lie Groups 2, 2012, section 10.6).
+inline Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  Eigen::Matrix3d cross;
+  cross << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0;
+  if (angle < 1e-8) return Eigen::Matrix3d::Identity() - 0.5 * cross;
+  const double square = angle * angle;
+  return Eigen::Matrix3d::Identity() - (1 - std::cos(angle)) / square * cross +
+         (angle - std::sin(angle)) / (square * angle) * cross * cross;
+}
+
 // Residuals u v of all corners of a view; parameter blocks: intrinsics, pose (Rodrigues vector,
 // translation).
 template <typename Model>
@@ -62,18 +74,6 @@ class ViewCost : public ceres::CostFunction {
   }
 
  private:
-  // exp(w + dw) = exp(w) exp(Jr dw) (G. S. Chirikjian, Stochastic Models, Information Theory, and
-  // Lie Groups 2, 2012, section 10.6).
-  static Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& w) {
-    const double angle = w.norm();
-    Eigen::Matrix3d cross;
-    cross << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0;
-    if (angle < 1e-8) return Eigen::Matrix3d::Identity() - 0.5 * cross;
-    const double square = angle * angle;
-    return Eigen::Matrix3d::Identity() - (1 - std::cos(angle)) / square * cross +
-           (angle - std::sin(angle)) / (square * angle) * cross * cross;
-  }
-
   std::vector<Eigen::Vector3d> points_;
   std::vector<calvin::Pixel> uv_;
 };

@@ -85,6 +85,10 @@ tail -n 1 ros/right.yaml | tr -d ',[]' | awk '{ exit !($5 < -0.0995 * $2 && $5 >
 expect 1 'brown4' "$rig" --export kalibr:chain.yaml rig.json five.json left.jsonl right.json right.jsonl
 expect 2 'FORMAT:PATH' "$rig" --export obj:x rig.json left.json left.jsonl right.json right.jsonl
 
+expect 0 "'left' at" "$rig" --floor pose.json left.json left.jsonl
+grep -q '"covariance"' pose.json || fail 'a pose without its error'
+expect 2 'and --floor' "$rig" pose.json left.json left.jsonl
+
 expect 1 'none.json' "$rig" rig.json none.json left.jsonl right.json right.jsonl
 expect 1 'none.jsonl' "$rig" rig.json left.json none.jsonl right.json right.jsonl
 expect 1 'Cannot write' "$rig" none/rig.json left.json left.jsonl right.json right.jsonl

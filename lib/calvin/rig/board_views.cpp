@@ -35,6 +35,19 @@ bool has_two_tilts(const PoseFit& fit, const PointSet& seen) {
          (fit.other.rotation - fit.camera_from_board.rotation).norm() > 1e-3;
 }
 
+// A dozen corners tell a wrong place from a right one as well as all do.
+std::vector<std::size_t> sample_of(const PointSet& seen) {
+  constexpr std::size_t kMost = 12;
+  std::vector<std::size_t> used;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen.weight[i] > 0) used.push_back(i);
+  }
+  std::vector<std::size_t> sample;
+  const std::size_t count = std::min(used.size(), kMost);
+  for (std::size_t k = 0; k < count; ++k) sample.push_back(used[k * used.size() / count]);
+  return sample;
+}
+
 bool find_poses(BoardView& view, const Camera& camera) {
   const auto rays = rays_of(view.seen, camera);
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -43,6 +56,7 @@ bool find_poses(BoardView& view, const Camera& camera) {
   if (!spans_plane(view.seen)) return false;
   const auto fit = fit_pose(view.seen, camera, Loss{});
   if (!fit) return false;
+  view.sample = sample_of(view.seen);
   view.poses = {fit->camera_from_board};
   if (has_two_tilts(*fit, view.seen)) view.poses.push_back(fit->other);
   return true;
@@ -91,7 +105,7 @@ Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& se
                           fmt::format("A view of the camera '{}': {}", seen[c].calibration.camera,
                                       good.error().message));
       }
-      all.push_back({{c, v}, number_of(view.board, boards), {}, 1, labellings_of(view), {}});
+      all.push_back({{c, v}, number_of(view.board, boards), {}, 1, {}, labellings_of(view), {}});
       sets.push_back(to_points(view.board, view.board.points(), view.observation));
     }
   }
@@ -109,18 +123,18 @@ double misfit(const BoardView& view, const Camera& camera, const SE3& camera_fro
   constexpr double kNoProjection = 1e4;  // px
   const SE3 camera_from_own = camera_from_board * labelling;
   double sum = 0;
-  double count = 0;
-  for (std::size_t i = 0; i < view.seen.size(); ++i) {
-    const double weight = view.seen.weight[i];
-    if (!(weight > 0)) continue;
+  for (const std::size_t i : view.sample) {
     const auto at = camera.project(camera_from_own * view.seen.points[i]);
-    const double distance =
-        at ? weight * std::hypot(at->u - view.seen.uv[i].u, at->v - view.seen.uv[i].v)
-           : kNoProjection;
-    sum += std::min(distance, kNoProjection) * std::min(distance, kNoProjection);
-    count += 1;
+    double square = kNoProjection * kNoProjection;
+    if (at) {
+      const double u = view.seen.weight[i] * (at->u - view.seen.uv[i].u);
+      const double v = view.seen.weight[i] * (at->v - view.seen.uv[i].v);
+      square = std::min(square, u * u + v * v);
+    }
+    sum += square;
   }
-  return count > 0 ? std::sqrt(sum / count) : kNoProjection;
+  if (view.sample.empty()) return kNoProjection;
+  return std::sqrt(sum / static_cast<double>(view.sample.size()));
 }
 
 }  // namespace calvin::rig

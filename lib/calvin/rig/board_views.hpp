@@ -19,9 +19,10 @@ namespace calvin::rig {
 
 struct BoardView {
   RigView of;
-  std::size_t board = 0;  // equal for views of one board
-  PointSet seen;          // weights of all views of the rig have the median 1
-  double sigma = 1;       // px, of a corner with the weight 1
+  std::size_t board = 0;            // equal for views of one board
+  PointSet seen;                    // weights of all views of the rig have the median 1
+  double sigma = 1;                 // px, of a corner with the weight 1
+  std::vector<std::size_t> sample;  // of `seen`, some corners in use all over the board
   // other_from_own of board frames: the board by another labelling that is as good; the first one
   // is the identity.
   std::vector<SE3> labellings;
@@ -40,8 +41,9 @@ struct BoardView {
 [[nodiscard]] Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& seen,
                                                          const std::vector<Camera>& cameras);
 
-// The root mean square of the weighted distances of corners from where they are expected, px:
-// `camera_from_board` takes the board as `labelling` has it. Large where one has no projection.
+// The root mean square of the weighted distances of the sample of corners from where they are
+// expected, px: `camera_from_board` takes the board as `labelling` has it. Large where one has no
+// projection.
 [[nodiscard]] double misfit(const BoardView& view, const Camera& camera,
                             const SE3& camera_from_board, const SE3& labelling);
 

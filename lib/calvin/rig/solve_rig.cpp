@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 
 #include "calvin/rig/board_views.hpp"
 #include "calvin/rig/floor.hpp"
@@ -34,9 +35,14 @@ using rig::Link;
 
 constexpr Eigen::Index kPose = 6;
 
-Result<std::vector<Camera>> cameras_of(const std::vector<RigCameraViews>& seen) {
-  if (seen.size() < 2) {
-    return make_error(ErrorCode::kInvalidArgument, "A rig has two cameras or more: name them.");
+Result<std::vector<Camera>> cameras_of(const std::vector<RigCameraViews>& seen, RigMode mode) {
+  const std::size_t least = mode == RigMode::kFloor ? 1 : 2;
+  if (seen.size() < least) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      mode == RigMode::kFloor
+                          ? "A camera before a floor board has to be named."
+                          : "A rig has two cameras or more: name them. Where one stands is found "
+                            "by a board on the floor.");
   }
   std::vector<Camera> cameras;
   std::set<std::string> names;
@@ -254,6 +260,28 @@ tl::unexpected<Error> turned_floor() {
                     "or one that names them, as puzzle:14x9:20mm.");
 }
 
+// Where a camera that sees the board nearly head-on, or small, stands is known least: its distance,
+// and with it the way that it looks.
+std::optional<std::string> uncertain_place(const rig::FloorPose& pose, const std::string& name) {
+  constexpr double kMuch = 0.01;  // of the distance
+  constexpr double kMillimetre = 1e-3;
+  constexpr double kDegree = std::numbers::pi / 180;
+  const double distance = pose.camera_from_board.translation.norm();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+      pose.covariance.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
+  const double sigma = std::sqrt(std::max(axes.eigenvalues()(2), 0.0));
+  if (sigma <= kMuch * distance) return std::nullopt;
+  const Eigen::Vector3d line_of_sight = pose.camera_from_board.translation / distance;
+  const double tilt = std::acos(
+      std::clamp(std::abs(pose.camera_from_board.rotation.col(2).dot(line_of_sight)), 0.0, 1.0));
+  return fmt::format(
+      "Where the camera '{}' stands is known to {:.1f} mm only (1 sigma): it sees the board at "
+      "{:.0f} "
+      "degrees from head-on, {:.0f} mm away. Tilt the board by 30 to 45 degrees before it, or show "
+      "it larger.",
+      name, sigma / kMillimetre, tilt / kDegree, distance / kMillimetre);
+}
+
 Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
                                    const std::vector<Camera>& cameras) {
   auto views = rig::board_views(seen, cameras);
@@ -281,6 +309,9 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
     squares += pose->rms * pose->rms;
     const auto at = kPose * static_cast<Eigen::Index>(c);
     covariance.block(at, at, kPose, kPose) = pose->covariance;
+    if (auto remark = uncertain_place(*pose, seen[c].calibration.camera)) {
+      solution.remarks.push_back(*std::move(remark));
+    }
     if (pose->has_two_tilts) {
       solution.remarks.push_back(fmt::format(
           "The camera '{}' sees the board so flat or so small that the mirrored tilt fits nearly "
@@ -303,7 +334,7 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
 
 Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras, const RigOptions& options,
                               std::stop_token stop) {
-  const auto known = cameras_of(cameras);
+  const auto known = cameras_of(cameras, options.mode);
   if (!known) return tl::unexpected<Error>(known.error());
   try {
     return options.mode == RigMode::kFloor ? solve_by_floor(cameras, *known)

@@ -61,9 +61,9 @@ struct RigSolution {
 };
 
 // Intrinsics stay as they are; how well they are known is a part of the covariances. The same views
-// give the same numbers. kInvalidArgument for fewer than two cameras, names that are missing or
-// there twice, and broken calibrations or views; kDegenerate where the views leave open where a
-// camera stands: the message says which, and what to show.
+// give the same numbers. kInvalidArgument for fewer than two cameras (one before a floor), names
+// that are missing or there twice, and broken calibrations or views; kDegenerate where the views
+// leave open where a camera stands: the message says which, and what to show.
 [[nodiscard]] CALVIN_API Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras,
                                                        const RigOptions& options = {},
                                                        std::stop_token stop = {});

@@ -266,6 +266,44 @@ TEST(Rig, RefusesNamesThatDoNotTellCamerasApart) {
   EXPECT_NE(solved.error().message.find("'cam0'"), std::string::npos);
 }
 
+// One picture of one board by one camera: what it says of its error is so, and where that is large
+// because the board is seen head-on and small, so is what it tells.
+TEST(OneCamera, StandsBeforeAFloorBoardAsWellAsItSays) {
+  const int trials = scenes::full_count() ? 2000 : 200;
+  for (const bool is_tilted : {true, false}) {
+    double squares = 0;
+    int warned = 0;
+    for (int trial = 0; trial < trials; ++trial) {
+      Random random(5000 + static_cast<std::uint64_t>(trial));
+      const Camera camera = scenes::random_camera("brown5", random);
+      const double tilt = is_tilted ? 0.6 : scenes::uniform(random, 0, 0.03);
+      const BoardArea extent = scenes::kBoard.extent();
+      const Eigen::Vector3d middle(extent.width() / 2, extent.height() / 2, 0);
+      const Eigen::Matrix3d turn = exp_so3({tilt, 0, 0});
+      const SE3 pose = {turn, Eigen::Vector3d(0, 0, is_tilted ? 0.5 : 4) - turn * middle};
+      RigCameraViews seen;
+      seen.calibration = camera.to_calibration();
+      seen.calibration.camera = "one";
+      seen.views.push_back(scenes::observe(camera, scenes::kBoard, pose, 0.1, random));
+      const auto solved = solve_rig({seen}, {RigMode::kFloor, 0});
+      ASSERT_TRUE(solved.has_value()) << solved.error().message;
+      EXPECT_EQ(solved->rig.world, kBoardWorld);
+      if (is_tilted) squares += place_error(solved->rig.cameras[0], pose.inverse()).square;
+      const auto is_warning = [](const std::string& remark) {
+        return remark.find("is known to") != std::string::npos;
+      };
+      warned += std::ranges::any_of(solved->remarks, is_warning) ? 1 : 0;
+    }
+    if (is_tilted) {
+      std::cout << "mean of e^T C^-1 e / 6 = " << squares / trials << '\n';
+      EXPECT_NEAR(squares / trials, 1, scenes::full_count() ? 0.1 : 0.2);
+      EXPECT_EQ(warned, 0);
+    } else {
+      EXPECT_GT(warned, 0.95 * trials);
+    }
+  }
+}
+
 TEST(Instants, HavePicturesOfOneTime) {
   const auto camera = [](std::vector<std::uint64_t> times) {
     RigCameraViews views;
