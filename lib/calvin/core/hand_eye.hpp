@@ -42,6 +42,7 @@ struct HandEye {
   // hand was and where the camera, which saw the board, puts it.
   double loop_turn = 0;
   double loop_place = 0;
+  double corner_factor = 1;  // what corners are off by, over their sigmas
   // 1 sigma per axis of a pose of the robot, rad and m: as given, or as found.
   double robot_turn_sigma = 0;
   double robot_place_sigma = 0;

@@ -191,6 +191,9 @@ class Solver {
     if (!started) return tl::unexpected<Error>(started.error());
     const auto fit = fit_with(options_.free_scale, start_, noise_);
     if (!fit) return tl::unexpected<Error>(fit.error());
+    // Turns about one axis seem to be about several by their noise alone.
+    const Status turned = rig::check_turns(sightings_, options_.setup, fit->noise.turn);
+    if (!turned) return tl::unexpected<Error>(turned.error());
     HandEyeSolution solution;
     solution.loops = loops_of(loops_, *fit, options_.setup);
     HandEye& result = solution.result;
@@ -204,6 +207,7 @@ class Solver {
     result.carrier_covariance =
         row_major(fit->covariance.block(rig::kCarrierColumn, rig::kCarrierColumn, k, k));
     result.rms = fit->rms;
+    result.corner_factor = fit->corner / views.front().sigma;
     result.robot_turn_sigma = fit->noise.turn;
     result.robot_place_sigma = fit->noise.place;
     result.scale = scale_by(*fit);
@@ -220,7 +224,7 @@ class Solver {
   // Where everything is, about, and which pose and labels of each view go with it.
   [[nodiscard]] Status start(const std::vector<BoardView>& views,
                              const std::vector<Pose>& base_from_hand) {
-    std::vector<rig::Sighting> sightings;
+    std::vector<rig::Sighting>& sightings = sightings_;
     for (const BoardView& view : views) {
       sightings.push_back(rig::sighting_of(view, to_se3(base_from_hand[view.of.view])));
     }
@@ -232,9 +236,6 @@ class Solver {
       return closed;
     }
     noise_ = {found->turn / kMedianNorm, found->place / kMedianNorm};
-    if (const Status turned = rig::check_turns(sightings, options_.setup, noise_.turn); !turned) {
-      return turned;
-    }
     if (!found->is_decided) return undecided();
     start_ = found->places;
     for (std::size_t v = 0; v < views.size(); ++v) {
@@ -271,6 +272,7 @@ class Solver {
   const std::stop_token& stop_;
   rig::HandEyePlaces start_;
   rig::RobotNoise noise_;
+  std::vector<rig::Sighting> sightings_;
   std::vector<LoopView> loops_;
 };
 

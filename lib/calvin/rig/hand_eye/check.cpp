@@ -6,7 +6,9 @@
 #include "calvin/rig/hand_eye/check.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -155,14 +157,20 @@ Status check_turns(const Sightings& sightings, EyeSetup setup, double turn_sigma
   for (const Eigen::Matrix3d& turn : turns) {
     sum += (turn - mean).transpose() * (turn - mean);
   }
-  constexpr double kAboveNoise = 4;
-  const double by_noise = 2 * turn_sigma * turn_sigma * static_cast<double>(sightings.size() - 1);
+  // Of noise alone the sum over its variance is chi^2 with two degrees for each turn but the mean.
+  constexpr double kSignificant = 3;  // sigmas
+  const double turned = static_cast<double>(sightings.size() - 1);
+  const double by_noise =
+      turn_sigma * turn_sigma * (2 * turned + kSignificant * 2 * std::sqrt(turned));
   const auto eigen = symmetric_eigen(sum);
-  if (eigen && eigen->values(0) > kAboveNoise * by_noise + 1e-12) return {};
-  return make_error(ErrorCode::kDegenerate,
-                    "The hand of the robot was turned about one axis only, so that the place of "
-                    "the camera along that axis could be any: take some more pictures with the "
-                    "hand turned about another axis, by 20 degrees and more.");
+  if (eigen && eigen->values(0) > by_noise + 1e-12) return {};
+  return make_error(
+      ErrorCode::kDegenerate,
+      fmt::format("The hand of the robot was turned about one axis only, but for {:.2g} degrees of "
+                  "noise in its poses, so that the place of the camera along that axis could be "
+                  "any: take some more pictures with the hand turned about another axis, by 20 "
+                  "degrees and more.",
+                  turn_sigma * 180 / std::numbers::pi));
 }
 
 Status check_loops(const std::optional<HandEyeStart>& start, const Sightings& sightings,

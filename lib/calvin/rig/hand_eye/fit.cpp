@@ -75,6 +75,7 @@ class HandEyeSolver {
     fit.places = places_;
     fit.noise = noise_;
     fit.found = found_;
+    fit.corner = corner_;
     fit.used = used_;
     fit.rms = rms();
     return fit;

@@ -44,6 +44,7 @@ struct HandEyeFit {
   Eigen::MatrixXd covariance;
   RobotNoise noise;        // as given, else as found
   RobotNoise found;        // by the loops, whatever was given
+  double corner = 1;       // px, the sigma of a corner with the weight 1
   double rms = 0;          // px, not weighted, of the corners in use
   std::vector<bool> used;  // of the views; the others contradict them
 };
