@@ -5,6 +5,7 @@
 
 #include "calvin/core/text.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -23,6 +24,8 @@ std::optional<T> parse_number(std::string_view text) noexcept {
   return value;
 }
 
+constexpr std::string_view kSpace = " \t\r\n\f\v";
+
 }  // namespace
 
 std::optional<double> parse_double(std::string_view text) noexcept {
@@ -39,7 +42,6 @@ std::string format_double(double value) {
 }
 
 std::string_view trim(std::string_view text) noexcept {
-  constexpr std::string_view kSpace = " \t\r\n\f\v";
   const auto first = text.find_first_not_of(kSpace);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
@@ -53,6 +55,17 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
     if (end == std::string_view::npos) return fields;
     text.remove_prefix(end + 1);
   }
+}
+
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> all;
+  for (std::size_t at = text.find_first_not_of(kSpace); at != std::string_view::npos;
+       at = text.find_first_not_of(kSpace, at)) {
+    const std::size_t end = std::min(text.find_first_of(kSpace, at), text.size());
+    all.push_back(text.substr(at, end - at));
+    at = end;
+  }
+  return all;
 }
 
 }  // namespace calvin

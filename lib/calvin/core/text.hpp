@@ -20,6 +20,8 @@ namespace calvin {
 
 // The fields between separators, white space around each removed; "" gives one empty field.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
+// The fields between white space; none in "".
+[[nodiscard]] std::vector<std::string_view> words_of(std::string_view text);
 // What split() takes apart: the parts, a separator between each two.
 template <typename Range>
 [[nodiscard]] std::string join(const Range& parts, std::string_view separator) {

@@ -9,8 +9,12 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "calvin/camera/camera.hpp"
+#include "calvin/io/calibration_formats.hpp"
 
 namespace calvin::io {
 
@@ -53,14 +57,15 @@ void read_head(Fields& fields, std::string_view known, int newest, std::string_v
   if (version < 1) fields.complain("version", "is not 1");
 }
 
-std::vector<double> read_covariance(Fields& fields, std::size_t size, std::string_view of) {
+std::vector<double> read_covariance(Fields& fields, std::size_t size, std::string_view of,
+                                    std::string_view key) {
   std::vector<double> all;
-  const auto rows = fields.rows("covariance", size);
+  const auto rows = fields.rows(key, size);
   if (!rows.empty() && rows.size() != size) {
-    fields.complain("covariance", fmt::format("has {} rows, but {} {}", rows.size(), size, of));
+    fields.complain(key, fmt::format("has {} rows, but {} {}", rows.size(), size, of));
     return all;
   }
-  if (const auto why = no_covariance(rows)) fields.complain("covariance", *why);
+  if (const auto why = no_covariance(rows)) fields.complain(key, *why);
   for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
   return all;
 }
@@ -72,6 +77,40 @@ Pose read_pose(Fields fields) {
   std::copy(rotation.begin(), rotation.end(), pose.rotation.begin());
   std::copy(translation.begin(), translation.end(), pose.translation.begin());
   return pose;
+}
+
+void check_place(Fields& fields, std::string_view pose_key, const Pose& pose,
+                 std::string_view covariance_key, const std::vector<double>& covariance) {
+  constexpr double kFarthest = 1e6;  // m; of a turn, rad
+  const auto is_far = [](double x) { return !(std::abs(x) <= kFarthest); };
+  if (std::ranges::any_of(pose.translation, is_far) || std::ranges::any_of(pose.rotation, is_far)) {
+    fields.complain(pose_key, "is out of range (1e6 m, 1e6 rad)");
+  }
+  if (std::ranges::any_of(covariance, [](double x) { return !(std::abs(x) <= 1e12); })) {
+    fields.complain(covariance_key, "is out of range (1e12)");
+  }
+}
+
+Calibration read_camera(Fields& fields) {
+  constexpr std::string_view kKey = "calibration";
+  const Node* node = fields.find(kKey);
+  if (node == nullptr || node->kind != Node::Kind::kMap) {
+    fields.complain(kKey, "is missing");
+    return {};
+  }
+  auto calibration = read_native(*node);
+  const auto camera = calibration ? Camera::make(*calibration)
+                                  : Result<Camera>(tl::unexpected(calibration.error()));
+  if (camera) return *std::move(calibration);
+  fields.complain(kKey, fmt::format("is wrong: {}", camera.error().message), camera.error().code);
+  return {};
+}
+
+Result<Node> camera_node(const Calibration& calibration) {
+  if (const auto good = Camera::make(calibration); !good) return tl::unexpected(good.error());
+  const auto printed = print_native(calibration);
+  if (!printed) return tl::unexpected(printed.error());
+  return parse_json(*printed);
 }
 
 }  // namespace calvin::io

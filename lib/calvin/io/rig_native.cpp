@@ -4,18 +4,15 @@
 // Rig <-> JSON, around the native form of each camera's calibration.
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "calvin/camera/camera.hpp"
-#include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
-#include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/native_fields.hpp"
+#include "calvin/io/node_map.hpp"
 #include "calvin/io/rig_formats.hpp"
 
 namespace calvin::io {
@@ -28,50 +25,18 @@ constexpr std::size_t kPose = 6;
 
 // ---- Reading ------------------------------------------------------------------------------------
 
-// What no rig has: so that whatever is computed of it stays finite.
-void check_range(Fields& fields, const RigCamera& camera) {
-  constexpr double kFarthest = 1e6;  // m; of a turn, rad
-  const auto is_far = [](double x) { return !(std::abs(x) <= kFarthest); };
-  if (std::ranges::any_of(camera.rig_from_camera.translation, is_far) ||
-      std::ranges::any_of(camera.rig_from_camera.rotation, is_far)) {
-    fields.complain("rig_from_camera", "is out of range (1e6 m, 1e6 rad)");
-  }
-  if (std::ranges::any_of(camera.covariance, [](double x) { return !(std::abs(x) <= 1e12); })) {
-    fields.complain("covariance", "is out of range (1e12)");
-  }
-}
-
-Result<Calibration> read_camera_calibration(const Node& node) {
-  auto calibration = read_native(node);
-  if (!calibration) return calibration;
-  if (const auto camera = Camera::make(*calibration); !camera) {
-    return tl::unexpected(camera.error());
-  }
-  return calibration;
-}
-
 RigCamera read_rig_camera(Fields fields) {
   RigCamera camera;
   const std::string name = fields.string("camera");
-  const Node* node = fields.find("calibration");
-  if (node == nullptr || node->kind != Node::Kind::kMap) {
-    fields.complain("calibration", "is missing");
-    return camera;
-  }
-  auto calibration = read_camera_calibration(*node);
-  if (!calibration) {
-    fields.complain("calibration", fmt::format("is wrong: {}", calibration.error().message),
-                    calibration.error().code);
-    return camera;
-  }
-  camera.calibration = *std::move(calibration);
+  camera.calibration = read_camera(fields);
+  if (fields.failed()) return camera;
   camera.calibration.camera = name;
   camera.rig_from_camera = read_pose(fields.map("rig_from_camera"));
   if (const Node* rows = fields.find("covariance"); rows != nullptr && !rows->items.empty()) {
     camera.covariance = read_covariance(fields, kPose, "numbers say where a camera is");
   }
   camera.rms = fields.optional_number("rms");
-  check_range(fields, camera);
+  check_place(fields, "rig_from_camera", camera.rig_from_camera, "covariance", camera.covariance);
   return camera;
 }
 
@@ -101,51 +66,13 @@ void read_cameras(Fields& fields, std::optional<Error>& problem, Rig& rig) {
 
 // ---- Writing ------------------------------------------------------------------------------------
 
-Node number(double x) { return {Node::Kind::kPlain, format_double(x), {}, {}}; }
-Node text(std::string x) { return {Node::Kind::kString, std::move(x), {}, {}}; }
-
-template <typename Numbers>
-Node numbers(const Numbers& values) {
-  Node list = {Node::Kind::kList, {}, {}, {}};
-  for (const double x : values) list.items.push_back(number(x));
-  return list;
-}
-
-class Map {
- public:
-  Map& put(const char* key, Node value) {
-    node_.keys.emplace_back(key);
-    node_.items.push_back(std::move(value));
-    return *this;
-  }
-  Map& put(const char* key, const std::optional<double>& value) {
-    return value && std::isfinite(*value) ? put(key, number(*value)) : *this;
-  }
-  [[nodiscard]] Node take() { return std::move(node_); }
-
- private:
-  Node node_{Node::Kind::kMap, {}, {}, {}};
-};
-
-Result<Node> camera_node(const RigCamera& camera) {
-  const auto printed = print_native(camera.calibration);
-  if (!printed) return tl::unexpected(printed.error());
-  auto calibration = parse_json(*printed);
+Result<Node> rig_camera_node(const RigCamera& camera) {
+  auto calibration = camera_node(camera.calibration);
   if (!calibration) return calibration;
-  Map map;
-  map.put("camera", text(camera.calibration.camera));
-  map.put("rig_from_camera", Map()
-                                 .put("rotation", numbers(camera.rig_from_camera.rotation))
-                                 .put("translation", numbers(camera.rig_from_camera.translation))
-                                 .take());
-  if (camera.covariance.size() == kPose * kPose) {
-    Node rows = {Node::Kind::kList, {}, {}, {}};
-    for (std::size_t r = 0; r < kPose; ++r) {
-      const auto from = camera.covariance.begin() + static_cast<std::ptrdiff_t>(r * kPose);
-      rows.items.push_back(numbers(std::vector<double>(from, from + kPose)));
-    }
-    map.put("covariance", std::move(rows));
-  }
+  NodeMap map;
+  map.put("camera", text_node(camera.calibration.camera));
+  map.put("rig_from_camera", pose_node(camera.rig_from_camera));
+  map.put_rows("covariance", camera.covariance, kPose);
   map.put("rms", camera.rms);
   map.put("calibration", *std::move(calibration));
   return map.take();
@@ -174,17 +101,16 @@ Result<Rig> read_native_rig(const Node& root) {
 Result<std::string> print_native_rig(const Rig& rig) {
   Node cameras = {Node::Kind::kList, {}, {}, {}};
   for (const RigCamera& camera : rig.cameras) {
-    auto node = camera_node(camera);
+    auto node = rig_camera_node(camera);
     if (!node) return tl::unexpected(node.error());
     cameras.items.push_back(*std::move(node));
   }
-  Map map;
-  map.put("format", text(std::string(kFormat)));
-  map.put("version", {Node::Kind::kPlain, fmt::format("{}", kVersion), {}, {}});
-  map.put("world", text(rig.world));
+  NodeMap map;
+  map.put("format", text_node(kFormat));
+  map.put("version", integer_node(kVersion));
+  map.put("world", text_node(rig.world));
   map.put("rms", rig.rms);
-  map.put("pairing_tolerance_ns",
-          {Node::Kind::kPlain, fmt::format("{}", rig.pairing_tolerance), {}, {}});
+  map.put("pairing_tolerance_ns", integer_node(rig.pairing_tolerance));
   map.put("cameras", std::move(cameras));
   return print_json(map.take());
 }

@@ -10,8 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
+#include "calvin/rig/camera_unknowns.hpp"
 #include "calvin/solve/linear/lm.hpp"
 #include "calvin/solve/parameters/parameter_table.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
@@ -22,29 +21,6 @@ namespace {
 
 constexpr int kPose = ArrowLayout::kPose;
 constexpr double kMedianDistance = 1.17741;  // of two normal coordinates, in their sigma
-
-// The intrinsics of all cameras and the places of all but the first.
-ParameterTable table_of(const std::vector<Camera>& cameras) {
-  std::vector<TableCamera> all;
-  for (const Camera& camera : cameras) {
-    TableCamera one;
-    one.model = camera.model();
-    one.skew = camera.skew();
-    one.has_rig_pose = !all.empty();
-    all.push_back(std::move(one));
-  }
-  return ParameterTable(std::move(all), {BoardUnknowns()});
-}
-
-std::vector<double> values_of_cameras(const ParameterTable& table,
-                                      const std::vector<Camera>& cameras) {
-  std::vector<double> values(static_cast<std::size_t>(table.count()), 0.0);
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    const ParameterRange range = table.intrinsics(c);
-    std::ranges::copy(cameras[c].parameters(), values.begin() + range.first);
-  }
-  return values;
-}
 
 // The cameras are held as they are.
 ParameterTable held(ParameterTable table, const std::vector<double>& values) {
@@ -236,46 +212,6 @@ class RigSolver {
   std::vector<std::optional<std::size_t>> numbers_;  // of poses in the last problem
 };
 
-// The covariance of the intrinsics of all cameras, over the unknowns of the table.
-Eigen::MatrixXd covariance_of_intrinsics(const ParameterTable& table,
-                                         const std::vector<RigCameraViews>& calibrations) {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(table.count(), table.count());
-  for (std::size_t c = 0; c < calibrations.size(); ++c) {
-    const Calibration& calibration = calibrations[c].calibration;
-    std::vector<std::optional<int>> unknowns;
-    for (const Parameter& p : calibration.parameters) {
-      if (p.sigma) unknowns.push_back(table.find(p.name, c));
-    }
-    const std::size_t size = unknowns.size();
-    if (calibration.covariance.size() != size * size) continue;
-    for (std::size_t i = 0; i < size; ++i) {
-      for (std::size_t j = 0; j < size; ++j) {
-        if (!unknowns[i] || !unknowns[j]) continue;
-        all(*unknowns[i], *unknowns[j]) = calibration.covariance[i * size + j];
-      }
-    }
-  }
-  return all;
-}
-
-// That of the places of the cameras: by the noise of the corners, and by that of the intrinsics,
-// which move the optimum by -H_pp^-1 H_pi of their own error (the implicit function of the
-// gradient).
-std::optional<Eigen::MatrixXd> covariance_of_places(const ParameterTable& table,
-                                                    const Eigen::MatrixXd& information,
-                                                    double variance,
-                                                    const Eigen::MatrixXd& of_intrinsics) {
-  const Eigen::Index first = table.rig_pose(1).first;
-  const auto count =
-      static_cast<Eigen::Index>(kPose) * static_cast<Eigen::Index>(table.cameras() - 1);
-  const Eigen::MatrixXd own = information.block(first, first, count, count);
-  const Eigen::LDLT<Eigen::MatrixXd> factors(own);
-  if (factors.info() != Eigen::Success || !factors.isPositive()) return std::nullopt;
-  const Eigen::MatrixXd inverse = factors.solve(Eigen::MatrixXd::Identity(count, count));
-  const Eigen::MatrixXd moved = factors.solve(information.block(first, 0, count, first));
-  return variance * inverse + moved * of_intrinsics.topLeftCorner(first, first) * moved.transpose();
-}
-
 // px, not weighted, of the corners in use.
 void add_rms(const std::vector<BoardView>& views, const RigSolver& solver,
              const std::vector<Camera>& cameras, RigFit& fit) {
@@ -310,8 +246,10 @@ Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
   if (const Status solved = solver.run(); !solved) return tl::unexpected<Error>(solved.error());
   RigFit fit;
   const auto equations = solver.equations();
+  const ParameterRange places = {solver.table().rig_pose(1).first,
+                                 kPose * static_cast<int>(cameras.size() - 1)};
   const auto covariance =
-      equations ? covariance_of_places(solver.table(), equations->information, solver.variance(),
+      equations ? covariance_of_places(equations->information, places, solver.variance(),
                                        covariance_of_intrinsics(solver.table(), calibrations))
                 : std::nullopt;
   if (!covariance) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/solve/linear/arrow_step.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 
 namespace calvin {
@@ -129,22 +130,6 @@ void BundleProblem::add_priors(State& state) const {
   }
 }
 
-std::optional<Eigen::VectorXd> BundleProblem::shared_step(double lambda) {
-  const Eigen::MatrixXd& basis = unknowns_.basis;
-  const Eigen::Index n = basis.rows();
-  Eigen::MatrixXd normal(n, n);
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j <= i; ++j) normal(i, j) = current_.equations.shared(i, j);
-  }
-  damping_ = restrict_to(basis, normal).diagonal();
-  Eigen::MatrixXd s = restrict_to(basis, elimination_.schur());
-  s.diagonal() += lambda * damping_;
-  const auto step =
-      scaled_solve(s, -basis.transpose().lazyProduct(elimination_.reduced_gradient()), 0);
-  if (!step) return std::nullopt;
-  return step->col(0);
-}
-
 void BundleProblem::move_shared(const Eigen::VectorXd& move) {
   const BundlePoint& from = current_.point;
   BundlePoint& to = trial_.point;
@@ -160,36 +145,19 @@ void BundleProblem::move_shared(const Eigen::VectorXd& move) {
 }
 
 std::optional<double> BundleProblem::propose(double lambda) {
-  if (!elimination_.eliminate(current_.equations, lambda)) return std::nullopt;
-  const auto step = shared_step(lambda);
+  const auto step =
+      arrow_step(current_.equations, elimination_, unknowns_.basis, lambda, block_steps_);
   if (!step) return std::nullopt;
-  const Eigen::VectorXd move = unknowns_.basis.lazyProduct(*step);
-  double predicted = lambda * step->dot(damping_.cwiseProduct(*step));
-  for (int i = 0; i < move.size(); ++i) {
-    predicted -= current_.equations.shared_gradient(i) * move[i];
-  }
-  move_shared(move);
+  move_shared(step->move);
   const ArrowLayout& layout = current_.equations.layout();
-  double d[ArrowLayout::kPose];  // the step of a small block that goes with the move
-  const auto step_block = [&](std::size_t block) {
-    elimination_.block_step(block, move, d);
-    const auto n = static_cast<std::size_t>(layout.size(block));
-    const double* own = current_.equations.own(block);
-    const double* cross = current_.equations.cross(block);
-    for (std::size_t i = 0; i < n; ++i) {
-      predicted += d[i] * (lambda * own[i * n + i] * d[i] - cross[i * layout.stride()]);
-    }
-  };
+  const auto step_of = [&](std::size_t block) { return &block_steps_[ArrowLayout::kPose * block]; };
   for (std::size_t b = 0; b < layout.poses; ++b) {
-    step_block(b);
-    trial_.point.rig_from_board[b] = retract(current_.point.rig_from_board[b], d);
+    trial_.point.rig_from_board[b] = retract(current_.point.rig_from_board[b], step_of(b));
   }
   for (std::size_t p = 0; p < layout.points; ++p) {
-    step_block(layout.poses + p);
-    trial_.point.points[p] = current_.point.points[p] + Eigen::Vector3d(d);
+    trial_.point.points[p] = current_.point.points[p] + Eigen::Vector3d(step_of(layout.poses + p));
   }
-  if (!std::isfinite(predicted)) return std::nullopt;
-  return std::max(predicted, 0.0);
+  return step->predicted;
 }
 
 std::optional<double> BundleProblem::evaluate_trial() {

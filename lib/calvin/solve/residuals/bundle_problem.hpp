@@ -114,7 +114,6 @@ class BundleProblem {
   bool add_board(const BoardResiduals& block, RowPlan& plan, State& state);
   bool add_points(std::size_t block, State& state);
   void add_priors(State& state) const;
-  std::optional<Eigen::VectorXd> shared_step(double lambda);
   void move_shared(const Eigen::VectorXd& move);
 
   ResidualBlocks blocks_;
@@ -128,7 +127,7 @@ class BundleProblem {
   ArrowElimination elimination_;
   State current_;
   State trial_;
-  Eigen::VectorXd damping_;
+  std::vector<double> block_steps_;  // of the last step
   bool valid_ = false;
 };
 
