@@ -19,6 +19,7 @@
 
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/draw/scene/scene_gltf.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/rig_io.hpp"
@@ -45,8 +46,9 @@ journal of calibsolve). Pictures with the same number in their names were taken 
                   a time, and the frame is that of the first camera
   --tolerance MS  how far observations of one instant may be apart, 10 if not given
   --export FORMAT:PATH,...
-                  further files: kalibr (a camchain), calvin; of two cameras opencv (the stereo
-                  parameters, YAML), and ros (left.yaml and right.yaml in the folder PATH)
+                  further files: kalibr (a camchain), calvin, gltf (the scene of calibview, GLB);
+                  of two cameras opencv (the stereo parameters, YAML), and ros (left.yaml and
+                  right.yaml in the folder PATH)
   --help          this text
 )";
 
@@ -69,7 +71,7 @@ int failed(const calvin::Error& error) {
 
 // Whether all were understood.
 bool parse_exports(std::string_view text, Arguments& arguments) {
-  static const std::set<std::string_view> kFormats = {"calvin", "kalibr", "opencv", "ros"};
+  static const std::set<std::string_view> kFormats = {"calvin", "kalibr", "gltf", "opencv", "ros"};
   for (const std::string_view part : calvin::split(text, ',')) {
     const auto colon = part.find(':');
     const std::string_view format = part.substr(0, colon);
@@ -102,7 +104,7 @@ std::optional<Arguments> parse(std::span<char*> given) {
       arguments.options.tolerance = static_cast<std::uint64_t>(*ms * kMillisecond);
     } else if (word == "--export" && has_value) {
       if (!parse_exports(given[++i], arguments)) {
-        wrong_usage("--export takes FORMAT:PATH, with calvin, kalibr, opencv or ros.");
+        wrong_usage("--export takes FORMAT:PATH, with calvin, kalibr, gltf, opencv or ros.");
         return std::nullopt;
       }
     } else if (word.starts_with("--")) {
@@ -156,6 +158,9 @@ calvin::Status write_text(const std::filesystem::path& path,
 calvin::Status write_export(const calvin::Rig& rig, const std::string& format,
                             const std::filesystem::path& path) {
   if (format == "calvin" || format == "kalibr") return calvin::write_rig(path, rig, format);
+  if (format == "gltf") {
+    return write_text(path, calvin::print_glb(calvin::make_scene(rig)));
+  }
   const auto pair = calvin::rectified_pair(rig);
   if (!pair) return tl::unexpected<calvin::Error>(pair.error());
   if (format == "opencv") return write_text(path, calvin::print_opencv_stereo(rig, *pair));

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "calvin/geometry/se3.hpp"
 #include "calvin/remap/rectification.hpp"
 #include "calvin/remap/undistorter.hpp"
 #include "calvin/remap/view_range.hpp"

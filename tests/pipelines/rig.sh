@@ -73,10 +73,11 @@ views right 0.1 4 1
 expect 0 "mm of 'board'" "$rig" --floor floor.json left.json left.jsonl right.json right.jsonl
 grep -q '"world": "board"' floor.json || fail 'the frame is not that of the board'
 
-expect 0 'apart' "$rig" --export kalibr:chain.yaml,opencv:stereo.yml,ros:ros rig.json \
+expect 0 'apart' "$rig" --export kalibr:chain.yaml,gltf:rig.glb,opencv:stereo.yml,ros:ros rig.json \
   left.json left.jsonl right.json right.jsonl
 grep -q 'camera_model: pinhole' chain.yaml || fail 'no camchain'
 grep -q 'T_cn_cnm1' chain.yaml || fail 'a camchain without places'
+[ "$(head -c 4 rig.glb)" = glTF ] || fail 'no glTF'
 grep -q '^Q: !!opencv-matrix' stereo.yml || fail 'no stereo parameters'
 grep -q 'projection_matrix' ros/left.yaml || fail 'no camera_info of the left camera'
 # P of the right camera has -f b: a tenth of a metre.
