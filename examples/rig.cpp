@@ -25,6 +25,7 @@
 #include "calvin/io/rig_io.hpp"
 #include "calvin/io/stereo_io.hpp"
 #include "calvin/remap/rectification.hpp"
+#include "calvin/rig/moved_camera.hpp"
 #include "calvin/rig/solve_rig.hpp"
 
 #include "rig_views.hpp"
@@ -228,8 +229,10 @@ int main(int argc, char** argv) {
     files.push_back(arguments->words[i]);
   }
   name_cameras(files, cameras);
-  const auto solved = calvin::solve_rig(cameras, arguments->options);
+  auto solved = calvin::solve_rig(cameras, arguments->options);
   if (!solved) return failed(solved.error());
+  std::string moved = calvin::moved_cameras(cameras, arguments->options);
+  if (!moved.empty()) solved->remarks.push_back(std::move(moved));
   if (const auto written = calvin::write_rig(arguments->words[0], solved->rig); !written) {
     return failed(written.error());
   }

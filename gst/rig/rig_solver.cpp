@@ -12,6 +12,7 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "calvin/io/settings.hpp"
+#include "calvin/rig/moved_camera.hpp"
 #include "rig/rig_messages.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
@@ -204,6 +205,10 @@ void RigSolver::run(const RigJob& job, const std::stop_token& stop) {
                                 fmt::format("A stereo rig has two cameras, and {} are linked: take "
                                             "mode=joint.",
                                             job.cameras.size())));
+  if (solution && job.final) {
+    std::string moved = moved_cameras(job.cameras, job.options, stop);
+    if (!moved.empty()) solution->remarks.push_back(std::move(moved));
+  }
   if (stop.stop_requested()) return;
   {
     const std::lock_guard guard(lock_);

@@ -8,7 +8,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/geometry/se3.hpp"
-#include "calvin/rig/links.hpp"
+#include "calvin/rig/board_views.hpp"
 
 namespace calvin::rig {
 

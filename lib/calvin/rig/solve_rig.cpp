@@ -19,12 +19,12 @@
 
 #include "calvin/rig/board_views.hpp"
 #include "calvin/rig/floor.hpp"
-#include "calvin/rig/links.hpp"
+#include "calvin/rig/joint/links.hpp"
+#include "calvin/rig/joint/rig_fit.hpp"
+#include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/joint/timing.hpp"
 #include "calvin/rig/rig_distances.hpp"
-#include "calvin/rig/rig_fit.hpp"
-#include "calvin/rig/rig_start.hpp"
 #include "calvin/rig/stereo.hpp"
-#include "calvin/rig/timing.hpp"
 
 namespace calvin {
 

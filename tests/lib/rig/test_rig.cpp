@@ -12,6 +12,7 @@
 #include <Eigen/Cholesky>
 
 #include "calvin/io/rig_io.hpp"
+#include "calvin/rig/moved_camera.hpp"
 #include "calvin/rig/solve_rig.hpp"
 #include "simulated_rig.hpp"
 
@@ -244,6 +245,37 @@ TEST(Rig, LeavesOutAViewThatContradictsTheOthers) {
   EXPECT_FALSE(solved->rejected.empty());
   const SE3 truth = rig.world_from_camera[0].inverse() * rig.world_from_camera[1];
   EXPECT_LT(place_error(solved->rig.cameras[1], truth).largest, 4);
+}
+
+// A camera is pushed by 5 mm after half, or two thirds, of the time; any of them, the first one
+// too.
+TEST(Rig, TellsWhichCameraWasPushed) {
+  const int trials = scenes::full_count() ? 200 : 20;
+  int told = 0;
+  int wrong = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    Random random(40 + static_cast<std::uint64_t>(trial));
+    SimulatedRig rig = scenes::ring_rig(4, random);
+    auto seen = scenes::seen_by(rig, 120, 0.7, random);
+    EXPECT_EQ(moved_cameras(seen, {}), "") << trial;
+    const auto pushed = static_cast<std::size_t>(trial % 4);
+    rig.world_from_camera[pushed].translation += Eigen::Vector3d(0.003, -0.003, 0.003);
+    const auto later = scenes::seen_by(rig, trial % 2 == 0 ? 120 : 60, 0.7, random);
+    for (std::size_t c = 0; c < seen.size(); ++c) {
+      for (View view : later[c].views) {
+        view.observation.timestamp += 1'000'000'000'000;
+        seen[c].views.push_back(std::move(view));
+      }
+    }
+    const std::string words = moved_cameras(seen, {});
+    // Beside it another one may be named: what was pushed within a half blurs that.
+    const bool is_right = words.find("'cam" + std::to_string(pushed) + "'") != std::string::npos;
+    told += is_right ? 1 : 0;
+    wrong += !words.empty() && !is_right ? 1 : 0;
+  }
+  std::cout << told << " of " << trials << " told, " << wrong << " of another camera\n";
+  EXPECT_GE(told, 0.9 * trials);
+  EXPECT_LE(wrong, 0.05 * trials);
 }
 
 TEST(Rig, IsTheSameAtEveryRun) {

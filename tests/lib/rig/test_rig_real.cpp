@@ -14,6 +14,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/rig/moved_camera.hpp"
 #include "calvin/rig/solve_rig.hpp"
 #include "calvin/solve/solve.hpp"
 #include "real_sets.hpp"
@@ -69,6 +70,7 @@ TEST(RealRig, IsWhatBouguetPublished) {
     EXPECT_NEAR(pose.translation(k), place(k), place_error(k));
   }
   EXPECT_LE(solved->rig.rms.value(), 0.25);
+  EXPECT_EQ(moved_cameras({*left, *right}, {}), "");
 }
 
 // 21 pairs of a simulation, of which everything is known.
@@ -157,6 +159,7 @@ TEST(RealRig, OfEurocHasItsBaseline) {
   ASSERT_TRUE(solved.has_value()) << solved.error().message;
   print(*solved);
   EXPECT_NEAR(second_from_first(solved->rig).translation.norm(), 110.03e-3, 0.003 * 110.03e-3);
+  EXPECT_EQ(moved_cameras({*first, *second}, {}), "");
 }
 
 TEST(RealRig, OfFisheyesIsSolved) {
@@ -171,6 +174,7 @@ TEST(RealRig, OfFisheyesIsSolved) {
   ASSERT_TRUE(solved.has_value()) << solved.error().message;
   print(*solved);
   EXPECT_LE(solved->rig.rms.value(), 0.35);
+  EXPECT_EQ(moved_cameras({*left, *right}, {}), "");
 }
 
 }  // namespace

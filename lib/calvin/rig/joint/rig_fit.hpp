@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "calvin/core/result.hpp"
-#include "calvin/rig/rig_start.hpp"
+#include "calvin/rig/joint/rig_start.hpp"
 
 namespace calvin::rig {
 

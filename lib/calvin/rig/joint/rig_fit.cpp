@@ -3,7 +3,7 @@
 
 // The rig as a BundleProblem, what contradicts it, and how well it is known.
 
-#include "calvin/rig/rig_fit.hpp"
+#include "calvin/rig/joint/rig_fit.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 // Proposes places of two cameras from single instants, and asks all instants how well each fits.
 
-#include "calvin/rig/links.hpp"
+#include "calvin/rig/joint/links.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 
 #include "calvin/core/result.hpp"
 #include "calvin/rig/board_views.hpp"
-#include "calvin/rig/links.hpp"
+#include "calvin/rig/joint/links.hpp"
 
 namespace calvin::rig {
 

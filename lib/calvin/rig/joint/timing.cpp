@@ -3,7 +3,7 @@
 
 // Velocity times time difference, corner by corner.
 
-#include "calvin/rig/timing.hpp"
+#include "calvin/rig/joint/timing.hpp"
 
 #include <algorithm>
 #include <cmath>
