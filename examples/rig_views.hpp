@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calvin-rig: what one camera has seen, from a file of observations or from pictures.
+// calvin-rig and calvin-hand-eye: what one camera has seen, from a file of observations or from
+// pictures.
 #pragma once
 
 #include <algorithm>
@@ -75,23 +76,40 @@ inline std::vector<std::pair<std::uint64_t, fs::path>> numbered(
   return all;
 }
 
+// Whether VIEWS are pictures: a folder, or a pattern.
+inline bool are_pictures(const std::string& source) {
+  std::error_code none;
+  return source.ends_with('*') || fs::is_directory(source, none);
+}
+
+// Between views of pictures with numbers one apart, ns.
+inline constexpr std::uint64_t kNumber = 1'000'000'000;
+
+// The pictures of a source, with their numbers; none where OpenCV is not there to read them.
+inline std::vector<std::pair<std::uint64_t, fs::path>> pictures_of(const std::string& source) {
+  std::vector<fs::path> pictures = files_of(source);
+#ifdef RIG_OPENCV
+  std::erase_if(pictures, [](const fs::path& file) { return !cv::haveImageReader(file.string()); });
+#else
+  pictures.clear();
+#endif
+  return numbered(pictures);
+}
+
 inline calvin::Result<std::vector<calvin::View>> in_pictures(
     const std::string& source, const std::vector<calvin::Board>& boards) {
 #ifdef RIG_OPENCV
-  constexpr std::uint64_t kSecond = 1'000'000'000;  // ns, from one number to the next
   const auto detector = calvin::make_detector(boards);
   if (!detector) return tl::unexpected<calvin::Error>(detector.error());
   std::vector<calvin::View> views;
-  std::vector<fs::path> pictures = files_of(source);
-  std::erase_if(pictures, [](const fs::path& file) { return !cv::haveImageReader(file.string()); });
-  for (const auto& [number, file] : numbered(pictures)) {
+  for (const auto& [number, file] : pictures_of(source)) {
     const cv::Mat picture = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
     if (picture.empty()) continue;
     for (auto& found : (*detector)->detect_all({picture.data, picture.cols, picture.rows,
                                                 static_cast<std::ptrdiff_t>(picture.step[0]), 1})) {
       if (found.reason != calvin::Reason::kAccepted) continue;
       found.observation.image_size = {picture.cols, picture.rows};
-      found.observation.timestamp = number * kSecond;
+      found.observation.timestamp = number * kNumber;
       views.push_back({std::move(found.observation), boards[found.board]});
     }
   }
@@ -120,8 +138,7 @@ inline calvin::Result<std::vector<calvin::View>> in_observations(const std::stri
 // Of a folder, a pattern or a file of observations.
 inline calvin::Result<std::vector<calvin::View>> read(const std::string& source,
                                                       const std::string& board) {
-  std::error_code none;
-  if (!source.ends_with('*') && !fs::is_directory(source, none)) return in_observations(source);
+  if (!are_pictures(source)) return in_observations(source);
   const auto boards = calvin::parse_boards(board);
   if (!boards) return tl::unexpected<calvin::Error>(boards.error());
   return in_pictures(source, *boards);

@@ -18,6 +18,9 @@ namespace calvin {
 // The shortest text that reads back as the same number: "0.025", "1e-05".
 [[nodiscard]] std::string format_double(double value);
 
+// For people, with two digits that count, and never as "1e+02": "0.018", "3.5", "120".
+[[nodiscard]] std::string two_digits(double value);
+
 // The fields between separators, white space around each removed; "" gives one empty field.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
 // The fields between white space; none in "".

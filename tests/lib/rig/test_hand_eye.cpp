@@ -414,10 +414,10 @@ TEST_P(RefusedHandEye, OfPosesInAnotherOrder) {
   std::ranges::reverse(run.base_from_hand);
   expect(run, "reverse order");
   run = run_;
-  std::ranges::rotate(run.base_from_hand, run.base_from_hand.end() - 1);
+  std::rotate(run.base_from_hand.begin(), run.base_from_hand.end() - 1, run.base_from_hand.end());
   expect(run, "the next line");
   run = run_;
-  std::ranges::rotate(run.base_from_hand, run.base_from_hand.begin() + 1);
+  std::rotate(run.base_from_hand.begin(), run.base_from_hand.begin() + 1, run.base_from_hand.end());
   expect(run, "the line before");
   run = run_;
   std::shuffle(run.base_from_hand.begin(), run.base_from_hand.end(), random_);

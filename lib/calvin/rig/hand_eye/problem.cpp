@@ -9,6 +9,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "calvin/rig/camera_unknowns.hpp"
 #include "calvin/solve/linear/arrow_step.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"

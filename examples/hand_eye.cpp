@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calvin-hand-eye [OPTIONS] HAND_EYE.json CALIBRATION VIEWS POSES: where a camera is on the hand of
+// a robot, or before one, from what it has seen of a board and the poses that the robot told.
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "calvin/core/text.hpp"
+#include "calvin/geometry/se3.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/io/hand_eye_io.hpp"
+#include "calvin/io/robot_poses.hpp"
+#include "calvin/rig/hand_eye.hpp"
+
+#include "hand_eye_match.hpp"
+#include "rig_views.hpp"
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+constexpr double kMillimetre = 1e-3;  // m
+constexpr double kDegree = std::numbers::pi / 180;
+
+constexpr std::string_view kUsage =
+    R"(Usage: calvin-hand-eye [OPTIONS] HAND_EYE.json CALIBRATION VIEWS POSES
+Finds where a camera is on the hand of a robot, or before one, and writes it to HAND_EYE.json. It
+takes the calibration of the camera; what it has seen of a board: a folder of pictures,
+FOLDER/PREFIX* in quotes, or a file of observations (the journal of calibsolve); and where the robot
+said that its hand was: a line 'x y z qx qy qz qw' (m) for each picture, in their order, or with the
+name of the picture or its time in front. 12 or 16 numbers are the rows of a matrix.
+
+  --board BOARD     the board in the pictures, checkerboard:9x6:25mm if not given
+  --eye in-hand     the camera is on the hand, the board stands still (if not given)
+  --eye to-hand     the camera stands still, the board is on the hand
+  --inverted        POSES has hand_from_base; else it has base_from_hand
+  --turn-sigma DEG  the noise of the robot's turns, 1 sigma per axis; else it is estimated
+  --place-sigma MM  that of its places
+  --free-scale      the size of the board is not believed: all lengths are the robot's
+  --help            this text
+)";
+
+struct Arguments {
+  std::string board = "checkerboard:9x6:25mm";
+  bool inverted = false;
+  calvin::HandEyeOptions options;
+  std::vector<std::string> words;
+};
+
+int wrong_usage(std::string_view why) {
+  fmt::print(stderr, "calvin-hand-eye: {}\n\n{}", why, kUsage);
+  return kWrongUsage;
+}
+
+int failed(const calvin::Error& error) {
+  fmt::print(stderr, "calvin-hand-eye: {}\n", error.message);
+  return kFailed;
+}
+
+// An option with a value; false where the value is wrong.
+bool set_option(std::string_view option, std::string_view value, Arguments& arguments) {
+  const auto number = [&](double unit, std::optional<double>& to) {
+    const auto given = calvin::parse_double(value);
+    if (given && *given > 0) to = *given * unit;
+    return to.has_value();
+  };
+  if (option == "--board") {
+    arguments.board = value;
+    return true;
+  }
+  if (option == "--turn-sigma") return number(kDegree, arguments.options.turn_sigma);
+  if (option == "--place-sigma") return number(kMillimetre, arguments.options.place_sigma);
+  if (option != "--eye" || (value != "in-hand" && value != "to-hand")) return false;
+  arguments.options.setup =
+      value == "in-hand" ? calvin::EyeSetup::kInHand : calvin::EyeSetup::kToHand;
+  return true;
+}
+
+// Absent for wrong usage, which was said.
+std::optional<Arguments> parse(std::span<char*> given) {
+  Arguments arguments;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const std::string_view word = given[i];
+    if (word == "--inverted") {
+      arguments.inverted = true;
+    } else if (word == "--free-scale") {
+      arguments.options.free_scale = true;
+    } else if (!word.starts_with("--")) {
+      arguments.words.emplace_back(word);
+    } else if (i + 1 == given.size() || !set_option(word, given[++i], arguments)) {
+      wrong_usage(fmt::format("'{}' is no option, or needs another value.", word));
+      return std::nullopt;
+    }
+  }
+  if (arguments.words.size() != 4) {
+    wrong_usage("it takes a file to write, a calibration, views and poses.");
+    return std::nullopt;
+  }
+  return arguments;
+}
+
+// A pose as a line of a robot's file has it, with its errors.
+void print_pose(const char* name, const calvin::Pose& pose, const std::vector<double>& covariance) {
+  const Eigen::Quaterniond q(calvin::to_se3(pose).rotation);
+  const auto& t = pose.translation;
+  fmt::print("{}: {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} (x y z qx qy qz qw)\n", name,
+             t[0], t[1], t[2], q.x(), q.y(), q.z(), q.w());
+  const auto sigma = [&](std::size_t k) { return std::sqrt(covariance[7 * k]); };
+  fmt::print("  place +-{:.2g} {:.2g} {:.2g} mm, turn +-{:.2g} {:.2g} {:.2g} degrees\n",
+             sigma(3) / kMillimetre, sigma(4) / kMillimetre, sigma(5) / kMillimetre,
+             sigma(0) / kDegree, sigma(1) / kDegree, sigma(2) / kDegree);
+}
+
+void print(const calvin::HandEye& found) {
+  const bool in_hand = found.setup == calvin::EyeSetup::kInHand;
+  print_pose(in_hand ? "hand_from_camera" : "base_from_camera", found.mount_from_camera,
+             found.mount_covariance);
+  print_pose(in_hand ? "base_from_board" : "hand_from_board", found.carrier_from_board,
+             found.carrier_covariance);
+  fmt::print(
+      "{} poses: the loops close within {:.2g} degrees and {:.2g} mm, corners within {:.3f} "
+      "px (rms)\n",
+      found.poses, found.loop_turn / kDegree, found.loop_place / kMillimetre,
+      found.rms.value_or(0));
+  fmt::print("noise of the robot: {:.2g} degrees and {:.2g} mm per axis\n",
+             found.robot_turn_sigma / kDegree, found.robot_place_sigma / kMillimetre);
+  if (found.scale) {
+    fmt::print("lengths of the robot over those of the board: {:.5f} (+-{:.2g})\n",
+               found.scale->value, found.scale->sigma);
+  }
+  for (const std::string& remark : found.remarks) fmt::print("{}\n", remark);
+}
+
+// What is solved: views with the poses that belong to them.
+calvin::Result<hand_eye_match::Matched> read(const Arguments& arguments) {
+  const std::string& source = arguments.words[2];
+  auto views = rig_views::read(source, arguments.board);
+  if (!views) return tl::unexpected<calvin::Error>(views.error());
+  const auto poses = calvin::read_robot_poses(arguments.words[3]);
+  if (!poses) return tl::unexpected<calvin::Error>(poses.error());
+  const std::size_t seen = views->size();
+  auto matched = hand_eye_match::match(source, *std::move(views), *poses);
+  if (!matched) return matched;
+  if (arguments.inverted) {
+    for (calvin::Pose& pose : matched->poses) {
+      pose = calvin::to_pose(calvin::to_se3(pose).inverse());
+    }
+  }
+  fmt::print("{} views in {}, {} poses in {}: {} go together, by their {}\n", seen, source,
+             poses->size(), arguments.words[3], matched->views.size(), matched->by);
+  return matched;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
+  if (given.size() == 1 && std::string_view(given[0]) == "--help") {
+    fmt::print("{}", kUsage);
+    return 0;
+  }
+  const auto arguments = parse(given);
+  if (!arguments) return kWrongUsage;
+  auto calibration = calvin::read_calibration(arguments->words[1]);
+  if (!calibration) return failed(calibration.error());
+  auto matched = read(*arguments);
+  if (!matched) return failed(matched.error());
+  const auto solved = calvin::solve_hand_eye({*std::move(calibration), std::move(matched->views)},
+                                             matched->poses, arguments->options);
+  if (!solved) return failed(solved.error());
+  if (const auto written = calvin::write_hand_eye(arguments->words[0], solved->result); !written) {
+    return failed(written.error());
+  }
+  print(solved->result);
+  return 0;
+}

@@ -1,0 +1,99 @@
+#!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# SPDX-FileCopyrightText: 2026 The gst-calvin authors
+#
+# The example program `hand_eye` as users type it. Argument: the program.
+set -eu
+program=$(realpath "$1")
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+fail() {
+  echo "FAIL: $*" >&2
+  exit 1
+}
+
+# expect STATUS WORDS COMMAND...: the exit status, and words among what it prints.
+expect() {
+  status=$1
+  words=$2
+  shift 2
+  got=0
+  "$@" >out 2>&1 || got=$?
+  [ "$got" = "$status" ] || fail "$* left with $got, not $status: $(cat out)"
+  grep -q -- "$words" out || fail "$* did not say '$words': $(cat out)"
+}
+
+cat >camera.json <<END
+{"format": "calvin-calibration", "version": 1, "camera": "wrist", "image_size": [640, 480],
+ "model": "pinhole", "parameters": {"fx": 500, "fy": 500, "cx": 320, "cy": 240}}
+END
+
+# What a camera 50 mm beside the hand sees of a board whose middle is the base of the robot, and
+# the poses of the hand (matrices), the board 1 % smaller than its text says. NAMED 1: lines begin
+# with times, and the last view has no line.
+run() {
+  awk -v named="$1" -v shrink="$2" 'BEGIN {
+    print "{\"format\":\"calvin-observations\",\"version\":1,\"board\":\"checkerboard:9x6:25mm\"}" >"views.jsonl"
+    printf "" >"poses.txt"
+    for (n = 0; n < 14; ++n) {
+      a = 0.5 * sin(2.4 * n); b = 0.5 * cos(2.4 * n); points = ""
+      tx = 0.02 * sin(n); ty = 0.02 * cos(3 * n); tz = 0.45 + 0.05 * sin(5 * n)
+      for (i = 0; i < 54; ++i) {
+        x = shrink * 0.025 * (i % 9 - 4); y = shrink * 0.025 * (int(i / 9) - 2.5)
+        z = tz + x * sin(a) + y * cos(a) * sin(b)
+        u = 320 + 500 * (x * cos(a) - y * sin(a) * sin(b) + tx) / z
+        v = 240 + 500 * (y * cos(b) + ty) / z
+        points = points sprintf("%s[%d,%.4f,%.4f,0.05]", i ? "," : "", i, u + 0.05 * sin(99 * n + 7 * i * i), v + 0.05 * cos(77 * n + 5 * i * i))
+      }
+      printf "{\"timestamp\":%d000000000,\"image_size\":[640,480],\"points\":[%s]}\n", n + 1, points >>"views.jsonl"
+      if (named && n == 13) continue
+      r[0] = cos(a); r[1] = 0; r[2] = sin(a)
+      r[3] = -sin(a) * sin(b); r[4] = cos(b); r[5] = cos(a) * sin(b)
+      r[6] = -sin(a) * cos(b); r[7] = -sin(b); r[8] = cos(a) * cos(b)
+      line = named ? n + 1.005 : ""
+      for (k = 0; k < 3; ++k) {
+        line = line sprintf(" %.6f %.6f %.6f %.6f", r[3 * k], r[3 * k + 1], r[3 * k + 2], -(r[3 * k] * (tx + 0.05) + r[3 * k + 1] * ty + r[3 * k + 2] * tz) + 0.0001 * sin(55 * n + 9 * k))
+      }
+      print line >>"poses.txt"
+    }
+  }'
+}
+
+run 0 1
+expect 0 '^hand_from_camera: 0.0[45][0-9]* ' "$program" hand_eye.json camera.json views.jsonl poses.txt
+grep -q '14 go together, by their order' out || fail "poses: $(cat out)"
+grep -q '"format": "calvin-hand-eye"' hand_eye.json || fail 'hand_eye.json is none'
+grep -q 'pitch of the board' out && fail "the board has its size: $(cat out)"
+cp hand_eye.json before.json
+expect 1 'the set-up is the other one' "$program" --eye to-hand hand_eye.json camera.json views.jsonl poses.txt
+expect 1 'hand_from_base' "$program" --inverted hand_eye.json camera.json views.jsonl poses.txt
+cmp -s hand_eye.json before.json || fail 'a failure has touched the file'
+expect 0 '^base_from_camera:' "$program" --eye to-hand --inverted hand_eye.json camera.json views.jsonl poses.txt
+expect 0 'worse than was given' "$program" --turn-sigma 0.001 --place-sigma 0.001 hand_eye.json camera.json views.jsonl poses.txt
+
+run 1 0.99
+expect 0 'pitch of the board measures 24.7' "$program" hand_eye.json camera.json views.jsonl poses.txt
+grep -q '13 go together, by their time' out || fail "times: $(cat out)"
+expect 0 'in the robot.s lengths' "$program" --free-scale hand_eye.json camera.json views.jsonl poses.txt
+run 0 0.99
+sed -i 1d poses.txt
+expect 1 '14 views and 13 poses' "$program" hand_eye.json camera.json views.jsonl poses.txt
+echo '1 2 3' >>poses.txt
+expect 1 'line 14 has 3 numbers' "$program" hand_eye.json camera.json views.jsonl poses.txt
+head -2 views.jsonl >few.jsonl
+head -1 poses.txt >few.txt
+expect 1 '3 are the least' "$program" hand_eye.json camera.json few.jsonl few.txt
+
+expect 1 'none.json' "$program" hand_eye.json none.json views.jsonl poses.txt
+expect 1 'none.jsonl' "$program" hand_eye.json camera.json none.jsonl poses.txt
+expect 1 'none.txt' "$program" hand_eye.json camera.json views.jsonl none.txt
+run 0 1
+expect 1 'Cannot write' "$program" none/hand_eye.json camera.json views.jsonl poses.txt
+expect 2 'Usage' "$program"
+expect 2 'Usage' "$program" hand_eye.json camera.json views.jsonl
+expect 2 'no option' "$program" --eye on-hand hand_eye.json camera.json views.jsonl poses.txt
+expect 2 'no option' "$program" --turn-sigma none hand_eye.json camera.json views.jsonl poses.txt
+expect 2 'no option' "$program" --shoulder hand_eye.json camera.json views.jsonl poses.txt
+expect 0 'Usage' "$program" --help
