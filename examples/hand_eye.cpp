@@ -116,10 +116,12 @@ void print_pose(const char* name, const calvin::Pose& pose, const std::vector<do
   const auto& t = pose.translation;
   fmt::print("{}: {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} (x y z qx qy qz qw)\n", name,
              t[0], t[1], t[2], q.x(), q.y(), q.z(), q.w());
-  const auto sigma = [&](std::size_t k) { return std::sqrt(covariance[7 * k]); };
-  fmt::print("  place +-{:.2g} {:.2g} {:.2g} mm, turn +-{:.2g} {:.2g} {:.2g} degrees\n",
-             sigma(3) / kMillimetre, sigma(4) / kMillimetre, sigma(5) / kMillimetre,
-             sigma(0) / kDegree, sigma(1) / kDegree, sigma(2) / kDegree);
+  const auto sigma = [&](std::size_t k, double unit) {
+    return calvin::two_digits(std::sqrt(covariance[7 * k]) / unit);
+  };
+  fmt::print("  place +-{} {} {} mm, turn +-{} {} {} degrees\n", sigma(3, kMillimetre),
+             sigma(4, kMillimetre), sigma(5, kMillimetre), sigma(0, kDegree), sigma(1, kDegree),
+             sigma(2, kDegree));
 }
 
 void print(const calvin::HandEye& found) {
@@ -129,12 +131,13 @@ void print(const calvin::HandEye& found) {
   print_pose(in_hand ? "base_from_board" : "hand_from_board", found.carrier_from_board,
              found.carrier_covariance);
   fmt::print(
-      "{} poses: the loops close within {:.2g} degrees and {:.2g} mm, corners within {:.3f} "
+      "{} poses: the loops close within {} degrees and {} mm, corners within {:.3f} "
       "px (rms)\n",
-      found.poses, found.loop_turn / kDegree, found.loop_place / kMillimetre,
-      found.rms.value_or(0));
-  fmt::print("noise of the robot: {:.2g} degrees and {:.2g} mm per axis\n",
-             found.robot_turn_sigma / kDegree, found.robot_place_sigma / kMillimetre);
+      found.poses, calvin::two_digits(found.loop_turn / kDegree),
+      calvin::two_digits(found.loop_place / kMillimetre), found.rms.value_or(0));
+  fmt::print("noise of the robot: {} degrees and {} mm per axis\n",
+             calvin::two_digits(found.robot_turn_sigma / kDegree),
+             calvin::two_digits(found.robot_place_sigma / kMillimetre));
   if (found.scale) {
     fmt::print("lengths of the robot over those of the board: {:.5f} (+-{:.2g})\n",
                found.scale->value, found.scale->sigma);

@@ -176,8 +176,10 @@ calvin::Status write_export(const calvin::Rig& rig, const std::string& format,
 std::string place_sigmas(const calvin::RigCamera& camera) {
   constexpr std::size_t kPose = 6;
   if (camera.covariance.size() != kPose * kPose) return "";
-  const auto mm = [&](std::size_t i) { return 1e3 * std::sqrt(camera.covariance[i * kPose + i]); };
-  return fmt::format(" (+-{:.2g} {:.2g} {:.2g})", mm(3), mm(4), mm(5));
+  const auto mm = [&](std::size_t i) {
+    return calvin::two_digits(1e3 * std::sqrt(camera.covariance[i * kPose + i]));
+  };
+  return fmt::format(" (+-{} {} {})", mm(3), mm(4), mm(5));
 }
 
 void print(const calvin::RigSolution& solved) {

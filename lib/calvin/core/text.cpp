@@ -41,6 +41,11 @@ std::string format_double(double value) {
   return fmt::format("{}", value);
 }
 
+std::string two_digits(double value) {
+  constexpr double kWhole = 10;  // from here on digits before the point are more than two
+  return std::abs(value) < kWhole ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
+}
+
 std::string_view trim(std::string_view text) noexcept {
   const auto first = text.find_first_not_of(kSpace);
   if (first == std::string_view::npos) return {};

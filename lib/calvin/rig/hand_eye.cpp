@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
+#include "calvin/core/text.hpp"
 #include "calvin/geometry/symmetric.hpp"
 #include "calvin/rig/board_views.hpp"
 #include "calvin/rig/hand_eye/check.hpp"
@@ -149,11 +150,11 @@ void remark_direction(const Eigen::MatrixXd& covariance, EyeSetup setup,
   if (!eigen || !(eigen->values(2) > kWorse * kWorse * std::max(eigen->values(1), 0.0))) return;
   const Eigen::Vector3d along = eigen->vectors.col(2);
   remarks.push_back(fmt::format(
-      "Along {:.2f} {:.2f} {:.2f} of the {} the place of the camera is known to {:.2g} mm only, as "
+      "Along {:.2f} {:.2f} {:.2f} of the {} the place of the camera is known to {} mm only, as "
       "the hand was turned about nearly one axis: take some more pictures with it turned about "
       "another.",
       along[0], along[1], along[2], setup == EyeSetup::kInHand ? "hand" : "base",
-      std::sqrt(eigen->values(2)) / kMillimetre));
+      two_digits(std::sqrt(eigen->values(2)) / kMillimetre)));
 }
 
 void remark_noise(const rig::HandEyeFit& fit, const HandEyeOptions& options,
@@ -162,9 +163,10 @@ void remark_noise(const rig::HandEyeFit& fit, const HandEyeOptions& options,
   if ((options.turn_sigma && fit.found.turn > kFar * *options.turn_sigma) ||
       (options.place_sigma && fit.found.place > kFar * *options.place_sigma)) {
     remarks.push_back(fmt::format(
-        "The robot's poses are worse than was given: {:.2g} degrees and {:.2g} mm per axis go with "
+        "The robot's poses are worse than was given: {} degrees and {} mm per axis go with "
         "the pictures. The sigmas are by what was given.",
-        fit.found.turn * 180 / std::numbers::pi, fit.found.place / kMillimetre));
+        two_digits(fit.found.turn * 180 / std::numbers::pi),
+        two_digits(fit.found.place / kMillimetre)));
   }
 }
 

@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 
+#include "calvin/core/text.hpp"
 #include "calvin/rig/board_views.hpp"
 #include "calvin/rig/floor.hpp"
 #include "calvin/rig/joint/links.hpp"
@@ -347,14 +348,15 @@ Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras, const 
 std::string to_text(const RigLink& link, const Rig& rig) {
   constexpr double kMillimetre = 1e-3;  // m
   constexpr double kDegree = std::numbers::pi / 180;
-  std::string text = fmt::format(
-      "'{}' and '{}': {:.1f} mm apart (+-{:.2g}), axes at {:.1f} degrees",
-      rig.cameras[link.a].calibration.camera, rig.cameras[link.b].calibration.camera,
-      link.distance / kMillimetre, link.distance_sigma / kMillimetre, link.angle / kDegree);
+  std::string text =
+      fmt::format("'{}' and '{}': {:.1f} mm apart (+-{}), axes at {:.1f} degrees",
+                  rig.cameras[link.a].calibration.camera, rig.cameras[link.b].calibration.camera,
+                  link.distance / kMillimetre, two_digits(link.distance_sigma / kMillimetre),
+                  link.angle / kDegree);
   if (link.views > 0) text += fmt::format(", {} of {} common views agree", link.agree, link.views);
   if (link.bias && link.spread) {
-    text += fmt::format(", distances on the board within {:.2g} mm, {:+.2f} %",
-                        *link.spread / kMillimetre, 100 * *link.bias);
+    text += fmt::format(", distances on the board within {} mm, {:+.2f} %",
+                        two_digits(*link.spread / kMillimetre), 100 * *link.bias);
   }
   if (link.epipolar_error) {
     text +=

@@ -96,5 +96,13 @@ TEST(Calibrations, FindTheirParametersByName) {
   EXPECT_EQ(c.find("f"), nullptr);
 }
 
+TEST(Text, HasTwoDigitsThatCountForPeople) {
+  EXPECT_EQ(two_digits(0.01834), "0.018");
+  EXPECT_EQ(two_digits(3.46), "3.5");
+  EXPECT_EQ(two_digits(104.6), "105");
+  EXPECT_EQ(two_digits(-12.3), "-12");
+  EXPECT_EQ(two_digits(0), "0");
+}
+
 }  // namespace
 }  // namespace calvin
