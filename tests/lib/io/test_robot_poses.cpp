@@ -99,6 +99,28 @@ TEST(RobotPoses, SayWhatIsWrongAndWhere) {
   }
 }
 
+// Any byte in any place: what is read is finite, and an error has a message.
+TEST(RobotPoses, OfAnyBytesAreFiniteOrRefused) {
+  const std::string good =
+      "# name x y z qw qx qy qz\na.png 0.1 -0.2 0.3 0.5 0.5 0.5 0.5\n"
+      "b.png,1e-3;2,3,0,0,0,-1\n";
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    for (const char byte : {'\0', '\n', '#', ',', '9', 'e', '-', '\xFF'}) {
+      std::string text = good;
+      text[i] = byte;
+      const auto poses = parse_robot_poses(text);
+      if (!poses) {
+        EXPECT_FALSE(poses.error().message.empty());
+        continue;
+      }
+      for (const RobotPose& pose : *poses) {
+        for (const double x : pose.base_from_hand.rotation) EXPECT_TRUE(std::isfinite(x));
+        for (const double x : pose.base_from_hand.translation) EXPECT_TRUE(std::isfinite(x));
+      }
+    }
+  }
+}
+
 TEST(RobotPoses, AreReadFromADisk) {
   TemporaryFolder folder;
   const std::string path = folder.path("poses.txt");

@@ -22,12 +22,6 @@ namespace {
 constexpr RobotNoise kLeastNoise = {1e-7, 1e-7};  // below what a double of a pose file resolves
 constexpr double kMedianDistance = 1.17741;       // of two normal coordinates, in their sigma
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 // Of the corners in use, weighted, px; 0 for the others.
 std::vector<double> distances(const PointSet& seen, const Camera& camera, const SE3& pose) {
   std::vector<double> all;

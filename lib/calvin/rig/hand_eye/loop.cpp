@@ -69,13 +69,6 @@ SE3 expected_hand(const HandEyePlaces& places, EyeSetup setup, const SE3& camera
   return setup == EyeSetup::kInHand ? p.inverse() : p;
 }
 
-SE3 expected_board(const HandEyePlaces& places, EyeSetup setup, const SE3& base_from_hand) {
-  const SE3 p = setup == EyeSetup::kInHand ? base_from_hand.inverse() : base_from_hand;
-  SE3 board = places.mount_from_camera.inverse() * p * places.carrier_from_board;
-  board.translation /= places.scale;
-  return board;
-}
-
 Vector6d hand_error(const SE3& expected, const SE3& measured) {
   Vector6d error;
   error << log_so3(expected.rotation * measured.rotation.transpose()),

@@ -34,10 +34,6 @@ inline constexpr int kPlaceColumns = 13;
 [[nodiscard]] SE3 expected_hand(const HandEyePlaces& places, EyeSetup setup,
                                 const SE3& camera_from_board);
 
-// The inverse: camera_from_board where the hand is at base_from_hand.
-[[nodiscard]] SE3 expected_board(const HandEyePlaces& places, EyeSetup setup,
-                                 const SE3& base_from_hand);
-
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 

@@ -45,12 +45,6 @@ struct Candidate {
   double cost = 0;
 };
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 // What errors of places are compared with, m. The robot's metres may be others than the board's.
 double reach(const HandMotion& motion, bool free_scale) {
   return free_scale ? std::max(motion.distance, motion.way) : motion.distance;
@@ -318,6 +312,12 @@ std::optional<HandEyeStart> find_start(const std::vector<Sighting>& sightings, E
                                        bool free_scale) {
   if (sightings.size() < 2) return std::nullopt;
   return Search(sightings, setup, free_scale).run();
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
 }
 
 HandMotion motion_of(const std::vector<Sighting>& sightings) {
