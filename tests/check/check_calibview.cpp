@@ -172,7 +172,7 @@ GST_END_TEST;
 // What is no rig is an error; one that is not there yet may come, from a calibrig that runs.
 GST_START_TEST(test_no_rig_says_what_to_set) {
   const auto texts = check::errors_at_start("calibview", "rig", "{}");
-  fail_unless(!texts.empty() && texts[0].find("calvin-rig has written") != std::string::npos);
+  fail_unless(!texts.empty() && texts[0].find("Give a file that calvin-rig") != std::string::npos);
   for (const char* rig : {"", "/nowhere/rig.json"}) {
     GstElement* element = gst_element_factory_make("calibview", nullptr);
     gst_object_ref_sink(element);

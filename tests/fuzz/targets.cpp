@@ -7,6 +7,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -65,11 +66,16 @@ void require_round_trip(const Calibration& calibration) {
       continue;
     }
     require(again.has_value(), "what is printed can be parsed");
+    // Kalibr has another alpha for one of the lenses.
+    const bool is_exact = format != "kalibr" || calibration.model != "ucm";
     const auto twice = print_calibration(*again, format);
-    require(twice.has_value() && *twice == *printed, "what is parsed again prints the same");
+    require(twice.has_value(), "what is parsed again prints");
+    require(!is_exact || *twice == *printed, "what is parsed again prints the same");
     for (const Parameter& p : calibration.parameters) {
       const Parameter* same = again->find(p.name);
-      require(same == nullptr ? p.value == 0 : same->value == p.value, "no number changes");
+      const double change = same == nullptr ? p.value : same->value - p.value;
+      require(std::abs(change) <= (is_exact ? 0 : 1e-9 * std::max(1.0, std::abs(p.value))),
+              "no number changes");
     }
   }
 }

@@ -96,6 +96,27 @@ std::optional<Camera> read_camera(Fields& fields) {
   return std::nullopt;
 }
 
+// The names by which topics tell cameras apart, as "/left/image_raw" does; where they do not, those
+// of the chain.
+std::vector<std::string> names_of(const Node& root, std::size_t cameras) {
+  constexpr std::string_view kTopic = "/image_raw";
+  std::vector<std::string> names;
+  std::vector<std::string> numbers;
+  for (std::size_t n = 0; n < cameras; ++n) {
+    numbers.push_back(name_of(n));
+    const Node* topic = root.find(name_of(n))->find("rostopic");
+    if (topic == nullptr) continue;
+    std::string_view text = topic->text;
+    if (!text.starts_with('/') || !text.ends_with(kTopic) || text.size() <= kTopic.size() + 1) {
+      continue;
+    }
+    text.remove_prefix(1);
+    text.remove_suffix(kTopic.size());
+    if (std::ranges::count(names, text) == 0) names.emplace_back(text);
+  }
+  return names.size() == cameras ? names : numbers;
+}
+
 // A matrix of 4 x 4, whose rotation was printed with few digits perhaps.
 std::optional<SE3> read_motion(Fields& fields, std::string_view key) {
   const auto rows = fields.rows(key, 4);
@@ -134,8 +155,9 @@ Result<Camera> simplified(const Calibration& calibration) {
 Result<const Row*> row_for(const Camera& camera, std::string_view name) {
   const auto row =
       std::ranges::find_if(kModels, [&](const Row& r) { return r.model == camera.model(); });
-  // C. Mei's xi has no end where alpha is 1.
-  const bool is_finite = camera.model() != "ucm" || camera.parameters()[4] < 1;
+  // C. Mei's xi has no end where alpha is 1, and near it digits are lost.
+  constexpr double kMostAlpha = 0.999;
+  const bool is_finite = camera.model() != "ucm" || camera.parameters()[4] < kMostAlpha;
   if (row != kModels.end() && camera.skew() == 0 && is_finite) return &*row;
   return make_error(
       ErrorCode::kUnsupported,
@@ -199,7 +221,6 @@ Result<Rig> read_kalibr(const Node& root) {
   std::optional<Error> problem;
   Fields chain(root, "", problem);
   Rig rig;
-  rig.world = name_of(0);
   SE3 rig_from_camera;
   for (std::size_t n = 0; root.find(name_of(n)) != nullptr && !problem; ++n) {
     Fields fields = chain.map(name_of(n));
@@ -211,11 +232,13 @@ Result<Rig> read_kalibr(const Node& root) {
     if (problem) break;
     RigCamera one;
     one.calibration = camera->to_calibration();
-    one.calibration.camera = name_of(n);
     one.rig_from_camera = to_pose(rig_from_camera);
     rig.cameras.push_back(std::move(one));
   }
   if (problem) return tl::unexpected(*problem);
+  const auto names = names_of(root, rig.cameras.size());
+  for (std::size_t n = 0; n < names.size(); ++n) rig.cameras[n].calibration.camera = names[n];
+  rig.world = names.front();
   return rig;
 }
 

@@ -117,6 +117,9 @@ TEST_F(RigFormats, KalibrsCamchainReadsBackAsTheSameCameras) {
     if (rig.cameras.empty()) camera.rig_from_camera = {};
     rig.cameras.push_back(camera);
   }
+  for (RigCamera& camera : rig.cameras) {
+    camera.calibration.camera = "to the " + std::string(camera.calibration.model);
+  }
   const auto text = print_rig(rig, "kalibr");
   ASSERT_TRUE(text.has_value()) << text.error().message;
   const auto read = parse_rig(*text);
@@ -126,6 +129,7 @@ TEST_F(RigFormats, KalibrsCamchainReadsBackAsTheSameCameras) {
     const Camera before = Camera::make(rig.cameras[n].calibration).value();
     const Camera after = Camera::make(read->cameras[n].calibration).value();
     EXPECT_EQ(after.model(), before.model());
+    EXPECT_EQ(read->cameras[n].calibration.camera, rig.cameras[n].calibration.camera);
     for (std::size_t i = 0; i < before.parameters().size(); ++i) {
       EXPECT_NEAR(after.parameters()[i], before.parameters()[i], 1e-12 * 2000) << after.model();
     }
