@@ -110,6 +110,8 @@ GST_START_TEST(test_a_side_is_chosen_while_frames_flow) {
   g_object_set(f.element, "calibration", text_of(pair()).c_str(), nullptr);
   f.set_caps("GRAY8", kSize);
   g_autoptr(GstBuffer) plain = f.push(kSize);
+  g_autoptr(GstBuffer) noise = Fixture::noise("GRAY8", kSize, 0);
+  fail_unless(gray_of(plain, kSize) == gray_of(noise, kSize));
   fail_unless(f.bus.says(GST_MESSAGE_WARNING, "rectify=left"));
   for (const StereoSide side : {StereoSide::kRight, StereoSide::kLeft}) {
     gst_util_set_object_arg(G_OBJECT(f.element), "rectify",
