@@ -46,6 +46,9 @@ inline std::vector<NamedBoard> board_of_each_kind() {
            {"MarkedCircleGrid", "dots:6x5:7mm:rings=1.1+4.1:big=1.3"},
            {"AsymmetricCircleGrid", "acircles:3x5:20mm"},
            {"AprilGrid", "aprilgrid:3x2:40mm:0.3"},
+           {"TagGrid", "aruco:3x2:40mm:10mm:DICT_4X4_50"},
+           {"InvertedTagGrid", "aruco:2x3:40mm:30mm:DICT_6X6_250:first=7:inverted"},
+           {"AprilTags", "apriltag:tag25h9:2x2:40mm:20mm:first=3:border=2"},
            {"AprilGridWithThinBorders", "aprilgrid:2x3:40mm:0.25:tag25h9:border=1:first=4"},
        }) {
     const auto board = parse_board(text);

@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "calvin/target/id_index.hpp"
+#include "calvin/target/points/id_index.hpp"
 
 namespace calvin {
 

@@ -20,20 +20,13 @@ namespace {
 constexpr double kLeastSpacing = 0.1;
 constexpr double kMostSpacing = 0.7;
 
-// A family of AprilTags as they call it, "tag25h9"; the name of any other dictionary.
-std::string family_of(std::string_view dictionary) {
-  constexpr std::string_view kPrefix = "DICT_APRILTAG_";
-  if (!dictionary.starts_with(kPrefix)) return std::string(dictionary);
-  return fmt::format("tag{}", dictionary.substr(kPrefix.size()));
-}
-
 }  // namespace
 
 std::string AprilGrid::text() const {
   std::string all =
       fmt::format("aprilgrid:{}x{}:{}:{}", cols, rows, length_text(tag), format_double(spacing));
   if (dictionary != nullptr && dictionary->name != kUsualFamily) {
-    all += fmt::format(":{}", family_of(dictionary->name));
+    all += fmt::format(":{}", family_name(dictionary->name));
   }
   if (border != kUsualBorder) all += fmt::format(":border={}", border);
   if (first != 0) all += fmt::format(":first={}", first);
@@ -54,7 +47,7 @@ Status AprilGrid::check() const {
   const auto known = static_cast<int>(dictionary->codes.size());
   if (first < 0 || first >= known || cols * rows > known - first) {
     return refuse(fmt::format("it needs {} tags from {} on, {} has {}", cols * rows, first,
-                              family_of(dictionary->name), known));
+                              family_name(dictionary->name), known));
   }
   return grid().check();
 }

@@ -44,6 +44,7 @@ template Board::Board(CharucoBoard);
 template Board::Board(CircleGrid);
 template Board::Board(AsymmetricCircleGrid);
 template Board::Board(AprilGrid);
+template Board::Board(TagGrid);
 template Board::Board(PointBoard);
 
 bool operator==(const Board& a, const Board& b) {

@@ -14,12 +14,13 @@
 #include "calvin/target/circle_grid.hpp"
 #include "calvin/target/point_board.hpp"
 #include "calvin/target/puzzle_board.hpp"
+#include "calvin/target/tag_grid.hpp"
 
 namespace calvin {
 
 // A new kind is a file in target/, a name here and a line in board.cpp.
 struct Board::Kind : std::variant<Checkerboard, PuzzleBoard, CharucoBoard, AprilGrid, CircleGrid,
-                                  AsymmetricCircleGrid, PointBoard> {
+                                  AsymmetricCircleGrid, TagGrid, PointBoard> {
   using variant::variant;
 };
 

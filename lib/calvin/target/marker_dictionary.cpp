@@ -7,11 +7,36 @@
 
 namespace calvin {
 
+namespace {
+
+constexpr std::string_view kAprilTags = "DICT_APRILTAG_";
+
+}  // namespace
+
 const MarkerDictionary* find_dictionary(std::string_view name) noexcept {
   for (const MarkerDictionary& dictionary : marker_dictionaries()) {
     if (dictionary.name == name) return &dictionary;
   }
   return nullptr;
+}
+
+std::string family_name(std::string_view dictionary) {
+  if (!dictionary.starts_with(kAprilTags)) return std::string(dictionary);
+  return "tag" + std::string(dictionary.substr(kAprilTags.size()));
+}
+
+const MarkerDictionary* find_family(std::string_view name) noexcept {
+  for (const std::string_view prefix : {"tag", "t", ""}) {
+    if (!name.starts_with(prefix)) continue;
+    const std::string_view family = name.substr(prefix.size());
+    for (const MarkerDictionary& dictionary : marker_dictionaries()) {
+      if (dictionary.name.starts_with(kAprilTags) &&
+          dictionary.name.substr(kAprilTags.size()) == family) {
+        return &dictionary;
+      }
+    }
+  }
+  return find_dictionary(name);
 }
 
 }  // namespace calvin

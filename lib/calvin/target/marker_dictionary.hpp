@@ -30,6 +30,12 @@ struct MarkerDictionary {
 // Null for a name that this build does not know.
 [[nodiscard]] const MarkerDictionary* find_dictionary(std::string_view name) noexcept;
 
+// What AprilTag calls one of its families, "tag25h9" for "DICT_APRILTAG_25h9"; the name of any
+// other dictionary.
+[[nodiscard]] std::string family_name(std::string_view dictionary);
+// The inverse, which takes "25h9" and "t25h9", too.
+[[nodiscard]] const MarkerDictionary* find_family(std::string_view name) noexcept;
+
 // All that this build knows; none where it was made without OpenCV.
 [[nodiscard]] std::span<const MarkerDictionary> marker_dictionaries() noexcept;
 

@@ -43,6 +43,7 @@ TEST_P(DrawnBoard, FitsInTheSizeThatIsNamed) {
     if (const auto* puzzle = b.as<PuzzleBoard>()) other = puzzle->with_cells_of(size);
     if (const auto* charuco = b.as<CharucoBoard>()) other = charuco->with_cells_of(size);
     if (const auto* april = b.as<AprilGrid>()) other = april->with_cells_of(size);
+    if (const auto* tags = b.as<TagGrid>()) other = tags->with_cells_of(size);
     if (const auto* circles = b.as<CircleGrid>()) other = circles->with_cells_of(size);
     EXPECT_NEAR(other.outline().width(), factor * b.outline().width(), 1e-12) << text;
     return other;

@@ -128,6 +128,17 @@ TEST_P(EveryKind, HasItsControlPointsWhereTheTruthIs) {
       EXPECT_EQ(level(0, 0), kOptions.dark) << truth.ids[i];
       continue;
     }
+    if (const auto* tags = board().as<TagGrid>()) {  // a corner of one tag, with nothing beside it
+      const GridPlace at = board().grid()->place(truth.ids[i]);
+      const int across = at.col % 2 == 0 ? 1 : -1;
+      const int down = at.row % 2 == 0 ? 1 : -1;
+      const auto around = tags->inverted ? kOptions.dark : kOptions.light;
+      EXPECT_EQ(level(across, down), kOptions.dark + kOptions.light - around) << truth.ids[i];
+      for (const auto& [x, y] : {std::pair{-1, -1}, {-1, 1}, {1, -1}}) {
+        EXPECT_EQ(level(x * across, y * down), around) << truth.ids[i];
+      }
+      continue;
+    }
     EXPECT_EQ(level(-1, -1), level(1, 1)) << truth.ids[i];
     EXPECT_EQ(level(1, -1), level(-1, 1)) << truth.ids[i];
     EXPECT_EQ(level(1, 1) + level(-1, 1), kOptions.dark + kOptions.light) << truth.ids[i];

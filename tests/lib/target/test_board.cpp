@@ -82,6 +82,40 @@ TEST(Board, TextsOfCharucoBoards) {
   EXPECT_EQ(board.as<CharucoBoard>()->marker_count(), 17);
 }
 
+TEST(Board, TextsOfGridsOfTags) {
+  if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no markers";
+  for (const auto& [text, canonical] : {
+           std::pair{"aruco:5x7:4cm:10mm:DICT_6X6_250", "aruco:5x7:40mm:10mm:DICT_6X6_250"},
+           {"aruco : 5x7:40mm:10mm:DICT_6X6_250:inverted:first=12:border=1",
+            "aruco:5x7:40mm:10mm:DICT_6X6_250:first=12:inverted"},
+           {"aruco:1x1:40mm:10mm:DICT_4X4_50:border=2", "aruco:1x1:40mm:10mm:DICT_4X4_50:border=2"},
+           {"apriltag:36h11:4x3:80mm:0.02m", "apriltag:tag36h11:4x3:80mm:20mm"},
+           {"apriltag:t25h9:4x3:80mm:20mm:first=3", "apriltag:tag25h9:4x3:80mm:20mm:first=3"},
+           {"apriltag:DICT_APRILTAG_16h5:2x2:80mm:20mm", "apriltag:tag16h5:2x2:80mm:20mm"},
+       }) {
+    const auto board = parse_board(text);
+    ASSERT_TRUE(board.has_value()) << text << ": " << board.error().message;
+    EXPECT_EQ(board->text(), canonical) << text;
+    EXPECT_EQ(parse_board(canonical).value().text(), canonical);
+  }
+  const Board board = parse_board("aruco:4x5:37.5mm:5mm:DICT_6X6_1000:first=2").value();
+  EXPECT_EQ(board.point_count(), 80) << "four corners of each tag";
+  const auto* tags = board.as<TagGrid>();
+  EXPECT_EQ(tags->tag_in(3, 1), 9) << "rows of tags are counted from the uppermost";
+  EXPECT_EQ(tags->place_of(9), (GridPlace{3, 1}));
+  EXPECT_FALSE(tags->place_of(1) || tags->place_of(22));
+  EXPECT_NEAR(board.points()[1].x(), 0.0375, 1e-12);
+  EXPECT_NEAR(board.points()[2].x(), 0.0425, 1e-12);
+  // The same code stands on its head where it is called an ArUco marker: AprilTag's own picture of
+  // the tag 0 begins with these bits.
+  const Board upright = parse_board("apriltag:tag36h11:1x1:80mm:20mm").value();
+  const auto* april = upright.as<TagGrid>();
+  const std::string_view bits = "110101011101";
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(april->is_light(0, i % 6, i / 6), bits[static_cast<std::size_t>(i)] == '1') << i;
+  }
+}
+
 TEST(Board, TextsOfAprilGrids) {
   if (marker_dictionaries().empty()) GTEST_SKIP() << "this build knows no markers";
   for (const auto& [text, canonical] : {
@@ -231,6 +265,27 @@ TEST(Board, EveryWrongTextOfAnAprilGridShowsARightOne) {
   EXPECT_NE(
       parse_board("aprilgrid:6x6:88mm:0.3:first=552").error().message.find("36 tags from 552"),
       std::string::npos);
+}
+
+TEST(Board, EveryWrongTextOfAGridOfTagsShowsARightOne) {
+  const std::string aruco = "aruco:5x7:40mm:10mm:DICT_6X6_250";
+  const std::string april = "apriltag:tag36h11:5x7:40mm:10mm";
+  for (const std::string wrong :
+       {"aruco", "aruco:5x7", "aruco:5x7:40mm:10mm", "aruco:5x7:40mm:DICT_6X6_250",
+        "aruco:0x7:40mm:10mm:DICT_6X6_250", "aruco:5x7:40mm:0.25:DICT_6X6_250",
+        "aruco:5x7:40mm:1mm:DICT_6X6_250", "aruco:5x7:40mm:10mm:DICT_9X9_250",
+        "aruco:5x7:40mm:10mm:DICT_6X6_250:border=3", "aruco:5x7:40mm:10mm:DICT_6X6_250:first=",
+        "aruco:5x7:40mm:10mm:DICT_6X6_250:first=216", "aruco:5x7:40mm:10mm:DICT_6X6_250:first=-1",
+        "aruco:5x7:40mm:10mm:DICT_6X6_250:upright", "aruco:5x7:40mm:10mm:DICT_6X6_250:"}) {
+    expect_refused(wrong, aruco);
+  }
+  for (const std::string wrong :
+       {"apriltag", "apriltag:tag36h11", "apriltag:5x7:40mm:10mm:tag36h11",
+        "apriltag:tag41h12:5x7:40mm:10mm", "apriltag:tag16h5:5x7:40mm:10mm",
+        "apriltag:tag36h11:5x7:40mm:nan", "apriltag:tag36h11:5x7:40mm:10mm:border=0"}) {
+    expect_refused(wrong, april);
+  }
+  if (marker_dictionaries().empty()) expect_refused(aruco, "made without OpenCV");
 }
 
 TEST(Board, ErrorsAreOneLine) {

@@ -13,7 +13,7 @@
 #include "calvin/camera/image_transform.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/homography.hpp"
-#include "calvin/target/id_index.hpp"
+#include "calvin/target/points/id_index.hpp"
 
 namespace calvin {
 

@@ -11,7 +11,7 @@
 
 #include "calvin/camera/image_transform.hpp"
 #include "calvin/solve/view.hpp"
-#include "calvin/target/id_index.hpp"
+#include "calvin/target/points/id_index.hpp"
 
 namespace calvin {
 

@@ -210,6 +210,46 @@ void print(Artwork& artwork, const AprilGrid& board) {
   fill_cells(artwork, [&](int col, int row) { return cells.is_dark(col, row); });
 }
 
+// A grid of tags, cut as its tags are, with their borders, into cells, and around them.
+class TagGridCells {
+ public:
+  explicit TagGridCells(const TagGrid& board) : board_(board) {}
+
+  // `from` and `to` are the ends of the outline.
+  [[nodiscard]] std::vector<double> cuts(int tags, double from, double to) const {
+    std::vector<double> cuts = {from};
+    for (int i = 0; i < tags; ++i) {
+      for (int k = 0; k <= board_.cells(); ++k) {
+        cuts.push_back(board_.grid().distance_to(2 * i) + k * board_.tag / board_.cells());
+      }
+    }
+    cuts.push_back(to);
+    return cuts;
+  }
+
+  // Before colours are exchanged.
+  [[nodiscard]] bool is_dark(int col, int row) const {
+    const int period = board_.cells() + 1;
+    if (col % period == 0 || row % period == 0) return false;
+    const int i = col % period - 1 - board_.border;
+    const int j = row % period - 1 - board_.border;
+    const int side = board_.dictionary->side;
+    if (i < 0 || j < 0 || i >= side || j >= side) return true;
+    return !board_.is_light(board_.tag_in(col / period, row / period), i, j);
+  }
+
+ private:
+  const TagGrid& board_;
+};
+
+void print(Artwork& artwork, const TagGrid& board) {
+  const TagGridCells cells(board);
+  artwork.margin = -artwork.outline.left;
+  artwork.x = cells.cuts(board.cols, artwork.outline.left, artwork.outline.right);
+  artwork.y = cells.cuts(board.rows, artwork.outline.top, artwork.outline.bottom);
+  fill_cells(artwork, [&](int col, int row) { return cells.is_dark(col, row) != board.inverted; });
+}
+
 void print(Artwork& artwork, const PointBoard& board) {
   for (const PointBoard::Dot& dot : board.dots()) {
     artwork.discs.push_back({dot.x, dot.y, dot.diameter, true});

@@ -218,11 +218,7 @@ Result<Board> parse_dots(const Fields& fields) {
 
 // The name of a dictionary, or of a family of AprilTags as they and Kalibr call it.
 Result<const MarkerDictionary*> parse_family(std::string_view name) {
-  for (const std::string_view prefix : {"tag", "t", ""}) {
-    if (!name.starts_with(prefix)) continue;
-    const std::string family = fmt::format("DICT_APRILTAG_{}", name.substr(prefix.size()));
-    if (const MarkerDictionary* dictionary = find_dictionary(family)) return dictionary;
-  }
+  if (const MarkerDictionary* dictionary = find_family(name)) return dictionary;
   return parse_dictionary(name);
 }
 
@@ -265,12 +261,66 @@ Result<Board> parse_april_grid(const Fields& fields) {
   return board;
 }
 
+// One of the fields behind the measures of a grid of tags.
+Status parse_tag_option(std::string_view field, TagGrid& board) {
+  if (field == "inverted") {
+    board.inverted = true;
+    return {};
+  }
+  const auto pair = split(field, '=');
+  if (pair[0] != "border" && pair[0] != "first") {
+    return refuse(fmt::format("'{}' is none of 'first=', 'border=' and 'inverted'", field));
+  }
+  const auto value = pair.size() == 2 ? parse_int(pair[1]) : std::nullopt;
+  if (!value) return refuse(fmt::format("'{}' is no whole number", field));
+  (pair[0] == "border" ? board.border : board.first) = *value;
+  return {};
+}
+
+// Of the fields of a grid of tags `name` is the dictionary's, those from `measures` on are the
+// measures, those from `options` on the rest.
+Result<Board> parse_tags(const Fields& fields, std::size_t name, std::size_t measures,
+                         std::size_t options, TagGrid board) {
+  if (fields.size() < options) {
+    return refuse(
+        "it needs a kind, a size in tags, the side of a tag, the gap between tags and a "
+        "dictionary");
+  }
+  const auto sides = parse_sides(fields[measures], "tags", 1, 1);
+  if (!sides) return tl::unexpected(sides.error());
+  const auto tag = parse_side(fields[measures + 1], "tags");
+  if (!tag) return tl::unexpected(tag.error());
+  const auto gap = parse_side(fields[measures + 2], "gaps");
+  if (!gap) return tl::unexpected(gap.error());
+  const auto dictionary = board.april ? parse_family(fields[name]) : parse_dictionary(fields[name]);
+  if (!dictionary) return tl::unexpected(dictionary.error());
+  board.cols = sides->cols;
+  board.rows = sides->rows;
+  board.tag = *tag;
+  board.gap = *gap;
+  board.dictionary = *dictionary;
+  for (std::size_t i = options; i < fields.size(); ++i) {
+    if (const Status status = parse_tag_option(fields[i], board); !status) {
+      return tl::unexpected(status.error());
+    }
+  }
+  if (const Status status = board.check(); !status) return tl::unexpected(status.error());
+  return board;
+}
+
+Result<Board> parse_aruco(const Fields& fields) { return parse_tags(fields, 3, 0, 4, {}); }
+Result<Board> parse_april_tags(const Fields& fields) {
+  TagGrid board;
+  board.april = true;
+  return parse_tags(fields, 0, 1, 4, board);
+}
+
 struct KindOfText {
   std::string_view name;
   Result<Board> (*parse)(const Fields& fields);
   std::string_view example;
 };
-constexpr std::array<KindOfText, 7> kKinds = {{
+constexpr std::array<KindOfText, 9> kKinds = {{
     {"checkerboard", parse_checkerboard,
      "A right text is 'checkerboard:9x6:25mm': 9 by 6 inner corners, squares of 25 mm."},
     {"puzzle", parse_puzzle,
@@ -281,6 +331,12 @@ constexpr std::array<KindOfText, 7> kKinds = {{
      "20 mm."},
     {"aprilgrid", parse_april_grid,
      "A right text is 'aprilgrid:6x6:88mm:0.3': 6 by 6 tags of 88 mm, 0.3 of that between them."},
+    {"aruco", parse_aruco,
+     "A right text is 'aruco:5x7:40mm:10mm:DICT_6X6_250': 5 by 7 tags of 40 mm, 10 mm from each to "
+     "the next."},
+    {"apriltag", parse_april_tags,
+     "A right text is 'apriltag:tag36h11:5x7:40mm:10mm': 5 by 7 tags of 40 mm, 10 mm from each to "
+     "the next."},
     {"circles", parse_circles<CircleGrid>,
      "A right text is 'circles:7x5:30mm': 7 by 5 circles, 30 mm from centre to centre."},
     {"acircles", parse_circles<AsymmetricCircleGrid>,
