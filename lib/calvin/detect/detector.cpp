@@ -17,6 +17,7 @@
 #include "calvin/detect/checkerboard/sheets/checkerboard_detector.hpp"
 #include "calvin/detect/circles/circle_detector.hpp"
 #include "calvin/detect/circles/circle_pattern.hpp"
+#include "calvin/detect/tags/tag_detector.hpp"
 
 namespace calvin {
 
@@ -27,10 +28,12 @@ struct Family {
   bool (*has)(const Board& board);
   std::unique_ptr<Detector> (*make)(std::span<const Board> boards);
   const char* points;  // what control points are called
+  bool by_lattice;     // points are found by how they lie, not each part of a board by its code
 };
-constexpr std::array<Family, 2> kFamilies = {{
-    {detect::has_pattern, detect::make_checkerboard_detector, "inner corners"},
-    {detect::has_circle_pattern, detect::make_circle_detector, "circles"},
+constexpr std::array<Family, 3> kFamilies = {{
+    {detect::has_pattern, detect::make_checkerboard_detector, "inner corners", true},
+    {detect::has_circle_pattern, detect::make_circle_detector, "circles", true},
+    {detect::has_tags, detect::make_tag_detector, "corners", false},
 }};
 
 const Family* family_of(const Board& board) {
@@ -48,6 +51,7 @@ Status check_detectable(const Board& board) {
                     "of its kind. Give its corners as a file of observations.",
                     board.text()));
   }
+  if (!family->by_lattice) return {};
   // Two lines of points have no curvature, and are in any pattern of bricks.
   const BoardArea area = board.extent();
   const double narrowest = std::min(area.width(), area.height());
@@ -62,8 +66,8 @@ Status check_detectable(const Board& board) {
   return {};
 }
 
-// Boards that are looked for together: of one family, and with lines that are spaced alike, as a
-// lattice of one spacing is none of another.
+// Boards that are looked for together: of one family, and where points are found by how they lie
+// with lines that are spaced alike, as a lattice of one spacing is none of another.
 struct Group {
   const Family* family = nullptr;
   double gap_share = 1;
@@ -76,7 +80,8 @@ std::vector<Group> groups_of(std::span<const Board> boards) {
   std::vector<Group> groups;
   for (std::size_t i = 0; i < boards.size(); ++i) {
     const Family* family = family_of(boards[i]);
-    const double share = boards[i].grid().value_or(Grid{}).gap_share();
+    const double share =
+        family->by_lattice ? boards[i].grid().value_or(Grid{}).gap_share() : Group{}.gap_share;
     auto group = std::ranges::find_if(
         groups, [&](const Group& g) { return g.family == family && g.gap_share == share; });
     if (group == groups.end()) {

@@ -22,6 +22,7 @@
 #include "calvin/detect/circles/known_discs.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/search_again.hpp"
+#include "calvin/detect/sheet_list.hpp"
 
 namespace calvin::detect {
 
@@ -77,7 +78,7 @@ class CircleDetector final : public Detector {
   std::vector<Detection> detect_all(const ImageView& image,
                                     std::stop_token stop) noexcept override {
     try {
-      last_.clear();
+      list_.forget();
       followed_.clear();
       begin(image);
       search(stop);
@@ -112,7 +113,8 @@ class CircleDetector final : public Detector {
   [[nodiscard]] bool observe(DiscSheet& sheet, std::size_t pattern, const CellMap& map);
   void note_other(const DiscLattice& lattice, bool light);
   [[nodiscard]] bool is_known(const DiscLattice& lattice) const;
-  [[nodiscard]] bool all_found() const;
+  [[nodiscard]] bool all_found() const { return list_.is_satisfied(sheets()); }
+  [[nodiscard]] std::vector<SheetOf> sheets() const;
   [[nodiscard]] std::vector<Detection> results(ImageSize size);
 
   std::vector<CirclePattern> patterns_;  // that differ
@@ -127,7 +129,7 @@ class CircleDetector final : public Detector {
   KnownDiscs near_;
   std::vector<FoundSheet> found_;
   std::optional<OtherSheet> other_;
-  std::vector<Pixel> last_;  // px, the centres of the results of the last frame
+  SheetList list_{{}};
   std::vector<FollowedSheet> followed_;
   int since_search_ = 0;  // frames
   std::uint64_t searched_ = kNoTimestamp;
@@ -146,6 +148,7 @@ CircleDetector::CircleDetector(std::span<const Board> boards) {
     const auto discs = static_cast<int>(patterns_.back().discs().size());
     fewest_ = std::min(fewest_, static_cast<int>(kLeastShare * discs));
   }
+  list_ = SheetList(of_list_);
 }
 
 void CircleDetector::begin(const ImageView& image) {
@@ -333,24 +336,21 @@ void CircleDetector::note_other(const DiscLattice& lattice, bool light) {
   other_ = std::move(other);
 }
 
-bool CircleDetector::all_found() const {
-  for (std::size_t i = 0; i < patterns_.size(); ++i) {
-    const auto wanted = std::ranges::count(of_list_, i);
-    if (std::ranges::count(found_, i, &FoundSheet::pattern) < wanted) return false;
-  }
-  return true;
+std::vector<SheetOf> CircleDetector::sheets() const {
+  std::vector<SheetOf> all;
+  for (const FoundSheet& sheet : found_) all.push_back({sheet.pattern, sheet.centre});
+  return all;
 }
 
 std::vector<Detection> CircleDetector::results(ImageSize size) {
   std::vector<Detection> all;
-  std::vector<bool> given(found_.size(), false);
-  const auto add = [&](std::size_t board, std::size_t pattern, std::optional<std::size_t> sheet) {
+  for (const ListedSheet& listed : list_.assign(sheets())) {
+    const Board& board = patterns_[of_list_[listed.board]].board();
     Detection& result = all.emplace_back();
-    result.board = board;
-    if (sheet) {
-      given[*sheet] = true;
-      result.observation = std::move(found_[*sheet].observation);
-      result.observation.ambiguous = patterns_[pattern].board().symmetries();
+    result.board = listed.board;
+    if (listed.sheet) {
+      result.observation = std::move(found_[*listed.sheet].observation);
+      result.observation.ambiguous = board.symmetries();
       result.reason = Reason::kAccepted;
     } else if (other_ && other_->all) {
       result.reason = Reason::kWrongBoard;
@@ -359,31 +359,8 @@ std::vector<Detection> CircleDetector::results(ImageSize size) {
       result.seen_all = true;
       result.seen_board = other_->text;
     }
-    result.observation.board = patterns_[pattern].board().text();
+    result.observation.board = board.text();
     result.observation.image_size = size;
-  };
-  // A sheet keeps its place from frame to frame: each board takes the one nearest to where it was.
-  for (std::size_t i = 0; i < of_list_.size(); ++i) {
-    std::optional<std::size_t> best;
-    double least = 0;
-    for (std::size_t s = 0; s < found_.size(); ++s) {
-      if (given[s] || found_[s].pattern != of_list_[i]) continue;
-      const double far =
-          i < last_.size() ? distance(found_[s].centre, last_[i]) : distance(found_[s].centre, {});
-      if (best && far >= least) continue;
-      best = s;
-      least = far;
-    }
-    add(i, of_list_[i], best);
-  }
-  for (std::size_t s = 0; s < found_.size(); ++s) {
-    if (given[s]) continue;
-    const auto board = std::ranges::find(of_list_, found_[s].pattern) - of_list_.begin();
-    add(static_cast<std::size_t>(board), found_[s].pattern, s);
-  }
-  last_.resize(of_list_.size());
-  for (std::size_t i = 0; i < of_list_.size(); ++i) {
-    if (all[i].observation.found()) last_[i] = mean_of(all[i].observation.uv);
   }
   return all;
 }

@@ -44,14 +44,13 @@ Eigen::Vector2d projected(Projection projection, const Eigen::Vector3d& v,
 
 // ---- Polynomial ---------------------------------------------------------------------------------
 
-Polynomial::Polynomial(std::span<const Pixel> at, const Eigen::MatrixX2d& values) {
-  constexpr int kHighest = 3;
+Polynomial::Polynomial(std::span<const Pixel> at, const Eigen::MatrixX2d& values, int highest) {
   const auto numbers_of = [](int degree) { return (degree + 1) * (degree + 2) / 2; };
   const auto [left, right] = std::ranges::minmax(at, {}, &Pixel::u);
   const auto [top, bottom] = std::ranges::minmax(at, {}, &Pixel::v);
   middle_ = {(left.u + right.u) / 2, (top.v + bottom.v) / 2};
   half_ = std::max({right.u - left.u, bottom.v - top.v, 1e-9}) / 2;
-  while (degree_ < kHighest && 3 * numbers_of(degree_ + 1) <= 2 * static_cast<int>(at.size())) {
+  while (degree_ < highest && 3 * numbers_of(degree_ + 1) <= 2 * static_cast<int>(at.size())) {
     ++degree_;
   }
   if (degree_ < 0) return;

@@ -28,8 +28,11 @@ class Polynomial {
  public:
   Polynomial() = default;
   // Through values at points, of the highest degree of which there are half as many points again as
-  // numbers, 3 at most.
-  Polynomial(std::span<const Pixel> at, const Eigen::MatrixX2d& values);
+  // numbers, `highest` at most.
+  Polynomial(std::span<const Pixel> at, const Eigen::MatrixX2d& values, int highest = 3);
+
+  // Of each of the two values.
+  [[nodiscard]] int numbers() const { return static_cast<int>(numbers_.rows()); }
 
   [[nodiscard]] Eigen::Vector2d at(const Pixel& p) const;
 

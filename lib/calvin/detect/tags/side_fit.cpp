@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Damped Gauss-Newton steps over the pixels along a side, without those that something covers.
+
+#include "calvin/detect/tags/side_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "calvin/detect/tags/side_pixels.hpp"
+
+namespace calvin::detect {
+
+namespace {
+
+using Vector = Eigen::Matrix<double, kSideUnknowns, 1>;
+using Matrix = Eigen::Matrix<double, kSideUnknowns, kSideUnknowns>;
+
+constexpr double kLeastWidth = 0.3;     // px, about what a pixel itself has
+constexpr double kLeastContrast = 8;    // grey levels
+constexpr double kRounding = 1.0 / 12;  // grey levels^2
+constexpr int kSegments = 8;            // of a side, of which something may cover some
+constexpr int kFewestSegments = 4;
+
+std::size_t segment_of(float t) {
+  return static_cast<std::size_t>(
+      std::clamp(static_cast<int>((t + 1) / 2 * kSegments), 0, kSegments - 1));
+}
+
+class SideSteps {
+ public:
+  SideSteps(const ImageView& image, const SideGuess& guess)
+      : image_(image), guess_(guess), frame_(guess) {
+    used_.fill(true);
+  }
+
+  [[nodiscard]] bool run();
+  [[nodiscard]] SideFit result() const;
+
+ private:
+  [[nodiscard]] bool start();
+  [[nodiscard]] bool gather();
+  [[nodiscard]] bool step();
+  [[nodiscard]] bool converge();
+  [[nodiscard]] bool drop_covered();
+  void weigh();
+  void accumulate();
+  [[nodiscard]] SideModel model() const;
+
+  [[nodiscard]] bool shows(std::size_t segment) const {
+    return used_[segment] && pixels_in_[segment] > 0;
+  }
+  [[nodiscard]] int shown() const {
+    int count = 0;
+    for (std::size_t i = 0; i < kSegments; ++i) count += shows(i) ? 1 : 0;
+    return count;
+  }
+  // px, in which pixels are taken, where so many are free.
+  [[nodiscard]] double band(double free) const {
+    constexpr double kWidths = 3.5;
+    return std::min(0.8 * free, kWidths * width_ + 1);
+  }
+
+  const ImageView& image_;
+  const SideGuess& guess_;
+  SideFrame frame_;
+  SideCurve curve_;
+  SideCurve gathered_;  // the curve near which pixels were taken
+  double width_ = 0.8;  // px
+  double gathered_width_ = 0;
+  double in_ = 0;
+  double in_slope_ = 0;
+  double out_ = 0;
+  double out_slope_ = 0;
+  SidePixels pixels_;
+  std::array<bool, kSegments> used_{};  // not covered
+  std::array<int, kSegments> pixels_in_{};
+  Matrix products_;
+  Vector gradient_;
+  Vector change_;
+  double square_ = 0;
+  int count_ = 0;
+};
+
+bool SideSteps::start() {
+  const auto line = coarse_side(image_, frame_, guess_);
+  if (!line) return false;
+  curve_ = *line;
+  if (!gather()) return false;
+  // Grey levels at the ends of the band.
+  double sums[2] = {0, 0};
+  int counts[2] = {0, 0};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
+    const double s =
+        static_cast<double>(pixels_.n[i]) - curve_.at(static_cast<double>(pixels_.t[i]));
+    if (std::abs(s) < 0.5) continue;
+    sums[s > 0 ? 1 : 0] += static_cast<double>(pixels_.grey[i]);
+    ++counts[s > 0 ? 1 : 0];
+  }
+  if (counts[0] == 0 || counts[1] == 0) return false;
+  in_ = sums[0] / counts[0];
+  out_ = sums[1] / counts[1];
+  return true;
+}
+
+bool SideSteps::gather() {
+  // Near a corner the edge is none of one side alone.
+  const double from_corner = (1.7 * width_ + 0.7) / frame_.half();
+  constexpr double kLeastEnd = 0.5;
+  const double end = std::max(1 - from_corner, kLeastEnd);
+  gather_side(image_, frame_, guess_, curve_, band(room_inside(guess_)), band(room_outside(guess_)),
+              end, width_, pixels_);
+  weigh();
+  gathered_ = curve_;
+  gathered_width_ = width_;
+  return pixels_.count >= 3 * kSideUnknowns;
+}
+
+// Gives a weight to the pixels of segments that are used.
+void SideSteps::weigh() {
+  count_ = 0;
+  pixels_in_.fill(0);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
+    const std::size_t segment = segment_of(pixels_.t[i]);
+    const bool used = used_[segment];
+    ++pixels_in_[segment];
+    pixels_.weight[i] = used ? 1 : 0;
+    count_ += used ? 1 : 0;
+  }
+}
+
+SideModel SideSteps::model() const {
+  const auto numbers = [](const NextEdge& edge, float* to) {
+    to[0] = static_cast<float>(edge.at);
+    to[1] = static_cast<float>(edge.slope);
+  };
+  SideModel model;
+  model.offset = static_cast<float>(curve_.offset);
+  model.slope = static_cast<float>(curve_.slope);
+  model.bend = static_cast<float>(curve_.bend);
+  model.width = static_cast<float>(width_);
+  model.in = static_cast<float>(in_);
+  model.in_slope = static_cast<float>(in_slope_);
+  model.out = static_cast<float>(out_);
+  model.out_slope = static_cast<float>(out_slope_);
+  numbers(guess_.border, model.border);
+  numbers(guess_.second, model.second);
+  numbers(guess_.gap, model.gap);
+  model.beyond = guess_.beyond ? 1 : 0;
+  return model;
+}
+
+void SideSteps::accumulate() {
+  SideNormal normal;
+  accumulate_side(pixels_, model(), normal);
+  int k = 0;
+  for (int p = 0; p < kSideUnknowns; ++p) {
+    for (int q = p; q < kSideUnknowns; ++q) {
+      products_(p, q) = products_(q, p) = static_cast<double>(normal.products[k++]);
+    }
+    gradient_[p] = static_cast<double>(normal.gradient[p]);
+  }
+  square_ = static_cast<double>(normal.square);
+  // The width and the bend are hardly told by a short side.
+  constexpr double kWidthPrior = 0.5;  // of the logarithm, 1 sigma
+  const double variance = square_ / std::max(count_ - int{kSideUnknowns}, 1) + kRounding;
+  products_(kSideWidth, kSideWidth) += variance / (kWidthPrior * kWidthPrior);
+  const double known = variance / (guess_.bend_sigma * guess_.bend_sigma);
+  products_(kSideBend, kSideBend) += known;
+  gradient_[kSideBend] -= known * (curve_.bend - guess_.bend);
+}
+
+bool SideSteps::step() {
+  constexpr double kLongest = 1;  // px, and of the width's logarithm half of that
+  accumulate();
+  if (count_ < 2 * kSideUnknowns) return false;
+  Matrix damped = products_;
+  damped.diagonal() *= 1 + 1e-6;
+  const Eigen::LLT<Matrix> factor(damped);
+  if (factor.info() != Eigen::Success) return false;
+  change_ = factor.solve(gradient_);
+  if (!change_.allFinite()) return false;
+  const double largest =
+      std::max({std::abs(change_[kSideOffset]), std::abs(change_[kSideSlope]),
+                std::abs(change_[kSideBend]), 2 * std::abs(change_[kSideWidth])});
+  change_ *= std::min(1.0, kLongest / std::max(largest, 1e-12));
+  curve_.offset += change_[kSideOffset];
+  curve_.slope += change_[kSideSlope];
+  curve_.bend += change_[kSideBend];
+  width_ = std::clamp(width_ * std::exp(change_[kSideWidth]), kLeastWidth, 0.5 * frame_.half() + 1);
+  in_ += change_[kSideIn];
+  in_slope_ += change_[kSideInSlope];
+  out_ += change_[kSideOut];
+  out_slope_ += change_[kSideOutSlope];
+  return true;
+}
+
+bool SideSteps::converge() {
+  constexpr int kSteps = 12;
+  constexpr double kConverged = 1e-3;  // px
+  constexpr double kMoved = 0.4;       // px, after which other pixels are near
+  for (int i = 0; i < kSteps; ++i) {
+    if (!step()) return false;
+    const double moved = std::max({std::abs(curve_.at(-1) - gathered_.at(-1)),
+                                   std::abs(curve_.at(1) - gathered_.at(1)),
+                                   std::abs(curve_.at(0) - gathered_.at(0))});
+    if (moved > kMoved || std::abs(std::log(width_ / gathered_width_)) > 0.2) {
+      if (!gather()) return false;
+      continue;
+    }
+    if (std::max({std::abs(change_[kSideOffset]), std::abs(change_[kSideSlope]),
+                  std::abs(change_[kSideBend])}) < kConverged) {
+      break;
+    }
+  }
+  return std::abs(curve_.offset) <= guess_.reach + 1 && std::abs(curve_.slope) <= guess_.reach + 2;
+}
+
+// Leaves out segments that do not look like the others; whether there were any.
+bool SideSteps::drop_covered() {
+  std::array<double, kSegments> squares{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
+    const auto error = static_cast<double>(pixels_.error[i]);
+    squares[segment_of(pixels_.t[i])] += error * error;
+  }
+  std::vector<double> rms;
+  for (std::size_t i = 0; i < kSegments; ++i) {
+    if (shows(i)) rms.push_back(std::sqrt(squares[i] / pixels_in_[i]));
+  }
+  if (rms.empty()) return false;
+  std::ranges::sort(rms);
+  constexpr double kUnlike = 3;
+  constexpr double kLeast = 0.06;  // of the contrast
+  // The better third tells what is usual: a hand may cover nearly as much.
+  const double usual = rms[rms.size() / 3];
+  const double limit = std::max(kUnlike * usual, 2 + kLeast * std::abs(out_ - in_));
+  bool any = false;
+  for (std::size_t i = 0; i < kSegments; ++i) {
+    if (pixels_in_[i] == 0) continue;
+    const bool keep = std::sqrt(squares[i] / pixels_in_[i]) <= limit;
+    any = any || keep != used_[i];
+    used_[i] = keep;
+  }
+  if (any) weigh();
+  return any;
+}
+
+bool SideSteps::run() {
+  if (!start() || !converge()) return false;
+  constexpr int kRounds = 3;
+  for (int i = 0; i < kRounds && drop_covered(); ++i) {
+    if (shown() < kFewestSegments || !converge()) return false;
+  }
+  if (shown() < kFewestSegments) return false;
+  accumulate();
+  const double contrast = (out_ - in_) * (guess_.inverted ? -1 : 1);
+  return contrast >= kLeastContrast && count_ > 2 * kSideUnknowns;
+}
+
+SideFit SideSteps::result() const {
+  SideFit fit;
+  fit.width = width_;
+  const double variance = std::max(square_ / (count_ - int{kSideUnknowns}), kRounding);
+  const Matrix covariance = variance * products_.llt().solve(Matrix::Identity());
+  for (const int end : {0, 1}) {
+    const double t = end == 0 ? -1 : 1;
+    fit.offset[end] = curve_.at(t);
+    fit.slope[end] = (curve_.slope - 2 * curve_.bend * t) / frame_.half();
+    fit.sigma[end] = std::sqrt(std::max(covariance(kSideOffset, kSideOffset) +
+                                            2 * t * covariance(kSideOffset, kSideSlope) +
+                                            covariance(kSideSlope, kSideSlope),
+                                        0.0));
+    const std::size_t last = end == 0 ? 0 : kSegments - 1;
+    const std::size_t next = end == 0 ? 1 : kSegments - 2;
+    fit.seen[end] = shows(last) || shows(next);
+  }
+  return fit;
+}
+
+}  // namespace
+
+std::optional<SideFit> fit_side(const ImageView& image, const SideGuess& guess) {
+  if (image.width < 8 || image.height < 8) return std::nullopt;
+  SideSteps steps(image, guess);
+  if (!steps.run()) return std::nullopt;
+  const SideFit fit = steps.result();
+  if (!std::isfinite(fit.sigma[0]) || !std::isfinite(fit.sigma[1])) return std::nullopt;
+  return fit;
+}
+
+}  // namespace calvin::detect

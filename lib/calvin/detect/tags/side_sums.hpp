@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The sums over the pixels along a side of a tag from which its fit takes a step.
+#pragma once
+
+#include <vector>
+
+namespace calvin::detect {
+
+enum SideUnknown {
+  kSideOffset,
+  kSideSlope,
+  kSideWidth,  // its logarithm
+  kSideIn,
+  kSideInSlope,
+  kSideOut,
+  kSideOutSlope,
+  kSideBend,
+  kSideUnknowns
+};
+inline constexpr int kSideProducts = kSideUnknowns * (kSideUnknowns + 1) / 2;
+
+// The pixels along a side, one number of each after the other. Behind the last one there is room
+// for a vector.
+struct SidePixels {
+  int count = 0;
+  std::vector<float> t;
+  std::vector<float> n;  // px
+  std::vector<float> grey;
+  std::vector<float> first;   // the bits of the first row, blurred along the side
+  std::vector<float> second;  // and of the second one
+  std::vector<float> weight;  // 1, or 0 for a pixel that shows something else
+  std::vector<float> error;   // of the fit, grey levels
+
+  void clear();
+  void add(float along, float across, float level);
+  // After the last one: makes the room behind it.
+  void finish();
+};
+
+// The numbers of side_fit.hpp; an edge beside the side is at + slope t.
+struct SideModel {
+  float offset = 0;
+  float slope = 0;
+  float bend = 0;
+  float width = 0.8F;
+  float in = 0;
+  float in_slope = 0;
+  float out = 0;
+  float out_slope = 0;
+  float border[2] = {0, 0};
+  float second[2] = {0, 0};
+  float gap[2] = {0, 0};
+  float beyond = 0;
+};
+
+// J^T J (upper triangle, row by row), J^T e and e^T e, over the pixels with a weight.
+struct SideNormal {
+  float products[kSideProducts];
+  float gradient[kSideUnknowns];
+  float square;
+};
+
+// Writes the errors of all pixels, too.
+void accumulate_side(SidePixels& pixels, const SideModel& model, SideNormal& normal) noexcept;
+
+}  // namespace calvin::detect

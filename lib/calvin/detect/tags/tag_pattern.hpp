@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What is printed in a tag and around it. Places are in cells from the upper left corner of a tag.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "calvin/detect/tags/point.hpp"
+
+namespace calvin::detect {
+
+struct TagPattern {
+  int side = 0;            // bits
+  int border = 1;          // cells
+  double gap = 0;          // cells, around the tag
+  bool inverted = false;   // the tag is light
+  std::uint64_t bits = 0;  // in rows, the highest one first; before colours are exchanged
+  // Whether another tag begins behind the gap at each side, from the upper one on clockwise.
+  std::array<bool, 4> neighbours{};
+
+  [[nodiscard]] int cells() const noexcept { return side + 2 * border; }
+  [[nodiscard]] bool is_light(int col, int row) const noexcept {
+    const int i = col - border;
+    const int j = row - border;
+    if (i < 0 || j < 0 || i >= side || j >= side) return false;
+    return (bits >> (side * side - 1 - (j * side + i)) & 1) != 0;
+  }
+  // The place so many cells along a side, clockwise, and so many inwards.
+  [[nodiscard]] Point place(std::size_t of_side, double along, double inwards) const {
+    const double n = cells();
+    switch (of_side) {
+      case 0:
+        return {along, inwards};
+      case 1:
+        return {n - inwards, along};
+      case 2:
+        return {n - along, n - inwards};
+      default:
+        return {inwards, n - along};
+    }
+  }
+};
+
+// The homography from cells to the image that takes the corners (0, 0), (n, 0), (n, n), (0, n) to
+// those of a quad: P. Heckbert, Fundamentals of Texture Mapping, 1989, section 2.2.3.
+[[nodiscard]] inline Eigen::Matrix3d from_cells(const Quad& quad, double n) {
+  const Point d1 = quad[1] - quad[2];
+  const Point d2 = quad[3] - quad[2];
+  const Point d3 = quad[0] - quad[1] + quad[2] - quad[3];
+  const double turn = cross(d1, d2);
+  const double g = cross(d3, d2) / turn;
+  const double h = cross(d1, d3) / turn;
+  const Point x = quad[1] - quad[0] + g * quad[1];
+  const Point y = quad[3] - quad[0] + h * quad[3];
+  Eigen::Matrix3d m;
+  m << x.x() / n, y.x() / n, quad[0].x(), x.y() / n, y.y() / n, quad[0].y(), g / n, h / n, 1;
+  return m;
+}
+
+}  // namespace calvin::detect

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The search for tags of one style from level to level of a pyramid, and the sheets that they make.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "calvin/detect/pyramid.hpp"
+#include "calvin/detect/tags/quads.hpp"
+#include "calvin/detect/tags/tag_reader.hpp"
+#include "calvin/detect/tags/tag_sheet.hpp"
+
+namespace calvin::detect {
+
+// A board that is looked for.
+struct WantedTags {
+  TagGrid board;
+  std::size_t kind = 0;  // which of the boards that differ
+};
+
+struct FoundTags {
+  std::size_t kind = 0;
+  TagSheet sheet;
+};
+
+class TagSearch {
+ public:
+  // Boards of one style, at least one.
+  explicit TagSearch(std::vector<WantedTags> boards);
+
+  [[nodiscard]] const TagStyle& style() const { return reader_.style(); }
+  [[nodiscard]] const TagReader& reader() const { return reader_; }
+
+  // From here on another picture.
+  void begin();
+  // Reads the quads of a level that no tag is known in yet.
+  void read(Pyramid& pyramid, int level, std::span<const Quad> quads, const std::stop_token& stop);
+  // Makes sheets of the tags that were read. The image is the pyramid's level 0.
+  void make_sheets(Pyramid& pyramid, const std::stop_token& stop);
+
+  [[nodiscard]] std::vector<FoundTags>& sheets() { return sheets_; }
+
+ private:
+  [[nodiscard]] bool is_of_a_board(int id) const;
+  [[nodiscard]] bool is_known(const Quad& quad) const;
+  void read_quad(Pyramid& pyramid, int level, const Quad& quad);
+  [[nodiscard]] std::vector<std::size_t> tags_of(const TagGrid& board) const;
+  [[nodiscard]] bool add_largest(const ImageView& image);
+
+  std::vector<WantedTags> boards_;
+  TagReader reader_;
+  std::vector<ReadTag> tags_;
+  std::size_t quads_ = 0;  // that may have been tags
+  std::vector<FoundTags> sheets_;
+};
+
+}  // namespace calvin::detect
