@@ -34,6 +34,8 @@ constexpr std::string_view kUsage = R"(Usage:
 BOARD is a text like checkerboard:9x6:25mm or puzzle:14x9:20mm (inner corners, side of a square),
 charuco:5x7:40mm:20mm:DICT_6X6_250 (squares, their side, that of a marker, its dictionary),
 aprilgrid:6x6:88mm:0.3 (tags, their side, the gap between them as a part of it),
+aruco:5x7:40mm:10mm:DICT_6X6_250 or apriltag:tag36h11:5x7:40mm:10mm (tags, their side, the gap between
+them, their dictionary or family, without squares between their corners),
 circles:7x5:30mm, acircles:4x11:20mm or dots:14x10:7mm:rings=2.2+12.2+2.8 (circles, their distance,
 which of them are rings; big=0.0 for larger ones), or FILE.json#NAME.
 PAPER is {}, auto (the smallest of A4 to A0) or fit (as large as the board needs).

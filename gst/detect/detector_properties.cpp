@@ -30,7 +30,9 @@ constexpr Property<CalibDetector> kRows[] = {
      "Board",
      "The board to find, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
      "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
-     "aprilgrid:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, acircles:COLSxROWS:SIZE or "
+     "aprilgrid:COLSxROWS:SIZE:GAP, aruco:COLSxROWS:SIZE:GAP:DICTIONARY or "
+     "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, "
+     "acircles:COLSxROWS:SIZE or "
      "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, or FILE.json#NAME; several "
      "separated by ;. auto, or auto:SIZE, takes what is in view when it is certain which one it is",
      kept_in<&DetectorSettings::board>,

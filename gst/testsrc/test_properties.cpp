@@ -21,7 +21,9 @@ constexpr Property<TestState> kRows[] = {
      "Board",
      "The board to render, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
      "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
-     "aprilgrid:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, acircles:COLSxROWS:SIZE or "
+     "aprilgrid:COLSxROWS:SIZE:GAP, aruco:COLSxROWS:SIZE:GAP:DICTIONARY or "
+     "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, "
+     "acircles:COLSxROWS:SIZE or "
      "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, or FILE.json#NAME",
      kept_in<&TestSettings::scene, &SceneSettings::board>,
      {.flags = kMutableReady}},

@@ -25,6 +25,9 @@ BOARDS = [
     "dots:9x9:22mm:big=0.0",
     "aprilgrid:5x4:40mm:0.3",
     "aprilgrid:4x4:50mm:0.25:tag25h9:border=1:first=3",
+    "aruco:5x4:40mm:10mm:DICT_6X6_250",
+    "aruco:4x4:40mm:20mm:DICT_4X4_50:first=9:inverted",
+    "apriltag:tag36h11:5x4:40mm:12mm:border=2",
 ]
 
 
