@@ -112,11 +112,12 @@ bool TagSearch::add_largest(const ImageView& image) {
   }
   if (!best) return false;
   for (const SheetTag& t : best->sheet.tags()) tags_[*t.read].taken = true;
-  const TagGrid& board = best->sheet.board();
-  const bool is_certain = best->sheet.evidence(tags_, reader_, quads_) >= kLeastEvidence;
+  // Of what is no board, nothing more is looked for.
+  if (best->sheet.evidence(tags_, reader_, quads_) < kLeastEvidence) return true;
   best->sheet.complete(image, reader_);
+  const TagGrid& board = best->sheet.board();
   const int fewest = std::min(2, board.cols * board.rows);
-  if (is_certain && best->sheet.certain_tags() >= fewest) sheets_.push_back(std::move(*best));
+  if (best->sheet.certain_tags() >= fewest) sheets_.push_back(std::move(*best));
   return true;
 }
 
