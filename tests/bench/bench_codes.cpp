@@ -63,34 +63,59 @@ std::vector<std::pair<int, cv::Point2f>> by_opencv_charuco(const cv::Mat& image,
 }
 
 // The corners of single tags, each fitted to the edges of its tag.
-std::vector<std::pair<int, cv::Point2f>> by_opencv_tags(const cv::Mat& image,
-                                                        const calvin::AprilGrid& board) {
+std::vector<std::pair<int, std::vector<cv::Point2f>>> tags_by_opencv(const cv::Mat& image,
+                                                                     int dictionary, int border) {
   std::vector<std::vector<cv::Point2f>> tags;
   std::vector<int> ids;
 #if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 7
   cv::aruco::DetectorParameters parameters;
-  parameters.markerBorderBits = board.border;
+  parameters.markerBorderBits = border;
   parameters.cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
-  cv::aruco::ArucoDetector(dictionary, parameters).detectMarkers(image, tags, ids);
+  cv::aruco::ArucoDetector(cv::aruco::getPredefinedDictionary(dictionary), parameters)
+      .detectMarkers(image, tags, ids);
 #else
   const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->markerBorderBits = board.border;
+  parameters->markerBorderBits = border;
   parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
-  cv::aruco::detectMarkers(image, dictionary, tags, ids, parameters);
+  cv::aruco::detectMarkers(image, cv::aruco::getPredefinedDictionary(dictionary), tags, ids,
+                           parameters);
 #endif
+  std::vector<std::pair<int, std::vector<cv::Point2f>>> all;
+  for (std::size_t i = 0; i < ids.size(); ++i) all.emplace_back(ids[i], tags[i]);
+  return all;
+}
+
+std::vector<std::pair<int, cv::Point2f>> by_opencv_april(const cv::Mat& image,
+                                                         const calvin::AprilGrid& board) {
   std::vector<std::pair<int, cv::Point2f>> all;
   const calvin::Grid grid = board.grid();
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    const int at = ids[i] - board.first;
+  for (const auto& [id, corners] :
+       tags_by_opencv(image, cv::aruco::DICT_APRILTAG_36h11, board.border)) {
+    const int at = id - board.first;
     if (at < 0 || at >= board.cols * board.rows) continue;
     const int col = 2 * (at % board.cols);
     const int row = 2 * (board.rows - 1 - at / board.cols);
     // Its first corner is the lower right one: Kalibr has tags the other way up.
     const int ids_around[] = {grid.id({col + 1, row + 1}), grid.id({col, row + 1}),
                               grid.id({col, row}), grid.id({col + 1, row})};
-    for (std::size_t k = 0; k < 4; ++k) all.emplace_back(ids_around[k], tags[i][k]);
+    for (std::size_t k = 0; k < 4; ++k) all.emplace_back(ids_around[k], corners[k]);
+  }
+  return all;
+}
+
+std::vector<std::pair<int, cv::Point2f>> by_opencv_grid(const cv::Mat& image,
+                                                        const calvin::TagGrid& board,
+                                                        int dictionary) {
+  std::vector<std::pair<int, cv::Point2f>> all;
+  const calvin::Grid grid = board.grid();
+  for (const auto& [id, corners] : tags_by_opencv(image, dictionary, board.border)) {
+    const auto place = board.place_of(id);
+    if (!place) continue;
+    const int col = 2 * place->col;
+    const int row = 2 * place->row;
+    const int ids_around[] = {grid.id({col, row}), grid.id({col + 1, row}),
+                              grid.id({col + 1, row + 1}), grid.id({col, row + 1})};
+    for (std::size_t k = 0; k < 4; ++k) all.emplace_back(ids_around[k], corners[k]);
   }
   return all;
 }
@@ -101,12 +126,17 @@ const Subjects kBoards[] = {
     {"charuco:11x7:30mm:22mm:DICT_4X4_100", 11, 7, cv::aruco::DICT_4X4_100, 22.0F / 30},
     {"aprilgrid:6x6:88mm:0.3", 0, 0, cv::aruco::DICT_APRILTAG_36h11, 0},
     {"aprilgrid:5x4:88mm:0.3:border=1", 0, 0, cv::aruco::DICT_APRILTAG_36h11, 0},
+    {"aruco:6x5:60mm:15mm:DICT_6X6_250", 0, 0, cv::aruco::DICT_6X6_250, 0},
+    {"aruco:5x5:60mm:15mm:DICT_4X4_50", 0, 0, cv::aruco::DICT_4X4_50, 0},
 };
 
 std::vector<std::pair<int, cv::Point2f>> by_opencv(const cv::Mat& image, const Subjects& board) {
   const calvin::Board text = calvin::parse_board(board.board).value();
-  const auto* april = text.as<calvin::AprilGrid>();
-  return april == nullptr ? by_opencv_charuco(image, board) : by_opencv_tags(image, *april);
+  if (const auto* april = text.as<calvin::AprilGrid>()) return by_opencv_april(image, *april);
+  if (const auto* tags = text.as<calvin::TagGrid>()) {
+    return by_opencv_grid(image, *tags, board.dictionary);
+  }
+  return by_opencv_charuco(image, board);
 }
 
 struct Score {
