@@ -30,6 +30,12 @@ struct SolveOptions {
   int max_iterations = 100;     // of each least-squares solve
   bool reject_outliers = true;  // false: plain least squares over all corners
 
+  // One of the methods of the tools that came before (docs/methods.md), from which the solve starts:
+  // "bakstein", "dlt", "tsai", "zhang". Empty: starts are searched.
+  std::string method;
+  // False: what `method` finds by itself, in its own model, without the least squares after it.
+  bool refine = true;
+
   // A calibration of images of the same size to start from: it makes a solve sure where the views
   // alone are few, and gives the values at which parameters are held. Coefficients of an unrelated
   // model do not count.
@@ -68,7 +74,7 @@ struct SolveOptions {
   // coefficient where it bends nothing (LensTraits::neutral: 0, but 1 for beta) and "cx", "cy" at
   // the centre of the image; "center" holds both of these.
   // "aspect" ties fy / fx as in `initial`, or else at 1; "fx=fy" or "k1=k2" gives two parameters
-  // one value.
+  // one value; "fx=800" holds one at a number.
   std::vector<std::string> fix;
 };
 

@@ -19,6 +19,8 @@
 #include "calvin/core/text.hpp"
 #include "calvin/solve/auto_model.hpp"
 #include "calvin/solve/judge/solve_points.hpp"
+#include "calvin/solve/methods/method_solution.hpp"
+#include "calvin/solve/methods/methods.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/residuals/points.hpp"
@@ -266,6 +268,9 @@ Result<Solution> solve_board(std::span<const View> views, std::vector<PointSet> 
 }  // namespace
 
 Status check(const SolveOptions& options) {
+  if (!options.method.empty() || !options.refine) {
+    if (const Status known = check_method(options.method); !known) return known;
+  }
   SolveOptions any = options;
   if (any.model == kAutoModel) any.model = "brown5";
   const auto parameterization = make_parameterization(any, {});
@@ -280,7 +285,9 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
   }
   auto usable = usable_views(views, image_size);
   if (!usable) return tl::unexpected<Error>(usable.error());
-  auto solution = solve_board(views, std::move(usable->views), image_size, options, stop);
+  auto solution = options.refine
+                      ? solve_board(views, std::move(usable->views), image_size, options, stop)
+                      : method_solution(usable->views, image_size, options);
   if (!solution) return solution;
   give_ids(views, solution->rejected_corners);
   auto& rejected = solution->rejected;

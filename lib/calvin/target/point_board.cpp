@@ -22,8 +22,12 @@ namespace {
 // diagonals.
 constexpr double kNear = 1.3;
 
+constexpr std::size_t kMostDots = 10'000;
+
+Eigen::Vector3d place(const PointBoard::Dot& dot) { return {dot.x, dot.y, dot.z}; }
+
 double distance(const PointBoard::Dot& a, const PointBoard::Dot& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
+  return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
 // Whether the dot has another one at most so far away.
@@ -46,9 +50,8 @@ bool lie_on_a_line(const std::vector<PointBoard::Dot>& dots) {
   const PointBoard::Dot last = farthest_from(first);
   const double length = distance(first, last);
   return std::none_of(dots.begin(), dots.end(), [&](const PointBoard::Dot& dot) {
-    const double area =
-        (last.x - first.x) * (dot.y - first.y) - (last.y - first.y) * (dot.x - first.x);
-    return std::abs(area) > kThin * length * length;
+    const double area = (place(last) - place(first)).cross(place(dot) - place(first)).norm();
+    return area > kThin * length * length;
   });
 }
 
@@ -60,14 +63,16 @@ Status refuse(std::string why) {
 // `dots` are in the order of their ids.
 Status check_dots(const std::vector<PointBoard::Dot>& dots) {
   if (dots.size() < 4) return refuse(fmt::format("{} of them, at least 4 are needed", dots.size()));
+  if (dots.size() > kMostDots) {
+    return refuse(fmt::format("{} of them, at most {} are taken", dots.size(), kMostDots));
+  }
   for (std::size_t i = 0; i < dots.size(); ++i) {
     const PointBoard::Dot& dot = dots[i];
     if (dot.id < 0) return refuse(fmt::format("{} is no id", dot.id));
     if (i > 0 && dots[i - 1].id == dot.id) {
       return refuse(fmt::format("the id {} is given twice", dot.id));
     }
-    if (!std::isfinite(dot.x) || !std::isfinite(dot.y) || !std::isfinite(dot.diameter) ||
-        !(dot.diameter > 0)) {
+    if (!place(dot).allFinite() || !std::isfinite(dot.diameter) || !(dot.diameter >= 0)) {
       return refuse(fmt::format("the dot {} has no place or no size", dot.id));
     }
     for (std::size_t j = 0; j < i; ++j) {
@@ -93,6 +98,10 @@ Result<PointBoard> PointBoard::make(std::string name, std::vector<Dot> dots) {
   return PointBoard(std::make_shared<const Shared>(Shared{std::move(name), std::move(dots)}));
 }
 
+bool PointBoard::is_flat() const noexcept {
+  return std::all_of(dots().begin(), dots().end(), [](const Dot& dot) { return dot.z == 0; });
+}
+
 std::string PointBoard::text() const { return "points:" + shared_->name; }
 
 std::vector<int> PointBoard::ids() const {
@@ -103,7 +112,7 @@ std::vector<int> PointBoard::ids() const {
 
 std::vector<Eigen::Vector3d> PointBoard::points() const {
   std::vector<Eigen::Vector3d> all;
-  for (const Dot& dot : dots()) all.emplace_back(dot.x, dot.y, 0);
+  for (const Dot& dot : dots()) all.push_back(place(dot));
   return all;
 }
 

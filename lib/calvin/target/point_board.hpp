@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// PointBoard: round dots at known places, each with an id of its own.
+// PointBoard: control points at known places, in a plane or in space, each with an id of its own.
 #pragma once
 
 #include <cstddef>
@@ -18,23 +18,26 @@
 
 namespace calvin {
 
-// Dots in the plane z = 0 of the board frame, dark on light, that need not lie on a grid; ids may
-// have gaps. A control point is the centre of a dot. Copies share what make() was given. What the
-// functions answer is said of Board, in target/board.hpp.
+// Points that need not lie on a grid, or in the plane z = 0 of the board frame: those of a plate, a
+// cube or a room that was surveyed. Ids may have gaps. Where a point has a diameter it is the
+// centre of a round dot, dark on light; dots are printed and rendered where all points have z = 0.
+// Copies share what make() was given. What the functions answer is said of Board, in
+// target/board.hpp.
 class PointBoard {
  public:
   struct Dot {
     int id = 0;
     double x = 0;  // m, board frame
     double y = 0;
-    double diameter = 0;  // m
+    double diameter = 0;  // m; 0: a point of no size
+    double z = 0;         // m
 
     friend bool operator==(const Dot&, const Dot&) = default;
   };
 
   // `name` stands in the board's text: "points:NAME". kInvalidArgument for a name of more than 64
-  // bytes or with '#', ';' or control characters, without 4 dots, for an id that is negative or
-  // given twice, and for dots that touch or are no numbers.
+  // bytes or with '#', ';' or control characters, without 4 dots or with more than 10 000,
+  // for an id that is negative or given twice, and for dots that touch or are no numbers.
   [[nodiscard]] static Result<PointBoard> make(std::string name, std::vector<Dot> dots);
 
   // A move is a copy, too: what was moved from is still a board.
@@ -44,6 +47,9 @@ class PointBoard {
 
   // In the order of their ids.
   [[nodiscard]] const std::vector<Dot>& dots() const noexcept { return shared_->dots; }
+
+  // Whether all points lie in the plane z = 0.
+  [[nodiscard]] bool is_flat() const noexcept;
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] Status check() const { return {}; }

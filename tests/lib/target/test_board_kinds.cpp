@@ -228,7 +228,7 @@ TEST(PointBoards, OfWrongDotsThereAreNone) {
   refused([](auto& dots) { dots[2].id = 3; }, "given twice");
   refused([](auto& dots) { dots[2].id = -1; }, "no id");
   refused([](auto& dots) { dots[1].x = kNan; }, "no place");
-  refused([](auto& dots) { dots[1].diameter = 0; }, "no size");
+  refused([](auto& dots) { dots[1].diameter = -0.01; }, "no size");
   refused([](auto& dots) { dots[1].x = 0.045; }, "touch");
   refused(
       [](auto& dots) {
@@ -238,6 +238,23 @@ TEST(PointBoards, OfWrongDotsThereAreNone) {
         }
       },
       "on one line");
+}
+
+TEST(PointBoards, MayLieInSpace) {
+  auto dots = five_dots();
+  for (PointBoard::Dot& dot : dots) dot.diameter = 0;
+  EXPECT_TRUE(PointBoard::make("flat", dots)->is_flat());
+  dots[0].z = -0.1;
+  dots[3] = {40, 0.05, 0.03, 0, 0};  // before the first one: another place in space
+  const auto cube = PointBoard::make("cube.txt", dots);
+  ASSERT_TRUE(cube) << cube.error().message;
+  EXPECT_FALSE(cube->is_flat());
+  EXPECT_EQ(cube->points()[2], Eigen::Vector3d(0.05, 0.03, -0.1));
+  EXPECT_NEAR(cube->cell_size(20), 0.1, 1e-15);
+  // Three of them on one line in the plane, but not in space.
+  EXPECT_TRUE(PointBoard::make("wall", {{0, 0, 0}, {1, 1, 0}, {2, 2, 0, 0, 1}, {3, 3, 0}}));
+  EXPECT_FALSE(
+      PointBoard::make("rod", {{0, 0, 0}, {1, 0, 0, 0, 1}, {2, 0, 0, 0, 2}, {3, 0, 0, 0, 3}}));
 }
 
 TEST(PointBoards, AreNotCalledWhatNoFileOrMessageTakes) {

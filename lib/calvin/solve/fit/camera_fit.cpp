@@ -11,7 +11,6 @@
 
 #include "calvin/solve/fit/fit_steps.hpp"
 #include "calvin/solve/start/least_squares.hpp"
-#include "calvin/solve/start/plane_pose.hpp"
 #include "calvin/solve/start/pose_fit.hpp"
 #include "calvin/solve/start/start_search.hpp"
 
@@ -21,12 +20,6 @@ namespace {
 
 // Optima whose costs differ by a smaller part are the same.
 constexpr double kSame = 1e-6;
-
-Eigen::Vector3d center_of(const PointSet& view) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : view.points) sum += p;
-  return sum / static_cast<double>(view.size());
-}
 
 // The squares of distances, their weights taken off, px^2.
 std::vector<double> squares(const std::vector<double>& weight, const double* distance) {
@@ -106,7 +99,7 @@ class FitRun {
     for (std::size_t v = 0; v < views_.size() && !least_squares_.cancelled(); ++v) {
       if (!best.used[v] || !mirrored_fits(best, v)) continue;
       Estimate start = best.at;
-      start.poses[v] = mirrored_tilt(*start.poses[v], center_of(views_[v].set));
+      start.poses[v] = mirrored_tilt(views_[v].set, *start.poses[v]);
       FitState state = steps_.solve_for(std::move(start), best.masks, kFarLambda);
       keep_rival(state);
       if (better(state, best)) best = std::move(state);

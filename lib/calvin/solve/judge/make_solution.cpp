@@ -322,7 +322,10 @@ Status check_equations(const std::vector<PointSet>& views, const std::vector<boo
         "There is no view to calibrate from: none shows at least 4 corners of the board that do "
         "not lie on one line.");
   }
-  if (2 * n < parameterization.pinhole_directions()) {
+  // A plane gives two equations for the pinhole, points in space all that there are.
+  bool in_space = false;
+  for (std::size_t v = 0; v < views.size(); ++v) in_space |= used[v] && spans_space(views[v]);
+  if (!in_space && 2 * n < parameterization.pinhole_directions()) {
     return degenerate(fmt::format("{} view{} cannot determine the camera model {}.", n,
                                   n == 1 ? "" : "s", model));
   }

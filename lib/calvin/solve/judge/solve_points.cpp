@@ -13,6 +13,7 @@
 #include "calvin/solve/fit/camera_fit.hpp"
 #include "calvin/solve/fit/weights.hpp"
 #include "calvin/solve/judge/make_solution.hpp"
+#include "calvin/solve/methods/methods.hpp"
 
 namespace calvin {
 
@@ -158,6 +159,11 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
   if (const Status status = check_equations(views, all, *parameterization, options.model);
       !status) {
     return tl::unexpected<Error>(status.error());
+  }
+  if (!options.method.empty()) {
+    const auto start = run_method(options.method, method_input(views, image_size, options));
+    if (!start) return tl::unexpected<Error>(start.error());
+    start_from(start->camera.to_calibration(), *parameterization);
   }
   const WeightScale scale = normalise_weights(views);
   ParameterTable& table = parameterization->table;

@@ -106,6 +106,9 @@ tl::unexpected<Error> degenerate(std::string what) {
 }
 
 Status tilted_enough(const Fit& fit, const Parameterization& parameterization) {
+  for (std::size_t v = 0; v < fit.views.size(); ++v) {
+    if (fit.used[v] && spans_space(fit.views[v])) return {};
+  }
   const int seen = orientations(fit);
   if (2 * seen >= parameterization.pinhole_directions()) {
     // Two tilts give just enough equations, and not any two do. The angles of a wide lens, or

@@ -74,6 +74,8 @@ class Reader {
     }
     if (const auto equals = word.find('='); equals != std::string_view::npos) {
       const auto first = table_.find(trim(word.substr(0, equals)));
+      const auto number = parse_double(trim(word.substr(equals + 1)));
+      if (first && number) return hold_at(*first, *number, word);
       const auto second = table_.find(trim(word.substr(equals + 1)));
       if (!first || !second) return unknown(word);
       return tie(*first, *second, 1, word);
@@ -83,8 +85,8 @@ class Reader {
     if (focal.has(*index) && parameterization_.initial.empty()) {
       return make_error(ErrorCode::kInvalidArgument,
                         fmt::format("'{}' cannot be fixed at nothing: give a calibration that has "
-                                    "its value (initial).",
-                                    word));
+                                    "its value (initial), or the value, as in {}=800.",
+                                    word, word));
     }
     hold(*index);
     return {};
@@ -106,6 +108,15 @@ class Reader {
     table_.hold(unknown, value);
   }
 
+  Status hold_at(int unknown, double value, std::string_view word) {
+    if (table_.focal(0).has(unknown) && !(value > 0)) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("'{}' cannot be fixed: a focal length is positive.", word));
+    }
+    table_.hold(unknown, value);
+    return {};
+  }
+
   Status tie(int with, int parameter, double ratio, std::string_view word) {
     if (with == parameter || table_.tied(parameter)) {
       return make_error(ErrorCode::kInvalidArgument,
@@ -121,7 +132,7 @@ class Reader {
     return make_error(
         ErrorCode::kInvalidArgument,
         fmt::format("'{}' cannot be fixed. What can: aspect, center, {}, and two of them tied to "
-                    "one value, as in fx=fy.",
+                    "one value, as in fx=fy, or one to a number, as in fx=800.",
                     word, join(names, ", ")));
   }
 
@@ -213,6 +224,10 @@ Result<Parameterization> make_parameterization(const SolveOptions& options, Imag
                       "Everything is fixed: there is nothing left to estimate.");
   }
   return parameterization;
+}
+
+void start_from(const Calibration& camera, Parameterization& parameterization) {
+  parameterization.start = initial_of(camera, parameterization);
 }
 
 }  // namespace calvin

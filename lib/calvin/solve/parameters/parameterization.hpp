@@ -24,6 +24,7 @@ struct Parameterization {
   ParameterTable table;
   Eigen::MatrixXd basis;        // of the table
   std::vector<double> initial;  // all unknowns of SolveOptions::initial, or empty
+  std::vector<double> start;    // all unknowns where SolveOptions::method puts them, or empty
 
   // How many of fx fy cx cy the boards have to determine.
   [[nodiscard]] int pinhole_directions() const;
@@ -37,5 +38,8 @@ struct Parameterization {
 [[nodiscard]] Result<Parameterization> make_parameterization(const SolveOptions& options,
                                                              ImageSize size,
                                                              const BoardUnknowns& board = {});
+
+// Lets the solve start from a camera of any model; coefficients of an unrelated one do not count.
+void start_from(const Calibration& camera, Parameterization& parameterization);
 
 }  // namespace calvin

@@ -9,7 +9,10 @@
 #include <cmath>
 #include <optional>
 
+#include <Eigen/LU>
+
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/view.hpp"
 #include "calvin/target/points/id_index.hpp"
 
@@ -23,6 +26,29 @@ std::optional<double> weight_of(const Observation& observation, std::size_t i) {
   const double sigma = observation.sigma[i];
   if (!is_known_sigma(sigma)) return std::nullopt;
   return 1 / sigma;
+}
+
+// Of the points in use: how many, and how they are spread, m and m^2.
+struct Scatter {
+  std::size_t count = 0;
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d about_centroid = Eigen::Matrix3d::Zero();
+};
+
+Scatter scatter_of(const PointSet& view) {
+  Scatter s;
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    if (!(view.weight[i] > 0)) continue;
+    s.centroid += view.points[i];
+    ++s.count;
+  }
+  s.centroid /= static_cast<double>(std::max<std::size_t>(s.count, 1));
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    if (!(view.weight[i] > 0)) continue;
+    const Eigen::Vector3d d = view.points[i] - s.centroid;
+    s.about_centroid += d * d.transpose();
+  }
+  return s;
 }
 
 }  // namespace
@@ -93,35 +119,40 @@ std::vector<RowMotion> row_motion(const Observation& observation, int height) {
 }
 
 bool spans_plane(const PointSet& view) {
-  const auto first =
-      std::find_if(view.weight.begin(), view.weight.end(), [](double w) { return w > 0; });
-  if (first == view.weight.end()) return false;
-  const Eigen::Vector3d& origin =
-      view.points[static_cast<std::size_t>(first - view.weight.begin())];
-  double n = 0;
-  double x = 0;
-  double y = 0;
-  double xx = 0;
-  double xy = 0;
-  double yy = 0;
-  for (std::size_t i = 0; i < view.size(); ++i) {
-    if (!(view.weight[i] > 0)) continue;
-    const double dx = view.points[i].x() - origin.x();
-    const double dy = view.points[i].y() - origin.y();
-    n += 1;
-    x += dx;
-    y += dy;
-    xx += dx * dx;
-    xy += dx * dy;
-    yy += dy * dy;
-  }
-  if (n < 4) return false;
-  xx -= x * x / n;
-  xy -= x * y / n;
-  yy -= y * y / n;
-  // The product of the eigenvalues of the scatter: on one line it is zero.
-  const double trace = xx + yy;
-  return xx * yy - xy * xy > 1e-8 * trace * trace;
+  const Scatter s = scatter_of(view);
+  if (s.count < 4) return false;
+  const Eigen::Matrix3d& m = s.about_centroid;
+  // The sum of the products of two eigenvalues each: on one line it is zero.
+  const double pairs = m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) -
+                       m(0, 2) * m(0, 2) + m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
+  return pairs > 1e-8 * m.trace() * m.trace();
+}
+
+bool spans_space(const PointSet& view) {
+  constexpr std::size_t kLeast = 6;
+  // Of the standard deviation along the longest axis. A sheet that is bent by a tenth of its length
+  // comes to half of that.
+  constexpr double kThick = 0.06;
+  const auto is_high = [](const Eigen::Vector3d& p) { return p.z() != 0; };
+  if (std::none_of(view.points.begin(), view.points.end(), is_high)) return false;
+  const Scatter s = scatter_of(view);
+  const auto eigen = s.count < kLeast ? std::nullopt : symmetric_eigen(s.about_centroid);
+  return eigen && eigen->values[0] > kThick * kThick * eigen->values[2];
+}
+
+std::optional<SE3> board_from_plane(const PointSet& view) {
+  constexpr double kFlat = 0.1;  // of the extent along the plane: no bent sheet has more
+  const Scatter s = scatter_of(view);
+  const Eigen::Matrix3d& m = s.about_centroid;
+  const double across = m(2, 2) + static_cast<double>(s.count) * s.centroid.z() * s.centroid.z();
+  if (across <= kFlat * kFlat * (m(0, 0) + m(1, 1))) return std::nullopt;
+  const auto eigen = symmetric_eigen(m);
+  if (!eigen) return std::nullopt;
+  SE3 plane;
+  plane.rotation = eigen->vectors.rowwise().reverse();
+  if (plane.rotation.determinant() < 0) plane.rotation.col(2) *= -1;
+  plane.translation = s.centroid;
+  return plane;
 }
 
 }  // namespace calvin

@@ -5,12 +5,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "calvin/core/image.hpp"
 #include "calvin/core/observation.hpp"
+#include "calvin/geometry/se3.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
@@ -22,7 +24,8 @@ struct RowMotion {
   double rate = 0;   // 1/s: the velocity across the rows, in rows from the first to the last
 };
 
-// One view, structure of arrays. The points lie in the plane z = 0 of the board frame.
+// One view, structure of arrays. The points of a printed board lie about the plane z = 0 of the
+// board frame, those of a PointBoard may lie in space.
 struct PointSet {
   std::size_t index = 0;  // of the view it was made from
   std::size_t board = 0;  // equal for views of one board
@@ -52,7 +55,15 @@ struct PointSet {
 // where it has no velocities.
 [[nodiscard]] std::vector<RowMotion> row_motion(const Observation& observation, int height);
 
-// Whether the points span a plane: at least 4, not all on one line.
+// Whether the points in use span a plane: at least 4, not all on one line.
 [[nodiscard]] bool spans_plane(const PointSet& view);
+
+// Whether the points in use tell a camera by themselves: at least 6, which lie as far out of any
+// plane as tells perspective from tilt. A bent board does not.
+[[nodiscard]] bool spans_space(const PointSet& view);
+
+// The plane next to the points in use, whose z = 0 it is, for points that do not lie about the z =
+// 0 of their board. Absent for points that do.
+[[nodiscard]] std::optional<SE3> board_from_plane(const PointSet& view);
 
 }  // namespace calvin

@@ -13,6 +13,7 @@
 
 #include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/start/plane_pose.hpp"
+#include "calvin/solve/start/projection_matrix.hpp"
 
 namespace calvin {
 
@@ -80,9 +81,18 @@ FocalEquation focal_equation(const Eigen::Matrix3d& h) {
   return sum;
 }
 
+// A camera one image width before the image, whose axis meets the centre, as one in px.
+std::optional<Guess> in_pixels(const Guess& unit, ImageSize size) {
+  const Pixel center = image_center(size);
+  const double width = size.width;
+  const Guess g = {unit[0] * width, unit[1] * width, unit[2] * width + center.u,
+                   unit[3] * width + center.v};
+  return possible(g, size) ? std::optional(g) : std::nullopt;
+}
+
 }  // namespace
 
-std::optional<Eigen::Matrix3d> view_homography(const PointSet& view, ImageSize size) {
+std::vector<Eigen::Vector3d> unit_rays(const PointSet& view, ImageSize size) {
   const Pixel center = image_center(size);
   std::vector<Eigen::Vector3d> rays;
   rays.reserve(view.size());
@@ -90,7 +100,21 @@ std::optional<Eigen::Matrix3d> view_homography(const PointSet& view, ImageSize s
     rays.push_back(Eigen::Vector3d((p.u - center.u) / size.width, (p.v - center.v) / size.width, 1)
                        .normalized());
   }
-  return plane_homography(view.points, rays);
+  return rays;
+}
+
+std::optional<Eigen::Matrix3d> view_homography(const PointSet& view, ImageSize size) {
+  if (board_from_plane(view)) return std::nullopt;
+  return plane_homography(view.points, unit_rays(view, size));
+}
+
+std::optional<Guess> guess_in_space(const PointSet& view, ImageSize size) {
+  if (!spans_space(view)) return std::nullopt;
+  const auto p = projection_matrix(view.points, unit_rays(view, size));
+  const auto camera = p ? decompose(*p) : std::nullopt;
+  if (!camera) return std::nullopt;
+  const Eigen::Matrix3d& k = camera->k;
+  return in_pixels({k(0, 0), k(1, 1), k(0, 2), k(1, 2)}, size);
 }
 
 std::optional<SE3> pose_by_guess(const Eigen::Matrix3d& homography, const Guess& guess,
@@ -106,14 +130,9 @@ std::optional<SE3> pose_by_guess(const Eigen::Matrix3d& homography, const Guess&
 
 std::vector<Guess> closed_form_guesses(std::span<const Eigen::Matrix3d> homographies,
                                        ImageSize size) {
-  const Pixel center = image_center(size);
-  const double width = size.width;
-
   std::vector<Guess> guesses;
   const auto offer = [&](const Guess& unit) {
-    const Guess g = {unit[0] * width, unit[1] * width, unit[2] * width + center.u,
-                     unit[3] * width + center.v};
-    if (possible(g, size)) guesses.push_back(g);
+    if (const auto g = in_pixels(unit, size)) guesses.push_back(*g);
   };
   if (homographies.size() >= 3) {
     if (const auto guess = zhang(homographies)) offer(*guess);

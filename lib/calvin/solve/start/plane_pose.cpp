@@ -13,6 +13,7 @@
 #include <Eigen/LU>
 
 #include "calvin/solve/linear/cholesky.hpp"
+#include "calvin/solve/start/ray_bundle.hpp"
 
 namespace calvin {
 
@@ -50,22 +51,6 @@ Normalisation normalisation(const std::vector<Eigen::Vector3d>& points,
   }
   n.scale = n.count / distance;
   return n;
-}
-
-// The linear map that takes a narrow bundle of rays to a wide one about z. It conditions the
-// homography: in a narrow bundle, the same ray for all points fits nearly as well as the truth.
-Eigen::Matrix3d widening(const std::vector<Eigen::Vector3d>& rays) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& ray : rays) mean += ray;
-  const Eigen::Matrix3d turn = rotation_between(mean, Eigen::Vector3d::UnitZ());
-  double sine = 0;
-  double count = 0;
-  for (const Eigen::Vector3d& ray : rays) {
-    sine += (turn * ray).head<2>().norm();
-    count += ray.norm();
-  }
-  const double scale = std::clamp(count / sine, 1.0, 1e6);
-  return Eigen::Vector3d(scale, scale, 1).asDiagonal() * turn;
 }
 
 // Sum of w p p^T (x) (I - r r^T): the squared distances of H p from the rays, over vec(H). Both
@@ -226,9 +211,10 @@ std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
   return h ? pose_from_homography(*h) : std::nullopt;
 }
 
-SE3 mirrored_tilt(const SE3& camera_from_board, const Eigen::Vector3d& center) {
+SE3 mirrored_tilt(const SE3& camera_from_board, const Eigen::Vector3d& center,
+                  const Eigen::Vector3d& board_normal) {
   const Eigen::Vector3d at = camera_from_board * center;
-  const Eigen::Vector3d normal = camera_from_board.rotation.col(2);
+  const Eigen::Vector3d normal = camera_from_board.rotation * board_normal;
   const Eigen::Vector3d axis = normal.cross(at);
   const double tilt = std::atan2(axis.norm(), normal.dot(at));
   // Seen square on, the two poses are one.

@@ -28,8 +28,10 @@ namespace calvin {
 [[nodiscard]] std::optional<SE3> pose_from_rays(const std::vector<Eigen::Vector3d>& points,
                                                 const std::vector<Eigen::Vector3d>& rays);
 
-// The pose whose board is tilted to the other side of the line of sight to the point `center`
-// (board frame): the neighbourhood of the second minimum of the reprojection error.
-[[nodiscard]] SE3 mirrored_tilt(const SE3& camera_from_board, const Eigen::Vector3d& center);
+// The pose whose board is tilted to the other side of the line of sight to the point `center`: the
+// neighbourhood of the second minimum of the reprojection error. `normal`: of the board's plane, of
+// length 1. Both in the board frame.
+[[nodiscard]] SE3 mirrored_tilt(const SE3& camera_from_board, const Eigen::Vector3d& center,
+                                const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ());
 
 }  // namespace calvin

@@ -15,6 +15,7 @@
 #include "calvin/solve/linear/products.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
 #include "calvin/solve/start/plane_pose.hpp"
+#include "calvin/solve/start/projection_matrix.hpp"
 
 namespace calvin {
 
@@ -102,6 +103,29 @@ class PoseProblem {
   bool valid_ = false;
 };
 
+std::optional<SE3> start_on_plane(const PointSet& view, const std::vector<Eigen::Vector3d>& rays) {
+  const auto board_from = board_from_plane(view);
+  if (!board_from) return pose_from_rays(view.points, rays);
+  const SE3 plane_from_board = board_from->inverse();
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(view.size());
+  for (const Eigen::Vector3d& p : view.points) points.push_back(plane_from_board * p);
+  const auto pose = pose_from_rays(points, rays);
+  if (!pose) return std::nullopt;
+  return *pose * plane_from_board;
+}
+
+// The mean distance between the rays and the directions of the points, as unit vectors.
+double ray_error(const PointSet& view, const std::vector<Eigen::Vector3d>& rays,
+                 const SE3& camera_from_board) {
+  double sum = 0;
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    if (rays[i].isZero()) continue;
+    sum += (rays[i] - (camera_from_board * view.points[i]).normalized()).norm();
+  }
+  return sum;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const Camera& camera) {
@@ -115,7 +139,20 @@ std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const Camera& camera)
 }
 
 std::optional<SE3> start_pose(const PointSet& view, const Camera& camera) {
-  return pose_from_rays(view.points, rays_of(view, camera));
+  const auto rays = rays_of(view, camera);
+  auto plane = start_on_plane(view, rays);
+  if (!spans_space(view)) return plane;
+  auto space = pose_in_space(view.points, rays);
+  if (!space || !plane) return space ? space : plane;
+  return ray_error(view, rays, *space) < ray_error(view, rays, *plane) ? space : plane;
+}
+
+SE3 mirrored_tilt(const PointSet& view, const SE3& camera_from_board) {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : view.points) center += p / static_cast<double>(view.size());
+  const auto plane = board_from_plane(view);
+  return plane ? mirrored_tilt(camera_from_board, center, plane->rotation.col(2))
+               : mirrored_tilt(camera_from_board, center);
 }
 
 std::optional<PoseFit> fit_pose(const PointSet& view, const Camera& camera, const Loss& loss) {
@@ -128,10 +165,8 @@ std::optional<PoseFit> fit_pose(const PointSet& view, const Camera& camera, cons
     minimise(problem, LmOptions{}, {});
     return PoseFit{problem.pose(), problem.cost(), problem.pose(), problem.cost()};
   };
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : view.points) center += p / static_cast<double>(view.size());
   auto best = refined(*start);
-  auto other = refined(mirrored_tilt(best ? best->camera_from_board : *start, center));
+  auto other = refined(mirrored_tilt(view, best ? best->camera_from_board : *start));
   if (other && (!best || other->cost < best->cost)) std::swap(best, other);
   if (best && other) {
     best->other = other->camera_from_board;

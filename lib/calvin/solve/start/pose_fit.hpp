@@ -19,8 +19,12 @@ namespace calvin {
 // The unit rays of the corners in use, camera frame; zero where the model has none.
 [[nodiscard]] std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const Camera& camera);
 
-// The pose of the linear solution, not refined by distances in the image.
+// The pose of the linear solution, not refined by distances in the image: of a plane, or of points
+// in space.
 [[nodiscard]] std::optional<SE3> start_pose(const PointSet& view, const Camera& camera);
+
+// The mirrored_tilt() of the points of a view.
+[[nodiscard]] SE3 mirrored_tilt(const PointSet& view, const SE3& camera_from_board);
 
 struct PoseFit {
   SE3 camera_from_board;

@@ -102,7 +102,8 @@ bool StartSearch::many_basins(const Views& views) const {
 }
 
 Candidate StartSearch::quick(const Views& views) {
-  if (!parameterization_.initial.empty() || parameterization_.lens.starts.size() > 1 ||
+  const bool is_given = !parameterization_.initial.empty() || !parameterization_.start.empty();
+  if (is_given || parameterization_.lens.starts.size() > 1 ||
       (is_rich() && views.size() < kFewViews)) {
     return {};
   }
@@ -177,9 +178,10 @@ std::vector<Candidate> StartSearch::thorough(const Views& views) {
 }
 
 std::vector<Candidate> StartSearch::from_initial() const {
-  if (parameterization_.initial.empty()) return {};
+  const bool by_method = !parameterization_.start.empty();
+  if (parameterization_.initial.empty() && !by_method) return {};
   Candidate c;
-  c.shared = parameterization_.initial;
+  c.shared = by_method ? parameterization_.start : parameterization_.initial;
   parameterization_.table.apply(c.shared);
   return {std::move(c)};
 }
@@ -203,6 +205,9 @@ std::vector<Candidate> StartSearch::guesses(const Views& sample,
       if (const auto h = view_homography(view->set, size_)) homographies.push_back(*h);
     }
     cameras = closed_form_guesses(homographies, size_);
+    for (const FitView* view : sample) {
+      if (const auto guess = guess_in_space(view->set, size_)) cameras.push_back(*guess);
+    }
   }
   const auto more = focal_grid(size_, parameterization_.lens.perspective);
   cameras.insert(cameras.end(), more.begin(), more.end());

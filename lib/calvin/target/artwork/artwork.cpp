@@ -251,8 +251,9 @@ void print(Artwork& artwork, const TagGrid& board) {
 }
 
 void print(Artwork& artwork, const PointBoard& board) {
+  if (!board.is_flat()) return;
   for (const PointBoard::Dot& dot : board.dots()) {
-    artwork.discs.push_back({dot.x, dot.y, dot.diameter, true});
+    if (dot.diameter > 0) artwork.discs.push_back({dot.x, dot.y, dot.diameter, true});
   }
 }
 

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The table of methods.
+
+#include "calvin/solve/methods/methods.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+#include "calvin/solve/methods/bakstein.hpp"
+#include "calvin/solve/methods/dlt.hpp"
+#include "calvin/solve/methods/tsai.hpp"
+#include "calvin/solve/methods/zhang.hpp"
+
+namespace calvin {
+
+namespace {
+
+struct Method {
+  std::string_view name;
+  Result<MethodResult> (*run)(const MethodInput&);
+};
+constexpr std::array kMethods = {
+    Method{"bakstein", bakstein_method},
+    Method{"dlt", dlt_method},
+    Method{"tsai", tsai_method},
+    Method{"zhang", zhang_method},
+};
+
+}  // namespace
+
+const std::vector<std::string_view>& method_names() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> all;
+    for (const Method& method : kMethods) all.push_back(method.name);
+    return all;
+  }();
+  return names;
+}
+
+Status check_method(std::string_view method) {
+  const auto& names = method_names();
+  if (std::find(names.begin(), names.end(), method) != names.end()) return {};
+  if (method.empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("Without the least squares there is nothing but a method: give "
+                                  "one of {}.",
+                                  join(names, ", ")));
+  }
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("The method '{}' is not known. Known methods: {}.", method, join(names, ", ")));
+}
+
+MethodInput method_input(std::span<const PointSet> views, ImageSize size,
+                         const SolveOptions& options) {
+  const auto fixes = [&options](std::string_view word) {
+    return std::any_of(options.fix.begin(), options.fix.end(),
+                       [word](const std::string& fix) { return trim(fix) == word; });
+  };
+  MethodInput input = {views, size, options.skew};
+  if (options.initial) return input;
+  input.centered = fixes("center") || (fixes("cx") && fixes("cy"));
+  input.square = fixes("aspect") || fixes("fx=fy") || fixes("fy=fx");
+  return input;
+}
+
+Result<MethodResult> run_method(std::string_view method, const MethodInput& input) {
+  if (const Status known = check_method(method); !known) return tl::unexpected(known.error());
+  if (input.views.empty()) {
+    return make_error(ErrorCode::kDegenerate, "There is no view to calibrate from.");
+  }
+  const auto at = std::find_if(kMethods.begin(), kMethods.end(),
+                               [method](const Method& m) { return m.name == method; });
+  return at->run(input);
+}
+
+}  // namespace calvin

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The methods of the tools that came before, by name: each is a start of its own, which the least
+// squares of solve() refines. docs/methods.md tells which tool had which.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "calvin/core/result.hpp"
+#include "calvin/solve/methods/method_result.hpp"
+#include "calvin/solve/options.hpp"
+
+namespace calvin {
+
+// "bakstein, dlt, ...".
+[[nodiscard]] const std::vector<std::string_view>& method_names();
+
+// kInvalidArgument for a name that is none of these: the message shows them.
+[[nodiscard]] Status check_method(std::string_view method);
+
+// What a method is told of the options: skew, and which of `fix` it may make use of.
+[[nodiscard]] MethodInput method_input(std::span<const PointSet> views, ImageSize size,
+                                       const SolveOptions& options);
+
+// What the method makes of the views. kDegenerate where it finds no camera: the message says what
+// to do.
+[[nodiscard]] Result<MethodResult> run_method(std::string_view method, const MethodInput& input);
+
+}  // namespace calvin

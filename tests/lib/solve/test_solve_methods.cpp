@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The methods of the tools that came before: on points without noise each finds the camera, on
+// noisy ones each leads to the optimum that the truth leads to, and what none can tell is refused.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/geometry/se3.hpp"
+#include "calvin/solve/methods/methods.hpp"
+#include "calvin/solve/methods/radial_alignment.hpp"
+#include "calvin/solve/methods/tsai.hpp"
+#include "calvin/solve/residuals/points.hpp"
+#include "calvin/solve/solve.hpp"
+#include "calvin/target/kinds.hpp"
+#include "scenes.hpp"
+
+namespace calvin {
+namespace {
+
+using scenes::kSize;
+using scenes::uniform;
+using Random = scenes::Random;
+
+// What is in view: an object in space, or a plane.
+enum class Object { kSpace, kPlane };
+
+// Points in a box of 200 x 150 x 100 mm; in a plane, those of a grid.
+Board object(Object kind, Random& random) {
+  if (kind == Object::kPlane) return scenes::kBoard;
+  std::vector<PointBoard::Dot> dots;
+  for (int i = 0; i < 40; ++i) {
+    dots.push_back({i, uniform(random, -0.1, 0.1), uniform(random, -0.075, 0.075), 0,
+                    uniform(random, -0.05, 0.05)});
+  }
+  return PointBoard::make("box", dots).value();
+}
+
+// A method, what it takes, and what a single view or a plane leaves to be known before.
+struct MethodCase {
+  const char* name;
+  const char* method;
+  Object object;
+  int views;
+  const char* model;
+  std::vector<std::string> fix;
+
+  friend std::ostream& operator<<(std::ostream& out, const MethodCase& c) { return out << c.name; }
+};
+const std::vector<MethodCase> kCases = {
+    {"DltOfOneView", "dlt", Object::kSpace, 1, "brown4", {}},
+    {"DltOfThreeViews", "dlt", Object::kSpace, 3, "brown5", {}},
+    {"TsaiInSpace", "tsai", Object::kSpace, 1, "brown4", {"k2", "p1", "p2"}},
+    {"TsaiOfAPlane", "tsai", Object::kPlane, 1, "brown4", {"center", "aspect", "k2", "p1", "p2"}},
+    {"ZhangOfOneView", "zhang", Object::kPlane, 1, "brown4", {"center", "aspect", "p1", "p2"}},
+    {"ZhangOfTwoViews", "zhang", Object::kPlane, 2, "brown4", {"center", "aspect"}},
+    {"ZhangOfFiveViews", "zhang", Object::kPlane, 5, "brown4", {}},
+    {"BaksteinOfFiveViews", "bakstein", Object::kPlane, 5, "brown4", {}},
+};
+
+// A lens whose free parameters are those of the case; it bends the corners by some ten px.
+Camera camera_for(const MethodCase& c, Random& random) {
+  const auto is_fixed = [&c](const char* name) {
+    return std::find(c.fix.begin(), c.fix.end(), name) != c.fix.end();
+  };
+  const double fx = kSize.width * uniform(random, 0.8, 1.4);
+  const double fy = is_fixed("aspect") ? fx : fx * uniform(random, 0.995, 1.005);
+  Pixel center = image_center(kSize);
+  if (!is_fixed("center")) {
+    center = {kSize.width * uniform(random, 0.48, 0.52),
+              kSize.height * uniform(random, 0.48, 0.52)};
+  }
+  std::vector<double> p = {fx,
+                           fy,
+                           center.u,
+                           center.v,
+                           uniform(random, -0.2, 0.1),
+                           is_fixed("k2") ? 0 : uniform(random, -0.02, 0.05),
+                           0,
+                           0};
+  if (!is_fixed("p1")) p[6] = uniform(random, -0.001, 0.001);
+  if (!is_fixed("p2")) p[7] = uniform(random, -0.001, 0.001);
+  if (std::string_view(c.model) == "brown5") p.push_back(0);
+  return Camera::make(c.model, kSize, p).value();
+}
+
+// The object before the camera, filling a third of the picture and more, a plane tilted by 20 to 50
+// degrees.
+SE3 pose_for(const Camera& camera, const Board& board, Object kind, Random& random) {
+  for (;;) {
+    const double side = uniform(random, 0, 2 * std::numbers::pi);
+    const double tilt = kind == Object::kPlane ? uniform(random, 20, 50) : uniform(random, 0, 180);
+    const Eigen::Vector3d axis(std::cos(side), std::sin(side),
+                               kind == Object::kPlane ? 0 : uniform(random, -1, 1));
+    SE3 pose;
+    pose.rotation = exp_so3(axis.normalized() * tilt * std::numbers::pi / 180) *
+                    exp_so3({0, 0, uniform(random, -0.5, 0.5)});
+    const double distance = camera.fx() * 0.2 / (kSize.width * uniform(random, 0.35, 0.7));
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : board.points()) middle += p / board.point_count();
+    pose.translation = Eigen::Vector3d(distance * uniform(random, -0.1, 0.1),
+                                       distance * uniform(random, -0.1, 0.1), distance) -
+                       pose.rotation * middle;
+    if (scenes::sees_all(camera, board, pose)) return pose;
+  }
+}
+
+struct Problem {
+  Camera camera;
+  std::vector<SE3> poses;
+  std::vector<View> views;
+};
+
+Problem problem_for(const MethodCase& c, double noise, Random& random) {
+  Problem problem = {camera_for(c, random), {}, {}};
+  const Board board = object(c.object, random);
+  for (int v = 0; v < c.views; ++v) {
+    problem.poses.push_back(pose_for(problem.camera, board, c.object, random));
+    problem.views.push_back(
+        scenes::observe(problem.camera, board, problem.poses.back(), noise, random));
+  }
+  return problem;
+}
+
+SolveOptions options_for(const MethodCase& c) {
+  SolveOptions options;
+  options.model = c.model;
+  options.method = c.method;
+  options.fix = c.fix;
+  options.warp = false;
+  options.checks = false;
+  options.reject_outliers = false;
+  return options;
+}
+
+class Methods : public ::testing::TestWithParam<MethodCase> {};
+INSTANTIATE_TEST_SUITE_P(Solve, Methods, ::testing::ValuesIn(kCases),
+                         [](const auto& c) { return std::string(c.param.name); });
+
+// Without noise, and without distortion, which only the least squares take account of, the linear
+// steps are exact.
+TEST_P(Methods, AreExactForAPinhole) {
+  const MethodCase& c = GetParam();
+  Random random(5);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Problem bent = problem_for(c, 0, random);
+    const auto& p = bent.camera.parameters();
+    Camera camera = Camera::make("pinhole", kSize, {p[0], p[1], p[2], p[3]}).value();
+    if (std::string_view(c.method) == "tsai") {
+      const Pixel center = image_center(kSize);
+      camera = Camera::make("pinhole", kSize, {p[0], p[1], center.u, center.v}).value();
+    }
+    std::vector<View> views;
+    for (const SE3& pose : bent.poses) {
+      views.push_back(scenes::observe(camera, bent.views.front().board, pose, 0, random));
+    }
+    SolveOptions options = options_for(c);
+    options.refine = false;
+    const auto found = solve(views, kSize, options);
+    ASSERT_TRUE(found) << found.error().message;
+    if (std::string_view(c.method) == "bakstein") {
+      // Its turns end near the camera, not in it.
+      EXPECT_LT(*found->calibration.rms, 10);
+      EXPECT_NEAR(found->calibration.find("fx")->value, camera.fx(), 0.1 * camera.fx());
+      continue;
+    }
+    EXPECT_LT(*found->calibration.rms, 1e-3);
+    EXPECT_NEAR(found->calibration.find("fx")->value, camera.fx(), 2e-4 * camera.fx());
+    EXPECT_NEAR(found->calibration.find("cy")->value, camera.cy(), 0.2);
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      const SE3 pose = to_se3(found->calibration.views[v].camera_from_board);
+      EXPECT_LT((pose.translation - bent.poses[v].translation).norm(),
+                1e-3 * bent.poses[v].translation.norm());
+    }
+  }
+}
+
+// The square of what separates the estimated parameters from the truth, over their covariance and
+// number.
+double normalised(const Calibration& found, const Camera& truth) {
+  std::vector<double> error;
+  const auto names = parameter_names(truth.model());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Parameter* p = found.find(names[i]);
+    if (p->sigma) error.push_back(p->value - truth.parameters()[i]);
+  }
+  const auto n = static_cast<Eigen::Index>(error.size());
+  const Eigen::Map<const Eigen::MatrixXd> covariance(found.covariance.data(), n, n);
+  const Eigen::Map<const Eigen::VectorXd> e(error.data(), n);
+  return e.dot(covariance.fullPivLu().solve(e)) / static_cast<double>(n);
+}
+
+// Issued by the method as by the truth: the least squares end at the same optimum, and its sigmas
+// are true.
+TEST_P(Methods, LeadWhereTheTruthLeads) {
+  const MethodCase& c = GetParam();
+  const int count = scenes::full_count() ? 2000 : 60;
+  Random random(17);
+  int same = 0;
+  int refused = 0;
+  double squares = 0;
+  for (int trial = 0; trial < count; ++trial) {
+    const Problem problem = problem_for(c, 0.1, random);
+    SolveOptions options = options_for(c);
+    const auto found = solve(problem.views, kSize, options);
+    options.method.clear();
+    options.initial = problem.camera.to_calibration();
+    const auto best = solve(problem.views, kSize, options);
+    if (!best) {
+      EXPECT_FALSE(found) << "what the truth does not lead to is no result";
+      ++refused;
+      continue;
+    }
+    if (!found) {
+      ADD_FAILURE() << found.error().message;
+      continue;
+    }
+    const double ratio = *found->calibration.rms / *best->calibration.rms;
+    if (ratio < 1 + 1e-5) ++same;
+    squares += normalised(found->calibration, problem.camera);
+  }
+  const int solved = count - refused;
+  EXPECT_LE(refused, count / 20);
+  EXPECT_GE(same, 0.99 * solved);
+  const double ratio = std::sqrt(squares / solved);
+  RecordProperty("true_over_predicted", std::to_string(ratio));
+  const double luck = scenes::full_count() ? 0 : 0.15;
+  EXPECT_GT(ratio, 0.9 - luck);
+  EXPECT_LT(ratio, 1.1 + luck);
+}
+
+PointSet points_of(const View& view) {
+  return to_points(view.board, view.board.points(), view.observation);
+}
+
+// A distortion that is Tsai's own: his model is found, and brown5 follows it.
+TEST(Tsai, FindsItsOwnDistortion) {
+  Random random(3);
+  const MethodCase& c = kCases[2];
+  for (int trial = 0; trial < 20; ++trial) {
+    const Board board = object(Object::kSpace, random);
+    TsaiCamera truth;
+    truth.focal = uniform(random, 900, 1500);
+    truth.kappa = uniform(random, -2e-7, 2e-7);
+    truth.center = image_center(kSize);
+    truth.sx = uniform(random, 0.98, 1.02);
+    const Camera near =
+        Camera::make("pinhole", kSize, {truth.focal, truth.focal, truth.center.u, truth.center.v})
+            .value();
+    truth.camera_from_board = pose_for(near, board, c.object, random);
+    PointSet view = points_of(scenes::observe(near, board, truth.camera_from_board, 0, random));
+    for (std::size_t i = 0; i < view.size(); ++i) view.uv[i] = truth.project(view.points[i]);
+    // Directions do not know of the distortion: these are exact before any iteration.
+    const auto linear = radial_alignment(view, truth.center);
+    ASSERT_TRUE(linear) << linear.error().message;
+    EXPECT_NEAR(linear->sx, truth.sx, 1e-9);
+    const SE3& pose = linear->camera_from_board;
+    EXPECT_NEAR(pose.translation.x(), truth.camera_from_board.translation.x(), 1e-9);
+    EXPECT_NEAR(pose.translation.y(), truth.camera_from_board.translation.y(), 1e-9);
+    EXPECT_LT((pose.rotation - truth.camera_from_board.rotation).norm(), 1e-8);
+    const auto found = tsai(view, truth.center);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_NEAR(found->focal, truth.focal, 1e-3);
+    EXPECT_NEAR(found->kappa, truth.kappa, 1e-12);
+    const NearestBrown brown = nearest_brown(*found, kSize);
+    EXPECT_LT(brown.residual, 0.5);
+    const Camera ours = Camera::make("brown5", kSize, brown.parameters).value();
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      const Pixel at = ours.project(truth.camera_from_board * view.points[i]).value();
+      EXPECT_LT(std::hypot(at.u - view.uv[i].u, at.v - view.uv[i].v), brown.residual * 1.1 + 1e-3);
+    }
+  }
+}
+
+// What each cannot tell it refuses, with what to do about it.
+TEST(Methods, RefuseWhatTheyCannotTell) {
+  Random random(7);
+  const auto refuses = [](MethodCase c, const std::vector<View>& views, std::string_view why) {
+    // So that the least squares would have equations enough.
+    if (views.size() == 1) c.fix = {"center", "aspect"};
+    for (const bool refine : {false, true}) {
+      SolveOptions options = options_for(c);
+      options.refine = refine;
+      const auto found = solve(views, kSize, options);
+      ASSERT_FALSE(found) << c.name << ": " << why;
+      EXPECT_NE(found.error().message.find(why), std::string::npos) << found.error().message;
+    }
+  };
+  const auto find = [](std::string_view name) -> const MethodCase& {
+    return *std::find_if(kCases.begin(), kCases.end(),
+                         [name](const MethodCase& c) { return c.name == name; });
+  };
+  const Problem plane = problem_for(find("ZhangOfFiveViews"), 0.1, random);
+  const Problem space = problem_for(find("DltOfOneView"), 0.1, random);
+  refuses(find("DltOfOneView"), plane.views, "lie in a plane");
+  refuses(find("ZhangOfFiveViews"), space.views, "takes");
+  refuses(find("TsaiInSpace"), plane.views, "takes one view");
+  refuses(find("BaksteinOfFiveViews"), {plane.views[0]}, "two views");
+
+  Problem few = space;
+  few.views[0].observation.ids.resize(5);
+  few.views[0].observation.uv.resize(5);
+  few.views[0].observation.sigma.resize(5);
+  refuses(find("DltOfOneView"), few.views, "too few");
+
+  // Mirrored: one axis of the object turned round.
+  Problem mirrored = space;
+  std::vector<PointBoard::Dot> dots = mirrored.views[0].board.as<PointBoard>()->dots();
+  for (PointBoard::Dot& dot : dots) dot.x = -dot.x;
+  mirrored.views[0].board = PointBoard::make("box", dots).value();
+  refuses(find("DltOfOneView"), mirrored.views, "left-handed");
+  refuses(find("TsaiInSpace"), mirrored.views, "left-handed");
+
+  // A plane seen head-on.
+  const Camera camera = camera_for(find("TsaiOfAPlane"), random);
+  const auto& p = camera.parameters();
+  const Camera pinhole = Camera::make("pinhole", kSize, {p[0], p[1], p[2], p[3]}).value();
+  const SE3 head_on = {Eigen::Matrix3d::Identity(), {-0.1, -0.06, 0.3}};
+  refuses(find("TsaiOfAPlane"), {scenes::observe(pinhole, scenes::kBoard, head_on, 0, random)},
+          "head-on");
+
+  SolveOptions unknown;
+  unknown.method = "magic";
+  const auto none = check(unknown);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("tsai"), std::string::npos) << none.error().message;
+  unknown.method.clear();
+  unknown.refine = false;
+  EXPECT_FALSE(check(unknown));
+}
+
+// Points in space need no method: the search starts by the projection matrix, too.
+TEST(PointsInSpace, AreSolvedWithoutAMethod) {
+  Random random(23);
+  for (const char* model : {"brown5", "fisheye"}) {
+    const Camera camera = scenes::random_camera(model, random);
+    std::vector<View> views;
+    const Board board = object(Object::kSpace, random);
+    for (int v = 0; v < 3; ++v) {
+      views.push_back(scenes::observe(
+          camera, board, pose_for(camera, board, Object::kSpace, random), 0.1, random));
+    }
+    SolveOptions options;
+    options.model = model;
+    const auto found = solve(views, kSize, options);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_LT(*found->calibration.rms, 0.16);
+    EXPECT_NEAR(found->calibration.find("fx")->value, camera.fx(),
+                5 * *found->calibration.find("fx")->sigma);
+  }
+}
+
+}  // namespace
+}  // namespace calvin
