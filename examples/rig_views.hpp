@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// calvin-rig and calvin-hand-eye: what one camera has seen, from a file of observations or from
-// pictures.
+// calvin-rig, calvin-hand-eye and calvin-solve: what one camera has seen, from a file of
+// observations or from pictures.
 #pragma once
 
 #include <algorithm>
@@ -128,9 +128,9 @@ inline calvin::Result<std::vector<calvin::View>> in_observations(const std::stri
   if (!file) return tl::unexpected<calvin::Error>(file.error());
   std::vector<calvin::View> views;
   for (calvin::Observation& seen : file->observations) {
-    const auto board = calvin::parse_board(seen.board.empty() ? file->board : seen.board);
+    const auto board = calvin::parse_boards(seen.board.empty() ? file->board : seen.board);
     if (!board) return tl::unexpected<calvin::Error>(board.error());
-    if (seen.found()) views.push_back({std::move(seen), *board});
+    if (seen.found()) views.push_back({std::move(seen), board->front()});
   }
   return views;
 }

@@ -14,6 +14,7 @@
 #include "calvin/core/utf8.hpp"
 #include "calvin/io/board_shape_io.hpp"
 #include "calvin/io/document.hpp"
+#include "calvin/io/point_rows.hpp"
 #include "calvin/target/board_name.hpp"
 
 namespace calvin {
@@ -142,13 +143,38 @@ tl::unexpected<Error> cannot_be_told_apart(std::string_view text, const Board& a
                         a.text(), b.text()));
 }
 
+// Whether the text is FILE.json#NAME.
+bool has_name(std::string_view text) { return text.find('#') != std::string_view::npos; }
+
+constexpr std::string_view kPoints = "points:";
+
+Result<Board> board_of_points(std::string_view text) {
+  const std::string path(trim(text.substr(kPoints.size())));
+  const auto rows = path.empty() ? Result<std::vector<PointRow>>(
+                                       make_error(ErrorCode::kInvalidArgument, "there is no file"))
+                                 : read_point_rows(path);
+  auto board = rows ? board_of_rows(*rows, path) : tl::unexpected<Error>(rows.error());
+  if (board) return board;
+  return make_error(
+      board.error().code,
+      fmt::format("The board text '{}' is wrong: {} A right text is "
+                  "'points:plate.txt', of a file with a line 'unit: mm' and a row X Y "
+                  "Z for each point.",
+                  shortened(text, 200), board.error().message));
+}
+
+Result<Board> one_board(std::string_view text) {
+  if (trim(text).starts_with(kPoints)) return board_of_points(trim(text));
+  return has_name(text) ? named_board(text) : parse_board(text);
+}
+
 }  // namespace
 
 Result<std::vector<Board>> parse_boards(std::string_view text) {
   std::vector<Board> boards;
   for (const std::string_view part : split(text, ';')) {
     if (part.empty()) return wrong_board_text(text, "there is no board before or after a ';'");
-    auto board = names_a_file(part) ? named_board(part) : parse_board(part);
+    auto board = one_board(part);
     if (!board) return tl::unexpected<Error>(board.error());
     // The same board twice: two sheets of it are in view.
     const auto alike = std::find_if(boards.begin(), boards.end(), [&](const Board& b) {
@@ -163,7 +189,9 @@ Result<std::vector<Board>> parse_boards(std::string_view text) {
   return boards;
 }
 
-bool names_a_file(std::string_view text) { return text.find('#') != std::string_view::npos; }
+bool names_a_file(std::string_view text) {
+  return has_name(text) || text.find(kPoints) != std::string_view::npos;
+}
 
 Result<std::vector<NamedBoard>> list_boards(const std::string& path) {
   const auto root = read_names(path);
@@ -205,7 +233,7 @@ Status add_board(const std::string& path, std::string_view name, std::string_vie
 
 Result<std::shared_ptr<const BoardMeasurement>> read_measurement(std::string_view text) {
   for (const std::string_view part : split(text, ';')) {
-    if (!names_a_file(part)) continue;
+    if (!has_name(part)) continue;
     const auto board = named_board(part);
     if (!board) return tl::unexpected<Error>(board.error());
     const auto [path, name] = place_of(part);
@@ -227,7 +255,7 @@ Result<std::shared_ptr<const BoardMeasurement>> read_measurement(std::string_vie
 }
 
 Status store_measurement(std::string_view named, const BoardMeasurement& measured) {
-  if (!names_a_file(named)) {
+  if (!has_name(named)) {
     return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("'{}' is no name of a board: a measured board is kept under one, "
                                   "FILE.json#NAME.",

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Boards by name, and several at once: "checkerboard:9x6:25mm;boards.json#floor".
+// Boards by name, and several at once: "checkerboard:9x6:25mm;boards.json#floor"; points of a file,
+// "points:FILE" (io/point_rows.hpp).
 //
 // A file of names is JSON, in UTF-8; keys that are not known here are kept as they are:
 //   {"format": "calvin-boards", "version": 1, "boards": {"floor": "checkerboard:9x6:25mm"}}
@@ -25,7 +26,7 @@ namespace calvin {
 
 inline constexpr int kMaxBoards = 16;
 
-// The boards of a `board` property: board texts and FILE.json#NAME, separated by ';'. At least one,
+// The boards of a `board` property: board texts, points:FILE and FILE.json#NAME, separated by ';'. At least one,
 // at most kMaxBoards. A board that is there twice is one of which two sheets are in view; two
 // boards of the same corners, either way round, that are not the same look alike and are refused.
 // Every error shows a right text; kNotFound where a file or a name is missing.

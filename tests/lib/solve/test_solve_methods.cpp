@@ -233,7 +233,9 @@ TEST_P(Methods, LeadWhereTheTruthLeads) {
   const double ratio = std::sqrt(squares / solved);
   RecordProperty("true_over_predicted", std::to_string(ratio));
   const double luck = scenes::full_count() ? 0 : 0.15;
-  EXPECT_GT(ratio, 0.9 - luck);
+  // A plane that is seen once or twice may be tilted otherwise, which the sigmas hold, too.
+  const double rivals = c.object == Object::kPlane && c.views < 3 ? 0.12 : 0;
+  EXPECT_GT(ratio, 0.9 - luck - rivals);
   EXPECT_LT(ratio, 1.1 + luck);
 }
 
@@ -241,7 +243,7 @@ PointSet points_of(const View& view) {
   return to_points(view.board, view.board.points(), view.observation);
 }
 
-// A distortion that is Tsai's own: his model is found, and brown5 follows it.
+// A distortion that is Tsai's own: his model is found, and a camera of ours follows it.
 TEST(Tsai, FindsItsOwnDistortion) {
   Random random(3);
   const MethodCase& c = kCases[2];
@@ -252,7 +254,7 @@ TEST(Tsai, FindsItsOwnDistortion) {
     truth.kappa = uniform(random, -2e-7, 2e-7);
     truth.center = image_center(kSize);
     truth.sx = uniform(random, 0.98, 1.02);
-    const Camera near =
+    const Camera pinhole =
         Camera::make("pinhole", kSize, {truth.focal, truth.focal, truth.center.u, truth.center.v})
             .value();
     truth.camera_from_board = pose_for(near, board, c.object, random);
@@ -270,12 +272,12 @@ TEST(Tsai, FindsItsOwnDistortion) {
     ASSERT_TRUE(found) << found.error().message;
     EXPECT_NEAR(found->focal, truth.focal, 1e-3);
     EXPECT_NEAR(found->kappa, truth.kappa, 1e-12);
-    const NearestBrown brown = nearest_brown(*found, kSize);
-    EXPECT_LT(brown.residual, 0.5);
-    const Camera ours = Camera::make("brown5", kSize, brown.parameters).value();
+    const NearestCamera near = nearest_camera(*found, kSize);
+    EXPECT_LT(near.residual, 0.02);
+    const Camera ours = Camera::make(near.model, kSize, near.parameters).value();
     for (std::size_t i = 0; i < view.size(); ++i) {
       const Pixel at = ours.project(truth.camera_from_board * view.points[i]).value();
-      EXPECT_LT(std::hypot(at.u - view.uv[i].u, at.v - view.uv[i].v), brown.residual * 1.1 + 1e-3);
+      EXPECT_LT(std::hypot(at.u - view.uv[i].u, at.v - view.uv[i].v), near.residual * 1.1 + 1e-3);
     }
   }
 }

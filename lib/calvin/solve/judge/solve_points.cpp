@@ -163,7 +163,7 @@ Result<Solution> solve_points(std::vector<PointSet> views, const BoardShape& sha
   if (!options.method.empty()) {
     const auto start = run_method(options.method, method_input(views, image_size, options));
     if (!start) return tl::unexpected<Error>(start.error());
-    start_from(start->camera.to_calibration(), *parameterization);
+    start_from(start->start.value_or(start->camera).to_calibration(), *parameterization);
   }
   const WeightScale scale = normalise_weights(views);
   ParameterTable& table = parameterization->table;

@@ -119,7 +119,7 @@ Result<MethodResult> bakstein_method(const MethodInput& input) {
   auto camera = Camera::make("pinhole", input.size, {px(0, 0), px(1, 1), px(0, 2), px(1, 2)},
                              input.skew ? px(0, 1) : 0);
   if (!camera) return tl::unexpected<Error>(camera.error());
-  return MethodResult{*std::move(camera), std::move(best->poses), {}};
+  return MethodResult{*std::move(camera), std::move(best->poses), {}, {}};
 }
 
 }  // namespace calvin

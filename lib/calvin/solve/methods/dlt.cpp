@@ -37,7 +37,7 @@ Result<DecomposedProjection> decomposed(const PointSet& view, std::size_t number
   if (!camera) {
     return refused(number,
                    "comes out mirrored: the frame of its points is left-handed (turn one axis "
-                   "round), or the picture is mirrored");
+                   "round, as -Z), or the picture is mirrored");
   }
   camera->k = in_pixels(camera->k, size);
   return *camera;
@@ -58,7 +58,7 @@ Result<MethodResult> dlt_method(const MethodInput& input) {
       Camera::make("pinhole", input.size, {mean(0, 0), mean(1, 1), mean(0, 2), mean(1, 2)},
                    input.skew ? mean(0, 1) : 0);
   if (!camera) return tl::unexpected<Error>(camera.error());
-  return MethodResult{*std::move(camera), std::move(poses), {}};
+  return MethodResult{*std::move(camera), std::move(poses), {}, {}};
 }
 
 }  // namespace calvin

@@ -4,6 +4,7 @@
 // What a method of an older tool makes of views by itself, before any least squares. Internal.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ struct MethodResult {
   Camera camera;
   std::vector<SE3> camera_from_board;  // of the views given, m
   std::vector<std::string> remarks;    // what only this method has: sentences for the user
+  // The camera that the least squares start from, where that is another one.
+  std::optional<Camera> start;
 };
 
 struct MethodInput {

@@ -188,7 +188,8 @@ Result<TsaiCamera> aligned(const Points& seen, bool in_space, Pixel center) {
   }
   if (!(camera->focal > 0) || !(camera->camera_from_board.translation.z() > 0)) {
     return no_tsai_camera(
-        "the points come out behind the camera: their frame is left-handed (turn one axis round), "
+        "the points come out behind the camera: their frame is left-handed (turn one axis round, "
+        "as -Z), "
         "the picture is mirrored, or the plane is seen nearly head-on");
   }
   return *camera;

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 #include "calvin/solve/linear/lm.hpp"
 
@@ -93,19 +94,10 @@ class ThreeParameters {
   State trial_;
 };
 
-// What a radius of the ideal image, in focal lengths, adds to the seen one per unit of k1, k2, k3.
-Eigen::Vector3d powers(double r) {
-  const double square = r * r;
-  return r * square * Eigen::Vector3d(1, square, square * square);
-}
-
-// Of radii spread over the image: seen, and ideal, in focal lengths.
-std::vector<Eigen::Vector2d> radii(const TsaiCamera& camera, ImageSize size) {
+// Radii from 0 to `most` px: seen, and ideal, in focal lengths. Near the radius where the
+// distortion folds no polynomial follows it.
+std::vector<Eigen::Vector2d> radii(const TsaiCamera& camera, double most) {
   constexpr int kCount = 200;
-  const double half_u = std::max(camera.center.u, size.width - 1 - camera.center.u) / camera.sx;
-  const double half_v = std::max(camera.center.v, size.height - 1 - camera.center.v);
-  double most = std::hypot(half_u, half_v);
-  // Near the radius where the distortion folds no polynomial follows it.
   if (camera.kappa < 0) most = std::min(most, 0.9 / std::sqrt(-3 * camera.kappa));
   std::vector<Eigen::Vector2d> all;
   for (int i = 1; i <= kCount; ++i) {
@@ -113,6 +105,67 @@ std::vector<Eigen::Vector2d> radii(const TsaiCamera& camera, ImageSize size) {
     all.emplace_back(r / camera.focal, r * (1 + camera.kappa * r * r) / camera.focal);
   }
   return all;
+}
+
+// From the centre to the farthest corner of the image, or to the farthest point of a view, px.
+double reach_of(const TsaiCamera& camera, ImageSize size) {
+  const double half_u = std::max(camera.center.u, size.width - 1 - camera.center.u) / camera.sx;
+  const double half_v = std::max(camera.center.v, size.height - 1 - camera.center.v);
+  return std::hypot(half_u, half_v);
+}
+double reach_of(const TsaiCamera& camera, const PointSet& view) {
+  double most = 0;
+  for (const CenteredPoint& p : centered_points(view, {}, camera.center)) {
+    most = std::max(most, std::hypot(p.image.x() / camera.sx, p.image.y()));
+  }
+  return most;
+}
+
+// The radial terms of brown5, or of rational8, whose denominator is moved to the other side: the
+// seen radius is linear in them.
+Eigen::VectorXd terms(const Eigen::Vector2d& r, int count) {
+  Eigen::VectorXd by(count);
+  const double square = r[1] * r[1];
+  double power = square;
+  for (int i = 0; i < 3; ++i, power *= square) {
+    by[i] = r[1] * power;
+    if (count > 3) by[3 + i] = -r[0] * power;
+  }
+  return by;
+}
+
+NearestCamera nearest(const TsaiCamera& camera, double most, int count) {
+  const auto all = radii(camera, most);
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(all.size()), count);
+  Eigen::VectorXd right(rows.rows());
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const Eigen::Vector2d& r = all[static_cast<std::size_t>(i)];
+    rows.row(i) = terms(r, count);
+    right[i] = r[0] - r[1];
+  }
+  const Eigen::VectorXd unit = rows.colwise().norm().cwiseInverse().transpose();
+  const Eigen::VectorXd k =
+      unit.cwiseProduct((rows * unit.asDiagonal()).colPivHouseholderQr().solve(right));
+  NearestCamera result;
+  result.model = count > 3 ? "rational8" : "brown5";
+  result.parameters = {camera.sx * camera.focal,
+                       camera.focal,
+                       camera.center.u,
+                       camera.center.v,
+                       k[0],
+                       k[1],
+                       0,
+                       0,
+                       k[2]};
+  for (int i = 3; i < count; ++i) result.parameters.push_back(k[i]);
+  for (const Eigen::Vector2d& r : all) {
+    Eigen::VectorXd numerator = terms(r, count);
+    double denominator = 1;
+    for (int i = 3; i < count; ++i) denominator -= k[i] * numerator[i] / r[0];
+    const double seen = (r[1] + k.head<3>().dot(numerator.head<3>())) / denominator;
+    result.residual = std::max(result.residual, camera.focal * std::abs(seen - r[0]));
+  }
+  return result;
 }
 
 }  // namespace
@@ -131,34 +184,13 @@ Result<TsaiCamera> tsai(const PointSet& view, Pixel center) {
   return camera;
 }
 
-NearestBrown nearest_brown(const TsaiCamera& camera, ImageSize size) {
-  const auto all = radii(camera, size);
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector2d& r : all) {
-    const Eigen::Vector3d by = powers(r[1]);
-    normal += by * by.transpose();
-    right += by * (r[0] - r[1]);
-  }
-  const Eigen::Vector3d unit = normal.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::Matrix3d scaled = unit.asDiagonal() * normal * unit.asDiagonal();
-  const Eigen::Vector3d solved = scaled.ldlt().solve(unit.cwiseProduct(right));
-  const Eigen::Vector3d k = unit.cwiseProduct(solved);
-  NearestBrown brown;
-  brown.parameters = {camera.sx * camera.focal,
-                      camera.focal,
-                      camera.center.u,
-                      camera.center.v,
-                      k[0],
-                      k[1],
-                      0,
-                      0,
-                      k[2]};
-  for (const Eigen::Vector2d& r : all) {
-    const double off = r[1] + k.dot(powers(r[1])) - r[0];
-    brown.residual = std::max(brown.residual, camera.focal * std::abs(off));
-  }
-  return brown;
+NearestCamera nearest_camera(const TsaiCamera& camera, ImageSize size) {
+  constexpr double kNear = 0.02;  // px: no picture tells the two apart
+  const double most = reach_of(camera, size);
+  NearestCamera brown = nearest(camera, most, 3);
+  if (brown.residual <= kNear) return brown;
+  NearestCamera rational = nearest(camera, most, 6);
+  return rational.residual < brown.residual ? rational : brown;
 }
 
 Result<MethodResult> tsai_method(const MethodInput& input) {
@@ -170,13 +202,19 @@ Result<MethodResult> tsai_method(const MethodInput& input) {
   }
   const auto found = tsai(input.views[0], image_center(input.size));
   if (!found) return tl::unexpected<Error>(found.error());
-  const NearestBrown brown = nearest_brown(*found, input.size);
-  auto camera = Camera::make("brown5", input.size, brown.parameters);
+  const NearestCamera ours = nearest_camera(*found, input.size);
+  auto camera = Camera::make(ours.model, input.size, ours.parameters);
+  // Where points are seen brown5 is near enough to start from, in any model of its family.
+  const NearestCamera near = nearest(*found, reach_of(*found, input.views[0]), 3);
+  auto start = Camera::make("brown5", input.size, near.parameters);
   if (!camera) return tl::unexpected<Error>(camera.error());
+  if (!start) return tl::unexpected<Error>(start.error());
   std::string remark = fmt::format(
-      "Tsai: f {:.6g} px, kappa1 {:.6g} / px^2, sx {:.6g}; brown5 follows that within {:.2g} px.",
-      found->focal, found->kappa, found->sx, brown.residual);
-  return MethodResult{*std::move(camera), {found->camera_from_board}, {std::move(remark)}};
+      "Tsai's own parameters: f {:.6g} px, kappa1 {:.6g} / px^2, sx {:.6g}; {} follows his "
+      "distortion within {:.2g} px.",
+      found->focal, found->kappa, found->sx, ours.model, ours.residual);
+  return MethodResult{
+      *std::move(camera), {found->camera_from_board}, {std::move(remark)}, *std::move(start)};
 }
 
 }  // namespace calvin

@@ -4,6 +4,7 @@
 // Tsai's method: a camera and its pose from one view of known points. Internal.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "calvin/core/image.hpp"
@@ -18,13 +19,15 @@ namespace calvin {
 // the ideal image (the paper's equation 8b; "three-parameter optimization" of R. Willson's code).
 [[nodiscard]] Result<TsaiCamera> tsai(const PointSet& view, Pixel center);
 
-// The camera of model brown5 nearest to one of Tsai's, and the largest distance between the two
-// over the image, px: ours distorts ideal points, his makes seen points ideal.
-struct NearestBrown {
-  std::vector<double> parameters;  // fx fy cx cy k1 k2 p1 p2 k3
+// The camera of ours nearest to one of Tsai's, and the largest distance between the two over the
+// image, px: ours distorts ideal points, his makes seen points ideal. Of model brown5 where that
+// follows, else rational8.
+struct NearestCamera {
+  std::string model;
+  std::vector<double> parameters;
   double residual = 0;
 };
-[[nodiscard]] NearestBrown nearest_brown(const TsaiCamera& camera, ImageSize size);
+[[nodiscard]] NearestCamera nearest_camera(const TsaiCamera& camera, ImageSize size);
 
 // tsai() about the centre of the image, as one of the methods: of exactly one view.
 [[nodiscard]] Result<MethodResult> tsai_method(const MethodInput& input);

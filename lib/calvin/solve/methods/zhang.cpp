@@ -132,7 +132,7 @@ Result<MethodResult> zhang_method(const MethodInput& input) {
                              {k(0, 0), k(1, 1), k(0, 2), k(1, 2), radial[0], radial[1], 0, 0},
                              input.skew ? k(0, 1) : 0);
   if (!camera) return tl::unexpected<Error>(camera.error());
-  return MethodResult{*std::move(camera), std::move(poses), {}};
+  return MethodResult{*std::move(camera), std::move(poses), {}, {}};
 }
 
 }  // namespace calvin

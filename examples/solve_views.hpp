@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calvin-solve: views from files of observations, pictures or rows of points.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calvin/core/image.hpp"
+#include "calvin/io/point_rows.hpp"
+#include "calvin/solve/view.hpp"
+
+#include "rig_views.hpp"
+
+namespace solve_views {
+
+// How rows of points are read.
+struct RowsOptions {
+  std::string points;  // a file of the points, whose places alone stand in the others; or empty
+  calvin::PointRowsFormat point_format;
+  calvin::PointRowsFormat format;
+  std::optional<calvin::ImageSize> size;
+  // Whether u and v count from the corner of the top-left pixel, and not from its centre.
+  bool from_corner = false;
+};
+
+struct NamedView {
+  std::string name;
+  calvin::View view;
+};
+using NamedViews = std::vector<NamedView>;
+
+inline std::string name_of(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+// The place of every point of a board, in the order of its rows or by their ids.
+inline calvin::Result<calvin::View> view_of(const std::vector<calvin::PointRow>& rows,
+                                            const calvin::Board& board, const RowsOptions& options,
+                                            const std::string& path) {
+  const double shift = options.from_corner ? 0.5 : 0;
+  calvin::View view;
+  view.board = board;
+  calvin::Observation& seen = view.observation;
+  seen.board = board.text();
+  seen.image_size = options.size.value();
+  const std::vector<int> ids = board.ids();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!rows[i].seen) {
+      return calvin::make_error(calvin::ErrorCode::kMalformed,
+                                fmt::format("'{}' has no places in a picture: its rows need u and "
+                                            "v; give --columns, as in --columns X,Y,Z,u,v.",
+                                            path));
+    }
+    if (!rows[i].id && i >= ids.size()) {
+      return calvin::make_error(
+          calvin::ErrorCode::kMalformed,
+          fmt::format("'{}' has {} rows for {} points.", path, rows.size(), ids.size()));
+    }
+    seen.ids.push_back(rows[i].id.value_or(i < ids.size() ? ids[i] : 0));
+    seen.uv.push_back({rows[i].seen->u - shift, rows[i].seen->v - shift});
+    if (rows[i].sigma) seen.sigma.push_back(*rows[i].sigma);
+  }
+  return view;
+}
+
+// A text file of rows: one view.
+inline calvin::Result<NamedView> from_rows(const std::string& path, const RowsOptions& options,
+                                           const std::optional<calvin::Board>& points) {
+  if (!options.size) {
+    return calvin::make_error(calvin::ErrorCode::kInvalidArgument,
+                              "Rows of points do not say how large the picture is: give --size, as "
+                              "in --size 640x480.");
+  }
+  calvin::PointRowsFormat format = options.format;
+  if (points && format.columns.empty()) {
+    format.columns = {{calvin::PointField::kU}, {calvin::PointField::kV}};
+  }
+  const auto rows = calvin::read_point_rows(path, format);
+  if (!rows) return tl::unexpected<calvin::Error>(rows.error());
+  const auto board =
+      points ? calvin::Result<calvin::Board>(*points) : calvin::board_of_rows(*rows, name_of(path));
+  if (!board) return tl::unexpected<calvin::Error>(board.error());
+  auto view = view_of(*rows, *board, options, path);
+  if (!view) return tl::unexpected<calvin::Error>(view.error());
+  return NamedView{name_of(path), *std::move(view)};
+}
+
+// Whether a file holds observations, which begin with an object.
+inline bool are_observations(const std::string& path) {
+  return path.ends_with(".jsonl") || path.ends_with(".json");
+}
+
+// The views of one of the arguments.
+inline calvin::Result<NamedViews> of(const std::string& source, const std::string& board,
+                                     const RowsOptions& options,
+                                     const std::optional<calvin::Board>& points) {
+  NamedViews named;
+  if (rig_views::are_pictures(source) || are_observations(source)) {
+    auto views = rig_views::read(source, board);
+    if (!views) return tl::unexpected<calvin::Error>(views.error());
+    for (calvin::View& view : *views) {
+      const auto at = view.observation.timestamp;
+      std::string name = at == calvin::kNoTimestamp
+                             ? fmt::format("{}", named.size())
+                             : fmt::format("{:.3f} s", 1e-9 * static_cast<double>(at));
+      named.push_back({std::move(name), std::move(view)});
+    }
+    return named;
+  }
+  auto view = from_rows(source, options, points);
+  if (!view) return tl::unexpected<calvin::Error>(view.error());
+  named.push_back(*std::move(view));
+  return named;
+}
+
+// Those of all of them.
+inline calvin::Result<NamedViews> read(const std::vector<std::string>& sources,
+                                       const std::string& board, const RowsOptions& options) {
+  std::optional<calvin::Board> points;
+  if (!options.points.empty()) {
+    const auto rows = calvin::read_point_rows(options.points, options.point_format);
+    if (!rows) return tl::unexpected<calvin::Error>(rows.error());
+    auto of_rows = calvin::board_of_rows(*rows, name_of(options.points));
+    if (!of_rows) return tl::unexpected<calvin::Error>(of_rows.error());
+    points = *std::move(of_rows);
+  }
+  NamedViews all;
+  for (const std::string& source : sources) {
+    auto views = of(source, board, options, points);
+    if (!views) return views;
+    std::move(views->begin(), views->end(), std::back_inserter(all));
+  }
+  return all;
+}
+
+}  // namespace solve_views
