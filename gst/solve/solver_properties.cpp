@@ -69,10 +69,16 @@ constexpr Property<CalibSolver> kRows[] = {
      "Name of the camera in messages and files (unset = the one that the observations carry)",
      kept_in<&SessionSettings::camera>},
     {"model", "Model", model_blurb, kept_in<&SessionSettings::model>},
+    {"method", "Method",
+     "Where the solve starts: by a method of the tools that came before (bakstein, dlt, tsai, "
+     "zhang); "
+     "unset: starts are searched",
+     kept_in<&SessionSettings::method>},
     {"fix", "Fix",
      "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
      "else a distortion coefficient at 0 (beta at 1) and cx, cy (center for both) at the middle "
-     "of the picture. What to tie: aspect (fy:fx as in initial, or else 1), fx=fy, k1=k2",
+     "of the picture. What to tie: aspect (fy:fx as in initial, or else 1), fx=fy, k1=k2. fx=800 "
+     "holds at a number",
      kept_in<&SessionSettings::fix>},
     {"initial", "Initial",
      "A calibration (a file, or whatever calibundistort takes) to start the solve from, which "

@@ -26,10 +26,10 @@ namespace calvin {
 
 inline constexpr int kMaxBoards = 16;
 
-// The boards of a `board` property: board texts, points:FILE and FILE.json#NAME, separated by ';'. At least one,
-// at most kMaxBoards. A board that is there twice is one of which two sheets are in view; two
-// boards of the same corners, either way round, that are not the same look alike and are refused.
-// Every error shows a right text; kNotFound where a file or a name is missing.
+// The boards of a `board` property: board texts, points:FILE and FILE.json#NAME, separated by ';'.
+// At least one, at most kMaxBoards. A board that is there twice is one of which two sheets are in
+// view; two boards of the same corners, either way round, that are not the same look alike and are
+// refused. Every error shows a right text; kNotFound where a file or a name is missing.
 [[nodiscard]] Result<std::vector<Board>> parse_boards(std::string_view text);
 
 // Whether parse_boards() reads a file: for whoever must not wait for a disk or a network.

@@ -51,6 +51,7 @@ Status read_board(SessionPlan& plan) {
 Status read_lens(SessionPlan& plan) {
   const SessionSettings& settings = plan.settings;
   plan.options.model = settings.model;
+  plan.options.method = settings.method;
   plan.options.skew = settings.skew;
   for (const std::string_view name : split(settings.fix, ',')) {
     if (!name.empty()) plan.options.fix.emplace_back(name);
@@ -80,6 +81,7 @@ void keep_lens(SessionPlan& plan, const SessionPlan& before) {
   plan.options = before.options;
   plan.initial = before.initial;
   plan.settings.model = before.settings.model;
+  plan.settings.method = before.settings.method;
   plan.settings.fix = before.settings.fix;
   plan.settings.initial = before.settings.initial;
   plan.settings.board = before.settings.board;
@@ -131,8 +133,9 @@ void keep_files(SessionPlan& plan, const SessionPlan& before) {
 }
 
 bool same_lens(const SessionSettings& a, const SessionSettings& b) {
-  return a.model == b.model && a.fix == b.fix && a.initial == b.initial && a.board == b.board &&
-         a.board_shape == b.board_shape && a.warp == b.warp && a.skew == b.skew;
+  return a.model == b.model && a.method == b.method && a.fix == b.fix && a.initial == b.initial &&
+         a.board == b.board && a.board_shape == b.board_shape && a.warp == b.warp &&
+         a.skew == b.skew;
 }
 
 constexpr Group kGroups[] = {

@@ -30,6 +30,7 @@ struct SessionSettings {
   std::string device;  // V4L2 node of the camera; empty: its lens is not read
   std::string camera;  // empty: the name that the observations carry
   std::string model = "brown5";
+  std::string method;  // SolveOptions::method
   std::string fix;
   std::string initial;
   std::string board;  // as the detector has it: a file of names may have its measured shape

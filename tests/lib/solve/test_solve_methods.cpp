@@ -257,8 +257,8 @@ TEST(Tsai, FindsItsOwnDistortion) {
     const Camera pinhole =
         Camera::make("pinhole", kSize, {truth.focal, truth.focal, truth.center.u, truth.center.v})
             .value();
-    truth.camera_from_board = pose_for(near, board, c.object, random);
-    PointSet view = points_of(scenes::observe(near, board, truth.camera_from_board, 0, random));
+    truth.camera_from_board = pose_for(pinhole, board, c.object, random);
+    PointSet view = points_of(scenes::observe(pinhole, board, truth.camera_from_board, 0, random));
     for (std::size_t i = 0; i < view.size(); ++i) view.uv[i] = truth.project(view.points[i]);
     // Directions do not know of the distortion: these are exact before any iteration.
     const auto linear = radial_alignment(view, truth.center);

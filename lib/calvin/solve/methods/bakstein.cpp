@@ -101,9 +101,9 @@ std::optional<Turn> turn_of(const MethodInput& input, const PlaneViews& planes,
 Result<MethodResult> bakstein_method(const MethodInput& input) {
   constexpr int kMostTurns = 500;
   constexpr double kLess = 1e-6;  // of the error
-  if (input.views.size() < 2) return refused("it takes two views of a plane and more");
   const auto planes = plane_views(input, "Bakstein's method");
   if (!planes) return tl::unexpected<Error>(planes.error());
+  if (input.views.size() < 2) return refused("it takes two views of a plane and more");
   auto best = turn_of(input, *planes, first_camera(*planes, input.size));
   if (!best) return refused("a view has no pose before a camera that looks through its centre");
   for (int i = 0; i < kMostTurns; ++i) {

@@ -65,7 +65,7 @@ std::optional<double> square_of_ty(const Eigen::Matrix2d& u) {
   const double d = u.determinant();
   // The smaller root, rationalised: it stays finite where the determinant vanishes, as where a row
   // or a column does.
-  const double root = std::sqrt(std::max(squares * squares - 4 * d * d, 0.0));
+  const double root = std::sqrt(std::max((squares - 2 * d) * (squares + 2 * d), 0.0));
   const double square = 2 / (squares + root);
   return std::isfinite(square) ? std::optional(square) : std::nullopt;
 }

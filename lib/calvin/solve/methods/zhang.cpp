@@ -15,6 +15,7 @@
 
 #include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/methods/plane_views.hpp"
+#include "calvin/solve/parameters/parameter_order.hpp"
 #include "calvin/solve/start/plane_pose.hpp"
 
 namespace calvin {
@@ -106,14 +107,15 @@ Eigen::Vector2d coefficients(const MethodInput& input, const Eigen::Matrix3d& k,
 }  // namespace
 
 Result<MethodResult> zhang_method(const MethodInput& input) {
-  const int unknowns = 4 + (input.skew ? 1 : 0) - (input.centered ? 2 : 0) - (input.square ? 1 : 0);
+  const auto planes = plane_views(input, "Zhang's method");
+  if (!planes) return tl::unexpected<Error>(planes.error());
+  const int unknowns = CameraUnknowns().pinhole().count + (input.skew ? 1 : 0) -
+                       (input.centered ? 2 : 0) - (input.square ? 1 : 0);
   const auto least = static_cast<std::size_t>((unknowns + 1) / 2);
   if (input.views.size() < least) {
     return refused(fmt::format("it takes {} views of a plane for {} unknowns, {} given", least,
                                unknowns, input.views.size()));
   }
-  const auto planes = plane_views(input, "Zhang's method");
-  if (!planes) return tl::unexpected<Error>(planes.error());
   const auto unit = camera_of(planes->homographies, input);
   if (!unit) {
     return refused(

@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# SPDX-FileCopyrightText: 2026 The gst-calvin authors
+# calvin-solve as its users type it: a simulated object in space, what the authors of the older tools
+# published of their own data, and wrong usage.
+import json
+import math
+import os
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+
+program = sys.argv[1]
+failed = []
+
+
+def run(*arguments, code=0, says=""):
+    ran = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True)
+    out = ran.stdout + ran.stderr
+    if ran.returncode != code or says not in out:
+        failed.append(f"{arguments}: exit {ran.returncode}, '{says}' is not in:\n{out}")
+    return out
+
+
+def near(name, value, wanted, most):
+    if not abs(value - wanted) <= most:
+        failed.append(f"{name} is {value}, not {wanted} within {most}")
+
+
+def parameters(path):
+    return json.loads(path.read_text())["parameters"]
+
+
+# Of each view: rms, mean, T and the place of the camera, mm.
+def views(out):
+    found = []
+    for line in out.splitlines():
+        words = line.replace(",", "").split()
+        if line.startswith("view ") and "rms" in words:
+            found.append({"mean": float(words[words.index("mean") + 1]), "rms": float(words[words.index("rms") + 1])})
+        elif line.startswith("  T "):
+            found[-1]["T"] = [float(w) for w in words[1:4]]
+            found[-1]["camera"] = [float(w) for w in words[7:10]]
+    return found
+
+
+# Points of a box of 200 x 150 x 100 mm before a camera of 900 px, and where it sees them, with noise.
+def simulated(folder):
+    random.seed(4)
+    rows = ["# unit: mm", "X Y Z u v"]
+    for _ in range(60):
+        x, y, z = random.uniform(-100, 100), random.uniform(-75, 75), random.uniform(-50, 50)
+        c, s = math.cos(0.5), math.sin(0.5)
+        cx, cz = c * x + s * z + 10, -s * x + c * z + 500
+        u = 320 + 900 * cx / cz + random.gauss(0, 0.05)
+        v = 240 + 900 * (y - 5) / cz + random.gauss(0, 0.05)
+        rows.append(f"{x} {y} {z} {u} {v}")
+    box = folder / "box.txt"
+    box.write_text("\n".join(rows) + "\n")
+    for options in ([], ["--method", "dlt"], ["--method", "tsai"], ["--method", "dlt", "--no-refine"]):
+        result = folder / "box.json"
+        out = run(result, box, "--size", "640x480", "--model", "pinhole", *options, says="view box.txt: 60 points")
+        p = parameters(result)
+        near(f"fx of {options}", p["fx"], 900, 5)
+        near(f"cx of {options}", p["cx"], 320, 5)
+        for got, wanted in zip(views(out)[0]["T"], (10, -5, 500)):
+            near(f"T of {options}", got, wanted, 3)
+    out = run(folder / "box.json", box, "--size", "640x480", "--model", "pinhole", "--pitch", "3um", says="on the sensor: f 2.")
+    run(folder / "box.json", box, "--size", "640x480", "--fix", "fx=900,fy=900", "--camera", "left", says="left 640x480")
+    near("fx held", parameters(folder / "box.json")["fx"], 900, 0)
+    return box
+
+
+def refusals(folder, box):
+    result = folder / "none.json"
+    run(result, box, code=1, says="give --size")
+    run(result, box, "--size", "640x480", "--method", "zhang", code=1, says="method dlt")
+    run(result, box, "--size", "640x480", "--method", "magic", code=1, says="Known methods: bakstein, dlt")
+    run(result, box, "--size", "640x480", "--no-refine", code=1, says="give one of")
+    run(result, box, box, "--size", "640x480", "--method", "tsai", code=1, says="takes one view")
+    run(result, box, "--size", "640x480", "--columns", "X,Y,-Z,u,v", "--method", "dlt", code=1, says="left-handed")
+    run(result, box, "--size", "640x480", "--drop", "0", code=1, says="no view")
+    run(result, folder / "none.txt", "--size", "640x480", code=1, says="none.txt")
+    run(result, box, "--size", "640", code=2, says="Usage")
+    run(result, box, "--columns", "X,Y,Q", code=2, says="'Q' is no column")
+    run(result, box, "--shoulder", code=2, says="no option")
+    run(result, code=2, says="Usage")
+    run("--help", says="Usage")
+    if result.exists():
+        failed.append("a failure has written a file")
+
+
+# Z. Zhang's own five views: his camera, to the digits that he printed.
+def zhang(data, folder):
+    result = folder / "zhang.json"
+    pictures = [data / f"zhang/data{i}.txt" for i in range(1, 6)]
+    points = ["--points", data / "zhang/Model.txt", "--point-columns", "X,Y", "--unit", "in", "--size", "640x480"]
+    plain = ["--model", "brown4", "--skew", "--fix", "p1,p2", "--keep-all"]
+    for start in ([], ["--method", "zhang"], ["--method", "bakstein"]):
+        run(result, *pictures, *points, *plain, *start)
+        p = parameters(result)
+        for name, wanted, digit in (("fx", 832.5, 0.05), ("fy", 832.53, 5e-3), ("cx", 303.959, 5e-4), ("cy", 206.585, 5e-4),
+                                    ("k1", -0.228601, 1e-6), ("k2", 0.190353, 2e-6), ("skew", 0.204494, 1e-5)):
+            near(f"zhang {start} {name}", p[name], wanted, digit)
+    # Without a lens in the model: the other result that he printed.
+    run(result, *pictures, *points, "--model", "pinhole", "--skew", "--keep-all", "--method", "zhang")
+    p = parameters(result)
+    for name, wanted, digit in (("fx", 867.307, 5e-3), ("fy", 867.194, 5e-3), ("cx", 299.159, 5e-3), ("cy", 218.676, 5e-3)):
+        near(f"zhang, no distortion, {name}", p[name], wanted, digit)
+
+
+# Clicked points of a cube: radial alignment gives the published place, and no larger error.
+def tsai(data, folder):
+    cube = data / "tsai-cube-bailus/points.csv"
+    for side, columns, tx, ty, error in (("left", "u,v,_,_", 22.110, 56.025, 2.5), ("right", "_,_,u,v", 9.604, 63.094, 3.6)):
+        out = run(folder / "cube.json", cube, "--columns", f"X,Y,-Z,{columns}", "--unit", "mm", "--size", "3000x3000",
+                  "--from-corner", "--method", "tsai", "--no-refine", "--pitch", "1.096um", says="kappa1")
+        view = views(out)[0]
+        # There the axes of the image point left and up.
+        near(f"tsai {side} Tx", abs(view["T"][0]), tx, 0.01 * tx)
+        near(f"tsai {side} Ty", abs(view["T"][1]), ty, 0.01 * ty)
+        near(f"tsai {side} mean error", view["mean"], 0, error)
+        run(folder / "cube.json", cube, "--columns", f"X,Y,-Z,{columns}", "--unit", "mm", "--size", "3000x3000",
+            "--model", "brown4", "--method", "tsai", "--keep-all", says="RMS reprojection error 0.5")
+
+
+# A plate of several levels before three cameras: with the focal length at which it was held there, the
+# cameras are where they were published; the free fit is no worse than OpenCV's.
+def myptv(data, folder):
+    published = ((48.730, 79.461, 528.686), (-57.864, 41.095, 501.157), (125.076, 34.510, 519.266))
+    for camera, place in enumerate(published, 1):
+        rows = data / f"points3d-myptv/cam{camera}_cal_points"
+        given = ["--columns", "u,v,X,Y,Z", "--unit", "mm", "--size", "1280x1024", "--keep-all"]
+        for method in ([], ["--method", "dlt"], ["--method", "tsai"]):
+            out = run(folder / "plate.json", rows, *given, "--fix", "fx=6000,fy=6000", *method)
+            near(f"myptv {camera} {method}", math.dist(views(out)[0]["camera"], place), 0, 15)
+
+
+def main():
+    data = os.environ.get("CALVIN_DATA", "")
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        box = simulated(folder)
+        refusals(folder, box)
+        for check, needs in ((zhang, "zhang"), (tsai, "tsai-cube-bailus"), (myptv, "points3d-myptv")):
+            if data and (pathlib.Path(data) / needs).is_dir():
+                check(pathlib.Path(data), folder)
+            else:
+                print(f"CALVIN_DATA does not name a folder with {needs}: left out")
+    print("\n".join(failed))
+    return 1 if failed else 0
+
+
+sys.exit(main())
