@@ -44,6 +44,8 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
   --points FILE      the points stand in a file of their own, those of VIEWS are u v alone
   --point-columns C  what the rows of that file hold
   --from-corner      u v count from the corner of the top-left pixel, not from its centre
+  --ellipse-centers  u v are centres of the images of dots, whose diameters the rows have: the images
+                     of the dots' centres, which are elsewhere, are found with the camera
   --model MODEL      the camera model, brown5 if not given; auto chooses one
   --method METHOD    start by bakstein, dlt, tsai or zhang; if not given, starts are searched
   --no-refine        what the method finds by itself
@@ -160,6 +162,8 @@ bool set_option(std::string_view option, std::string_view value, Arguments& argu
 bool set_flag(std::string_view option, Arguments& arguments) {
   if (option == "--no-refine") {
     arguments.options.refine = false;
+  } else if (option == "--ellipse-centers") {
+    arguments.options.ellipse_centers = true;
   } else if (option == "--from-corner") {
     arguments.rows.from_corner = true;
   } else if (option == "--skew") {

@@ -36,6 +36,11 @@ struct SolveOptions {
   // False: what `method` finds by itself, in its own model, without the least squares after it.
   bool refine = true;
 
+  // The places of round dots are the centres of their images, as other programs measure them, and
+  // not the images of their centres: the difference is taken off, as the result has it, and the
+  // views are solved anew. Of boards of dots with diameters in a plane (points:FILE) only.
+  bool ellipse_centers = false;
+
   // A calibration of images of the same size to start from: it makes a solve sure where the views
   // alone are few, and gives the values at which parameters are held. Coefficients of an unrelated
   // model do not count.

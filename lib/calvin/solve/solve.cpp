@@ -18,6 +18,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/solve/auto_model.hpp"
+#include "calvin/solve/ellipse_centers.hpp"
 #include "calvin/solve/judge/solve_points.hpp"
 #include "calvin/solve/methods/method_solution.hpp"
 #include "calvin/solve/methods/methods.hpp"
@@ -265,21 +266,8 @@ Result<Solution> solve_board(std::span<const View> views, std::vector<PointSet> 
   return solution;
 }
 
-}  // namespace
-
-Status check(const SolveOptions& options) {
-  if (!options.method.empty() || !options.refine) {
-    if (const Status known = check_method(options.method); !known) return known;
-  }
-  SolveOptions any = options;
-  if (any.model == kAutoModel) any.model = "brown5";
-  const auto parameterization = make_parameterization(any, {});
-  if (!parameterization) return tl::unexpected<Error>(parameterization.error());
-  return {};
-}
-
-Result<Solution> solve(std::span<const View> views, ImageSize image_size,
-                       const SolveOptions& options, std::stop_token stop) {
+Result<Solution> solve_views(std::span<const View> views, ImageSize image_size,
+                             const SolveOptions& options, const std::stop_token& stop) {
   if (const Status status = check_image_size(image_size); !status) {
     return tl::unexpected<Error>(status.error());
   }
@@ -297,6 +285,35 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
   solution->calibration.camera =
       options.camera.empty() ? views.front().observation.camera : options.camera;
   solution->calibration.board = board_text(views, rejected);
+  return solution;
+}
+
+}  // namespace
+
+Status check(const SolveOptions& options) {
+  if (!options.method.empty() || !options.refine) {
+    if (const Status known = check_method(options.method); !known) return known;
+  }
+  SolveOptions any = options;
+  if (any.model == kAutoModel) any.model = "brown5";
+  const auto parameterization = make_parameterization(any, {});
+  if (!parameterization) return tl::unexpected<Error>(parameterization.error());
+  return {};
+}
+
+Result<Solution> solve(std::span<const View> views, ImageSize image_size,
+                       const SolveOptions& options, std::stop_token stop) {
+  if (options.ellipse_centers) {
+    if (const Status known = have_diameters(views); !known) {
+      return tl::unexpected<Error>(known.error());
+    }
+  }
+  auto solution = solve_views(views, image_size, options, stop);
+  if (!options.ellipse_centers) return solution;
+  constexpr int kRounds = 2;  // the second one changes a centre by a thousandth of its bias
+  for (int i = 0; i < kRounds && solution; ++i) {
+    solution = solve_views(without_center_bias(views, *solution), image_size, options, stop);
+  }
   return solution;
 }
 

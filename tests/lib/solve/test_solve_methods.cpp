@@ -339,6 +339,64 @@ TEST(Methods, RefuseWhatTheyCannotTell) {
   EXPECT_FALSE(check(unknown));
 }
 
+// Dots of 20 mm whose images' centres were measured: the bias is seen, and is gone with the camera.
+TEST(EllipseCenters, AreMendedWithTheCamera) {
+  Random random(29);
+  const Camera camera = scenes::random_camera("brown5", random);
+  std::vector<PointBoard::Dot> dots;
+  for (int i = 0; i < 70; ++i) dots.push_back({i, 0.03 * (i % 10), 0.03 * (i / 10), 0.02});
+  const Board board = PointBoard::make("plate", dots).value();
+  std::vector<View> views;
+  double most = 0;
+  for (int v = 0; v < 12; ++v) {
+    const SE3 pose = scenes::random_pose(camera, board, random, 0.9);
+    views.push_back(scenes::observe(camera, board, pose, 0, random));
+    Observation& seen = views.back().observation;
+    for (std::size_t i = 0; i < seen.uv.size(); ++i) {
+      // The centroid by a way of its own: the sum over small parts of the disc.
+      const Eigen::Vector3d middle = board.points()[i];
+      Eigen::Vector2d moment = Eigen::Vector2d::Zero();
+      double area = 0;
+      for (int ring = 0; ring < 20; ++ring) {
+        const double r = 0.01 * (ring + 0.5) / 20;
+        for (int part = 0; part < 60; ++part) {
+          const double a = part * std::numbers::pi / 30;
+          const auto at = [&](double radius, double angle) {
+            const Eigen::Vector3d rim(std::cos(angle), std::sin(angle), 0);
+            const Pixel p = camera.project(pose * (middle + radius * rim)).value();
+            return Eigen::Vector2d(p.u, p.v);
+          };
+          const Eigen::Vector2d along = at(r + 0.00025, a) - at(r - 0.00025, a);
+          const Eigen::Vector2d across = at(r, a + 0.05) - at(r, a - 0.05);
+          const double size = std::abs(along.x() * across.y() - along.y() * across.x());
+          moment += size * at(r, a);
+          area += size;
+        }
+      }
+      const Pixel centroid = {moment.x() / area, moment.y() / area};
+      most = std::max(most, std::hypot(centroid.u - seen.uv[i].u, centroid.v - seen.uv[i].v));
+      seen.uv[i] = centroid;
+    }
+  }
+  EXPECT_GT(most, 0.2) << "nothing to mend";
+  SolveOptions options;
+  options.warp = false;
+  options.reject_outliers = false;
+  const auto biased = solve(views, kSize, options);
+  options.ellipse_centers = true;
+  const auto mended = solve(views, kSize, options);
+  ASSERT_TRUE(biased && mended);
+  EXPECT_LT(*mended->calibration.rms, 0.02 * *biased->calibration.rms);
+  EXPECT_NEAR(mended->calibration.find("fx")->value, camera.fx(), 0.02);
+  EXPECT_GT(std::abs(biased->calibration.find("fx")->value - camera.fx()), 0.1);
+
+  const auto none =
+      solve({{scenes::observe(camera, scenes::kBoard,
+                              {Eigen::Matrix3d::Identity(), {-0.1, -0.06, 0.4}}, 0.1, random)}},
+            kSize, options);
+  EXPECT_FALSE(none);
+}
+
 // Points in space need no method: the search starts by the projection matrix, too.
 TEST(PointsInSpace, AreSolvedWithoutAMethod) {
   Random random(23);
