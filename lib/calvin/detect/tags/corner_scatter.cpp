@@ -87,50 +87,52 @@ Growth growth_of(const std::vector<SheetCorner>& corners, const Column& rough,
   return growth;
 }
 
-}  // namespace
-
-std::optional<CornerScatter> corner_scatter(std::vector<SheetCorner>& corners, const LensMap& map,
-                                            double most) {
-  constexpr int kRounds = 4;
-  constexpr double kMedian = 1.1774;  // of the length of a vector with two errors of 1 sigma
-  constexpr double kFinest = 0.005;   // px, that a map may lack
-  if (corners.size() < kFewest) return std::nullopt;
+// How far each corner is from where the map has it, px.
+std::vector<Point> distances_from(const LensMap& map, const std::vector<SheetCorner>& corners) {
   std::vector<Point> off;
   for (const SheetCorner& c : corners) {
     const Pixel expected = map.image_of(c.plane);
     off.emplace_back(c.image.u - expected.u, c.image.v - expected.v);
   }
-  CornerScatter scatter;
-  std::vector<double> errors(corners.size());  // px
-  double unknowns = 0;
-  for (int round = 0; round < kRounds; ++round) {
-    const Column rough(corners, off);
-    const Growth in_image = growth_of(corners, rough, &SheetCorner::outwards, most);
-    const Growth on_board = growth_of(corners, rough, &SheetCorner::outwards_plane, most);
-    const Growth growth = on_board.gain > in_image.gain ? on_board : in_image;
-    scatter.growth.clear();
-    std::vector<Point> left = off;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      scatter.growth.push_back(growth.amount * (corners[i].*growth.of));
-      left[i] -= scatter.growth[i];
-    }
-    const Column rest(corners, left);
-    unknowns = 2 * rest.numbers() + 1;
-    std::vector<double> usual;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      errors[i] = rest[i].norm();
-      if (!corners[i].is_off) usual.push_back(errors[i] / corners[i].sigma);
-    }
-    if (usual.size() < kFewest) return std::nullopt;
-    const double scale = std::max(median_of(usual) / kMedian, 1.0);
-    bool changed = false;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const bool is_off = errors[i] > kCertain * (scale * corners[i].sigma + kFinest);
-      changed = changed || is_off != corners[i].is_off;
-      corners[i].is_off = is_off;
-    }
-    if (!changed) break;
+  return off;
+}
+
+// The growth of either kind that explains more, of each corner.
+std::vector<Point> growth_of(const std::vector<SheetCorner>& corners, const std::vector<Point>& off,
+                             double most) {
+  const Column rough(corners, off);
+  const Growth in_image = growth_of(corners, rough, &SheetCorner::outwards, most);
+  const Growth on_board = growth_of(corners, rough, &SheetCorner::outwards_plane, most);
+  const Growth growth = on_board.gain > in_image.gain ? on_board : in_image;
+  std::vector<Point> all;
+  for (const SheetCorner& c : corners) all.push_back(growth.amount * (c.*growth.of));
+  return all;
+}
+
+// Marks the corners that are off by far more than the others, in their sigmas. Absent where too few
+// are left to tell; else whether a mark has changed.
+std::optional<bool> mark_off(std::vector<SheetCorner>& corners, const std::vector<double>& errors) {
+  constexpr double kMedian = 1.1774;  // of the length of a vector with two errors of 1 sigma
+  constexpr double kFinest = 0.005;   // px, that a map may lack
+  std::vector<double> usual;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (!corners[i].is_off) usual.push_back(errors[i] / corners[i].sigma);
   }
+  if (usual.size() < kFewest) return std::nullopt;
+  const double scale = std::max(median_of(std::move(usual)) / kMedian, 1.0);
+  bool changed = false;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const bool is_off = errors[i] > kCertain * (scale * corners[i].sigma + kFinest);
+    changed = changed || is_off != corners[i].is_off;
+    corners[i].is_off = is_off;
+  }
+  return changed;
+}
+
+// The errors of corners over their sigmas, of which a fit with so many numbers has taken a part.
+double factor_of(const std::vector<SheetCorner>& corners, const std::vector<double>& errors,
+                 double numbers) {
+  constexpr double kPrior = 20;  // as if so many more were as they should be: few tell little
   double square = 0;
   double count = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -138,10 +140,31 @@ std::optional<CornerScatter> corner_scatter(std::vector<SheetCorner>& corners, c
     square += std::pow(errors[i] / corners[i].sigma, 2);
     count += 2;
   }
-  // As if some more were as they should be: few tell little.
-  constexpr double kPrior = 20;
-  const double degrees = std::max(count - unknowns, 1.0);
-  scatter.factor = std::sqrt((square + kPrior) / (degrees + kPrior));
+  return std::sqrt((square + kPrior) / (std::max(count - numbers, 1.0) + kPrior));
+}
+
+}  // namespace
+
+std::optional<CornerScatter> corner_scatter(std::vector<SheetCorner>& corners, const LensMap& map,
+                                            double most) {
+  constexpr int kRounds = 4;
+  if (corners.size() < kFewest) return std::nullopt;
+  const std::vector<Point> off = distances_from(map, corners);
+  CornerScatter scatter;
+  std::vector<double> errors(corners.size());  // px
+  double numbers = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    scatter.growth = growth_of(corners, off, most);
+    std::vector<Point> left = off;
+    for (std::size_t i = 0; i < corners.size(); ++i) left[i] -= scatter.growth[i];
+    const Column rest(corners, std::move(left));
+    numbers = 2 * rest.numbers() + 1;
+    for (std::size_t i = 0; i < corners.size(); ++i) errors[i] = rest[i].norm();
+    const auto changed = mark_off(corners, errors);
+    if (!changed) return std::nullopt;
+    if (!*changed) break;
+  }
+  scatter.factor = factor_of(corners, errors, numbers);
   return scatter;
 }
 

@@ -104,6 +104,39 @@ class SideOf {
   SideGuess guess_;
 };
 
+// The sides of a tag where they can be fitted.
+struct FittedSides {
+  std::array<SideGuess, 4> guesses;
+  std::array<std::optional<SideFit>, 4> sides;
+};
+
+FittedSides fit_sides(const ImageView& image, const Quad& corners, const TagPattern& pattern,
+                      double reach, const TagBends& bends) {
+  FittedSides fitted;
+  for (std::size_t i = 0; i < 4; ++i) {
+    SideGuess& guess = fitted.guesses[i];
+    guess = SideOf(corners, pattern, i).guess();
+    // Not as far as the next edge.
+    guess.reach = std::min({reach, 0.6 * room_inside(guess), 0.6 * room_outside(guess)});
+    guess.bend = bends.at[i];
+    guess.bend_sigma = bends.sigma[i];
+    fitted.sides[i] = fit_side(image, guess);
+  }
+  return fitted;
+}
+
+// Where the sides before and from a corner on meet; absent where one is missing, or they meet
+// elsewhere.
+std::optional<Meeting> meet_at(const FittedSides& fitted, const Quad& corners, std::size_t i,
+                               double reach) {
+  const std::size_t before = (i + 3) % 4;
+  if (!fitted.sides[before] || !fitted.sides[i]) return std::nullopt;
+  const auto meeting = meet(tangent_of(fitted.guesses[before], *fitted.sides[before], 1),
+                            tangent_of(fitted.guesses[i], *fitted.sides[i], 0));
+  if (!meeting || (meeting->at - corners[i]).norm() > 2 * reach + 2) return std::nullopt;
+  return meeting;
+}
+
 }  // namespace
 
 int TagFit::seen() const {
@@ -121,38 +154,28 @@ TagBends unknown_bends(const Quad& corners) {
 
 TagFit fit_tag(const ImageView& image, const Quad& corners, const TagPattern& pattern, double reach,
                const TagBends& bends) {
+  const FittedSides fitted = fit_sides(image, corners, pattern, reach, bends);
   TagFit tag;
   tag.corners = corners;
-  std::array<SideGuess, 4> guesses;
-  std::array<std::optional<SideFit>, 4> sides;
-  double widths = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    guesses[i] = SideOf(corners, pattern, i).guess();
-    SideGuess& guess = guesses[i];
-    // Not as far as the next edge.
-    guess.reach = std::min({reach, 0.6 * room_inside(guess), 0.6 * room_outside(guess)});
-    guess.bend = bends.at[i];
-    guess.bend_sigma = bends.sigma[i];
-    sides[i] = fit_side(image, guess);
-    if (!sides[i]) continue;
+  for (const auto& side : fitted.sides) {
+    if (!side) continue;
     ++tag.sides;
-    widths += sides[i]->width;
+    tag.width += side->width;
   }
-  if (tag.sides > 0) tag.width = widths / tag.sides;
+  if (tag.sides > 0) tag.width /= tag.sides;
   Point moved = Point::Zero();
   std::array<bool, 4> met{};
   for (std::size_t i = 0; i < 4; ++i) {
-    const std::size_t before = (i + 3) % 4;
-    if (!sides[before] || !sides[i]) continue;
-    const auto meeting =
-        meet(tangent_of(guesses[before], *sides[before], 1), tangent_of(guesses[i], *sides[i], 0));
-    if (!meeting || (meeting->at - corners[i]).norm() > 2 * reach + 2) continue;
+    const auto meeting = meet_at(fitted, corners, i, reach);
+    if (!meeting) continue;
     met[i] = true;
     tag.corners[i] = meeting->at;
     moved += meeting->at - corners[i];
-    const bool is_seen = sides[before]->seen[1] && sides[i]->seen[0] && is_in(image, meeting->at);
+    const bool is_seen =
+        fitted.sides[(i + 3) % 4]->seen[1] && fitted.sides[i]->seen[0] && is_in(image, meeting->at);
     if (is_seen && meeting->sigma <= kMostSigma) tag.sigma[i] = meeting->sigma;
   }
+  // A corner that was not fitted moves as the others do.
   const auto count = static_cast<double>(std::ranges::count(met, true));
   for (std::size_t i = 0; i < 4 && count > 0; ++i) {
     if (!met[i]) tag.corners[i] += moved / count;
