@@ -438,5 +438,39 @@ TEST(PointsInSpace, AreSolvedWithoutAMethod) {
   }
 }
 
+// A sheet whose arch is a twentieth of its width is a plane to the start, and no object in space.
+TEST(PointsInSpace, AreNoBentBoards) {
+  Random random(31);
+  PointSet sheet =
+      points_of(scenes::observe(scenes::random_camera("pinhole", random), scenes::kBoard,
+                                {Eigen::Matrix3d::Identity(), {-0.1, -0.06, 0.5}}, 0, random));
+  EXPECT_FALSE(spans_space(sheet));
+  for (Eigen::Vector3d& p : sheet.points) p.z() = 0.01 * (1 - std::pow(p.x() / 0.1 - 1, 2));
+  EXPECT_FALSE(spans_space(sheet));
+  EXPECT_FALSE(board_from_plane(sheet));
+  for (Eigen::Vector3d& p : sheet.points) p.z() *= 6;
+  EXPECT_TRUE(spans_space(sheet));
+  // A plane that is not that of the board.
+  for (Eigen::Vector3d& p : sheet.points) p.z() = 0.5 * p.x();
+  EXPECT_FALSE(spans_space(sheet));
+  ASSERT_TRUE(board_from_plane(sheet));
+  const SE3 plane_from_board = board_from_plane(sheet)->inverse();
+  for (const Eigen::Vector3d& p : sheet.points) EXPECT_NEAR((plane_from_board * p).z(), 0, 1e-12);
+}
+
+TEST(Fix, HoldsAtANumber) {
+  Random random(37);
+  const Problem problem = problem_for(kCases[1], 0.1, random);
+  SolveOptions options;
+  options.fix = {"fx=1100", " cy = 470.5 "};
+  const auto found = solve(problem.views, kSize, options);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->calibration.find("fx")->value, 1100);
+  EXPECT_FALSE(found->calibration.find("fx")->sigma);
+  EXPECT_EQ(found->calibration.find("cy")->value, 470.5);
+  options.fix = {"fx=-5"};
+  EXPECT_FALSE(check(options));
+}
+
 }  // namespace
 }  // namespace calvin

@@ -130,8 +130,8 @@ bool spans_plane(const PointSet& view) {
 
 bool spans_space(const PointSet& view) {
   constexpr std::size_t kLeast = 6;
-  // Of the standard deviation along the longest axis. A sheet that is bent by a tenth of its length
-  // comes to half of that.
+  // Of the standard deviation along the longest axis. A sheet whose arch is a twentieth of its
+  // length comes to .05.
   constexpr double kThick = 0.06;
   const auto is_high = [](const Eigen::Vector3d& p) { return p.z() != 0; };
   if (std::none_of(view.points.begin(), view.points.end(), is_high)) return false;
@@ -141,13 +141,18 @@ bool spans_space(const PointSet& view) {
 }
 
 std::optional<SE3> board_from_plane(const PointSet& view) {
-  constexpr double kFlat = 0.1;  // of the extent along the plane: no bent sheet has more
+  constexpr double kFlat = 0.2;    // of the extent along z = 0, that a bent sheet reaches out of it
+  constexpr double kExact = 1e-9;  // of its square: points of a plane, given with 5 digits
+  const auto is_high = [](const Eigen::Vector3d& p) { return p.z() != 0; };
+  if (std::none_of(view.points.begin(), view.points.end(), is_high)) return std::nullopt;
   const Scatter s = scatter_of(view);
   const Eigen::Matrix3d& m = s.about_centroid;
-  const double across = m(2, 2) + static_cast<double>(s.count) * s.centroid.z() * s.centroid.z();
-  if (across <= kFlat * kFlat * (m(0, 0) + m(1, 1))) return std::nullopt;
   const auto eigen = symmetric_eigen(m);
   if (!eigen) return std::nullopt;
+  const double across = m(2, 2) + static_cast<double>(s.count) * s.centroid.z() * s.centroid.z();
+  const bool is_about = across <= kFlat * kFlat * (m(0, 0) + m(1, 1));
+  const bool is_exact = eigen->values[0] <= kExact * eigen->values[2];
+  if (is_about && !is_exact) return std::nullopt;
   SE3 plane;
   plane.rotation = eigen->vectors.rowwise().reverse();
   if (plane.rotation.determinant() < 0) plane.rotation.col(2) *= -1;

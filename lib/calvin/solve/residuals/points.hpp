@@ -62,8 +62,8 @@ struct PointSet {
 // plane as tells perspective from tilt. A bent board does not.
 [[nodiscard]] bool spans_space(const PointSet& view);
 
-// The plane next to the points in use, whose z = 0 it is, for points that do not lie about the z =
-// 0 of their board. Absent for points that do.
+// The plane next to the points in use, whose z = 0 it is, for points that lie in another plane than
+// the z = 0 of their board. Absent for those that lie in it, or about it as those of a bent sheet.
 [[nodiscard]] std::optional<SE3> board_from_plane(const PointSet& view);
 
 }  // namespace calvin
