@@ -3,7 +3,7 @@
 
 // Outlines of discs in the image, and their centroids.
 
-#include "calvin/solve/ellipse_centers.hpp"
+#include "calvin/solve/methods/ellipse_centers.hpp"
 
 #include <algorithm>
 #include <array>
