@@ -86,6 +86,7 @@ Result<Board> CalibrationSession::board_of(const std::string& text) {
   if (const auto known = boards_.find(text); known != boards_.end()) return known->second;
   auto board = parse_board(text);
   if (!board) return board;
+  if (const Status tells = check_has_pose(*board); !tells) return tl::unexpected(tells.error());
   if (boards_.size() >= kMany) boards_.clear();
   boards_.emplace(text, *board);
   return board;
@@ -109,9 +110,11 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   last_obstacle_ = obstacle_;
   const auto board = board_of(observation.board);
   if (!board) {
+    useless_board_ = board.error();
     if (first_complaint()) offered.complaint = board.error();
     return offered;
   }
+  useless_board_.reset();
   offered.reason = observation.image_size != size_ ? Reason::kOffSize : Reason::kTooSimilar;
   if (finished_ || observation.image_size != size_) {
     views_.pass(observation);
@@ -256,6 +259,7 @@ void CalibrationSession::begin_session() {
   wrong_board_ = false;
   told_obstacle_.clear();
   last_obstacle_.clear();
+  useless_board_.reset();
   solve_error_.clear();
   accepted_ = next_solve_ = 0;
   writes_.reset();

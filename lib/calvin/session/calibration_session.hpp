@@ -200,6 +200,7 @@ class CalibrationSession {
  private:
   [[nodiscard]] bool enough_views() const;
   [[nodiscard]] Error too_few() const {
+    if (useless_board_ && views_.views().empty()) return *useless_board_;
     return too_few_views(views_.views().size(), plan_.settings.min_views, refused_, last_obstacle_);
   }
   [[nodiscard]] Result<Board> board_of(const std::string& text);
@@ -271,8 +272,9 @@ class CalibrationSession {
   std::string obstacle_;                               // on the newest frame, as the detector says
   bool wrong_board_ = false;
   std::string told_obstacle_;
-  std::string last_obstacle_;     // since a board was found
-  bool complained_ = false;       // of broken observations
+  std::string last_obstacle_;           // since a board was found
+  std::optional<Error> useless_board_;  // why nothing can be made of the board that was seen last
+  bool complained_ = false;             // of broken observations
   std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
   int frames_without_board_ = 0;  // that showed others, since it was seen
   Hint hint_;

@@ -87,6 +87,27 @@ TEST_F(CalibrationSessions, SayThatThereIsNoBoardAndWhy) {
 }
 
 // Where every frame is a view, solves would never end: each waits for a quarter more views.
+// One point tells nothing of one camera, however often it is seen.
+TEST_F(CalibrationSessions, SayWhatALightIsFor) {
+  begin();
+  Observation light = seen(0);
+  light.board = "dot";
+  light.ids = {0};
+  light.uv.resize(1);
+  light.sigma.resize(1);
+  const Offered first = session_.offer(light, times(0));
+  ASSERT_TRUE(first.complaint.has_value());
+  EXPECT_NE(first.complaint->message.find("several cameras together"), std::string::npos);
+  EXPECT_FALSE(session_.offer(light, times(1)).complaint.has_value()) << "once is enough";
+  EXPECT_EQ(session_.verdict().status.error().message, first.complaint->message);
+  const View view = {light, parse_board("dot").value()};
+  const auto solved = calvin::solve(std::vector<View>(9, view), scenes::kSize, SolveOptions());
+  ASSERT_FALSE(solved.has_value());
+  EXPECT_EQ(solved.error().message, first.complaint->message);
+  EXPECT_TRUE(show(3).report);
+  EXPECT_TRUE(session_.take_solve().has_value()) << "a board beside it is";
+}
+
 TEST_F(CalibrationSessions, AskForFewerSolvesTheMoreViewsThereAre) {
   begin();
   std::vector<std::size_t> solved;
