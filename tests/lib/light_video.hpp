@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <numbers>
+#include <optional>
 #include <vector>
 
 #include "calvin/detect/detector.hpp"
@@ -77,6 +79,27 @@ class LightVideo {
     for (int i = 0; i < parts; ++i) {
       const double t = (i + 0.5) / parts - 0.5;
       add(image, {middle.u + t * way.u, middle.v + t * way.v}, 1.5, 1.0 / parts);
+    }
+    return follow(finished(image));
+  }
+  // A disc of even brightness around a place, as of an LED in a diffuse cap, m.
+  Detection look_at_disc(const Eigen::Vector3d& at, double diameter) {
+    synth::FloatImage image = room();
+    const Pixel middle = camera_.project(at).value();
+    const double radius = diameter / 2 * camera_.fx() / at.z();  // px, nearly round
+    constexpr double kStep = 0.25;                               // px, much less than the blur
+    const int reach = static_cast<int>(radius / kStep) + 1;
+    for (int j = -reach; j <= reach; ++j) {
+      for (int i = -reach; i <= reach; ++i) {
+        if (std::hypot(i * kStep, j * kStep) > radius) continue;
+        const synth::LightSpot part = {
+            {middle.u + i * kStep, middle.v + j * kStep},
+            options_.blur * options_.blur,
+            0,
+            options_.blur * options_.blur,
+            options_.glow * kStep * kStep / (2 * std::numbers::pi * options_.blur * options_.blur)};
+        synth::add_light(image, [&](double /*v*/) { return std::optional(part); });
+      }
     }
     return follow(finished(image));
   }

@@ -14,13 +14,14 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "calvin/detect/light/spot_model.hpp"
+
 namespace calvin::detect {
 
 namespace {
 
-constexpr int kUnknowns = 7;
-using Vector = Eigen::Matrix<double, kUnknowns, 1>;
-using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+using Vector = SpotVector;
+using Matrix = SpotMatrix;
 
 // Grey levels: what is as bright as the brightest pixel, where that is so bright, is cut off. A
 // camera may cut off at 235, and lossy video is uneven there.
@@ -28,7 +29,10 @@ constexpr int kBright = 200;
 constexpr int kUneven = 2;
 // Pixels along a side of the window, of which more would only cost time.
 constexpr int kMostSamples = 28;
-constexpr int kFewestSamples = kUnknowns + 5;
+constexpr int kFewestSamples = kSpotUnknowns + 4;
+
+// Rounding to whole grey levels is noise, too.
+constexpr double kRounding = 1.0 / 12;
 
 struct Sample {
   double x = 0;  // px, from the middle of the blob
@@ -36,41 +40,6 @@ struct Sample {
   double above = 0;  // grey levels above the background
   bool cut_off = false;
 };
-
-// The unknowns: centre (px from the middle of the blob), logarithm of the height, offset, and the
-// inverse covariance p, q, r (1/px^2).
-enum { kX, kY, kLogHeight, kOffset, kP, kQ, kR };
-
-// The mean of the Gaussian over a pixel by four points, which is exact up to third order.
-constexpr double kPoint = 0.28867513459481287;  // px from the middle, 1 / sqrt(12)
-
-struct Value {
-  double grey = 0;
-  Vector slope = Vector::Zero();
-};
-
-Value model_at(const Vector& fit, const Sample& sample) {
-  Value value;
-  value.grey = fit[kOffset];
-  value.slope[kOffset] = 1;
-  const double height = std::exp(fit[kLogHeight]);
-  for (const double dx : {-kPoint, kPoint}) {
-    for (const double dy : {-kPoint, kPoint}) {
-      const double x = sample.x + dx - fit[kX];
-      const double y = sample.y + dy - fit[kY];
-      const double square = fit[kP] * x * x + 2 * fit[kQ] * x * y + fit[kR] * y * y;
-      const double part = height / 4 * std::exp(-square / 2);
-      value.grey += part;
-      value.slope[kX] += part * (fit[kP] * x + fit[kQ] * y);
-      value.slope[kY] += part * (fit[kQ] * x + fit[kR] * y);
-      value.slope[kLogHeight] += part;
-      value.slope[kP] -= part * x * x / 2;
-      value.slope[kQ] -= part * x * y;
-      value.slope[kR] -= part * y * y / 2;
-    }
-  }
-  return value;
-}
 
 // The pixels of a window, and what they say of a fit.
 class SpotProblem {
@@ -82,6 +51,11 @@ class SpotProblem {
   // The normal equations at a fit; returns the sum of squares.
   double linearise(const Vector& fit, Matrix& information, Vector& right) const;
   [[nodiscard]] double cost(const Vector& fit) const;
+  // Whether the residuals of the flanks, which tell the place, are like those beside the light.
+  [[nodiscard]] bool is_noise_left(const Vector& fit) const;
+  // 1 sigma of the unknowns along a direction, where the residuals have that variance.
+  [[nodiscard]] double sigma(const Vector& fit, const Eigen::LLT<Matrix>& inverse,
+                             const Vector& direction, double variance) const;
 
   [[nodiscard]] Pixel middle() const { return middle_; }
   [[nodiscard]] double noise() const { return noise_; }
@@ -89,7 +63,7 @@ class SpotProblem {
   [[nodiscard]] double limit() const { return limit_; }
   // Residuals that count, less the unknowns.
   [[nodiscard]] double freedom() const {
-    return static_cast<double>(samples_.size() - cut_off_) - kUnknowns;
+    return static_cast<double>(samples_.size() - cut_off_) - kSpotUnknowns;
   }
 
  private:
@@ -161,7 +135,7 @@ Vector SpotProblem::start(const LightBlob& blob) const {
   const double determinant = xx * yy - xy * xy;
   Vector fit;
   fit << x, y, std::log(1.2 * std::max(blob.peak, 1)), 0, yy / determinant, -xy / determinant,
-      xx / determinant;
+      xx / determinant, 1;
   return fit;
 }
 
@@ -170,7 +144,7 @@ double SpotProblem::linearise(const Vector& fit, Matrix& information, Vector& ri
   right.setZero();
   double sum = 0;
   for (const Sample& s : samples_) {
-    const Value value = model_at(fit, s);
+    const SpotValue value = spot_value(fit, s.x, s.y);
     const double residual = s.above - value.grey;
     if (s.cut_off && residual <= 0) continue;
     sum += residual * residual;
@@ -183,22 +157,70 @@ double SpotProblem::linearise(const Vector& fit, Matrix& information, Vector& ri
 double SpotProblem::cost(const Vector& fit) const {
   double sum = 0;
   for (const Sample& s : samples_) {
-    const double residual = s.above - model_at(fit, s).grey;
+    const double residual = s.above - spot_value(fit, s.x, s.y).grey;
     if (!s.cut_off || residual > 0) sum += residual * residual;
   }
   return sum;
 }
 
-bool is_gaussian(const Vector& fit) {
-  return fit.allFinite() && fit[kP] > 0 && fit[kP] * fit[kR] > fit[kQ] * fit[kQ] &&
-         fit[kLogHeight] < 20;
+bool SpotProblem::is_noise_left(const Vector& fit) const {
+  constexpr double kAlike = 2.5;  // times the mean square, of some ten pixels
+  constexpr double kBeside = 1;   // grey level that the light has there, at most
+  double flanks = 0;
+  double weights = 0;
+  double beside = 0;
+  int count = 0;
+  for (const Sample& s : samples_) {
+    const SpotValue value = spot_value(fit, s.x, s.y);
+    const double residual = s.above - value.grey;
+    if (s.cut_off && residual <= 0) continue;
+    const double weight = value.slope.head<2>().squaredNorm();
+    flanks += residual * residual * weight;
+    weights += weight;
+    if (value.grey - fit[kOffset] > kBeside) continue;
+    beside += residual * residual;
+    ++count;
+  }
+  return flanks * std::max(count, 1) < kAlike * weights * std::max(beside, count * kRounding);
 }
 
-// What is cut off leaves height and width nearly free together: the height is held a little.
+// The larger of two: as if all residuals were noise of one variance, and as large as each of them
+// is (H. White, A Heteroskedasticity-Consistent Covariance Matrix Estimator, Econometrica 48(4),
+// 1980; each over what the fit leaves of it). A light that is no Gaussian has its residuals where
+// the flanks are, which tell the place.
+double SpotProblem::sigma(const Vector& fit, const Eigen::LLT<Matrix>& inverse,
+                          const Vector& direction, double variance) const {
+  const Vector weights = inverse.solve(direction);
+  double sum = 0;
+  for (const Sample& s : samples_) {
+    const SpotValue value = spot_value(fit, s.x, s.y);
+    const double residual = s.above - value.grey;
+    if (s.cut_off && residual <= 0) continue;
+    const double left = 1 - std::min(value.slope.dot(inverse.solve(value.slope)), 0.9);
+    const double pull = weights.dot(value.slope);
+    sum += residual * residual / left * pull * pull;
+  }
+  return std::sqrt(std::max(sum, variance * direction.dot(weights)));
+}
+
+bool is_spot(const Vector& fit) {
+  constexpr double kFlattest = 8;  // whose flanks are steeper than any lens makes them
+  return fit.allFinite() && fit[kP] > 0 && fit[kP] * fit[kR] > fit[kQ] * fit[kQ] &&
+         fit[kLogHeight] < 20 && fit[kFlatness] >= 1 && fit[kFlatness] < kFlattest;
+}
+
+// What is cut off leaves height and width nearly free together: the height is held a little. A
+// Gaussian stays one.
 constexpr double kHeightPrior = 1e-3;  // of the information that the height has by itself
 
-void damp(Matrix& information, double damping) {
-  for (int i = 0; i < kUnknowns; ++i) information(i, i) *= 1 + damping;
+void damp(const Vector& fit, double damping, Matrix& information, Vector& right) {
+  if (fit[kFlatness] == 1) {
+    information.row(kFlatness).setZero();
+    information.col(kFlatness).setZero();
+    information(kFlatness, kFlatness) = 1;
+    right[kFlatness] = 0;
+  }
+  information.diagonal() *= 1 + damping;
   information(kLogHeight, kLogHeight) *= 1 + kHeightPrior;
 }
 
@@ -212,10 +234,10 @@ std::optional<double> descend(const SpotProblem& problem, Vector& fit) {
   double cost = problem.linearise(fit, information, right);
   for (int i = 0; i < kSteps; ++i) {
     Matrix damped = information;
-    damp(damped, damping);
+    damp(fit, damping, damped, right);
     const Vector step = damped.selfadjointView<Eigen::Lower>().llt().solve(right);
     const Vector next = fit + step;
-    const double after = is_gaussian(next) ? problem.cost(next) : HUGE_VAL;
+    const double after = is_spot(next) ? problem.cost(next) : HUGE_VAL;
     if (!(after < cost)) {
       if (step.head<2>().norm() < kStill || damping > 1e6) break;
       damping *= 8;
@@ -244,11 +266,40 @@ Axes axes_of(double a, double b, double c) {
   return {mean + apart, mean - apart, {std::cos(angle), std::sin(angle)}};
 }
 
-std::optional<SpotFit> conclude(const SpotProblem& problem, const Vector& fit, double cost) {
+// The standard deviation of a spot of that flatness along an axis, whose square is the mean of
+// x^2 over it, for one that would be 1 as a Gaussian.
+double spread_of(double flatness) {
+  const double inverse = 1 / flatness;
+  return std::sqrt(std::pow(2, inverse) * std::tgamma(2 * inverse) / std::tgamma(inverse) / 2);
+}
+
+// A light whose residuals are no noise is flatter than a Gaussian, if that is better.
+void flatten(const SpotProblem& problem, Vector& fit, double& cost) {
+  constexpr double kFirst = 1.5;  // flatness to begin with
+  if (problem.is_noise_left(fit)) return;
+  Vector flat = fit;
+  flat[kFlatness] = kFirst;
+  const auto after = descend(problem, flat);
+  if (!after || !(*after < cost)) return;
+  fit = flat;
+  cost = *after;
+}
+
+// px that the centre may be off where next to nothing but the steep foot of a flank is seen, which
+// is no longer that of a Gaussian: measured on discs of even brightness of 2 to 8 px that are cut
+// off at a twentieth of it.
+double hidden_error(const SpotFit& spot, const LightBlob& blob) {
+  constexpr double kTall = 30;      // times what is seen, of the height
+  constexpr double kError = 0.003;  // of the radius of the blob
+  return spot.height > kTall * spot.seen ? kError * blob.longer_side() / 2 : 0;
+}
+
+std::optional<SpotFit> conclude(const SpotProblem& problem, const LightBlob& blob,
+                                const Vector& fit, double cost) {
   Matrix information;
   Vector right;
   (void)problem.linearise(fit, information, right);
-  damp(information, 0);
+  damp(fit, 0, information, right);
   const auto inverse = information.selfadjointView<Eigen::Lower>().llt();
   if (inverse.info() != Eigen::Success) return std::nullopt;
   const double determinant = fit[kP] * fit[kR] - fit[kQ] * fit[kQ];
@@ -256,20 +307,20 @@ std::optional<SpotFit> conclude(const SpotProblem& problem, const Vector& fit, d
   SpotFit spot;
   spot.centre = {problem.middle().u + fit[kX], problem.middle().v + fit[kY]};
   spot.height = std::exp(fit[kLogHeight]);
-  spot.longer = std::sqrt(axes.longer);
-  spot.shorter = std::sqrt(std::max(axes.shorter, 0.0));
+  const double wide = spread_of(fit[kFlatness]);
+  spot.longer = wide * std::sqrt(axes.longer);
+  spot.shorter = wide * std::sqrt(std::max(axes.shorter, 0.0));
   spot.noise = problem.noise();
   spot.seen = std::min(spot.height, problem.limit());
-  // Rounding to whole grey levels is noise, too.
-  constexpr double kRounding = 1.0 / 12;
   const double variance = std::max(cost / problem.freedom(), kRounding);
   spot.residual = std::sqrt(variance);
   Vector along = Vector::Zero();
   along.head<2>() = axes.along;
   Vector across = Vector::Zero();
   across.head<2>() << -axes.along.y(), axes.along.x();
-  spot.sigma_along = std::sqrt(variance * along.dot(inverse.solve(along)));
-  spot.sigma_across = std::sqrt(variance * across.dot(inverse.solve(across)));
+  const double hidden = hidden_error(spot, blob);
+  spot.sigma_along = std::hypot(problem.sigma(fit, inverse, along, variance), hidden);
+  spot.sigma_across = std::hypot(problem.sigma(fit, inverse, across, variance), hidden);
   return spot;
 }
 
@@ -280,10 +331,11 @@ std::optional<SpotFit> fit_spot(const ImageView& image, const LightBackground& b
   const SpotProblem problem(image, background, blob);
   if (!problem.is_enough()) return std::nullopt;
   Vector fit = problem.start(blob);
-  if (!is_gaussian(fit)) return std::nullopt;
-  const auto cost = descend(problem, fit);
+  if (!is_spot(fit)) return std::nullopt;
+  auto cost = descend(problem, fit);
   if (!cost) return std::nullopt;
-  const auto spot = conclude(problem, fit, *cost);
+  flatten(problem, fit, *cost);
+  const auto spot = conclude(problem, blob, fit, *cost);
   if (!spot || !std::isfinite(spot->sigma_along) || !std::isfinite(spot->sigma_across)) {
     return std::nullopt;
   }
