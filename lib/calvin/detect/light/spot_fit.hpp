@@ -7,8 +7,9 @@
 //   grey(p) = background(p) + offset + height exp(-(p - centre)^T shape (p - centre) / 2)
 //
 // as the mean over each pixel. Estimated: the centre, the height, the offset and the three numbers
-// of the shape. A light is mostly so bright that its middle is cut off: pixels at the upper limit
-// say only that the light reaches it there, and count where the Gaussian does not. Internal.
+// of the shape, and where that is not enough how flat its middle is (spot_model.hpp). A light is
+// mostly so bright that its middle is cut off: pixels at the upper limit say only that the light
+// reaches it there, and count where the Gaussian does not. Internal.
 #pragma once
 
 #include <optional>
