@@ -82,8 +82,29 @@ def check_light(launch):
     print(f"dot: found in {found} of 30 frames")
 
 
+def check_light_journal(launch, folder):
+    """Two runs with one journal: what was seen of the light in the later one is in it."""
+    journal = os.path.join(folder, "light.jsonl")
+    for seed in (1, 2):
+        line = (
+            f"calibtestsrc board=dot num-buffers=20 seed={seed} ! video/x-raw,width=640,height=480 ! "
+            f"calibdetect board=dot camera=left ! calibsolve journal={journal} ! fakesink"
+        )
+        done = subprocess.run([launch] + line.split(), capture_output=True, text=True, timeout=60)
+        if done.returncode != 0 or "in the journal" not in done.stdout + done.stderr:
+            sys.exit(f"dot: nothing was said of the journal: {done.stdout} {done.stderr}")
+    lines = [json.loads(text) for text in open(journal)]
+    anew = [i for i, line in enumerate(lines) if "reset" in line]
+    if lines[0]["board"] != "dot" or len(anew) != 1 or not 18 <= len(lines) - 1 - anew[0] <= 19:
+        sys.exit(f"dot: the journal holds {len(lines)} lines of {lines[0]['board']}, anew from {anew}")
+    for line in lines[anew[0] + 1 :]:
+        if line["camera"] != "left" or len(line["points"]) != 1 or not 0 < line["points"][0][3] < 0.1:
+            sys.exit(f"dot: the journal holds {line}")
+
+
 check_light(sys.argv[1])
 with tempfile.TemporaryDirectory() as folder:
+    check_light_journal(sys.argv[1], folder)
     for board in BOARDS:
         result = run(sys.argv[1], folder, board)
         if result is None:
