@@ -82,6 +82,9 @@ SharedDetector BoardsDetector::identify(const ImageView& image,
 DetectorHint BoardsDetector::hint_of(const Detection& detection, bool dark) const {
   const Board* board = board_of(detection);
   if (detection.observation.found()) return {};
+  if (!detection.obstacle.empty()) return {detection.obstacle, false};
+  // A dark room is right for a light.
+  if (board != nullptr && board->as<PointLight>() != nullptr) dark = false;
   // The size of a sheet says less than its code.
   const bool is_named =
       !detection.seen_board.empty() || (detection.seen_all && !identifier_->sees_code());

@@ -38,7 +38,7 @@ Status CalibSolver::open_journal(const SessionSettings& settings) {
       content.views = entry.views;  // each of them says what is left
       journal->add(std::move(entry));
     }
-    session_.begin_journal(std::move(content.views));
+    session_.begin_journal(std::move(content.views), content.newest_light);
   }
   write_journal();
   return {};

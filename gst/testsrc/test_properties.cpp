@@ -24,7 +24,8 @@ constexpr Property<TestState> kRows[] = {
      "aprilgrid:COLSxROWS:SIZE:GAP, aruco:COLSxROWS:SIZE:GAP:DICTIONARY or "
      "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, "
      "acircles:COLSxROWS:SIZE or "
-     "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, or FILE.json#NAME",
+     "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dot, a light, or "
+     "FILE.json#NAME",
      kept_in<&TestSettings::scene, &SceneSettings::board>,
      {.flags = kMutableReady}},
     {"calibration",
@@ -65,6 +66,11 @@ constexpr Property<TestState> kRows[] = {
      "Exposure",
      "Factor on all grey levels; those above 255 are cut off",
      kept_in<&TestSettings::render, &RenderOptions::exposure>,
+     {.range = Range{0, 100}}},
+    {"lamps",
+     "Lamps",
+     "Lamps that stand still behind a light (board=dot), as bright as that",
+     kept_in<&TestSettings::render, &RenderOptions::lamps>,
      {.range = Range{0, 100}}},
     {"seed",
      "Seed",

@@ -132,8 +132,7 @@ SE3 TestScene::placed(double at) const {
   const SE3 pose = motion_.camera_from_board(at);
   if (!source_.first) return pose;
   const SE3 own = source_.first->own_from_first * pose;
-  const bool is_front = own.rotation.col(2).dot(own.translation) > 0;
-  return is_front ? own : SE3{Eigen::Matrix3d::Identity(), {0, 0, -1e3}};
+  return sees_face(source_.board, own) ? own : SE3{Eigen::Matrix3d::Identity(), {0, 0, -1e3}};
 }
 
 SE3 TestScene::pose(const TestFrame& frame, double v) const {

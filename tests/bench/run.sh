@@ -26,7 +26,7 @@ export GST_PLUGIN_PATH_1_0="$build/gst"
 # The arguments of a program's smallest case.
 smallest_case() {
   case "$1" in
-    circles | codes) echo 1 640 480 ;;
+    circles | codes | light) echo 1 640 480 ;;
     detect) echo 1 1 640 480 ;;
     elements) echo --benchmark_filter=[^a]sync.*GRAY8 ;;
     live) echo 1 ;;
@@ -38,7 +38,7 @@ smallest_case() {
     views) echo '--benchmark_filter=^480x270' ;;
   esac
   case "$1" in
-    circles | codes | detect | live) ;;
+    circles | codes | detect | light | live) ;;
     *) echo --benchmark_repetitions=1 --benchmark_min_time=0.001 ;;
   esac
 }

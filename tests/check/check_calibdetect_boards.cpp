@@ -186,6 +186,82 @@ GST_START_TEST(test_auto_of_no_length_is_an_error_that_shows_a_right_one) {
 }
 GST_END_TEST;
 
+// A camera that looks at a room with lamps, in which lights are moved.
+namespace {
+
+struct LightFixture : BoardsFixture {
+  LightFixture() : BoardsFixture("dot") {}
+
+  static Eigen::Vector3d at(int frame) { return {0.04 * frame - 0.4, 0.1, 1.5}; }
+  // The next frame, with the light and, if there are to be two, another one in the mirror.
+  GstBuffer* push_light(int frame, bool twice = false) {
+    const Camera camera = default_camera(kSize);
+    const RenderOptions options = {
+        .noise = 2, .blur = 0.7, .seed = static_cast<std::uint64_t>(frame), .lamps = 3};
+    const Board light = parse_board("dot").value();
+    GrayImage image =
+        render_board(camera, light, {Eigen::Matrix3d::Identity(), at(frame)}, options);
+    if (twice) {
+      const Eigen::Vector3d mirrored(at(frame).x(), -at(frame).y(), at(frame).z());
+      const GrayImage other =
+          render_board(camera, light, {Eigen::Matrix3d::Identity(), mirrored}, options);
+      for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        image.pixels[i] = std::max(image.pixels[i], other.pixels[i]);
+      }
+    }
+    return push(image);
+  }
+};
+
+}  // namespace
+
+GST_START_TEST(test_a_light_is_one_point_with_a_sigma) {
+  LightFixture f;
+  for (int n = 0; n < 20; ++n) {
+    g_autoptr(GstBuffer) out = f.push_light(n);
+    const auto seen = gst::read_observations(out);
+    fail_unless_equals_int(seen.size(), 1);
+    fail_unless_equals_string(seen[0].board.c_str(), "dot");
+    fail_unless(seen[0].found() == (n > 0), "the first frame is what is there without it");
+    if (!seen[0].found()) continue;
+    fail_unless_equals_int(seen[0].ids.size(), 1);
+    fail_unless_equals_int(seen[0].ids[0], 0);
+    const Pixel truth = default_camera(kSize).project(LightFixture::at(n)).value();
+    const double sigma = seen[0].sigma[0];
+    fail_unless(sigma > 0 && sigma < 0.1, "%g", sigma);
+    fail_unless(std::hypot(seen[0].uv[0].u - truth.u, seen[0].uv[0].v - truth.v) < 6 * sigma);
+    fail_unless(gst::read_hint(out).words.empty());
+  }
+}
+GST_END_TEST;
+
+// A dark room is right for a light; and of what is held up beside it nothing is said.
+GST_START_TEST(test_the_dark_and_other_boards_are_no_news_to_who_looks_for_a_light) {
+  BoardsFixture f("dot");
+  const GrayImage board = picture_of(parse_board("checkerboard:9x6:25mm").value());
+  for (int n = 0; n < 80; ++n) {
+    g_autoptr(GstBuffer) out = f.push(n < 30 ? GrayImage(kSize.width, kSize.height, 3) : board);
+    fail_if(gst::read_observations(out)[0].found());
+    fail_unless(gst::read_hint(out).words.empty(), "%s", gst::read_hint(out).words.c_str());
+  }
+  fail_unless(f.bus.named("calib-detection").empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_several_lights_are_refused_and_said_to_be) {
+  LightFixture f;
+  gst_buffer_unref(f.push_light(40));  // out of the picture
+  int said = 0;
+  for (int n = 0; n < 10; ++n) {
+    g_autoptr(GstBuffer) out = f.push_light(n, true);
+    fail_if(gst::read_observations(out)[0].found());
+    said += gst::read_hint(out).words.starts_with("Several lights are in view") ? 1 : 0;
+  }
+  fail_unless_equals_int(said, 10);
+  fail_unless_equals_int(f.bus.named("calib-detection").size(), 1);
+}
+GST_END_TEST;
+
 static Suite* calibdetect_boards_suite(void) {
   Suite* s = suite_create("calibdetect_boards");
   TCase* tc = tcase_create("general");
@@ -197,6 +273,9 @@ static Suite* calibdetect_boards_suite(void) {
   tcase_add_test(tc, test_auto_takes_the_next_board);
   tcase_add_test(tc, test_auto_says_nothing_of_an_empty_room);
   tcase_add_test(tc, test_auto_of_no_length_is_an_error_that_shows_a_right_one);
+  tcase_add_test(tc, test_a_light_is_one_point_with_a_sigma);
+  tcase_add_test(tc, test_the_dark_and_other_boards_are_no_news_to_who_looks_for_a_light);
+  tcase_add_test(tc, test_several_lights_are_refused_and_said_to_be);
   return s;
 }
 

@@ -131,6 +131,19 @@ GST_START_TEST(test_a_rolling_shutter_shows_the_motion) {
 }
 GST_END_TEST;
 
+GST_START_TEST(test_a_light_is_one_point_before_lamps) {
+  Fixture f("board=dot lamps=3 noise=0 blur=0.7 motion=orbit", "video/x-raw,format=GRAY8");
+  const Camera camera = default_camera({640, 480});
+  const Board light = *parse_board("dot");
+  const SE3 pose = Motion(MotionKind::kOrbit, camera, light, 0).camera_from_board(0);
+  g_autoptr(GstBuffer) buffer = f.pull();
+  const RenderOptions options = {.blur = 0.7, .lamps = 3};
+  fail_unless(luma_of(buffer, f.h).pixels == render_board(camera, light, pose, options).pixels);
+  const auto truth = gst::read_ground_truth(buffer);
+  fail_unless(truth->boards[0].observation.ids == std::vector<int>{0});
+}
+GST_END_TEST;
+
 GST_START_TEST(test_chroma_is_neutral) {
   Fixture f("", "video/x-raw,format=I420,width=65,height=33");
   g_autoptr(GstBuffer) buffer = f.pull();
@@ -366,6 +379,7 @@ static Suite* calibtestsrc_suite() {
   tcase_add_test(tests, test_defaults_are_a_vga_camera);
   tcase_add_loop_test(tests, test_pictures_are_what_the_library_renders, 0, G_N_ELEMENTS(kFormats));
   tcase_add_test(tests, test_a_rolling_shutter_shows_the_motion);
+  tcase_add_test(tests, test_a_light_is_one_point_before_lamps);
   tcase_add_test(tests, test_chroma_is_neutral);
   tcase_add_test(tests, test_a_conversion_keeps_the_grey_levels);
   tcase_add_test(tests, test_times_come_from_the_frame_number);

@@ -31,7 +31,7 @@ inline std::vector<PointBoard::Dot> five_dots() {
           {41, 0.05, 0.06, 0.01}};
 }
 
-// Those whose text this build understands, and one without a text.
+// Those that are printed and whose text this build understands, and one without a text.
 inline std::vector<NamedBoard> board_of_each_kind() {
   std::vector<NamedBoard> all;
   for (const auto& [name, text] : {

@@ -35,6 +35,8 @@ expect 0 'checkerboard:9x6:25mm' "$board" list boards.json
 expect 1 'checkerboard:9x6:25mm' "$board" add boards.json door checkerboard:9x6
 expect 1 'checkerboard:9x6:25mm' "$board" draw boards.json#door door.pdf
 expect 1 'none.json' "$board" list none.json
+expect 1 'nothing to print' "$board" draw dot dot.pdf
+[ ! -e dot.pdf ] || fail 'a light was drawn'
 expect 2 'Usage' "$board"
 expect 2 'Usage' "$board" draw checkerboard:9x6:25mm
 expect 2 'Usage' "$board" draw checkerboard:9x6:25mm board.pdf --paper

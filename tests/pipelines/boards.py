@@ -3,7 +3,8 @@
 # SPDX-FileCopyrightText: 2026 The gst-calvin authors
 #
 # A camera that does not exist is calibrated with a board of every kind, and is what it was within what
-# the calibration says of itself: four sigmas, and twice what it promises where the board was.
+# the calibration says of itself: four sigmas, and twice what it promises where the board was. A light is
+# found as well, but calibrates no single camera.
 #   boards.py GST_LAUNCH
 import json
 import os
@@ -65,7 +66,45 @@ def check(board, found, truth):
     print(f"{board}: rms {found['rms']:.4f}, expected error {found['expected_error']:.3f} px")
 
 
+def check_light(launch):
+    source = "calibtestsrc board=dot motion=hand lamps=4 num-buffers=30 ! video/x-raw,width=640,height=480 ! "
+    line = source + "calibdetect board=dot post-messages=true ! caliboverlay ! fakesink"
+    done = subprocess.run([launch, "-m"] + line.split(), capture_output=True, text=True, timeout=60)
+    found = done.stdout.count("found=(boolean)true, points=(int)1, total=(int)1")
+    if done.returncode != 0 or found < 25:
+        sys.exit(f"dot: found in {found} of 30 frames. {done.stderr}")
+    line = source + "calibrate board=dot location=never-written.json ! fakesink"
+    done = subprocess.run([launch, "-q"] + line.split(), capture_output=True, text=True, timeout=60)
+    if done.returncode == 0 or "a light calibrates several cameras together" not in done.stderr:
+        sys.exit(f"dot: a single camera was calibrated, or not refused for what it is: {done.stderr}")
+    if os.path.exists("never-written.json"):
+        sys.exit("dot: a calibration was written")
+    print(f"dot: found in {found} of 30 frames")
+
+
+def check_light_journal(launch, folder):
+    """Two runs with one journal: what was seen of the light in the later one is in it."""
+    journal = os.path.join(folder, "light.jsonl")
+    for seed in (1, 2):
+        line = (
+            f"calibtestsrc board=dot num-buffers=20 seed={seed} ! video/x-raw,width=640,height=480 ! "
+            f"calibdetect board=dot camera=left ! calibsolve journal={journal} ! fakesink"
+        )
+        done = subprocess.run([launch] + line.split(), capture_output=True, text=True, timeout=60)
+        if done.returncode != 0 or "in the journal" not in done.stdout + done.stderr:
+            sys.exit(f"dot: nothing was said of the journal: {done.stdout} {done.stderr}")
+    lines = [json.loads(text) for text in open(journal)]
+    anew = [i for i, line in enumerate(lines) if "reset" in line]
+    if lines[0]["board"] != "dot" or len(anew) != 1 or not 18 <= len(lines) - 1 - anew[0] <= 19:
+        sys.exit(f"dot: the journal holds {len(lines)} lines of {lines[0]['board']}, anew from {anew}")
+    for line in lines[anew[0] + 1 :]:
+        if line["camera"] != "left" or len(line["points"]) != 1 or not 0 < line["points"][0][3] < 0.1:
+            sys.exit(f"dot: the journal holds {line}")
+
+
+check_light(sys.argv[1])
 with tempfile.TemporaryDirectory() as folder:
+    check_light_journal(sys.argv[1], folder)
     for board in BOARDS:
         result = run(sys.argv[1], folder, board)
         if result is None:

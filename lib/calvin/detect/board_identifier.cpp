@@ -74,6 +74,9 @@ bool BoardIdentifier::is_due(bool found) {
     return false;
   }
   if (is_any() && !taken_) return true;
+  const auto is_light = [](const Board& board) { return board.as<PointLight>() != nullptr; };
+  // Nobody who waves a light holds up the wrong board.
+  if (!is_any() && std::ranges::all_of(wanted_, is_light)) return false;
   const bool due = ++without_ >= kWhile && (without_ - kWhile) % kAgain == 0;
   return due;
 }

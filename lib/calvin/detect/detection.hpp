@@ -20,8 +20,8 @@ namespace calvin {
 // What was seen of a board. `observation` has the corners that are in view and not covered, if
 // enough of the board is; `reason` is then kAccepted, and otherwise says why there are none:
 // kNotFound, or kWrongBoard (a checkerboard, but of another size or with its colours exchanged),
-// with the inner corners that were seen. `timestamp` and `camera` of the observation are left to
-// the caller.
+// with the inner corners that were seen, or kMoving (a light that leaves a long streak).
+// `timestamp` and `camera` of the observation are left to the caller.
 struct Detection {
   Observation observation;
   Reason reason = Reason::kNotFound;
@@ -31,6 +31,7 @@ struct Detection {
   // kWrongBoard: the text of the board, or of the part of it that is seen, where its code tells it;
   // lengths are those of the board that was looked for.
   std::string seen_board;
+  std::string obstacle;   // what keeps a light from being found, for a user; else empty
   std::size_t board = 0;  // its place in the list that the detector was made for
 };
 

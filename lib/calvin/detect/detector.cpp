@@ -17,6 +17,7 @@
 #include "calvin/detect/checkerboard/sheets/checkerboard_detector.hpp"
 #include "calvin/detect/circles/circle_detector.hpp"
 #include "calvin/detect/circles/circle_pattern.hpp"
+#include "calvin/detect/light/light_detector.hpp"
 #include "calvin/detect/tags/tag_detector.hpp"
 
 namespace calvin {
@@ -30,10 +31,11 @@ struct Family {
   const char* points;  // what control points are called
   bool by_lattice;     // points are found by how they lie, not each part of a board by its code
 };
-constexpr std::array<Family, 3> kFamilies = {{
+constexpr std::array<Family, 4> kFamilies = {{
     {detect::has_pattern, detect::make_checkerboard_detector, "inner corners", true},
     {detect::has_circle_pattern, detect::make_circle_detector, "circles", true},
     {detect::has_tags, detect::make_tag_detector, "corners", false},
+    {detect::is_light, detect::make_light_detector, "lights", false},
 }};
 
 const Family* family_of(const Board& board) {
@@ -149,6 +151,10 @@ Result<std::unique_ptr<Detector>> make_detector(std::span<const Board> boards) {
     if (const Status status = check_detectable(board); !status) {
       return tl::unexpected<Error>(status.error());
     }
+  }
+  if (std::ranges::count_if(boards, detect::is_light) > 1) {
+    return make_error(ErrorCode::kUnsupported,
+                      "Several lights at a time cannot be told apart: name dot once.");
   }
   std::vector<Group> groups = groups_of(boards);
   if (groups.size() == 1) return groups.front().family->make(boards);

@@ -158,6 +158,12 @@ Result<BoardLayout> made_to_measure(const Board& board) {
 
 Result<BoardLayout> lay_out_board(const Board& board, std::string_view paper) {
   if (const Status checked = board.check(); !checked) return tl::unexpected(checked.error());
+  if (board.as<PointLight>() != nullptr) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("The board {} is a light: there is nothing to print. Move an LED "
+                                  "or the spot of a laser pointer before the cameras.",
+                                  board.text()));
+  }
   const std::string name = lower(paper);
   if (name == "fit") return made_to_measure(board);
   for (const Paper& candidate : kPapers) {

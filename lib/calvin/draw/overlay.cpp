@@ -18,6 +18,7 @@
 #include "calvin/core/utf8.hpp"
 #include "calvin/draw/overlay_shapes.hpp"
 #include "calvin/target/board.hpp"
+#include "calvin/target/kinds.hpp"
 #include "calvin_config.h"
 #if CALVIN_HAVE_CAIRO
 #include "calvin/draw/overlay_raster.hpp"
@@ -103,6 +104,24 @@ void add_link(std::vector<Shape>& shapes, Pixel from, Pixel to, double radius, S
   shapes.push_back(line);
 }
 
+// Rings and a cross that leave the light itself in sight.
+void add_light(std::vector<Shape>& shapes, Pixel at, double unit) {
+  const double pen = std::max(1.0, 1.3 * unit);
+  const double near = 8 * unit;
+  const double far = 14 * unit;
+  shapes.push_back({Kind::kCircle, at, {}, near, 1.5 * pen, rainbow(0), unit});
+  shapes.push_back({Kind::kCircle, at, {}, near + 2 * pen, pen, kWhite, unit});
+  for (const Pixel way : {Pixel{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+    shapes.push_back({Kind::kLine,
+                      {at.u + near * way.u, at.v + near * way.v},
+                      {at.u + far * way.u, at.v + far * way.v},
+                      0,
+                      pen,
+                      rainbow(0),
+                      unit});
+  }
+}
+
 // Takes its corners from the `room` that is left for more.
 void add_observation(std::vector<Shape>& shapes, ImageSize frame, const Observation& observation,
                      std::size_t& room) {
@@ -112,6 +131,10 @@ void add_observation(std::vector<Shape>& shapes, ImageSize frame, const Observat
   if (corners.empty()) return;
   const double unit = unit_of(frame);
   const auto board = parse_board(observation.board);
+  if (board && board->as<PointLight>() != nullptr) {
+    add_light(shapes, corners.front().at, unit);
+    return;
+  }
   // All points of a board that is not known count as one row.
   const std::optional<Grid> known = board ? board->grid() : std::nullopt;
   const Grid grid = known.value_or(Grid{corners.back().id + 1, 1, 0});

@@ -109,9 +109,15 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   last_obstacle_ = obstacle_;
   const auto board = board_of(observation.board);
   if (!board) {
+    useless_board_ = board.error();
     if (first_complaint()) offered.complaint = board.error();
     return offered;
   }
+  if (const Status tells = check_has_pose(*board); !tells) {
+    useless_board_ = tells.error();
+    return note_light(observation, *board);
+  }
+  useless_board_.reset();
   offered.reason = observation.image_size != size_ ? Reason::kOffSize : Reason::kTooSimilar;
   if (finished_ || observation.image_size != size_) {
     views_.pass(observation);
@@ -140,6 +146,30 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   if (new_board || reason == Reason::kAccepted) renew_hint();
   report(offered, place);
   if (offered.report && !fine && first_complaint()) offered.complaint = fine.error();
+  return offered;
+}
+
+// The journal has it, for whoever solves several cameras together.
+Offered CalibrationSession::note_light(const Observation& observation, const Board& board) {
+  Offered offered;
+  views_.pass(observation);
+  if (!journaling_) {
+    if (first_complaint()) offered.complaint = useless_board_;
+    return offered;
+  }
+  useless_board_->message += " What was seen of it is in the journal.";
+  camera_ = observation.camera;
+  if (!check({observation, board}, observation.image_size)) return offered;
+  const bool timed = observation.timestamp != kNoTimestamp && newest_light_ != kNoTimestamp;
+  if (timed && observation.timestamp == newest_light_) return offered;
+  const bool anew = timed && observation.timestamp < newest_light_;
+  newest_light_ = observation.timestamp;
+  View view = {observation, board};
+  view.observation.patches.reset();
+  Session::Views lines;
+  if (anew) lines = all_views();
+  lines.push_back(std::make_shared<const View>(std::move(view)));
+  write_down(anew, std::move(lines));
   return offered;
 }
 
@@ -256,6 +286,7 @@ void CalibrationSession::begin_session() {
   wrong_board_ = false;
   told_obstacle_.clear();
   last_obstacle_.clear();
+  useless_board_.reset();
   solve_error_.clear();
   accepted_ = next_solve_ = 0;
   writes_.reset();
@@ -277,10 +308,12 @@ void CalibrationSession::outdate_results() {
   writes_.forget();
 }
 
-void CalibrationSession::write_down_all() {
+void CalibrationSession::write_down_all() { write_down(true, all_views()); }
+
+Session::Views CalibrationSession::all_views() const {
   Session::Views all = set_aside_;
   all.insert(all.end(), views_.views().begin(), views_.views().end());
-  write_down(true, std::move(all));
+  return all;
 }
 
 // A view that was given up for a better one is not to come back with the next run. Those that had

@@ -81,8 +81,10 @@ class CalibrationSession {
   // A new run; `writable`: whether its files can be written now.
   void start(SessionPlan plan, bool writable);
   // Right after start(): what happens to the views goes to take_journal(), and those of an earlier
-  // run, which it holds, are taken up once the frames have their size.
-  void begin_journal(Session::Views earlier);
+  // run, which it holds, are taken up once the frames have their size. `newest_light`: ns, of the
+  // last light that it holds; one of an earlier time begins the journal anew, since times of two
+  // runs say nothing of each other.
+  void begin_journal(Session::Views earlier, std::uint64_t newest_light = kNoTimestamp);
   [[nodiscard]] bool is_up_to_date(const SessionSettings& now) const { return now == seen_; }
   // Settings that were set, to be read beside the session; absent where nothing has changed.
   [[nodiscard]] std::optional<SettingsUpdate> begin_update(const SessionSettings& now);
@@ -200,6 +202,7 @@ class CalibrationSession {
  private:
   [[nodiscard]] bool enough_views() const;
   [[nodiscard]] Error too_few() const {
+    if (useless_board_ && views_.views().empty()) return *useless_board_;
     return too_few_views(views_.views().size(), plan_.settings.min_views, refused_, last_obstacle_);
   }
   [[nodiscard]] Result<Board> board_of(const std::string& text);
@@ -211,6 +214,7 @@ class CalibrationSession {
   [[nodiscard]] std::string hint_text() const;
   [[nodiscard]] Hint first_hint() const;
   void solve_with_readout();
+  [[nodiscard]] Offered note_light(const Observation& observation, const Board& board);
   // Whether what came of an observation is news, and with what it is told.
   void report(Offered& offered, std::size_t place);
   // The newest of views_ is one that has been taken.
@@ -222,6 +226,8 @@ class CalibrationSession {
     if (journaling_) entries_.push_back({reset, std::move(views), plan_.settings.camera});
   }
   void write_down_all();
+  // Those of frames of another size, too.
+  [[nodiscard]] Session::Views all_views() const;
   void write_down_newest();
   // Whether a view beyond max-views may take the place of one that tells less.
   [[nodiscard]] bool exchanges_views() const;
@@ -271,8 +277,10 @@ class CalibrationSession {
   std::string obstacle_;                               // on the newest frame, as the detector says
   bool wrong_board_ = false;
   std::string told_obstacle_;
-  std::string last_obstacle_;     // since a board was found
-  bool complained_ = false;       // of broken observations
+  std::string last_obstacle_;                  // since a board was found
+  std::uint64_t newest_light_ = kNoTimestamp;  // ns, of the last light in the journal
+  std::optional<Error> useless_board_;  // why nothing can be made of the board that was seen last
+  bool complained_ = false;             // of broken observations
   std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
   int frames_without_board_ = 0;  // that showed others, since it was seen
   Hint hint_;

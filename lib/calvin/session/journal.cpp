@@ -107,6 +107,10 @@ void Journal::take_up(const std::vector<Observation>& observations) {
       ++content_.unusable;
       continue;
     }
+    if (!check_has_pose(*board->second)) {
+      content_.newest_light = seen.timestamp;
+      continue;
+    }
     content_.views.push_back(std::make_shared<const View>(View{seen, *board->second}));
   }
 }

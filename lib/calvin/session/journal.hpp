@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -36,6 +37,7 @@ class Journal {
   struct Content {
     Session::Views views;
     std::size_t unusable = 0;
+    std::uint64_t newest_light = kNoTimestamp;  // ns, of the last light, which is no view
   };
   [[nodiscard]] Content take_content() { return std::exchange(content_, {}); }
   [[nodiscard]] const std::string& path() const noexcept { return file_.path(); }

@@ -30,7 +30,8 @@ void CalibrationSession::start(SessionPlan plan, bool writable) {
   begin_session();
 }
 
-void CalibrationSession::begin_journal(Session::Views earlier) {
+void CalibrationSession::begin_journal(Session::Views earlier, std::uint64_t newest_light) {
+  newest_light_ = newest_light;
   set_aside_ = std::move(earlier);
   journaling_ = true;
 }

@@ -54,6 +54,9 @@ Result<UsableViews> usable_views(std::span<const View> views, ImageSize size) {
       usable.rejected.push_back({i, Reason::kOffSize});
       continue;
     }
+    if (const Status status = check_has_pose(views[i].board); !status) {
+      return tl::unexpected<Error>(status.error());
+    }
     if (const Status status = check(views[i], size); !status) {
       return make_error(status.error().code, fmt::format("View {}: {}", i, status.error().message));
     }

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "calvin/target/kinds.hpp"
 #include "calvin/target/points/id_index.hpp"
 
 namespace calvin {
@@ -38,6 +39,16 @@ Status check_image_size(ImageSize size) {
                                   size.width, size.height));
   }
   return {};
+}
+
+Status check_has_pose(const Board& board) {
+  if (board.as<PointLight>() == nullptr) return {};
+  return make_error(
+      ErrorCode::kUnsupported,
+      fmt::format("The board {} is a light, and one point says nothing of a single camera: a light "
+                  "calibrates several cameras together, which see it at the same times. Calibrate "
+                  "a single camera with a board such as puzzle:14x9:20mm.",
+                  board.text()));
 }
 
 Status check(const View& view, ImageSize image_size) {

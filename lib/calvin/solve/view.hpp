@@ -37,4 +37,8 @@ struct View {
 // looked at.
 [[nodiscard]] CALVIN_API Status check(const View& view, ImageSize image_size);
 
+// Whether what one camera sees of a board tells where it is: kUnsupported for a light, which is one
+// point and has to be seen by several cameras at a time.
+[[nodiscard]] Status check_has_pose(const Board& board);
+
 }  // namespace calvin

@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include "calvin/synth/random.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
@@ -21,6 +22,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
+constexpr double kNearLight = 0.8;  // m, from the camera
+constexpr double kFarLight = 2.4;
+constexpr double kBorder = 0.04;  // of the image, where no light goes
 constexpr double kGrazing = 0.2;  // sine of the least angle between a line of sight and the board
 
 // Turns the optical axis to the direction `ray` by the shortest way.
@@ -102,6 +106,7 @@ Motion::Motion(MotionKind kind, const Camera& camera, const Board& board, std::u
 
 SE3 Motion::camera_from_board(double at) const {
   const double t = at > 0 && std::isfinite(at) ? at : 0;
+  if (board_.as<PointLight>() != nullptr) return light_pose(t);
   switch (kind_) {
     case MotionKind::kRandom:
       return random_pose(static_cast<std::uint64_t>(std::min(t, 1e18)));
@@ -186,6 +191,42 @@ SE3 Motion::random_pose(std::uint64_t number) const {
     }
   }
   return frontal_pose(4 * unit_distance_);
+}
+
+SE3 Motion::random_light(std::uint64_t number) const {
+  const ImageSize size = camera_.image_size();
+  synth::Uniform random(seed_, number);
+  Placement p;
+  p.distance = kNearLight * std::pow(kFarLight / kNearLight, random(0, 1));
+  SE3 pose;
+  for (int attempt = 0; attempt < 60; ++attempt) {
+    p.pixel = {random(kBorder, 1 - kBorder) * size.width,
+               random(kBorder, 1 - kBorder) * size.height};
+    if (place(p, pose)) return pose;
+  }
+  return frontal_pose(p.distance);
+}
+
+// Across the image and to and fro, by where it is seen.
+SE3 Motion::light_pose(double at) const {
+  if (kind_ == MotionKind::kRandom || kind_ == MotionKind::kStatic) {
+    const double number = kind_ == MotionKind::kStatic ? 0 : at;
+    return random_light(static_cast<std::uint64_t>(std::min(number, 1e18)));
+  }
+  const ImageSize size = camera_.image_size();
+  const bool circles = kind_ == MotionKind::kOrbit;
+  const double angle = 2 * kPi * at / 10;
+  // -1..1 of the way from the middle to the border, and from the middle distance to the farthest.
+  const Pixel toward = circles ? Pixel{0.8 * std::cos(angle), 0.8 * std::sin(angle)}
+                               : Pixel{wander(at, seed_, 1), wander(at, seed_, 2)};
+  const double farther = circles ? std::sin(3 * angle) : wander(at, seed_, 0);
+  const double width = circles ? std::min(size.width, size.height) : size.width;
+  Placement p;
+  p.pixel = {centre_.u + (0.5 - kBorder) * toward.u * width,
+             centre_.v + (0.5 - kBorder) * toward.v * size.height};
+  p.distance = std::sqrt(kNearLight * kFarLight) * std::pow(kFarLight / kNearLight, farther / 2);
+  SE3 pose;
+  return place(p, pose) ? pose : frontal_pose(p.distance);
 }
 
 SE3 Motion::hand_pose(double seconds) const {

@@ -21,7 +21,8 @@ enum class MotionKind {
 };
 
 // Poses of the whole board within the image, with a free margin of about a square, for any camera
-// (fisheye ones beyond 90 degrees too). Immutable; the same for the same arguments.
+// (fisheye ones beyond 90 degrees too). A light moves through all of the image, 0.8 to 2.4 m away;
+// it circles where a camera would. Immutable; the same for the same arguments.
 class Motion {
  public:
   Motion(MotionKind kind, const Camera& camera, const Board& board, std::uint64_t seed);
@@ -45,6 +46,8 @@ class Motion {
   [[nodiscard]] double fill(const std::vector<Eigen::Vector3d>& points,
                             const SE3& camera_from_board) const;
   [[nodiscard]] bool fit(Placement& placement, double fill_wanted, SE3& camera_from_board) const;
+  [[nodiscard]] SE3 light_pose(double at) const;
+  [[nodiscard]] SE3 random_light(std::uint64_t number) const;
   [[nodiscard]] SE3 random_pose(std::uint64_t number) const;
   [[nodiscard]] SE3 hand_pose(double seconds) const;
   [[nodiscard]] SE3 orbit_pose(double seconds) const;

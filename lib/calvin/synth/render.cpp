@@ -16,10 +16,12 @@
 
 #include "calvin/camera/image_transform.hpp"
 #include "calvin/synth/filter.hpp"
+#include "calvin/synth/light_spot.hpp"
 #include "calvin/synth/random.hpp"
 #include "calvin/synth/rays.hpp"
 #include "calvin/synth/scene.hpp"
 #include "calvin/target/artwork/artwork.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
@@ -95,10 +97,25 @@ std::optional<Pixel> project_in_row(const Camera& camera, const PoseOfRow& camer
   return std::nullopt;  // it falls as fast as the rows are taken
 }
 
+// Lamps and the panes of a window, the same ones for the same number.
+void add_lamps(synth::FloatImage& image, const RenderOptions& options) {
+  for (int i = 0; i < options.lamps; ++i) {
+    synth::Uniform random(1, static_cast<std::uint64_t>(i));
+    const double across = random(2, 12);
+    const double down = random(2, 12);
+    const synth::LightSpot lamp = {{random(0, image.width), random(0, image.height)},
+                                   across * across + options.blur * options.blur,
+                                   0,
+                                   down * down + options.blur * options.blur,
+                                   options.exposure * options.glow};
+    synth::add_light(image, [&](double /*v*/) { return std::optional(lamp); });
+  }
+}
+
 }  // namespace
 
 BoardRenderer::BoardRenderer(const Camera& camera)
-    : size_(camera.image_size()), rays_(synth::pixel_corner_rays(camera)) {}
+    : camera_(camera), size_(camera.image_size()), rays_(synth::pixel_corner_rays(camera)) {}
 
 const float* BoardRenderer::rays_above(int row) const {
   return rays_.data() +
@@ -116,8 +133,24 @@ GrayImage BoardRenderer::render(const Board& board, const PoseOfRow& camera_from
   return render_rows(board, camera_from_board, true, options);
 }
 
+GrayImage BoardRenderer::render_light(const PoseOfRow& camera_from_board, bool moves,
+                                      const RenderOptions& options) const {
+  synth::FloatImage image(size_);
+  const double exposure = std::max(options.exposure, 0.0);
+  std::ranges::fill(image.pixels, static_cast<float>(exposure * options.dark));
+  add_lamps(image, options);
+  const auto spot_of = [&](double v) {
+    return synth::light_spot(camera_, camera_from_board(v).translation, PointLight::kDiameter,
+                             exposure * options.glow, options.blur);
+  };
+  const auto still = spot_of(0);
+  synth::add_light(image, [&](double v) { return moves ? spot_of(v) : still; });
+  return synth::quantise(image, options.noise, options.seed);
+}
+
 GrayImage BoardRenderer::render_rows(const Board& board, const PoseOfRow& camera_from_board,
                                      bool moves, const RenderOptions& options) const {
+  if (board.as<PointLight>() != nullptr) return render_light(camera_from_board, moves, options);
   const synth::Scene scene(artwork_of(board));
   synth::FloatImage image(size_);
   const auto width = static_cast<std::size_t>(size_.width);
@@ -149,6 +182,10 @@ GrayImage render_board(const Camera& camera, const Board& board, const SE3& came
   return BoardRenderer(camera).render(board, camera_from_board, options);
 }
 
+bool sees_face(const Board& board, const SE3& camera_from_board) {
+  return board.as<PointLight>() != nullptr || front_side(camera_from_board) > 0;
+}
+
 Observation true_observation(const Camera& camera, const Board& board,
                              const SE3& camera_from_board) {
   return true_observation(camera, board, [&](double /*v*/) { return camera_from_board; });
@@ -159,7 +196,7 @@ Observation true_observation(const Camera& camera, const Board& board,
   Observation observation;
   observation.board = board.text();
   observation.image_size = camera.image_size();
-  if (!(front_side(camera_from_board(0)) > 0)) return observation;
+  if (!sees_face(board, camera_from_board(0))) return observation;
   const auto points = board.points();
   const auto ids = board.ids();
   for (std::size_t i = 0; i < points.size(); ++i) {

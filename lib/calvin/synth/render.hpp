@@ -8,6 +8,9 @@
 // within one pixel; edges lie where the camera's project() puts them to better than 0.002 px.
 // Around a board of squares runs a light margin of one square, around that a constant background,
 // which also stands where the camera model is not valid. From behind a board is a blank light card.
+//
+// A light (board `dot`) is a small ball that glows, seen from all sides: exactly a Gaussian in the
+// image, in a dark room where other lamps may stand still.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +33,9 @@ struct RenderOptions {
   double dark = 30;        // grey levels of the scene
   double light = 220;
   double background = 128;
+  // Of a light alone, before a room of the level `dark`:
+  double glow = 1000;  // grey levels in its middle, without blur
+  int lamps = 0;       // as bright as that, which stand still in the image at places of their own
 };
 
 // The seed of one frame's noise in a sequence: independent from frame to frame.
@@ -55,9 +61,12 @@ class BoardRenderer {
 
  private:
   [[nodiscard]] const float* rays_above(int row) const;
+  [[nodiscard]] GrayImage render_light(const PoseOfRow& camera_from_board, bool moves,
+                                       const RenderOptions& options) const;
   [[nodiscard]] GrayImage render_rows(const Board& board, const PoseOfRow& camera_from_board,
                                       bool moves, const RenderOptions& options) const;
 
+  Camera camera_;
   ImageSize size_;
   // Rays of the pixels' corners, (width + 1) * (height + 1), x y z; zero where not valid.
   std::vector<float> rays_;
@@ -67,6 +76,9 @@ class BoardRenderer {
 [[nodiscard]] GrayImage render_board(const Camera& camera, const Board& board,
                                      const SE3& camera_from_board,
                                      const RenderOptions& options = {});
+
+// Whether the camera is on the side from which a board is seen; a light has no other one.
+[[nodiscard]] bool sees_face(const Board& board, const SE3& camera_from_board);
 
 // Every control point whose image is valid and inside the image, with sigma 0. Empty where the
 // board turns its back.

@@ -46,6 +46,7 @@ template Board::Board(AsymmetricCircleGrid);
 template Board::Board(AprilGrid);
 template Board::Board(TagGrid);
 template Board::Board(PointBoard);
+template Board::Board(PointLight);
 
 bool operator==(const Board& a, const Board& b) {
   return a.kind_ == b.kind_ || *a.kind_ == *b.kind_;

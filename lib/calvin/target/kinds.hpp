@@ -13,6 +13,7 @@
 #include "calvin/target/checkerboard.hpp"
 #include "calvin/target/circle_grid.hpp"
 #include "calvin/target/point_board.hpp"
+#include "calvin/target/point_light.hpp"
 #include "calvin/target/puzzle_board.hpp"
 #include "calvin/target/tag_grid.hpp"
 
@@ -20,7 +21,7 @@ namespace calvin {
 
 // A new kind is a file in target/, a name here and a line in board.cpp.
 struct Board::Kind : std::variant<Checkerboard, PuzzleBoard, CharucoBoard, AprilGrid, CircleGrid,
-                                  AsymmetricCircleGrid, TagGrid, PointBoard> {
+                                  AsymmetricCircleGrid, TagGrid, PointBoard, PointLight> {
   using variant::variant;
 };
 

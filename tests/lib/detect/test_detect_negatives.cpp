@@ -28,13 +28,25 @@ class NegativesFor : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Boards, NegativesFor,
                          ::testing::Values("checkerboard:9x6:25mm", "circles:7x5:30mm",
                                            "circles:4x4:30mm:inverted", "acircles:4x11:20mm",
-                                           "dots:9x9:20mm:big=0.0"));
+                                           "dots:9x9:20mm:big=0.0", "dot"));
 TEST_P(NegativesFor, HaveNoBoard) {
   const auto finder = make_detector(parse_board(GetParam()).value()).value();
   const bool full = scenes::full_count();
   const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{800, 600};
   for (std::uint64_t seed = 0; seed < (full ? 1200 : 72); ++seed) {
     const Detection d = finder->detect(view_of(bench::make_negative(size, 5000 + seed)));
+    EXPECT_FALSE(d.observation.found()) << seed;
+  }
+}
+
+// One after the other they are a video in which everything changes all the time.
+TEST(Negatives, HaveNoLightOneAfterTheOther) {
+  const auto finder = make_detector(parse_board("dot").value()).value();
+  const bool full = scenes::full_count();
+  const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{800, 600};
+  for (std::uint64_t seed = 0; seed < (full ? 1200 : 72); ++seed) {
+    const Detection d =
+        finder->follow(view_of(bench::make_negative(size, 5000 + seed)), 33'333'333 * seed);
     EXPECT_FALSE(d.observation.found()) << seed;
   }
 }

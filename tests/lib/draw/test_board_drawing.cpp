@@ -42,6 +42,15 @@ TEST(BoardLayout, TheDefaultBoardFitsOnA4Lying) {
   EXPECT_TRUE(lay_out_board(board_of(kDefaultBoard), "letter").has_value());
 }
 
+TEST(BoardLayout, OfALightIsNone) {
+  for (const char* paper : {"auto", "fit", "a4"}) {
+    const auto page = lay_out_board(board_of("dot"), paper);
+    ASSERT_FALSE(page.has_value());
+    EXPECT_NE(page.error().message.find("nothing to print"), std::string::npos);
+  }
+  EXPECT_FALSE(draw_board(board_of("dot"), {}).has_value());
+}
+
 TEST(BoardLayout, TheBorderIsAtLeastHalfASquare) {
   for (const char* text : {"checkerboard:9x6:25mm", "checkerboard:6x9:25mm", "checkerboard:4x3:8mm",
                            "checkerboard:20x14:1in", "checkerboard:3x2:100mm"}) {

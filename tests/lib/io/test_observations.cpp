@@ -11,6 +11,7 @@
 
 #include "calvin/core/file.hpp"
 #include "calvin/io/observations.hpp"
+#include "calvin/target/board.hpp"
 #include "temporary_folder.hpp"
 
 namespace calvin {
@@ -82,6 +83,34 @@ TEST(Observations, WhatIsPrintedReadsBackAsTheSame) {
     EXPECT_EQ(a.ambiguous, b.ambiguous);
     EXPECT_EQ(a.blur, b.blur);
   }
+}
+
+// A file for each camera; what belongs together has the same timestamp.
+TEST(Observations, OfALightAreOnePointALine) {
+  ObservationFile file;
+  file.board = "dot";
+  for (int frame = 0; frame < 3; ++frame) {
+    Observation seen;
+    seen.camera = "cam1";
+    seen.board = "dot";
+    seen.timestamp = 33333333U * static_cast<unsigned>(frame);
+    seen.image_size = {1280, 720};
+    if (frame != 1) {
+      seen.ids = {0};
+      seen.uv = {{640.25 + frame, 359.875}};
+      seen.sigma = {0.021};
+    }
+    file.observations.push_back(seen);
+  }
+  const auto again = parse_observations(print_observations(file));
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_TRUE(parse_board(again->board).has_value());
+  ASSERT_EQ(again->observations.size(), 3U);
+  EXPECT_FALSE(again->observations[1].found());
+  EXPECT_EQ(again->observations[2].ids, std::vector<int>{0});
+  EXPECT_EQ(again->observations[2].uv[0].u, 642.25);
+  EXPECT_EQ(again->observations[2].sigma[0], 0.021);
+  EXPECT_EQ(again->observations[2].board, "dot");
 }
 
 TEST(Observations, ATornLastLineIsLeftOutWhereverItTears) {

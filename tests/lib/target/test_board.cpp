@@ -181,7 +181,7 @@ TEST(Board, EveryWrongTextShowsARightOne) {
                                                            "checkerboard:9x6:25mm:more",
                                                            "chessboard:9x6:25mm",
                                                            "Checkerboard:9x6:25mm",
-                                                           "dot",
+                                                           "spot",
                                                            "checkerboard:9:25mm",
                                                            "checkerboard:9x6x2:25mm",
                                                            "checkerboard:9*6:25mm",
@@ -286,6 +286,17 @@ TEST(Board, EveryWrongTextOfAGridOfTagsShowsARightOne) {
     expect_refused(wrong, april);
   }
   if (marker_dictionaries().empty()) expect_refused(aruco, "made without OpenCV");
+}
+
+TEST(Board, ALightIsOnePointWithoutMeasures) {
+  const Board board = parse_board(" dot ").value();
+  EXPECT_EQ(board.text(), "dot");
+  ASSERT_NE(board.as<PointLight>(), nullptr);
+  EXPECT_EQ(board.ids(), std::vector<int>{0});
+  EXPECT_EQ(board.points().front(), Eigen::Vector3d(0, 0, 0));
+  EXPECT_FALSE(board.grid().has_value());
+  EXPECT_TRUE(board.neighbours(0).empty());
+  for (const char* wrong : {"dot:", "dot:5mm", "dot:1x1:25mm"}) expect_refused(wrong, "dot");
 }
 
 TEST(Board, ErrorsAreOneLine) {

@@ -24,7 +24,12 @@ using scenes::five_dots;
 
 Board point_board() { return PointBoard::make("plate.json", five_dots()).value(); }
 
-const std::vector<scenes::NamedBoard> kBoards = scenes::board_of_each_kind();
+// All that are printed, and the light.
+const std::vector<scenes::NamedBoard> kBoards = [] {
+  auto all = scenes::board_of_each_kind();
+  all.push_back({"PointLight", PointLight{}});
+  return all;
+}();
 
 class BoardKinds : public ::testing::TestWithParam<scenes::NamedBoard> {
  protected:

@@ -257,6 +257,8 @@ void print(Artwork& artwork, const PointBoard& board) {
   }
 }
 
+void print(Artwork& /*artwork*/, const PointLight& /*light*/) {}
+
 }  // namespace
 
 Artwork artwork_of(const Board& board) {

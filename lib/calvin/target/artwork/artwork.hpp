@@ -40,7 +40,7 @@ struct Artwork {
   }
 };
 
-// Of a board that check() refuses, nothing is printed.
+// Of a board that check() refuses, and of a light, nothing is printed.
 [[nodiscard]] Artwork artwork_of(const Board& board);
 
 }  // namespace calvin

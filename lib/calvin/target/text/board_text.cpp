@@ -315,12 +315,17 @@ Result<Board> parse_april_tags(const Fields& fields) {
   return parse_tags(fields, 0, 1, 4, board);
 }
 
+Result<Board> parse_dot(const Fields& fields) {
+  if (!fields.empty()) return refuse("a light has no measures");
+  return PointLight{};
+}
+
 struct KindOfText {
   std::string_view name;
   Result<Board> (*parse)(const Fields& fields);
   std::string_view example;
 };
-constexpr std::array<KindOfText, 9> kKinds = {{
+constexpr std::array<KindOfText, 10> kKinds = {{
     {"checkerboard", parse_checkerboard,
      "A right text is 'checkerboard:9x6:25mm': 9 by 6 inner corners, squares of 25 mm."},
     {"puzzle", parse_puzzle,
@@ -345,6 +350,7 @@ constexpr std::array<KindOfText, 9> kKinds = {{
      "A right text is 'dots:14x10:7mm:rings=2.2+12.2+2.8': 14 by 10 dots 7 mm apart, of which "
      "those "
      "at column 2, row 2 and so on are rings."},
+    {"dot", parse_dot, "A right text is 'dot': a light that is moved before several cameras."},
 }};
 
 const KindOfText* kind_of_text(std::string_view text) {

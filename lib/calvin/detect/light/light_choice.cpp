@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Compares the fluxes and the places of spots with each other and with those of the light before.
+
+#include "calvin/detect/light/light_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace calvin::detect {
+
+namespace {
+
+// By what the light outshines its reflections, which mirrors alone do not weaken.
+constexpr double kFarBrighter = 3;
+// Of its flux: what is so weak all of a sudden is a reflection while the light itself is covered.
+constexpr double kWeak = 0.1;
+constexpr double kFading = 0.95;      // of the remembered flux, per frame without the light
+constexpr int kFollowed = 5;          // frames without the light in which its place is expected
+constexpr double kLeastReach = 10;    // px that the light may be off its expected place
+constexpr double kReachOfStep = 1.5;  // the same, in steps of the last two frames
+constexpr double kStill = 1.5;        // px, of what stands
+constexpr int kStands = 15;           // frames
+
+double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
+
+}  // namespace
+
+void LightChooser::forget() { *this = {}; }
+
+bool LightChooser::goes_on(const LightSpotSeen& spot) const {
+  if (!last_ || frames_since_ >= kFollowed) return false;
+  const int frames = frames_since_ + 1;
+  const Pixel expected = {last_->u + frames * step_.u, last_->v + frames * step_.v};
+  const double reach = kLeastReach + kReachOfStep * std::hypot(step_.u, step_.v) * frames;
+  return distance(expected, spot.fit.centre) < reach;
+}
+
+LightChoice LightChooser::pick(const std::vector<LightSpotSeen>& spots, double rival) const {
+  if (spots.empty()) return {};
+  const auto brightest = std::ranges::max_element(spots, {}, &LightSpotSeen::flux);
+  for (const LightSpotSeen& spot : spots) {
+    if (&spot != &*brightest) rival = std::max(rival, spot.flux);
+  }
+  const auto place = [&](const LightSpotSeen& spot) {
+    return static_cast<std::size_t>(&spot - spots.data());
+  };
+  if (brightest->flux >= kFarBrighter * rival) {
+    if (brightest->flux < kWeak * flux_ && !goes_on(*brightest)) {
+      return {std::nullopt,
+              "What is seen is much weaker than the light was: it may be a reflection"};
+    }
+    return {place(*brightest), {}};
+  }
+  const auto next = std::ranges::find_if(spots, [&](const auto& s) { return goes_on(s); });
+  const bool is_one =
+      next != spots.end() &&
+      std::none_of(next + 1, spots.end(), [&](const auto& s) { return goes_on(s); });
+  if (is_one && kFarBrighter * next->flux >= std::max(rival, brightest->flux)) {
+    return {place(*next), {}};
+  }
+  return {std::nullopt, "Several lights are in view: cover the others, and what reflects them"};
+}
+
+void LightChooser::remember(const LightSpotSeen& light) {
+  const Pixel now = light.fit.centre;
+  if (last_ && frames_since_ == 0) {
+    step_ = {now.u - last_->u, now.v - last_->v};
+  } else {
+    step_ = {};
+  }
+  last_ = now;
+  frames_since_ = 0;
+  constexpr double kNewest = 0.2;  // of its flux
+  flux_ = flux_ > 0 ? std::max(flux_ + kNewest * (light.flux - flux_), light.flux) : light.flux;
+}
+
+void LightChooser::note_others(const std::vector<LightSpotSeen>& spots, const LightChoice& choice) {
+  std::vector<Standing> now;
+  lamps_.clear();
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (choice.spot == i) continue;
+    const Pixel at = spots[i].fit.centre;
+    const auto before = std::ranges::find_if(
+        standing_, [&](const Standing& s) { return distance(s.at, at) < kStill; });
+    // From where it was seen first: what creeps does not stand.
+    Standing standing = before == standing_.end() ? Standing{at, 0} : *before;
+    if (++standing.frames >= kStands) {
+      lamps_.push_back(spots[i].box);
+    } else {
+      now.push_back(standing);
+    }
+  }
+  standing_ = std::move(now);
+}
+
+LightChoice LightChooser::choose(const std::vector<LightSpotSeen>& spots, double rival) {
+  const LightChoice choice = pick(spots, rival);
+  note_others(spots, choice);
+  if (choice.spot) {
+    remember(spots[*choice.spot]);
+  } else {
+    ++frames_since_;
+    flux_ *= kFading;
+  }
+  return choice;
+}
+
+}  // namespace calvin::detect
