@@ -4,12 +4,16 @@
 // What cameras have seen of one light that is moved before them, and what is known beforehand.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/image.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/core/result.hpp"
 #include "calvin/core/rig.hpp"
 
 namespace calvin {
@@ -28,6 +32,18 @@ struct LightCamera {
   // By instant; absent where the light was not seen. All cameras have as many.
   std::vector<std::optional<LightPoint>> seen;
 };
+
+struct LightCameras {
+  std::vector<LightCamera> cameras;  // by name
+  std::uint64_t farthest = 0;        // ns, between two pictures of one instant, at the most
+  std::size_t left_out = 0;          // observations of several points, of which one is the light
+};
+
+// What was seen of a light, by camera and by instant: pictures at most `tolerance` ns apart are of
+// one. Instants at which one camera alone has seen it are left out, as they say nothing.
+// kInvalidArgument where a camera has pictures of several sizes.
+[[nodiscard]] Result<LightCameras> light_cameras(const std::vector<Observation>& seen,
+                                                 std::uint64_t tolerance);
 
 struct LightOptions {
   // The lens of cameras without a calibration, one that is a pinhole where its coefficients are 0.

@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "calvin/core/export.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/core/rig.hpp"
 #include "calvin/rig/light_camera.hpp"
@@ -52,8 +51,8 @@ struct LightSolution {
 // sightings outside of the pictures; kDegenerate where too little was seen, the light stayed in a
 // plane, a camera shares too little with the others or is mirrored, known places lie on a line or
 // are mirrored: the message says what to do.
-[[nodiscard]] CALVIN_API Result<LightSolution> solve_light(const std::vector<LightCamera>& cameras,
-                                                           const LightOptions& options = {},
-                                                           std::stop_token stop = {});
+[[nodiscard]] Result<LightSolution> solve_light(const std::vector<LightCamera>& cameras,
+                                                const LightOptions& options = {},
+                                                std::stop_token stop = {});
 
 }  // namespace calvin

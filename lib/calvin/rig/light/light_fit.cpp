@@ -249,7 +249,7 @@ class LightSolver {
   // Over all instants, without a loss, until the same sightings are used.
   [[nodiscard]] Status finish() {
     constexpr int kRounds = 6;
-    constexpr int kIterations = 60;
+    constexpr int kIterations = 100;
     std::vector<std::size_t> all(state_.points.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     for (int round = 0; round < kRounds; ++round) {

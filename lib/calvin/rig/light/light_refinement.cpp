@@ -143,7 +143,7 @@ bool refine(const std::vector<LightCamera>& cameras, const LightUnknowns& unknow
   if (!problem.valid()) return false;
   LmOptions options;
   options.max_iterations = iterations;
-  options.tolerance = 1e-9;
+  options.tolerance = 1e-11;
   (void)minimise(problem, options, stop);
   const BundlePoint& found = problem.point();
   state.values = found.shared;
