@@ -3,31 +3,24 @@
 
 // calvin-rig [OPTIONS] RIG.json CALIBRATION VIEWS CALIBRATION VIEWS...: where the cameras of a rig
 // stand, from what each of them has seen of boards.
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <numbers>
 #include <set>
 #include <span>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
-#include "calvin/draw/scene/scene_gltf.hpp"
-#include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/rig_io.hpp"
-#include "calvin/io/stereo_io.hpp"
-#include "calvin/remap/rectification.hpp"
 #include "calvin/rig/moved_camera.hpp"
 #include "calvin/rig/solve_rig.hpp"
 
+#include "rig_export.hpp"
 #include "rig_views.hpp"
 
 namespace {
@@ -56,7 +49,7 @@ journal of calibsolve). Pictures with the same number in their names were taken 
 struct Arguments {
   std::string board = "checkerboard:9x6:25mm";
   calvin::RigOptions options;
-  std::vector<std::pair<std::string, std::string>> exports;  // format, path
+  rig_export::Exports exports;
   std::vector<std::string> words;
 };
 
@@ -68,20 +61,6 @@ int wrong_usage(std::string_view why) {
 int failed(const calvin::Error& error) {
   fmt::print(stderr, "calvin-rig: {}\n", error.message);
   return kFailed;
-}
-
-// Whether all were understood.
-bool parse_exports(std::string_view text, Arguments& arguments) {
-  static const std::set<std::string_view> kFormats = {"calvin", "kalibr", "gltf", "opencv", "ros"};
-  for (const std::string_view part : calvin::split(text, ',')) {
-    const auto colon = part.find(':');
-    const std::string_view format = part.substr(0, colon);
-    if (colon == std::string_view::npos || colon + 1 == part.size() || !kFormats.contains(format)) {
-      return false;
-    }
-    arguments.exports.emplace_back(format, part.substr(colon + 1));
-  }
-  return true;
 }
 
 // Absent for wrong usage, which was said.
@@ -104,7 +83,7 @@ std::optional<Arguments> parse(std::span<char*> given) {
       }
       arguments.options.tolerance = static_cast<std::uint64_t>(*ms * kMillisecond);
     } else if (word == "--export" && has_value) {
-      if (!parse_exports(given[++i], arguments)) {
+      if (!rig_export::parse(given[++i], arguments.exports)) {
         wrong_usage("--export takes FORMAT:PATH, with calvin, kalibr, gltf, opencv or ros.");
         return std::nullopt;
       }
@@ -150,38 +129,6 @@ void name_cameras(const std::vector<std::string>& files,
   for (std::size_t i = 0; i < cameras.size(); ++i) cameras[i].calibration.camera = names[i];
 }
 
-calvin::Status write_text(const std::filesystem::path& path,
-                          const calvin::Result<std::string>& text) {
-  if (!text) return tl::unexpected<calvin::Error>(text.error());
-  return calvin::write_file(path.string(), *text);
-}
-
-calvin::Status write_export(const calvin::Rig& rig, const std::string& format,
-                            const std::filesystem::path& path) {
-  if (format == "calvin" || format == "kalibr") return calvin::write_rig(path, rig, format);
-  if (format == "gltf") {
-    return write_text(path, calvin::print_glb(calvin::make_scene(rig)));
-  }
-  const auto pair = calvin::rectified_pair(rig);
-  if (!pair) return tl::unexpected<calvin::Error>(pair.error());
-  if (format == "opencv") return write_text(path, calvin::print_opencv_stereo(rig, *pair));
-  std::error_code none;
-  std::filesystem::create_directories(path, none);
-  calvin::Status left = write_text(path / "left.yaml", calvin::print_ros_stereo(rig, *pair, true));
-  if (!left) return left;
-  return write_text(path / "right.yaml", calvin::print_ros_stereo(rig, *pair, false));
-}
-
-// " (+-0.1 0.1 0.4)", of the place of a camera that is not the frame itself.
-std::string place_sigmas(const calvin::RigCamera& camera) {
-  constexpr std::size_t kPose = 6;
-  if (camera.covariance.size() != kPose * kPose) return "";
-  const auto mm = [&](std::size_t i) {
-    return calvin::two_digits(1e3 * std::sqrt(camera.covariance[i * kPose + i]));
-  };
-  return fmt::format(" (+-{} {} {})", mm(3), mm(4), mm(5));
-}
-
 void print(const calvin::RigSolution& solved) {
   const calvin::Rig& rig = solved.rig;
   for (const calvin::RigLink& link : solved.links) {
@@ -197,7 +144,7 @@ void print(const calvin::RigSolution& solved) {
     const auto& at = camera.rig_from_camera.translation;
     fmt::print("'{}' at {:.1f} {:.1f} {:.1f} mm of '{}'{}, rms {:.3f} px\n",
                camera.calibration.camera, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], rig.world,
-               place_sigmas(camera), camera.rms.value_or(0));
+               rig_export::place_sigmas(camera), camera.rms.value_or(0));
   }
   if (!solved.rejected.empty()) {
     fmt::print("{} views contradict the others and were left out.\n", solved.rejected.size());
@@ -240,7 +187,7 @@ int main(int argc, char** argv) {
   }
   print(*solved);
   for (const auto& [format, path] : arguments->exports) {
-    const auto written = write_export(solved->rig, format, path);
+    const auto written = rig_export::write(solved->rig, format, path);
     if (!written) return failed(written.error());
   }
   return 0;

@@ -26,9 +26,16 @@ struct RigCamera {
 
 struct Rig {
   std::vector<RigCamera> cameras;
-  std::string world;          // the name of the camera whose frame is the rig's, or kBoardWorld
+  // The name of the camera whose frame is the rig's, kBoardWorld or kPlacesWorld.
+  std::string world;
   std::optional<double> rms;  // px, of all corners
   std::uint64_t pairing_tolerance = 0;  // ns: pictures no farther apart were taken for one instant
+};
+
+// Where a camera stands by other means, as a survey of the room.
+struct CameraPlace {
+  std::string camera;             // its name
+  std::array<double, 3> place{};  // m, in a right-handed frame
 };
 
 // The two cameras of a stereo pair, and the one pinhole that the rectified pictures of both have:
@@ -50,5 +57,7 @@ struct RectifiedPair {
 
 // The frame of the rig is that of the board that all cameras have seen.
 inline constexpr const char* kBoardWorld = "board";
+// The frame of the rig is that in which the places of its cameras were known.
+inline constexpr const char* kPlacesWorld = "places";
 
 }  // namespace calvin

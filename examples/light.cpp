@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// calvin-light [OPTIONS] RIG.json SEEN...: cameras and where they stand, from what they have seen
+// of one light that was moved before them.
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calvin/core/text.hpp"
+#include "calvin/io/blueccal.hpp"
+#include "calvin/io/calibration_io.hpp"
+#include "calvin/io/camera_places.hpp"
+#include "calvin/io/observations.hpp"
+#include "calvin/io/rig_io.hpp"
+#include "calvin/rig/solve_light.hpp"
+
+#include "rig_export.hpp"
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+constexpr std::string_view kUsage =
+    R"(Usage: calvin-light [OPTIONS] RIG.json SEEN...
+Calibrates cameras by one light that was moved before them in the dark, three or more seeing it at a
+time, and writes lenses and places to RIG.json. SEEN is a file of observations for each camera (the
+journal of calibsolve), or one folder with points.dat, IdMat.dat and Res.dat as BlueCCal has them.
+
+  --places FILE   where some cameras stand: lines 'name x y z', m. Three or more give the frame of
+                  the rig, two its unit; else the first camera is the rig, without a unit
+  --calibration CAMERA=FILE
+                  the lens of a camera is known, and only its place is to be found; where that of
+                  every camera is, two are enough
+  --model MODEL   the lens of the others, brown4 if not given
+  --fix NAME,...  what is held of it, aspect,p1,p2 if not given: also center, k2, or none
+  --center-sigma SHARE
+                  how far the axis may be from the middle of a picture, of its width, 0.03 if not
+                  given; 0: by any distance
+  --tolerance MS  how far pictures of one instant may be apart, 10 if not given
+  --export FORMAT:PATH,...
+                  further files, as of calvin-rig: kalibr, calvin, gltf; of two cameras opencv, ros
+  --help          this text
+)";
+
+struct Arguments {
+  calvin::LightOptions options;
+  std::map<std::string, std::string> calibrations;  // file, by camera
+  std::string places;                               // file
+  std::uint64_t tolerance = 10'000'000;             // ns
+  rig_export::Exports exports;
+  std::vector<std::string> words;
+};
+
+int failed(const calvin::Error& error) {
+  fmt::print(stderr, "calvin-light: {}\n", error.message);
+  return kFailed;
+}
+
+std::vector<std::string> names_in(std::string_view text) {
+  std::vector<std::string> names;
+  for (const std::string_view name : calvin::split(text, ',')) {
+    if (name != "none" && !name.empty()) names.emplace_back(name);
+  }
+  return names;
+}
+
+bool parse_tolerance(std::string_view value, std::uint64_t& tolerance) {
+  constexpr double kMillisecond = 1e6;  // ns
+  constexpr double kMost = 1e6;         // ms
+  const auto ms = calvin::parse_double(value);
+  if (!ms || !(*ms >= 0 && *ms <= kMost)) return false;
+  tolerance = static_cast<std::uint64_t>(*ms * kMillisecond);
+  return true;
+}
+
+// Whether the option and its value are understood.
+bool parse_option(std::string_view option, std::string_view value, Arguments& arguments) {
+  if (option == "--places") {
+    arguments.places = value;
+  } else if (option == "--model") {
+    arguments.options.model = value;
+  } else if (option == "--fix") {
+    arguments.options.fix = names_in(value);
+  } else if (option == "--tolerance") {
+    return parse_tolerance(value, arguments.tolerance);
+  } else if (option == "--export") {
+    return rig_export::parse(value, arguments.exports);
+  } else if (option == "--center-sigma") {
+    const auto share = calvin::parse_double(value);
+    arguments.options.center_sigma = share.value_or(0);
+    return share.has_value();
+  } else if (option == "--calibration") {
+    const auto equals = value.find('=');
+    if (equals == std::string_view::npos) return false;
+    arguments.calibrations.emplace(value.substr(0, equals), value.substr(equals + 1));
+  } else {
+    return false;
+  }
+  return true;
+}
+
+// What is wrong with the usage; empty where nothing is.
+std::string parse(std::span<char*> given, Arguments& arguments) {
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const std::string_view word = given[i];
+    if (!word.starts_with("--")) {
+      arguments.words.emplace_back(word);
+      continue;
+    }
+    const std::string_view value = i + 1 < given.size() ? given[++i] : "";
+    if (!parse_option(word, value, arguments)) {
+      return fmt::format("'{} {}' is no option, or its value does not suit it.", word, value);
+    }
+  }
+  if (arguments.words.size() < 2) {
+    return "it takes a file for the rig, then what each camera has seen.";
+  }
+  return "";
+}
+
+calvin::Result<std::vector<calvin::ObservationFile>> read_files(
+    std::span<const std::string> sources) {
+  std::vector<calvin::ObservationFile> all;
+  for (const std::string& source : sources) {
+    if (calvin::is_blueccal(source)) {
+      auto files = calvin::read_blueccal(source);
+      if (!files) return files;
+      std::ranges::move(*files, std::back_inserter(all));
+      continue;
+    }
+    auto file = calvin::read_observations(source);
+    if (!file) return tl::unexpected(file.error());
+    // A camera without a name is called after its file.
+    for (calvin::Observation& seen : file->observations) {
+      if (seen.camera.empty()) seen.camera = std::filesystem::path(source).stem().string();
+    }
+    all.push_back(*std::move(file));
+  }
+  return all;
+}
+
+calvin::Result<calvin::LightCameras> read_cameras(const Arguments& arguments) {
+  auto files = read_files(std::span(arguments.words).subspan(1));
+  if (!files) return tl::unexpected(files.error());
+  std::vector<calvin::Observation> seen;
+  for (calvin::ObservationFile& file : *files) {
+    for (calvin::Observation& one : file.observations) {
+      if (one.found()) seen.push_back(std::move(one));
+    }
+  }
+  auto cameras = calvin::light_cameras(seen, arguments.tolerance);
+  if (!cameras) return cameras;
+  for (const auto& [name, file] : arguments.calibrations) {
+    const auto camera = std::ranges::find(cameras->cameras, name, &calvin::LightCamera::name);
+    if (camera == cameras->cameras.end()) {
+      return calvin::make_error(calvin::ErrorCode::kNotFound,
+                                fmt::format("No camera is called '{}', of which there is a "
+                                            "calibration.",
+                                            name));
+    }
+    auto calibration = calvin::read_calibration(file);
+    if (!calibration) return tl::unexpected(calibration.error());
+    camera->calibration = *std::move(calibration);
+  }
+  return cameras;
+}
+
+void print(const calvin::LightSolution& solved) {
+  const calvin::Rig& rig = solved.rig;
+  std::size_t places = 0;
+  for (const auto& point : solved.points) places += point ? 1 : 0;
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    const calvin::RigCamera& camera = rig.cameras[c];
+    const auto& at = camera.rig_from_camera.translation;
+    const calvin::LightCameraErrors& errors = solved.errors[c];
+    fmt::print("'{}' at {}{}, rms {:.3f} px, {} of {} sightings, f {:.1f}\n",
+               camera.calibration.camera,
+               solved.is_metric
+                   ? fmt::format("{:.1f} {:.1f} {:.1f} mm", 1e3 * at[0], 1e3 * at[1], 1e3 * at[2])
+                   : fmt::format("{:.4f} {:.4f} {:.4f}", at[0], at[1], at[2]),
+               solved.is_metric ? rig_export::place_sigmas(camera) : "", errors.rms, errors.used,
+               errors.seen, camera.calibration.parameters.front().value);
+  }
+  fmt::print("{} of {} places of the light, mean error {:.3f} px, rms {:.3f} px\n", places,
+             solved.points.size(), solved.mean_error, rig.rms.value_or(0));
+  if (solved.places_rms) {
+    fmt::print("Cameras are {} mm from where they were known to be.\n",
+               calvin::two_digits(1e3 * *solved.places_rms));
+  }
+  for (const std::string& remark : solved.remarks) fmt::print("{}\n", remark);
+}
+
+int run(Arguments arguments) {
+  const auto seen = read_cameras(arguments);
+  if (!seen) return failed(seen.error());
+  if (seen->left_out > 0) {
+    fmt::print("{} pictures have several lights and are left out.\n", seen->left_out);
+  }
+  if (!arguments.places.empty()) {
+    auto places = calvin::read_camera_places(arguments.places);
+    if (!places) return failed(places.error());
+    arguments.options.places = *std::move(places);
+  }
+  auto solved = calvin::solve_light(seen->cameras, arguments.options);
+  if (!solved) return failed(solved.error());
+  solved->rig.pairing_tolerance = arguments.tolerance;
+  if (const auto written = calvin::write_rig(arguments.words[0], solved->rig); !written) {
+    return failed(written.error());
+  }
+  print(*solved);
+  for (const auto& [format, path] : arguments.exports) {
+    const auto written = rig_export::write(solved->rig, format, path);
+    if (!written) return failed(written.error());
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
+  if (given.size() == 1 && std::string_view(given[0]) == "--help") {
+    fmt::print("{}", kUsage);
+    return 0;
+  }
+  Arguments arguments;
+  if (const std::string wrong = parse(given, arguments); !wrong.empty()) {
+    fmt::print(stderr, "calvin-light: {}\n\n{}", wrong, kUsage);
+    return kWrongUsage;
+  }
+  return run(std::move(arguments));
+}

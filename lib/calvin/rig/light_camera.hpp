@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// What cameras have seen of one light that is moved before them, and what is known beforehand.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calvin/core/calibration.hpp"
+#include "calvin/core/image.hpp"
+#include "calvin/core/observation.hpp"
+#include "calvin/core/result.hpp"
+#include "calvin/core/rig.hpp"
+
+namespace calvin {
+
+// Where the light was in a picture.
+struct LightPoint {
+  Pixel uv;
+  double sigma = 1;  // px, per coordinate
+};
+
+struct LightCamera {
+  std::string name;
+  ImageSize image_size;
+  // The intrinsics, where they are known: then only its place is found.
+  std::optional<Calibration> calibration;
+  // By instant; absent where the light was not seen. All cameras have as many.
+  std::vector<std::optional<LightPoint>> seen;
+};
+
+struct LightCameras {
+  std::vector<LightCamera> cameras;  // by name
+  std::uint64_t farthest = 0;        // ns, between two pictures of one instant, at the most
+  std::size_t left_out = 0;          // observations of several points, of which one is the light
+};
+
+// What was seen of a light, by camera and by instant: pictures at most `tolerance` ns apart are of
+// one. Instants at which one camera alone has seen it are left out, as they say nothing.
+// kInvalidArgument where a camera has pictures of several sizes.
+[[nodiscard]] Result<LightCameras> light_cameras(const std::vector<Observation>& seen,
+                                                 std::uint64_t tolerance);
+
+struct LightOptions {
+  // The lens of cameras without a calibration, one that is a pinhole where its coefficients are 0.
+  std::string model = "brown4";
+  // What is held of these cameras: coefficients at 0, "cx", "cy" or "center" at the middle of the
+  // picture; "aspect" holds fy = fx.
+  std::vector<std::string> fix = {"aspect", "p1", "p2"};
+  // How far the axis may be from the middle of the picture, 1 sigma, of its width; it counts as a
+  // measurement. Square pixels tell focal lengths by themselves from four cameras on (M. Pollefeys,
+  // R. Koch, L. Van Gool, IJCV 32(1), 1999: 2 n >= 8), and weakly so of few. 0: nothing is known.
+  double center_sigma = 0.03;
+  // Three or more that are on no line give the frame of the rig and its unit; two, the distance
+  // between them, give the unit alone. Without any, the first camera is the rig, and the distance
+  // of the camera that is farthest from it is 1.
+  std::vector<CameraPlace> places;
+};
+
+}  // namespace calvin
