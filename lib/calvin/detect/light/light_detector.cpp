@@ -34,7 +34,8 @@ constexpr int kLargestAtLeast = 16;     // px
 constexpr double kThinnest = 0.25;      // px, 1 sigma: a single pixel is no light
 constexpr double kRound = 1.4;          // longer over shorter axis, by what lenses stretch
 constexpr double kStreak = 8;           // the same of one that moves, at most
-constexpr double kUnlike = 0.10;        // of its height, by which a light is no Gaussian
+constexpr double kUnlike = 0.10;        // of its height, by which a round light is no Gaussian
+constexpr double kStreakUnlike = 0.06;  // the same of a streak, as which much else is seen
 constexpr std::size_t kMostSpots = 8;   // of one frame: more is no scene for a light
 constexpr std::size_t kMostBlobs = 16;  // that may be lights
 // What the middle of a streak may be off along it, in its length: light that is not even while the
@@ -100,10 +101,13 @@ bool is_long_streak(const LightBlob& blob) {
 
 // Whether the fit is the blob's: as large as what is seen of it, and much of it is seen.
 bool is_of(const LightBlob& blob, const SpotFit& fit, double noise) {
-  constexpr double kLeastBox = 1.5;  // times the longer axis: what is above the threshold is wider
+  constexpr double kUncertain = 0.2;  // of the longer axis, by which a place may be uncertain
+  constexpr double kLeastBox = 1.5;   // times the longer axis: what is above the threshold is wider
   const double beyond_noise = std::sqrt(std::max(0.0, fit.residual * fit.residual - noise * noise));
-  return fit.seen >= kLeastPeak / 2.0 && beyond_noise <= kUnlike * fit.seen &&
-         fit.shorter >= kThinnest && blob.longer_side() >= kLeastBox * fit.longer;
+  const double unlike = fit.longer > kRound * fit.shorter ? kStreakUnlike : kUnlike;
+  return fit.seen >= kLeastPeak / 2.0 && beyond_noise <= unlike * fit.seen &&
+         fit.shorter >= kThinnest && fit.sigma_along <= kUncertain * fit.longer &&
+         blob.longer_side() >= kLeastBox * fit.longer;
 }
 
 // What keeps a fit from being that of a light; empty where it is one.

@@ -28,7 +28,7 @@ using Matrix = SpotMatrix;
 constexpr int kBright = 200;
 constexpr int kUneven = 2;
 // Pixels along a side of the window, of which more would only cost time.
-constexpr int kMostSamples = 28;
+constexpr int kMostSamples = 24;
 constexpr int kFewestSamples = kSpotUnknowns + 4;
 
 // Rounding to whole grey levels is noise, too.
@@ -77,7 +77,7 @@ class SpotProblem {
 SpotProblem::SpotProblem(const ImageView& image, const LightBackground& background,
                          const LightBlob& blob) {
   middle_ = {(blob.box.left + blob.box.right) / 2.0, (blob.box.top + blob.box.bottom) / 2.0};
-  const PixelBox window = blob.box.grown(3 + blob.longer_side() / 2, image.size());
+  const PixelBox window = blob.box.grown(3 + blob.longer_side() / 3, image.size());
   int brightest = 0;
   for (int y = blob.box.top; y <= blob.box.bottom; ++y) {
     for (int x = blob.box.left; x <= blob.box.right; ++x) {
@@ -157,7 +157,7 @@ double SpotProblem::linearise(const Vector& fit, Matrix& information, Vector& ri
 double SpotProblem::cost(const Vector& fit) const {
   double sum = 0;
   for (const Sample& s : samples_) {
-    const double residual = s.above - spot_value(fit, s.x, s.y).grey;
+    const double residual = s.above - spot_grey(fit, s.x, s.y);
     if (!s.cut_off || residual > 0) sum += residual * residual;
   }
   return sum;

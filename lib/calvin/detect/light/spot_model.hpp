@@ -29,40 +29,60 @@ struct SpotValue {
   SpotVector slope = SpotVector::Zero();
 };
 
-// Adds what one point of a pixel has, `weight` times.
-inline void add_point(const SpotVector& fit, double x, double y, double weight, SpotValue& value) {
+// Of one point, d from the centre: d^T (p q; q r) d to the power of the flatness, its derivative by
+// what is raised, and the logarithm of that.
+struct SpotPower {
+  double power = 0;
+  double rise = 1;
+  double logarithm = 0;
+};
+
+inline SpotPower power_at(const SpotVector& fit, double x, double y) {
   constexpr double kMiddle = 1e-9;  // of the square, where its logarithm has no meaning any more
   const double square = fit[kP] * x * x + 2 * fit[kQ] * x * y + fit[kR] * y * y;
-  double power = square;  // square^flatness
-  double rise = 1;        // its derivative by the square
-  double logarithm = 0;
-  if (fit[kFlatness] != 1) {
-    logarithm = std::log(std::max(square, kMiddle));
-    power = std::exp(fit[kFlatness] * logarithm);
-    rise = fit[kFlatness] * power / std::max(square, kMiddle);
-  }
-  const double part = weight * std::exp(fit[kLogHeight] - power / 2);
-  value.grey += part;
-  value.slope[kX] += part * rise * (fit[kP] * x + fit[kQ] * y);
-  value.slope[kY] += part * rise * (fit[kQ] * x + fit[kR] * y);
-  value.slope[kLogHeight] += part;
-  value.slope[kP] -= part * rise * x * x / 2;
-  value.slope[kQ] -= part * rise * x * y;
-  value.slope[kR] -= part * rise * y * y / 2;
-  value.slope[kFlatness] -= part * power * logarithm / 2;
+  if (fit[kFlatness] == 1) return {square, 1, 0};
+  const double logarithm = std::log(std::max(square, kMiddle));
+  const double power = std::exp(fit[kFlatness] * logarithm);
+  return {power, fit[kFlatness] * power / std::max(square, kMiddle), logarithm};
 }
 
-// Of the pixel at (x, y); the mean by four points, which is exact up to third order.
-inline SpotValue spot_value(const SpotVector& fit, double x, double y) {
+// Calls f(x, y) with four points of the pixel at (x, y), from the centre: their mean is that over
+// the pixel up to third order.
+template <typename F>
+void for_points(const SpotVector& fit, double x, double y, F f) {
   constexpr double kPoint = 0.28867513459481287;  // px from the middle, 1 / sqrt(12)
+  for (const double dx : {-kPoint, kPoint}) {
+    for (const double dy : {-kPoint, kPoint}) f(x + dx - fit[kX], y + dy - fit[kY]);
+  }
+}
+
+// Of the pixel at (x, y), grey levels.
+inline double spot_grey(const SpotVector& fit, double x, double y) {
+  double sum = 0;
+  for_points(fit, x, y,
+             [&](double u, double v) { sum += std::exp(-power_at(fit, u, v).power / 2); });
+  return fit[kOffset] + std::exp(fit[kLogHeight]) / 4 * sum;
+}
+
+// The same with its derivatives by the unknowns.
+inline SpotValue spot_value(const SpotVector& fit, double x, double y) {
   SpotValue value;
   value.grey = fit[kOffset];
   value.slope[kOffset] = 1;
-  for (const double dx : {-kPoint, kPoint}) {
-    for (const double dy : {-kPoint, kPoint}) {
-      add_point(fit, x + dx - fit[kX], y + dy - fit[kY], 0.25, value);
-    }
-  }
+  const double height = std::exp(fit[kLogHeight]) / 4;
+  for_points(fit, x, y, [&](double u, double v) {
+    const SpotPower at = power_at(fit, u, v);
+    const double part = height * std::exp(-at.power / 2);
+    const double fall = part * at.rise;
+    value.grey += part;
+    value.slope[kX] += fall * (fit[kP] * u + fit[kQ] * v);
+    value.slope[kY] += fall * (fit[kQ] * u + fit[kR] * v);
+    value.slope[kLogHeight] += part;
+    value.slope[kP] -= fall * u * u / 2;
+    value.slope[kQ] -= fall * u * v;
+    value.slope[kR] -= fall * v * v / 2;
+    value.slope[kFlatness] -= part * at.power * at.logarithm / 2;
+  });
   return value;
 }
 
