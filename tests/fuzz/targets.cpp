@@ -16,8 +16,10 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/file.hpp"
+#include "calvin/io/blueccal.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/camera_places.hpp"
 #include "calvin/io/key_list.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/io/settings.hpp"
@@ -221,10 +223,41 @@ void observation_file(std::string_view bytes) {
   require(again && again->size() == corners->size(), "no picture is lost");
 }
 
+// The four files of BlueCCal, a line "--" between each two; and places of cameras.
+void light_text(std::string_view bytes) {
+  constexpr std::string_view kBetween = "\n--\n";
+  std::string_view parts[4];
+  std::string_view left = bytes;
+  for (std::string_view& part : parts) {
+    const auto end = left.find(kBetween);
+    part = left.substr(0, end);
+    left = end == std::string_view::npos ? "" : left.substr(end + kBetween.size());
+  }
+  const auto files = parse_blueccal({parts[0], parts[1], parts[2], parts[3]}, "fuzzed");
+  require(files || !files.error().message.empty(), "an error has a message");
+  for (std::size_t f = 0; files && f < files->size(); ++f) {
+    require_sound((*files)[f].observations);
+    const auto again = parse_observations(print_observations((*files)[f]));
+    require(again && again->observations.size() == (*files)[f].observations.size(),
+            "what is read can be written as observations");
+  }
+  const auto places = parse_camera_places(bytes, "fuzzed");
+  require(places || !places.error().message.empty(), "an error has a message");
+  for (std::size_t p = 0; places && p < places->size(); ++p) {
+    require(!(*places)[p].camera.empty(), "a place is that of a camera");
+    for (const double x : (*places)[p].place) require(std::isfinite(x), "a place is finite");
+  }
+}
+
 constexpr Target kTargets[] = {
-    {"calibration", calibration},           {"key_list", key_list}, {"boards", boards},
-    {"board_names", board_names},           {"exports", exports},   {"observations", observations},
+    {"calibration", calibration},
+    {"key_list", key_list},
+    {"boards", boards},
+    {"board_names", board_names},
+    {"exports", exports},
+    {"observations", observations},
     {"observation_file", observation_file},
+    {"light_text", light_text},
 };
 
 }  // namespace

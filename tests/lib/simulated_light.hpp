@@ -31,18 +31,18 @@ struct LitRoom {
 };
 
 // Lenses of two radial coefficients, each camera of its own focal length and picture, along the
-// walls at different heights.
-inline LitRoom lit_room(int count, Random& random) {
+// walls at different heights. Axes are off the middle of the pictures by `off_center` of the width,
+// 1 sigma.
+inline LitRoom lit_room(int count, Random& random, double off_center = 0.03) {
   LitRoom room;
   for (int i = 0; i < count; ++i) {
     const ImageSize size = i % 2 == 0 ? ImageSize{1280, 960} : ImageSize{752, 480};
     const double f = size.width * uniform(random, 0.7, 1.1);
-    std::normal_distribution<double> off_center(0, 0.03 * size.width);
+    std::normal_distribution<double> off(0, off_center * size.width);
     room.cameras.push_back(
-        Camera::make(
-            "brown4", size,
-            {f, f, size.width / 2.0 + off_center(random), size.height / 2.0 + off_center(random),
-             uniform(random, -0.25, 0.05), uniform(random, -0.02, 0.08), 0, 0})
+        Camera::make("brown4", size,
+                     {f, f, size.width / 2.0 + off(random), size.height / 2.0 + off(random),
+                      uniform(random, -0.25, 0.05), uniform(random, -0.02, 0.08), 0, 0})
             .value());
     const double angle = 2 * std::numbers::pi * (i + uniform(random, -0.2, 0.2)) / count;
     const Eigen::Vector3d from(3.2 * std::cos(angle), 3.2 * std::sin(angle),

@@ -157,6 +157,7 @@ class Report {
     set_errors();
     for (std::size_t c = 0; c < cameras_.size(); ++c) add_camera(c);
     solution_.rig.world = alignment_.is_framed ? kPlacesWorld : cameras_.front().name;
+    solution_.scatter = std::sqrt(fit_.scatter);
     solution_.sigma_factor = std::sqrt(fit_.variance);
     set_remarks();
     return std::move(solution_);
@@ -308,6 +309,13 @@ class Report {
           "Of what '{}' has seen, {:.0f} % fit no place of the light: look for reflections, other "
           "lights and a clock that runs apart.",
           cameras_[c].name, 100 * refused / static_cast<double>(own.seen)));
+    }
+    if (solution_.scatter > 1) {
+      solution_.remarks.push_back(fmt::format(
+          "Stretches of time contradict each other {:.1f} times as much as sightings scatter, and "
+          "errors are enlarged by that: look for clocks that run apart, a light that is no point, "
+          "and a lens of too few coefficients.",
+          solution_.scatter));
     }
     if (solution_.is_metric) return;
     solution_.remarks.emplace_back(

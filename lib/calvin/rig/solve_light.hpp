@@ -33,6 +33,9 @@ struct LightSolution {
   std::vector<std::vector<bool>> used;                       // per camera and instant
   std::vector<LightCameraErrors> errors;                     // per camera
   double mean_error = 0;                                     // px, of all distances
+  // How far stretches of time contradict each other, in the errors of independent sightings; by
+  // this all sigmas are enlarged where it is more than 1.
+  double scatter = 1;
   double sigma_factor = 1;  // what sightings are off by, over their sigmas
   // The joint covariance, row-major, over the numbers that `names` lists: of each camera the
   // intrinsics that were estimated ("cam0.fx"), then how far it is turned about the axes of the rig

@@ -26,9 +26,11 @@ namespace calvin::rig {
 namespace {
 
 constexpr double kStartLimit = 0.015;  // of the width: what distortion does to most of a picture
-constexpr double kFar = 6;             // sigmas: of Gaussian sightings one in 10^7 is beyond
-constexpr double kWorstFocal = 0.1;    // of the focal length, 1 sigma
-constexpr double kWorstCenter = 0.1;   // of the width
+// Sigmas. Of Gaussian sightings one in 3000 is beyond; what lights really look like has longer
+// tails, in which a few sightings at 4 to 6 sigmas would decide on the focal lengths.
+constexpr double kFar = 4;
+constexpr double kWorstFocal = 0.1;   // of the focal length, 1 sigma
+constexpr double kWorstCenter = 0.1;  // of the width
 
 std::vector<std::string> names_of(const std::vector<LightCamera>& cameras) {
   std::vector<std::string> names;
@@ -96,7 +98,7 @@ class LightSolver {
   }
 
   [[nodiscard]] LightFit take() {
-    return {std::move(unknowns_), std::move(state_), std::move(covariance_), variance_};
+    return {std::move(unknowns_), std::move(state_), std::move(covariance_), variance_, scatter_};
   }
 
  private:
@@ -115,6 +117,7 @@ class LightSolver {
     const Tracks tracks = some_tracks();
     const auto pairs = ranked_pairs(tracks, names_of(cameras_), start_limit());
     if (!pairs) return tl::unexpected(pairs.error());
+    planar_ = pairs->front().planar;
     Trials trials;
     for (std::size_t p = 0; p < std::min(pairs->size(), kPairs) && !trials.are_enough(); ++p) {
       const auto linear =
@@ -276,13 +279,23 @@ class LightSolver {
     const auto equations = information(cameras_, unknowns_, basis, state_);
     if (!equations) return undetermined("");
     variance_ = equations->cost / degrees_of_freedom(free.cols());
+    set_scatter(free, equations->matrix.bottomRightCorner(free.cols(), free.cols()));
     const Eigen::MatrixXd known = covariance_of_given();
     const auto covariance = covariance_of_places(
-        equations->matrix, {static_cast<int>(first), static_cast<int>(free.cols())}, variance_,
-        basis.leftCols(first).transpose() * known * basis.leftCols(first));
+        equations->matrix, {static_cast<int>(first), static_cast<int>(free.cols())},
+        scatter_ * variance_, basis.leftCols(first).transpose() * known * basis.leftCols(first));
     if (!covariance) return undetermined("");
     covariance_ = free * *covariance * free.transpose() + known;
     return check_sigmas();
+  }
+
+  // Errors that last, as of clocks that run apart, are not told by how large residuals are.
+  void set_scatter(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& information) {
+    constexpr std::size_t kStretches = 10;
+    constexpr double kSure = 1.5;  // beyond what independent sightings ever come to
+    const auto ratio =
+        scatter(cameras_, unknowns_, basis, information, variance_, kStretches, state_);
+    if (ratio && *ratio > kSure) scatter_ = *ratio;
   }
 
   // Of the calibrations that were given, over the table.
@@ -319,7 +332,9 @@ class LightSolver {
     return {};
   }
 
-  [[nodiscard]] static tl::unexpected<Error> undetermined(const std::string& camera) {
+  [[nodiscard]] tl::unexpected<Error> undetermined(const std::string& camera) const {
+    constexpr double kPlanar = 0.6;  // share of the best pair's instants, reflections among them
+    if (planar_ > kPlanar) return light_in_a_plane();
     return make_error(
         ErrorCode::kDegenerate,
         fmt::format(
@@ -333,9 +348,11 @@ class LightSolver {
   LightUnknowns unknowns_;
   const std::stop_token& stop_;
   std::vector<std::size_t> some_;  // instants that are enough for a start
+  double planar_ = 0;              // share of the best pair's instants that lie in a plane
   LightState state_;
   Eigen::MatrixXd covariance_;
   double variance_ = 0;
+  double scatter_ = 1;
 };
 
 }  // namespace

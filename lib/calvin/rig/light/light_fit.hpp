@@ -21,6 +21,7 @@ struct LightFit {
   // that were given count with their covariances.
   Eigen::MatrixXd covariance;
   double variance = 0;  // of the sightings, in their sigmas squared
+  double scatter = 1;   // of stretches of time, which the covariance has been multiplied by
 };
 
 // `cameras` are checked. Errors are those of reconstruct() and upgrade(); kDegenerate too where the

@@ -12,6 +12,7 @@
 
 #include "calvin/rig/light/linear.hpp"
 #include "calvin/solve/linear/lm.hpp"
+#include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
 #include "calvin/solve/residuals/outliers.hpp"
 
@@ -163,6 +164,32 @@ std::optional<LightInformation> information(const std::vector<LightCamera>& came
   auto reduced = problem.reduced();
   if (!reduced) return std::nullopt;
   return LightInformation{std::move(reduced->information), problem.cost()};
+}
+
+std::optional<double> scatter(const std::vector<LightCamera>& cameras,
+                              const LightUnknowns& unknowns, const Eigen::MatrixXd& basis,
+                              const Eigen::MatrixXd& information, double variance,
+                              std::size_t blocks, const LightState& state) {
+  const ParameterTable table = unknowns.at(LightStage::kAll);
+  const std::vector<std::size_t> instants = points_in_use(state);
+  double sum = 0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const auto begin = instants.begin();
+    const std::vector<std::size_t> own(
+        begin + static_cast<std::ptrdiff_t>(b * instants.size() / blocks),
+        begin + static_cast<std::ptrdiff_t>((b + 1) * instants.size() / blocks));
+    if (own.empty()) return std::nullopt;
+    BundleProblem problem = problem_of(cameras, {&table, basis, {}}, Loss{}, own, state, {});
+    const auto reduced = problem.valid() ? problem.reduced() : std::nullopt;
+    if (!reduced) return std::nullopt;
+    const auto step = scaled_solve(information, reduced->gradient, kLeastPivot);
+    if (!step) return std::nullopt;
+    sum += reduced->gradient.dot(step->col(0));
+  }
+  // The gradients add up to 0, so that one of them is not free.
+  const double expected = variance * static_cast<double>(basis.cols()) *
+                          static_cast<double>(blocks - 1) / static_cast<double>(blocks);
+  return sum / expected;
 }
 
 std::optional<double> distance(const LightCamera& camera, std::size_t instant, const Camera& model,

@@ -33,6 +33,16 @@ struct LightInformation {
                                                           const Eigen::MatrixXd& basis,
                                                           const LightState& state);
 
+// How far stretches of time contradict each other: over `blocks` of them, one after the other, the
+// sum of g^T H^-1 g for the gradient g of each over what it is for independent sightings of
+// `variance` (P. J. Huber, Proc. 5th Berkeley Symposium, 1967, by clusters). 1 where their errors
+// are independent; more where they have causes that last. `information` is that of `basis`.
+[[nodiscard]] std::optional<double> scatter(const std::vector<LightCamera>& cameras,
+                                            const LightUnknowns& unknowns,
+                                            const Eigen::MatrixXd& basis,
+                                            const Eigen::MatrixXd& information, double variance,
+                                            std::size_t blocks, const LightState& state);
+
 // How far a sighting is from the projection of its point, px; absent where that has none.
 [[nodiscard]] std::optional<double> distance(const LightCamera& camera, std::size_t instant,
                                              const Camera& model, const LightState& state,

@@ -108,13 +108,6 @@ tl::unexpected<Error> no_pair(const std::vector<std::string>& names) {
           join(names, "', '"), kFewestCommon));
 }
 
-tl::unexpected<Error> planar() {
-  return make_error(ErrorCode::kDegenerate,
-                    "The light has stayed in one plane, or the cameras stand at one place, so that "
-                    "their geometry is not determined: move it towards the cameras and away from "
-                    "them too, all over the room.");
-}
-
 tl::unexpected<Error> no_overlap(const std::string& name, std::size_t common) {
   return make_error(
       ErrorCode::kDegenerate,
@@ -240,6 +233,13 @@ LinearReconstruction triangulate_all(const Tracks& tracks, std::vector<Matrix34>
   return result;
 }
 
+tl::unexpected<Error> light_in_a_plane() {
+  return make_error(ErrorCode::kDegenerate,
+                    "The light has stayed in one plane, or the cameras stand at one place, so that "
+                    "their geometry is not determined: move it towards the cameras and away from "
+                    "them too, all over the room.");
+}
+
 Result<std::vector<EpipolarGeometry>> ranked_pairs(const Tracks& tracks,
                                                    const std::vector<std::string>& names,
                                                    double limit) {
@@ -248,7 +248,7 @@ Result<std::vector<EpipolarGeometry>> ranked_pairs(const Tracks& tracks,
   std::ranges::stable_sort(pairs, std::greater(), [](const EpipolarGeometry& pair) {
     return static_cast<double>(pair.instants.size()) * (1 - pair.planar);
   });
-  if (pairs.front().planar > kPlanar) return planar();
+  if (pairs.front().planar > kPlanar) return light_in_a_plane();
   return pairs;
 }
 

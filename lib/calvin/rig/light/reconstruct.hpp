@@ -35,6 +35,9 @@ struct LinearReconstruction {
 [[nodiscard]] Result<std::vector<EpipolarGeometry>> ranked_pairs(
     const Tracks& tracks, const std::vector<std::string>& names, double limit);
 
+// What is said where a pair's instants lie in a plane.
+[[nodiscard]] tl::unexpected<Error> light_in_a_plane();
+
 // From a pair of cameras on: one camera after the other by the points that those before have (P.
 // Beardsley, A. Zisserman, D. Murray, IJCV 23(3), 1997), then all points and all cameras in turn.
 // With `is_calibrated` coordinates are those of rays at z = 1, so that projections are motions.

@@ -1,0 +1,78 @@
+#!/bin/sh
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# SPDX-FileCopyrightText: 2026 The gst-calvin authors
+#
+# The example program `light` as users type it. Argument: the program.
+set -eu
+light=$(realpath "$1")
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+
+fail() {
+  echo "FAIL: $*" >&2
+  exit 1
+}
+
+# expect STATUS WORDS COMMAND...: the exit status, and words among what it prints.
+expect() {
+  status=$1
+  words=$2
+  shift 2
+  got=0
+  "$@" >out 2>&1 || got=$?
+  [ "$got" = "$status" ] || fail "$* left with $got, not $status: $(cat out)"
+  grep -q -- "$words" out || fail "$* did not say '$words': $(cat out)"
+}
+
+# What four pinholes in the corners of a room see of a light: files of observations, and the same in
+# a folder as BlueCCal has it. Every seventh sighting of cam2 is a reflection, every fifth of cam1
+# is missing.
+mkdir blueccal
+awk 'BEGIN {
+  n = split("2.5 2 -1.2  -2.4 2.1 -0.3  -2.6 -1.9 -1.4  2.3 -2.2 -0.6", p, " ")
+  for (c = 0; c < 4; ++c) {
+    x = p[3 * c + 1]; y = p[3 * c + 2]; z = p[3 * c + 3]; d = sqrt(x * x + y * y + z * z)
+    f[0] = -x / d; f[1] = -y / d; f[2] = -z / d
+    s = sqrt(f[0] * f[0] + f[1] * f[1]); r[0] = -f[1] / s; r[1] = f[0] / s; r[2] = 0
+    g[0] = f[1] * r[2] - f[2] * r[1]; g[1] = f[2] * r[0] - f[0] * r[2]; g[2] = f[0] * r[1] - f[1] * r[0]
+    file = "cam" c ".jsonl"
+    print "{\"format\":\"calvin-observations\",\"version\":1,\"board\":\"dot\"}" >file
+    printf "cam%d %s %s %s\n", c, x, y, z >"places.txt"
+    printf "{\"format\":\"calvin-calibration\",\"version\":1,\"camera\":\"cam%d\",\"image_size\":[640,480],\"model\":\"pinhole\",\"parameters\":{\"fx\":600,\"fy\":600,\"cx\":320,\"cy\":240}}\n", c >("cam" c ".json")
+    print "640 480" >"blueccal/Res.dat"
+    us = vs = ones = seen = ""
+    for (i = 0; i < 200; ++i) {
+      a = sin(2.7 * i + 0.003 * i * i); b = cos(1.9 * i); e = 0.6 * sin(3.3 * i + 1)
+      X = a - x; Y = b - y; Z = e - z; depth = f[0] * X + f[1] * Y + f[2] * Z
+      u = 320 + 600 * (r[0] * X + r[1] * Y + r[2] * Z) / depth + 0.2 * sin(91 * i + 7 * c)
+      v = 240 + 600 * (g[0] * X + g[1] * Y + g[2] * Z) / depth + 0.2 * cos(83 * i + 5 * c)
+      if (c == 2 && i % 7 == 0) { u = 640 - u; v = 100 + v / 3 }
+      is = u > 0 && u < 639 && v > 0 && v < 479 && !(c == 1 && i % 5 == 0)
+      if (is) printf "{\"timestamp\":%d0000000,\"image_size\":[640,480],\"points\":[[0,%.4f,%.4f,0.2]]}\n", 4 * i + 4, u, v >>file
+      us = us sprintf(" %.4e", u); vs = vs sprintf(" %.4e", v); ones = ones " 1"; seen = seen " " is
+    }
+    print us >>"blueccal/points.dat"; print vs >>"blueccal/points.dat"; print ones >>"blueccal/points.dat"
+    print seen >>"blueccal/IdMat.dat"
+  }
+}'
+
+expect 0 'Lengths have no unit' "$light" rig.json cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
+grep -q '"world": "cam0"' rig.json || fail 'the first camera is not the rig'
+grep -q "'cam3'.*f \(59[5-9]\|60[0-5]\)" out || fail "focal lengths: $(cat out)"
+expect 0 'from where they were known to be' "$light" --places places.txt rig.json cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
+grep -q '"world": "places"' rig.json || fail 'the rig is not where it was said to be'
+grep -q "'cam1' at -2[34]..\.. 2[01]..\.. -[23]..\.. mm" out || fail "places: $(cat out)"
+expect 0 'mean error' "$light" rig.json blueccal/
+expect 0 "'cam1' at" "$light" --calibration cam0=cam0.json --calibration cam1=cam1.json rig.json cam0.jsonl cam1.jsonl
+expect 0 'mean error' "$light" --fix aspect,center,p1,p2,k2 --export kalibr:chain.yaml rig.json blueccal
+[ -s chain.yaml ] || fail 'no camchain was written'
+cp rig.json before.json
+expect 1 'three are needed' "$light" rig.json cam0.jsonl cam1.jsonl
+expect 1 "No camera is called 'x'" "$light" --calibration x=cam0.json rig.json cam0.jsonl cam1.jsonl
+sed 's/^\(cam.\) \([^ ]*\) \([^ ]*\) -/\1 \2 \3 /' places.txt >mirrored.txt
+expect 1 'left-handed' "$light" --places mirrored.txt rig.json cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
+expect 1 'nowhere' "$light" --places nowhere rig.json blueccal
+expect 2 'Usage' "$light" rig.json
+expect 2 'Usage' "$light" --tolerance x rig.json blueccal
+cmp -s rig.json before.json || fail 'a failure has touched the file'
