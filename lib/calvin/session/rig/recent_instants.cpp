@@ -22,6 +22,10 @@ void RecentInstants::add(std::size_t camera, SharedView view) {
   if (cameras_[camera].size() > kMost) cameras_[camera].pop_front();
 }
 
+void RecentInstants::replace(std::size_t camera, const SharedView& view, const SharedView& by) {
+  if (camera < cameras_.size()) std::ranges::replace(cameras_[camera], view, by);
+}
+
 // The time before which all cameras have sent what they saw, but for those that are silent.
 std::uint64_t RecentInstants::over_before(std::uint64_t tolerance) const {
   std::uint64_t newest = 0;

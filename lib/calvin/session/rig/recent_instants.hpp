@@ -24,6 +24,8 @@ class RecentInstants {
   void forget(std::size_t camera);
   // Of each camera in the order of time.
   void add(std::size_t camera, SharedView view);
+  // Puts another one in the place of a view, if it is there.
+  void replace(std::size_t camera, const SharedView& view, const SharedView& by);
 
   // By camera, the views of instants to which no view can come any more, at which two cameras or
   // more saw a board, and that are at least `interval` ns apart. Each is taken once, and what is

@@ -9,7 +9,8 @@
 #include <cmath>
 #include <utility>
 
-#include "calvin/core/text.hpp"
+#include "calvin/session/rig/corner_velocities.hpp"
+#include "calvin/session/views/corner_motion.hpp"
 
 namespace calvin {
 
@@ -41,18 +42,11 @@ std::optional<double> mean_distance(const Observation& a, const Observation& b) 
   return count > 0 ? std::optional(sum / count) : std::nullopt;
 }
 
-// How fast each corner moves by the observation before, px/s; empty where one was not seen in it.
-std::vector<Pixel> velocities(const Observation& before, const Observation& now) {
-  const double seconds = 1e-9 * static_cast<double>(now.timestamp - before.timestamp);
-  std::vector<Pixel> all;
-  std::size_t i = 0;
-  for (std::size_t j = 0; j < now.ids.size(); ++j) {
-    while (i < before.ids.size() && before.ids[i] < now.ids[j]) ++i;
-    if (i == before.ids.size() || before.ids[i] != now.ids[j]) return {};
-    all.push_back(
-        {(now.uv[j].u - before.uv[i].u) / seconds, (now.uv[j].v - before.uv[i].v) / seconds});
-  }
-  return all;
+// Whether two views are of a camera that sees a board without a break.
+bool goes_on(const Observation& before, const Observation& now) {
+  constexpr std::uint64_t kBreak = 200'000'000;  // ns
+  return before.board == now.board && before.timestamp < now.timestamp &&
+         now.timestamp - before.timestamp < kBreak;
 }
 
 }  // namespace
@@ -111,26 +105,23 @@ Result<View> RigSession::to_view(const Observation& observation) {
   return view;
 }
 
-// By the view before, of a camera that sees the board without a break.
-void RigSession::set_velocity(Camera& camera, View& view) const {
-  constexpr std::uint64_t kBreak = 200'000'000;  // ns
-  Observation& now = view.observation;
-  now.velocity.clear();
-  if (camera.last && camera.last->board == now.board && camera.last->timestamp < now.timestamp &&
-      now.timestamp - camera.last->timestamp < kBreak) {
-    now.velocity = velocities(*camera.last, now);
-    // That is the velocity of a moment ago: how it has changed since before goes on.
-    const bool goes_on =
-        camera.last->velocity.size() == now.velocity.size() && camera.last->ids == now.ids;
-    std::vector<Pixel> behind = now.velocity;
-    for (std::size_t i = 0; goes_on && i < now.velocity.size(); ++i) {
-      const Pixel& before = camera.behind[i];
-      now.velocity[i].u += 0.5 * (behind[i].u - before.u);
-      now.velocity[i].v += 0.5 * (behind[i].v - before.v);
-    }
-    camera.behind = std::move(behind);
+// The view before is told how fast its board moved, by the views on both sides of it.
+void RigSession::improve_last(std::size_t number, const Observation& now) {
+  Camera& camera = cameras_[number];
+  const Observation& last = camera.last->observation;
+  std::vector<Pixel> ahead = velocities(last, now);
+  if (ahead.empty()) return;
+  const double passed = seconds_between(last, now);
+  if (!last.velocity.empty()) {
+    ahead = interpolated(last.velocity, ahead, camera.passed / (camera.passed + passed));
   }
-  camera.last = now;
+  auto improved = std::make_shared<View>(*camera.last);
+  improved->observation.velocity = std::move(ahead);
+  const SharedView better = std::move(improved);
+  std::ranges::replace(camera.kept, camera.last, better);
+  std::ranges::replace(camera.apart, camera.last, better);
+  std::ranges::replace(camera.recent, camera.last, better);
+  recent_instants_.replace(number, camera.last, better);
 }
 
 bool RigSession::is_new(const std::vector<SharedView>& kept, const View& view) const {
@@ -185,8 +176,14 @@ Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
     own.size = observation.image_size;
     fit_intrinsics(own);
   }
-  set_velocity(own, *checked);
+  checked->observation.velocity.clear();
+  if (own.last && goes_on(own.last->observation, checked->observation)) {
+    improve_last(camera, checked->observation);
+    checked->observation.velocity = velocities(checked->observation, own.last->observation);
+    own.passed = seconds_between(own.last->observation, checked->observation);
+  }
   const auto view = std::make_shared<const View>(*std::move(checked));
+  own.last = view;
   const std::uint64_t now = view->observation.timestamp;
   if (watched_) recent_instants_.add(camera, view);
   const bool fresh = is_new(own.list_at(now), *view);

@@ -119,9 +119,9 @@ class RigSession {
     std::deque<SharedView> recent;              // of the last moment, not kept
     std::vector<SharedView> kept;
     std::optional<Movement> movement;
-    std::vector<SharedView> apart;    // kept since it moved
-    std::optional<Observation> last;  // to see how fast the board moves
-    std::vector<Pixel> behind;        // px/s: from the one before the last one to that
+    std::vector<SharedView> apart;  // kept since it moved
+    SharedView last;                // to see how fast the board moves
+    double passed = 0;              // s, since the one before
 
     // Where views of a time are kept.
     [[nodiscard]] std::vector<SharedView>& list_at(std::uint64_t timestamp) {
@@ -131,7 +131,7 @@ class RigSession {
 
   Camera& at(std::size_t camera);
   [[nodiscard]] Result<View> to_view(const Observation& observation);
-  void set_velocity(Camera& camera, View& view) const;
+  void improve_last(std::size_t number, const Observation& now);
   [[nodiscard]] bool is_new(const std::vector<SharedView>& kept, const View& view) const;
   void forget_views(Camera& camera);
   void keep(Camera& camera, const SharedView& view);
