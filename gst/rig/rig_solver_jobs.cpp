@@ -34,6 +34,17 @@ std::vector<RigCameraViews> views_in(const Rig& rig, const std::vector<RigCamera
   return own;
 }
 
+// Rejected views are by the cameras of the rig, which are some of those that have views.
+void log_rejected(GstElement* element, const RigSolution& solution,
+                  const std::vector<RigCameraViews>& views) {
+  const std::vector<RigCameraViews> own = views_in(solution.rig, views);
+  for (const RigView& of : solution.rejected) {
+    GST_DEBUG_OBJECT(element, "what '%s' saw at %" GST_TIME_FORMAT " contradicts the others",
+                     own[of.camera].calibration.camera.c_str(),
+                     GST_TIME_ARGS(own[of.camera].views[of.view].observation.timestamp));
+  }
+}
+
 }  // namespace
 
 Result<RigSolution> RigSolver::solve(const RigJob& job, const std::vector<RigCameraViews>& views,
@@ -46,6 +57,7 @@ Result<RigSolution> RigSolver::solve(const RigJob& job, const std::vector<RigCam
   }
   auto solution = solve_rig(views, job.options, stop);
   if (!solution) return solution;
+  log_rejected(element_, *solution, views);
   solution->left_out.insert(solution->left_out.end(), job.left_out.begin(), job.left_out.end());
   solution->remarks.insert(solution->remarks.end(), job.remarks.begin(), job.remarks.end());
   // A camera of which that was said has no views since then among these.
