@@ -34,6 +34,7 @@
 #include "common/metas.hpp"
 #include "common/rig_event.hpp"
 #include "elements.hpp"
+#include "rig/rig_events.hpp"
 #include "rig/rig_messages.hpp"
 #include "rig/rig_pad.hpp"
 #include "rig/rig_solver.hpp"
@@ -53,11 +54,9 @@ struct _GstCalibRig {
   guint next_camera;  // object lock
 };
 
-static void gst_calib_rig_child_proxy_init(gpointer iface, gpointer data);
-
 G_DEFINE_FINAL_TYPE_WITH_CODE(GstCalibRig, gst_calib_rig, GST_TYPE_ELEMENT,
                               G_IMPLEMENT_INTERFACE(GST_TYPE_CHILD_PROXY,
-                                                    gst_calib_rig_child_proxy_init))
+                                                    gst::sink_pads_as_children))
 GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibrig, "calibrig", GST_RANK_NONE, gst_calib_rig_get_type(),
                                       GST_DEBUG_CATEGORY_INIT(calibrig_debug, "calibrig", 0,
                                                               "places of several cameras"))
@@ -225,11 +224,15 @@ static GstPad* gst_calib_rig_sink_of(GstPad* source) {
   return static_cast<GstPad*>(gst_pad_get_element_private(source));
 }
 
-static gboolean gst_calib_rig_src_event(GstPad* pad, GstObject* /*parent*/, GstEvent* event) {
+static gboolean gst_calib_rig_src_event(GstPad* pad, GstObject* parent, GstEvent* event) {
   GstPad* sink = gst_calib_rig_sink_of(pad);
-  if (sink != nullptr) return gst_pad_push_event(sink, event);
+  const auto request = gst::reinsert_request(event);
+  if (sink != nullptr && !request) return gst_pad_push_event(sink, event);
   gst_event_unref(event);
-  return FALSE;
+  if (sink == nullptr) return FALSE;
+  GST_CALIB_RIG(parent)->solver->reinsert(request->empty() ? gst::settings_of(sink).name
+                                                           : *request);
+  return TRUE;
 }
 
 // What is asked of one side is asked of the other. A pad that nobody is linked to takes any caps.
@@ -315,29 +318,6 @@ static void gst_calib_rig_release_pad(GstElement* element, GstPad* pad) {
   gst_element_remove_pad(element, pad);
 }
 
-static GObject* gst_calib_rig_child_by_index(GstChildProxy* proxy, guint index) {
-  GObject* child = nullptr;
-  GST_OBJECT_LOCK(proxy);
-  if (auto* pad = g_list_nth_data(GST_ELEMENT(proxy)->sinkpads, index)) {
-    child = G_OBJECT(g_object_ref(G_OBJECT(pad)));
-  }
-  GST_OBJECT_UNLOCK(proxy);
-  return child;
-}
-
-static guint gst_calib_rig_children_count(GstChildProxy* proxy) {
-  GST_OBJECT_LOCK(proxy);
-  const guint count = GST_ELEMENT(proxy)->numsinkpads;
-  GST_OBJECT_UNLOCK(proxy);
-  return count;
-}
-
-static void gst_calib_rig_child_proxy_init(gpointer iface, gpointer /*data*/) {
-  auto* child_proxy = static_cast<GstChildProxyInterface*>(iface);
-  child_proxy->get_child_by_index = gst_calib_rig_child_by_index;
-  child_proxy->get_children_count = gst_calib_rig_children_count;
-}
-
 // ---- Element ------------------------------------------------------------------------------------
 
 static bool gst_calib_rig_start(GstCalibRig* self) {
@@ -372,6 +352,10 @@ static GstStateChangeReturn gst_calib_rig_change_state(GstElement* element, GstS
   return result;
 }
 
+static gboolean gst_calib_rig_reinsert(GstCalibRig* self, const char* camera) {
+  return self->solver->reinsert(camera != nullptr ? camera : "");
+}
+
 static void gst_calib_rig_init(GstCalibRig* self) {
   self->solver = new gst::RigSolver(GST_ELEMENT(self));
 }
@@ -381,6 +365,17 @@ static void gst_calib_rig_class_init(GstCalibRigClass* klass) {
   gst::install_finalize<gst_calib_rig_solver>(object_class);
   gst::install_dispose<gst_calib_rig_solver>(object_class);
   gst::install_properties<gst_calib_rig_solver, gst::kRigProperties>(object_class);
+  /**
+   * GstCalibRig::reinsert:
+   * @camera: its name
+   *
+   * A camera that has moved stays where it stands now: its place is solved anew by what it has seen
+   * since then, and those of the others are not. Returns: whether there is such a camera.
+   */
+  g_signal_new_class_handler("reinsert", G_TYPE_FROM_CLASS(klass),
+                             static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION),
+                             G_CALLBACK(gst_calib_rig_reinsert), nullptr, nullptr, nullptr,
+                             G_TYPE_BOOLEAN, 1, G_TYPE_STRING);
   auto* element_class = GST_ELEMENT_CLASS(klass);
   element_class->request_new_pad = gst_calib_rig_request_new_pad;
   element_class->release_pad = gst_calib_rig_release_pad;

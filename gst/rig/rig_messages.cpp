@@ -69,6 +69,13 @@ GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& sol
                           .c_str(),
                       nullptr);
   }
+  std::vector<GstStructure*> missing;
+  for (const LeftOutCamera& camera : solution.left_out) {
+    missing.push_back(gst_structure_new("missing", "camera", G_TYPE_STRING,
+                                        displayed(camera.camera).c_str(), "reason", G_TYPE_STRING,
+                                        displayed(camera.reason).c_str(), nullptr));
+  }
+  take_structures(s, "missing", missing);
   if (!solution.remarks.empty()) {
     gst_structure_set(s, "remarks", G_TYPE_STRING, displayed(join(solution.remarks, " ")).c_str(),
                       nullptr);
@@ -77,6 +84,16 @@ GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& sol
     gst_structure_set(s, "location", G_TYPE_STRING, displayed(location).c_str(), nullptr);
   }
   if (json != nullptr) gst_structure_set(s, "json", G_TYPE_STRING, json, nullptr);
+  return s;
+}
+
+GstStructure* rig_moved_message(const FrameTimes& times, const MovedCamera& moved) {
+  // Where it is one of two, the message is of no camera of its own.
+  const std::string camera = moved.cameras.size() == 1 ? moved.cameras.front() : "";
+  GstStructure* s = new_message("calib-rig-moved", times, camera);
+  gst_structure_set(s, "cameras", G_TYPE_STRING, displayed(join(moved.cameras, " ")).c_str(),
+                    "since", G_TYPE_UINT64, static_cast<guint64>(moved.since), "distance",
+                    G_TYPE_DOUBLE, moved.place, "angle", G_TYPE_DOUBLE, moved.turn, nullptr);
   return s;
 }
 

@@ -18,9 +18,12 @@ namespace calvin::gst {
                                                  const RigProgress& progress);
 
 // calib-rig-result {state, cameras, rms, location, links: array of {a, b, views, agree, distance,
-// distance-sigma, angle, bias, spread, epipolar-error}, weakest, pairing, remarks, json in the
-// final one}.
+// distance-sigma, angle, bias, spread, epipolar-error}, weakest, missing: array of {camera,
+// reason}, pairing, remarks, json in the final one}.
 [[nodiscard]] GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& solution,
                                                const std::string& location, const char* json);
+
+// calib-rig-moved {cameras, since, distance, angle}.
+[[nodiscard]] GstStructure* rig_moved_message(const FrameTimes& times, const MovedCamera& moved);
 
 }  // namespace calvin::gst

@@ -74,6 +74,27 @@ static void gst_calib_rig_pad_init(GstCalibRigPad* self) {
 
 namespace calvin::gst {
 
+namespace {
+
+GObject* child_by_index(GstChildProxy* proxy, guint index) {
+  GObject* child = nullptr;
+  GST_OBJECT_LOCK(proxy);
+  if (auto* pad = g_list_nth_data(GST_ELEMENT(proxy)->sinkpads, index)) {
+    child = G_OBJECT(g_object_ref(G_OBJECT(pad)));
+  }
+  GST_OBJECT_UNLOCK(proxy);
+  return child;
+}
+
+guint children_count(GstChildProxy* proxy) {
+  GST_OBJECT_LOCK(proxy);
+  const guint count = GST_ELEMENT(proxy)->numsinkpads;
+  GST_OBJECT_UNLOCK(proxy);
+  return count;
+}
+
+}  // namespace
+
 GstPad* new_rig_pad(GstPadTemplate* templ, const char* name, std::size_t camera, GstPad* source) {
   auto* pad = GST_PAD(g_object_new(gst_calib_rig_pad_get_type(), "name", name, "direction",
                                    GST_PAD_SINK, "template", templ, nullptr));
@@ -95,5 +116,11 @@ RigCameraSettings settings_of(GstPad* pad) {
 }
 
 RigPadStream& stream_of(GstPad* pad) { return *GST_CALIB_RIG_PAD(pad)->stream; }
+
+void sink_pads_as_children(gpointer iface, gpointer /*data*/) {
+  auto* child_proxy = static_cast<GstChildProxyInterface*>(iface);
+  child_proxy->get_child_by_index = child_by_index;
+  child_proxy->get_children_count = children_count;
+}
 
 }  // namespace calvin::gst

@@ -33,4 +33,7 @@ struct RigPadStream {
 };
 [[nodiscard]] RigPadStream& stream_of(GstPad* pad);
 
+// Fills in GstChildProxyInterface: `sink_0::intrinsics=left.json`.
+void sink_pads_as_children(gpointer iface, gpointer data);
+
 }  // namespace calvin::gst

@@ -10,9 +10,7 @@
 #include <fmt/format.h>
 
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/io/rig_io.hpp"
 #include "calvin/io/settings.hpp"
-#include "calvin/rig/moved_camera.hpp"
 #include "rig/rig_messages.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
@@ -71,12 +69,16 @@ Status RigSolver::start() {
     session.options.tolerance = now.tolerance;
     session_.start(std::move(session));
     json_.clear();
-    error_.reset();
+    solution_.reset();
+    is_final_ = false;
+    solve_error_.reset();
+    write_error_.reset();
     complained_ = write_failed_ = false;
     unread_.clear();
   }
   if (Status started = reader_.start(); !started) return started;
   if (Status started = worker_.start(); !started) return started;
+  if (Status started = watcher_.start(); !started) return started;
   file_ = {};  // no job of the run before is left
   return {};
 }
@@ -153,6 +155,7 @@ void RigSolver::offer(std::size_t camera, Observation observation, const FrameTi
     if (kept && *kept) progress = session_.progress();
   }
   if (complaint) post_warning(element_, *complaint);
+  watch_if_due();
   if (!progress) return;
   post_message(element_, rig_progress_message(times, *progress));
   solve_if_due(false);
@@ -168,17 +171,57 @@ void RigSolver::solve_if_due(bool final) {
   worker_.offer([this, job](const std::stop_token& stop) { run(*job, stop); });
 }
 
+void RigSolver::watch_if_due() {
+  if (!watcher_.idle()) return;
+  std::shared_ptr<const WatchJob> job;
+  {
+    const std::lock_guard guard(lock_);
+    auto due = session_.take_watch();
+    if (!due) return;
+    job = std::make_shared<const WatchJob>(*std::move(due));
+  }
+  watcher_.offer([this, job](const std::stop_token& stop) { watch(*job, stop); });
+}
+
+bool RigSolver::reinsert(const std::string& camera) {
+  bool is_known = false;
+  {
+    const std::lock_guard guard(lock_);
+    is_known = session_.reinsert(camera);
+  }
+  if (!is_known) {
+    post_warning(element_, {ErrorCode::kInvalidArgument,
+                            fmt::format("No camera '{}' is linked that could be inserted again: "
+                                        "name one as its pad does.",
+                                        camera)});
+    return false;
+  }
+  GST_INFO_OBJECT(element_, "the camera '%s' is inserted again", camera.c_str());
+  solve_if_due(false);
+  return true;
+}
+
 void RigSolver::finish() {
-  if (!reader_.drain() || !worker_.drain()) return;
+  if (!reader_.drain() || !watcher_.drain() || !worker_.drain()) return;
   solve_if_due(true);
   if (!worker_.drain()) return;
   std::optional<Error> error;
+  std::optional<Error> write_error;
+  bool has_rig = false;
   bool files_wanted = false;
   {
     const std::lock_guard guard(lock_);
     files_wanted = !settings_.location.empty();
-    error = error_;
-    if (!error && json_.empty()) error = session_.lack();
+    has_rig = solution_ != nullptr;
+    error = solve_error_;
+    if (!error && !is_final_) error = session_.lack();
+    write_error = write_error_;
+  }
+  if (error && has_rig) {
+    keep_last(*error);
+    error = write_error;
+  } else if (!error) {
+    error = write_error;
   }
   if (!error) return;
   if (files_wanted) {
@@ -188,72 +231,27 @@ void RigSolver::finish() {
   }
 }
 
+void RigSolver::keep_last(const Error& error) {
+  std::shared_ptr<const RigSolution> solution;
+  FrameTimes times;
+  std::string json;
+  {
+    const std::lock_guard guard(lock_);
+    solution = solution_;
+    times = times_;
+    json = json_;
+  }
+  post_warning(element_,
+               {error.code, fmt::format("The last solve failed, and the rig before it stays: {}",
+                                        error.message)});
+  post_message(element_, rig_result_message(times, *solution, settings().location, json.c_str()));
+}
+
 std::optional<std::string> RigSolver::take_rig(guint64& known) {
   const std::lock_guard guard(lock_);
   if (json_number_ == known || json_.empty()) return std::nullopt;
   known = json_number_;
   return json_;
-}
-
-// ---- On the worker ------------------------------------------------------------------------------
-
-void RigSolver::run(const RigJob& job, const std::stop_token& stop) {
-  const bool is_pair = settings().mode != kRigStereo || job.cameras.size() == 2;
-  auto solution = is_pair ? solve_rig(job.cameras, job.options, stop)
-                          : Result<RigSolution>(make_error(
-                                ErrorCode::kInvalidArgument,
-                                fmt::format("A stereo rig has two cameras, and {} are linked: take "
-                                            "mode=joint.",
-                                            job.cameras.size())));
-  if (solution && job.final) {
-    std::string moved = moved_cameras(job.cameras, job.options, stop);
-    if (!moved.empty()) solution->remarks.push_back(std::move(moved));
-  }
-  if (stop.stop_requested()) return;
-  {
-    const std::lock_guard guard(lock_);
-    if (!session_.is_current(job)) return;
-    session_.solved(job, solution.has_value());
-    error_.reset();
-    if (!solution) error_ = solution.error();
-  }
-  if (!solution) {
-    GST_INFO_OBJECT(element_, "no rig: %s", solution.error().message.c_str());
-    return;
-  }
-  publish(job, *solution, stop);
-}
-
-void RigSolver::publish(const RigJob& job, const RigSolution& solution,
-                        const std::stop_token& stop) {
-  const auto json = print_rig(solution.rig);
-  if (!json) return;
-  const std::string location = settings().location;
-  const Status written = location.empty() ? Status() : file_.write(location, solution.rig);
-  FrameTimes times;
-  bool first_failure = false;
-  {
-    const std::lock_guard guard(lock_);
-    json_ = *json;
-    ++json_number_;
-    times = times_;
-    if (!written) {
-      error_ = written.error();
-      first_failure = !std::exchange(write_failed_, true);
-    }
-  }
-  GST_INFO_OBJECT(element_, "%s rig of %" G_GSIZE_FORMAT " cameras, rms %.3f px",
-                  job.final ? "final" : "intermediate", solution.rig.cameras.size(),
-                  solution.rig.rms.value_or(0));
-  if (first_failure && !job.final) {
-    if (const auto report = worker_.begin_report(stop, element_)) {
-      post_warning(element_, written.error());
-    }
-  }
-  if (const auto report = worker_.begin_report(stop, element_)) {
-    post_message(element_, rig_result_message(times, solution, location,
-                                              job.final ? json->c_str() : nullptr));
-  }
 }
 
 }  // namespace calvin::gst

@@ -46,14 +46,17 @@ class RigSolver : public SharedSettings<RigSettings> {
   // Any thread: whoever waits for a solve goes on without it.
   void cancel() {
     worker_.cancel();
+    watcher_.cancel();
     reader_.cancel();
   }
   void resume() {
     worker_.resume();
+    watcher_.resume();
     reader_.resume();
   }
   void stop() {
     worker_.stop();
+    watcher_.stop();
     reader_.stop();
   }
 
@@ -72,6 +75,10 @@ class RigSolver : public SharedSettings<RigSettings> {
   // The last camera has come to its end: waits for the last solve, and says what came of it.
   void finish();
 
+  // Any thread: a camera that has moved stands where it does now. A WARNING, and false, where there
+  // is no camera of that name.
+  bool reinsert(const std::string& camera);
+
   // The rig as JSON where it is another one than that with the number `known`, which becomes its
   // own.
   [[nodiscard]] std::optional<std::string> take_rig(guint64& known);
@@ -79,8 +86,18 @@ class RigSolver : public SharedSettings<RigSettings> {
  private:
   void read_intrinsics(const std::stop_token& stop);
   void solve_if_due(bool final);
+  void watch_if_due();
+  // On the worker.
   void run(const RigJob& job, const std::stop_token& stop);
-  void publish(const RigJob& job, const RigSolution& solution, const std::stop_token& stop);
+  [[nodiscard]] Result<RigSolution> solve(const RigJob& job,
+                                          const std::vector<RigCameraViews>& views,
+                                          const std::stop_token& stop);
+  void publish(const RigJob& job, std::shared_ptr<const RigSolution> solution,
+               const std::stop_token& stop);
+  // On the watcher.
+  void watch(const WatchJob& job, const std::stop_token& stop);
+  // At the end, where the last solve failed and one before did not.
+  void keep_last(const Error& error);
 
   GstElement* element_;
 
@@ -89,15 +106,22 @@ class RigSolver : public SharedSettings<RigSettings> {
   FrameTimes times_;
   std::string json_;
   guint64 json_number_ = 0;
-  std::optional<Error> error_;  // of the last solve, or of the last write
-  bool complained_ = false;     // of a broken observation
-  bool write_failed_ = false;   // and that was said
+  std::shared_ptr<const RigSolution> solution_;  // the last one
+  bool is_final_ = false;                        // and it was posted as the final one
+  std::optional<Error> solve_error_;             // of the last solve
+  std::optional<Error> write_error_;             // of the last write
+  bool complained_ = false;                      // of a broken observation
+  bool write_failed_ = false;                    // and that was said
 
   std::vector<std::pair<std::size_t, RigCameraSettings>> unread_;  // cameras that came later
 
   RigFile file_;  // of the worker alone
+  // Of the watcher alone.
+  RigWatch watch_;
+  std::uint64_t watched_generation_ = 0;
 
   Worker worker_;
+  Worker watcher_;
   Worker reader_;
 };
 

@@ -15,94 +15,15 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "common/calibration_event.hpp"
-#include "rig_views.hpp"
-#include "support.hpp"
+#include "rig_fixture.hpp"
 
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>
 
 using namespace calvin;
 
-namespace {
-
+using check::RigFixture;
 using rig_views::SeenByCamera;
-
-// A rig of cameras, a harness around the pads of each, and what they see.
-struct RigFixture {
-  explicit RigFixture(std::vector<SeenByCamera> of, bool with_intrinsics = true,
-                      GstClockTime clock_error = 0)
-      : cameras(std::move(of)), element(check::make_element("calibrig")), bus(element) {
-    gst_object_ref_sink(element);
-    for (std::size_t c = 0; c < cameras.size(); ++c) {
-      const std::string number = std::to_string(c);
-      harnesses.push_back(gst_harness_new_with_element(element, ("sink_" + number).c_str(),
-                                                       ("src_" + number).c_str()));
-      if (with_intrinsics) {
-        const std::string file = folder / ("cam" + number + ".json").c_str();
-        (void)write_calibration(file, cameras[c].calibration);
-        gst_child_proxy_set(GST_CHILD_PROXY(element), ("sink_" + number + "::intrinsics").c_str(),
-                            file.c_str(), nullptr);
-      }
-      for (Observation& seen : cameras[c].observations) seen.timestamp += c * clock_error;
-    }
-  }
-  ~RigFixture() {
-    bus.detach();
-    for (GstHarness* h : harnesses) gst_harness_teardown(h);
-    gst_object_unref(element);
-  }
-
-  // A harness starts its element before anything can be set.
-  void start() {
-    gst_element_set_state(element, GST_STATE_NULL);
-    gst_element_set_state(element, GST_STATE_PLAYING);
-    for (std::size_t c = 0; c < harnesses.size(); ++c) {
-      const ImageSize size = cameras[c].calibration.image_size;
-      gst_harness_set_src_caps(harnesses[c], check::caps_of("GRAY8", size));
-    }
-  }
-  // A frame of a camera, and the one that came out.
-  GstBuffer* push(std::size_t camera, const std::vector<Observation>& observations,
-                  GstClockTime pts) {
-    const ImageSize size = cameras[camera].calibration.image_size;
-    GstBuffer* buffer = gst_buffer_new_allocate(
-        nullptr, static_cast<gsize>(GST_ROUND_UP_4(size.width) * size.height), nullptr);
-    GST_BUFFER_PTS(buffer) = pts;
-    gst::attach_observations(buffer, observations);
-    return gst_harness_push_and_pull(harnesses[camera], buffer);
-  }
-  // What all cameras see, in the order of time.
-  void push_all(std::size_t leave_out = 1000) {
-    std::vector<std::pair<std::uint64_t, std::pair<std::size_t, std::size_t>>> order;
-    for (std::size_t c = 0; c < cameras.size(); ++c) {
-      for (std::size_t v = 0; v < cameras[c].observations.size(); ++v) {
-        if (c != leave_out) order.push_back({cameras[c].observations[v].timestamp, {c, v}});
-      }
-    }
-    std::sort(order.begin(), order.end());
-    for (const auto& [time, of] : order) {
-      gst_buffer_unref(push(of.first, {cameras[of.first].observations[of.second]}, time));
-    }
-  }
-  void end_all() {
-    for (GstHarness* h : harnesses) gst_harness_push_event(h, gst_event_new_eos());
-  }
-  const GstStructure* final_result() {
-    for (const GstStructure* s : bus.named("calib-rig-result")) {
-      if (std::strcmp(gst_structure_get_string(s, "state"), "final") == 0) return s;
-    }
-    return nullptr;
-  }
-  double worst(const Rig& found) const { return rig_views::worst_error(found, cameras); }
-
-  std::vector<SeenByCamera> cameras;
-  check::TemporaryFolder folder;
-  GstElement* element;
-  check::Bus bus;
-  std::vector<GstHarness*> harnesses;
-};
-
-}  // namespace
 
 GST_START_TEST(test_two_cameras_stand_where_they_are) {
   RigFixture f(rig_views::stereo());
@@ -184,48 +105,6 @@ GST_START_TEST(test_intrinsics_come_with_the_event) {
   f.push_all();
   f.end_all();
   fail_unless(f.final_result() != nullptr);
-}
-GST_END_TEST;
-
-// What is missing is said at the end: an error where a file was asked for.
-GST_START_TEST(test_the_end_without_a_rig_says_what_is_missing) {
-  struct Case {
-    bool intrinsics;
-    bool both;
-    GstClockTime clock_error;
-    const char* word;
-  };
-  constexpr Case kCases[] = {{false, true, 0, "intrinsics=FILE"},
-                             {true, false, 0, "has seen no board"},
-                             {true, true, GST_SECOND / 2, "have seen no board at the same time"}};
-  for (const bool wants_file : {false, true}) {
-    const Case& c = kCases[__i__];
-    RigFixture f(rig_views::stereo(), c.intrinsics, c.clock_error);
-    if (wants_file) {
-      g_object_set(f.element, "location", (f.folder / "rig.json").c_str(), nullptr);
-    }
-    f.start();
-    f.push_all(c.both ? 1000 : 1);
-    f.end_all();
-    const auto texts = f.bus.texts(wants_file ? GST_MESSAGE_ERROR : GST_MESSAGE_WARNING);
-    fail_unless_equals_int(texts.size(), 1);
-    fail_unless(texts[0].find(c.word) != std::string::npos, "%s", texts[0].c_str());
-    fail_unless(f.final_result() == nullptr);
-  }
-}
-GST_END_TEST;
-
-GST_START_TEST(test_intrinsics_that_cannot_be_read_are_an_error) {
-  RigFixture f(rig_views::stereo(), false);
-  gst_child_proxy_set(GST_CHILD_PROXY(f.element), "sink_1::intrinsics", "/nowhere/cam.json",
-                      "sink_1::camera", "right", nullptr);
-  fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_NULL),
-                         GST_STATE_CHANGE_SUCCESS);
-  fail_unless_equals_int(gst_element_set_state(f.element, GST_STATE_PAUSED),
-                         GST_STATE_CHANGE_FAILURE);
-  const auto texts = f.bus.texts(GST_MESSAGE_ERROR);
-  fail_unless_equals_int(texts.size(), 1);
-  fail_unless(texts[0].find("'right'") != std::string::npos, "%s", texts[0].c_str());
 }
 GST_END_TEST;
 
@@ -346,8 +225,6 @@ static Suite* calibrig_suite(void) {
   tcase_add_test(tc, test_four_cameras_of_different_lenses_and_sizes);
   tcase_add_test(tc, test_progress_tells_links_and_the_weakest);
   tcase_add_test(tc, test_intrinsics_come_with_the_event);
-  tcase_add_loop_test(tc, test_the_end_without_a_rig_says_what_is_missing, 0, 3);
-  tcase_add_test(tc, test_intrinsics_that_cannot_be_read_are_an_error);
   tcase_add_test(tc, test_the_end_of_one_camera_is_not_that_of_the_rig);
   tcase_add_test(tc, test_no_pad_waits_for_another);
   tcase_add_test(tc, test_rendered_cameras_stand_where_they_are);

@@ -118,6 +118,23 @@ Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& se
   return all;
 }
 
+std::vector<std::vector<std::size_t>> group_views(const Instants& instants,
+                                                  const std::vector<BoardView>& views) {
+  std::vector<std::vector<std::size_t>> groups;
+  const auto key = [](const RigView& v) { return std::pair(v.camera, v.view); };
+  for (const Instant& instant : instants.instants) {
+    std::vector<std::size_t>& group = groups.emplace_back();
+    for (const RigView& view : instant.views) {
+      const auto at = std::ranges::lower_bound(views, key(view), {},
+                                               [&](const BoardView& v) { return key(v.of); });
+      if (at != views.end() && key(at->of) == key(view)) {
+        group.push_back(static_cast<std::size_t>(at - views.begin()));
+      }
+    }
+  }
+  return groups;
+}
+
 double misfit(const BoardView& view, const Camera& camera, const SE3& camera_from_board,
               const SE3& labelling) {
   constexpr double kNoProjection = 1e4;  // px

@@ -41,6 +41,10 @@ struct BoardView {
 [[nodiscard]] Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& seen,
                                                          const std::vector<Camera>& cameras);
 
+// The views of each instant, as numbers in `views`, which are in the order of board_views().
+[[nodiscard]] std::vector<std::vector<std::size_t>> group_views(
+    const Instants& instants, const std::vector<BoardView>& views);
+
 // The root mean square of the weighted distances of the sample of corners from where they are
 // expected, px: `camera_from_board` takes the board as `labelling` has it. Large where one has no
 // projection.

@@ -5,8 +5,11 @@
 
 #include "calvin/rig/moved_camera.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -53,6 +56,31 @@ Change change_between(const RigCamera& before, const RigCamera& after) {
   return {std::isfinite(square) ? square : 0, change.tail<3>().norm(), change.head<3>().norm()};
 }
 
+std::size_t agreeing_views(const RigSolution& solution, std::size_t camera) {
+  std::size_t agree = 0;
+  for (const RigLink& link : solution.links) {
+    if (link.a == camera || link.b == camera) agree += link.agree;
+  }
+  return agree;
+}
+
+// Whether a camera has seen enough in both halves of the time, and not nearly all in one of them:
+// the few views of the other one then show the board in one place.
+bool is_in_both(const RigSolution& before, std::size_t then, const RigSolution& after,
+                std::size_t now) {
+  constexpr std::size_t kFewest = 5;
+  constexpr std::size_t kRatio = 4;
+  const auto [less, more] = std::minmax({agreeing_views(before, then), agreeing_views(after, now)});
+  return less >= kFewest && kRatio * less >= more;
+}
+
+std::optional<std::size_t> find_camera(const Rig& rig, const std::string& name) {
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (rig.cameras[c].calibration.camera == name) return c;
+  }
+  return std::nullopt;
+}
+
 std::string sentence(const std::vector<std::string>& names, const Change& largest) {
   constexpr double kMillimetre = 1e-3;
   constexpr double kDegree = 0.017453292519943295;
@@ -65,10 +93,12 @@ std::string sentence(const std::vector<std::string>& names, const Change& larges
 
 }  // namespace
 
-std::string moved_cameras(const std::vector<RigCameraViews>& seen, const RigOptions& options,
+std::string moved_cameras(const std::vector<RigCameraViews>& seen, RigOptions options,
                           const std::stop_token& stop) {
   constexpr double kSigmas = 5;
   if (options.mode != RigMode::kJoint) return "";
+  // A camera of which only one half says where it stands keeps the others from nothing.
+  options.is_partial = true;
   const auto instants = pair_instants(seen, options.tolerance).instants;
   if (instants.size() < 4) return "";
   // Half of the tolerance ahead: the pictures of an instant stay together.
@@ -77,22 +107,25 @@ std::string moved_cameras(const std::vector<RigCameraViews>& seen, const RigOpti
   const auto before = solve_rig(part_of(seen, at, false), options, stop);
   if (!before) return "";
   const auto after = solve_rig(part_of(seen, at, true), options, stop);
-  if (!after) return "";
+  if (!after || after->rig.world != before->rig.world) return "";
   std::vector<std::string> moved;
+  std::vector<std::string> compared;
   Change largest;
-  const auto name_of = [&](std::size_t c) {
-    return fmt::format("'{}'", seen[c].calibration.camera);
-  };
-  for (std::size_t c = 1; c < seen.size(); ++c) {
-    const Change change = change_between(before->rig.cameras[c], after->rig.cameras[c]);
+  for (std::size_t c = 1; c < before->rig.cameras.size(); ++c) {
+    const std::string& name = before->rig.cameras[c].calibration.camera;
+    const auto later = find_camera(after->rig, name);
+    if (!later || !is_in_both(*before, c, *after, *later)) continue;
+    compared.push_back(fmt::format("'{}'", name));
+    const Change change = change_between(before->rig.cameras[c], after->rig.cameras[*later]);
     if (change.square < kSigmas * kSigmas) continue;
-    moved.push_back(name_of(c));
+    moved.push_back(compared.back());
     if (change.square > largest.square) largest = change;
   }
   if (moved.empty()) return "";
   // All others have moved alike: or the first one, which is the frame, has.
-  if (moved.size() + 1 == seen.size()) {
-    moved = seen.size() == 2 ? std::vector{name_of(0), name_of(1)} : std::vector{name_of(0)};
+  const std::string first = fmt::format("'{}'", before->rig.world);
+  if (moved.size() == compared.size()) {
+    moved = compared.size() == 1 ? std::vector{first, moved.front()} : std::vector{first};
   }
   return sentence(moved, largest);
 }

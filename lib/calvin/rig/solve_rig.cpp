@@ -71,24 +71,6 @@ std::vector<std::string> names_of(const std::vector<RigCameraViews>& seen) {
   return names;
 }
 
-// The views of each instant, by their numbers.
-std::vector<std::vector<std::size_t>> groups_of(const Instants& instants,
-                                                const std::vector<BoardView>& views) {
-  std::vector<std::vector<std::size_t>> groups;
-  const auto key = [](const RigView& v) { return std::pair(v.camera, v.view); };
-  for (const Instant& instant : instants.instants) {
-    std::vector<std::size_t>& group = groups.emplace_back();
-    for (const RigView& view : instant.views) {
-      const auto at = std::ranges::lower_bound(views, key(view), {},
-                                               [&](const BoardView& v) { return key(v.of); });
-      if (at != views.end() && key(at->of) == key(view)) {
-        group.push_back(static_cast<std::size_t>(at - views.begin()));
-      }
-    }
-  }
-  return groups;
-}
-
 std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
   std::vector<double> all;
   for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
@@ -211,13 +193,45 @@ void set_links(const std::vector<BoardView>& views, const std::vector<Link>& lin
 
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
+                                  const std::stop_token& stop);
+
+// The cameras that are joined by themselves.
+Result<RigSolution> solve_joined(const std::vector<RigCameraViews>& seen,
+                                 const std::vector<Camera>& cameras,
+                                 const rig::JoinedCameras& joined, RigOptions options,
+                                 const std::stop_token& stop) {
+  std::vector<RigCameraViews> left;
+  std::vector<Camera> their_cameras;
+  std::vector<LeftOutCamera> left_out;
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    if (joined.is_joined[c]) {
+      left.push_back(seen[c]);
+      their_cameras.push_back(cameras[c]);
+    } else {
+      left_out.push_back({seen[c].calibration.camera, joined.why_not[c]});
+    }
+  }
+  options.is_partial = false;
+  auto solution = solve_jointly(left, their_cameras, options, stop);
+  if (solution) solution->left_out = std::move(left_out);
+  return solution;
+}
+
+Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
+                                  const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop) {
   auto views = rig::board_views(seen, cameras);
   if (!views) return tl::unexpected<Error>(views.error());
   const Instants instants = pair_instants(seen, options.tolerance);
-  auto groups = groups_of(instants, *views);
+  auto groups = rig::group_views(instants, *views);
   rig::allow_for_timing(seen, *views, groups);
   const std::vector<Link> links = rig::find_links(*views, groups, cameras);
+  if (options.is_partial) {
+    const rig::JoinedCameras joined = rig::joined_cameras(links, names_of(seen));
+    const auto count = std::ranges::count(joined.is_joined, true);
+    const bool is_part = count >= 2 && static_cast<std::size_t>(count) < seen.size();
+    if (is_part) return solve_joined(seen, cameras, joined, options, stop);
+  }
   auto places = rig::place_all(*views, groups, cameras, links, names_of(seen));
   if (!places) return tl::unexpected<Error>(places.error());
   const auto fit = rig::fit_rig(*views, *std::move(places), seen, cameras, stop);

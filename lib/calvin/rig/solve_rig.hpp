@@ -30,6 +30,15 @@ enum class RigMode {
 struct RigOptions {
   RigMode mode = RigMode::kJoint;
   std::uint64_t tolerance = 10'000'000;  // ns, between pictures of one instant
+  // kJoint: cameras that what they have seen does not join to the others are left out of the rig
+  // instead of refusing it. The frame is that of the first camera in it.
+  bool is_partial = false;
+};
+
+// A camera that is not in the rig.
+struct LeftOutCamera {
+  std::string camera;
+  std::string reason;  // a sentence for the user, which says what to do
 };
 
 // What two cameras have in common.
@@ -56,8 +65,9 @@ struct RigSolution {
   std::vector<RigLink> links;
   std::optional<std::size_t> weakest;  // of the links, the one that fewest views hold
   std::uint64_t farthest = 0;          // ns, between two pictures of one instant, at the most
-  std::vector<RigView> rejected;       // contradict the others
-  std::vector<std::string> remarks;    // sentences for the user
+  std::vector<RigView> rejected;       // contradict the others; by the cameras of the rig
+  std::vector<LeftOutCamera> left_out;
+  std::vector<std::string> remarks;  // sentences for the user
 };
 
 // Intrinsics stay as they are; how well they are known is a part of the covariances. The same views

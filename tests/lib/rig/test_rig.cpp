@@ -278,6 +278,43 @@ TEST(Rig, TellsWhichCameraWasPushed) {
   EXPECT_LE(wrong, 0.05 * trials);
 }
 
+// A camera that nothing joins to the others keeps them from being solved only where all are wanted;
+// also where it is the first one, whose frame the rig would have.
+TEST(Rig, LeavesOutCamerasThatNothingJoins) {
+  for (const std::size_t alone : {std::size_t{2}, std::size_t{0}}) {
+    Random random(13);
+    const SimulatedRig rig = scenes::ring_rig(4, random);
+    auto seen = scenes::seen_by(rig, 60, 0.7, random);
+    for (View& view : seen[alone].views) view.observation.timestamp += 500'000'000;
+    EXPECT_FALSE(solve_rig(seen).has_value());
+    RigOptions options;
+    options.is_partial = true;
+    const auto solved = solve_rig(seen, options);
+    ASSERT_TRUE(solved.has_value()) << solved.error().message;
+    ASSERT_EQ(solved->left_out.size(), 1U);
+    EXPECT_EQ(solved->left_out[0].camera, "cam" + std::to_string(alone));
+    EXPECT_NE(solved->left_out[0].reason.find("have seen no board at the same time as"),
+              std::string::npos);
+    ASSERT_EQ(solved->rig.cameras.size(), 3U);
+    const std::size_t first = alone == 0 ? 1 : 0;
+    EXPECT_EQ(solved->rig.world, "cam" + std::to_string(first));
+    const SE3 truth = rig.world_from_camera[first].inverse() * rig.world_from_camera[3];
+    EXPECT_LT(place_error(solved->rig.cameras[2], truth).largest, 4.5);
+  }
+}
+
+// Of two cameras that are not joined there is no rig to be had.
+TEST(Rig, RefusesAPairThatNothingJoins) {
+  Random random(14);
+  auto seen = scenes::seen_by(scenes::stereo_rig(random), 15, 0.7, random);
+  for (View& view : seen[1].views) view.observation.timestamp += 500'000'000;
+  RigOptions options;
+  options.is_partial = true;
+  const auto solved = solve_rig(seen, options);
+  ASSERT_FALSE(solved.has_value());
+  EXPECT_EQ(solved.error().code, ErrorCode::kDegenerate);
+}
+
 TEST(Rig, IsTheSameAtEveryRun) {
   Random random(11);
   const SimulatedRig rig = scenes::ring_rig(4, random);

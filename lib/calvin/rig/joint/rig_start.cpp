@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,23 +26,34 @@ std::string quoted(const std::vector<std::string>& names) {
   return join(all, ", ");
 }
 
-tl::unexpected<Error> not_joined(const std::vector<std::string>& joined,
-                                 const std::vector<std::string>& others) {
-  return make_error(
-      ErrorCode::kDegenerate,
-      fmt::format("The cameras {} have seen no board at the same time as {}: show one to both, "
-                  "where their pictures overlap, or to a third camera with each of them.",
-                  quoted(others), quoted(joined)));
+std::string not_joined(const std::vector<std::string>& joined,
+                       const std::vector<std::string>& others) {
+  return fmt::format(
+      "The cameras {} have seen no board at the same time as {}: show one to both, where their "
+      "pictures overlap, or to a third camera with each of them.",
+      quoted(others), quoted(joined));
 }
 
-tl::unexpected<Error> not_decided(const std::string& a, const std::string& b) {
-  return make_error(
-      ErrorCode::kDegenerate,
-      fmt::format("What the cameras '{}' and '{}' have seen leaves open where they stand to each "
-                  "other: the board looks the same when it is turned, or it is seen from far away "
-                  "and flat. Show it in more places and tilted, or take a board that names its "
-                  "corners, as puzzle:14x9:20mm.",
-                  a, b));
+std::string not_decided(const std::string& a, const std::string& b) {
+  return fmt::format(
+      "What the cameras '{}' and '{}' have seen leaves open where they stand to each other: the "
+      "board looks the same when it is turned, or it is seen from far away and flat. Show it in "
+      "more places and tilted, or take a board that names its corners, as puzzle:14x9:20mm.",
+      a, b);
+}
+
+// For each camera the first one of its set, which decided links join.
+std::vector<std::size_t> sets_of(const std::vector<Link>& links, std::size_t cameras) {
+  std::vector<std::size_t> first(cameras);
+  std::iota(first.begin(), first.end(), std::size_t{0});
+  for (std::size_t round = 0; round < cameras; ++round) {
+    for (const Link& link : links) {
+      if (!link.is_decided) continue;
+      const std::size_t least = std::min(first[link.a], first[link.b]);
+      first[link.a] = first[link.b] = least;
+    }
+  }
+  return first;
 }
 
 // The link to a further camera that most views agree on; nullptr where there is none.
@@ -61,7 +73,9 @@ Result<std::vector<SE3>> place_cameras(const std::vector<Link>& links,
   std::vector<std::optional<SE3>> placed(names.size());
   placed.front() = SE3();
   while (const Link* link = best_link(links, placed)) {
-    if (!link->is_decided) return not_decided(names[link->a], names[link->b]);
+    if (!link->is_decided) {
+      return make_error(ErrorCode::kDegenerate, not_decided(names[link->a], names[link->b]));
+    }
     if (placed[link->a]) {
       placed[link->b] = link->b_from_a * *placed[link->a];
     } else {
@@ -75,7 +89,7 @@ Result<std::vector<SE3>> place_cameras(const std::vector<Link>& links,
     (placed[c] ? joined : others).push_back(names[c]);
     all.push_back(placed[c].value_or(SE3()));
   }
-  if (!others.empty()) return not_joined(joined, others);
+  if (!others.empty()) return make_error(ErrorCode::kDegenerate, not_joined(joined, others));
   return all;
 }
 
@@ -116,6 +130,31 @@ BoardPlace place_by(std::size_t first, const std::vector<std::size_t>& group,
 }
 
 }  // namespace
+
+JoinedCameras joined_cameras(const std::vector<Link>& links,
+                             const std::vector<std::string>& names) {
+  const std::vector<std::size_t> sets = sets_of(links, names.size());
+  std::size_t largest = 0;
+  for (const std::size_t set : sets) {
+    if (std::ranges::count(sets, set) > std::ranges::count(sets, largest)) largest = set;
+  }
+  JoinedCameras joined;
+  std::vector<std::string> others;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    joined.is_joined.push_back(sets[c] == largest);
+    if (joined.is_joined[c]) others.push_back(names[c]);
+  }
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    const auto undecided = std::ranges::find_if(links, [&](const Link& link) {
+      return (link.a == c && joined.is_joined[link.b]) || (link.b == c && joined.is_joined[link.a]);
+    });
+    std::string& why = joined.why_not.emplace_back();
+    if (joined.is_joined[c]) continue;
+    why = undecided == links.end() ? not_joined(others, {names[c]})
+                                   : not_decided(names[undecided->a], names[undecided->b]);
+  }
+  return joined;
+}
 
 Result<RigPlaces> place_all(const std::vector<BoardView>& views,
                             const std::vector<std::vector<std::size_t>>& groups,

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "calvin/core/result.hpp"
@@ -25,6 +26,15 @@ struct RigPlaces {
   std::vector<SE3> rig_from_board;   // of each board at each instant
   std::vector<PlacedView> views;
 };
+
+// The cameras that can be placed together: of the sets that decided links join the largest, of two
+// as large that with the camera that is listed first.
+struct JoinedCameras {
+  std::vector<bool> is_joined;
+  std::vector<std::string> why_not;  // a sentence for each camera that is not
+};
+[[nodiscard]] JoinedCameras joined_cameras(const std::vector<Link>& links,
+                                           const std::vector<std::string>& names);
 
 // kDegenerate where cameras are joined to the others by no link, and where a link that is needed is
 // not decided; the message names them and says what to show. `names` are those of the cameras.

@@ -14,8 +14,9 @@ namespace calvin::rig {
 namespace {
 
 constexpr double kTooFar = 5;  // px
-// What velocities are off by, of the way that a corner moves: they are those of the moment before.
-constexpr double kWrong = 0.1;
+// What velocities are off by, of the way that a corner moves: by the pictures on both sides, which
+// leave how the board's acceleration changes.
+constexpr double kWrong = 0.03;
 
 // The longest way of a corner in so many seconds, px; 0 where none is known.
 double farthest(const Observation& seen, double seconds) {

@@ -2,12 +2,14 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // What a session of several cameras decides: which views to keep, and when to solve where the
-// cameras stand. Knows no thread, no clock and no GStreamer.
+// cameras stand; and what becomes of a camera that moves. Knows no thread, no clock and no
+// GStreamer.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,7 +17,9 @@
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
+#include "calvin/rig/rig_watch.hpp"
 #include "calvin/rig/solve_rig.hpp"
+#include "calvin/session/rig/recent_instants.hpp"
 
 namespace calvin {
 
@@ -24,13 +28,31 @@ struct RigSessionSettings {
   std::string board;  // only this one counts; empty: every board
 };
 
-// What is to be solved.
+// What is to be solved. Shares the views of the session, which goes on meanwhile.
 struct RigJob {
-  std::vector<RigCameraViews> cameras;
+  struct Camera {
+    std::shared_ptr<const Calibration> calibration;
+    std::vector<SharedView> views;
+  };
+  std::vector<Camera> cameras;
+  std::vector<LeftOutCamera> left_out;  // that have nothing to be solved by
+  std::vector<std::string> remarks;     // sentences about cameras that have moved
   RigOptions options;
   bool final = false;
   std::uint64_t generation = 0;  // a result of another one is of views that were forgotten
 };
+// Copies the views: not for a thread that others wait for.
+[[nodiscard]] std::vector<RigCameraViews> views_of(const RigJob& job);
+
+// What the last rig is to be held against.
+struct WatchJob {
+  std::shared_ptr<const WatchedRig> rig;
+  std::vector<std::string> left_out;  // cameras that are not looked at
+  std::vector<RigJob::Camera> cameras;
+  std::uint64_t tolerance = 0;  // ns
+  std::uint64_t generation = 0;
+};
+[[nodiscard]] std::vector<RigCameraViews> views_of(const WatchJob& job);
 
 // How far a session is.
 struct RigProgress {
@@ -61,46 +83,79 @@ class RigSession {
   [[nodiscard]] Result<bool> offer(std::size_t camera, Observation observation);
 
   // Where enough has come since the last job; where `final`, where there is anything new at all.
+  // Of two cameras or more that have something to be solved by; the others are named in it.
   [[nodiscard]] std::optional<RigJob> take_solve(bool final);
   [[nodiscard]] bool is_current(const RigJob& job) const { return job.generation == generation_; }
-  void solved(const RigJob& job, bool well);
+  // `watched`: the rig that came of it; nullptr: none did.
+  void solved(const RigJob& job, std::shared_ptr<const WatchedRig> watched);
   // Whether the last job that ended well was final and of all views.
   [[nodiscard]] bool is_solved() const { return solved_revision_ == revision_; }
+
+  // Instants since the last job of that kind, where there is a rig to hold them against.
+  [[nodiscard]] std::optional<WatchJob> take_watch();
+  // A camera has moved: what it has seen since then is kept apart, and is no part of any rig.
+  // False where that is not so any more.
+  bool moved(const WatchJob& job, const MovedCamera& moved);
+  // The camera of that name stands where it does now: it is solved anew by what it has seen since
+  // it moved, or, where it has not moved, by what it sees from now on. All others stay as they are.
+  // False where there is no such camera.
+  bool reinsert(const std::string& name);
 
   [[nodiscard]] RigProgress progress() const;
   // Why there is nothing to solve: which camera lacks what.
   [[nodiscard]] Error lack() const;
 
  private:
+  struct Movement {
+    std::uint64_t since = 0;
+    std::uint64_t number = 0;  // that of all cameras that were told of together
+    std::string text;
+  };
   struct Camera {
     std::string name;  // empty: there is no such camera
     std::optional<Calibration> intrinsics;
-    std::deque<View> recent;  // of the last moment, not kept
-    std::vector<View> kept;
-    std::optional<Observation> last;  // to see how fast the board moves
-    std::vector<Pixel> behind;        // px/s: from the one before the last one to that
+    std::optional<ImageSize> size;              // of its pictures, once it has seen a board
+    std::shared_ptr<const Calibration> fitted;  // to that size; nullptr: they do not fit
+    std::deque<SharedView> recent;              // of the last moment, not kept
+    std::vector<SharedView> kept;
+    std::optional<Movement> movement;
+    std::vector<SharedView> apart;  // kept since it moved
+    SharedView last;                // to see how fast the board moves
+    double passed = 0;              // s, since the one before
+
+    // Where views of a time are kept.
+    [[nodiscard]] std::vector<SharedView>& list_at(std::uint64_t timestamp) {
+      return movement && timestamp >= movement->since ? apart : kept;
+    }
   };
 
   Camera& at(std::size_t camera);
   [[nodiscard]] Result<View> to_view(const Observation& observation);
-  void set_velocity(Camera& camera, View& view) const;
-  [[nodiscard]] bool is_new(const Camera& camera, const View& view) const;
-  void keep(Camera& camera, View view);
+  void improve_last(std::size_t number, const Observation& now);
+  [[nodiscard]] bool is_new(const std::vector<SharedView>& kept, const View& view) const;
+  void forget_views(Camera& camera);
+  void keep(Camera& camera, const SharedView& view);
   void keep_recent_at(std::uint64_t timestamp);
   void thin_out();
-  [[nodiscard]] std::vector<RigCameraViews> views() const;
   // That have seen a board at one time.
   [[nodiscard]] std::vector<CameraPair> pairs() const;
-  [[nodiscard]] std::optional<Calibration> fitted(const Camera& camera) const;
+  static void fit_intrinsics(Camera& camera);
+  // Why a camera has nothing to be solved by; absent where it has.
+  [[nodiscard]] static std::optional<Error> lack_of(const Camera& camera);
+  [[nodiscard]] std::vector<std::string> moved_cameras() const;
 
   RigSessionSettings settings_;
   std::vector<Camera> cameras_;
   std::vector<Board> boards_;          // that were parsed
   std::vector<std::uint64_t> wanted_;  // ns: views of these times are kept
+  RecentInstants recent_instants_;
+  std::shared_ptr<const WatchedRig> watched_;  // the last rig
+  std::uint64_t movements_ = 0;                // how many were told
   std::uint64_t generation_ = 0;
   std::uint64_t revision_ = 0;         // counts views that were kept
   std::uint64_t asked_revision_ = 0;   // at the last job
   std::uint64_t solved_revision_ = 0;  // of the last one that ended well
+  bool is_due_ = false;                // a camera was asked to be inserted again
 };
 
 }  // namespace calvin

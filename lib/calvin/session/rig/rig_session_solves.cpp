@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// When the cameras of a session are solved, which of them, and what is missing.
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calvin/camera/frame_fit.hpp"
+#include "calvin/session/rig/rig_session.hpp"
+
+namespace calvin {
+
+namespace {
+
+constexpr std::uint64_t kFewest = 6;  // views between two solves, at the least
+
+}  // namespace
+
+std::vector<RigCameraViews> views_of(const RigJob& job) {
+  std::vector<RigCameraViews> all;
+  for (const RigJob::Camera& camera : job.cameras) {
+    RigCameraViews& one = all.emplace_back();
+    one.calibration = *camera.calibration;
+    one.views.reserve(camera.views.size());
+    for (const SharedView& view : camera.views) one.views.push_back(*view);
+  }
+  return all;
+}
+
+void RigSession::fit_intrinsics(Camera& camera) {
+  camera.fitted.reset();
+  if (!camera.size || !camera.intrinsics) return;
+  Calibration calibration = *camera.intrinsics;
+  if (calibration.image_size != *camera.size) {
+    const auto fit = fit_to_frame(calibration, *camera.size);
+    if (!fit) return;
+    calibration = fit->camera.to_calibration();
+  }
+  calibration.camera = camera.name;
+  camera.fitted = std::make_shared<const Calibration>(std::move(calibration));
+}
+
+std::optional<RigJob> RigSession::take_solve(bool final) {
+  constexpr double kMore = 0.2;  // of the views at the last solve
+  const std::uint64_t more = revision_ - asked_revision_;
+  const auto enough =
+      std::max(kFewest, static_cast<std::uint64_t>(kMore * static_cast<double>(asked_revision_)));
+  if (final ? is_solved() : !is_due_ && more < enough) return std::nullopt;
+  RigJob job;
+  job.options = settings_.options;
+  job.options.is_partial = true;
+  job.final = final;
+  job.generation = generation_;
+  for (const Camera& camera : cameras_) {
+    if (camera.name.empty()) continue;
+    if (const auto lack = lack_of(camera)) {
+      job.left_out.push_back({camera.name, lack->message});
+    } else {
+      job.cameras.push_back({camera.fitted, camera.kept});
+    }
+    if (camera.movement) job.remarks.push_back(camera.movement->text);
+  }
+  if (job.cameras.size() < 2) return std::nullopt;
+  asked_revision_ = revision_;
+  is_due_ = false;
+  return job;
+}
+
+void RigSession::solved(const RigJob& job, std::shared_ptr<const WatchedRig> watched) {
+  if (!is_current(job) || !watched) return;
+  watched_ = std::move(watched);
+  if (job.final) solved_revision_ = asked_revision_;
+}
+
+// By the times of the views alone: this is asked for on streaming threads.
+std::vector<CameraPair> RigSession::pairs() const {
+  std::vector<ViewTimes> times;
+  for (const Camera& camera : cameras_) {
+    ViewTimes& of = times.emplace_back();
+    for (const SharedView& view : camera.kept) of.push_back(view->observation.timestamp);
+  }
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> common;
+  for (const Instant& instant : pair_instants(times, settings_.options.tolerance).instants) {
+    for (std::size_t i = 0; i < instant.views.size(); ++i) {
+      for (std::size_t j = i + 1; j < instant.views.size(); ++j) {
+        const std::size_t a = instant.views[i].camera;
+        const std::size_t b = instant.views[j].camera;
+        if (a != b) ++common[{a, b}];
+      }
+    }
+  }
+  std::vector<CameraPair> all;
+  for (const auto& [pair, views] : common) all.push_back({pair.first, pair.second, views});
+  return all;
+}
+
+RigProgress RigSession::progress() const {
+  RigProgress progress;
+  for (const Camera& camera : cameras_) {
+    if (!camera.kept.empty()) progress.cameras.push_back(camera.name);
+  }
+  const std::vector<CameraPair> all = pairs();
+  for (const CameraPair& pair : all) {
+    progress.links.push_back(
+        {cameras_[pair.a].name, cameras_[pair.b].name, static_cast<int>(pair.views)});
+  }
+  if (const auto weakest = weakest_pair(all)) {
+    progress.weakest = progress.links[*weakest].a + " " + progress.links[*weakest].b;
+  }
+  return progress;
+}
+
+std::optional<Error> RigSession::lack_of(const Camera& camera) {
+  if (camera.kept.empty()) {
+    if (camera.size) {
+      return Error{ErrorCode::kDegenerate,
+                   fmt::format("Where the camera '{}' stands now is not known: show a board to it "
+                               "and to another camera at a time.",
+                               camera.name)};
+    }
+    return Error{ErrorCode::kDegenerate,
+                 fmt::format("The camera '{}' has seen no board: put calibdetect before it, and "
+                             "show it the board.",
+                             camera.name)};
+  }
+  if (!camera.intrinsics) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("The intrinsics of the camera '{}' are not known: set intrinsics=FILE "
+                             "of its pad, or put calibrate before it.",
+                             camera.name)};
+  }
+  if (!camera.fitted) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("The intrinsics of the camera '{}' are of pictures of another aspect "
+                             "than it has now: calibrate it at this size.",
+                             camera.name)};
+  }
+  return std::nullopt;
+}
+
+Error RigSession::lack() const {
+  const auto there =
+      std::ranges::count_if(cameras_, [](const Camera& c) { return !c.name.empty(); });
+  if (there < 2) {
+    return {ErrorCode::kInvalidArgument,
+            "A rig has two cameras or more: link each to a pad of its own, sink_0, sink_1 and so "
+            "on."};
+  }
+  for (const Camera& camera : cameras_) {
+    if (camera.name.empty()) continue;
+    if (auto lack = lack_of(camera)) return *std::move(lack);
+  }
+  return {ErrorCode::kDegenerate, "There is nothing new to solve."};
+}
+
+}  // namespace calvin
