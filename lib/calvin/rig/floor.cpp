@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "calvin/rig/pose_covariance.hpp"
+#include "calvin/rig/joint/pose_covariance.hpp"
 #include "calvin/solve/start/pose_fit.hpp"
 
 namespace calvin::rig {

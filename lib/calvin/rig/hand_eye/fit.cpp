@@ -11,8 +11,8 @@
 #include <cmath>
 #include <utility>
 
-#include "calvin/rig/camera_unknowns.hpp"
 #include "calvin/rig/hand_eye/problem.hpp"
+#include "calvin/rig/joint/camera_unknowns.hpp"
 #include "calvin/solve/linear/lm.hpp"
 
 namespace calvin::rig {

@@ -11,7 +11,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "calvin/rig/camera_unknowns.hpp"
+#include "calvin/rig/joint/camera_unknowns.hpp"
 #include "calvin/solve/linear/arrow_step.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"

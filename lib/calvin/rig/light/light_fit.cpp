@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "calvin/core/text.hpp"
-#include "calvin/rig/camera_unknowns.hpp"
+#include "calvin/rig/joint/camera_unknowns.hpp"
 #include "calvin/rig/light/euclidean.hpp"
 #include "calvin/rig/light/light_refinement.hpp"
 #include "calvin/rig/light/reconstruct.hpp"

@@ -13,7 +13,7 @@
 #include "calvin/core/rig.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/rig/board_views.hpp"
-#include "calvin/rig/pose_covariance.hpp"
+#include "calvin/rig/joint/pose_covariance.hpp"
 
 namespace calvin::rig {
 

@@ -3,7 +3,7 @@
 
 // The table of cameras, its values and their covariance.
 
-#include "calvin/rig/camera_unknowns.hpp"
+#include "calvin/rig/joint/camera_unknowns.hpp"
 
 #include <algorithm>
 #include <optional>

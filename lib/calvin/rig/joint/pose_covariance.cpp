@@ -3,7 +3,7 @@
 
 // The covariance of a pose by differences of where corners are expected.
 
-#include "calvin/rig/pose_covariance.hpp"
+#include "calvin/rig/joint/pose_covariance.hpp"
 
 #include <algorithm>
 #include <vector>
