@@ -69,7 +69,7 @@ constexpr Property<TestState> kRows[] = {
      {.range = Range{0, 100}}},
     {"lamps",
      "Lamps",
-     "Lamps that stand still behind a light (board=dot), as bright as that",
+     "Number of lamps that stand still behind a light (board=dot), as bright as that",
      kept_in<&TestSettings::render, &RenderOptions::lamps>,
      {.range = Range{0, 100}}},
     {"seed",

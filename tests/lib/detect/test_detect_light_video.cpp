@@ -52,6 +52,7 @@ TEST_F(FollowedLight, IsFoundFromItsFirstMovesOn) {
     }
   }
   EXPECT_GE(found, 50);
+  EXPECT_LT(error(video_.look(at(2)), at(2)), 0.2) << "back where it was at first";
 }
 
 TEST_F(FollowedLight, IsNotFoundWhileItIsCovered) {
