@@ -28,7 +28,7 @@ struct Rig {
   std::vector<RigCamera> cameras;
   // The name of the camera whose frame is the rig's, kBoardWorld or kPlacesWorld.
   std::string world;
-  std::optional<double> rms;  // px, of all corners
+  std::optional<double> rms;            // px, of all corners
   std::uint64_t pairing_tolerance = 0;  // ns: pictures no farther apart were taken for one instant
 };
 
