@@ -10,6 +10,7 @@
 #include <limits>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 namespace calvin::rig {
 
