@@ -40,10 +40,10 @@ TESTS = {
     "geometry": "geometry",
     "camera": "camera usable_area",
     "target": "board",
-    "io": "io observations board_names",
+    "io": "io observations board_names light_io",
     "detect": "detect",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
-    "rig": "rig solve_rig",
+    "rig": "rig light solve_rig",
     "remap": "undistorter views remap rectification",
     "session": "corner_motion view_guide operator hint session calibration_session guided_capture "
     "refine_with_camera watch rig_session",

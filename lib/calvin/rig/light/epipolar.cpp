@@ -9,6 +9,8 @@
 #include <cmath>
 #include <span>
 
+#include <Eigen/Geometry>
+
 #include "calvin/core/image.hpp"
 #include "calvin/geometry/homography.hpp"
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "calvin/core/text.hpp"

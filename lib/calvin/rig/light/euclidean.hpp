@@ -15,7 +15,7 @@
 #include "calvin/core/result.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/rig/light/reconstruct.hpp"
-#include "calvin/rig/light/sightings.hpp"
+#include "calvin/rig/light/tracks.hpp"
 
 namespace calvin::rig {
 

@@ -10,6 +10,8 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "calvin/rig/light/linear.hpp"
 #include "calvin/solve/linear/lm.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "calvin/camera/lens_table.hpp"
 #include "calvin/core/text.hpp"

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 namespace calvin::rig {
 
@@ -17,7 +18,7 @@ namespace {
 
 constexpr double kNothing = 1e-12;
 
-double distance(const Matrix34& projection, const Eigen::Vector4d& point, const Sighting& seen) {
+double distance(const Matrix34& projection, const Eigen::Vector4d& point, const TrackPoint& seen) {
   const Eigen::Vector3d at = projection * point;
   if (!(std::abs(at.z()) > kNothing)) return std::numeric_limits<double>::infinity();
   return seen.scale * (at.hnormalized() - seen.at).norm();

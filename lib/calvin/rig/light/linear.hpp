@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-#include "calvin/rig/light/sightings.hpp"
+#include "calvin/rig/light/tracks.hpp"
 
 namespace calvin::rig {
 
@@ -47,7 +47,7 @@ struct TriangulatedPoint {
 // A point with a known place and where a camera has seen it.
 struct SeenPoint {
   Eigen::Vector4d point;
-  Sighting seen;
+  TrackPoint seen;
 };
 
 // Needs this many points.

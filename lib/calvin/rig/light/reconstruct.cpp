@@ -29,8 +29,8 @@ std::size_t in_front(const Tracks& tracks, const EpipolarGeometry& pair, const M
                      const Matrix34& second) {
   std::size_t count = 0;
   for (const std::size_t i : pair.instants) {
-    const Sighting& a = *tracks[pair.a][i];
-    const Sighting& b = *tracks[pair.b][i];
+    const TrackPoint& a = *tracks[pair.a][i];
+    const TrackPoint& b = *tracks[pair.b][i];
     const Ray rays[] = {{pair.a, first, a.at, a.scale}, {pair.b, second, b.at, b.scale}};
     const Eigen::Vector4d point = triangulate(rays);
     const double side = point[3];

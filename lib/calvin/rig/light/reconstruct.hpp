@@ -14,7 +14,7 @@
 
 #include "calvin/core/result.hpp"
 #include "calvin/rig/light/epipolar.hpp"
-#include "calvin/rig/light/sightings.hpp"
+#include "calvin/rig/light/tracks.hpp"
 
 namespace calvin::rig {
 

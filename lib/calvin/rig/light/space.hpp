@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "calvin/rig/light/sightings.hpp"
+#include "calvin/rig/light/tracks.hpp"
 
 namespace calvin::rig {
 

@@ -3,7 +3,7 @@
 
 // Picks instants, and directions of least support.
 
-#include "calvin/rig/light/sightings.hpp"
+#include "calvin/rig/light/tracks.hpp"
 
 #include <algorithm>
 

@@ -18,13 +18,13 @@ using Matrix34 = Eigen::Matrix<double, 3, 4>;
 
 // The image of the light in one camera: `at` is in coordinates in which the axis is at 0 and a
 // focal length is about 1, `scale` is how many px such a unit is.
-struct Sighting {
+struct TrackPoint {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
   double scale = 1;
 };
 
 // Of one camera, by instant; absent where it has not seen the light. All cameras have as many.
-using Track = std::vector<std::optional<Sighting>>;
+using Track = std::vector<std::optional<TrackPoint>>;
 using Tracks = std::vector<Track>;
 
 // Picks for random sampling. The numbers of the generator are defined by the standard, those of
