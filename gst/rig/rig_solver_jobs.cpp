@@ -135,20 +135,23 @@ void RigSolver::watch(const WatchJob& job, const std::stop_token& stop) {
   if (std::exchange(watched_generation_, job.generation) != job.generation) watch_.start();
   const auto all = watch_.look(*job.rig, job.left_out, views_of(job), job.tolerance);
   for (const MovedCamera& moved : all) {
-    FrameTimes times;
-    {
-      const std::lock_guard guard(lock_);
-      if (!session_.moved(job, moved)) continue;
-      times = times_;
-    }
+    // A job that may say nothing any more changes nothing either: it would never be known.
     if (const auto report = watcher_.begin_report(stop, element_)) {
+      FrameTimes times;
+      {
+        const std::lock_guard guard(lock_);
+        if (!session_.moved(job, moved)) continue;
+        times = times_;
+      }
       post_message(element_, rig_moved_message(times, moved));
+    } else {
+      return;
     }
     if (const auto report = watcher_.begin_report(stop, element_)) {
       post_warning(element_,
                    {ErrorCode::kDegenerate,
-                    fmt::format("{} What it sees is left out from now on: insert it again "
-                                "(reinsert), or put it back where it was.",
+                    fmt::format("{} What it sees is left out from now on, until it is inserted "
+                                "again (reinsert).",
                                 to_text(moved))});
     }
   }

@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "calvin/rig/rig_views.hpp"
 #include "calvin/solve/view.hpp"
 
 namespace calvin {
@@ -20,7 +21,7 @@ using SharedView = std::shared_ptr<const View>;
 // Not thread-safe. Takes the same memory for any stream.
 class RecentInstants {
  public:
-  void clear() { cameras_.clear(); }
+  void clear();
   void forget(std::size_t camera);
   // Of each camera in the order of time.
   void add(std::size_t camera, SharedView view);
@@ -38,9 +39,16 @@ class RecentInstants {
   static constexpr std::uint64_t kLatest = 2'000'000'000;  // ns
   static constexpr std::size_t kMost = 150;                // views of a camera
 
-  [[nodiscard]] std::uint64_t over_before(std::uint64_t tolerance) const;
+  struct Newest {
+    std::uint64_t of_any = 0;  // ns
+    std::uint64_t of_all = 0;  // up to here every camera has sent what it saw
+  };
+  [[nodiscard]] Newest newest() const;
+  [[nodiscard]] std::vector<ViewTimes> times_of_views() const;
+  [[nodiscard]] bool is_apart(std::uint64_t timestamp, std::uint64_t interval) const;
 
   std::vector<std::deque<SharedView>> cameras_;
+  std::uint64_t looked_at_ = 0;   // ns, the newest view then
   std::uint64_t last_taken_ = 0;  // ns, an instant; 0: none
 };
 
