@@ -93,8 +93,7 @@ class Judge {
     return all;
   }
 
-  // A point of n rays takes up 3 of their 2 n numbers, so that what is left is smaller than the
-  // noise is.
+  // The cameras whose sightings are near the projection of the point.
   [[nodiscard]] std::vector<bool> agreeing(std::size_t instant) const {
     std::vector<bool> all;
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
