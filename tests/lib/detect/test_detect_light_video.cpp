@@ -52,7 +52,20 @@ TEST_F(FollowedLight, IsFoundFromItsFirstMovesOn) {
     }
   }
   EXPECT_GE(found, 50);
-  EXPECT_LT(error(video_.look(at(2)), at(2)), 0.2) << "back where it was at first";
+}
+
+// As soon as it has moved on, it may come back.
+TEST_F(FollowedLight, IsFoundWhereItWasInTheFirstFrame) {
+  const auto place = [&](Pixel p) -> Eigen::Vector3d {
+    return 1.5 * video_.camera().unproject(p).value();
+  };
+  (void)video_.look(place({300, 200}));
+  for (int i = 0; i < 9; ++i) {
+    const Eigen::Vector3d elsewhere = place({100.0 + 3 * i, 100});
+    EXPECT_LT(error(video_.look(elsewhere), elsewhere), 0.2) << i;
+  }
+  const Eigen::Vector3d back = place({303, 201});
+  EXPECT_LT(error(video_.look(back), back), 0.2);
 }
 
 TEST_F(FollowedLight, IsNotFoundWhileItIsCovered) {
@@ -127,11 +140,14 @@ TEST_F(FollowedLight, IsNotOneOfTwoThatCannotBeToldApart) {
 TEST_F(FollowedLight, IsNotItsReflectionWhileItIsCovered) {
   video_.look_at_the_room(2);
   for (int i = 0; i < 30; ++i) (void)video_.look(at(i));
+  int told = 0;
   for (int i = 30; i < 50; ++i) {
     const Eigen::Vector3d mirrored = at(29).norm() * at(i + 900).normalized();
-    const Detection seen = video_.look(Places{mirrored}, {0.04});
+    const Detection seen = video_.look(Places{mirrored}, {0.055});
     EXPECT_FALSE(seen.observation.found()) << i;
+    told += seen.obstacle.find("reflection") != std::string::npos ? 1 : 0;
   }
+  EXPECT_GE(told, 15) << "some are too dim to be seen";
 }
 
 TEST_F(FollowedLight, IsFoundWhileTheRoomGetsBrighter) {

@@ -17,7 +17,7 @@ namespace {
 constexpr double kFarBrighter = 3;
 // Of its flux: what is so weak all of a sudden is a reflection while the light itself is covered.
 constexpr double kWeak = 0.1;
-constexpr double kFading = 0.95;      // of the remembered flux, per frame without the light
+constexpr double kFading = 0.98;      // of the remembered flux, per frame without the light
 constexpr int kFollowed = 5;          // frames without the light in which its place is expected
 constexpr double kLeastReach = 10;    // px that the light may be off its expected place
 constexpr double kReachOfStep = 1.5;  // the same, in steps of the last two frames
