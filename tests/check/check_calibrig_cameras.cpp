@@ -146,7 +146,8 @@ void check_pairs(const GstStructure* result, const emulated::Cameras& cameras) {
   fail_unless(pairing > farthest / 2, "%lu of %lu", gulong(pairing), gulong(farthest));
   int rejected = 0;
   gst_structure_get_int(result, "rejected", &rejected);
-  fail_unless(rejected <= 3, "%d views contradict the others", rejected);
+  // All of the instant of the push, by which the board seems to have moved, at the most.
+  fail_unless(rejected <= 4, "%d views contradict the others", rejected);
   const GValue* links = gst_structure_get_value(result, "links");
   fail_unless_equals_int(gst_value_array_get_size(links), 6);
 }

@@ -124,6 +124,23 @@ TEST(RigWatch, AllowsForErrorsOfTheRig) {
   EXPECT_LT(squares / count, 1.2);
 }
 
+// A frame in which the board was misread, by far: that is no camera that has moved, however sure it
+// seems.
+TEST(RigWatch, OneBadFrameIsNotTold) {
+  Random random(3);
+  const SimulatedRig rig = scenes::stereo_rig(random);
+  const auto before = scenes::seen_by(rig, 30, 0.7, random);
+  const auto solved = solve_rig(before);
+  ASSERT_TRUE(solved.has_value());
+  const WatchedRig watched = watched_rig(solved->rig, before, {});
+  auto after = later(scenes::seen_by(rig, 30, 0.7, random), 1000 * kSecond);
+  std::vector<View>& misread = after[1].views;
+  ASSERT_GT(misread.size(), 10U);
+  for (Pixel& at : misread[misread.size() / 2].observation.uv) at.u += 40;
+  RigWatch watch;
+  EXPECT_TRUE(watch.look(watched, {}, after, 10'000'000).empty());
+}
+
 struct Kind {
   const char* name;
   std::function<SimulatedRig(Random&)> make;

@@ -62,10 +62,7 @@ Distances distances_of(const std::vector<BoardView>& views, const RigPlaces& pla
   if (used.empty()) return all;
   const auto middle = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
   std::ranges::nth_element(used, middle);
-  // Where cameras run freely, most corners may be better than what is allowed for their motion:
-  // then those that nothing is allowed for seem worse than they are.
-  const BoardView& any = views[places.views.front().view];
-  all.sigma = std::max(*middle / kMedianDistance, any.seen.sigma_known ? any.sigma : 0.0);
+  all.sigma = *middle / kMedianDistance;
   return all;
 }
 
