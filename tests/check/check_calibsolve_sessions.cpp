@@ -320,8 +320,9 @@ GST_START_TEST(test_the_calibration_of_before_is_judged_first) {
   fail_unless(hint.find(words) != std::string::npos, "%s", hint.c_str());
   g_usleep(20000);
   g_autoptr(GstBuffer) out = f.push(100);
+  // By now it may be judged by one more view.
   const std::string shown = gst::read_guidance(out)->hint;
-  fail_unless_equals_string(shown.c_str(), hint.c_str());
+  fail_unless(shown.find(words) != std::string::npos, "%s", shown.c_str());
   fail_unless_equals_int(f.bus.says(GST_MESSAGE_WARNING, words), moved);
 }
 GST_END_TEST;
