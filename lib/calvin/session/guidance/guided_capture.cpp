@@ -23,7 +23,12 @@ constexpr double kTurnedAway = 1.1;  // of the least distance
 }  // namespace
 
 void GuidedCapture::restart(std::uint64_t now) {
-  since_ = nearer_ = now;
+  since_ = now;
+  change_target(now);
+}
+
+void GuidedCapture::change_target(std::uint64_t now) {
+  nearer_ = now;
   first_.reset();
 }
 
