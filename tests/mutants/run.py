@@ -40,7 +40,7 @@ TESTS = {
     "geometry": "geometry",
     "camera": "camera usable_area",
     "target": "board",
-    "io": "io observations board_names light_io",
+    "io": "io observations board_names light_io rig_io",
     "detect": "detect",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
     "rig": "rig light solve_rig",

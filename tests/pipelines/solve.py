@@ -8,11 +8,12 @@ import math
 import os
 import pathlib
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
 
-program = sys.argv[1]
+program = sys.argv[1]  # and whether it reads pictures: opencv or no-opencv
 failed = []
 
 
@@ -61,7 +62,7 @@ def simulated(folder):
     box.write_text("\n".join(rows) + "\n")
     for options in ([], ["--method", "dlt"], ["--method", "tsai"], ["--method", "dlt", "--no-refine"]):
         result = folder / "box.json"
-        out = run(result, box, "--size", "640x480", "--model", "pinhole", *options, says="view box.txt: 60 points")
+        out = run(result, box, "--size", "640x480", "--model", "pinhole", *options, says="view 0, box.txt: 60 points")
         p = parameters(result)
         near(f"fx of {options}", p["fx"], 900, 5)
         near(f"cx of {options}", p["cx"], 320, 5)
@@ -138,6 +139,35 @@ def myptv(data, folder):
             near(f"myptv {camera} {method}", math.dist(views(out)[0]["camera"], place), 0, 15)
 
 
+# A folder of pictures: each view has the name of its file and the number by which it is dropped, and
+# points are on the board as it is bent.
+def pictures(folder, left):
+    pictures_of = folder / "pictures"
+    pictures_of.mkdir()
+    for file in left:
+        shutil.copy(file, pictures_of)
+    result = folder / "pictures.json"
+    given = ["--board", "checkerboard:9x6:30mm"]
+    out = run(result, pictures_of, *given, says="view 4, left05.jpg: 54 points")
+    if "warp" not in json.loads(result.read_text()):
+        failed.append("the board is not bent")
+    for view in views(out):
+        if not view["mean"] <= view["rms"] + 1e-4:
+            failed.append(f"the mean {view['mean']} is more than the rms {view['rms']}")
+    out = run(result, pictures_of, *given, "--drop", "0,4", says="view 3, left04.jpg: 54 points")
+    if "left05.jpg" in out or "view 5, left06.jpg" not in out:
+        failed.append(f"left05.jpg was not left out:\n{out}")
+
+
+# OpenCV's samples, or those of Debian's opencv-doc.
+def left_pictures(data):
+    for folder in (data and pathlib.Path(data) / "opencv-samples", pathlib.Path("/usr/share/doc/opencv-doc/examples/data")):
+        found = sorted(folder.glob("left[0-9]*.jpg")) if folder else []
+        if found:
+            return found
+    return []
+
+
 def main():
     data = os.environ.get("CALVIN_DATA", "")
     with tempfile.TemporaryDirectory() as name:
@@ -149,6 +179,13 @@ def main():
                 check(pathlib.Path(data), folder)
             else:
                 print(f"CALVIN_DATA does not name a folder with {needs}: left out")
+        left = left_pictures(data)
+        if sys.argv[2] != "opencv":
+            print("built without OpenCV, which reads pictures: left out")
+        elif not left:
+            print("neither CALVIN_DATA nor opencv-doc has OpenCV's pictures: left out")
+        else:
+            pictures(folder, left)
     print("\n".join(failed))
     return 1 if failed else 0
 

@@ -23,11 +23,12 @@ namespace {
 struct Method {
   std::string_view name;
   Result<MethodResult> (*run)(const MethodInput&);
+  bool takes_one_view = false;
 };
 constexpr std::array kMethods = {
     Method{"bakstein", bakstein_method},
     Method{"dlt", dlt_method},
-    Method{"tsai", tsai_method},
+    Method{"tsai", tsai_method, true},
     Method{"zhang", zhang_method},
 };
 
@@ -40,6 +41,17 @@ const std::vector<std::string_view>& method_names() {
     return all;
   }();
   return names;
+}
+
+bool takes_one_view(std::string_view method) {
+  return std::any_of(kMethods.begin(), kMethods.end(),
+                     [method](const Method& m) { return m.name == method && m.takes_one_view; });
+}
+
+std::vector<std::string_view> methods_of_several_views() {
+  std::vector<std::string_view> all = method_names();
+  std::erase_if(all, takes_one_view);
+  return all;
 }
 
 Status check_method(std::string_view method) {
