@@ -43,7 +43,7 @@ TESTS = {
     "io": "io observations board_names light_io zoom_io",
     "detect": "detect",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
-    "rig": "rig light solve_rig left_out",
+    "rig": "rig light solve_rig left_out solve_zooming",
     "remap": "undistorter views remap rectification",
     "session": "corner_motion view_guide operator hint session calibration_session guided_capture "
     "refine_with_camera watch rig_session",
@@ -61,7 +61,7 @@ NEAR = {
     "target": "board_names board_drawing observations io",
     "io": "calibundistort_files calibsolve_settings",
     "detect": "refine_with_camera calibdetect",
-    "solve": "refine_with_camera calibsolve*",
+    "solve": "solve_zooming refine_with_camera calibsolve*",
     "rig": "rectification* rig_session calibrig*",
     "remap": "calibundistort*",
     "session": "overlay calibsolve* calibrig*",

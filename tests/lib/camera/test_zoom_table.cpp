@@ -246,6 +246,37 @@ TEST_P(EveryLens, KnowsItsOwnErrors) {
   EXPECT_LT(sum / count, 1.4);
 }
 
+// What one focal length is off by does to all of the mixture, against differences.
+TEST(ZoomTable, CarriesTheErrorOfAFocalLengthOn) {
+  constexpr double kSigma = 0.01;  // px
+  const ZoomLens& lens = scenes::kZoomLenses[2];
+  ZoomTable table = truth_at(lens, 7);
+  Calibration& own = table.settings[3].calibration;
+  own.parameters[0].sigma = kSigma;
+  own.covariance = {kSigma * kSigma};
+  const double zoom = 0.3 * *own.zoom + 0.7 * *table.settings[4].calibration.zoom;
+  const auto value = [&](double change, const std::string& name) {
+    ZoomTable other = table;
+    other.settings[3].calibration.parameters[0].value += change;
+    return interpolate(other, {zoom, std::nullopt})->calibration.find(name)->value;
+  };
+  const Calibration found = interpolate(table, {zoom, std::nullopt})->calibration;
+  std::vector<double> off;
+  for (const Parameter& p : found.parameters) {
+    const double change = (value(kSigma, p.name) - value(-kSigma, p.name)) / 2;
+    EXPECT_EQ(p.sigma.has_value(), change != 0) << p.name;
+    if (p.sigma) off.push_back(change);
+  }
+  ASSERT_EQ(off.size(), 6U) << "fx, k1, k2, p1, p2, k3";
+  ASSERT_EQ(found.covariance.size(), off.size() * off.size());
+  for (std::size_t r = 0; r < off.size(); ++r) {
+    for (std::size_t c = 0; c < off.size(); ++c) {
+      const double expected = off[r] * off[c];
+      EXPECT_NEAR(found.covariance[r * off.size() + c], expected, 1e-4 * std::abs(expected));
+    }
+  }
+}
+
 // ---- Focus --------------------------------------------------------------------------------------
 
 // A lens that breathes: its focal length and its distortion go with the focus, too.
