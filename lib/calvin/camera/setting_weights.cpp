@@ -52,13 +52,21 @@ double sum_of(const std::vector<double>& weights, const std::vector<double>& val
   return std::inner_product(weights.begin(), weights.end(), values.begin(), 0.0);
 }
 
-// From the value at a node to what the others have there.
-double left_out(std::vector<double> nodes, std::vector<double> values, std::size_t node) {
-  const double x = nodes[node];
-  const double value = values[node];
-  nodes.erase(nodes.begin() + static_cast<std::ptrdiff_t>(node));
-  values.erase(values.begin() + static_cast<std::ptrdiff_t>(node));
-  return sum_of(monotone_cubic_weights(nodes, values, x), values) - value;
+// From the value at a node to what the others have there, of which no more than three on each side
+// have a say.
+double left_out(const std::vector<double>& nodes, const std::vector<double>& values,
+                std::size_t node) {
+  constexpr std::size_t kReach = 3;
+  std::vector<double> near_nodes;
+  std::vector<double> near_values;
+  const std::size_t first = node - std::min(node, kReach);
+  for (std::size_t i = first; i < std::min(nodes.size(), node + kReach + 1); ++i) {
+    if (i == node) continue;
+    near_nodes.push_back(nodes[i]);
+    near_values.push_back(values[i]);
+  }
+  const auto weights = monotone_cubic_weights(near_nodes, near_values, nodes[node]);
+  return sum_of(weights, near_values) - values[node];
 }
 
 }  // namespace
