@@ -27,6 +27,7 @@
 
 #include "print_calibration.hpp"
 #include "solve_views.hpp"
+#include "solve_zooming.hpp"
 
 namespace {
 
@@ -51,7 +52,9 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
   --ellipse-centers  u v are centres of the images of dots, whose diameters the rows have: the images
                      of the dots' centres, which are elsewhere, are found with the camera
   --model MODEL      the camera model, brown5 if not given; auto chooses one
-  --method METHOD    start by one of {}; if not given, starts are searched
+  --method METHOD    start by one of {}; if not given, starts are searched.
+                     sturm-maybank: planes through a lens that zooms from view to view. Each has its
+                     own f and k1, and CALIBRATION.json is a zoom table by the numbers of the views
   --no-refine        what the method finds by itself
   --fix P,P,...      hold parameters: aspect, center, k3, fx=fy, fx=800 ...
   --initial FILE     start from a calibration, which also says at what values to hold
@@ -288,6 +291,15 @@ void print_on_sensor(const calvin::Calibration& calibration, double pitch) {
              fx->value * pitch / kMillimetre, fy->value * pitch / kMillimetre);
 }
 
+int run_zooming(const Arguments& arguments) {
+  const auto options = solve_zooming::options_of(arguments.options, !arguments.initial.empty());
+  if (!options) return failed(options.error());
+  const auto named = views_of(arguments);
+  if (!named) return failed(named.error());
+  const auto done = solve_zooming::run(arguments.words.front(), *named, *options);
+  return done ? 0 : failed(done.error());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -298,6 +310,7 @@ int main(int argc, char** argv) {
   }
   auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
+  if (arguments->options.method == solve_zooming::kMethod) return run_zooming(*arguments);
   if (!arguments->initial.empty()) {
     auto initial = calvin::read_calibration(arguments->initial);
     if (!initial) return failed(initial.error());

@@ -17,6 +17,7 @@
 #include <Eigen/LU>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/camera/zoom_interpolation.hpp"
 #include "calvin/core/file.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/blueccal.hpp"
@@ -28,6 +29,7 @@
 #include "calvin/io/point_rows.hpp"
 #include "calvin/io/robot_poses.hpp"
 #include "calvin/io/settings.hpp"
+#include "calvin/io/zoom_io.hpp"
 #include "calvin/session/files/calibration_files.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin_config.h"
@@ -284,6 +286,26 @@ void point_text(std::string_view bytes) {
   }
 }
 
+// A table that is read is one that can be written, and has a calibration everywhere.
+void zoom_table(std::string_view bytes) {
+  const auto parsed = parse_zoom_table(bytes, "fuzzed");
+  require(parsed || !parsed.error().message.empty(), "an error has a message");
+  if (!parsed) return;
+  const auto printed = print_zoom_table(*parsed);
+  require(printed.has_value(), "a table that was read can be printed");
+  const auto again = parse_zoom_table(*printed);
+  require(again && print_zoom_table(*again).value() == *printed, "it is read again as the same");
+  const Calibration& first = parsed->settings.front().calibration;
+  const Calibration& last = parsed->settings.back().calibration;
+  for (const double t : {-0.5, 0.0, 0.3, 0.5, 0.9, 1.0, 2.0}) {
+    const LensPosition position = {*first.zoom + t * (*last.zoom - *first.zoom),
+                                   first.focus ? std::optional(*first.focus + t) : std::nullopt};
+    const auto found = interpolate(*parsed, position);
+    require_sound(found ? Result<Calibration>(found->calibration)
+                        : tl::unexpected<Error>(found.error()));
+  }
+}
+
 constexpr Target kTargets[] = {
     {"calibration", calibration},
     {"key_list", key_list},
@@ -294,6 +316,7 @@ constexpr Target kTargets[] = {
     {"observation_file", observation_file},
     {"light_text", light_text},
     {"point_text", point_text},
+    {"zoom_table", zoom_table},
 };
 
 }  // namespace

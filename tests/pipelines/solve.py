@@ -74,6 +74,45 @@ def simulated(folder):
     return box
 
 
+# A plane of 5 x 4 points through a lens that zooms from 800 to 2400 px, tilted to another side in each view.
+def zooming(folder):
+    random.seed(6)
+    files = []
+    for n in range(6):
+        f = 800 * 3 ** (n / 5)
+        tilt = [(0.6, 0.3), (-0.5, 0.5), (0.4, -0.7), (-0.6, -0.4), (0.1, 0.7), (0.7, -0.1)][n]
+        rows = ["# unit: mm", "X Y u v"]
+        for x in range(-2, 3):
+            for y in range(-1, 3):
+                px, py, pz = 40 * x, 40 * y, 0
+                c, s = math.cos(tilt[0]), math.sin(tilt[0])
+                px, pz = c * px + s * pz, -s * px + c * pz
+                c, s = math.cos(tilt[1]), math.sin(tilt[1])
+                py, pz = c * py - s * pz, s * py + c * pz
+                pz += 0.6 * f
+                u = 326 + f * px / pz + random.gauss(0, 0.02)
+                v = 235 + f * py / pz + random.gauss(0, 0.02)
+                rows.append(f"{40 * x} {40 * y} {u} {v}")
+        files.append(folder / f"zoom{n}.txt")
+        files[-1].write_text("\n".join(rows) + "\n")
+    result = folder / "zoom.json"
+    size = ["--size", "640x480", "--method", "sturm-maybank"]
+    for options in (["--fix", "aspect"], ["--fix", "aspect", "--no-refine"]):
+        run(result, *files, *size, *options, says="view 5 (zoom5.txt): fx 2")
+        table = json.loads(result.read_text())
+        near("settings", len(table["settings"]), 6, 0)
+        for n, setting in enumerate(table["settings"]):
+            near("the position", setting["zoom"], n, 0)
+            p = setting["calibration"]["parameters"]
+            near(f"fx of {options}, view {n}", p["fx"] / (800 * 3 ** (n / 5)), 1, 0.02)
+            near(f"cx of {options}", p["cx"], 326, 8)
+    run(folder / "one.json", files[0], *size, "--fix", "aspect,center", says="view 0 (zoom0.txt): fx 8")
+    near("fx of one view", parameters(folder / "one.json")["fx"], 800, 30)
+    run(result, files[0], *size, code=1, says="takes 3 views")
+    run(result, *files, *size, "--fix", "k1", code=1, says="center and aspect alone")
+    run(result, *files, *size, "--model", "fisheye", code=1, says="calvin-zoom")
+
+
 def refusals(folder, box):
     result = folder / "none.json"
     run(result, box, code=1, says="give --size")
@@ -174,6 +213,7 @@ def main():
         folder = pathlib.Path(name)
         box = simulated(folder)
         refusals(folder, box)
+        zooming(folder)
         for check, needs in ((zhang, "zhang"), (tsai, "tsai-cube-bailus"), (myptv, "points3d-myptv")):
             if data and (pathlib.Path(data) / needs).is_dir():
                 check(pathlib.Path(data), folder)
