@@ -237,8 +237,8 @@ class CalibrationSession {
   // A view was taken: whether it was of what the guide asked for.
   void note_missed();
   void miss_target();
-  // Asks for something else where a board that is brought to the target gets lost on the way, and
-  // where nobody has got there for long.
+  // Asks for something else where a board that is brought to the target is lost on the way, or is
+  // held where it tells little.
   void leave_stale_target(std::uint64_t now);
   // The setting that ends the capture with what is there, or nothing.
   [[nodiscard]] std::string_view limit_reached() const;

@@ -12,6 +12,12 @@
 
 namespace calvin {
 
+namespace {
+
+constexpr double kFar = 0.25;  // of what the target tells: less is nowhere near it
+
+}  // namespace
+
 ViewWorth CalibrationSession::worth(const View& view) {
   if (!guide_) return capture_.worth(std::nullopt, view.observation.timestamp);
   share_ = guide_->share(view);
@@ -24,7 +30,6 @@ ViewWorth CalibrationSession::worth(const View& view) {
 // The view that tells most may be one that a hand does not get to: whoever another view was taken
 // of for want of it is asked for something else next.
 void CalibrationSession::note_missed() {
-  constexpr double kFar = 0.25;  // of what the target tells: less was nowhere near it
   if (guide_ && share_ < kFar) miss_target();
 }
 
@@ -42,16 +47,21 @@ void CalibrationSession::leave_stale_target(std::uint64_t now) {
   const auto is_past = [now](std::uint64_t since, std::uint64_t time) {
     return since != kNoTimestamp && now >= since && now - since >= time;
   };
-  if (!is_past(times_.timestamp, kLost) || !is_past(asked_at_, kTry)) return;
-  if (guide_->has_another()) {
+  if (!is_past(asked_at_, kTry)) return;
+  const bool is_lost = is_past(times_.timestamp, kLost);
+  const bool is_held = std::ranges::find(last_reasons_, Reason::kTooSimilar) != last_reasons_.end();
+  const bool in_vain = is_held && share_ < kFar;
+  if (guide_->has_another() && (is_lost || in_vain)) {
     miss_target();
     guide_->ask_for_another();
     share_ = 0;
     asked_at_ = now;
     capture_.change_target(now);
-  } else {
+  } else if (is_lost) {
     // A camera that is known badly may ask for what it cannot see.
     guide_.reset();
+  } else {
+    return;
   }
   renew_hint();
 }
