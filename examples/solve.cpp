@@ -19,6 +19,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/solve/residuals/straightness.hpp"
 #include "calvin/solve/solve.hpp"
 
 #include "print_calibration.hpp"
@@ -47,7 +48,9 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
   --ellipse-centers  u v are centres of the images of dots, whose diameters the rows have: the images
                      of the dots' centres, which are elsewhere, are found with the camera
   --model MODEL      the camera model, brown5 if not given; auto chooses one
-  --method METHOD    start by bakstein, dlt, tsai or zhang; if not given, starts are searched
+  --method METHOD    start by bakstein, dlt, tsai or zhang; if not given, starts are searched.
+                     discorpy: the distortion alone, of one picture of a grid of dots or lines or
+                     several; with it the board is dots:1mm or lines:1mm, any part of which is seen
   --no-refine        what the method finds by itself
   --fix P,P,...      hold parameters: aspect, center, k3, fx=fy, fx=800 ...
   --initial FILE     start from a calibration, which also says at what values to hold
@@ -249,7 +252,9 @@ void print_view(const solve_views::NamedView& named, const calvin::ViewRecord& r
              t.z(), place.x(), place.y(), place.z());
 }
 
-void print_views(const calvin::Solution& solution, const solve_views::NamedViews& views) {
+// `has_poses`: whether the focal length is known, without which there are none.
+void print_views(const calvin::Solution& solution, const solve_views::NamedViews& views,
+                 bool has_poses) {
   std::vector<bool> rejected(views.size(), false);
   for (const calvin::RejectedView& view : solution.rejected) {
     rejected[view.index] = true;
@@ -259,9 +264,24 @@ void print_views(const calvin::Solution& solution, const solve_views::NamedViews
   auto record = solution.calibration.views.begin();
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (rejected[i] || record == solution.calibration.views.end() || !camera) continue;
-    print_view(views[i], *record, *camera);
+    if (has_poses) {
+      print_view(views[i], *record, *camera);
+    } else {
+      fmt::print("view {}: {} points, rms {:.4f} px\n", views[i].name, record->points, record->rms);
+    }
     ++record;
   }
+}
+
+// How straight rows and columns of the boards become.
+void print_straightness(const std::vector<calvin::View>& views, const calvin::Solution& solution) {
+  const auto camera = calvin::Camera::make(solution.calibration);
+  const auto straight =
+      camera ? calvin::straightness(views, solution.rejected_corners, *camera) : std::nullopt;
+  if (!straight) return;
+  fmt::print(
+      "straightness: {} rows and columns, rms {:.4f} px from straight lines, {:.4f} as seen\n",
+      straight->lines, straight->mended, straight->seen);
 }
 
 void print_on_sensor(const calvin::Calibration& calibration, double pitch) {
@@ -301,7 +321,8 @@ int main(int argc, char** argv) {
   }
   calvin_tools::print(solution->calibration);
   if (arguments->pitch) print_on_sensor(solution->calibration, *arguments->pitch);
-  print_views(*solution, *named);
+  print_views(*solution, *named, arguments->options.method != "discorpy");
+  print_straightness(views, *solution);
   calvin_tools::print_verdict(solution->calibration);
   return 0;
 }

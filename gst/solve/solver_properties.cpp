@@ -71,7 +71,7 @@ constexpr Property<CalibSolver> kRows[] = {
     {"model", "Model", model_blurb, kept_in<&SessionSettings::model>},
     {"method", "Method",
      "Where the solve starts: by a method of the tools that came before (bakstein, dlt, tsai, "
-     "zhang); "
+     "zhang; discorpy finds the distortion alone, also of a single view, and ends there); "
      "unset: starts are searched",
      kept_in<&SessionSettings::method>},
     {"fix", "Fix",

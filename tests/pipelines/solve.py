@@ -77,7 +77,7 @@ def refusals(folder, box):
     result = folder / "none.json"
     run(result, box, code=1, says="give --size")
     run(result, box, "--size", "640x480", "--method", "zhang", code=1, says="method dlt")
-    run(result, box, "--size", "640x480", "--method", "magic", code=1, says="Known methods: bakstein, dlt")
+    run(result, box, "--size", "640x480", "--method", "magic", code=1, says="Known methods: bakstein, discorpy, dlt")
     run(result, box, "--size", "640x480", "--no-refine", code=1, says="give one of")
     run(result, box, box, "--size", "640x480", "--method", "tsai", code=1, says="takes one view")
     run(result, box, "--size", "640x480", "--columns", "X,Y,-Z,u,v", "--method", "dlt", code=1, says="left-handed")
@@ -138,13 +138,87 @@ def myptv(data, folder):
             near(f"myptv {camera} {method}", math.dist(views(out)[0]["camera"], place), 0, 15)
 
 
+# The file that discorpy wrote of dot_pattern_05: a centre, px, and the factors of powers of the ideal
+# radius that give the seen one.
+def published_distortion(path):
+    values = [float(line.split(":")[1]) for line in path.read_text().splitlines() if ":" in line]
+    return values[:2], values[2:]
+
+
+# Of brown5: where a point is seen that is r px from the centre without distortion, px from it.
+def seen_radius(p, r):
+    s = (r / p["fx"]) ** 2
+    return r * (1 + s * (p["k1"] + s * (p["k2"] + s * p["k3"])))
+
+
+# How far our curve is from theirs over the picture, px, after the best common scale of the ideal radius.
+def curve_difference(p, center, factors, width, height):
+    most = max(math.hypot(x - center[0], y - center[1]) for x in (0, width - 1) for y in (0, height - 1))
+    radii = [most * i / 200 for i in range(201)]
+    theirs = [sum(f * r ** (i + 1) for i, f in enumerate(factors)) for r in radii]
+
+    def off(scale):
+        return max(abs(seen_radius(p, scale * r) - t) for r, t in zip(radii, theirs))
+
+    low, high = 0.98, 1.02
+    for _ in range(80):
+        a, b = low + (high - low) / 3, high - (high - low) / 3
+        low, high = (low, b) if off(a) < off(b) else (a, high)
+    return off((low + high) / 2)
+
+
+def straightness(out):
+    line = next((line for line in out.splitlines() if line.startswith("straightness:")), "rms inf px")
+    return float(line.split("rms ")[1].split()[0])
+
+
+# What is left of discorpy's own steps in a result: its centre, px, and its factors.
+def own_numbers(out):
+    line = next((line for line in out.splitlines() if line.startswith("discorpy's own numbers")), "")
+    words = line.replace(",", "").replace(";", "").split()
+    if not words:
+        failed.append(f"no numbers of discorpy's own steps in:\n{out}")
+        return (0, 0), [1]
+    at = words.index("factors") + 1
+    return (float(words[words.index("xcenter") + 1]), float(words[words.index("ycenter") + 1])), [float(w) for w in words[at : at + 5]]
+
+
+# One picture of a dense grid of dots or lines: what discorpy published of the same, and how straight lines
+# become. Its centre is known to a pitch, for it lies between two rows: that of dot_pattern_01 is found again by its
+# steps, that of dot_pattern_05 (a pitch is 15.2 px there) lies one row and one column farther.
+def discorpy(data, folder):
+    result = folder / "distortion.json"
+    pictures = data / "discorpy"
+    out = run(result, f"{pictures}/dot_pattern_05*", "--board", "dots:1mm", "--method", "discorpy",
+              says="focal length is not known")
+    if "built without OpenCV" in out:
+        failed.pop()
+        print("calvin-solve reads no pictures here: left out")
+        return
+    p = parameters(result)
+    center, factors = published_distortion(pictures / "coef_dot_05.txt")
+    near("discorpy's curve", curve_difference(p, center, factors, 1280, 800), 0, 0.3)
+    for name, published in (("cx", center[0]), ("cy", center[1])):
+        near(f"discorpy's {name}", p[name], published, 1.5 * 15.2)
+    steps = ["--method", "discorpy", "--no-refine"]
+    own, _ = own_numbers(run(result, f"{pictures}/dot_pattern_05*", "--board", "dots:1mm", *steps))
+    for name, ours, published in zip(("xcenter", "ycenter"), own, center):
+        near(f"{name} of dot_pattern_05 by discorpy's steps", ours, published, 1.1 * 15.2)
+    own, _ = own_numbers(run(result, f"{pictures}/dot_pattern_01*", "--board", "dots:1mm", *steps))
+    near("centre of dot_pattern_01 by discorpy's steps", math.dist(own, (1252.1529, 1008.9088)), 0, 2)
+    near("straightness of dot_pattern_05", straightness(out), 0, 0.15)
+    for picture, board in (("line_pattern_01", "lines:1mm"), ("dot_pattern_01", "dots:1mm")):
+        out = run(result, f"{pictures}/{picture}*", "--board", board, "--method", "discorpy", says="rows and columns")
+        near(f"straightness of {picture}", straightness(out), 0, 0.15)
+
+
 def main():
     data = os.environ.get("CALVIN_DATA", "")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         box = simulated(folder)
         refusals(folder, box)
-        for check, needs in ((zhang, "zhang"), (tsai, "tsai-cube-bailus"), (myptv, "points3d-myptv")):
+        for check, needs in ((zhang, "zhang"), (tsai, "tsai-cube-bailus"), (myptv, "points3d-myptv"), (discorpy, "discorpy")):
             if data and (pathlib.Path(data) / needs).is_dir():
                 check(pathlib.Path(data), folder)
             else:

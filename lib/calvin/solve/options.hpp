@@ -30,8 +30,8 @@ struct SolveOptions {
   int max_iterations = 100;     // of each least-squares solve
   bool reject_outliers = true;  // false: plain least squares over all corners
 
-  // One of the methods of the tools that came before (docs/methods.md), from which the solve
-  // starts: "bakstein", "dlt", "tsai", "zhang". Empty: starts are searched.
+  // A method of older tools (docs/methods.md) to start from: "bakstein", "dlt", "tsai", "zhang"; or
+  // "discorpy", for the distortion alone, which is the whole solve. Empty: starts are searched.
   std::string method;
   // False: what `method` finds by itself, in its own model, without the least squares after it.
   bool refine = true;
