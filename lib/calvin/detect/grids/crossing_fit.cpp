@@ -166,8 +166,8 @@ std::optional<Parabola> line_through(const ImageView& image, const Eigen::Vector
                                      bool light) {
   constexpr double kFirst = 0.2;  // of the step
   constexpr double kLast = 0.45;
-  constexpr double kReach = 0.4;     // of the distance to the next line
-  constexpr double kLeastReach = 3;  // px
+  constexpr double kReach = 0.4;      // of the distance to the next line
+  constexpr double kLeastApart = 11;  // px: closer lines leave no ground between them
   constexpr int kLeast = 5;
   constexpr int kMost = 16;          // centres on a side
   constexpr double kScatter = 0.04;  // of the step: more is none of a line
@@ -180,7 +180,7 @@ std::optional<Parabola> line_through(const ImageView& image, const Eigen::Vector
   // Across the line along the other one, which is as far away from all samples then.
   const Eigen::Vector2d beside = across.normalized();
   const double reach = kReach * across.norm();
-  if (!(reach >= kLeastReach) || !(length < 1e4)) return std::nullopt;
+  if (!(std::abs(line.normal.dot(across)) >= kLeastApart) || !(length < 1e4)) return std::nullopt;
   const int count = std::clamp(static_cast<int>((kLast - kFirst) * length), kLeast, kMost);
   std::vector<Centre> centres;
   Profile profile;

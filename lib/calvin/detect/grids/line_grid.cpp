@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "calvin/detect/checkerboard/corners/grey_at.hpp"
 #include "calvin/detect/grids/crossing_fit.hpp"
 #include "calvin/detect/grids/crossing_points.hpp"
 #include "calvin/detect/grids/grid_lattice.hpp"
@@ -35,6 +36,32 @@ std::optional<DiscLattice> find_lattice(Pyramid& pyramid, bool light, const std:
     if (lattice && (!best || lattice->count() > best->count())) best = std::move(lattice);
   }
   return best;
+}
+
+// Whether lines are as dark half way between crossings as there, but for blur: the dark squares of
+// a checkerboard, which lie on a lattice along its diagonals, only touch.
+bool are_lines(const ImageView& image, const DiscLattice& lattice) {
+  constexpr float kDark = 0.65F;  // of the way from the ground in the middle of a cell
+  const auto middle = [&](const Ellipse& a, const Ellipse& b) {
+    return grey_at(image, static_cast<float>((a.x + b.x) / 2), static_cast<float>((a.y + b.y) / 2));
+  };
+  int dark = 0;
+  int pairs = 0;
+  for (const Cell c : lattice.cells()) {
+    const Ellipse& here = *lattice.at(c);
+    const Ellipse* next = lattice.at(c + Cell{1, 0});
+    const Ellipse* below = lattice.at(c + Cell{0, 1});
+    if (next == nullptr || below == nullptr) continue;
+    const auto own = middle(here, here);
+    const auto ground = middle(*next, *below);
+    for (const Ellipse* end : {next, below}) {
+      const auto line = middle(here, *end);
+      if (!own || !ground || !line) continue;
+      ++pairs;
+      dark += (*line - *ground) / (*own - *ground) > kDark ? 1 : 0;
+    }
+  }
+  return 2 * dark > pairs;
 }
 
 // The fits of the crossings of a lattice, and of those that it lets expect.
@@ -65,6 +92,8 @@ class Crossings {
     drop_vague();
     return fits_.size() > before;
   }
+
+  [[nodiscard]] bool lie_on_lines() const { return are_lines(image_, lattice_); }
 
   [[nodiscard]] Observation observe(const Grid& grid) {
     Observation seen;
@@ -141,7 +170,7 @@ Observation find_line_grid(Pyramid& pyramid, const UnboundedGrid& grid,
   crossings.fit();
   for (int i = 0; i < kGridReach && !stop.stop_requested() && crossings.grow(); ++i) {
   }
-  if (stop.stop_requested()) return {};
+  if (stop.stop_requested() || !crossings.lie_on_lines()) return {};
   return crossings.observe(grid.grid());
 }
 

@@ -243,6 +243,7 @@ class RadialProblem {
 // Leaves out points that are far from where they are seen; returns how many.
 int leave_out(std::vector<FlatView>& views, const RadialProblem& problem, RadialPlanes& planes) {
   constexpr double kFar = 5.1;  // of the median, which is 1.18 sigmas of a coordinate
+  constexpr double kRounding = 1e-3;
   std::vector<double> all;
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (std::size_t i = 0; i < views[v].points.size(); ++i) {
@@ -251,7 +252,7 @@ int leave_out(std::vector<FlatView>& views, const RadialProblem& problem, Radial
   }
   const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
   std::ranges::nth_element(all, middle);
-  const double most = kFar * *middle;
+  const double most = std::max(kFar * *middle, kRounding);
   int count = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (std::size_t i = 0; i < views[v].points.size(); ++i) {
