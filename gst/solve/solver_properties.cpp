@@ -71,8 +71,7 @@ constexpr Property<CalibSolver> kRows[] = {
     {"model", "Model", model_blurb, kept_in<&SessionSettings::model>},
     {"method", "Method",
      "Where the solve starts: by a method of the tools that came before (bakstein, dlt, tsai, "
-     "zhang; discorpy finds the distortion alone, also of a single view, and ends there); "
-     "unset: starts are searched",
+     "zhang; discorpy finds the distortion alone and ends there); unset: starts are searched",
      kept_in<&SessionSettings::method>},
     {"fix", "Fix",
      "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
