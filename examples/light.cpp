@@ -187,10 +187,10 @@ void print(const calvin::LightSolution& solved) {
     const calvin::LightCameraErrors& errors = solved.errors[c];
     fmt::print("'{}' at {}{}, rms {:.3f} px, {} of {} sightings, f {:.1f}\n",
                camera.calibration.camera,
-               solved.is_metric
+               rig.is_metric
                    ? fmt::format("{:.1f} {:.1f} {:.1f} mm", 1e3 * at[0], 1e3 * at[1], 1e3 * at[2])
                    : fmt::format("{:.4f} {:.4f} {:.4f}", at[0], at[1], at[2]),
-               solved.is_metric ? rig_export::place_sigmas(camera) : "", errors.rms, errors.used,
+               rig.is_metric ? rig_export::place_sigmas(camera) : "", errors.rms, errors.used,
                errors.seen, camera.calibration.parameters.front().value);
   }
   fmt::print("{} of {} places of the light, mean error {:.3f} px, rms {:.3f} px\n", places,

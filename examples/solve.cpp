@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,11 +20,15 @@
 #include "calvin/core/text.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/solve/methods/ellipse_centers.hpp"
+#include "calvin/solve/methods/methods.hpp"
+#include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/residuals/straightness.hpp"
 #include "calvin/solve/solve.hpp"
 
 #include "print_calibration.hpp"
 #include "solve_views.hpp"
+#include "solve_zooming.hpp"
 
 namespace {
 
@@ -48,9 +53,11 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
   --ellipse-centers  u v are centres of the images of dots, whose diameters the rows have: the images
                      of the dots' centres, which are elsewhere, are found with the camera
   --model MODEL      the camera model, brown5 if not given; auto chooses one
-  --method METHOD    start by bakstein, dlt, tsai or zhang; if not given, starts are searched.
+  --method METHOD    start by one of {}; if not given, starts are searched.
                      discorpy: the distortion alone, of one picture of a grid of dots or lines or
-                     several; with it the board is dots:1mm or lines:1mm, any part of which is seen
+                     several; with it the board is dots:1mm or lines:1mm, any part of which is seen.
+                     sturm-maybank: planes through a lens that zooms from view to view. Each has its
+                     own f and k1, and CALIBRATION.json is a zoom table by the numbers of the views
   --no-refine        what the method finds by itself
   --fix P,P,...      hold parameters: aspect, center, k3, fx=fy, fx=800 ...
   --initial FILE     start from a calibration, which also says at what values to hold
@@ -61,6 +68,8 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
   --pitch LENGTH     of the pixels, as 3.45um: lengths on the sensor are printed in mm, too
   --help             this text
 )";
+
+std::string usage() { return fmt::format(kUsage, calvin::join(calvin::method_names(), ", ")); }
 
 struct Arguments {
   std::string board = "checkerboard:9x6:25mm";
@@ -73,7 +82,7 @@ struct Arguments {
 };
 
 int wrong_usage(std::string_view why) {
-  fmt::print(stderr, "calvin-solve: {}\n\n{}", why, kUsage);
+  fmt::print(stderr, "calvin-solve: {}\n\n{}", why, usage());
   return kWrongUsage;
 }
 
@@ -82,13 +91,11 @@ int failed(const calvin::Error& error) {
   return kFailed;
 }
 
-std::optional<double> length(std::string_view text) {
-  if (text.ends_with("um")) {
-    const auto value = calvin::parse_double(text.substr(0, text.size() - 2));
-    return value ? std::optional(1e-6 * *value) : std::nullopt;
-  }
-  const auto value = calvin::parse_length(text);
-  return value ? std::optional(*value) : std::nullopt;
+// Whether the text is a length, which is written to `to`, m.
+bool set_length(std::string_view text, std::optional<double>& to) {
+  const auto length = calvin::parse_length(text);
+  if (length) to = *length;
+  return length.has_value();
 }
 
 bool set_size(std::string_view value, solve_views::RowsOptions& rows) {
@@ -153,12 +160,11 @@ bool set_option(std::string_view option, std::string_view value, Arguments& argu
     return true;
   }
   if (option == "--unit") {
-    rows.format.unit = rows.point_format.unit = length(fmt::format("1{}", value));
-    return rows.format.unit.has_value();
+    const bool is_unit = set_length(fmt::format("1{}", value), rows.format.unit);
+    rows.point_format.unit = rows.format.unit;
+    return is_unit;
   }
-  if (option != "--pitch") return false;
-  arguments.pitch = length(value);
-  return arguments.pitch.has_value();
+  return option == "--pitch" && set_length(value, arguments.pitch);
 }
 
 // An option without a value; false where it is none.
@@ -215,59 +221,71 @@ calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
   return kept;
 }
 
-// The distances of the points of a view from where the camera puts them, px.
+// The distances of the points of a view from where the camera puts them on the board as it is bent,
+// px.
 struct Distances {
   double mean = 0;
   double farthest = 0;
   int id = 0;  // of the point that is farthest
 };
-Distances distances_of(const calvin::View& view, const calvin::Camera& camera,
-                       const calvin::SE3& camera_from_board) {
+Distances distances_of(const calvin::View& view, const std::set<int>& left_out,
+                       const calvin::SE3& camera_from_board, const calvin::BoardWarp& warp,
+                       const calvin::Camera& camera) {
   Distances all;
-  const auto points = view.board.points();
+  double count = 0;
+  const auto points = calvin::bent_points(view.board, warp);
   const calvin::Observation& seen = view.observation;
   for (std::size_t i = 0; i < seen.ids.size(); ++i) {
     const auto index = view.board.index_of(seen.ids[i]);
-    const auto at = index ? camera.project(camera_from_board * points[*index]) : std::nullopt;
+    if (!index || left_out.contains(seen.ids[i])) continue;
+    const auto at = camera.project(camera_from_board * points[*index]);
     if (!at) continue;
     const double distance = std::hypot(at->u - seen.uv[i].u, at->v - seen.uv[i].v);
-    all.mean += distance / static_cast<double>(seen.ids.size());
+    all.mean += distance;
+    ++count;
     if (distance < all.farthest) continue;
     all.farthest = distance;
     all.id = seen.ids[i];
   }
+  all.mean /= std::max(count, 1.0);
   return all;
 }
 
 // Lines for each view: how well it fits, and where the camera was.
-void print_view(const solve_views::NamedView& named, const calvin::ViewRecord& record,
-                const calvin::Camera& camera) {
+void print_view(std::string_view name, const calvin::ViewRecord& record, const Distances& d) {
   const calvin::SE3 camera_from_board = calvin::to_se3(record.camera_from_board);
   const Eigen::Vector3d t = camera_from_board.translation / kMillimetre;
   const Eigen::Vector3d place = camera_from_board.inverse().translation / kMillimetre;
-  const Distances d = distances_of(named.view, camera, camera_from_board);
-  fmt::print("view {}: {} points, rms {:.4f} px, mean {:.4f}, farthest {:.4f} (point {})\n",
-             named.name, record.points, record.rms, d.mean, d.farthest, d.id);
+  fmt::print("view {}: {} points, rms {:.4f} px, mean {:.4f}, farthest {:.4f} (point {})\n", name,
+             record.points, record.rms, d.mean, d.farthest, d.id);
   fmt::print("  T {:.3f} {:.3f} {:.3f} mm, camera at {:.3f} {:.3f} {:.3f} mm\n", t.x(), t.y(),
              t.z(), place.x(), place.y(), place.z());
 }
 
-// `has_poses`: whether the focal length is known, without which there are none.
-void print_views(const calvin::Solution& solution, const solve_views::NamedViews& views,
-                 bool has_poses) {
+// `views` as they were solved, `names` by what they are called; `has_poses`: whether the focal
+// length is known, without which there are none.
+void print_views(const calvin::Solution& solution, const std::vector<calvin::View>& views,
+                 const solve_views::NamedViews& names, bool has_poses) {
   std::vector<bool> rejected(views.size(), false);
+  std::vector<std::set<int>> left_out(views.size());  // points of each view
+  for (const calvin::RejectedCorner& corner : solution.rejected_corners) {
+    left_out[corner.view].insert(corner.id);
+  }
   for (const calvin::RejectedView& view : solution.rejected) {
     rejected[view.index] = true;
-    fmt::print("view {}: left out ({})\n", views[view.index].name, calvin::to_string(view.reason));
+    fmt::print("view {}: left out ({})\n", names[view.index].name, calvin::to_string(view.reason));
   }
   const auto camera = calvin::Camera::make(solution.calibration);
   auto record = solution.calibration.views.begin();
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (rejected[i] || record == solution.calibration.views.end() || !camera) continue;
     if (has_poses) {
-      print_view(views[i], *record, *camera);
+      const Distances d =
+          distances_of(views[i], left_out[i], calvin::to_se3(record->camera_from_board),
+                       solution.calibration.warp.value_or(calvin::BoardWarp()), *camera);
+      print_view(names[i].name, *record, d);
     } else {
-      fmt::print("view {}: {} points, rms {:.4f} px\n", views[i].name, record->points, record->rms);
+      fmt::print("view {}: {} points, rms {:.4f} px\n", names[i].name, record->points, record->rms);
     }
     ++record;
   }
@@ -292,16 +310,26 @@ void print_on_sensor(const calvin::Calibration& calibration, double pitch) {
              fx->value * pitch / kMillimetre, fy->value * pitch / kMillimetre);
 }
 
+int run_zooming(const Arguments& arguments) {
+  const auto options = solve_zooming::options_of(arguments.options, !arguments.initial.empty());
+  if (!options) return failed(options.error());
+  const auto named = views_of(arguments);
+  if (!named) return failed(named.error());
+  const auto done = solve_zooming::run(arguments.words.front(), *named, *options);
+  return done ? 0 : failed(done.error());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::span<char*> given(argv + 1, static_cast<std::size_t>(argc - 1));
   if (given.size() == 1 && std::string_view(given[0]) == "--help") {
-    fmt::print("{}", kUsage);
+    fmt::print("{}", usage());
     return 0;
   }
   auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
+  if (arguments->options.method == solve_zooming::kMethod) return run_zooming(*arguments);
   if (!arguments->initial.empty()) {
     auto initial = calvin::read_calibration(arguments->initial);
     if (!initial) return failed(initial.error());
@@ -321,7 +349,8 @@ int main(int argc, char** argv) {
   }
   calvin_tools::print(solution->calibration);
   if (arguments->pitch) print_on_sensor(solution->calibration, *arguments->pitch);
-  print_views(*solution, *named, arguments->options.method != "discorpy");
+  if (arguments->options.ellipse_centers) views = calvin::without_center_bias(views, *solution);
+  print_views(*solution, views, *named, calvin::is_refined(arguments->options.method));
   print_straightness(views, *solution);
   calvin_tools::print_verdict(solution->calibration);
   return 0;

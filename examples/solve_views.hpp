@@ -5,8 +5,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
-#include <iterator>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,6 +34,7 @@ struct RowsOptions {
 };
 
 struct NamedView {
+  // Its number in the list of all, and where it has one the name of its file, or its time.
   std::string name;
   calvin::View view;
 };
@@ -99,6 +101,16 @@ inline bool are_observations(const std::string& path) {
   return path.ends_with(".jsonl") || path.ends_with(".json");
 }
 
+// The names of pictures by the times that their views are given; none for a file of observations.
+inline std::map<std::uint64_t, std::string> pictures_by_time(const std::string& source) {
+  std::map<std::uint64_t, std::string> names;
+  if (!rig_views::are_pictures(source)) return names;
+  for (const auto& [number, file] : rig_views::pictures_of(source)) {
+    names.emplace(number * rig_views::kNumber, file.filename().string());
+  }
+  return names;
+}
+
 // The views of one of the arguments.
 inline calvin::Result<NamedViews> of(const std::string& source, const std::string& board,
                                      const RowsOptions& options,
@@ -107,11 +119,16 @@ inline calvin::Result<NamedViews> of(const std::string& source, const std::strin
   if (rig_views::are_pictures(source) || are_observations(source)) {
     auto views = rig_views::read(source, board);
     if (!views) return tl::unexpected<calvin::Error>(views.error());
+    const auto files = pictures_by_time(source);
     for (calvin::View& view : *views) {
       const auto at = view.observation.timestamp;
-      std::string name = at == calvin::kNoTimestamp
-                             ? fmt::format("{}", named.size())
-                             : fmt::format("{:.3f} s", 1e-9 * static_cast<double>(at));
+      const auto file = files.find(at);
+      std::string name;
+      if (file != files.end()) {
+        name = file->second;
+      } else if (at != calvin::kNoTimestamp) {
+        name = fmt::format("{:.3f} s", 1e-9 * static_cast<double>(at));
+      }
       named.push_back({std::move(name), std::move(view)});
     }
     return named;
@@ -137,7 +154,11 @@ inline calvin::Result<NamedViews> read(const std::vector<std::string>& sources,
   for (const std::string& source : sources) {
     auto views = of(source, board, options, points);
     if (!views) return views;
-    std::move(views->begin(), views->end(), std::back_inserter(all));
+    for (NamedView& view : *views) {
+      const std::string between = view.name.empty() ? "" : ", ";
+      view.name = fmt::format("{}{}{}", all.size(), between, view.name);
+      all.push_back(std::move(view));
+    }
   }
   return all;
 }

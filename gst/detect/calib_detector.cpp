@@ -147,8 +147,8 @@ Status CalibDetector::take_recheck(CalibrationReader::ReadResult read) {
   auto* calibration = std::get_if<Calibration>(&*read);
   if (calibration == nullptr) {
     return make_error(ErrorCode::kInvalidArgument,
-                      "The file to check against (recheck) is one of several cameras: give the "
-                      "calibration of this one.");
+                      "The file to check against (recheck) is one of several cameras, or of a lens "
+                      "that zooms: give the calibration of this camera as its lens stands.");
   }
   check_ = std::make_shared<CalibrationCheck>(std::move(*calibration));
   GST_INFO_OBJECT(element_, "holds boards against another calibration");

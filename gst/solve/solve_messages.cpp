@@ -62,8 +62,7 @@ GstStructure* result_message(const FrameTimes& times, const Solution& solution,
   set_optional(s, "rms", c.rms);
   set_optional(s, "held-out-rms", c.held_out_rms);
   set_optional(s, "chi", c.chi);
-  gst_structure_set(s, "split-half-ratio", G_TYPE_DOUBLE, solution.misfit.split_half_ratio,
-                    "halves", G_TYPE_DOUBLE, solution.misfit.split_half_ratio, nullptr);
+  for (const char* name : {"split-half-ratio", "halves"}) set_optional(s, name, c.split_half_ratio);
   if (solution.misfit.found()) {
     const std::string cause(to_string(solution.misfit.cause));
     gst_structure_set(s, "misfit", G_TYPE_STRING, cause.c_str(), nullptr);

@@ -12,6 +12,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/solve/methods/methods.hpp"
 #include "elements.hpp"
 
 namespace calvin::gst {
@@ -23,6 +24,14 @@ const char* model_blurb() {
   static const auto& kBlurb = *new std::string(
       fmt::format("Camera model: {}, or auto for the simplest one that tells all views",
                   join(model_names(), ", ")));
+  return kBlurb.c_str();
+}
+
+const char* method_blurb() {
+  static const auto& kBlurb = *new std::string(
+      fmt::format("Where the solve starts: by a method of the tools that came before ({}; those of "
+                  "one view are calvin-solve's); unset: starts are searched",
+                  join(methods_of_several_views(), ", ")));
   return kBlurb.c_str();
 }
 
@@ -69,10 +78,7 @@ constexpr Property<CalibSolver> kRows[] = {
      "Name of the camera in messages and files (unset = the one that the observations carry)",
      kept_in<&SessionSettings::camera>},
     {"model", "Model", model_blurb, kept_in<&SessionSettings::model>},
-    {"method", "Method",
-     "Where the solve starts: by a method of the tools that came before (bakstein, dlt, tsai, "
-     "zhang; discorpy finds the distortion alone and ends there); unset: starts are searched",
-     kept_in<&SessionSettings::method>},
+    {"method", "Method", method_blurb, kept_in<&SessionSettings::method>},
     {"fix", "Fix",
      "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
      "else a distortion coefficient at 0 (beta at 1) and cx, cy (center for both) at the middle "

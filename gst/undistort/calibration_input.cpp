@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calvin/camera/usable_area.hpp"
+#include "calvin/camera/zoom_interpolation.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "common/calibration_event.hpp"
@@ -50,8 +51,9 @@ std::vector<Error> CalibrationInput::start() {
   part_.reset();
   upright_ = {};
   camera_.reset();
+  position_ = {};
   changed_ = true;
-  new_ = poor_ = false;
+  moved_ = new_ = poor_ = said_outside_ = false;
   setting_.set(text_);
   if (const Status started = setting_.start(); !started) return {started.error()};
   std::vector<Error> errors;
@@ -66,6 +68,7 @@ void CalibrationInput::set_text(const std::string& text) {
   if (text_.empty()) from_setting_.reset();
   setting_.set(text_);
   said_.clear();
+  said_outside_ = false;
 }
 
 void CalibrationInput::set_frames(const GstVideoInfo& info, const std::optional<FramePart>& part) {
@@ -88,6 +91,13 @@ void CalibrationInput::set_side(std::optional<StereoSide> side) {
   camera_.reset();
   changed_ = new_ = true;
   said_.clear();
+}
+
+void CalibrationInput::set_position(const LensPosition& position, bool awaited) {
+  const bool same_wait = awaited == std::exchange(position_awaited_, awaited);
+  if (position == std::exchange(position_, position) && same_wait) return;
+  const auto& source = in_force();
+  moved_ = moved_ || (source && std::holds_alternative<ZoomTable>(*source));
 }
 
 bool CalibrationInput::is_calibration(GstEvent* event) {
@@ -122,6 +132,7 @@ void CalibrationInput::take(CalibrationReader::ReadResult read, std::vector<Erro
   if (read) {
     from_setting_ = *std::move(read);
     changed_ = new_ = true;
+    said_outside_ = false;
     return;
   }
   errors.push_back(std::move(read.error()));
@@ -136,11 +147,16 @@ void CalibrationInput::take(CalibrationReader::ReadResult read, std::vector<Erro
 std::vector<Error> CalibrationInput::update(CalibrationReader::Clock::time_point now) {
   std::vector<Error> errors;
   if (auto read = setting_.poll(now)) take(*std::move(read), errors);
-  if (changed_ && frames_.width > 0) {
-    changed_ = false;
+  if ((changed_ || moved_) && frames_.width > 0) {
     fit(errors);
+    changed_ = moved_ = false;
   }
   return errors;
+}
+
+void CalibrationInput::count_change() {
+  ++serial_;
+  if (changed_) ++lens_;
 }
 
 void CalibrationInput::report(Error error, std::vector<Error>& errors) {
@@ -178,6 +194,8 @@ Calibration* CalibrationInput::known(std::vector<Error>& errors) {
            errors);
     return nullptr;
   }
+  const auto* table = std::get_if<ZoomTable>(&*source);
+  if (!side_ && table != nullptr) return where_it_stands(*table, errors);
   if (!side_) return &std::get<Calibration>(*source);
   if (rig == nullptr) {
     report({ErrorCode::kInvalidArgument,
@@ -191,6 +209,24 @@ Calibration* CalibrationInput::known(std::vector<Error>& errors) {
   if (own) return &rig->cameras[*own].calibration;
   report(own.error(), errors);
   return nullptr;
+}
+
+Calibration* CalibrationInput::where_it_stands(const ZoomTable& table, std::vector<Error>& errors) {
+  auto found = interpolate(table, position_);
+  if (!found) {
+    if (position_awaited_) return nullptr;
+    report({found.error().code,
+            found.error().message +
+                " Set zoom-position (and focus-position), or device to the node of a V4L2 camera "
+                "that tells its zoom_absolute. Until then the frames pass unchanged."},
+           errors);
+    return nullptr;
+  }
+  if (!found->remark.empty() && !std::exchange(said_outside_, true)) {
+    errors.push_back({ErrorCode::kInvalidArgument, std::move(found->remark)});
+  }
+  at_position_ = std::move(found->calibration);
+  return &*at_position_;
 }
 
 void CalibrationInput::report_scaling(const Calibration& known, std::vector<Error>& errors) {
@@ -234,7 +270,7 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
   Calibration* of_frames = known(errors);
   if (of_frames == nullptr) {
     camera_.reset();
-    ++serial_;
+    count_change();
     return;
   }
   if (interlaced_) {
@@ -269,7 +305,7 @@ void CalibrationInput::fit(std::vector<Error>& errors) {
     return;
   }
   name_ = of_frames->camera;
-  ++serial_;
+  count_change();
 }
 
 }  // namespace calvin::gst

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Which camera the frames come from: the property `calibration`, or else the event of an element
-// upstream, fitted to the frames; of a rig the camera of one side.
+// upstream, fitted to the frames; of a rig the camera of one side, of a zoom table that where the
+// lens stands.
 #pragma once
 
 #include <memory>
@@ -14,6 +15,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/camera/frame_fit.hpp"
+#include "calvin/camera/zoom_table.hpp"
 #include "calvin/remap/rectification.hpp"
 #include "common/calibration_reader.hpp"
 #include "common/event_ptr.hpp"
@@ -44,6 +46,10 @@ class CalibrationInput {
   // Frames of that camera of a pair are to be rectified: a rig takes the place of a calibration.
   void set_side(std::optional<StereoSide> side);
 
+  // Where the lens stands, as far as that is known, which counts for a zoom table; `awaited`: what
+  // is not known yet is being asked for.
+  void set_position(const LensPosition& position, bool awaited);
+
   // Whether it is a calibration event: ours, or the one of GStreamer's cameracalibrate.
   [[nodiscard]] static bool is_calibration(GstEvent* event);
   // Keeps a calibration event. An Error where its calibration cannot be read: the one before stays.
@@ -65,12 +71,16 @@ class CalibrationInput {
     return rectification_;
   }
   [[nodiscard]] int serial() const { return serial_; }
+  // Counts those changes alone that are not a move of the lens.
+  [[nodiscard]] int lens() const { return lens_; }
 
  private:
   void take(CalibrationReader::ReadResult read, std::vector<Error>& errors);
   void fit(std::vector<Error>& errors);
   [[nodiscard]] std::optional<CameraSetting>& in_force();
   [[nodiscard]] Calibration* known(std::vector<Error>& errors);
+  [[nodiscard]] Calibration* where_it_stands(const ZoomTable& table, std::vector<Error>& errors);
+  void count_change();
   [[nodiscard]] Status set_camera(const FittedCamera& fitted);
   void report_scaling(const Calibration& known, std::vector<Error>& errors);
   void judge(const Calibration& known, std::vector<Error>& errors);
@@ -88,14 +98,20 @@ class CalibrationInput {
   Orientation upright_;
   std::optional<StereoSide> side_;
   bool interlaced_ = false;
+  LensPosition position_;
+  bool position_awaited_ = false;
+  std::optional<Calibration> at_position_;  // of a zoom table
   bool changed_ = false;
+  bool moved_ = false;  // the lens has, and nothing else is new
   std::optional<Camera> camera_;
   std::shared_ptr<const Rectification> rectification_;
   std::string name_;
   int serial_ = 0;
-  bool new_ = false;   // the calibration in force was not judged yet
-  bool poor_ = false;  // the last one was, and found wanting
-  std::string said_;   // the last message on how the calibration fits: each is said once
+  int lens_ = 0;
+  bool new_ = false;           // the calibration in force was not judged yet
+  bool poor_ = false;          // the last one was, and found wanting
+  std::string said_;           // the last message on how the calibration fits: each is said once
+  bool said_outside_ = false;  // that the lens stands where its table does not reach
 };
 
 }  // namespace calvin::gst

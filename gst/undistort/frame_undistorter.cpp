@@ -94,7 +94,7 @@ void FrameUndistorter::adopt(const UndistorterBuilder::Built& built, std::vector
 }
 
 // Puts what belongs to `key` to use as soon as it is there; until then what there is for the same
-// camera, or what was in use.
+// lens, or what was in use.
 void FrameUndistorter::want(const Key& key, const Result<Camera>& camera,
                             const std::shared_ptr<const Rectification>& rectification, bool wait,
                             std::vector<Error>& errors) {
@@ -113,14 +113,14 @@ void FrameUndistorter::want(const Key& key, const Result<Camera>& camera,
     }
   }
   const Made& have = slot(key);
-  if (!have.built || have.key.camera != key.camera) return;
+  if (!have.built || have.key.lens != key.lens) return;
   current_ = have.built;
   undistorts_ = key.camera != 0;
 }
 
-FrameUndistorter::Key FrameUndistorter::key_of(int camera, const ViewOptions& view,
+FrameUndistorter::Key FrameUndistorter::key_of(int camera, int lens, const ViewOptions& view,
                                                bool distort) const {
-  Key key = {frames_, camera, view, distort};
+  Key key = {frames_, camera, lens, view, distort};
   key.view.output = distort ? in_.size() : out_.size();
   return key;
 }
@@ -136,15 +136,17 @@ std::vector<Error> FrameUndistorter::update(const CalibrationInput& input, const
   const bool undistort = request.undistort && input.camera();
   ViewOptions flat;
   flat.alpha = request.view.alpha;
-  const Key plain = key_of(0, flat, false);
-  const Key key = undistort ? key_of(input.serial(), request.view, request.distort) : plain;
+  const Key plain = key_of(0, 0, flat, false);
+  const Key key =
+      undistort ? key_of(input.serial(), input.lens(), request.view, request.distort) : plain;
   sampling_ = request.sampling;
   workers_.resize(request.threads);
   scratch_.resize(static_cast<std::size_t>(request.threads));
-  // What a worker was asked for with other frames or another camera comes too late.
+  // What a worker was asked for with other frames or another lens comes too late. A lens that has
+  // moved on meanwhile is nearer to where it stood then than to where it stood before.
   if (const auto built = builder_.take();
       built && built->key.frames == frames_ &&
-      (built->key.camera == 0 || built->key.camera == input.serial())) {
+      (built->key.camera == 0 || built->key.lens == input.lens())) {
     adopt(*built, errors);
   }
   const bool wait = worth_waiting(key, request);

@@ -45,7 +45,8 @@ class FrameUndistorter {
   // Brings it up to date between two frames, and returns what the user should hear of it. A map is
   // built at once: the first frame that comes out is right. But in a live stream that has begun
   // nothing waits for one that takes longer than kQuick: what was in use goes on until a worker is
-  // done. A view of a camera whose views are known takes a map only.
+  // done, one map after the other while a lens zooms. A view of a camera whose views are known
+  // takes a map only.
   [[nodiscard]] std::vector<Error> update(const CalibrationInput& input, const Request& request);
   // A frame goes out now.
   void begin() { begun_ = true; }
@@ -73,7 +74,7 @@ class FrameUndistorter {
   // What there is for a camera; a plain one scales.
   [[nodiscard]] Made& slot(const Key& key) { return key.camera == 0 ? scaler_ : undistorter_; }
   // A camera that sees the frames, and the view of it that they become or, `distort`, are.
-  [[nodiscard]] Key key_of(int camera, const ViewOptions& view, bool distort) const;
+  [[nodiscard]] Key key_of(int camera, int lens, const ViewOptions& view, bool distort) const;
   // Whether this is built before the next frame goes out.
   [[nodiscard]] bool worth_waiting(const Key& key, const Request& request);
   void want(const Key& key, const Result<Camera>& camera,

@@ -40,13 +40,21 @@ constexpr GEnumValue kFills[] = {
     choice(Outside::kMirror, "mirror", "The input, mirrored at its border"), kNoMoreChoices};
 
 constexpr Range kDegrees = {-180, 180};
+constexpr Range kPositions = {-1e9, 1e9};  // as of a zoom table
 
 template <auto kMember>
 constexpr auto in_view = kept_in<&UndistortSettings::view, kMember>;
+template <auto kMember>
+constexpr auto in_lens = kept_in<&UndistortSettings::lens, kMember>;
 
 // The file is read again, though it may be the one that was named before.
 void calibration_was_set(UndistortSettings& settings, bool /*to_another*/) {
   settings.calibration_was_set = true;
+}
+
+template <auto kFlag>
+void lens_was_set(UndistortSettings& settings, bool /*to_another*/) {
+  settings.lens.*kFlag = true;
 }
 
 constexpr Property<UndistortState> kRows[] = {
@@ -56,7 +64,9 @@ constexpr Property<UndistortState> kRows[] = {
      "read "
      "again when it is replaced; or JSON text; or the settings of cameraundistort; or a list "
      "such as fx=500,fy=500,cx=319.5,cy=239.5,k1=-0.2,width=640,height=480. Empty: the "
-     "calibration event of an element upstream",
+     "calibration event of an element upstream. The file or text of a zoom table (calvin-zoom "
+     "writes "
+     "it) is followed as the lens moves, see zoom-position",
      kept_in<&UndistortSettings::calibration>,
      {.other_name = "settings", .was_set = calibration_was_set}},
     {"settings",
@@ -65,6 +75,31 @@ constexpr Property<UndistortState> kRows[] = {
      "with this element in its place",
      kept_in<&UndistortSettings::calibration>,
      {.other_name = "calibration", .was_set = calibration_was_set}},
+    {"zoom-position",
+     "Zoom Position",
+     "Where the zoom of the lens stands, in the units of the zoom table in calibration; zoom is "
+     "another thing, of the view. Never set: as device says",
+     in_lens<&LensSettings::zoom>,
+     {.range = kPositions,
+      .flags = kAnimated,
+      .was_set = lens_was_set<&LensSettings::zoom_was_set>}},
+    {"focus-position",
+     "Focus Position",
+     "Where the focus of the lens stands, in the units of the zoom table, which counts where that "
+     "has "
+     "several settings of the focus at one zoom. Never set: as device says",
+     in_lens<&LensSettings::focus>,
+     {.range = kPositions,
+      .flags = kAnimated,
+      .was_set = lens_was_set<&LensSettings::focus_was_set>}},
+    {"device",
+     "Device",
+     "V4L2 node of the camera, such as /dev/video0, that is asked ten times a second where its "
+     "lens "
+     "stands (zoom_absolute and focus_absolute), for a zoom table in calibration (unset = not "
+     "read)",
+     in_lens<&LensSettings::device>,
+     {.flags = kMutableReady}},
     {"enabled",
      "Enabled",
      "Undistort; off: the frames pass through untouched, or scaled where the output has another "

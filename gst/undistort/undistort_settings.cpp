@@ -32,6 +32,15 @@ std::optional<StereoSide> UndistortSettings::side() const {
   return rectify == Rectify::kLeft ? StereoSide::kLeft : StereoSide::kRight;
 }
 
+LensPosition LensSettings::position(const std::optional<LensState>& lens) const {
+  LensPosition position;
+  if (lens && lens->zoom) position.zoom = *lens->zoom;
+  if (lens && lens->focus) position.focus = *lens->focus;
+  if (zoom_was_set) position.zoom = zoom;
+  if (focus_was_set) position.focus = focus;
+  return position;
+}
+
 Sampling ViewSettings::sampling() const { return {interpolation, outside}; }
 
 }  // namespace calvin::gst

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "calvin/camera/zoom_table.hpp"
+#include "calvin/device/lens.hpp"
 #include "calvin/remap/rectification.hpp"
 #include "calvin/remap/undistorter.hpp"
 
@@ -34,9 +36,21 @@ struct ViewSettings {
   [[nodiscard]] Sampling sampling() const;
 };
 
+// Where the application says that the lens stands. What it has never set it does not say.
+struct LensSettings {
+  double zoom = 0;
+  double focus = 0;
+  bool zoom_was_set = false;
+  bool focus_was_set = false;
+  std::string device;  // the V4L2 node that says the rest; empty: none does
+
+  [[nodiscard]] LensPosition position(const std::optional<LensState>& lens) const;
+};
+
 struct UndistortSettings {
   std::string calibration;
   bool calibration_was_set = false;  // since the streaming thread looked last
+  LensSettings lens;
   bool enabled = true;
   Rectify rectify = Rectify::kNone;
   ViewSettings view;

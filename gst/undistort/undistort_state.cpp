@@ -18,7 +18,7 @@ Status UndistortState::start() {
   output.reset();
   tags.reset();
   Arrived stale;
-  static_cast<void>(take_settings(stale));
+  const std::string device = take_settings(stale).lens.device;
   fitted.reset();
   set_output_calibration("");
   gst_base_transform_set_passthrough(element, TRUE);
@@ -29,11 +29,16 @@ Status UndistortState::start() {
     }
     post_warning(GST_ELEMENT(element), error);
   }
+  if (Status begun = lens.start(device, LensFollower::Clock::now()); !begun) {
+    input.stop();
+    return begun;
+  }
   return undistorter.start();
 }
 
 void UndistortState::stop() {
   input.stop();
+  lens.stop();
   undistorter.stop();
   output.reset();
   const std::lock_guard guard(lock_);
@@ -102,6 +107,13 @@ void UndistortState::fit_input() {
   fitted = std::move(wanted);
 }
 
+std::vector<Error> UndistortState::follow_lens(const LensSettings& settings) {
+  std::vector<Error> errors;
+  lens.follow(LensFollower::Clock::now(), errors);
+  input.set_position(settings.position(lens.lens()), lens.awaited());
+  return errors;
+}
+
 void UndistortState::set_passthrough(bool passthrough) {
   if (passthrough == (gst_base_transform_is_passthrough(element) != FALSE)) return;
   gst_base_transform_set_passthrough(element, passthrough);
@@ -120,7 +132,9 @@ void UndistortState::update() {
   const int serial = input.serial();
   const auto before = undistorter.current();
   fit_input();
-  auto errors = input.update(CalibrationReader::Clock::now());
+  std::vector<Error> errors = follow_lens(now.lens);
+  const auto of_input = input.update(CalibrationReader::Clock::now());
+  errors.insert(errors.end(), of_input.begin(), of_input.end());
   const ViewSettings& view = now.view;
   const auto more = undistorter.update(
       input, {now.enabled, view.view(), view.distort(), *live, view.sampling(), view.threads});

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gst/base/gstbasetransform.h>
 
@@ -16,6 +17,7 @@
 #include "common/shared_settings.hpp"
 #include "undistort/calibration_input.hpp"
 #include "undistort/frame_undistorter.hpp"
+#include "undistort/lens_follower.hpp"
 #include "undistort/orientation_tags.hpp"
 #include "undistort/output_event.hpp"
 #include "undistort/undistort_settings.hpp"
@@ -50,6 +52,7 @@ struct UndistortState : SharedSettings<UndistortSettings> {
 
   // Streaming thread, or before it starts.
   CalibrationInput input;
+  LensFollower lens;
   OrientationTags tags;
   FrameFormat in;  // as the caps say
   FrameFormat out;
@@ -79,6 +82,8 @@ struct UndistortState : SharedSettings<UndistortSettings> {
   void set_output_calibration(const std::string& json);
   // The calibration is that of the frames with the lens in them.
   void fit_input();
+  // Tells the input where the lens stands, and returns what the user should hear of it.
+  [[nodiscard]] std::vector<Error> follow_lens(const LensSettings& settings);
   void set_passthrough(bool passthrough);
   // Tells downstream, and whoever listens to `output-calibration`, what the frames from now on are.
   void announce();

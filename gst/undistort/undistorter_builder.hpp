@@ -25,6 +25,7 @@ class UndistorterBuilder {
   struct Key {
     int frames = 0;
     int camera = 0;
+    int lens = 0;  // that the camera has, wherever it stands: counted too
     ViewOptions view;
     bool distort = false;  // the frames that come in show the view
     friend bool operator==(const Key&, const Key&) = default;

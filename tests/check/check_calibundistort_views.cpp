@@ -6,12 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "animate.hpp"
 #include "undistort_fixture.hpp"
 
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>
-#include <gst/controller/gstdirectcontrolbinding.h>
-#include <gst/controller/gstinterpolationcontrolsource.h>
 
 using namespace calvin;
 using namespace calvin::check;
@@ -108,18 +107,6 @@ constexpr struct {
   double begin, end;
 } kAnimated[] = {
     {"pan", -25, 25}, {"tilt", 8, -8}, {"roll", 0, 20}, {"zoom", 1, 1.6}, {"alpha", 0, 0.7}};
-
-// A controller that takes the property from one value to the other within a second.
-static GstControlSource* animate(GstElement* element, const char* name, double begin, double end) {
-  GstControlSource* source = gst_interpolation_control_source_new();
-  g_object_set(source, "mode", GST_INTERPOLATION_MODE_LINEAR, nullptr);
-  gst_timed_value_control_source_set(GST_TIMED_VALUE_CONTROL_SOURCE(source), 0, begin);
-  gst_timed_value_control_source_set(GST_TIMED_VALUE_CONTROL_SOURCE(source), GST_SECOND, end);
-  fail_unless(gst_object_add_control_binding(
-      GST_OBJECT(element),
-      gst_direct_control_binding_new_absolute(GST_OBJECT(element), name, source)));
-  return source;
-}
 
 // Each frame is the one that an element makes whose properties stand still. `live`: also where a
 // worker might make maps.

@@ -14,15 +14,22 @@
 #include <filesystem>
 #include <string>
 
+#include <Eigen/LU>
+
 #include "calvin/camera/camera.hpp"
+#include "calvin/camera/zoom_interpolation.hpp"
 #include "calvin/core/file.hpp"
+#include "calvin/geometry/se3.hpp"
 #include "calvin/io/blueccal.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/camera_places.hpp"
 #include "calvin/io/key_list.hpp"
 #include "calvin/io/observations.hpp"
+#include "calvin/io/point_rows.hpp"
+#include "calvin/io/robot_poses.hpp"
 #include "calvin/io/settings.hpp"
+#include "calvin/io/zoom_io.hpp"
 #include "calvin/session/files/calibration_files.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin_config.h"
@@ -249,6 +256,56 @@ void light_text(std::string_view bytes) {
   }
 }
 
+// Rows of points and the columns that they name; and poses of a robot.
+void point_text(std::string_view bytes) {
+  const auto columns = parse_point_columns(bytes.substr(0, bytes.find('\n')));
+  require(columns || !columns.error().message.empty(), "an error has a message");
+  const auto rows = parse_point_rows(bytes, {}, "fuzzed");
+  require(rows || !rows.error().message.empty(), "an error has a message");
+  if (rows) {
+    require(!rows->empty(), "there is a row");
+    for (const PointRow& row : *rows) {
+      require(row.point || row.seen, "a row has a point or its place in a picture");
+      require(!row.seen || (std::isfinite(row.seen->u) && std::isfinite(row.seen->v)),
+              "a place in a picture is finite");
+      require(row.id.value_or(0) >= 0, "an id is no negative number");
+    }
+    const auto board = board_of_rows(*rows, "fuzzed");
+    require(board || !board.error().message.empty(), "an error has a message");
+    if (board) {
+      require(board->point_count() == static_cast<int>(rows->size()), "no point is lost");
+      for (const Eigen::Vector3d& p : board->points()) require(p.allFinite(), "a point is finite");
+    }
+  }
+  const auto poses = parse_robot_poses(bytes, "fuzzed");
+  require(poses || !poses.error().message.empty(), "an error has a message");
+  for (std::size_t p = 0; poses && p < poses->size(); ++p) {
+    const SE3 pose = to_se3((*poses)[p].base_from_hand);
+    require(pose.translation.allFinite(), "a place is finite");
+    require(std::abs(pose.rotation.determinant() - 1) < 1e-9, "a rotation is one");
+  }
+}
+
+// A table that is read is one that can be written, and has a calibration everywhere.
+void zoom_table(std::string_view bytes) {
+  const auto parsed = parse_zoom_table(bytes, "fuzzed");
+  require(parsed || !parsed.error().message.empty(), "an error has a message");
+  if (!parsed) return;
+  const auto printed = print_zoom_table(*parsed);
+  require(printed.has_value(), "a table that was read can be printed");
+  const auto again = parse_zoom_table(*printed);
+  require(again && print_zoom_table(*again).value() == *printed, "it is read again as the same");
+  const Calibration& first = parsed->settings.front().calibration;
+  const Calibration& last = parsed->settings.back().calibration;
+  for (const double t : {-0.5, 0.0, 0.3, 0.5, 0.9, 1.0, 2.0}) {
+    const LensPosition position = {*first.zoom + t * (*last.zoom - *first.zoom),
+                                   first.focus ? std::optional(*first.focus + t) : std::nullopt};
+    const auto found = interpolate(*parsed, position);
+    require_sound(found ? Result<Calibration>(found->calibration)
+                        : tl::unexpected<Error>(found.error()));
+  }
+}
+
 constexpr Target kTargets[] = {
     {"calibration", calibration},
     {"key_list", key_list},
@@ -258,6 +315,8 @@ constexpr Target kTargets[] = {
     {"observations", observations},
     {"observation_file", observation_file},
     {"light_text", light_text},
+    {"point_text", point_text},
+    {"zoom_table", zoom_table},
 };
 
 }  // namespace

@@ -37,13 +37,13 @@ ROOMS = ("core device geometry camera target io detect solve rig remap session d
 TESTS = {
     "core": "core file",
     "device": "lens",
-    "geometry": "geometry",
-    "camera": "camera usable_area",
+    "geometry": "geometry monotone_cubic",
+    "camera": "camera usable_area zoom_table",
     "target": "board",
-    "io": "io observations board_names light_io",
+    "io": "io observations board_names light_io rig_io zoom_io",
     "detect": "detect",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
-    "rig": "rig light solve_rig",
+    "rig": "rig light solve_rig left_out solve_zooming",
     "remap": "undistorter views remap rectification",
     "session": "corner_motion view_guide operator hint session calibration_session guided_capture "
     "refine_with_camera watch rig_session",
@@ -61,7 +61,7 @@ NEAR = {
     "target": "board_names board_drawing observations io",
     "io": "calibundistort_files calibsolve_settings",
     "detect": "refine_with_camera calibdetect",
-    "solve": "refine_with_camera calibsolve*",
+    "solve": "solve_zooming refine_with_camera calibsolve*",
     "rig": "rectification* rig_session calibrig*",
     "remap": "calibundistort*",
     "session": "overlay calibsolve* calibrig*",
@@ -85,13 +85,14 @@ NEAR_FILES = {
     "frame_timeline": "calibtestsrc*",
     "test_scene": "calibtestsrc*",
     "undistort_caps": "calibundistort_sizes calibundistort*",
-    "undistort_settings": "calibundistort_views calibundistort*",
+    "undistort_settings": "calibundistort_views calibundistort_zoom_device calibundistort*",
     "properties": "calibundistort bad_input calibundistort* states",
     "detector_properties": "calibdetect*",
     "undistort_properties": "calibundistort_files calibundistort*",
     "orientation_tags": "calibundistort_frames calibundistort*",
     "frame_planes": "calibundistort_chroma calibundistort_formats",
-    "frame_undistorter": "calibundistort_frames calibundistort_chroma",
+    "frame_undistorter": "calibundistort_frames calibundistort_chroma calibundistort_zoom",
+    "lens_follower": "calibundistort_zoom_device",
 }
 # Long, and random: they are no test of one thing.
 NEVER = {"check/random_walk"}

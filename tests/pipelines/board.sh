@@ -7,25 +7,8 @@
 set -eu
 board=$(realpath "$1")
 can_draw=${2-}
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-
-fail() {
-  echo "FAIL: $*" >&2
-  exit 1
-}
-
-# expect STATUS WORDS COMMAND...: the exit status, and words among what it prints.
-expect() {
-  status=$1
-  words=$2
-  shift 2
-  got=0
-  "$@" >out 2>&1 || got=$?
-  [ "$got" = "$status" ] || fail "$* left with $got, not $status: $(cat out)"
-  grep -q -- "$words" out || fail "$* did not say '$words': $(cat out)"
-}
+# shellcheck source=tests/pipelines/program.sh
+. "$(dirname "$0")/program.sh"
 
 expect 0 'boards.json#floor' "$board" add boards.json floor checkerboard:9x6:2.5cm
 expect 0 'boards.json#wall' "$board" add boards.json wall checkerboard:7x5:30mm

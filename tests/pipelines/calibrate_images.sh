@@ -5,22 +5,12 @@
 # The example program `calibrate-images` as users type it. Argument: the program.
 set -eu
 images=$(realpath "$1")
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-
-fail() {
-  echo "FAIL: $*" >&2
-  exit 1
-}
+# shellcheck source=tests/pipelines/program.sh
+. "$(dirname "$0")/program.sh"
 
 # refused WORDS OUTPUT: says so before any picture has been looked at.
 refused() {
-  words=$1
-  got=0
-  "$images" --output "$2" pictures >out 2>&1 || got=$?
-  [ "$got" = 1 ] || fail "--output $2 left with $got: $(cat out)"
-  grep -q -- "$words" out || fail "--output $2 did not say '$words': $(cat out)"
+  expect 1 "$1" "$images" --output "$2" pictures
   ! grep -q 'corners' out || fail "--output $2 is refused after the work: $(cat out)"
 }
 

@@ -5,25 +5,8 @@
 # The example program `export-warp` as users type it. Argument: the program.
 set -eu
 warp=$(realpath "$1")
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-
-fail() {
-  echo "FAIL: $*" >&2
-  exit 1
-}
-
-# expect STATUS WORDS COMMAND...: the exit status, and words among what it prints.
-expect() {
-  status=$1
-  words=$2
-  shift 2
-  got=0
-  "$@" >out 2>&1 || got=$?
-  [ "$got" = "$status" ] || fail "$* left with $got, not $status: $(cat out)"
-  grep -q -- "$words" out || fail "$* did not say '$words': $(cat out)"
-}
+# shellcheck source=tests/pipelines/program.sh
+. "$(dirname "$0")/program.sh"
 
 camera=fx=480,fy=478,cx=325,cy=236,k1=-0.28,k2=0.09,width=640,height=480
 printf '{"format": "calvin-calibration", "version": 1, "image_size": [640, 480], "model": "fisheye",

@@ -5,25 +5,8 @@
 # The example program `light` as users type it. Argument: the program.
 set -eu
 light=$(realpath "$1")
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-
-fail() {
-  echo "FAIL: $*" >&2
-  exit 1
-}
-
-# expect STATUS WORDS COMMAND...: the exit status, and words among what it prints.
-expect() {
-  status=$1
-  words=$2
-  shift 2
-  got=0
-  "$@" >out 2>&1 || got=$?
-  [ "$got" = "$status" ] || fail "$* left with $got, not $status: $(cat out)"
-  grep -q -- "$words" out || fail "$* did not say '$words': $(cat out)"
-}
+# shellcheck source=tests/pipelines/program.sh
+. "$(dirname "$0")/program.sh"
 
 # What four pinholes in the corners of a room see of a light: files of observations, and the same in
 # a folder as BlueCCal has it. Every seventh sighting of cam2 is a reflection, every fifth of cam1
@@ -59,9 +42,12 @@ awk 'BEGIN {
 
 expect 0 'Lengths have no unit' "$light" rig.json cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
 grep -q '"world": "cam0"' rig.json || fail 'the first camera is not the rig'
+grep -q '"unit": "none"' rig.json || fail 'the file does not say that lengths have no unit'
+! grep -q ' mm' out || fail "lengths without a unit are printed in mm: $(cat out)"
 grep -q "'cam3'.*f \(59[5-9]\|60[0-5]\)" out || fail "focal lengths: $(cat out)"
 expect 0 'from where they were known to be' "$light" --places places.txt rig.json cam0.jsonl cam1.jsonl cam2.jsonl cam3.jsonl
 grep -q '"world": "places"' rig.json || fail 'the rig is not where it was said to be'
+! grep -q '"unit"' rig.json || fail 'metres have a unit of their own'
 grep -q "'cam1' at -2[34]..\.. 2[01]..\.. -[23]..\.. mm" out || fail "places: $(cat out)"
 expect 0 'mean error' "$light" rig.json blueccal/
 expect 0 "'cam1' at" "$light" --calibration cam0=cam0.json --calibration cam1=cam1.json rig.json cam0.jsonl cam1.jsonl

@@ -5,25 +5,8 @@
 # The example program `rig` as users type it. Argument: the program.
 set -eu
 rig=$(realpath "$1")
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-
-fail() {
-  echo "FAIL: $*" >&2
-  exit 1
-}
-
-# expect STATUS WORDS COMMAND...: the exit status, and words among what it prints.
-expect() {
-  status=$1
-  words=$2
-  shift 2
-  got=0
-  "$@" >out 2>&1 || got=$?
-  [ "$got" = "$status" ] || fail "$* left with $got, not $status: $(cat out)"
-  grep -q -- "$words" out || fail "$* did not say '$words': $(cat out)"
-}
+# shellcheck source=tests/pipelines/program.sh
+. "$(dirname "$0")/program.sh"
 
 # A pinhole, and what it sees from X m to the right of the first one, MS later, of a board (the
 # text after board=) that moves unless STILL is 1.

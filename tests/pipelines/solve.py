@@ -8,11 +8,12 @@ import math
 import os
 import pathlib
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
 
-program = sys.argv[1]
+program = sys.argv[1]  # and whether it reads pictures: opencv or no-opencv
 failed = []
 
 
@@ -61,7 +62,7 @@ def simulated(folder):
     box.write_text("\n".join(rows) + "\n")
     for options in ([], ["--method", "dlt"], ["--method", "tsai"], ["--method", "dlt", "--no-refine"]):
         result = folder / "box.json"
-        out = run(result, box, "--size", "640x480", "--model", "pinhole", *options, says="view box.txt: 60 points")
+        out = run(result, box, "--size", "640x480", "--model", "pinhole", *options, says="view 0, box.txt: 60 points")
         p = parameters(result)
         near(f"fx of {options}", p["fx"], 900, 5)
         near(f"cx of {options}", p["cx"], 320, 5)
@@ -71,6 +72,45 @@ def simulated(folder):
     run(folder / "box.json", box, "--size", "640x480", "--fix", "fx=900,fy=900", "--camera", "left", says="left 640x480")
     near("fx held", parameters(folder / "box.json")["fx"], 900, 0)
     return box
+
+
+# A plane of 5 x 4 points through a lens that zooms from 800 to 2400 px, tilted to another side in each view.
+def zooming(folder):
+    random.seed(6)
+    files = []
+    for n in range(6):
+        f = 800 * 3 ** (n / 5)
+        tilt = [(0.6, 0.3), (-0.5, 0.5), (0.4, -0.7), (-0.6, -0.4), (0.1, 0.7), (0.7, -0.1)][n]
+        rows = ["# unit: mm", "X Y u v"]
+        for x in range(-2, 3):
+            for y in range(-1, 3):
+                px, py, pz = 40 * x, 40 * y, 0
+                c, s = math.cos(tilt[0]), math.sin(tilt[0])
+                px, pz = c * px + s * pz, -s * px + c * pz
+                c, s = math.cos(tilt[1]), math.sin(tilt[1])
+                py, pz = c * py - s * pz, s * py + c * pz
+                pz += 0.6 * f
+                u = 326 + f * px / pz + random.gauss(0, 0.02)
+                v = 235 + f * py / pz + random.gauss(0, 0.02)
+                rows.append(f"{40 * x} {40 * y} {u} {v}")
+        files.append(folder / f"zoom{n}.txt")
+        files[-1].write_text("\n".join(rows) + "\n")
+    result = folder / "zoom.json"
+    size = ["--size", "640x480", "--method", "sturm-maybank"]
+    for options in (["--fix", "aspect"], ["--fix", "aspect", "--no-refine"]):
+        run(result, *files, *size, *options, says="view 5 (zoom5.txt): fx 2")
+        table = json.loads(result.read_text())
+        near("settings", len(table["settings"]), 6, 0)
+        for n, setting in enumerate(table["settings"]):
+            near("the position", setting["zoom"], n, 0)
+            p = setting["calibration"]["parameters"]
+            near(f"fx of {options}, view {n}", p["fx"] / (800 * 3 ** (n / 5)), 1, 0.02)
+            near(f"cx of {options}", p["cx"], 326, 8)
+    run(folder / "one.json", files[0], *size, "--fix", "aspect,center", says="view 0 (zoom0.txt): fx 8")
+    near("fx of one view", parameters(folder / "one.json")["fx"], 800, 30)
+    run(result, files[0], *size, code=1, says="takes 3 views")
+    run(result, *files, *size, "--fix", "k1", code=1, says="center and aspect alone")
+    run(result, *files, *size, "--model", "fisheye", code=1, says="calvin-zoom")
 
 
 def refusals(folder, box):
@@ -173,13 +213,6 @@ def straightness(out):
     return float(line.split("rms ")[1].split()[0]), float(line.split(", ")[-1].split()[0])
 
 
-# Whether the program was built with OpenCV.
-def reads_pictures(folder):
-    (folder / "none").mkdir()
-    ran = subprocess.run([program, folder / "none.json", folder / "none"], capture_output=True, text=True)
-    return "built without OpenCV" not in ran.stderr
-
-
 def launch(line):
     ran = subprocess.run(["gst-launch-1.0", "-q", *line.split()], capture_output=True, text=True)
     if ran.returncode:
@@ -252,22 +285,58 @@ def discorpy(data, folder):
              undistorted(result, pictures / f"{picture}.jpg", "jpegdec", board, folder), 0, 0.15)
 
 
+# A folder of pictures: each view has the name of its file and the number by which it is dropped, and
+# points are on the board as it is bent.
+def pictures(folder, left):
+    pictures_of = folder / "pictures"
+    pictures_of.mkdir()
+    for file in left:
+        shutil.copy(file, pictures_of)
+    result = folder / "pictures.json"
+    given = ["--board", "checkerboard:9x6:30mm"]
+    out = run(result, pictures_of, *given, says="view 4, left05.jpg: 54 points")
+    if "warp" not in json.loads(result.read_text()):
+        failed.append("the board is not bent")
+    for view in views(out):
+        if not view["mean"] <= view["rms"] + 1e-4:
+            failed.append(f"the mean {view['mean']} is more than the rms {view['rms']}")
+    out = run(result, pictures_of, *given, "--drop", "0,4", says="view 3, left04.jpg: 54 points")
+    if "left05.jpg" in out or "view 5, left06.jpg" not in out:
+        failed.append(f"left05.jpg was not left out:\n{out}")
+
+
+# OpenCV's samples, or those of Debian's opencv-doc.
+def left_pictures(data):
+    for folder in (data and pathlib.Path(data) / "opencv-samples", pathlib.Path("/usr/share/doc/opencv-doc/examples/data")):
+        found = sorted(folder.glob("left[0-9]*.jpg")) if folder else []
+        if found:
+            return found
+    return []
+
+
 def main():
     data = os.environ.get("CALVIN_DATA", "")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         box = simulated(folder)
         refusals(folder, box)
-        pictures = reads_pictures(folder)
-        if pictures:
+        zooming(folder)
+        if sys.argv[2] == "opencv":
             rendered(folder)
         for check, needs in ((zhang, "zhang"), (tsai, "tsai-cube-bailus"), (myptv, "points3d-myptv"), (discorpy, "discorpy")):
-            if needs == "discorpy" and not pictures:
-                print("this calvin-solve reads no pictures: discorpy is left out")
+            if check is discorpy and sys.argv[2] != "opencv":
+                print("built without OpenCV, which reads pictures: discorpy is left out")
             elif data and (pathlib.Path(data) / needs).is_dir():
                 check(pathlib.Path(data), folder)
             else:
                 print(f"CALVIN_DATA does not name a folder with {needs}: left out")
+        left = left_pictures(data)
+        if sys.argv[2] != "opencv":
+            print("built without OpenCV, which reads pictures: left out")
+        elif not left:
+            print("neither CALVIN_DATA nor opencv-doc has OpenCV's pictures: left out")
+        else:
+            pictures(folder, left)
     print("\n".join(failed))
     return 1 if failed else 0
 

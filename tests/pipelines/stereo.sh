@@ -5,30 +5,19 @@
 set -eu
 source=$1
 export CALVIN_BUILD="$2"
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
+# shellcheck source=tests/pipelines/program.sh
+. "$(dirname "$0")/program.sh"
 
-fails() { echo "FAILED: $1"; exit 1; }
-
-pictures=${CALVIN_DATA:-}/opencv-samples
 set --
-if [ -d "$pictures" ]; then
-  for camera in left right; do
-    mkdir "$folder/$camera"
-    cp "$pictures/$camera"[0-9]*.jpg "$folder/$camera"
-  done
-  set -- "$folder/left" "$folder/right"
-fi # else Debian's package is fetched, as on any machine
-CALVIN_OUTPUT=$folder/out "$source/examples/stereo.sh" "$@" >"$folder/log" || {
-  cat "$folder/log"; fails "stereo.sh"; }
-cat "$folder/log"
+if copy_pair; then set -- "$folder/left" "$folder/right"; fi
+export CALVIN_OUTPUT="$folder/result"
 # Bouguet has published 99.8 mm.
-grep -Eq "'left' and 'right': (99|100)\.[0-9] mm apart" "$folder/log" || fails "another distance"
-grep -Eq "corners within 0\.[0-3][0-9]* px of the rows of each other" "$folder/log" ||
-  fails "rows of the pair are not the same"
-[ "$(find "$folder/out" -maxdepth 1 -name 'pair*.png' | wc -l)" = 13 ] || fails "not all pairs"
+expect 0 "'left' and 'right': \(99\|100\)\.[0-9] mm apart" "$source/examples/stereo.sh" "$@"
+cat out
+grep -Eq "corners within 0\.[0-3][0-9]* px of the rows of each other" out ||
+  fail "rows of the pair are not the same"
+[ "$(find result -maxdepth 1 -name 'pair*.png' | wc -l)" = 13 ] || fail "not all pairs"
 # Width and height of a PNG.
-size=$(od -An -j16 -N8 -tu1 "$folder/out/pair01.png" | tr -s ' ')
-[ "$size" = " 0 0 5 0 0 0 1 224" ] || fails "a pair is not of 1280x480 but$size"
-"$source/examples/stereo.sh" one >"$folder/log" 2>&1 && fails "one argument is taken"
-grep -q "LEFT RIGHT" "$folder/log" || fails "wrong usage is not told"
+size=$(od -An -j16 -N8 -tu1 result/pair01.png | tr -s ' ')
+[ "$size" = " 0 0 5 0 0 0 1 224" ] || fail "a pair is not of 1280x480 but$size"
+expect 2 'LEFT RIGHT' "$source/examples/stereo.sh" one

@@ -5,30 +5,19 @@
 set -eu
 source=$1
 export CALVIN_BUILD="$2"
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
+# shellcheck source=tests/pipelines/program.sh
+. "$(dirname "$0")/program.sh"
 
-fails() { echo "FAILED: $1"; exit 1; }
-
-pictures=${CALVIN_DATA:-}/opencv-samples
 set --
-if [ -d "$pictures" ]; then
-  for camera in left right; do
-    mkdir "$folder/$camera"
-    cp "$pictures/$camera"[0-9]*.jpg "$folder/$camera"
-  done
-  set -- checkerboard:9x6:30mm "$folder/left" "$folder/right"
-fi # else Debian's package is fetched, as on any machine
-CALVIN_OUTPUT=$folder/out "$source/examples/workflow.sh" "$@" >"$folder/log" || {
-  cat "$folder/log"; fails "workflow.sh"; }
-cat "$folder/log"
+if copy_pair; then set -- checkerboard:9x6:30mm "$folder/left" "$folder/right"; fi
+export CALVIN_OUTPUT="$folder/result"
 # Bouguet has published 99.8 mm for the pair; one picture of each camera tells it less exactly.
-grep -Eq "'left' and 'right': (9[89]|10[01])\.[0-9] mm apart" "$folder/log" || fails "another distance"
+expect 0 "'left' and 'right': \(9[89]\|10[01]\)\.[0-9] mm apart" "$source/examples/workflow.sh" "$@"
+cat out
 for camera in left right; do
-  [ -s "$folder/out/$camera/camera.json" ] || fails "no calibration of $camera"
-  [ "$(find "$folder/out/$camera" -name 'undistorted-*.png' | wc -l)" = 13 ] || fails "not all pictures of $camera"
+  [ -s "result/$camera/camera.json" ] || fail "no calibration of $camera"
+  [ "$(find "result/$camera" -name 'undistorted-*.png' | wc -l)" = 13 ] || fail "not all pictures of $camera"
 done
-grep -q '"world": "board"' "$folder/out/rig.json" || fails "the board is not the world"
-[ -s "$folder/out/cameras.png" ] || fails "no view of the cameras"
-"$source/examples/workflow.sh" checkerboard:9x6:30mm >"$folder/log" 2>&1 && fails "a board alone is taken"
-grep -q "BOARD FOLDER" "$folder/log" || fails "wrong usage is not told"
+grep -q '"world": "board"' result/rig.json || fail "the board is not the world"
+[ -s result/cameras.png ] || fail "no view of the cameras"
+expect 2 'BOARD FOLDER' "$source/examples/workflow.sh" checkerboard:9x6:30mm

@@ -27,6 +27,11 @@ LensTraits traits_of() {
   } else {
     traits.neutral.resize(traits.coefficients.size());
   }
+  if constexpr (requires { Lens::kOrders; }) {
+    traits.orders = {Lens::kOrders.begin(), Lens::kOrders.end()};
+  } else {
+    traits.orders.resize(traits.coefficients.size());
+  }
   traits.typical = {Lens::kTypical.begin(), Lens::kTypical.end()};
   traits.glsl = Lens::glsl();
   return traits;

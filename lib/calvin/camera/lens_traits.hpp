@@ -35,6 +35,10 @@ struct LensTraits {
   // of a pinhole, or of a fisheye lens that maps angles evenly. What is held at nothing is held
   // here.
   std::vector<double> neutral;
+  // The power of the focal length (px) by which each coefficient has to grow, so that it goes on
+  // moving the same pixels by as many: 2 of k1, whose share is k1 (R / f)^2 at R px from the
+  // principal point. 0 where a coefficient is no such term of a series.
+  std::vector<int> orders;
   // Between these lies each coefficient of common lenses.
   std::vector<CoefficientRange> typical;
   // Statements in GLSL that declare `float x` and `float y`, the distorted point of the direction

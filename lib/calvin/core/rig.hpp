@@ -28,6 +28,8 @@ struct Rig {
   std::vector<RigCamera> cameras;
   // The name of the camera whose frame is the rig's, kBoardWorld or kPlacesWorld.
   std::string world;
+  // Whether lengths are metres. Else they have no unit: a light tells places up to a common factor.
+  bool is_metric = true;
   std::optional<double> rms;            // px, of all corners
   std::uint64_t pairing_tolerance = 0;  // ns: pictures no farther apart were taken for one instant
 };

@@ -73,4 +73,15 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return all;
 }
 
+std::vector<std::string_view> fields_of(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (const std::string_view part : split(line, ',')) {
+    for (const std::string_view field : split(part, ';')) {
+      const auto all = words_of(field);
+      fields.insert(fields.end(), all.begin(), all.end());
+    }
+  }
+  return fields;
+}
+
 }  // namespace calvin

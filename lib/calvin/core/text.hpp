@@ -25,6 +25,8 @@ namespace calvin {
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
 // The fields between white space; none in "".
 [[nodiscard]] std::vector<std::string_view> words_of(std::string_view text);
+// The fields of a row of a table: between white space, commas and semicolons; none in "".
+[[nodiscard]] std::vector<std::string_view> fields_of(std::string_view line);
 // What split() takes apart: the parts, a separator between each two.
 template <typename Range>
 [[nodiscard]] std::string join(const Range& parts, std::string_view separator) {

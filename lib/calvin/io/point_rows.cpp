@@ -102,17 +102,6 @@ Columns by_count(std::size_t numbers) {
   }
 }
 
-std::vector<std::string_view> fields_of(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (const std::string_view part : split(line, ',')) {
-    for (const std::string_view field : split(part, ';')) {
-      const auto all = words_of(field);
-      fields.insert(fields.end(), all.begin(), all.end());
-    }
-  }
-  return fields;
-}
-
 class RowReader {
  public:
   explicit RowReader(const PointRowsFormat& format)

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::string_view kFormat = "calvin-rig";
 constexpr int kVersion = 1;
+constexpr std::string_view kNoUnit = "none";
 constexpr std::size_t kPose = 6;
 
 // ---- Reading ------------------------------------------------------------------------------------
@@ -38,6 +39,15 @@ RigCamera read_rig_camera(Fields fields) {
   camera.rms = fields.optional_number("rms");
   check_place(fields, "rig_from_camera", camera.rig_from_camera, "covariance", camera.covariance);
   return camera;
+}
+
+// Absent: metres.
+void read_unit(Fields& fields, Rig& rig) {
+  const Node* unit = fields.find("unit");
+  if (unit == nullptr) return;
+  rig.is_metric = false;
+  if (unit->kind == Node::Kind::kString && unit->text == kNoUnit) return;
+  fields.complain("unit", "is \"none\" where lengths have none, and absent where they are metres");
 }
 
 void read_cameras(Fields& fields, std::optional<Error>& problem, Rig& rig) {
@@ -92,6 +102,7 @@ Result<Rig> read_native_rig(const Node& root) {
   Rig rig;
   if (!problem) read_cameras(fields, problem, rig);
   rig.world = fields.optional_string("world");
+  read_unit(fields, rig);
   rig.rms = fields.optional_number("rms");
   rig.pairing_tolerance = fields.optional_time("pairing_tolerance_ns").value_or(0);
   if (problem) return tl::unexpected(*problem);
@@ -109,6 +120,7 @@ Result<std::string> print_native_rig(const Rig& rig) {
   map.put("format", text_node(kFormat));
   map.put("version", integer_node(kVersion));
   map.put("world", text_node(rig.world));
+  if (!rig.is_metric) map.put("unit", text_node(kNoUnit));
   map.put("rms", rig.rms);
   map.put("pairing_tolerance_ns", integer_node(rig.pairing_tolerance));
   map.put("cameras", std::move(cameras));

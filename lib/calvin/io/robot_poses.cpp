@@ -136,17 +136,6 @@ class PoseReader {
   [[nodiscard]] std::vector<RobotPose> take() { return std::move(poses_); }
 
  private:
-  static std::vector<std::string_view> fields_of(std::string_view line) {
-    std::vector<std::string_view> fields;
-    for (const std::string_view part : split(line, ',')) {
-      for (const std::string_view field : split(part, ';')) {
-        const auto all = words_of(field);
-        fields.insert(fields.end(), all.begin(), all.end());
-      }
-    }
-    return fields;
-  }
-
   static Result<double> number(std::string_view field) {
     const auto value = parse_double(field);
     if (value) return *value;

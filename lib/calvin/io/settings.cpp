@@ -6,6 +6,7 @@
 
 #include "calvin/io/settings.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -15,6 +16,7 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/key_list.hpp"
 #include "calvin/io/rig_io.hpp"
+#include "calvin/io/zoom_io.hpp"
 
 namespace calvin {
 
@@ -63,10 +65,12 @@ Result<Calibration> parse_calibration_setting(std::string_view text) {
 Result<CameraSetting> parse_camera_setting(std::string_view text) {
   const Setting kind = kind_of(text);
   if (kind == Setting::kText && is_rig(text)) return parse_rig(text);
+  if (kind == Setting::kText && is_zoom_table(text)) return parse_zoom_table(text);
   if (kind == Setting::kFile) {
     const std::filesystem::path path(text);
-    const auto content = read_file(path.string(), kMaxRigBytes);
+    const auto content = read_file(path.string(), std::max(kMaxRigBytes, kMaxZoomBytes));
     if (content && is_rig(*content)) return parse_rig(*content, path.string());
+    if (content && is_zoom_table(*content)) return parse_zoom_table(*content, path.string());
   }
   return parse_calibration_setting(text);
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <variant>
 
+#include "calvin/camera/zoom_table.hpp"
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/core/rig.hpp"
@@ -19,9 +20,9 @@ namespace calvin {
 // the caller may wait for it. Other errors as of parse_calibration() and read_calibration().
 [[nodiscard]] Result<Calibration> parse_calibration_setting(std::string_view text);
 
-// The same, for an element that knows what to do with the cameras of a rig: its JSON or its file.
-// Other errors as of parse_rig() and read_rig().
-using CameraSetting = std::variant<Calibration, Rig>;
+// The same, for an element that knows what to do with the cameras of a rig and with the settings of
+// a zoom table: their JSON or their file. Other errors as of parse_rig() and parse_zoom_table().
+using CameraSetting = std::variant<Calibration, Rig, ZoomTable>;
 [[nodiscard]] Result<CameraSetting> parse_camera_setting(std::string_view text);
 
 // Whether the text is (or will be) the path of a file, rather than a calibration in itself: then it

@@ -23,6 +23,7 @@
 #include "calvin/rig/light/light_refinement.hpp"
 #include "calvin/solve/uncertainty.hpp"
 #include "calvin/solve/view.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
@@ -30,7 +31,6 @@ namespace {
 
 constexpr std::size_t kFewestInstants = 20;  // as the original asks for
 constexpr Eigen::Index kPose = 6;
-constexpr const char* kDot = "dot";  // the board text of a light
 
 tl::unexpected<Error> invalid(std::string message) {
   return make_error(ErrorCode::kInvalidArgument, std::move(message));
@@ -149,9 +149,9 @@ class Report {
       auto alignment = rig::align(rig_from_camera_, places);
       if (!alignment) return tl::unexpected(alignment.error());
       alignment_ = *std::move(alignment);
-      solution_.is_metric = true;
       solution_.places_rms = alignment_.rms;
     }
+    solution_.rig.is_metric = !places.empty();
     to_world();
     set_covariance(places);
     set_errors();
@@ -262,7 +262,7 @@ class Report {
     Calibration found;
     found.image_size = cameras_[c].image_size;
     found.model = table_.model(c);
-    found.board = kDot;
+    found.board = PointLight().text();
     found.rms = solution_.errors[c].rms;
     const std::vector<int> free = estimated(c);
     const ParameterRange range = table_.intrinsics(c);
@@ -317,7 +317,7 @@ class Report {
           "and a lens of too few coefficients.",
           solution_.scatter));
     }
-    if (solution_.is_metric) return;
+    if (solution_.rig.is_metric) return;
     solution_.remarks.emplace_back(
         "Lengths have no unit: 1 is the distance between the first camera and the one farthest "
         "from it. The places of two cameras give the unit, those of three the frame.");

@@ -25,10 +25,9 @@ struct LightCameraErrors {
 };
 
 struct LightSolution {
-  // In the units of LightOptions::places. The calibrations have sigmas, covariance and the promise;
-  // a calibration that was given is there as it was.
+  // In the units of LightOptions::places; without places it is not metric. The calibrations have
+  // sigmas, covariance and the promise; a calibration that was given is there as it was.
   Rig rig;
-  bool is_metric = false;                                    // else lengths have no unit
   std::vector<std::optional<std::array<double, 3>>> points;  // of the light, per instant, rig
   std::vector<std::vector<bool>> used;                       // per camera and instant
   std::vector<LightCameraErrors> errors;                     // per camera

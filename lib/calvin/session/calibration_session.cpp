@@ -96,7 +96,7 @@ bool CalibrationSession::first_complaint() { return !std::exchange(complained_, 
 Offered CalibrationSession::offer(const Observation& observation, const FrameTimes& times,
                                   std::size_t place) {
   Offered offered;
-  drop_stale_guide(observation.timestamp);
+  leave_stale_target(observation.timestamp);
   if (observation.timestamp != kNoTimestamp) newest_ = observation.timestamp;
   solve_with_readout();
   if (!observation.found()) {
@@ -292,7 +292,7 @@ void CalibrationSession::begin_session() {
   writes_.reset();
   guide_.reset();
   missed_.clear();
-  accepted_at_ = kNoTimestamp;
+  accepted_at_ = asked_at_ = kNoTimestamp;
   verdict_until_ = kNoTimestamp;
   waits_for_readout_ = false;
   capture_ = {};

@@ -167,7 +167,7 @@ class CalibrationSession {
   void reported(const SolveJob& job);
 
   // The guide that was made after the solve of that job; null where there is none.
-  void guided(const SolveJob& job, std::shared_ptr<const ViewGuide> guide);
+  void guided(const SolveJob& job, std::shared_ptr<ViewGuide> guide);
 
   // The newest solution.
   [[nodiscard]] const std::optional<Calibration>& calibration() const noexcept {
@@ -236,8 +236,10 @@ class CalibrationSession {
   void guide_from(const View& view);
   // A view was taken: whether it was of what the guide asked for.
   void note_missed();
-  // Asks for something else where nobody has got to the target for long.
-  void drop_stale_guide(std::uint64_t now);
+  void miss_target();
+  // Asks for something else where a board that is brought to the target gets lost on the way, and
+  // where nobody has got there for long.
+  void leave_stale_target(std::uint64_t now);
   // The setting that ends the capture with what is there, or nothing.
   [[nodiscard]] std::string_view limit_reached() const;
   // What is solved and written is not what the session wants any more.
@@ -284,9 +286,10 @@ class CalibrationSession {
   std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
   int frames_without_board_ = 0;  // that showed others, since it was seen
   Hint hint_;
-  std::shared_ptr<const ViewGuide> guide_;  // after the newest solve
-  double share_ = 0;                        // ViewGuide::share() of the newest observation
-  ViewGuide::Views missed_;                 // the newest views that were asked for in vain
+  std::shared_ptr<ViewGuide> guide_;       // after the newest solve
+  std::uint64_t asked_at_ = kNoTimestamp;  // timestamp since which its target is asked for
+  double share_ = 0;                       // ViewGuide::share() of the newest observation
+  ViewGuide::Views missed_;                // the newest views that were asked for in vain
   GuidedCapture capture_;
   std::uint64_t accepted_at_ = kNoTimestamp;  // timestamp of the newest view
   std::uint64_t hint_since_ = kNoTimestamp;   // timestamp at which the hint last changed

@@ -24,19 +24,35 @@ ViewWorth CalibrationSession::worth(const View& view) {
 // The view that tells most may be one that a hand does not get to: whoever another view was taken
 // of for want of it is asked for something else next.
 void CalibrationSession::note_missed() {
-  constexpr double kFar = 0.25;     // of what the target tells: less was nowhere near it
+  constexpr double kFar = 0.25;  // of what the target tells: less was nowhere near it
+  if (guide_ && share_ < kFar) miss_target();
+}
+
+void CalibrationSession::miss_target() {
   constexpr std::size_t kMost = 3;  // then the first one may be asked for again
-  if (!guide_ || !guide_->target_view() || share_ >= kFar) return;
+  if (!guide_->target_view()) return;
   missed_.push_back(guide_->target_view());
   if (missed_.size() > kMost) missed_.erase(missed_.begin());
 }
 
-// A camera that is known badly may ask for what it cannot see.
-void CalibrationSession::drop_stale_guide(std::uint64_t now) {
-  constexpr std::uint64_t kLong = 10'000'000'000;  // ns
-  const bool known = now != kNoTimestamp && accepted_at_ != kNoTimestamp && now >= accepted_at_;
-  if (!guide_ || !known || now - accepted_at_ < kLong || !hint_.target) return;
-  guide_.reset();
+void CalibrationSession::leave_stale_target(std::uint64_t now) {
+  constexpr std::uint64_t kTry = 5'000'000'000;  // ns, in which a hand gets there the second time
+  constexpr std::uint64_t kLost = 700'000'000;   // ns, longer than a board is lost while it moves
+  if (!guide_ || !hint_.target || now == kNoTimestamp) return;
+  const auto is_past = [now](std::uint64_t since, std::uint64_t time) {
+    return since != kNoTimestamp && now >= since && now - since >= time;
+  };
+  if (!is_past(times_.timestamp, kLost) || !is_past(asked_at_, kTry)) return;
+  if (guide_->has_another()) {
+    miss_target();
+    guide_->ask_for_another();
+    share_ = 0;
+    asked_at_ = now;
+    capture_.change_target(now);
+  } else {
+    // A camera that is known badly may ask for what it cannot see.
+    guide_.reset();
+  }
   renew_hint();
 }
 

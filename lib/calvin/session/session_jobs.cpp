@@ -24,12 +24,12 @@ Result<Solution> solve_job(const SolveJob& job, const std::stop_token& stop) {
   return solution;
 }
 
-std::shared_ptr<const ViewGuide> guide_job(const SolveJob& job, const Solution& solution) {
+std::shared_ptr<ViewGuide> guide_job(const SolveJob& job, const Solution& solution) {
   if (!job.next_board) return nullptr;
   const auto camera = Camera::make(solution.calibration);
   if (!camera) return nullptr;
   auto guide = ViewGuide::make(*camera, job.options, job.views, *job.next_board, job.missed);
-  return guide ? std::make_shared<const ViewGuide>(*std::move(guide)) : nullptr;
+  return guide ? std::make_shared<ViewGuide>(*std::move(guide)) : nullptr;
 }
 
 }  // namespace calvin

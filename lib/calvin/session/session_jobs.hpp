@@ -70,7 +70,6 @@ struct JournalEntry {
 [[nodiscard]] Result<Solution> solve_job(const SolveJob& job, const std::stop_token& stop);
 
 // Likewise: which view to ask for after that solution. Null where nobody is guided.
-[[nodiscard]] std::shared_ptr<const ViewGuide> guide_job(const SolveJob& job,
-                                                         const Solution& solution);
+[[nodiscard]] std::shared_ptr<ViewGuide> guide_job(const SolveJob& job, const Solution& solution);
 
 }  // namespace calvin

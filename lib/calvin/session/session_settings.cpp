@@ -14,6 +14,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/io/board_names.hpp"
 #include "calvin/io/settings.hpp"
+#include "calvin/solve/methods/methods.hpp"
 
 namespace calvin {
 
@@ -48,8 +49,18 @@ Status read_board(SessionPlan& plan) {
   return {};
 }
 
+// A session gathers several views.
+Status takes_several_views(std::string_view method) {
+  if (!takes_one_view(method)) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("method={} takes one view, and several are gathered here: set one "
+                                "of {}, or calibrate from one view with calvin-solve --method {}.",
+                                method, join(methods_of_several_views(), ", "), method));
+}
+
 Status read_lens(SessionPlan& plan) {
   const SessionSettings& settings = plan.settings;
+  if (const Status several = takes_several_views(settings.method); !several) return several;
   plan.options.model = settings.model;
   plan.options.method = settings.method;
   plan.options.skew = settings.skew;

@@ -85,12 +85,13 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
   return Published{better, writes_.waiting(), progress(), reached};
 }
 
-void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<const ViewGuide> guide) {
+void CalibrationSession::guided(const SolveJob& job, std::shared_ptr<ViewGuide> guide) {
   // Since the search began the user may have asked for another mode, or shown another board.
   const bool wanted = views_.options().mode == CaptureMode::kAuto && !finished_ &&
                       (!board_ || board_ == job.next_board);
   if (!is_current(job.origin) || !wanted) return;
   guide_ = std::move(guide);
+  asked_at_ = newest_;
   share_ = 0;
   capture_.restart(times_.timestamp);
   end_at_limit();

@@ -30,8 +30,9 @@ struct SolveOptions {
   int max_iterations = 100;     // of each least-squares solve
   bool reject_outliers = true;  // false: plain least squares over all corners
 
-  // A method of older tools (docs/methods.md) to start from: "bakstein", "dlt", "tsai", "zhang"; or
-  // "discorpy", for the distortion alone, which is the whole solve. Empty: starts are searched.
+  // One of the methods of the tools that came before (docs/methods.md), from which the solve
+  // starts, as "zhang", or which is all of it, as "discorpy"; check() says which there are. Empty:
+  // starts are searched.
   std::string method;
   // False: what `method` finds by itself, in its own model, without the least squares after it.
   bool refine = true;

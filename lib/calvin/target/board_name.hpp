@@ -5,6 +5,7 @@
 // Internal.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -12,9 +13,14 @@
 
 namespace calvin {
 
+// Bytes, of the name of a board in a file of boards, and of the file of a board's points.
+inline constexpr std::size_t kLongestBoardName = 64;
+inline constexpr std::size_t kLongestPointsPath = 4096;
+
 // kInvalidArgument for a name that could not stand in the text of boards, a file or a message:
-// names have 1 to 64 bytes of UTF-8 without control characters and what separates boards.
-[[nodiscard]] Status check_board_name(std::string_view name);
+// names have 1 to `longest` bytes of UTF-8 without control characters and what separates boards.
+[[nodiscard]] Status check_board_name(std::string_view name,
+                                      std::size_t longest = kLongestBoardName);
 
 // m -> "25mm", to a nanometre; parse_length() in target/board.hpp reads it.
 [[nodiscard]] std::string length_text(double metres);

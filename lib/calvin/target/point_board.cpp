@@ -88,7 +88,7 @@ Status check_dots(const std::vector<PointBoard::Dot>& dots) {
 }  // namespace
 
 Result<PointBoard> PointBoard::make(std::string name, std::vector<Dot> dots) {
-  if (const Status status = check_board_name(name); !status) {
+  if (const Status status = check_board_name(name, kLongestPointsPath); !status) {
     return tl::unexpected<Error>(status.error());
   }
   std::sort(dots.begin(), dots.end(), [](const Dot& a, const Dot& b) { return a.id < b.id; });

@@ -35,9 +35,10 @@ class PointBoard {
     friend bool operator==(const Dot&, const Dot&) = default;
   };
 
-  // `name` stands in the board's text: "points:NAME". kInvalidArgument for a name of more than 64
-  // bytes or with '#', ';' or control characters, without 4 dots or with more than 10 000,
-  // for an id that is negative or given twice, and for dots that touch or are no numbers.
+  // `name`, that of the file of its points or another, stands in the board's text: "points:NAME".
+  // kInvalidArgument for a name of more than 4096 bytes, as long as a path may be, or with '#', ';'
+  // or control characters, without 4 dots or with more than 10 000, for an id that is negative or
+  // given twice, and for dots that touch or are no numbers.
   [[nodiscard]] static Result<PointBoard> make(std::string name, std::vector<Dot> dots);
 
   // A move is a copy, too: what was moved from is still a board.

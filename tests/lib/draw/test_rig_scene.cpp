@@ -183,6 +183,24 @@ TEST(Scene, HasEllipsoidsOfOneSigma) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(reach(k), factor * sigmas[k], 1e-9);
 }
 
+// The width of the grid is said in a unit where lengths have one.
+TEST(Scene, NamesNoUnitWhereThereIsNone) {
+  Random random(9);
+  Rig rig = rig_of(scenes::ring_rig(5, random));
+  const auto grid_of = [](const Scene& scene) {
+    const auto note = std::ranges::find_if(
+        scene.notes, [](const std::string& text) { return text.starts_with("grid: "); });
+    return note == scene.notes.end() ? "" : *note;
+  };
+  const std::string metric = grid_of(make_scene(rig));
+  EXPECT_TRUE(metric.ends_with(" m") || metric.ends_with(" cm")) << metric;
+  rig.is_metric = false;
+  const std::string without = grid_of(make_scene(rig));
+  EXPECT_TRUE(without.ends_with(", without a unit")) << without;
+  const double metres = std::stod(metric.substr(6)) * (metric.ends_with(" cm") ? 0.01 : 1);
+  EXPECT_EQ(std::stod(without.substr(6)), metres);
+}
+
 // Cameras are upright: up in the scene is up in their pictures.
 TEST(Scene, StandsAsItsCamerasDo) {
   Random random(3);

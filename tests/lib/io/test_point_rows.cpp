@@ -105,6 +105,12 @@ TEST(PointRows, AreBoards) {
   EXPECT_EQ(boards->front().text(), "points:" + path);
   EXPECT_EQ(boards->front().points()[3], Eigen::Vector3d(0.01, 0.01, 0.005));
   EXPECT_TRUE(names_a_file("points:plate.txt"));
+  // Paths are longer than names.
+  const std::string far = written((std::string(150, 'f') + ".txt").c_str(),
+                                  "# unit: mm\n0 0 0\n10 0 0\n0 10 0\n10 10 5\n");
+  const auto long_path = parse_boards("points:" + far);
+  ASSERT_TRUE(long_path) << long_path.error().message;
+  EXPECT_EQ(long_path->front().text(), "points:" + far);
 
   for (const auto& [text, why] :
        {std::pair<std::string, const char*>{"points:", "no file"},

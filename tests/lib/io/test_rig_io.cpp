@@ -56,6 +56,20 @@ TEST(RigFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->pairing_tolerance, 10'000'000U);
 }
 
+TEST(RigFile, SaysWhereLengthsHaveNoUnit) {
+  Rig rig = sample();
+  const std::string metric = print_rig(rig).value();
+  EXPECT_EQ(metric.find("unit"), std::string::npos);
+  EXPECT_TRUE(parse_rig(metric).value().is_metric);
+  rig.is_metric = false;
+  const std::string text = print_rig(rig).value();
+  EXPECT_NE(text.find("\"unit\": \"none\""), std::string::npos) << text;
+  const auto read = parse_rig(text);
+  ASSERT_TRUE(read.has_value()) << read.error().message;
+  EXPECT_FALSE(read->is_metric);
+  EXPECT_EQ(print_rig(*read).value(), text);
+}
+
 TEST(RigFile, GoesToADiskAndBack) {
   TemporaryFolder folder;
   const std::string path = folder.path("rig.json");
@@ -86,6 +100,8 @@ TEST(RigFile, SaysWhatIsWrong) {
       {with("\"calibration\"", "\"camera_file\""), "calibration"},
       {with("\"rotation\"", "\"turn\""), "rotation"},
       {with("0.12", "1e300"), "out of range"},
+      {with("\"rms\": 0.2,", "\"unit\": \"mm\","), "'unit' is \"none\" where"},
+      {with("\"rms\": 0.2,", "\"unit\": 1,"), "absent where they are metres"},
   };
   for (const auto& [text, word] : wrong) {
     const auto read = parse_rig(text, "rig.json");

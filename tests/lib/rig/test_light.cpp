@@ -165,6 +165,7 @@ TEST(LightSolve, IsRepeated) {
   const auto again = solve_light(seen);
   ASSERT_TRUE(once.has_value()) << once.error().message;
   ASSERT_TRUE(again.has_value());
+  EXPECT_FALSE(once->rig.is_metric) << "no place of a camera was known";
   for (std::size_t c = 0; c < seen.size(); ++c) {
     for (std::size_t p = 0; p < 4; ++p) {
       EXPECT_EQ(once->rig.cameras[c].calibration.parameters[p].value,
@@ -186,7 +187,7 @@ TEST(LightSolve, PlacesCamerasThatAreKnown) {
     options.places = places_of(room, 2);
     const auto solved = solve_light(seen, options);
     ASSERT_TRUE(solved.has_value()) << count << ": " << solved.error().message;
-    EXPECT_TRUE(solved->is_metric);
+    EXPECT_TRUE(solved->rig.is_metric);
     EXPECT_EQ(solved->rig.world, "cam0");
     for (std::size_t c = 1; c < seen.size(); ++c) {
       const SE3 truth = room.room_from_camera[0].inverse() * room.room_from_camera[c];

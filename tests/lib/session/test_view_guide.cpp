@@ -92,7 +92,7 @@ TEST(ViewGuide, MeasuresOtherViewsByItsOwn) {
   EXPECT_EQ(guide.share(View{}), 0);
   // The outline is that of the corners, all around, from the first one on.
   EXPECT_EQ(guide.outline().size() % 4, 0U);
-  const SE3& target = *guide.target();
+  const SE3 target = guide.target().value();
   const BoardArea area = scenes::kBoard.extent();
   const Pixel corner = camera.project(target * Eigen::Vector3d(area.left, area.top, 0)).value();
   EXPECT_NEAR(guide.outline().front().u, corner.u, 1e-9);

@@ -18,31 +18,17 @@
 #include "calvin/solve/methods/methods.hpp"
 #include "calvin/solve/methods/radial_alignment.hpp"
 #include "calvin/solve/methods/tsai.hpp"
-#include "calvin/solve/residuals/points.hpp"
 #include "calvin/solve/solve.hpp"
 #include "calvin/target/kinds.hpp"
-#include "scenes.hpp"
+#include "known_points.hpp"
 
 namespace calvin {
 namespace {
 
 using scenes::kSize;
+using scenes::Object;
+using scenes::Random;
 using scenes::uniform;
-using Random = scenes::Random;
-
-// What is in view: an object in space, or a plane.
-enum class Object { kSpace, kPlane };
-
-// Points in a box of 200 x 150 x 100 mm; in a plane, those of a grid.
-Board object(Object kind, Random& random) {
-  if (kind == Object::kPlane) return scenes::kBoard;
-  std::vector<PointBoard::Dot> dots;
-  for (int i = 0; i < 40; ++i) {
-    dots.push_back({i, uniform(random, -0.1, 0.1), uniform(random, -0.075, 0.075), 0,
-                    uniform(random, -0.05, 0.05)});
-  }
-  return PointBoard::make("box", dots).value();
-}
 
 // A method, what it takes, and what a single view or a plane leaves to be known before.
 struct MethodCase {
@@ -92,27 +78,6 @@ Camera camera_for(const MethodCase& c, Random& random) {
   return Camera::make(c.model, kSize, p).value();
 }
 
-// The object before the camera, filling a third of the picture and more, a plane tilted by 20 to 50
-// degrees.
-SE3 pose_for(const Camera& camera, const Board& board, Object kind, Random& random) {
-  for (;;) {
-    const double side = uniform(random, 0, 2 * std::numbers::pi);
-    const double tilt = kind == Object::kPlane ? uniform(random, 20, 50) : uniform(random, 0, 180);
-    const Eigen::Vector3d axis(std::cos(side), std::sin(side),
-                               kind == Object::kPlane ? 0 : uniform(random, -1, 1));
-    SE3 pose;
-    pose.rotation = exp_so3(axis.normalized() * tilt * std::numbers::pi / 180) *
-                    exp_so3({0, 0, uniform(random, -0.5, 0.5)});
-    const double distance = camera.fx() * 0.2 / (kSize.width * uniform(random, 0.35, 0.7));
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& p : board.points()) middle += p / board.point_count();
-    pose.translation = Eigen::Vector3d(distance * uniform(random, -0.1, 0.1),
-                                       distance * uniform(random, -0.1, 0.1), distance) -
-                       pose.rotation * middle;
-    if (scenes::sees_all(camera, board, pose)) return pose;
-  }
-}
-
 struct Problem {
   Camera camera;
   std::vector<SE3> poses;
@@ -121,9 +86,9 @@ struct Problem {
 
 Problem problem_for(const MethodCase& c, double noise, Random& random) {
   Problem problem = {camera_for(c, random), {}, {}};
-  const Board board = object(c.object, random);
+  const Board board = scenes::object(c.object, random);
   for (int v = 0; v < c.views; ++v) {
-    problem.poses.push_back(pose_for(problem.camera, board, c.object, random));
+    problem.poses.push_back(scenes::pose_for(problem.camera, board, c.object, random));
     problem.views.push_back(
         scenes::observe(problem.camera, board, problem.poses.back(), noise, random));
   }
@@ -259,16 +224,12 @@ TEST_P(Methods, LeadWhereTheTruthLeads) {
   EXPECT_LT(ratio, 1.1 + luck);
 }
 
-PointSet points_of(const View& view) {
-  return to_points(view.board, view.board.points(), view.observation);
-}
-
 // A distortion that is Tsai's own: his model is found, and a camera of ours follows it.
 TEST(Tsai, FindsItsOwnDistortion) {
   Random random(3);
   const MethodCase& c = kCases[2];
   for (int trial = 0; trial < 20; ++trial) {
-    const Board board = object(Object::kSpace, random);
+    const Board board = scenes::object(Object::kSpace, random);
     TsaiCamera truth;
     truth.focal = uniform(random, 900, 1500);
     truth.kappa = uniform(random, -2e-7, 2e-7);
@@ -277,8 +238,9 @@ TEST(Tsai, FindsItsOwnDistortion) {
     const Camera pinhole =
         Camera::make("pinhole", kSize, {truth.focal, truth.focal, truth.center.u, truth.center.v})
             .value();
-    truth.camera_from_board = pose_for(pinhole, board, c.object, random);
-    PointSet view = points_of(scenes::observe(pinhole, board, truth.camera_from_board, 0, random));
+    truth.camera_from_board = scenes::pose_for(pinhole, board, c.object, random);
+    PointSet view =
+        scenes::points_of(scenes::observe(pinhole, board, truth.camera_from_board, 0, random));
     for (std::size_t i = 0; i < view.size(); ++i) view.uv[i] = truth.project(view.points[i]);
     // Directions do not know of the distortion: these are exact before any iteration.
     const auto linear = radial_alignment(view, truth.center);
@@ -325,6 +287,10 @@ TEST(Methods, RefuseWhatTheyCannotTell) {
   refuses(find("DltOfOneView"), plane.views, "lie in a plane");
   refuses(find("ZhangOfFiveViews"), space.views, "takes");
   refuses(find("TsaiInSpace"), plane.views, "takes one view");
+  for (const MethodCase& c : kCases) {
+    EXPECT_EQ(takes_one_view(c.method), std::string_view(c.method) == "tsai") << c.method;
+  }
+  EXPECT_FALSE(takes_one_view(""));
   refuses(find("BaksteinOfFiveViews"), {plane.views[0]}, "two views");
 
   Problem few = space;
@@ -357,105 +323,6 @@ TEST(Methods, RefuseWhatTheyCannotTell) {
   unknown.method.clear();
   unknown.refine = false;
   EXPECT_FALSE(check(unknown));
-}
-
-// Dots of 20 mm whose images' centres were measured: the bias is seen, and is gone with the camera.
-TEST(EllipseCenters, AreMendedWithTheCamera) {
-  Random random(29);
-  const Camera camera = scenes::random_camera("brown5", random);
-  std::vector<PointBoard::Dot> dots;
-  for (int i = 0; i < 70; ++i) dots.push_back({i, 0.03 * (i % 10), 0.03 * (i / 10), 0.02});
-  const Board board = PointBoard::make("plate", dots).value();
-  std::vector<View> views;
-  double most = 0;
-  for (int v = 0; v < 12; ++v) {
-    const SE3 pose = scenes::random_pose(camera, board, random, 0.9);
-    views.push_back(scenes::observe(camera, board, pose, 0, random));
-    Observation& seen = views.back().observation;
-    for (std::size_t i = 0; i < seen.uv.size(); ++i) {
-      // The centroid by a way of its own: the sum over small parts of the disc.
-      const Eigen::Vector3d middle = board.points()[i];
-      Eigen::Vector2d moment = Eigen::Vector2d::Zero();
-      double area = 0;
-      for (int ring = 0; ring < 20; ++ring) {
-        const double r = 0.01 * (ring + 0.5) / 20;
-        for (int part = 0; part < 60; ++part) {
-          const double a = part * std::numbers::pi / 30;
-          const auto at = [&](double radius, double angle) {
-            const Eigen::Vector3d rim(std::cos(angle), std::sin(angle), 0);
-            const Pixel p = camera.project(pose * (middle + radius * rim)).value();
-            return Eigen::Vector2d(p.u, p.v);
-          };
-          const Eigen::Vector2d along = at(r + 0.00025, a) - at(r - 0.00025, a);
-          const Eigen::Vector2d across = at(r, a + 0.05) - at(r, a - 0.05);
-          const double size = std::abs(along.x() * across.y() - along.y() * across.x());
-          moment += size * at(r, a);
-          area += size;
-        }
-      }
-      const Pixel centroid = {moment.x() / area, moment.y() / area};
-      most = std::max(most, std::hypot(centroid.u - seen.uv[i].u, centroid.v - seen.uv[i].v));
-      seen.uv[i] = centroid;
-    }
-  }
-  EXPECT_GT(most, 0.2) << "nothing to mend";
-  SolveOptions options;
-  options.warp = false;
-  options.reject_outliers = false;
-  const auto biased = solve(views, kSize, options);
-  options.ellipse_centers = true;
-  const auto mended = solve(views, kSize, options);
-  ASSERT_TRUE(biased && mended);
-  EXPECT_LT(*mended->calibration.rms, 0.02 * *biased->calibration.rms);
-  EXPECT_NEAR(mended->calibration.find("fx")->value, camera.fx(), 0.02);
-  EXPECT_GT(std::abs(biased->calibration.find("fx")->value - camera.fx()), 0.1);
-
-  const auto none =
-      solve({{scenes::observe(camera, scenes::kBoard,
-                              {Eigen::Matrix3d::Identity(), {-0.1, -0.06, 0.4}}, 0.1, random)}},
-            kSize, options);
-  EXPECT_FALSE(none);
-}
-
-// Points in space need no method: the search starts by the projection matrix, too.
-TEST(PointsInSpace, AreSolvedWithoutAMethod) {
-  Random random(23);
-  for (const char* model : {"brown5", "fisheye"}) {
-    const Camera camera = scenes::random_camera(model, random);
-    std::vector<View> views;
-    const Board board = object(Object::kSpace, random);
-    for (int v = 0; v < 3; ++v) {
-      views.push_back(scenes::observe(
-          camera, board, pose_for(camera, board, Object::kSpace, random), 0.1, random));
-    }
-    SolveOptions options;
-    options.model = model;
-    const auto found = solve(views, kSize, options);
-    ASSERT_TRUE(found) << found.error().message;
-    EXPECT_LT(*found->calibration.rms, 0.16);
-    EXPECT_NEAR(found->calibration.find("fx")->value, camera.fx(),
-                5 * *found->calibration.find("fx")->sigma);
-  }
-}
-
-// A sheet whose arch is a twentieth of its width is a plane to the start, and no object in space.
-TEST(PointsInSpace, AreNoBentBoards) {
-  Random random(31);
-  PointSet sheet =
-      points_of(scenes::observe(scenes::random_camera("pinhole", random), scenes::kBoard,
-                                {Eigen::Matrix3d::Identity(), {-0.1, -0.06, 0.5}}, 0, random));
-  EXPECT_FALSE(spans_space(sheet));
-  for (Eigen::Vector3d& p : sheet.points) p.z() = 0.01 * (1 - std::pow(p.x() / 0.1 - 1, 2));
-  EXPECT_FALSE(spans_space(sheet));
-  EXPECT_FALSE(board_from_plane(sheet));
-  for (Eigen::Vector3d& p : sheet.points) p.z() *= 6;
-  EXPECT_TRUE(spans_space(sheet));
-  // A plane that is not that of the board.
-  for (Eigen::Vector3d& p : sheet.points) p.z() = 0.5 * p.x();
-  EXPECT_FALSE(spans_space(sheet));
-  ASSERT_TRUE(board_from_plane(sheet));
-  const SE3 plane_from_board = board_from_plane(sheet)->inverse();
-  for (const Eigen::Vector3d& p : sheet.points) EXPECT_NEAR((plane_from_board * p).z(), 0, 1e-12);
 }
 
 TEST(Fix, HoldsAtANumber) {

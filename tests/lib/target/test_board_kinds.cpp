@@ -264,12 +264,12 @@ TEST(PointBoards, MayLieInSpace) {
 
 TEST(PointBoards, AreNotCalledWhatNoFileOrMessageTakes) {
   for (const std::string& name : {std::string("plate"), std::string("plate.json"),
-                                  std::string("Kn\xC3\xB6\xC3\xBE"), std::string(64, 'x')}) {
+                                  std::string("Kn\xC3\xB6\xC3\xBE"), std::string(4096, 'x')}) {
     EXPECT_TRUE(PointBoard::make(name, five_dots())) << name;
   }
   for (const std::string& name :
        {std::string(), std::string(" plate"), std::string("a\nb"), std::string("a\0b", 3),
-        std::string("a;b"), std::string("a#b"), std::string("\xFF"), std::string(65, 'x'),
+        std::string("a;b"), std::string("a#b"), std::string("\xFF"), std::string(4097, 'x'),
         std::string(1 << 20, 'x')}) {
     const auto board = PointBoard::make(name, five_dots());
     ASSERT_FALSE(board) << name.size() << " bytes";

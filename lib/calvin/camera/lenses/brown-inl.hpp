@@ -32,6 +32,7 @@ namespace calvin::lens::HWY_NAMESPACE {
 // kCoefficients of these, in OpenCV's order; the others are zero.
 inline constexpr std::array<std::string_view, 14> kBrownNames = {
     "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "taux", "tauy"};
+inline constexpr std::array<int, 14> kBrownOrders = {2, 4, 1, 1, 6, 2, 4, 6, 1, 3, 1, 3, 0, 0};
 inline constexpr std::array<CoefficientRange, 14> kBrownTypical = {{{-0.3, 0.1},
                                                                     {-0.05, 0.12},
                                                                     {-1e-3, 1e-3},
@@ -61,6 +62,11 @@ struct Brown {
     std::array<std::string_view, kCount> names;
     std::copy(kBrownNames.begin(), kBrownNames.begin() + kCount, names.begin());
     return names;
+  }();
+  static constexpr std::array<int, kCount> kOrders = [] {
+    std::array<int, kCount> orders{};
+    std::copy(kBrownOrders.begin(), kBrownOrders.begin() + kCount, orders.begin());
+    return orders;
   }();
   static constexpr std::array<CoefficientRange, kCount> kTypical = [] {
     std::array<CoefficientRange, kCount> ranges{};

@@ -28,6 +28,7 @@ struct Fisheye : Radial<Fisheye> {
   static constexpr int kCount = 4;
   static constexpr std::array<std::array<double, kCount>, 1> kStarts = {};
   static constexpr std::array<std::string_view, kCount> kNames = {"k1", "k2", "k3", "k4"};
+  static constexpr std::array<int, kCount> kOrders = {2, 4, 6, 8};
   static constexpr std::array<CoefficientRange, kCount> kTypical = {
       {{-0.03, 0.03}, {-0.01, 0.01}, {-0.005, 0.005}, {-0.002, 0.002}}};
   static constexpr bool kCandidate = true;

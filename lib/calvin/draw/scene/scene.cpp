@@ -53,6 +53,13 @@ double round_below(double number) {
   return power * (digit >= 5 ? 5 : digit >= 2 ? 2 : 1);
 }
 
+std::string text_of(double length, bool is_metric) {
+  if (!is_metric) return fmt::format("{:g}, without a unit", length);
+  if (length >= 1) return fmt::format("{:g} m", length);
+  return length >= 0.01 ? fmt::format("{:g} cm", 100 * length)
+                        : fmt::format("{:g} mm", 1000 * length);
+}
+
 // Against the mean of where the cameras' pictures have their lower sides, or away from the board.
 Eigen::Vector3d up_of(const Rig& rig) {
   if (is_of_board(rig)) return -Eigen::Vector3d::UnitZ();
@@ -275,9 +282,7 @@ class SceneMaker {
       add_path({middle + at * y - reach * x, middle + at * y + reach * x}, kGridColour, 0.8, false,
                false);
     }
-    scene_.notes.push_back(step >= 1      ? fmt::format("grid: {:g} m", step)
-                           : step >= 0.01 ? fmt::format("grid: {:g} cm", 100 * step)
-                                          : fmt::format("grid: {:g} mm", 1000 * step));
+    scene_.notes.push_back("grid: " + text_of(step, rig_.is_metric));
   }
 
   void add_notes() {

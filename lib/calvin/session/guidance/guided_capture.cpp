@@ -15,6 +15,7 @@ namespace {
 constexpr double kWanted = 0.5;      // of what the view asked for tells
 constexpr double kPatience = 8e9;    // ns, after which anything new is welcome
 constexpr double kReaction = 1.5e9;  // ns, in which who follows has come nearer
+constexpr double kTooLong = 6e9;     // ns, after which nobody is asked to hold it still
 constexpr double kPause = 0.5e9;     // ns between views of one movement
 constexpr double kMuchNearer = 0.7;  // of the first distance
 constexpr double kNearer = 0.95;     // of what was nearer before
@@ -23,7 +24,12 @@ constexpr double kTurnedAway = 1.1;  // of the least distance
 }  // namespace
 
 void GuidedCapture::restart(std::uint64_t now) {
-  since_ = nearer_ = now;
+  since_ = now;
+  change_target(now);
+}
+
+void GuidedCapture::change_target(std::uint64_t now) {
+  nearer_ = now;
   first_.reset();
 }
 
@@ -49,9 +55,9 @@ ViewWorth GuidedCapture::worth(const std::optional<NearView>& view, std::uint64_
   // The first views may be of anything.
   if (!view) return {true, false, paused};
   follow(view->distance, now);
-  const bool turned_away = view->distance > kTurnedAway * nearest_;
+  const bool as_near_as_it_gets = view->distance > kTurnedAway * nearest_ || waited > kTooLong;
   return {view->share >= kWanted * (1 - std::min(1.0, waited / kPatience)),
-          view->share >= kWanted && turned_away, !follows_ && paused};
+          view->share >= kWanted && as_near_as_it_gets, !follows_ && paused};
 }
 
 }  // namespace calvin

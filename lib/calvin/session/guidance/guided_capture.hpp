@@ -32,8 +32,10 @@ struct NearView {
 // for; who does not, or cannot, gives views of any place: they tell less, but something.
 class GuidedCapture {
  public:
-  // Something was kept at that time, or the view that is asked for is another one.
+  // Something was kept at that time, or views are compared anew.
   void restart(std::uint64_t now);
+  // Another view is asked for, for want of one that somebody gets to: what was waited counts.
+  void change_target(std::uint64_t now);
 
   // Of a view that was seen at that time (ns); absent where nothing is asked for. Where nobody
   // knows the times (kNoTimestamp) there is nothing to wait for.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -20,13 +21,17 @@ namespace calvin {
 
 namespace {
 
-constexpr std::array kPlaces = {0.15, 0.5, 0.85};            // of the picture, across and down
+constexpr std::array kPlaces = {0.12, 0.3, 0.5, 0.7, 0.88};  // of the picture, across and down
 constexpr std::array kSizes = {0.25, 0.35, 0.5, 0.65, 0.8};  // BoardPlacement::pose_at
 constexpr std::array kTilts = {0.35, 0.65};                  // rad
 constexpr int kDirections = 8;                               // to which it is tilted
-constexpr double kEnough = 0.15;  // of the picture that may stay uncovered
+constexpr double kEnough = 0.2;   // of the picture that may stay uncovered, as of who is done
 constexpr double kRoll = 0.15;    // rad, to either side
 constexpr double kUnlike = 0.06;  // of the diagonal: RMS of the corners' moves
+constexpr double kNearer = 0.05;  // of its distance: an error of a hand that holds a board
+constexpr double kBeside = 0.02;  // of the picture's longer side: likewise
+constexpr double kMostErrors = 2.5;
+constexpr std::size_t kTargets = 3;
 
 // What of a board has to be in the picture for its corners to be found: half of its outer squares.
 BoardArea wanted_area(const Board& board) {
@@ -64,6 +69,36 @@ std::optional<SE3> pose_inside(const BoardPlacement& placement, Pixel at, double
             std::max(0.0, box->bottom - (picture.height - 1 - margin));
   }
   return std::nullopt;
+}
+
+// Whether the board stays in the picture in a hand that errs by so many of the above.
+bool has_room(const BoardPlacement& placement, const Board& board, SE3 pose, double errors) {
+  const BoardArea area = board.outline();
+  const Eigen::Vector3d middle((area.left + area.right) / 2, (area.top + area.bottom) / 2, 0);
+  pose.translation -= errors * kNearer * (pose * middle);
+  const auto box = placement.box(pose);
+  const ImageSize picture = placement.camera().image_size();
+  const double room = errors * kBeside * std::max(picture.width, picture.height);
+  return box && box->left >= room && box->top >= room && box->right <= picture.width - 1 - room &&
+         box->bottom <= picture.height - 1 - room;
+}
+
+// camera_from_board of all that is tried.
+std::vector<SE3> poses_inside(const BoardPlacement& placement) {
+  std::vector<SE3> poses;
+  const ImageSize picture = placement.camera().image_size();
+  const auto all_turns = turns();
+  for (const double across : kPlaces) {
+    for (const double down : kPlaces) {
+      const Pixel at = {coordinate_at(across, picture.width), coordinate_at(down, picture.height)};
+      for (const double size : kSizes) {
+        for (const Eigen::Vector3d& turn : all_turns) {
+          if (const auto pose = pose_inside(placement, at, size, turn)) poses.push_back(*pose);
+        }
+      }
+    }
+  }
+  return poses;
 }
 
 // RMS distance of the corners that a view of a whole board shares with another view, px; infinite
@@ -126,8 +161,8 @@ std::optional<ViewGuide> ViewGuide::make(const Camera& camera, const SolveOption
   const double sigma = middle_sigma(kept);
   Views unlike = kept;
   unlike.insert(unlike.end(), missed.begin(), missed.end());
-  guide.find_target(unlike, board, sigma > 0 ? sigma : 1);
-  guide.has_exchange_ = guide.target_view_ && guide.exchange_for(*guide.target_view_) != nullptr;
+  guide.find_targets(std::move(unlike), board, sigma > 0 ? sigma : 1);
+  guide.has_exchange_ = guide.asked() && guide.exchange_for(*guide.asked()->view) != nullptr;
   return guide;
 }
 
@@ -145,41 +180,58 @@ void ViewGuide::find_weakest(const Views& kept, const std::vector<Eigen::MatrixX
   }
 }
 
-void ViewGuide::find_target(const Views& unlike, const Board& board, double sigma) {
+void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
   // The board may stick out of the picture a little, so that corners are seen near its border.
   const BoardPlacement placement(board, camera_, wanted_area(board));
-  const BoardPlacement corners(board, camera_, board.extent());
-  const ImageSize picture = camera_.image_size();
-  const auto consider = [&](const SE3& pose) {
-    auto view = placement.view(pose, sigma);
-    if (!view) return;
-    view->observation.board = board.text();
-    const auto information = scorer_.information(*view, pose);
+  std::vector<Target> candidates;
+  for (const SE3& pose : poses_inside(placement)) {
+    const auto view = placement.view(pose, sigma);
+    const auto information = view ? scorer_.information(*view, pose) : std::nullopt;
     const double gained = information ? gain(*view, *information) : 0;
-    if (gained <= target_gain_) return;
-    const auto like = [&](const auto& other) { return is_like(*view, *other); };
-    if (std::ranges::any_of(unlike, like)) return;
-    // What cannot be shown cannot be followed: a wide lens may end within the board.
-    std::vector<Pixel> outline = corners.outline(pose);
-    if (outline.empty()) return;
-    target_ = pose;
-    target_view_ = std::make_shared<const View>(*std::move(view));
-    outline_ = std::move(outline);
-    target_gain_ = gained;
-  };
-  const auto all_turns = turns();
-  for (const double across : kPlaces) {
-    for (const double down : kPlaces) {
-      const Pixel at = {coordinate_at(across, picture.width), coordinate_at(down, picture.height)};
-      for (const double size : kSizes) {
-        for (const Eigen::Vector3d& turn : all_turns) {
-          if (const auto pose = pose_inside(placement, at, size, turn)) consider(*pose);
-        }
-      }
-    }
+    if (gained > 0) candidates.push_back({pose, gained, nullptr, {}, std::nullopt});
   }
-  if (!target_) return;
-  if (const auto footprint = footprint_of(*target_view_)) footprint_ = *footprint;
+  std::ranges::stable_sort(candidates, std::greater<>(), &Target::gain);
+  const BoardPlacement corners(board, camera_, board.extent());
+  for (Target& candidate : candidates) {
+    if (targets_.size() == kTargets) return;
+    const double errors = targets_.empty() ? 0 : kMostErrors;
+    if (!has_room(placement, board, candidate.pose, errors)) continue;
+    auto view = std::make_shared<View>(placement.view(candidate.pose, sigma).value());
+    view->observation.board = board.text();
+    const auto like = [&](const auto& other) { return is_like(*view, *other); };
+    if (std::ranges::any_of(unlike, like)) continue;
+    // What cannot be shown cannot be followed: a wide lens may end within the board.
+    candidate.outline = corners.outline(candidate.pose);
+    if (candidate.outline.empty()) continue;
+    if (const auto footprint = footprint_of(*view)) candidate.footprint = *footprint;
+    candidate.view = std::move(view);
+    unlike.push_back(candidate.view);
+    targets_.push_back(std::move(candidate));
+  }
+}
+
+const ViewGuide::Target* ViewGuide::asked() const noexcept {
+  return asked_ < targets_.size() ? &targets_[asked_] : nullptr;
+}
+
+std::optional<SE3> ViewGuide::target() const {
+  return asked() ? std::optional(asked()->pose) : std::nullopt;
+}
+
+std::shared_ptr<const View> ViewGuide::target_view() const {
+  return asked() ? asked()->view : nullptr;
+}
+
+std::vector<Pixel> ViewGuide::outline() const {
+  return asked() ? asked()->outline : std::vector<Pixel>();
+}
+
+std::optional<BoardFootprint> ViewGuide::footprint() const {
+  return asked() ? asked()->footprint : std::nullopt;
+}
+
+void ViewGuide::ask_for_another() noexcept {
+  if (has_another()) ++asked_;
 }
 
 double ViewGuide::uncovered(const std::vector<Pixel>& hull) const {
@@ -195,10 +247,10 @@ double ViewGuide::gain(const View& view, const Eigen::MatrixXd& information) con
 }
 
 double ViewGuide::share(const View& view) const {
-  if (!target_) return 1;
+  if (!asked()) return 1;
   const auto pose = solve_pose(camera_, view.board, view.observation);
   const auto information = pose ? scorer_.information(view, *pose) : std::nullopt;
-  return information ? std::max(0.0, gain(view, *information) / target_gain_) : 0;
+  return information ? std::max(0.0, gain(view, *information) / asked()->gain) : 0;
 }
 
 const View* ViewGuide::exchange_for(const View& view) const {
@@ -212,7 +264,7 @@ const View* ViewGuide::exchange_for(const View& view) const {
 }
 
 double ViewGuide::distance(const View& view) const {
-  return target_view_ ? corner_distance(*target_view_, view) : HUGE_VAL;
+  return asked() ? corner_distance(*asked()->view, view) : HUGE_VAL;
 }
 
 }  // namespace calvin

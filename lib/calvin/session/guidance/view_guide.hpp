@@ -4,6 +4,7 @@
 // ViewGuide: which view would tell most about a camera next, and how much others tell beside it.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -35,18 +36,17 @@ class ViewGuide {
   // what was not covered of the picture, both as logarithms: the board in the picture, large
   // enough to be found, tilted no more than a hand would, a little rolled, and unlike the views
   // that are kept. Absent where the picture has room for none.
-  [[nodiscard]] const std::optional<SE3>& target() const noexcept { return target_; }
+  [[nodiscard]] std::optional<SE3> target() const;
   // As the camera would see it; null without a target.
-  [[nodiscard]] const std::shared_ptr<const View>& target_view() const noexcept {
-    return target_view_;
-  }
+  [[nodiscard]] std::shared_ptr<const View> target_view() const;
   // The outline of the corners there, px: what a person sees marked on the board that is held.
-  [[nodiscard]] const std::vector<Pixel>& outline() const noexcept { return outline_; }
-
+  [[nodiscard]] std::vector<Pixel> outline() const;
   // How the picture shows it there.
-  [[nodiscard]] const std::optional<BoardFootprint>& footprint() const noexcept {
-    return footprint_;
-  }
+  [[nodiscard]] std::optional<BoardFootprint> footprint() const;
+  // A hand does not get everywhere: the target is now the best one that is unlike those before and
+  // leaves more room around the board. There are a few of them.
+  [[nodiscard]] bool has_another() const noexcept { return asked_ + 1 < targets_.size(); }
+  void ask_for_another() noexcept;
 
   // What a view tells as a part of what the target would tell: 0 for nothing, 1 for as much; more
   // where the target is not the best. 0 for a view without a pose.
@@ -63,8 +63,17 @@ class ViewGuide {
  private:
   ViewGuide(Camera camera, ViewScorer scorer)
       : camera_(std::move(camera)), scorer_(std::move(scorer)), known_(scorer_.prior()) {}
+  struct Target {
+    SE3 pose;  // camera_from_board
+    double gain = 0;
+    std::shared_ptr<const View> view;
+    std::vector<Pixel> outline;
+    std::optional<BoardFootprint> footprint;
+  };
+
   void find_weakest(const Views& kept, const std::vector<Eigen::MatrixXd>& information);
-  void find_target(const Views& unlike, const Board& board, double sigma);
+  void find_targets(Views unlike, const Board& board, double sigma);
+  [[nodiscard]] const Target* asked() const noexcept;
   [[nodiscard]] double gain(const View& view, const Eigen::MatrixXd& information) const;
   [[nodiscard]] double uncovered(const std::vector<Pixel>& hull) const;
 
@@ -76,12 +85,9 @@ class ViewGuide {
   std::shared_ptr<const View> weakest_;
   Eigen::MatrixXd without_weakest_;
   bool has_exchange_ = false;
-  std::vector<Pixel> covered_;  // the convex hull of the corners of the views that are kept
-  std::optional<SE3> target_;
-  std::shared_ptr<const View> target_view_;
-  std::vector<Pixel> outline_;
-  std::optional<BoardFootprint> footprint_;
-  double target_gain_ = 0;
+  std::vector<Pixel> covered_;   // the convex hull of the corners of the views that are kept
+  std::vector<Target> targets_;  // unlike each other, the better ones first
+  std::size_t asked_ = 0;        // which of them is asked for
 };
 
 }  // namespace calvin

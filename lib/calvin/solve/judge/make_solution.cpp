@@ -250,7 +250,10 @@ Promised add_checks(Solution& solution, const FinishedFit& from, const Camera& c
     calibration.remarks.push_back(explain(solution.misfit, found, calibration.chi, promise));
   }
   calibration.misfit = to_string(solution.misfit.cause);
-  calibration.split_half_ratio = solution.misfit.split_half_ratio;
+  // One view has no halves.
+  if (calibration.views.size() > 1) {
+    calibration.split_half_ratio = solution.misfit.split_half_ratio;
+  }
   add_held_out(solution, found);
   return {promised, board_excess(found)};
 }

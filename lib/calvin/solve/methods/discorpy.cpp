@@ -13,9 +13,9 @@
 
 #include <fmt/format.h>
 
-#include "calvin/solve/methods/parabolas.hpp"
 #include "calvin/solve/methods/plane_views.hpp"
 #include "calvin/solve/methods/radial_planes.hpp"
+#include "calvin/solve/start/parabolas.hpp"
 #include "calvin/solve/start/plane_pose.hpp"
 
 namespace calvin {

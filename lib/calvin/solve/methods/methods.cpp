@@ -24,12 +24,13 @@ namespace {
 struct Method {
   std::string_view name;
   Result<MethodResult> (*run)(const MethodInput&);
-  bool is_refined;
+  bool takes_one_view = false;
+  bool is_refined = true;
 };
 constexpr std::array kMethods = {
-    Method{"bakstein", bakstein_method, true}, Method{"discorpy", discorpy_method, false},
-    Method{"dlt", dlt_method, true},           Method{"tsai", tsai_method, true},
-    Method{"zhang", zhang_method, true},
+    Method{"bakstein", bakstein_method}, Method{"discorpy", discorpy_method, false, false},
+    Method{"dlt", dlt_method},           Method{"tsai", tsai_method, true},
+    Method{"zhang", zhang_method},
 };
 
 const Method* find_method(std::string_view name) {
@@ -47,6 +48,17 @@ const std::vector<std::string_view>& method_names() {
     return all;
   }();
   return names;
+}
+
+bool takes_one_view(std::string_view method) {
+  return std::any_of(kMethods.begin(), kMethods.end(),
+                     [method](const Method& m) { return m.name == method && m.takes_one_view; });
+}
+
+std::vector<std::string_view> methods_of_several_views() {
+  std::vector<std::string_view> all = method_names();
+  std::erase_if(all, takes_one_view);
+  return all;
 }
 
 Status check_method(std::string_view method) {

@@ -15,8 +15,14 @@
 
 namespace calvin {
 
-// "bakstein, discorpy, ...".
+// "bakstein", "dlt" ...
 [[nodiscard]] const std::vector<std::string_view>& method_names();
+
+// Whether the method makes its camera of one view, and refuses several.
+[[nodiscard]] bool takes_one_view(std::string_view method);
+
+// The names of the methods that take views of a stream, which are several.
+[[nodiscard]] std::vector<std::string_view> methods_of_several_views();
 
 // kInvalidArgument for a name that is none of these: the message shows them.
 [[nodiscard]] Status check_method(std::string_view method);

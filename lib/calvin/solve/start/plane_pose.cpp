@@ -5,7 +5,6 @@
 
 #include "calvin/solve/start/plane_pose.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -138,31 +137,17 @@ std::optional<Eigen::Matrix3d> weighted_homography(const std::vector<Eigen::Vect
   return m;
 }
 
-// Replaces the weights by Cauchy's, with the median angle as its scale; false where no ray is far
-// off the others.
-bool reweight(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& rays,
-              const Eigen::Matrix3d& h, std::vector<double>& weights) {
-  constexpr double kFarOff = 4;  // medians; the largest of 1000 Gaussian distances is at 3.2
-  std::vector<double> angles;    // the chords of the angles, which grow with them
-  std::vector<double> sorted;
-  angles.reserve(points.size());
-  sorted.reserve(points.size());
-  double farthest = 0;
+// The chords of the angles between the rays and those of the homography, which grow with the
+// angles.
+std::vector<double> chords(const std::vector<Eigen::Vector3d>& points,
+                           const std::vector<Eigen::Vector3d>& rays, const Eigen::Matrix3d& h) {
+  std::vector<double> all;
+  all.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d at = h * Eigen::Vector3d(points[i].x(), points[i].y(), 1);
-    angles.push_back((rays[i] - at / at.norm()).norm());
-    if (rays[i].isZero()) continue;
-    sorted.push_back(angles.back());
-    farthest = std::max(farthest, angles.back());
+    all.push_back((rays[i] - at / at.norm()).norm());
   }
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double median = std::max(*middle, 1e-9);
-  if (farthest <= kFarOff * median) return false;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    weights[i] = 1 / (1 + angles[i] * angles[i] / (median * median));
-  }
-  return true;
+  return all;
 }
 
 }  // namespace
@@ -178,7 +163,8 @@ std::optional<Eigen::Matrix3d> plane_homography(const std::vector<Eigen::Vector3
   for (const Eigen::Vector3d& ray : camera_rays) rays.push_back(unit(widen * ray));
   std::vector<double> weights(points.size(), 1);
   auto h = weighted_homography(points, rays, weights, n);
-  for (int i = 0; i < kRounds && h && reweight(points, rays, *h, weights); ++i) {
+  for (int i = 0; i < kRounds && h; ++i) {
+    if (!reweight_far_off(rays, chords(points, rays, *h), weights)) break;
     h = weighted_homography(points, rays, weights, n);
   }
   if (!h) return std::nullopt;

@@ -5,7 +5,6 @@
 
 #include "calvin/solve/start/projection_matrix.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -69,27 +68,15 @@ Eigen::Vector3d direction(const ProjectionMatrix& p, const Eigen::Vector3d& poin
   return (p * point.homogeneous()).normalized();
 }
 
-// Replaces the weights by Cauchy's, with the median angle as its scale; false where no ray is far
-// off the others.
-bool reweight(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& rays,
-              const ProjectionMatrix& p, std::vector<double>& weights) {
-  constexpr double kFarOff = 4;  // medians; the largest of 1000 Gaussian distances is at 3.2
-  std::vector<double> angles(points.size(), 0);
-  std::vector<double> sorted;
+// The sines of the angles between the rays and the lines that the matrix has: which side is ahead
+// is told once the matrix is known.
+std::vector<double> sines(const std::vector<Eigen::Vector3d>& points,
+                          const std::vector<Eigen::Vector3d>& rays, const ProjectionMatrix& p) {
+  std::vector<double> all;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (rays[i].isZero()) continue;
-    // Of a line through the camera: which side is ahead is told once the matrix is known.
-    angles[i] = rays[i].cross(direction(p, points[i])).norm();
-    sorted.push_back(angles[i]);
+    all.push_back(rays[i].cross(direction(p, points[i])).norm());
   }
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double median = std::max(*middle, 1e-9);
-  if (*std::max_element(angles.begin(), angles.end()) <= kFarOff * median) return false;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    weights[i] = 1 / (1 + angles[i] * angles[i] / (median * median));
-  }
-  return true;
+  return all;
 }
 
 bool is_behind(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& rays,
@@ -115,7 +102,8 @@ std::optional<ProjectionMatrix> projection_matrix(const std::vector<Eigen::Vecto
   }
   std::vector<double> weights(points.size(), 1);
   auto found = weighted_matrix(normalised, rays, weights);
-  for (int i = 0; i < kRounds && found && reweight(normalised, rays, *found, weights); ++i) {
+  for (int i = 0; i < kRounds && found; ++i) {
+    if (!reweight_far_off(rays, sines(normalised, rays, *found), weights)) break;
     found = weighted_matrix(normalised, rays, weights);
   }
   if (!found) return std::nullopt;

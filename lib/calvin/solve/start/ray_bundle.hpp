@@ -1,32 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What linear solutions for points and their rays do to the rays first. Internal.
+// What linear solutions for points and their rays do to the rays. Internal.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include <Eigen/Core>
-
-#include "calvin/geometry/se3.hpp"
 
 namespace calvin {
 
 // The linear map that takes a narrow bundle of rays to a wide one about z. It conditions the linear
 // solution: in a narrow bundle, the same ray for all points fits nearly as well as the truth.
-[[nodiscard]] inline Eigen::Matrix3d widening(const std::vector<Eigen::Vector3d>& rays) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& ray : rays) mean += ray;
-  const Eigen::Matrix3d turn = rotation_between(mean, Eigen::Vector3d::UnitZ());
-  double sine = 0;
-  double count = 0;
-  for (const Eigen::Vector3d& ray : rays) {
-    sine += (turn * ray).head<2>().norm();
-    count += ray.norm();
-  }
-  const double scale = std::clamp(count / sine, 1.0, 1e6);
-  return Eigen::Vector3d(scale, scale, 1).asDiagonal() * turn;
-}
+[[nodiscard]] Eigen::Matrix3d widening(const std::vector<Eigen::Vector3d>& rays);
+
+// Replaces the weights of rays by Cauchy's of the angles by which the solution misses them, with
+// the median angle as its scale; false, and no change, where no ray is far off the others. `angles`
+// are small ones in rad, or what grows with them. A ray that is zero, one per point that is not
+// seen, does not count; there is one at least that is not.
+[[nodiscard]] bool reweight_far_off(const std::vector<Eigen::Vector3d>& rays,
+                                    const std::vector<double>& angles,
+                                    std::vector<double>& weights);
 
 }  // namespace calvin

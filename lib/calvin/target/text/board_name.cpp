@@ -14,9 +14,8 @@
 
 namespace calvin {
 
-Status check_board_name(std::string_view name) {
-  constexpr std::size_t kMost = 64;  // bytes
-  if (!name.empty() && name.size() <= kMost) {
+Status check_board_name(std::string_view name, std::size_t longest) {
+  if (!name.empty() && name.size() <= longest) {
     const bool separates = std::any_of(
         name.begin(), name.end(), [](char c) { return c == '#' || c == ';' || is_control(c); });
     if (!separates && trim(name) == name && valid_utf8(name) == name) return {};
@@ -26,7 +25,7 @@ Status check_board_name(std::string_view name) {
       fmt::format("The board name '{}' is wrong: it needs 1 to {} bytes of UTF-8 without "
                   "'#', ';' and control characters and without a space at its ends, like 'floor' "
                   "for checkerboard:9x6:25mm.",
-                  shortened(name, kMost), kMost));
+                  shortened(name, kLongestBoardName), longest));
 }
 
 }  // namespace calvin

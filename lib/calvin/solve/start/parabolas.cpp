@@ -3,7 +3,7 @@
 
 // Parabolas of rows and columns, the centre between them, and powers of the radius.
 
-#include "calvin/solve/methods/parabolas.hpp"
+#include "calvin/solve/start/parabolas.hpp"
 
 #include <algorithm>
 #include <cmath>
