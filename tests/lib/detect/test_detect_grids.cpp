@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <ostream>
 #include <set>
 #include <string>
@@ -23,7 +22,6 @@ namespace calvin {
 namespace {
 
 constexpr ImageSize kSize = {960, 720};
-constexpr double kDegree = std::numbers::pi / 180;
 
 Board board_of(const char* text) { return parse_board(text).value(); }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/solve/methods/methods.hpp"

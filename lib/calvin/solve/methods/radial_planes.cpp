@@ -11,6 +11,8 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include "calvin/geometry/dense.hpp"
