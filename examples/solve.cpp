@@ -23,6 +23,7 @@
 #include "calvin/solve/methods/ellipse_centers.hpp"
 #include "calvin/solve/methods/methods.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
+#include "calvin/solve/residuals/straightness.hpp"
 #include "calvin/solve/solve.hpp"
 
 #include "print_calibration.hpp"
@@ -53,6 +54,8 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
                      of the dots' centres, which are elsewhere, are found with the camera
   --model MODEL      the camera model, brown5 if not given; auto chooses one
   --method METHOD    start by one of {}; if not given, starts are searched.
+                     discorpy: the distortion alone, of one picture of a grid of dots or lines or
+                     several; with it the board is dots:1mm or lines:1mm, any part of which is seen.
                      sturm-maybank: planes through a lens that zooms from view to view. Each has its
                      own f and k1, and CALIBRATION.json is a zoom table by the numbers of the views
   --no-refine        what the method finds by itself
@@ -259,9 +262,10 @@ void print_view(std::string_view name, const calvin::ViewRecord& record, const D
              t.z(), place.x(), place.y(), place.z());
 }
 
-// `views` as they were solved, `names` by what they are called.
+// `views` as they were solved, `names` by what they are called; `has_poses`: whether the focal
+// length is known, without which there are none.
 void print_views(const calvin::Solution& solution, const std::vector<calvin::View>& views,
-                 const solve_views::NamedViews& names) {
+                 const solve_views::NamedViews& names, bool has_poses) {
   std::vector<bool> rejected(views.size(), false);
   std::vector<std::set<int>> left_out(views.size());  // points of each view
   for (const calvin::RejectedCorner& corner : solution.rejected_corners) {
@@ -275,12 +279,27 @@ void print_views(const calvin::Solution& solution, const std::vector<calvin::Vie
   auto record = solution.calibration.views.begin();
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (rejected[i] || record == solution.calibration.views.end() || !camera) continue;
-    const Distances d =
-        distances_of(views[i], left_out[i], calvin::to_se3(record->camera_from_board),
-                     solution.calibration.warp.value_or(calvin::BoardWarp()), *camera);
-    print_view(names[i].name, *record, d);
+    if (has_poses) {
+      const Distances d =
+          distances_of(views[i], left_out[i], calvin::to_se3(record->camera_from_board),
+                       solution.calibration.warp.value_or(calvin::BoardWarp()), *camera);
+      print_view(names[i].name, *record, d);
+    } else {
+      fmt::print("view {}: {} points, rms {:.4f} px\n", names[i].name, record->points, record->rms);
+    }
     ++record;
   }
+}
+
+// How straight rows and columns of the boards become.
+void print_straightness(const std::vector<calvin::View>& views, const calvin::Solution& solution) {
+  const auto camera = calvin::Camera::make(solution.calibration);
+  const auto straight =
+      camera ? calvin::straightness(views, solution.rejected_corners, *camera) : std::nullopt;
+  if (!straight) return;
+  fmt::print(
+      "straightness: {} rows and columns, rms {:.4f} px from straight lines, {:.4f} as seen\n",
+      straight->lines, straight->mended, straight->seen);
 }
 
 void print_on_sensor(const calvin::Calibration& calibration, double pitch) {
@@ -331,7 +350,8 @@ int main(int argc, char** argv) {
   calvin_tools::print(solution->calibration);
   if (arguments->pitch) print_on_sensor(solution->calibration, *arguments->pitch);
   if (arguments->options.ellipse_centers) views = calvin::without_center_bias(views, *solution);
-  print_views(*solution, views, *named);
+  print_views(*solution, views, *named, calvin::is_refined(arguments->options.method));
+  print_straightness(views, *solution);
   calvin_tools::print_verdict(solution->calibration);
   return 0;
 }

@@ -33,7 +33,8 @@ constexpr Property<CalibDetector> kRows[] = {
      "aprilgrid:COLSxROWS:SIZE:GAP, aruco:COLSxROWS:SIZE:GAP:DICTIONARY or "
      "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, "
      "acircles:COLSxROWS:SIZE or "
-     "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dot, a light that is moved "
+     "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dots:SIZE or lines:SIZE, of "
+     "which any part is in view, dot, a light that is moved "
      "before a camera that stands still, or FILE.json#NAME; several separated by ;. auto, or "
      "auto:SIZE, takes what is in view when it is certain which one it is",
      kept_in<&DetectorSettings::board>,

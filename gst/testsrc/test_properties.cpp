@@ -24,7 +24,8 @@ constexpr Property<TestState> kRows[] = {
      "aprilgrid:COLSxROWS:SIZE:GAP, aruco:COLSxROWS:SIZE:GAP:DICTIONARY or "
      "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, "
      "acircles:COLSxROWS:SIZE or "
-     "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dot, a light, or "
+     "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dots:SIZE or lines:SIZE, of "
+     "which any part is in view, dot, a light, or "
      "FILE.json#NAME",
      kept_in<&TestSettings::scene, &SceneSettings::board>,
      {.flags = kMutableReady}},

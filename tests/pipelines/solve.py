@@ -117,7 +117,7 @@ def refusals(folder, box):
     result = folder / "none.json"
     run(result, box, code=1, says="give --size")
     run(result, box, "--size", "640x480", "--method", "zhang", code=1, says="method dlt")
-    run(result, box, "--size", "640x480", "--method", "magic", code=1, says="Known methods: bakstein, dlt")
+    run(result, box, "--size", "640x480", "--method", "magic", code=1, says="Known methods: bakstein, discorpy, dlt")
     run(result, box, "--size", "640x480", "--no-refine", code=1, says="give one of")
     run(result, box, box, "--size", "640x480", "--method", "tsai", code=1, says="takes one view")
     run(result, box, "--size", "640x480", "--columns", "X,Y,-Z,u,v", "--method", "dlt", code=1, says="left-handed")
@@ -178,6 +178,113 @@ def myptv(data, folder):
             near(f"myptv {camera} {method}", math.dist(views(out)[0]["camera"], place), 0, 15)
 
 
+# The file that discorpy wrote of dot_pattern_05: a centre, px, and the factors of powers of the ideal
+# radius that give the seen one.
+def published_distortion(path):
+    values = [float(line.split(":")[1]) for line in path.read_text().splitlines() if ":" in line]
+    return values[:2], values[2:]
+
+
+# Of brown5: where a point is seen that is r px from the centre without distortion, px from it.
+def seen_radius(p, r):
+    s = (r / p["fx"]) ** 2
+    return r * (1 + s * (p["k1"] + s * (p["k2"] + s * p["k3"])))
+
+
+# How far our curve is from theirs over the picture, px, after the best common scale of the ideal radius.
+def curve_difference(p, center, factors, width, height):
+    most = max(math.hypot(x - center[0], y - center[1]) for x in (0, width - 1) for y in (0, height - 1))
+    radii = [most * i / 200 for i in range(201)]
+    theirs = [sum(f * r ** (i + 1) for i, f in enumerate(factors)) for r in radii]
+
+    def off(scale):
+        return max(abs(seen_radius(p, scale * r) - t) for r, t in zip(radii, theirs))
+
+    low, high = 0.98, 1.02
+    for _ in range(80):
+        a, b = low + (high - low) / 3, high - (high - low) / 3
+        low, high = (low, b) if off(a) < off(b) else (a, high)
+    return off((low + high) / 2)
+
+
+# RMS of the points of rows and columns from straight lines, px: without distortion, and as they are seen.
+def straightness(out):
+    line = next((line for line in out.splitlines() if line.startswith("straightness:")), "rms inf px, inf as seen")
+    return float(line.split("rms ")[1].split()[0]), float(line.split(", ")[-1].split()[0])
+
+
+def launch(line):
+    ran = subprocess.run(["gst-launch-1.0", "-q", *line.split()], capture_output=True, text=True)
+    if ran.returncode:
+        failed.append(f"{line}: {ran.stdout}{ran.stderr}")
+
+
+# What a picture shows once calibundistort has it: rows and columns are straight as seen.
+def undistorted(calibration, picture, decoder, board, folder):
+    mended = folder / f"mended-{picture.stem}.png"
+    launch(f"filesrc location={picture} ! {decoder} ! videoconvert ! video/x-raw,format=GRAY8 ! "
+           f"calibundistort calibration={calibration} ! pngenc ! filesink location={mended}")
+    return straightness(run(folder / "again.json", f"{mended}*", "--board", board, "--method", "discorpy"))[1]
+
+
+# A rendered grid before a lens that bends it: the distortion of one picture, and calibundistort with it.
+def rendered(folder):
+    lens = "fx=1200,fy=1200,cx=612,cy=491,k1=-0.25,k2=0.05,width=1280,height=960"
+    for board in ("dots:5mm", "lines:5mm"):
+        picture = folder / f"{board[:4]}.png"
+        launch(f"calibtestsrc board={board} calibration={lens} motion=static seed=3 num-buffers=1 ! "
+               f"video/x-raw,format=GRAY8,width=1280,height=960 ! pngenc ! filesink location={picture}")
+        result = folder / "grid.json"
+        out = run(result, f"{picture}*", "--board", board, "--method", "discorpy", says="focal length is not known")
+        p = parameters(result)
+        near(f"cx by {board}", p["cx"], 612, 1)
+        near(f"cy by {board}", p["cy"], 491, 1)
+        near(f"k1 by {board}", p["k1"], -0.25 * (1280 / 1200) ** 2, 0.01)
+        mended, seen = straightness(out)
+        near(f"straightness by {board}", mended, 0, 0.03)
+        if seen < 1:
+            failed.append(f"{board} is straight as seen: {seen} px")
+        near(f"straightness of {board} by calibundistort", undistorted(result, picture, "pngdec", board, folder), 0, 0.05)
+
+
+# What is left of discorpy's own steps in a result: its centre, px, and its factors.
+def own_numbers(out):
+    line = next((line for line in out.splitlines() if line.startswith("discorpy's own numbers")), "")
+    words = line.replace(",", "").replace(";", "").split()
+    if not words:
+        failed.append(f"no numbers of discorpy's own steps in:\n{out}")
+        return (0, 0), [1]
+    at = words.index("factors") + 1
+    return (float(words[words.index("xcenter") + 1]), float(words[words.index("ycenter") + 1])), [float(w) for w in words[at : at + 5]]
+
+
+# One picture of a dense grid of dots or lines: what discorpy published of the same, and how straight lines
+# become. Its centre is known to a pitch, for it lies between two rows: that of dot_pattern_01 is found again by its
+# steps, that of dot_pattern_05 (a pitch is 15.2 px there) lies one row and one column farther.
+def discorpy(data, folder):
+    result = folder / "distortion.json"
+    pictures = data / "discorpy"
+    out = run(result, f"{pictures}/dot_pattern_05*", "--board", "dots:1mm", "--method", "discorpy",
+              says="focal length is not known")
+    p = parameters(result)
+    center, factors = published_distortion(pictures / "coef_dot_05.txt")
+    near("discorpy's curve", curve_difference(p, center, factors, 1280, 800), 0, 0.3)
+    for name, published in (("cx", center[0]), ("cy", center[1])):
+        near(f"discorpy's {name}", p[name], published, 1.5 * 15.2)
+    steps = ["--method", "discorpy", "--no-refine"]
+    own, _ = own_numbers(run(result, f"{pictures}/dot_pattern_05*", "--board", "dots:1mm", *steps))
+    for name, ours, published in zip(("xcenter", "ycenter"), own, center):
+        near(f"{name} of dot_pattern_05 by discorpy's steps", ours, published, 1.1 * 15.2)
+    own, _ = own_numbers(run(result, f"{pictures}/dot_pattern_01*", "--board", "dots:1mm", *steps))
+    near("centre of dot_pattern_01 by discorpy's steps", math.dist(own, (1252.1529, 1008.9088)), 0, 2)
+    near("straightness of dot_pattern_05", straightness(out)[0], 0, 0.15)
+    for picture, board in (("line_pattern_01", "lines:1mm"), ("dot_pattern_01", "dots:1mm")):
+        out = run(result, f"{pictures}/{picture}*", "--board", board, "--method", "discorpy", says="rows and columns")
+        near(f"straightness of {picture}", straightness(out)[0], 0, 0.15)
+        near(f"straightness of {picture} by calibundistort",
+             undistorted(result, pictures / f"{picture}.jpg", "jpegdec", board, folder), 0, 0.15)
+
+
 # A folder of pictures: each view has the name of its file and the number by which it is dropped, and
 # points are on the board as it is bent.
 def pictures(folder, left):
@@ -214,8 +321,12 @@ def main():
         box = simulated(folder)
         refusals(folder, box)
         zooming(folder)
-        for check, needs in ((zhang, "zhang"), (tsai, "tsai-cube-bailus"), (myptv, "points3d-myptv")):
-            if data and (pathlib.Path(data) / needs).is_dir():
+        if sys.argv[2] == "opencv":
+            rendered(folder)
+        for check, needs in ((zhang, "zhang"), (tsai, "tsai-cube-bailus"), (myptv, "points3d-myptv"), (discorpy, "discorpy")):
+            if check is discorpy and sys.argv[2] != "opencv":
+                print("built without OpenCV, which reads pictures: discorpy is left out")
+            elif data and (pathlib.Path(data) / needs).is_dir():
                 check(pathlib.Path(data), folder)
             else:
                 print(f"CALVIN_DATA does not name a folder with {needs}: left out")

@@ -17,6 +17,7 @@
 #include "calvin/detect/checkerboard/sheets/checkerboard_detector.hpp"
 #include "calvin/detect/circles/circle_detector.hpp"
 #include "calvin/detect/circles/circle_pattern.hpp"
+#include "calvin/detect/grids/grid_detector.hpp"
 #include "calvin/detect/light/light_detector.hpp"
 #include "calvin/detect/tags/tag_detector.hpp"
 
@@ -31,9 +32,10 @@ struct Family {
   const char* points;  // what control points are called
   bool by_lattice;     // points are found by how they lie, not each part of a board by its code
 };
-constexpr std::array<Family, 4> kFamilies = {{
+constexpr std::array<Family, 5> kFamilies = {{
     {detect::has_pattern, detect::make_checkerboard_detector, "inner corners", true},
     {detect::has_circle_pattern, detect::make_circle_detector, "circles", true},
+    {detect::is_unbounded_grid, detect::make_grid_detector, "points", false},
     {detect::has_tags, detect::make_tag_detector, "corners", false},
     {detect::is_light, detect::make_light_detector, "lights", false},
 }};

@@ -15,6 +15,7 @@
 #include "calvin/solve/fit/weights.hpp"
 #include "calvin/solve/start/pose_fit.hpp"
 #include "calvin/solve/view.hpp"
+#include "calvin/target/unbounded_grid.hpp"
 
 namespace calvin::rig {
 
@@ -104,6 +105,9 @@ Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& se
         return make_error(good.error().code,
                           fmt::format("A view of the camera '{}': {}", seen[c].calibration.camera,
                                       good.error().message));
+      }
+      if (const Status named = check_names_points(view.board); !named) {
+        return tl::unexpected<Error>(named.error());
       }
       all.push_back({{c, v}, number_of(view.board, boards), {}, 1, {}, labellings_of(view), {}});
       sets.push_back(to_points(view.board, view.board.points(), view.observation));

@@ -31,7 +31,8 @@ struct SolveOptions {
   bool reject_outliers = true;  // false: plain least squares over all corners
 
   // One of the methods of the tools that came before (docs/methods.md), from which the solve
-  // starts, as "zhang"; check() says which there are. Empty: starts are searched.
+  // starts, as "zhang", or which is all of it, as "discorpy"; check() says which there are. Empty:
+  // starts are searched.
   std::string method;
   // False: what `method` finds by itself, in its own model, without the least squares after it.
   bool refine = true;

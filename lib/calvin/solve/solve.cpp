@@ -27,6 +27,7 @@
 #include "calvin/solve/residuals/points.hpp"
 #include "calvin/solve/simpler_model.hpp"
 #include "calvin/target/measured/board_measurement.hpp"
+#include "calvin/target/unbounded_grid.hpp"
 
 namespace calvin {
 
@@ -81,8 +82,11 @@ Result<UsableViews> usable_views(std::span<const View> views, ImageSize size) {
 // Views that tell the shape of their board, or one lens from another.
 constexpr std::size_t kViewsEnough = 8;
 
+// Whether all views show the same points.
 bool of_one_board(std::span<const View> views) {
   const Board& board = views.front().board;
+  // Of a grid that goes on beyond the picture each view shows other points.
+  if (!check_names_points(board)) return false;
   return std::all_of(views.begin(), views.end(),
                      [&board](const View& view) { return view.board == board; });
 }
@@ -276,9 +280,9 @@ Result<Solution> solve_views(std::span<const View> views, ImageSize image_size,
   }
   auto usable = usable_views(views, image_size);
   if (!usable) return tl::unexpected<Error>(usable.error());
-  auto solution = options.refine
+  auto solution = options.refine && is_refined(options.method)
                       ? solve_board(views, std::move(usable->views), image_size, options, stop)
-                      : method_solution(usable->views, image_size, options);
+                      : method_solution(std::move(usable->views), image_size, options);
   if (!solution) return solution;
   give_ids(views, solution->rejected_corners);
   auto& rejected = solution->rejected;

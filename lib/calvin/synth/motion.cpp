@@ -32,10 +32,21 @@ Eigen::Matrix3d turn_axis_to(const Eigen::Vector3d& ray) {
   return rotation_between(Eigen::Vector3d::UnitZ(), ray);
 }
 
-// Places along the board's outline, in the board frame.
+// What is brought into the image: all of the board, or the middle of a grid that goes on beyond.
+BoardArea framed_area(const Board& board) {
+  constexpr double kHalfWidth = 12.5;  // pitches
+  constexpr double kHalfHeight = 8.5;
+  const auto* grid = board.as<UnboundedGrid>();
+  if (grid == nullptr) return board.outline();
+  const double middle = (UnboundedGrid::kSide - 1) / 2.0;
+  return {(middle - kHalfWidth) * grid->pitch, (middle - kHalfHeight) * grid->pitch,
+          (middle + kHalfWidth) * grid->pitch, (middle + kHalfHeight) * grid->pitch};
+}
+
+// Places along the edge of what is brought into the image, in the board frame.
 std::vector<Eigen::Vector3d> outline(const Board& board) {
   std::vector<Eigen::Vector3d> points(16);
-  const BoardArea area = board.outline();
+  const BoardArea area = framed_area(board);
   const double width = area.width();
   const double height = area.height();
   for (std::size_t i = 0; i < 4; ++i) {
@@ -50,10 +61,12 @@ std::vector<Eigen::Vector3d> outline(const Board& board) {
 }
 
 // All corners of all squares, or all control points and those that would go on around them; all
-// control points of a board without a grid. In the board frame.
+// control points of a board without a grid; the edge of what is shown of a grid that goes on beyond
+// the image. In the board frame.
 std::vector<Eigen::Vector3d> lattice(const Board& board) {
   const auto grid = board.grid();
   if (!grid) return board.points();
+  if (board.as<UnboundedGrid>() != nullptr) return outline(board);
   std::vector<Eigen::Vector3d> points;
   for (int row = -1; row <= grid->rows; ++row) {
     for (int col = -1; col <= grid->cols; ++col) {
@@ -64,13 +77,13 @@ std::vector<Eigen::Vector3d> lattice(const Board& board) {
 }
 
 Eigen::Vector3d board_centre(const Board& board) {
-  const BoardArea area = board.outline();
+  const BoardArea area = framed_area(board);
   return {(area.left + area.right) / 2, (area.top + area.bottom) / 2, 0};
 }
 
-// Radius of the circle around the board's outline, m.
+// Radius of the circle around what is brought into the image, m.
 double board_radius(const Board& board) {
-  const BoardArea area = board.outline();
+  const BoardArea area = framed_area(board);
   return std::hypot(area.width(), area.height()) / 2;
 }
 

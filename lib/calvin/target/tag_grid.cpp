@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "calvin/target/length.hpp"
+#include "calvin/target/board_name.hpp"
 
 namespace calvin {
 

@@ -85,7 +85,7 @@ class BytesFor : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Boards, BytesFor,
                          ::testing::Values("checkerboard:9x6:25mm", "puzzle:9x6:25mm",
                                            "circles:7x5:30mm", "dots:7x5:30mm:big=0.0:inverted",
-                                           "dot"));
+                                           "dots:5mm", "lines:5mm", "dot"));
 
 TEST_P(BytesFor, AreNoBoardAndTakeNoLongerThanTheirPixels) {
   const auto finder = make_detector(parse_board(GetParam()).value()).value();

@@ -28,7 +28,8 @@ class NegativesFor : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Boards, NegativesFor,
                          ::testing::Values("checkerboard:9x6:25mm", "circles:7x5:30mm",
                                            "circles:4x4:30mm:inverted", "acircles:4x11:20mm",
-                                           "dots:9x9:20mm:big=0.0", "dot"));
+                                           "dots:5mm", "lines:5mm", "dots:9x9:20mm:big=0.0",
+                                           "dot"));
 TEST_P(NegativesFor, HaveNoBoard) {
   const auto finder = make_detector(parse_board(GetParam()).value()).value();
   const bool full = scenes::full_count();

@@ -218,6 +218,20 @@ TEST(Floor, IsRefusedWhereTheBoardMovesOrLooksTheSameTurned) {
   EXPECT_NE(turned.error().message.find("puzzle:14x9:20mm"), std::string::npos);
 }
 
+// Two cameras number what each of them sees of such a grid, and not the same points alike.
+TEST(Rig, IsRefusedWhereTheBoardNamesNoPoints) {
+  Random random(8);
+  const SimulatedRig rig = scenes::stereo_rig(random);
+  auto seen = scenes::seen_by(rig, 10, 0.5, random);
+  for (auto& camera : seen) {
+    for (View& view : camera.views) view.board = parse_board("dots:25mm").value();
+  }
+  const auto solved = solve_rig(seen);
+  ASSERT_FALSE(solved.has_value());
+  EXPECT_EQ(solved.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(solved.error().message.find("puzzle:14x9:20mm"), std::string::npos);
+}
+
 TEST(Rig, NamesTheCameraThatSharesNothing) {
   Random random(9);
   SimulatedRig rig = scenes::stereo_rig(random);

@@ -114,6 +114,11 @@ TEST(RigSession, RefusesWhatIsNoView) {
   EXPECT_FALSE(s.session.offer(0, broken).has_value());
   broken.board = "no board";
   EXPECT_FALSE(s.session.offer(0, broken).has_value());
+  broken = s.seen(0, kPlace, 0).value();
+  broken.board = "lines:25mm";
+  const auto nameless = s.session.offer(0, broken);
+  ASSERT_FALSE(nameless.has_value());
+  EXPECT_EQ(nameless.error().code, ErrorCode::kUnsupported);
 }
 
 // Held in many places a session asks for a solve, again with more, and at the end.

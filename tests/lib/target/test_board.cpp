@@ -299,6 +299,25 @@ TEST(Board, ALightIsOnePointWithoutMeasures) {
   for (const char* wrong : {"dot:", "dot:5mm", "dot:1x1:25mm"}) expect_refused(wrong, "dot");
 }
 
+TEST(Board, AGridThatGoesOnBeyondThePictureHasADistanceAlone) {
+  const Board dots = parse_board("dots:1mm").value();
+  const Board lines = parse_board("lines:2.5cm:inverted").value();
+  EXPECT_EQ(dots.text(), "dots:1mm");
+  EXPECT_EQ(lines.text(), "lines:25mm:inverted");
+  EXPECT_EQ(dots.grid()->pitch, 0.001);
+  EXPECT_EQ(dots.symmetries().size(), 3u);
+  EXPECT_TRUE(dots.looks_like(parse_board("dots:7mm").value()));
+  EXPECT_FALSE(dots.looks_like(parse_board("dots:1mm:inverted").value()));
+  EXPECT_FALSE(dots.looks_like(parse_board("lines:1mm").value()));
+  EXPECT_NE(parse_board("dots:10x8:1mm").value().as<CircleGrid>(), nullptr);
+  for (const char* wrong : {"dots", "dots:", "dots:1", "dots:1mm:rings=2.2", "dots:0mm"}) {
+    expect_refused(wrong, "dots:1mm");
+  }
+  for (const char* wrong : {"lines", "lines:5x4:1mm", "lines:1mm:big=0.0", "lines:grid.txt"}) {
+    expect_refused(wrong, "lines:1mm");
+  }
+}
+
 TEST(Board, ErrorsAreOneLine) {
   const std::string message = parse_board("checker\nboard\x1b[31m").error().message;
   EXPECT_EQ(message.find('\n'), std::string::npos);

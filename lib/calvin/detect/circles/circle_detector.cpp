@@ -13,13 +13,11 @@
 #include <utility>
 #include <vector>
 
-#include "calvin/detect/circles/blob_points.hpp"
-#include "calvin/detect/circles/blob_shape.hpp"
 #include "calvin/detect/circles/circle_pattern.hpp"
 #include "calvin/detect/circles/disc_lattice.hpp"
+#include "calvin/detect/circles/disc_search.hpp"
 #include "calvin/detect/circles/disc_sheet.hpp"
 #include "calvin/detect/circles/disc_tracker.hpp"
-#include "calvin/detect/circles/known_discs.hpp"
 #include "calvin/detect/pyramid.hpp"
 #include "calvin/detect/search_again.hpp"
 #include "calvin/detect/sheet_list.hpp"
@@ -32,8 +30,9 @@ constexpr int kFewestDiscs = 9;      // of a lattice
 constexpr double kLeastShare = 0.7;  // of a board without marks that has to be seen
 // px, of a level; in a smaller one discs of a board of the whole image are too small.
 constexpr ImageSize kLeastLevel = {48, 32};
-constexpr double kSame = 4;           // px, between the places of a disc in two levels
-constexpr int kFewestWithMarks = 12;  // discs of a board with marks
+constexpr std::size_t kMostPoints = 1500;  // of a level, that may be discs
+constexpr double kSame = 4;                // px, between the places of a disc in two levels
+constexpr int kFewestWithMarks = 12;       // discs of a board with marks
 
 Pixel mean_of(const std::vector<Pixel>& points) {
   Pixel mean;
@@ -107,7 +106,6 @@ class CircleDetector final : public Detector {
   [[nodiscard]] bool is_search_due(std::uint64_t timestamp);
   void search(const std::stop_token& stop);
   void search_level(int level, bool light, const std::stop_token& stop);
-  void find_discs(int level, bool light, std::vector<Ellipse>& discs);
   void look_at(const DiscLattice& lattice, bool light);
   [[nodiscard]] bool name(DiscSheet& sheet, std::size_t pattern);
   [[nodiscard]] bool observe(DiscSheet& sheet, std::size_t pattern, const CellMap& map);
@@ -123,10 +121,9 @@ class CircleDetector final : public Detector {
   int fewest_ = std::numeric_limits<int>::max();  // discs of a board that is seen almost wholly
   MarkKinds marks_;                               // of any board
   Pyramid pyramid_;
-  BlobSearch blob_search_;
+  DiscSearch disc_search_{kMostPoints};
   DiscGraph graph_;
   std::vector<Ellipse> discs_[2];  // dark, light
-  KnownDiscs near_;
   std::vector<FoundSheet> found_;
   std::optional<OtherSheet> other_;
   SheetList list_{{}};
@@ -177,7 +174,7 @@ void CircleDetector::search(const std::stop_token& stop) {
 void CircleDetector::search_level(int level, bool light, const std::stop_token& stop) {
   std::vector<Ellipse>& discs = discs_[light ? 1 : 0];
   const std::size_t before = discs.size();
-  find_discs(level, light, discs);
+  disc_search_.add(pyramid_, level, light, discs);
   if (level > 0 && discs.size() == before) return;
   if (static_cast<int>(discs.size()) < kFewestDiscs) return;
   graph_.begin(discs);
@@ -186,28 +183,6 @@ void CircleDetector::search_level(int level, bool light, const std::stop_token& 
   const int least = level > 0 ? std::max(fewest_, kFewestDiscs) : kFewestDiscs;
   while (!stop.stop_requested() && graph_.next(least, lattice)) {
     if (!is_known(lattice)) look_at(lattice, light);
-  }
-}
-
-// Adds the discs of a level, in px of the image.
-void CircleDetector::find_discs(int level, bool light, std::vector<Ellipse>& discs) {
-  constexpr std::uint8_t kThreshold = 6;  // grey levels
-  constexpr std::size_t kMostPoints = 1500;
-  constexpr double kReach = 10;  // px
-  const ImageView& image = pyramid_.calm_level(level);
-  const double scale = 1 << level;
-  const auto up = [level](double v) {
-    return static_cast<double>(Pyramid::to_image(static_cast<float>(v), level));
-  };
-  near_.begin(discs);
-  for (const BlobPoint& p : blob_search_.find(image, light, kThreshold, kMostPoints)) {
-    const auto found = measure_blob(image, p.x, p.y, light, kReach, kThreshold);
-    if (!found) continue;
-    Ellipse e = *found;
-    e.x = up(e.x);
-    e.y = up(e.y);
-    for (double* square : {&e.xx, &e.xy, &e.yy}) *square *= scale * scale;
-    if (near_.add(e)) discs.push_back(e);
   }
 }
 

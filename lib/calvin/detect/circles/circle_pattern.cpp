@@ -85,6 +85,14 @@ CirclePattern::CirclePattern(Board of) : board_(std::move(of)) {
       discs_.push_back({{(p.col + p.row) / 2, (p.row - p.col) / 2}, DiscMark::kNone});
     }
   }
+  if (const auto* dots = board_.as<UnboundedGrid>()) {
+    light_ = dots->inverted;
+    for (int id = 0; id < board_.point_count(); ++id) {
+      const GridPlace p = dots->grid().place(id);
+      const int middle = UnboundedGrid::kSide / 2;  // near what is seen
+      discs_.push_back({{p.col - middle, p.row - middle}, DiscMark::kNone});
+    }
+  }
   if (discs_.empty()) return;
   range_ = range_of(discs_);
   reach_ = std::max(range_.cols(), range_.rows());

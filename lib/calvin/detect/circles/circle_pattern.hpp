@@ -36,7 +36,7 @@ struct CellMap {
 
 class CirclePattern {
  public:
-  // For boards that has_circle_pattern() tells.
+  // For boards that has_circle_pattern() tells, and grids of dots that go on beyond the picture.
   explicit CirclePattern(Board of);
 
   struct Disc {

@@ -11,6 +11,7 @@
 
 #include "calvin/session/rig/corner_velocities.hpp"
 #include "calvin/session/views/corner_motion.hpp"
+#include "calvin/target/unbounded_grid.hpp"
 
 namespace calvin {
 
@@ -92,6 +93,9 @@ Result<View> RigSession::to_view(const Observation& observation) {
     if (!board) return tl::unexpected<Error>(board.error());
     boards_.push_back(*std::move(board));
     known = boards_.end() - 1;
+  }
+  if (const Status named = check_names_points(*known); !named) {
+    return tl::unexpected<Error>(named.error());
   }
   View view{observation, *known};
   view.observation.patches.reset();

@@ -7,7 +7,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/image.hpp"
@@ -17,12 +21,24 @@
 
 namespace calvin {
 
+// Takes (x, y, z, 1) of a board to a ray.
+using RayFromBoard = Eigen::Matrix<double, 3, 4>;
+
 struct MethodResult {
   Camera camera;
   std::vector<SE3> camera_from_board;  // of the views given, m
   std::vector<std::string> remarks;    // what only this method has: sentences for the user
   // The camera that the least squares start from, where that is another one.
   std::optional<Camera> start;
+
+  // Of a method that no least squares follow, for each view: what the camera was fitted to, where
+  // poses are only near that. Empty: the poses.
+  std::vector<RayFromBoard> ray_from_board = {};
+  // Views and corners of them that were left out as outliers.
+  std::vector<std::pair<std::size_t, std::size_t>> left_out = {};
+  // Parameters of the camera that were estimated, in their order, and their covariance.
+  std::vector<std::string> estimated = {};
+  Eigen::MatrixXd covariance = {};
 };
 
 struct MethodInput {
@@ -33,6 +49,11 @@ struct MethodInput {
   // use of that.
   bool centered = false;
   bool square = false;
+  // For methods that no least squares follow: whether they refine what they find by themselves, the
+  // model that was asked for, and whether outliers are left out.
+  bool refine = true;
+  std::string_view model = "brown5";
+  bool reject_outliers = true;
 };
 
 }  // namespace calvin

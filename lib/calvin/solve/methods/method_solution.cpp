@@ -5,10 +5,12 @@
 
 #include "calvin/solve/methods/method_solution.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/solve/methods/methods.hpp"
@@ -23,11 +25,18 @@ struct Residuals {
   int unseen = 0;  // corners that the camera has no projection of
 };
 
-Residuals residuals_of(const PointSet& view, const Camera& camera, const SE3& camera_from_board) {
+RayFromBoard as_rays(const SE3& camera_from_board) {
+  RayFromBoard m;
+  m << camera_from_board.rotation, camera_from_board.translation;
+  return m;
+}
+
+Residuals residuals_of(const PointSet& view, const Camera& camera,
+                       const RayFromBoard& ray_from_board) {
   Residuals sum;
   for (std::size_t i = 0; i < view.size(); ++i) {
     if (!(view.weight[i] > 0)) continue;
-    const auto at = camera.project(camera_from_board * view.points[i]);
+    const auto at = camera.project(ray_from_board * view.points[i].homogeneous());
     if (!at) {
       ++sum.unseen;
       continue;
@@ -38,9 +47,29 @@ Residuals residuals_of(const PointSet& view, const Camera& camera, const SE3& ca
   return sum;
 }
 
+// Copies the covariance, and sigmas out of it.
+void add_sigmas(const MethodResult& found, Calibration& calibration) {
+  for (std::size_t i = 0; i < found.estimated.size(); ++i) {
+    const auto at = std::find_if(calibration.parameters.begin(), calibration.parameters.end(),
+                                 [&](const Parameter& p) { return p.name == found.estimated[i]; });
+    const auto k = static_cast<Eigen::Index>(i);
+    at->sigma = std::sqrt(found.covariance(k, k));
+  }
+  const double* numbers = found.covariance.data();  // symmetric: rows are columns
+  calibration.covariance.assign(numbers, numbers + found.covariance.size());
+}
+
+// Gives the corners that were left out no weight, and lists them.
+void leave_out(const MethodResult& found, std::vector<PointSet>& views, Solution& solution) {
+  for (const auto& [view, corner] : found.left_out) {
+    views[view].weight[corner] = 0;
+    solution.rejected_corners.push_back({views[view].index, views[view].ids[corner]});
+  }
+}
+
 }  // namespace
 
-Result<Solution> method_solution(const std::vector<PointSet>& views, ImageSize size,
+Result<Solution> method_solution(std::vector<PointSet> views, ImageSize size,
                                  const SolveOptions& options) {
   const auto found = run_method(options.method, method_input(views, size, options));
   if (!found) return tl::unexpected<Error>(found.error());
@@ -48,11 +77,15 @@ Result<Solution> method_solution(const std::vector<PointSet>& views, ImageSize s
   Calibration& calibration = solution.calibration;
   calibration = found->camera.to_calibration();
   calibration.remarks = found->remarks;
+  add_sigmas(*found, calibration);
+  leave_out(*found, views, solution);
   std::vector<Pixel> corners;
   Residuals all;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const SE3& pose = found->camera_from_board[v];
-    const Residuals r = residuals_of(views[v], found->camera, pose);
+    const Residuals r =
+        residuals_of(views[v], found->camera,
+                     found->ray_from_board.empty() ? as_rays(pose) : found->ray_from_board[v]);
     all.squares += r.squares;
     all.seen += r.seen;
     all.unseen += r.unseen;

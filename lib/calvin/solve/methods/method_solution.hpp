@@ -15,9 +15,10 @@
 namespace calvin {
 
 // SolveOptions::method without the least squares after it: the camera in the method's own model,
-// the poses and the residuals of all corners; no sigma, no promise and no verdict, which are of the
-// least squares. Camera and board text of Solution::calibration are left empty.
-[[nodiscard]] Result<Solution> method_solution(const std::vector<PointSet>& views, ImageSize size,
+// the poses and the residuals of all corners; no promise and no verdict, which are of the least
+// squares, and sigmas only where the method has some itself. Camera and board text of
+// Solution::calibration are left empty.
+[[nodiscard]] Result<Solution> method_solution(std::vector<PointSet> views, ImageSize size,
                                                const SolveOptions& options);
 
 }  // namespace calvin

@@ -12,6 +12,7 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/solve/methods/bakstein.hpp"
+#include "calvin/solve/methods/discorpy.hpp"
 #include "calvin/solve/methods/dlt.hpp"
 #include "calvin/solve/methods/tsai.hpp"
 #include "calvin/solve/methods/zhang.hpp"
@@ -24,13 +25,19 @@ struct Method {
   std::string_view name;
   Result<MethodResult> (*run)(const MethodInput&);
   bool takes_one_view = false;
+  bool is_refined = true;
 };
 constexpr std::array kMethods = {
-    Method{"bakstein", bakstein_method},
-    Method{"dlt", dlt_method},
-    Method{"tsai", tsai_method, true},
+    Method{"bakstein", bakstein_method}, Method{"discorpy", discorpy_method, false, false},
+    Method{"dlt", dlt_method},           Method{"tsai", tsai_method, true},
     Method{"zhang", zhang_method},
 };
+
+const Method* find_method(std::string_view name) {
+  const auto at = std::find_if(kMethods.begin(), kMethods.end(),
+                               [name](const Method& m) { return m.name == name; });
+  return at == kMethods.end() ? nullptr : &*at;
+}
 
 }  // namespace
 
@@ -55,8 +62,8 @@ std::vector<std::string_view> methods_of_several_views() {
 }
 
 Status check_method(std::string_view method) {
+  if (find_method(method) != nullptr) return {};
   const auto& names = method_names();
-  if (std::find(names.begin(), names.end(), method) != names.end()) return {};
   if (method.empty()) {
     return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("Without the least squares there is nothing but a method: give "
@@ -68,6 +75,11 @@ Status check_method(std::string_view method) {
       fmt::format("The method '{}' is not known. Known methods: {}.", method, join(names, ", ")));
 }
 
+bool is_refined(std::string_view method) {
+  const Method* known = find_method(method);
+  return known == nullptr || known->is_refined;
+}
+
 MethodInput method_input(std::span<const PointSet> views, ImageSize size,
                          const SolveOptions& options) {
   const auto fixes = [&options](std::string_view word) {
@@ -75,6 +87,9 @@ MethodInput method_input(std::span<const PointSet> views, ImageSize size,
                        [word](const std::string& fix) { return trim(fix) == word; });
   };
   MethodInput input = {views, size, options.skew};
+  input.refine = options.refine;
+  input.model = options.model;
+  input.reject_outliers = options.reject_outliers;
   if (options.initial) return input;
   input.centered = fixes("center") || (fixes("cx") && fixes("cy"));
   input.square = fixes("aspect") || fixes("fx=fy") || fixes("fy=fx");
@@ -86,9 +101,7 @@ Result<MethodResult> run_method(std::string_view method, const MethodInput& inpu
   if (input.views.empty()) {
     return make_error(ErrorCode::kDegenerate, "There is no view to calibrate from.");
   }
-  const auto at = std::find_if(kMethods.begin(), kMethods.end(),
-                               [method](const Method& m) { return m.name == method; });
-  return at->run(input);
+  return find_method(method)->run(input);
 }
 
 }  // namespace calvin

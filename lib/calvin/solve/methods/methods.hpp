@@ -27,6 +27,10 @@ namespace calvin {
 // kInvalidArgument for a name that is none of these: the message shows them.
 [[nodiscard]] Status check_method(std::string_view method);
 
+// Whether the least squares of solve() follow a method: not where it knows no focal length, which
+// they would have to. True for a name that is none.
+[[nodiscard]] bool is_refined(std::string_view method);
+
 // What a method is told of the options: skew, and which of `fix` it may make use of.
 [[nodiscard]] MethodInput method_input(std::span<const PointSet> views, ImageSize size,
                                        const SolveOptions& options);

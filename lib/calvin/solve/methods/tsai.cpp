@@ -12,9 +12,9 @@
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 
 #include "calvin/solve/linear/lm.hpp"
+#include "calvin/solve/methods/radial_planes.hpp"
 
 namespace calvin {
 
@@ -96,13 +96,13 @@ class ThreeParameters {
 
 // Radii from 0 to `most` px: seen, and ideal, in focal lengths. Near the radius where the
 // distortion folds no polynomial follows it.
-std::vector<Eigen::Vector2d> radii(const TsaiCamera& camera, double most) {
+std::vector<SeenRadius> radii(const TsaiCamera& camera, double most) {
   constexpr int kCount = 200;
   if (camera.kappa < 0) most = std::min(most, 0.9 / std::sqrt(-3 * camera.kappa));
-  std::vector<Eigen::Vector2d> all;
+  std::vector<SeenRadius> all;
   for (int i = 1; i <= kCount; ++i) {
     const double r = most * i / kCount;
-    all.emplace_back(r / camera.focal, r * (1 + camera.kappa * r * r) / camera.focal);
+    all.push_back({r / camera.focal, r * (1 + camera.kappa * r * r) / camera.focal});
   }
   return all;
 }
@@ -121,50 +121,16 @@ double reach_of(const TsaiCamera& camera, const PointSet& view) {
   return most;
 }
 
-// The radial terms of brown5, or of rational8, whose denominator is moved to the other side: the
-// seen radius is linear in them.
-Eigen::VectorXd terms(const Eigen::Vector2d& r, int count) {
-  Eigen::VectorXd by(count);
-  const double square = r[1] * r[1];
-  double power = square;
-  for (int i = 0; i < 3; ++i, power *= square) {
-    by[i] = r[1] * power;
-    if (count > 3) by[3 + i] = -r[0] * power;
-  }
-  return by;
-}
-
-NearestCamera nearest(const TsaiCamera& camera, double most, int count) {
-  const auto all = radii(camera, most);
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(all.size()), count);
-  Eigen::VectorXd right(rows.rows());
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const Eigen::Vector2d& r = all[static_cast<std::size_t>(i)];
-    rows.row(i) = terms(r, count);
-    right[i] = r[0] - r[1];
-  }
-  const Eigen::VectorXd unit = rows.colwise().norm().cwiseInverse().transpose();
-  const Eigen::VectorXd k =
-      unit.cwiseProduct((rows * unit.asDiagonal()).colPivHouseholderQr().solve(right));
+// By the three radial terms of brown5, or by the six of rational8.
+NearestCamera nearest(const TsaiCamera& camera, double most, bool rational) {
+  const RadialFit fit = fit_radii(radii(camera, most), {3, rational, false});
+  const std::vector<double>& k = fit.k;
   NearestCamera result;
-  result.model = count > 3 ? "rational8" : "brown5";
-  result.parameters = {camera.sx * camera.focal,
-                       camera.focal,
-                       camera.center.u,
-                       camera.center.v,
-                       k[0],
-                       k[1],
-                       0,
-                       0,
-                       k[2]};
-  for (int i = 3; i < count; ++i) result.parameters.push_back(k[i]);
-  for (const Eigen::Vector2d& r : all) {
-    Eigen::VectorXd numerator = terms(r, count);
-    double denominator = 1;
-    for (int i = 3; i < count; ++i) denominator -= k[i] * numerator[i] / r[0];
-    const double seen = (r[1] + k.head<3>().dot(numerator.head<3>())) / denominator;
-    result.residual = std::max(result.residual, camera.focal * std::abs(seen - r[0]));
-  }
+  result.model = rational ? "rational8" : "brown5";
+  result.parameters = {
+      camera.sx * camera.focal, camera.focal, camera.center.u, camera.center.v, k[0], k[1], 0, 0};
+  result.parameters.insert(result.parameters.end(), k.begin() + 2, k.end());
+  result.residual = camera.focal * fit.residual;
   return result;
 }
 
@@ -187,9 +153,9 @@ Result<TsaiCamera> tsai(const PointSet& view, Pixel center) {
 NearestCamera nearest_camera(const TsaiCamera& camera, ImageSize size) {
   constexpr double kNear = 0.02;  // px: no picture tells the two apart
   const double most = reach_of(camera, size);
-  NearestCamera brown = nearest(camera, most, 3);
+  NearestCamera brown = nearest(camera, most, false);
   if (brown.residual <= kNear) return brown;
-  NearestCamera rational = nearest(camera, most, 6);
+  NearestCamera rational = nearest(camera, most, true);
   return rational.residual < brown.residual ? rational : brown;
 }
 
@@ -205,7 +171,7 @@ Result<MethodResult> tsai_method(const MethodInput& input) {
   const NearestCamera ours = nearest_camera(*found, input.size);
   auto camera = Camera::make(ours.model, input.size, ours.parameters);
   // Where points are seen brown5 is near enough to start from, in any model of its family.
-  const NearestCamera near = nearest(*found, reach_of(*found, input.views[0]), 3);
+  const NearestCamera near = nearest(*found, reach_of(*found, input.views[0]), false);
   auto start = Camera::make("brown5", input.size, near.parameters);
   if (!camera) return tl::unexpected<Error>(camera.error());
   if (!start) return tl::unexpected<Error>(start.error());

@@ -250,6 +250,31 @@ void print(Artwork& artwork, const TagGrid& board) {
   fill_cells(artwork, [&](int col, int row) { return cells.is_dark(col, row) != board.inverted; });
 }
 
+// The edges of lines that are a pitch apart, and the ends of the outline.
+std::vector<double> line_cuts(const Grid& grid, double from, double to) {
+  constexpr double kHalf = UnboundedGrid::kLineWidth / 2;
+  std::vector<double> cuts = {from};
+  for (int i = 0; i < UnboundedGrid::kSide; ++i) {
+    cuts.push_back(grid.distance_to(i) - kHalf * grid.pitch);
+    cuts.push_back(grid.distance_to(i) + kHalf * grid.pitch);
+  }
+  cuts.push_back(to);
+  return cuts;
+}
+
+void print(Artwork& artwork, const UnboundedGrid& board) {
+  const Grid grid = board.grid();
+  if (board.pattern == GridPattern::kDots) {
+    print(artwork, CircleGrid{grid.cols, grid.rows, board.pitch, {}, {}, board.inverted});
+    return;
+  }
+  artwork.margin = board.pitch;
+  artwork.x = line_cuts(grid, artwork.outline.left, artwork.outline.right);
+  artwork.y = line_cuts(grid, artwork.outline.top, artwork.outline.bottom);
+  fill_cells(artwork,
+             [&](int col, int row) { return (col % 2 != 0 || row % 2 != 0) != board.inverted; });
+}
+
 void print(Artwork& artwork, const PointBoard& board) {
   if (!board.is_flat()) return;
   for (const PointBoard::Dot& dot : board.dots()) {

@@ -195,7 +195,28 @@ Result<Board> parse_circles(const Fields& fields) {
   return board;
 }
 
+// "dots:1mm", "lines:1mm:inverted".
+Result<Board> parse_unbounded(const Fields& fields, GridPattern pattern) {
+  if (fields.empty()) return refuse("it needs a kind and a distance");
+  const auto pitch = parse_side(fields[0], "distances");
+  if (!pitch) return tl::unexpected(pitch.error());
+  UnboundedGrid board{pattern, *pitch, false};
+  for (std::size_t i = 1; i < fields.size(); ++i) {
+    if (fields[i] != "inverted") return refuse(fmt::format("'{}' is not 'inverted'", fields[i]));
+    board.inverted = true;
+  }
+  return board;
+}
+
+Result<Board> parse_lines(const Fields& fields) {
+  return parse_unbounded(fields, GridPattern::kLines);
+}
+
+// Whether a field is a size, as COLSxROWS is; a length has no x.
+bool is_size(std::string_view field) { return split(field, 'x').size() > 1; }
+
 Result<Board> parse_dots(const Fields& fields) {
+  if (!fields.empty() && !is_size(fields[0])) return parse_unbounded(fields, GridPattern::kDots);
   const auto discs = parse_discs(fields);
   if (!discs) return tl::unexpected(discs.error());
   CircleGrid board{discs->sides.cols, discs->sides.rows, discs->pitch, {}, {}, false};
@@ -325,7 +346,7 @@ struct KindOfText {
   Result<Board> (*parse)(const Fields& fields);
   std::string_view example;
 };
-constexpr std::array<KindOfText, 10> kKinds = {{
+constexpr std::array<KindOfText, 11> kKinds = {{
     {"checkerboard", parse_checkerboard,
      "A right text is 'checkerboard:9x6:25mm': 9 by 6 inner corners, squares of 25 mm."},
     {"puzzle", parse_puzzle,
@@ -349,7 +370,10 @@ constexpr std::array<KindOfText, 10> kKinds = {{
     {"dots", parse_dots,
      "A right text is 'dots:14x10:7mm:rings=2.2+12.2+2.8': 14 by 10 dots 7 mm apart, of which "
      "those "
-     "at column 2, row 2 and so on are rings."},
+     "at column 2, row 2 and so on are rings; or 'dots:1mm': a grid of dots, 1 mm apart, of which "
+     "any part is in view."},
+    {"lines", parse_lines,
+     "A right text is 'lines:1mm': a grid of lines, 1 mm apart, of which any part is in view."},
     {"dot", parse_dot, "A right text is 'dot': a light that is moved before several cameras."},
 }};
 

@@ -3,7 +3,7 @@
 
 // Lengths with their units.
 
-#include "calvin/target/length.hpp"
+#include "calvin/target/board_name.hpp"
 
 #include <array>
 #include <cmath>

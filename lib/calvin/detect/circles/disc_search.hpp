@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// KnownDiscs: the discs of an image by their places.
+// DiscSearch: the discs in the levels of an image, each once.
 #pragma once
 
 #include <array>
@@ -9,7 +9,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "calvin/detect/circles/blob_points.hpp"
 #include "calvin/detect/circles/ellipse.hpp"
+#include "calvin/detect/pyramid.hpp"
 
 namespace calvin::detect {
 
@@ -42,6 +44,21 @@ class KnownDiscs {
     return (cell(x) * 31 + cell(y)) % kBuckets;
   }
   std::array<std::vector<Ellipse>, kBuckets> buckets_;
+};
+
+// Keeps its memory.
+class DiscSearch {
+ public:
+  // Of each level the `most` places that differ most from the ring around them are looked at.
+  explicit DiscSearch(std::size_t most) : most_(most) {}
+
+  // Adds the discs of a level that are none of `discs` yet, in px of the image.
+  void add(Pyramid& pyramid, int level, bool light, std::vector<Ellipse>& discs);
+
+ private:
+  std::size_t most_;
+  BlobSearch blob_search_;
+  KnownDiscs known_;
 };
 
 }  // namespace calvin::detect
