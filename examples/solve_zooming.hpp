@@ -78,7 +78,7 @@ inline calvin::Status run(const std::string& path, const solve_views::NamedViews
   for (std::size_t v = 0; v < solved->size(); ++v) {
     calvin::Calibration& calibration = (*solved)[v];
     calibration.zoom = static_cast<double>(v);
-    fmt::print("view {} ({}):", v, named[v].name);
+    fmt::print("view {}:", named[v].name);
     for (const calvin::Parameter& p : calibration.parameters) {
       if (p.value == 0 && !p.sigma) continue;
       fmt::print(" {} {:.6g}", p.name, p.value);

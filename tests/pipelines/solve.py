@@ -98,7 +98,7 @@ def zooming(folder):
     result = folder / "zoom.json"
     size = ["--size", "640x480", "--method", "sturm-maybank"]
     for options in (["--fix", "aspect"], ["--fix", "aspect", "--no-refine"]):
-        run(result, *files, *size, *options, says="view 5 (zoom5.txt): fx 2")
+        run(result, *files, *size, *options, says="view 5, zoom5.txt: fx 2")
         table = json.loads(result.read_text())
         near("settings", len(table["settings"]), 6, 0)
         for n, setting in enumerate(table["settings"]):
