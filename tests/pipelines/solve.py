@@ -106,7 +106,7 @@ def zooming(folder):
             p = setting["calibration"]["parameters"]
             near(f"fx of {options}, view {n}", p["fx"] / (800 * 3 ** (n / 5)), 1, 0.02)
             near(f"cx of {options}", p["cx"], 326, 8)
-    run(folder / "one.json", files[0], *size, "--fix", "aspect,center", says="view 0 (zoom0.txt): fx 8")
+    run(folder / "one.json", files[0], *size, "--fix", "aspect,center", says="view 0, zoom0.txt: fx 8")
     near("fx of one view", parameters(folder / "one.json")["fx"], 800, 30)
     run(result, files[0], *size, code=1, says="takes 3 views")
     run(result, *files, *size, "--fix", "k1", code=1, says="center and aspect alone")
