@@ -104,17 +104,45 @@ TEST_F(GuidedSessions, AreLeftByAGuideThatComesTooLate) {
   EXPECT_TRUE(session_.progress().ghost.empty());
 }
 
-TEST_F(GuidedSessions, AskForSomethingElseAfterTenSeconds) {
+// A board that is lost on the way, again and again.
+TEST_F(GuidedSessions, AskForSomethingElseWhereABoardGetsLost) {
   begin_guided();
   ASSERT_EQ(hold(target_).reason, Reason::kAccepted);
   finish_solve(session_.take_solve());
-  ASSERT_FALSE(session_.progress().ghost.empty());
-  wait(11);
-  Observation nothing;
-  nothing.timestamp = times(frame_).timestamp;
-  nothing.image_size = scenes::kSize;
-  EXPECT_EQ(session_.offer(nothing, times(frame_)).reason, Reason::kNotFound);
-  EXPECT_TRUE(session_.progress().ghost.empty());
+  const auto lose_it = [&](int seconds) {
+    wait(seconds);
+    Observation nothing;
+    nothing.timestamp = times(frame_).timestamp;
+    nothing.image_size = scenes::kSize;
+    EXPECT_EQ(session_.offer(nothing, times(frame_)).reason, Reason::kNotFound);
+    return session_.progress().ghost;
+  };
+  const auto is_at = [](const std::vector<Pixel>& a, const std::vector<Pixel>& b) {
+    return !a.empty() && !b.empty() && a.front().u == b.front().u && a.front().v == b.front().v;
+  };
+  const auto first = session_.progress().ghost;
+  ASSERT_FALSE(first.empty());
+  EXPECT_TRUE(is_at(lose_it(4), first)) << "a hand has five seconds";
+  const auto second = lose_it(2);
+  EXPECT_FALSE(second.empty() || is_at(second, first));
+  const auto third = lose_it(6);
+  EXPECT_FALSE(third.empty() || is_at(third, first) || is_at(third, second));
+  EXPECT_TRUE(lose_it(6).empty()) << "a camera that is known badly asks for what it cannot see";
+}
+
+// Who holds it where it tells little is asked for something else, too, but still sees a ghost.
+TEST_F(GuidedSessions, AskForSomethingElseWhereABoardIsHeldInVain) {
+  begin_guided();
+  ASSERT_EQ(hold(target_).reason, Reason::kAccepted);
+  finish_solve(session_.take_solve());
+  const auto first = session_.progress().ghost;
+  ASSERT_FALSE(first.empty());
+  EXPECT_EQ(hold(target_).reason, Reason::kTooSimilar);
+  wait(6);
+  EXPECT_EQ(hold(target_).reason, Reason::kTooSimilar);
+  const auto second = session_.progress().ghost;
+  ASSERT_FALSE(second.empty());
+  EXPECT_NE(second.front().u, first.front().u);
 }
 
 // Who does not get to the view that is asked for gives another one in the end, and is asked for

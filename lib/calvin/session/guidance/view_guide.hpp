@@ -27,7 +27,7 @@ class ViewGuide {
 
   // For a camera that is known roughly, the views that a session keeps, and the board that is to be
   // seen next. `missed`: targets that nobody got to; another one is asked for. Absent where no
-  // solve takes the options. Takes milliseconds.
+  // solve takes the options. Takes some tens of milliseconds.
   [[nodiscard]] static std::optional<ViewGuide> make(const Camera& camera,
                                                      const SolveOptions& options, const Views& kept,
                                                      const Board& board, const Views& missed = {});
