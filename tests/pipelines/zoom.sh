@@ -5,25 +5,8 @@
 # The example program `zoom` as users type it. Argument: the program.
 set -eu
 zoom=$(realpath "$1")
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-
-fail() {
-  echo "FAIL: $*" >&2
-  exit 1
-}
-
-# expect STATUS WORDS COMMAND...: the exit status, and words among what it prints.
-expect() {
-  status=$1
-  words=$2
-  shift 2
-  got=0
-  "$@" >out 2>&1 || got=$?
-  [ "$got" = "$status" ] || fail "$* left with $got, not $status: $(cat out)"
-  grep -q -- "$words" out || fail "$* did not say '$words': $(cat out)"
-}
+# shellcheck source=tests/pipelines/program.sh
+. "$(dirname "$0")/program.sh"
 
 # FILE F K1 [MORE]: a brown4 whose focal length is F.
 camera() {

@@ -17,6 +17,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
 #include "calvin/io/calibration_formats.hpp"
+#include "calvin/io/file_text.hpp"
 #include "calvin/io/text_document.hpp"
 #include "calvin_config.h"
 
@@ -100,26 +101,12 @@ Result<Calibration> parse_text(std::string_view content) {
   return calibration;
 }
 
-// The reasons of parsers are clauses, those of Camera::make() whole sentences.
-std::string explain(std::string_view name, std::string_view why) {
-  const std::string reason = shortened(why, 400);
-  const std::string file = name.empty() ? std::string("The calibration text")
-                                        : fmt::format("'{}'", shortened(name, 400));
-  return fmt::format("{} cannot be used as a calibration: {}{} {}", file, reason,
-                     reason.ends_with('.') ? "" : ".", kKnown);
-}
+constexpr io::FileKind kKind = {"The calibration text", "a calibration", kKnown};
 
 }  // namespace
 
 Result<Calibration> parse_calibration(std::string_view content, std::string_view name) {
-  Result<Calibration> result;
-  try {
-    result = parse_text(content);
-  } catch (const std::exception& exception) {  // out of memory, or a parser's own surprise
-    result = make_error(ErrorCode::kMalformed, exception.what());
-  }
-  if (!result) result.error().message = explain(name, result.error().message);
-  return result;
+  return io::parse_as<Calibration>(kKind, name, parse_text, content);
 }
 
 Result<Calibration> read_calibration(const std::filesystem::path& path) {

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "calvin/core/file.hpp"
-#include "calvin/core/utf8.hpp"
+#include "calvin/io/file_text.hpp"
 #include "calvin/io/native_fields.hpp"
 #include "calvin/io/node_map.hpp"
 #include "calvin/io/text_document.hpp"
@@ -107,15 +107,8 @@ Result<HandEye> parse_text(std::string_view content) {
   return hand_eye;
 }
 
-std::string explain(std::string_view name, std::string_view why) {
-  const std::string reason = shortened(why, 400);
-  const std::string file =
-      name.empty() ? std::string("The text") : fmt::format("'{}'", shortened(name, 400));
-  return fmt::format(
-      "{} cannot be used as a hand-eye calibration: {}{} Give a file that "
-      "calvin-hand-eye has written.",
-      file, reason, reason.ends_with('.') ? "" : ".");
-}
+constexpr io::FileKind kKind = {"The text", "a hand-eye calibration",
+                                "Give a file that calvin-hand-eye has written."};
 
 // ---- Writing ------------------------------------------------------------------------------------
 
@@ -159,14 +152,7 @@ Result<std::string> print_fields(const HandEye& hand_eye) {
 }  // namespace
 
 Result<HandEye> parse_hand_eye(std::string_view content, std::string_view name) {
-  Result<HandEye> result;
-  try {
-    result = parse_text(content);
-  } catch (const std::exception& exception) {  // out of memory, or a parser's own surprise
-    result = make_error(ErrorCode::kMalformed, exception.what());
-  }
-  if (!result) result.error().message = explain(name, result.error().message);
-  return result;
+  return io::parse_as<HandEye>(kKind, name, parse_text, content);
 }
 
 Result<HandEye> read_hand_eye(const std::filesystem::path& path) {

@@ -15,6 +15,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/file_text.hpp"
 #include "calvin/io/rig_formats.hpp"
 #include "calvin/io/text_document.hpp"
 
@@ -61,27 +62,15 @@ Result<Rig> parse_text(std::string_view content) {
   return reader != nullptr ? reader->read(*root) : io::read_native_rig(*root);
 }
 
-std::string explain(std::string_view name, std::string_view why) {
-  const std::string reason = shortened(why, 400);
-  const std::string file =
-      name.empty() ? std::string("The text of a rig") : fmt::format("'{}'", shortened(name, 400));
-  return fmt::format(
-      "{} cannot be used as a rig: {}{} Give a file that calvin-rig or calibrig has "
-      "written, Kalibr's camchain or OpenCV's stereo parameters in one file.",
-      file, reason, reason.ends_with('.') ? "" : ".");
-}
+constexpr io::FileKind kKind = {
+    "The text of a rig", "a rig",
+    "Give a file that calvin-rig or calibrig has written, Kalibr's camchain or OpenCV's stereo "
+    "parameters in one file."};
 
 }  // namespace
 
 Result<Rig> parse_rig(std::string_view content, std::string_view name) {
-  Result<Rig> result;
-  try {
-    result = parse_text(content);
-  } catch (const std::exception& exception) {  // out of memory, or a parser's own surprise
-    result = make_error(ErrorCode::kMalformed, exception.what());
-  }
-  if (!result) result.error().message = explain(name, result.error().message);
-  return result;
+  return io::parse_as<Rig>(kKind, name, parse_text, content);
 }
 
 bool is_rig(std::string_view content) noexcept {

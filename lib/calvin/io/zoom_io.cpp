@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "calvin/core/file.hpp"
-#include "calvin/core/utf8.hpp"
+#include "calvin/io/file_text.hpp"
 #include "calvin/io/native_fields.hpp"
 #include "calvin/io/node_map.hpp"
 
@@ -101,14 +101,8 @@ Result<ZoomTable> parse_text(std::string_view content) {
   return read_table(*root);
 }
 
-std::string explain(std::string_view name, std::string_view why) {
-  const std::string reason = shortened(why, 400);
-  const std::string file = name.empty() ? std::string("The text of a zoom table")
-                                        : fmt::format("'{}'", shortened(name, 400));
-  return fmt::format(
-      "{} cannot be used as a zoom table: {}{} Give a file that calvin-zoom has written.", file,
-      reason, reason.ends_with('.') ? "" : ".");
-}
+constexpr io::FileKind kKind = {"The text of a zoom table", "a zoom table",
+                                "Give a file that calvin-zoom has written."};
 
 // ---- Writing ------------------------------------------------------------------------------------
 
@@ -145,14 +139,7 @@ Result<std::string> print(const ZoomTable& table) {
 }  // namespace
 
 Result<ZoomTable> parse_zoom_table(std::string_view content, std::string_view name) {
-  Result<ZoomTable> result;
-  try {
-    result = parse_text(content);
-  } catch (const std::exception& exception) {  // out of memory, or a parser's own surprise
-    result = make_error(ErrorCode::kMalformed, exception.what());
-  }
-  if (!result) result.error().message = explain(name, result.error().message);
-  return result;
+  return io::parse_as<ZoomTable>(kKind, name, parse_text, content);
 }
 
 bool is_zoom_table(std::string_view content) noexcept {

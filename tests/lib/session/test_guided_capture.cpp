@@ -58,6 +58,28 @@ TEST(GuidedCapture, DoesNotWaitForWhoDoesNotFollow) {
   EXPECT_FALSE(capture.worth(NearView{0.3, 200}, at(2.4)).restless);
 }
 
+// A hand that never rests gives a view in the end; one that tells less is still waited for.
+TEST(GuidedCapture, DoesNotInsistOnARest) {
+  GuidedCapture capture;
+  capture.restart(at(0));
+  for (double t = 0.1; t < 6; t += 0.1) {
+    EXPECT_FALSE(capture.worth(NearView{0.8, 500 - 50 * t}, at(t)).moving) << t;
+  }
+  EXPECT_TRUE(capture.worth(NearView{0.8, 195}, at(6.1)).moving);
+  EXPECT_FALSE(capture.worth(NearView{0.4, 190}, at(6.2)).moving);
+}
+
+// What was waited for one view counts for another one that is asked for instead.
+TEST(GuidedCapture, GoesOnWaitingForAnotherView) {
+  GuidedCapture capture;
+  capture.restart(at(0));
+  EXPECT_FALSE(capture.worth(NearView{0.2, 300}, at(5)).still);
+  capture.change_target(at(5));
+  EXPECT_TRUE(capture.worth(NearView{0.2, 300}, at(6)).still);
+  capture.restart(at(6));
+  EXPECT_FALSE(capture.worth(NearView{0.2, 300}, at(7)).still);
+}
+
 // A stream that begins anew.
 TEST(GuidedCapture, BeginsAnewWhereTimeGoesBack) {
   GuidedCapture capture;

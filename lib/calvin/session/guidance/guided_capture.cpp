@@ -55,9 +55,9 @@ ViewWorth GuidedCapture::worth(const std::optional<NearView>& view, std::uint64_
   // The first views may be of anything.
   if (!view) return {true, false, paused};
   follow(view->distance, now);
-  const bool as_near_as_it_gets = view->distance > kTurnedAway * nearest_ || waited > kTooLong;
+  const bool turned_away = view->distance > kTurnedAway * nearest_;
   return {view->share >= kWanted * (1 - std::min(1.0, waited / kPatience)),
-          view->share >= kWanted && as_near_as_it_gets, !follows_ && paused};
+          view->share >= kWanted && (turned_away || waited > kTooLong), !follows_ && paused};
 }
 
 }  // namespace calvin

@@ -32,7 +32,7 @@ struct NearView {
 // for; who does not, or cannot, gives views of any place: they tell less, but something.
 class GuidedCapture {
  public:
-  // Something was kept at that time, or views are compared anew.
+  // Something was kept at that time, or a solve has ended: nothing was waited.
   void restart(std::uint64_t now);
   // Another view is asked for, for want of one that somebody gets to: what was waited counts.
   void change_target(std::uint64_t now);

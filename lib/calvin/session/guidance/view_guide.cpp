@@ -25,12 +25,11 @@ constexpr std::array kPlaces = {0.12, 0.3, 0.5, 0.7, 0.88};  // of the picture, 
 constexpr std::array kSizes = {0.25, 0.35, 0.5, 0.65, 0.8};  // BoardPlacement::pose_at
 constexpr std::array kTilts = {0.35, 0.65};                  // rad
 constexpr int kDirections = 8;                               // to which it is tilted
-constexpr double kEnough = 0.2;   // of the picture that may stay uncovered, as of who is done
-constexpr double kRoll = 0.15;    // rad, to either side
-constexpr double kUnlike = 0.06;  // of the diagonal: RMS of the corners' moves
-constexpr double kNearer = 0.05;  // of its distance: an error of a hand that holds a board
-constexpr double kBeside = 0.02;  // of the picture's longer side: likewise
-constexpr double kMostErrors = 2.5;
+constexpr double kEnough = 0.2;    // of the picture that may stay uncovered, as of who is done
+constexpr double kRoll = 0.15;     // rad, to either side
+constexpr double kUnlike = 0.06;   // of the diagonal: RMS of the corners' moves
+constexpr double kNearer = 0.125;  // of its distance, that a hand holds a board too near
+constexpr double kBeside = 0.05;   // of the picture's longer side, that it is beside its place
 constexpr std::size_t kTargets = 3;
 
 // What of a board has to be in the picture for its corners to be found: half of its outer squares.
@@ -71,14 +70,14 @@ std::optional<SE3> pose_inside(const BoardPlacement& placement, Pixel at, double
   return std::nullopt;
 }
 
-// Whether the board stays in the picture in a hand that errs by so many of the above.
-bool has_room(const BoardPlacement& placement, const Board& board, SE3 pose, double errors) {
+// Whether the board stays in the picture in a hand that errs by as much.
+bool has_room(const BoardPlacement& placement, const Board& board, SE3 pose) {
   const BoardArea area = board.outline();
   const Eigen::Vector3d middle((area.left + area.right) / 2, (area.top + area.bottom) / 2, 0);
-  pose.translation -= errors * kNearer * (pose * middle);
+  pose.translation -= kNearer * (pose * middle);
   const auto box = placement.box(pose);
   const ImageSize picture = placement.camera().image_size();
-  const double room = errors * kBeside * std::max(picture.width, picture.height);
+  const double room = kBeside * std::max(picture.width, picture.height);
   return box && box->left >= room && box->top >= room && box->right <= picture.width - 1 - room &&
          box->bottom <= picture.height - 1 - room;
 }
@@ -194,8 +193,7 @@ void ViewGuide::find_targets(Views unlike, const Board& board, double sigma) {
   const BoardPlacement corners(board, camera_, board.extent());
   for (Target& candidate : candidates) {
     if (targets_.size() == kTargets) return;
-    const double errors = targets_.empty() ? 0 : kMostErrors;
-    if (!has_room(placement, board, candidate.pose, errors)) continue;
+    if (!targets_.empty() && !has_room(placement, board, candidate.pose)) continue;
     auto view = std::make_shared<View>(placement.view(candidate.pose, sigma).value());
     view->observation.board = board.text();
     const auto like = [&](const auto& other) { return is_like(*view, *other); };

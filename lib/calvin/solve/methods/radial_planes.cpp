@@ -16,6 +16,7 @@
 #include <Eigen/QR>
 
 #include "calvin/geometry/dense.hpp"
+#include "calvin/solve/linear/dense_problem.hpp"
 #include "calvin/solve/linear/lm.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 
@@ -89,7 +90,7 @@ Factor factor_at(double s, const Eigen::Ref<const Eigen::VectorXd>& k, const Rad
 
 // For minimise(). Unknown are the centre unless it is held, k, and eight numbers of each
 // homography.
-class RadialProblem {
+class RadialProblem : public DenseProblem<RadialProblem> {
  public:
   RadialProblem(std::vector<FlatView>& views, const RadialPlanes& from, ImageSize size,
                 const RadialModel& model)
@@ -108,27 +109,6 @@ class RadialProblem {
       const Eigen::Matrix3d h = from.homographies[v] / from.homographies[v](2, 2);
       for (int i = 0; i < kOfHomography; ++i) current_.x[of_view(v) + i] = h(i / 3, i % 3);
     }
-  }
-
-  [[nodiscard]] bool begin() { return linearise(current_); }
-  [[nodiscard]] double cost() const { return current_.cost; }
-  [[nodiscard]] std::optional<double> propose(double lambda) {
-    Eigen::MatrixXd damped = current_.normal;
-    damped.diagonal() *= 1 + lambda;
-    const Eigen::VectorXd step = -solve_symmetric(damped, current_.gradient);
-    if (!step.allFinite()) return std::nullopt;
-    trial_.x = current_.x + step;
-    const Eigen::VectorXd diagonal = current_.normal.diagonal();
-    return std::max(0.0, step.dot(lambda * diagonal.cwiseProduct(step) - current_.gradient));
-  }
-  [[nodiscard]] std::optional<double> evaluate_trial() {
-    if (!linearise(trial_)) return std::nullopt;
-    return trial_.cost;
-  }
-  void accept() { std::swap(current_, trial_); }
-  void accept_unseen(double predicted) {
-    current_.x = trial_.x;
-    current_.cost = std::max(0.0, current_.cost - predicted);
   }
 
   [[nodiscard]] RadialPlanes result() const {
@@ -162,12 +142,8 @@ class RadialProblem {
   }
 
  private:
-  struct State {
-    Eigen::VectorXd x;
-    Eigen::MatrixXd normal;
-    Eigen::VectorXd gradient;
-    double cost = 0;
-  };
+  friend DenseProblem;
+
   struct Rows {
     Eigen::MatrixXd shared;  // by centre and k
     Eigen::Matrix<double, 2, kOfHomography> view;
@@ -176,23 +152,23 @@ class RadialProblem {
   [[nodiscard]] Eigen::Index of_view(std::size_t v) const {
     return first_ + kOfHomography * static_cast<Eigen::Index>(v);
   }
-  [[nodiscard]] Eigen::Vector2d center(const State& state) const {
-    return model_.centered ? held_ : Eigen::Vector2d(state.x.head<2>());
+  [[nodiscard]] Eigen::Vector2d center(const NormalEquations& now) const {
+    return model_.centered ? held_ : Eigen::Vector2d(now.x.head<2>());
   }
-  [[nodiscard]] Eigen::Matrix3d h(const State& state, std::size_t v) const {
+  [[nodiscard]] Eigen::Matrix3d h(const NormalEquations& now, std::size_t v) const {
     Eigen::Matrix3d m;
-    for (int i = 0; i < kOfHomography; ++i) m(i / 3, i % 3) = state.x[of_view(v) + i];
+    for (int i = 0; i < kOfHomography; ++i) m(i / 3, i % 3) = now.x[of_view(v) + i];
     m(2, 2) = 1;
     return m;
   }
 
   // px; not finite where the point is behind the camera.
-  [[nodiscard]] Eigen::Vector2d residual(const State& state, std::size_t v, std::size_t i,
+  [[nodiscard]] Eigen::Vector2d residual(const NormalEquations& now, std::size_t v, std::size_t i,
                                          Rows* rows) const {
     const Eigen::Vector3d& p = views_[v].points[i];
-    const Eigen::Vector3d ray = h(state, v) * p;
+    const Eigen::Vector3d ray = h(now, v) * p;
     const Eigen::Vector2d q = ray.head<2>() / (ray.z() > 0 ? ray.z() : std::nan(""));
-    const Factor f = factor_at(q.squaredNorm(), state.x.segment(k_at_, model_.count()), model_);
+    const Factor f = factor_at(q.squaredNorm(), now.x.segment(k_at_, model_.count()), model_);
     if (rows != nullptr) {
       const Eigen::Matrix2d by_q =
           width_ * (f.value * Eigen::Matrix2d::Identity() + 2 * f.slope * q * q.transpose());
@@ -202,34 +178,33 @@ class RadialProblem {
       rows->view.middleCols<3>(3) = by_q.col(1) * p.transpose() / ray.z();
       rows->view.rightCols<2>() = -by_q * q * p.head<2>().transpose() / ray.z();
     }
-    return center(state) + width_ * f.value * q - views_[v].seen[i];
+    return center(now) + width_ * f.value * q - views_[v].seen[i];
   }
 
-  bool linearise(State& state) const {
-    const Eigen::Index n = state.x.size();
-    state.normal.setZero(n, n);
-    state.gradient.setZero(n);
-    state.cost = 0;
+  bool linearise(NormalEquations& now) const {
+    const Eigen::Index n = now.x.size();
+    now.normal.setZero(n, n);
+    now.gradient.setZero(n);
+    now.cost = 0;
     Rows rows = {Eigen::MatrixXd(2, first_), {}};
     for (std::size_t v = 0; v < views_.size(); ++v) {
       const Eigen::Index at = of_view(v);
       for (std::size_t i = 0; i < views_[v].points.size(); ++i) {
         const double weight = std::pow(views_[v].weight[i], 2);
         if (!(weight > 0)) continue;
-        const Eigen::Vector2d r = residual(state, v, i, &rows);
-        state.normal.topLeftCorner(first_, first_) +=
-            weight * rows.shared.transpose() * rows.shared;
-        state.normal.block(at, 0, kOfHomography, first_) +=
+        const Eigen::Vector2d r = residual(now, v, i, &rows);
+        now.normal.topLeftCorner(first_, first_) += weight * rows.shared.transpose() * rows.shared;
+        now.normal.block(at, 0, kOfHomography, first_) +=
             weight * rows.view.transpose() * rows.shared;
-        state.normal.block<kOfHomography, kOfHomography>(at, at) +=
+        now.normal.block<kOfHomography, kOfHomography>(at, at) +=
             weight * rows.view.transpose() * rows.view;
-        state.gradient.head(first_) += weight * rows.shared.transpose() * r;
-        state.gradient.segment<kOfHomography>(at) += weight * rows.view.transpose() * r;
-        state.cost += weight * r.squaredNorm();
+        now.gradient.head(first_) += weight * rows.shared.transpose() * r;
+        now.gradient.segment<kOfHomography>(at) += weight * rows.view.transpose() * r;
+        now.cost += weight * r.squaredNorm();
       }
     }
-    state.normal.triangularView<Eigen::StrictlyUpper>() = state.normal.transpose();
-    return std::isfinite(state.cost) && state.normal.allFinite();
+    now.normal.triangularView<Eigen::StrictlyUpper>() = now.normal.transpose();
+    return std::isfinite(now.cost) && now.normal.allFinite();
   }
 
   const std::vector<FlatView>& views_;
@@ -238,8 +213,6 @@ class RadialProblem {
   Eigen::Vector2d held_;
   Eigen::Index k_at_;
   Eigen::Index first_;  // the number of centre and k
-  State current_;
-  State trial_;
 };
 
 // Leaves out points that are far from where they are seen; returns how many.

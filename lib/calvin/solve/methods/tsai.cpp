@@ -11,8 +11,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include "calvin/solve/linear/dense_problem.hpp"
 #include "calvin/solve/linear/lm.hpp"
 #include "calvin/solve/methods/radial_planes.hpp"
 
@@ -21,7 +22,7 @@ namespace calvin {
 namespace {
 
 // Focal length, tz and kappa by least squares on distances in the ideal image: for minimise().
-class ThreeParameters {
+class ThreeParameters : public DenseProblem<ThreeParameters> {
  public:
   ThreeParameters(const std::vector<CenteredPoint>& seen, const TsaiCamera& from) : camera_(from) {
     const double tz = from.camera_from_board.translation.z();
@@ -29,29 +30,10 @@ class ThreeParameters {
       const Eigen::Vector3d at = from.camera_from_board * s.board;
       points_.push_back({{at.x(), at.y(), at.z() - tz}, {s.image.x() / from.sx, s.image.y()}});
     }
-    current_.x = {from.focal, tz, from.kappa};
-    (void)linearise(current_);
+    current_.x = Eigen::Vector3d(from.focal, tz, from.kappa);
+    (void)begin();
   }
 
-  [[nodiscard]] double cost() const { return current_.cost; }
-  [[nodiscard]] std::optional<double> propose(double lambda) {
-    Eigen::Matrix3d damped = current_.normal;
-    damped.diagonal() *= 1 + lambda;
-    const Eigen::Vector3d step = -damped.ldlt().solve(current_.gradient);
-    if (!step.allFinite()) return std::nullopt;
-    trial_.x = current_.x + step;
-    const Eigen::Vector3d diagonal = current_.normal.diagonal();
-    return std::max(0.0, step.dot(lambda * diagonal.cwiseProduct(step) - current_.gradient));
-  }
-  [[nodiscard]] std::optional<double> evaluate_trial() {
-    if (!linearise(trial_)) return std::nullopt;
-    return trial_.cost;
-  }
-  void accept() { std::swap(current_, trial_); }
-  void accept_unseen(double predicted) {
-    current_.x = trial_.x;
-    current_.cost = std::max(0.0, current_.cost - predicted);
-  }
   [[nodiscard]] TsaiCamera result() const {
     TsaiCamera found = camera_;
     found.focal = current_.x[0];
@@ -61,37 +43,31 @@ class ThreeParameters {
   }
 
  private:
-  struct State {
-    Eigen::Vector3d x;  // focal length, tz, kappa
-    Eigen::Matrix3d normal;
-    Eigen::Vector3d gradient;
-    double cost = 0;
-  };
+  friend DenseProblem;
 
-  bool linearise(State& state) const {
-    state.normal.setZero();
-    state.gradient.setZero();
-    state.cost = 0;
+  // By focal length, tz and kappa.
+  bool linearise(NormalEquations& at) const {
+    at.normal.setZero(3, 3);
+    at.gradient.setZero(3);
+    at.cost = 0;
     for (const CenteredPoint& p : points_) {
-      const double z = p.board.z() + state.x[1];
+      const double z = p.board.z() + at.x[1];
       if (!(z > 0)) return false;
       const double square = p.image.squaredNorm();
       for (int k = 0; k < 2; ++k) {
         const double slope = p.board[k] / z;
-        const double r = state.x[0] * slope - p.image[k] * (1 + state.x[2] * square);
-        const Eigen::Vector3d by(slope, -state.x[0] * slope / z, -p.image[k] * square);
-        state.normal += by * by.transpose();
-        state.gradient += r * by;
-        state.cost += r * r;
+        const double r = at.x[0] * slope - p.image[k] * (1 + at.x[2] * square);
+        const Eigen::Vector3d by(slope, -at.x[0] * slope / z, -p.image[k] * square);
+        at.normal += by * by.transpose();
+        at.gradient += r * by;
+        at.cost += r * r;
       }
     }
-    return std::isfinite(state.cost);
+    return std::isfinite(at.cost);
   }
 
   TsaiCamera camera_;
   std::vector<CenteredPoint> points_;  // camera frame less tz, and the image with sx taken off
-  State current_;
-  State trial_;
 };
 
 // Radii from 0 to `most` px: seen, and ideal, in focal lengths. Near the radius where the

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Puts the sentence together.
+
+#include "calvin/io/file_text.hpp"
+
+#include <fmt/format.h>
+
+#include "calvin/core/utf8.hpp"
+
+namespace calvin::io {
+
+std::string explain(const FileKind& kind, std::string_view name, std::string_view why) {
+  constexpr std::size_t kMost = 400;  // bytes
+  const std::string reason = shortened(why, kMost);
+  const std::string file =
+      name.empty() ? std::string(kind.text) : fmt::format("'{}'", shortened(name, kMost));
+  return fmt::format("{} cannot be used as {}: {}{} {}", file, kind.noun, reason,
+                     reason.ends_with('.') ? "" : ".", kind.advice);
+}
+
+}  // namespace calvin::io
