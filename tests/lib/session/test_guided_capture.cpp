@@ -73,11 +73,11 @@ TEST(GuidedCapture, DoesNotInsistOnARest) {
 TEST(GuidedCapture, GoesOnWaitingForAnotherView) {
   GuidedCapture capture;
   capture.restart(at(0));
-  EXPECT_FALSE(capture.worth(NearView{0.2, 300}, at(5)).still);
+  EXPECT_FALSE(capture.worth(NearView{0.15, 300}, at(5)).still);
   capture.change_target(at(5));
-  EXPECT_TRUE(capture.worth(NearView{0.2, 300}, at(6)).still);
+  EXPECT_TRUE(capture.worth(NearView{0.15, 300}, at(6)).still);
   capture.restart(at(6));
-  EXPECT_FALSE(capture.worth(NearView{0.2, 300}, at(7)).still);
+  EXPECT_FALSE(capture.worth(NearView{0.15, 300}, at(7)).still);
 }
 
 // A stream that begins anew.
