@@ -10,7 +10,7 @@ set -eu
 source=$(cd "$(dirname "$0")/../.." && pwd)
 build=$2
 args=-g1
-patience=4 # times as long as a test may take
+patience=2 # times as long as a test may take
 [ -z "${CALVIN_FULL:-}" ] || patience=240
 case "$1" in
   address)
