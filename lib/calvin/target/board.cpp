@@ -31,8 +31,9 @@ decltype(auto) points_of(const Kind& kind) {
 }  // namespace
 
 Board::Board() {
-  static const auto kNone = std::make_shared<const Kind>();
-  kind_ = kNone;
+  // Never freed: a thread may outlive main() in a program that exits while a pipeline plays.
+  static const auto& none = *new std::shared_ptr<const Kind>(std::make_shared<const Kind>());
+  kind_ = none;
 }
 
 template <BoardKind OneKind>

@@ -102,8 +102,9 @@ TEST_P(BytesFor, AreNoBoardAndTakeNoLongerThanTheirPixels) {
       EXPECT_FALSE(finder->follow(bytes.view, 1).observation.found());
       const double pixels = static_cast<double>(shape.width) * shape.height;
       worst = std::max(worst, 1e6 * ms / std::max(pixels, 3e5));
-      // 1 us a pixel: a hundred times of what is usual, for a busy machine and a sanitizer.
-      EXPECT_LT(ms, 20 + 1e-3 * pixels) << shape.width << "x" << shape.height;
+      // 1 us a pixel: a hundred times of what is usual, for a busy machine and a sanitizer, which
+      // takes longest for the many places of dense grids in a small picture.
+      EXPECT_LT(ms, 300 + 1e-3 * pixels) << shape.width << "x" << shape.height;
     }
   }
   std::cout << "  at most " << worst << " ns a pixel\n";
