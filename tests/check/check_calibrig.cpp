@@ -160,6 +160,8 @@ GST_START_TEST(test_rendered_cameras_stand_where_they_are) {
   g_autoptr(GstElement) pipeline = gst_parse_launch(launch.c_str(), nullptr);
   g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  // A minute under a sanitizer. A check that gives up leaves the pipeline behind, and the next one
+  // waits for its threads in gst_task_cleanup_all().
   g_autoptr(GstMessage) end = gst_bus_timed_pop_filtered(
       bus, 600 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
   fail_unless(end != nullptr);

@@ -307,7 +307,7 @@ GST_START_TEST(test_the_calibration_of_before_is_judged_first) {
   gst_element_set_state(f.element, GST_STATE_PLAYING);
   gst_harness_push_event(f.h, gst_event_new_stream_start("again"));
   gst_harness_set_src_caps(f.h, check::caps_of("GRAY8", f.scene.size));
-  // A sanitized worker needs seconds for what was captured.
+  // Under a sanitizer the worker needs seconds for what was captured.
   for (int n = 0; n < 1500 && f.bus.named("calib-check").empty(); ++n) {
     if (n < 60) {
       g_signal_emit_by_name(f.element, "capture-view");
