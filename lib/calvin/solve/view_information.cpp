@@ -113,7 +113,8 @@ std::optional<Matrix> ViewScorer::information(const View& view,
   ViewRows rows({CameraUnknowns::of(intrinsics, shared > static_cast<int>(intrinsics)), 0});
   rows.resize(points.padded());
   const RowPoint at = {camera_->parameters().data(), camera_->skew(), nullptr};
-  if (!fill_rows_of(camera_->model())(points, at, camera_from_board, {}, rows).valid) {
+  if (!fill_rows_of(camera_->model())(points, at, camera_from_board, {}, rows, RowContent::kAll)
+           .valid) {
     return std::nullopt;
   }
   const auto columns = static_cast<std::size_t>(rows.layout().columns());

@@ -109,14 +109,14 @@ class Rows : public ::testing::TestWithParam<std::string> {
     return w * w * (std::pow(at.u - set_.uv[i].u, 2) + std::pow(at.v - set_.uv[i].v, 2));
   }
 
-  RowSums fill(const Loss& loss, ViewRows& rows) const {
+  RowSums fill(const Loss& loss, ViewRows& rows, RowContent content = RowContent::kAll) const {
     SolveOptions options;
     options.warp = true;
     const ViewPoints points(set_, make_shape(kBoard, options));
     rows.resize(points.padded());
     const double* skew = &shared_[4 + static_cast<std::size_t>(layout_.camera.coefficients)];
     const RowPoint at = {shared_.data(), *skew, skew + 2, skew[1]};
-    return fill_rows_of(GetParam())(points, at, pose_, loss, rows);
+    return fill_rows_of(GetParam())(points, at, pose_, loss, rows, content);
   }
 
   static constexpr std::size_t kLeftOut = 17;
@@ -147,6 +147,19 @@ TEST_P(Rows, AreResidualsAndTheirDerivatives) {
       EXPECT_NEAR(rows.v(column(k))[at], v, 1e-5 * (1 + std::abs(v))) << k << " of corner " << i;
     }
     ++at;
+  }
+}
+
+TEST_P(Rows, HaveTheSameResidualsWithoutDerivatives) {
+  ViewRows all(layout_);
+  ViewRows some(layout_);
+  const RowSums with = fill({}, all);
+  const RowSums without = fill({}, some, RowContent::kResiduals);
+  EXPECT_EQ(without.valid, with.valid);
+  EXPECT_NEAR(without.cost, with.cost, 1e-12 * with.cost);
+  for (std::size_t i = 0; i + 1 < set_.size(); ++i) {  // one of them is left out
+    EXPECT_NEAR(some.u(RowLayout::kResidual)[i], all.u(RowLayout::kResidual)[i], 1e-9);
+    EXPECT_NEAR(some.v(RowLayout::kResidual)[i], all.v(RowLayout::kResidual)[i], 1e-9);
   }
 }
 

@@ -47,7 +47,7 @@ void for_view_derivatives(const Fit& fit, const BoardShape& shape,
     const ViewPoints points(fit.views[v], shape);
     rows.resize(points.padded());
     fill_rows_of(parameterization.model)(points, row_point(table, 0, 0, fit.shared),
-                                         fit.camera_from_board[v], Loss{}, rows);
+                                         fit.camera_from_board[v], Loss{}, rows, RowContent::kAll);
     use(derivatives(fit, v, points, rows));
   }
 }

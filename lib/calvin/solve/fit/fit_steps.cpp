@@ -23,14 +23,23 @@ constexpr double kTolerance = 1e-13;
 // smaller decrease moves no parameter by more than that.
 constexpr double kSmall = 1e-6;
 
-// A few thousand values evenly spread: their median is as good as that of all.
+// The median of as many values is as good as that of all.
+constexpr std::size_t kMany = 4096;
+
+// Values evenly spread.
 std::vector<double> subsample(const std::vector<double>& values) {
-  constexpr std::size_t kMany = 4096;
   const std::size_t step = values.size() / kMany + 1;
   std::vector<double> some;
   some.reserve(values.size() / step + 1);
   for (std::size_t i = 0; i < values.size(); i += step) some.push_back(values[i]);
   return some;
+}
+
+std::vector<double> joined(const std::vector<std::vector<double>>& lists) {
+  std::vector<double> all;
+  all.reserve(lists.empty() ? 0 : lists.size() * lists.front().size());
+  for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
 }
 
 }  // namespace
@@ -64,7 +73,7 @@ FitSteps::FitSteps(const std::vector<FitView>& views, const BoardShape& shape,
 FitState FitSteps::solve_from(Estimate start, double lambda) {
   FitState state =
       fit_inliers(options_.reject_outliers ? robust_fit(std::move(start), lambda)
-                                           : Judgement{std::move(start), all_corners()},
+                                           : Judgement{std::move(start), all_corners(), false, {}},
                   lambda);
   return least_squares_.cancelled() ? std::move(state) : measured(std::move(state));
 }
@@ -74,7 +83,7 @@ FitState FitSteps::solve_for(Estimate start, const std::vector<ViewMask>& masks,
 }
 
 FitState FitSteps::measured(FitState state) {
-  state.distances = distances(state.at);
+  if (state.distances.empty()) state.distances = joined(distances(state.at));
   state.scale = robust_scale(subsample(state.distances));
   if (!state.converged) return state;
   const auto reduced = state.problem->reduced();
@@ -143,19 +152,31 @@ FitSteps::Judgement FitSteps::robust_fit(Estimate at, double lambda) {
   return judge(std::move(at));
 }
 
-// The distances of all corners from where an estimate puts them, px.
-std::vector<double> FitSteps::distances(const Estimate& at) {
-  std::vector<double> all;
-  all.reserve(views_.empty() ? 0 : views_.size() * views_.front().set.size());
+// The distances of the corners of each view from where an estimate puts them, px.
+std::vector<std::vector<double>> FitSteps::distances(const Estimate& at) {
+  std::vector<std::vector<double>> of_views;
+  of_views.reserve(views_.size());
   for (std::size_t v = 0; v < views_.size(); ++v) {
-    const auto d = least_squares_.distances(views_[v], at.shared, at.poses[v]);
-    all.insert(all.end(), d.begin(), d.end());
+    of_views.push_back(least_squares_.distances(views_[v], at.shared, at.poses[v]));
   }
-  return all;
+  return of_views;
+}
+
+// robust_scale() of an estimate, px; of many views only some are looked at.
+double FitSteps::rough_scale(const Estimate& at) {
+  std::size_t corners = 0;
+  for (const FitView& view : views_) corners += view.set.size();
+  const std::size_t step = corners / kMany + 1;
+  std::vector<double> some;
+  for (std::size_t v = 0; v < views_.size(); v += step) {
+    const auto d = least_squares_.distances(views_[v], at.shared, at.poses[v]);
+    some.insert(some.end(), d.begin(), d.end());
+  }
+  return robust_scale(std::move(some));
 }
 
 Estimate FitSteps::robust_step(Estimate at, Loss::Kind kind, double tolerance, double lambda) {
-  const Loss loss{kind, 2.5 * robust_scale(distances(at))};
+  const Loss loss{kind, 2.5 * rough_scale(at)};
   return least_squares_
       .minimise_over(all_, std::move(at), parameterization_.basis, loss,
                      {options_.max_iterations, tolerance, 0, lambda})
@@ -165,25 +186,22 @@ Estimate FitSteps::robust_step(Estimate at, Loss::Kind kind, double tolerance, d
 // A view that looks wrong gets a second chance from a fresh pose, because its own may have been
 // drawn into the mirrored tilt; so does a view without a pose.
 FitSteps::Judgement FitSteps::judge(Estimate at) {
-  Judgement result = {std::move(at), {}};
+  Judgement result = {std::move(at), {}, false, {}};
   Poses& poses = result.at.poses;
-  std::vector<std::vector<double>> distances;
-  for (std::size_t v = 0; v < views_.size(); ++v) {
-    distances.push_back(least_squares_.distances(views_[v], result.at.shared, poses[v]));
-  }
-  result.masks = find_outliers(distances);
+  result.distances = distances(result.at);
+  result.masks = find_outliers(result.distances);
   const auto camera = least_squares_.camera(result.at.shared);
   for (std::size_t v = 0; camera && v < views_.size() && !least_squares_.cancelled(); ++v) {
     if (poses[v] && (result.masks[v].view || !options_.reject_outliers)) continue;
     const auto fit = fit_pose(views_[v].set, *camera, {Loss::Kind::kHuber, 1});
     if (!fit) continue;
     auto fresh = least_squares_.distances(views_[v], result.at.shared, fit->camera_from_board);
-    if (!(robust_scale(fresh) < 0.99 * robust_scale(distances[v]))) continue;
+    if (!(robust_scale(fresh) < 0.99 * robust_scale(result.distances[v]))) continue;
     poses[v] = fit->camera_from_board;
-    distances[v] = std::move(fresh);
+    result.distances[v] = std::move(fresh);
     result.pose_moved = true;
   }
-  if (result.pose_moved) result.masks = find_outliers(distances);
+  if (result.pose_moved) result.masks = find_outliers(result.distances);
   return result;
 }
 
@@ -199,7 +217,9 @@ FitState FitSteps::fit_inliers(Judgement start, double lambda) {
     if (!options_.reject_outliers && all_posed) break;
     start = judge(state.at);
     if (!options_.reject_outliers) start.masks = state.masks;
-    if (start.masks == state.masks && !start.pose_moved) break;
+    if (start.masks != state.masks || start.pose_moved) continue;
+    state.distances = joined(start.distances);
+    break;
   }
   return state;
 }

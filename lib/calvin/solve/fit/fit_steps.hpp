@@ -62,6 +62,7 @@ class FitSteps {
     Estimate at;
     std::vector<ViewMask> masks;
     bool pose_moved = false;
+    std::vector<std::vector<double>> distances;  // of the corners of each view, px
   };
 
   [[nodiscard]] std::vector<ViewMask> all_corners() const;
@@ -73,7 +74,8 @@ class FitSteps {
   [[nodiscard]] FitState measured(FitState state);
   [[nodiscard]] bool sees_corners(const FitState& state) const;
   [[nodiscard]] double focal_sigma(const FitState& state, const Eigen::MatrixXd& inverse) const;
-  [[nodiscard]] std::vector<double> distances(const Estimate& at);
+  [[nodiscard]] std::vector<std::vector<double>> distances(const Estimate& at);
+  [[nodiscard]] double rough_scale(const Estimate& at);
   const FitView& masked(const FitView& view, const ViewMask& mask, FitState& state) const;
   [[nodiscard]] LmOptions final_options(const std::vector<const FitView*>& views,
                                         double lambda) const;

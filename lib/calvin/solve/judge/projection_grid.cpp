@@ -13,7 +13,7 @@
 
 #include "calvin/camera/models.hpp"
 #include "calvin/geometry/convex_hull.hpp"
-#include "calvin/geometry/dense.hpp"
+#include "calvin/solve/linear/grid_kernels.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 
 namespace calvin {
@@ -121,21 +121,20 @@ Cells within(const std::vector<Pixel>& polygon, Cells border, const Cells& pictu
 // The cells less the rotation that is the best for all of them. Empty where fewer than three.
 PlacedGrid turned(Cells cells) {
   if (cells.at.size() < 3) return {};
+  const std::size_t places = cells.at.size();
+  const auto columns = static_cast<int>(cells.u.cols());
   // U^T u + V^T v, of the derivatives by the rotation and others.
-  const auto sum = [&cells](const auto& u, const auto& v) {
-    Eigen::MatrixXd products(3, u.cols());
-    for (Eigen::Index j = 0; j < u.cols(); ++j) {
-      for (Eigen::Index i = 0; i < 3; ++i) {
-        products(i, j) = cells.u_turned.col(i).dot(u.col(j)) + cells.v_turned.col(i).dot(v.col(j));
-      }
-    }
+  const auto sum = [&](const auto& u, const auto& v) {
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(3, u.cols());
+    const auto count = static_cast<int>(u.cols());
+    add_turn_products(cells.u_turned.data(), u.data(), places, count, products.data());
+    add_turn_products(cells.v_turned.data(), v.data(), places, count, products.data());
     return products;
   };
   const auto turn = scaled_solve(sum(cells.u_turned, cells.v_turned), sum(cells.u, cells.v), 0);
   if (!turn) return {};
-  const Eigen::Matrix3Xd turns = *turn;
-  cells.u -= cells.u_turned.lazyProduct(turns);
-  cells.v -= cells.v_turned.lazyProduct(turns);
+  subtract_turns(cells.u_turned.data(), turn->data(), places, columns, cells.u.data());
+  subtract_turns(cells.v_turned.data(), turn->data(), places, columns, cells.v.data());
   return {std::move(cells.at), std::move(cells.u), std::move(cells.v)};
 }
 
@@ -186,23 +185,12 @@ double PlacedVariances::largest(Eigen::Index place) const {
 
 PlacedVariances variances(const PlacedGrid& grid, const Eigen::MatrixXd& covariance) {
   const Eigen::Index places = grid.u.rows();
-  PlacedVariances sum = {Eigen::VectorXd::Zero(places), Eigen::VectorXd::Zero(places),
-                         Eigen::VectorXd::Zero(places)};
-  Eigen::VectorXd u(places);
-  Eigen::VectorXd v(places);
-  for (Eigen::Index j = 0; j < covariance.cols(); ++j) {
-    // Half of the terms of the parameter by itself, all of those with the parameters before it.
-    u = covariance(j, j) / 2 * grid.u.col(j);
-    v = covariance(j, j) / 2 * grid.v.col(j);
-    for (Eigen::Index k = 0; k < j; ++k) {
-      u += covariance(k, j) * grid.u.col(k);
-      v += covariance(k, j) * grid.v.col(k);
-    }
-    sum.uu += 2 * u.cwiseProduct(grid.u.col(j));
-    sum.vv += 2 * v.cwiseProduct(grid.v.col(j));
-    sum.uv += u.cwiseProduct(grid.v.col(j)) + v.cwiseProduct(grid.u.col(j));
-  }
-  return sum;
+  PlacedVariances of_places = {Eigen::VectorXd(places), Eigen::VectorXd(places),
+                               Eigen::VectorXd(places)};
+  project_covariance(grid.u.data(), grid.v.data(), static_cast<std::size_t>(places),
+                     static_cast<int>(covariance.cols()), covariance.data(), of_places.uu.data(),
+                     of_places.uv.data(), of_places.vv.data());
+  return of_places;
 }
 
 }  // namespace calvin

@@ -38,11 +38,12 @@ class LensRows {
     }
   }
 
+  template <RowContent kContent>
   RowSums fill() {
     DoubleVec cost = 0;
     bool valid = true;
     for (std::size_t at = 0; at < view_.padded(); at += DoubleVec::kSize) {
-      valid = corners(at, cost) && valid;
+      valid = corners<kContent>(at, cost) && valid;
     }
     return {hn::GetLane(hn::SumOfLanes(DoubleVec::Tag(), cost.raw)), valid};
   }
@@ -62,6 +63,7 @@ class LensRows {
     }
   };
 
+  template <RowContent kContent>
   bool corners(std::size_t at, DoubleVec& cost) {
     DoubleVec p[3];
     place(at, p);
@@ -84,6 +86,7 @@ class LensRows {
     const Row v = {rows_.v(0) + at, stride};
     u.put(RowLayout::kResidual, scale * du);
     v.put(RowLayout::kResidual, scale * dv);
+    if constexpr (kContent == RowContent::kResiduals) return all_true(valid);
     const DoubleVec su = scale * fx;
     const DoubleVec sv = scale * fy;
     const DoubleVec sk = scale * point_.skew;

@@ -61,7 +61,7 @@ void RowPlan::set(const std::vector<double>& shared) {
 
 RowSums RowPlan::fill(const ViewPoints& view, const SE3& pose, const Loss& loss) {
   rows_.resize(view.padded());
-  return fill_(view, at_, pose, loss, rows_);
+  return fill_(view, at_, pose, loss, rows_, RowContent::kAll);
 }
 
 void RowPlan::add_pose(std::size_t block, const SE3* camera_from_rig, ArrowEquations& equations) {

@@ -86,9 +86,13 @@ struct RowSums {
   bool valid = false;  // every corner has a projection
 };
 
+// Which columns are filled: without derivatives it takes a third of the time.
+enum class RowContent { kAll, kResiduals };
+
 // Fills the rows of a view, weighted, for the formula of one lens. The rows have its size.
 using FillRows = RowSums (*)(const ViewPoints& view, const RowPoint& point,
-                             const SE3& camera_from_board, const Loss& loss, ViewRows& rows);
+                             const SE3& camera_from_board, const Loss& loss, ViewRows& rows,
+                             RowContent content);
 
 // The function of a lens in models.hpp, for the widest vectors of the machine.
 template <typename Lens>

@@ -21,10 +21,11 @@ LeastSquares::LeastSquares(const Parameterization& parameterization, ImageSize s
       fill_(fill_rows_of(parameterization.model)),
       rows_(row_layout(parameterization.table, 0, 0)) {}
 
-RowSums LeastSquares::fill(const FitView& view, const std::vector<double>& shared,
-                           const SE3& pose) {
+RowSums LeastSquares::fill_residuals(const FitView& view, const std::vector<double>& shared,
+                                     const SE3& pose) {
   rows_.resize(view.points.padded());
-  return fill_(view.points, row_point(parameterization_.table, 0, 0, shared), pose, Loss{}, rows_);
+  return fill_(view.points, row_point(parameterization_.table, 0, 0, shared), pose, Loss{}, rows_,
+               RowContent::kResiduals);
 }
 
 Minimum LeastSquares::minimise_over(const std::vector<const FitView*>& views, Estimate from,
@@ -53,7 +54,7 @@ Minimum LeastSquares::minimise_over(const std::vector<const FitView*>& views, Es
   if (cancelled()) return result;
   if (problem && !problem->valid()) {
     for (const std::size_t v : index) {
-      if (!fill(*views[v], at.shared, *at.poses[v]).valid) at.poses[v].reset();
+      if (!fill_residuals(*views[v], at.shared, *at.poses[v]).valid) at.poses[v].reset();
     }
     problem = make_problem();
   }
@@ -77,7 +78,7 @@ std::vector<double> LeastSquares::distances(const FitView& view, const std::vect
   const auto bounded = [](double d) {
     return std::isfinite(d) ? std::min(d, kFarthest) : kFarthest;
   };
-  if (fill(view, shared, *pose).valid) {
+  if (fill_residuals(view, shared, *pose).valid) {
     const double* u = rows_.u(RowLayout::kResidual);
     const double* v = rows_.v(RowLayout::kResidual);
     for (std::size_t i = 0; i < result.size(); ++i) {

@@ -75,7 +75,7 @@ class LeastSquares {
   [[nodiscard]] bool cancelled() const { return cancelled_ || stop_.stop_requested(); }
 
  private:
-  RowSums fill(const FitView& view, const std::vector<double>& shared, const SE3& pose);
+  RowSums fill_residuals(const FitView& view, const std::vector<double>& shared, const SE3& pose);
 
   const Parameterization& parameterization_;
   ImageSize size_;

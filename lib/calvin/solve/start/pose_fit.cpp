@@ -80,7 +80,7 @@ class PoseProblem {
 
   bool linearise(State& state) {
     const RowPoint at = {camera_.parameters().data(), camera_.skew(), nullptr};
-    const RowSums sums = fill_(view_, at, state.pose, loss_, rows_);
+    const RowSums sums = fill_(view_, at, state.pose, loss_, rows_, RowContent::kAll);
     if (!sums.valid || !std::isfinite(sums.cost)) return false;
     state.cost = sums.cost;
     double products[(kPose + 1) * kLanes];
