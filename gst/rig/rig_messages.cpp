@@ -36,8 +36,9 @@ GstStructure* link_structure(const RigLink& link, const Rig& rig) {
 
 GstStructure* rig_progress_message(const FrameTimes& times, const RigProgress& progress) {
   GstStructure* s = new_message("calib-rig-progress", times, "");
-  gst_structure_set(s, "cameras", G_TYPE_INT, static_cast<int>(progress.cameras.size()), "weakest",
-                    G_TYPE_STRING, displayed(progress.weakest).c_str(), nullptr);
+  gst_structure_set(s, "cameras", G_TYPE_INT, static_cast<int>(progress.cameras.size()), "instants",
+                    G_TYPE_INT, progress.instants, "weakest", G_TYPE_STRING,
+                    displayed(progress.weakest).c_str(), nullptr);
   std::vector<GstStructure*> links;
   for (const RigProgress::Link& link : progress.links) {
     links.push_back(gst_structure_new("link", "a", G_TYPE_STRING, displayed(link.a).c_str(), "b",
@@ -54,7 +55,8 @@ GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& sol
   GstStructure* s = new_message("calib-rig-result", times, "");
   gst_structure_set(s, "state", G_TYPE_STRING, json != nullptr ? "final" : "intermediate",
                     "cameras", G_TYPE_INT, static_cast<int>(rig.cameras.size()), "world",
-                    G_TYPE_STRING, displayed(rig.world).c_str(), "pairing", G_TYPE_UINT64,
+                    G_TYPE_STRING, displayed(rig.world).c_str(), "unit", G_TYPE_STRING,
+                    rig.is_metric ? "m" : "none", "pairing", G_TYPE_UINT64,
                     static_cast<guint64>(solution.farthest), "rejected", G_TYPE_INT,
                     static_cast<int>(solution.rejected.size()), nullptr);
   set_optional(s, "rms", rig.rms);

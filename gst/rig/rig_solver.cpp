@@ -9,8 +9,11 @@
 
 #include <fmt/format.h>
 
+#include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/camera_places.hpp"
 #include "calvin/io/settings.hpp"
+#include "calvin/rig/solve_light.hpp"
 #include "rig/rig_messages.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
@@ -28,9 +31,33 @@ constexpr GEnumValue kModes[] = {
            "first"),
     choice(kRigStereo, "stereo", "As joint, of two cameras"), kNoMoreChoices};
 
+constexpr GEnumValue kMethods[] = {
+    choice(RigMethod::kAuto, "auto", "svoboda where a light is seen first, else boards"),
+    choice(RigMethod::kBoards, "boards", "By boards alone, before cameras whose lenses are known"),
+    choice(RigMethod::kSvoboda, "svoboda",
+           "By a light alone (board=dot of calibdetect), lenses and places: that of BlueCCal"),
+    kNoMoreChoices};
+
+// What is to be known of a solve by a light.
+Result<LightOptions> light_options(const RigSettings& settings) {
+  LightOptions options;
+  options.model = settings.model;
+  options.center_sigma = settings.center_sigma;
+  options.fix.clear();
+  for (const std::string_view name : split(settings.fix, ',')) {
+    if (!trim(name).empty() && trim(name) != "none") options.fix.emplace_back(trim(name));
+  }
+  if (const Status good = check(options); !good) return tl::unexpected(good.error());
+  if (settings.places.empty()) return options;
+  auto places = read_camera_places(settings.places);
+  if (!places) return tl::unexpected(places.error());
+  options.places = *std::move(places);
+  return options;
+}
+
 }  // namespace
 
-const Property<RigSolver> kRigProperties[4] = {
+const Property<RigSolver> kRigProperties[9] = {
     {"board",
      "Board",
      "The board that counts, as the observations have its text; none: every board",
@@ -41,6 +68,11 @@ const Property<RigSolver> kRigProperties[4] = {
      "How the places of the cameras are found",
      kept_in<&RigSettings::mode>,
      {.choices = {"GstCalibRigMode", kModes}, .flags = kMutableReady}},
+    {"method",
+     "Method",
+     "What tells where the cameras are",
+     kept_in<&RigSettings::method>,
+     {.choices = {"GstCalibRigMethod", kMethods}, .flags = kMutableReady}},
     {"location",
      "Location",
      "The file of the rig; written at the first solve, then at every one. What was there before is "
@@ -52,10 +84,36 @@ const Property<RigSolver> kRigProperties[4] = {
      "How far pictures of one instant may be apart (ns)",
      kept_in<&RigSettings::tolerance>,
      {.range = Range{0, 1e10}, .flags = kMutableReady}},
+    {"places",
+     "Places",
+     "Before a light: a file of where some cameras stand, lines 'name x y z' in m. Three or more "
+     "give the frame of the rig, two its unit; none: the first camera is the rig, without a unit",
+     kept_in<&RigSettings::places>,
+     {.flags = kMutableReady}},
+    {"model",
+     "Model",
+     "Before a light: the lens of cameras without intrinsics, one that is a pinhole where its "
+     "coefficients are 0",
+     kept_in<&RigSettings::model>,
+     {.flags = kMutableReady}},
+    {"fix",
+     "Fix",
+     "Before a light: what is held of that lens, separated by commas: aspect, center, cx, cy and "
+     "coefficients, or none",
+     kept_in<&RigSettings::fix>,
+     {.flags = kMutableReady}},
+    {"center-sigma",
+     "Center Sigma",
+     "Before a light: how far the axis of that lens may be from the middle of a picture, of its "
+     "width, 1 sigma (0 = by any distance)",
+     kept_in<&RigSettings::center_sigma>,
+     {.range = Range{0, 1}, .flags = kMutableReady}},
 };
 
 Status RigSolver::start() {
   const RigSettings now = settings();
+  auto light = light_options(now);
+  if (!light) return tl::unexpected(light.error());
   if (!now.location.empty()) {
     if (const Status writable = can_write(now.location); !writable) {
       post_warning(element_, writable.error());
@@ -67,6 +125,8 @@ Status RigSolver::start() {
     session.board = now.board;
     session.options.mode = now.mode == kRigFloor ? RigMode::kFloor : RigMode::kJoint;
     session.options.tolerance = now.tolerance;
+    session.method = now.method;
+    session.light = *std::move(light);
     session_.start(std::move(session));
     json_.clear();
     solution_.reset();
@@ -145,19 +205,21 @@ void RigSolver::set_intrinsics(std::size_t camera, const std::string& json) {
 void RigSolver::offer(std::size_t camera, Observation observation, const FrameTimes& times,
                       GstClockTime shared_clock) {
   observation.timestamp = shared_clock;
+  bool is_kept = false;
   std::optional<Error> complaint;
   std::optional<RigProgress> progress;
   {
     const std::lock_guard guard(lock_);
     times_ = times;
     const auto kept = session_.offer(camera, std::move(observation));
+    is_kept = kept.value_or(false);
     if (!kept && !std::exchange(complained_, true)) complaint = kept.error();
-    if (kept && *kept) progress = session_.progress();
+    if (is_kept && session_.take_progress()) progress = session_.progress();
   }
   if (complaint) post_warning(element_, *complaint);
   watch_if_due();
-  if (!progress) return;
-  post_message(element_, rig_progress_message(times, *progress));
+  if (!is_kept) return;
+  if (progress) post_message(element_, rig_progress_message(times, *progress));
   solve_if_due(false);
 }
 

@@ -13,6 +13,8 @@
 
 #include <gst/gst.h>
 
+#include "calvin/core/text.hpp"
+#include "calvin/rig/light_camera.hpp"
 #include "calvin/session/rig/rig_file.hpp"
 #include "calvin/session/rig/rig_session.hpp"
 #include "common/messages.hpp"
@@ -27,8 +29,14 @@ enum RigModeChoice { kRigFloor, kRigJoint, kRigStereo };
 struct RigSettings {
   std::string board;
   RigModeChoice mode = kRigJoint;
+  RigMethod method = RigMethod::kAuto;
   std::string location;
   guint64 tolerance = 10 * GST_MSECOND;
+  // Before a light:
+  std::string places;  // a file
+  std::string model = LightOptions().model;
+  std::string fix = join(LightOptions().fix, ",");
+  double center_sigma = LightOptions().center_sigma;
 };
 
 // What a pad is told of its camera.
@@ -125,6 +133,6 @@ class RigSolver : public SharedSettings<RigSettings> {
   Worker reader_;
 };
 
-extern const Property<RigSolver> kRigProperties[4];
+extern const Property<RigSolver> kRigProperties[9];
 
 }  // namespace calvin::gst

@@ -11,6 +11,7 @@
 
 #include "calvin/io/rig_io.hpp"
 #include "calvin/rig/moved_camera.hpp"
+#include "calvin/session/rig/light_rig.hpp"
 #include "rig/rig_messages.hpp"
 #include "rig/rig_solver.hpp"
 
@@ -45,40 +46,53 @@ void log_rejected(GstElement* element, const RigSolution& solution,
   }
 }
 
+Status check_mode(const RigJob& job, RigModeChoice mode) {
+  const std::size_t linked = job.cameras.size() + job.left_out.size();
+  if (mode == kRigStereo && linked != 2) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("A stereo rig has two cameras, and {} are linked: take "
+                                  "mode=joint.",
+                                  linked));
+  }
+  if (mode == kRigFloor && job.light) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "A light is no floor that cameras stand above: take mode=joint.");
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<RigSolution> RigSolver::solve(const RigJob& job, const std::vector<RigCameraViews>& views,
                                      const std::stop_token& stop) {
-  if (settings().mode == kRigStereo && job.cameras.size() + job.left_out.size() != 2) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("A stereo rig has two cameras, and {} are linked: take "
-                                  "mode=joint.",
-                                  job.cameras.size() + job.left_out.size()));
+  if (const Status possible = check_mode(job, settings().mode); !possible) {
+    return tl::unexpected(possible.error());
   }
-  auto solution = solve_rig(views, job.options, stop);
+  auto solution = job.light ? solve_light_rig(job, stop) : solve_rig(views, job.options, stop);
   if (!solution) return solution;
-  log_rejected(element_, *solution, views);
+  if (!job.light) log_rejected(element_, *solution, views);
   solution->left_out.insert(solution->left_out.end(), job.left_out.begin(), job.left_out.end());
   solution->remarks.insert(solution->remarks.end(), job.remarks.begin(), job.remarks.end());
   // A camera of which that was said has no views since then among these.
-  if (!job.final) return solution;
+  if (!job.final || job.light) return solution;
   std::string moved = moved_cameras(views_in(solution->rig, views), job.options, stop);
   if (!moved.empty()) solution->remarks.push_back(std::move(moved));
   return solution;
 }
 
 void RigSolver::run(const RigJob& job, const std::stop_token& stop) {
-  const std::vector<RigCameraViews> views = views_of(job);
+  const std::vector<RigCameraViews> views =
+      job.light ? std::vector<RigCameraViews>() : views_of(job);
   auto solution = solve(job, views, stop);
   std::shared_ptr<const WatchedRig> watched;
-  if (solution && !stop.stop_requested()) {
+  if (solution && !job.light && !stop.stop_requested()) {
     watched = std::make_shared<const WatchedRig>(watched_rig(solution->rig, views, job.options));
   }
   if (stop.stop_requested()) return;
   {
     const std::lock_guard guard(lock_);
     if (!session_.is_current(job)) return;
-    session_.solved(job, watched);
+    if (solution) session_.solved(job, watched);
     solve_error_.reset();
     if (!solution) solve_error_ = solution.error();
   }

@@ -31,6 +31,7 @@ smallest_case() {
     elements) echo --benchmark_filter=[^a]sync.*GRAY8 ;;
     live) echo 1 ;;
     overlay) echo '--benchmark_filter=^NV12.720p[|]' ;;
+    light_rig) echo '--benchmark_filter=^4.cameras..300' ;;
     rig) echo '--benchmark_filter=^4.cameras..50' ;;
     scores) echo '--benchmark_filter=calvin' ;;
     solve) echo '--benchmark_filter=brown5.10.views' ;;

@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "calvin/synth/render.hpp"
+#include "calvin/target/kinds.hpp"
+#include "simulated_light.hpp"
 #include "simulated_rig.hpp"
 
 namespace calvin::emulated {
@@ -30,8 +32,29 @@ SE3 board_at(double t) {
   return {turn, middle - turn * Eigen::Vector3d(extent.width() / 2, extent.height() / 2, 0)};
 }
 
+SE3 light_at(double t) {
+  return {Eigen::Matrix3d::Identity(), scenes::carried_light(scenes::LitRoom(), t)};
+}
+
+// A lens as solve_light() takes it to be.
+Camera light_camera(ImageSize size, scenes::Random& random) {
+  constexpr double kOff = 0.02;  // of the width
+  const auto off = [&] { return scenes::uniform(random, -kOff, kOff) * size.width; };
+  const double f = scenes::uniform(random, 0.7, 1.0) * size.width;
+  return Camera::make("brown4", size,
+                      {f, f, size.width / 2.0 + off(), size.height / 2.0 + off(),
+                       scenes::uniform(random, -0.2, 0), scenes::uniform(random, 0, 0.05), 0, 0})
+      .value();
+}
+
+// Around the room.
+std::vector<SE3> places_around() {
+  scenes::Random random(5);
+  return scenes::lit_room(kCameras, random).room_from_camera;
+}
+
 // Before the board, which faces them.
-std::vector<SE3> places() {
+std::vector<SE3> places_before() {
   std::vector<SE3> all;
   const Eigen::Vector3d from[kCameras] = {
       {-0.25, -0.05, -0.6}, {-0.08, 0.12, -0.62}, {0.1, -0.12, -0.58}, {0.27, 0.04, -0.6}};
@@ -54,7 +77,8 @@ std::uint64_t to_ns(double seconds) {
 Cameras render(const Settings& settings) {
   scenes::Random random(17);
   Cameras all;
-  all.before = all.after = places();
+  all.before = all.after = settings.has_light ? places_around() : places_before();
+  const Board board = settings.has_light ? Board(PointLight()) : Board(scenes::kBoard);
   if (settings.bumped) {
     SE3& place = all.after[*settings.bumped];
     place.rotation = exp_so3(settings.bump_turn * Eigen::Vector3d(0.6, 0.8, 0)) * place.rotation;
@@ -62,7 +86,9 @@ Cameras render(const Settings& settings) {
   }
   constexpr double kPhases[kCameras] = {1e-3, 4e-3, 7e-3, 2.5e-3};  // s
   for (std::size_t c = 0; c < kCameras; ++c) {
-    const Camera camera = scenes::random_camera("brown5", random, settings.size);
+    const Camera camera = settings.has_light
+                              ? light_camera(settings.size, random)
+                              : scenes::random_camera("brown5", random, settings.size);
     const BoardRenderer renderer(camera);
     all.calibrations.push_back(camera.to_calibration());
     all.calibrations.back().camera = "cam" + std::to_string(c);
@@ -80,8 +106,9 @@ Cameras render(const Settings& settings) {
       options.noise = kNoise;
       options.blur = 0.7;
       options.seed = noise_seed(c, static_cast<std::uint64_t>(n));
+      const SE3 carried = settings.has_light ? light_at(t) : board_at(t);
       all.frames.push_back(
-          {c, to_ns(t), renderer.render(scenes::kBoard, place.inverse() * board_at(t), options)});
+          {c, to_ns(t), renderer.render(board, place.inverse() * carried, options)});
     }
   }
   std::ranges::stable_sort(all.frames, {}, &Frame::timestamp);
@@ -90,10 +117,13 @@ Cameras render(const Settings& settings) {
 
 Error error_of(const Rig& rig, const std::vector<SE3>& world_from_camera) {
   Error error;
-  for (std::size_t c = 1; c < rig.cameras.size(); ++c) {
-    const SE3 truth = world_from_camera[0].inverse() * world_from_camera[c];
+  const bool is_placed = rig.world == kPlacesWorld;
+  const std::size_t first = is_placed ? 0 : 1;
+  for (std::size_t c = first; c < rig.cameras.size(); ++c) {
+    SE3 truth = world_from_camera[c];
+    if (!is_placed) truth = world_from_camera[0].inverse() * truth;
     const auto one = scenes::place_error(rig.cameras[c], truth);
-    error.square += one.square / static_cast<double>(rig.cameras.size() - 1);
+    error.square += one.square / static_cast<double>(rig.cameras.size() - first);
     error.largest = std::max(error.largest, one.largest);
   }
   return error;

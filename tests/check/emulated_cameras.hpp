@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Four cameras that do not exist, each with a clock of its own, before a board that is carried
-// about: what they would deliver, rendered beforehand, and where they truly stand. Plain data, for
-// the reason that rig_views.hpp tells.
+// about, or a light: what they would deliver, rendered beforehand, and where they truly stand.
+// Plain data, for the reason that rig_views.hpp tells.
 #pragma once
 
 #include <cstddef>
@@ -20,6 +20,7 @@ namespace calvin::emulated {
 
 struct Settings {
   ImageSize size = {640, 480};
+  bool has_light = false;              // the cameras stand around a dark room
   double rate = 30;                    // frames per second
   double seconds = 12;                 // of all
   bool is_synchronous = false;         // all look at one time; else each has a phase of its own
@@ -54,7 +55,7 @@ struct Error {
   double square = 0;   // e^T C^-1 e over the number of components, of all cameras
   double largest = 0;  // sigmas, of one component
 };
-// Of a rig whose cameras are in that order.
+// Of a rig whose cameras are in that order, its frame that of the first one or of known places.
 [[nodiscard]] Error error_of(const Rig& rig, const std::vector<SE3>& world_from_camera);
 
 }  // namespace calvin::emulated

@@ -6,9 +6,11 @@
 #include "rig_views.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
+#include "simulated_light.hpp"
 #include "simulated_rig.hpp"
 
 namespace calvin::rig_views {
@@ -40,10 +42,39 @@ std::vector<SeenByCamera> ring() {
   return seen(scenes::ring_rig(4, random));
 }
 
+std::vector<SeenByCamera> lit_room(int instants) {
+  constexpr std::uint64_t kFrame = 33'333'333;  // ns
+  scenes::Random random(4);
+  const scenes::LitRoom room = scenes::lit_room(4, random);
+  const auto seen = scenes::see_lights(room, scenes::lights_in(room, instants, random), random);
+  std::vector<SeenByCamera> all;
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    SeenByCamera& camera = all.emplace_back();
+    camera.calibration = room.cameras[c].to_calibration();
+    camera.calibration.camera = seen[c].name;
+    camera.world_from_camera = room.room_from_camera[c];
+    for (std::size_t i = 0; i < seen[c].seen.size(); ++i) {
+      if (!seen[c].seen[i]) continue;
+      Observation one;
+      one.board = "dot";
+      // The light is elsewhere in every picture: too far apart in time to tell how it moves.
+      one.timestamp = 10 * kFrame * (i + 1);
+      one.image_size = seen[c].image_size;
+      one.ids = {0};
+      one.uv = {seen[c].seen[i]->uv};
+      one.sigma = {seen[c].seen[i]->sigma};
+      camera.observations.push_back(std::move(one));
+    }
+  }
+  return all;
+}
+
 double worst_error(const Rig& rig, const std::vector<SeenByCamera>& truth) {
   double most = 0;
-  for (std::size_t c = 1; c < truth.size(); ++c) {
-    const SE3 pose = truth[0].world_from_camera.inverse() * truth[c].world_from_camera;
+  const bool is_placed = rig.world == kPlacesWorld;
+  for (std::size_t c = is_placed ? 0 : 1; c < truth.size(); ++c) {
+    SE3 pose = truth[c].world_from_camera;
+    if (!is_placed) pose = truth[0].world_from_camera.inverse() * pose;
     most = std::max(most, scenes::place_error(rig.cameras[c], pose).largest);
   }
   return most;

@@ -24,7 +24,11 @@ struct SeenByCamera {
 [[nodiscard]] std::vector<SeenByCamera> stereo();
 [[nodiscard]] std::vector<SeenByCamera> ring();
 
-// The largest component of how far the cameras of a rig are from where they stand, in sigmas.
+// Four cameras around a room, and a light that is elsewhere in each picture.
+[[nodiscard]] std::vector<SeenByCamera> lit_room(int instants);
+
+// The largest component of how far the cameras of a rig are from where they stand, in sigmas: to
+// the first one, or in the frame of known places.
 [[nodiscard]] double worst_error(const Rig& rig, const std::vector<SeenByCamera>& truth);
 
 }  // namespace calvin::rig_views

@@ -98,4 +98,22 @@ inline std::vector<LightCamera> see_lights(const LitRoom& room,
   return all;
 }
 
+// Where the first cameras stand, as a survey of the room would say it.
+inline std::vector<CameraPlace> places_of(const LitRoom& room, std::size_t count) {
+  std::vector<CameraPlace> places;
+  for (std::size_t c = 0; c < count; ++c) {
+    const Eigen::Vector3d& at = room.room_from_camera[c].translation;
+    places.push_back({"cam" + std::to_string(c), {at.x(), at.y(), at.z()}});
+  }
+  return places;
+}
+
+// A light that is carried about, m, room: about a metre in a second.
+inline Eigen::Vector3d carried_light(const LitRoom& room, double seconds) {
+  return room.half.cwiseProduct(
+      Eigen::Vector3d(0.6 * std::sin(0.7 * seconds) + 0.35 * std::sin(1.3 * seconds + 1),
+                      0.6 * std::sin(0.53 * seconds + 2) + 0.35 * std::sin(1.1 * seconds),
+                      0.6 * std::sin(0.61 * seconds + 4) + 0.35 * std::sin(1.7 * seconds + 3)));
+}
+
 }  // namespace calvin::scenes

@@ -5,6 +5,7 @@
 
 #include "calvin/rig/light_camera.hpp"
 
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -13,6 +14,26 @@
 #include "calvin/rig/rig_views.hpp"
 
 namespace calvin {
+
+namespace {
+
+bool is_within(Pixel uv, ImageSize size) {
+  return uv.u >= 0 && uv.v >= 0 && uv.u <= size.width - 1 && uv.v <= size.height - 1;
+}
+
+// Absent where it moves too far to tell, or was not in the picture yet.
+std::optional<LightPoint> light_at(const Observation& seen, std::uint64_t timestamp) {
+  const double sigma = seen.sigma.empty() ? 1 : seen.sigma.front();
+  if (seen.velocity.size() != 1) return LightPoint{seen.uv.front(), sigma};
+  const double late = 1e-9 * static_cast<double>(seen.timestamp - timestamp);
+  const Pixel& velocity = seen.velocity.front();
+  if (late * std::hypot(velocity.u, velocity.v) > kFarthestWay) return std::nullopt;
+  const EarlierPoint earlier = earlier_point(seen.uv.front(), velocity, late);
+  if (late > 0 && !is_within(earlier.uv, seen.image_size)) return std::nullopt;
+  return LightPoint{earlier.uv, std::hypot(sigma, earlier.sigma)};
+}
+
+}  // namespace
 
 Result<LightCameras> light_cameras(const std::vector<Observation>& seen, std::uint64_t tolerance) {
   LightCameras result;
@@ -46,8 +67,7 @@ Result<LightCameras> light_cameras(const std::vector<Observation>& seen, std::ui
   for (std::size_t i = 0; i < instants.instants.size(); ++i) {
     for (const RigView& view : instants.instants[i].views) {
       const Observation& one = *(*lists[view.camera])[view.view];
-      const double sigma = one.sigma.empty() ? 1 : one.sigma.front();
-      result.cameras[view.camera].seen[i] = LightPoint{one.uv.front(), sigma};
+      result.cameras[view.camera].seen[i] = light_at(one, instants.instants[i].timestamp);
     }
   }
   return result;

@@ -40,7 +40,9 @@ struct LightCameras {
 };
 
 // What was seen of a light, by camera and by instant: pictures at most `tolerance` ns apart are of
-// one. Instants at which one camera alone has seen it are left out, as they say nothing.
+// one. Where velocities are known, the light is taken back to where it was when the first picture
+// was taken, and what may be wrong with that is a part of its sigma. Instants at which one camera
+// alone has seen it are left out, as they say nothing.
 // kInvalidArgument where a camera has pictures of several sizes.
 [[nodiscard]] Result<LightCameras> light_cameras(const std::vector<Observation>& seen,
                                                  std::uint64_t tolerance);

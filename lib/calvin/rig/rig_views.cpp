@@ -6,6 +6,7 @@
 #include "calvin/rig/rig_views.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <tuple>
@@ -78,6 +79,14 @@ Instants pair_instants(const std::vector<ViewTimes>& cameras, std::uint64_t tole
   }
   end_instant();
   return result;
+}
+
+EarlierPoint earlier_point(Pixel uv, Pixel velocity, double seconds) {
+  // What velocities are off by, of the way that a point moves: by the pictures on both sides, which
+  // leave how its acceleration changes.
+  constexpr double kWrong = 0.03;
+  return {{uv.u - seconds * velocity.u, uv.v - seconds * velocity.v},
+          kWrong * seconds * std::hypot(velocity.u, velocity.v)};
 }
 
 std::optional<std::size_t> weakest_pair(const std::vector<CameraPair>& pairs) {

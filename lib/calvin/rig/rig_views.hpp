@@ -11,6 +11,7 @@
 
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/export.hpp"
+#include "calvin/core/image.hpp"
 #include "calvin/solve/view.hpp"
 
 namespace calvin {
@@ -48,6 +49,18 @@ using ViewTimes = std::vector<std::uint64_t>;
                                                 std::uint64_t tolerance);
 [[nodiscard]] Instants pair_instants(const std::vector<ViewTimes>& cameras,
                                      std::uint64_t tolerance);
+
+// What moves farther between two pictures of one instant, px, is of no use: nobody knows how.
+inline constexpr double kFarthestWay = 5;
+
+// A point that moves, some time before it was seen.
+struct EarlierPoint {
+  Pixel uv;
+  double sigma = 0;  // px, what may be wrong with the way in between
+};
+
+// `velocity` in px/s, over `seconds` of at least 0.
+[[nodiscard]] EarlierPoint earlier_point(Pixel uv, Pixel velocity, double seconds);
 
 // Two cameras, and how many views hold them together.
 struct CameraPair {

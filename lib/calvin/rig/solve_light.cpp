@@ -86,7 +86,7 @@ Status check_counts(const std::vector<LightCamera>& cameras) {
   return make_error(ErrorCode::kDegenerate,
                     fmt::format("The light was seen by {} cameras at a time at {} instants, and {} "
                                 "are the fewest: move it for a minute where their pictures "
-                                "overlap.",
+                                "overlap, and see that their clocks agree.",
                                 least, enough, kFewestInstants));
 }
 
@@ -334,6 +334,12 @@ class Report {
 };
 
 }  // namespace
+
+Status check(const LightOptions& options) {
+  const LightCamera any{"camera", {640, 480}, std::nullopt, {}};
+  const auto unknowns = rig::LightUnknowns::make({any}, options);
+  return unknowns ? Status() : tl::unexpected(unknowns.error());
+}
 
 Result<LightSolution> solve_light(const std::vector<LightCamera>& cameras,
                                   const LightOptions& options, std::stop_token stop) {

@@ -45,6 +45,9 @@ struct LightSolution {
   std::vector<std::string> remarks;  // sentences for the user
 };
 
+// Whether `model`, `fix` and `center_sigma` are ones that a solve takes; errors are those of it.
+[[nodiscard]] Status check(const LightOptions& options);
+
 // Svoboda, Martinec, Pajdla, A Convenient Multicamera Self-Calibration for Virtual Environments,
 // Presence 14(4), 2005, in one least squares: docs/methods.md. No intrinsics have to be known where
 // three cameras or more see the light at a time; with those of all cameras two are enough. The same

@@ -20,6 +20,7 @@
 #include "calvin/core/text.hpp"
 #include "calvin/rig/board_views.hpp"
 #include "calvin/rig/floor.hpp"
+#include "calvin/rig/joint/camera_distance.hpp"
 #include "calvin/rig/joint/links.hpp"
 #include "calvin/rig/joint/rig_fit.hpp"
 #include "calvin/rig/joint/rig_start.hpp"
@@ -95,18 +96,6 @@ Eigen::MatrixXd in_rig_frame(const Eigen::MatrixXd& covariance,
   return turn * covariance * turn.transpose();
 }
 
-// 1 sigma of the distance between two cameras, m.
-double distance_sigma(const Eigen::MatrixXd& covariance, std::size_t a, std::size_t b,
-                      const Eigen::Vector3d& between) {
-  const double distance = between.norm();
-  if (!(distance > 0)) return 0;
-  const Eigen::Vector3d along = between / distance;
-  Eigen::VectorXd by = Eigen::VectorXd::Zero(covariance.rows());
-  by.segment<3>(kPose * static_cast<Eigen::Index>(a) + 3) = -along;
-  by.segment<3>(kPose * static_cast<Eigen::Index>(b) + 3) = along;
-  return std::sqrt(std::max(by.dot(covariance * by), 0.0));
-}
-
 std::optional<std::size_t> weakest_of(const std::vector<RigLink>& links) {
   std::vector<CameraPair> pairs;
   for (const RigLink& link : links) pairs.push_back({link.a, link.b, link.agree});
@@ -134,13 +123,15 @@ RigLink link_between(std::size_t a, std::size_t b, const std::vector<SE3>& camer
   RigLink link;
   link.a = a;
   link.b = b;
-  const SE3 rig_from_a = camera_from_rig[a].inverse();
-  const SE3 rig_from_b = camera_from_rig[b].inverse();
-  const Eigen::Vector3d between = rig_from_b.translation - rig_from_a.translation;
-  link.distance = between.norm();
-  link.distance_sigma = distance_sigma(covariance, a, b, between);
-  const double cosine = rig_from_a.rotation.col(2).dot(rig_from_b.rotation.col(2));
-  link.angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+  const auto at = [](std::size_t camera) { return kPose * static_cast<Eigen::Index>(camera) + 3; };
+  Eigen::Matrix<double, 6, 6> places;
+  places << covariance.block<3, 3>(at(a), at(a)), covariance.block<3, 3>(at(a), at(b)),
+      covariance.block<3, 3>(at(b), at(a)), covariance.block<3, 3>(at(b), at(b));
+  const rig::CameraDistance between =
+      rig::camera_distance(camera_from_rig[a].inverse(), camera_from_rig[b].inverse(), places);
+  link.distance = between.distance;
+  link.distance_sigma = between.sigma;
+  link.angle = between.angle;
   return link;
 }
 

@@ -19,16 +19,8 @@ namespace calvin {
 namespace {
 
 using scenes::LitRoom;
+using scenes::places_of;
 using scenes::Random;
-
-std::vector<CameraPlace> places_of(const LitRoom& room, std::size_t count) {
-  std::vector<CameraPlace> places;
-  for (std::size_t c = 0; c < count; ++c) {
-    const Eigen::Vector3d& at = room.room_from_camera[c].translation;
-    places.push_back({"cam" + std::to_string(c), {at.x(), at.y(), at.z()}});
-  }
-  return places;
-}
 
 // The errors of all numbers of a solution in the frame of the room, in the order of its names.
 Eigen::VectorXd errors_of(const LightSolution& solved, const LitRoom& room) {

@@ -59,10 +59,9 @@ struct Sessions {
   Random noise{7};
 };
 
-// What the session is told of a solve; nullptr where it failed.
-std::shared_ptr<const WatchedRig> watched(const RigJob& job, const Result<RigSolution>& solved) {
-  if (!solved) return nullptr;
-  return std::make_shared<const WatchedRig>(watched_rig(solved->rig, views_of(job), job.options));
+// What the session is told of a solve.
+std::shared_ptr<const WatchedRig> watched(const RigJob& job, const RigSolution& solved) {
+  return std::make_shared<const WatchedRig>(watched_rig(solved.rig, views_of(job), job.options));
 }
 
 const SE3 kPlace = {exp_so3({0.3, 0.1, 0.2}), {-0.04, -0.06, 0.6}};
@@ -132,7 +131,7 @@ TEST(RigSession, SolvesAgainWithMoreViews) {
     if (const auto job = s.session.take_solve(false)) {
       ++jobs;
       const auto solved = solve_rig(views_of(*job), job->options);
-      s.session.solved(*job, watched(*job, solved));
+      if (solved) s.session.solved(*job, watched(*job, *solved));
     }
   }
   EXPECT_GE(jobs, 4);
@@ -141,7 +140,7 @@ TEST(RigSession, SolvesAgainWithMoreViews) {
   ASSERT_TRUE(last.has_value());
   const auto solved = solve_rig(views_of(*last), last->options);
   ASSERT_TRUE(solved.has_value());
-  s.session.solved(*last, watched(*last, solved));
+  s.session.solved(*last, watched(*last, *solved));
   EXPECT_TRUE(s.session.is_solved());
   EXPECT_FALSE(s.session.take_solve(true).has_value());
   const SE3 truth = s.rig.world_from_camera[0].inverse() * s.rig.world_from_camera[1];
@@ -248,8 +247,8 @@ struct PushedSession {
     const auto job = session.take_solve(true);
     if (!job) return std::nullopt;
     auto solved = solve_rig(views_of(*job), job->options);
-    session.solved(*job, watched(*job, solved));
     if (!solved) return std::nullopt;
+    session.solved(*job, watched(*job, *solved));
     return *std::move(solved);
   }
   // The camera that is told of as moved, with that it is kept apart.
@@ -330,7 +329,9 @@ TEST(RigSession, InsertsEitherOfTwo) {
     };
     show(40);
     const auto first = s.session.take_solve(true);
-    s.session.solved(*first, watched(*first, solve_rig(views_of(*first), first->options)));
+    const auto before = solve_rig(views_of(*first), first->options);
+    ASSERT_TRUE(before.has_value()) << before.error().message;
+    s.session.solved(*first, watched(*first, *before));
     s.rig.world_from_camera[1].translation += Eigen::Vector3d(0.01, 0.01, 0);
     show(40);
     const auto job = s.session.take_watch();

@@ -13,11 +13,6 @@ namespace calvin::rig {
 
 namespace {
 
-constexpr double kTooFar = 5;  // px
-// What velocities are off by, of the way that a corner moves: by the pictures on both sides, which
-// leave how the board's acceleration changes.
-constexpr double kWrong = 0.03;
-
 // The longest way of a corner in so many seconds, px; 0 where none is known.
 double farthest(const Observation& seen, double seconds) {
   double far = 0;
@@ -28,12 +23,10 @@ double farthest(const Observation& seen, double seconds) {
 
 void take_back(const Observation& seen, double seconds, BoardView& view) {
   for (std::size_t i = 0; i < view.seen.size(); ++i) {
-    const Pixel& v = seen.velocity[i];
-    view.seen.uv[i].u -= seconds * v.u;
-    view.seen.uv[i].v -= seconds * v.v;
-    const double far = seconds * std::hypot(v.u, v.v);
+    const EarlierPoint earlier = earlier_point(view.seen.uv[i], seen.velocity[i], seconds);
+    view.seen.uv[i] = earlier.uv;
     double& weight = view.seen.weight[i];
-    if (weight > 0) weight = 1 / std::hypot(1 / weight, kWrong * far / view.sigma);
+    if (weight > 0) weight = 1 / std::hypot(1 / weight, earlier.sigma / view.sigma);
   }
 }
 
@@ -50,8 +43,8 @@ void allow_for_timing(const std::vector<RigCameraViews>& seen, std::vector<Board
     const auto late = [&](std::size_t v) {
       return 1e-9 * static_cast<double>(observation_of(v).timestamp - first);
     };
-    std::erase_if(group,
-                  [&](std::size_t v) { return farthest(observation_of(v), late(v)) > kTooFar; });
+    std::erase_if(
+        group, [&](std::size_t v) { return farthest(observation_of(v), late(v)) > kFarthestWay; });
     for (const std::size_t v : group) {
       if (farthest(observation_of(v), late(v)) > 0) take_back(observation_of(v), late(v), views[v]);
     }

@@ -11,6 +11,7 @@
 
 #include "calvin/session/rig/corner_velocities.hpp"
 #include "calvin/session/views/corner_motion.hpp"
+#include "calvin/target/kinds.hpp"
 #include "calvin/target/unbounded_grid.hpp"
 
 namespace calvin {
@@ -19,8 +20,10 @@ namespace {
 
 constexpr std::uint64_t kMoment = 1'000'000'000;  // ns: views of which the time may yet be wanted
 constexpr double kNewPlace = 0.02;                // of the width of the picture
-constexpr std::size_t kMostViews = 600;           // of a camera; then every other time is forgotten
-constexpr std::size_t kStill = 10;                // views of a board that lies still
+// Of a camera; then every other time is forgotten.
+constexpr std::size_t kMostBoards = 600;
+constexpr std::size_t kMostLights = 2000;  // of one point each
+constexpr std::size_t kStill = 10;         // views of a board that lies still
 
 std::uint64_t between(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b - a; }
 
@@ -58,8 +61,10 @@ void RigSession::start(RigSessionSettings settings) {
   wanted_.clear();
   recent_instants_.clear();
   watched_.reset();
+  is_light_.reset();
+  if (settings_.method != RigMethod::kAuto) is_light_ = settings_.method == RigMethod::kSvoboda;
   ++generation_;
-  revision_ = asked_revision_ = solved_revision_ = 0;
+  revision_ = told_revision_ = asked_revision_ = solved_revision_ = 0;
   is_due_ = false;
 }
 
@@ -128,6 +133,15 @@ void RigSession::improve_last(std::size_t number, const Observation& now) {
   recent_instants_.replace(number, camera.last, better);
 }
 
+// The first view decides where the settings leave it open.
+bool RigSession::takes(const View& view) {
+  const bool is_light = view.board.as<PointLight>() != nullptr;
+  if (!is_light_) is_light_ = is_light;
+  return *is_light_ == is_light;
+}
+
+std::size_t RigSession::most_views() const { return sees_light() ? kMostLights : kMostBoards; }
+
 bool RigSession::is_new(const std::vector<SharedView>& kept, const View& view) const {
   const Observation& now = view.observation;
   if (settings_.options.mode == RigMode::kFloor && kept.size() < kStill) return true;
@@ -172,6 +186,7 @@ Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
   if (!settings_.board.empty() && observation.board != settings_.board) return false;
   auto checked = to_view(observation);
   if (!checked) return tl::unexpected<Error>(checked.error());
+  if (!takes(*checked)) return false;
   Camera& own = at(camera);
   // Pictures of another size are those of another camera, whose views begin anew.
   if (own.size != observation.image_size) {
@@ -197,7 +212,7 @@ Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
     keep(own, view);
     if (fresh) wanted_.push_back(now);
     if (fresh) keep_recent_at(now);
-    if (own.list_at(now).size() > kMostViews) thin_out();
+    if (own.list_at(now).size() > most_views()) thin_out();
     return true;
   }
   own.recent.push_back(view);
@@ -205,6 +220,14 @@ Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
     own.recent.pop_front();
   }
   return false;
+}
+
+bool RigSession::take_progress() {
+  constexpr std::uint64_t kShare = 50;
+  const std::uint64_t more = sees_light() ? revision_ / kShare : 0;
+  if (revision_ - told_revision_ < std::max<std::uint64_t>(more, 1)) return false;
+  told_revision_ = revision_;
+  return true;
 }
 
 // Forgets what was seen at every other time, so that any stream takes the same memory.

@@ -17,31 +17,42 @@
 #include "calvin/core/calibration.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
+#include "calvin/rig/light_camera.hpp"
 #include "calvin/rig/rig_watch.hpp"
 #include "calvin/rig/solve_rig.hpp"
 #include "calvin/session/rig/recent_instants.hpp"
 
 namespace calvin {
 
+enum class RigMethod {
+  kAuto,     // by what is seen first
+  kBoards,   // solve_rig(): lights do not count
+  kSvoboda,  // solve_light(): boards do not count
+};
+
 struct RigSessionSettings {
   RigOptions options;
-  std::string board;  // only this one counts; empty: every board
+  std::string board = {};  // only this one counts; empty: every board
+  RigMethod method = RigMethod::kAuto;
+  LightOptions light = {};  // kSvoboda
 };
 
 // What is to be solved. Shares the views of the session, which goes on meanwhile.
 struct RigJob {
   struct Camera {
-    std::shared_ptr<const Calibration> calibration;
+    std::string name;
+    std::shared_ptr<const Calibration> calibration;  // nullptr: not known, before a light
     std::vector<SharedView> views;
   };
   std::vector<Camera> cameras;
   std::vector<LeftOutCamera> left_out;  // that have nothing to be solved by
   std::vector<std::string> remarks;     // sentences about cameras that have moved
   RigOptions options;
+  std::optional<LightOptions> light;  // absent: the views are of boards
   bool final = false;
   std::uint64_t generation = 0;  // a result of another one is of views that were forgotten
 };
-// Copies the views: not for a thread that others wait for.
+// Of boards. Copies the views: not for a thread that others wait for.
 [[nodiscard]] std::vector<RigCameraViews> views_of(const RigJob& job);
 
 // What the last rig is to be held against.
@@ -61,7 +72,8 @@ struct RigProgress {
     std::string b;
     int views = 0;  // that both cameras have seen at one time
   };
-  std::vector<std::string> cameras;  // that have seen a board
+  std::vector<std::string> cameras;  // that have seen a board, or a light
+  int instants = 0;                  // at which two cameras or more have
   std::vector<Link> links;
   std::string weakest;  // "cam0 cam1": the pair that the rig hangs on and that has fewest views
 };
@@ -81,12 +93,17 @@ class RigSession {
   // where the board was not seen there before, or where another camera's view of the same time is
   // kept. Whether it was. kInvalidArgument for what is no view of its board.
   [[nodiscard]] Result<bool> offer(std::size_t camera, Observation observation);
+  // Whether enough has come since the last time to say how far the session is: any view of a board,
+  // and a fiftieth more of a light's, which come with every frame.
+  [[nodiscard]] bool take_progress();
 
   // Where enough has come since the last job; where `final`, where there is anything new at all.
-  // Of two cameras or more that have something to be solved by; the others are named in it.
+  // Of two cameras or more that have something to be solved by (before a light of three, unless all
+  // intrinsics are known); the others are named in it.
   [[nodiscard]] std::optional<RigJob> take_solve(bool final);
   [[nodiscard]] bool is_current(const RigJob& job) const { return job.generation == generation_; }
-  // `watched`: the rig that came of it; nullptr: none did.
+  // A rig came of the job. `watched`: what instants are held against from now on; nullptr: before a
+  // light none are.
   void solved(const RigJob& job, std::shared_ptr<const WatchedRig> watched);
   // Whether the last job that ended well was final and of all views.
   [[nodiscard]] bool is_solved() const { return solved_revision_ == revision_; }
@@ -132,27 +149,33 @@ class RigSession {
   Camera& at(std::size_t camera);
   [[nodiscard]] Result<View> to_view(const Observation& observation);
   void improve_last(std::size_t number, const Observation& now);
+  // Whether views of that kind count.
+  [[nodiscard]] bool takes(const View& view);
   [[nodiscard]] bool is_new(const std::vector<SharedView>& kept, const View& view) const;
+  [[nodiscard]] std::size_t most_views() const;
   void forget_views(Camera& camera);
   void keep(Camera& camera, const SharedView& view);
   void keep_recent_at(std::uint64_t timestamp);
   void thin_out();
-  // That have seen a board at one time.
-  [[nodiscard]] std::vector<CameraPair> pairs() const;
+  // By the times of the views alone: this is asked for on streaming threads.
+  [[nodiscard]] std::vector<Instant> instants() const;
   static void fit_intrinsics(Camera& camera);
+  [[nodiscard]] bool sees_light() const { return is_light_.value_or(false); }
   // Why a camera has nothing to be solved by; absent where it has.
-  [[nodiscard]] static std::optional<Error> lack_of(const Camera& camera);
+  [[nodiscard]] std::optional<Error> lack_of(const Camera& camera) const;
   [[nodiscard]] std::vector<std::string> moved_cameras() const;
 
   RigSessionSettings settings_;
   std::vector<Camera> cameras_;
   std::vector<Board> boards_;          // that were parsed
+  std::optional<bool> is_light_;       // what views are of; absent: that is open
   std::vector<std::uint64_t> wanted_;  // ns: views of these times are kept
   RecentInstants recent_instants_;
   std::shared_ptr<const WatchedRig> watched_;  // the last rig
   std::uint64_t movements_ = 0;                // how many were told
   std::uint64_t generation_ = 0;
   std::uint64_t revision_ = 0;         // counts views that were kept
+  std::uint64_t told_revision_ = 0;    // at the last progress
   std::uint64_t asked_revision_ = 0;   // at the last job
   std::uint64_t solved_revision_ = 0;  // of the last one that ended well
   bool is_due_ = false;                // a camera was asked to be inserted again

@@ -18,6 +18,43 @@ namespace {
 
 constexpr std::uint64_t kFewest = 6;  // views between two solves, at the least
 
+// `before`: it has seen something where it stood then.
+std::string has_seen_nothing(const std::string& camera, bool is_light, bool before) {
+  if (before) {
+    return fmt::format("Where the camera '{}' stands now is not known: {}.", camera,
+                       is_light ? "move the light where it and two others see it at a time"
+                                : "show a board to it and to another camera at a time");
+  }
+  return fmt::format("The camera '{}' has seen no {}.", camera,
+                     is_light ? "light: put calibdetect board=dot before it, and move the light "
+                                "where it and two others see it at a time"
+                              : "board: put calibdetect before it, and show it the board");
+}
+
+// Cameras that have seen something at one time.
+std::vector<CameraPair> pairs_of(const std::vector<Instant>& instants) {
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> common;
+  for (const Instant& instant : instants) {
+    for (std::size_t i = 0; i < instant.views.size(); ++i) {
+      for (std::size_t j = i + 1; j < instant.views.size(); ++j) {
+        const std::size_t a = instant.views[i].camera;
+        const std::size_t b = instant.views[j].camera;
+        if (a != b) ++common[{a, b}];
+      }
+    }
+  }
+  std::vector<CameraPair> all;
+  for (const auto& [pair, views] : common) all.push_back({pair.first, pair.second, views});
+  return all;
+}
+
+// Two cameras do not tell their focal lengths by a light.
+std::size_t fewest_cameras(const RigJob& job) {
+  const bool all_known = std::ranges::all_of(
+      job.cameras, [](const RigJob::Camera& camera) { return camera.calibration != nullptr; });
+  return all_known ? 2 : 3;
+}
+
 }  // namespace
 
 std::vector<RigCameraViews> views_of(const RigJob& job) {
@@ -60,42 +97,30 @@ std::optional<RigJob> RigSession::take_solve(bool final) {
     if (const auto lack = lack_of(camera)) {
       job.left_out.push_back({camera.name, lack->message});
     } else {
-      job.cameras.push_back({camera.fitted, camera.kept});
+      job.cameras.push_back({camera.name, camera.fitted, camera.kept});
     }
     if (camera.movement) job.remarks.push_back(camera.movement->text);
   }
-  if (job.cameras.size() < 2) return std::nullopt;
+  if (sees_light()) job.light = settings_.light;
+  if (job.cameras.size() < fewest_cameras(job)) return std::nullopt;
   asked_revision_ = revision_;
   is_due_ = false;
   return job;
 }
 
 void RigSession::solved(const RigJob& job, std::shared_ptr<const WatchedRig> watched) {
-  if (!is_current(job) || !watched) return;
+  if (!is_current(job)) return;
   watched_ = std::move(watched);
   if (job.final) solved_revision_ = asked_revision_;
 }
 
-// By the times of the views alone: this is asked for on streaming threads.
-std::vector<CameraPair> RigSession::pairs() const {
+std::vector<Instant> RigSession::instants() const {
   std::vector<ViewTimes> times;
   for (const Camera& camera : cameras_) {
     ViewTimes& of = times.emplace_back();
     for (const SharedView& view : camera.kept) of.push_back(view->observation.timestamp);
   }
-  std::map<std::pair<std::size_t, std::size_t>, std::size_t> common;
-  for (const Instant& instant : pair_instants(times, settings_.options.tolerance).instants) {
-    for (std::size_t i = 0; i < instant.views.size(); ++i) {
-      for (std::size_t j = i + 1; j < instant.views.size(); ++j) {
-        const std::size_t a = instant.views[i].camera;
-        const std::size_t b = instant.views[j].camera;
-        if (a != b) ++common[{a, b}];
-      }
-    }
-  }
-  std::vector<CameraPair> all;
-  for (const auto& [pair, views] : common) all.push_back({pair.first, pair.second, views});
-  return all;
+  return pair_instants(times, settings_.options.tolerance).instants;
 }
 
 RigProgress RigSession::progress() const {
@@ -103,31 +128,26 @@ RigProgress RigSession::progress() const {
   for (const Camera& camera : cameras_) {
     if (!camera.kept.empty()) progress.cameras.push_back(camera.name);
   }
-  const std::vector<CameraPair> all = pairs();
-  for (const CameraPair& pair : all) {
+  const std::vector<Instant> all = instants();
+  progress.instants = static_cast<int>(all.size());
+  const std::vector<CameraPair> pairs = pairs_of(all);
+  for (const CameraPair& pair : pairs) {
     progress.links.push_back(
         {cameras_[pair.a].name, cameras_[pair.b].name, static_cast<int>(pair.views)});
   }
-  if (const auto weakest = weakest_pair(all)) {
+  if (const auto weakest = weakest_pair(pairs)) {
     progress.weakest = progress.links[*weakest].a + " " + progress.links[*weakest].b;
   }
   return progress;
 }
 
-std::optional<Error> RigSession::lack_of(const Camera& camera) {
+std::optional<Error> RigSession::lack_of(const Camera& camera) const {
   if (camera.kept.empty()) {
-    if (camera.size) {
-      return Error{ErrorCode::kDegenerate,
-                   fmt::format("Where the camera '{}' stands now is not known: show a board to it "
-                               "and to another camera at a time.",
-                               camera.name)};
-    }
     return Error{ErrorCode::kDegenerate,
-                 fmt::format("The camera '{}' has seen no board: put calibdetect before it, and "
-                             "show it the board.",
-                             camera.name)};
+                 has_seen_nothing(camera.name, sees_light(), camera.size.has_value())};
   }
   if (!camera.intrinsics) {
+    if (sees_light()) return std::nullopt;
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("The intrinsics of the camera '{}' are not known: set intrinsics=FILE "
                              "of its pad, or put calibrate before it.",
@@ -153,6 +173,13 @@ Error RigSession::lack() const {
   for (const Camera& camera : cameras_) {
     if (camera.name.empty()) continue;
     if (auto lack = lack_of(camera)) return *std::move(lack);
+  }
+  const bool all_known =
+      std::ranges::all_of(cameras_, [](const Camera& c) { return c.name.empty() || c.fitted; });
+  if (sees_light() && there < 3 && !all_known) {
+    return {ErrorCode::kInvalidArgument,
+            "Two cameras do not tell their focal lengths by a light: link a third one that sees it "
+            "too, or set intrinsics=FILE of both pads."};
   }
   return {ErrorCode::kDegenerate, "There is nothing new to solve."};
 }

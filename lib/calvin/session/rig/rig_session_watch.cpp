@@ -33,7 +33,7 @@ std::optional<WatchJob> RigSession::take_watch() {
   WatchJob job{watched_, moved_cameras(), {}, settings_.options.tolerance, generation_};
   for (std::size_t c = 0; c < views.size(); ++c) {
     if (views[c].empty() || !cameras_[c].fitted) continue;
-    job.cameras.push_back({cameras_[c].fitted, std::move(views[c])});
+    job.cameras.push_back({cameras_[c].name, cameras_[c].fitted, std::move(views[c])});
   }
   if (job.cameras.size() < 2) return std::nullopt;
   return job;
