@@ -32,6 +32,7 @@ constexpr std::string_view kUsage = R"(Usage:
   calvin-board identify PICTURE... [--side SIDE]
 
 BOARD is a text like checkerboard:9x6:25mm or puzzle:14x9:20mm (inner corners, side of a square),
+checkerboard:9x6:25mm:circles (with three circles in its middle, or :circles=1.1+2.1+1.2),
 charuco:5x7:40mm:20mm:DICT_6X6_250 (squares, their side, that of a marker, its dictionary),
 aprilgrid:6x6:88mm:0.3 (tags, their side, the gap between them as a part of it),
 aruco:5x7:40mm:10mm:DICT_6X6_250 or apriltag:tag36h11:5x7:40mm:10mm (tags, their side, the gap between

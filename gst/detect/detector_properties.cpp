@@ -28,7 +28,8 @@ void recheck_was_set(DetectorSettings& settings, bool to_another) {
 constexpr Property<CalibDetector> kRows[] = {
     {"board",
      "Board",
-     "The board to find, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
+     "The board to find, checkerboard:COLSxROWS:SIZE[:circles] or puzzle:COLSxROWS:SIZE with inner "
+     "corners "
      "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
      "aprilgrid:COLSxROWS:SIZE:GAP, aruco:COLSxROWS:SIZE:GAP:DICTIONARY or "
      "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, "

@@ -19,7 +19,8 @@ constexpr GEnumValue kMotions[] = {
 constexpr Property<TestState> kRows[] = {
     {"board",
      "Board",
-     "The board to render, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
+     "The board to render, checkerboard:COLSxROWS:SIZE[:circles] or puzzle:COLSxROWS:SIZE with "
+     "inner corners "
      "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
      "aprilgrid:COLSxROWS:SIZE:GAP, aruco:COLSxROWS:SIZE:GAP:DICTIONARY or "
      "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, "

@@ -41,7 +41,7 @@ Board named_like(const Board& seen, const Board& wanted) {
 
 bool is_coded(const Board& board) {
   return board.as<PuzzleBoard>() != nullptr || board.as<CharucoBoard>() != nullptr ||
-         board.as<AprilGrid>() != nullptr;
+         board.as<AprilGrid>() != nullptr || board.as<MarkedCheckerboard>() != nullptr;
 }
 
 }  // namespace

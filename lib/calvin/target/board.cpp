@@ -40,6 +40,7 @@ template <BoardKind OneKind>
 Board::Board(OneKind kind) : kind_(std::make_shared<const Kind>(std::move(kind))) {}
 
 template Board::Board(Checkerboard);
+template Board::Board(MarkedCheckerboard);
 template Board::Board(PuzzleBoard);
 template Board::Board(CharucoBoard);
 template Board::Board(CircleGrid);

@@ -21,9 +21,9 @@
 namespace calvin {
 
 // A new kind is a file in target/, a name here and a line in board.cpp.
-struct Board::Kind
-    : std::variant<Checkerboard, PuzzleBoard, CharucoBoard, AprilGrid, CircleGrid,
-                   AsymmetricCircleGrid, TagGrid, UnboundedGrid, PointBoard, PointLight> {
+struct Board::Kind : std::variant<Checkerboard, MarkedCheckerboard, PuzzleBoard, CharucoBoard,
+                                  AprilGrid, CircleGrid, AsymmetricCircleGrid, TagGrid,
+                                  UnboundedGrid, PointBoard, PointLight> {
   using variant::variant;
 };
 

@@ -50,10 +50,18 @@ std::string first_of(const GrayImage& image) {
 
 // The longer side of a checkerboard or of a grid of circles counts as a row; of dictionaries that
 // begin with the same markers the smallest is named.
-constexpr const char* kWithoutMarkers[] = {
-    "checkerboard:9x6:25mm",     "checkerboard:10x7:25mm", "checkerboard:8x5:25mm",
-    "puzzle:9x6:25mm:250,411",   "puzzle:14x9:25mm",       "circles:7x5:25mm",
-    "circles:8x6:25mm:inverted", "acircles:4x11:25mm",     "acircles:3x7:25mm:inverted"};
+constexpr const char* kWithoutMarkers[] = {"checkerboard:9x6:25mm",
+                                           "checkerboard:10x7:25mm",
+                                           "checkerboard:8x5:25mm",
+                                           "checkerboard:9x6:25mm:circles",
+                                           "checkerboard:8x6:25mm:circles",
+                                           "checkerboard:10x7:25mm:circles=1.1+2.1+1.2",
+                                           "puzzle:9x6:25mm:250,411",
+                                           "puzzle:14x9:25mm",
+                                           "circles:7x5:25mm",
+                                           "circles:8x6:25mm:inverted",
+                                           "acircles:4x11:25mm",
+                                           "acircles:3x7:25mm:inverted"};
 constexpr const char* kWithMarkers[] = {"charuco:5x7:25mm:12.5mm:DICT_6X6_50",
                                         "charuco:5x7:25mm:15mm:DICT_4X4_50",
                                         "charuco:8x6:25mm:18.75mm:DICT_5X5_50",

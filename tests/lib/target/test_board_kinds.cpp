@@ -114,6 +114,34 @@ TEST(Checkerboards, LookLikeThoseOfAnotherSizeAndThoseOnTheirSide) {
   EXPECT_NE(board, Board(Checkerboard{6, 9, 0.025}));
 }
 
+// Three circles that lie alike after a turn and a shift name nothing: two views would be one.
+TEST(MarkedCheckerboards, HaveCirclesThatTellTheirTurn) {
+  const Board board = parse_board("checkerboard:9x6:25mm:circles").value();
+  const auto& marked = *board.as<MarkedCheckerboard>();
+  EXPECT_EQ(marked.circles, (std::vector<GridPlace>{{4, 3}, {5, 3}, {4, 4}}));
+  EXPECT_TRUE(board.symmetries().empty());
+  EXPECT_EQ(board.point_count(), 54);
+  EXPECT_TRUE(board.looks_like(parse_board("checkerboard:9x6:10mm:circles").value()));
+  EXPECT_FALSE(board.looks_like(parse_board("checkerboard:9x6:25mm").value()));
+  EXPECT_FALSE(board.looks_like(parse_board("checkerboard:9x6:25mm:circles=1.1+2.1+1.2").value()));
+  // On squares of both colours, in a row of which half is turned: told by the colours.
+  EXPECT_TRUE(parse_board("checkerboard:9x6:25mm:circles=1.1+2.1+3.1+4.1"));
+  for (const auto& [text, why] :
+       {std::pair{"checkerboard:9x6:25mm:circles=1.1+2.1", "at least 3"},
+        {"checkerboard:9x6:25mm:circles=1.1+2.1+3.1", "look the same"},
+        {"checkerboard:9x6:25mm:circles=1.1+2.1+1.2+2.2", "look the same"},
+        {"checkerboard:9x6:25mm:circles=0.1+2.1+1.2", "not between four inner corners"},
+        {"checkerboard:9x6:25mm:circles=9.1+2.1+1.2", "not between four inner corners"},
+        {"checkerboard:9x6:25mm:circles=1+2+3", "COLUMN.ROW"},
+        {"checkerboard:9x6:25mm:dots", "neither 'circles'"},
+        {"checkerboard:2x3:25mm:circles", "not between four inner corners"}}) {
+    const auto refused = parse_board(text);
+    ASSERT_FALSE(refused) << text;
+    EXPECT_NE(refused.error().message.find(why), std::string::npos) << refused.error().message;
+    EXPECT_NE(refused.error().message.find("A right text is"), std::string::npos);
+  }
+}
+
 // A size shows in no picture, and a code in every one.
 TEST(BoardsWithACode, LookLikeThoseOfTheSameCode) {
   const Board board = PuzzleBoard{9, 6, 0.025, 4, 5};

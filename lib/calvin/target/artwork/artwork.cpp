@@ -44,6 +44,16 @@ void print(Artwork& artwork, const Checkerboard& board) {
   print_squares(artwork, board.grid(), [](GridPlace p) { return (p.col + p.row) % 2 == 0; });
 }
 
+void print(Artwork& artwork, const MarkedCheckerboard& board) {
+  print(artwork, Checkerboard{board.cols, board.rows, board.size});
+  const double diameter = MarkedCheckerboard::kCircleDiameter * board.size;
+  for (const GridPlace square : board.circles) {
+    const bool is_dark = !artwork.is_dark(square.col, square.row);
+    artwork.discs.push_back(
+        {(square.col - 0.5) * board.size, (square.row - 0.5) * board.size, diameter, is_dark});
+  }
+}
+
 void print(Artwork& artwork, const PuzzleBoard& board) {
   print_squares(artwork, board.grid(), [&](GridPlace p) { return board.is_dark_before(p); });
   const double diameter = PuzzleBoard::kDotDiameter * board.size;

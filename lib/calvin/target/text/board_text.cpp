@@ -76,13 +76,49 @@ Result<double> parse_side(std::string_view text, std::string_view what) {
   return size;
 }
 
+// "2.2+12.2": columns and rows, from 0.
+Result<std::vector<GridPlace>> parse_places(std::string_view text) {
+  std::vector<GridPlace> places;
+  for (const std::string_view place : split(text, '+')) {
+    const auto parts = split(place, '.');
+    const auto col = parse_int(parts.front());
+    const auto row = parse_int(parts.back());
+    if (parts.size() != 2 || !col || !row) {
+      return refuse(fmt::format("'{}' is not COLUMN.ROW", place));
+    }
+    places.push_back({*col, *row});
+  }
+  std::ranges::sort(places, {}, [](GridPlace p) { return std::pair(p.row, p.col); });
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  return places;
+}
+
+// "circles" or "circles=1.1+1.2+2.1", of a checkerboard.
+Result<Board> parse_circles_of(const Checkerboard& squares, std::string_view field) {
+  const auto pair = split(field, '=');
+  if (pair[0] != "circles" || pair.size() > 2) {
+    return refuse(
+        fmt::format("'{}' is neither 'circles' nor 'circles=COL.ROW+COL.ROW+COL.ROW'", field));
+  }
+  auto circles = pair.size() == 2 ? parse_places(pair[1])
+                                  : MarkedCheckerboard::usual_circles(squares.cols, squares.rows);
+  if (!circles) return tl::unexpected(circles.error());
+  MarkedCheckerboard board{squares.cols, squares.rows, squares.size, std::move(*circles)};
+  if (const Status status = board.check(); !status) return tl::unexpected(status.error());
+  return board;
+}
+
 Result<Board> parse_checkerboard(const Fields& fields) {
-  if (fields.size() != 2) return refuse("it needs a kind, a size in corners and a length");
+  if (fields.size() != 2 && fields.size() != 3) {
+    return refuse("it needs a kind, a size in corners, a length and, if it has some, its circles");
+  }
   const auto sides = parse_sides(fields[0], "inner corners", 2, 6);
   if (!sides) return tl::unexpected(sides.error());
   const auto size = parse_side(fields[1], "squares");
   if (!size) return tl::unexpected(size.error());
-  return Checkerboard{sides->cols, sides->rows, *size};
+  const Checkerboard board{sides->cols, sides->rows, *size};
+  if (fields.size() == 3) return parse_circles_of(board, fields[2]);
+  return board;
 }
 
 Result<Board> parse_puzzle(const Fields& fields) {
@@ -147,23 +183,6 @@ Result<Board> parse_charuco(const Fields& fields) {
   }
   if (const Status status = board.check(); !status) return tl::unexpected(status.error());
   return board;
-}
-
-// "2.2+12.2": columns and rows, from 0.
-Result<std::vector<GridPlace>> parse_places(std::string_view text) {
-  std::vector<GridPlace> places;
-  for (const std::string_view place : split(text, '+')) {
-    const auto parts = split(place, '.');
-    const auto col = parse_int(parts.front());
-    const auto row = parse_int(parts.back());
-    if (parts.size() != 2 || !col || !row) {
-      return refuse(fmt::format("'{}' is not COLUMN.ROW", place));
-    }
-    places.push_back({*col, *row});
-  }
-  std::ranges::sort(places, {}, [](GridPlace p) { return std::pair(p.row, p.col); });
-  places.erase(std::unique(places.begin(), places.end()), places.end());
-  return places;
 }
 
 // Columns, rows and pitch of discs.
