@@ -136,8 +136,8 @@ void draw_cells(cairo_t* cr, const Artwork& artwork) {
   cairo_fill(cr);
 }
 
-void draw_artwork(cairo_t* cr, const Board& board, const Canvas& canvas) {
-  const Artwork artwork = artwork_of(board);
+void draw_artwork(cairo_t* cr, const Artwork& artwork, const Canvas& canvas) {
+  canvas.take_ink(cr, true);
   draw_cells(cr, artwork);
   cairo_set_tolerance(cr, kRoundness * canvas.units_per_metre);
   for (std::size_t i = 0; i < artwork.discs.size(); ++i) {
@@ -148,6 +148,17 @@ void draw_artwork(cairo_t* cr, const Board& board, const Canvas& canvas) {
     if (i + 1 < artwork.discs.size() && artwork.discs[i + 1].is_dark == disc.is_dark) continue;
     canvas.take_ink(cr, disc.is_dark);
     cairo_fill(cr);
+  }
+}
+
+// All sheets of a board, which lie in the plane of the page.
+void draw_sheets(cairo_t* cr, const Board& board, const Canvas& canvas) {
+  for (const auto& [board_from_sheet, artwork] : artworks_of(board)) {
+    cairo_save(cr);
+    cairo_translate(cr, board_from_sheet.translation.x(), board_from_sheet.translation.y());
+    cairo_rotate(cr, std::atan2(board_from_sheet.rotation(1, 0), board_from_sheet.rotation(0, 0)));
+    draw_artwork(cr, artwork, canvas);
+    cairo_restore(cr);
   }
 }
 
@@ -206,7 +217,7 @@ void draw_page(const Canvas& canvas, const Board& board, const BoardLayout& page
   canvas.take_ink(cr, true);
   cairo_save(cr);
   cairo_translate(cr, page.x, page.y);
-  draw_artwork(cr, board, canvas);
+  draw_sheets(cr, board, canvas);
   cairo_restore(cr);
 
   const CairoFontOptions hints(cairo_font_options_create());

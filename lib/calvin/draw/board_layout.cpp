@@ -164,6 +164,12 @@ Result<BoardLayout> lay_out_board(const Board& board, std::string_view paper) {
                                   "or the spot of a laser pointer before the cameras.",
                                   board.text()));
   }
+  const auto* list = board.as<TagList>();
+  if (list != nullptr && !list->is_flat()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "The tags of this board lie in space, not on a sheet. Draw each by itself, "
+                      "such as apriltag:tag36h11:80mm:3=0,0.");
+  }
   const std::string name = lower(paper);
   if (name == "fit") return made_to_measure(board);
   for (const Paper& candidate : kPapers) {

@@ -47,6 +47,7 @@ template Board::Board(CircleGrid);
 template Board::Board(AsymmetricCircleGrid);
 template Board::Board(AprilGrid);
 template Board::Board(TagGrid);
+template Board::Board(TagList);
 template Board::Board(UnboundedGrid);
 template Board::Board(PointBoard);
 template Board::Board(PointLight);

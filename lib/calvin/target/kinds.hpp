@@ -16,6 +16,7 @@
 #include "calvin/target/point_light.hpp"
 #include "calvin/target/puzzle_board.hpp"
 #include "calvin/target/tag_grid.hpp"
+#include "calvin/target/tag_list.hpp"
 #include "calvin/target/unbounded_grid.hpp"
 
 namespace calvin {

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// The levels of a picture one after the other, until all boards are found, and the results.
+// The levels of a picture one after the other, until all boards are found, and the results. The
+// tags of a list are grids of one tag each, whose corners are put together.
 
 #include "calvin/detect/tags/tag_detector.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -23,6 +26,45 @@ namespace calvin::detect {
 namespace {
 
 constexpr std::size_t kFewestCorners = 4;
+
+// A grid of tags that is looked for: a board, or a tag of one that is a list.
+struct PartOfBoard {
+  TagGrid grid;
+  std::size_t kind = 0;    // which of the boards that differ
+  std::optional<int> tag;  // of a list
+};
+
+// Adds the grids that a board consists of.
+void add_parts(const Board& board, std::size_t kind, std::vector<PartOfBoard>& parts) {
+  if (const auto* grid = board.as<TagGrid>()) parts.push_back({*grid, kind, std::nullopt});
+  const auto* list = board.as<TagList>();
+  if (list == nullptr) return;
+  for (const TagList::Tag& tag : list->tags) parts.push_back({list->grid_of(tag), kind, tag.id});
+}
+
+// The corners of a grid of one tag, in rows, with the names that they have in a list.
+void name_in_list(int tag, Observation& seen) {
+  constexpr std::array<int, 4> kClockwise = {0, 1, 3, 2};
+  for (int& id : seen.ids) id = 4 * tag + kClockwise[static_cast<std::size_t>(id)];
+}
+
+// Adds what is seen of another tag, in the order of their names; one that was seen already is left
+// out.
+void add_tag(const Observation& tag, Observation& all) {
+  for (std::size_t i = 0; i < tag.ids.size(); ++i) {
+    const auto at = std::ranges::lower_bound(all.ids, tag.ids[i]) - all.ids.begin();
+    if (at < std::ssize(all.ids) && all.ids[static_cast<std::size_t>(at)] == tag.ids[i]) continue;
+    all.ids.insert(all.ids.begin() + at, tag.ids[i]);
+    all.uv.insert(all.uv.begin() + at, tag.uv[i]);
+    all.sigma.insert(all.sigma.begin() + at, tag.sigma[i]);
+  }
+}
+
+Point middle_of(const Observation& seen) {
+  Point sum = Point::Zero();
+  for (const Pixel& p : seen.uv) sum += Point(p.u, p.v);
+  return sum / static_cast<double>(std::max<std::size_t>(seen.uv.size(), 1));
+}
 
 class TagDetector final : public Detector {
  public:
@@ -55,9 +97,11 @@ class TagDetector final : public Detector {
   void read_level(int level, const std::stop_token& stop);
   [[nodiscard]] bool are_complete(ImageSize size);
   void observe(const std::stop_token& stop);
+  void add_to_list(std::size_t kind, const Observation& tag);
   [[nodiscard]] std::vector<Detection> results(ImageSize size);
 
-  std::vector<Board> boards_;  // that differ
+  std::vector<Board> boards_;       // that differ
+  std::vector<PartOfBoard> parts_;  // of them
   std::vector<std::size_t> of_list_;
   SheetList list_{{}};
   std::vector<TagSearch> searches_;  // one for each style
@@ -73,13 +117,16 @@ TagDetector::TagDetector(std::span<const Board> boards) {
     if (known == boards_.end()) boards_.push_back(board);
   }
   list_ = SheetList(of_list_);
+  for (std::size_t i = 0; i < boards_.size(); ++i) add_parts(boards_[i], i, parts_);
   std::vector<std::vector<WantedTags>> styles;
-  for (std::size_t i = 0; i < boards_.size(); ++i) {
-    const TagGrid& board = *boards_[i].as<TagGrid>();
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const PartOfBoard& part = parts_[i];
     const auto style = std::ranges::find_if(styles, [&](const auto& wanted) {
-      return TagStyle(wanted.front().board) == TagStyle(board);
+      return TagStyle(wanted.front().board) == TagStyle(part.grid);
     });
-    (style == styles.end() ? styles.emplace_back() : *style).push_back({board, i});
+    const auto grids =
+        static_cast<std::size_t>(std::ranges::count(parts_, part.kind, &PartOfBoard::kind));
+    (style == styles.end() ? styles.emplace_back() : *style).push_back({part.grid, i, grids - 1});
   }
   searches_.reserve(styles.size());
   for (auto& wanted : styles) searches_.emplace_back(std::move(wanted));
@@ -117,10 +164,22 @@ void TagDetector::read_level(int level, const std::stop_token& stop) {
 // Whether smaller pixels would show nothing more of the boards of the list.
 bool TagDetector::are_complete(ImageSize size) {
   std::vector<SheetOf> complete;
+  std::vector<bool> seen(parts_.size(), false);
   for (TagSearch& search : searches_) {
     for (const FoundTags& found : search.sheets()) {
-      if (found.sheet.is_complete(size)) complete.push_back({found.kind, {}});
+      const PartOfBoard& part = parts_[found.kind];
+      if (part.tag) seen[found.kind] = true;
+      if (!part.tag && found.sheet.is_complete(size)) complete.push_back({part.kind, {}});
     }
+  }
+  for (std::size_t kind = 0; kind < boards_.size(); ++kind) {
+    const auto* list = boards_[kind].as<TagList>();
+    if (list == nullptr) continue;
+    std::size_t tags = 0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      tags += parts_[i].kind == kind && seen[i] ? 1 : 0;
+    }
+    if (tags == list->tags.size()) complete.push_back({kind, {}});
   }
   return list_.is_satisfied(complete);
 }
@@ -129,12 +188,31 @@ void TagDetector::observe(const std::stop_token& stop) {
   for (TagSearch& search : searches_) {
     for (FoundTags& found : search.sheets()) {
       if (stop.stop_requested()) return;
+      const PartOfBoard& part = parts_[found.kind];
       found.sheet.refine(pyramid_.level(0), search.reader());
-      FoundSheet sheet{found.kind, found.sheet.observe(), found.sheet.centre()};
-      if (sheet.observation.ids.size() >= kFewestCorners) found_.push_back(std::move(sheet));
+      FoundSheet sheet{part.kind, found.sheet.observe(), found.sheet.centre()};
+      if (sheet.observation.ids.size() < kFewestCorners) continue;
+      if (part.tag) {
+        name_in_list(*part.tag, sheet.observation);
+        add_to_list(part.kind, sheet.observation);
+      } else {
+        found_.push_back(std::move(sheet));
+      }
     }
   }
   std::ranges::stable_sort(found_, {}, [](const FoundSheet& s) { return s.centre.norm(); });
+}
+
+// There is one sheet of a list, which all of its tags are on.
+void TagDetector::add_to_list(std::size_t kind, const Observation& tag) {
+  auto sheet = std::ranges::find(found_, kind, &FoundSheet::kind);
+  if (sheet == found_.end()) {
+    found_.push_back({kind, {}, {}});
+    sheet = found_.end() - 1;
+    sheet->observation.blur = tag.blur;
+  }
+  add_tag(tag, sheet->observation);
+  sheet->centre = middle_of(sheet->observation);
 }
 
 std::vector<Detection> TagDetector::results(ImageSize size) {
@@ -156,7 +234,9 @@ std::vector<Detection> TagDetector::results(ImageSize size) {
 
 }  // namespace
 
-bool has_tags(const Board& board) { return board.as<TagGrid>() != nullptr; }
+bool has_tags(const Board& board) {
+  return board.as<TagGrid>() != nullptr || board.as<TagList>() != nullptr;
+}
 
 std::unique_ptr<Detector> make_tag_detector(std::span<const Board> boards) {
   return std::make_unique<TagDetector>(boards);

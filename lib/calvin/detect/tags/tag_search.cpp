@@ -97,6 +97,7 @@ std::vector<std::size_t> TagSearch::tags_of(const TagGrid& board) const {
 // Adds the sheet of the most tags that are left. False where there is none.
 bool TagSearch::add_largest(const ImageView& image) {
   std::optional<FoundTags> best;
+  std::size_t rivals = 0;
   for (const WantedTags& wanted : boards_) {
     const auto seeds = tags_of(wanted.board);
     std::vector<bool> tried(tags_.size(), false);
@@ -106,14 +107,18 @@ bool TagSearch::add_largest(const ImageView& image) {
       sheet.grow(tags_, seed);
       for (const SheetTag& t : sheet.tags()) tried[*t.read] = true;
       const std::size_t count = sheet.tags().size();
-      if (!best || count > best->sheet.tags().size()) best = FoundTags{wanted.kind, sheet};
+      if (!best || count > best->sheet.tags().size()) {
+        best = FoundTags{wanted.kind, sheet};
+        rivals = wanted.rivals;
+      }
       if (2 * count > seeds.size()) break;
     }
   }
   if (!best) return false;
   for (const SheetTag& t : best->sheet.tags()) tags_[*t.read].taken = true;
   // Of what is no board, nothing more is looked for.
-  if (best->sheet.evidence(tags_, reader_, quads_) < kLeastEvidence) return true;
+  const double chances = std::log(static_cast<double>(rivals + 1));
+  if (best->sheet.evidence(tags_, reader_, quads_) < kLeastEvidence + chances) return true;
   best->sheet.complete(image, reader_);
   const TagGrid& board = best->sheet.board();
   const int fewest = std::min(2, board.cols * board.rows);

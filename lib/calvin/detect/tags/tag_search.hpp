@@ -16,10 +16,12 @@
 
 namespace calvin::detect {
 
-// A board that is looked for.
+// A grid of tags that is looked for.
 struct WantedTags {
   TagGrid board;
-  std::size_t kind = 0;  // which of the boards that differ
+  std::size_t kind = 0;  // which of all grids that are looked for
+  // How many others are as good: any tag of a list may be one that only seems to be a tag.
+  std::size_t rivals = 0;
 };
 
 struct FoundTags {

@@ -293,6 +293,7 @@ void print(Artwork& artwork, const PointBoard& board) {
 }
 
 void print(Artwork& /*artwork*/, const PointLight& /*light*/) {}
+void print(Artwork& /*artwork*/, const TagList& /*list*/) {}
 
 }  // namespace
 
@@ -302,6 +303,16 @@ Artwork artwork_of(const Board& board) {
   artwork.outline = board.outline();
   std::visit([&](const auto& kind) { print(artwork, kind); }, board.kind());
   return artwork;
+}
+
+std::vector<PlacedArtwork> artworks_of(const Board& board) {
+  const auto* list = board.as<TagList>();
+  if (list == nullptr) return {{SE3{}, artwork_of(board)}};
+  std::vector<PlacedArtwork> all;
+  for (const TagList::Tag& tag : list->tags) {
+    all.push_back({TagList::board_from_grid(tag), artwork_of(list->grid_of(tag))});
+  }
+  return all;
 }
 
 }  // namespace calvin
