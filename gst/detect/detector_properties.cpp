@@ -39,7 +39,8 @@ constexpr Property<CalibDetector> kRows[] = {
      "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dots:SIZE or lines:SIZE, of "
      "which any part is in view, dot, a light that is moved "
      "before a camera that stands still, or FILE.json#NAME; several separated by ;. auto, or "
-     "auto:SIZE, takes what is in view when it is certain which one it is",
+     "auto:SIZE, takes what is in view when it is certain which one it is, puzzle:auto "
+     "any PuzzleBoard",
      kept_in<&DetectorSettings::board>,
      {.was_set = board_was_set}},
     {"camera", "Camera", "Name of the camera in metas, messages and files",

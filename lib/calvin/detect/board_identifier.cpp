@@ -46,17 +46,22 @@ bool is_coded(const Board& board) {
 
 }  // namespace
 
-std::optional<Result<double>> parse_auto_board(std::string_view text) {
-  const auto fields = split(text, ':');
+std::optional<Result<AutoBoard>> parse_auto_board(std::string_view text) {
+  auto fields = split(text, ':');
+  AutoBoard any{kUsualSide, fields.size() > 1 && fields[0] == "puzzle" && fields[1] == kAuto};
+  if (any.is_puzzle) fields.erase(fields.begin());
   if (fields.front() != kAuto) return std::nullopt;
-  if (fields.size() == 1) return kUsualSide;
+  if (fields.size() == 1) return any;
   if (fields.size() == 2) {
-    if (const auto side = parse_length(fields[1]); side && *side > 0) return *side;
+    if (const auto side = parse_length(fields[1]); side && *side > 0) {
+      any.side = *side;
+      return any;
+    }
   }
   return make_error(ErrorCode::kInvalidArgument,
                     fmt::format("The board text '{}' is wrong: after 'auto' it has the side of a "
-                                "square, or nothing. A right text is 'auto:25mm'.",
-                                text.substr(0, 200)));
+                                "square, or nothing. A right text is '{}:25mm'.",
+                                text.substr(0, 200), any.text()));
 }
 
 BoardIdentifier::BoardIdentifier(std::vector<Board> wanted)
@@ -95,8 +100,13 @@ bool BoardIdentifier::is_sure() const { return sees_code() || (seen_ && alike_ >
 
 bool BoardIdentifier::sees_code() const { return seen_ && is_coded(seen_->board); }
 
+bool BoardIdentifier::will_do(const Board& board) const {
+  return !any_.is_puzzle || board.as<PuzzleBoard>() != nullptr;
+}
+
 std::optional<Board> BoardIdentifier::certain() const {
   if (!is_any() || !seen_ || !seen_->whole || seen_->mirrored || !is_sure()) return std::nullopt;
+  if (!will_do(seen_->board)) return std::nullopt;
   if (taken_ && taken_->looks_like(seen_->board)) return std::nullopt;
   return seen_->board;
 }
@@ -113,6 +123,9 @@ std::string BoardIdentifier::hint() const {
       (wanted == nullptr ? seen_->board : named_like(seen_->board, *wanted)).text();
   if (seen_->mirrored) {
     return fmt::format("This is {} in a mirror: take the flip out of the video", text);
+  }
+  if (wanted == nullptr && !will_do(seen_->board)) {
+    return is_sure() ? fmt::format("This is {}, I look for a PuzzleBoard", text) : "";
   }
   if (wanted == nullptr) {
     return fmt::format("This may be {}: show the whole board, once more", text);
