@@ -22,26 +22,44 @@ constexpr int kAgain = 30;  // frames, from then on
 constexpr double kUsualSide = 0.025;  // m
 constexpr std::string_view kAuto = "auto";
 
-// Dictionaries may begin with the same markers: the name that a user knows is the better one.
-Board named_like(const Board& seen, const Board& wanted) {
-  const auto* board = seen.as<CharucoBoard>();
-  const auto* like = wanted.as<CharucoBoard>();
+// How many markers of its dictionary a board has, or leaves out before them.
+std::size_t markers_of(const CharucoBoard& board) {
+  return static_cast<std::size_t>(board.marker_count());
+}
+template <typename Tags>
+std::size_t markers_of(const Tags& board) {
+  return static_cast<std::size_t>(board.first + board.cols * board.rows);
+}
+
+// The same board with the other one's dictionary, where that begins with the same markers.
+template <typename Kind>
+Board with_dictionary_of(const Board& seen, const Board& wanted) {
+  const auto* board = seen.as<Kind>();
+  const auto* like = wanted.as<Kind>();
   if (board == nullptr || like == nullptr) return seen;
-  const auto count = static_cast<std::size_t>(board->marker_count());
+  const std::size_t count = markers_of(*board);
   const auto& own = board->dictionary->codes;
   const auto& known = like->dictionary->codes;
   const bool same =
       board->dictionary->side == like->dictionary->side && known.size() >= count &&
       std::equal(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(count), known.begin());
   if (!same) return seen;
-  CharucoBoard renamed = *board;
+  Kind renamed = *board;
   renamed.dictionary = like->dictionary;
   return renamed;
 }
 
+// Dictionaries may begin with the same markers: the name that a user knows is the better one.
+Board named_like(const Board& seen, const Board& wanted) {
+  if (seen.as<TagGrid>() != nullptr) return with_dictionary_of<TagGrid>(seen, wanted);
+  if (seen.as<AprilGrid>() != nullptr) return with_dictionary_of<AprilGrid>(seen, wanted);
+  return with_dictionary_of<CharucoBoard>(seen, wanted);
+}
+
 bool is_coded(const Board& board) {
   return board.as<PuzzleBoard>() != nullptr || board.as<CharucoBoard>() != nullptr ||
-         board.as<AprilGrid>() != nullptr || board.as<MarkedCheckerboard>() != nullptr;
+         board.as<AprilGrid>() != nullptr || board.as<TagGrid>() != nullptr ||
+         board.as<MarkedCheckerboard>() != nullptr;
 }
 
 }  // namespace

@@ -73,7 +73,15 @@ constexpr const char* kWithMarkers[] = {"charuco:5x7:25mm:12.5mm:DICT_6X6_50",
                                         "charuco:11x8:25mm:20mm:DICT_APRILTAG_36h11",
                                         "aprilgrid:6x6:25mm:0.3",
                                         "aprilgrid:4x3:25mm:0.3:first=12",
-                                        "aprilgrid:5x4:25mm:0.3:tag25h9:border=1"};
+                                        "aprilgrid:5x4:25mm:0.3:tag25h9:border=1",
+                                        "aprilgrid:4x4:25mm:0.2:border=1",
+                                        "aruco:5x4:25mm:6.25mm:DICT_6X6_50",
+                                        "aruco:6x5:25mm:10mm:DICT_4X4_50:first=9",
+                                        "aruco:4x3:25mm:7.5mm:DICT_5X5_50:inverted",
+                                        "aruco:1x5:25mm:10mm:DICT_7X7_50:border=2",
+                                        "aruco:4x4:25mm:6.25mm:DICT_APRILTAG_36h11:first=40",
+                                        "apriltag:tag36h11:5x3:25mm:10mm:first=300",
+                                        "apriltag:tag25h9:3x1:25mm:5mm:border=2"};
 
 void expect_identified(const char* text) {
   const Board board = parse_board(text).value();

@@ -4,7 +4,7 @@
 // The levels of a picture one after the other, until all boards are found, and the results. The
 // tags of a list are grids of one tag each, whose corners are put together.
 
-#include "calvin/detect/tags/tag_detector.hpp"
+#include "calvin/detect/tags/search/tag_detector.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,10 +15,12 @@
 #include <vector>
 
 #include "calvin/detect/pyramid.hpp"
+#include "calvin/detect/search_again.hpp"
 #include "calvin/detect/sheet_list.hpp"
 #include "calvin/detect/smoothing.hpp"
 #include "calvin/detect/tags/quads.hpp"
-#include "calvin/detect/tags/tag_search.hpp"
+#include "calvin/detect/tags/search/tag_search.hpp"
+#include "calvin/detect/tags/search/tag_tracker.hpp"
 #include "calvin/target/kinds.hpp"
 
 namespace calvin::detect {
@@ -73,13 +75,18 @@ class TagDetector final : public Detector {
   std::vector<Detection> detect_all(const ImageView& image,
                                     std::stop_token stop) noexcept override {
     list_.forget();
+    followed_.clear();
     return follow_all(image, kNoTimestamp, std::move(stop));
   }
-  // The whole image is searched: a board of tags is found quickly where it is in view.
-  std::vector<Detection> follow_all(const ImageView& image, std::uint64_t /*timestamp*/,
+  std::vector<Detection> follow_all(const ImageView& image, std::uint64_t timestamp,
                                     std::stop_token stop) noexcept override {
     try {
-      search(image, stop);
+      begin(image);
+      const bool was_followed = !is_search_due(timestamp) && follow(image.size(), timestamp);
+      if (!was_followed) search(image.size(), stop);
+      observe(stop);
+      if (stop.stop_requested()) found_.clear();
+      remember(image.size(), timestamp, was_followed);
       return results(image.size());
     } catch (const std::exception&) {
       return {};  // no memory
@@ -93,7 +100,18 @@ class TagDetector final : public Detector {
     Point centre;
   };
 
-  void search(const ImageView& image, const std::stop_token& stop);
+  // A sheet of the last frame.
+  struct FollowedSheet {
+    std::size_t search = 0;
+    std::size_t part = 0;
+    TagTracker tracker;
+  };
+
+  void begin(const ImageView& image);
+  [[nodiscard]] bool is_search_due(std::uint64_t timestamp);
+  [[nodiscard]] bool follow(ImageSize size, std::uint64_t timestamp);
+  void remember(ImageSize size, std::uint64_t timestamp, bool was_followed);
+  void search(ImageSize size, const std::stop_token& stop);
   void read_level(int level, const std::stop_token& stop);
   [[nodiscard]] bool are_complete(ImageSize size);
   void observe(const std::stop_token& stop);
@@ -108,6 +126,9 @@ class TagDetector final : public Detector {
   Pyramid pyramid_;
   QuadSearch quads_;
   std::vector<FoundSheet> found_;
+  std::vector<FollowedSheet> followed_;
+  int since_search_ = 0;  // frames
+  std::uint64_t searched_ = kNoTimestamp;
 };
 
 TagDetector::TagDetector(std::span<const Board> boards) {
@@ -132,16 +153,65 @@ TagDetector::TagDetector(std::span<const Board> boards) {
   for (auto& wanted : styles) searches_.emplace_back(std::move(wanted));
 }
 
-void TagDetector::search(const ImageView& image, const std::stop_token& stop) {
+void TagDetector::begin(const ImageView& image) {
   found_.clear();
   for (TagSearch& search : searches_) search.begin();
   pyramid_.build(image);
+}
+
+// Further sheets come into view: the whole image is searched once a second.
+bool TagDetector::is_search_due(std::uint64_t timestamp) {
+  ++since_search_;
+  if (timestamp == kNoTimestamp || searched_ == kNoTimestamp) {
+    return since_search_ >= kSearchAgainFrames;
+  }
+  return timestamp < searched_ || timestamp - searched_ >= kSearchAgain;
+}
+
+// Looks for the tags of the last frame where they are going. False where one is not there, or a
+// board of the list is missing; of a list of tags one is enough.
+bool TagDetector::follow(ImageSize size, std::uint64_t timestamp) {
+  std::vector<SheetOf> seen;
+  std::vector<bool> has_list(boards_.size(), false);
+  for (const FollowedSheet& followed : followed_) {
+    const auto expected = followed.tracker.predict(size, timestamp);
+    TagSearch& search = searches_[followed.search];
+    if (!search.follow(pyramid_.level(0), followed.part, expected)) {
+      for (TagSearch& all : searches_) all.begin();
+      return false;
+    }
+    const PartOfBoard& part = parts_[followed.part];
+    if (part.tag && has_list[part.kind]) continue;
+    has_list[part.kind] = true;
+    seen.push_back({part.kind, {}});
+  }
+  return !followed_.empty() && list_.is_satisfied(seen);
+}
+
+void TagDetector::remember(ImageSize size, std::uint64_t timestamp, bool was_followed) {
+  if (!was_followed) {
+    followed_.clear();
+    since_search_ = 0;
+    searched_ = timestamp;
+    for (std::size_t i = 0; i < searches_.size(); ++i) {
+      for (const FoundTags& found : searches_[i].sheets()) {
+        followed_.push_back({i, found.kind, TagTracker()});
+      }
+    }
+  }
+  // Each search has its sheets in the order in which they were followed.
+  std::vector<std::size_t> next(searches_.size(), 0);
+  for (FollowedSheet& followed : followed_) {
+    const auto& sheets = searches_[followed.search].sheets();
+    followed.tracker.remember(sheets[next[followed.search]++].sheet.tags(), size, timestamp);
+  }
+}
+
+void TagDetector::search(ImageSize size, const std::stop_token& stop) {
   for (int level = pyramid_.levels() - 1; level >= 0 && !stop.stop_requested(); --level) {
     read_level(level, stop);
-    if (are_complete(image.size())) break;
+    if (are_complete(size)) break;
   }
-  observe(stop);
-  if (stop.stop_requested()) found_.clear();
 }
 
 void TagDetector::read_level(int level, const std::stop_token& stop) {

@@ -44,6 +44,10 @@ class TagSearch {
   // Makes sheets of the tags that were read. The image is the pyramid's level 0.
   void make_sheets(Pyramid& pyramid, const std::stop_token& stop);
 
+  // Adds a sheet whose tags are expected at these places; false where one of them is not there.
+  [[nodiscard]] bool follow(const ImageView& image, std::size_t kind,
+                            std::span<const PlacedQuad> expected);
+
   [[nodiscard]] std::vector<FoundTags>& sheets() { return sheets_; }
 
  private:

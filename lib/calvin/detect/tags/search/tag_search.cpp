@@ -3,7 +3,7 @@
 
 // Reads quads, fits the tags among them, and lets sheets grow from one tag each.
 
-#include "calvin/detect/tags/tag_search.hpp"
+#include "calvin/detect/tags/search/tag_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -131,6 +131,16 @@ void TagSearch::make_sheets(Pyramid& pyramid, const std::stop_token& stop) {
   for (ReadTag& tag : tags_) tag.taken = false;
   while (!stop.stop_requested() && add_largest(pyramid.level(0))) {
   }
+}
+
+bool TagSearch::follow(const ImageView& image, std::size_t kind,
+                       std::span<const PlacedQuad> expected) {
+  const auto wanted = std::ranges::find(boards_, kind, &WantedTags::kind);
+  if (wanted == boards_.end()) return false;
+  TagSheet sheet(wanted->board);
+  if (!sheet.follow(image, reader_, expected)) return false;
+  sheets_.push_back({kind, std::move(sheet)});
+  return true;
 }
 
 }  // namespace calvin::detect
