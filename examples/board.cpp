@@ -3,6 +3,7 @@
 
 // Boards from the command line: draw one to true scale, give it a name, list the names of a file,
 // measure the sheet that a name stands for, tell which board a picture shows.
+#include <cstddef>
 #include <cstdio>
 #include <span>
 #include <string>
@@ -25,22 +26,26 @@ constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 
 constexpr std::string_view kUsage = R"(Usage:
-  calvin-board draw BOARD FILE.(pdf|svg|png) [--paper PAPER] [--dpi DPI]
+  calvin-board draw BOARD FILE.(pdf|svg|png) [--paper PAPER | --tiled PAPER] [--dpi DPI]
   calvin-board add FILE.json NAME BOARD
   calvin-board list FILE.json
   calvin-board measure FILE.json#NAME [--model MODEL] FOLDER|OBSERVATIONS...
   calvin-board identify PICTURE... [--side SIDE]
 
 BOARD is a text like checkerboard:9x6:25mm or puzzle:14x9:20mm (inner corners, side of a square),
+checkerboard:9x6:25mm:circles (with three circles in its middle, or :circles=1.1+2.1+1.2),
 charuco:5x7:40mm:20mm:DICT_6X6_250 (squares, their side, that of a marker, its dictionary),
 aprilgrid:6x6:88mm:0.3 (tags, their side, the gap between them as a part of it),
 aruco:5x7:40mm:10mm:DICT_6X6_250 or apriltag:tag36h11:5x7:40mm:10mm (tags, their side, the gap between
 them, their dictionary or family, without squares between their corners),
+apriltag:tag36h11:80mm:3=0,0+7=250mm,0,90 (tags of that side at these places, the second one turned),
 circles:7x5:30mm, acircles:4x11:20mm or dots:14x10:7mm:rings=2.2+12.2+2.8 (circles, their distance,
 which of them are rings; big=0.0 for larger ones), dots:1mm or lines:1mm (200 of them along each side,
 of which any part is enough), or FILE.json#NAME. Of dot, a moving light, there is
 nothing to draw.
 PAPER is {}, auto (the smallest of A4 to A0) or fit (as large as the board needs).
+With --tiled the board goes over as many sheets of PAPER as it needs, to be cut at their marks and glued
+edge to edge: pages of a PDF, or FILE-1.png, FILE-2.png, ... row by row.
 DPI is the resolution of a PNG, {} if not given.
 FOLDER has pictures of the board by one camera, OBSERVATIONS is a file of them; MODEL is the lens of
 these cameras, brown5 if not given.
@@ -63,17 +68,56 @@ int wrong_usage(std::string_view why) {
   return kWrongUsage;
 }
 
+// The name of one of several files: "board-2.png".
+std::string numbered(const std::string& file, std::size_t number) {
+  const auto dot = file.rfind('.');
+  return fmt::format("{}-{}{}", file.substr(0, dot), number, file.substr(dot));
+}
+
+int draw_tiled(const calvin::Board& board, const std::string& file,
+               const calvin::DrawingOptions& options) {
+  const auto files = calvin::draw_tiles(board, options);
+  if (!files) return failed(files.error());
+  for (std::size_t i = 0; i < files->size(); ++i) {
+    const std::string name = files->size() == 1 ? file : numbered(file, i + 1);
+    if (const auto written = calvin::write_file(name, (*files)[i]); !written) {
+      return failed(written.error());
+    }
+  }
+  const auto tiles = calvin::lay_out_tiles(board, options.paper);
+  const calvin::BoardTile& last = tiles->back();
+  fmt::print("{}: {} on {} sheets of {:.1f} x {:.1f} mm, {} columns and {} rows\n",
+             files->size() == 1 ? file : numbered(file, 1) + " ...", board.text(), tiles->size(),
+             last.page.width * 1e3, last.page.height * 1e3, last.cols, last.rows);
+  return 0;
+}
+
+int draw_on_one_page(const calvin::Board& board, const std::string& file,
+                     const calvin::DrawingOptions& options) {
+  const auto bytes = calvin::draw_board(board, options);
+  if (!bytes) return failed(bytes.error());
+  if (const auto written = calvin::write_file(file, *bytes); !written) {
+    return failed(written.error());
+  }
+  const auto page = calvin::lay_out_board(board, options.paper);
+  fmt::print("{}: {} on a page of {:.1f} x {:.1f} mm\n", file, board.text(), page->width * 1e3,
+             page->height * 1e3);
+  return 0;
+}
+
 int draw(std::span<char*> arguments) {
   if (arguments.size() < 2 || arguments.size() % 2 != 0) {
     return wrong_usage("draw needs a board and a file.");
   }
   calvin::DrawingOptions options;
+  bool is_tiled = false;
   for (std::size_t i = 2; i < arguments.size(); i += 2) {
     const std::string_view name = arguments[i];
     const std::string_view value = arguments[i + 1];
     const auto number = calvin::parse_double(value);
-    if (name == "--paper") {
+    if (name == "--paper" || name == "--tiled") {
       options.paper = value;
+      is_tiled = name == "--tiled";
     } else if (name == "--dpi" && number) {
       options.dpi = *number;
     } else {
@@ -87,15 +131,8 @@ int draw(std::span<char*> arguments) {
   const auto format = calvin::drawing_format(file);
   if (!format) return failed(format.error());
   options.format = *format;
-  const auto bytes = calvin::draw_board(boards->front(), options);
-  if (!bytes) return failed(bytes.error());
-  if (const auto written = calvin::write_file(file, *bytes); !written) {
-    return failed(written.error());
-  }
-  const auto page = calvin::lay_out_board(boards->front(), options.paper);
-  fmt::print("{}: {} on a page of {:.1f} x {:.1f} mm\n", file, boards->front().text(),
-             page->width * 1e3, page->height * 1e3);
-  return 0;
+  return is_tiled ? draw_tiled(boards->front(), file, options)
+                  : draw_on_one_page(boards->front(), file, options);
 }
 
 int add(std::span<char*> arguments) {

@@ -17,8 +17,6 @@ namespace calvin::gst {
 
 namespace {
 
-constexpr const char* kAnyBoard = "auto";
-
 // What a user should hear who holds up another board: of a checkerboard the sizes, which are what
 // differs.
 std::string wrong_board_hint(const Detection& detection, const Board& board) {
@@ -38,6 +36,7 @@ Result<SharedDetector> BoardsDetector::make(const std::string& text) {
   auto made = std::make_shared<BoardsDetector>();
   if (const auto any = parse_auto_board(text)) {
     if (!*any) return tl::unexpected<Error>(any->error());
+    made->any_ = (*any)->text();
     made->identifier_ = std::make_shared<BoardIdentifier>(**any);
     return made;
   }
@@ -55,7 +54,7 @@ std::vector<Detection> BoardsDetector::follow(const ImageView& image, std::uint6
                                               const std::stop_token& stop) const {
   if (detector_) return detector_->follow_all(image, timestamp, stop);
   std::vector<Detection> none(1);
-  none.front().observation.board = kAnyBoard;
+  none.front().observation.board = any_;
   none.front().observation.image_size = image.size();
   return none;
 }

@@ -47,6 +47,7 @@ class BoardsDetector {
 
  private:
   std::vector<Board> boards_;  // as `board` lists them
+  std::string any_;            // the text where it lists none
   std::unique_ptr<Detector> detector_;
   std::shared_ptr<BoardIdentifier> identifier_;
 };

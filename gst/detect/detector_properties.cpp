@@ -28,15 +28,19 @@ void recheck_was_set(DetectorSettings& settings, bool to_another) {
 constexpr Property<CalibDetector> kRows[] = {
     {"board",
      "Board",
-     "The board to find, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
+     "The board to find, checkerboard:COLSxROWS:SIZE[:circles] or puzzle:COLSxROWS:SIZE with inner "
+     "corners "
      "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
      "aprilgrid:COLSxROWS:SIZE:GAP, aruco:COLSxROWS:SIZE:GAP:DICTIONARY or "
-     "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, "
+     "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, apriltag:FAMILY:SIZE:ID=X,Y+ID=X,Y with tags "
+     "at "
+     "these places, circles:COLSxROWS:SIZE, "
      "acircles:COLSxROWS:SIZE or "
      "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dots:SIZE or lines:SIZE, of "
      "which any part is in view, dot, a light that is moved "
      "before a camera that stands still, or FILE.json#NAME; several separated by ;. auto, or "
-     "auto:SIZE, takes what is in view when it is certain which one it is",
+     "auto:SIZE, takes what is in view when it is certain which one it is, puzzle:auto "
+     "any PuzzleBoard",
      kept_in<&DetectorSettings::board>,
      {.was_set = board_was_set}},
     {"camera", "Camera", "Name of the camera in metas, messages and files",

@@ -19,10 +19,13 @@ constexpr GEnumValue kMotions[] = {
 constexpr Property<TestState> kRows[] = {
     {"board",
      "Board",
-     "The board to render, checkerboard:COLSxROWS:SIZE or puzzle:COLSxROWS:SIZE with inner corners "
+     "The board to render, checkerboard:COLSxROWS:SIZE[:circles] or puzzle:COLSxROWS:SIZE with "
+     "inner corners "
      "and the side of a square, charuco:COLSxROWS:SIZE:MARKER:DICTIONARY with squares, "
      "aprilgrid:COLSxROWS:SIZE:GAP, aruco:COLSxROWS:SIZE:GAP:DICTIONARY or "
-     "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, circles:COLSxROWS:SIZE, "
+     "apriltag:FAMILY:COLSxROWS:SIZE:GAP with tags, apriltag:FAMILY:SIZE:ID=X,Y+ID=X,Y with tags "
+     "at "
+     "these places, circles:COLSxROWS:SIZE, "
      "acircles:COLSxROWS:SIZE or "
      "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dots:SIZE or lines:SIZE, of "
      "which any part is in view, dot, a light, or "

@@ -127,12 +127,11 @@ GST_START_TEST(test_the_answer_ends_where_the_board_is_found) {
 }
 GST_END_TEST;
 
-static const char* const kAuto[] = {"checkerboard:9x6:30mm",
-                                    "puzzle:9x6:30mm:120,7",
-                                    "circles:7x5:30mm",
-                                    "acircles:4x11:30mm",
-                                    "charuco:7x8:30mm:24mm:DICT_6X6_50:legacy",
-                                    "aprilgrid:6x6:30mm:0.3"};
+static const char* const kAuto[] = {
+    "checkerboard:9x6:30mm", "checkerboard:9x6:30mm:circles",
+    "puzzle:9x6:30mm:120,7", "circles:7x5:30mm",
+    "acircles:4x11:30mm",    "charuco:7x8:30mm:24mm:DICT_6X6_50:legacy",
+    "aprilgrid:6x6:30mm:0.3"};
 
 GST_START_TEST(test_auto_takes_what_is_in_view) {
   const char* board = kAuto[__i__];
@@ -163,6 +162,29 @@ GST_START_TEST(test_auto_takes_the_next_board) {
   const auto seen = gst::read_observations(out);
   fail_unless_equals_string(seen[0].board.c_str(), "circles:7x5:25mm");
   fail_unless(seen[0].found());
+}
+GST_END_TEST;
+
+// Of any size and from anywhere, but no board of another kind.
+GST_START_TEST(test_auto_of_puzzles_takes_no_other_kind) {
+  BoardsFixture f("puzzle:auto:30mm");
+  const GrayImage circles = picture_of(parse_board("circles:7x5:30mm").value());
+  for (int n = 0; n < 3; ++n) {
+    g_autoptr(GstBuffer) out = f.push(circles);
+    const auto seen = gst::read_observations(out);
+    fail_unless_equals_string(seen[0].board.c_str(), "puzzle:auto");
+    fail_if(seen[0].found());
+    const std::string hint = gst::read_hint(out).words;
+    fail_unless(n < 2 || hint.find("circles:7x5") != std::string::npos);
+  }
+  for (const char* board : {"puzzle:9x6:30mm:120,7", "puzzle:11x8:30mm:499,300"}) {
+    const GrayImage image = picture_of(parse_board(board).value());
+    for (int n = 0; n < 45; ++n) gst_buffer_unref(f.push(image));
+    g_autoptr(GstBuffer) out = f.push(image);
+    const auto seen = gst::read_observations(out);
+    fail_unless_equals_string(seen[0].board.c_str(), board);
+    fail_unless(seen[0].found());
+  }
 }
 GST_END_TEST;
 
@@ -271,6 +293,7 @@ static Suite* calibdetect_boards_suite(void) {
   tcase_add_test(tc, test_the_answer_ends_where_the_board_is_found);
   tcase_add_loop_test(tc, test_auto_takes_what_is_in_view, 0, G_N_ELEMENTS(kAuto));
   tcase_add_test(tc, test_auto_takes_the_next_board);
+  tcase_add_test(tc, test_auto_of_puzzles_takes_no_other_kind);
   tcase_add_test(tc, test_auto_says_nothing_of_an_empty_room);
   tcase_add_test(tc, test_auto_of_no_length_is_an_error_that_shows_a_right_one);
   tcase_add_test(tc, test_a_light_is_one_point_with_a_sigma);

@@ -104,7 +104,7 @@ void key_list(std::string_view bytes) {
 }
 
 void require_sound(const Board& board) {
-  const double side = board.cell_size(0);
+  const double side = board.cell_size(board.ids().front());
   require(side > 0 && std::isfinite(side), "a square has a size");
   require(board.point_count() > 0, "a board has points");
   const auto again = parse_board(board.text());

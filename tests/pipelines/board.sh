@@ -83,7 +83,7 @@ for text in puzzle:14x9:20mm charuco:5x7:36mm:18mm:DICT_6X6_250; do
   done
 done
 # What is drawn is known again, but for its length.
-for text in checkerboard:9x6:20mm puzzle:9x6:20mm:120,7 circles:9x6:20mm acircles:4x11:20mm \
+for text in checkerboard:9x6:20mm checkerboard:9x6:20mm:circles puzzle:9x6:20mm:120,7 circles:9x6:20mm acircles:4x11:20mm \
   charuco:9x6:20mm:14mm:DICT_4X4_50:legacy aprilgrid:4x5:20mm:0.3:tag36h11:first=3; do
   "$board" draw "$text" known.png --dpi 100 >out 2>&1 || {
     grep -q 'without OpenCV' out || fail "$text is not drawn: $(cat out)"
@@ -96,6 +96,14 @@ for text in checkerboard:9x6:20mm puzzle:9x6:20mm:120,7 circles:9x6:20mm acircle
   "$board" add known.json drawn "$text" >/dev/null
   [ "$("$board" list known.json | cut -f 2 | uniq | wc -l)" = 1 ] || fail "$text: $(cat out)"
 done
+# Over several sheets: pages of a PDF, or a file for each.
+expect 0 '6 sheets of 210.0 x 297.0 mm, 3 columns and 2 rows' \
+  "$board" draw checkerboard:14x9:40mm tiled.pdf --tiled a4
+[ "$(grep -ac '/Type /Page$' tiled.pdf)" = 6 ] || fail 'tiled.pdf has not 6 pages'
+expect 0 'tiled-1.png ...' "$board" draw checkerboard:14x9:40mm tiled.png --tiled a4 --dpi 50
+[ -e tiled-6.png ] && [ ! -e tiled-7.png ] && [ ! -e tiled.png ] || fail 'not 6 pictures'
+expect 1 'no paper called' "$board" draw checkerboard:14x9:40mm tiled.pdf --tiled fit
+expect 1 'more than 200 sheets' "$board" draw checkerboard:14x9:1m tiled.pdf --tiled a4
 expect 1 "paper 'a2' holds it" "$board" draw checkerboard:9x6:40mm big.pdf --paper a4
 expect 1 'no paper called' "$board" draw checkerboard:9x6:40mm big.pdf --paper b7
 expect 1 '.pdf, .svg or .png' "$board" draw checkerboard:9x6:25mm board.jpg

@@ -22,41 +22,64 @@ constexpr int kAgain = 30;  // frames, from then on
 constexpr double kUsualSide = 0.025;  // m
 constexpr std::string_view kAuto = "auto";
 
-// Dictionaries may begin with the same markers: the name that a user knows is the better one.
-Board named_like(const Board& seen, const Board& wanted) {
-  const auto* board = seen.as<CharucoBoard>();
-  const auto* like = wanted.as<CharucoBoard>();
+// How many markers of its dictionary a board has, or leaves out before them.
+std::size_t markers_of(const CharucoBoard& board) {
+  return static_cast<std::size_t>(board.marker_count());
+}
+template <typename Tags>
+std::size_t markers_of(const Tags& board) {
+  return static_cast<std::size_t>(board.first + board.cols * board.rows);
+}
+
+// The same board with the other one's dictionary, where that begins with the same markers.
+template <typename Kind>
+Board with_dictionary_of(const Board& seen, const Board& wanted) {
+  const auto* board = seen.as<Kind>();
+  const auto* like = wanted.as<Kind>();
   if (board == nullptr || like == nullptr) return seen;
-  const auto count = static_cast<std::size_t>(board->marker_count());
+  const std::size_t count = markers_of(*board);
   const auto& own = board->dictionary->codes;
   const auto& known = like->dictionary->codes;
   const bool same =
       board->dictionary->side == like->dictionary->side && known.size() >= count &&
       std::equal(own.begin(), own.begin() + static_cast<std::ptrdiff_t>(count), known.begin());
   if (!same) return seen;
-  CharucoBoard renamed = *board;
+  Kind renamed = *board;
   renamed.dictionary = like->dictionary;
   return renamed;
 }
 
+// Dictionaries may begin with the same markers: the name that a user knows is the better one.
+Board named_like(const Board& seen, const Board& wanted) {
+  if (seen.as<TagGrid>() != nullptr) return with_dictionary_of<TagGrid>(seen, wanted);
+  if (seen.as<AprilGrid>() != nullptr) return with_dictionary_of<AprilGrid>(seen, wanted);
+  return with_dictionary_of<CharucoBoard>(seen, wanted);
+}
+
 bool is_coded(const Board& board) {
   return board.as<PuzzleBoard>() != nullptr || board.as<CharucoBoard>() != nullptr ||
-         board.as<AprilGrid>() != nullptr;
+         board.as<AprilGrid>() != nullptr || board.as<TagGrid>() != nullptr ||
+         board.as<MarkedCheckerboard>() != nullptr;
 }
 
 }  // namespace
 
-std::optional<Result<double>> parse_auto_board(std::string_view text) {
-  const auto fields = split(text, ':');
+std::optional<Result<AutoBoard>> parse_auto_board(std::string_view text) {
+  auto fields = split(text, ':');
+  AutoBoard any{kUsualSide, fields.size() > 1 && fields[0] == "puzzle" && fields[1] == kAuto};
+  if (any.is_puzzle) fields.erase(fields.begin());
   if (fields.front() != kAuto) return std::nullopt;
-  if (fields.size() == 1) return kUsualSide;
+  if (fields.size() == 1) return any;
   if (fields.size() == 2) {
-    if (const auto side = parse_length(fields[1]); side && *side > 0) return *side;
+    if (const auto side = parse_length(fields[1]); side && *side > 0) {
+      any.side = *side;
+      return any;
+    }
   }
   return make_error(ErrorCode::kInvalidArgument,
                     fmt::format("The board text '{}' is wrong: after 'auto' it has the side of a "
-                                "square, or nothing. A right text is 'auto:25mm'.",
-                                text.substr(0, 200)));
+                                "square, or nothing. A right text is '{}:25mm'.",
+                                text.substr(0, 200), any.text()));
 }
 
 BoardIdentifier::BoardIdentifier(std::vector<Board> wanted)
@@ -95,8 +118,13 @@ bool BoardIdentifier::is_sure() const { return sees_code() || (seen_ && alike_ >
 
 bool BoardIdentifier::sees_code() const { return seen_ && is_coded(seen_->board); }
 
+bool BoardIdentifier::will_do(const Board& board) const {
+  return !any_.is_puzzle || board.as<PuzzleBoard>() != nullptr;
+}
+
 std::optional<Board> BoardIdentifier::certain() const {
   if (!is_any() || !seen_ || !seen_->whole || seen_->mirrored || !is_sure()) return std::nullopt;
+  if (!will_do(seen_->board)) return std::nullopt;
   if (taken_ && taken_->looks_like(seen_->board)) return std::nullopt;
   return seen_->board;
 }
@@ -113,6 +141,9 @@ std::string BoardIdentifier::hint() const {
       (wanted == nullptr ? seen_->board : named_like(seen_->board, *wanted)).text();
   if (seen_->mirrored) {
     return fmt::format("This is {} in a mirror: take the flip out of the video", text);
+  }
+  if (wanted == nullptr && !will_do(seen_->board)) {
+    return is_sure() ? fmt::format("This is {}, I look for a PuzzleBoard", text) : "";
   }
   if (wanted == nullptr) {
     return fmt::format("This may be {}: show the whole board, once more", text);

@@ -18,16 +18,21 @@
 
 namespace calvin {
 
-// "auto" and "auto:25mm" -> the side that squares, tags or distances of circles are said to have;
-// absent for every other text.
-[[nodiscard]] std::optional<Result<double>> parse_auto_board(std::string_view text);
+// What is looked for where the text names no board.
+struct AutoBoard {
+  double side = 0;         // m, that squares, tags or distances of circles are said to have
+  bool is_puzzle = false;  // a PuzzleBoard of any size, from anywhere in its map
+  std::string_view text() const { return is_puzzle ? "puzzle:auto" : "auto"; }
+};
+
+// "auto", "auto:25mm", "puzzle:auto" and "puzzle:auto:25mm"; absent for every other text.
+[[nodiscard]] std::optional<Result<AutoBoard>> parse_auto_board(std::string_view text);
 
 class BoardIdentifier {
  public:
   // For `wanted`, whose first board tells what side a board that is seen is said to have.
   explicit BoardIdentifier(std::vector<Board> wanted);
-  // For any board, with squares, tags or distances of circles of `side` m.
-  explicit BoardIdentifier(double side) : side_(side) {}
+  explicit BoardIdentifier(const AutoBoard& any) : any_(any), side_(any.side) {}
 
   // To be asked once for each frame: whether it is to be looked at. Where any board will do, until
   // one was taken; else where no board was found for a while, and then once in a while.
@@ -48,8 +53,11 @@ class BoardIdentifier {
  private:
   [[nodiscard]] bool is_any() const { return wanted_.empty(); }
   [[nodiscard]] bool is_sure() const;
+  // Whether any board may be this one.
+  [[nodiscard]] bool will_do(const Board& board) const;
 
   std::vector<Board> wanted_;
+  AutoBoard any_;    // where none is wanted
   double side_ = 0;  // m
   int without_ = 0;  // frames without a board
   std::optional<IdentifiedBoard> seen_;

@@ -19,7 +19,7 @@
 #include "calvin/detect/circles/circle_pattern.hpp"
 #include "calvin/detect/grids/grid_detector.hpp"
 #include "calvin/detect/light/light_detector.hpp"
-#include "calvin/detect/tags/tag_detector.hpp"
+#include "calvin/detect/tags/search/tag_detector.hpp"
 
 namespace calvin {
 

@@ -15,6 +15,7 @@
 #include "calvin/detect/checkerboard/code/any_code.hpp"
 #include "calvin/detect/checkerboard/sheets/sheet_search.hpp"
 #include "calvin/detect/circles/circle_detector.hpp"
+#include "calvin/detect/tags/search/any_tags.hpp"
 #include "calvin/target/kinds.hpp"
 
 namespace calvin {
@@ -94,6 +95,11 @@ std::vector<IdentifiedBoard> find_in_mirror(const ImageView& image, double side,
 std::vector<IdentifiedBoard> find_boards(const ImageView& image, double side,
                                          const std::stop_token& stop) {
   auto all = find_corners(image, side, stop);
+  if (std::ranges::none_of(all, has_code)) {
+    if (const auto tags = detect::find_any_tags(image, side, stop)) {
+      all.push_back({tags->board, tags->whole, false});
+    }
+  }
   if (std::ranges::none_of(all, has_code)) {
     auto mirrored = find_in_mirror(image, side, stop);
     all.insert(all.end(), mirrored.begin(), mirrored.end());

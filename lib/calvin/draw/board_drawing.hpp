@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "calvin/core/result.hpp"
+#include "calvin/draw/board/layout.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
@@ -37,19 +38,13 @@ struct DrawingOptions {
 // pixels; kUnsupported where the library was built without Cairo.
 [[nodiscard]] Result<std::string> draw_board(const Board& board, const DrawingOptions& options);
 
-// Where the pattern lies on its page; what draw_board() draws, for tests and for renderers.
-struct BoardLayout {
-  double width = 0;   // of the page, m
-  double height = 0;  // m
-  double x = 0;       // of control point 0, from the left edge of the page, m
-  double y = 0;       // from the top edge, m
-};
-[[nodiscard]] Result<BoardLayout> lay_out_board(const Board& board, std::string_view paper);
+// Over several sheets of a paper, options.paper, which are cut along their marks and glued edge to
+// edge: a PDF of as many pages, or an SVG or PNG for each, row by row. "auto" is A4. Errors are
+// those of draw_board() and lay_out_tiles().
+[[nodiscard]] Result<std::vector<std::string>> draw_tiles(const Board& board,
+                                                          const DrawingOptions& options);
 
 // By the extension of a file's name: .svg, .pdf, .png in any case.
 [[nodiscard]] Result<DrawingFormat> drawing_format(std::string_view path);
-
-// "a4", "a3", ..., "letter", ...: from small to large.
-[[nodiscard]] std::vector<std::string> paper_names();
 
 }  // namespace calvin

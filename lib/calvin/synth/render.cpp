@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -148,26 +149,100 @@ GrayImage BoardRenderer::render_light(const PoseOfRow& camera_from_board, bool m
   return synth::quantise(image, options.noise, options.seed);
 }
 
-GrayImage BoardRenderer::render_rows(const Board& board, const PoseOfRow& camera_from_board,
-                                     bool moves, const RenderOptions& options) const {
-  if (board.as<PointLight>() != nullptr) return render_light(camera_from_board, moves, options);
-  const synth::Scene scene(artwork_of(board));
-  synth::FloatImage image(size_);
+// The rows from `first` to before `end`.
+void BoardRenderer::paint(const synth::Scene& scene, const PoseOfRow& camera_from_sheet, bool moves,
+                          const LevelsOfSide& levels_of_side, Rows rows,
+                          synth::FloatImage& image) const {
   const auto width = static_cast<std::size_t>(size_.width);
   NodeRow upper(width + 1);
   NodeRow lower(width + 1);
-  SE3 pose = camera_from_board(0);
+  SE3 pose = camera_from_sheet(rows.first);
   Eigen::Matrix3d plane_from_ray = plane_from_ray_of(pose);
-  lower.fill(rays_above(0), scene, plane_from_ray);
-  for (int y = 0; y < size_.height; ++y) {
+  lower.fill(rays_above(rows.first), scene, plane_from_ray);
+  for (int y = rows.first; y < rows.end; ++y) {
     std::swap(upper, lower);
     if (moves) {
-      pose = camera_from_board(y);
+      pose = camera_from_sheet(y);
       plane_from_ray = plane_from_ray_of(pose);
       upper.fill(rays_above(y), scene, plane_from_ray);
     }
     lower.fill(rays_above(y + 1), scene, plane_from_ray);
-    render_row(scene, levels_of(options, front_side(pose) < 0), upper, lower, image.row(y), width);
+    render_row(scene, levels_of_side(front_side(pose) < 0), upper, lower, image.row(y), width);
+  }
+}
+
+// The rows in which a sheet may be seen: all of them where it moves, or parts of it are out of what
+// the camera can see.
+BoardRenderer::Rows BoardRenderer::rows_of(const Artwork& artwork,
+                                           const PoseOfRow& camera_from_sheet, bool moves) const {
+  const Rows all = {0, size_.height};
+  if (moves) return all;
+  const BoardArea& area = artwork.outline;
+  const double around = artwork.margin;
+  double top = size_.height;
+  double bottom = 0;
+  for (const double x : {area.left - around, area.right + around}) {
+    for (const double y : {area.top - around, area.bottom + around}) {
+      const auto at = camera_.project(camera_from_sheet(0) * Eigen::Vector3d(x, y, 0));
+      if (!at) return all;
+      top = std::min(top, at->v);
+      bottom = std::max(bottom, at->v);
+    }
+  }
+  // Sides are bent by the lens.
+  const double bent = 2 + 0.1 * (bottom - top);
+  const auto row = [&](double v) {
+    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size_.height)));
+  };
+  return {row(top - bent), row(bottom + bent)};
+}
+
+// Sheets that lie in space, the farthest one first: each is painted over those before it, by the
+// share of a pixel that it covers.
+void BoardRenderer::paint_cards(std::vector<PlacedArtwork> sheets,
+                                const PoseOfRow& camera_from_board, bool moves,
+                                const RenderOptions& options, synth::FloatImage& image) const {
+  const auto front = camera_from_board(0);
+  std::ranges::stable_sort(sheets, std::greater(), [&](const PlacedArtwork& sheet) {
+    return (front * sheet.board_from_sheet.translation).norm();
+  });
+  std::ranges::fill(image.pixels, static_cast<float>(levels_of(options, false).background));
+  synth::FloatImage ink(size_);
+  synth::FloatImage cover(size_);
+  for (const PlacedArtwork& sheet : sheets) {
+    const synth::Scene scene(sheet.artwork);
+    const auto pose = [&](double v) { return camera_from_board(v) * sheet.board_from_sheet; };
+    const Rows rows = rows_of(sheet.artwork, pose, moves);
+    const auto levels = [&](bool from_behind) {
+      synth::SceneLevels all = levels_of(options, from_behind);
+      all.background = 0;
+      return all;
+    };
+    paint(scene, pose, moves, levels, rows, ink);
+    paint(
+        scene, pose, moves,
+        [](bool) {
+          return synth::SceneLevels{1, 1, 0};
+        },
+        rows, cover);
+    const auto width = static_cast<std::size_t>(size_.width);
+    for (std::size_t i = width * static_cast<std::size_t>(rows.first);
+         i < width * static_cast<std::size_t>(rows.end); ++i) {
+      image.pixels[i] = image.pixels[i] * (1 - cover.pixels[i]) + ink.pixels[i];
+    }
+  }
+}
+
+GrayImage BoardRenderer::render_rows(const Board& board, const PoseOfRow& camera_from_board,
+                                     bool moves, const RenderOptions& options) const {
+  if (board.as<PointLight>() != nullptr) return render_light(camera_from_board, moves, options);
+  synth::FloatImage image(size_);
+  if (board.as<TagList>() != nullptr) {
+    paint_cards(artworks_of(board), camera_from_board, moves, options, image);
+  } else {
+    const auto levels = [&](bool from_behind) { return levels_of(options, from_behind); };
+    paint(synth::Scene(artwork_of(board)), camera_from_board, moves, levels, {0, size_.height},
+          image);
   }
   synth::blur(image, options.blur);
   return synth::quantise(image, options.noise, options.seed);
@@ -183,6 +258,11 @@ GrayImage render_board(const Camera& camera, const Board& board, const SE3& came
 }
 
 bool sees_face(const Board& board, const SE3& camera_from_board) {
+  if (const auto* list = board.as<TagList>()) {
+    return std::ranges::any_of(list->tags, [&](const TagList::Tag& tag) {
+      return front_side(camera_from_board * TagList::board_from_grid(tag)) > 0;
+    });
+  }
   return board.as<PointLight>() != nullptr || front_side(camera_from_board) > 0;
 }
 
@@ -199,7 +279,12 @@ Observation true_observation(const Camera& camera, const Board& board,
   if (!sees_face(board, camera_from_board(0))) return observation;
   const auto points = board.points();
   const auto ids = board.ids();
+  const auto* list = board.as<TagList>();
   for (std::size_t i = 0; i < points.size(); ++i) {
+    if (list != nullptr &&
+        front_side(camera_from_board(0) * TagList::board_from_grid(*list->tag_of(ids[i]))) <= 0) {
+      continue;
+    }
     const auto uv = project_in_row(camera, camera_from_board, points[i]);
     if (!uv || !(uv->u >= -0.5) || !(uv->v >= -0.5) || !(uv->u < camera.image_size().width - 0.5) ||
         !(uv->v < camera.image_size().height - 0.5)) {

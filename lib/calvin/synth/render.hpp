@@ -8,6 +8,7 @@
 // within one pixel; edges lie where the camera's project() puts them to better than 0.002 px.
 // Around a board of squares runs a light margin of one square, around that a constant background,
 // which also stands where the camera model is not valid. From behind a board is a blank light card.
+// The tags of a list are cards of their own, each painted over those whose corner is farther away.
 //
 // A light (board `dot`) is a small ball that glows, seen from all sides: exactly a Gaussian in the
 // image, in a dark room where other lamps may stand still.
@@ -24,6 +25,15 @@
 #include "calvin/target/board.hpp"
 
 namespace calvin {
+
+struct Artwork;
+struct PlacedArtwork;
+
+namespace synth {
+class Scene;
+struct FloatImage;
+struct SceneLevels;
+}  // namespace synth
 
 struct RenderOptions {
   double noise = 0;        // grey levels, 1 sigma, Gaussian, independent from pixel to pixel
@@ -65,6 +75,18 @@ class BoardRenderer {
                                        const RenderOptions& options) const;
   [[nodiscard]] GrayImage render_rows(const Board& board, const PoseOfRow& camera_from_board,
                                       bool moves, const RenderOptions& options) const;
+  struct Rows {
+    int first = 0;
+    int end = 0;
+  };
+  // The grey levels of a sheet as it is seen from its face or from behind.
+  using LevelsOfSide = std::function<synth::SceneLevels(bool from_behind)>;
+  void paint(const synth::Scene& scene, const PoseOfRow& camera_from_sheet, bool moves,
+             const LevelsOfSide& levels_of_side, Rows rows, synth::FloatImage& image) const;
+  [[nodiscard]] Rows rows_of(const Artwork& artwork, const PoseOfRow& camera_from_sheet,
+                             bool moves) const;
+  void paint_cards(std::vector<PlacedArtwork> sheets, const PoseOfRow& camera_from_board,
+                   bool moves, const RenderOptions& options, synth::FloatImage& image) const;
 
   Camera camera_;
   ImageSize size_;

@@ -40,12 +40,14 @@ template <BoardKind OneKind>
 Board::Board(OneKind kind) : kind_(std::make_shared<const Kind>(std::move(kind))) {}
 
 template Board::Board(Checkerboard);
+template Board::Board(MarkedCheckerboard);
 template Board::Board(PuzzleBoard);
 template Board::Board(CharucoBoard);
 template Board::Board(CircleGrid);
 template Board::Board(AsymmetricCircleGrid);
 template Board::Board(AprilGrid);
 template Board::Board(TagGrid);
+template Board::Board(TagList);
 template Board::Board(UnboundedGrid);
 template Board::Board(PointBoard);
 template Board::Board(PointLight);

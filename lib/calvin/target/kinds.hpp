@@ -16,14 +16,15 @@
 #include "calvin/target/point_light.hpp"
 #include "calvin/target/puzzle_board.hpp"
 #include "calvin/target/tag_grid.hpp"
+#include "calvin/target/tag_list.hpp"
 #include "calvin/target/unbounded_grid.hpp"
 
 namespace calvin {
 
 // A new kind is a file in target/, a name here and a line in board.cpp.
-struct Board::Kind
-    : std::variant<Checkerboard, PuzzleBoard, CharucoBoard, AprilGrid, CircleGrid,
-                   AsymmetricCircleGrid, TagGrid, UnboundedGrid, PointBoard, PointLight> {
+struct Board::Kind : std::variant<Checkerboard, MarkedCheckerboard, PuzzleBoard, CharucoBoard,
+                                  AprilGrid, CircleGrid, AsymmetricCircleGrid, TagGrid,
+                                  UnboundedGrid, PointBoard, PointLight> {
   using variant::variant;
 };
 

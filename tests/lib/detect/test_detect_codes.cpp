@@ -33,6 +33,8 @@ struct Kind {
   double least_hard;  // not hard, and of those that are
 };
 constexpr Kind kKinds[] = {
+    {"Circles", "checkerboard:14x9:20mm:circles", "checkerboard:14x9:20mm:circles=2.2+3.2+2.3", 95,
+     85},
     {"Puzzle", "puzzle:14x9:20mm", "puzzle:14x9:20mm:200,100", 98, 90},
     {"PuzzlePlace", "puzzle:10x11:20mm:333,77", "puzzle:10x11:20mm", 98, 90},
     {"Charuco", "charuco:8x6:40mm:30mm:DICT_5X5_100", "charuco:8x6:40mm:30mm:DICT_4X4_100", 94, 30},
@@ -51,7 +53,10 @@ constexpr Kind kKinds[] = {
      "aruco:5x4:88mm:20mm:DICT_APRILTAG_25h9:first=7", 98, 60},
 };
 
-bool has_markers(const Kind& kind) { return std::strstr(kind.board, "puzzle") == nullptr; }
+bool is_named_by_circles(const Kind& kind) { return std::strstr(kind.board, "circles") != nullptr; }
+bool has_markers(const Kind& kind) {
+  return std::strstr(kind.board, "puzzle") == nullptr && !is_named_by_circles(kind);
+}
 
 // What came of the pictures of a class.
 struct Score {
@@ -217,6 +222,7 @@ TEST(WrongAprilGrid, IsSaidByItsTags) {
 
 // A part anywhere of a board that is far larger than the picture, in any turn.
 TEST_P(Codes, NameAPartInTheMidstOfABoard) {
+  if (is_named_by_circles(GetParam())) GTEST_SKIP() << "most parts are without a circle";
   const Board board = parse_board(GetParam().board).value();
   const auto detector = make_detector(board).value();
   const Camera camera = default_camera({640, 480});
@@ -238,6 +244,63 @@ TEST_P(Codes, NameAPartInTheMidstOfABoard) {
       const auto own = std::ranges::find(truth.ids, seen.ids[i]) - truth.ids.begin();
       ASSERT_LT(static_cast<std::size_t>(own), truth.ids.size()) << n;
       EXPECT_LT(distance(truth.uv[static_cast<std::size_t>(own)], seen.uv[i]), 0.2) << n;
+    }
+  }
+}
+
+// A part of a board with circles is named where they are in view, two of them at least, and is not
+// mistaken for another part where they are not.
+TEST(Circles, NameTheirSurroundings) {
+  const Board board = parse_board("checkerboard:14x9:20mm:circles").value();
+  const auto detector = make_detector(board).value();
+  const Camera camera = default_camera({640, 480});
+  const Grid grid = board.grid().value();
+  scenes::Random random(3);
+  int named = 0;
+  int near = 0;
+  for (int n = 0; n < 60; ++n) {
+    const double col = scenes::uniform(random, 1.5, grid.cols - 2.5);
+    const double row = scenes::uniform(random, 1.5, grid.rows - 2.5);
+    const Eigen::Vector3d middle(col * grid.pitch, row * grid.pitch, 0);
+    const Eigen::Matrix3d rotation = exp_so3({0, 0, scenes::uniform(random, 0, 6.28)});
+    const SE3 pose = {rotation, Eigen::Vector3d(0, 0, 6 * grid.pitch) - rotation * middle};
+    const Observation truth = true_observation(camera, board, pose);
+    const auto image = render_board(camera, board, pose, {.noise = 3, .blur = 0.8});
+    const Observation seen = detector->detect(image.view()).observation;
+    // The circles lie around the place (7, 4) of the board, within 1.5 squares; the picture shows
+    // 3 squares to any side.
+    const bool is_near = std::hypot(col - 7, row - 4) < 1.3;
+    near += is_near ? 1 : 0;
+    named += is_near && seen.found() ? 1 : 0;
+    EXPECT_TRUE(seen.ambiguous.empty());
+    for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+      const auto own = std::ranges::find(truth.ids, seen.ids[i]) - truth.ids.begin();
+      ASSERT_LT(static_cast<std::size_t>(own), truth.ids.size()) << n;
+      EXPECT_LT(distance(truth.uv[static_cast<std::size_t>(own)], seen.uv[i]), 0.2) << n;
+    }
+  }
+  EXPECT_GT(near, 3);
+  EXPECT_EQ(named, near);
+}
+
+// Of a checkerboard without the circles, or with others, the text is known.
+TEST(Circles, OfAnotherBoardAreSaid) {
+  const auto detector = make_detector(parse_board("checkerboard:9x6:20mm:circles").value()).value();
+  for (const char* text :
+       {"checkerboard:9x6:20mm", "checkerboard:8x5:20mm",
+        "checkerboard:9x6:20mm:circles=1.1+2.1+1.2", "checkerboard:7x7:20mm:circles=1.1+2.1+1.3"}) {
+    const Board board = parse_board(text).value();
+    const BoardArea area = board.extent();
+    const Eigen::Vector3d middle(area.width() / 2, area.height() / 2, 0);
+    for (const double turn : {0.1, 1.6, 3.3, 4.7}) {
+      const Eigen::Matrix3d rotation = exp_so3({0.2, -0.1, turn});
+      const SE3 pose = {rotation, Eigen::Vector3d(0, 0, 0.45) - rotation * middle};
+      const auto image =
+          render_board(default_camera({960, 720}), board, pose, {.noise = 2, .blur = 0.7});
+      const Detection d = detector->detect(image.view());
+      EXPECT_FALSE(d.observation.found()) << text << " " << turn;
+      EXPECT_EQ(d.reason, Reason::kWrongBoard) << text << " " << turn;
+      EXPECT_EQ(d.seen_board, text) << turn;
     }
   }
 }

@@ -50,10 +50,18 @@ std::string first_of(const GrayImage& image) {
 
 // The longer side of a checkerboard or of a grid of circles counts as a row; of dictionaries that
 // begin with the same markers the smallest is named.
-constexpr const char* kWithoutMarkers[] = {
-    "checkerboard:9x6:25mm",     "checkerboard:10x7:25mm", "checkerboard:8x5:25mm",
-    "puzzle:9x6:25mm:250,411",   "puzzle:14x9:25mm",       "circles:7x5:25mm",
-    "circles:8x6:25mm:inverted", "acircles:4x11:25mm",     "acircles:3x7:25mm:inverted"};
+constexpr const char* kWithoutMarkers[] = {"checkerboard:9x6:25mm",
+                                           "checkerboard:10x7:25mm",
+                                           "checkerboard:8x5:25mm",
+                                           "checkerboard:9x6:25mm:circles",
+                                           "checkerboard:8x6:25mm:circles",
+                                           "checkerboard:10x7:25mm:circles=1.1+2.1+1.2",
+                                           "puzzle:9x6:25mm:250,411",
+                                           "puzzle:14x9:25mm",
+                                           "circles:7x5:25mm",
+                                           "circles:8x6:25mm:inverted",
+                                           "acircles:4x11:25mm",
+                                           "acircles:3x7:25mm:inverted"};
 constexpr const char* kWithMarkers[] = {"charuco:5x7:25mm:12.5mm:DICT_6X6_50",
                                         "charuco:5x7:25mm:15mm:DICT_4X4_50",
                                         "charuco:8x6:25mm:18.75mm:DICT_5X5_50",
@@ -65,7 +73,15 @@ constexpr const char* kWithMarkers[] = {"charuco:5x7:25mm:12.5mm:DICT_6X6_50",
                                         "charuco:11x8:25mm:20mm:DICT_APRILTAG_36h11",
                                         "aprilgrid:6x6:25mm:0.3",
                                         "aprilgrid:4x3:25mm:0.3:first=12",
-                                        "aprilgrid:5x4:25mm:0.3:tag25h9:border=1"};
+                                        "aprilgrid:5x4:25mm:0.3:tag25h9:border=1",
+                                        "aprilgrid:4x4:25mm:0.2:border=1",
+                                        "aruco:5x4:25mm:6.25mm:DICT_6X6_50",
+                                        "aruco:6x5:25mm:10mm:DICT_4X4_50:first=9",
+                                        "aruco:4x3:25mm:7.5mm:DICT_5X5_50:inverted",
+                                        "aruco:1x5:25mm:10mm:DICT_7X7_50:border=2",
+                                        "aruco:4x4:25mm:6.25mm:DICT_APRILTAG_36h11:first=40",
+                                        "apriltag:tag36h11:5x3:25mm:10mm:first=300",
+                                        "apriltag:tag25h9:3x1:25mm:5mm:border=2"};
 
 void expect_identified(const char* text) {
   const Board board = parse_board(text).value();

@@ -40,6 +40,7 @@ TEST_P(DrawnBoard, FitsInTheSizeThatIsNamed) {
     const std::string text = b.text();
     Board other = b;
     if (const auto* checkerboard = b.as<Checkerboard>()) other = checkerboard->with_cells_of(size);
+    if (const auto* marked = b.as<MarkedCheckerboard>()) other = marked->with_cells_of(size);
     if (const auto* puzzle = b.as<PuzzleBoard>()) other = puzzle->with_cells_of(size);
     if (const auto* charuco = b.as<CharucoBoard>()) other = charuco->with_cells_of(size);
     if (const auto* april = b.as<AprilGrid>()) other = april->with_cells_of(size);

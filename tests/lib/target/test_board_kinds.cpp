@@ -28,6 +28,11 @@ Board point_board() { return PointBoard::make("plate.json", five_dots()).value()
 const std::vector<scenes::NamedBoard> kBoards = [] {
   auto all = scenes::board_of_each_kind();
   all.push_back({"PointLight", PointLight{}});
+  for (const auto& [name, text] :
+       {std::pair{"TagList", "apriltag:tag36h11:60mm:3=0,0+9/90mm=0,-0.2m,30:border=2"},
+        {"TagsInSpace", "aruco:60mm:0=0,0,50mm,0,90,0+2=30mm,1mm,0,-90,0,12.5:DICT_4X4_50"}}) {
+    if (const auto board = parse_board(text)) all.push_back({name, *board});
+  }
   return all;
 }();
 
@@ -112,6 +117,34 @@ TEST(Checkerboards, LookLikeThoseOfAnotherSizeAndThoseOnTheirSide) {
   EXPECT_FALSE(board.looks_like(Checkerboard{9, 7, 0.025}));
   EXPECT_FALSE(board.looks_like(point_board()));
   EXPECT_NE(board, Board(Checkerboard{6, 9, 0.025}));
+}
+
+// Three circles that lie alike after a turn and a shift name nothing: two views would be one.
+TEST(MarkedCheckerboards, HaveCirclesThatTellTheirTurn) {
+  const Board board = parse_board("checkerboard:9x6:25mm:circles").value();
+  const auto& marked = *board.as<MarkedCheckerboard>();
+  EXPECT_EQ(marked.circles, (std::vector<GridPlace>{{4, 3}, {5, 3}, {4, 4}}));
+  EXPECT_TRUE(board.symmetries().empty());
+  EXPECT_EQ(board.point_count(), 54);
+  EXPECT_TRUE(board.looks_like(parse_board("checkerboard:9x6:10mm:circles").value()));
+  EXPECT_FALSE(board.looks_like(parse_board("checkerboard:9x6:25mm").value()));
+  EXPECT_FALSE(board.looks_like(parse_board("checkerboard:9x6:25mm:circles=1.1+2.1+1.2").value()));
+  // On squares of both colours, in a row of which half is turned: told by the colours.
+  EXPECT_TRUE(parse_board("checkerboard:9x6:25mm:circles=1.1+2.1+3.1+4.1"));
+  for (const auto& [text, why] :
+       {std::pair{"checkerboard:9x6:25mm:circles=1.1+2.1", "at least 3"},
+        {"checkerboard:9x6:25mm:circles=1.1+2.1+3.1", "look the same"},
+        {"checkerboard:9x6:25mm:circles=1.1+2.1+1.2+2.2", "look the same"},
+        {"checkerboard:9x6:25mm:circles=0.1+2.1+1.2", "not between four inner corners"},
+        {"checkerboard:9x6:25mm:circles=9.1+2.1+1.2", "not between four inner corners"},
+        {"checkerboard:9x6:25mm:circles=1+2+3", "COLUMN.ROW"},
+        {"checkerboard:9x6:25mm:dots", "neither 'circles'"},
+        {"checkerboard:2x3:25mm:circles", "not between four inner corners"}}) {
+    const auto refused = parse_board(text);
+    ASSERT_FALSE(refused) << text;
+    EXPECT_NE(refused.error().message.find(why), std::string::npos) << refused.error().message;
+    EXPECT_NE(refused.error().message.find("A right text is"), std::string::npos);
+  }
 }
 
 // A size shows in no picture, and a code in every one.

@@ -80,13 +80,6 @@ bool trim(const Checkerboard& board, Lattice& lattice) {
   return true;
 }
 
-// Whether the colours are those of a board: diagonally beyond control point 0 is a dark square, and
-// the square that it opens into is dark too.
-bool colours_fit(const GridAlignment& alignment) {
-  const bool bright = Lattice::is_even(alignment.cell({0, 0})) != (alignment.quarter % 2 == 1);
-  return !bright;
-}
-
 struct Edges {
   std::array<bool, 4> seen{};    // by side
   Edge margin = Edge::kNotSeen;  // its colour
@@ -166,7 +159,7 @@ std::vector<GridAlignment> alignments(const Checkerboard& board, const CellRange
     for (int row = first.row; row <= last.row; ++row) {
       for (int col = first.col; col <= last.col; ++col) {
         const GridAlignment p = {quarter, {col, row}, cols, rows};
-        if (any_colours || colours_fit(p)) all.push_back(p);
+        if (any_colours || p.begins_dark()) all.push_back(p);
       }
     }
   }

@@ -26,6 +26,11 @@ struct GridAlignment {
   [[nodiscard]] Cell point(Cell cell) const;
   // The inverse.
   [[nodiscard]] Cell cell(Cell point) const;
+  // Whether the square outside control point 0 is dark, by the colours of the lattice: diagonally
+  // beyond that point is a square of the same colour, the one that the corner opens into.
+  [[nodiscard]] bool begins_dark() const {
+    return Lattice::is_even(cell({0, 0})) == (quarter % 2 == 1);
+  }
 };
 
 struct Match {

@@ -153,22 +153,13 @@ void TagSheet::grow(std::span<const ReadTag> tags, std::size_t seed) {
   }
 }
 
-bool TagSheet::look_at(const ImageView& image, const TagReader& reader, GridPlace place,
-                       const LensMap* map) {
-  constexpr double kReach = 0.08;      // of the shortest side
-  constexpr double kLeastSide = 8;     // px
+// Takes a tag where its sides and its bits are.
+bool TagSheet::take_if_seen(const ImageView& image, const TagReader& reader,
+                            const PlacedQuad& expected, const TagBends& bends, double reach) {
   constexpr double kSmallSigma = 0.3;  // px
   constexpr double kLeastBits = 5;     // nats; a tag at another place is none of these
-  const auto expected = map != nullptr ? image_of(*map, place) : expect(place);
-  if (!expected ||
-      std::ranges::none_of(*expected, [&](const Point& p) { return is_in(image, p); })) {
-    return false;
-  }
-  const double side = shortest_side(*expected);
-  if (side < kLeastSide) return false;
-  const TagPattern tag = pattern(reader, place);
-  const TagBends bends = map != nullptr ? bends_of(*map, place, true) : unknown_bends(*expected);
-  const TagFit fit = fit_tag(image, *expected, tag, std::max(kReach * side, 1.0), bends);
+  const TagPattern tag = pattern(reader, expected.place);
+  const TagFit fit = fit_tag(image, expected.corners, tag, reach, bends);
   if (fit.sides < 2 || fit.seen() < 1) return false;
   const bool is_clear = std::ranges::all_of(fit.sigma, [](double s) { return s < kSmallSigma; });
   const TagMatch match = reader.match(image, fit.corners, tag);
@@ -179,8 +170,34 @@ bool TagSheet::look_at(const ImageView& image, const TagReader& reader, GridPlac
       by_bits + by_border < kLeastEvidence) {
     return false;
   }
-  tags_.push_back({place, std::nullopt, by_bits >= kLeastBits, fit});
+  tags_.push_back({expected.place, std::nullopt, by_bits >= kLeastBits, fit});
   return true;
+}
+
+bool TagSheet::look_at(const ImageView& image, const TagReader& reader, GridPlace place,
+                       const LensMap* map) {
+  constexpr double kReach = 0.08;   // of the shortest side
+  constexpr double kLeastSide = 8;  // px
+  const auto expected = map != nullptr ? image_of(*map, place) : expect(place);
+  if (!expected ||
+      std::ranges::none_of(*expected, [&](const Point& p) { return is_in(image, p); })) {
+    return false;
+  }
+  const double side = shortest_side(*expected);
+  if (side < kLeastSide) return false;
+  const TagBends bends = map != nullptr ? bends_of(*map, place, true) : unknown_bends(*expected);
+  return take_if_seen(image, reader, {place, *expected}, bends, std::max(kReach * side, 1.0));
+}
+
+bool TagSheet::follow(const ImageView& image, const TagReader& reader,
+                      std::span<const PlacedQuad> expected) {
+  constexpr double kReach = 0.8;  // of a cell: what is farther away may be another edge
+  for (const PlacedQuad& tag : expected) {
+    const double cell = shortest_side(tag.corners) / board_->cells();
+    const TagBends bends = unknown_bends(tag.corners);
+    if (!take_if_seen(image, reader, tag, bends, std::max(kReach * cell, 1.0))) return false;
+  }
+  return !tags_.empty() && certain_tags() > 0;
 }
 
 int TagSheet::certain_tags() const {

@@ -35,12 +35,23 @@ struct SheetTag {
   TagFit fit;
 };
 
+// Where a tag of a sheet is expected.
+struct PlacedQuad {
+  GridPlace place;
+  Quad corners;
+};
+
 class TagSheet {
  public:
   explicit TagSheet(const TagGrid& board) : board_(&board) {}
 
   // Takes a tag of the board, then all that lie beside those that the sheet has as the board says.
   void grow(std::span<const ReadTag> tags, std::size_t seed);
+
+  // Takes tags that are where they are expected, as those of the frame before. False where one is
+  // not.
+  [[nodiscard]] bool follow(const ImageView& image, const TagReader& reader,
+                            std::span<const PlacedQuad> expected);
 
   // Looks for tags that were not read where those around let them be expected, or the map does.
   void complete(const ImageView& image, const TagReader& reader, const LensMap* map = nullptr);
@@ -77,6 +88,8 @@ class TagSheet {
                              const LensMap* map);
   void fit_again(const ImageView& image, const TagReader& reader, const LensMap& map,
                  std::size_t from);
+  [[nodiscard]] bool take_if_seen(const ImageView& image, const TagReader& reader,
+                                  const PlacedQuad& expected, const TagBends& bends, double reach);
   void drop_vague_corners();
   void compare_corners(const LensMap& map);
 

@@ -44,6 +44,16 @@ void print(Artwork& artwork, const Checkerboard& board) {
   print_squares(artwork, board.grid(), [](GridPlace p) { return (p.col + p.row) % 2 == 0; });
 }
 
+void print(Artwork& artwork, const MarkedCheckerboard& board) {
+  print(artwork, Checkerboard{board.cols, board.rows, board.size});
+  const double diameter = MarkedCheckerboard::kCircleDiameter * board.size;
+  for (const GridPlace square : board.circles) {
+    const bool is_dark = !artwork.is_dark(square.col, square.row);
+    artwork.discs.push_back(
+        {(square.col - 0.5) * board.size, (square.row - 0.5) * board.size, diameter, is_dark});
+  }
+}
+
 void print(Artwork& artwork, const PuzzleBoard& board) {
   print_squares(artwork, board.grid(), [&](GridPlace p) { return board.is_dark_before(p); });
   const double diameter = PuzzleBoard::kDotDiameter * board.size;
@@ -283,6 +293,7 @@ void print(Artwork& artwork, const PointBoard& board) {
 }
 
 void print(Artwork& /*artwork*/, const PointLight& /*light*/) {}
+void print(Artwork& /*artwork*/, const TagList& /*list*/) {}
 
 }  // namespace
 
@@ -292,6 +303,16 @@ Artwork artwork_of(const Board& board) {
   artwork.outline = board.outline();
   std::visit([&](const auto& kind) { print(artwork, kind); }, board.kind());
   return artwork;
+}
+
+std::vector<PlacedArtwork> artworks_of(const Board& board) {
+  const auto* list = board.as<TagList>();
+  if (list == nullptr) return {{SE3{}, artwork_of(board)}};
+  std::vector<PlacedArtwork> all;
+  for (const TagList::Tag& tag : list->tags) {
+    all.push_back({TagList::board_from_grid(tag), artwork_of(list->grid_of(tag))});
+  }
+  return all;
 }
 
 }  // namespace calvin

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "calvin/geometry/se3.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
@@ -42,5 +43,15 @@ struct Artwork {
 
 // Of a board that check() refuses, and of a light, nothing is printed.
 [[nodiscard]] Artwork artwork_of(const Board& board);
+
+// An artwork on a sheet of its own, in the plane z = 0 of its frame.
+struct PlacedArtwork {
+  SE3 board_from_sheet;
+  Artwork artwork;
+};
+
+// All that is printed of a board: one sheet, or one for each tag of a list, of which artwork_of()
+// has nothing.
+[[nodiscard]] std::vector<PlacedArtwork> artworks_of(const Board& board);
 
 }  // namespace calvin

@@ -15,14 +15,15 @@
 #include "calvin/core/text.hpp"
 #include "calvin/target/board_name.hpp"
 #include "calvin/target/kinds.hpp"
+#include "calvin/target/text/fields.hpp"
+#include "calvin/target/text/marker_text.hpp"
 
 namespace calvin {
 
 namespace {
 
-constexpr int kMaxSide = 200;
-
-constexpr std::size_t kLongest = 100;
+constexpr std::size_t kLongest = 4000;  // bytes: of a hundred tags and more
+constexpr std::size_t kShown = 200;     // of a text that is wrong
 
 // What a user typed, fit for one line of a log.
 std::string one_line(std::string text) {
@@ -38,56 +39,55 @@ std::string_view without_stop(std::string_view phrase) {
   return phrase;
 }
 
-// The fields of a text, after its kind.
-using Fields = std::vector<std::string_view>;
-
-tl::unexpected<Error> refuse(std::string why) {
-  return make_error(ErrorCode::kInvalidArgument, std::move(why));
+// "2.2+12.2": columns and rows, from 0.
+Result<std::vector<GridPlace>> parse_places(std::string_view text) {
+  std::vector<GridPlace> places;
+  for (const std::string_view place : split(text, '+')) {
+    const auto parts = split(place, '.');
+    const auto col = parse_int(parts.front());
+    const auto row = parse_int(parts.back());
+    if (parts.size() != 2 || !col || !row) {
+      return refuse_text(fmt::format("'{}' is not COLUMN.ROW", place));
+    }
+    places.push_back({*col, *row});
+  }
+  std::ranges::sort(places, {}, [](GridPlace p) { return std::pair(p.row, p.col); });
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  return places;
 }
 
-struct Sides {
-  int cols = 0;
-  int rows = 0;
-};
-
-// `what` has as many columns and rows, `least` of them along each side and `least_count` in all.
-Result<Sides> parse_sides(std::string_view text, std::string_view what, int least,
-                          int least_count) {
-  const auto sides = split(text, 'x');
-  const auto cols = parse_int(sides.front());
-  const auto rows = parse_int(sides.back());
-  if (sides.size() != 2 || !cols || !rows)
-    return refuse(fmt::format("'{}' is not COLSxROWS", text));
-  if (*cols < least || *rows < least || *cols > kMaxSide || *rows > kMaxSide ||
-      *cols * *rows < least_count) {
-    const int longer = least_count / least;
-    return refuse(fmt::format("{}x{} {} is out of range ({}x{} to {}x{})", *cols, *rows, what,
-                              longer, least, kMaxSide, kMaxSide));
+// "circles" or "circles=1.1+1.2+2.1", of a checkerboard.
+Result<Board> parse_circles_of(const Checkerboard& squares, std::string_view field) {
+  const auto pair = split(field, '=');
+  if (pair[0] != "circles" || pair.size() > 2) {
+    return refuse_text(
+        fmt::format("'{}' is neither 'circles' nor 'circles=COL.ROW+COL.ROW+COL.ROW'", field));
   }
-  return Sides{*cols, *rows};
-}
-
-Result<double> parse_side(std::string_view text, std::string_view what) {
-  const auto size = parse_length(text);
-  if (!size) return size;
-  if (*size < 1e-6 || *size > 1000) {
-    return refuse(fmt::format("{} of {} are out of range (1um to 1000m)", what, text));
-  }
-  return size;
+  auto circles = pair.size() == 2 ? parse_places(pair[1])
+                                  : MarkedCheckerboard::usual_circles(squares.cols, squares.rows);
+  if (!circles) return tl::unexpected(circles.error());
+  MarkedCheckerboard board{squares.cols, squares.rows, squares.size, std::move(*circles)};
+  if (const Status status = board.check(); !status) return tl::unexpected(status.error());
+  return board;
 }
 
 Result<Board> parse_checkerboard(const Fields& fields) {
-  if (fields.size() != 2) return refuse("it needs a kind, a size in corners and a length");
+  if (fields.size() != 2 && fields.size() != 3) {
+    return refuse_text(
+        "it needs a kind, a size in corners, a length and, if it has some, its circles");
+  }
   const auto sides = parse_sides(fields[0], "inner corners", 2, 6);
   if (!sides) return tl::unexpected(sides.error());
   const auto size = parse_side(fields[1], "squares");
   if (!size) return tl::unexpected(size.error());
-  return Checkerboard{sides->cols, sides->rows, *size};
+  const Checkerboard board{sides->cols, sides->rows, *size};
+  if (fields.size() == 3) return parse_circles_of(board, fields[2]);
+  return board;
 }
 
 Result<Board> parse_puzzle(const Fields& fields) {
   if (fields.size() != 2 && fields.size() != 3) {
-    return refuse("it needs a kind, a size in corners, a length and, if not 0,0, its place");
+    return refuse_text("it needs a kind, a size in corners, a length and, if not 0,0, its place");
   }
   const auto sides = parse_sides(fields[0], "inner corners", 3, 9);
   if (!sides) return tl::unexpected(sides.error());
@@ -100,7 +100,7 @@ Result<Board> parse_puzzle(const Fields& fields) {
     const auto y = parse_int(place.back());
     constexpr int kMost = PuzzleBoard::kMapSide - 1;
     if (place.size() != 2 || !x || !y || *x < 0 || *y < 0 || *x > kMost || *y > kMost) {
-      return refuse(
+      return refuse_text(
           fmt::format("'{}' is no place x,y of the map (0,0 to {},{})", fields[2], kMost, kMost));
     }
     board.x0 = *x;
@@ -109,70 +109,13 @@ Result<Board> parse_puzzle(const Fields& fields) {
   return board;
 }
 
-Result<const MarkerDictionary*> parse_dictionary(std::string_view name) {
-  if (const MarkerDictionary* dictionary = find_dictionary(name)) return dictionary;
-  if (marker_dictionaries().empty()) {
-    return refuse(
-        "this build knows no dictionary of markers: it was made without OpenCV. Build it with "
-        "-Dopencv=enabled, or take a PuzzleBoard, which needs none");
-  }
-  std::vector<std::string> names;
-  for (const MarkerDictionary& known : marker_dictionaries()) names.emplace_back(known.name);
-  return refuse(fmt::format("there is no dictionary '{}'; known are {}", name, join(names, ", ")));
-}
-
-Result<Board> parse_charuco(const Fields& fields) {
-  if (fields.size() < 4) {
-    return refuse(
-        "it needs a kind, a size in squares, the sides of a square and of a marker, and a "
-        "dictionary");
-  }
-  const auto sides = parse_sides(fields[0], "squares", 3, 9);
-  if (!sides) return tl::unexpected(sides.error());
-  const auto square = parse_side(fields[1], "squares");
-  if (!square) return tl::unexpected(square.error());
-  const auto marker = parse_side(fields[2], "markers");
-  if (!marker) return tl::unexpected(marker.error());
-  const auto dictionary = parse_dictionary(fields[3]);
-  if (!dictionary) return tl::unexpected(dictionary.error());
-  CharucoBoard board{sides->cols, sides->rows, *square, *marker, *dictionary};
-  for (std::size_t i = 4; i < fields.size(); ++i) {
-    if (fields[i] == "legacy") {
-      board.legacy = true;
-    } else if (fields[i] == "inverted") {
-      board.inverted = true;
-    } else {
-      return refuse(fmt::format("'{}' is neither 'legacy' nor 'inverted'", fields[i]));
-    }
-  }
-  if (const Status status = board.check(); !status) return tl::unexpected(status.error());
-  return board;
-}
-
-// "2.2+12.2": columns and rows, from 0.
-Result<std::vector<GridPlace>> parse_places(std::string_view text) {
-  std::vector<GridPlace> places;
-  for (const std::string_view place : split(text, '+')) {
-    const auto parts = split(place, '.');
-    const auto col = parse_int(parts.front());
-    const auto row = parse_int(parts.back());
-    if (parts.size() != 2 || !col || !row) {
-      return refuse(fmt::format("'{}' is not COLUMN.ROW", place));
-    }
-    places.push_back({*col, *row});
-  }
-  std::ranges::sort(places, {}, [](GridPlace p) { return std::pair(p.row, p.col); });
-  places.erase(std::unique(places.begin(), places.end()), places.end());
-  return places;
-}
-
 // Columns, rows and pitch of discs.
 struct Discs {
   Sides sides;
   double pitch = 0;
 };
 Result<Discs> parse_discs(const Fields& fields) {
-  if (fields.size() < 2) return refuse("it needs a kind, a size in circles and a distance");
+  if (fields.size() < 2) return refuse_text("it needs a kind, a size in circles and a distance");
   const auto sides = parse_sides(fields[0], "circles", 2, 6);
   if (!sides) return tl::unexpected(sides.error());
   const auto pitch = parse_side(fields[1], "distances");
@@ -189,7 +132,8 @@ Result<Board> parse_circles(const Fields& fields) {
   board.rows = discs->sides.rows;
   board.pitch = discs->pitch;
   for (std::size_t i = 2; i < fields.size(); ++i) {
-    if (fields[i] != "inverted") return refuse(fmt::format("'{}' is not 'inverted'", fields[i]));
+    if (fields[i] != "inverted")
+      return refuse_text(fmt::format("'{}' is not 'inverted'", fields[i]));
     board.inverted = true;
   }
   return board;
@@ -197,12 +141,13 @@ Result<Board> parse_circles(const Fields& fields) {
 
 // "dots:1mm", "lines:1mm:inverted".
 Result<Board> parse_unbounded(const Fields& fields, GridPattern pattern) {
-  if (fields.empty()) return refuse("it needs a kind and a distance");
+  if (fields.empty()) return refuse_text("it needs a kind and a distance");
   const auto pitch = parse_side(fields[0], "distances");
   if (!pitch) return tl::unexpected(pitch.error());
   UnboundedGrid board{pattern, *pitch, false};
   for (std::size_t i = 1; i < fields.size(); ++i) {
-    if (fields[i] != "inverted") return refuse(fmt::format("'{}' is not 'inverted'", fields[i]));
+    if (fields[i] != "inverted")
+      return refuse_text(fmt::format("'{}' is not 'inverted'", fields[i]));
     board.inverted = true;
   }
   return board;
@@ -211,9 +156,6 @@ Result<Board> parse_unbounded(const Fields& fields, GridPattern pattern) {
 Result<Board> parse_lines(const Fields& fields) {
   return parse_unbounded(fields, GridPattern::kLines);
 }
-
-// Whether a field is a size, as COLSxROWS is; a length has no x.
-bool is_size(std::string_view field) { return split(field, 'x').size() > 1; }
 
 Result<Board> parse_dots(const Fields& fields) {
   if (!fields.empty() && !is_size(fields[0])) return parse_unbounded(fields, GridPattern::kDots);
@@ -227,7 +169,7 @@ Result<Board> parse_dots(const Fields& fields) {
     }
     const bool is_ring = fields[i].starts_with("rings=");
     if (!is_ring && !fields[i].starts_with("big=")) {
-      return refuse(fmt::format("'{}' is none of 'rings=', 'big=' and 'inverted'", fields[i]));
+      return refuse_text(fmt::format("'{}' is none of 'rings=', 'big=' and 'inverted'", fields[i]));
     }
     auto places = parse_places(fields[i].substr(fields[i].find('=') + 1));
     if (!places) return tl::unexpected(places.error());
@@ -237,107 +179,8 @@ Result<Board> parse_dots(const Fields& fields) {
   return board;
 }
 
-// The name of a dictionary, or of a family of AprilTags as they and Kalibr call it.
-Result<const MarkerDictionary*> parse_family(std::string_view name) {
-  if (const MarkerDictionary* dictionary = find_family(name)) return dictionary;
-  return parse_dictionary(name);
-}
-
-// One of the fields behind the gap of an AprilGrid.
-Status parse_april_option(std::string_view field, AprilGrid& board) {
-  const auto pair = split(field, '=');
-  const auto value = pair.size() == 2 ? parse_int(pair[1]) : std::nullopt;
-  if (pair[0] == "border" || pair[0] == "first") {
-    if (!value) return refuse(fmt::format("'{}' is no whole number", field));
-    (pair[0] == "border" ? board.border : board.first) = *value;
-    return {};
-  }
-  const auto dictionary = parse_family(field);
-  if (!dictionary) return tl::unexpected(dictionary.error());
-  board.dictionary = *dictionary;
-  return {};
-}
-
-Result<Board> parse_april_grid(const Fields& fields) {
-  if (fields.size() < 3) {
-    return refuse(
-        "it needs a kind, a size in tags, the side of a tag and the gap between tags as a part of "
-        "it");
-  }
-  const auto sides = parse_sides(fields[0], "tags", 2, 4);
-  if (!sides) return tl::unexpected(sides.error());
-  const auto tag = parse_side(fields[1], "tags");
-  if (!tag) return tl::unexpected(tag.error());
-  const auto spacing = parse_double(fields[2]);
-  if (!spacing) return refuse(fmt::format("'{}' is no gap, as 0.3 of a tag's side is", fields[2]));
-  const auto family = parse_family(AprilGrid::kUsualFamily);
-  if (!family) return tl::unexpected(family.error());
-  AprilGrid board{sides->cols, sides->rows, *tag, *spacing, *family};
-  for (std::size_t i = 3; i < fields.size(); ++i) {
-    if (const Status status = parse_april_option(fields[i], board); !status) {
-      return tl::unexpected(status.error());
-    }
-  }
-  if (const Status status = board.check(); !status) return tl::unexpected(status.error());
-  return board;
-}
-
-// One of the fields behind the measures of a grid of tags.
-Status parse_tag_option(std::string_view field, TagGrid& board) {
-  if (field == "inverted") {
-    board.inverted = true;
-    return {};
-  }
-  const auto pair = split(field, '=');
-  if (pair[0] != "border" && pair[0] != "first") {
-    return refuse(fmt::format("'{}' is none of 'first=', 'border=' and 'inverted'", field));
-  }
-  const auto value = pair.size() == 2 ? parse_int(pair[1]) : std::nullopt;
-  if (!value) return refuse(fmt::format("'{}' is no whole number", field));
-  (pair[0] == "border" ? board.border : board.first) = *value;
-  return {};
-}
-
-// Of the fields of a grid of tags `name` is the dictionary's, those from `measures` on are the
-// measures, those from `options` on the rest.
-Result<Board> parse_tags(const Fields& fields, std::size_t name, std::size_t measures,
-                         std::size_t options, TagGrid board) {
-  if (fields.size() < options) {
-    return refuse(
-        "it needs a kind, a size in tags, the side of a tag, the gap between tags and a "
-        "dictionary");
-  }
-  const auto sides = parse_sides(fields[measures], "tags", 1, 1);
-  if (!sides) return tl::unexpected(sides.error());
-  const auto tag = parse_side(fields[measures + 1], "tags");
-  if (!tag) return tl::unexpected(tag.error());
-  const auto gap = parse_side(fields[measures + 2], "gaps");
-  if (!gap) return tl::unexpected(gap.error());
-  const auto dictionary = board.april ? parse_family(fields[name]) : parse_dictionary(fields[name]);
-  if (!dictionary) return tl::unexpected(dictionary.error());
-  board.cols = sides->cols;
-  board.rows = sides->rows;
-  board.tag = *tag;
-  board.gap = *gap;
-  board.dictionary = *dictionary;
-  for (std::size_t i = options; i < fields.size(); ++i) {
-    if (const Status status = parse_tag_option(fields[i], board); !status) {
-      return tl::unexpected(status.error());
-    }
-  }
-  if (const Status status = board.check(); !status) return tl::unexpected(status.error());
-  return board;
-}
-
-Result<Board> parse_aruco(const Fields& fields) { return parse_tags(fields, 3, 0, 4, {}); }
-Result<Board> parse_april_tags(const Fields& fields) {
-  TagGrid board;
-  board.april = true;
-  return parse_tags(fields, 0, 1, 4, board);
-}
-
 Result<Board> parse_dot(const Fields& fields) {
-  if (!fields.empty()) return refuse("a light has no measures");
+  if (!fields.empty()) return refuse_text("a light has no measures");
   return PointLight{};
 }
 
@@ -359,10 +202,12 @@ constexpr std::array<KindOfText, 11> kKinds = {{
      "A right text is 'aprilgrid:6x6:88mm:0.3': 6 by 6 tags of 88 mm, 0.3 of that between them."},
     {"aruco", parse_aruco,
      "A right text is 'aruco:5x7:40mm:10mm:DICT_6X6_250': 5 by 7 tags of 40 mm, 10 mm from each to "
-     "the next."},
+     "the next; or 'aruco:80mm:3=0,0+7=250mm,0:DICT_6X6_250': the tags 3 and 7 of 80 mm, 250 mm "
+     "apart."},
     {"apriltag", parse_april_tags,
      "A right text is 'apriltag:tag36h11:5x7:40mm:10mm': 5 by 7 tags of 40 mm, 10 mm from each to "
-     "the next."},
+     "the next; or 'apriltag:tag36h11:80mm:3=0,0+7=250mm,0': the tags 3 and 7 of 80 mm, 250 mm "
+     "apart."},
     {"circles", parse_circles<CircleGrid>,
      "A right text is 'circles:7x5:30mm': 7 by 5 circles, 30 mm from centre to centre."},
     {"acircles", parse_circles<AsymmetricCircleGrid>,
@@ -390,7 +235,7 @@ tl::unexpected<Error> wrong_board_text(std::string_view text, std::string_view w
                                        ErrorCode code) {
   const KindOfText* kind = kind_of_text(text);
   return make_error(code, one_line(fmt::format("The board text '{}' is wrong: {}. {}",
-                                               text.substr(0, 2 * kLongest), without_stop(why),
+                                               text.substr(0, kShown), without_stop(why),
                                                (kind == nullptr ? kKinds[0] : *kind).example)));
 }
 

@@ -11,6 +11,7 @@
 
 #include "calvin/detect/checkerboard/code/april_code.hpp"
 #include "calvin/detect/checkerboard/code/charuco_boards.hpp"
+#include "calvin/detect/checkerboard/code/circle_code.hpp"
 #include "calvin/detect/checkerboard/code/puzzle_code.hpp"
 #include "calvin/target/kinds.hpp"
 
@@ -54,6 +55,8 @@ std::optional<Board> AnyCode::other_board(const ImageView& image, const Lattice&
   if (!lattice.has_even_steps()) return find_april_grid(image, lattice, grid_);
   if (auto puzzle = find_puzzle_board(image, lattice, grid_.pitch)) return puzzle;
   if (const auto board = find_charuco_board(image, lattice, whole, grid_.pitch)) return *board;
+  if (!whole) return std::nullopt;
+  if (const auto marked = find_marked_checkerboard(image, lattice, grid_.pitch)) return *marked;
   return std::nullopt;
 }
 

@@ -22,7 +22,8 @@ class AnyCode final : public Code {
   void read(const ImageView& /*image*/, const Lattice& /*lattice*/,
             std::vector<CodeBit>& /*bits*/) const override {}
   [[nodiscard]] CodePlace turned(const CodePlace& at, int /*quarter*/) const override { return at; }
-  // A PuzzleBoard, a ChArUco board or, where the steps of the lattice differ, an AprilGrid.
+  // A PuzzleBoard, a ChArUco board, a checkerboard with circles or, where the steps of the lattice
+  // differ, an AprilGrid.
   [[nodiscard]] std::optional<Board> other_board(const ImageView& image, const Lattice& lattice,
                                                  std::span<const CodeBit> bits,
                                                  bool whole) const override;

@@ -66,6 +66,10 @@ class Code {
   // between it and the next of the column.
   [[nodiscard]] virtual bool has_dots() const { return false; }
 
+  // How many light bits have to be right: where nearly all are dark, a sheet without a code would
+  // have most bits right.
+  [[nodiscard]] virtual int fewest_light() const { return 0; }
+
   // Whether the square outside control point 0, up and to the left of it, is dark.
   [[nodiscard]] bool begins_dark() const { return begins_dark_; }
 

@@ -22,10 +22,6 @@ CellRange origins(const CellRange& e, int cols, int rows) {
   return {{e.first.col - cols + 2, e.first.row - rows + 2}, {e.last.col - 1, e.last.row - 1}};
 }
 
-bool begins_dark(const GridAlignment& alignment) {
-  return Lattice::is_even(alignment.cell({0, 0})) == (alignment.quarter % 2 == 1);
-}
-
 // Whether the longer steps of the lattice are where the board has them, from its first column on.
 bool steps_fit(const GridAlignment& alignment, const Lattice& lattice) {
   const Cell first = alignment.cell({0, 0});
@@ -94,7 +90,8 @@ bool is_next_line_in_view(const ImageView& image, const Lattice& lattice) {
 
 // nats, that this is no chance; none where most bits of a family are as good as chance, for the
 // codes of two places may have one family in common.
-double CodeMatch::Count::evidence() const {
+double CodeMatch::Count::evidence(const Code& code) const {
+  if (light < code.fewest_light()) return 0;
   int all = 0;
   int good = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -118,6 +115,7 @@ CodeMatch::Count CodeMatch::count(const Code& code, Cell shift) const {
     const std::size_t family = code.family(bit.at.index);
     ++sum.seen[family];
     sum.right[family] += is_right ? 1 : 0;
+    sum.light += is_right && bit.light ? 1 : 0;
     ++seen;
     right += is_right ? 1 : 0;
     if (seen == kEnough && right < kFewRight * seen) break;
@@ -143,10 +141,10 @@ void CodeMatch::compare(const Grid& grid, const Code& code, const Lattice& latti
     for (int row = all.first.row; row <= all.last.row; ++row) {
       for (int col = all.first.col; col <= all.last.col; ++col) {
         const GridAlignment alignment = {quarter, {col, row}, cols, rows};
-        if (begins_dark(alignment) != code.begins_dark()) continue;
+        if (alignment.begins_dark() != code.begins_dark()) continue;
         if (!steps_fit(alignment, lattice)) continue;
         ++candidates_;
-        const double evidence = count(code, alignment.point({0, 0})).evidence();
+        const double evidence = count(code, alignment.point({0, 0})).evidence(code);
         if (evidence > best_.evidence) {
           next_best_ = best_.evidence;
           best_ = {alignment, evidence};

@@ -32,7 +32,8 @@ class CodeMatch {
   struct Count {
     std::array<int, Code::kFamilies> seen{};
     std::array<int, Code::kFamilies> right{};
-    [[nodiscard]] double evidence() const;
+    int light = 0;  // of those that were right
+    [[nodiscard]] double evidence(const Code& code) const;
   };
   // A way to lay the board over the lattice, and how sure it is.
   struct Candidate {

@@ -89,6 +89,23 @@ std::optional<float> mean_in(const ImageView& image, const Square& square, float
   return sum;
 }
 
+// The mean grey level of the squares beside a square, near the middles of its sides; of those that
+// are in the image.
+std::optional<float> mean_beside(const ImageView& image, const Square& square) {
+  constexpr float kBeyond = 0.16F;  // of the square's side
+  float sum = 0;
+  int count = 0;
+  for (const float far : {-kBeyond, 1 + kBeyond}) {
+    for (const auto& grey : {square.grey(image, far, 0.5F), square.grey(image, 0.5F, far)}) {
+      if (!grey) continue;
+      sum += *grey;
+      ++count;
+    }
+  }
+  if (count < 2) return std::nullopt;
+  return sum / static_cast<float>(count);
+}
+
 // The grey levels of a marker's rim, and of the square around it.
 struct Levels {
   float rim = 0;
@@ -155,6 +172,24 @@ void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const 
         (2 * *grey - levels->rim - levels->around) / std::abs(levels->around - levels->rim);
     if (std::abs(light) >= kClearly) bits.push_back({{at, i}, light > 0});
   }
+}
+
+void read_circle(const ImageView& image, const Lattice& lattice, Cell at,
+                 std::vector<CodeBit>& bits) {
+  constexpr float kMiddle = 0.2F;    // of the square's side: well within a circle
+  constexpr float kAround = 0.72F;   // of the square's side: outside of any circle
+  constexpr float kLeast = 0.3F;     // of the contrast of the corners
+  constexpr float kClearly = 0.25F;  // of the way from one colour to the other, both ways
+  const auto square = Square::at(lattice, at);
+  if (!square) return;
+  const auto middle = mean_in(image, *square, 0.5F, 0.5F, kMiddle);
+  const auto own = mean_around(image, *square, kAround);
+  const auto other = mean_beside(image, *square);
+  if (!middle || !own || !other) return;
+  const float contrast = *other - *own;
+  if (std::abs(contrast) < kLeast * square->contrast()) return;
+  const float circle = (2 * *middle - *own - *other) / contrast;
+  if (std::abs(circle) >= kClearly) bits.push_back({{at, 0}, circle > 0});
 }
 
 CodePlace turned_in_marker(const CodePlace& at, int side, int quarter) {

@@ -35,6 +35,11 @@ void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const 
 [[nodiscard]] std::optional<float> measure_marker(const ImageView& image, const Lattice& lattice,
                                                   Cell at, const MarkerShape& shape);
 
+// Reads whether there is a circle in the middle of the square, of the colour of the squares beside
+// it: one bit, light where there is. Appends to `bits`.
+void read_circle(const ImageView& image, const Lattice& lattice, Cell at,
+                 std::vector<CodeBit>& bits);
+
 // Code::turned() for such bits.
 [[nodiscard]] CodePlace turned_in_marker(const CodePlace& at, int side, int quarter);
 

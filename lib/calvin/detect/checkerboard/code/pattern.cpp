@@ -49,8 +49,9 @@ Pattern::Pattern(Board of)
       code_corners(code_corners_of(board)) {}
 
 bool has_pattern(const Board& board) {
-  return board.as<Checkerboard>() != nullptr || board.as<PuzzleBoard>() != nullptr ||
-         board.as<CharucoBoard>() != nullptr || board.as<AprilGrid>() != nullptr;
+  return board.as<Checkerboard>() != nullptr || board.as<MarkedCheckerboard>() != nullptr ||
+         board.as<PuzzleBoard>() != nullptr || board.as<CharucoBoard>() != nullptr ||
+         board.as<AprilGrid>() != nullptr;
 }
 
 }  // namespace calvin::detect

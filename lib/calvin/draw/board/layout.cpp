@@ -12,45 +12,17 @@
 #include <fmt/format.h>
 
 #include "calvin/core/text.hpp"
-#include "calvin/draw/board_drawing.hpp"
-#include "calvin/draw/page.hpp"
+#include "calvin/draw/board/layout.hpp"
+#include "calvin/draw/board/paper.hpp"
 #include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
 namespace {
 
-struct Paper {
-  std::string_view name;
-  double width;  // m, upright
-  double height;
-  bool automatic;  // one of those that "auto" takes
-};
-
-constexpr std::array<Paper, 8> kPapers = {{
-    {"letter", 0.2159, 0.2794, false},
-    {"a4", 0.210, 0.297, true},
-    {"legal", 0.2159, 0.3556, false},
-    {"tabloid", 0.2794, 0.4318, false},
-    {"a3", 0.297, 0.420, true},
-    {"a2", 0.420, 0.594, true},
-    {"a1", 0.594, 0.841, true},
-    {"a0", 0.841, 1.189, true},
-}};
-
-// ASCII only and whatever the locale.
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return result;
-}
-
-constexpr double kSmallestBorder = 0.005;  // m
-constexpr double kNarrowestPage = 0.08;    // m, so that the caption has room
-constexpr double kLargestPage = 5;         // m, the PDF format's own limit is 200 inches
-constexpr double kSlack = 1e-9;            // m, for 275 mm that come out as 275.0000001 mm
+constexpr double kNarrowestPage = 0.08;  // m, so that the caption has room
+constexpr double kLargestPage = 5;       // m, the PDF format's own limit is 200 inches
+constexpr double kSlack = 1e-9;          // m, for 275 mm that come out as 275.0000001 mm
 
 struct Extent {
   double width = 0;
@@ -63,7 +35,7 @@ Extent pattern_of(const Board& board) {
 }
 
 Extent page_for(const Board& board) {
-  const double border = 2 * std::max(board.cell_size(board.ids().front()) / 2, kSmallestBorder);
+  const double border = 2 * white_border(board);
   const Extent pattern = pattern_of(board);
   return {pattern.width + border, pattern.height + border + kCaptionHeight};
 }
@@ -116,11 +88,11 @@ std::string in_mm(const Extent& extent) {
 }
 
 tl::unexpected<Error> does_not_fit(const Board& board, const Paper& paper) {
-  const auto better = std::find_if(kPapers.begin(), kPapers.end(), [&](const Paper& p) {
+  const auto better = std::find_if(papers().begin(), papers().end(), [&](const Paper& p) {
     return p.automatic && turned_for(board, p).has_value();
   });
   std::string advice = fmt::format(
-      "paper '{}' holds it", better == kPapers.end() ? std::string_view("fit") : better->name);
+      "paper '{}' holds it", better == papers().end() ? std::string_view("fit") : better->name);
   const double size = largest_cell(board, paper);
   const auto smaller = size > 0 ? with_cells_of(board, size) : std::nullopt;
   if (smaller) {
@@ -158,43 +130,18 @@ Result<BoardLayout> made_to_measure(const Board& board) {
 
 Result<BoardLayout> lay_out_board(const Board& board, std::string_view paper) {
   if (const Status checked = board.check(); !checked) return tl::unexpected(checked.error());
-  if (board.as<PointLight>() != nullptr) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("The board {} is a light: there is nothing to print. Move an LED "
-                                  "or the spot of a laser pointer before the cameras.",
-                                  board.text()));
+  if (const Status printable = check_printable(board); !printable) {
+    return tl::unexpected<Error>(printable.error());
   }
   const std::string name = lower(paper);
   if (name == "fit") return made_to_measure(board);
-  for (const Paper& candidate : kPapers) {
+  for (const Paper& candidate : papers()) {
     if (name != candidate.name && !(name == "auto" && candidate.automatic)) continue;
     if (const auto page = turned_for(board, candidate)) return centred(board, *page);
     if (name != "auto") return does_not_fit(board, candidate);
   }
   if (name == "auto") return made_to_measure(board);
-  return make_error(ErrorCode::kInvalidArgument,
-                    fmt::format("There is no paper called '{}'; use auto, fit or one of {}.", paper,
-                                join(paper_names(), ", ")));
-}
-
-std::vector<std::string> paper_names() {
-  std::vector<std::string> names;
-  for (const Paper& paper : kPapers) names.emplace_back(paper.name);
-  return names;
-}
-
-Result<DrawingFormat> drawing_format(std::string_view path) {
-  constexpr std::array<std::pair<std::string_view, DrawingFormat>, 3> kFormats = {
-      {{".svg", DrawingFormat::kSvg},
-       {".pdf", DrawingFormat::kPdf},
-       {".png", DrawingFormat::kPng}}};
-  const std::string name = lower(path);
-  for (const auto& [extension, format] : kFormats) {
-    if (name.size() > extension.size() && name.ends_with(extension)) return format;
-  }
-  return make_error(
-      ErrorCode::kInvalidArgument,
-      fmt::format("'{}' tells no format: a drawing's name ends in .pdf, .svg or .png.", path));
+  return no_such_paper(paper);
 }
 
 }  // namespace calvin

@@ -16,10 +16,12 @@
 
 namespace calvin::detect {
 
-// A board that is looked for.
+// A grid of tags that is looked for.
 struct WantedTags {
   TagGrid board;
-  std::size_t kind = 0;  // which of the boards that differ
+  std::size_t kind = 0;  // which of all grids that are looked for
+  // How many others are as good: any tag of a list may be one that only seems to be a tag.
+  std::size_t rivals = 0;
 };
 
 struct FoundTags {
@@ -41,6 +43,10 @@ class TagSearch {
   void read(Pyramid& pyramid, int level, std::span<const Quad> quads, const std::stop_token& stop);
   // Makes sheets of the tags that were read. The image is the pyramid's level 0.
   void make_sheets(Pyramid& pyramid, const std::stop_token& stop);
+
+  // Adds a sheet whose tags are expected at these places; false where one of them is not there.
+  [[nodiscard]] bool follow(const ImageView& image, std::size_t kind,
+                            std::span<const PlacedQuad> expected);
 
   [[nodiscard]] std::vector<FoundTags>& sheets() { return sheets_; }
 

@@ -3,7 +3,7 @@
 
 // Reads quads, fits the tags among them, and lets sheets grow from one tag each.
 
-#include "calvin/detect/tags/tag_search.hpp"
+#include "calvin/detect/tags/search/tag_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -97,6 +97,7 @@ std::vector<std::size_t> TagSearch::tags_of(const TagGrid& board) const {
 // Adds the sheet of the most tags that are left. False where there is none.
 bool TagSearch::add_largest(const ImageView& image) {
   std::optional<FoundTags> best;
+  std::size_t rivals = 0;
   for (const WantedTags& wanted : boards_) {
     const auto seeds = tags_of(wanted.board);
     std::vector<bool> tried(tags_.size(), false);
@@ -106,14 +107,18 @@ bool TagSearch::add_largest(const ImageView& image) {
       sheet.grow(tags_, seed);
       for (const SheetTag& t : sheet.tags()) tried[*t.read] = true;
       const std::size_t count = sheet.tags().size();
-      if (!best || count > best->sheet.tags().size()) best = FoundTags{wanted.kind, sheet};
+      if (!best || count > best->sheet.tags().size()) {
+        best = FoundTags{wanted.kind, sheet};
+        rivals = wanted.rivals;
+      }
       if (2 * count > seeds.size()) break;
     }
   }
   if (!best) return false;
   for (const SheetTag& t : best->sheet.tags()) tags_[*t.read].taken = true;
   // Of what is no board, nothing more is looked for.
-  if (best->sheet.evidence(tags_, reader_, quads_) < kLeastEvidence) return true;
+  const double chances = std::log(static_cast<double>(rivals + 1));
+  if (best->sheet.evidence(tags_, reader_, quads_) < kLeastEvidence + chances) return true;
   best->sheet.complete(image, reader_);
   const TagGrid& board = best->sheet.board();
   const int fewest = std::min(2, board.cols * board.rows);
@@ -126,6 +131,16 @@ void TagSearch::make_sheets(Pyramid& pyramid, const std::stop_token& stop) {
   for (ReadTag& tag : tags_) tag.taken = false;
   while (!stop.stop_requested() && add_largest(pyramid.level(0))) {
   }
+}
+
+bool TagSearch::follow(const ImageView& image, std::size_t kind,
+                       std::span<const PlacedQuad> expected) {
+  const auto wanted = std::ranges::find(boards_, kind, &WantedTags::kind);
+  if (wanted == boards_.end()) return false;
+  TagSheet sheet(wanted->board);
+  if (!sheet.follow(image, reader_, expected)) return false;
+  sheets_.push_back({kind, std::move(sheet)});
+  return true;
 }
 
 }  // namespace calvin::detect
