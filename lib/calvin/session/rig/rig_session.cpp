@@ -61,6 +61,7 @@ void RigSession::start(RigSessionSettings settings) {
   ++generation_;
   revision_ = asked_revision_ = solved_revision_ = 0;
   is_due_ = false;
+  chosen_at_ = 0;
 }
 
 RigSession::Camera& RigSession::at(std::size_t camera) {
@@ -76,6 +77,7 @@ void RigSession::set_name(std::size_t camera, std::string name) {
 void RigSession::remove(std::size_t camera) {
   at(camera) = {};
   recent_instants_.forget(camera);
+  renew_chosen();
   ++revision_;
 }
 
@@ -172,14 +174,9 @@ Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
   if (!settings_.board.empty() && observation.board != settings_.board) return false;
   auto checked = to_view(observation);
   if (!checked) return tl::unexpected<Error>(checked.error());
+  set_size(camera, observation.image_size);
   Camera& own = at(camera);
-  // Pictures of another size are those of another camera, whose views begin anew.
-  if (own.size != observation.image_size) {
-    forget_views(own);
-    recent_instants_.forget(camera);
-    own.size = observation.image_size;
-    fit_intrinsics(own);
-  }
+  own.has_seen = true;
   checked->observation.velocity.clear();
   if (own.last && goes_on(own.last->observation, checked->observation)) {
     improve_last(camera, checked->observation);

@@ -60,7 +60,7 @@ std::optional<RigJob> RigSession::take_solve(bool final) {
     if (const auto lack = lack_of(camera)) {
       job.left_out.push_back({camera.name, lack->message});
     } else {
-      job.cameras.push_back({camera.fitted, camera.kept});
+      job.cameras.push_back({camera.fitted, camera.views()});
     }
     if (camera.movement) job.remarks.push_back(camera.movement->text);
   }
@@ -81,7 +81,7 @@ std::vector<CameraPair> RigSession::pairs() const {
   std::vector<ViewTimes> times;
   for (const Camera& camera : cameras_) {
     ViewTimes& of = times.emplace_back();
-    for (const SharedView& view : camera.kept) of.push_back(view->observation.timestamp);
+    for (const SharedView& view : camera.views()) of.push_back(view->observation.timestamp);
   }
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> common;
   for (const Instant& instant : pair_instants(times, settings_.options.tolerance).instants) {
@@ -101,7 +101,7 @@ std::vector<CameraPair> RigSession::pairs() const {
 RigProgress RigSession::progress() const {
   RigProgress progress;
   for (const Camera& camera : cameras_) {
-    if (!camera.kept.empty()) progress.cameras.push_back(camera.name);
+    if (!camera.kept.empty() || camera.chosen) progress.cameras.push_back(camera.name);
   }
   const std::vector<CameraPair> all = pairs();
   for (const CameraPair& pair : all) {
@@ -115,8 +115,13 @@ RigProgress RigSession::progress() const {
 }
 
 std::optional<Error> RigSession::lack_of(const Camera& camera) {
-  if (camera.kept.empty()) {
-    if (camera.size) {
+  if (camera.kept.empty() && !camera.chosen) {
+    if (camera.points.count() > 0) {
+      return Error{ErrorCode::kDegenerate,
+                   fmt::format("The manual points of the camera '{}' are not enough. {}",
+                               camera.name, camera.points.hint())};
+    }
+    if (camera.has_seen) {
       return Error{ErrorCode::kDegenerate,
                    fmt::format("Where the camera '{}' stands now is not known: show a board to it "
                                "and to another camera at a time.",
