@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/session/points/expected_points.hpp"
 #include "calvin/session/points/known_points.hpp"
 #include "calvin/session/points/manual_points.hpp"
 #include "calvin/session/points/point_fit.hpp"
@@ -94,7 +95,13 @@ TEST(ManualPoints, AreRefusedWithAReason) {
     EXPECT_TRUE(points.add({{3 + 100 * along, 5}, Eigen::Vector3d(along, 0, 0), {}}).accepted());
   }
   EXPECT_FALSE(points.view());
-  EXPECT_EQ(points.hint(), "All points lie on one line: choose one beside it.");
+  const char* line = "All points, or all but one, lie on one line: choose others beside it.";
+  EXPECT_EQ(points.hint(), line);
+  EXPECT_TRUE(points.add({{30, 90}, kCube[2], {}}).accepted());
+  EXPECT_EQ(points.hint(), line);
+  EXPECT_FALSE(points.view());
+  EXPECT_TRUE(points.add({{60, 90}, kCube[3], {}}).accepted());
+  EXPECT_TRUE(points.view());
 }
 
 // Those of a board come in the order of its ids, without the ones that have a pixel.
@@ -175,6 +182,38 @@ TEST(PointFit, FindsTheOneThatWasChosenWrongly) {
   ASSERT_TRUE(order);
   EXPECT_FALSE(order->odd);
   EXPECT_NE(to_text(*order).find("in their order"), std::string::npos);
+}
+
+// Four corners of a board, found, tell where the others are; what is wanted no more is left out.
+TEST(ExpectedPoints, AreWhereTheCameraHasThem) {
+  const Camera camera = default_camera(kSize);
+  const Board board = parse_board("checkerboard:9x6:25mm").value();
+  const SE3 pose = {exp_so3({0.3, -0.4, 0.1}), {-0.1, -0.06, 0.5}};
+  const Observation truth = true_observation(camera, board, pose);
+  ASSERT_EQ(truth.ids.size(), 54U);
+  ManualPoints points;
+  points.begin(kSize, board);
+  for (const std::size_t i : {0U, 8U, 45U, 53U}) {
+    const Pixel at = {truth.uv[i].u + 0.1, truth.uv[i].v - 0.1};
+    ASSERT_TRUE(points.add({at, board.points()[i], 0.1}).accepted());
+  }
+  View view = points.view().value();
+  const auto all = expected_points(camera, view, {}, 100, 5);
+  ASSERT_EQ(all.size(), 50U);
+  for (const ExpectedPoint& point : all) {
+    const auto i = static_cast<std::size_t>(point.id);
+    EXPECT_NEAR(point.choice.at.u, truth.uv[i].u, 0.5);
+    EXPECT_NEAR(point.choice.at.v, truth.uv[i].v, 0.5);
+    EXPECT_EQ(point.reach, 5);
+  }
+  const auto some = expected_points(camera, view, {1, 2, 4}, 3, 1000);
+  ASSERT_EQ(some.size(), 3U);
+  EXPECT_EQ(some[0].id, 3);
+  EXPECT_EQ(some[1].id, 5);
+  EXPECT_LT(some[0].reach,
+            0.45 * std::hypot(truth.uv[4].u - truth.uv[3].u, truth.uv[4].v - truth.uv[3].v));
+  view.observation.uv[0].u += 60;
+  EXPECT_TRUE(expected_points(camera, view, {}, 100, 5).empty()) << "they contradict each other";
 }
 
 class ManualPointSessions : public CalibrationSessions {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 
 #include "calvin/solve/residuals/points.hpp"
 #include "calvin/target/point_board.hpp"
@@ -31,6 +32,33 @@ std::string millimetres(const Eigen::Vector3d& p) {
 
 std::string some_points(std::size_t count) {
   return count == 1 ? "1 point" : fmt::format("{} points", count);
+}
+
+// Whether all of the points but that one lie on one line, to a thousandth of its length.
+bool lie_on_a_line(const std::vector<Eigen::Vector3d>& points, std::size_t without) {
+  constexpr double kThin = 1e-3;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i != without) mean += points[i] / static_cast<double>(points.size() - 1);
+  }
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d d = points[i] - mean;
+    if (i != without) spread += d * d.transpose();
+  }
+  const Eigen::Vector3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  return !(axes[1] > kThin * kThin * axes[2]);
+}
+
+// Then the pose of a plane is open: four of them must lie in general position. Of many points that
+// is not looked at.
+bool lie_on_a_line_but_one(const std::vector<Eigen::Vector3d>& points) {
+  constexpr std::size_t kMany = 60;
+  for (std::size_t i = 0; points.size() <= kMany && i < points.size(); ++i) {
+    if (lie_on_a_line(points, i)) return true;
+  }
+  return false;
 }
 
 double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
@@ -209,15 +237,17 @@ std::optional<View> ManualPoints::view() const {
   std::vector<Point> sorted = points_;
   std::ranges::sort(sorted, {}, &Point::id);
   std::vector<PointBoard::Dot> dots;
+  std::vector<Eigen::Vector3d> places;
   for (const Point& p : sorted) {
+    places.push_back(p.world);
     view.observation.ids.push_back(p.id);
     view.observation.uv.push_back(p.at);
     view.observation.sigma.push_back(p.sigma);
     dots.push_back({p.id, p.world.x(), p.world.y(), 0, p.world.z()});
   }
-  // A board of these points alone also tells whether they lie on one line.
+  // A board of these points alone also tells whether all of many lie on one line.
   auto own = PointBoard::make("manual", std::move(dots));
-  if (!own) return std::nullopt;
+  if (!own || lie_on_a_line_but_one(places)) return std::nullopt;
   view.board = board_ ? *board_ : Board(*std::move(own));
   view.observation.board = view.board.text();
   view.observation.image_size = size_;
@@ -294,7 +324,7 @@ std::string ManualPoints::then_next(std::string words) const {
 
 std::string ManualPoints::lack() const {
   if (points_.size() >= kFewest && !view()) {
-    return "All points lie on one line: choose one beside it.";
+    return "All points, or all but one, lie on one line: choose others beside it.";
   }
   if (points_.size() < needed()) {
     const std::size_t left = needed() - points_.size();

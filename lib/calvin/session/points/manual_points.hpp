@@ -91,7 +91,7 @@ class ManualPoints {
   [[nodiscard]] std::string hint() const;
 
   // The view that they are: of the board or, without one, of one that they make ("points:manual").
-  // Absent where they are fewer than 4 or lie on one line.
+  // Absent where they are fewer than 4, or all of them or all but one lie on one line.
   [[nodiscard]] std::optional<View> view() const;
   // Whether they make a calibration without any other view: they lie in space and are as many as
   // the unknowns and the pose ask for, or 4 where the camera is known.
