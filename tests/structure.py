@@ -101,9 +101,9 @@ def check_plugin():
         for header in included(path):
             if not (top / "gst" / header).is_file():
                 continue
-            allowed = [folder_of(name), "common", "common/frames"]
-            if name.startswith("common/") and not name.startswith("common/frames/"):
-                allowed = ["common"]
+            allowed = [folder_of(name), "common"]
+            if folder_of(name) != "common":
+                allowed += ["common/frames", "common/points"]
             if folder_of(header) not in allowed and header != "elements.hpp":
                 faults.append(f"gst/{name} includes {header}, of another element")
 

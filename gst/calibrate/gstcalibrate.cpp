@@ -212,6 +212,17 @@ static gboolean gst_calibrate_remove_view(GstCalibrate* self, guint index) {
   return removed;
 }
 
+static void gst_calibrate_add_point(GstCalibrate* self, double u, double v, double x, double y,
+                                    double z) {
+  gst_calibrate_emit(self, "add-point", u, v, x, y, z);
+}
+
+static gboolean gst_calibrate_remove_point(GstCalibrate* self, guint index) {
+  gboolean removed = FALSE;
+  gst_calibrate_emit(self, "remove-point", index, &removed);
+  return removed;
+}
+
 // A ghost pad for the pad of that name of a child.
 static void gst_calibrate_expose(GstCalibrate* self, const char* child, const char* name) {
   const ElementPtr element = gst_calibrate_child(self, child);
@@ -256,12 +267,18 @@ static void gst_calibrate_install_signals(GType type) {
   /**
    * GstCalibrate::capture-view:
    *
-   * See #GstCalibSolve::capture-view; likewise solve, reset and remove-view.
+   * See #GstCalibSolve::capture-view; likewise solve, reset, remove-view, add-point and
+   * remove-point.
    */
   action("capture-view", gst_calibrate_capture_view);
   action("solve", gst_calibrate_solve);
   action("reset", gst_calibrate_reset);
   g_signal_new_class_handler("remove-view", type, kAction, G_CALLBACK(gst_calibrate_remove_view),
+                             nullptr, nullptr, nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_UINT);
+  g_signal_new_class_handler("add-point", type, kAction, G_CALLBACK(gst_calibrate_add_point),
+                             nullptr, nullptr, nullptr, G_TYPE_NONE, 5, G_TYPE_DOUBLE,
+                             G_TYPE_DOUBLE, G_TYPE_DOUBLE, G_TYPE_DOUBLE, G_TYPE_DOUBLE);
+  g_signal_new_class_handler("remove-point", type, kAction, G_CALLBACK(gst_calibrate_remove_point),
                              nullptr, nullptr, nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_UINT);
 }
 

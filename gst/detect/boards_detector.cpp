@@ -42,6 +42,11 @@ Result<SharedDetector> BoardsDetector::make(const std::string& text) {
   }
   auto boards = parse_boards(text);
   if (!boards) return tl::unexpected<Error>(boards.error());
+  // Points of a file are chosen by hand, behind this element: there is nothing to look for.
+  if (std::ranges::all_of(*boards, [](const Board& b) { return b.as<PointBoard>() != nullptr; })) {
+    made->boards_ = *std::move(boards);
+    return made;
+  }
   auto detector = make_detector(*boards);
   if (!detector) return tl::unexpected<Error>(detector.error());
   made->identifier_ = std::make_shared<BoardIdentifier>(*boards);
@@ -53,9 +58,12 @@ Result<SharedDetector> BoardsDetector::make(const std::string& text) {
 std::vector<Detection> BoardsDetector::follow(const ImageView& image, std::uint64_t timestamp,
                                               const std::stop_token& stop) const {
   if (detector_) return detector_->follow_all(image, timestamp, stop);
-  std::vector<Detection> none(1);
-  none.front().observation.board = any_;
-  none.front().observation.image_size = image.size();
+  std::vector<Detection> none(std::max<std::size_t>(1, boards_.size()));
+  for (std::size_t i = 0; i < none.size(); ++i) {
+    none[i].board = i;
+    none[i].observation.board = i < boards_.size() ? boards_[i].text() : any_;
+    none[i].observation.image_size = image.size();
+  }
   return none;
 }
 
@@ -64,7 +72,7 @@ SharedDetector BoardsDetector::identify(const ImageView& image,
                                         const std::stop_token& stop) const {
   const bool found =
       std::ranges::any_of(detections, [](const Detection& d) { return d.observation.found(); });
-  if (!identifier_->is_due(found)) return nullptr;
+  if (!identifier_ || !identifier_->is_due(found)) return nullptr;
   identifier_->look(image, stop);
   const auto board = identifier_->certain();
   if (!board || stop.stop_requested()) return nullptr;
@@ -85,6 +93,7 @@ DetectorHint BoardsDetector::hint_of(const Detection& detection, bool dark) cons
   // A dark room is right for a light.
   if (board != nullptr && board->as<PointLight>() != nullptr) dark = false;
   // The size of a sheet says less than its code.
+  if (!identifier_) return {};
   const bool is_named =
       !detection.seen_board.empty() || (detection.seen_all && !identifier_->sees_code());
   if (board != nullptr && is_named) return {wrong_board_hint(detection, *board), true};

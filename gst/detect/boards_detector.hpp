@@ -23,7 +23,8 @@ using SharedDetector = std::shared_ptr<const BoardsDetector>;
 class BoardsDetector {
  public:
   // Reads the file of names where `text` names one. Without boards where it is "auto": one is taken
-  // when it is certain which one is in view.
+  // when it is certain which one is in view. Points of a file (points:FILE) are never found: they
+  // are chosen by hand.
   [[nodiscard]] static Result<SharedDetector> make(const std::string& text);
 
   [[nodiscard]] const std::vector<Board>& boards() const { return boards_; }
@@ -46,10 +47,10 @@ class BoardsDetector {
   [[nodiscard]] DetectorHint hint_of(const Detection& detection, bool dark) const;
 
  private:
-  std::vector<Board> boards_;  // as `board` lists them
-  std::string any_;            // the text where it lists none
-  std::unique_ptr<Detector> detector_;
-  std::shared_ptr<BoardIdentifier> identifier_;
+  std::vector<Board> boards_;                    // as `board` lists them
+  std::string any_;                              // the text where it lists none
+  std::unique_ptr<Detector> detector_;           // null where there is nothing to look for
+  std::shared_ptr<BoardIdentifier> identifier_;  // null where nothing but points is wanted
 };
 
 }  // namespace calvin::gst

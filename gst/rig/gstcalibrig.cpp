@@ -30,6 +30,7 @@
 
 #include "common/calibration_event.hpp"
 #include "common/element_class.hpp"
+#include "common/frames/dma_caps.hpp"
 #include "common/messages.hpp"
 #include "common/metas.hpp"
 #include "common/rig_event.hpp"
@@ -123,13 +124,27 @@ static void gst_calib_rig_offer(GstCalibRig* self, GstPad* pad,
   }
 }
 
+// Points that were chosen in this camera's picture wait for a frame of it.
+static void gst_calib_rig_take_points(GstCalibRig* self, GstPad* pad, GstBuffer* buffer,
+                                      GstClockTime shared_clock) {
+  const std::size_t camera = gst::camera_of(pad);
+  if (!self->solver->has_waiting_points(camera)) return;
+  const gst::RigPadStream& stream = gst::stream_of(pad);
+  const gst::FrameLook frame = stream.corners.look(buffer);
+  self->solver->take_waiting_points(
+      camera, gst::frame_times(&stream.segment, buffer), shared_clock,
+      [&frame](Pixel at, double reach) { return frame.corner_at(at, reach); });
+}
+
 static GstFlowReturn gst_calib_rig_chain(GstPad* pad, GstObject* parent, GstBuffer* buffer) {
   GstCalibRig* self = GST_CALIB_RIG(parent);
   const gst::RigPadStream& stream = gst::stream_of(pad);
   const auto observations = gst::read_observations(buffer);
   const GstClockTime running_time =
       gst_segment_to_running_time(&stream.segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-  gst_calib_rig_offer(self, pad, observations, gst_calib_rig_clock_offset(buffer, running_time));
+  const GstClockTimeDiff offset = gst_calib_rig_clock_offset(buffer, running_time);
+  gst_calib_rig_offer(self, pad, observations, offset);
+  gst_calib_rig_take_points(self, pad, buffer, running_time + static_cast<GstClockTime>(offset));
   GstPad* source = gst::source_of(pad);
   // Cameras of which nobody wants the frames are calibrated all the same.
   if (!gst_pad_is_linked(source)) {
@@ -172,12 +187,23 @@ static void gst_calib_rig_introduce(GstCalibRig* self, GstPad* pad) {
   self->solver->add_camera_later(gst::camera_of(pad), gst::settings_of(pad));
 }
 
+static void gst_calib_rig_set_format(GstCalibRig* self, GstPad* pad, GstEvent* event) {
+  GstCaps* caps = nullptr;
+  gst_event_parse_caps(event, &caps);
+  GstVideoInfo info;
+  if (!gst::video_info_of(info, caps)) return;
+  gst::stream_of(pad).corners.set_format(info);
+  self->solver->set_size(gst::camera_of(pad),
+                         {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
+}
+
 static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEvent* event) {
   GstCalibRig* self = GST_CALIB_RIG(parent);
   gst::RigPadStream& stream = gst::stream_of(pad);
   switch (GST_EVENT_TYPE(event)) {
     case GST_EVENT_CAPS:
       gst_calib_rig_introduce(self, pad);
+      gst_calib_rig_set_format(self, pad, event);
       break;
     case GST_EVENT_SEGMENT:
       gst_event_copy_segment(event, &stream.segment);
@@ -193,6 +219,8 @@ static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEven
       gst_calib_rig_runs_on(self, pad);
       break;
     case GST_EVENT_EOS:
+      self->solver->take_waiting_points(gst::camera_of(pad), {}, GST_CLOCK_TIME_NONE,
+                                        [](Pixel, double) { return std::nullopt; });
       if (gst_calib_rig_ends_with(self, pad)) gst_calib_rig_finish(self, event);
       gst_calib_rig_push_rig(self, pad);
       break;
@@ -219,43 +247,13 @@ static gboolean gst_calib_rig_sink_event(GstPad* pad, GstObject* parent, GstEven
   return pushed || !gst_pad_is_linked(source);
 }
 
-// The sink pad before a source pad; nullptr once it was released.
-static GstPad* gst_calib_rig_sink_of(GstPad* source) {
-  return static_cast<GstPad*>(gst_pad_get_element_private(source));
-}
-
 static gboolean gst_calib_rig_src_event(GstPad* pad, GstObject* parent, GstEvent* event) {
-  GstPad* sink = gst_calib_rig_sink_of(pad);
-  const auto request = gst::reinsert_request(event);
-  if (sink != nullptr && !request) return gst_pad_push_event(sink, event);
+  GstPad* sink = gst::sink_of(pad);
+  const auto command = gst::rig_command(event);
+  if (sink != nullptr && command) gst::run_command(*GST_CALIB_RIG(parent)->solver, *command, sink);
+  if (sink != nullptr && !(command && command->is_ours)) return gst_pad_push_event(sink, event);
   gst_event_unref(event);
-  if (sink == nullptr) return FALSE;
-  GST_CALIB_RIG(parent)->solver->reinsert(request->empty() ? gst::settings_of(sink).name
-                                                           : *request);
-  return TRUE;
-}
-
-// What is asked of one side is asked of the other. A pad that nobody is linked to takes any caps.
-static gboolean gst_calib_rig_sink_query(GstPad* pad, GstObject* parent, GstQuery* query) {
-  GstPad* source = gst::source_of(pad);
-  if (!gst_pad_is_linked(source)) return gst_pad_query_default(pad, parent, query);
-  return gst_pad_peer_query(source, query);
-}
-
-static gboolean gst_calib_rig_src_query(GstPad* pad, GstObject* /*parent*/, GstQuery* query) {
-  GstPad* sink = gst_calib_rig_sink_of(pad);
-  return sink != nullptr && gst_pad_peer_query(sink, query);
-}
-
-static GstIterator* gst_calib_rig_internal_links(GstPad* pad, GstObject* /*parent*/) {
-  GstPad* other = GST_PAD_IS_SINK(pad) ? gst::source_of(pad) : gst_calib_rig_sink_of(pad);
-  if (other == nullptr) return nullptr;
-  GValue value = G_VALUE_INIT;
-  g_value_init(&value, GST_TYPE_PAD);
-  g_value_set_object(&value, other);
-  GstIterator* iterator = gst_iterator_new_single(GST_TYPE_PAD, &value);
-  g_value_unset(&value);
-  return iterator;
+  return sink != nullptr;
 }
 
 // ---- Pads ---------------------------------------------------------------------------------------
@@ -283,14 +281,9 @@ static GstPad* gst_calib_rig_request_new_pad(GstElement* element, GstPadTemplate
   g_autofree char* src_name = g_strdup_printf("src_%u", number);
   GstPad* source = gst_pad_new_from_static_template(&gst_calib_rig_src_template, src_name);
   GstPad* sink = gst::new_rig_pad(templ, sink_name, number, source);
-  gst_pad_set_element_private(source, sink);
   gst_pad_set_chain_function(sink, gst_calib_rig_chain);
   gst_pad_set_event_function(sink, gst_calib_rig_sink_event);
-  gst_pad_set_query_function(sink, gst_calib_rig_sink_query);
-  gst_pad_set_iterate_internal_links_function(sink, gst_calib_rig_internal_links);
   gst_pad_set_event_function(source, gst_calib_rig_src_event);
-  gst_pad_set_query_function(source, gst_calib_rig_src_query);
-  gst_pad_set_iterate_internal_links_function(source, gst_calib_rig_internal_links);
   const bool runs =
       GST_STATE(element) > GST_STATE_READY || GST_STATE_TARGET(element) > GST_STATE_READY;
   if (runs) {
@@ -356,15 +349,22 @@ static gboolean gst_calib_rig_reinsert(GstCalibRig* self, const char* camera) {
   return self->solver->reinsert(camera != nullptr ? camera : "");
 }
 
+static gboolean gst_calib_rig_add_point(GstCalibRig* self, const char* camera, double u, double v,
+                                        double x, double y, double z) {
+  return self->solver->add_point(camera != nullptr ? camera : "",
+                                 {{u, v}, Eigen::Vector3d(x, y, z), {}});
+}
+
+static gboolean gst_calib_rig_remove_point(GstCalibRig* self, const char* camera, guint index) {
+  return self->solver->remove_point(camera != nullptr ? camera : "", index);
+}
+
 static void gst_calib_rig_init(GstCalibRig* self) {
   self->solver = new gst::RigSolver(GST_ELEMENT(self));
 }
 
-static void gst_calib_rig_class_init(GstCalibRigClass* klass) {
-  auto* object_class = G_OBJECT_CLASS(klass);
-  gst::install_finalize<gst_calib_rig_solver>(object_class);
-  gst::install_dispose<gst_calib_rig_solver>(object_class);
-  gst::install_properties<gst_calib_rig_solver, gst::kRigProperties>(object_class);
+static void gst_calib_rig_install_signals(GType type) {
+  constexpr auto kAction = static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION);
   /**
    * GstCalibRig::reinsert:
    * @camera: its name
@@ -372,10 +372,41 @@ static void gst_calib_rig_class_init(GstCalibRigClass* klass) {
    * A camera that has moved stays where it stands now: its place is solved anew by what it has seen
    * since then, and those of the others are not. Returns: whether there is such a camera.
    */
-  g_signal_new_class_handler("reinsert", G_TYPE_FROM_CLASS(klass),
-                             static_cast<GSignalFlags>(G_SIGNAL_RUN_LAST | G_SIGNAL_ACTION),
-                             G_CALLBACK(gst_calib_rig_reinsert), nullptr, nullptr, nullptr,
-                             G_TYPE_BOOLEAN, 1, G_TYPE_STRING);
+  g_signal_new_class_handler("reinsert", type, kAction, G_CALLBACK(gst_calib_rig_reinsert), nullptr,
+                             nullptr, nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_STRING);
+  /**
+   * GstCalibRig::add-point:
+   * @camera: its name
+   * @u: of the pixel, from the centre of the top-left one
+   * @v: likewise
+   * @x: of its place in the world, m
+   * @y: likewise
+   * @z: likewise
+   *
+   * A manual control point; see #GstCalibSolve::add-point. Returns: whether there is such a camera.
+   */
+  g_signal_new_class_handler("add-point", type, kAction, G_CALLBACK(gst_calib_rig_add_point),
+                             nullptr, nullptr, nullptr, G_TYPE_BOOLEAN, 6, G_TYPE_STRING,
+                             G_TYPE_DOUBLE, G_TYPE_DOUBLE, G_TYPE_DOUBLE, G_TYPE_DOUBLE,
+                             G_TYPE_DOUBLE);
+  /**
+   * GstCalibRig::remove-point:
+   * @camera: its name
+   * @index: of the point, from 0, in the order in which they were chosen
+   *
+   * Takes a manual point out. Returns: whether there was such a point.
+   */
+  g_signal_new_class_handler("remove-point", type, kAction, G_CALLBACK(gst_calib_rig_remove_point),
+                             nullptr, nullptr, nullptr, G_TYPE_BOOLEAN, 2, G_TYPE_STRING,
+                             G_TYPE_UINT);
+}
+
+static void gst_calib_rig_class_init(GstCalibRigClass* klass) {
+  auto* object_class = G_OBJECT_CLASS(klass);
+  gst::install_finalize<gst_calib_rig_solver>(object_class);
+  gst::install_dispose<gst_calib_rig_solver>(object_class);
+  gst::install_properties<gst_calib_rig_solver, gst::kRigProperties>(object_class);
+  gst_calib_rig_install_signals(G_TYPE_FROM_CLASS(klass));
   auto* element_class = GST_ELEMENT_CLASS(klass);
   element_class->request_new_pad = gst_calib_rig_request_new_pad;
   element_class->release_pad = gst_calib_rig_release_pad;

@@ -5,6 +5,8 @@
 
 #include "rig/rig_pad.hpp"
 
+#include <string>
+
 #include <fmt/format.h>
 
 #include "common/property_kinds.hpp"
@@ -19,21 +21,26 @@ struct _GstCalibRigPad {
 
 G_DEFINE_FINAL_TYPE(GstCalibRigPad, gst_calib_rig_pad, GST_TYPE_PAD)
 
-enum { PROP_INTRINSICS = 1, PROP_CAMERA };
+enum { PROP_INTRINSICS = 1, PROP_CAMERA, PROP_POINTS };
+
+// Under the object lock.
+static std::string& gst_calib_rig_pad_setting(GObject* object, guint id) {
+  auto& settings = *GST_CALIB_RIG_PAD(object)->settings;
+  if (id == PROP_CAMERA) return settings.name;
+  return id == PROP_POINTS ? settings.points : settings.intrinsics;
+}
 
 static void gst_calib_rig_pad_set_property(GObject* object, guint id, const GValue* value,
                                            GParamSpec* /*spec*/) {
-  auto& settings = *GST_CALIB_RIG_PAD(object)->settings;
   GST_OBJECT_LOCK(object);
-  calvin::gst::read_value(value, id == PROP_CAMERA ? settings.name : settings.intrinsics);
+  calvin::gst::read_value(value, gst_calib_rig_pad_setting(object, id));
   GST_OBJECT_UNLOCK(object);
 }
 
 static void gst_calib_rig_pad_get_property(GObject* object, guint id, GValue* value,
                                            GParamSpec* /*spec*/) {
-  auto& settings = *GST_CALIB_RIG_PAD(object)->settings;
   GST_OBJECT_LOCK(object);
-  calvin::gst::write_value(id == PROP_CAMERA ? settings.name : settings.intrinsics, value);
+  calvin::gst::write_value(gst_calib_rig_pad_setting(object, id), value);
   GST_OBJECT_UNLOCK(object);
 }
 
@@ -62,6 +69,14 @@ static void gst_calib_rig_pad_class_init(GstCalibRigPadClass* klass) {
       object_class, PROP_CAMERA,
       calvin::gst::new_spec(
           {"camera", "Camera", "Name of the camera in the rig; none: cam and the number of the pad",
+           kMutableReady},
+          std::string()));
+  g_object_class_install_property(
+      object_class, PROP_POINTS,
+      calvin::gst::new_spec(
+          {"points", "Points",
+           "Points whose pixels are chosen by clicks in this camera's picture, in their order: a "
+           "file of points, of which rows with u v are chosen already, or a board",
            kMutableReady},
           std::string()));
 }
@@ -93,6 +108,29 @@ guint children_count(GstChildProxy* proxy) {
   return count;
 }
 
+// What is asked of one side is asked of the other. A pad that nobody is linked to takes any caps.
+gboolean query_sink(GstPad* pad, GstObject* parent, GstQuery* query) {
+  GstPad* source = source_of(pad);
+  if (!gst_pad_is_linked(source)) return gst_pad_query_default(pad, parent, query);
+  return gst_pad_peer_query(source, query);
+}
+
+gboolean query_source(GstPad* pad, GstObject* /*parent*/, GstQuery* query) {
+  GstPad* sink = sink_of(pad);
+  return sink != nullptr && gst_pad_peer_query(sink, query);
+}
+
+GstIterator* internal_links(GstPad* pad, GstObject* /*parent*/) {
+  GstPad* other = GST_PAD_IS_SINK(pad) ? source_of(pad) : sink_of(pad);
+  if (other == nullptr) return nullptr;
+  GValue value = G_VALUE_INIT;
+  g_value_init(&value, GST_TYPE_PAD);
+  g_value_set_object(&value, other);
+  GstIterator* iterator = gst_iterator_new_single(GST_TYPE_PAD, &value);
+  g_value_unset(&value);
+  return iterator;
+}
+
 }  // namespace
 
 GstPad* new_rig_pad(GstPadTemplate* templ, const char* name, std::size_t camera, GstPad* source) {
@@ -100,12 +138,21 @@ GstPad* new_rig_pad(GstPadTemplate* templ, const char* name, std::size_t camera,
                                    GST_PAD_SINK, "template", templ, nullptr));
   GST_CALIB_RIG_PAD(pad)->camera = camera;
   GST_CALIB_RIG_PAD(pad)->source = GST_PAD(gst_object_ref_sink(source));
+  gst_pad_set_element_private(source, pad);
+  gst_pad_set_query_function(pad, query_sink);
+  gst_pad_set_query_function(source, query_source);
+  gst_pad_set_iterate_internal_links_function(pad, internal_links);
+  gst_pad_set_iterate_internal_links_function(source, internal_links);
   return pad;
 }
 
 std::size_t camera_of(GstPad* pad) { return GST_CALIB_RIG_PAD(pad)->camera; }
 
 GstPad* source_of(GstPad* pad) { return GST_CALIB_RIG_PAD(pad)->source; }
+
+GstPad* sink_of(GstPad* source) {
+  return static_cast<GstPad*>(gst_pad_get_element_private(source));
+}
 
 RigCameraSettings settings_of(GstPad* pad) {
   GST_OBJECT_LOCK(pad);

@@ -8,18 +8,22 @@
 
 #include <gst/gst.h>
 
+#include "common/frames/frame_corners.hpp"
 #include "rig/rig_solver.hpp"
 
 G_DECLARE_FINAL_TYPE(GstCalibRigPad, gst_calib_rig_pad, GST, CALIB_RIG_PAD, GstPad)
 
 namespace calvin::gst {
 
-// A new, floating pad. `source`, the new pad behind it, lives as long as it does.
+// A new, floating pad. `source`, the new pad behind it, lives as long as it does. Each of the two
+// answers queries as the other one's peer does.
 [[nodiscard]] GstPad* new_rig_pad(GstPadTemplate* templ, const char* name, std::size_t camera,
                                   GstPad* source);
 
 [[nodiscard]] std::size_t camera_of(GstPad* pad);
 [[nodiscard]] GstPad* source_of(GstPad* pad);
+// The sink pad before a source pad; nullptr once it was released.
+[[nodiscard]] GstPad* sink_of(GstPad* source);
 
 // The name of the pad's number, as cam0, where none was set.
 [[nodiscard]] RigCameraSettings settings_of(GstPad* pad);
@@ -30,6 +34,7 @@ struct RigPadStream {
   guint64 rig_number = 0;  // of the rig that went downstream last
   bool at_end = false;     // under the object lock of the element
   bool is_known = false;   // the solver was told of the camera since it started
+  FrameCorners corners;
 };
 [[nodiscard]] RigPadStream& stream_of(GstPad* pad);
 

@@ -135,6 +135,7 @@ Status RigSolver::start() {
     write_error_.reset();
     complained_ = write_failed_ = false;
     unread_.clear();
+    waiting_points_.clear();
   }
   if (Status started = reader_.start(); !started) return started;
   if (Status started = worker_.start(); !started) return started;
@@ -153,9 +154,22 @@ Status RigSolver::add_camera(std::size_t camera, const RigCameraSettings& settin
     }
     intrinsics = *std::move(read);
   }
-  const std::lock_guard guard(lock_);
-  session_.set_name(camera, settings.name);
-  if (intrinsics) session_.set_intrinsics(camera, *intrinsics);
+  std::optional<KnownPoints> points;
+  if (!settings.points.empty()) {
+    auto read = read_known_points(settings.points);
+    if (!read) {
+      return make_error(read.error().code, fmt::format("For the camera '{}': {}", settings.name,
+                                                       read.error().message));
+    }
+    points = *std::move(read);
+  }
+  {
+    const std::lock_guard guard(lock_);
+    session_.set_name(camera, settings.name);
+    if (intrinsics) session_.set_intrinsics(camera, *intrinsics);
+    if (points) session_.set_points(camera, *std::move(points));
+  }
+  post_points_report(camera);
   return {};
 }
 
@@ -163,7 +177,7 @@ void RigSolver::add_camera_later(std::size_t camera, const RigCameraSettings& se
   {
     const std::lock_guard guard(lock_);
     session_.set_name(camera, settings.name);
-    if (settings.intrinsics.empty()) return;
+    if (settings.intrinsics.empty() && settings.points.empty()) return;
     unread_.emplace_back(camera, settings);
   }
   reader_.offer([this](const std::stop_token& stop) { read_intrinsics(stop); });

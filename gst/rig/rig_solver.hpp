@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,7 @@ struct RigSettings {
 struct RigCameraSettings {
   std::string name;
   std::string intrinsics;  // as `calibration` of calibundistort; empty: the event tells them
+  std::string points;      // whose pixels clicks choose; or empty
 };
 
 class RigSolver : public SharedSettings<RigSettings> {
@@ -87,12 +89,33 @@ class RigSolver : public SharedSettings<RigSettings> {
   // is no camera of that name.
   bool reinsert(const std::string& camera);
 
+  // Manual points: rig_solver_points.cpp. Any thread: one waits for a frame of its camera.
+  void add_point(std::size_t camera, const PointChoice& choice);
+  // Of that name: false, and a WARNING, where there is no such camera.
+  bool add_point(const std::string& camera, const PointChoice& choice);
+  // Absent: the newest one. Whether there was one.
+  bool remove_point(std::size_t camera, std::optional<unsigned> index);
+  bool remove_point(const std::string& camera, std::optional<unsigned> index);
+  [[nodiscard]] bool has_points(std::size_t camera);
+  // Whether a click in the picture of a camera chooses a point.
+  [[nodiscard]] bool clicks_choose(std::size_t camera);
+  // On the streaming thread of the camera. `timestamp`: of the clock of all cameras.
+  void set_size(std::size_t camera, ImageSize size);
+  [[nodiscard]] bool has_waiting_points(std::size_t camera);
+  // `corner_at`: what is in the frame with these times within so many px of a pixel.
+  using CornerAt = std::function<std::optional<FoundCorner>(Pixel at, double reach)>;
+  void take_waiting_points(std::size_t camera, const FrameTimes& times, GstClockTime timestamp,
+                           const CornerAt& corner_at);
+
   // The rig as JSON where it is another one than that with the number `known`, which becomes its
   // own.
   [[nodiscard]] std::optional<std::string> take_rig(guint64& known);
 
  private:
   void read_intrinsics(const std::stop_token& stop);
+  void post_point(std::size_t camera, const FrameTimes& times, const PointAnswer& answer);
+  void post_points_report(std::size_t camera);
+  [[nodiscard]] std::optional<std::size_t> find(const std::string& camera);
   void solve_if_due(bool final);
   void watch_if_due();
   // On the worker.
@@ -120,6 +143,8 @@ class RigSolver : public SharedSettings<RigSettings> {
   std::optional<Error> write_error_;             // of the last write
   bool complained_ = false;                      // of a broken observation
   bool write_failed_ = false;                    // and that was said
+
+  std::vector<std::pair<std::size_t, PointChoice>> waiting_points_;  // for a frame of their camera
 
   std::vector<std::pair<std::size_t, RigCameraSettings>> unread_;  // cameras that came later
 

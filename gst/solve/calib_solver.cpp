@@ -81,6 +81,7 @@ void CalibSolver::obey() {
 void CalibSolver::stop() {
   for (Worker* worker : workers()) worker->stop();
   const std::lock_guard guard(lock_);
+  waiting_points_.clear();
   watching_ = is_live_ = stream_runs_ = false;
   // The syncer may have it until its disk answers.
   if (journal_) journal_->end();
@@ -102,6 +103,7 @@ void CalibSolver::set_size(ImageSize size) {
   }
   if (warning) post_warning(element_, *warning);
   post_notices();
+  post_points_report();
   if (now.views > 0) post_message(element_, progress_message({}, camera, now));
 }
 
@@ -215,9 +217,11 @@ void CalibSolver::reset() {
   {
     const std::lock_guard guard(lock_);
     session_.reset();
+    waiting_points_.clear();
     obey();
   }
   write_journal();
+  post_points_report();
 }
 
 bool CalibSolver::remove_view(std::optional<unsigned> wanted) {
@@ -250,6 +254,21 @@ void CalibSolver::run_command(const SolveCommand& command) {
       break;
     case SolveCommand::Kind::kRemoveView:
       remove_view(command.index);
+      break;
+    case SolveCommand::Kind::kPoint:
+      add_point(command.point);
+      break;
+    case SolveCommand::Kind::kRemovePoint:
+      remove_point(command.index);
+      break;
+    case SolveCommand::Kind::kClick:
+      clicks_choose() ? add_point(command.point) : capture_view();
+      break;
+    case SolveCommand::Kind::kUndo:
+      has_points() ? remove_point({}) : remove_view({});
+      break;
+    case SolveCommand::Kind::kTakeOut:
+      if (has_points()) remove_point({});
       break;
   }
 }

@@ -6,9 +6,11 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <gst/gst.h>
 
@@ -85,6 +87,19 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   bool remove_view(std::optional<unsigned> wanted);
   void run_command(const SolveCommand& command);
 
+  // Manual points: solver_points.cpp
+
+  // Taken with the next frame, in which the corner next to it is looked for.
+  void add_point(const PointChoice& choice);
+  // Absent: the newest one. Whether there was one.
+  bool remove_point(std::optional<unsigned> index);
+  // On the streaming thread: whether a frame is to be looked at for points.
+  [[nodiscard]] bool wants_corners();
+  // Those that wait for a frame, and some of those that are expected. `corner_at`: what is in the
+  // frame with these times within so many px of a pixel.
+  using CornerAt = std::function<std::optional<FoundCorner>(Pixel at, double reach)>;
+  void take_points(const FrameTimes& times, const CornerAt& corner_at);
+
   // Native JSON of the newest solution, empty before the first one.
   [[nodiscard]] std::string calibration_json();
   [[nodiscard]] GstStructure* stats();
@@ -108,6 +123,18 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   [[nodiscard]] bool is_up_to_date();
   // Absent where nothing has changed.
   [[nodiscard]] std::optional<SettingsUpdate> begin_update();
+  [[nodiscard]] bool clicks_choose() {
+    const std::lock_guard guard(lock_);
+    return session_.clicks_choose();
+  }
+  [[nodiscard]] bool has_points() {
+    const std::lock_guard guard(lock_);
+    return session_.has_points() || !waiting_points_.empty();
+  }
+  void take_expected_points(const FrameTimes& times, const CornerAt& corner_at);
+  // Without the lock.
+  void post_point(const FrameTimes& times, const PointAnswer& answer);
+  void post_points_report();
   // What the user should hear; absent where another thread was quicker, and it is to begin anew.
   [[nodiscard]] std::optional<std::vector<Error>> try_update(const SettingsUpdate& update);
   // On the updater.
@@ -163,10 +190,11 @@ class CalibSolver : public SharedSettings<SessionSettings> {
   std::shared_ptr<Journal> journal_;  // lock_; null where none is kept
   // lock_: what was commanded between two runs, for the journal of the next one.
   std::vector<JournalEntry> between_runs_;
-  std::string journal_path_;  // lock_; of the last run that kept one
-  bool watching_ = false;     // lock_: the watcher is at work
-  bool is_live_ = false;      // lock_
-  bool stream_runs_ = false;  // lock_: it has not ended, and is not flushed
+  std::string journal_path_;                 // lock_; of the last run that kept one
+  std::vector<PointChoice> waiting_points_;  // lock_: for a frame
+  bool watching_ = false;                    // lock_: the watcher is at work
+  bool is_live_ = false;                     // lock_
+  bool stream_runs_ = false;                 // lock_: it has not ended, and is not flushed
 
   Worker syncer_;  // of the journal
   Worker writer_;

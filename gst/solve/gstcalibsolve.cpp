@@ -27,6 +27,7 @@
 
 #include "common/element_class.hpp"
 #include "common/frames/dma_caps.hpp"
+#include "common/frames/frame_corners.hpp"
 #include "common/frames/meta_filter.hpp"
 #include "common/frames/refused_caps.hpp"
 #include "common/messages.hpp"
@@ -51,6 +52,7 @@ struct State : gst::CalibSolver {
   // Streaming thread.
   bool mode_known = false;
   bool patches_asked = false;
+  gst::FrameCorners corners;
 };
 
 }  // namespace
@@ -66,7 +68,15 @@ GST_ELEMENT_REGISTER_DEFINE_WITH_CODE(calibsolve, "calibsolve", GST_RANK_NONE,
                                       GST_DEBUG_CATEGORY_INIT(calibsolve_debug, "calibsolve", 0,
                                                               "camera calibration solver"))
 
-enum { SIGNAL_CAPTURE_VIEW, SIGNAL_SOLVE, SIGNAL_RESET, SIGNAL_REMOVE_VIEW, LAST_SIGNAL };
+enum {
+  SIGNAL_CAPTURE_VIEW,
+  SIGNAL_SOLVE,
+  SIGNAL_RESET,
+  SIGNAL_REMOVE_VIEW,
+  SIGNAL_ADD_POINT,
+  SIGNAL_REMOVE_POINT,
+  LAST_SIGNAL
+};
 static guint gst_calib_solve_signals[LAST_SIGNAL];
 
 static State& gst_calib_solve_state(GObject* object) { return *GST_CALIB_SOLVE(object)->state; }
@@ -81,6 +91,15 @@ static void gst_calib_solve_reset(GstCalibSolve* self) { self->state->reset(); }
 
 static gboolean gst_calib_solve_remove_view(GstCalibSolve* self, guint index) {
   return self->state->remove_view(index);
+}
+
+static void gst_calib_solve_add_point(GstCalibSolve* self, double u, double v, double x, double y,
+                                      double z) {
+  self->state->add_point({{u, v}, Eigen::Vector3d(x, y, z), {}});
+}
+
+static gboolean gst_calib_solve_remove_point(GstCalibSolve* self, guint index) {
+  return self->state->remove_point(index);
 }
 
 // ---- Streaming ----------------------------------------------------------------------------------
@@ -114,6 +133,16 @@ static void gst_calib_solve_want_patches(GstCalibSolve* self) {
                                           gst_structure_new_empty(gst::kWantPatchesName)));
 }
 
+// A point that was chosen waits for a frame, in which the corner next to it is looked for, and so
+// do those of the others that are expected by then: in small parts of the picture, each in less
+// than a millisecond.
+static void gst_calib_solve_take_points(GstCalibSolve* self, GstBuffer* buffer) {
+  if (!self->state->wants_corners()) return;
+  const gst::FrameLook frame = self->state->corners.look(buffer);
+  self->state->take_points(gst::frame_times(&GST_BASE_TRANSFORM(self)->segment, buffer),
+                           [&frame](Pixel at, double reach) { return frame.corner_at(at, reach); });
+}
+
 static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBuffer* buffer) {
   GstCalibSolve* self = GST_CALIB_SOLVE(trans);
   gst::CalibSolver& solver = *self->state;
@@ -133,6 +162,7 @@ static GstFlowReturn gst_calib_solve_transform_ip(GstBaseTransform* trans, GstBu
     solver.hear_detector(words, wrong_board);
   }
   const bool captured = gst_calib_solve_offer(self, observations, GST_BUFFER_DURATION(buffer));
+  gst_calib_solve_take_points(self, buffer);
   gst_calib_solve_push_calibration(self);
   Progress progress = solver.progress();
   progress.captured = captured;
@@ -153,6 +183,7 @@ static gboolean gst_calib_solve_set_caps(GstBaseTransform* trans, GstCaps* caps,
   GstVideoInfo info;
   if (!gst::video_info_of(info, caps)) return FALSE;
   self->state->mode_known = self->state->patches_asked = false;
+  self->state->corners.set_format(info);
   self->state->set_size({GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)});
   self->state->set_frame_duration(gst_calib_solve_frame_duration(info));
   if (gst::upstream_says_live(trans).value_or(false)) self->state->watch_stream(true);
@@ -250,6 +281,29 @@ static void gst_calib_solve_install_signals(GType type) {
    */
   signals[SIGNAL_REMOVE_VIEW] = g_signal_new_class_handler(
       "remove-view", type, kAction, G_CALLBACK(gst_calib_solve_remove_view), nullptr, nullptr,
+      nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_UINT);
+  /**
+   * GstCalibSolve::add-point:
+   * @u: of the pixel, from the centre of the top-left one
+   * @v: likewise
+   * @x: of its place in the world, m
+   * @y: likewise
+   * @z: likewise
+   *
+   * A manual control point. The corner next to the pixel in the next frame is taken for it, where
+   * there is one; the message `calib-point` says what came of it.
+   */
+  signals[SIGNAL_ADD_POINT] = g_signal_new_class_handler(
+      "add-point", type, kAction, G_CALLBACK(gst_calib_solve_add_point), nullptr, nullptr, nullptr,
+      G_TYPE_NONE, 5, G_TYPE_DOUBLE, G_TYPE_DOUBLE, G_TYPE_DOUBLE, G_TYPE_DOUBLE, G_TYPE_DOUBLE);
+  /**
+   * GstCalibSolve::remove-point:
+   * @index: of the point, from 0, in the order in which they were chosen
+   *
+   * Takes a manual point out. Returns: whether there was such a point.
+   */
+  signals[SIGNAL_REMOVE_POINT] = g_signal_new_class_handler(
+      "remove-point", type, kAction, G_CALLBACK(gst_calib_solve_remove_point), nullptr, nullptr,
       nullptr, G_TYPE_BOOLEAN, 1, G_TYPE_UINT);
 }
 

@@ -9,6 +9,8 @@
 
 #include <gst/video/navigation.h>
 
+#include "common/points/point_values.hpp"
+
 namespace calvin::gst {
 
 namespace {
@@ -24,25 +26,16 @@ constexpr Row kRows[] = {
     {"calvin-capture-view", "space", Kind::kCaptureView},
     {"calvin-solve", "Return", Kind::kSolve},
     {"calvin-reset", "Delete", Kind::kReset},
-    {"calvin-remove-view", "BackSpace", Kind::kRemoveView},
+    {"calvin-remove-view", nullptr, Kind::kRemoveView},
+    {kPointName, nullptr, Kind::kPoint},
+    {kRemovePointName, nullptr, Kind::kRemovePoint},
+    {nullptr, "BackSpace", Kind::kUndo},
 };
-
-// The largest number, which no view has, for what is no index.
-std::optional<unsigned> index_of(const GstStructure* structure) {
-  if (!gst_structure_has_field(structure, "index")) return std::nullopt;
-  guint index = 0;
-  if (gst_structure_get_uint(structure, "index", &index)) return index;
-  int number = 0;
-  if (gst_structure_get_int(structure, "index", &number) && number >= 0) {
-    return static_cast<unsigned>(number);
-  }
-  return G_MAXUINT;
-}
 
 std::optional<SolveCommand> of_custom(const GstStructure* structure) {
   for (const Row& row : kRows) {
-    if (!gst_structure_has_name(structure, row.event)) continue;
-    return SolveCommand{row.kind, index_of(structure), true};
+    if (row.event == nullptr || !gst_structure_has_name(structure, row.event)) continue;
+    return SolveCommand{row.kind, read_index(structure), true, read_point(structure)};
   }
   return std::nullopt;
 }
@@ -51,19 +44,9 @@ std::optional<SolveCommand> of_key(GstEvent* event) {
   const char* key = nullptr;
   if (!gst_navigation_event_parse_key_event(event, &key) || key == nullptr) return std::nullopt;
   for (const Row& row : kRows) {
-    if (std::string_view(key) == row.key) return SolveCommand{row.kind, std::nullopt, false};
+    if (row.key != nullptr && std::string_view(key) == row.key) return SolveCommand{row.kind};
   }
   return std::nullopt;
-}
-
-std::optional<SolveCommand> of_click(GstEvent* event) {
-  constexpr int kLeft = 1;
-  int button = 0;
-  double x = 0;
-  double y = 0;
-  if (!gst_navigation_event_parse_mouse_button_event(event, &button, &x, &y)) return std::nullopt;
-  if (button != kLeft) return std::nullopt;
-  return SolveCommand{Kind::kCaptureView, std::nullopt, false};
 }
 
 }  // namespace
@@ -76,15 +59,15 @@ std::optional<SolveCommand> solve_command(GstEvent* event) {
       GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_BOTH_OOB) {
     return of_custom(structure);
   }
-  if (GST_EVENT_TYPE(event) != GST_EVENT_NAVIGATION) return std::nullopt;
-  switch (gst_navigation_event_get_type(event)) {
-    case GST_NAVIGATION_EVENT_KEY_PRESS:
-      return of_key(event);
-    case GST_NAVIGATION_EVENT_MOUSE_BUTTON_PRESS:
-      return of_click(event);
-    default:
-      return std::nullopt;
+  if (const auto click = read_click(event)) {
+    return SolveCommand{
+        click->takes_out ? Kind::kTakeOut : Kind::kClick, std::nullopt, false, {click->at, {}, {}}};
   }
+  if (GST_EVENT_TYPE(event) != GST_EVENT_NAVIGATION ||
+      gst_navigation_event_get_type(event) != GST_NAVIGATION_EVENT_KEY_PRESS) {
+    return std::nullopt;
+  }
+  return of_key(event);
 }
 
 }  // namespace calvin::gst

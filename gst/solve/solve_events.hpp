@@ -9,13 +9,27 @@
 
 #include <gst/gst.h>
 
+#include "calvin/core/image.hpp"
+#include "calvin/session/points/manual_points.hpp"
+
 namespace calvin::gst {
 
 struct SolveCommand {
-  enum class Kind { kCaptureView, kSolve, kReset, kRemoveView };
+  enum class Kind {
+    kCaptureView,
+    kSolve,
+    kReset,
+    kRemoveView,
+    kPoint,
+    kRemovePoint,
+    kClick,    // a point, where points are to be chosen, or else a view
+    kUndo,     // the newest point, or else the newest view
+    kTakeOut,  // the newest point, if any
+  };
   Kind kind = Kind::kCaptureView;
-  std::optional<unsigned> index;  // of the view to remove; absent: the newest one
-  bool is_ours = false;           // the event was made for it, and nobody upstream wants it
+  std::optional<unsigned> index = std::nullopt;  // of what to remove; absent: the newest one
+  bool is_ours = false;    // the event was made for it, and nobody upstream wants it
+  PointChoice point = {};  // of kPoint, and where a click was
 };
 
 // Absent for an event that asks for nothing.

@@ -26,6 +26,7 @@ bool CalibSolver::drain() {
 void CalibSolver::finish() {
   expect_no_frame();
   if (!update_and_wait() || !drain()) return;
+  take_points({}, [](Pixel, double) { return std::nullopt; });
   LastWork last;
   {
     const std::lock_guard guard(lock_);

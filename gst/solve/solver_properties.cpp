@@ -83,7 +83,7 @@ constexpr Property<CalibSolver> kRows[] = {
      "What not to estimate, separated by commas: a parameter, held at its value in initial, or "
      "else a distortion coefficient at 0 (beta at 1) and cx, cy (center for both) at the middle "
      "of the picture. What to tie: aspect (fy:fx as in initial, or else 1), fx=fy, k1=k2. fx=800 "
-     "holds at a number",
+     "holds at a number. all holds the whole camera of initial, and tells where boards are",
      kept_in<&SessionSettings::fix>},
     {"initial", "Initial",
      "A calibration (a file, or whatever calibundistort takes) to start the solve from, which "
@@ -93,6 +93,11 @@ constexpr Property<CalibSolver> kRows[] = {
      "The board of the views as calibdetect has it: of FILE.json#NAME the measured shape is used, "
      "where there is one (calvin-board measure). Other texts say nothing here",
      kept_in<&SessionSettings::board>},
+    {"points", "Points",
+     "Points whose pixels are chosen by clicks, in their order: a file of points, of which rows "
+     "with "
+     "u v are chosen already, or a board that cannot be found (unset: those of board=points:FILE)",
+     kept_in<&SessionSettings::points>},
     {"board-shape",
      "Board Shape",
      "What is estimated of the shape of the board",

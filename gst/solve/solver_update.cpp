@@ -32,6 +32,7 @@ void CalibSolver::update() {
     }
     if (const auto warnings = try_update(*update)) {
       for (const Error& error : *warnings) post_warning(element_, error);
+      post_points_report();
       return;
     }
   }
@@ -49,6 +50,7 @@ void CalibSolver::update_beside(const std::stop_token& stop) {
       const std::lock_guard guard(lock_);
       session_.say_later({Notice::Kind::kWarning, error});
     }
+    if (const auto report = updater_.begin_report(stop, element_)) post_points_report();
   }
 }
 

@@ -7,10 +7,13 @@
 
 #include "calvin/session/calibration_session.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "calvin/session/guidance/hint_target.hpp"
 #include "calvin/session/guidance/stopping_criterion.hpp"
+#include "calvin/solve/pose.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
@@ -21,12 +24,14 @@ bool CalibrationSession::set_size(ImageSize size, std::optional<Error>& warning)
   initial_ = std::move(fitted.calibration);
   warning = std::move(fitted.warning);
   change_views(size);
+  begin_points();
   renew_hint();
   return true;
 }
 
 void CalibrationSession::change_views(ImageSize size) {
   constexpr std::size_t kMostAside = 3000;  // a stream may change its size for ever
+  drop_manual_view();                       // its pixels are of pictures of the size before
   const Session::Views before = views_.views();
   if (!before.empty()) begin_session();
   Session::Views candidates = std::exchange(set_aside_, {});
@@ -98,6 +103,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   Offered offered;
   leave_stale_target(observation.timestamp);
   if (observation.timestamp != kNoTimestamp) newest_ = observation.timestamp;
+  board_in_view_ = observation.found() || (place > 0 && board_in_view_);
   solve_with_readout();
   if (!observation.found()) {
     views_.pass(observation);
@@ -119,7 +125,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   }
   useless_board_.reset();
   offered.reason = observation.image_size != size_ ? Reason::kOffSize : Reason::kTooSimilar;
-  if (finished_ || observation.image_size != size_) {
+  if (finished_ || is_of_points_alone() || observation.image_size != size_) {
     views_.pass(observation);
     return offered;
   }
@@ -212,8 +218,19 @@ std::optional<Camera> CalibrationSession::camera() const {
   return nominal_camera(size_);
 }
 
+int CalibrationSession::least_views() const {
+  return holds_camera(plan_.options) ? 1 : plan_.settings.min_views;
+}
+
 bool CalibrationSession::enough_views() const {
-  return views_.views().size() >= static_cast<std::size_t>(plan_.settings.min_views);
+  if (manual_view_ && points_suffice_) return true;
+  return !is_of_points_alone() && views_.views().size() >= static_cast<std::size_t>(least_views());
+}
+
+Error CalibrationSession::too_few() const {
+  if (has_points()) return too_few_points(points_.hint());
+  if (useless_board_ && views_.views().empty()) return *useless_board_;
+  return too_few_views(views_.views().size(), least_views(), refused_, last_obstacle_);
 }
 
 std::string CalibrationSession::camera_name() const {
@@ -267,6 +284,7 @@ void CalibrationSession::reset() {
   const bool any = !views_.views().empty() || !set_aside_.empty();
   begin_session();
   set_aside_.clear();
+  begin_points();
   if (any) write_down(true, {});
 }
 
@@ -297,6 +315,8 @@ void CalibrationSession::begin_session() {
   waits_for_readout_ = false;
   capture_ = {};
   lens_.begin();
+  board_in_view_ = false;
+  forget_points();
   renew_hint();
 }
 
@@ -312,7 +332,9 @@ void CalibrationSession::write_down_all() { write_down(true, all_views()); }
 
 Session::Views CalibrationSession::all_views() const {
   Session::Views all = set_aside_;
-  all.insert(all.end(), views_.views().begin(), views_.views().end());
+  // Manual points are chosen anew: no journal knows their places.
+  std::ranges::copy_if(views_.views(), std::back_inserter(all),
+                       [this](const auto& view) { return view != manual_view_; });
   return all;
 }
 
@@ -324,10 +346,20 @@ void CalibrationSession::write_down_newest() {
 }
 
 bool CalibrationSession::remove_view(std::size_t index) {
-  if (!views_.remove_view(index)) return false;
-  write_down_all();
-  taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
-  outdate_results();  // what is being solved has the view in it, and the files have it
+  const auto& all = views_.views();
+  if (manual_view_ && index < all.size() && all[index] == manual_view_) {
+    forget_points();
+  } else {
+    if (!views_.remove_view(index)) return false;
+    write_down_all();
+    taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(index));
+  }
+  views_changed();
+  return true;
+}
+
+void CalibrationSession::views_changed() {
+  outdate_results();
   finished_ = !limit_reached().empty();
   next_solve_ = 0;
   guide_.reset();
@@ -338,7 +370,6 @@ bool CalibrationSession::remove_view(std::size_t index) {
     solve_error_.clear();
   }
   renew_hint();
-  return true;
 }
 
 }  // namespace calvin

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -26,6 +27,8 @@
 #include "calvin/session/guidance/hint.hpp"
 #include "calvin/session/guidance/parameter_groups.hpp"
 #include "calvin/session/guidance/view_guide.hpp"
+#include "calvin/session/points/expected_points.hpp"
+#include "calvin/session/points/manual_points.hpp"
 #include "calvin/session/progress.hpp"
 #include "calvin/session/result_writes.hpp"
 #include "calvin/session/session.hpp"
@@ -122,6 +125,30 @@ class CalibrationSession {
   void reset();
   [[nodiscard]] bool remove_view(std::size_t index);
 
+  // ---- Manual points, which together are one view: session_points.cpp
+
+  // Whether a click chooses a point: of a file always, of a board while it is not found.
+  [[nodiscard]] bool clicks_choose() const;
+  // `corner`: what is next to the pixel in a frame with these times, if it was looked for.
+  [[nodiscard]] PointAnswer add_point(const PointChoice& choice,
+                                      const std::optional<FoundCorner>& corner,
+                                      const FrameTimes& times);
+  // The newest one, or that of a number.
+  [[nodiscard]] PointAnswer remove_point(std::optional<std::size_t> index);
+  [[nodiscard]] bool has_points() const noexcept { return points_.count() > 0; }
+  // How far from a click a corner is taken for it, px.
+  [[nodiscard]] double point_reach() const { return snap_reach(size_); }
+  // Whether take_expected_points() may have some.
+  [[nodiscard]] bool expects_points() const noexcept { return expects_points_ && manual_view_; }
+  // Points that nobody has chosen, where a known camera has them by those that were: to be looked
+  // for in the frame at hand, at most so many. Each is given once, until something has changed.
+  [[nodiscard]] std::vector<ExpectedPoint> take_expected_points(std::size_t most);
+  // What was found of them.
+  [[nodiscard]] PointAnswer add_found_points(
+      const std::vector<std::pair<PointChoice, FoundCorner>>& points, const FrameTimes& times);
+  // What came of the pixels in the file of `points`, once.
+  [[nodiscard]] std::optional<PointAnswer> take_points_report();
+
   [[nodiscard]] const Session& views() const noexcept { return views_; }
   [[nodiscard]] Progress progress() const;
   // What to show next, and where to hold the board for it as camera() would see it there.
@@ -200,11 +227,10 @@ class CalibrationSession {
   [[nodiscard]] std::optional<Notice> take_notice() { return writes_.take_notice(); }
 
  private:
+  // Of a known camera one view tells where it is.
+  [[nodiscard]] int least_views() const;
   [[nodiscard]] bool enough_views() const;
-  [[nodiscard]] Error too_few() const {
-    if (useless_board_ && views_.views().empty()) return *useless_board_;
-    return too_few_views(views_.views().size(), plan_.settings.min_views, refused_, last_obstacle_);
-  }
+  [[nodiscard]] Error too_few() const;
   [[nodiscard]] Result<Board> board_of(const std::string& text);
   [[nodiscard]] JobOrigin origin() const { return {session_, generation_, revision_}; }
   [[nodiscard]] std::string_view consider();
@@ -222,6 +248,21 @@ class CalibrationSession {
   void begin_session();
   // Keeps the views of frames of another size, and takes up those of `size`.
   void change_views(ImageSize size);
+  // After other options, or other points: what they ask for.
+  void weigh_points();
+  void forget_points();
+  // Anew: with the pixels of the file.
+  void begin_points();
+  // Whether there was one.
+  bool drop_manual_view();
+  void renew_manual_view(const FrameTimes& times);
+  void look_for_points();
+  // The answer with how well the points agree, which is what the hint tells from here on.
+  [[nodiscard]] PointAnswer told(PointAnswer answer);
+  // Whether the method takes the manual points and no other view.
+  [[nodiscard]] bool is_of_points_alone() const;
+  // A view was taken out or exchanged: what is solved and written has it.
+  void views_changed();
   void write_down(bool reset, Session::Views views) {
     if (journaling_) entries_.push_back({reset, std::move(views), plan_.settings.camera});
   }
@@ -298,6 +339,17 @@ class CalibrationSession {
   // The camera.
   LensWatch lens_;
   StreamWatch stream_;
+
+  // What a user has chosen.
+  ManualPoints points_;
+  std::shared_ptr<const View> manual_view_;  // of them, among those of views_; or null
+  bool points_suffice_ = false;              // to be solved without another view
+  std::string point_words_;                  // of the newest answer
+  std::set<int> taken_out_;                  // ids that the user wants no pixel of
+  std::set<int> looked_for_;                 // likewise, that no more is expected of
+  bool expects_points_ = false;              // there may be some to look for
+  std::optional<PointAnswer> points_report_;
+  bool board_in_view_ = false;  // a board was found on the newest frame
 
   // What is solved.
   std::uint64_t session_ = 0;

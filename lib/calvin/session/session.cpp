@@ -105,10 +105,15 @@ std::optional<std::size_t> Session::place_of(const View* view) const {
   return static_cast<std::size_t>(found - views_.begin());
 }
 
-Reason Session::restore(const std::shared_ptr<const View>& view) {
+Reason Session::add(const std::shared_ptr<const View>& view) {
   const bool asked = std::exchange(asked_, false);
   const Reason reason = keep(view);
   asked_ = asked;
+  return reason;
+}
+
+Reason Session::restore(const std::shared_ptr<const View>& view) {
+  const Reason reason = add(view);
   if (reason == Reason::kAccepted) ++restored_;
   return reason;
 }

@@ -72,6 +72,9 @@ class Session {
   // had another size. kTooSimilar only where there are so many that it has to go again.
   Reason restore(const std::shared_ptr<const View>& view);
 
+  // Keeps a view as it is, in every mode: one of points that a user has chosen. Likewise.
+  Reason add(const std::shared_ptr<const View>& view);
+
   [[nodiscard]] bool has_restored() const noexcept { return restored_ > 0; }
 
   // A frame that may have shown the board, but nothing of it is offered: there is a gap.

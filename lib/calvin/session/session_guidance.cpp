@@ -106,6 +106,8 @@ Progress CalibrationSession::progress() const {
 }
 
 std::string CalibrationSession::hint_text() const {
+  if (!finished_ && !point_words_.empty()) return point_words_;
+  if (!finished_ && clicks_choose()) return points_.hint();
   // As long as another board is in view, or it is dark, nothing else helps.
   if (!obstacle_.empty()) return obstacle_;
   const bool is_told = verdict_until_ != kNoTimestamp && newest_ <= verdict_until_;

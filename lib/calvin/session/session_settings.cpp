@@ -49,18 +49,21 @@ Status read_board(SessionPlan& plan) {
   return {};
 }
 
-// A session gathers several views.
-Status takes_several_views(std::string_view method) {
+// A session gathers several views, but where points are chosen, which are one.
+Status takes_several_views(const SessionSettings& settings) {
+  const std::string& method = settings.method;
   if (!takes_one_view(method)) return {};
+  if (!points_text(settings.points, settings.board).empty()) return {};
   return make_error(ErrorCode::kInvalidArgument,
                     fmt::format("method={} takes one view, and several are gathered here: set one "
-                                "of {}, or calibrate from one view with calvin-solve --method {}.",
+                                "of {}, or `points` for a view of manual points, or calibrate from "
+                                "one view with calvin-solve --method {}.",
                                 method, join(methods_of_several_views(), ", "), method));
 }
 
 Status read_lens(SessionPlan& plan) {
   const SessionSettings& settings = plan.settings;
-  if (const Status several = takes_several_views(settings.method); !several) return several;
+  if (const Status several = takes_several_views(settings); !several) return several;
   plan.options.model = settings.model;
   plan.options.method = settings.method;
   plan.options.skew = settings.skew;
@@ -143,6 +146,25 @@ void keep_files(SessionPlan& plan, const SessionPlan& before) {
   plan.settings.exports = before.settings.exports;
 }
 
+std::string points_of(const SessionSettings& settings) {
+  return points_text(settings.points, settings.board);
+}
+
+Status read_points(SessionPlan& plan) {
+  const std::string text = points_of(plan.settings);
+  plan.points.reset();
+  if (text.empty()) return {};
+  auto points = read_known_points(text);
+  if (!points) return tl::unexpected<Error>(points.error());
+  plan.points = *std::move(points);
+  return {};
+}
+
+void keep_points(SessionPlan& plan, const SessionPlan& before) {
+  plan.points = before.points;
+  plan.settings.points = before.settings.points;
+}
+
 bool same_lens(const SessionSettings& a, const SessionSettings& b) {
   return a.model == b.model && a.method == b.method && a.fix == b.fix && a.initial == b.initial &&
          a.board == b.board && a.board_shape == b.board_shape && a.warp == b.warp &&
@@ -156,6 +178,10 @@ constexpr Group kGroups[] = {
        return a.min_views == b.min_views && a.max_views == b.max_views;
      },
      read_counts, keep_counts},
+    {[](const SessionSettings& a, const SessionSettings& b) {
+       return points_of(a) == points_of(b);
+     },
+     read_points, keep_points},
     {[](const SessionSettings& a, const SessionSettings& b) { return !names_other_files(a, b); },
      read_files, keep_files},
 };
@@ -197,6 +223,7 @@ bool may_wait(const SessionSettings& seen, const SessionSettings& now) {
   const bool other_lens = !kGroups[0].same(seen, now);
   if (other_lens && !now.initial.empty() && may_be_calibration_path(now.initial)) return true;
   if (other_lens && names_a_file(now.board)) return true;
+  if (points_of(seen) != points_of(now) && !points_of(now).empty()) return true;
   if (!names_other_files(seen, now)) return false;
   const auto files = parse_calibration_files(now.location, now.exports);
   return files && !files->empty();

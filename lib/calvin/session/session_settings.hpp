@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "calvin/session/files/calibration_files.hpp"
+#include "calvin/session/points/known_points.hpp"
 #include "calvin/session/session.hpp"
 #include "calvin/solve/solve.hpp"
 
@@ -33,7 +34,8 @@ struct SessionSettings {
   std::string method;  // SolveOptions::method
   std::string fix;
   std::string initial;
-  std::string board;  // as the detector has it: a file of names may have its measured shape
+  std::string board;   // as the detector has it: a file of names may have its measured shape
+  std::string points;  // of which clicks choose the pixels: a file of points or a board; or empty
   BoardShapeChoice board_shape = BoardShapeChoice::kAuto;
   bool warp = true;  // false: as kNone
   bool skew = false;
@@ -53,11 +55,12 @@ struct SessionPlan {
   SolveOptions options;  // without the names and sizes that only the frames tell
   std::optional<Calibration> initial;
   std::vector<CalibrationFile> files;
+  std::optional<KnownPoints> points;  // that a user chooses in the picture
 
   [[nodiscard]] SessionOptions session_options(bool live) const;
 };
 
-// An error for settings that cannot work. Reads the files of `initial` and `board`.
+// An error for settings that cannot work. Reads the files of `initial`, `board` and `points`.
 [[nodiscard]] Result<SessionPlan> make_plan(const SessionSettings& settings);
 
 // Settings that change while frames flow, from those `seen` last. What changed and cannot work goes
@@ -83,8 +86,8 @@ struct SettingsRead {
 // Looks at the disk for what may_wait() says.
 [[nodiscard]] SettingsRead read_settings(const SettingsUpdate& update);
 
-// Whether read_settings() may have to wait for the disk that a new `initial`, `board`, `location`
-// or `export` is on.
+// Whether read_settings() may have to wait for the disk that a new `initial`, `board`, `points`,
+// `location` or `export` is on.
 [[nodiscard]] bool may_wait(const SessionSettings& seen, const SessionSettings& now);
 
 // Whether the views are to be solved again, or the result is to be written again, when one set of

@@ -68,6 +68,7 @@ std::optional<Published> CalibrationSession::solved(const SolveJob& job, const S
   misfit_ = solution.misfit.cause;
   if (auto doubt = views_.readout_doubt()) calibration_->remarks.push_back(*std::move(doubt));
   solve_error_.clear();
+  look_for_points();  // by the camera that is known now
   const double error = compared_error(*calibration_).value_or(HUGE_VAL);
   const bool better = job.final || !published_ || error < published_error_.value_or(HUGE_VAL);
   if (better) {

@@ -63,6 +63,8 @@ std::optional<std::vector<Error>> CalibrationSession::end_update(const SettingsU
 std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) {
   const bool solve = solves_differently(plan.settings, plan_.settings);
   const bool write = writes_elsewhere(plan.settings, plan_.settings);
+  const bool other_points = points_text(plan.settings.points, plan.settings.board) !=
+                            points_text(plan_.settings.points, plan_.settings.board);
   const bool other_files = names_other_files(plan.settings, plan_.settings);
   plan_ = std::move(plan);
   views_.set_options(plan_.session_options(live_));
@@ -75,6 +77,8 @@ std::optional<Error> CalibrationSession::adopt(SessionPlan plan, bool writable) 
     published_ = false;  // the calibration is one of the old way
     solve_error_.clear();
   }
+  if (other_points) begin_points();
+  weigh_points();
   finished_ = !limit_reached().empty();
   renew_hint();  // `initial` is the camera until there is a solution
   if (other_files) writes_.begin_files(writable);

@@ -69,6 +69,11 @@ Error too_few_views(std::size_t views, int least, const Refusals& refused,
                   least, obstacle.empty() ? "" : " " + obstacle + ".", told(refused))};
 }
 
+Error too_few_points(const std::string& hint) {
+  return {ErrorCode::kDegenerate,
+          fmt::format("No calibration: the manual points are not enough. {}", hint)};
+}
+
 Error solve_failed(const std::string& why, bool before) {
   return {
       ErrorCode::kDegenerate,

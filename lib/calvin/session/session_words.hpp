@@ -16,7 +16,7 @@
 #include "calvin/core/reason.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/session/files/calibration_files.hpp"
-#include "calvin/session/notice.hpp"
+#include "calvin/session/guidance/notice.hpp"
 #include "calvin/session/session.hpp"
 
 namespace calvin {
@@ -27,6 +27,8 @@ using Refusals = std::map<Reason, std::size_t>;
 // `obstacle`: what keeps the detector from finding a board, or nothing.
 [[nodiscard]] Error too_few_views(std::size_t views, int least, const Refusals& refused,
                                   const std::string& obstacle);
+// The same where manual points are all there is; `hint`: what they lack.
+[[nodiscard]] Error too_few_points(const std::string& hint);
 // Why there is no final result. `before`: there is one from an earlier solve.
 [[nodiscard]] Error solve_failed(const std::string& why, bool before);
 // Of settings that were refused while those before them go on.

@@ -80,7 +80,8 @@ struct SolveOptions {
   // coefficient where it bends nothing (LensTraits::neutral: 0, but 1 for beta) and "cx", "cy" at
   // the centre of the image; "center" holds both of these.
   // "aspect" ties fy / fx as in `initial`, or else at 1; "fx=fy" or "k1=k2" gives two parameters
-  // one value; "fx=800" holds one at a number.
+  // one value; "fx=800" holds one at a number. "all" holds the whole camera of `initial`: the solve
+  // then tells where the boards are, and nothing else.
   std::vector<std::string> fix;
 };
 

@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "calvin/core/text.hpp"
 #include "calvin/solve/fit/weights.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/start/pose_fit.hpp"
@@ -70,6 +72,85 @@ Result<SE3> solve_pose(const Camera& camera, const Board& board, const Observati
     *quality = {rms, std::max(rms, rms_of(view[0], camera, fit->other))};
   }
   return fit->camera_from_board;
+}
+
+bool holds_camera(const SolveOptions& options) {
+  return std::ranges::any_of(options.fix,
+                             [](const std::string& word) { return trim(word) == "all"; });
+}
+
+Status check_held_camera(const SolveOptions& options) {
+  if (!options.initial) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "'all' cannot be fixed at nothing: give the calibration that is to be held "
+                      "(initial).");
+  }
+  if (!options.method.empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("With 'all' fixed there is no camera for the method {} to find: "
+                                  "leave one of them out.",
+                                  options.method));
+  }
+  return {};
+}
+
+namespace {
+
+// What is known of the camera, without what was known of the views that it was made of.
+Calibration without_views(Calibration calibration) {
+  calibration.views.clear();
+  calibration.rms.reset();
+  calibration.held_out_rms.reset();
+  calibration.chi.reset();
+  calibration.split_half_ratio.reset();
+  calibration.warp.reset();
+  calibration.created.clear();
+  return calibration;
+}
+
+}  // namespace
+
+Result<Solution> solve_poses(std::span<const View> views, ImageSize size,
+                             const SolveOptions& options) {
+  if (Status held = check_held_camera(options); !held) return tl::unexpected<Error>(held.error());
+  const auto camera = Camera::make(*options.initial);
+  if (!camera) return tl::unexpected<Error>(camera.error());
+  Solution solution;
+  solution.calibration = without_views(*options.initial);
+  double squares = 0;
+  int points = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Observation& seen = views[i].observation;
+    const bool is_off_size = seen.image_size.width > 0 && seen.image_size != size;
+    if (!seen.found() || is_off_size) {
+      solution.rejected.push_back({i, is_off_size ? Reason::kOffSize : Reason::kNotFound});
+      continue;
+    }
+    if (Status has = check_has_pose(views[i].board); !has) {
+      return tl::unexpected<Error>(has.error());
+    }
+    PoseQuality quality;
+    const auto pose = solve_pose(*camera, views[i].board, seen, &quality);
+    if (!pose && pose.error().code != ErrorCode::kDegenerate) {
+      return tl::unexpected<Error>(pose.error());
+    }
+    if (!pose) {
+      solution.rejected.push_back({i, Reason::kTooFewPoints});
+      continue;
+    }
+    const auto count = static_cast<int>(seen.ids.size());
+    solution.calibration.views.push_back(
+        {seen.timestamp, quality.rms, count, false, to_pose(*pose)});
+    squares += count * quality.rms * quality.rms;
+    points += count;
+  }
+  if (points == 0) {
+    return make_error(ErrorCode::kDegenerate,
+                      "No view tells where its board is: each needs at least 4 points that do not "
+                      "lie on one line.");
+  }
+  solution.calibration.rms = std::sqrt(squares / points);
+  return solution;
 }
 
 }  // namespace calvin

@@ -4,11 +4,16 @@
 // The pose of one board before a known camera.
 #pragma once
 
+#include <span>
+
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/export.hpp"
 #include "calvin/core/observation.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/geometry/se3.hpp"
+#include "calvin/solve/options.hpp"
+#include "calvin/solve/solution.hpp"
+#include "calvin/solve/view.hpp"
 #include "calvin/target/board.hpp"
 
 namespace calvin {
@@ -29,5 +34,18 @@ struct PoseQuality {
                                                 const Observation& observation,
                                                 PoseQuality* quality = nullptr,
                                                 const BoardWarp& warp = {});
+
+// Whether nothing of the camera is to be estimated: `fix` has the word "all".
+[[nodiscard]] bool holds_camera(const SolveOptions& options);
+
+// kInvalidArgument where the whole camera is held and `initial` does not tell it, or `method` is to
+// find another one.
+[[nodiscard]] Status check_held_camera(const SolveOptions& options);
+
+// The poses of all views before the camera that `initial` tells, each by solve_pose(): what solve()
+// returns where holds_camera(). The calibration is that camera with what is known of it, but with
+// these views and their rms. Views without a pose are rejected; kDegenerate where none is left.
+[[nodiscard]] Result<Solution> solve_poses(std::span<const View> views, ImageSize size,
+                                           const SolveOptions& options);
 
 }  // namespace calvin

@@ -23,6 +23,7 @@
 #include "calvin/solve/methods/method_solution.hpp"
 #include "calvin/solve/methods/methods.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
+#include "calvin/solve/pose.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/residuals/points.hpp"
 #include "calvin/solve/simpler_model.hpp"
@@ -273,11 +274,22 @@ Result<Solution> solve_board(std::span<const View> views, std::vector<PointSet> 
   return solution;
 }
 
+// Says of which camera and of which boards a solution is.
+Result<Solution> named(Result<Solution> solution, std::span<const View> views,
+                       const SolveOptions& options) {
+  if (!solution) return solution;
+  solution->calibration.camera =
+      options.camera.empty() ? views.front().observation.camera : options.camera;
+  solution->calibration.board = board_text(views, solution->rejected);
+  return solution;
+}
+
 Result<Solution> solve_views(std::span<const View> views, ImageSize image_size,
                              const SolveOptions& options, const std::stop_token& stop) {
   if (const Status status = check_image_size(image_size); !status) {
     return tl::unexpected<Error>(status.error());
   }
+  if (holds_camera(options)) return named(solve_poses(views, image_size, options), views, options);
   auto usable = usable_views(views, image_size);
   if (!usable) return tl::unexpected<Error>(usable.error());
   auto solution = options.refine && is_refined(options.method)
@@ -289,10 +301,7 @@ Result<Solution> solve_views(std::span<const View> views, ImageSize image_size,
   rejected.insert(rejected.end(), usable->rejected.begin(), usable->rejected.end());
   std::sort(rejected.begin(), rejected.end(),
             [](const RejectedView& a, const RejectedView& b) { return a.index < b.index; });
-  solution->calibration.camera =
-      options.camera.empty() ? views.front().observation.camera : options.camera;
-  solution->calibration.board = board_text(views, rejected);
-  return solution;
+  return named(std::move(solution), views, options);
 }
 
 }  // namespace
@@ -301,6 +310,7 @@ Status check(const SolveOptions& options) {
   if (!options.method.empty() || !options.refine) {
     if (const Status known = check_method(options.method); !known) return known;
   }
+  if (holds_camera(options)) return check_held_camera(options);
   SolveOptions any = options;
   if (any.model == kAutoModel) any.model = "brown5";
   const auto parameterization = make_parameterization(any, {});

@@ -66,6 +66,7 @@ void RigSession::start(RigSessionSettings settings) {
   ++generation_;
   revision_ = told_revision_ = asked_revision_ = solved_revision_ = 0;
   is_due_ = false;
+  chosen_at_ = 0;
 }
 
 RigSession::Camera& RigSession::at(std::size_t camera) {
@@ -81,6 +82,7 @@ void RigSession::set_name(std::size_t camera, std::string name) {
 void RigSession::remove(std::size_t camera) {
   at(camera) = {};
   recent_instants_.forget(camera);
+  renew_chosen();
   ++revision_;
 }
 
@@ -187,14 +189,9 @@ Result<bool> RigSession::offer(std::size_t camera, Observation observation) {
   auto checked = to_view(observation);
   if (!checked) return tl::unexpected<Error>(checked.error());
   if (!takes(*checked)) return false;
+  set_size(camera, observation.image_size);
   Camera& own = at(camera);
-  // Pictures of another size are those of another camera, whose views begin anew.
-  if (own.size != observation.image_size) {
-    forget_views(own);
-    recent_instants_.forget(camera);
-    own.size = observation.image_size;
-    fit_intrinsics(own);
-  }
+  own.has_seen = true;
   checked->observation.velocity.clear();
   if (own.last && goes_on(own.last->observation, checked->observation)) {
     improve_last(camera, checked->observation);

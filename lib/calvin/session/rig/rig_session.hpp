@@ -20,6 +20,8 @@
 #include "calvin/rig/light_camera.hpp"
 #include "calvin/rig/rig_watch.hpp"
 #include "calvin/rig/solve_rig.hpp"
+#include "calvin/session/points/known_points.hpp"
+#include "calvin/session/points/manual_points.hpp"
 #include "calvin/session/rig/recent_instants.hpp"
 
 namespace calvin {
@@ -97,6 +99,31 @@ class RigSession {
   // and a fiftieth more of a light's, which come with every frame.
   [[nodiscard]] bool take_progress();
 
+  // ---- Manual points, each camera's one view, in a world of all: rig_session_points.cpp
+
+  // Of the pictures of a camera, which begins anew where it is another one.
+  void set_size(std::size_t camera, ImageSize size);
+  // Whose pixels are chosen in the pictures of a camera, in their order; those that are known are.
+  void set_points(std::size_t camera, KnownPoints points);
+  // Whether there are such points.
+  [[nodiscard]] bool clicks_choose(std::size_t camera);
+  // How far from a click a corner is taken for it, px.
+  [[nodiscard]] double point_reach(std::size_t camera) {
+    return snap_reach(at(camera).size.value_or(ImageSize{}));
+  }
+  // `corner`: what is next to the pixel in the picture of that time, if it was looked for.
+  [[nodiscard]] PointAnswer add_point(std::size_t camera, const PointChoice& choice,
+                                      const std::optional<FoundCorner>& corner,
+                                      std::uint64_t timestamp);
+  // The newest one, or that of a number.
+  [[nodiscard]] PointAnswer remove_point(std::size_t camera, std::optional<std::size_t> index);
+  [[nodiscard]] bool has_points(std::size_t camera) { return at(camera).points.count() > 0; }
+  // What came of the pixels that are known, once.
+  [[nodiscard]] std::optional<PointAnswer> take_points_report(std::size_t camera);
+  // The camera of that name.
+  [[nodiscard]] std::optional<std::size_t> find(const std::string& name) const;
+  [[nodiscard]] const std::string& name(std::size_t camera) { return at(camera).name; }
+
   // Where enough has come since the last job; where `final`, where there is anything new at all.
   // Of two cameras or more that have something to be solved by (before a light of three, unless all
   // intrinsics are known); the others are named in it.
@@ -133,13 +160,24 @@ class RigSession {
     std::optional<Calibration> intrinsics;
     std::optional<ImageSize> size;              // of its pictures, once it has seen a board
     std::shared_ptr<const Calibration> fitted;  // to that size; nullptr: they do not fit
+    bool has_seen = false;                      // a board
     std::deque<SharedView> recent;              // of the last moment, not kept
     std::vector<SharedView> kept;
     std::optional<Movement> movement;
-    std::vector<SharedView> apart;  // kept since it moved
-    SharedView last;                // to see how fast the board moves
-    double passed = 0;              // s, since the one before
+    std::vector<SharedView> apart;     // kept since it moved
+    std::optional<KnownPoints> known;  // that a user chooses
+    ManualPoints points;
+    SharedView chosen;                  // the view of these, on the board of all cameras; or null
+    std::optional<PointAnswer> report;  // of those that are known
+    SharedView last;                    // to see how fast the board moves
+    double passed = 0;                  // s, since the one before
 
+    // What it is solved by: manual points first, whose world is to be that of the rig.
+    [[nodiscard]] std::vector<SharedView> views() const {
+      std::vector<SharedView> all = kept;
+      if (chosen) all.insert(all.begin(), chosen);
+      return all;
+    }
     // Where views of a time are kept.
     [[nodiscard]] std::vector<SharedView>& list_at(std::uint64_t timestamp) {
       return movement && timestamp >= movement->since ? apart : kept;
@@ -154,6 +192,9 @@ class RigSession {
   [[nodiscard]] bool is_new(const std::vector<SharedView>& kept, const View& view) const;
   [[nodiscard]] std::size_t most_views() const;
   void forget_views(Camera& camera);
+  void begin_points(Camera& camera);
+  void renew_chosen();
+  [[nodiscard]] PointAnswer told(Camera& camera, PointAnswer answer) const;
   void keep(Camera& camera, const SharedView& view);
   void keep_recent_at(std::uint64_t timestamp);
   void thin_out();
@@ -178,7 +219,8 @@ class RigSession {
   std::uint64_t told_revision_ = 0;    // at the last progress
   std::uint64_t asked_revision_ = 0;   // at the last job
   std::uint64_t solved_revision_ = 0;  // of the last one that ended well
-  bool is_due_ = false;                // a camera was asked to be inserted again
+  bool is_due_ = false;                // a camera was asked to be inserted again, or points chosen
+  std::uint64_t chosen_at_ = 0;        // ns, of the newest picture in which a point was chosen
 };
 
 }  // namespace calvin

@@ -97,7 +97,7 @@ std::optional<RigJob> RigSession::take_solve(bool final) {
     if (const auto lack = lack_of(camera)) {
       job.left_out.push_back({camera.name, lack->message});
     } else {
-      job.cameras.push_back({camera.name, camera.fitted, camera.kept});
+      job.cameras.push_back({camera.name, camera.fitted, camera.views()});
     }
     if (camera.movement) job.remarks.push_back(camera.movement->text);
   }
@@ -118,7 +118,7 @@ std::vector<Instant> RigSession::instants() const {
   std::vector<ViewTimes> times;
   for (const Camera& camera : cameras_) {
     ViewTimes& of = times.emplace_back();
-    for (const SharedView& view : camera.kept) of.push_back(view->observation.timestamp);
+    for (const SharedView& view : camera.views()) of.push_back(view->observation.timestamp);
   }
   return pair_instants(times, settings_.options.tolerance).instants;
 }
@@ -126,7 +126,7 @@ std::vector<Instant> RigSession::instants() const {
 RigProgress RigSession::progress() const {
   RigProgress progress;
   for (const Camera& camera : cameras_) {
-    if (!camera.kept.empty()) progress.cameras.push_back(camera.name);
+    if (!camera.kept.empty() || camera.chosen) progress.cameras.push_back(camera.name);
   }
   const std::vector<Instant> all = instants();
   progress.instants = static_cast<int>(all.size());
@@ -142,9 +142,14 @@ RigProgress RigSession::progress() const {
 }
 
 std::optional<Error> RigSession::lack_of(const Camera& camera) const {
-  if (camera.kept.empty()) {
+  if (camera.kept.empty() && !camera.chosen) {
+    if (camera.points.count() > 0) {
+      return Error{ErrorCode::kDegenerate,
+                   fmt::format("The manual points of the camera '{}' are not enough. {}",
+                               camera.name, camera.points.hint())};
+    }
     return Error{ErrorCode::kDegenerate,
-                 has_seen_nothing(camera.name, sees_light(), camera.size.has_value())};
+                 has_seen_nothing(camera.name, sees_light(), camera.has_seen)};
   }
   if (!camera.intrinsics) {
     if (sees_light()) return std::nullopt;

@@ -12,7 +12,7 @@
 
 #include "calvin/core/result.hpp"
 #include "calvin/device/lens.hpp"
-#include "calvin/session/notice.hpp"
+#include "calvin/session/guidance/notice.hpp"
 
 namespace calvin {
 

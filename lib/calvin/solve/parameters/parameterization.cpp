@@ -131,8 +131,8 @@ class Reader {
     for (int i = 0; i < table_.camera(0).end(); ++i) names.push_back(table_.name(i));
     return make_error(
         ErrorCode::kInvalidArgument,
-        fmt::format("'{}' cannot be fixed. What can: aspect, center, {}, and two of them tied to "
-                    "one value, as in fx=fy, or one to a number, as in fx=800.",
+        fmt::format("'{}' cannot be fixed. What can: aspect, center, {} or all, and two of them "
+                    "tied to one value, as in fx=fy, or one to a number, as in fx=800.",
                     word, join(names, ", ")));
   }
 
@@ -221,7 +221,8 @@ Result<Parameterization> make_parameterization(const SolveOptions& options, Imag
   parameterization.basis = table.basis();
   if (parameterization.basis.cols() == 0) {
     return make_error(ErrorCode::kInvalidArgument,
-                      "Everything is fixed: there is nothing left to estimate.");
+                      "Everything is fixed: there is nothing left to estimate. For the places of "
+                      "boards before a known camera fix all, and give initial.");
   }
   return parameterization;
 }
