@@ -126,13 +126,13 @@ TEST_F(TagLists, CalibrateACamera) {
     const auto detector = make_detector(board).value();
     const Motion motion(MotionKind::kRandom, camera, board, 7);
     std::vector<View> views;
-    for (int i = 0; views.size() < 25 && i < 200; ++i) {
+    for (int i = 0; views.size() < 16 && i < 200; ++i) {
       const SE3 pose = motion.camera_from_board(i);
       const GrayImage image = render_board(camera, board, pose, {.noise = 2, .blur = 0.7});
       const Observation seen = detector->detect(image.view()).observation;
       if (seen.ids.size() >= 8) views.push_back({.observation = seen, .board = board});
     }
-    ASSERT_EQ(views.size(), 25U);
+    ASSERT_EQ(views.size(), 16U);
     SolveOptions options;
     options.model = "brown5";
     const auto solution = solve(views, {960, 720}, options);

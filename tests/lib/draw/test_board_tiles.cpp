@@ -114,8 +114,8 @@ TEST(BoardTiles, ShowTheirPartsOfTheBoard) {
       for (int u = static_cast<int>(tile.left / kPixel) + 2; u < tile.right / kPixel - 2; u += 3) {
         const bool dark = is_dark(u, v);
         bool same = true;
-        for (const double i : {-1.1, 0.0, 1.1}) {
-          for (const double j : {-1.1, 0.0, 1.1}) same = same && is_dark(u + i, v + j) == dark;
+        for (const double x : {-1.1, 0.0, 1.1}) {
+          for (const double y : {-1.1, 0.0, 1.1}) same = same && is_dark(u + x, v + y) == dark;
         }
         if (!same) continue;
         ++plain;
