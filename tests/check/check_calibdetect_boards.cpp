@@ -89,11 +89,22 @@ static const struct {
      "aprilgrid:4x3:25mm:0.3:first=12"},
     {"aprilgrid:5x4:25mm:0.3:tag25h9", "aprilgrid:5x4:25mm:0.3", "tag25h9"},
     {"aprilgrid:6x6:25mm:0.3", "circles:7x5:25mm", "aprilgrid:6x6:25mm:0.3"},
+    {"aprilgrid:4x4:25mm:0.2", "aprilgrid:5x5:25mm:0.3", "aprilgrid:4x4:25mm:0.2"},
+    {"aruco:5x4:25mm:5mm:DICT_4X4_50:first=3", "aruco:5x4:25mm:5mm:DICT_5X5_50:first=3",
+     "aruco:5x4:25mm:5mm:DICT_4X4_50:first=3"},
+    {"aruco:5x4:25mm:5mm:DICT_6X6_50", "aruco:6x4:25mm:5mm:DICT_7X7_250",
+     "aruco:5x4:25mm:5mm:DICT_6X6_50"},
+    {"apriltag:tag36h11:4x3:25mm:10mm:first=5", "charuco:5x7:25mm:20mm:DICT_4X4_50",
+     "apriltag:tag36h11:4x3:25mm:10mm:first=5"},
+    {"checkerboard:9x6:25mm", "checkerboard:9x6:25mm:circles", "checkerboard:9x6:25mm,"},
+    {"checkerboard:9x6:25mm:circles=1.1+2.1+1.2", "checkerboard:9x6:25mm:circles",
+     "circles=1.1+2.1+1.2"},
 };
 
 static bool is_known(const char* board) {
   return !marker_dictionaries().empty() ||
-         (strncmp(board, "charuco", 7) != 0 && strncmp(board, "april", 5) != 0);
+         (strncmp(board, "charuco", 7) != 0 && strncmp(board, "april", 5) != 0 &&
+          strncmp(board, "aruco", 5) != 0);
 }
 
 GST_START_TEST(test_a_wrong_text_is_answered_by_the_right_one) {
@@ -128,10 +139,10 @@ GST_START_TEST(test_the_answer_ends_where_the_board_is_found) {
 GST_END_TEST;
 
 static const char* const kAuto[] = {
-    "checkerboard:9x6:30mm", "checkerboard:9x6:30mm:circles",
-    "puzzle:9x6:30mm:120,7", "circles:7x5:30mm",
-    "acircles:4x11:30mm",    "charuco:7x8:30mm:24mm:DICT_6X6_50:legacy",
-    "aprilgrid:6x6:30mm:0.3"};
+    "checkerboard:9x6:30mm",  "checkerboard:9x6:30mm:circles",
+    "puzzle:9x6:30mm:120,7",  "circles:7x5:30mm",
+    "acircles:4x11:30mm",     "charuco:7x8:30mm:24mm:DICT_6X6_50:legacy",
+    "aprilgrid:6x6:30mm:0.3", "aruco:5x4:30mm:6mm:DICT_6X6_50"};
 
 GST_START_TEST(test_auto_takes_what_is_in_view) {
   const char* board = kAuto[__i__];

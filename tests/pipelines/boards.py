@@ -14,6 +14,7 @@ import tempfile
 
 BOARDS = [
     "checkerboard:9x6:25mm",
+    "checkerboard:10x7:24mm:circles",
     "puzzle:14x9:18mm",
     "puzzle:9x6:25mm:250,411",
     "charuco:8x6:32mm:24mm:DICT_5X5_250",
@@ -29,6 +30,7 @@ BOARDS = [
     "aruco:5x4:40mm:10mm:DICT_6X6_250",
     "aruco:4x4:40mm:20mm:DICT_4X4_50:first=9:inverted",
     "apriltag:tag36h11:5x4:40mm:12mm:border=2",
+    "apriltag:tag36h11:60mm:0=0,0+3=150mm,-20mm,30+7/90mm=60mm,110mm,-75+12=170mm,90mm",
 ]
 
 

@@ -204,7 +204,9 @@ void BoardRenderer::paint_cards(std::vector<PlacedArtwork> sheets,
                                 const RenderOptions& options, synth::FloatImage& image) const {
   const auto front = camera_from_board(0);
   std::ranges::stable_sort(sheets, std::greater(), [&](const PlacedArtwork& sheet) {
-    return (front * sheet.board_from_sheet.translation).norm();
+    const BoardArea& area = sheet.artwork.outline;
+    const Eigen::Vector3d middle((area.left + area.right) / 2, (area.top + area.bottom) / 2, 0);
+    return (front * (sheet.board_from_sheet * middle)).norm();
   });
   std::ranges::fill(image.pixels, static_cast<float>(levels_of(options, false).background));
   synth::FloatImage ink(size_);

@@ -8,7 +8,7 @@
 // within one pixel; edges lie where the camera's project() puts them to better than 0.002 px.
 // Around a board of squares runs a light margin of one square, around that a constant background,
 // which also stands where the camera model is not valid. From behind a board is a blank light card.
-// The tags of a list are cards of their own, each painted over those whose corner is farther away.
+// The tags of a list are cards of their own, each painted over those whose middle is farther away.
 //
 // A light (board `dot`) is a small ball that glows, seen from all sides: exactly a Gaussian in the
 // image, in a dark room where other lamps may stand still.

@@ -23,7 +23,7 @@ namespace calvin {
 
 // A new kind is a file in target/, a name here and a line in board.cpp.
 struct Board::Kind : std::variant<Checkerboard, MarkedCheckerboard, PuzzleBoard, CharucoBoard,
-                                  AprilGrid, CircleGrid, AsymmetricCircleGrid, TagGrid,
+                                  AprilGrid, CircleGrid, AsymmetricCircleGrid, TagGrid, TagList,
                                   UnboundedGrid, PointBoard, PointLight> {
   using variant::variant;
 };

@@ -121,6 +121,39 @@ TEST_F(Tags, OfSeveralBoardsAreToldApart) {
   }
 }
 
+// A sheet that is followed is all that is looked at: another one is found when the whole picture is
+// searched again, a second later.
+TEST_F(Tags, AreFollowedUntilTheNextSearch) {
+  constexpr std::uint64_t kFrame = 33'000'000;  // ns
+  const Board board = parse_board("aruco:3x2:40mm:10mm:DICT_5X5_100").value();
+  const Camera camera = Camera::make("pinhole", {640, 480}, {600, 600, 319.5, 239.5}).value();
+  const auto detector = make_detector(board).value();
+  for (int frame = 0; frame < 40; ++frame) {
+    cv::Mat picture(480, 1280, CV_8U, cv::Scalar(128));
+    Observation truth;
+    for (const int part : {0, 1}) {
+      if (part == 1 && frame == 0) continue;
+      const SE3 pose = {exp_so3({0.2, 0.1, 0.3 + 0.01 * frame}),
+                        {-0.07 + 0.001 * frame, -0.05 + 0.0004 * frame, 0.35}};
+      GrayImage image = render_board(camera, board, pose, {.noise = 2, .blur = 0.7});
+      cv::Mat(480, 640, CV_8U, image.pixels.data()).copyTo(picture({640 * part, 0, 640, 480}));
+      if (part == 0) truth = true_observation(camera, board, pose);
+    }
+    const std::uint64_t time = static_cast<std::uint64_t>(frame) * kFrame;
+    const auto found = detector->follow_all(view_of(picture), time);
+    ASSERT_EQ(found.size(), time < 1'000'000'000 ? 1U : 2U) << frame;
+    const Observation& seen = found[0].observation;
+    ASSERT_EQ(seen.ids, truth.ids) << frame;
+    for (std::size_t k = 0; k < truth.ids.size(); ++k) {
+      EXPECT_NEAR(seen.uv[k].u, truth.uv[k].u, 0.15) << frame;
+      EXPECT_NEAR(seen.uv[k].v, truth.uv[k].v, 0.15) << frame;
+    }
+  }
+  // One that is gone is not found where it was.
+  const cv::Mat empty(480, 1280, CV_8U, cv::Scalar(128));
+  EXPECT_FALSE(detector->follow(view_of(empty), 41 * kFrame).observation.found());
+}
+
 TEST_F(Tags, MayStandAlone) {
   for (const char* text : {"aruco:1x1:60mm:10mm:DICT_6X6_250:first=17",
                            "apriltag:tag36h11:1x1:60mm:20mm", "aruco:2x1:60mm:10mm:DICT_4X4_50"}) {

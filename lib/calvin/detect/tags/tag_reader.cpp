@@ -184,11 +184,14 @@ void TagReader::Cells::take_levels(double around) {
   around_wrong_ = around_seen_ - static_cast<int>(std::ranges::count_if(outside, is_light));
 }
 
-TagReader::TagReader(const TagStyle& style, double gap) : style_(style), gap_(gap * style.cells()) {
+TagReader::TagReader(const TagStyle& style, double gap)
+    : TagReader(style, gap, std::max((distance_of(*style.dictionary) - 1) / 2, 0)) {}
+
+TagReader::TagReader(const TagStyle& style, double gap, int most_wrong)
+    : style_(style), gap_(gap * style.cells()), most_wrong_(most_wrong) {
   // In the middle of a narrow gap: beyond it there may be another tag.
   constexpr double kMost = 0.7;  // cells
   around_ = std::min(kMost, 0.5 * gap_);
-  most_wrong_ = std::max((distance_of(*style.dictionary) - 1) / 2, 0);
 }
 
 std::optional<TagBits> TagReader::bits_of(const ImageView& image, const Quad& quad) const {

@@ -39,6 +39,8 @@ class TagReader {
  public:
   // `gap`: what is free around a tag of these boards, in parts of its side.
   TagReader(const TagStyle& style, double gap);
+  // One that bears so many wrong bits: to find out how many the dictionary can bear takes a while.
+  TagReader(const TagStyle& style, double gap, int most_wrong);
 
   // A quad that has the dark border of a tag, whatever its bits are, and light around it; absent
   // for any other one.

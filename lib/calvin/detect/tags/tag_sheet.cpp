@@ -140,14 +140,14 @@ bool TagSheet::fits(GridPlace place, const Quad& corners) const {
 }
 
 void TagSheet::grow(std::span<const ReadTag> tags, std::size_t seed) {
-  tags_ = {{*board_->place_of(tags[seed].id), seed, true, tags[seed].fit}};
+  tags_ = {{*board_->place_of(tags[seed].id), seed, true, tags[seed].fit, std::nullopt}};
   for (bool grown = true; grown;) {
     grown = false;
     for (std::size_t i = 0; i < tags.size(); ++i) {
       const auto place = board_->place_of(tags[i].id);
       if (tags[i].taken || !place || has(*place) || !is_beside(*place)) continue;
       if (!fits(*place, tags[i].fit.corners)) continue;
-      tags_.push_back({*place, i, true, tags[i].fit});
+      tags_.push_back({*place, i, true, tags[i].fit, std::nullopt});
       grown = true;
     }
   }
@@ -170,7 +170,7 @@ bool TagSheet::take_if_seen(const ImageView& image, const TagReader& reader,
       by_bits + by_border < kLeastEvidence) {
     return false;
   }
-  tags_.push_back({expected.place, std::nullopt, by_bits >= kLeastBits, fit});
+  tags_.push_back({expected.place, std::nullopt, by_bits >= kLeastBits, fit, expected.bends});
   return true;
 }
 
@@ -186,7 +186,8 @@ bool TagSheet::look_at(const ImageView& image, const TagReader& reader, GridPlac
   const double side = shortest_side(*expected);
   if (side < kLeastSide) return false;
   const TagBends bends = map != nullptr ? bends_of(*map, place, true) : unknown_bends(*expected);
-  return take_if_seen(image, reader, {place, *expected}, bends, std::max(kReach * side, 1.0));
+  return take_if_seen(image, reader, {place, *expected, std::nullopt}, bends,
+                      std::max(kReach * side, 1.0));
 }
 
 bool TagSheet::follow(const ImageView& image, const TagReader& reader,
@@ -194,7 +195,7 @@ bool TagSheet::follow(const ImageView& image, const TagReader& reader,
   constexpr double kReach = 0.8;  // of a cell: what is farther away may be another edge
   for (const PlacedQuad& tag : expected) {
     const double cell = shortest_side(tag.corners) / board_->cells();
-    const TagBends bends = unknown_bends(tag.corners);
+    const TagBends bends = tag.bends.value_or(unknown_bends(tag.corners));
     if (!take_if_seen(image, reader, tag, bends, std::max(kReach * cell, 1.0))) return false;
   }
   return !tags_.empty() && certain_tags() > 0;
@@ -274,8 +275,10 @@ void TagSheet::fit_again(const ImageView& image, const TagReader& reader, const 
   constexpr double kReach = 1;  // px
   for (std::size_t k = from; k < tags_.size(); ++k) {
     SheetTag& t = tags_[k];
-    const TagFit again = fit_tag(image, t.fit.corners, pattern(reader, t.place), kReach,
-                                 bends_of(map, t.place, t.fit.seen() < 4));
+    const bool was_known = t.bends.has_value();
+    t.bends = bends_of(map, t.place, t.fit.seen() < 4);
+    if (was_known) continue;  // bends change little from frame to frame
+    const TagFit again = fit_tag(image, t.fit.corners, pattern(reader, t.place), kReach, *t.bends);
     if (again.seen() >= t.fit.seen()) t.fit = again;
   }
 }

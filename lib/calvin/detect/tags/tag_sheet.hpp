@@ -33,12 +33,14 @@ struct SheetTag {
   std::optional<std::size_t> read;  // among those that were read; absent: it was looked for here
   bool is_certain = false;          // by its bits; of others too few are in view
   TagFit fit;
+  std::optional<TagBends> bends;  // by the map of the sheet, once there is one
 };
 
 // Where a tag of a sheet is expected.
 struct PlacedQuad {
   GridPlace place;
   Quad corners;
+  std::optional<TagBends> bends;
 };
 
 class TagSheet {
@@ -48,8 +50,8 @@ class TagSheet {
   // Takes a tag of the board, then all that lie beside those that the sheet has as the board says.
   void grow(std::span<const ReadTag> tags, std::size_t seed);
 
-  // Takes tags that are where they are expected, as those of the frame before. False where one is
-  // not.
+  // Takes tags that are where they are expected, as those of the frame before, whose bends they
+  // have. False where one is not.
   [[nodiscard]] bool follow(const ImageView& image, const TagReader& reader,
                             std::span<const PlacedQuad> expected);
 

@@ -41,14 +41,18 @@ std::string angle(double degrees) {
 }
 
 std::string place_text(const TagList::Tag& tag, double usual_size) {
-  const bool is_usual = length_text(tag.size) == length_text(usual_size);
-  std::string text = fmt::format("{}{}={},{}", tag.id, is_usual ? "" : "/" + length_text(tag.size),
-                                 coordinate(tag.middle[0]), coordinate(tag.middle[1]));
-  if (!lies_in_plane(tag)) {
-    return text + fmt::format(",{},{},{},{}", coordinate(tag.middle[2]), angle(tag.turn[0]),
-                              angle(tag.turn[1]), angle(tag.turn[2]));
+  std::string text = fmt::format("{}", tag.id);
+  if (length_text(tag.size) != length_text(usual_size)) {
+    text += fmt::format("/{}", length_text(tag.size));
   }
-  return tag.turn[2] == 0 ? text : text + "," + angle(tag.turn[2]);
+  text += fmt::format("={},{}", coordinate(tag.middle[0]), coordinate(tag.middle[1]));
+  if (!lies_in_plane(tag)) {
+    text += fmt::format(",{},{},{},{}", coordinate(tag.middle[2]), angle(tag.turn[0]),
+                        angle(tag.turn[1]), angle(tag.turn[2]));
+  } else if (tag.turn[2] != 0) {
+    text += fmt::format(",{}", angle(tag.turn[2]));
+  }
+  return text;
 }
 
 bool is_number(const TagList::Tag& tag) {

@@ -177,13 +177,13 @@ void read_marker(const ImageView& image, const Lattice& lattice, Cell at, const 
 void read_circle(const ImageView& image, const Lattice& lattice, Cell at,
                  std::vector<CodeBit>& bits) {
   constexpr float kMiddle = 0.2F;    // of the square's side: well within a circle
-  constexpr float kAround = 0.72F;   // of the square's side: outside of any circle
+  constexpr float kOutside = 0.72F;  // of the square's side: outside of any circle
   constexpr float kLeast = 0.3F;     // of the contrast of the corners
   constexpr float kClearly = 0.25F;  // of the way from one colour to the other, both ways
   const auto square = Square::at(lattice, at);
   if (!square) return;
   const auto middle = mean_in(image, *square, 0.5F, 0.5F, kMiddle);
-  const auto own = mean_around(image, *square, kAround);
+  const auto own = mean_around(image, *square, kOutside);
   const auto other = mean_beside(image, *square);
   if (!middle || !own || !other) return;
   const float contrast = *other - *own;

@@ -115,14 +115,14 @@ std::vector<Readers> make_readers() {
           return shape.dictionary->side == family->side && shape.border == border &&
                  shape.inverted == inverted;
         });
-        (same == all.end() ? all.emplace_back() : *same).all.emplace_back(TagStyle(grid), kGap);
+        (same == all.end() ? all.emplace_back() : *same).all.emplace_back(TagStyle(grid), kGap, 0);
       }
     }
   }
   return all;
 }
 
-// What makes a reader takes some milliseconds, once. Never freed: see Board::Board().
+// Never freed: see Board::Board().
 const std::vector<Readers>& any_readers() {
   static const auto& readers = *new std::vector<Readers>(make_readers());
   return readers;
@@ -274,8 +274,9 @@ bool are_among_others(std::span<const SeenTag> part, std::span<const SeenTag> ta
   return static_cast<double>(within) > kMost * static_cast<double>(part.size());
 }
 
-// Whether the middle of a further tag on any side would be in the image.
-bool would_go_on_in_view(const ImageView& image, std::span<const SeenTag> tags, int cols, int rows,
+// Whether the middle of a further tag above or below would be in the image, and beside a single
+// row: with several of them the ids tell how many columns there are.
+bool would_go_on_in_view(const ImageView& image, std::span<const SeenTag> tags, GridPlace size,
                          double pitch) {
   return std::ranges::all_of(tags, [&](const SeenTag& tag) {
     const Eigen::Matrix3d from_tag = from_cells(tag.corners, 1);
@@ -283,11 +284,11 @@ bool would_go_on_in_view(const ImageView& image, std::span<const SeenTag> tags, 
       const Eigen::Vector3d p = from_tag * Eigen::Vector3d(0.5 + x, 0.5 + y, 1);
       return p.z() > 0 && is_in(image, p.head<2>() / p.z());
     };
-    const double far = pitch + 0.5;  // to the other side of that tag
-    return (tag.place.col > 0 || is_in_view(-far, 0)) &&
-           (tag.place.row > 0 || is_in_view(0, -far)) &&
-           (tag.place.col + 1 < cols || is_in_view(far, 0)) &&
-           (tag.place.row + 1 < rows || is_in_view(0, far));
+    const bool is_row = size.row == 1;
+    return (tag.place.row > 0 || is_in_view(0, -pitch)) &&
+           (tag.place.row + 1 < size.row || is_in_view(0, pitch)) &&
+           (!is_row || tag.place.col > 0 || is_in_view(-pitch, 0)) &&
+           (!is_row || tag.place.col + 1 < size.col || is_in_view(pitch, 0));
   });
 }
 
@@ -345,8 +346,8 @@ std::optional<AnyTags> board_of(const ImageView& image, std::vector<SeenTag> tag
   const Gap gap = gap_of(numbering.pitch);
   const MarkerDictionary* dictionary = smallest_with(*style.dictionary, first + order.count() - 1);
   AnyTags found;
-  found.whole = gap.is_certain && cols == seen.col &&
-                would_go_on_in_view(image, tags, seen.col, seen.row, numbering.pitch);
+  found.whole =
+      gap.is_certain && cols == seen.col && would_go_on_in_view(image, tags, seen, numbering.pitch);
   if (is_upwards) {
     if (!style.april || style.inverted) return std::nullopt;
     found.board = AprilGrid{cols, seen.row, side, gap.share, dictionary, style.border, first};
@@ -355,6 +356,10 @@ std::optional<AnyTags> board_of(const ImageView& image, std::vector<SeenTag> tag
                           style.april, first,    style.border, style.inverted};
   }
   if (!found.board.check()) return std::nullopt;
+  // With the measures that its text has, so that it is equal to the board of that text.
+  const auto exact = parse_board(found.board.text());
+  if (!exact) return std::nullopt;
+  found.board = *exact;
   return found;
 }
 

@@ -30,7 +30,9 @@ void TagTracker::remember(std::span<const SheetTag> tags, ImageSize size, std::u
   if (size != size_) before_.clear();
   size_ = size;
   last_.clear();
-  for (const SheetTag& tag : tags) last_.push_back({tag.place, tag.fit.corners});
+  for (const SheetTag& tag : tags) {
+    last_.push_back({tag.place, tag.fit.corners, tag.bends});
+  }
 }
 
 std::vector<PlacedQuad> TagTracker::predict(ImageSize size, std::uint64_t timestamp) const {
