@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/solve/pose.hpp"
+#include "calvin/solve/solve.hpp"
 #include "scenes.hpp"
 
 namespace calvin {
@@ -141,6 +142,47 @@ TEST(PoseErrors, SayWhatIsWrong) {
   seen = good;
   std::fill(seen.uv.begin(), seen.uv.end(), Pixel{100, 100});
   EXPECT_EQ(code(seen), ErrorCode::kDegenerate);
+}
+
+// solve() with the whole camera held: poses, and the camera as it was.
+TEST(Poses, AreAllThatIsSolvedWhereTheCameraIsHeld) {
+  Random random(5);
+  const Camera camera = scenes::random_camera("brown5", random);
+  std::vector<View> views;
+  std::vector<SE3> truths;
+  for (int i = 0; i < 3; ++i) {
+    truths.push_back(scenes::random_pose(camera, kBoard, random, 0.3));
+    views.push_back(scenes::observe(camera, kBoard, truths.back(), 0, random));
+  }
+  View line = views.front();
+  line.observation.ids.resize(5);
+  line.observation.uv.resize(5);
+  line.observation.sigma.clear();
+  views.insert(views.begin() + 1, line);
+  SolveOptions options;
+  options.fix = {" all"};
+  EXPECT_FALSE(check(options)) << "of no camera";
+  EXPECT_FALSE(solve(views, scenes::kSize, options));
+  options.initial = camera.to_calibration();
+  options.initial->expected_error = 0.07;
+  ASSERT_TRUE(check(options));
+  const auto found = solve(views, scenes::kSize, options);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->rejected.size(), 1U);
+  EXPECT_EQ(found->rejected[0].index, 1U);
+  ASSERT_EQ(found->calibration.views.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const SE3 pose = to_se3(found->calibration.views[i].camera_from_board);
+    EXPECT_LT((pose.translation - truths[i].translation).norm(), 1e-8);
+    EXPECT_LT((pose.rotation - truths[i].rotation).norm(), 1e-8);
+  }
+  EXPECT_LT(*found->calibration.rms, 1e-7);
+  EXPECT_EQ(found->calibration.expected_error, 0.07);
+  EXPECT_EQ(found->calibration.find("k1")->value, camera.to_calibration().find("k1")->value);
+  EXPECT_FALSE(solve(views, {640, 480}, options)) << "a camera of another size";
+  EXPECT_FALSE(solve(std::vector{line}, scenes::kSize, options));
+  options.method = "zhang";
+  EXPECT_FALSE(check(options)) << "two cameras";
 }
 
 }  // namespace
