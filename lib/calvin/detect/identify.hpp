@@ -22,12 +22,12 @@ struct IdentifiedBoard {
 
 // The boards of any kind that a picture shows, those with a code first: PuzzleBoards, ChArUco
 // boards, AprilGrids and grids of three tags and more of all dictionaries that this build knows,
-// checkerboards with circles, grids of circles without marks, and checkerboards where nothing else is seen. No picture tells lengths: squares, tags and
-// distances of circles have sides of `side` m, and what is beside them is as much of it as it is
-// seen to be; gaps between tags are told to a hundredth of a tag, and are certain where they are a
-// multiple of a twentieth. Takes some
-// ten times as long as the search for a board that is known. Any image will do; empty where nothing
-// is seen, where a stop was requested, and where there is no memory.
+// checkerboards with circles, grids of circles without marks, and checkerboards where nothing else
+// is seen. No picture tells lengths: squares, tags and distances of circles have sides of `side` m,
+// and what is beside them is as much of it as it is seen to be; gaps between tags are told to a
+// hundredth of a tag, and are certain where they are a multiple of a twentieth. Takes some ten
+// times as long as the search for a board that is known. Any image will do; empty where nothing is
+// seen, where a stop was requested, and where there is no memory.
 [[nodiscard]] std::vector<IdentifiedBoard> identify_boards(const ImageView& image, double side,
                                                            std::stop_token stop = {});
 
