@@ -150,6 +150,8 @@ class Report {
       if (!alignment) return tl::unexpected(alignment.error());
       alignment_ = *std::move(alignment);
       solution_.places_rms = alignment_.rms;
+    } else {
+      set_unit();
     }
     solution_.rig.is_metric = !places.empty();
     to_world();
@@ -164,6 +166,16 @@ class Report {
   }
 
  private:
+  // The fit holds the distance of the farthest camera to first order only: a long way from its
+  // start it is 1 no longer.
+  void set_unit() {
+    double farthest = 0;
+    for (const SE3& pose : rig_from_camera_) {
+      farthest = std::max(farthest, pose.translation.norm());
+    }
+    if (farthest > 0) alignment_.world_from_rig.scale = 1 / farthest;
+  }
+
   void to_world() {
     const auto& [scale, motion] = alignment_.world_from_rig;
     for (SE3& pose : rig_from_camera_) {

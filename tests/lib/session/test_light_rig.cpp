@@ -252,6 +252,7 @@ TEST(LightRig, CountsLightsByTheMethod) {
     if (c.board_first) (void)s.session.offer(0, board);
     EXPECT_EQ(s.session.offer(0, light).value(), c.takes_lights);
     board.timestamp += 2 * kFrame;
+    for (Pixel& corner : board.uv) corner.u += 100;  // a place that is worth keeping
     EXPECT_EQ(s.session.offer(0, board).value(), !c.takes_lights);
   }
 }
