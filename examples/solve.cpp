@@ -18,6 +18,7 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/detect/grids/thresholded_dots.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/solve/heikkila/ellipse_centers.hpp"
@@ -210,8 +211,13 @@ std::optional<Arguments> parse(std::span<char*> given) {
 
 // The views without those to drop.
 calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
+  solve_views::RowsOptions rows = arguments.rows;
+  const bool is_discorpy = arguments.options.method == "discorpy" && !arguments.options.refine;
+  if (is_discorpy && arguments.board.starts_with("dots")) {
+    rows.places = calvin::detect::at_thresholded_dots;
+  }
   auto all = solve_views::read({arguments.words.begin() + 1, arguments.words.end()},
-                               arguments.board, arguments.rows);
+                               arguments.board, rows);
   if (!all) return all;
   solve_views::NamedViews kept;
   for (std::size_t i = 0; i < all->size(); ++i) {

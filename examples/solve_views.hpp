@@ -30,6 +30,8 @@ struct RowsOptions {
   calvin::PointRowsFormat format;
   std::optional<calvin::ImageSize> size;
   std::optional<double> diameter;  // m, of dots of rows without one
+  // How dots in pictures are placed otherwise; null: as they are found.
+  rig_views::Places places = nullptr;
   // Whether u and v count from the corner of the top-left pixel, and not from its centre.
   bool from_corner = false;
 };
@@ -128,7 +130,7 @@ inline calvin::Result<NamedViews> of(const std::string& source, const std::strin
                                      const std::optional<calvin::Board>& points) {
   NamedViews named;
   if (rig_views::are_pictures(source) || are_observations(source)) {
-    auto views = rig_views::read(source, board);
+    auto views = rig_views::read(source, board, options.places);
     if (!views) return tl::unexpected<calvin::Error>(views.error());
     const auto files = pictures_by_time(source);
     for (calvin::View& view : *views) {

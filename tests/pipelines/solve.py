@@ -315,8 +315,7 @@ def own_numbers(out):
 
 
 # One picture of a dense grid of dots or lines: what discorpy published of the same, and how straight lines
-# become. Its centre is known to a pitch, for it lies between two rows: that of dot_pattern_01 is found again by its
-# steps, that of dot_pattern_05 (a pitch is 15.2 px there) lies one row and one column farther.
+# become. Its centre is known to a pitch (15.2 px in dot_pattern_05), for it lies between two rows.
 def discorpy(data, folder):
     result = folder / "distortion.json"
     pictures = data / "discorpy"
@@ -327,12 +326,14 @@ def discorpy(data, folder):
     near("discorpy's curve", curve_difference(p, center, factors, 1280, 800), 0, 0.3)
     for name, published in (("cx", center[0]), ("cy", center[1])):
         near(f"discorpy's {name}", p[name], published, 1.5 * 15.2)
+    # Its own steps, from its own places of dots on: the published numbers.
     steps = ["--method", "discorpy", "--no-refine"]
-    own, _ = own_numbers(run(result, f"{pictures}/dot_pattern_05*", "--board", "dots:1mm", *steps))
-    for name, ours, published in zip(("xcenter", "ycenter"), own, center):
-        near(f"{name} of dot_pattern_05 by discorpy's steps", ours, published, 1.1 * 15.2)
+    own, powers = own_numbers(run(result, f"{pictures}/dot_pattern_05*", "--board", "dots:1mm", *steps))
+    near("centre of dot_pattern_05 by discorpy's steps", math.dist(own, center), 0, 0.01)
+    off = max(abs(sum((p - f) * r ** (i + 1) for i, (p, f) in enumerate(zip(powers, factors)))) for r in range(750))
+    near("curve of dot_pattern_05 by discorpy's steps", off, 0, 0.02)
     own, _ = own_numbers(run(result, f"{pictures}/dot_pattern_01*", "--board", "dots:1mm", *steps))
-    near("centre of dot_pattern_01 by discorpy's steps", math.dist(own, (1252.1529, 1008.9088)), 0, 2)
+    near("centre of dot_pattern_01 by discorpy's steps", math.dist(own, (1252.1529, 1008.9088)), 0, 0.01)
     near("straightness of dot_pattern_05", straightness(out)[0], 0, 0.15)
     for picture, board in (("line_pattern_01", "lines:1mm"), ("dot_pattern_01", "dots:1mm")):
         out = run(result, f"{pictures}/{picture}*", "--board", board, "--method", "discorpy", says="rows and columns")
