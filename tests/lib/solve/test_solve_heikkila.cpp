@@ -120,8 +120,9 @@ View seen_dots(const Camera& camera, const Board& board, const SE3& pose, double
   const auto& all = board.as<PointBoard>()->dots();
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Pixel p = centroid(camera, pose, all[i]);
-    view.observation.uv[i] = noise > 0 ? Pixel{p.u + error(random), p.v + error(random)} : p;
+    view.observation.uv[i] = {p.u + error(random), p.v + error(random)};
   }
+  view.observation.sigma.assign(all.size(), noise);
   return view;
 }
 
@@ -238,7 +239,8 @@ TEST_P(HeikkilaDots, LeadWhereTheTruthLeads) {
   EXPECT_GT(ours.ratio(), 0.9 - luck);
   EXPECT_LT(ours.ratio(), 1.1 + luck);
   EXPECT_GT(biased.ratio(), 1.5 * ours.ratio()) << "nothing to mend";
-  EXPECT_LT(median(ours.focal), 1.05 * median(his.focal));
+  EXPECT_GT(his.ratio(), 1.5 * ours.ratio()) << "the conic before a pinhole is as good";
+  EXPECT_LT(median(ours.focal), median(his.focal));
   EXPECT_LT(median(ours.focal), 0.5 * median(linear.focal));
 }
 
@@ -267,52 +269,66 @@ TEST(CenterBias, OfAConicIsTheCentroidWithoutDistortion) {
   }
 }
 
-// Of eight coefficients, and of the four of his later release, which are his model of a camera of
-// its own: ours follows that.
+// Where the inverse has a camera's rays, at random places.
+void expect_follows(const FittedInverse& fit, const Camera& camera, Random& random) {
+  for (int i = 0; i < 100; ++i) {
+    const Pixel seen = {uniform(random, 0, kSize.width - 1), uniform(random, 0, kSize.height - 1)};
+    const Eigen::Vector3d ray = camera.unproject(seen).value();
+    const Eigen::Vector2d at = fit.model.ideal(seen).value();
+    const double off = std::hypot(camera.fx() * (at.x() - ray.x() / ray.z()),
+                                  camera.fy() * (at.y() - ray.y() / ray.z()));
+    EXPECT_LE(off, 1.05 * fit.residual + 1e-6);
+  }
+}
+
+// And where a camera shows what the inverse has.
+void expect_follows(const FittedCamera& fit, const InverseModel& inverse, Random& random) {
+  for (int i = 0; i < 100; ++i) {
+    const Pixel seen = {uniform(random, 0, kSize.width - 1), uniform(random, 0, kSize.height - 1)};
+    const Eigen::Vector2d ideal = inverse.ideal(seen).value();
+    const Pixel at = fit.camera.project({ideal.x(), ideal.y(), 1}).value();
+    EXPECT_LE(std::hypot(at.u - seen.u, at.v - seen.v), 1.05 * fit.residual + 1e-6);
+  }
+}
+
+// Of eight coefficients, and of the four of his later release; and the way back. Lenses as those of
+// his demonstration, which bend by up to 20 px.
 TEST(HeikkilaInverse, FollowsTheCamera) {
   Random random(53);
   double most = 0;
   double most_of_four = 0;
-  double most_of_ours = 0;
-  for (int trial = 0; trial < 50; ++trial) {
-    const Camera camera = random_lens(random);
+  double most_back = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const double fx = kSize.width * uniform(random, 1.1, 1.5);
+    const Camera camera =
+        Camera::make(
+            "brown4", kSize,
+            {fx, fx * uniform(random, 0.99, 1.01), kSize.width * uniform(random, 0.48, 0.52),
+             kSize.height * uniform(random, 0.48, 0.52), uniform(random, -0.2, 0.1),
+             uniform(random, 0, 0.08), uniform(random, -0.001, 0.001),
+             uniform(random, -0.001, 0.001)},
+            uniform(random, -1, 1))
+            .value();
     const auto eight = inverse_of(camera, InverseTerms::kEight);
     const auto four = inverse_of(camera, InverseTerms::kFour);
     ASSERT_TRUE(eight && four);
     most = std::max(most, eight->residual);
     most_of_four = std::max(most_of_four, four->residual);
-    for (int i = 0; i < 100; ++i) {
-      const Pixel seen = {uniform(random, 0, kSize.width - 1),
-                          uniform(random, 0, kSize.height - 1)};
-      const Eigen::Vector3d ray = camera.unproject(seen).value();
-      for (const auto* fit : {&*eight, &*four}) {
-        const Eigen::Vector2d at = fit->model.ideal(seen).value();
-        const double off = std::hypot(camera.fx() * (at.x() - ray.x() / ray.z()),
-                                      camera.fy() * (at.y() - ray.y() / ray.z()));
-        EXPECT_LE(off, 1.05 * fit->residual + 1e-6);
-      }
+    expect_follows(*eight, camera, random);
+    expect_follows(*four, camera, random);
+    for (const InverseModel& inverse : {eight->model, four->model}) {
+      const auto back = camera_of(inverse, kSize);
+      ASSERT_TRUE(back) << back.error().message;
+      expect_follows(*back, inverse, random);
     }
-    const auto ours = camera_of(four->model, kSize);
-    ASSERT_TRUE(ours) << ours.error().message;
-    most_of_ours = std::max(most_of_ours, ours->residual);
-    for (int i = 0; i < 100; ++i) {
-      const Pixel seen = {uniform(random, 0, kSize.width - 1),
-                          uniform(random, 0, kSize.height - 1)};
-      const Eigen::Vector2d ideal = four->model.ideal(seen).value();
-      const Pixel at = ours->camera.project({ideal.x(), ideal.y(), 1}).value();
-      EXPECT_LE(std::hypot(at.u - seen.u, at.v - seen.v), 1.05 * ours->residual + 1e-6);
-    }
-    // There and back.
-    const auto back = camera_of(eight->model, kSize);
-    ASSERT_TRUE(back) << back.error().message;
-    EXPECT_LT(back->residual, eight->residual + 0.02);
+    most_back = std::max(most_back, camera_of(eight->model, kSize)->residual);
   }
   RecordProperty("of_eight", std::to_string(most));
   RecordProperty("of_four", std::to_string(most_of_four));
-  RecordProperty("of_ours", std::to_string(most_of_ours));
+  RecordProperty("back", std::to_string(most_back));
   EXPECT_LT(most, 0.02);
   EXPECT_GT(most_of_four, 0.1);
-  EXPECT_LT(most_of_ours, 0.05);
+  EXPECT_LT(most_back, 0.02);
 }
 
 TEST(HeikkilaInverse, IsNoneOfWideLenses) {
@@ -385,13 +401,13 @@ TEST(Heikkila, RefusesWhatItCannotTell) {
       seen_dots(camera, plane, pose_of(camera, plane, Object::kPlane, random), 0.03, random);
   const View deep =
       seen_dots(camera, space, pose_of(camera, space, Object::kSpace, random), 0.03, random);
-  refuses({flat}, false, "unknowns");
+  refuses({flat}, false, "1 view cannot determine");
 
   const auto head_on = [&](double x) {
     return scenes::observe(camera, plane, {Eigen::Matrix3d::Identity(), {x, -0.075, 0.4}}, 0,
                            random);
   };
-  refuses({head_on(0), head_on(0.01), head_on(-0.01)}, false, "head-on");
+  refuses({head_on(0), head_on(0.01), head_on(-0.01)}, false, "tilted");
 
   View mirrored = deep;
   std::vector<PointBoard::Dot> turned = space.as<PointBoard>()->dots();

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/QR>
@@ -128,49 +128,24 @@ Result<std::vector<Sample>> samples_of(const InverseModel& inverse, ImageSize si
                     "positive: check a5 to a8, which are in focal lengths, not in mm or px.");
 }
 
-// fx fy cx cy k1 k2 p1 p2 k3 [k4 k5 k6] that show the samples where they are seen.
-std::vector<double> forward(const std::vector<Sample>& samples, const InverseModel& inverse,
-                            bool rational) {
-  Eigen::VectorXd k = Eigen::VectorXd::Zero(rational ? 8 : 5);  // k1 k2 p1 p2 k3 k4 k5 k6
-  for (int round = 0; round < (rational ? kRounds : 1); ++round) {
-    Eigen::MatrixXd rows(2 * static_cast<Eigen::Index>(samples.size()), k.size());
-    Eigen::VectorXd right(rows.rows());
-    Eigen::Index row = 0;
-    for (const Sample& p : samples) {
-      const double s = p.ideal.squaredNorm();
-      const Eigen::Vector3d powers(s, s * s, s * s * s);
-      const double below = rational ? 1 + k.tail<3>().dot(powers) : 1;
-      const Eigen::Matrix2d sideways = tangential(p.ideal);
-      Eigen::Matrix<double, 2, 8> by;
-      by << p.ideal * powers.head<2>().transpose() / below, sideways, p.ideal * powers[2] / below,
-          -(p.seen - sideways * k.segment<2>(2)) * powers.transpose() / below;
-      const Eigen::Vector2d px(inverse.fx, inverse.fy);
-      rows.middleRows<2>(row) = px.asDiagonal() * by.leftCols(k.size());
-      const Eigen::Vector2d radial = p.seen - sideways * k.segment<2>(2);
-      right.segment<2>(row) =
-          px.cwiseProduct((radial - p.ideal) / below + sideways * k.segment<2>(2));
-      row += 2;
-    }
-    k = least_squares(rows, right);
+// fx fy cx cy k1 k2 p1 p2 k3 that show the samples where they are seen.
+std::vector<double> forward(const std::vector<Sample>& samples, const InverseModel& inverse) {
+  Eigen::MatrixXd rows(2 * static_cast<Eigen::Index>(samples.size()), 5);
+  Eigen::VectorXd right(rows.rows());
+  Eigen::Index row = 0;
+  for (const Sample& p : samples) {
+    const double s = p.ideal.squaredNorm();
+    Eigen::Matrix<double, 2, 5> by;
+    by << p.ideal * s, p.ideal * s * s, tangential(p.ideal), p.ideal * s * s * s;
+    const Eigen::Vector2d px(inverse.fx, inverse.fy);
+    rows.middleRows<2>(row) = px.asDiagonal() * by;
+    right.segment<2>(row) = px.cwiseProduct(p.seen - p.ideal);
+    row += 2;
   }
+  const Eigen::VectorXd k = least_squares(rows, right);
   std::vector<double> all = {inverse.fx, inverse.fy, inverse.cx, inverse.cy};
   all.insert(all.end(), k.data(), k.data() + k.size());
   return all;
-}
-
-Result<FittedCamera> nearest(const std::vector<Sample>& samples, const InverseModel& inverse,
-                             ImageSize size, bool rational) {
-  const std::string_view model = rational ? "rational8" : "brown5";
-  auto camera = Camera::make(model, size, forward(samples, inverse, rational), inverse.skew);
-  if (!camera) return tl::unexpected<Error>(camera.error());
-  FittedCamera fit = {*std::move(camera), 0};
-  for (const Sample& p : samples) {
-    const auto at = fit.camera.project({p.ideal.x(), p.ideal.y(), 1});
-    const double off = at ? std::hypot(at->u - p.pixel.u, at->v - p.pixel.v)
-                          : std::numeric_limits<double>::infinity();
-    fit.residual = std::max(fit.residual, off);
-  }
-  return fit;
 }
 
 }  // namespace
@@ -203,14 +178,18 @@ std::optional<FittedInverse> inverse_of(const Camera& camera, InverseTerms terms
 }
 
 Result<FittedCamera> camera_of(const InverseModel& inverse, ImageSize size) {
-  constexpr double kNear = 0.02;  // px
   const auto samples = samples_of(inverse, size);
   if (!samples) return tl::unexpected<Error>(samples.error());
-  auto brown = nearest(*samples, inverse, size, false);
-  if (brown && brown->residual <= kNear) return brown;
-  auto rational = nearest(*samples, inverse, size, true);
-  if (!brown || (rational && rational->residual < brown->residual)) return rational;
-  return brown;
+  auto camera = Camera::make("brown5", size, forward(*samples, inverse), inverse.skew);
+  if (!camera) return tl::unexpected<Error>(camera.error());
+  FittedCamera fit = {*std::move(camera), 0};
+  for (const Sample& p : *samples) {
+    const auto at = fit.camera.project({p.ideal.x(), p.ideal.y(), 1});
+    const double off = at ? std::hypot(at->u - p.pixel.u, at->v - p.pixel.v)
+                          : std::numeric_limits<double>::infinity();
+    fit.residual = std::max(fit.residual, off);
+  }
+  return fit;
 }
 
 }  // namespace calvin

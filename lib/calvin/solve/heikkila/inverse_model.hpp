@@ -48,10 +48,10 @@ struct FittedInverse {
 };
 [[nodiscard]] std::optional<FittedInverse> inverse_of(const Camera& camera, InverseTerms terms);
 
-// The camera of ours nearest to an inverse over an image: brown5 where that follows within .02 px,
-// which no picture tells, else rational8 where it is nearer. `residual` is the largest distance
-// between where it shows a point and where that was seen, px. kDegenerate where the inverse folds
-// within the image, and errors of Camera::make().
+// The brown5 nearest to an inverse over an image, for who has the coefficients of his toolbox.
+// `residual` is the largest distance between where it shows a point and where that was seen, px:
+// infinite where it shows one nowhere. kDegenerate where the inverse has no value within the image,
+// and errors of Camera::make().
 struct FittedCamera {
   Camera camera;
   double residual = 0;
