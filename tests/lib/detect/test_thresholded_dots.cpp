@@ -3,7 +3,9 @@
 
 // Dots by a threshold: where discorpy places them, and what it takes for none.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -60,6 +62,63 @@ TEST(ThresholdedDots, AreWhereDiscorpyPlacesThem) {
   }
 }
 
+// With soft edges, of which a median of four and the threshold decide: by a count of pixels.
+TEST(ThresholdedDots, AreBrighterOrDarkerThanOtsusThreshold) {
+  GrayImage image(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double u = std::remainder(x - 30.3, 30);
+      const double v = std::remainder(y - 30.6, 30);
+      image.row(y)[x] =
+          static_cast<std::uint8_t>(std::clamp(220 - 45 * (8 - std::hypot(u, v)), 40.0, 220.0));
+    }
+  }
+  const GrayImage& seen = image;
+  const auto median = [&seen](int x, int y) {
+    std::array<int, 4> four = {seen.view().at(x - 1, y - 1), seen.view().at(x, y - 1),
+                               seen.view().at(x - 1, y), seen.view().at(x, y)};
+    std::ranges::sort(four);
+    return four[2];
+  };
+  std::vector<int> middle;
+  for (int y = 105; y < 195; ++y) {
+    for (int x = 140; x < 260; ++x) middle.push_back(median(x, y));
+  }
+  int threshold = 0;
+  double most = 0;
+  for (int t = 0; t < 255; ++t) {
+    double below = 0;
+    double sum_below = 0;
+    double sum = 0;
+    for (const int grey : middle) {
+      sum += grey;
+      if (grey <= t) sum_below += grey;
+      if (grey <= t) ++below;
+    }
+    const double above = static_cast<double>(middle.size()) - below;
+    if (below == 0 || above == 0) continue;
+    const double apart = sum_below / below - (sum - sum_below) / above;
+    if (below * above * apart * apart <= most) continue;
+    most = below * above * apart * apart;
+    threshold = t;
+  }
+  const auto found = thresholded_dots(image.view());
+  ASSERT_GT(found.size(), 100u);
+  for (const ThresholdedDot& dot : found) {
+    int area = 0;
+    for (int dy = -14; dy <= 14; ++dy) {
+      for (int dx = -14; dx <= 14; ++dx) {
+        const int x = static_cast<int>(std::lround(dot.center.u)) + dx;
+        const int y = static_cast<int>(std::lround(dot.center.v)) + dy;
+        if (x > 0 && y > 0 && x < kWidth && y < kHeight && median(x, y) <= threshold) ++area;
+      }
+    }
+    // What stands out by one pixel goes, as at the ends of the axes.
+    EXPECT_LE(dot.area, area) << "at " << dot.center.u << " " << dot.center.v;
+    EXPECT_GE(dot.area, area - 6) << "at " << dot.center.u << " " << dot.center.v;
+  }
+}
+
 // A larger one, a smaller one, a long one and what touches the border are none; a hole is no hole.
 TEST(ThresholdedDots, AreOfOneSizeAndRound) {
   auto dots = grid();
@@ -67,7 +126,7 @@ TEST(ThresholdedDots, AreOfOneSizeAndRound) {
   dots[1].half_width = dots[1].half_height = 4;
   dots[2].half_width = 8;
   dots[2].half_height = 5;
-  dots.push_back({150, 2});
+  dots.push_back({150, 4});  // nine tenths of one
   GrayImage image = picture(dots, true);
   const Ellipse& ring = dots[3];
   image.row(static_cast<int>(ring.v))[static_cast<int>(ring.u)] = 200;

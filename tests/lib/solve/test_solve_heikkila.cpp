@@ -50,6 +50,19 @@ Board dots(Object object) {
   return PointBoard::make("dots", all).value();
 }
 
+// Whether the lens shows all of every dot.
+bool shows_dots(const Camera& camera, const Board& board, const SE3& pose) {
+  const auto shows = [&](const Eigen::Vector3d& at) {
+    return camera.project(pose * at).has_value();
+  };
+  return std::ranges::all_of(board.points(), [&](const Eigen::Vector3d& p) {
+    constexpr double kAround = 0.8 * kDiameter;
+    return shows(p + Eigen::Vector3d(kAround, 0, 0)) && shows(p - Eigen::Vector3d(kAround, 0, 0)) &&
+           shows(p + Eigen::Vector3d(0, kAround, 0)) && shows(p - Eigen::Vector3d(0, kAround, 0)) &&
+           shows(p + Eigen::Vector3d(0, 0, kAround)) && shows(p - Eigen::Vector3d(0, 0, kAround));
+  });
+}
+
 // The object in half of the picture and more, from a side from which all dots show their faces.
 SE3 pose_of(const Camera& camera, const Board& board, Object object, Random& random) {
   constexpr double kDegree = std::numbers::pi / 180;
@@ -65,7 +78,7 @@ SE3 pose_of(const Camera& camera, const Board& board, Object object, Random& ran
     pose.translation = Eigen::Vector3d(distance * uniform(random, -0.1, 0.1),
                                        distance * uniform(random, -0.1, 0.1), distance) -
                        pose.rotation * middle;
-    if (scenes::sees_all(camera, board, pose)) return pose;
+    if (scenes::sees_all(camera, board, pose) && shows_dots(camera, board, pose)) return pose;
   }
 }
 

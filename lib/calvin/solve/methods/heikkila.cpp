@@ -64,14 +64,6 @@ MethodInput flat_part(const MethodInput& input, const std::vector<std::optional<
   return part;
 }
 
-Status enough(const MethodInput& input) {
-  const bool is_known = input.centered && input.square;
-  if (input.views.size() > 1 || is_known) return {};
-  return refused(
-      "one view of a plane, or of points that lie too near to one, leaves the camera open; give "
-      "points in space, more views, tilted to all sides, or hold center and aspect");
-}
-
 }  // namespace
 
 Result<MethodResult> heikkila_method(const MethodInput& input) {
@@ -84,7 +76,6 @@ Result<MethodResult> heikkila_method(const MethodInput& input) {
   if (!planes) return tl::unexpected<Error>(planes.error());
   Eigen::Matrix3d px = *in_space;
   if (flat.size() == input.views.size()) {
-    if (const Status status = enough(input); !status) return tl::unexpected(status.error());
     const auto unit = camera_of_planes(*planes, input.size);
     if (!unit) {
       return refused(
