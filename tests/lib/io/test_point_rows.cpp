@@ -93,8 +93,8 @@ TEST(PointRows, OfNoUseSayWhy) {
   refuses("# unit: mm\nid X Y\n1.5 2 3\n", "the id 1.5");
   refuses("# unit: mm\n1 2 nan\n", "no number");
 
-  for (const std::string_view text :
-       {"X,Y,Z,w", "X,X,Y", "X,Z", "u,X,Y", "Z", "_,_", "X,Y,-u,v", "", "-id,X,Y", "X,Y,nx,ny", "X,Y,nz"}) {
+  for (const std::string_view text : {"X,Y,Z,w", "X,X,Y", "X,Z", "u,X,Y", "Z", "_,_", "X,Y,-u,v",
+                                      "", "-id,X,Y", "X,Y,nx,ny", "X,Y,nz"}) {
     const auto columns = parse_point_columns(text);
     ASSERT_FALSE(columns) << text;
     EXPECT_EQ(columns.error().code, ErrorCode::kInvalidArgument);
