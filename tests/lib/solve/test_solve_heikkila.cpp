@@ -231,11 +231,13 @@ TEST_P(HeikkilaDots, LeadWhereTheTruthLeads) {
     ASSERT_TRUE(original) << original.error().message;
     his.add(original->calibration, camera);
     options.refine = true;
-    options.ellipse_centers = false;
-    const auto without = solve(views, kSize, options);
-    ASSERT_TRUE(without) << without.error().message;
-    biased.add(without->calibration, camera);
-    options.ellipse_centers = true;
+    if (trial < 200) {
+      options.ellipse_centers = false;
+      const auto without = solve(views, kSize, options);
+      ASSERT_TRUE(without) << without.error().message;
+      biased.add(without->calibration, camera);
+      options.ellipse_centers = true;
+    }
     options.method.clear();
     options.initial = camera.to_calibration();
     const auto best = solve(views, kSize, options);
@@ -245,6 +247,7 @@ TEST_P(HeikkilaDots, LeadWhereTheTruthLeads) {
   for (const auto& [name, score] :
        {std::pair{"linear", &linear}, {"biased", &biased}, {"his", &his}, {"ours", &ours}}) {
     RecordProperty(std::string("focal_") + name, std::to_string(median(score->focal)));
+    if (score->squares == 0) continue;  // the start has no sigmas
     RecordProperty(std::string("true_over_predicted_") + name, std::to_string(score->ratio()));
   }
   EXPECT_GE(same, 0.99 * count);
