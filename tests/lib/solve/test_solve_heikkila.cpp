@@ -202,7 +202,7 @@ struct Score {
 // conic before a pinhole, and points without any correction, leave a bias.
 TEST_P(HeikkilaDots, LeadWhereTheTruthLeads) {
   const DotsCase& c = GetParam();
-  const int count = scenes::full_count() ? 2000 : 40;
+  const int count = scenes::full_count() ? 2000 : 25;
   Random random(43);
   const Board board = dots(c.object);
   Score linear;
@@ -314,7 +314,7 @@ TEST(HeikkilaInverse, FollowsTheCamera) {
   double most = 0;
   double most_of_four = 0;
   double most_back = 0;
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int trial = 0; trial < (scenes::full_count() ? 200 : 50); ++trial) {
     const double fx = kSize.width * uniform(random, 1.1, 1.5);
     const Camera camera =
         Camera::make(
