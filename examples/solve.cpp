@@ -28,6 +28,7 @@
 #include "calvin/solve/solve.hpp"
 
 #include "print_calibration.hpp"
+#include "solve_par.hpp"
 #include "solve_views.hpp"
 #include "solve_zooming.hpp"
 
@@ -68,6 +69,10 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
   --keep-all         no view and no point is left out as an outlier
   --drop N,N,...     leave out views, by their number in the list that is printed
   --camera NAME      the name of the camera
+  --par S,F,U0,V0,K1,K2,T1,T2
+                     no views: the camera that Heikkila's toolbox has found, mm and px
+  --sensor WxHmm     the size of the sensor that par supposes
+  --release-3        par is of release 3 of the toolbox, whose distortion goes the other way
   --pitch LENGTH     of the pixels, as 3.45um: lengths on the sensor are printed in mm, too
   --help             this text
 )";
@@ -80,6 +85,7 @@ struct Arguments {
   calvin::SolveOptions options;
   std::string initial;
   std::optional<double> pitch;  // m
+  solve_par::Par par;
   std::vector<std::size_t> drop;
   std::vector<std::string> words;
 };
@@ -156,6 +162,8 @@ bool set_option(std::string_view option, std::string_view value, Arguments& argu
   if (option == "--columns") return set_columns(value, rows.format.columns);
   if (option == "--point-columns") return set_columns(value, rows.point_format.columns);
   if (option == "--drop") return set_drop(value, arguments.drop);
+  if (option == "--par") return solve_par::set_numbers(value, arguments.par);
+  if (option == "--sensor") return solve_par::set_sensor(value, arguments.par);
   if (option == "--fix") {
     for (const std::string_view word : calvin::split(value, ',')) {
       arguments.options.fix.emplace_back(word);
@@ -173,7 +181,9 @@ bool set_option(std::string_view option, std::string_view value, Arguments& argu
 
 // An option without a value; false where it is none.
 bool set_flag(std::string_view option, Arguments& arguments) {
-  if (option == "--no-refine") {
+  if (option == "--release-3") {
+    arguments.par.is_release_3 = true;
+  } else if (option == "--no-refine") {
     arguments.options.refine = false;
   } else if (option == "--ellipse-centers") {
     arguments.options.ellipse_centers = true;
@@ -202,7 +212,11 @@ std::optional<Arguments> parse(std::span<char*> given) {
       return std::nullopt;
     }
   }
-  if (arguments.words.size() < 2) {
+  if (arguments.words.size() != 1 && arguments.par.is_given) {
+    wrong_usage("with --par it takes a file to write, and no views.");
+    return std::nullopt;
+  }
+  if (arguments.words.size() < 2 && !arguments.par.is_given) {
     wrong_usage("it takes a file to write, and views.");
     return std::nullopt;
   }
@@ -328,6 +342,19 @@ int run_zooming(const Arguments& arguments) {
   return done ? 0 : failed(done.error());
 }
 
+// The camera of --par.
+int run_par(const Arguments& arguments) {
+  if (!arguments.rows.size) return wrong_usage("--par needs the pictures' --size.");
+  auto calibration = solve_par::calibration_of(arguments.par, *arguments.rows.size,
+                                               arguments.rows.from_corner ? 0.5 : 0);
+  if (!calibration) return failed(calibration.error());
+  calibration->camera = arguments.options.camera;
+  const auto written = calvin::write_calibration(arguments.words.front(), *calibration);
+  if (!written) return failed(written.error());
+  calvin_tools::print(*calibration);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -338,6 +365,7 @@ int main(int argc, char** argv) {
   }
   auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
+  if (arguments->par.is_given) return run_par(*arguments);
   if (arguments->options.method == solve_zooming::kMethod) return run_zooming(*arguments);
   if (!arguments->initial.empty()) {
     auto initial = calvin::read_calibration(arguments->initial);

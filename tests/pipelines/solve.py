@@ -130,6 +130,30 @@ def dots(folder):
     run(result, data, "--columns", "X,Y,Z,u,v,_,_,_", *given[1:], "--ellipse-centers", "--diameter", "18mm", code=1, says="nx ny nz")
 
 
+# What Heikkila's toolbox has found, in mm: of releases 1 and 2 a brown4 as it is, of release 3 one that follows.
+def par(folder):
+    result = folder / "par.json"
+    given = [result, "--size", "768x576", "--sensor", "6.2031x4.6515mm", "--from-corner"]
+    run(*given, "--par", "1.002,8.4,380.5,290.5,-3e-3,4e-5,2e-5,-3e-5", says="brown4")
+    p = parameters(result)
+    fy = 8.4 * 576 / 4.6515
+    for name, wanted in (("fx", 1.002 * 8.4 * 768 / 6.2031), ("fy", fy), ("cx", 380), ("cy", 290), ("k1", -3e-3 * 8.4**2),
+                         ("k2", 4e-5 * 8.4**4), ("p1", 2e-5 * 8.4), ("p2", -3e-5 * 8.4)):
+        near(f"{name} of par", p[name], wanted, 1e-9 * abs(wanted))
+    # As seen, at the right end of the row through the centre: without distortion it would be at x, which is seen there.
+    out = run(*given, "--par", "1.002,8.4,380.5,290.5,3e-3,4e-5,0,0", "--release-3", says="brown5 follows")
+    p = parameters(result)
+    d = (767 - p["cx"]) / p["fx"]
+    x = d * (1 + 3e-3 * (8.4 * d) ** 2 + 4e-5 * (8.4 * d) ** 4)
+    near("where par of release 3 is seen", seen_radius(p, p["fx"] * x), p["fx"] * d, 0.05)
+    near("how far it is said to be", float(out.split("within ")[1].split()[0]), 0, 0.3)
+    run(*given, "--par", "1,8.4,380,290,-30,0,0,0", "--release-3", code=1, says="check the sensor's size")
+    run(result, "--size", "768x576", "--par", "1,8.4,380,290,0,0,0,0", code=1, says="give the size of the sensor")
+    run(result, "--par", "1,8.4,380,290,0,0,0,0", code=2, says="--size")
+    run(*given, "--par", "1,8.4", code=2, says="another value")
+    run(*given, "views", "--par", "1,8.4,380,290,0,0,0,0", code=2, says="no views")
+
+
 # A plane of 5 x 4 points through a lens that zooms from 800 to 2400 px, tilted to another side in each view.
 def zooming(folder):
     random.seed(6)
@@ -378,6 +402,7 @@ def main():
         box = simulated(folder)
         refusals(folder, box)
         dots(folder)
+        par(folder)
         zooming(folder)
         if sys.argv[2] == "opencv":
             rendered(folder)
