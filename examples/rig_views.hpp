@@ -96,8 +96,11 @@ inline std::vector<std::pair<std::uint64_t, fs::path>> pictures_of(const std::st
   return numbered(pictures);
 }
 
+// What is done to the places of points once they are found, with the picture at hand; or nothing.
+using Places = calvin::Observation (*)(const calvin::ImageView&, const calvin::Observation&);
+
 inline calvin::Result<std::vector<calvin::View>> in_pictures(
-    const std::string& source, const std::vector<calvin::Board>& boards) {
+    const std::string& source, const std::vector<calvin::Board>& boards, Places places) {
 #ifdef RIG_OPENCV
   const auto detector = calvin::make_detector(boards);
   if (!detector) return tl::unexpected<calvin::Error>(detector.error());
@@ -105,9 +108,11 @@ inline calvin::Result<std::vector<calvin::View>> in_pictures(
   for (const auto& [number, file] : pictures_of(source)) {
     const cv::Mat picture = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
     if (picture.empty()) continue;
-    for (auto& found : (*detector)->detect_all({picture.data, picture.cols, picture.rows,
-                                                static_cast<std::ptrdiff_t>(picture.step[0]), 1})) {
+    const calvin::ImageView image = {picture.data, picture.cols, picture.rows,
+                                     static_cast<std::ptrdiff_t>(picture.step[0]), 1};
+    for (auto& found : (*detector)->detect_all(image)) {
       if (found.reason != calvin::Reason::kAccepted) continue;
+      if (places != nullptr) found.observation = places(image, found.observation);
       found.observation.image_size = {picture.cols, picture.rows};
       found.observation.timestamp = number * kNumber;
       views.push_back({std::move(found.observation), boards[found.board]});
@@ -115,6 +120,7 @@ inline calvin::Result<std::vector<calvin::View>> in_pictures(
   }
   return views;
 #else
+  static_cast<void>(places);
   return calvin::make_error(
       calvin::ErrorCode::kUnsupported,
       fmt::format("'{}' are pictures, and this program was built without OpenCV, which reads "
@@ -137,11 +143,12 @@ inline calvin::Result<std::vector<calvin::View>> in_observations(const std::stri
 
 // Of a folder, a pattern or a file of observations.
 inline calvin::Result<std::vector<calvin::View>> read(const std::string& source,
-                                                      const std::string& board) {
+                                                      const std::string& board,
+                                                      Places places = nullptr) {
   if (!are_pictures(source)) return in_observations(source);
   const auto boards = calvin::parse_boards(board);
   if (!boards) return tl::unexpected<calvin::Error>(boards.error());
-  return in_pictures(source, *boards);
+  return in_pictures(source, *boards, places);
 }
 
 }  // namespace rig_views

@@ -18,9 +18,10 @@
 
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
+#include "calvin/detect/grids/thresholded_dots.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
-#include "calvin/solve/methods/ellipse_centers.hpp"
+#include "calvin/solve/heikkila/ellipse_centers.hpp"
 #include "calvin/solve/methods/methods.hpp"
 #include "calvin/solve/residuals/board_shape.hpp"
 #include "calvin/solve/residuals/straightness.hpp"
@@ -44,14 +45,16 @@ where a picture shows them, one file for each picture: a row 'X Y Z u v' for eac
 
   --board BOARD      the board in pictures, checkerboard:9x6:25mm if not given
   --size WxH         the pictures' size, px, for rows of points
-  --columns C,C,...  what the rows hold: id X Y Z diameter u v sigma, _ for what does not count; -Z
-                     turns an axis round, for points of a left-handed frame
+  --columns C,C,...  what the rows hold: id X Y Z diameter nx ny nz u v sigma, _ for what does not
+                     count; -Z turns an axis round, for points of a left-handed frame
   --unit mm          the unit of X Y Z: mm cm m in
   --points FILE      the points stand in a file of their own, those of VIEWS are u v alone
   --point-columns C  what the rows of that file hold
   --from-corner      u v count from the corner of the top-left pixel, not from its centre
   --ellipse-centers  u v are centres of the images of dots, whose diameters the rows have: the images
-                     of the dots' centres, which are elsewhere, are found with the camera
+                     of the dots' centres, which are elsewhere, are found with the camera. Dots in
+                     space need the normals nx ny nz of the surface, too
+  --diameter LENGTH  of all dots, where the rows have none: 10mm
   --model MODEL      the camera model, brown5 if not given; auto chooses one
   --method METHOD    start by one of {}; if not given, starts are searched.
                      discorpy: the distortion alone, of one picture of a grid of dots or lines or
@@ -159,6 +162,7 @@ bool set_option(std::string_view option, std::string_view value, Arguments& argu
     }
     return true;
   }
+  if (option == "--diameter") return set_length(value, rows.diameter);
   if (option == "--unit") {
     const bool is_unit = set_length(fmt::format("1{}", value), rows.format.unit);
     rows.point_format.unit = rows.format.unit;
@@ -207,8 +211,13 @@ std::optional<Arguments> parse(std::span<char*> given) {
 
 // The views without those to drop.
 calvin::Result<solve_views::NamedViews> views_of(const Arguments& arguments) {
+  solve_views::RowsOptions rows = arguments.rows;
+  const bool is_discorpy = arguments.options.method == "discorpy" && !arguments.options.refine;
+  if (is_discorpy && arguments.board.starts_with("dots")) {
+    rows.places = calvin::detect::at_thresholded_dots;
+  }
   auto all = solve_views::read({arguments.words.begin() + 1, arguments.words.end()},
-                               arguments.board, arguments.rows);
+                               arguments.board, rows);
   if (!all) return all;
   solve_views::NamedViews kept;
   for (std::size_t i = 0; i < all->size(); ++i) {
@@ -349,7 +358,11 @@ int main(int argc, char** argv) {
   }
   calvin_tools::print(solution->calibration);
   if (arguments->pitch) print_on_sensor(solution->calibration, *arguments->pitch);
-  if (arguments->options.ellipse_centers) views = calvin::without_center_bias(views, *solution);
+  if (arguments->options.ellipse_centers) {
+    const bool own = calvin::own_least_squares(arguments->options).has_value();
+    views = calvin::without_center_bias(views, *solution,
+                                        own ? calvin::conic_bias : calvin::center_bias);
+  }
   print_views(*solution, views, *named, calvin::is_refined(arguments->options.method));
   print_straightness(views, *solution);
   calvin_tools::print_verdict(solution->calibration);

@@ -29,6 +29,9 @@ struct RowsOptions {
   calvin::PointRowsFormat point_format;
   calvin::PointRowsFormat format;
   std::optional<calvin::ImageSize> size;
+  std::optional<double> diameter;  // m, of dots of rows without one
+  // How dots in pictures are placed otherwise; null: as they are found.
+  rig_views::Places places = nullptr;
   // Whether u and v count from the corner of the top-left pixel, and not from its centre.
   bool from_corner = false;
 };
@@ -42,6 +45,16 @@ using NamedViews = std::vector<NamedView>;
 
 inline std::string name_of(const std::string& path) {
   return std::filesystem::path(path).filename().string();
+}
+
+inline calvin::Result<std::vector<calvin::PointRow>> read_rows(
+    const std::string& path, const calvin::PointRowsFormat& format, const RowsOptions& options) {
+  auto rows = calvin::read_point_rows(path, format);
+  if (!rows || !options.diameter) return rows;
+  for (calvin::PointRow& row : *rows) {
+    if (row.diameter == 0) row.diameter = *options.diameter;
+  }
+  return rows;
 }
 
 // The place of every point of a board, in the order of its rows or by their ids.
@@ -86,7 +99,7 @@ inline calvin::Result<NamedView> from_rows(const std::string& path, const RowsOp
   if (points && format.columns.empty()) {
     format.columns = {{calvin::PointField::kU}, {calvin::PointField::kV}};
   }
-  const auto rows = calvin::read_point_rows(path, format);
+  const auto rows = read_rows(path, format, options);
   if (!rows) return tl::unexpected<calvin::Error>(rows.error());
   const auto board =
       points ? calvin::Result<calvin::Board>(*points) : calvin::board_of_rows(*rows, name_of(path));
@@ -117,7 +130,7 @@ inline calvin::Result<NamedViews> of(const std::string& source, const std::strin
                                      const std::optional<calvin::Board>& points) {
   NamedViews named;
   if (rig_views::are_pictures(source) || are_observations(source)) {
-    auto views = rig_views::read(source, board);
+    auto views = rig_views::read(source, board, options.places);
     if (!views) return tl::unexpected<calvin::Error>(views.error());
     const auto files = pictures_by_time(source);
     for (calvin::View& view : *views) {
@@ -144,7 +157,7 @@ inline calvin::Result<NamedViews> read(const std::vector<std::string>& sources,
                                        const std::string& board, const RowsOptions& options) {
   std::optional<calvin::Board> points;
   if (!options.points.empty()) {
-    const auto rows = calvin::read_point_rows(options.points, options.point_format);
+    const auto rows = read_rows(options.points, options.point_format, options);
     if (!rows) return tl::unexpected<calvin::Error>(rows.error());
     auto of_rows = calvin::board_of_rows(*rows, name_of(options.points));
     if (!of_rows) return tl::unexpected<calvin::Error>(of_rows.error());

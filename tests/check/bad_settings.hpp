@@ -263,7 +263,7 @@ inline const std::vector<BadInput>& bad_settings() {
       {"a method that nobody had", kSolve, at_start, "method=magic", "'magic' is not known",
        "Known methods: bakstein", After::kRefused},
       {"a method that takes one view", kSolve, at_start, "method=tsai", "takes one view",
-       "bakstein, discorpy, dlt, zhang", After::kRefused},
+       "bakstein, discorpy, dlt, heikkila, zhang", After::kRefused},
       {"a model that cannot be solved", kSolve, at_start, "model=brown17", "'brown17' is not known",
        "Known models: ", After::kRefused},
       {"fewer views at most than at least", "calibsolve min-views=10", at_start, "max-views=5",

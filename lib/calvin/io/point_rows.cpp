@@ -30,12 +30,14 @@ struct ColumnName {
   PointField field;
 };
 constexpr ColumnName kNames[] = {
-    {"id", PointField::kId},       {"X", PointField::kX},
-    {"Y", PointField::kY},         {"Z", PointField::kZ},
-    {"x", PointField::kX},         {"y", PointField::kY},
-    {"z", PointField::kZ},         {"diameter", PointField::kDiameter},
-    {"u", PointField::kU},         {"v", PointField::kV},
-    {"sigma", PointField::kSigma}, {"_", PointField::kSkip},
+    {"id", PointField::kId},  {"X", PointField::kX},
+    {"Y", PointField::kY},    {"Z", PointField::kZ},
+    {"x", PointField::kX},    {"y", PointField::kY},
+    {"z", PointField::kZ},    {"diameter", PointField::kDiameter},
+    {"u", PointField::kU},    {"v", PointField::kV},
+    {"nx", PointField::kNx},  {"ny", PointField::kNy},
+    {"nz", PointField::kNz},  {"sigma", PointField::kSigma},
+    {"_", PointField::kSkip},
 };
 
 bool has(const Columns& columns, PointField field) {
@@ -53,6 +55,10 @@ std::string why_not(const Columns& columns) {
   if (has(columns, PointField::kX) != has(columns, PointField::kY)) return "X needs Y";
   if (has(columns, PointField::kU) != has(columns, PointField::kV)) return "u needs v";
   if (has(columns, PointField::kZ) && !has(columns, PointField::kX)) return "Z needs X and Y";
+  if (has(columns, PointField::kNx) != has(columns, PointField::kNy) ||
+      has(columns, PointField::kNx) != has(columns, PointField::kNz)) {
+    return "nx, ny and nz belong together";
+  }
   if (!has(columns, PointField::kX) && !has(columns, PointField::kU)) {
     return "they have neither X Y nor u v";
   }
@@ -60,7 +66,8 @@ std::string why_not(const Columns& columns) {
 }
 
 bool is_axis(PointField field) {
-  return field == PointField::kX || field == PointField::kY || field == PointField::kZ;
+  using F = PointField;
+  return (field >= F::kX && field <= F::kZ) || (field >= F::kNx && field <= F::kNz);
 }
 
 Result<Columns> columns_of(const std::vector<std::string_view>& words) {
@@ -73,7 +80,8 @@ Result<Columns> columns_of(const std::vector<std::string_view>& words) {
     if (known == std::end(kNames) || (negative && !is_axis(known->field))) {
       return make_error(ErrorCode::kInvalidArgument,
                         fmt::format("'{}' is no column; there are id, X, Y, Z (or -X, -Y, -Z), "
-                                    "diameter, u, v, sigma, and _ for what does not count",
+                                    "diameter, nx, ny, nz, u, v, sigma, and _ for what does not "
+                                    "count",
                                     shortened(word, 40)));
     }
     columns.push_back({known->field, negative ? -1.0 : 1.0});
@@ -96,9 +104,50 @@ Columns by_count(std::size_t numbers) {
     case 5:
       return {{F::kX}, {F::kY}, {F::kZ}, {F::kU}, {F::kV}};
     case 8:
-      return {{F::kX}, {F::kY}, {F::kZ}, {F::kU}, {F::kV}, {}, {}, {}};
+      return {{F::kX}, {F::kY}, {F::kZ}, {F::kU}, {F::kV}, {F::kNx}, {F::kNy}, {F::kNz}};
     default:
       return {};
+  }
+}
+
+// `unit` is that of places, m.
+void put(PointField field, double value, double unit, PointRow& row) {
+  switch (field) {
+    case PointField::kSkip:
+      break;
+    case PointField::kId:
+      row.id = static_cast<int>(value);
+      break;
+    case PointField::kX:
+      row.point->x() = unit * value;
+      break;
+    case PointField::kY:
+      row.point->y() = unit * value;
+      break;
+    case PointField::kZ:
+      row.point->z() = unit * value;
+      break;
+    case PointField::kDiameter:
+      row.diameter = unit * value;
+      break;
+    case PointField::kNx:
+      row.normal[0] = value;
+      break;
+    case PointField::kNy:
+      row.normal[1] = value;
+      break;
+    case PointField::kNz:
+      row.normal[2] = value;
+      break;
+    case PointField::kU:
+      row.seen->u = value;
+      break;
+    case PointField::kV:
+      row.seen->v = value;
+      break;
+    case PointField::kSigma:
+      row.sigma = value;
+      break;
   }
 }
 
@@ -168,38 +217,11 @@ class RowReader {
     if (has(columns_, PointField::kU)) row.seen = Pixel{};
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const double value = numbers[i];
-      const double place = columns_[i].sign * value * unit_.value_or(1);
-      switch (columns_[i].field) {
-        case PointField::kSkip:
-          break;
-        case PointField::kId:
-          if (!(value >= 0) || value > 1e9 || value != std::floor(value)) {
-            return fmt::format("has the id {}, where ids are whole numbers from 0 on", value);
-          }
-          row.id = static_cast<int>(value);
-          break;
-        case PointField::kX:
-          row.point->x() = place;
-          break;
-        case PointField::kY:
-          row.point->y() = place;
-          break;
-        case PointField::kZ:
-          row.point->z() = place;
-          break;
-        case PointField::kDiameter:
-          row.diameter = place;
-          break;
-        case PointField::kU:
-          row.seen->u = value;
-          break;
-        case PointField::kV:
-          row.seen->v = value;
-          break;
-        case PointField::kSigma:
-          row.sigma = value;
-          break;
+      if (columns_[i].field == PointField::kId &&
+          (!(value >= 0) || value > 1e9 || value != std::floor(value))) {
+        return fmt::format("has the id {}, where ids are whole numbers from 0 on", value);
       }
+      put(columns_[i].field, columns_[i].sign * value, unit_.value_or(1), row);
     }
     rows_.push_back(row);
     return "";
@@ -266,8 +288,8 @@ Result<Board> board_of_rows(const std::vector<PointRow>& rows, std::string name)
                         fmt::format("'{}' has no points: its rows need X and Y.", name));
     }
     const Eigen::Vector3d& p = *rows[i].point;
-    dots.push_back(
-        {rows[i].id.value_or(static_cast<int>(i)), p.x(), p.y(), rows[i].diameter, p.z()});
+    dots.push_back({rows[i].id.value_or(static_cast<int>(i)), p.x(), p.y(), rows[i].diameter, p.z(),
+                    rows[i].normal});
   }
   auto board = PointBoard::make(std::move(name), std::move(dots));
   if (!board) return tl::unexpected<Error>(board.error());

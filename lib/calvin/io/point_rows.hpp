@@ -5,6 +5,7 @@
 // and Zhang's programs, of MyPTV and of surveys. docs/formats.md.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,9 +20,9 @@
 
 namespace calvin {
 
-enum class PointField { kSkip, kId, kX, kY, kZ, kDiameter, kU, kV, kSigma };
+enum class PointField { kSkip, kId, kX, kY, kZ, kDiameter, kNx, kNy, kNz, kU, kV, kSigma };
 
-// A column of numbers; of X, Y or Z with the sign -1 where the axis points the other way.
+// A column of numbers; of X, Y, Z or a normal with the sign -1 where the axis points the other way.
 struct PointColumn {
   PointField field = PointField::kSkip;
   double sign = 1;
@@ -31,6 +32,7 @@ struct PointRow {
   std::optional<int> id;
   std::optional<Eigen::Vector3d> point;  // m; z is 0 where there is no such column
   double diameter = 0;                   // m
+  std::array<double, 3> normal = {};     // of the surface around it, any length; 0: not told
   std::optional<Pixel> seen;             // px
   std::optional<double> sigma;           // px
 };
@@ -40,16 +42,16 @@ struct PointRowsFormat {
   std::optional<double> unit;        // of points, m; absent: as the file says
 };
 
-// "X,Y,Z,u,v", of id X Y Z diameter u v sigma, and _ for a column that does not count; the case of
-// X Y Z does not matter. -Z turns an axis round, as points of a left-handed frame need.
-// kInvalidArgument for other words, one that is there twice, and where X without Y or u without v
-// is there, or neither.
+// "X,Y,Z,u,v", of id X Y Z diameter nx ny nz u v sigma, and _ for a column that does not count; the
+// case of X Y Z does not matter. -Z and -nz turn an axis round, as points of a left-handed frame
+// need. kInvalidArgument for other words, one that is there twice, and where X without Y, u without
+// v or a part of a normal is there, or neither points nor places.
 [[nodiscard]] Result<std::vector<PointColumn>> parse_point_columns(std::string_view text);
 
 // Numbers between blanks, tabs, commas or semicolons; `#` begins a comment. A line of words, in a
 // comment or not, that are columns gives their order; `unit: mm`, likewise, the unit of points
 // (mm, cm, m, in). Without either, 2 numbers are X Y, 3 X Y Z, 4 X Y u v, 5 X Y Z u v, and 8 X Y Z
-// u v with three that do not count (Heikkila's). A line may hold several rows: twice, three times
+// u v nx ny nz (Heikkila's). A line may hold several rows: twice, three times
 // ... as many numbers as there are columns. kMalformed for all else, and for points without a unit;
 // the message names `name` and the line.
 [[nodiscard]] Result<std::vector<PointRow>> parse_point_rows(std::string_view content,

@@ -34,12 +34,14 @@ struct SolveOptions {
   // starts, as "zhang", or which is all of it, as "discorpy"; check() says which there are. Empty:
   // starts are searched.
   std::string method;
-  // False: what `method` finds by itself, in its own model, without the least squares after it.
+  // False: what `method` finds by itself, in its own model, without the least squares after it, or
+  // with plain ones alone where they are a step of its own ("heikkila").
   bool refine = true;
 
   // The places of round dots are the centres of their images, as other programs measure them, and
   // not the images of their centres: the difference is taken off, as the result has it, and the
-  // views are solved anew. Of boards of dots with diameters in a plane (points:FILE) only.
+  // views are solved anew. Of boards of dots with diameters (points:FILE) only, in the plane z = 0
+  // or with normals.
   bool ellipse_centers = false;
 
   // A calibration of images of the same size to start from: it makes a solve sure where the views

@@ -18,8 +18,8 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/solve/auto_model.hpp"
+#include "calvin/solve/heikkila/ellipse_centers.hpp"
 #include "calvin/solve/judge/solve_points.hpp"
-#include "calvin/solve/methods/ellipse_centers.hpp"
 #include "calvin/solve/methods/method_solution.hpp"
 #include "calvin/solve/methods/methods.hpp"
 #include "calvin/solve/parameters/parameterization.hpp"
@@ -304,6 +304,35 @@ Result<Solution> solve_views(std::span<const View> views, ImageSize image_size,
   return named(std::move(solution), views, options);
 }
 
+// solve_views() for the images of the centres of dots.
+Result<Solution> solve_centers(std::span<const View> views, ImageSize size,
+                               const SolveOptions& options, const std::stop_token& stop, int rounds,
+                               DiscBias bias) {
+  auto solution = solve_views(views, size, options, stop);
+  for (int i = 0; i < rounds && solution; ++i) {
+    solution = solve_views(without_center_bias(views, *solution, bias), size, options, stop);
+  }
+  return solution;
+}
+
+// Corners that count alike.
+std::vector<View> without_sigmas(std::span<const View> views) {
+  std::vector<View> alike(views.begin(), views.end());
+  for (View& view : alike) view.observation.sigma.clear();
+  return alike;
+}
+
+Result<Solution> solve_steps(std::span<const View> views, ImageSize size,
+                             const SolveOptions& options, const std::stop_token& stop) {
+  constexpr int kRounds = 2;  // the second one changes a centre by a thousandth of its bias
+  if (const auto own = own_least_squares(options)) {
+    const int rounds = own->ellipse_centers ? 1 : 0;
+    return solve_centers(without_sigmas(views), size, *own, stop, rounds, conic_bias);
+  }
+  const int rounds = options.ellipse_centers ? kRounds : 0;
+  return solve_centers(views, size, options, stop, rounds, center_bias);
+}
+
 }  // namespace
 
 Status check(const SolveOptions& options) {
@@ -325,12 +354,11 @@ Result<Solution> solve(std::span<const View> views, ImageSize image_size,
       return tl::unexpected<Error>(known.error());
     }
   }
-  auto solution = solve_views(views, image_size, options, stop);
-  if (!options.ellipse_centers) return solution;
-  constexpr int kRounds = 2;  // the second one changes a centre by a thousandth of its bias
-  for (int i = 0; i < kRounds && solution; ++i) {
-    solution = solve_views(without_center_bias(views, *solution), image_size, options, stop);
-  }
+  auto solution = solve_steps(views, image_size, options, stop);
+  if (!solution) return solution;
+  const auto camera = Camera::make(solution->calibration);
+  const auto remark = camera ? closing_remark(options.method, *camera) : std::nullopt;
+  if (remark) solution->calibration.remarks.push_back(*remark);
   return solution;
 }
 

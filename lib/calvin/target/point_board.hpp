@@ -4,6 +4,7 @@
 // PointBoard: control points at known places, in a plane or in space, each with an id of its own.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -31,6 +32,8 @@ class PointBoard {
     double y = 0;
     double diameter = 0;  // m; 0: a point of no size
     double z = 0;         // m
+    // The normal of the surface around a dot, any length; 0 0 0: that of the plane z = 0.
+    std::array<double, 3> normal = {};
 
     friend bool operator==(const Dot&, const Dot&) = default;
   };
@@ -38,7 +41,7 @@ class PointBoard {
   // `name`, that of the file of its points or another, stands in the board's text: "points:NAME".
   // kInvalidArgument for a name of more than 4096 bytes, as long as a path may be, or with '#', ';'
   // or control characters, without 4 dots or with more than 10 000, for an id that is negative or
-  // given twice, and for dots that touch or are no numbers.
+  // given twice, and for dots that touch or are no numbers, or whose normals are none.
   [[nodiscard]] static Result<PointBoard> make(std::string name, std::vector<Dot> dots);
 
   // A move is a copy, too: what was moved from is still a board.

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Rows of known points: the files of other programs, and files of no use.
+#include <array>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -37,6 +38,7 @@ TEST(PointRows, AreThoseOfOtherPrograms) {
   const auto heikkila = parse_point_rows("25.4 0 5 100.5 200.25 0 0 1\n", format);
   ASSERT_TRUE(heikkila) << heikkila.error().message;
   EXPECT_NEAR(heikkila->front().seen->u, 100.5, 1e-12);
+  EXPECT_EQ(heikkila->front().normal, (std::array<double, 3>{0, 0, 1}));
 
   // Zhang: four corners of a square a line, in inches.
   format = {parse_point_columns("X,Y").value(), 0.0254};
@@ -64,6 +66,14 @@ TEST(PointRows, SayThemselvesWhatTheyAre) {
   ASSERT_TRUE(said) << said.error().message;
   EXPECT_EQ(*said->front().point, Eigen::Vector3d(3, -4, 0));
   EXPECT_EQ(said->front().sigma, 0.1);
+
+  // Normals have no unit, and are turned round with their axis.
+  const auto normal =
+      parse_point_rows("# unit: mm\nX Y -Z nx ny -nz diameter\n1 2 3 0 3 4 5\n", {});
+  ASSERT_TRUE(normal) << normal.error().message;
+  EXPECT_EQ(normal->front().normal, (std::array<double, 3>{0, 3, -4}));
+  EXPECT_NEAR(normal->front().point->z(), -0.003, 1e-15);
+  EXPECT_NEAR(normal->front().diameter, 0.005, 1e-15);
 }
 
 TEST(PointRows, OfNoUseSayWhy) {
@@ -83,8 +93,8 @@ TEST(PointRows, OfNoUseSayWhy) {
   refuses("# unit: mm\nid X Y\n1.5 2 3\n", "the id 1.5");
   refuses("# unit: mm\n1 2 nan\n", "no number");
 
-  for (const std::string_view text :
-       {"X,Y,Z,w", "X,X,Y", "X,Z", "u,X,Y", "Z", "_,_", "X,Y,-u,v", "", "-id,X,Y"}) {
+  for (const std::string_view text : {"X,Y,Z,w", "X,X,Y", "X,Z", "u,X,Y", "Z", "_,_", "X,Y,-u,v",
+                                      "", "-id,X,Y", "X,Y,nx,ny", "X,Y,nz"}) {
     const auto columns = parse_point_columns(text);
     ASSERT_FALSE(columns) << text;
     EXPECT_EQ(columns.error().code, ErrorCode::kInvalidArgument);

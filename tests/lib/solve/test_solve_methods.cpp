@@ -50,6 +50,9 @@ const std::vector<MethodCase> kCases = {
     {"ZhangOfTwoViews", "zhang", Object::kPlane, 2, "brown4", {"center", "aspect"}},
     {"ZhangOfFiveViews", "zhang", Object::kPlane, 5, "brown4", {}},
     {"BaksteinOfFiveViews", "bakstein", Object::kPlane, 5, "brown4", {}},
+    {"HeikkilaOfOneView", "heikkila", Object::kSpace, 1, "brown4", {}},
+    {"HeikkilaOfAPlane", "heikkila", Object::kPlane, 1, "brown4", {"center", "aspect", "p1", "p2"}},
+    {"HeikkilaOfFiveViews", "heikkila", Object::kPlane, 5, "brown4", {}},
 };
 
 // A lens whose free parameters are those of the case; it bends the corners by some ten px.

@@ -12,7 +12,6 @@
 
 #include "calvin/solve/methods/plane_views.hpp"
 #include "calvin/solve/start/camera_guess.hpp"
-#include "calvin/solve/start/projection_matrix.hpp"
 
 namespace calvin {
 
@@ -24,8 +23,9 @@ tl::unexpected<Error> refused(std::size_t view, std::string_view why) {
       fmt::format("The direct linear transformation finds no camera: view {} {}.", view, why));
 }
 
-// K in px, with the centre of the top-left pixel at (0, 0), and the pose of one view.
-Result<DecomposedProjection> decomposed(const PointSet& view, std::size_t number, ImageSize size) {
+}  // namespace
+
+Result<DecomposedProjection> dlt_of_view(const PointSet& view, std::size_t number, ImageSize size) {
   if (!spans_space(view)) {
     return refused(number,
                    "shows too few points, or points that lie in a plane; it takes 6 in space (the "
@@ -43,13 +43,11 @@ Result<DecomposedProjection> decomposed(const PointSet& view, std::size_t number
   return *camera;
 }
 
-}  // namespace
-
 Result<MethodResult> dlt_method(const MethodInput& input) {
   Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
   std::vector<SE3> poses;
   for (std::size_t i = 0; i < input.views.size(); ++i) {
-    const auto camera = decomposed(input.views[i], i, input.size);
+    const auto camera = dlt_of_view(input.views[i], i, input.size);
     if (!camera) return tl::unexpected<Error>(camera.error());
     mean += camera->k / static_cast<double>(input.views.size());
     poses.push_back(camera->camera_from_board);

@@ -14,6 +14,7 @@
 #include "calvin/solve/methods/bakstein.hpp"
 #include "calvin/solve/methods/discorpy.hpp"
 #include "calvin/solve/methods/dlt.hpp"
+#include "calvin/solve/methods/heikkila.hpp"
 #include "calvin/solve/methods/tsai.hpp"
 #include "calvin/solve/methods/zhang.hpp"
 
@@ -26,10 +27,17 @@ struct Method {
   Result<MethodResult> (*run)(const MethodInput&);
   bool takes_one_view = false;
   bool is_refined = true;
+  // The model of its own least squares, which are those of solve(); none: it has no such step.
+  std::string_view own_model = "";
+  // What it says of the camera in the end; null: nothing.
+  std::string (*remark)(const Camera&) = nullptr;
 };
 constexpr std::array kMethods = {
-    Method{"bakstein", bakstein_method}, Method{"discorpy", discorpy_method, false, false},
-    Method{"dlt", dlt_method},           Method{"tsai", tsai_method, true},
+    Method{"bakstein", bakstein_method},
+    Method{"discorpy", discorpy_method, false, false},
+    Method{"dlt", dlt_method},
+    Method{"heikkila", heikkila_method, false, true, "brown4", inverse_remark},
+    Method{"tsai", tsai_method, true},
     Method{"zhang", zhang_method},
 };
 
@@ -78,6 +86,29 @@ Status check_method(std::string_view method) {
 bool is_refined(std::string_view method) {
   const Method* known = find_method(method);
   return known == nullptr || known->is_refined;
+}
+
+std::optional<SolveOptions> own_least_squares(const SolveOptions& options) {
+  const Method* known = find_method(options.method);
+  if (options.refine || known == nullptr || known->own_model.empty()) return std::nullopt;
+  SolveOptions own;
+  own.model = known->own_model;
+  own.camera = options.camera;
+  own.max_iterations = options.max_iterations;
+  own.reject_outliers = false;
+  own.method = options.method;
+  own.ellipse_centers = options.ellipse_centers;
+  own.initial = options.initial;
+  own.checks = false;
+  own.warp = false;
+  own.fix = options.fix;
+  return own;
+}
+
+std::optional<std::string> closing_remark(std::string_view method, const Camera& camera) {
+  const Method* known = find_method(method);
+  if (known == nullptr || known->remark == nullptr) return std::nullopt;
+  return known->remark(camera);
 }
 
 MethodInput method_input(std::span<const PointSet> views, ImageSize size,

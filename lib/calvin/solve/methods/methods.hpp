@@ -5,10 +5,13 @@
 // squares of solve() refines. docs/methods.md tells which tool had which.
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "calvin/camera/camera.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/solve/methods/method_result.hpp"
 #include "calvin/solve/options.hpp"
@@ -30,6 +33,14 @@ namespace calvin {
 // Whether the least squares of solve() follow a method: not where it knows no focal length, which
 // they would have to. True for a name that is none.
 [[nodiscard]] bool is_refined(std::string_view method);
+
+// The options by which solve() takes the own steps of a method of which one is a least squares:
+// over all corners, in its own model. Absent where they are refined, and for other methods.
+[[nodiscard]] std::optional<SolveOptions> own_least_squares(const SolveOptions& options);
+
+// What a method adds to the remarks of a camera that was solved by it, refined or not.
+[[nodiscard]] std::optional<std::string> closing_remark(std::string_view method,
+                                                        const Camera& camera);
 
 // What a method is told of the options: skew, and which of `fix` it may make use of.
 [[nodiscard]] MethodInput method_input(std::span<const PointSet> views, ImageSize size,

@@ -58,6 +58,18 @@ struct GridLines {
   std::vector<Places> down;
 };
 
+// Without the points that are too far from the parabola through all of them.
+Places kept(const Places& places) {
+  constexpr double kMost = 2.5;  // px
+  const Parabola p = fit(places, 0, 0);
+  Places near;
+  for (const Eigen::Vector2d& at : places) {
+    const double off = at.y() - (p.a * at.x() + p.b) * at.x() - p.c;
+    if (std::abs(off) < kMost) near.push_back(at);
+  }
+  return near;
+}
+
 // Lines with far fewer points than the longest one are left out.
 std::vector<Places> whole(const std::map<double, std::vector<Pixel>>& lines, bool along_x) {
   constexpr double kLeastShare = 0.65;
@@ -66,10 +78,11 @@ std::vector<Places> whole(const std::map<double, std::vector<Pixel>>& lines, boo
   std::vector<Places> all;
   for (const auto& [at, points] : lines) {
     if (static_cast<double>(points.size()) < kLeastShare * static_cast<double>(most)) continue;
-    Places& places = all.emplace_back();
+    Places places;
     for (const Pixel& p : points) {
       places.push_back(along_x ? Eigen::Vector2d(p.u, p.v) : Eigen::Vector2d(p.v, p.u));
     }
+    all.push_back(kept(places));
   }
   return all;
 }
@@ -173,16 +186,14 @@ Result<PowersOfRadius> distortion_by_parabolas(const PointSet& view, ImageSize s
   if (lines.across.size() < kFewestLines || lines.down.size() < kFewestLines) {
     return refused("they need eight rows and eight columns of a grid");
   }
-  const Pixel middle = image_center(size);
-  const auto row = straight_line(fit_all(lines.across, middle.u, middle.v));
-  const auto column = straight_line(fit_all(lines.down, middle.v, middle.u));
+  const auto row = straight_line(fit_all(lines.across, 0, 0));
+  const auto column = straight_line(fit_all(lines.down, 0, 0));
   if (!row || !column) {
     return refused("all rows or columns are bent to one side; leave out --no-refine");
   }
   PowersOfRadius found;
   const double share = 1 / (1 - row->b * column->b);
-  found.center = {middle.u + share * (column->c + column->b * row->c),
-                  middle.v + share * (row->c + row->b * column->c)};
+  found.center = {share * (column->c + column->b * row->c), share * (row->c + row->b * column->c)};
   FactorEquations equations(std::hypot(size.width, size.height) / 2);
   equations.add(lines.across, found.center.u, found.center.v);
   equations.add(lines.down, found.center.v, found.center.u);

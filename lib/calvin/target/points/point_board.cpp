@@ -75,6 +75,9 @@ Status check_dots(const std::vector<PointBoard::Dot>& dots) {
     if (!place(dot).allFinite() || !std::isfinite(dot.diameter) || !(dot.diameter >= 0)) {
       return refuse(fmt::format("the dot {} has no place or no size", dot.id));
     }
+    if (!std::ranges::all_of(dot.normal, [](double n) { return std::isfinite(n); })) {
+      return refuse(fmt::format("the normal of the dot {} is no direction", dot.id));
+    }
     for (std::size_t j = 0; j < i; ++j) {
       if (!(distance(dots[j], dot) > (dots[j].diameter + dot.diameter) / 2)) {
         return refuse(fmt::format("the dots {} and {} touch", dots[j].id, dot.id));
