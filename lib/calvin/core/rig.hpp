@@ -26,7 +26,7 @@ struct RigCamera {
 
 struct Rig {
   std::vector<RigCamera> cameras;
-  // The name of the camera whose frame is the rig's, kBoardWorld or kPlacesWorld.
+  // The name of the camera whose frame is the rig's, kBoardWorld, kPlacesWorld or kReferenceWorld.
   std::string world;
   // Whether lengths are metres. Else they have no unit: a light tells places up to a common factor.
   bool is_metric = true;
@@ -61,5 +61,7 @@ struct RectifiedPair {
 inline constexpr const char* kBoardWorld = "board";
 // The frame of the rig is that in which the places of its cameras were known.
 inline constexpr const char* kPlacesWorld = "places";
+// The frame of the rig is one that the program has chosen whose file was read.
+inline constexpr const char* kReferenceWorld = "reference";
 
 }  // namespace calvin
