@@ -4,6 +4,7 @@
 // calvin-rig and calvin-light: further files of a rig, and how its places are printed.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
@@ -27,9 +28,15 @@ namespace rig_export {
 
 using Exports = std::vector<std::pair<std::string, std::string>>;  // format, path
 
+// What is said where one was not.
+inline constexpr const char* kUsage =
+    "--export takes FORMAT:PATH, with calvin, kalibr, caliscope, mrcal, colmap, gltf, opencv or "
+    "ros.";
+
 // Whether all were understood.
 inline bool parse(std::string_view text, Exports& exports) {
-  static const std::set<std::string_view> kFormats = {"calvin", "kalibr", "gltf", "opencv", "ros"};
+  static const std::set<std::string_view> kFormats = {"calvin", "kalibr", "caliscope", "mrcal",
+                                                      "colmap", "gltf",   "opencv",    "ros"};
   for (const std::string_view part : calvin::split(text, ',')) {
     const auto colon = part.find(':');
     const std::string_view format = part.substr(0, colon);
@@ -49,7 +56,9 @@ inline calvin::Status write_text(const std::filesystem::path& path,
 
 inline calvin::Status write(const calvin::Rig& rig, const std::string& format,
                             const std::filesystem::path& path) {
-  if (format == "calvin" || format == "kalibr") return calvin::write_rig(path, rig, format);
+  if (std::ranges::count(calvin::rig_formats(), format) > 0) {
+    return calvin::write_rig(path, rig, format);
+  }
   if (format == "gltf") {
     return write_text(path, calvin::print_glb(calvin::make_scene(rig)));
   }

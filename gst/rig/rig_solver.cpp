@@ -11,6 +11,7 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/camera_baselines.hpp"
 #include "calvin/io/camera_places.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/rig/solve_light.hpp"
@@ -39,7 +40,8 @@ constexpr GEnumValue kMethods[] = {
     kNoMoreChoices};
 
 // What is to be known of a solve by a light.
-Result<LightOptions> light_options(const RigSettings& settings) {
+Result<LightOptions> light_options(const RigSettings& settings,
+                                   const std::vector<CameraBaseline>& baselines) {
   LightOptions options;
   options.model = settings.model;
   options.center_sigma = settings.center_sigma;
@@ -48,6 +50,11 @@ Result<LightOptions> light_options(const RigSettings& settings) {
     if (!trim(name).empty() && trim(name) != "none") options.fix.emplace_back(trim(name));
   }
   if (const Status good = check(options); !good) return tl::unexpected(good.error());
+  // Places of two cameras give the unit alone.
+  if (settings.places.empty() && baselines.size() == 1 && !baselines.front().a.empty()) {
+    const CameraBaseline& known = baselines.front();
+    options.places = {{known.a, {}}, {known.b, {known.distance, 0, 0}}};
+  }
   if (settings.places.empty()) return options;
   auto places = read_camera_places(settings.places);
   if (!places) return tl::unexpected(places.error());
@@ -57,7 +64,7 @@ Result<LightOptions> light_options(const RigSettings& settings) {
 
 }  // namespace
 
-const Property<RigSolver> kRigProperties[9] = {
+const Property<RigSolver> kRigProperties[11] = {
     {"board",
      "Board",
      "The board that counts, as the observations have its text; none: every board",
@@ -84,6 +91,19 @@ const Property<RigSolver> kRigProperties[9] = {
      "How far pictures of one instant may be apart (ns)",
      kept_in<&RigSettings::tolerance>,
      {.range = Range{0, 1e10}, .flags = kMutableReady}},
+    {"baseline",
+     "Baseline",
+     "Known distances between cameras, as left:right:110.03mm:0.05mm (the last is its sigma; none: "
+     "exactly), separated by commas, or of two cameras 110.03mm. They tell how large boards are, and "
+     "the unit before a light",
+     kept_in<&RigSettings::baseline>,
+     {.flags = kMutableReady}},
+    {"board-sigma",
+     "Board Sigma",
+     "With a known distance: how well the size of boards is known, of their size, 1 sigma (0 = "
+     "exactly)",
+     kept_in<&RigSettings::board_sigma>,
+     {.range = Range{0, 1}, .flags = kMutableReady}},
     {"places",
      "Places",
      "Before a light: a file of where some cameras stand, lines 'name x y z' in m. Three or more "
@@ -112,7 +132,9 @@ const Property<RigSolver> kRigProperties[9] = {
 
 Status RigSolver::start() {
   const RigSettings now = settings();
-  auto light = light_options(now);
+  auto baselines = parse_camera_baselines(now.baseline);
+  if (!baselines) return tl::unexpected(baselines.error());
+  auto light = light_options(now, *baselines);
   if (!light) return tl::unexpected(light.error());
   if (!now.location.empty()) {
     if (const Status writable = can_write(now.location); !writable) {
@@ -125,6 +147,8 @@ Status RigSolver::start() {
     session.board = now.board;
     session.options.mode = now.mode == kRigFloor ? RigMode::kFloor : RigMode::kJoint;
     session.options.tolerance = now.tolerance;
+    session.options.baselines = *std::move(baselines);
+    session.options.board_sigma = now.board_sigma;
     session.method = now.method;
     session.light = *std::move(light);
     session_.start(std::move(session));

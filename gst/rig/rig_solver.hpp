@@ -33,6 +33,8 @@ struct RigSettings {
   RigMethod method = RigMethod::kAuto;
   std::string location;
   guint64 tolerance = 10 * GST_MSECOND;
+  std::string baseline;  // known distances, as parse_camera_baselines() takes them
+  double board_sigma = RigOptions().board_sigma;
   // Before a light:
   std::string places;  // a file
   std::string model = LightOptions().model;
@@ -158,6 +160,6 @@ class RigSolver : public SharedSettings<RigSettings> {
   Worker reader_;
 };
 
-extern const Property<RigSolver> kRigProperties[9];
+extern const Property<RigSolver> kRigProperties[11];
 
 }  // namespace calvin::gst

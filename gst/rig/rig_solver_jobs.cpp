@@ -58,6 +58,20 @@ Status check_mode(const RigJob& job, RigModeChoice mode) {
     return make_error(ErrorCode::kInvalidArgument,
                       "A light is no floor that cameras stand above: take mode=joint.");
   }
+  const bool has_names = std::ranges::none_of(job.options.baselines, [](const CameraBaseline& one) {
+    return one.a.empty() && one.b.empty();
+  });
+  if (!has_names && linked != 2) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("A known distance without names is that of two cameras, and {} "
+                                  "are linked: name two, as baseline=cam0:cam1:110mm.",
+                                  linked));
+  }
+  if (job.light && !job.options.baselines.empty() && job.light->places.empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "Before a light one known distance, with the names of its cameras, gives the "
+                      "unit. Where more is known take places.");
+  }
   return {};
 }
 
@@ -86,7 +100,8 @@ void RigSolver::run(const RigJob& job, const std::stop_token& stop) {
   auto solution = solve(job, views, stop);
   std::shared_ptr<const WatchedRig> watched;
   if (solution && !job.light && !stop.stop_requested()) {
-    watched = std::make_shared<const WatchedRig>(watched_rig(solution->rig, views, job.options));
+    watched = std::make_shared<const WatchedRig>(
+        watched_rig(in_board_lengths(*solution), views, job.options));
   }
   if (stop.stop_requested()) return;
   {

@@ -40,6 +40,14 @@ struct CameraPlace {
   std::array<double, 3> place{};  // m, in a right-handed frame
 };
 
+// How far two cameras are apart by other means, as a data sheet or a tape says.
+struct CameraBaseline {
+  std::string a;  // names; both empty: of the two cameras of a rig that has no others
+  std::string b;
+  double distance = 0;  // m
+  double sigma = 0;     // m; 0: exactly
+};
+
 // The two cameras of a stereo pair, and the one pinhole that the rectified pictures of both have:
 // rows correspond, or columns where the pair stands one above the other.
 struct RectifiedPair {
