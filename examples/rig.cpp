@@ -212,8 +212,8 @@ int main(int argc, char** argv) {
     return failed(written.error());
   }
   print(*solved);
-  for (const auto& [format, path] : arguments->exports) {
-    const auto written = rig_export::write(solved->rig, format, path);
+  for (const calvin::RigExport& to : arguments->exports) {
+    const auto written = rig_export::write(solved->rig, to);
     if (!written) return failed(written.error());
   }
   return 0;

@@ -15,6 +15,7 @@
 #include "calvin/io/camera_places.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/rig/solve_light.hpp"
+#include "calvin/session/rig/rig_exports.hpp"
 #include "rig/rig_messages.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
@@ -64,7 +65,7 @@ Result<LightOptions> light_options(const RigSettings& settings,
 
 }  // namespace
 
-const Property<RigSolver> kRigProperties[11] = {
+const Property<RigSolver> kRigProperties[12] = {
     {"board",
      "Board",
      "The board that counts, as the observations have its text; none: every board",
@@ -85,6 +86,12 @@ const Property<RigSolver> kRigProperties[11] = {
      "The file of the rig; written at the first solve, then at every one. What was there before is "
      "kept as FILE~",
      kept_in<&RigSettings::location>,
+     {.flags = kMutableReady}},
+    {"export",
+     "Export",
+     "Further files, written with location: FORMAT:PATH,FORMAT:PATH; kalibr, caliscope and calvin are "
+     "files, mrcal and colmap folders; of two cameras also opencv (a file) and ros (a folder)",
+     kept_in<&RigSettings::exports>,
      {.flags = kMutableReady}},
     {"tolerance",
      "Tolerance",
@@ -132,6 +139,8 @@ const Property<RigSolver> kRigProperties[11] = {
 
 Status RigSolver::start() {
   const RigSettings now = settings();
+  const auto exports = parse_rig_exports(now.exports);
+  if (!exports) return tl::unexpected(exports.error());
   auto baselines = parse_camera_baselines(now.baseline);
   if (!baselines) return tl::unexpected(baselines.error());
   auto light = light_options(now, *baselines);
@@ -311,7 +320,7 @@ void RigSolver::finish() {
   bool files_wanted = false;
   {
     const std::lock_guard guard(lock_);
-    files_wanted = !settings_.location.empty();
+    files_wanted = !settings_.location.empty() || !settings_.exports.empty();
     has_rig = solution_ != nullptr;
     error = solve_error_;
     if (!error && !is_final_) error = session_.lack();

@@ -12,6 +12,7 @@
 #include "calvin/io/rig_io.hpp"
 #include "calvin/rig/moved_camera.hpp"
 #include "calvin/session/rig/light_rig.hpp"
+#include "calvin/session/rig/rig_exports.hpp"
 #include "rig/rig_messages.hpp"
 #include "rig/rig_solver.hpp"
 
@@ -118,12 +119,24 @@ void RigSolver::run(const RigJob& job, const std::stop_token& stop) {
   publish(job, std::make_shared<const RigSolution>(*std::move(solution)), stop);
 }
 
+// All that can be; the first error.
+Status RigSolver::write_files(const Rig& rig) {
+  const RigSettings now = settings();
+  Status all = now.location.empty() ? Status() : file_.write(now.location, rig);
+  const auto exports = parse_rig_exports(now.exports);
+  for (const RigExport& to : exports.value_or(std::vector<RigExport>())) {
+    Status written = write_rig_export(to, rig);
+    if (all && !written) all = std::move(written);
+  }
+  return all;
+}
+
 void RigSolver::publish(const RigJob& job, std::shared_ptr<const RigSolution> solution,
                         const std::stop_token& stop) {
   const auto json = print_rig(solution->rig);
   if (!json) return;
   const std::string location = settings().location;
-  const Status written = location.empty() ? Status() : file_.write(location, solution->rig);
+  const Status written = write_files(solution->rig);
   FrameTimes times;
   bool first_failure = false;
   {
