@@ -24,6 +24,12 @@ struct RigCamera {
   std::optional<double> rms;  // px, of the corners that it has seen
 };
 
+// A board where it was seen.
+struct RigBoard {
+  std::string board;  // its text
+  Pose rig_from_board;
+};
+
 struct Rig {
   std::vector<RigCamera> cameras;
   // The name of the camera whose frame is the rig's, kBoardWorld, kPlacesWorld or kReferenceWorld.
@@ -32,6 +38,8 @@ struct Rig {
   bool is_metric = true;
   std::optional<double> rms;            // px, of all corners
   std::uint64_t pairing_tolerance = 0;  // ns: pictures no farther apart were taken for one instant
+  // Some of those by which the cameras were placed, for whoever looks at the rig.
+  std::vector<RigBoard> boards;
 };
 
 // Where a camera stands by other means, as a survey of the room.

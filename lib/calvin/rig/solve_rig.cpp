@@ -24,6 +24,7 @@
 #include "calvin/rig/joint/links.hpp"
 #include "calvin/rig/joint/rig_fit.hpp"
 #include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/joint/shown_boards.hpp"
 #include "calvin/rig/joint/timing.hpp"
 #include "calvin/rig/rig_distances.hpp"
 #include "calvin/rig/stereo.hpp"
@@ -277,6 +278,8 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
       set_scale(seen, options, fit->places.camera_from_rig, covariance, solution);
   if (!scaled) return tl::unexpected<Error>(scaled.error());
   set_cameras(seen, fit->places.camera_from_rig, covariance, fit->camera_rms, solution.rig);
+  solution.rig.boards = rig::shown_boards(
+      seen, *views, fit->places, solution.board_scale ? solution.board_scale->scale : 1);
   for (const std::size_t view : fit->rejected) solution.rejected.push_back((*views)[view].of);
   set_links(*views, links, cameras, *fit, covariance, solution);
   return solution;
@@ -345,6 +348,8 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
   solution.rig.world = kBoardWorld;
   solution.rig.rms = std::sqrt(squares / static_cast<double>(cameras.size()));
   set_cameras(seen, camera_from_rig, covariance, rms, solution.rig);
+  const RigView& first = views->front().of;
+  solution.rig.boards = {{seen[first.camera].views[first.view].board.text(), {}}};
   for (std::size_t a = 0; a < cameras.size(); ++a) {
     for (std::size_t b = a + 1; b < cameras.size(); ++b) {
       solution.links.push_back(link_between(a, b, camera_from_rig, covariance));

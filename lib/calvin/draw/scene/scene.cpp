@@ -16,6 +16,7 @@
 #include <Eigen/Geometry>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/draw/scene/scene_boards.hpp"
 #include "calvin/geometry/se3.hpp"
 
 namespace calvin {
@@ -147,6 +148,7 @@ class SceneMaker {
 
   Scene make() {
     for (std::size_t c = 0; c < rig_.cameras.size(); ++c) add_camera(c);
+    add_boards(rig_, scene_);
     add_ellipsoids();
     add_axes();
     find_radius();
@@ -236,7 +238,7 @@ class SceneMaker {
       add_path({Eigen::Vector3d::Zero(), end}, kAxisColours[axis], 2.2, false, false);
       scene_.labels.push_back({end, kNames[axis], kAxisColours[axis]});
     }
-    if (is_of_board(rig_)) {
+    if (is_of_board(rig_) && rig_.boards.empty()) {
       scene_.labels.push_back({Eigen::Vector3d::Zero(), "board", kWhite});
     }
   }
