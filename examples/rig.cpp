@@ -169,8 +169,9 @@ void print(const calvin::RigSolution& solved) {
                rig_export::place_sigmas(camera), camera.rms.value_or(0));
   }
   if (solved.board_scale) {
-    fmt::print("Boards are {:.5f} (+-{}) times as large as their text says, by the known distances.\n",
-               solved.board_scale->scale, calvin::two_digits(solved.board_scale->sigma));
+    fmt::print(
+        "Boards are {:.5f} (+-{}) times as large as their text says, by the known distances.\n",
+        solved.board_scale->scale, calvin::two_digits(solved.board_scale->sigma));
   }
   if (!solved.rejected.empty()) {
     fmt::print("{} views contradict the others and were left out.\n", solved.rejected.size());

@@ -89,7 +89,8 @@ const Property<RigSolver> kRigProperties[12] = {
      {.flags = kMutableReady}},
     {"export",
      "Export",
-     "Further files, written with location: FORMAT:PATH,FORMAT:PATH; kalibr, caliscope and calvin are "
+     "Further files, written with location: FORMAT:PATH,FORMAT:PATH; kalibr, caliscope and calvin "
+     "are "
      "files, mrcal and colmap folders; of two cameras also opencv (a file) and ros (a folder)",
      kept_in<&RigSettings::exports>,
      {.flags = kMutableReady}},
@@ -101,7 +102,8 @@ const Property<RigSolver> kRigProperties[12] = {
     {"baseline",
      "Baseline",
      "Known distances between cameras, as left:right:110.03mm:0.05mm (the last is its sigma; none: "
-     "exactly), separated by commas, or of two cameras 110.03mm. They tell how large boards are, and "
+     "exactly), separated by commas, or of two cameras 110.03mm. They tell how large boards are, "
+     "and "
      "the unit before a light",
      kept_in<&RigSettings::baseline>,
      {.flags = kMutableReady}},

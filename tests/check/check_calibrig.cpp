@@ -79,8 +79,8 @@ GST_START_TEST(test_four_cameras_of_different_lenses_and_sizes) {
 }
 GST_END_TEST;
 
-// The distance between the cameras is known, and boards are 2 % smaller than they say: the rig is as
-// large as the distance says, in every file, and the cameras are not taken for pushed.
+// The distance between the cameras is known, and boards are 2 % smaller than they say: the rig is
+// as large as the distance says, in every file, and the cameras are not taken for pushed.
 GST_START_TEST(test_a_known_distance_sets_the_scale) {
   RigFixture f(rig_views::stereo());
   const double truth =

@@ -135,7 +135,7 @@ inline bool readable(std::string_view format) {
 }
 
 // All that hold a camera with skew, and the lens of brown5. Kalibr's, mrcal's and COLMAP's do not:
-// test_rig_formats.cpp, test_rig_tools.cpp.
+// test_rig_formats.cpp, test_mrcal.cpp, test_colmap.cpp.
 inline std::vector<std::string_view> formats_with_skew() {
   std::vector<std::string_view> formats = calibration_formats();
   std::erase_if(formats, [](std::string_view format) {

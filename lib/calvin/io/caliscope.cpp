@@ -61,8 +61,8 @@ std::vector<Entry> entries_of(const Node& root) {
       const std::string& key = group.keys[i];
       std::string_view number = key;
       if (number.starts_with(kCameraPrefix)) number.remove_prefix(kCameraPrefix.size());
-      entries.push_back({fmt::format("{}{}", path, key), name_of(node, key), &node,
-                         parse_int(number)});
+      entries.push_back(
+          {fmt::format("{}{}", path, key), name_of(node, key), &node, parse_int(number)});
     }
   };
   const Node* cameras = root.find("cameras");
@@ -208,9 +208,9 @@ Result<Rig> read_caliscope(const Node& root) {
   const auto entries = entries_of(root);
   if (entries.empty()) return tl::unexpected(no_camera());
   if (entries.size() > kMostRigCameras) {
-    return make_error(ErrorCode::kMalformed,
-                      fmt::format("it has {} cameras; no rig has more than {}", entries.size(),
-                                  kMostRigCameras));
+    return make_error(
+        ErrorCode::kMalformed,
+        fmt::format("it has {} cameras; no rig has more than {}", entries.size(), kMostRigCameras));
   }
   for (const Entry& entry : entries) {
     Fields fields(*entry.node, entry.key + ".", problem);
@@ -218,8 +218,7 @@ Result<Rig> read_caliscope(const Node& root) {
     const auto camera_from_world = problem ? std::nullopt : read_pose(fields);
     if (problem) return tl::unexpected(*problem);
     calibration->camera = entry.name;
-    rig.cameras.push_back(
-        {*std::move(calibration), to_pose(camera_from_world->inverse()), {}, {}});
+    rig.cameras.push_back({*std::move(calibration), to_pose(camera_from_world->inverse()), {}, {}});
   }
   if (const std::string* name = repeated_name(rig.cameras)) {
     return make_error(ErrorCode::kMalformed,

@@ -87,14 +87,15 @@ Result<Camera> to_camera(const Lens& lens, ImageSize size, std::vector<double> n
   if (lens.has_one_focal) numbers.insert(numbers.begin(), numbers.front());
   numbers[2] -= kCentre;
   numbers[3] -= kCentre;
-  const std::size_t count = 4 + (lens.model == "pinhole" ? 0
-                                 : lens.model == "fov"   ? 1
-                                                         : std::max<std::size_t>(lens.coefficients, 4));
+  const std::size_t count =
+      4 + (lens.model == "pinhole" ? 0
+           : lens.model == "fov"   ? 1
+                                   : std::max<std::size_t>(lens.coefficients, 4));
   numbers.resize(count, 0.0);
   // A lens without k4 to k6 is a smaller one.
-  const bool is_brown5 = lens.model == "rational8" &&
-                         std::all_of(numbers.begin() + 9, numbers.end(),
-                                     [](double number) { return number == 0; });
+  const bool is_brown5 =
+      lens.model == "rational8" &&
+      std::all_of(numbers.begin() + 9, numbers.end(), [](double number) { return number == 0; });
   if (!is_brown5) return Camera::make(lens.model, size, numbers);
   numbers.resize(9);
   return Camera::make("brown5", size, numbers);
@@ -121,9 +122,9 @@ Result<std::pair<std::uint64_t, Calibration>> read_camera_line(std::string_view 
   const auto width = parse_int(words[2]);
   const auto height = parse_int(words[3]);
   if (!numbers || numbers->size() != count || !width || !height) {
-    return broken(kFile, number,
-                  fmt::format("{} has a width, a height and {} numbers behind them", lens->name,
-                              count));
+    return broken(
+        kFile, number,
+        fmt::format("{} has a width, a height and {} numbers behind them", lens->name, count));
   }
   const auto camera = to_camera(*lens, {*width, *height}, *numbers);
   if (!camera) return broken(kFile, number, camera.error().message, camera.error().code);
@@ -256,7 +257,8 @@ Result<std::string> camera_line(const Calibration& calibration, std::size_t id) 
 std::string word_for(const Calibration& calibration, std::size_t number) {
   if (calibration.camera.empty()) return fmt::format("cam{}", number);
   std::string name = calibration.camera;
-  std::ranges::replace_if(name, [](char c) { return is_control(c) || c == ' '; }, '_');
+  std::ranges::replace_if(
+      name, [](char c) { return is_control(c) || c == ' '; }, '_');
   return name;
 }
 

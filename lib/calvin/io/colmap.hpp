@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "calvin/core/rig.hpp"
 #include "calvin/core/result.hpp"
+#include "calvin/core/rig.hpp"
 
 namespace calvin::io {
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Document: the tree that JSON, YAML, XML, TOML and literals of Python have in common, and the checked way into it.
+// Document: the tree that JSON, YAML, XML, TOML and literals of Python have in common, and the
+// checked way into it.
 #pragma once
 
 #include <cstdint>

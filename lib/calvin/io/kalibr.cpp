@@ -190,7 +190,7 @@ std::string motion_text(const SE3& motion) {
   std::string text;
   for (int r = 0; r < 3; ++r) {
     text += fmt::format("  - {}\n", list_text({motion.rotation(r, 0), motion.rotation(r, 1),
-                                             motion.rotation(r, 2), motion.translation(r)}));
+                                               motion.rotation(r, 2), motion.translation(r)}));
   }
   return text + "  - [0.0, 0.0, 0.0, 1.0]\n";
 }

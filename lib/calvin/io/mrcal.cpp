@@ -164,8 +164,7 @@ Result<std::string> print_mrcal(const RigCamera& camera) {
                     is_held ? " with skew" : ""));
   }
   if (calibration.model == "pinhole") numbers->distortion.clear();
-  const auto lens =
-      std::ranges::find(kLenses, numbers->distortion.size(), &Lens::coefficients);
+  const auto lens = std::ranges::find(kLenses, numbers->distortion.size(), &Lens::coefficients);
   std::vector<double> intrinsics = {numbers->k[0], numbers->k[4], numbers->k[2], numbers->k[5]};
   intrinsics.insert(intrinsics.end(), numbers->distortion.begin(), numbers->distortion.end());
   const SE3 camera_from_reference = to_se3(camera.rig_from_camera).inverse();

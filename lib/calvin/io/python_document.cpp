@@ -60,8 +60,9 @@ class PythonReader {
   // Whether a text begins here, after one of the prefixes of bytes, raw and Unicode texts.
   [[nodiscard]] bool is_text() const {
     const std::size_t quote =
-        std::string_view("bBrRuU").find(next()) != std::string_view::npos && next() != '\0' ? at_ + 1
-                                                                                            : at_;
+        std::string_view("bBrRuU").find(next()) != std::string_view::npos && next() != '\0'
+            ? at_ + 1
+            : at_;
     return quote < text_.size() && (text_[quote] == '\'' || text_[quote] == '"');
   }
 
@@ -83,8 +84,7 @@ class PythonReader {
   }
 
   bool word() {
-    const std::size_t end =
-        std::min(text_.find_first_of(" \t\r\n\f,:#[](){}", at_), text_.size());
+    const std::size_t end = std::min(text_.find_first_of(" \t\r\n\f,:#[](){}", at_), text_.size());
     const std::string_view word = text_.substr(at_, end - at_);
     if (word.empty()) return fail("a value is missing");
     at_ = end;

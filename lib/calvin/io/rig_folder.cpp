@@ -36,9 +36,9 @@ Result<std::vector<fs::path>> models_in(const fs::path& folder) {
     if (at->path().extension() == kModel) models.push_back(at->path());
   }
   if (error) {
-    return make_error(ErrorCode::kIo, fmt::format("The folder '{}' cannot be read: {}.",
-                                                  shortened(folder.string(), 400),
-                                                  error.message()));
+    return make_error(ErrorCode::kIo,
+                      fmt::format("The folder '{}' cannot be read: {}.",
+                                  shortened(folder.string(), 400), error.message()));
   }
   std::ranges::sort(models);
   return models;
@@ -85,17 +85,18 @@ Status make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (!error && fs::is_directory(folder, error)) return {};
-  return make_error(ErrorCode::kIo,
-                    fmt::format("'{}' cannot be a folder of files: {}. Name another one.",
-                                shortened(folder.string(), 400),
-                                error ? error.message() : "it is a file"));
+  return make_error(
+      ErrorCode::kIo,
+      fmt::format("'{}' cannot be a folder of files: {}. Name another one.",
+                  shortened(folder.string(), 400), error ? error.message() : "it is a file"));
 }
 
 Result<std::vector<std::string>> file_names(const Rig& rig) {
   std::vector<std::string> names;
   for (const RigCamera& camera : rig.cameras) {
     std::string name = camera.calibration.camera;
-    std::ranges::replace_if(name, [](char c) { return c == '/' || is_control(c); }, '_');
+    std::ranges::replace_if(
+        name, [](char c) { return c == '/' || is_control(c); }, '_');
     const bool is_good = !name.empty() && !name.starts_with('.');
     if (!is_good || std::ranges::count(names, name) > 0) {
       return make_error(ErrorCode::kInvalidArgument,
@@ -158,11 +159,11 @@ Status write_mrcal_folder(const fs::path& folder, const Rig& rig) {
   if (!there) return tl::unexpected<Error>(there.error());
   for (const fs::path& model : *there) {
     if (own.contains(model.filename())) continue;
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("The folder '{}' has '{}', the model of a camera that is not in "
-                                  "the rig, and would be taken for one: name an empty folder.",
-                                  shortened(folder.string(), 400),
-                                  shortened(model.filename().string(), 80)));
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("The folder '{}' has '{}', the model of a camera that is not in "
+                    "the rig, and would be taken for one: name an empty folder.",
+                    shortened(folder.string(), 400), shortened(model.filename().string(), 80)));
   }
   for (const auto& [path, text] : files) {
     if (Status written = write_file(path.string(), text); !written) return written;

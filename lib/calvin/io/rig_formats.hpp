@@ -20,8 +20,8 @@ namespace calvin::io {
 [[nodiscard]] Result<std::string> print_native_rig(const Rig& rig);
 
 // The camchain of Kalibr (github.com/ethz-asl/kalibr, YAML), of one camera or many: each is placed
-// by T_cn_cnm1 before the one with the number below, or, where that is absent, by T_cam_imu of both.
-// The frame is that of cam0.
+// by T_cn_cnm1 before the one with the number below, or, where that is absent, by T_cam_imu of
+// both. The frame is that of cam0.
 [[nodiscard]] bool is_kalibr(const Node& root);
 [[nodiscard]] Result<Rig> read_kalibr(const Node& root);
 // kUnsupported for a camera model that Kalibr does not have, and for skew.

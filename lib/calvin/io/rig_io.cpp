@@ -87,7 +87,8 @@ Result<Rig> parse_text(std::string_view content) {
 constexpr io::FileKind kKind = {
     "The text of a rig", "a rig",
     "Give a file that calvin-rig or calibrig has written, Kalibr's camchain, caliscope's "
-    "camera_array.toml, OpenCV's stereo parameters in one file, or a folder of mrcal's or COLMAP's."};
+    "camera_array.toml, OpenCV's stereo parameters in one file, or a folder of mrcal's or "
+    "COLMAP's."};
 
 Result<const Writer*> find_writer(std::string_view format) {
   const auto writer =

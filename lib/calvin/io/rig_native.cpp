@@ -78,8 +78,8 @@ void read_cameras(Fields& fields, std::optional<Error>& problem, Rig& rig) {
 void read_boards(Fields& fields, std::optional<Error>& problem, Rig& rig) {
   const auto& list = fields.list("boards");
   if (list.size() > kMostBoards) {
-    fields.complain("boards", fmt::format("has {}; no rig keeps more than {}", list.size(),
-                                          kMostBoards));
+    fields.complain("boards",
+                    fmt::format("has {}; no rig keeps more than {}", list.size(), kMostBoards));
   }
   for (std::size_t i = 0; i < list.size() && !fields.failed(); ++i) {
     if (list[i].kind != Node::Kind::kMap) {

@@ -15,6 +15,7 @@
 #include "calvin_config.h"
 
 #if CALVIN_HAVE_FORMATS
+#define TOML_HEADER_ONLY 1
 #include <toml++/toml.h>
 #endif
 

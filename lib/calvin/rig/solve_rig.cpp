@@ -274,12 +274,11 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
   solution.rig.rms = fit->rms;
   solution.rig.pairing_tolerance = options.tolerance;
   Eigen::MatrixXd covariance = in_rig_frame(fit->covariance, fit->places.camera_from_rig);
-  const Status scaled =
-      set_scale(seen, options, fit->places.camera_from_rig, covariance, solution);
+  const Status scaled = set_scale(seen, options, fit->places.camera_from_rig, covariance, solution);
   if (!scaled) return tl::unexpected<Error>(scaled.error());
   set_cameras(seen, fit->places.camera_from_rig, covariance, fit->camera_rms, solution.rig);
-  solution.rig.boards = rig::shown_boards(
-      seen, *views, fit->places, solution.board_scale ? solution.board_scale->scale : 1);
+  solution.rig.boards = rig::shown_boards(seen, *views, fit->places,
+                                          solution.board_scale ? solution.board_scale->scale : 1);
   for (const std::size_t view : fit->rejected) solution.rejected.push_back((*views)[view].of);
   set_links(*views, links, cameras, *fit, covariance, solution);
   return solution;

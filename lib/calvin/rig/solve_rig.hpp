@@ -30,8 +30,8 @@ enum class RigMode {
 struct RigOptions {
   RigMode mode = RigMode::kJoint;
   std::uint64_t tolerance = 10'000'000;  // ns, between pictures of one instant
-  // Known distances between cameras. With them the size of boards is known to `board_sigma` only, of
-  // their size (1 sigma; 0: exactly), and lengths of the rig are those that explain both best.
+  // Known distances between cameras. With them the size of boards is known to `board_sigma` only,
+  // of their size (1 sigma; 0: exactly), and lengths of the rig are those that explain both best.
   std::vector<CameraBaseline> baselines = {};
   double board_sigma = 0.01;
   // kJoint: cameras that what they have seen does not join to the others are left out of the rig
@@ -78,7 +78,7 @@ struct RigSolution {
   std::vector<RigView> rejected;       // contradict the others; by the cameras of the rig
   std::vector<LeftOutCamera> left_out;
   std::optional<BoardScale> board_scale;  // absent without known distances
-  std::vector<std::string> remarks;  // sentences for the user
+  std::vector<std::string> remarks;       // sentences for the user
 };
 
 // Intrinsics stay as they are; how well they are known is a part of the covariances. The same views
@@ -90,8 +90,8 @@ struct RigSolution {
                                                        const RigOptions& options = {},
                                                        std::stop_token stop = {});
 
-// The rig in the lengths that boards are said to have, as the views of boards are to be held against
-// it: where known distances have not scaled it, as it is.
+// The rig in the lengths that boards are said to have, as the views of boards are to be held
+// against it: where known distances have not scaled it, as it is.
 [[nodiscard]] Rig in_board_lengths(const RigSolution& solution);
 
 // One line: "'left' and 'right': 13 views, 99.3 mm apart (+-0.2), axes at 0.4 degrees, ...".

@@ -64,7 +64,12 @@ struct Kind {
 };
 const Kind kKinds[] = {
     {"Stereo", [](Random& r) { return scenes::stereo_rig(r); }, 15, 120, 900, {{0, 1}}, 5e-5},
-    {"RingOfFour", [](Random& r) { return scenes::ring_rig(4, r); }, 40, 30, 400, {{0, 1}, {1, 3}},
+    {"RingOfFour",
+     [](Random& r) { return scenes::ring_rig(4, r); },
+     40,
+     30,
+     400,
+     {{0, 1}, {1, 3}},
      1e-3},
 };
 
@@ -100,8 +105,8 @@ TEST_P(Baselines, ArePriorsWithTheirSigmas) {
       ++cameras;
     }
   }
-  std::cout << kind.name << ": mean of e^T C^-1 e / 6 = " << squares / cameras
-            << ", of the scale " << of_scale / trials << "\n";
+  std::cout << kind.name << ": mean of e^T C^-1 e / 6 = " << squares / cameras << ", of the scale "
+            << of_scale / trials << "\n";
   EXPECT_NEAR(squares / cameras, 1, scenes::full_count() ? 0.1 : 0.15);
   // A chi square of so many degrees of freedom, within 3.5 of its sigmas.
   EXPECT_NEAR(of_scale / trials, 1, 3.5 * std::sqrt(2.0 / trials));
@@ -211,8 +216,7 @@ TEST(Baselines, AreALeastSquares) {
   }
   const Eigen::MatrixXd root =
       Eigen::MatrixXd::NullaryExpr(kCount, kCount, [&] { return 0.003 * normal(random); });
-  cameras.covariance = root * root.transpose() +
-                       1e-8 * Eigen::MatrixXd::Identity(kCount, kCount);
+  cameras.covariance = root * root.transpose() + 1e-8 * Eigen::MatrixXd::Identity(kCount, kCount);
   const std::vector<rig::KnownDistance> known = {
       {0, 1, 0.5, 0.004}, {1, 2, 0.45, 0.01}, {0, 2, 0.9, 0.002}};
   constexpr double kBoard = 0.02;
@@ -255,8 +259,7 @@ TEST(Baselines, AreALeastSquares) {
     const Eigen::Vector3d place =
         (1 + x(kCount)) * (cameras.rig_from_camera[c].translation + x.segment<3>(at + 3));
     EXPECT_LT((scaled->cameras.rig_from_camera[c].translation - place).norm(), 1e-7);
-    const Eigen::Matrix3d turned =
-        exp_so3(x.segment<3>(at)) * cameras.rig_from_camera[c].rotation;
+    const Eigen::Matrix3d turned = exp_so3(x.segment<3>(at)) * cameras.rig_from_camera[c].rotation;
     EXPECT_LT((scaled->cameras.rig_from_camera[c].rotation - turned).norm(), 1e-7);
   }
 }

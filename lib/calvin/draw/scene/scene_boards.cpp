@@ -45,9 +45,9 @@ class BoardMaker {
  private:
   void add(const BoardArea& area, double alpha, bool is_filled) {
     ScenePath path;
-    for (const auto& [x, y] : {std::pair(area.left, area.top), std::pair(area.right, area.top),
-                               std::pair(area.right, area.bottom),
-                               std::pair(area.left, area.bottom)}) {
+    for (const auto& [x, y] :
+         {std::pair(area.left, area.top), std::pair(area.right, area.top),
+          std::pair(area.right, area.bottom), std::pair(area.left, area.bottom)}) {
       path.points.push_back(pose_ * Eigen::Vector3d(x, y, 0));
     }
     path.colour = kPaper;

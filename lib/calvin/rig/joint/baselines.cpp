@@ -39,8 +39,8 @@ Linearised linearise(const PlacedCameras& cameras, const std::vector<KnownDistan
     };
     const Eigen::Vector3d between = at(one.b) - at(one.a);
     const double length = between.norm();
-    const Eigen::Vector3d along = length > 0 ? Eigen::Vector3d(between / length)
-                                             : Eigen::Vector3d(Eigen::Vector3d::UnitX());
+    const Eigen::Vector3d along =
+        length > 0 ? Eigen::Vector3d(between / length) : Eigen::Vector3d(Eigen::Vector3d::UnitX());
     all.distances(row) = scale * length;
     all.by.block<1, 3>(row, place_of(one.b)) += scale * along.transpose();
     all.by.block<1, 3>(row, place_of(one.a)) -= scale * along.transpose();

@@ -43,9 +43,10 @@ Result<KnownDistance> known_distance(const CameraBaseline& baseline,
   KnownDistance known = {0, 1, baseline.distance, baseline.sigma};
   if (!has_names(baseline)) {
     if (names.size() == 2) return known;
-    return invalid(fmt::format("A known distance without names is that of two cameras, and the rig "
-                               "has {}: name two of them, as '{}:{}:110mm'.",
-                               names.size(), names.front(), names.back()));
+    return invalid(
+        fmt::format("A known distance without names is that of two cameras, and the rig "
+                    "has {}: name two of them, as '{}:{}:110mm'.",
+                    names.size(), names.front(), names.back()));
   }
   const auto a = find(names, baseline.a);
   const auto b = find(names, baseline.b);
@@ -77,9 +78,9 @@ std::vector<std::string> drop_unknown(std::vector<CameraBaseline>& baselines,
   std::vector<std::string> remarks;
   std::erase_if(baselines, [&](const CameraBaseline& one) {
     if (find(names, one.a) && find(names, one.b)) return false;
-    remarks.push_back(fmt::format(
-        "The known distance {}does not count: a camera is not in the rig.",
-        has_names(one) ? fmt::format("between '{}' and '{}' ", one.a, one.b) : ""));
+    remarks.push_back(
+        fmt::format("The known distance {}does not count: a camera is not in the rig.",
+                    has_names(one) ? fmt::format("between '{}' and '{}' ", one.a, one.b) : ""));
     return true;
   });
   return remarks;
