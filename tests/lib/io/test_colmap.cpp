@@ -13,6 +13,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/camera_places.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "rig_files.hpp"
 #include "temporary_folder.hpp"
@@ -109,6 +110,22 @@ TEST(Colmap, ReadsBackAsTheSameRig) {
   rig.is_metric = false;
   ASSERT_TRUE(write_rig(folder.path("c"), rig, "colmap").has_value());
   EXPECT_FALSE(read_rig(folder.path("c"))->is_metric);
+}
+
+// What takes known places of cameras takes the model.
+TEST(Colmap, PicturesArePlacesOfCameras) {
+  const Rig rig = random_rig({"brown4", "fisheye"}, 8);
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_rig(folder.path("c"), rig, "colmap").has_value());
+  const auto places = read_camera_places(folder.path("c"));
+  ASSERT_TRUE(places.has_value()) << places.error().message;
+  ASSERT_EQ(places->size(), 2U);
+  EXPECT_EQ((*places)[1].camera, "the_fisheye");
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR((*places)[1].place[k], rig.cameras[1].rig_from_camera.translation[k], 1e-12);
+  }
+  ASSERT_TRUE(write_rig(folder.path("rig.json"), rig).has_value());
+  EXPECT_EQ(read_camera_places(folder.path("rig.json"))->size(), 2U);
 }
 
 TEST(Colmap, OneLineOfCamerasIsACalibration) {

@@ -139,8 +139,13 @@ TEST(Baselines, GiveTheirLengthToBoardsThatAreWrong) {
   // In the lengths of the boards it is the rig without them.
   const Rig back = in_board_lengths(*solved);
   EXPECT_NEAR(distance_in(back, 0, 1) * solved->board_scale->scale, distance, 1e-10);
-  for (const RigBoard& board : solved->rig.boards) {
-    EXPECT_LT(to_se3(board.rig_from_board).translation.norm(), 2);
+  // Boards are kept where they were shown, scaled likewise.
+  ASSERT_FALSE(solved->rig.boards.empty());
+  ASSERT_EQ(solved->rig.boards.size(), plain->rig.boards.size());
+  for (std::size_t i = 0; i < solved->rig.boards.size(); ++i) {
+    const Eigen::Vector3d before = to_se3(plain->rig.boards[i].rig_from_board).translation;
+    const Eigen::Vector3d after = to_se3(solved->rig.boards[i].rig_from_board).translation;
+    EXPECT_LT((after - solved->board_scale->scale * before).norm(), 1e-9);
   }
 }
 
