@@ -34,7 +34,7 @@ constexpr GEnumValue kModes[] = {
     choice(kRigStereo, "stereo", "As joint, of two cameras"), kNoMoreChoices};
 
 constexpr GEnumValue kMethods[] = {
-    choice(RigMethod::kAuto, "auto", "svoboda where a light is seen first, else boards"),
+    choice(RigMethod::kAuto, "auto", "By a light where one is seen first, else by boards"),
     choice(RigMethod::kBoards, "boards", "By boards alone, before cameras whose lenses are known"),
     choice(RigMethod::kSvoboda, "svoboda",
            "By a light alone (board=dot of calibdetect), lenses and places: that of BlueCCal"),
@@ -133,8 +133,8 @@ const Property<RigSolver> kRigProperties[12] = {
      {.flags = kMutableReady}},
     {"center-sigma",
      "Center Sigma",
-     "Before a light: how far the axis of that lens may be from the middle of a picture, of its "
-     "width, 1 sigma (0 = by any distance)",
+     "Before a light: how far the axis of that lens may be from the middle of a picture, 1 sigma, "
+     "0..1 of its width (0 = by any distance)",
      kept_in<&RigSettings::center_sigma>,
      {.range = Range{0, 1}, .flags = kMutableReady}},
 };

@@ -52,7 +52,7 @@ inline const std::vector<BadInput>& bad_settings() {
       {"a board of no known kind", "calibdetect", at_start, "board=checkers:9x6:25mm",
        "no kind of board called 'checkers'", kBoardHelp, After::kRefused},
       {"a board without a length", "calibdetect", at_start, "board=checkerboard:9x6",
-       "needs a kind, a size in corners and a length", kBoardHelp, After::kRefused},
+       "needs a kind, a size in corners, a length", kBoardHelp, After::kRefused},
       {"an empty board text", "calibdetect", at_start, "board=", "wrong", kBoardHelp,
        After::kRefused},
       {"a length without a unit", "calibdetect", at_start, "board=checkerboard:9x6:25",

@@ -46,7 +46,8 @@ GST_START_TEST(test_a_light_tells_lenses_and_places) {
   fail_unless(progress.size() > 20 && progress.size() < 600, "%zu", progress.size());
   int instants = 0;
   gst_structure_get_int(progress.back(), "instants", &instants);
-  fail_unless(instants > 250 && instants <= 300, "%d", instants);
+  // A light where all cameras have seen one before is of no use.
+  fail_unless(instants > 200 && instants <= 300, "%d", instants);
   f.end_all();
   const GstStructure* result = f.final_result();
   fail_unless(result != nullptr);

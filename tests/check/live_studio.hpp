@@ -124,7 +124,12 @@ struct LiveStudio {
     g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
     g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
         bus, 120 * GST_SECOND, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-    fail_unless(message != nullptr && GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS);
+    fail_unless(message != nullptr, "no end within two minutes");
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
+      g_autoptr(GError) error = nullptr;
+      gst_message_parse_error(message, &error, nullptr);
+      fail_unless(false, "%s", error->message);
+    }
   }
 
   struct Shot {

@@ -131,6 +131,7 @@ Offered CalibrationSession::offer(const Observation& observation, const FrameTim
   }
   const bool new_board = choose_board(*board, times);
   if (new_board) guide_.reset();
+  note_twin_boards(*board, observation, place);
   camera_ = observation.camera;
   times_ = times;
   View view = {observation, *board};
@@ -183,7 +184,8 @@ void CalibrationSession::report(Offered& offered, std::size_t place) {
   if (place >= last_reasons_.size()) last_reasons_.resize(place + 1, Reason::kAccepted);
   const bool is_new = std::exchange(last_reasons_[place], offered.reason) != offered.reason;
   const bool is_hindered = !obstacle_.empty() && obstacle_ != told_obstacle_;
-  offered.report = offered.reason == Reason::kAccepted || is_new || is_hindered;
+  const bool is_noticed = std::exchange(notice_is_new_, false);
+  offered.report = offered.reason == Reason::kAccepted || is_new || is_hindered || is_noticed;
   if (!offered.report) return;
   told_obstacle_ = obstacle_;
   offered.camera = camera_name();
@@ -311,7 +313,8 @@ void CalibrationSession::begin_session() {
   guide_.reset();
   missed_.clear();
   accepted_at_ = asked_at_ = kNoTimestamp;
-  verdict_until_ = kNoTimestamp;
+  notice_until_ = guided_board_at_ = kNoTimestamp;
+  twins_told_ = notice_is_new_ = false;
   waits_for_readout_ = false;
   capture_ = {};
   lens_.begin();

@@ -243,6 +243,8 @@ class CalibrationSession {
   [[nodiscard]] Offered note_light(const Observation& observation, const Board& board);
   // Whether what came of an observation is news, and with what it is told.
   void report(Offered& offered, std::size_t place);
+  void note_twin_boards(const Board& seen, const Observation& observation, std::size_t place);
+  void notify(std::string words);  // in place of the hint, for as long as one reads
   // The newest of views_ is one that has been taken.
   void note_taken(const FrameTimes& times);
   void begin_session();
@@ -314,8 +316,9 @@ class CalibrationSession {
   std::vector<Reason> last_reasons_;  // by place
   Refusals refused_;
   std::shared_ptr<const EarlierCalibration> earlier_;  // not judged yet
-  std::string verdict_words_;                          // of it
-  std::uint64_t verdict_until_ = kNoTimestamp;         // timestamp
+  std::string notice_;                                 // what is told for a while, once
+  std::uint64_t notice_until_ = kNoTimestamp;          // timestamp
+  bool notice_is_new_ = false;                         // and a report of it is owed
   std::uint64_t newest_ = kNoTimestamp;                // of the newest frame, with a board or not
   std::string obstacle_;                               // on the newest frame, as the detector says
   bool wrong_board_ = false;
@@ -326,6 +329,8 @@ class CalibrationSession {
   bool complained_ = false;             // of broken observations
   std::optional<Board> board_;    // whose place the hint tells: of several one, while it is seen
   int frames_without_board_ = 0;  // that showed others, since it was seen
+  std::uint64_t guided_board_at_ = kNoTimestamp;  // timestamp, of board_
+  bool twins_told_ = false;                       // that two of board_ were in one picture
   Hint hint_;
   std::shared_ptr<ViewGuide> guide_;       // after the newest solve
   std::uint64_t asked_at_ = kNoTimestamp;  // timestamp since which its target is asked for

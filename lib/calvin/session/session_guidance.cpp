@@ -105,13 +105,32 @@ Progress CalibrationSession::progress() const {
   return now;
 }
 
+void CalibrationSession::notify(std::string words) {
+  constexpr std::uint64_t kReadable = 4'000'000'000;  // ns
+  notice_ = std::move(words);
+  notice_until_ = newest_ == kNoTimestamp ? kNoTimestamp : newest_ + kReadable;
+}
+
+// Each of them counts, but words and outline are for one. Whoever shows several on purpose hears it
+// once a session and no more.
+void CalibrationSession::note_twin_boards(const Board& seen, const Observation& observation,
+                                          std::size_t place) {
+  if (board_ != seen) return;
+  const bool is_twin = place > 0 && observation.timestamp != kNoTimestamp &&
+                       observation.timestamp == guided_board_at_;
+  guided_board_at_ = observation.timestamp;
+  if (!is_twin || std::exchange(twins_told_, true)) return;
+  notify("two boards of this kind are in view: both count, but put one away to follow the hints");
+  notice_is_new_ = true;
+}
+
 std::string CalibrationSession::hint_text() const {
   if (!finished_ && !point_words_.empty()) return point_words_;
   if (!finished_ && clicks_choose()) return points_.hint();
   // As long as another board is in view, or it is dark, nothing else helps.
   if (!obstacle_.empty()) return obstacle_;
-  const bool is_told = verdict_until_ != kNoTimestamp && newest_ <= verdict_until_;
-  if (is_told) return verdict_words_;
+  const bool is_told = notice_until_ != kNoTimestamp && newest_ <= notice_until_;
+  if (is_told) return notice_;
   // More views of the kind do not help where the views contradict what is solved.
   const double target = plan_.settings.target_error;
   const bool is_doubted = !finished_ && calibration_ && is_accurate(*calibration_, target) &&

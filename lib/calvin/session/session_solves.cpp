@@ -43,10 +43,8 @@ std::optional<SolveJob> CalibrationSession::take_solve() {
 
 bool CalibrationSession::judged(const SolveJob& job, std::string words) {
   if (!is_current(job.origin)) return false;
-  constexpr std::uint64_t kReadable = 4'000'000'000;  // ns
   earlier_.reset();
-  verdict_words_ = std::move(words);
-  verdict_until_ = newest_ == kNoTimestamp ? kNoTimestamp : newest_ + kReadable;
+  notify(std::move(words));
   return true;
 }
 

@@ -86,6 +86,24 @@ TEST_F(CalibrationSessions, SayThatThereIsNoBoardAndWhy) {
   EXPECT_TRUE(offer_none().report);
 }
 
+// Two equal boards in one picture: both are views, and it is said once that hints are for one.
+TEST_F(CalibrationSessions, SayOnceThatTwoBoardsAreInView) {
+  begin();
+  const auto offer_two = [&](int n) {
+    Observation other = seen(n + 100);
+    other.timestamp = times(n).timestamp;
+    const Offered first = session_.offer(seen(n), times(n), 0);
+    EXPECT_EQ(first.progress.hint.find("two boards"), std::string::npos) << n;
+    return session_.offer(other, times(n), 1);
+  };
+  EXPECT_EQ(show(1).progress.hint.find("two boards"), std::string::npos);
+  const Offered both = offer_two(frame_);
+  EXPECT_EQ(both.reason, Reason::kAccepted);
+  EXPECT_EQ(both.progress.views, 3);
+  EXPECT_NE(both.progress.hint.find("two boards"), std::string::npos) << both.progress.hint;
+  EXPECT_EQ(offer_two(frame_ + 200).progress.hint.find("two boards"), std::string::npos);
+}
+
 // Where every frame is a view, solves would never end: each waits for a quarter more views.
 // One point tells nothing of one camera, however often it is seen.
 TEST_F(CalibrationSessions, SayWhatALightIsFor) {

@@ -223,12 +223,12 @@ TEST(LightRig, SaysThatTooLittleWasSeen) {
 // By the method lights count or do not; where it is open, what was seen first decides.
 TEST(LightRig, CountsLightsByTheMethod) {
   Observation board;
-  board.board = "checkerboard:2x2:10mm";
+  board.board = "checkerboard:3x2:10mm";
   board.timestamp = kBegin;
   board.image_size = {1280, 960};
-  board.ids = {0, 1, 2, 3};
-  board.uv = {{100, 100}, {200, 100}, {100, 200}, {200, 200}};
-  board.sigma = {0.1, 0.1, 0.1, 0.1};
+  board.ids = {0, 1, 2, 3, 4, 5};
+  board.uv = {{100, 100}, {200, 100}, {300, 100}, {100, 200}, {200, 200}, {300, 200}};
+  board.sigma = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
   struct Case {
     RigMethod method;
     bool board_first;

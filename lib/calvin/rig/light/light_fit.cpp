@@ -120,13 +120,7 @@ class LightSolver {
     planar_ = pairs->front().planar;
     Trials trials;
     for (std::size_t p = 0; p < std::min(pairs->size(), kPairs) && !trials.are_enough(); ++p) {
-      const auto linear =
-          reconstruct(tracks, (*pairs)[p], names_of(cameras_), are_all_known(), start_limit());
-      if (linear) {
-        try_spaces(*linear, trials);
-      } else {
-        trials.fail(linear.error());
-      }
+      try_pair(tracks, (*pairs)[p], trials);
       if (stop_.stop_requested()) return stopped();
     }
     if (!trials.best) return trials.why ? Status(tl::unexpected(*trials.why)) : Status(no_fit());
@@ -150,21 +144,40 @@ class LightSolver {
     }
   };
 
-  void try_spaces(const LinearReconstruction& linear, Trials& trials) {
+  // Known cameras are placed as such first. Where the light's way is nearly flat the motion that is
+  // nearest to what a pair has in common may be far from the true one, and cameras that are known
+  // only in the end come nearer.
+  void try_pair(const Tracks& tracks, const EpipolarGeometry& pair, Trials& trials) {
+    for (const bool is_calibrated : {true, false}) {
+      if (is_calibrated && !are_all_known()) continue;
+      const auto linear =
+          reconstruct(tracks, pair, names_of(cameras_), is_calibrated, start_limit());
+      if (linear) {
+        try_spaces(*linear, is_calibrated, trials);
+      } else {
+        trials.fail(linear.error());
+      }
+      if (trials.are_enough() || stop_.stop_requested()) return;
+    }
+  }
+
+  void try_spaces(const LinearReconstruction& linear, bool is_calibrated, Trials& trials) {
     // From six cameras on pixels tell one space from another.
     constexpr std::size_t kManyCameras = 6;
     constexpr std::size_t kSpaces = 4;
     std::vector<Eigen::Matrix4d> spaces = {Eigen::Matrix4d::Identity()};
-    if (!are_all_known()) {
+    if (!is_calibrated) {
       spaces = plausible_spaces(linear.projections, unknowns_.is_known(), kSpaces);
     }
     for (const Eigen::Matrix4d& h : spaces) {
-      if (cameras_.size() >= kManyCameras && trials.are_enough()) return;
+      const bool is_sure = are_all_known() || cameras_.size() >= kManyCameras;
+      if (is_sure && trials.are_enough()) return;
       const Status begun = begin_in(linear, h);
       if (!begun) trials.fail(begun.error());
       if (!begun || !approach()) continue;
       const double share = used_share();
-      const double noise = state_.noise / share;
+      // No start is better for less noise than sightings have.
+      const double noise = std::max(state_.noise, 1.0) / share;
       if (!(share > 0) || (trials.best && noise >= trials.noise)) continue;
       trials = {state_, share, noise, trials.why};
     }
