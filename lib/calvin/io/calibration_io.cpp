@@ -33,9 +33,9 @@ struct Reader {
 };
 // In this order: the first that claims a document reads it.
 constexpr std::array<Reader, 6> kReaders = {{{io::is_native, io::read_native},
+                                             {io::is_mrcal, io::read_mrcal_camera},
                                              {io::is_ros, io::read_ros},
                                              {io::is_kalibr, io::read_kalibr_camera},
-                                             {io::is_mrcal, io::read_mrcal_camera},
                                              {io::is_caliscope, io::read_caliscope_camera},
                                              {io::is_opencv, io::read_opencv}}};
 

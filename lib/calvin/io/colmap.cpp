@@ -249,7 +249,7 @@ Result<std::string> camera_line(const Calibration& calibration, std::size_t id) 
   if (!camera) return tl::unexpected(camera.error());
   std::string line = fmt::format("{} {} {} {}", id, camera->first, calibration.image_size.width,
                                  calibration.image_size.height);
-  for (const double number : camera->second) line += " " + format_double(number);
+  for (const double number : camera->second) line.append(" ").append(format_double(number));
   return line + "\n";
 }
 
@@ -270,7 +270,7 @@ std::string image_lines(const RigCamera& camera, std::size_t number) {
   std::string line = fmt::format("{}", number + 1);
   const Eigen::Vector3d& t = camera_from_rig.translation;
   for (const double x : {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}) {
-    line += " " + format_double(x + 0.0);
+    line.append(" ").append(format_double(x + 0.0));
   }
   return fmt::format("{} {} {}\n\n", line, number + 1, word_for(camera.calibration, number));
 }

@@ -101,7 +101,7 @@ std::optional<Calibration> read_camera(Fields& fields, std::string_view key) {
 
 std::string rows_of(const std::vector<double>& values) {
   std::string text;
-  for (const double value : values) text += " " + format_double(value) + ",";
+  for (const double value : values) text.append(" ").append(format_double(value)).append(",");
   return text;
 }
 

@@ -66,20 +66,17 @@ class PythonReader {
     return quote < text_.size() && (text_[quote] == '\'' || text_[quote] == '"');
   }
 
-  // One or several texts behind each other, which are one. Escapes stand for the character that
-  // follows: names and encoded bytes need no others.
+  // Escapes stand for the character that follows: names and encoded bytes need no others.
   bool text(std::string& out) {
-    while (is_text()) {
-      if (text_[at_] != '\'' && text_[at_] != '"') ++at_;
-      const char quote = text_[at_++];
-      while (next() != quote) {
-        if (next() == '\\') ++at_;
-        if (at_ >= text_.size() || next() == '\n') return fail("a text has no end");
-        out += text_[at_++];
-      }
-      ++at_;
-      skip_blank();
+    if (text_[at_] != '\'' && text_[at_] != '"') ++at_;
+    const char quote = text_[at_++];
+    while (next() != quote) {
+      if (next() == '\\') ++at_;
+      if (at_ >= text_.size() || next() == '\n') return fail("a text has no end");
+      out += text_[at_++];
     }
+    ++at_;
+    skip_blank();
     return true;
   }
 
@@ -133,7 +130,11 @@ class PythonReader {
     }
     if (!is_text()) return word();
     std::string out;
-    return text(out) && built(builder_.scalar(Node::Kind::kString, std::move(out)));
+    // Texts behind each other are one.
+    while (is_text()) {
+      if (!text(out)) return false;
+    }
+    return built(builder_.scalar(Node::Kind::kString, std::move(out)));
   }
 
   std::string_view text_;
