@@ -222,8 +222,12 @@ TEST(Baselines, AreALeastSquares) {
   const Eigen::MatrixXd root =
       Eigen::MatrixXd::NullaryExpr(kCount, kCount, [&] { return 0.003 * normal(random); });
   cameras.covariance = root * root.transpose() + 1e-8 * Eigen::MatrixXd::Identity(kCount, kCount);
-  const std::vector<rig::KnownDistance> known = {
-      {0, 1, 0.5, 0.004}, {1, 2, 0.45, 0.01}, {0, 2, 0.9, 0.002}};
+  const auto before = [&](std::size_t a, std::size_t b) {
+    return (cameras.rig_from_camera[a].translation - cameras.rig_from_camera[b].translation).norm();
+  };
+  const std::vector<rig::KnownDistance> known = {{0, 1, 1.02 * before(0, 1), 0.004},
+                                                 {1, 2, 1.01 * before(1, 2), 0.01},
+                                                 {0, 2, 1.03 * before(0, 2), 0.002}};
   constexpr double kBoard = 0.02;
   const auto scaled = rig::scale_by(cameras, known, kBoard);
   ASSERT_TRUE(scaled.has_value());
@@ -271,8 +275,8 @@ TEST(Baselines, AreALeastSquares) {
 
 TEST(Baselines, ThatNobodyCanMeanAreRefused) {
   Random random(5);
-  const SimulatedRig rig = scenes::ring_rig(3, random);
-  const auto seen = scenes::seen_by(rig, 30, 0.7, random);
+  const SimulatedRig rig = scenes::chain_rig(3, random);
+  const auto seen = scenes::seen_by(rig, 60, 0.7, random);
   const std::pair<std::vector<CameraBaseline>, const char*> wrong[] = {
       {{{"cam0", "left", 1, 0}}, "no distance between 'cam0' and 'left': the cameras are 'cam0', "},
       {{{"cam0", "cam0", 1, 0}}, "no distance between 'cam0' and 'cam0'"},
@@ -294,8 +298,8 @@ TEST(Baselines, ThatNobodyCanMeanAreRefused) {
 // One that is of a camera that cannot be placed keeps the others from nothing.
 TEST(Baselines, OfCamerasThatAreLeftOutDoNotCount) {
   Random random(6);
-  const SimulatedRig rig = scenes::ring_rig(3, random);
-  auto seen = scenes::seen_by(rig, 30, 0.7, random);
+  const SimulatedRig rig = scenes::chain_rig(3, random);
+  auto seen = scenes::seen_by(rig, 60, 0.7, random);
   seen[2].views.clear();
   RigOptions options;
   options.is_partial = true;

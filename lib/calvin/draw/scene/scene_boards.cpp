@@ -96,16 +96,18 @@ void add_boards(const Rig& rig, Scene& to) {
   const double strength =
       std::min(1.0, kWholly / std::max<double>(1, static_cast<double>(rig.boards.size())));
   std::optional<Eigen::Vector3d> labelled;
+  int drawn = 0;
   for (const RigBoard& shown : rig.boards) {
     const auto board = parse_board(shown.board);
     if (!board) continue;
     const SE3 pose = to_se3(shown.rig_from_board);
     BoardMaker(*board, pose, strength, to);
+    ++drawn;
     const BoardArea sheet = board->outline();
     if (!labelled) labelled = pose * Eigen::Vector3d(sheet.right, sheet.top, 0);
   }
   if (!labelled) return;
-  to.labels.push_back({*labelled, rig.boards.size() == 1 ? "board" : "boards", kPaper});
+  to.labels.push_back({*labelled, drawn == 1 ? "board" : "boards", kPaper});
 }
 
 }  // namespace calvin
