@@ -81,7 +81,7 @@ expect 0 '100.0 mm apart' "$rig" rig.json left.json left.jsonl second.txt right.
 # The board is printed a percent too small: the cameras are 101 mm apart.
 expect 0 "'left' and 'right': 101.0 mm apart" "$rig" --baseline 101mm:0.01mm rig.json \
   left.json left.jsonl right.json right.jsonl
-grep -q 'Boards are 1.010' out || fail "no scale: $(cat out)"
+grep -Eq 'Boards are 1.0(099|100)' out || fail "no scale: $(cat out)"
 grep -q 'is to be 25 mm on them measures 25.2' out || fail "no remark: $(cat out)"
 expect 0 "100.0 mm apart" "$rig" --baseline left:right:101mm:1mm --board-sigma 0 rig.json \
   left.json left.jsonl right.json right.jsonl
