@@ -176,7 +176,7 @@ class SceneMaker {
   // As large as the place of the cameras; where they are close together and boards far away, as
   // large as can be seen beside these without hiding the next camera.
   [[nodiscard]] double size_of_marks() const {
-    constexpr double kSeen = 0.14;   // of the whole scene
+    constexpr double kSeen = 0.22;   // of the whole scene
     constexpr double kApart = 0.75;  // of the distance to the nearest camera
     std::vector<Eigen::Vector3d> all = places_;
     for (const RigBoard& board : rig_.boards) {

@@ -6,8 +6,6 @@
 #include "calvin/draw/scene/scene_boards.hpp"
 
 #include <algorithm>
-#include <cstddef>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,16 +23,21 @@ namespace {
 constexpr SceneColour kPaper = {0.90, 0.92, 0.94, 1};
 constexpr int kMostSquares = 400;  // of a board; a finer one is a sheet with its rim
 
+// How a board is drawn.
+enum class Look {
+  kWhole,  // with what is printed on it
+  kSheet,  // its rim, and a breath of the sheet: many of them hide each other
+};
+
 class BoardMaker {
  public:
-  // `strength`: 1 for a board alone, less where there are many.
-  BoardMaker(const Board& board, const SE3& pose, double strength, Scene& to)
-      : pose_(pose), strength_(strength), to_(to) {
+  BoardMaker(const Board& board, const SE3& pose, Look look, Scene& to) : pose_(pose), to_(to) {
     const BoardArea sheet = board.outline();
-    add(sheet, 0.20, true);
-    add(sheet, 0.75, false);
+    const bool is_whole = look == Look::kWhole;
+    add(sheet, is_whole ? 0.22 : 0.035, true);
+    add(sheet, is_whole ? 0.95 : 0.40, false);
     const auto grid = board.grid();
-    if (!grid || grid->count() > kMostSquares) return;
+    if (!is_whole || !grid || grid->count() > kMostSquares) return;
     if (board.as<Checkerboard>() != nullptr) {
       add_squares(*grid);
     } else {
@@ -51,7 +54,7 @@ class BoardMaker {
       path.points.push_back(pose_ * Eigen::Vector3d(x, y, 0));
     }
     path.colour = kPaper;
-    path.colour.alpha = strength_ * alpha;
+    path.colour.alpha = alpha;
     path.is_closed = true;
     path.is_filled = is_filled;
     to_.paths.push_back(std::move(path));
@@ -85,29 +88,41 @@ class BoardMaker {
   }
 
   SE3 pose_;
-  double strength_;
   Scene& to_;
+};
+
+struct Shown {
+  Board board;
+  SE3 pose;
+  Eigen::Vector3d middle;  // m, rig
 };
 
 }  // namespace
 
 void add_boards(const Rig& rig, Scene& to) {
-  constexpr double kWholly = 3;  // boards
-  const double strength =
-      std::min(1.0, kWholly / std::max<double>(1, static_cast<double>(rig.boards.size())));
-  std::optional<Eigen::Vector3d> labelled;
-  int drawn = 0;
+  std::vector<Shown> all;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const RigBoard& shown : rig.boards) {
     const auto board = parse_board(shown.board);
     if (!board) continue;
-    const SE3 pose = to_se3(shown.rig_from_board);
-    BoardMaker(*board, pose, strength, to);
-    ++drawn;
     const BoardArea sheet = board->outline();
-    if (!labelled) labelled = pose * Eigen::Vector3d(sheet.right, sheet.top, 0);
+    const SE3 pose = to_se3(shown.rig_from_board);
+    all.push_back({*board, pose,
+                   pose * Eigen::Vector3d(0.5 * (sheet.left + sheet.right),
+                                          0.5 * (sheet.top + sheet.bottom), 0)});
+    sum += all.back().middle;
   }
-  if (!labelled) return;
-  to.labels.push_back({*labelled, drawn == 1 ? "board" : "boards", kPaper});
+  if (all.empty()) return;
+  const Eigen::Vector3d mean = sum / static_cast<double>(all.size());
+  const auto whole = std::ranges::min_element(
+      all, {}, [&](const Shown& one) { return (one.middle - mean).squaredNorm(); });
+  for (auto one = all.begin(); one != all.end(); ++one) {
+    BoardMaker(one->board, one->pose, one == whole ? Look::kWhole : Look::kSheet, to);
+  }
+  const BoardArea sheet = whole->board.outline();
+  to.labels.push_back(
+      {whole->pose * Eigen::Vector3d(sheet.right, sheet.top, 0),
+       all.size() == 1 ? "board" : fmt::format("board, {} of its places", all.size()), kPaper});
 }
 
 }  // namespace calvin

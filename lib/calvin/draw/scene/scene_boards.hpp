@@ -9,8 +9,8 @@
 
 namespace calvin {
 
-// Each board as a sheet with its squares, or its columns and rows, the fainter the more boards
-// there are; one of them has a label. Boards whose texts are not known here are left out.
+// Each board as a sheet, that in the middle of all with its squares, or its columns and rows, and a
+// label. Boards whose texts are not known here are left out.
 void add_boards(const Rig& rig, Scene& to);
 
 }  // namespace calvin
