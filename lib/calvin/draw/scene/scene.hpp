@@ -48,9 +48,9 @@ struct Scene {
 
 // Every camera as a frustum as wide as its lens sees, flat in front, or round where the lens is
 // wide, with its name, the upper side of its picture marked, and where its place is known with an
-// error, an ellipsoid of that; the axes of the rig; a grid on the ground, which is the board where
-// the rig is that of a board. Upright as the cameras are on average. Cameras whose calibrations are
-// of no camera have no frustum.
+// error, an ellipsoid of that; the boards where they were seen; the axes of the rig; a grid on the
+// ground, which is the board where the rig is that of a board. Upright as the cameras are on
+// average. Cameras whose calibrations are of no camera have no frustum.
 [[nodiscard]] Scene make_scene(const Rig& rig);
 
 }  // namespace calvin
