@@ -109,7 +109,7 @@ const Property<RigSolver> kRigProperties[12] = {
      {.flags = kMutableReady}},
     {"board-sigma",
      "Board Sigma",
-     "With a known distance: how well the size of boards is known, of their size, 1 sigma (0 = "
+     "With a known distance: how well the size of boards is known, 1 sigma, 0..1 of it (0 = "
      "exactly)",
      kept_in<&RigSettings::board_sigma>,
      {.range = Range{0, 1}, .flags = kMutableReady}},

@@ -91,6 +91,19 @@ TEST(Scene, IsWhollyInThePictureFromEverywhere) {
           EXPECT_LT(at->u, size.width);
           EXPECT_LT(at->v, size.height);
         }
+        // Everything but the ground, and not as a stamp in the middle of it.
+        double farthest = 0;
+        for (const ScenePath& path : scene.paths) {
+          if (path.width == 0.8) continue;
+          for (const Eigen::Vector3d& point : path.points) {
+            const auto at = projection.project(point);
+            ASSERT_TRUE(at.has_value());
+            farthest = std::max(
+                {farthest, std::abs(at->u - 639.5) / 639.5, std::abs(at->v - 359.5) / 359.5});
+          }
+        }
+        EXPECT_LT(farthest, 1);
+        EXPECT_GT(farthest, 0.45);
         const auto middle = projection.project(scene.middle);
         EXPECT_NEAR(middle->u, (size.width - 1) / 2.0, 1e-6);
         EXPECT_NEAR(middle->v, (size.height - 1) / 2.0, 1e-6);
@@ -109,6 +122,7 @@ TEST(Scene, IsProjectedAsItsViewpointSays) {
   Scene scene = make_scene(rig_of(scenes::ring_rig(5, random)));
   scene.up = Eigen::Vector3d::UnitZ();
   scene.behind = Eigen::Vector3d::UnitX();
+  scene.rims.clear();
   const ImageSize size = {1000, 600};
   const SceneViewpoint viewpoint = {0.7, 0.3, 1.5};
   const SceneProjection projection(scene, viewpoint, size);

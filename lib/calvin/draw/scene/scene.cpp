@@ -300,7 +300,10 @@ class SceneMaker {
     scene_.radius = 0;
     for (const ScenePath& path : scene_.paths) {
       for (const Eigen::Vector3d& p : path.points) {
-        scene_.radius = std::max(scene_.radius, (p - scene_.middle).norm());
+        const Eigen::Vector3d from_middle = p - scene_.middle;
+        const double height = from_middle.dot(scene_.up);
+        scene_.radius = std::max(scene_.radius, from_middle.norm());
+        scene_.rims.emplace_back((from_middle - height * scene_.up).norm(), height);
       }
     }
   }

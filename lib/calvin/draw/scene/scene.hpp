@@ -44,6 +44,9 @@ struct Scene {
   Eigen::Vector3d behind = -Eigen::Vector3d::UnitZ();  // in the ground: where azimuths begin
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   double radius = 1;  // m, around the middle, that has all of it
+  // What is to be in the picture from wherever one looks, but the ground: from the middle, how far
+  // aside and how far up, m. Empty: the radius says it.
+  std::vector<Eigen::Vector2d> rims = {};
 };
 
 // Every camera as a frustum as wide as its lens sees, flat in front, or round where the lens is
