@@ -50,7 +50,8 @@ journal of calibsolve), or one folder with points.dat, IdMat.dat and Res.dat as 
                   given; 0: by any distance
   --tolerance MS  how far pictures of one instant may be apart, 10 if not given
   --export FORMAT:PATH,...
-                  further files, as of calvin-rig: kalibr, calvin, gltf; of two cameras opencv, ros
+                  further files, as of calvin-rig: kalibr, caliscope, mrcal, colmap, calvin, gltf;
+                  of two cameras opencv, ros
   --help          this text
 )";
 
@@ -220,8 +221,8 @@ int run(Arguments arguments) {
     return failed(written.error());
   }
   print(*solved);
-  for (const auto& [format, path] : arguments.exports) {
-    const auto written = rig_export::write(solved->rig, format, path);
+  for (const calvin::RigExport& to : arguments.exports) {
+    const auto written = rig_export::write(solved->rig, to);
     if (!written) return failed(written.error());
   }
   return 0;

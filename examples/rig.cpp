@@ -16,6 +16,7 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/camera_baselines.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "calvin/rig/moved_camera.hpp"
 #include "calvin/rig/solve_rig.hpp"
@@ -39,10 +40,16 @@ journal of calibsolve). Pictures with the same number in their names were taken 
                   rig is that of the board. Else the board is carried before two cameras or more at
                   a time, and the frame is that of the first camera
   --tolerance MS  how far observations of one instant may be apart, 10 if not given
+  --baseline A:B:DISTANCE[:SIGMA],...
+                  known distances between cameras, as left:right:110.03mm:0.05mm; of two cameras
+                  110.03mm is enough. They tell how large boards are in truth
+  --board-sigma PERCENT
+                  with --baseline: how well the size of boards is known, 1 if not given
   --export FORMAT:PATH,...
-                  further files: kalibr (a camchain), calvin, gltf (the scene of calibview, GLB);
-                  of two cameras opencv (the stereo parameters, YAML), and ros (left.yaml and
-                  right.yaml in the folder PATH)
+                  further files: kalibr (a camchain), caliscope (camera_array.toml), calvin, gltf
+                  (the scene of calibview, GLB); in the folder PATH mrcal (cameramodels) and colmap
+                  (cameras.txt and images.txt); of two cameras opencv (the stereo parameters, YAML),
+                  and ros (left.yaml and right.yaml in the folder PATH)
   --help          this text
 )";
 
@@ -82,9 +89,24 @@ std::optional<Arguments> parse(std::span<char*> given) {
         return std::nullopt;
       }
       arguments.options.tolerance = static_cast<std::uint64_t>(*ms * kMillisecond);
+    } else if (word == "--baseline" && has_value) {
+      auto baselines = calvin::parse_camera_baselines(given[++i]);
+      if (!baselines) {
+        wrong_usage(baselines.error().message);
+        return std::nullopt;
+      }
+      arguments.options.baselines = *std::move(baselines);
+    } else if (word == "--board-sigma" && has_value) {
+      constexpr double kPercent = 0.01;
+      const auto percent = calvin::parse_double(given[++i]);
+      if (!percent || !(*percent >= 0 && *percent <= 100)) {
+        wrong_usage("a sigma of boards is a number of percent, 0 to 100.");
+        return std::nullopt;
+      }
+      arguments.options.board_sigma = kPercent * *percent;
     } else if (word == "--export" && has_value) {
       if (!rig_export::parse(given[++i], arguments.exports)) {
-        wrong_usage("--export takes FORMAT:PATH, with calvin, kalibr, gltf, opencv or ros.");
+        wrong_usage(rig_export::kUsage);
         return std::nullopt;
       }
     } else if (word.starts_with("--")) {
@@ -146,6 +168,11 @@ void print(const calvin::RigSolution& solved) {
                camera.calibration.camera, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], rig.world,
                rig_export::place_sigmas(camera), camera.rms.value_or(0));
   }
+  if (solved.board_scale) {
+    fmt::print(
+        "Boards are {:.5f} (+-{}) times as large as their text says, by the known distances.\n",
+        solved.board_scale->scale, calvin::two_digits(solved.board_scale->sigma));
+  }
   if (!solved.rejected.empty()) {
     fmt::print("{} views contradict the others and were left out.\n", solved.rejected.size());
   }
@@ -186,8 +213,8 @@ int main(int argc, char** argv) {
     return failed(written.error());
   }
   print(*solved);
-  for (const auto& [format, path] : arguments->exports) {
-    const auto written = rig_export::write(solved->rig, format, path);
+  for (const calvin::RigExport& to : arguments->exports) {
+    const auto written = rig_export::write(solved->rig, to);
     if (!written) return failed(written.error());
   }
   return 0;

@@ -6,11 +6,8 @@
 
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
-#include <set>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,48 +16,37 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/draw/scene/scene_gltf.hpp"
-#include "calvin/io/rig_io.hpp"
-#include "calvin/io/stereo_io.hpp"
-#include "calvin/remap/rectification.hpp"
+#include "calvin/session/rig/rig_exports.hpp"
 
 namespace rig_export {
 
-using Exports = std::vector<std::pair<std::string, std::string>>;  // format, path
+// The scene of calibview is an export here, too.
+constexpr std::string_view kScene = "gltf:";
+
+using Exports = std::vector<calvin::RigExport>;
+
+// What is said where one was not understood.
+inline constexpr const char* kUsage =
+    "--export takes FORMAT:PATH, with calvin, kalibr, caliscope, mrcal, colmap, gltf, opencv or "
+    "ros.";
 
 // Whether all were understood.
 inline bool parse(std::string_view text, Exports& exports) {
-  static const std::set<std::string_view> kFormats = {"calvin", "kalibr", "gltf", "opencv", "ros"};
   for (const std::string_view part : calvin::split(text, ',')) {
-    const auto colon = part.find(':');
-    const std::string_view format = part.substr(0, colon);
-    if (colon == std::string_view::npos || colon + 1 == part.size() || !kFormats.contains(format)) {
-      return false;
+    if (part.starts_with(kScene) && part.size() > kScene.size()) {
+      exports.push_back({"gltf", std::string(part.substr(kScene.size()))});
+      continue;
     }
-    exports.emplace_back(format, part.substr(colon + 1));
+    const auto one = calvin::parse_rig_exports(part);
+    if (!one || one->size() != 1) return false;
+    exports.push_back(one->front());
   }
   return true;
 }
 
-inline calvin::Status write_text(const std::filesystem::path& path,
-                                 const calvin::Result<std::string>& text) {
-  if (!text) return tl::unexpected<calvin::Error>(text.error());
-  return calvin::write_file(path.string(), *text);
-}
-
-inline calvin::Status write(const calvin::Rig& rig, const std::string& format,
-                            const std::filesystem::path& path) {
-  if (format == "calvin" || format == "kalibr") return calvin::write_rig(path, rig, format);
-  if (format == "gltf") {
-    return write_text(path, calvin::print_glb(calvin::make_scene(rig)));
-  }
-  const auto pair = calvin::rectified_pair(rig);
-  if (!pair) return tl::unexpected<calvin::Error>(pair.error());
-  if (format == "opencv") return write_text(path, calvin::print_opencv_stereo(rig, *pair));
-  std::error_code none;
-  std::filesystem::create_directories(path, none);
-  calvin::Status left = write_text(path / "left.yaml", calvin::print_ros_stereo(rig, *pair, true));
-  if (!left) return left;
-  return write_text(path / "right.yaml", calvin::print_ros_stereo(rig, *pair, false));
+inline calvin::Status write(const calvin::Rig& rig, const calvin::RigExport& to) {
+  if (to.format != "gltf") return calvin::write_rig_export(to, rig);
+  return calvin::write_file(to.path, calvin::print_glb(calvin::make_scene(rig)));
 }
 
 // " (+-0.1 0.1 0.4)", of the place of a camera that is not the frame itself.

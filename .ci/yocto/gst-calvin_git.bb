@@ -25,7 +25,7 @@ inherit meson pkgconfig
 PACKAGECONFIG ??= ""
 PACKAGECONFIG[draw] = "-Ddraw=enabled,-Ddraw=disabled,cairo"
 PACKAGECONFIG[text] = "-Dtext=enabled,-Dtext=disabled,pango"
-PACKAGECONFIG[formats] = "-Dformats=enabled,-Dformats=disabled,yaml-cpp pugixml"
+PACKAGECONFIG[formats] = "-Dformats=enabled,-Dformats=disabled,yaml-cpp pugixml tomlplusplus"
 PACKAGECONFIG[v4l2] = "-Dv4l2=enabled,-Dv4l2=disabled"
 PACKAGECONFIG[tools] = "-Dexamples=true,-Dexamples=false"
 

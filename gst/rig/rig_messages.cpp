@@ -78,6 +78,10 @@ GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& sol
                                         displayed(camera.reason).c_str(), nullptr));
   }
   take_structures(s, "missing", missing);
+  if (solution.board_scale) {
+    gst_structure_set(s, "board-scale", G_TYPE_DOUBLE, solution.board_scale->scale,
+                      "board-scale-sigma", G_TYPE_DOUBLE, solution.board_scale->sigma, nullptr);
+  }
   if (!solution.remarks.empty()) {
     gst_structure_set(s, "remarks", G_TYPE_STRING, displayed(join(solution.remarks, " ")).c_str(),
                       nullptr);

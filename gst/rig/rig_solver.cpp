@@ -11,9 +11,11 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/io/calibration_io.hpp"
+#include "calvin/io/camera_baselines.hpp"
 #include "calvin/io/camera_places.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/rig/solve_light.hpp"
+#include "calvin/session/rig/rig_exports.hpp"
 #include "rig/rig_messages.hpp"
 
 GST_DEBUG_CATEGORY_EXTERN(calibrig_debug);
@@ -39,7 +41,8 @@ constexpr GEnumValue kMethods[] = {
     kNoMoreChoices};
 
 // What is to be known of a solve by a light.
-Result<LightOptions> light_options(const RigSettings& settings) {
+Result<LightOptions> light_options(const RigSettings& settings,
+                                   const std::vector<CameraBaseline>& baselines) {
   LightOptions options;
   options.model = settings.model;
   options.center_sigma = settings.center_sigma;
@@ -48,6 +51,11 @@ Result<LightOptions> light_options(const RigSettings& settings) {
     if (!trim(name).empty() && trim(name) != "none") options.fix.emplace_back(trim(name));
   }
   if (const Status good = check(options); !good) return tl::unexpected(good.error());
+  // Places of two cameras give the unit alone.
+  if (settings.places.empty() && baselines.size() == 1 && !baselines.front().a.empty()) {
+    const CameraBaseline& known = baselines.front();
+    options.places = {{known.a, {}}, {known.b, {known.distance, 0, 0}}};
+  }
   if (settings.places.empty()) return options;
   auto places = read_camera_places(settings.places);
   if (!places) return tl::unexpected(places.error());
@@ -57,7 +65,7 @@ Result<LightOptions> light_options(const RigSettings& settings) {
 
 }  // namespace
 
-const Property<RigSolver> kRigProperties[9] = {
+const Property<RigSolver> kRigProperties[12] = {
     {"board",
      "Board",
      "The board that counts, as the observations have its text; none: every board",
@@ -79,11 +87,32 @@ const Property<RigSolver> kRigProperties[9] = {
      "kept as FILE~",
      kept_in<&RigSettings::location>,
      {.flags = kMutableReady}},
+    {"export",
+     "Export",
+     "Further files, written with location: FORMAT:PATH,FORMAT:PATH; kalibr, caliscope and calvin "
+     "are "
+     "files, mrcal and colmap folders; of two cameras also opencv (a file) and ros (a folder)",
+     kept_in<&RigSettings::exports>,
+     {.flags = kMutableReady}},
     {"tolerance",
      "Tolerance",
      "How far pictures of one instant may be apart (ns)",
      kept_in<&RigSettings::tolerance>,
      {.range = Range{0, 1e10}, .flags = kMutableReady}},
+    {"baseline",
+     "Baseline",
+     "Known distances between cameras, as left:right:110.03mm:0.05mm (the last is its sigma; none: "
+     "exactly), separated by commas, or of two cameras 110.03mm. They tell how large boards are, "
+     "and "
+     "the unit before a light",
+     kept_in<&RigSettings::baseline>,
+     {.flags = kMutableReady}},
+    {"board-sigma",
+     "Board Sigma",
+     "With a known distance: how well the size of boards is known, 1 sigma, 0..1 of it (0 = "
+     "exactly)",
+     kept_in<&RigSettings::board_sigma>,
+     {.range = Range{0, 1}, .flags = kMutableReady}},
     {"places",
      "Places",
      "Before a light: a file of where some cameras stand, lines 'name x y z' in m. Three or more "
@@ -112,7 +141,11 @@ const Property<RigSolver> kRigProperties[9] = {
 
 Status RigSolver::start() {
   const RigSettings now = settings();
-  auto light = light_options(now);
+  const auto exports = parse_rig_exports(now.exports);
+  if (!exports) return tl::unexpected(exports.error());
+  auto baselines = parse_camera_baselines(now.baseline);
+  if (!baselines) return tl::unexpected(baselines.error());
+  auto light = light_options(now, *baselines);
   if (!light) return tl::unexpected(light.error());
   if (!now.location.empty()) {
     if (const Status writable = can_write(now.location); !writable) {
@@ -125,6 +158,8 @@ Status RigSolver::start() {
     session.board = now.board;
     session.options.mode = now.mode == kRigFloor ? RigMode::kFloor : RigMode::kJoint;
     session.options.tolerance = now.tolerance;
+    session.options.baselines = *std::move(baselines);
+    session.options.board_sigma = now.board_sigma;
     session.method = now.method;
     session.light = *std::move(light);
     session_.start(std::move(session));
@@ -287,7 +322,7 @@ void RigSolver::finish() {
   bool files_wanted = false;
   {
     const std::lock_guard guard(lock_);
-    files_wanted = !settings_.location.empty();
+    files_wanted = !settings_.location.empty() || !settings_.exports.empty();
     has_rig = solution_ != nullptr;
     error = solve_error_;
     if (!error && !is_final_) error = session_.lack();

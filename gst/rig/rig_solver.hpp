@@ -32,7 +32,10 @@ struct RigSettings {
   RigModeChoice mode = kRigJoint;
   RigMethod method = RigMethod::kAuto;
   std::string location;
+  std::string exports;  // "FORMAT:PATH,...", as parse_rig_exports() takes it
   guint64 tolerance = 10 * GST_MSECOND;
+  std::string baseline;  // known distances, as parse_camera_baselines() takes them
+  double board_sigma = RigOptions().board_sigma;
   // Before a light:
   std::string places;  // a file
   std::string model = LightOptions().model;
@@ -148,7 +151,9 @@ class RigSolver : public SharedSettings<RigSettings> {
 
   std::vector<std::pair<std::size_t, RigCameraSettings>> unread_;  // cameras that came later
 
-  RigFile file_;  // of the worker alone
+  // Of the worker alone.
+  [[nodiscard]] Status write_files(const Rig& rig);
+  RigFile file_;
   // Of the watcher alone.
   RigWatch watch_;
   std::uint64_t watched_generation_ = 0;
@@ -158,6 +163,6 @@ class RigSolver : public SharedSettings<RigSettings> {
   Worker reader_;
 };
 
-extern const Property<RigSolver> kRigProperties[9];
+extern const Property<RigSolver> kRigProperties[12];
 
 }  // namespace calvin::gst

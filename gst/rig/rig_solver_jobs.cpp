@@ -12,6 +12,7 @@
 #include "calvin/io/rig_io.hpp"
 #include "calvin/rig/moved_camera.hpp"
 #include "calvin/session/rig/light_rig.hpp"
+#include "calvin/session/rig/rig_exports.hpp"
 #include "rig/rig_messages.hpp"
 #include "rig/rig_solver.hpp"
 
@@ -58,6 +59,20 @@ Status check_mode(const RigJob& job, RigModeChoice mode) {
     return make_error(ErrorCode::kInvalidArgument,
                       "A light is no floor that cameras stand above: take mode=joint.");
   }
+  const bool has_names = std::ranges::none_of(job.options.baselines, [](const CameraBaseline& one) {
+    return one.a.empty() && one.b.empty();
+  });
+  if (!has_names && linked != 2) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("A known distance without names is that of two cameras, and {} "
+                                  "are linked: name two, as baseline=cam0:cam1:110mm.",
+                                  linked));
+  }
+  if (job.light && !job.options.baselines.empty() && job.light->places.empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "Before a light one known distance, with the names of its cameras, gives the "
+                      "unit. Where more is known take places.");
+  }
   return {};
 }
 
@@ -86,7 +101,8 @@ void RigSolver::run(const RigJob& job, const std::stop_token& stop) {
   auto solution = solve(job, views, stop);
   std::shared_ptr<const WatchedRig> watched;
   if (solution && !job.light && !stop.stop_requested()) {
-    watched = std::make_shared<const WatchedRig>(watched_rig(solution->rig, views, job.options));
+    watched = std::make_shared<const WatchedRig>(
+        watched_rig(in_board_lengths(*solution), views, job.options));
   }
   if (stop.stop_requested()) return;
   {
@@ -103,12 +119,24 @@ void RigSolver::run(const RigJob& job, const std::stop_token& stop) {
   publish(job, std::make_shared<const RigSolution>(*std::move(solution)), stop);
 }
 
+// All that can be; the first error.
+Status RigSolver::write_files(const Rig& rig) {
+  const RigSettings now = settings();
+  Status all = now.location.empty() ? Status() : file_.write(now.location, rig);
+  const auto exports = parse_rig_exports(now.exports);
+  for (const RigExport& to : exports.value_or(std::vector<RigExport>())) {
+    Status written = write_rig_export(to, rig);
+    if (all && !written) all = std::move(written);
+  }
+  return all;
+}
+
 void RigSolver::publish(const RigJob& job, std::shared_ptr<const RigSolution> solution,
                         const std::stop_token& stop) {
   const auto json = print_rig(solution->rig);
   if (!json) return;
   const std::string location = settings().location;
-  const Status written = location.empty() ? Status() : file_.write(location, solution->rig);
+  const Status written = write_files(solution->rig);
   FrameTimes times;
   bool first_failure = false;
   {

@@ -110,7 +110,24 @@ static gboolean gst_calib_view_stop(GstBaseSrc* src) {
   return TRUE;
 }
 
+// As it is drawn where that may be, and not in grey where colours may be: a converter before an
+// encoder of both lists what the encoder takes first.
+static GstCaps* gst_calib_view_prefer_colours(GstCaps* caps) {
+  for (const char* format : {"BGRx", "RGBx", "RGBA", "RGB"}) {
+    g_autoptr(GstCaps) wish =
+        gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING, format, nullptr);
+    GstCaps* both = gst_caps_intersect_full(caps, wish, GST_CAPS_INTERSECT_FIRST);
+    if (!gst_caps_is_empty(both)) {
+      gst_caps_unref(caps);
+      return both;
+    }
+    gst_caps_unref(both);
+  }
+  return caps;
+}
+
 static GstCaps* gst_calib_view_fixate(GstBaseSrc* src, GstCaps* caps) {
+  caps = gst_calib_view_prefer_colours(caps);
   caps = gst_caps_make_writable(gst_caps_truncate(caps));
   GstStructure* s = gst_caps_get_structure(caps, 0);
   gst_structure_fixate_field_string(s, "format", "BGRx");

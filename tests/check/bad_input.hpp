@@ -23,7 +23,7 @@ enum class After {
 };
 
 // What a build must have been made with to come upon this input.
-enum class Needs { kNothing, kFormats, kDrawing };
+enum class Needs { kNothing, kFormats, kToml, kDrawing };
 
 class InputFixture;
 

@@ -221,6 +221,27 @@ inline const std::vector<BadInput>& bad_settings() {
        changed(ros("cols: 5", "cols: 6"), "[-0.28", "[0, -0.28"), "are 6, but plumb_bob has 5",
        kFileHelp, After::kRefused, Needs::kFormats},
 
+      // mrcal, COLMAP and caliscope.
+      {"a lens that is mrcal's alone", "calibundistort", in_file,
+       "{ 'lensmodel': 'LENSMODEL_CAHVOR', 'intrinsics': [1, 1, 0, 0, 0, 0, 0, 0, 0],\n"
+       "  'extrinsics': [0, 0, 0, 0, 0, 0,], 'imagersize': [640, 480,], }\n",
+       "LENSMODEL_CAHVOR, which no camera model here is like", "mrcal-convert-lensmodel",
+       After::kRefused},
+      {"a model of mrcal's that is cut off", "calibundistort", in_file,
+       "# generated\n{ 'lensmodel': 'LENSMODEL_PINHOLE', 'intrinsics': [500,", "at its end",
+       kFileHelp, After::kRefused},
+      {"two cameras of COLMAP's", "calibundistort", in_file,
+       "# Camera list\n1 PINHOLE 640 480 500 500 320 240\n2 PINHOLE 640 480 500 500 320 240\n",
+       "it holds 2 cameras", kFileHelp, After::kRefused},
+      {"a lens of COLMAP's that is none here", "calibundistort", in_file,
+       "1 DIVISION 640 480 500 500 320 240 0.1\n", "line 1: no camera model here is like DIVISION",
+       "FULL_OPENCV", After::kRefused},
+      {"a camera of caliscope's without a matrix that is one", "calibundistort", in_file,
+       "[cameras.0]\nsize = [640, 480]\nmatrix = [[500.0, 0.0, 320.0]]\ndistortions = [0.0]\n",
+       "'cameras.0.matrix' is not a matrix of 3x3", kFileHelp, After::kRefused, Needs::kToml},
+      {"TOML that is none", "calibundistort", in_file, "[cameras.0]\nsize = [640, 480\n",
+       "the TOML is broken in line", kFileHelp, After::kRefused, Needs::kToml},
+
       // Files.
       {"a folder for a calibration", "calibundistort", at_start, "calibration=@/directory",
        "Is a directory", kFileHelp, After::kRefused},

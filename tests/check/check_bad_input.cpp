@@ -34,6 +34,9 @@ static BadInput answered_by_this_build(BadInput bad) {
   if (bad.needs == Needs::kFormats && !CALVIN_HAVE_FORMATS) {
     bad.says = "it was made without yaml-cpp and pugixml";
     bad.advice = "-Dformats=enabled";
+  } else if (bad.needs == Needs::kToml && !CALVIN_HAVE_FORMATS) {
+    bad.says = "it was made without toml++";
+    bad.advice = "-Dformats=enabled";
   } else if (bad.needs == Needs::kDrawing && !CALVIN_HAVE_CAIRO) {
     bad.says = kDrawsNothing;
     bad.advice = "-Ddraw=enabled";

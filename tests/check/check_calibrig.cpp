@@ -5,6 +5,7 @@
 // stand comes out as it is.
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -75,6 +76,67 @@ GST_START_TEST(test_four_cameras_of_different_lenses_and_sizes) {
     }
     fail_unless(told || h != f.harnesses.back());
   }
+}
+GST_END_TEST;
+
+// The distance between the cameras is known, and boards are 2 % smaller than they say: the rig is
+// as large as the distance says, in every file, and the cameras are not taken for pushed.
+GST_START_TEST(test_a_known_distance_sets_the_scale) {
+  RigFixture f(rig_views::stereo());
+  const double truth =
+      (f.cameras[0].world_from_camera.translation - f.cameras[1].world_from_camera.translation)
+          .norm();
+  const double wanted = 0.98 * truth;
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_object_set(f.element, "location", (f.folder / "rig.json").c_str(), "baseline",
+               ("cam0:cam1:" + std::to_string(1000 * wanted) + "mm:0.01mm").c_str(), "export",
+               ("mrcal:" + f.folder / "models" + ",opencv:" + f.folder / "stereo.yml").c_str(),
+               nullptr);
+  f.start();
+  f.push_all();
+  f.end_all();
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  double scale = 0;
+  double sigma = 0;
+  fail_unless(gst_structure_get_double(result, "board-scale", &scale));
+  fail_unless(gst_structure_get_double(result, "board-scale-sigma", &sigma));
+  fail_unless(std::abs(scale - 0.98) < 5 * sigma && sigma < 0.003, "%f +- %f", scale, sigma);
+  fail_unless(std::strstr(gst_structure_get_string(result, "remarks"), "smaller") != nullptr);
+  const auto distance = [](const Rig& rig) {
+    return (to_se3(rig.cameras[0].rig_from_camera).translation -
+            to_se3(rig.cameras[1].rig_from_camera).translation)
+        .norm();
+  };
+  const auto rig = read_rig(f.folder / "rig.json");
+  fail_unless(rig.has_value() && std::abs(distance(*rig) - wanted) < 5e-5);
+  const auto models = read_rig(f.folder / "models");
+  fail_unless(models.has_value() && std::abs(distance(*models) - distance(*rig)) < 1e-9);
+  fail_unless(g_file_test((f.folder / "stereo.yml").c_str(), G_FILE_TEST_EXISTS));
+  fail_unless(f.bus.named("calib-rig-moved").empty());
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
+// What cannot be meant is an error at the start, or at the end.
+GST_START_TEST(test_wrong_distances_and_exports_are_refused) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"baseline", "cam0:cam1"}, {"export", "pdf:a.pdf"}, {"export", "mrcal"}};
+  for (const auto& [property, text] : wrong) {
+    RigFixture f(rig_views::stereo());
+    gst_element_set_state(f.element, GST_STATE_NULL);
+    g_object_set(f.element, property, text, nullptr);
+    fail_unless(gst_element_set_state(f.element, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
+    fail_unless(f.bus.says(GST_MESSAGE_ERROR, text));
+  }
+  RigFixture f(rig_views::stereo());
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_object_set(f.element, "location", (f.folder / "rig.json").c_str(), "baseline", "cam0:top:1m",
+               nullptr);
+  f.start();
+  f.push_all();
+  f.end_all();
+  fail_unless(f.bus.says(GST_MESSAGE_ERROR, "no distance between 'cam0' and 'top'"));
 }
 GST_END_TEST;
 
@@ -225,6 +287,8 @@ static Suite* calibrig_suite(void) {
   tcase_set_timeout(tc, 120);
   tcase_add_test(tc, test_two_cameras_stand_where_they_are);
   tcase_add_test(tc, test_four_cameras_of_different_lenses_and_sizes);
+  tcase_add_test(tc, test_a_known_distance_sets_the_scale);
+  tcase_add_test(tc, test_wrong_distances_and_exports_are_refused);
   tcase_add_test(tc, test_progress_tells_links_and_the_weakest);
   tcase_add_test(tc, test_intrinsics_come_with_the_event);
   tcase_add_test(tc, test_the_end_of_one_camera_is_not_that_of_the_rig);

@@ -104,6 +104,13 @@ GST_START_TEST(test_is_drawn_in_every_format) {
     for (const std::uint8_t pixel : pixels) grey += pixel > 100 ? 1 : 0;
     fail_unless(grey > bright / 2 && grey < 2 * bright, "%d %d", grey, bright);
   }
+  // Colours come before grey, in whatever order they are named.
+  ViewFixture choice;
+  gst_harness_set_sink_caps_str(choice.h,
+                                "video/x-raw,width=320,height=240,framerate=30/1,format=GRAY8;"
+                                "video/x-raw,width=320,height=240,framerate=30/1,format=RGB");
+  gst_harness_play(choice.h);
+  fail_unless_equals_int(choice.pull().size(), 3 * 320 * 240);
 }
 GST_END_TEST;
 

@@ -130,14 +130,17 @@ inline std::vector<Eigen::Vector3d> grid() {
 }
 
 inline bool readable(std::string_view format) {
-  return CALVIN_HAVE_FORMATS || format == "calvin" || format == "opencv-json";
+  return CALVIN_HAVE_FORMATS || format == "calvin" || format == "opencv-json" ||
+         format == "mrcal" || format == "colmap";
 }
 
-// All that hold a camera with skew, and the lens of brown5. Kalibr's does not:
-// test_rig_formats.cpp.
+// All that hold a camera with skew, and the lens of brown5. Kalibr's, mrcal's and COLMAP's do not:
+// test_rig_formats.cpp, test_mrcal.cpp, test_colmap.cpp.
 inline std::vector<std::string_view> formats_with_skew() {
   std::vector<std::string_view> formats = calibration_formats();
-  std::erase(formats, "kalibr");
+  std::erase_if(formats, [](std::string_view format) {
+    return format == "kalibr" || format == "mrcal" || format == "colmap";
+  });
   return formats;
 }
 

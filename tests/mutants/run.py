@@ -40,7 +40,7 @@ TESTS = {
     "geometry": "geometry monotone_cubic",
     "camera": "camera usable_area zoom_table",
     "target": "board",
-    "io": "io observations board_names light_io rig_io zoom_io",
+    "io": "io observations board_names light_io rig_io rig_formats mrcal colmap caliscope zoom_io",
     "detect": "detect",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
     "rig": "rig light solve_rig left_out solve_zooming",

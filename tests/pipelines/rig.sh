@@ -66,6 +66,30 @@ grep -q 'projection_matrix' ros/left.yaml || fail 'no camera_info of the left ca
 # P of the right camera has -f b: a tenth of a metre.
 tail -n 1 ros/right.yaml | tr -d ',[]' | awk '{ exit !($5 < -0.0995 * $2 && $5 > -0.1005 * $2) }' ||
   fail "the right camera is elsewhere: $(cat ros/right.yaml)"
+# The files and folders of other programs.
+expect 0 'apart' "$rig" --export mrcal:models,colmap:model,caliscope:array.toml rig.json \
+  left.json left.jsonl right.json right.jsonl
+grep -q LENSMODEL_PINHOLE models/right.cameramodel || fail 'no model of mrcal'
+grep -q '^2 PINHOLE 640 480 500 500 320.5 240.5$' model/cameras.txt || fail 'no cameras of COLMAP'
+[ -f model/points3D.txt ] || fail 'no model that COLMAP reads'
+grep -q '^cam_id = 1$' array.toml || fail 'no cameras of caliscope'
+# The files of the second camera are calibrations, too.
+sed -n '1,/^2 /{/^1 /!p}' model/cameras.txt >second.txt
+expect 0 '100.0 mm apart' "$rig" rig.json left.json left.jsonl models/right.cameramodel right.jsonl
+expect 0 '100.0 mm apart' "$rig" rig.json left.json left.jsonl second.txt right.jsonl
+
+# The board is printed a percent too small: the cameras are 101 mm apart.
+expect 0 "'left' and 'right': 101.0 mm apart" "$rig" --baseline 101mm:0.01mm rig.json \
+  left.json left.jsonl right.json right.jsonl
+grep -Eq 'Boards are 1.0(099|100)' out || fail "no scale: $(cat out)"
+grep -q 'is to be 25 mm on them measures 25.2' out || fail "no remark: $(cat out)"
+expect 0 "100.0 mm apart" "$rig" --baseline left:right:101mm:1mm --board-sigma 0 rig.json \
+  left.json left.jsonl right.json right.jsonl
+expect 1 "no distance between 'left' and 'top'" "$rig" --baseline left:top:1m rig.json left.json \
+  left.jsonl right.json right.jsonl
+expect 2 'left:right:110.03mm' "$rig" --baseline left:right rig.json left.json left.jsonl right.json right.jsonl
+expect 2 'percent' "$rig" --board-sigma much rig.json left.json left.jsonl right.json right.jsonl
+
 expect 1 'brown4' "$rig" --export kalibr:chain.yaml rig.json five.json left.jsonl right.json right.jsonl
 expect 2 'FORMAT:PATH' "$rig" --export obj:x rig.json left.json left.jsonl right.json right.jsonl
 

@@ -24,20 +24,36 @@ struct RigCamera {
   std::optional<double> rms;  // px, of the corners that it has seen
 };
 
+// A board where it was seen.
+struct RigBoard {
+  std::string board;  // its text
+  Pose rig_from_board;
+};
+
 struct Rig {
   std::vector<RigCamera> cameras;
-  // The name of the camera whose frame is the rig's, kBoardWorld or kPlacesWorld.
+  // The name of the camera whose frame is the rig's, kBoardWorld, kPlacesWorld or kReferenceWorld.
   std::string world;
   // Whether lengths are metres. Else they have no unit: a light tells places up to a common factor.
   bool is_metric = true;
   std::optional<double> rms;            // px, of all corners
   std::uint64_t pairing_tolerance = 0;  // ns: pictures no farther apart were taken for one instant
+  // Some of those by which the cameras were placed, for whoever looks at the rig.
+  std::vector<RigBoard> boards;
 };
 
 // Where a camera stands by other means, as a survey of the room.
 struct CameraPlace {
   std::string camera;             // its name
   std::array<double, 3> place{};  // m, in a right-handed frame
+};
+
+// How far two cameras are apart by other means, as a data sheet or a tape says.
+struct CameraBaseline {
+  std::string a;  // names; both empty: of the two cameras of a rig that has no others
+  std::string b;
+  double distance = 0;  // m
+  double sigma = 0;     // m; 0: exactly
 };
 
 // The two cameras of a stereo pair, and the one pinhole that the rectified pictures of both have:
@@ -61,5 +77,7 @@ struct RectifiedPair {
 inline constexpr const char* kBoardWorld = "board";
 // The frame of the rig is that in which the places of its cameras were known.
 inline constexpr const char* kPlacesWorld = "places";
+// The frame of the rig is one that the program has chosen whose file was read.
+inline constexpr const char* kReferenceWorld = "reference";
 
 }  // namespace calvin

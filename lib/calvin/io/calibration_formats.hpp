@@ -10,6 +10,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "calvin/core/calibration.hpp"
 #include "calvin/io/document.hpp"
@@ -36,6 +37,22 @@ inline constexpr int kNativeVersion = 1;
 [[nodiscard]] Result<Calibration> read_kalibr_camera(const Node& root);
 [[nodiscard]] Result<std::string> print_kalibr_camera(const Calibration& calibration);
 [[nodiscard]] bool kalibr_holds(std::string_view model);
+
+// One .cameramodel of mrcal, wherever it stands.
+[[nodiscard]] bool is_mrcal(const Node& root);
+[[nodiscard]] Result<Calibration> read_mrcal_camera(const Node& root);
+[[nodiscard]] Result<std::string> print_mrcal_camera(const Calibration& calibration);
+[[nodiscard]] bool mrcal_holds(std::string_view model);
+
+// COLMAP's cameras.txt, of one camera; it is no tree.
+[[nodiscard]] bool is_colmap_cameras(std::string_view content);
+[[nodiscard]] Result<Calibration> read_colmap_camera(std::string_view content);
+[[nodiscard]] Result<std::string> print_colmap_camera(const Calibration& calibration);
+[[nodiscard]] bool colmap_holds(std::string_view model);
+
+// caliscope's camera_array.toml of one camera, wherever it stands.
+[[nodiscard]] bool is_caliscope(const Node& root);
+[[nodiscard]] Result<Calibration> read_caliscope_camera(const Node& root);
 
 // The YAML of ROS's camera_info_manager and camera_calibration_parsers.
 [[nodiscard]] bool is_ros(const Node& root);

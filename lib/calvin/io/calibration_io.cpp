@@ -32,9 +32,11 @@ struct Reader {
   Result<Calibration> (*read)(const Node&);
 };
 // In this order: the first that claims a document reads it.
-constexpr std::array<Reader, 4> kReaders = {{{io::is_native, io::read_native},
+constexpr std::array<Reader, 6> kReaders = {{{io::is_native, io::read_native},
+                                             {io::is_mrcal, io::read_mrcal_camera},
                                              {io::is_ros, io::read_ros},
                                              {io::is_kalibr, io::read_kalibr_camera},
+                                             {io::is_caliscope, io::read_caliscope_camera},
                                              {io::is_opencv, io::read_opencv}}};
 
 struct Writer {
@@ -42,19 +44,22 @@ struct Writer {
   Result<std::string> (*print)(const Calibration&);
   bool (*holds)(std::string_view model);
 };
-constexpr std::array<Writer, 6> kWriters = {
+constexpr std::array<Writer, 8> kWriters = {
     {{"calvin", io::print_native, [](std::string_view) { return true; }},
      {"opencv-yaml", io::print_opencv_yaml, io::opencv_holds},
      {"opencv-xml", io::print_opencv_xml, io::opencv_holds},
      {"opencv-json", io::print_opencv_json, io::opencv_holds},
      {"ros", io::print_ros, io::ros_holds},
-     {"kalibr", io::print_kalibr_camera, io::kalibr_holds}}};
+     {"kalibr", io::print_kalibr_camera, io::kalibr_holds},
+     {"mrcal", io::print_mrcal_camera, io::mrcal_holds},
+     {"colmap", io::print_colmap_camera, io::colmap_holds}}};
 
 constexpr std::string_view kKnown =
     CALVIN_HAVE_FORMATS
-        ? "Give a calibration in the native JSON, OpenCV's YAML, XML or JSON, ROS's camera_info or "
-          "Kalibr's camchain, or calibrate again."
-        : "Give a calibration in the native JSON or OpenCV's JSON, or calibrate again.";
+        ? "Give a calibration in the native JSON, OpenCV's YAML, XML or JSON, ROS's camera_info, "
+          "Kalibr's camchain, mrcal's cameramodel or COLMAP's cameras.txt, or calibrate again."
+        : "Give a calibration in the native JSON, OpenCV's JSON, mrcal's cameramodel or COLMAP's "
+          "cameras.txt, or calibrate again.";
 
 Result<const Writer*> find_writer(std::string_view format) {
   const auto writer = std::find_if(kWriters.begin(), kWriters.end(),
@@ -88,6 +93,7 @@ Result<Calibration> parse_text(std::string_view content) {
                       fmt::format("it is larger than the {} MiB that a calibration may have",
                                   kMaxCalibrationBytes >> 20));
   }
+  if (io::is_colmap_cameras(content)) return io::read_colmap_camera(content);
   const auto root = io::parse_text_document(content);
   if (!root) return tl::unexpected(root.error());
   const auto reader = std::find_if(kReaders.begin(), kReaders.end(),

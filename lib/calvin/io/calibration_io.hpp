@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Calibration files: the native one (JSON), OpenCV's (YAML, XML, JSON), ROS's camera_info and
-// Kalibr's camchain of one camera. A file is known by its content, never by its name. Formats:
-// docs/formats.md.
+// Calibration files: the native one (JSON), OpenCV's (YAML, XML, JSON), ROS's camera_info, mrcal's
+// cameramodel, COLMAP's cameras.txt, and Kalibr's camchain and caliscope's camera_array.toml of one
+// camera. A file is known by its content, never by its name. Formats: docs/formats.md.
 #pragma once
 
 #include <cstddef>
@@ -52,7 +52,7 @@ inline constexpr std::size_t kMaxCalibrationBytes = std::size_t{16} << 20;
 // Whether write_calibration() can work there, found without writing: for the warning at start.
 [[nodiscard]] CALVIN_API Status can_write(const std::filesystem::path& path);
 
-// "calvin", "opencv-yaml", "opencv-xml", "opencv-json", "ros", "kalibr".
+// "calvin", "opencv-yaml", "opencv-xml", "opencv-json", "ros", "kalibr", "mrcal", "colmap".
 [[nodiscard]] CALVIN_API std::vector<std::string_view> calibration_formats();
 
 }  // namespace calvin

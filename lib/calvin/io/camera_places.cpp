@@ -15,6 +15,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/rig_io.hpp"
 
 namespace calvin {
 
@@ -41,6 +42,16 @@ std::string read_line(std::string_view line, std::vector<CameraPlace>& places) {
   return "";
 }
 
+// Where the cameras of a rig stand, in its frame.
+Result<std::vector<CameraPlace>> places_of(const Result<Rig>& rig) {
+  if (!rig) return tl::unexpected(rig.error());
+  std::vector<CameraPlace> places;
+  for (const RigCamera& camera : rig->cameras) {
+    places.push_back({camera.calibration.camera, camera.rig_from_camera.translation});
+  }
+  return places;
+}
+
 }  // namespace
 
 Result<std::vector<CameraPlace>> parse_camera_places(std::string_view content,
@@ -65,8 +76,10 @@ Result<std::vector<CameraPlace>> parse_camera_places(std::string_view content,
 }
 
 Result<std::vector<CameraPlace>> read_camera_places(const std::filesystem::path& path) {
+  if (is_rig_folder(path)) return places_of(read_rig(path));
   const auto content = read_file(path.string());
   if (!content) return tl::unexpected(content.error());
+  if (is_rig(*content)) return places_of(parse_rig(*content, path.string()));
   return parse_camera_places(*content, path.string());
 }
 

@@ -18,7 +18,8 @@ namespace calvin {
 [[nodiscard]] Result<std::vector<CameraPlace>> parse_camera_places(std::string_view content,
                                                                    std::string_view name = "");
 
-// parse_camera_places() of a file; errors as of read_file().
+// parse_camera_places() of a file, or where the cameras of a rig's file or folder stand; errors as
+// of read_file() and read_rig().
 [[nodiscard]] Result<std::vector<CameraPlace>> read_camera_places(
     const std::filesystem::path& path);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Document: the tree that JSON, YAML and XML have in common, and the checked way into it.
+// Document: the tree that JSON, YAML, XML, TOML and literals of Python have in common, and the
+// checked way into it.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +34,7 @@ struct Node {
 // How deep lists and maps may lie in each other.
 inline constexpr std::size_t kMaxDepth = 64;
 
-// What the three parsers feed. Every call answers whether to go on: it refuses what no calibration
+// What the parsers feed. Every call answers whether to go on: it refuses what no calibration
 // holds and what would exhaust memory or stack (nesting, number of values), and repeated keys.
 class DocumentBuilder {
  public:
@@ -59,11 +60,14 @@ class DocumentBuilder {
   int values_ = 0;
 };
 
-// One file each. Errors are kMalformed and tell the line; without the formats feature YAML and XML
-// are kUnsupported.
+// One file each. Errors are kMalformed and tell the line; without the formats feature YAML, XML and
+// TOML are kUnsupported.
 [[nodiscard]] Result<Node> parse_json(std::string_view content);
 [[nodiscard]] Result<Node> parse_yaml(std::string_view content);
 [[nodiscard]] Result<Node> parse_xml(std::string_view content);
+[[nodiscard]] Result<Node> parse_toml(std::string_view content);
+// A literal of Python, as mrcal's camera models are.
+[[nodiscard]] Result<Node> parse_python(std::string_view content);
 
 // A text as a JSON string, quotes and all, which is a YAML one too: what is not printable in either
 // is an escape. Bytes that are no UTF-8 are replaced.

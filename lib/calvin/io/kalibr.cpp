@@ -17,6 +17,7 @@
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/opencv_camera.hpp"
+#include "calvin/io/rig_fields.hpp"
 #include "calvin/io/rig_formats.hpp"
 
 namespace calvin::io {
@@ -129,14 +130,33 @@ std::optional<SE3> read_motion(Fields& fields, std::string_view key) {
       rotation.row(r) << row[0], row[1], row[2];
       translation(r) = row[3];
     }
-    constexpr double kClose = 1e-3;
-    const Eigen::Matrix3d closest = closest_rotation(rotation);
-    const bool is_near = (closest - rotation).cwiseAbs().maxCoeff() < kClose;
-    if (is_near && translation.cwiseAbs().maxCoeff() < 1e6) return SE3{closest, translation};
+    const auto closest = rotation_near(rotation);
+    if (closest && is_near(translation)) return SE3{*closest, translation};
   }
   fields.complain(key,
                   "is no rigid motion: a matrix of 4 x 4 with a rotation and a place in metres");
   return std::nullopt;
+}
+
+// Of the inertial unit, where the file tells it; chains that OpenVINS reads have its inverse.
+std::optional<SE3> camera_from_imu(Fields& fields) {
+  if (fields.find("T_cam_imu") != nullptr) return read_motion(fields, "T_cam_imu");
+  if (fields.find("T_imu_cam") == nullptr) return std::nullopt;
+  const auto imu_from_camera = read_motion(fields, "T_imu_cam");
+  if (!imu_from_camera) return std::nullopt;
+  return imu_from_camera->inverse();
+}
+
+// Of a camera and the one before it: as the chain says, or by way of the inertial unit.
+std::optional<SE3> motion_from_last(Fields& fields, Fields last) {
+  constexpr std::string_view kChain = "T_cn_cnm1";
+  if (fields.find(kChain) == nullptr) {
+    const auto own = camera_from_imu(fields);
+    const auto before = camera_from_imu(last);
+    if (own && before) return *own * before->inverse();
+  }
+  if (fields.failed()) return std::nullopt;
+  return read_motion(fields, kChain);
 }
 
 // ---- Writing ------------------------------------------------------------------------------------
@@ -166,17 +186,11 @@ Result<const Row*> row_for(const Camera& camera, std::string_view name) {
                   shortened(name, 64), camera.model(), camera.skew() == 0 ? "" : " with skew"));
 }
 
-std::string list_of(const std::vector<double>& values) {
-  std::vector<std::string> texts;
-  for (const double value : values) texts.push_back(format_double(value));
-  return fmt::format("[{}]", join(texts, ", "));
-}
-
 std::string motion_text(const SE3& motion) {
   std::string text;
   for (int r = 0; r < 3; ++r) {
-    text += fmt::format("  - {}\n", list_of({motion.rotation(r, 0), motion.rotation(r, 1),
-                                             motion.rotation(r, 2), motion.translation(r)}));
+    text += fmt::format("  - {}\n", list_text({motion.rotation(r, 0), motion.rotation(r, 1),
+                                               motion.rotation(r, 2), motion.translation(r)}));
   }
   return text + "  - [0.0, 0.0, 0.0, 1.0]\n";
 }
@@ -201,7 +215,7 @@ Result<std::string> camera_text(const RigCamera& of, std::size_t cameras, std::s
       "{}:\n  cam_overlaps: [{}]\n  camera_model: {}\n  distortion_coeffs: {}\n"
       "  distortion_model: {}\n  intrinsics: {}\n  resolution: [{}, {}]\n  rostopic: {}\n",
       name_of(number), join(others, ", "), (*row)->projection,
-      list_of({before_end, parameters.end()}), (*row)->distortion, list_of(intrinsics),
+      list_text({before_end, parameters.end()}), (*row)->distortion, list_text(intrinsics),
       camera->image_size().width, camera->image_size().height,
       json_string("/" + name + "/image_raw"));
 }
@@ -226,7 +240,7 @@ Result<Rig> read_kalibr(const Node& root) {
     Fields fields = chain.map(name_of(n));
     const auto camera = read_camera(fields);
     if (n > 0 && camera) {
-      const auto from_last = read_motion(fields, "T_cn_cnm1");
+      const auto from_last = motion_from_last(fields, chain.map(name_of(n - 1)));
       if (from_last) rig_from_camera = rig_from_camera * from_last->inverse();
     }
     if (problem) break;

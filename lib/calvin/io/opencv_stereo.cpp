@@ -10,11 +10,11 @@
 
 #include <Eigen/Core>
 
-#include "calvin/camera/camera.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/opencv_camera.hpp"
 #include "calvin/io/opencv_storage.hpp"
+#include "calvin/io/rig_fields.hpp"
 #include "calvin/io/rig_formats.hpp"
 #include "calvin/io/stereo_io.hpp"
 
@@ -67,13 +67,8 @@ std::optional<RigCamera> read_stereo_camera(Fields& fields, const char* matrix,
   camera.fisheye = fisheye != nullptr && fisheye->text != "0";
   if (fields.failed()) return std::nullopt;
   std::copy(k.data.begin(), k.data.end(), camera.k.begin());
-  auto calibration = io::from_opencv(camera, size);
-  const auto made = calibration ? Camera::make(*calibration)
-                                : Result<Camera>(tl::unexpected(calibration.error()));
-  if (!made) {
-    fields.complain(matrix, "is wrong: " + made.error().message, made.error().code);
-    return std::nullopt;
-  }
+  auto calibration = io::camera_of(fields, matrix, camera, size);
+  if (!calibration) return std::nullopt;
   return RigCamera{*std::move(calibration), {}, {}, {}};
 }
 

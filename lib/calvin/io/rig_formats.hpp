@@ -2,10 +2,13 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // The formats of a rig's file, each in a file named after it: rig_native.cpp, kalibr.cpp,
-// opencv_stereo.cpp. Readers take a map that they recognised and check every camera.
+// opencv_stereo.cpp, caliscope.cpp; and of folders of files, mrcal.cpp and colmap.hpp. Readers take
+// a map that they recognised and check every camera.
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "calvin/core/rig.hpp"
 #include "calvin/io/document.hpp"
@@ -17,16 +20,42 @@ namespace calvin::io {
 [[nodiscard]] Result<std::string> print_native_rig(const Rig& rig);
 
 // The camchain of Kalibr (github.com/ethz-asl/kalibr, YAML), of one camera or many: each is placed
-// by T_cn_cnm1 before the one with the number below. The frame is that of cam0.
+// by T_cn_cnm1 before the one with the number below, or, where that is absent, by T_cam_imu of
+// both. The frame is that of cam0.
 [[nodiscard]] bool is_kalibr(const Node& root);
 [[nodiscard]] Result<Rig> read_kalibr(const Node& root);
 // kUnsupported for a camera model that Kalibr does not have, and for skew.
 [[nodiscard]] Result<std::string> print_kalibr(const Rig& rig);
 [[nodiscard]] bool kalibr_holds(std::string_view model);
 
+// The camera_array.toml or config.toml of caliscope and the calibration.toml of aniposelib; printed
+// is the first of them. kUnsupported for a camera model that OpenCV does not have.
+[[nodiscard]] bool is_caliscope(const Node& root);
+// Whether it is one of more than one camera.
+[[nodiscard]] bool is_caliscope_rig(const Node& root);
+[[nodiscard]] Result<Rig> read_caliscope(const Node& root);
+[[nodiscard]] Result<std::string> print_caliscope(const Rig& rig);
+
+// One camera of mrcal's, without a name. `extrinsics` takes points of a frame that all files of a
+// rig share to the camera. kUnsupported for a camera model that mrcal does not have, and for skew.
+[[nodiscard]] bool is_mrcal(const Node& root);
+[[nodiscard]] Result<RigCamera> read_mrcal(const Node& root);
+[[nodiscard]] Result<std::string> print_mrcal(const RigCamera& camera);
+
 // M1 D1 M2 D2 R T of OpenCV's sample stereo_calib, in one file, with image_width and image_height;
 // lengths are taken for metres.
 [[nodiscard]] bool is_opencv_stereo(const Node& root);
 [[nodiscard]] Result<Rig> read_opencv_stereo(const Node& root);
+
+// ---- Folders: rig_folder.cpp
+
+// mrcal's models, each camera called as its file is without `.cameramodel`, or COLMAP's cameras.txt
+// and images.txt. kMalformed for a folder without either.
+[[nodiscard]] Result<Rig> read_rig_folder(const std::filesystem::path& folder);
+// The folder is made where there is none; each file is written whole. kInvalidArgument where names
+// of cameras are no names of files, or are one, and where the folder has models of other cameras,
+// which would be taken for cameras of the rig.
+[[nodiscard]] Status write_mrcal_folder(const std::filesystem::path& folder, const Rig& rig);
+[[nodiscard]] Status write_colmap_folder(const std::filesystem::path& folder, const Rig& rig);
 
 }  // namespace calvin::io

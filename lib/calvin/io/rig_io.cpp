@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "calvin/core/file.hpp"
 #include "calvin/core/text.hpp"
 #include "calvin/core/utf8.hpp"
+#include "calvin/io/calibration_formats.hpp"
 #include "calvin/io/file_text.hpp"
 #include "calvin/io/rig_formats.hpp"
 #include "calvin/io/text_document.hpp"
@@ -25,21 +27,36 @@ namespace {
 
 using io::Node;
 
+// A rig has several of these files.
+Result<Rig> read_one_of_mrcal(const Node& root) {
+  auto camera = io::read_mrcal(root);
+  if (!camera) return tl::unexpected(camera.error());
+  return make_error(ErrorCode::kUnsupported,
+                    "it is one camera of mrcal's: give the folder that has the models of all");
+}
+
 struct Reader {
   bool (*claims)(const Node&);
   Result<Rig> (*read)(const Node&);
 };
 // In this order: the first that claims a document reads it, the first one what nobody claims.
-constexpr std::array<Reader, 3> kReaders = {{{io::is_native_rig, io::read_native_rig},
+constexpr std::array<Reader, 5> kReaders = {{{io::is_native_rig, io::read_native_rig},
                                              {io::is_kalibr, io::read_kalibr},
+                                             {io::is_caliscope, io::read_caliscope},
+                                             {io::is_mrcal, read_one_of_mrcal},
                                              {io::is_opencv_stereo, io::read_opencv_stereo}}};
 
+// Of one file, or of a folder of them.
 struct Writer {
   std::string_view format;
   Result<std::string> (*print)(const Rig&);
+  Status (*write_folder)(const std::filesystem::path&, const Rig&);
 };
-constexpr std::array<Writer, 2> kWriters = {
-    {{"calvin", io::print_native_rig}, {"kalibr", io::print_kalibr}}};
+constexpr std::array<Writer, 5> kWriters = {{{"calvin", io::print_native_rig, nullptr},
+                                             {"kalibr", io::print_kalibr, nullptr},
+                                             {"caliscope", io::print_caliscope, nullptr},
+                                             {"mrcal", nullptr, io::write_mrcal_folder},
+                                             {"colmap", nullptr, io::write_colmap_folder}}};
 
 const Reader* reader_of(const Node& root) {
   const auto reader =
@@ -53,6 +70,11 @@ Result<Rig> parse_text(std::string_view content) {
         ErrorCode::kMalformed,
         fmt::format("it is larger than the {} MiB that a rig may have", kMaxRigBytes >> 20));
   }
+  if (io::is_colmap_cameras(content)) {
+    return make_error(ErrorCode::kUnsupported,
+                      "it is a part of a model of COLMAP's: give the folder that has cameras.txt "
+                      "and images.txt");
+  }
   const auto root = io::parse_text_document(content);
   if (!root) return tl::unexpected(root.error());
   if (root->kind != Node::Kind::kMap) {
@@ -64,8 +86,27 @@ Result<Rig> parse_text(std::string_view content) {
 
 constexpr io::FileKind kKind = {
     "The text of a rig", "a rig",
-    "Give a file that calvin-rig or calibrig has written, Kalibr's camchain or OpenCV's stereo "
-    "parameters in one file."};
+    "Give a file that calvin-rig or calibrig has written, Kalibr's camchain, caliscope's "
+    "camera_array.toml, OpenCV's stereo parameters in one file, or a folder of mrcal's or "
+    "COLMAP's."};
+
+Result<const Writer*> find_writer(std::string_view format) {
+  const auto writer =
+      std::ranges::find_if(kWriters, [&](const Writer& w) { return w.format == format; });
+  if (writer != kWriters.end()) return &*writer;
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("There is no rig format '{}'. Known formats: {}.",
+                                shortened(format, 64), join(rig_formats(), ", ")));
+}
+
+Status check_cameras(const Rig& rig) {
+  for (const RigCamera& camera : rig.cameras) {
+    if (const auto good = Camera::make(camera.calibration); !good) {
+      return tl::unexpected(good.error());
+    }
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -75,39 +116,47 @@ Result<Rig> parse_rig(std::string_view content, std::string_view name) {
 
 bool is_rig(std::string_view content) noexcept {
   // Most files need not be parsed for this.
-  const bool may_be =
-      content.size() <= kMaxRigBytes && (content.find("calvin-rig") != std::string_view::npos ||
-                                         content.find("T_cn_cnm1") != std::string_view::npos);
+  const auto has = [&](std::string_view word) {
+    return content.find(word) != std::string_view::npos;
+  };
+  const bool may_be = content.size() <= kMaxRigBytes &&
+                      (has("calvin-rig") || has("T_cn_cnm1") || has("distortions"));
   if (!may_be) return false;
   try {
     const auto root = io::parse_text_document(content);
-    return root && (io::is_native_rig(*root) || io::is_kalibr(*root));
+    return root &&
+           (io::is_native_rig(*root) || io::is_kalibr(*root) || io::is_caliscope_rig(*root));
   } catch (const std::exception&) {
     return false;
   }
 }
 
 Result<Rig> read_rig(const std::filesystem::path& path) {
+  std::error_code none;
+  if (std::filesystem::is_directory(path, none)) {
+    auto rig = io::read_rig_folder(path);
+    const bool is_content = rig || rig.error().code == ErrorCode::kMalformed ||
+                            rig.error().code == ErrorCode::kUnsupported;
+    if (!is_content) return rig;
+    if (!rig) rig.error().message = io::explain(kKind, path.string(), rig.error().message);
+    return rig;
+  }
   const auto content = read_file(path.string(), kMaxRigBytes);
   if (!content) return tl::unexpected(content.error());
   return parse_rig(*content, path.string());
 }
 
 Result<std::string> print_rig(const Rig& rig, std::string_view format) {
-  const auto writer =
-      std::ranges::find_if(kWriters, [&](const Writer& w) { return w.format == format; });
-  if (writer == kWriters.end()) {
+  const auto writer = find_writer(format);
+  if (!writer) return tl::unexpected(writer.error());
+  if ((*writer)->print == nullptr) {
     return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("There is no rig format '{}'. Known formats: {}.",
-                                  shortened(format, 64), join(rig_formats(), ", ")));
+                      fmt::format("A rig of the format {} is a folder of files, and no text.",
+                                  (*writer)->format));
   }
-  for (const RigCamera& camera : rig.cameras) {
-    if (const auto good = Camera::make(camera.calibration); !good) {
-      return tl::unexpected(good.error());
-    }
-  }
+  if (const Status good = check_cameras(rig); !good) return tl::unexpected(good.error());
   try {
-    return writer->print(rig);
+    return (*writer)->print(rig);
   } catch (const std::exception& exception) {
     return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("The rig cannot be written: {}.", exception.what()));
@@ -121,6 +170,11 @@ std::vector<std::string_view> rig_formats() {
 }
 
 Status write_rig(const std::filesystem::path& path, const Rig& rig, std::string_view format) {
+  const auto writer = find_writer(format);
+  if (writer && (*writer)->write_folder != nullptr) {
+    if (Status good = check_cameras(rig); !good) return good;
+    return (*writer)->write_folder(path, rig);
+  }
   const auto printed = print_rig(rig, format);
   if (!printed) return tl::unexpected(printed.error());
   return write_file(path.string(), *printed);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Files of rigs: the native one (JSON), Kalibr's camchain, OpenCV's stereo parameters; known by
-// their content. docs/formats.md.
+// Files of rigs: the native one (JSON), Kalibr's camchain, caliscope's camera_array.toml, OpenCV's
+// stereo parameters, known by their content; and folders of mrcal's models and of COLMAP's.
+// docs/formats.md.
 #pragma once
 
 #include <filesystem>
@@ -28,20 +29,25 @@ inline constexpr std::size_t kMaxRigBytes = std::size_t{64} << 20;
 // parameters are the calibration of their first camera too, and do not count.
 [[nodiscard]] bool is_rig(std::string_view content) noexcept;
 
-// parse_rig() of a file; errors as of read_calibration().
+// Whether there is a folder of that name that has models of mrcal's or COLMAP's images.txt.
+[[nodiscard]] bool is_rig_folder(const std::filesystem::path& path) noexcept;
+
+// parse_rig() of a file, or what the files of a folder are together; errors as of
+// read_calibration().
 [[nodiscard]] CALVIN_API Result<Rig> read_rig(const std::filesystem::path& path);
 
 // The inverse, in one of rig_formats(): numbers read back as the same; only the native format holds
-// everything. kInvalidArgument for an unknown format or where a camera has no image size,
-// kUnsupported where the format has no such camera model.
+// everything. kInvalidArgument for an unknown format, one that is a folder of files, or where a
+// camera has no image size, kUnsupported where the format has no such camera model.
 [[nodiscard]] CALVIN_API Result<std::string> print_rig(const Rig& rig,
                                                        std::string_view format = "calvin");
 
-// The file is written whole, as write_calibration() does.
+// The file is written whole, as write_calibration() does. "mrcal" and "colmap" are folders, which
+// are made where there are none; kInvalidArgument where the folder has models of other cameras.
 [[nodiscard]] CALVIN_API Status write_rig(const std::filesystem::path& path, const Rig& rig,
                                           std::string_view format = "calvin");
 
-// "calvin", "kalibr".
+// "calvin", "kalibr", "caliscope", "mrcal", "colmap".
 [[nodiscard]] CALVIN_API std::vector<std::string_view> rig_formats();
 
 }  // namespace calvin

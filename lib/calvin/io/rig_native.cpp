@@ -23,6 +23,7 @@ constexpr std::string_view kFormat = "calvin-rig";
 constexpr int kVersion = 1;
 constexpr std::string_view kNoUnit = "none";
 constexpr std::size_t kPose = 6;
+constexpr std::size_t kMostBoards = 4096;
 
 // ---- Reading ------------------------------------------------------------------------------------
 
@@ -74,6 +75,24 @@ void read_cameras(Fields& fields, std::optional<Error>& problem, Rig& rig) {
   }
 }
 
+void read_boards(Fields& fields, std::optional<Error>& problem, Rig& rig) {
+  const auto& list = fields.list("boards");
+  if (list.size() > kMostBoards) {
+    fields.complain("boards",
+                    fmt::format("has {}; no rig keeps more than {}", list.size(), kMostBoards));
+  }
+  for (std::size_t i = 0; i < list.size() && !fields.failed(); ++i) {
+    if (list[i].kind != Node::Kind::kMap) {
+      fields.complain("boards", "is not a list of groups");
+      return;
+    }
+    Fields one(list[i], fmt::format("boards[{}].", i), problem);
+    RigBoard board = {one.string("board"), read_pose(one.map("rig_from_board"))};
+    check_place(one, "rig_from_board", board.rig_from_board, "", {});
+    rig.boards.push_back(std::move(board));
+  }
+}
+
 // ---- Writing ------------------------------------------------------------------------------------
 
 Result<Node> rig_camera_node(const RigCamera& camera) {
@@ -101,6 +120,7 @@ Result<Rig> read_native_rig(const Node& root) {
   read_head(fields, kFormat, kVersion, "a rig");
   Rig rig;
   if (!problem) read_cameras(fields, problem, rig);
+  if (!problem) read_boards(fields, problem, rig);
   rig.world = fields.optional_string("world");
   read_unit(fields, rig);
   rig.rms = fields.optional_number("rms");
@@ -124,6 +144,16 @@ Result<std::string> print_native_rig(const Rig& rig) {
   map.put("rms", rig.rms);
   map.put("pairing_tolerance_ns", integer_node(rig.pairing_tolerance));
   map.put("cameras", std::move(cameras));
+  if (!rig.boards.empty()) {
+    Node boards = {Node::Kind::kList, {}, {}, {}};
+    for (const RigBoard& board : rig.boards) {
+      boards.items.push_back(NodeMap()
+                                 .put("board", text_node(board.board))
+                                 .put("rig_from_board", pose_node(board.rig_from_board))
+                                 .take());
+    }
+    map.put("boards", std::move(boards));
+  }
   return print_json(map.take());
 }
 

@@ -68,6 +68,7 @@ Result<CameraSetting> parse_camera_setting(std::string_view text) {
   if (kind == Setting::kText && is_zoom_table(text)) return parse_zoom_table(text);
   if (kind == Setting::kFile) {
     const std::filesystem::path path(text);
+    if (is_rig_folder(path)) return read_rig(path);
     const auto content = read_file(path.string(), std::max(kMaxRigBytes, kMaxZoomBytes));
     if (content && is_rig(*content)) return parse_rig(*content, path.string());
     if (content && is_zoom_table(*content)) return parse_zoom_table(*content, path.string());

@@ -21,9 +21,44 @@ bool is_control(char c) {
   return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f';
 }
 
+// What follows the comments and blank lines at the front.
+std::string_view behind_comments(std::string_view content) {
+  content = trim(content);
+  while (content.starts_with('#')) {
+    content = trim(content.substr(std::min(content.find('\n'), content.size())));
+  }
+  return content;
+}
+
+// A dictionary of Python. It is told from JSON by its quotes, or by the comments before it.
+bool is_python(std::string_view content) {
+  const std::string_view begin = behind_comments(content);
+  if (!begin.starts_with('{')) return false;
+  return begin.size() < trim(content).size() || behind_comments(begin.substr(1)).starts_with('\'');
+}
+
+// It begins with the name of a table alone in its line, or with a key and its value.
+bool is_toml(std::string_view content) {
+  constexpr std::string_view kKey =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.";
+  std::string_view line = behind_comments(content);
+  line = line.substr(0, line.find('\n'));
+  line = trim(line.substr(0, line.find('#')));
+  if (line.starts_with('[') && line.ends_with(']')) {
+    const std::string_view name = trim(line.substr(1, line.size() - 2));
+    return name.find_first_not_of(kKey) == std::string_view::npos && !name.empty() &&
+           !parse_double(name) && name != "true" && name != "false" && name != "null";
+  }
+  const auto end = line.find_first_not_of(kKey);
+  return end != std::string_view::npos && end > 0 && trim(line.substr(end)).starts_with('=');
+}
+
 Result<Node> parse_document(std::string_view text) {
   const std::string_view content = trim(text);
-  // What begins with a comment is JSON to whoever wrote it. Its lines count from the first one on.
+  // Lines count from the first one on.
+  if (is_python(content)) return parse_python(text);
+  if (is_toml(content)) return parse_toml(text);
+  // What begins with a comment is JSON to whoever wrote it.
   if (content.starts_with('{') || content.starts_with('[') || content.starts_with('/')) {
     return parse_json(text);
   }

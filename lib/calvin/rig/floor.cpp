@@ -7,9 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 
 #include "calvin/rig/joint/pose_covariance.hpp"
 #include "calvin/solve/start/pose_fit.hpp"
@@ -50,6 +54,28 @@ bool has_moved(const std::vector<BoardView>& views, const Camera& camera, const 
   });
 }
 
+// Where a camera that sees the board nearly head-on, or small, stands is known least: its distance,
+// and with it the way that it looks.
+std::optional<std::string> uncertain_place(const FloorPose& pose, const std::string& name) {
+  constexpr double kMuch = 0.01;  // of the distance
+  constexpr double kMillimetre = 1e-3;
+  constexpr double kDegree = std::numbers::pi / 180;
+  const double distance = pose.camera_from_board.translation.norm();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+      pose.covariance.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
+  const double sigma = std::sqrt(std::max(axes.eigenvalues()(2), 0.0));
+  if (sigma <= kMuch * distance) return std::nullopt;
+  const Eigen::Vector3d line_of_sight = pose.camera_from_board.translation / distance;
+  const double tilt = std::acos(
+      std::clamp(std::abs(pose.camera_from_board.rotation.col(2).dot(line_of_sight)), 0.0, 1.0));
+  return fmt::format(
+      "Where the camera '{}' stands is known to {:.1f} mm only (1 sigma): it sees the board at "
+      "{:.0f} "
+      "degrees from head-on, {:.0f} mm away. Tilt the board by 30 to 45 degrees before it, or show "
+      "it larger.",
+      name, sigma / kMillimetre, tilt / kDegree, distance / kMillimetre);
+}
+
 }  // namespace
 
 Result<FloorPose> floor_pose(const std::vector<BoardView>& views, const Calibration& calibration,
@@ -74,6 +100,18 @@ Result<FloorPose> floor_pose(const std::vector<BoardView>& views, const Calibrat
       pose_covariance(seen, calibration, camera, pose.camera_from_board, fit->cost / free);
   pose.covariance = covariance.of_noise + covariance.of_lens;
   return pose;
+}
+
+std::vector<std::string> floor_remarks(const FloorPose& pose, const std::string& name) {
+  std::vector<std::string> remarks;
+  if (auto remark = uncertain_place(pose, name)) remarks.push_back(*std::move(remark));
+  if (pose.has_two_tilts) {
+    remarks.push_back(fmt::format(
+        "The camera '{}' sees the board so flat or so small that the mirrored tilt fits nearly as "
+        "well: show it larger, or tilted.",
+        name));
+  }
+  return remarks;
 }
 
 }  // namespace calvin::rig

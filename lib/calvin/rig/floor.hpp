@@ -4,6 +4,9 @@
 // One camera before one board that lies still. Internal.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "calvin/camera/camera.hpp"
@@ -25,5 +28,10 @@ struct FloorPose {
 // part of the covariance. kDegenerate where the board has moved between the views.
 [[nodiscard]] Result<FloorPose> floor_pose(const std::vector<BoardView>& views,
                                            const Calibration& calibration, const Camera& camera);
+
+// Sentences: that the place is known little, and that the tilt may be the other one. `name` is that
+// of the camera.
+[[nodiscard]] std::vector<std::string> floor_remarks(const FloorPose& pose,
+                                                     const std::string& name);
 
 }  // namespace calvin::rig

@@ -99,6 +99,8 @@ std::string moved_cameras(const std::vector<RigCameraViews>& seen, RigOptions op
   if (options.mode != RigMode::kJoint) return "";
   // A camera of which only one half says where it stands keeps the others from nothing.
   options.is_partial = true;
+  // Both halves are compared in the lengths of the boards.
+  options.baselines.clear();
   const auto instants = pair_instants(seen, options.tolerance).instants;
   if (instants.size() < 4) return "";
   // Half of the tolerance ahead: the pictures of an instant stay together.

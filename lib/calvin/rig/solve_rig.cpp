@@ -15,15 +15,16 @@
 
 #include <fmt/format.h>
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 
 #include "calvin/core/text.hpp"
 #include "calvin/rig/board_views.hpp"
 #include "calvin/rig/floor.hpp"
+#include "calvin/rig/joint/board_scale.hpp"
 #include "calvin/rig/joint/camera_distance.hpp"
 #include "calvin/rig/joint/links.hpp"
 #include "calvin/rig/joint/rig_fit.hpp"
 #include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/joint/shown_boards.hpp"
 #include "calvin/rig/joint/timing.hpp"
 #include "calvin/rig/rig_distances.hpp"
 #include "calvin/rig/stereo.hpp"
@@ -135,6 +136,43 @@ RigLink link_between(std::size_t a, std::size_t b, const std::vector<SE3>& camer
   return link;
 }
 
+// A length on a board that people measure: of the first board that was seen, m.
+double cell_of(const std::vector<RigCameraViews>& seen) {
+  for (const RigCameraViews& camera : seen) {
+    for (const View& view : camera.views) {
+      if (view.board.point_count() > 0) return view.board.cell_size(0);
+    }
+  }
+  return 0;
+}
+
+// Moves the cameras to where known distances have them, if there are any. `covariance` is over
+// their turns and places.
+Status set_scale(const std::vector<RigCameraViews>& seen, const RigOptions& options,
+                 std::vector<SE3>& camera_from_rig, Eigen::MatrixXd& covariance,
+                 RigSolution& solution) {
+  if (options.baselines.empty()) return {};
+  const std::vector<std::string> names = names_of(seen);
+  const auto distances = rig::known_distances(options.baselines, names);
+  if (!distances) return tl::unexpected<Error>(distances.error());
+  rig::PlacedCameras placed = {{}, covariance};
+  for (const SE3& pose : camera_from_rig) placed.rig_from_camera.push_back(pose.inverse());
+  const auto scaled = rig::scale_by(placed, *distances, options.board_sigma);
+  if (!scaled) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "The known distances between cameras contradict each other: give them "
+                      "sigmas, or leave some out.");
+  }
+  for (std::size_t c = 0; c < camera_from_rig.size(); ++c) {
+    camera_from_rig[c] = scaled->cameras.rig_from_camera[c].inverse();
+  }
+  covariance = scaled->cameras.covariance;
+  solution.board_scale = BoardScale{scaled->scale, scaled->sigma};
+  const auto remarks = rig::scale_remarks(*scaled, *distances, names, cell_of(seen));
+  solution.remarks.insert(solution.remarks.end(), remarks.begin(), remarks.end());
+  return {};
+}
+
 // ---- Jointly ------------------------------------------------------------------------------------
 
 double mean_focal(const Camera& a, const Camera& b) {
@@ -203,8 +241,11 @@ Result<RigSolution> solve_joined(const std::vector<RigCameraViews>& seen,
     }
   }
   options.is_partial = false;
+  const auto dropped = rig::drop_unknown(options.baselines, names_of(left));
   auto solution = solve_jointly(left, their_cameras, options, stop);
-  if (solution) solution->left_out = std::move(left_out);
+  if (!solution) return solution;
+  solution->left_out = std::move(left_out);
+  solution->remarks.insert(solution->remarks.end(), dropped.begin(), dropped.end());
   return solution;
 }
 
@@ -225,15 +266,19 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
   }
   auto places = rig::place_all(*views, groups, cameras, links, names_of(seen));
   if (!places) return tl::unexpected<Error>(places.error());
-  const auto fit = rig::fit_rig(*views, *std::move(places), seen, cameras, stop);
+  auto fit = rig::fit_rig(*views, *std::move(places), seen, cameras, stop);
   if (!fit) return tl::unexpected<Error>(fit.error());
   RigSolution solution;
   solution.farthest = instants.farthest;
   solution.rig.world = seen.front().calibration.camera;
   solution.rig.rms = fit->rms;
   solution.rig.pairing_tolerance = options.tolerance;
-  const Eigen::MatrixXd covariance = in_rig_frame(fit->covariance, fit->places.camera_from_rig);
+  Eigen::MatrixXd covariance = in_rig_frame(fit->covariance, fit->places.camera_from_rig);
+  const Status scaled = set_scale(seen, options, fit->places.camera_from_rig, covariance, solution);
+  if (!scaled) return tl::unexpected<Error>(scaled.error());
   set_cameras(seen, fit->places.camera_from_rig, covariance, fit->camera_rms, solution.rig);
+  solution.rig.boards = rig::shown_boards(seen, *views, fit->places,
+                                          solution.board_scale ? solution.board_scale->scale : 1);
   for (const std::size_t view : fit->rejected) solution.rejected.push_back((*views)[view].of);
   set_links(*views, links, cameras, *fit, covariance, solution);
   return solution;
@@ -266,30 +311,8 @@ tl::unexpected<Error> turned_floor() {
                     "or one that names them, as puzzle:14x9:20mm.");
 }
 
-// Where a camera that sees the board nearly head-on, or small, stands is known least: its distance,
-// and with it the way that it looks.
-std::optional<std::string> uncertain_place(const rig::FloorPose& pose, const std::string& name) {
-  constexpr double kMuch = 0.01;  // of the distance
-  constexpr double kMillimetre = 1e-3;
-  constexpr double kDegree = std::numbers::pi / 180;
-  const double distance = pose.camera_from_board.translation.norm();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
-      pose.covariance.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
-  const double sigma = std::sqrt(std::max(axes.eigenvalues()(2), 0.0));
-  if (sigma <= kMuch * distance) return std::nullopt;
-  const Eigen::Vector3d line_of_sight = pose.camera_from_board.translation / distance;
-  const double tilt = std::acos(
-      std::clamp(std::abs(pose.camera_from_board.rotation.col(2).dot(line_of_sight)), 0.0, 1.0));
-  return fmt::format(
-      "Where the camera '{}' stands is known to {:.1f} mm only (1 sigma): it sees the board at "
-      "{:.0f} "
-      "degrees from head-on, {:.0f} mm away. Tilt the board by 30 to 45 degrees before it, or show "
-      "it larger.",
-      name, sigma / kMillimetre, tilt / kDegree, distance / kMillimetre);
-}
-
 Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
-                                   const std::vector<Camera>& cameras) {
+                                   const std::vector<Camera>& cameras, const RigOptions& options) {
   auto views = rig::board_views(seen, cameras);
   if (!views) return tl::unexpected<Error>(views.error());
   const auto floor = floor_of(*views, cameras.size());
@@ -315,19 +338,17 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
     squares += pose->rms * pose->rms;
     const auto at = kPose * static_cast<Eigen::Index>(c);
     covariance.block(at, at, kPose, kPose) = pose->covariance;
-    if (auto remark = uncertain_place(*pose, seen[c].calibration.camera)) {
-      solution.remarks.push_back(*std::move(remark));
-    }
-    if (pose->has_two_tilts) {
-      solution.remarks.push_back(fmt::format(
-          "The camera '{}' sees the board so flat or so small that the mirrored tilt fits nearly "
-          "as well: show it larger, or tilted.",
-          seen[c].calibration.camera));
+    for (std::string& remark : rig::floor_remarks(*pose, seen[c].calibration.camera)) {
+      solution.remarks.push_back(std::move(remark));
     }
   }
+  const Status scaled = set_scale(seen, options, camera_from_rig, covariance, solution);
+  if (!scaled) return tl::unexpected<Error>(scaled.error());
   solution.rig.world = kBoardWorld;
   solution.rig.rms = std::sqrt(squares / static_cast<double>(cameras.size()));
   set_cameras(seen, camera_from_rig, covariance, rms, solution.rig);
+  const RigView& first = views->front().of;
+  solution.rig.boards = {{seen[first.camera].views[first.view].board.text(), {}}};
   for (std::size_t a = 0; a < cameras.size(); ++a) {
     for (std::size_t b = a + 1; b < cameras.size(); ++b) {
       solution.links.push_back(link_between(a, b, camera_from_rig, covariance));
@@ -343,11 +364,24 @@ Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras, const 
   const auto known = cameras_of(cameras, options.mode);
   if (!known) return tl::unexpected<Error>(known.error());
   try {
-    return options.mode == RigMode::kFloor ? solve_by_floor(cameras, *known)
+    return options.mode == RigMode::kFloor ? solve_by_floor(cameras, *known, options)
                                            : solve_jointly(cameras, *known, options, stop);
   } catch (const std::exception&) {
     return make_error(ErrorCode::kDegenerate, "There is no memory for so many views: take fewer.");
   }
+}
+
+Rig in_board_lengths(const RigSolution& solution) {
+  Rig rig = solution.rig;
+  const double scale = solution.board_scale ? solution.board_scale->scale : 1;
+  for (RigCamera& camera : rig.cameras) {
+    for (double& x : camera.rig_from_camera.translation) x /= scale;
+    for (std::size_t i = 0; i < camera.covariance.size(); ++i) {
+      const std::size_t size = 6;
+      camera.covariance[i] /= (i / size >= 3 ? scale : 1) * (i % size >= 3 ? scale : 1);
+    }
+  }
+  return rig;
 }
 
 std::string to_text(const RigLink& link, const Rig& rig) {

@@ -30,6 +30,10 @@ enum class RigMode {
 struct RigOptions {
   RigMode mode = RigMode::kJoint;
   std::uint64_t tolerance = 10'000'000;  // ns, between pictures of one instant
+  // Known distances between cameras. With them the size of boards is known to `board_sigma` only,
+  // of their size (1 sigma; 0: exactly), and lengths of the rig are those that explain both best.
+  std::vector<CameraBaseline> baselines = {};
+  double board_sigma = 0.01;
   // kJoint: cameras that what they have seen does not join to the others are left out of the rig
   // instead of refusing it. The frame is that of the first camera in it.
   bool is_partial = false;
@@ -39,6 +43,12 @@ struct RigOptions {
 struct LeftOutCamera {
   std::string camera;
   std::string reason;  // a sentence for the user, which says what to do
+};
+
+// Lengths on the boards, true over said, as known distances between cameras have them.
+struct BoardScale {
+  double scale = 1;
+  double sigma = 0;
 };
 
 // What two cameras have in common.
@@ -67,16 +77,22 @@ struct RigSolution {
   std::uint64_t farthest = 0;          // ns, between two pictures of one instant, at the most
   std::vector<RigView> rejected;       // contradict the others; by the cameras of the rig
   std::vector<LeftOutCamera> left_out;
-  std::vector<std::string> remarks;  // sentences for the user
+  std::optional<BoardScale> board_scale;  // absent without known distances
+  std::vector<std::string> remarks;       // sentences for the user
 };
 
 // Intrinsics stay as they are; how well they are known is a part of the covariances. The same views
 // give the same numbers. kInvalidArgument for fewer than two cameras (one before a floor), names
-// that are missing or there twice, and broken calibrations or views; kDegenerate where the views
+// that are missing or there twice, broken calibrations or views, and known distances that are none
+// of these cameras; kDegenerate where the views
 // leave open where a camera stands: the message says which, and what to show.
 [[nodiscard]] CALVIN_API Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras,
                                                        const RigOptions& options = {},
                                                        std::stop_token stop = {});
+
+// The rig in the lengths that boards are said to have, as the views of boards are to be held
+// against it: where known distances have not scaled it, as it is.
+[[nodiscard]] Rig in_board_lengths(const RigSolution& solution);
 
 // One line: "'left' and 'right': 13 views, 99.3 mm apart (+-0.2), axes at 0.4 degrees, ...".
 [[nodiscard]] CALVIN_API std::string to_text(const RigLink& link, const Rig& rig);

@@ -91,6 +91,19 @@ TEST(Scene, IsWhollyInThePictureFromEverywhere) {
           EXPECT_LT(at->u, size.width);
           EXPECT_LT(at->v, size.height);
         }
+        // Everything but the ground, and not as a stamp in the middle of it.
+        double farthest = 0;
+        for (const ScenePath& path : scene.paths) {
+          if (path.width == 0.8) continue;
+          for (const Eigen::Vector3d& point : path.points) {
+            const auto at = projection.project(point);
+            ASSERT_TRUE(at.has_value());
+            farthest = std::max(
+                {farthest, std::abs(at->u - 639.5) / 639.5, std::abs(at->v - 359.5) / 359.5});
+          }
+        }
+        EXPECT_LT(farthest, 1);
+        EXPECT_GT(farthest, 0.45);
         const auto middle = projection.project(scene.middle);
         EXPECT_NEAR(middle->u, (size.width - 1) / 2.0, 1e-6);
         EXPECT_NEAR(middle->v, (size.height - 1) / 2.0, 1e-6);
@@ -109,6 +122,7 @@ TEST(Scene, IsProjectedAsItsViewpointSays) {
   Scene scene = make_scene(rig_of(scenes::ring_rig(5, random)));
   scene.up = Eigen::Vector3d::UnitZ();
   scene.behind = Eigen::Vector3d::UnitX();
+  scene.rims.clear();
   const ImageSize size = {1000, 600};
   const SceneViewpoint viewpoint = {0.7, 0.3, 1.5};
   const SceneProjection projection(scene, viewpoint, size);
@@ -181,6 +195,36 @@ TEST(Scene, HasEllipsoidsOfOneSigma) {
     for (const Eigen::Vector3d& p : path.points) reach = reach.cwiseMax((p - at).cwiseAbs());
   }
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(reach(k), factor * sigmas[k], 1e-9);
+}
+
+// A sheet of 11 x 8 squares of 25 mm where the board was, in the order of its corners, and half of
+// its squares; texts that are no boards are left out.
+TEST(Scene, HasBoardsWhereTheyWere) {
+  Random random(10);
+  Rig rig = rig_of(scenes::stereo_rig(random));
+  const Scene without = make_scene(rig);
+  const SE3 pose = {exp_so3({0.2, -0.3, 0.1}), {0.05, -0.02, 0.6}};
+  rig.boards = {{"checkerboard:9x6:25mm", to_pose(pose)}, {"no board", to_pose(pose)}};
+  const Scene scene = make_scene(rig);
+  const Board board = parse_board("checkerboard:9x6:25mm").value();
+  const BoardArea sheet = board.outline();
+  int rims = 0;
+  int squares = 0;
+  for (const ScenePath& path : scene.paths) {
+    if (path.points.size() != 4) continue;
+    const double area =
+        (path.points[1] - path.points[0]).norm() * (path.points[3] - path.points[0]).norm();
+    const bool is_sheet =
+        (path.points[0] - pose * Eigen::Vector3d(sheet.left, sheet.top, 0)).norm() < 1e-12 &&
+        (path.points[2] - pose * Eigen::Vector3d(sheet.right, sheet.bottom, 0)).norm() < 1e-12;
+    rims += is_sheet ? 1 : 0;
+    const Eigen::Vector3d own = pose.inverse() * path.points[0];
+    squares += std::abs(area - 0.025 * 0.025) < 1e-9 && std::abs(own.z()) < 1e-12 ? 1 : 0;
+  }
+  EXPECT_EQ(rims, 2);  // filled, and its line
+  EXPECT_EQ(squares, 35);
+  EXPECT_EQ(std::ranges::count(scene.labels, "board", &SceneLabel::text), 1);
+  EXPECT_EQ(scene.labels.size(), without.labels.size() + 1);
 }
 
 // The width of the grid is said in a unit where lengths have one.

@@ -33,6 +33,7 @@ Rig sample() {
   rig.world = "left";
   rig.rms = 0.2;
   rig.pairing_tolerance = 10'000'000;
+  rig.boards = {{"checkerboard:9x6:25mm", {{0, 0.3, 0}, {0.1, 0, 0.5}}}, {"dot", {}}};
   return rig;
 }
 
@@ -54,6 +55,10 @@ TEST(RigFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->world, "left");
   EXPECT_EQ(read->rms, 0.2);
   EXPECT_EQ(read->pairing_tolerance, 10'000'000U);
+  ASSERT_EQ(read->boards.size(), 2U);
+  EXPECT_EQ(read->boards[0].board, rig.boards[0].board);
+  EXPECT_EQ(read->boards[0].rig_from_board.rotation, rig.boards[0].rig_from_board.rotation);
+  EXPECT_EQ(read->boards[0].rig_from_board.translation, rig.boards[0].rig_from_board.translation);
 }
 
 TEST(RigFile, SaysWhereLengthsHaveNoUnit) {
@@ -100,6 +105,9 @@ TEST(RigFile, SaysWhatIsWrong) {
       {with("\"calibration\"", "\"camera_file\""), "calibration"},
       {with("\"rotation\"", "\"turn\""), "rotation"},
       {with("0.12", "1e300"), "out of range"},
+      {with("\"dot\"", "7"), "'boards[1].board' is not a text in quotes"},
+      {with("\"rig_from_board\"", "\"pose\""), "'boards[0].rig_from_board' is missing"},
+      {with("\"boards\": [", "\"boards\": [3,"), "'boards' is not a list of groups"},
       {with("\"rms\": 0.2,", "\"unit\": \"mm\","), "'unit' is \"none\" where"},
       {with("\"rms\": 0.2,", "\"unit\": 1,"), "absent where they are metres"},
   };

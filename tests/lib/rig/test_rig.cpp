@@ -4,6 +4,7 @@
 // Rigs of which it is known where every camera stands: they are found, and what is said of the
 // errors is so.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iostream>
 #include <string>
@@ -67,6 +68,36 @@ TEST_P(Rigs, AreAsWellKnownAsTheySay) {
   const double margin = scenes::full_count() ? 0.1 : 0.15;
   EXPECT_NEAR(squares / cameras, 1, margin);
   EXPECT_LE(beyond, 1);
+}
+
+// Each board that the rig keeps is where some camera has seen one: its corners are where they were
+// found.
+TEST(Rig, KeepsBoardsWhereTheyWereShown) {
+  Random random(9);
+  const SimulatedRig rig = scenes::ring_rig(4, random);
+  const auto seen = scenes::seen_by(rig, 60, 0.7, random);
+  const auto solved = solve_rig(seen);
+  ASSERT_TRUE(solved.has_value());
+  ASSERT_EQ(solved->rig.boards.size(), 24U);
+  for (const RigBoard& shown : solved->rig.boards) {
+    EXPECT_EQ(shown.board, rig.board.text());
+    double least = 1e9;
+    for (std::size_t c = 0; c < seen.size(); ++c) {
+      const SE3 camera_from_board =
+          to_se3(solved->rig.cameras[c].rig_from_camera).inverse() * to_se3(shown.rig_from_board);
+      for (const View& view : seen[c].views) {
+        double worst = 0;
+        for (std::size_t i = 0; i < view.observation.ids.size(); ++i) {
+          const auto id = rig.board.index_of(view.observation.ids[i]).value();
+          const auto at = rig.cameras[c].project(camera_from_board * rig.board.points()[id]);
+          const Pixel& found = view.observation.uv[i];
+          worst = std::max(worst, at ? std::hypot(at->u - found.u, at->v - found.v) : 1e9);
+        }
+        least = std::min(least, worst);
+      }
+    }
+    EXPECT_LT(least, 1);
+  }
 }
 
 // Boards that look the same after a turn, which every camera names as it likes. Where two cameras

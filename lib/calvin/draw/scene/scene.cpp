@@ -16,6 +16,7 @@
 #include <Eigen/Geometry>
 
 #include "calvin/camera/camera.hpp"
+#include "calvin/draw/scene/scene_boards.hpp"
 #include "calvin/geometry/se3.hpp"
 
 namespace calvin {
@@ -35,9 +36,9 @@ constexpr SceneColour kAxisColours[] = {{0.95, 0.32, 0.30}, {0.42, 0.82, 0.36}, 
 constexpr SceneColour kWhite = {0.93, 0.95, 0.97};
 
 constexpr double kLeastRadius = 0.02;   // m
-constexpr double kFrustum = 0.42;       // of the radius of the cameras
-constexpr double kAxis = 0.35;          // likewise
-constexpr double kLargestError = 0.10;  // likewise, of an ellipsoid
+constexpr double kFrustum = 0.30;       // of the size of marks
+constexpr double kAxis = 0.30;          // likewise
+constexpr double kLargestError = 0.08;  // likewise, of an ellipsoid
 
 SceneColour with_alpha(SceneColour colour, double alpha) {
   colour.alpha = alpha;
@@ -123,10 +124,11 @@ std::vector<Eigen::Vector3d> border_rays(const Camera& camera) {
 // Rays as long as to a plane in front of the camera; all of one length where some are so far aside
 // that the plane would be endless.
 void cut(std::vector<Eigen::Vector3d>& rays, double depth) {
-  constexpr double kWide = 0.45;  // cosine, from the axis
+  constexpr double kWide = 0.45;     // cosine, from the axis
+  constexpr double kShorter = 0.65;  // so that it hides no more than others
   const bool is_wide =
       std::ranges::any_of(rays, [](const Eigen::Vector3d& ray) { return ray.z() < kWide; });
-  for (Eigen::Vector3d& ray : rays) ray *= is_wide ? depth : depth / ray.z();
+  for (Eigen::Vector3d& ray : rays) ray *= is_wide ? kShorter * depth : depth / ray.z();
 }
 
 class SceneMaker {
@@ -138,15 +140,12 @@ class SceneMaker {
       places_.push_back(to_se3(camera.rig_from_camera).translation);
     }
     if (is_of_board(rig) || places_.empty()) places_.emplace_back(Eigen::Vector3d::Zero());
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& p : places_) sum += p;
-    const Eigen::Vector3d mean = sum / static_cast<double>(places_.size());
-    size_ = kLeastRadius;
-    for (const Eigen::Vector3d& p : places_) size_ = std::max(size_, (p - mean).norm());
+    size_ = size_of_marks();
   }
 
   Scene make() {
     for (std::size_t c = 0; c < rig_.cameras.size(); ++c) add_camera(c);
+    add_boards(rig_, scene_);
     add_ellipsoids();
     add_axes();
     find_radius();
@@ -161,6 +160,51 @@ class SceneMaker {
     scene_.paths.push_back({std::move(points), colour, width, is_closed, is_filled});
   }
 
+  [[nodiscard]] static double radius_of(const std::vector<Eigen::Vector3d>& points) {
+    const Eigen::Vector3d middle = mean_of(points);
+    double radius = kLeastRadius;
+    for (const Eigen::Vector3d& p : points) radius = std::max(radius, (p - middle).norm());
+    return radius;
+  }
+
+  [[nodiscard]] static Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : points) sum += p;
+    return sum / static_cast<double>(points.size());
+  }
+
+  // As large as the place of the cameras; where they are close together and boards far away, as
+  // large as can be seen beside these without hiding the next camera.
+  [[nodiscard]] double size_of_marks() const {
+    constexpr double kSeen = 0.22;   // of the whole scene
+    constexpr double kApart = 0.75;  // of the distance to the nearest camera
+    std::vector<Eigen::Vector3d> all = places_;
+    for (const RigBoard& board : rig_.boards) {
+      all.push_back(to_se3(board.rig_from_board).translation);
+    }
+    double nearest = radius_of(all);
+    for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        nearest = std::min(nearest, (places_[i] - places_[j]).norm());
+      }
+    }
+    return std::max(radius_of(places_),
+                    std::min(kSeen * radius_of(all), kApart * nearest) / kFrustum);
+  }
+
+  // Where the camera looks: as far as to what it looks at.
+  void add_axis(const SE3& pose, SceneColour colour) {
+    std::vector<Eigen::Vector3d> boards;
+    for (const RigBoard& board : rig_.boards) {
+      boards.push_back(to_se3(board.rig_from_board).translation);
+    }
+    const Eigen::Vector3d looked_at = mean_of(boards.empty() ? places_ : boards);
+    const Eigen::Vector3d ahead = pose.rotation.col(2);
+    const double far = std::max(ahead.dot(looked_at - pose.translation), 1.6 * kFrustum * size_);
+    add_path({pose.translation, pose.translation + far * ahead}, with_alpha(colour, 0.35), 1, false,
+             false);
+  }
+
   void add_camera(std::size_t number) {
     const RigCamera& camera = rig_.cameras[number];
     const SceneColour colour = kColours[number % kColours.size()];
@@ -168,6 +212,7 @@ class SceneMaker {
     scene_.labels.push_back({pose.translation, camera.calibration.camera, colour});
     const auto lens = Camera::make(camera.calibration);
     if (!lens) return;
+    add_axis(pose, colour);
     auto border = border_rays(*lens);
     if (border.size() < 4) return;
     cut(border, kFrustum * size_);
@@ -183,7 +228,7 @@ class SceneMaker {
     }
     // The upper side of the picture has a gable, as the finder of a camera.
     const Eigen::Vector3d upper = 0.5 * (border.front() + border[side]);
-    const Eigen::Vector3d gable = upper - 0.10 * size_ * pose.rotation.col(1);
+    const Eigen::Vector3d gable = upper - 0.25 * kFrustum * size_ * pose.rotation.col(1);
     const Eigen::Vector3d aside = 0.22 * (border[side] - border.front());
     add_path({upper - aside, gable, upper + aside}, with_alpha(colour, 0.55), 1, true, true);
   }
@@ -236,7 +281,7 @@ class SceneMaker {
       add_path({Eigen::Vector3d::Zero(), end}, kAxisColours[axis], 2.2, false, false);
       scene_.labels.push_back({end, kNames[axis], kAxisColours[axis]});
     }
-    if (is_of_board(rig_)) {
+    if (is_of_board(rig_) && rig_.boards.empty()) {
       scene_.labels.push_back({Eigen::Vector3d::Zero(), "board", kWhite});
     }
   }
@@ -255,7 +300,10 @@ class SceneMaker {
     scene_.radius = 0;
     for (const ScenePath& path : scene_.paths) {
       for (const Eigen::Vector3d& p : path.points) {
-        scene_.radius = std::max(scene_.radius, (p - scene_.middle).norm());
+        const Eigen::Vector3d from_middle = p - scene_.middle;
+        const double height = from_middle.dot(scene_.up);
+        scene_.radius = std::max(scene_.radius, from_middle.norm());
+        scene_.rims.emplace_back((from_middle - height * scene_.up).norm(), height);
       }
     }
   }
@@ -294,7 +342,7 @@ class SceneMaker {
   const Rig& rig_;
   Scene scene_;
   std::vector<Eigen::Vector3d> places_;
-  double size_ = 1;  // m, radius of the cameras' places
+  double size_ = 1;  // m, of marks: about the radius of the cameras' places
 };
 
 }  // namespace

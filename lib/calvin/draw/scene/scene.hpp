@@ -44,13 +44,16 @@ struct Scene {
   Eigen::Vector3d behind = -Eigen::Vector3d::UnitZ();  // in the ground: where azimuths begin
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   double radius = 1;  // m, around the middle, that has all of it
+  // What is to be in the picture from wherever one looks, but the ground: from the middle, how far
+  // aside and how far up, m. Empty: the radius says it.
+  std::vector<Eigen::Vector2d> rims = {};
 };
 
 // Every camera as a frustum as wide as its lens sees, flat in front, or round where the lens is
 // wide, with its name, the upper side of its picture marked, and where its place is known with an
-// error, an ellipsoid of that; the axes of the rig; a grid on the ground, which is the board where
-// the rig is that of a board. Upright as the cameras are on average. Cameras whose calibrations are
-// of no camera have no frustum.
+// error, an ellipsoid of that; the boards where they were seen; the axes of the rig; a grid on the
+// ground, which is the board where the rig is that of a board. Upright as the cameras are on
+// average. Cameras whose calibrations are of no camera have no frustum.
 [[nodiscard]] Scene make_scene(const Rig& rig);
 
 }  // namespace calvin

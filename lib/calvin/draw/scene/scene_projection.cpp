@@ -17,6 +17,27 @@ namespace {
 
 constexpr double kFieldOfView = 38 * std::numbers::pi / 180;  // of the shorter side
 
+// How far away one has to be for all of a scene to be in the picture, from any azimuth. A point
+// that is r aside and h up is at most x = r cos(a) towards whoever looks, r sin(a) aside of the
+// middle of the picture, and h cos(e) - x sin(e) above it, at an elevation e.
+double distance_for_all(const Scene& scene, double elevation, double across, double upwards) {
+  if (scene.rims.empty()) return scene.radius / std::sin(kFieldOfView / 2);
+  constexpr double kMargin = 1.06;  // names stand beside what they name
+  const double sine = std::sin(elevation);
+  const double cosine = std::cos(elevation);
+  double distance = 0;
+  for (const Eigen::Vector2d& rim : scene.rims) {
+    const double r = rim.x();
+    const double h = rim.y();
+    distance = std::max(distance, r * std::hypot(1 / across, cosine) + h * sine);
+    for (const double x : {-r, r}) {
+      distance =
+          std::max(distance, std::abs(h * cosine - x * sine) / upwards + x * cosine + h * sine);
+    }
+  }
+  return kMargin * distance;
+}
+
 }  // namespace
 
 SceneProjection::SceneProjection(const Scene& scene, const SceneViewpoint& viewpoint,
@@ -28,7 +49,11 @@ SceneProjection::SceneProjection(const Scene& scene, const SceneViewpoint& viewp
   const Eigen::Vector3d towards =
       std::cos(elevation) * (std::cos(viewpoint.azimuth) * x + std::sin(viewpoint.azimuth) * y) +
       std::sin(elevation) * up;
-  distance_ = scene.radius / std::sin(kFieldOfView / 2) / std::clamp(viewpoint.zoom, 0.1, 10.0);
+  const double tangent = std::tan(kFieldOfView / 2);
+  const double shorter = std::min(size.width, size.height);
+  distance_ = distance_for_all(scene, elevation, tangent * size.width / shorter,
+                               tangent * size.height / shorter) /
+              std::clamp(viewpoint.zoom, 0.1, 10.0);
   constexpr double kNearest = 0.02;  // of the distance
   nearest_ = kNearest * distance_;
   from_ = scene.middle + distance_ * towards;

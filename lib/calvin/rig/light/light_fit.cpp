@@ -135,9 +135,16 @@ class LightSolver {
     double noise = 0;          // of them over the share
     std::optional<Error> why;  // of the first one that led nowhere
 
-    [[nodiscard]] bool are_enough() const {
+    [[nodiscard]] static bool is_enough(double used) {
       constexpr double kMost = 0.7;
-      return share > kMost;
+      return used > kMost;
+    }
+    [[nodiscard]] bool are_enough() const { return is_enough(share); }
+    // Where most of what was seen is refused, the rest fits because it is little.
+    [[nodiscard]] bool are_worse_than(double other_share, double other_noise) const {
+      if (!best) return true;
+      if (is_enough(other_share) != are_enough()) return !are_enough();
+      return are_enough() ? other_noise < noise : other_share > share;
     }
     void fail(const Error& error) {
       if (!why) why = error;
@@ -176,9 +183,8 @@ class LightSolver {
       if (!begun) trials.fail(begun.error());
       if (!begun || !approach()) continue;
       const double share = used_share();
-      // No start is better for less noise than sightings have.
-      const double noise = std::max(state_.noise, 1.0) / share;
-      if (!(share > 0) || (trials.best && noise >= trials.noise)) continue;
+      const double noise = state_.noise / share;
+      if (!(share > 0) || !trials.are_worse_than(share, noise)) continue;
       trials = {state_, share, noise, trials.why};
     }
   }

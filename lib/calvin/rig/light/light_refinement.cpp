@@ -23,9 +23,6 @@ namespace calvin::rig {
 namespace {
 
 constexpr std::size_t kLeastRays = 2;
-// Of what is said of sightings. Where much less seems to be left, most of what was seen was refused
-// until the rest fitted, and a limit by that would refuse still more.
-constexpr double kLeastNoise = 0.3;
 
 // The free points of a problem: those that two cameras or more have seen, by their instants.
 std::vector<std::size_t> points_in_use(const LightState& state) {
@@ -218,7 +215,7 @@ double noise_scale(const std::vector<LightCamera>& cameras, const LightUnknowns&
       if (off) distances.push_back(given_back * *off / cameras[c].seen[i]->sigma);
     }
   }
-  return std::max(kLeastNoise, robust_scale(std::move(distances)));
+  return robust_scale(std::move(distances));
 }
 
 bool judge(const std::vector<LightCamera>& cameras, const LightUnknowns& unknowns, double limit,

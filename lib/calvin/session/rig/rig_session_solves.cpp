@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calvin/camera/frame_fit.hpp"
+#include "calvin/rig/joint/board_scale.hpp"
 #include "calvin/session/rig/rig_session.hpp"
 
 namespace calvin {
@@ -100,6 +101,13 @@ std::optional<RigJob> RigSession::take_solve(bool final) {
       job.cameras.push_back({camera.name, camera.fitted, camera.views()});
     }
     if (camera.movement) job.remarks.push_back(camera.movement->text);
+  }
+  if (!job.left_out.empty()) {
+    std::vector<std::string> names;
+    for (const RigJob::Camera& camera : job.cameras) names.push_back(camera.name);
+    for (std::string& remark : rig::drop_unknown(job.options.baselines, names)) {
+      job.remarks.push_back(std::move(remark));
+    }
   }
   if (sees_light()) job.light = settings_.light;
   if (job.cameras.size() < fewest_cameras(job)) return std::nullopt;
