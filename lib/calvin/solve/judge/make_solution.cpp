@@ -329,8 +329,12 @@ Status check_equations(const std::vector<PointSet>& views, const std::vector<boo
   bool in_space = false;
   for (std::size_t v = 0; v < views.size(); ++v) in_space |= used[v] && spans_space(views[v]);
   if (!in_space && 2 * n < parameterization.pinhole_directions()) {
-    return degenerate(fmt::format("{} view{} cannot determine the camera model {}.", n,
-                                  n == 1 ? "" : "s", model));
+    const bool is_flat = std::ranges::all_of(views, [](const PointSet& view) {
+      return std::ranges::all_of(view.points, [](const auto& p) { return p.z() == 0; });
+    });
+    return degenerate(fmt::format(
+        "{} view{} cannot determine the camera model {}{}.", n, n == 1 ? "" : "s", model,
+        is_flat ? "" : ": fewer than 6 points are seen, or they lie too near to a plane"));
   }
   std::size_t corners = 0;
   for (std::size_t v = 0; v < views.size(); ++v) corners += used[v] ? views[v].used() : 0;
