@@ -75,8 +75,8 @@ void require_round_trip(const Calibration& calibration) {
       continue;
     }
     require(again.has_value(), "what is printed can be parsed");
-    // Kalibr has another alpha for one of the lenses.
-    const bool is_exact = format != "kalibr" || calibration.model != "ucm";
+    // Kalibr has another alpha for one of the lenses, and COLMAP another origin of pixels.
+    const bool is_exact = format != "colmap" && (format != "kalibr" || calibration.model != "ucm");
     const auto twice = print_calibration(*again, format);
     require(twice.has_value(), "what is parsed again prints");
     require(!is_exact || *twice == *printed, "what is parsed again prints the same");

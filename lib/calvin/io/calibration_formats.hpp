@@ -20,6 +20,9 @@ namespace calvin::io {
 // The version of the native format that is written, and the newest that is read.
 inline constexpr int kNativeVersion = 1;
 
+// kInvalidArgument where the calibration does not say for which pictures it is, which `file` holds.
+[[nodiscard]] Status check_has_size(const Calibration& calibration, std::string_view file);
+
 [[nodiscard]] bool is_native(const Node& root);
 [[nodiscard]] Result<Calibration> read_native(const Node& root);
 [[nodiscard]] Result<std::string> print_native(const Calibration& calibration);

@@ -245,6 +245,8 @@ Result<std::pair<std::string_view, std::vector<double>>> to_colmap(const Calibra
 }
 
 Result<std::string> camera_line(const Calibration& calibration, std::size_t id) {
+  const Status sized = check_has_size(calibration, "file of COLMAP");
+  if (!sized) return tl::unexpected(sized.error());
   const auto camera = to_colmap(calibration);
   if (!camera) return tl::unexpected(camera.error());
   std::string line = fmt::format("{} {} {} {}", id, camera->first, calibration.image_size.width,

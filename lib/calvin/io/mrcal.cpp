@@ -153,6 +153,8 @@ Result<Calibration> read_mrcal_camera(const Node& root) {
 
 Result<std::string> print_mrcal(const RigCamera& camera) {
   const Calibration& calibration = camera.calibration;
+  const Status sized = check_has_size(calibration, "file of mrcal");
+  if (!sized) return tl::unexpected(sized.error());
   auto numbers = to_opencv(calibration);
   const bool is_held = numbers && !numbers->fisheye && numbers->distortion.size() <= 12;
   if (!is_held || numbers->k[1] != 0) {

@@ -137,12 +137,16 @@ bool all_finite(const Json& json) {
 
 }  // namespace
 
+Status check_has_size(const Calibration& calibration, std::string_view file) {
+  if (calibration.image_size.width >= 1 && calibration.image_size.height >= 1) return {};
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("The calibration does not say its image size, which a {} must hold.", file));
+}
+
 Result<std::string> print_native(const Calibration& calibration) {
-  if (calibration.image_size.width < 1 || calibration.image_size.height < 1) {
-    return make_error(
-        ErrorCode::kInvalidArgument,
-        "The calibration does not say its image size, which a calibration file must hold.");
-  }
+  const Status sized = check_has_size(calibration, "calibration file");
+  if (!sized) return tl::unexpected(sized.error());
   Json json = {{"format", "calvin-calibration"}, {"version", kNativeVersion}};
   put(json, "camera", calibration.camera);
   json["image_size"] = {calibration.image_size.width, calibration.image_size.height};

@@ -92,10 +92,8 @@ Result<std::string> print_ros(const Calibration& calibration) {
 
 Result<std::string> print_ros(const Calibration& calibration,
                               const std::optional<RosRectification>& rectification) {
-  if (calibration.image_size.width < 1 || calibration.image_size.height < 1) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      "The calibration does not say its image size, which a ROS file must hold.");
-  }
+  const Status sized = check_has_size(calibration, "ROS file");
+  if (!sized) return tl::unexpected(sized.error());
   auto camera = to_opencv(calibration);
   if (!camera) return tl::unexpected(camera.error());
   auto& d = camera->distortion;
