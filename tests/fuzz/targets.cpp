@@ -27,6 +27,7 @@
 #include "calvin/io/key_list.hpp"
 #include "calvin/io/observations.hpp"
 #include "calvin/io/point_rows.hpp"
+#include "calvin/io/rig_io.hpp"
 #include "calvin/io/robot_poses.hpp"
 #include "calvin/io/settings.hpp"
 #include "calvin/io/zoom_io.hpp"
@@ -286,6 +287,27 @@ void point_text(std::string_view bytes) {
   }
 }
 
+// A rig that is read is one that can be written, and each of its cameras is one.
+void rig(std::string_view bytes) {
+  const auto parsed = parse_rig(bytes, "fuzzed");
+  require(parsed || !parsed.error().message.empty(), "an error has a message");
+  if (!parsed) return;
+  require(!parsed->cameras.empty(), "a rig has cameras");
+  for (const RigCamera& camera : parsed->cameras) {
+    require_sound(Result<Calibration>(camera.calibration));
+    const Pose& pose = camera.rig_from_camera;
+    for (const double x : pose.rotation) require(std::isfinite(x), "a turn is finite");
+    for (const double x : pose.translation) require(std::isfinite(x), "a place is finite");
+  }
+  for (const std::string_view format : rig_formats()) {
+    const auto printed = print_rig(*parsed, format);
+    require(printed || !printed.error().message.empty(), "a refusal to print has a message");
+    if (!printed || (!CALVIN_HAVE_FORMATS && !printed->starts_with('{'))) continue;
+    const auto again = parse_rig(*printed);
+    require(again && again->cameras.size() == parsed->cameras.size(), "it is read again");
+  }
+}
+
 // A table that is read is one that can be written, and has a calibration everywhere.
 void zoom_table(std::string_view bytes) {
   const auto parsed = parse_zoom_table(bytes, "fuzzed");
@@ -317,6 +339,7 @@ constexpr Target kTargets[] = {
     {"light_text", light_text},
     {"point_text", point_text},
     {"zoom_table", zoom_table},
+    {"rig", rig},
 };
 
 }  // namespace
