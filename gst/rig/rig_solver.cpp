@@ -90,8 +90,7 @@ const Property<RigSolver> kRigProperties[12] = {
     {"export",
      "Export",
      "Further files, written with location: FORMAT:PATH,FORMAT:PATH; kalibr, caliscope and calvin "
-     "are "
-     "files, mrcal and colmap folders; of two cameras also opencv (a file) and ros (a folder)",
+     "are files, mrcal and colmap folders; of two cameras also opencv (a file) and ros (a folder)",
      kept_in<&RigSettings::exports>,
      {.flags = kMutableReady}},
     {"tolerance",
@@ -103,8 +102,7 @@ const Property<RigSolver> kRigProperties[12] = {
      "Baseline",
      "Known distances between cameras, as left:right:110.03mm:0.05mm (the last is its sigma; none: "
      "exactly), separated by commas, or of two cameras 110.03mm. They tell how large boards are, "
-     "and "
-     "the unit before a light",
+     "and the unit before a light",
      kept_in<&RigSettings::baseline>,
      {.flags = kMutableReady}},
     {"board-sigma",

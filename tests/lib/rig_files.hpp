@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/core/rig.hpp"
 #include "calvin/geometry/se3.hpp"
+#include "calvin/io/rig_io.hpp"
 #include "scenes.hpp"
 
 namespace calvin::test {
@@ -29,6 +31,26 @@ inline std::string with(std::string text, const std::string& from, const std::st
   const auto at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+// A text in which `from` became `to`, and words of what is said of it.
+struct BrokenText {
+  const char* from;
+  const char* to;
+  const char* words;
+};
+
+// Each of them, written to `path`, keeps the folder that it is in from being a rig, and is named in
+// what is said of that.
+inline void expect_broken(const std::string& path, const std::string& text,
+                          std::span<const BrokenText> changes, const char* named = "") {
+  for (const BrokenText& change : changes) {
+    put(path, with(text, change.from, change.to));
+    const auto read = read_rig(std::filesystem::path(path).parent_path());
+    ASSERT_FALSE(read.has_value()) << change.words;
+    EXPECT_NE(read.error().message.find(change.words), std::string::npos) << read.error().message;
+    EXPECT_NE(read.error().message.find(named), std::string::npos) << read.error().message;
+  }
 }
 
 // Cameras of these models in any places, of which none is the frame of the rig.
