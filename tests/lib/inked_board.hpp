@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 
 #include "scenes.hpp"
 
@@ -48,23 +48,6 @@ inline std::vector<View> views_of(const Camera& camera, const std::vector<Eigen:
 
 // What ink may do: displacements of `sigma` m without what is a shift, turn, scale, shear, tilt or
 // curvature of the board.
-inline Eigen::MatrixX3d random_offsets(double sigma, Random& random) {
-  std::normal_distribution<double> ink(0, sigma);
-  const auto printed = kBoard.points();
-  const auto n = static_cast<Eigen::Index>(printed.size());
-  const Eigen::MatrixX3d drawn =
-      Eigen::MatrixX3d::NullaryExpr(n, 3, [&](Eigen::Index, Eigen::Index) { return ink(random); });
-  Eigen::MatrixXd smooth(n, 5);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3d& p = printed[static_cast<std::size_t>(i)];
-    smooth.row(i) << 1, p.x(), p.y(), p.x() * p.x(), p.y() * p.y();
-  }
-  Eigen::MatrixX3d left = drawn;
-  const Eigen::MatrixXd linear = smooth.leftCols<3>();
-  left.leftCols<2>() -= linear * linear.colPivHouseholderQr().solve(drawn.leftCols<2>());
-  // A curvature has no more than its own height: its shift and tilt are those of a pose.
-  left.col(2) -= smooth * smooth.colPivHouseholderQr().solve(drawn.col(2));
-  return left;
-}
+[[nodiscard]] Eigen::MatrixX3d random_offsets(double sigma, Random& random);
 
 }  // namespace calvin::scenes

@@ -8,9 +8,10 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "calvin/geometry/convex_hull.hpp"
+#include "calvin/geometry/dense.hpp"
 #include "scenes.hpp"
 
 namespace calvin::scenes {
@@ -53,7 +54,8 @@ inline double true_change(const Camera& from, const Camera& to, const std::vecto
       const Eigen::Vector3d h = 1e-6 * Eigen::Vector3d::Unit(k);
       j.col(k) = (errors(w + h) - errors(w - h)) / 2e-6;
     }
-    w -= (j.transpose() * j).ldlt().solve(j.transpose() * errors(w));
+    const Eigen::Matrix3d normal = transposed_product(j, j);
+    w -= normal.inverse() * (j.transpose() * errors(w));
   }
   const Eigen::VectorXd e = errors(w);
   double farthest = 0;

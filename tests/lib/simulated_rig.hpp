@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 
+#include "calvin/geometry/dense.hpp"
 #include "calvin/rig/solve_rig.hpp"
 #include "scenes.hpp"
 
@@ -143,7 +144,7 @@ inline PlaceError place_error(const RigCamera& found, const SE3& truth) {
   e << log_so3(pose.rotation * truth.rotation.transpose()), pose.translation - truth.translation;
   const Eigen::Map<const Eigen::Matrix<double, 6, 6>> covariance(found.covariance.data());
   PlaceError error;
-  error.square = e.dot(covariance.ldlt().solve(e)) / 6;
+  error.square = e.dot(solve_symmetric(covariance, e).col(0)) / 6;
   error.largest = e.cwiseQuotient(covariance.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff();
   error.turn = e.head<3>().norm();
   error.place = e.tail<3>().norm();

@@ -102,7 +102,7 @@ TEST_P(Circles, AreFoundAsExactlyAsPixelsAllow) {
   const Board board = parse_board(GetParam().board).value();
   const auto detector = make_detector(board).value();
   const double radius = GetParam().radius * (board.grid() ? board.cell_size(0) : 0.02);
-  const int pictures = scenes::full_count() ? 100 : 2;
+  const int pictures = scenes::full_count() ? 100 : 1;
   scenes::Random random(21);
   int visible = 0;
   int named = 0;

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/geometry/dense.hpp"
 #include "dense_solve.hpp"
 #include "scenes.hpp"
 
@@ -83,9 +84,7 @@ std::vector<Mode> single_corners() {
           known[m][i];
     }
   }
-  const Eigen::MatrixXd others = Eigen::FullPivLU<Eigen::MatrixXd>(columns.transpose()).kernel();
-  const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(others).householderQ() *
-                                Eigen::MatrixXd::Identity(n, others.cols());
+  const Eigen::MatrixXd basis = orthogonal_complement(columns);
   std::vector<Mode> modes;
   for (Eigen::Index m = 0; m < basis.cols(); ++m) {
     modes.emplace_back();
@@ -229,7 +228,7 @@ class Covariance : public ::testing::TestWithParam<Ask> {
     const double left = whole.cost / whole.degrees;
     const double variance = GetParam().known ? std::max(1.0, left) : left;
     const Eigen::MatrixXd basis = unknowns_.basis();
-    return variance * basis * whole.inverse() * basis.transpose();
+    return variance * congruent(whole.inverse(), basis.transpose());
   }
 
   std::optional<Camera> truth_;
@@ -367,7 +366,8 @@ TEST_P(Covariance, AndHalvesAreThoseOfWhatViewsSay) {
   const Eigen::MatrixXd basis = unknowns_.basis().topRows(n);
   Eigen::MatrixXd metric = Eigen::MatrixXd::Zero(basis.cols(), basis.cols());
   for (const Eigen::MatrixXd& cell : grid) {
-    metric += (cell * basis).transpose() * (cell * basis) / static_cast<double>(grid.size());
+    const Eigen::MatrixXd moves = product(cell, basis);
+    metric += transposed_product(moves, moves) / static_cast<double>(grid.size());
   }
   double observed = 0;
   double predicted = 0;
@@ -375,8 +375,8 @@ TEST_P(Covariance, AndHalvesAreThoseOfWhatViewsSay) {
     const Eigen::VectorXd moved = inverse * view.gradient;
     observed += moved.dot(metric * moved);
     const Eigen::MatrixXd spread =
-        variance * (view.information - view.information * inverse * view.information);
-    predicted += (metric * inverse * spread * inverse).trace();
+        variance * (view.information - congruent(inverse, view.information));
+    predicted += product(metric, congruent(spread, inverse)).trace();
   }
   // Halves are compared with the points of the board where all views together see them.
   const double held = GetParam().offsets ? 0.2 : 1e-3;

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calvin/geometry/dense.hpp"
 #include "calvin/solve/fit/weights.hpp"
 #include "calvin/solve/judge/fit_diagnostics.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
@@ -121,7 +122,7 @@ TEST(FitDiagnostics, IsThatOfItsDefinition) {
       const Eigen::VectorXd scale = view.information.diagonal().cwiseSqrt().cwiseInverse();
       const Eigen::MatrixXd scaled = scale.asDiagonal() * view.information * scale.asDiagonal();
       const Eigen::VectorXd g = scale.cwiseProduct(view.gradient);
-      sum += g.dot(scaled.ldlt().solve(g));
+      sum += g.dot(solve_symmetric(scaled, g).col(0));
       const Observation& o = views[v].observation;
       for (std::size_t i = 0; i < o.ids.size(); ++i) {
         // 1350 corners, 40 in each part of the picture: 7 by 5 of them.
