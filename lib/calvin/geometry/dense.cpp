@@ -58,6 +58,14 @@ std::optional<Eigen::MatrixXd> solve_definite(const Eigen::MatrixXd& m,
   return ldlt.solve(right);
 }
 
+LeastSquares least_squares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& right,
+                           std::optional<double> threshold) {
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a.rows(), a.cols());
+  if (threshold) qr.setThreshold(*threshold);
+  qr.compute(a);
+  return {qr.solve(right), qr.rank()};
+}
+
 Eigen::MatrixXd orthogonal_complement(const Eigen::MatrixXd& m) {
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(m);
   Eigen::MatrixXd all = Eigen::MatrixXd::Identity(m.rows(), m.rows());

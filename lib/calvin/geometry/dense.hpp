@@ -32,6 +32,16 @@ namespace calvin {
                                                             const Eigen::MatrixXd& right,
                                                             double least_pivot);
 
+struct LeastSquares {
+  Eigen::MatrixXd x;      // a column for each of the right sides
+  Eigen::Index rank = 0;  // of a
+};
+
+// The x of the least |a x - right|, by Householder's reflections with pivots; what the rows leave
+// open is 0. A pivot below `threshold` times the largest one counts as none; by default Eigen's.
+[[nodiscard]] LeastSquares least_squares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& right,
+                                         std::optional<double> threshold = {});
+
 // An orthonormal basis of all that is orthogonal to the columns of `m`, which are independent: as
 // many columns as m has rows more than columns.
 [[nodiscard]] Eigen::MatrixXd orthogonal_complement(const Eigen::MatrixXd& m);

@@ -9,8 +9,7 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
+#include "calvin/geometry/dense.hpp"
 #include "calvin/rig/joint/camera_unknowns.hpp"
 #include "calvin/solve/linear/arrow_step.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
@@ -127,15 +126,15 @@ std::optional<LoopSums> HandEyeProblem::redundancy() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     using Cross = Eigen::Matrix<double, kPose, Eigen::Dynamic, Eigen::RowMajor>;
     const Eigen::Map<const Cross> cross(current_.equations.cross(b), kPose, stride);
-    const Eigen::LDLT<Matrix6d> own(block_of(current_.equations, b));
+    const Matrix6d own = block_of(current_.equations, b);
     const WeightedRows rows = weighted_rows(current_.point, b);
     // The pose of the view follows the places by -own^-1 cross, and has noise of its own.
-    const Eigen::MatrixXd follow = own.solve(cross.middleCols(1 + first_place(), free));
+    const Eigen::MatrixXd follow = solve_symmetric(own, cross.middleCols(1 + first_place(), free));
     const Eigen::MatrixXd by_places =
         rows.middleCols(kFirstPlace, free) - rows.leftCols<kPose>() * follow;
-    const Eigen::MatrixXd fitted =
-        by_places * *covariance * by_places.transpose() +
-        rows.leftCols<kPose>() * own.solve(rows.leftCols<kPose>().transpose());
+    const Eigen::MatrixXd by_pose = rows.leftCols<kPose>();
+    const Eigen::MatrixXd fitted = congruent(*covariance, by_places.transpose()) +
+                                   product(by_pose, solve_symmetric(own, by_pose.transpose()));
     sums.turn += 3 - fitted.diagonal().head<3>().sum();
     sums.place += 3 - fitted.diagonal().tail<3>().sum();
   }

@@ -12,7 +12,9 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "calvin/geometry/dense.hpp"
 
 namespace calvin::rig {
 
@@ -195,7 +197,7 @@ class Search {
     }
     // A place that nothing determines stays near 0.
     normal.diagonal().array() += 1e-6;
-    const Eigen::Matrix<double, 7, 1> places = normal.ldlt().solve(right);
+    const Eigen::Matrix<double, 7, 1> places = solve_symmetric(normal, right);
     candidate.places.mount_from_camera.translation = places.head<3>();
     candidate.places.carrier_from_board.translation = places.segment<3>(3);
     if (free_scale_ && places(6) > 0) candidate.places.scale = places(6);
@@ -254,7 +256,7 @@ class Search {
         gradient += weight * j.transpose() * scale.asDiagonal() * rows.error;
       }
       normal.diagonal().array() += 1e-7 * normal.diagonal().maxCoeff();
-      const Step move = -normal.ldlt().solve(gradient);
+      const Step move = -solve_symmetric(normal, gradient);
       if (!move.allFinite()) break;
       candidate.places = moved(candidate.places, move.data());
       if (!(candidate.places.scale > 0)) candidate.places.scale = 1;

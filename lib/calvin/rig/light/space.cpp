@@ -10,11 +10,11 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "calvin/geometry/se3.hpp"
+#include "calvin/geometry/symmetric.hpp"
 
 namespace calvin::rig {
 
@@ -106,12 +106,13 @@ Eigen::Matrix4d absolute_quadric(const std::vector<Matrix34>& projections,
 // where none is near.
 std::optional<Eigen::Matrix4d> space_of(const Eigen::Matrix4d& quadric) {
   constexpr double kLeast = 1e-6;  // of the largest axis
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(quadric);
-  const Eigen::Vector4d values = eigen.eigenvalues();
-  if (!(values[1] > kLeast * values[3]) || !values.allFinite()) return std::nullopt;
+  const auto eigen = symmetric_eigen(quadric);
+  if (!eigen) return std::nullopt;
+  const Eigen::Vector4d values = eigen->values;
+  if (!(values[1] > kLeast * values[3])) return std::nullopt;
   Eigen::Matrix4d h;
-  for (int k = 0; k < 3; ++k) h.col(k) = std::sqrt(values[k + 1]) * eigen.eigenvectors().col(k + 1);
-  h.col(3) = eigen.eigenvectors().col(0);
+  for (int k = 0; k < 3; ++k) h.col(k) = std::sqrt(values[k + 1]) * eigen->vectors.col(k + 1);
+  h.col(3) = eigen->vectors.col(0);
   return h;
 }
 

@@ -9,9 +9,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/QR>
-
 #include "calvin/camera/image_transform.hpp"
+#include "calvin/geometry/dense.hpp"
 #include "calvin/solve/view.hpp"
 
 namespace calvin {
@@ -168,13 +167,16 @@ std::optional<CornerVelocities> corner_velocities(const Observation& earlier,
     size += square(s.last);
   }
   slopes += changes * (last / (first + last));
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rows);
-  if (qr.rank() < rows.cols()) return std::nullopt;
-  const Eigen::MatrixXd fields = qr.solve(slopes);
+  Eigen::MatrixXd both(n, 4);
+  both << slopes, changes;
+  const LeastSquares fit = least_squares(rows, both);
+  if (fit.rank < rows.cols()) return std::nullopt;
+  const Eigen::MatrixXd fields = fit.x.leftCols<2>();
+  const Eigen::MatrixXd explained = product(rows, fit.x);
   const double degrees = 2.0 * static_cast<double>(n - rows.cols());
-  const double noise = degrees > 0 ? (slopes - rows * fields).squaredNorm() / degrees : 0;
+  const double noise = degrees > 0 ? (slopes - explained.leftCols<2>()).squaredNorm() / degrees : 0;
   // What is left of the changes once the noise of three positions in each is taken off.
-  const double change = (rows * qr.solve(changes)).squaredNorm();
+  const double change = explained.rightCols<2>().squaredNorm();
   if (change > kSteady * kSteady * size + noise * static_cast<double>(n)) return std::nullopt;
   CornerVelocities result;
   for (const Pixel& at : now.uv) {

@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
+
+#include "calvin/geometry/dense.hpp"
 
 namespace calvin {
 
@@ -62,12 +64,10 @@ void over_image(ImageSize size, int columns, int rows, const At& at) {
 }
 
 // Of columns of any scale; what the rows leave open is 0.
-Eigen::VectorXd least_squares(const Eigen::MatrixXd& rows, const Eigen::VectorXd& right) {
+Eigen::VectorXd scaled_least_squares(const Eigen::MatrixXd& rows, const Eigen::VectorXd& right) {
+  constexpr double kLeastPivot = 1e-9;
   const Eigen::VectorXd unit = rows.colwise().norm().cwiseMax(1e-300).cwiseInverse().transpose();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rows.rows(), rows.cols());
-  qr.setThreshold(1e-9);
-  qr.compute(rows * unit.asDiagonal());
-  return unit.cwiseProduct(qr.solve(right));
+  return unit.cwiseProduct(least_squares(rows * unit.asDiagonal(), right, kLeastPivot).x.col(0));
 }
 
 // Where the camera has rays; absent where one of them is 80 degrees from the axis and more.
@@ -105,7 +105,7 @@ std::array<double, 8> fitted(const std::vector<Sample>& samples, const InverseMo
     right.segment<2>(row) = px.cwiseProduct(p.ideal - p.seen);
     row += 2;
   }
-  const Eigen::VectorXd found = least_squares(rows, right);
+  const Eigen::VectorXd found = scaled_least_squares(rows, right);
   std::array<double, 8> a{};
   std::copy(found.data(), found.data() + found.size(), a.begin());
   return a;
@@ -142,7 +142,7 @@ std::vector<double> forward(const std::vector<Sample>& samples, const InverseMod
     right.segment<2>(row) = px.cwiseProduct(p.seen - p.ideal);
     row += 2;
   }
-  const Eigen::VectorXd k = least_squares(rows, right);
+  const Eigen::VectorXd k = scaled_least_squares(rows, right);
   std::vector<double> all = {inverse.fx, inverse.fy, inverse.cx, inverse.cy};
   all.insert(all.end(), k.data(), k.data() + k.size());
   return all;

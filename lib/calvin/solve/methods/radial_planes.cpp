@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 
 #include "calvin/geometry/dense.hpp"
 #include "calvin/solve/linear/dense_problem.hpp"
@@ -270,7 +269,7 @@ RadialFit fit_radii(std::span<const SeenRadius> radii, const RadialModel& model)
   }
   const Eigen::VectorXd unit = rows.colwise().norm().cwiseInverse().transpose();
   const Eigen::VectorXd k =
-      unit.cwiseProduct((rows * unit.asDiagonal()).colPivHouseholderQr().solve(right));
+      unit.cwiseProduct(least_squares(rows * unit.asDiagonal(), right).x.col(0));
   RadialFit fit = {{k.data(), k.data() + k.size()}, 0};
   for (const SeenRadius& r : radii) {
     const double at = r.ideal * factor_at(r.ideal * r.ideal, k, model).value;
