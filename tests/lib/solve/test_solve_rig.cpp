@@ -42,7 +42,7 @@ Solved solve_ours(const Scene& scene, const ParameterTable& table, BundlePoint s
   for (std::size_t v = 0; v < scene.seen.size(); ++v) {
     views.emplace_back(scene.sets[v], scene.seen[v].board == 0 ? scene.shape : BoardShape());
   }
-  ResidualBlocks blocks = {scene.seen, std::move(points)};
+  ResidualBlocks blocks = {scene.seen, std::move(points), {}};
   for (std::size_t v = 0; v < views.size(); ++v) blocks.boards[v].seen = &views[v];
   BundleProblem problem(std::move(blocks), {&table, table.basis(), table.priors()},
                         std::move(start), Loss{});
