@@ -75,20 +75,24 @@ class Report {
   void set_wand() {
     LightWandErrors wand;
     wand.places = fit_.unknowns.wand_at(fit_.state.values);
+    constexpr double kLeastSigma = 1e-9;  // m
+    double weights = 0;
     double squares = 0;
     double sum = 0;
     std::size_t last = fit_.state.points.size();
-    const auto distances = rig::wand_distances(cameras_, fit_.unknowns, fit_.state);
-    for (const rig::WandDistance& one : distances) {
+    for (const auto& one : rig::wand_distances(cameras_, fit_.unknowns, fit_.state)) {
       const double off = one.seen - (wand.places[one.b] - wand.places[one.a]);
-      squares += off * off;
-      sum += off;
+      const double weight = 1 / std::pow(std::max(one.sigma, kLeastSigma), 2);
+      weights += weight;
+      squares += weight * off * off;
+      sum += weight * off;
       wand.instants += one.first != last ? 1 : 0;
       last = one.first;
     }
-    const auto count = std::max(1.0, static_cast<double>(distances.size()));
-    wand.rms = std::sqrt(squares / count);
-    wand.mean = sum / count;
+    if (weights > 0) {
+      wand.rms = std::sqrt(squares / weights);
+      wand.mean = sum / weights;
+    }
     solution_.wand = std::move(wand);
   }
 

@@ -28,7 +28,8 @@ struct LightCameraErrors {
 // What a wand of known lengths came to.
 struct LightWandErrors {
   std::size_t instants = 0;  // at which two lights or more are used
-  // Of distances of its lights by the rays of cameras alone, less those on the wand.
+  // Of distances of its lights by the rays of cameras alone, less those on the wand, each by how
+  // well the rays tell it.
   double rms = 0;              // m
   double mean = 0;             // m
   std::vector<double> places;  // m, of the lights along it, as the solve has them
