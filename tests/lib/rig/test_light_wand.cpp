@@ -67,10 +67,10 @@ struct Case {
   int trials;    // reduced
   int full_trials;
 };
-const Case kCases[] = {{2, kThree, 0.001, true, 20, 200},
-                       {3, kTwo, 0.0005, false, 10, 200},
-                       {4, kThree, 0.001, false, 6, 200},
-                       {5, kTwo, 0, false, 6, 200}};
+const Case kCases[] = {{2, kThree, 0.001, true, 12, 200},
+                       {3, kTwo, 0.0005, false, 8, 200},
+                       {4, kThree, 0.001, false, 4, 200},
+                       {5, kTwo, 0, false, 4, 200}};
 
 class Wand : public ::testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Cameras, Wand, ::testing::ValuesIn(kCases), [](const auto& test) {
@@ -188,8 +188,8 @@ TEST(WandSightings, OfALightInAMirrorAreRefused) {
   EXPECT_GT(others, 10u) << "the other two lights are where they are";
 }
 
-// Two lights that are said to be three: the unit is wrong, and nothing can tell. With a third one
-// in between, what does not fit is told.
+// Of two lights nothing tells that their distance is wrong; with a third one in between what does
+// not fit is told.
 TEST(WandUnit, IsToldWhereAPartIsWrong) {
   Scene scene = scene_of(4, kThree);
   scene.options.wand = {0, 0.152, 0.5};
