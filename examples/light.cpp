@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // calvin-light [OPTIONS] RIG.json SEEN...: cameras and where they stand, from what they have seen
-// of one light that was moved before them.
+// of one light, or of a wand of lights, that was moved before them.
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -24,6 +26,7 @@
 #include "calvin/io/observations.hpp"
 #include "calvin/io/rig_io.hpp"
 #include "calvin/rig/solve_light.hpp"
+#include "calvin/target/board.hpp"
 
 #include "rig_export.hpp"
 
@@ -38,8 +41,15 @@ Calibrates cameras by one light that was moved before them in the dark, three or
 time, and writes lenses and places to RIG.json. SEEN is a file of observations for each camera (the
 journal of calibsolve), or one folder with points.dat, IdMat.dat and Res.dat as BlueCCal has them.
 
+  --wand D1[+D2...]
+                  several lights on a wand, each a fixed distance from the one before it: 500mm, or
+                  150mm+350mm. Points of observations have their numbers, from 0. Not needed for
+                  files of calibdetect board=wand:150mm+350mm. The rig is in m
+  --wand-sigma LENGTH
+                  how well the place of each light is known, 0.2mm if not given; 0: exactly
   --places FILE   where some cameras stand: lines 'name x y z', m. Three or more give the frame of
-                  the rig, two its unit; else the first camera is the rig, without a unit
+                  the rig, two its unit; else the first camera is the rig, without a unit if
+                  there is no wand
   --calibration CAMERA=FILE
                   the lens of a camera is known, and only its place is to be found; where that of
                   every camera is, two are enough
@@ -86,10 +96,25 @@ bool parse_tolerance(std::string_view value, std::uint64_t& tolerance) {
   return true;
 }
 
+// The places of lights along a wand, from the distances of each to the next.
+bool parse_wand(std::string_view value, std::vector<double>& places) {
+  const auto board = calvin::parse_board(fmt::format("wand:{}", value));
+  if (!board) return false;
+  places.clear();
+  for (const Eigen::Vector3d& light : board->points()) places.push_back(light.x());
+  return true;
+}
+
 // Whether the option and its value are understood.
 bool parse_option(std::string_view option, std::string_view value, Arguments& arguments) {
   if (option == "--places") {
     arguments.places = value;
+  } else if (option == "--wand") {
+    return parse_wand(value, arguments.options.wand);
+  } else if (option == "--wand-sigma") {
+    const auto sigma = value == "0" ? calvin::Result<double>(0) : calvin::parse_length(value);
+    arguments.options.wand_sigma = sigma.value_or(0);
+    return sigma.has_value();
   } else if (option == "--model") {
     arguments.options.model = value;
   } else if (option == "--fix") {
@@ -152,16 +177,38 @@ calvin::Result<std::vector<calvin::ObservationFile>> read_files(
   return all;
 }
 
-calvin::Result<calvin::LightCameras> read_cameras(const Arguments& arguments) {
+// The wand that detectors have looked for, where none was named.
+calvin::Status take_wand(const std::vector<calvin::ObservationFile>& files,
+                         calvin::LightOptions& options) {
+  constexpr std::string_view kWand = "wand:";
+  if (!options.wand.empty()) return {};
+  for (const calvin::ObservationFile& file : files) {
+    std::vector<double> wand;
+    if (!file.board.starts_with(kWand)) continue;
+    if (!parse_wand(file.board.substr(kWand.size()), wand)) continue;
+    if (options.wand.empty()) options.wand = wand;
+    if (options.wand == wand) continue;
+    return calvin::make_error(calvin::ErrorCode::kInvalidArgument,
+                              "The files are of different wands: take those of one, or say by "
+                              "--wand which is right.");
+  }
+  return {};
+}
+
+calvin::Result<calvin::LightCameras> read_cameras(Arguments& arguments) {
   auto files = read_files(std::span(arguments.words).subspan(1));
   if (!files) return tl::unexpected(files.error());
+  if (const auto wand = take_wand(*files, arguments.options); !wand) {
+    return tl::unexpected(wand.error());
+  }
   std::vector<calvin::Observation> seen;
   for (calvin::ObservationFile& file : *files) {
     for (calvin::Observation& one : file.observations) {
       if (one.found()) seen.push_back(std::move(one));
     }
   }
-  auto cameras = calvin::light_cameras(seen, arguments.tolerance);
+  const std::size_t lights = std::max<std::size_t>(arguments.options.wand.size(), 1);
+  auto cameras = calvin::light_cameras(seen, arguments.tolerance, lights);
   if (!cameras) return cameras;
   for (const auto& [name, file] : arguments.calibrations) {
     const auto camera = std::ranges::find(cameras->cameras, name, &calvin::LightCamera::name);
@@ -200,6 +247,12 @@ void print(const calvin::LightSolution& solved) {
     fmt::print("Cameras are {} mm from where they were known to be.\n",
                calvin::two_digits(1e3 * *solved.places_rms));
   }
+  if (solved.wand) {
+    fmt::print("Cameras alone see the wand {} mm too {} in the mean, rms {} mm, of {} instants.\n",
+               calvin::two_digits(1e3 * std::abs(solved.wand->mean)),
+               solved.wand->mean < 0 ? "short" : "long", calvin::two_digits(1e3 * solved.wand->rms),
+               solved.wand->instants);
+  }
   for (const std::string& remark : solved.remarks) fmt::print("{}\n", remark);
 }
 
@@ -207,7 +260,8 @@ int run(Arguments arguments) {
   const auto seen = read_cameras(arguments);
   if (!seen) return failed(seen.error());
   if (seen->left_out > 0) {
-    fmt::print("{} pictures have several lights and are left out.\n", seen->left_out);
+    fmt::print("{} pictures have several lights and are left out: a wand is told by --wand.\n",
+               seen->left_out);
   }
   if (!arguments.places.empty()) {
     auto places = calvin::read_camera_places(arguments.places);

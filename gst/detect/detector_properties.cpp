@@ -37,8 +37,9 @@ constexpr Property<CalibDetector> kRows[] = {
      "these places, circles:COLSxROWS:SIZE, "
      "acircles:COLSxROWS:SIZE or "
      "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dots:SIZE or lines:SIZE, of "
-     "which any part is in view, dot, a light that is moved "
-     "before a camera that stands still, or FILE.json#NAME; several separated by ;. auto, or "
+     "which any part is in view, dot, a light, or "
+     "wand:DISTANCE+DISTANCE, three on a line, moved before a camera that stands still, or "
+     "FILE.json#NAME; several separated by ;. auto, or "
      "auto:SIZE, takes what is in view when it is certain which one it is, puzzle:auto "
      "any PuzzleBoard",
      kept_in<&DetectorSettings::board>,

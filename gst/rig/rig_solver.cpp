@@ -46,6 +46,7 @@ Result<LightOptions> light_options(const RigSettings& settings,
   LightOptions options;
   options.model = settings.model;
   options.center_sigma = settings.center_sigma;
+  options.wand_sigma = settings.wand_sigma;
   options.fix.clear();
   for (const std::string_view name : split(settings.fix, ',')) {
     if (!trim(name).empty() && trim(name) != "none") options.fix.emplace_back(trim(name));
@@ -65,7 +66,7 @@ Result<LightOptions> light_options(const RigSettings& settings,
 
 }  // namespace
 
-const Property<RigSolver> kRigProperties[12] = {
+const Property<RigSolver> kRigProperties[13] = {
     {"board",
      "Board",
      "The board that counts, as the observations have its text; none: every board",
@@ -134,6 +135,12 @@ const Property<RigSolver> kRigProperties[12] = {
      "Before a light: how far the axis of that lens may be from the middle of a picture, 1 sigma, "
      "0..1 of its width (0 = by any distance)",
      kept_in<&RigSettings::center_sigma>,
+     {.range = Range{0, 1}, .flags = kMutableReady}},
+    {"wand-sigma",
+     "Wand Sigma",
+     "Before a wand of lights: how well the place of each along it is known, 1 sigma (m, 0 = "
+     "exactly)",
+     kept_in<&RigSettings::wand_sigma>,
      {.range = Range{0, 1}, .flags = kMutableReady}},
 };
 

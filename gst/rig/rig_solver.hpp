@@ -41,6 +41,7 @@ struct RigSettings {
   std::string model = LightOptions().model;
   std::string fix = join(LightOptions().fix, ",");
   double center_sigma = LightOptions().center_sigma;
+  double wand_sigma = LightOptions().wand_sigma;  // m
 };
 
 // What a pad is told of its camera.
@@ -163,6 +164,6 @@ class RigSolver : public SharedSettings<RigSettings> {
   Worker reader_;
 };
 
-extern const Property<RigSolver> kRigProperties[12];
+extern const Property<RigSolver> kRigProperties[13];
 
 }  // namespace calvin::gst

@@ -28,8 +28,8 @@ constexpr Property<TestState> kRows[] = {
      "these places, circles:COLSxROWS:SIZE, "
      "acircles:COLSxROWS:SIZE or "
      "dots:COLSxROWS:SIZE:rings=COL.ROW with the distance of circles, dots:SIZE or lines:SIZE, of "
-     "which any part is in view, dot, a light, or "
-     "FILE.json#NAME",
+     "which any part is in view, dot, a light, "
+     "wand:DISTANCE+DISTANCE, several on a line, or FILE.json#NAME",
      kept_in<&TestSettings::scene, &SceneSettings::board>,
      {.flags = kMutableReady}},
     {"calibration",

@@ -81,6 +81,27 @@ GST_START_TEST(test_without_places_there_is_no_unit) {
 }
 GST_END_TEST;
 
+// A wand gives the unit, and every place its error, by how well the wand is known.
+GST_START_TEST(test_a_wand_gives_the_unit) {
+  RigFixture f(rig_views::lit_room_of_wand(200), false);
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_object_set(f.element, "wand-sigma", 0.0001, nullptr);
+  f.start();
+  f.push_all();
+  f.end_all();
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  fail_unless_equals_string(gst_structure_get_string(result, "unit"), "m");
+  const auto rig = parse_rig(gst_structure_get_string(result, "json"));
+  fail_unless(rig.has_value() && rig->is_metric && rig->cameras.size() == 4);
+  fail_unless_equals_string(rig->world.c_str(), "cam0");
+  fail_unless_equals_string(rig->cameras[0].calibration.board.c_str(), "wand:150mm+350mm");
+  fail_unless(f.worst(*rig) < 4.5, "%f sigmas", f.worst(*rig));
+  const auto warnings = f.bus.texts(GST_MESSAGE_WARNING);
+  fail_unless(warnings.empty(), "%s", warnings[0].c_str());
+}
+GST_END_TEST;
+
 // What is missing is said at the end.
 GST_START_TEST(test_the_end_without_a_rig_says_what_is_missing) {
   struct Case {
@@ -133,6 +154,7 @@ static Suite* calibrig_light_suite(void) {
   tcase_set_timeout(tc, 280);
   tcase_add_loop_test(tc, test_a_light_tells_lenses_and_places, 0, 2);
   tcase_add_test(tc, test_without_places_there_is_no_unit);
+  tcase_add_test(tc, test_a_wand_gives_the_unit);
   tcase_add_loop_test(tc, test_the_end_without_a_rig_says_what_is_missing, 0, 4);
   tcase_add_test(tc, test_settings_of_no_use_are_refused);
   return s;

@@ -42,31 +42,48 @@ std::vector<SeenByCamera> ring() {
   return seen(scenes::ring_rig(4, random));
 }
 
-std::vector<SeenByCamera> lit_room(int instants) {
+namespace {
+
+std::vector<SeenByCamera> lit_room(int instants, const std::vector<double>& wand,
+                                   const char* board) {
   constexpr std::uint64_t kFrame = 33'333'333;  // ns
   scenes::Random random(4);
   const scenes::LitRoom room = scenes::lit_room(4, random);
-  const auto seen = scenes::see_lights(room, scenes::lights_in(room, instants, random), random);
+  const std::size_t lights = wand.size();
+  const auto places = lights > 1 ? scenes::wands_in(room, wand, instants, random)
+                                 : scenes::lights_in(room, instants, random);
+  const auto seen = scenes::see_lights(room, places, random);
   std::vector<SeenByCamera> all;
   for (std::size_t c = 0; c < seen.size(); ++c) {
     SeenByCamera& camera = all.emplace_back();
     camera.calibration = room.cameras[c].to_calibration();
     camera.calibration.camera = seen[c].name;
     camera.world_from_camera = room.room_from_camera[c];
-    for (std::size_t i = 0; i < seen[c].seen.size(); ++i) {
-      if (!seen[c].seen[i]) continue;
+    for (std::size_t i = 0; i < seen[c].seen.size() / lights; ++i) {
       Observation one;
-      one.board = "dot";
+      one.board = board;
       // The light is elsewhere in every picture: too far apart in time to tell how it moves.
       one.timestamp = 10 * kFrame * (i + 1);
       one.image_size = seen[c].image_size;
-      one.ids = {0};
-      one.uv = {seen[c].seen[i]->uv};
-      one.sigma = {seen[c].seen[i]->sigma};
-      camera.observations.push_back(std::move(one));
+      for (std::size_t k = 0; k < lights; ++k) {
+        const auto& light = seen[c].seen[lights * i + k];
+        if (!light) continue;
+        one.ids.push_back(static_cast<int>(k));
+        one.uv.push_back(light->uv);
+        one.sigma.push_back(light->sigma);
+      }
+      if (one.found()) camera.observations.push_back(std::move(one));
     }
   }
   return all;
+}
+
+}  // namespace
+
+std::vector<SeenByCamera> lit_room(int instants) { return lit_room(instants, {0}, "dot"); }
+
+std::vector<SeenByCamera> lit_room_of_wand(int instants) {
+  return lit_room(instants, {0, 0.15, 0.5}, "wand:150mm+350mm");
 }
 
 double worst_error(const Rig& rig, const std::vector<SeenByCamera>& truth) {

@@ -26,6 +26,8 @@ struct SeenByCamera {
 
 // Four cameras around a room, and a light that is elsewhere in each picture.
 [[nodiscard]] std::vector<SeenByCamera> lit_room(int instants);
+// The same with a wand, wand:150mm+350mm.
+[[nodiscard]] std::vector<SeenByCamera> lit_room_of_wand(int instants);
 
 // The largest component of how far the cameras of a rig are from where they stand, in sigmas: to
 // the first one, or in the frame of known places.

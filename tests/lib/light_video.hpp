@@ -24,10 +24,10 @@ namespace calvin::scenes {
 
 class LightVideo {
  public:
-  LightVideo(ImageSize size, const RenderOptions& options)
+  LightVideo(ImageSize size, const RenderOptions& options, const Board& board = light())
       : camera_(default_camera(size)),
         options_(options),
-        detector_(make_detector(light()).value()),
+        detector_(make_detector(board).value()),
         room_(render_board(camera_, light(), {Eigen::Matrix3d::Identity(), {0, 0, -1}},
                            {.blur = options.blur,
                             .dark = options.dark,

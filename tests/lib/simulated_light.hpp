@@ -81,6 +81,22 @@ inline std::vector<Eigen::Vector3d> lights_in(const LitRoom& room, int instants,
   return lights;
 }
 
+// A wand of lights at these places along it, m, held up anywhere and in any direction: its lights
+// one after the other, for each instant.
+inline std::vector<Eigen::Vector3d> wands_in(const LitRoom& room, const std::vector<double>& places,
+                                             int instants, Random& random) {
+  std::vector<Eigen::Vector3d> lights;
+  std::normal_distribution<double> any;
+  for (const Eigen::Vector3d& middle : lights_in(room, instants, random)) {
+    const Eigen::Vector3d along =
+        Eigen::Vector3d(any(random), any(random), any(random)).normalized();
+    for (const double place : places) {
+      lights.push_back(middle + (place - places.back() / 2) * along);
+    }
+  }
+  return lights;
+}
+
 // What all cameras see of lights at these places; intrinsics are not known.
 inline std::vector<LightCamera> see_lights(const LitRoom& room,
                                            const std::vector<Eigen::Vector3d>& lights,

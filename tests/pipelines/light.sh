@@ -33,6 +33,19 @@ awk 'BEGIN {
       if (c == 2 && i % 7 == 0) { u = 640 - u; v = 100 + v / 3 }
       is = u > 0 && u < 639 && v > 0 && v < 479 && !(c == 1 && i % 5 == 0)
       if (is) printf "{\"timestamp\":%d0000000,\"image_size\":[640,480],\"points\":[[0,%.4f,%.4f,0.2]]}\n", 4 * i + 4, u, v >>file
+      # A wand: light 0 there, the others along it, the last one in a mirror from time to time.
+      t = 1.7 * i; w = cos(2.3 * i); h = sqrt(1 - w * w); points = ""
+      for (k = 0; k < 3; ++k) {
+        at = k == 0 ? 0 : k == 1 ? 0.15 : 0.5
+        X = a + at * h * cos(t) - x; Y = b + at * h * sin(t) - y; Z = e + at * w - z + (k == 2 && i % 25 == 0 ? 0.3 : 0)
+        depth = f[0] * X + f[1] * Y + f[2] * Z
+        at_u = 320 + 600 * (r[0] * X + r[1] * Y + r[2] * Z) / depth + 0.2 * sin(91 * i + 7 * c + k)
+        at_v = 240 + 600 * (g[0] * X + g[1] * Y + g[2] * Z) / depth + 0.2 * cos(83 * i + 5 * c + k)
+        if (depth < 0.1 || at_u < 0 || at_u > 639 || at_v < 0 || at_v > 479) continue
+        points = points (points == "" ? "" : ",") sprintf("[%d,%.4f,%.4f,0.2]", k, at_u, at_v)
+      }
+      if (i == 0) print "{\"format\":\"calvin-observations\",\"version\":1,\"board\":\"dot\"}" >("wand" c ".jsonl")
+      if (points != "") printf "{\"camera\":\"cam%d\",\"timestamp\":%d0000000,\"image_size\":[640,480],\"points\":[%s]}\n", c, 4 * i + 4, points >>("wand" c ".jsonl")
       us = us sprintf(" %.4e", u); vs = vs sprintf(" %.4e", v); ones = ones " 1"; seen = seen " " is
     }
     print us >>"blueccal/points.dat"; print vs >>"blueccal/points.dat"; print ones >>"blueccal/points.dat"
@@ -49,6 +62,25 @@ expect 0 'from where they were known to be' "$light" --places places.txt rig.jso
 grep -q '"world": "places"' rig.json || fail 'the rig is not where it was said to be'
 ! grep -q '"unit"' rig.json || fail 'metres have a unit of their own'
 grep -q "'cam1' at -2[34]..\.. 2[01]..\.. -[23]..\.. mm" out || fail "places: $(cat out)"
+# A wand gives the unit: how far the cameras stand from the first one, mm.
+expect 0 'Cameras alone see the wand' "$light" --wand 150mm+350mm rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+! grep -q '"unit"' rig.json || fail 'metres have a unit of their own'
+awk '/^.cam[123]/ { gsub(/[^-0-9. ]/, ""); print sqrt($2 * $2 + $3 * $3 + $4 * $4) }' out >distances
+printf '4983\n6423\n4247\n' | paste - distances | awk '{ if ($1 - $2 > 15 || $2 - $1 > 15) exit 1 }' || fail "distances of cameras: $(cat out)"
+expect 0 'from where they were known to be' "$light" --wand 150mm+350mm --wand-sigma 0.5mm --places places.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+expect 0 'measure both' "$light" --wand 156mm+364mm --places places.txt rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+for c in 0 1 2 3; do sed 's/"dot"/"wand:150mm+350mm"/' "wand$c.jsonl" >"named$c.jsonl"; done
+expect 0 'Cameras alone see the wand' "$light" rig.json named0.jsonl named1.jsonl named2.jsonl named3.jsonl
+sed 's/"dot"/"wand:150mm+351mm"/' wand1.jsonl >other.jsonl
+expect 1 'different wands' "$light" rig.json named0.jsonl other.jsonl named2.jsonl
+expect 0 "'cam1' at" "$light" --wand 150mm+350mm --wand-sigma 0 --calibration cam0=cam0.json --calibration cam1=cam1.json rig.json wand0.jsonl wand1.jsonl
+cp rig.json before.json
+expect 1 'lights 0 and 1 150.. mm apart, not 350' "$light" --wand 350mm+150mm rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+expect 1 'where all lights of the wand are' "$light" --wand 500mm rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+expect 1 'is told by --wand' "$light" rig.json wand0.jsonl wand1.jsonl wand2.jsonl wand3.jsonl
+expect 2 'Usage' "$light" --wand -500mm rig.json wand0.jsonl
+expect 2 'Usage' "$light" --wand 500 rig.json wand0.jsonl
+cmp -s rig.json before.json || fail 'a failure has touched the file'
 expect 0 'mean error' "$light" rig.json blueccal/
 expect 0 "'cam1' at" "$light" --calibration cam0=cam0.json --calibration cam1=cam1.json rig.json cam0.jsonl cam1.jsonl
 expect 0 'mean error' "$light" --fix aspect,center,p1,p2,k2 --export kalibr:chain.yaml rig.json blueccal

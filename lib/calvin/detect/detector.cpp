@@ -55,6 +55,7 @@ Status check_detectable(const Board& board) {
                     "of its kind. Give its corners as a file of observations.",
                     board.text()));
   }
+  if (const Status light = detect::check_light(board); !light) return light;
   if (!family->by_lattice) return {};
   // Two lines of points have no curvature, and are in any pattern of bricks.
   const BoardArea area = board.extent();
@@ -156,7 +157,7 @@ Result<std::unique_ptr<Detector>> make_detector(std::span<const Board> boards) {
   }
   if (std::ranges::count_if(boards, detect::is_light) > 1) {
     return make_error(ErrorCode::kUnsupported,
-                      "Several lights at a time cannot be told apart: name dot once.");
+                      "Several lights at a time cannot be told apart: name dot once, or one wand.");
   }
   std::vector<Group> groups = groups_of(boards);
   if (groups.size() == 1) return groups.front().family->make(boards);

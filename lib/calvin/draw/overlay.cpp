@@ -132,7 +132,7 @@ void add_observation(std::vector<Shape>& shapes, ImageSize frame, const Observat
   const double unit = unit_of(frame);
   const auto board = parse_board(observation.board);
   if (board && board->as<PointLight>() != nullptr) {
-    add_light(shapes, corners.front().at, unit);
+    for (const Corner& corner : corners) add_light(shapes, corner.at, unit);
     return;
   }
   // All points of a board that is not known count as one row.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What cameras have seen of one light that is moved before them, and what is known beforehand.
+// What cameras have seen of one light, or of the lights of a wand, that are moved before them, and
+// what is known beforehand.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +30,8 @@ struct LightCamera {
   ImageSize image_size;
   // The intrinsics, where they are known: then only its place is found.
   std::optional<Calibration> calibration;
-  // By instant; absent where the light was not seen. All cameras have as many.
+  // By instant; absent where the light was not seen. All cameras have as many. Of a wand of n
+  // lights light k at instant i is number n i + k.
   std::vector<std::optional<LightPoint>> seen;
 };
 
@@ -37,15 +39,20 @@ struct LightCameras {
   std::vector<LightCamera> cameras;  // by name
   std::uint64_t farthest = 0;        // ns, between two pictures of one instant, at the most
   std::size_t left_out = 0;          // observations of several points, of which one is the light
+  std::size_t lights = 1;            // of each instant
 };
 
 // What was seen of a light, by camera and by instant: pictures at most `tolerance` ns apart are of
 // one. Where velocities are known, the light is taken back to where it was when the first picture
 // was taken, and what may be wrong with that is a part of its sigma. Instants at which one camera
-// alone has seen it are left out, as they say nothing.
-// kInvalidArgument where a camera has pictures of several sizes.
+// alone has seen it are left out, as they say nothing. Of a wand `lights` says how many it has, and
+// ids are their numbers; of one light an observation has one point, whatever its id.
+// kInvalidArgument where a camera has pictures of several sizes, or an id is none of a wand's.
 [[nodiscard]] Result<LightCameras> light_cameras(const std::vector<Observation>& seen,
-                                                 std::uint64_t tolerance);
+                                                 std::uint64_t tolerance, std::size_t lights = 1);
+
+// m, of a wand whose lights were measured from middle to middle by a caliper or a good rule.
+inline constexpr double kDefaultWandSigma = 0.0002;
 
 struct LightOptions {
   // The lens of cameras without a calibration, one that is a pinhole where its coefficients are 0.
@@ -59,8 +66,14 @@ struct LightOptions {
   double center_sigma = 0.03;
   // Three or more that are on no line give the frame of the rig and its unit; two, the distance
   // between them, give the unit alone. Without any, the first camera is the rig, and the distance
-  // of the camera that is farthest from it is 1.
+  // of the camera that is farthest from it is 1. With a wand the unit is that of the wand.
   std::vector<CameraPlace> places;
+  // Of a wand with several lights on a line: where each is along it, m, rising from 0. Empty: one
+  // light.
+  std::vector<double> wand;
+  // How well the place of each light but the first is known, m, 1 sigma; 0: exactly. It is one
+  // error for all instants, so that no number of them makes the unit better known than the wand.
+  double wand_sigma = kDefaultWandSigma;
 };
 
 }  // namespace calvin

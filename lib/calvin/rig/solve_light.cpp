@@ -8,125 +8,26 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <map>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include "calvin/core/text.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/geometry/dense.hpp"
 #include "calvin/rig/light/alignment.hpp"
+#include "calvin/rig/light/light_check.hpp"
 #include "calvin/rig/light/light_fit.hpp"
 #include "calvin/rig/light/light_refinement.hpp"
+#include "calvin/rig/light/wand.hpp"
 #include "calvin/solve/uncertainty.hpp"
-#include "calvin/solve/view.hpp"
 #include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
 namespace {
 
-constexpr std::size_t kFewestInstants = 20;  // as the original asks for
 constexpr Eigen::Index kPose = 6;
-
-tl::unexpected<Error> invalid(std::string message) {
-  return make_error(ErrorCode::kInvalidArgument, std::move(message));
-}
-
-Status check_camera(const LightCamera& camera, std::size_t instants) {
-  if (const Status size = check_image_size(camera.image_size); !size) return size;
-  if (camera.seen.size() != instants) {
-    return invalid(
-        fmt::format("The camera '{}' has {} instants, the first one {}: give all of "
-                    "them the same, and nothing where a light was not seen.",
-                    camera.name, camera.seen.size(), instants));
-  }
-  const auto is_outside = [](double at, int length) {
-    constexpr double kTolerated = 0.05;  // of the picture, as of a view
-    return !(at >= -kTolerated * length && at <= (1 + kTolerated) * length);
-  };
-  for (const auto& seen : camera.seen) {
-    if (!seen) continue;
-    if (is_outside(seen->uv.u, camera.image_size.width) ||
-        is_outside(seen->uv.v, camera.image_size.height)) {
-      return invalid(fmt::format(
-          "The camera '{}' has the light at ({:.1f}, {:.1f}), outside of its "
-          "picture of {}x{} px.",
-          camera.name, seen->uv.u, seen->uv.v, camera.image_size.width, camera.image_size.height));
-    }
-    if (!is_known_sigma(seen->sigma)) {
-      return invalid(fmt::format("The camera '{}' has a sigma of {} px: it is 1e-6 to 1e6.",
-                                 camera.name, seen->sigma));
-    }
-  }
-  return {};
-}
-
-Status check_counts(const std::vector<LightCamera>& cameras) {
-  const bool all_known =
-      std::ranges::all_of(cameras, [](const LightCamera& c) { return c.calibration.has_value(); });
-  const std::size_t least = all_known ? 2 : 3;
-  if (cameras.size() < least) {
-    return make_error(
-        ErrorCode::kDegenerate,
-        fmt::format("{} cameras do not tell their focal lengths by a light: three are "
-                    "needed, or two of which both calibrations are given.",
-                    cameras.size()));
-  }
-  std::size_t enough = 0;
-  for (std::size_t i = 0; i < cameras.front().seen.size(); ++i) {
-    const auto rays =
-        std::ranges::count_if(cameras, [&](const LightCamera& c) { return c.seen[i].has_value(); });
-    enough += rays >= static_cast<std::ptrdiff_t>(least) ? 1 : 0;
-  }
-  if (enough >= kFewestInstants) return {};
-  return make_error(ErrorCode::kDegenerate,
-                    fmt::format("The light was seen by {} cameras at a time at {} instants, and {} "
-                                "are the fewest: move it for a minute where their pictures "
-                                "overlap, and see that their clocks agree.",
-                                least, enough, kFewestInstants));
-}
-
-Status check(const std::vector<LightCamera>& cameras) {
-  std::set<std::string> names;
-  for (const LightCamera& camera : cameras) {
-    if (camera.name.empty() || !names.insert(camera.name).second) {
-      return invalid(fmt::format("Two cameras are called '{}', or have no name: give each its own.",
-                                 camera.name));
-    }
-    if (const Status own = check_camera(camera, cameras.front().seen.size()); !own) return own;
-  }
-  return check_counts(cameras);
-}
-
-Result<std::vector<rig::KnownPlace>> known_places(const std::vector<LightCamera>& cameras,
-                                                  const std::vector<CameraPlace>& places) {
-  std::vector<rig::KnownPlace> known;
-  std::set<std::string> names;
-  for (const CameraPlace& place : places) {
-    const auto camera = std::ranges::find(cameras, place.camera, &LightCamera::name);
-    if (camera == cameras.end() || !names.insert(place.camera).second) {
-      std::vector<std::string> all;
-      for (const LightCamera& one : cameras) all.push_back(one.name);
-      return invalid(
-          fmt::format("A known place is that of '{}', which is no camera or has another "
-                      "place: the cameras are '{}'.",
-                      place.camera, join(all, "', '")));
-    }
-    const Eigen::Vector3d at(place.place[0], place.place[1], place.place[2]);
-    if (!at.allFinite()) return invalid("A known place is not finite.");
-    known.push_back({static_cast<std::size_t>(camera - cameras.begin()), at});
-  }
-  if (known.size() == 1) {
-    return invalid(
-        "The place of one camera tells nothing of the others: give two for the unit, "
-        "three or more for the frame.");
-  }
-  return known;
-}
 
 std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
   std::vector<double> all;
@@ -141,19 +42,21 @@ class Report {
  public:
   Report(const std::vector<LightCamera>& cameras, const rig::LightFit& fit)
       : cameras_(cameras), fit_(fit), table_(fit.unknowns.table()) {
+    if (has_wand()) board_.places = fit.unknowns.wand();
     for (const SE3& pose : fit.state.camera_from_rig) rig_from_camera_.push_back(pose.inverse());
   }
 
   [[nodiscard]] Result<LightSolution> make(const std::vector<rig::KnownPlace>& places) {
     if (!places.empty()) {
-      auto alignment = rig::align(rig_from_camera_, places);
+      auto alignment = rig::align(rig_from_camera_, places, has_wand());
       if (!alignment) return tl::unexpected(alignment.error());
       alignment_ = *std::move(alignment);
       solution_.places_rms = alignment_.rms;
-    } else {
+    } else if (!has_wand()) {
       set_unit();
     }
-    solution_.rig.is_metric = !places.empty();
+    solution_.rig.is_metric = !places.empty() || has_wand();
+    if (has_wand()) set_wand();
     to_world();
     set_covariance(places);
     set_errors();
@@ -166,6 +69,33 @@ class Report {
   }
 
  private:
+  [[nodiscard]] bool has_wand() const { return fit_.stage == rig::LightStage::kWand; }
+
+  // How long cameras alone see the wand, in its unit.
+  void set_wand() {
+    LightWandErrors wand;
+    wand.places = fit_.unknowns.wand_at(fit_.state.values);
+    constexpr double kLeastSigma = 1e-9;  // m
+    double weights = 0;
+    double squares = 0;
+    double sum = 0;
+    std::size_t last = fit_.state.points.size();
+    for (const auto& one : rig::wand_distances(cameras_, fit_.unknowns, fit_.state)) {
+      const double off = one.seen - (wand.places[one.b] - wand.places[one.a]);
+      const double weight = 1 / std::pow(std::max(one.sigma, kLeastSigma), 2);
+      weights += weight;
+      squares += weight * off * off;
+      sum += weight * off;
+      wand.instants += one.first != last ? 1 : 0;
+      last = one.first;
+    }
+    if (weights > 0) {
+      wand.rms = std::sqrt(squares / weights);
+      wand.mean = sum / weights;
+    }
+    solution_.wand = std::move(wand);
+  }
+
   // The fit holds the distance of the farthest camera to first order only: a long way from its
   // start it is 1 no longer.
   void set_unit() {
@@ -228,7 +158,8 @@ class Report {
     }
     const Eigen::MatrixXd turned = by.topRows(row);
     covariance_ = product(product(turned, fit_.covariance), turned.transpose());
-    if (!places.empty()) {
+    // A length beside the wand is no frame, and decides nothing.
+    if (!places.empty() && (alignment_.is_framed || !has_wand())) {
       covariance_ =
           rig::covariance_by_places(covariance_, first, rig_from_camera_, places, alignment_);
     }
@@ -274,7 +205,7 @@ class Report {
     Calibration found;
     found.image_size = cameras_[c].image_size;
     found.model = table_.model(c);
-    found.board = PointLight().text();
+    found.board = board_.text();
     found.rms = solution_.errors[c].rms;
     const std::vector<int> free = estimated(c);
     const ParameterRange range = table_.intrinsics(c);
@@ -329,15 +260,43 @@ class Report {
           "and a lens of too few coefficients.",
           solution_.scatter));
     }
+    if (has_wand()) add_wand_remarks();
     if (solution_.rig.is_metric) return;
     solution_.remarks.emplace_back(
         "Lengths have no unit: 1 is the distance between the first camera and the one farthest "
-        "from it. The places of two cameras give the unit, those of three the frame.");
+        "from it. The places of two cameras give the unit, those of three the frame, and a wand "
+        "of two lights at a known distance gives the unit too.");
+  }
+
+  void add_wand_remarks() {
+    constexpr double kFar = 4;       // sigmas
+    constexpr double kAlike = 0.01;  // of a length: places are read off a tape
+    const double sigma = fit_.unknowns.wand_sigma();
+    for (std::size_t k = 1; k < solution_.wand->places.size(); ++k) {
+      const double known = fit_.unknowns.wand()[k];
+      if (std::abs(solution_.wand->places[k] - known) <= kFar * sigma) continue;
+      solution_.remarks.push_back(fmt::format(
+          "Beside the others light {} of the wand is {:.2f} mm along it, not {:.2f} mm, which was "
+          "said to be known to {:.2g} mm: measure the wand, or give a larger sigma.",
+          k, 1e3 * solution_.wand->places[k], 1e3 * known, 1e3 * sigma));
+    }
+    const auto by_places = alignment_.scale_by_places;
+    if (!by_places) return;
+    // How well the wand is known, and how well the places fit.
+    const double of_wand = sigma / fit_.unknowns.wand().back();
+    const double off = std::abs(by_places->scale - 1);
+    if (off <= std::max(kAlike, kFar * std::hypot(of_wand, by_places->sigma))) return;
+    const double length = 1e3 * fit_.unknowns.wand().back();
+    solution_.remarks.push_back(
+        fmt::format("By the known places of the cameras the wand is {:.1f} mm long, not {:.1f} mm: "
+                    "measure both. The rig has the unit of the wand.",
+                    by_places->scale * length, length));
   }
 
   const std::vector<LightCamera>& cameras_;
   const rig::LightFit& fit_;
   const ParameterTable& table_;
+  PointLight board_;
   std::vector<SE3> rig_from_camera_;  // of the world, after to_world()
   rig::Alignment alignment_;
   std::vector<Eigen::Index> first_;  // of each camera's turn and place among the names
@@ -348,6 +307,7 @@ class Report {
 }  // namespace
 
 Status check(const LightOptions& options) {
+  if (const Status wand = rig::check_wand(options); !wand) return wand;
   const LightCamera any{"camera", {640, 480}, std::nullopt, {}};
   const auto unknowns = rig::LightUnknowns::make({any}, options);
   return unknowns ? Status() : tl::unexpected(unknowns.error());
@@ -355,9 +315,11 @@ Status check(const LightOptions& options) {
 
 Result<LightSolution> solve_light(const std::vector<LightCamera>& cameras,
                                   const LightOptions& options, std::stop_token stop) {
-  if (cameras.empty()) return invalid("Cameras have to be given.");
-  if (const Status sound = check(cameras); !sound) return tl::unexpected(sound.error());
-  const auto places = known_places(cameras, options.places);
+  if (const Status wand = rig::check_wand(options); !wand) return tl::unexpected(wand.error());
+  const std::size_t lights = std::max<std::size_t>(options.wand.size(), 1);
+  if (const Status sound = rig::check(cameras, lights); !sound)
+    return tl::unexpected(sound.error());
+  const auto places = rig::known_places(cameras, options.places);
   if (!places) return tl::unexpected(places.error());
   try {
     const auto fit = rig::fit_light(cameras, options, stop);

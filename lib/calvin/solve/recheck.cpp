@@ -96,7 +96,7 @@ std::optional<BundleProblem::Reduced> condense(const PointSet& view, const Camer
   shared.resize(static_cast<std::size_t>(table.count()));
   shared[static_cast<std::size_t>(table.skew(0).first)] = camera.skew();
   const ViewPoints points(view, {});
-  BundleProblem problem({{{&points}}, {}}, {&table, table.basis(), {}},
+  BundleProblem problem({{{&points}}, {}, {}}, {&table, table.basis(), {}},
                         {std::move(shared), {pose}, {}, {}}, Loss{});
   if (!problem.valid()) return std::nullopt;
   auto reduced = problem.reduced();

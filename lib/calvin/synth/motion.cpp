@@ -24,7 +24,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
 constexpr double kNearLight = 0.8;  // m, from the camera
 constexpr double kFarLight = 2.4;
-constexpr double kBorder = 0.04;  // of the image, where no light goes
+constexpr double kTiltOfWand = 0.8;  // rad, out of the image
+constexpr double kBorder = 0.04;     // of the image, where no light goes
 constexpr double kGrazing = 0.2;  // sine of the least angle between a line of sight and the board
 
 // Turns the optical axis to the direction `ray` by the shortest way.
@@ -211,6 +212,11 @@ SE3 Motion::random_light(std::uint64_t number) const {
   synth::Uniform random(seed_, number);
   Placement p;
   p.distance = kNearLight * std::pow(kFarLight / kNearLight, random(0, 1));
+  if (board_.point_count() > 1) {
+    p.roll = random(-kPi, kPi);
+    p.tilt = random(0, kTiltOfWand);
+    p.axis = random(-kPi, kPi);
+  }
   SE3 pose;
   for (int attempt = 0; attempt < 60; ++attempt) {
     p.pixel = {random(kBorder, 1 - kBorder) * size.width,
@@ -238,6 +244,11 @@ SE3 Motion::light_pose(double at) const {
   p.pixel = {centre_.u + (0.5 - kBorder) * toward.u * width,
              centre_.v + (0.5 - kBorder) * toward.v * size.height};
   p.distance = std::sqrt(kNearLight * kFarLight) * std::pow(kFarLight / kNearLight, farther / 2);
+  if (board_.point_count() > 1) {
+    p.roll = kPi * wander(at, seed_, 3);
+    p.tilt = kTiltOfWand * wander(at, seed_, 4);
+    p.axis = kPi * wander(at, seed_, 5);
+  }
   SE3 pose;
   return place(p, pose) ? pose : frontal_pose(p.distance);
 }

@@ -22,7 +22,8 @@ enum class MotionKind {
 
 // Poses of the whole board within the image, with a free margin of about a square, for any camera
 // (fisheye ones beyond 90 degrees too). A light moves through all of the image, 0.8 to 2.4 m away;
-// it circles where a camera would. Immutable; the same for the same arguments.
+// it circles where a camera would. A wand is turned about as well, and its middle moves so that its
+// ends may leave the image. Immutable; the same for the same arguments.
 class Motion {
  public:
   Motion(MotionKind kind, const Camera& camera, const Board& board, std::uint64_t seed);

@@ -134,18 +134,20 @@ GrayImage BoardRenderer::render(const Board& board, const PoseOfRow& camera_from
   return render_rows(board, camera_from_board, true, options);
 }
 
-GrayImage BoardRenderer::render_light(const PoseOfRow& camera_from_board, bool moves,
-                                      const RenderOptions& options) const {
+GrayImage BoardRenderer::render_lights(const Board& board, const PoseOfRow& camera_from_board,
+                                       bool moves, const RenderOptions& options) const {
   synth::FloatImage image(size_);
   const double exposure = std::max(options.exposure, 0.0);
   std::ranges::fill(image.pixels, static_cast<float>(exposure * options.dark));
   add_lamps(image, options);
-  const auto spot_of = [&](double v) {
-    return synth::light_spot(camera_, camera_from_board(v).translation, PointLight::kDiameter,
-                             exposure * options.glow, options.blur);
-  };
-  const auto still = spot_of(0);
-  synth::add_light(image, [&](double v) { return moves ? spot_of(v) : still; });
+  for (const Eigen::Vector3d& light : board.points()) {
+    const auto spot_of = [&](double v) {
+      return synth::light_spot(camera_, camera_from_board(v) * light, PointLight::kDiameter,
+                               exposure * options.glow, options.blur);
+    };
+    const auto still = spot_of(0);
+    synth::add_light(image, [&](double v) { return moves ? spot_of(v) : still; });
+  }
   return synth::quantise(image, options.noise, options.seed);
 }
 
@@ -237,7 +239,9 @@ void BoardRenderer::paint_cards(std::vector<PlacedArtwork> sheets,
 
 GrayImage BoardRenderer::render_rows(const Board& board, const PoseOfRow& camera_from_board,
                                      bool moves, const RenderOptions& options) const {
-  if (board.as<PointLight>() != nullptr) return render_light(camera_from_board, moves, options);
+  if (board.as<PointLight>() != nullptr) {
+    return render_lights(board, camera_from_board, moves, options);
+  }
   synth::FloatImage image(size_);
   if (board.as<TagList>() != nullptr) {
     paint_cards(artworks_of(board), camera_from_board, moves, options, image);

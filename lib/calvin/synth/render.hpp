@@ -10,8 +10,8 @@
 // which also stands where the camera model is not valid. From behind a board is a blank light card.
 // The tags of a list are cards of their own, each painted over those whose middle is farther away.
 //
-// A light (board `dot`) is a small ball that glows, seen from all sides: exactly a Gaussian in the
-// image, in a dark room where other lamps may stand still.
+// A light (board `dot`, and each of a `wand`) is a small ball that glows, seen from all sides:
+// exactly a Gaussian in the image, in a dark room where other lamps may stand still.
 #pragma once
 
 #include <cstdint>
@@ -71,8 +71,8 @@ class BoardRenderer {
 
  private:
   [[nodiscard]] const float* rays_above(int row) const;
-  [[nodiscard]] GrayImage render_light(const PoseOfRow& camera_from_board, bool moves,
-                                       const RenderOptions& options) const;
+  [[nodiscard]] GrayImage render_lights(const Board& board, const PoseOfRow& camera_from_board,
+                                        bool moves, const RenderOptions& options) const;
   [[nodiscard]] GrayImage render_rows(const Board& board, const PoseOfRow& camera_from_board,
                                       bool moves, const RenderOptions& options) const;
   struct Rows {

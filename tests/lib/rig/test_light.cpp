@@ -10,64 +10,20 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <Eigen/Eigenvalues>
 
 #include "calvin/rig/solve_light.hpp"
+#include "light_errors.hpp"
 #include "simulated_light.hpp"
 
 namespace calvin {
 namespace {
 
+using scenes::errors_of;
 using scenes::LitRoom;
+using scenes::Normalised;
+using scenes::normalised;
 using scenes::places_of;
 using scenes::Random;
-
-// The errors of all numbers of a solution in the frame of the room, in the order of its names.
-Eigen::VectorXd errors_of(const LightSolution& solved, const LitRoom& room) {
-  Eigen::VectorXd errors(static_cast<Eigen::Index>(solved.names.size()));
-  Eigen::Index at = 0;
-  for (std::size_t c = 0; c < room.cameras.size(); ++c) {
-    const RigCamera& camera = solved.rig.cameras[c];
-    const auto& truth = room.cameras[c].parameters();
-    for (std::size_t p = 0; p < truth.size(); ++p) {
-      const Parameter& found = camera.calibration.parameters[p];
-      if (found.sigma) errors[at++] = found.value - truth[p];
-    }
-    const SE3 pose = to_se3(camera.rig_from_camera);
-    const SE3& true_pose = room.room_from_camera[c];
-    errors.segment<3>(at) = log_so3(pose.rotation * true_pose.rotation.transpose());
-    errors.segment<3>(at + 3) = pose.translation - true_pose.translation;
-    at += 6;
-  }
-  return errors;
-}
-
-struct Normalised {
-  double square = 0;  // e^T C^-1 e
-  double degrees = 0;
-  double largest = 0;  // component, in its sigma
-};
-
-// Directions that the similarity has taken out have no variance, and do not count.
-Normalised normalised(const LightSolution& solved, const Eigen::VectorXd& errors) {
-  const Eigen::Index n = errors.size();
-  const Eigen::Map<const Eigen::MatrixXd> covariance(solved.covariance.data(), n, n);
-  const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
-  const Eigen::VectorXd scale = sigma.cwiseInverse();
-  const Eigen::VectorXd z = errors.cwiseProduct(scale);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * covariance *
-                                                             scale.asDiagonal());
-  Normalised result;
-  result.largest = z.cwiseAbs().maxCoeff();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    constexpr double kNone = 1e-9;
-    if (!(eigen.eigenvalues()[i] > kNone)) continue;
-    const double along = eigen.eigenvectors().col(i).dot(z);
-    result.square += along * along / eigen.eigenvalues()[i];
-    result.degrees += 1;
-  }
-  return result;
-}
 
 struct Case {
   int cameras;

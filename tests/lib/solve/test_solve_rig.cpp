@@ -42,7 +42,7 @@ Solved solve_ours(const Scene& scene, const ParameterTable& table, BundlePoint s
   for (std::size_t v = 0; v < scene.seen.size(); ++v) {
     views.emplace_back(scene.sets[v], scene.seen[v].board == 0 ? scene.shape : BoardShape());
   }
-  ResidualBlocks blocks = {scene.seen, std::move(points)};
+  ResidualBlocks blocks = {scene.seen, std::move(points), {}};
   for (std::size_t v = 0; v < views.size(); ++v) blocks.boards[v].seen = &views[v];
   BundleProblem problem(std::move(blocks), {&table, table.basis(), table.priors()},
                         std::move(start), Loss{});
@@ -131,7 +131,7 @@ TEST(Rig, LeavesACameraAloneThatDoesNotSeeTheBoard) {
     views.emplace_back(sets[v], seen[v].board == 0 ? scene.shape : BoardShape());
   }
   for (std::size_t v = 0; v < seen.size(); ++v) seen[v].seen = &views[v];
-  BundleProblem problem({seen, {}}, {&table, table.basis(), table.priors()}, start, Loss{});
+  BundleProblem problem({seen, {}, {}}, {&table, table.basis(), table.priors()}, start, Loss{});
   ASSERT_TRUE(problem.valid());
   const auto reduced = problem.reduced();
   ASSERT_TRUE(reduced);
@@ -153,7 +153,7 @@ TEST(Rig, IsRefusedWhereTableAndBlocksDoNotFitTogether) {
   const ParameterTable table = table_of(scene, false);
   const auto is_valid = [&](const ParameterTable& of, const std::vector<BoardResiduals>& boards,
                             const BundlePoint& start) {
-    return BundleProblem({boards, scene.points}, {&of, of.basis(), {}}, start, Loss{}).valid();
+    return BundleProblem({boards, scene.points, {}}, {&of, of.basis(), {}}, start, Loss{}).valid();
   };
   EXPECT_TRUE(is_valid(table, scene.seen, scene.truth));
 
@@ -181,7 +181,7 @@ TEST(Rig, DoesNotDetermineAPointThatNobodySees) {
     views.emplace_back(scene.sets[v], scene.seen[v].board == 0 ? scene.shape : BoardShape());
   }
   for (std::size_t v = 0; v < views.size(); ++v) scene.seen[v].seen = &views[v];
-  BundleProblem problem({scene.seen, scene.points}, {&table, table.basis(), {}}, start, Loss{});
+  BundleProblem problem({scene.seen, scene.points, {}}, {&table, table.basis(), {}}, start, Loss{});
   ASSERT_TRUE(problem.valid());
   EXPECT_FALSE(problem.reduced());
   EXPECT_FALSE(minimise(problem, LmOptions{}, {}).converged);

@@ -77,6 +77,25 @@ TEST(LightScene, IsAGaussianWhereTheTruthIs) {
   }
 }
 
+// Each light of a wand is where the truth is: the brightest pixel is the one that it is in.
+TEST(LightScene, OfAWandHasEachOfItsLights) {
+  const Camera camera = Camera::make("pinhole", {640, 480}, {500, 500, 319.5, 239.5}).value();
+  const Board wand = PointLight{{0, 0.15, 0.5}};
+  const SE3 pose{exp_so3({0.2, 0.5, 1}), {-0.1, -0.2, 1.5}};
+  const Observation truth = true_observation(camera, wand, pose);
+  ASSERT_EQ(truth.ids, (std::vector<int>{0, 1, 2}));
+  const GrayImage image = render_board(camera, wand, pose, {.noise = 0, .blur = 0.8, .glow = 150});
+  for (const Pixel& at : truth.uv) {
+    const int u = static_cast<int>(std::lround(at.u));
+    const int v = static_cast<int>(std::lround(at.v));
+    for (const Pixel& way : {Pixel{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      EXPECT_GE(image.view().at(u, v),
+                image.view().at(u + static_cast<int>(way.u), v + static_cast<int>(way.v)));
+    }
+    EXPECT_GT(image.view().at(u, v), image.view().at(u + 20, v) + 50);
+  }
+}
+
 TEST(LightScene, IsSeenFromAllSides) {
   const Camera camera = default_camera({320, 240});
   const SE3 facing = {Eigen::Matrix3d::Identity(), {0.1, -0.05, 1}};

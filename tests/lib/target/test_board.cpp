@@ -303,6 +303,23 @@ TEST(Board, ALightIsOnePointWithoutMeasures) {
   for (const char* wrong : {"dot:", "dot:5mm", "dot:1x1:25mm"}) expect_refused(wrong, "dot");
 }
 
+TEST(Board, AWandIsLightsOnALine) {
+  const Board board = parse_board("wand:15cm+350mm").value();
+  EXPECT_EQ(board.text(), "wand:150mm+350mm");
+  EXPECT_EQ(board.ids(), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(board.points()[1], Eigen::Vector3d(0.15, 0, 0));
+  EXPECT_NEAR(board.points()[2].x(), 0.5, 1e-15);
+  EXPECT_EQ(board.neighbours(1), (std::vector<int>{0, 2}));
+  EXPECT_EQ(board.cell_size(1), 0.15);
+  EXPECT_EQ(parse_board("wand:500mm").value().point_count(), 2);
+  EXPECT_FALSE(board.looks_like(parse_board("dot").value()));
+  EXPECT_FALSE(board == parse_board("wand:150mm+351mm").value());
+  for (const char* wrong : {"wand", "wand:", "wand:500", "wand:-5mm", "wand:5mm+", "wand:1mm:2mm",
+                            "wand:1mm+1mm+1mm+1mm+1mm+1mm+1mm+1mm"}) {
+    expect_refused(wrong, "wand:150mm+350mm");
+  }
+}
+
 TEST(Board, AGridThatGoesOnBeyondThePictureHasADistanceAlone) {
   const Board dots = parse_board("dots:1mm").value();
   const Board lines = parse_board("lines:2.5cm:inverted").value();

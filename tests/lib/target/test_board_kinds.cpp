@@ -28,6 +28,7 @@ Board point_board() { return PointBoard::make("plate.json", five_dots()).value()
 const std::vector<scenes::NamedBoard> kBoards = [] {
   auto all = scenes::board_of_each_kind();
   all.push_back({"PointLight", PointLight{}});
+  all.push_back({"Wand", PointLight{{0, 0.15, 0.5}}});
   for (const auto& [name, text] :
        {std::pair{"TagList", "apriltag:tag36h11:60mm:3=0,0+9/90mm=0,-0.2m,30:border=2"},
         {"TagsInSpace", "aruco:60mm:0=0,0,50mm,0,90,0+2=30mm,1mm,0,-90,0,12.5:DICT_4X4_50"}}) {

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <utility>
 
+#include "calvin/detect/light/wand_shape.hpp"
+
 namespace calvin::detect {
 
 namespace {
@@ -28,7 +30,7 @@ double distance(Pixel a, Pixel b) { return std::hypot(a.u - b.u, a.v - b.v); }
 
 }  // namespace
 
-void LightChooser::forget() { *this = {}; }
+void LightChooser::forget() { *this = LightChooser(std::move(wand_)); }
 
 bool LightChooser::goes_on(const LightSpotSeen& spot) const {
   if (!last_ || frames_since_ >= kFollowed) return false;
@@ -49,19 +51,50 @@ LightChoice LightChooser::pick(const std::vector<LightSpotSeen>& spots, double r
   };
   if (brightest->flux >= kFarBrighter * rival) {
     if (brightest->flux < kWeak * flux_ && !goes_on(*brightest)) {
-      return {std::nullopt,
-              "What is seen is much weaker than the light was: it may be a reflection"};
+      return {{}, "What is seen is much weaker than the light was: it may be a reflection"};
     }
-    return {place(*brightest), {}};
+    return {{place(*brightest)}, {}};
   }
   const auto next = std::ranges::find_if(spots, [&](const auto& s) { return goes_on(s); });
   const bool is_one =
       next != spots.end() &&
       std::none_of(next + 1, spots.end(), [&](const auto& s) { return goes_on(s); });
   if (is_one && kFarBrighter * next->flux >= std::max(rival, brightest->flux)) {
-    return {place(*next), {}};
+    return {{place(*next)}, {}};
   }
-  return {std::nullopt, "Several lights are in view: cover the others, and what reflects them"};
+  return {{}, "Several lights are in view: cover the others, and what reflects them"};
+}
+
+// Of all sets that lie as the wand does the one that is far brighter than the others.
+LightChoice LightChooser::pick_wand(const std::vector<LightSpotSeen>& spots, double rival) const {
+  if (spots.size() < wand_.size()) {
+    return {{}, spots.empty() ? "" : "Not all lights of the wand are in view"};
+  }
+  const auto sets = sets_of_wand(spots, wand_);
+  if (sets.empty()) {
+    return {{}, "What is seen lies otherwise than the lights of the wand: cover other lights"};
+  }
+  const auto flux = [&](const std::vector<std::size_t>& set) {
+    double sum = 0;
+    for (const std::size_t i : set) sum += spots[i].flux;
+    return sum;
+  };
+  const auto best = std::ranges::max_element(sets, {}, flux);
+  for (const auto& set : sets) {
+    if (&set != &*best) rival = std::max(rival, flux(set));
+  }
+  if (flux(*best) < kFarBrighter * rival) {
+    return {{}, "Several lights lie as those of the wand do: cover what reflects them"};
+  }
+  if (flux(*best) < kWeak * flux_) {
+    return {{}, "What is seen is much weaker than the wand was: it may be a reflection"};
+  }
+  return {*best, {}};
+}
+
+void LightChooser::remember_flux(double flux) {
+  constexpr double kNewest = 0.2;  // of it
+  flux_ = flux_ > 0 ? std::max(flux_ + kNewest * (flux - flux_), flux) : flux;
 }
 
 void LightChooser::remember(const LightSpotSeen& light) {
@@ -73,15 +106,14 @@ void LightChooser::remember(const LightSpotSeen& light) {
   }
   last_ = now;
   frames_since_ = 0;
-  constexpr double kNewest = 0.2;  // of its flux
-  flux_ = flux_ > 0 ? std::max(flux_ + kNewest * (light.flux - flux_), light.flux) : light.flux;
+  remember_flux(light.flux);
 }
 
 void LightChooser::note_others(const std::vector<LightSpotSeen>& spots, const LightChoice& choice) {
   std::vector<Standing> now;
   lamps_.clear();
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    if (choice.spot == i) continue;
+    if (std::ranges::find(choice.spots, i) != choice.spots.end()) continue;
     const Pixel at = spots[i].fit.centre;
     const auto before = std::ranges::find_if(
         standing_, [&](const Standing& s) { return distance(s.at, at) < kStill; });
@@ -97,10 +129,14 @@ void LightChooser::note_others(const std::vector<LightSpotSeen>& spots, const Li
 }
 
 LightChoice LightChooser::choose(const std::vector<LightSpotSeen>& spots, double rival) {
-  const LightChoice choice = pick(spots, rival);
+  const LightChoice choice = wand_.empty() ? pick(spots, rival) : pick_wand(spots, rival);
   note_others(spots, choice);
-  if (choice.spot) {
-    remember(spots[*choice.spot]);
+  if (choice.spots.size() == 1) {
+    remember(spots[choice.spots.front()]);
+  } else if (!choice.spots.empty()) {
+    double flux = 0;
+    for (const std::size_t i : choice.spots) flux += spots[i].flux;
+    remember_flux(flux);
   } else {
     ++frames_since_;
     flux_ *= kFading;

@@ -2,13 +2,14 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // Which of several bright spots is the light: the one that is far brighter than all others, or that
-// goes on where the light was. Internal.
+// goes on where the light was; of a wand, those that lie as its lights do. Internal.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "calvin/core/image.hpp"
@@ -25,13 +26,17 @@ struct LightSpotSeen {
 };
 
 struct LightChoice {
-  std::optional<std::size_t> spot;  // absent where none is the light for certain
-  std::string_view why;             // in words for a user, where there was one to choose
+  std::vector<std::size_t>
+      spots;             // of each light, in their order; empty where they are not certain
+  std::string_view why;  // in words for a user, where there was one to choose
 };
 
 // Remembers the light from frame to frame.
 class LightChooser {
  public:
+  // Of a wand the places of its lights along it; of one light nothing.
+  explicit LightChooser(std::vector<double> wand = {}) : wand_(std::move(wand)) {}
+
   void forget();
 
   // To be called once for each frame, with all spots of it. `rival` is the flux of the brightest
@@ -50,10 +55,13 @@ class LightChooser {
   };
 
   [[nodiscard]] LightChoice pick(const std::vector<LightSpotSeen>& spots, double rival) const;
+  [[nodiscard]] LightChoice pick_wand(const std::vector<LightSpotSeen>& spots, double rival) const;
   [[nodiscard]] bool goes_on(const LightSpotSeen& spot) const;
   void remember(const LightSpotSeen& light);
+  void remember_flux(double flux);
   void note_others(const std::vector<LightSpotSeen>& spots, const LightChoice& choice);
 
+  std::vector<double> wand_;
   std::optional<Pixel> last_;  // where the light was when it was found last
   Pixel step_;                 // px per frame
   int frames_since_ = 0;

@@ -19,6 +19,7 @@
 #include "calvin/detect/light/light_blobs.hpp"
 #include "calvin/detect/light/light_choice.hpp"
 #include "calvin/detect/light/spot_fit.hpp"
+#include "calvin/detect/light/wand_shape.hpp"
 #include "calvin/detect/luma.hpp"
 #include "calvin/detect/smoothing.hpp"
 #include "calvin/target/kinds.hpp"
@@ -52,6 +53,10 @@ struct Spots {
 
 class LightDetector final : public Detector {
  public:
+  explicit LightDetector(PointLight light)
+      : light_(std::move(light)),
+        chooser_(light_.is_wand() ? light_.places : std::vector<double>()) {}
+
   std::vector<Detection> detect_all(const ImageView& image,
                                     std::stop_token stop) noexcept override {
     return guarded(image, stop, [&](const ImageView& plain) { return look_once(plain); });
@@ -71,6 +76,7 @@ class LightDetector final : public Detector {
   [[nodiscard]] Detection conclude(const Spots& spots, const LightChoice& choice) const;
   void forget();
 
+  PointLight light_;
   GrayImage copy_;  // of images whose pixels do not lie side by side
   LightBackground background_;
   LightChooser chooser_;
@@ -183,16 +189,18 @@ Spots LightDetector::find_spots(const ImageView& image) {
 
 Detection LightDetector::conclude(const Spots& spots, const LightChoice& choice) const {
   Detection result;
-  if (!choice.spot) {
+  if (choice.spots.empty()) {
     result.reason = spots.all.empty() ? spots.reason : Reason::kNotFound;
     result.obstacle = spots.all.empty() ? spots.why : choice.why;
     return result;
   }
-  const SpotFit& light = spots.all[*choice.spot].fit;
   result.reason = Reason::kAccepted;
-  result.observation.ids = {0};
-  result.observation.uv = {light.centre};
-  result.observation.sigma = {sigma_of(light)};
+  result.observation.ids = light_.ids();
+  for (const std::size_t spot : choice.spots) {
+    const SpotFit& light = spots.all[spot].fit;
+    result.observation.uv.push_back(light.centre);
+    result.observation.sigma.push_back(sigma_of(light));
+  }
   return result;
 }
 
@@ -222,7 +230,8 @@ RoomLevel level_of_room(const ImageView& image) {
   return {static_cast<std::uint8_t>(median), static_cast<std::uint8_t>(spread)};
 }
 
-// A picture alone does not tell lamps from lights: the light has to be the one bright thing.
+// A picture alone does not tell lamps from lights: the light, or the wand, has to be the one bright
+// thing.
 Detection LightDetector::look_once(const ImageView& image) {
   constexpr double kMostBright = 1.0 / 64;  // of the picture
   const RoomLevel room = level_of_room(image);
@@ -233,7 +242,7 @@ Detection LightDetector::look_once(const ImageView& image) {
     spots = find_spots(image);
   }
   // Any other one may be the light, however weak.
-  if (spots.all.size() > 1) spots.rival = HUGE_VAL;
+  if (spots.all.size() > light_.places.size()) spots.rival = HUGE_VAL;
   const LightChoice choice = chooser_.choose(spots.all, spots.rival);
   Detection result = conclude(spots, choice);
   forget();
@@ -287,7 +296,7 @@ std::vector<Detection> LightDetector::guarded(const ImageView& image, const std:
       }
       results.front() = look(plain);
     }
-    results.front().observation.board = PointLight{}.text();
+    results.front().observation.board = light_.text();
     results.front().observation.image_size = image.size();
     return results;
   } catch (const std::exception&) {
@@ -298,10 +307,15 @@ std::vector<Detection> LightDetector::guarded(const ImageView& image, const std:
 
 }  // namespace
 
+Status check_light(const Board& board) {
+  const auto* light = board.as<PointLight>();
+  return light == nullptr ? Status() : check_shape(*light);
+}
+
 bool is_light(const Board& board) { return board.as<PointLight>() != nullptr; }
 
-std::unique_ptr<Detector> make_light_detector(std::span<const Board> /*boards*/) {
-  return std::make_unique<LightDetector>();
+std::unique_ptr<Detector> make_light_detector(std::span<const Board> boards) {
+  return std::make_unique<LightDetector>(*boards.front().as<PointLight>());
 }
 
 }  // namespace calvin::detect

@@ -60,10 +60,11 @@ double white_border(const Board& board) {
 
 Status check_printable(const Board& board) {
   if (board.as<PointLight>() != nullptr) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("The board {} is a light: there is nothing to print. Move an LED "
-                                  "or the spot of a laser pointer before the cameras.",
-                                  board.text()));
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("The board {} is a light: there is nothing to print. Move an LED, "
+                    "the spot of a laser pointer or a wand of LEDs before the cameras.",
+                    board.text()));
   }
   const auto* list = board.as<TagList>();
   if (list != nullptr && !list->is_flat()) {

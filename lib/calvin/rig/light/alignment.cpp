@@ -91,7 +91,7 @@ tl::unexpected<Error> mirrored() {
                     "are: their axes are left-handed. Turn the sign of one axis, as of y.");
 }
 
-Result<Alignment> by_frame(const Clouds& clouds) {
+Result<Alignment> by_frame(const Clouds& clouds, bool has_unit) {
   constexpr double kBetter = 0.2;  // of what is left, in length
   constexpr double kPoor = 0.03;   // of the size of the rig
   if (on_a_line(clouds.world) || on_a_line(clouds.rig)) return collinear();
@@ -107,9 +107,18 @@ Result<Alignment> by_frame(const Clouds& clouds) {
   Alignment result;
   const auto count = static_cast<double>(clouds.rig.size());
   result.is_framed = true;
-  result.world_from_rig = {fit.scale,
-                           {turn, clouds.world_mean - fit.scale * (turn * clouds.rig_mean)}};
-  result.rms = std::sqrt(fit.squares / count);
+  const double scale = has_unit ? 1 : fit.scale;
+  double squares = fit.squares;
+  if (has_unit) {
+    const double numbers = std::max(1.0, 3 * count - static_cast<double>(kSimilarity));
+    result.scale_by_places = {fit.scale, std::sqrt(fit.squares / numbers / size)};
+    squares = 0;
+    for (std::size_t i = 0; i < clouds.rig.size(); ++i) {
+      squares += (clouds.world[i] - turn * clouds.rig[i]).squaredNorm();
+    }
+  }
+  result.world_from_rig = {scale, {turn, clouds.world_mean - scale * (turn * clouds.rig_mean)}};
+  result.rms = std::sqrt(squares / count);
   return result;
 }
 
@@ -132,14 +141,18 @@ Eigen::MatrixXd by_similarity(Eigen::Index count, const std::vector<Eigen::Index
 }  // namespace
 
 Result<Alignment> align(const std::vector<SE3>& rig_from_camera,
-                        const std::vector<KnownPlace>& places) {
+                        const std::vector<KnownPlace>& places, bool has_unit) {
   const Clouds clouds = clouds_of(rig_from_camera, places);
-  if (places.size() >= kFramed) return by_frame(clouds);
+  if (places.size() >= kFramed) return by_frame(clouds, has_unit);
   const double length = (places[1].place - places[0].place).norm();
   const double own = (clouds.rig[1] - clouds.rig[0]).norm();
   if (!(length > 0) || !(own > 0)) return collinear();
   Alignment result;
-  result.world_from_rig.scale = length / own;
+  if (has_unit) {
+    result.scale_by_places = {length / own, 0};
+  } else {
+    result.world_from_rig.scale = length / own;
+  }
   return result;
 }
 
@@ -167,6 +180,9 @@ Eigen::MatrixXd covariance_by_places(const Eigen::MatrixXd& covariance,
     seen.block<1, 3>(0, first[places[0].camera] + 3) -= along.transpose();
     by = by.rightCols<1>().eval();
   }
+  // A rig that has its unit does not grow.
+  if (alignment.scale_by_places) by = by.leftCols<kSimilarity - 1>().eval();
+  const auto freedom = by.cols();
   // The similarity takes back what the known places see: a = -(D^T D)^-1 D^T (S e - e_known).
   const Eigen::MatrixXd moved = seen * by;
   const Eigen::MatrixXd inverse = solve_symmetric(
@@ -175,10 +191,10 @@ Eigen::MatrixXd covariance_by_places(const Eigen::MatrixXd& covariance,
       Eigen::MatrixXd::Identity(count, count) - by * (inverse * (moved.transpose() * seen));
   const Eigen::MatrixXd of_rig = kept * covariance * kept.transpose();
   double variance = 0;  // m^2, of the known places
-  if (alignment.rms && 3 * known > kSimilarity) {
+  if (alignment.rms && 3 * known > freedom) {
     const double expected = (seen * of_rig * seen.transpose()).trace();
     const double left = static_cast<double>(known) * *alignment.rms * *alignment.rms;
-    variance = std::max(0.0, left - expected) / static_cast<double>(3 * known - kSimilarity);
+    variance = std::max(0.0, left - expected) / static_cast<double>(3 * known - freedom);
   }
   return of_rig + variance * (by * inverse * by.transpose());
 }

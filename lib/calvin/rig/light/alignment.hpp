@@ -30,12 +30,20 @@ struct Alignment {
   Similarity world_from_rig;
   bool is_framed = false;  // by three places or more; else by a length alone, and the frame stays
   std::optional<double> rms;  // m, of what is left of three known places or more
+  // Of a rig that has its unit: how much larger it is by the places, and how well they tell that by
+  // how well they fit.
+  struct ScaleByPlaces {
+    double scale = 1;
+    double sigma = 0;
+  };
+  std::optional<ScaleByPlaces> scale_by_places;
 };
 
-// By least squares (S. Umeyama, PAMI 13(4), 1991). kDegenerate where three places or more lie on
+// Where `has_unit` the rig does not grow: the places give its frame, and two of them nothing. By
+// least squares (S. Umeyama, PAMI 13(4), 1991). kDegenerate where three places or more lie on
 // one line or two are the same; kInvalidArgument where they fit as their own mirror image alone.
 [[nodiscard]] Result<Alignment> align(const std::vector<SE3>& rig_from_camera,
-                                      const std::vector<KnownPlace>& places);
+                                      const std::vector<KnownPlace>& places, bool has_unit = false);
 
 // The covariance of turns and places of all cameras about the axes of the world, in which the known
 // places decide what is not known of the rig as a whole. `covariance` is that before, over numbers

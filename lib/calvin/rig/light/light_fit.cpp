@@ -9,7 +9,6 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,6 +19,8 @@
 #include "calvin/rig/light/light_refinement.hpp"
 #include "calvin/rig/light/reconstruct.hpp"
 #include "calvin/rig/light/space.hpp"
+#include "calvin/rig/light/tracks.hpp"
+#include "calvin/rig/light/wand.hpp"
 
 namespace calvin::rig {
 
@@ -49,42 +50,6 @@ tl::unexpected<Error> no_fit() {
                     "time and it fills their pictures, or give calibrations of the cameras.");
 }
 
-std::size_t seen_by(const std::vector<LightCamera>& cameras, std::size_t instant) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      cameras, [&](const LightCamera& c) { return c.seen[instant].has_value(); }));
-}
-
-// Some of a list, evenly.
-std::vector<std::size_t> some_of(const std::vector<std::size_t>& all, std::size_t most) {
-  std::vector<std::size_t> some;
-  const std::size_t count = std::min(all.size(), most);
-  for (std::size_t k = 0; k < count; ++k) some.push_back(all[k * all.size() / count]);
-  return some;
-}
-
-// Instants that are enough for a start: some that most cameras have seen, and some of each camera.
-std::vector<std::size_t> instants_to_begin_with(const std::vector<LightCamera>& cameras) {
-  constexpr std::size_t kAll = 300;
-  constexpr std::size_t kOfEach = 60;
-  std::vector<std::size_t> all(cameras.front().seen.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  std::erase_if(all, [&](std::size_t i) { return seen_by(cameras, i) < 2; });
-  std::ranges::stable_sort(all, std::greater(), [&](std::size_t i) { return seen_by(cameras, i); });
-  std::vector<std::size_t> best(
-      all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), 2 * kAll)));
-  std::ranges::sort(best);
-  const std::vector<std::size_t> chosen = some_of(best, kAll);
-  std::set<std::size_t> instants(chosen.begin(), chosen.end());
-  for (const LightCamera& camera : cameras) {
-    std::vector<std::size_t> own;
-    std::ranges::copy_if(all, std::back_inserter(own),
-                         [&](std::size_t i) { return camera.seen[i].has_value(); });
-    own.resize(std::min(own.size(), 2 * kOfEach));
-    for (const std::size_t i : some_of(own, kOfEach)) instants.insert(i);
-  }
-  return {instants.begin(), instants.end()};
-}
-
 class LightSolver {
  public:
   LightSolver(const std::vector<LightCamera>& cameras, LightUnknowns unknowns,
@@ -98,7 +63,12 @@ class LightSolver {
   }
 
   [[nodiscard]] LightFit take() {
-    return {std::move(unknowns_), std::move(state_), std::move(covariance_), variance_, scatter_};
+    return {std::move(unknowns_),
+            std::move(state_),
+            std::move(covariance_),
+            variance_,
+            scatter_,
+            stage_};
   }
 
  private:
@@ -241,16 +211,16 @@ class LightSolver {
            !stop_.stop_requested();
   }
 
-  // Decides which sightings are used by how large the noise is now. Whether anything changed.
-  bool judge_again(const std::vector<std::size_t>& instants) {
-    state_.noise = noise_scale(cameras_, unknowns_, state_);
-    return judge(cameras_, unknowns_, kFar * state_.noise, instants, state_);
+  // Decides which sightings are used by how large the noise is now.
+  void judge_again(const std::vector<std::size_t>& instants) {
+    state_.noise = noise_scale(cameras_, unknowns_, stage_, state_);
+    judge(cameras_, unknowns_, kFar * state_.noise, instants, state_);
   }
 
   // The loss is soft from where a sighting is unlikely.
   [[nodiscard]] Loss soft() {
     constexpr double kSoft = 3;  // sigmas
-    state_.noise = noise_scale(cameras_, unknowns_, state_);
+    state_.noise = noise_scale(cameras_, unknowns_, stage_, state_);
     return {Loss::Kind::kCauchy, kSoft * state_.noise};
   }
 
@@ -268,24 +238,43 @@ class LightSolver {
     return true;
   }
 
-  // Over all instants, without a loss, until the same sightings are used.
+  // Over all instants, without a loss: first as points by themselves, then those of a wand.
   [[nodiscard]] Status finish() {
+    if (const Status settled = settle(); !settled) return settled;
+    if (unknowns_.lights() > 1) {
+      const auto distances = wand_distances(cameras_, unknowns_, state_);
+      const auto scale = scale_by_wand(distances, unknowns_);
+      if (!scale) return tl::unexpected(scale.error());
+      grow(state_, *scale);
+      stage_ = LightStage::kWand;
+      if (const Status settled = settle(); !settled) return settled;
+    }
+    return set_covariance();
+  }
+
+  // Until the same sightings are used.
+  [[nodiscard]] Status settle() {
     constexpr int kRounds = 6;
     constexpr int kIterations = 100;
     std::vector<std::size_t> all(state_.points.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     for (int round = 0; round < kRounds; ++round) {
-      if (!judge_again(all) && round > 0) break;
-      if (!step(LightStage::kAll, Loss{}, kIterations)) {
+      const auto before = state_.used;
+      judge_again(all);
+      if (stage_ == LightStage::kWand) {
+        refuse_lights(wand_distances(cameras_, unknowns_, state_), unknowns_, state_);
+      }
+      if (state_.used == before && round > 0) break;
+      if (!step(stage_, Loss{}, kIterations)) {
         return stop_.stop_requested() ? stopped() : no_fit();
       }
     }
-    return set_covariance();
+    return {};
   }
 
   [[nodiscard]] Status set_covariance() {
     const ParameterTable& table = unknowns_.table();
-    const Eigen::MatrixXd free = unknowns_.basis(unknowns_.at(LightStage::kAll), state_);
+    const Eigen::MatrixXd free = unknowns_.basis(stage_, state_);
     std::vector<int> given;
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
       const ParameterRange range = table.intrinsics(c);
@@ -295,7 +284,7 @@ class LightSolver {
     Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(table.count(), first + free.cols());
     for (Eigen::Index k = 0; k < first; ++k) basis(given[static_cast<std::size_t>(k)], k) = 1;
     basis.rightCols(free.cols()) = free;
-    const auto equations = information(cameras_, unknowns_, basis, state_);
+    const auto equations = information(cameras_, unknowns_, stage_, basis, state_);
     if (!equations) return undetermined("");
     variance_ = equations->cost / degrees_of_freedom(free.cols());
     set_scatter(free, equations->matrix.bottomRightCorner(free.cols(), free.cols()));
@@ -313,7 +302,7 @@ class LightSolver {
     constexpr std::size_t kStretches = 10;
     constexpr double kSure = 1.5;  // beyond what independent sightings ever come to
     const auto ratio =
-        scatter(cameras_, unknowns_, basis, information, variance_, kStretches, state_);
+        scatter(cameras_, unknowns_, stage_, basis, information, variance_, kStretches, state_);
     if (ratio && *ratio > kSure) scatter_ = *ratio;
   }
 
@@ -327,11 +316,11 @@ class LightSolver {
   }
 
   [[nodiscard]] double degrees_of_freedom(Eigen::Index directions) const {
-    const auto priors = unknowns_.priors(unknowns_.at(LightStage::kAll), 1);
-    double numbers = static_cast<double>(priors.size()) - static_cast<double>(directions);
-    for (std::size_t i = 0; i < state_.points.size(); ++i) {
-      if (state_.points[i]) numbers -= 3;
-      for (const auto& camera : state_.used) numbers += camera[i] ? 2 : 0;
+    const auto priors = unknowns_.priors(unknowns_.at(stage_), 1);
+    double numbers = static_cast<double>(priors.size()) - static_cast<double>(directions) -
+                     small_unknowns(unknowns_, stage_, state_);
+    for (const auto& camera : state_.used) {
+      numbers += 2 * static_cast<double>(std::ranges::count(camera, true));
     }
     return std::max(numbers, 1.0);
   }
@@ -369,6 +358,7 @@ class LightSolver {
   std::vector<std::size_t> some_;  // instants that are enough for a start
   double planar_ = 0;              // share of the best pair's instants that lie in a plane
   LightState state_;
+  LightStage stage_ = LightStage::kAll;  // the last one so far
   Eigen::MatrixXd covariance_;
   double variance_ = 0;
   double scatter_ = 1;

@@ -22,6 +22,7 @@ struct LightFit {
   Eigen::MatrixXd covariance;
   double variance = 0;  // of the sightings, in their sigmas squared
   double scatter = 1;   // of stretches of time, which the covariance has been multiplied by
+  LightStage stage = LightStage::kAll;  // kWand: the rig has the unit of the wand
 };
 
 // `cameras` are checked. Errors are those of reconstruct() and upgrade(); kDegenerate too where the

@@ -82,7 +82,11 @@ Result<LightUnknowns> LightUnknowns::make(const std::vector<LightCamera>& camera
     all.scale_.push_back(given ? (given->fx() + given->fy()) / 2
                                : (camera.image_size.width + camera.image_size.height) / 2.0);
   }
-  all.table_ = ParameterTable(std::move(rows));
+  all.wand_ = options.wand;
+  all.wand_sigma_ = options.wand_sigma;
+  std::vector<BoardUnknowns> boards;
+  if (!all.wand_.empty()) boards.push_back({false, false, static_cast<int>(all.lights()) - 1});
+  all.table_ = ParameterTable(std::move(rows), boards);
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     if (all.known_[c]) continue;
     for (const std::string& word : options.fix) {
@@ -117,12 +121,15 @@ ParameterTable LightUnknowns::at(LightStage stage) const {
   const auto hold_all = [&](ParameterRange range, double value) {
     for (int i = range.first; i < range.end(); ++i) table.hold(i, value);
   };
+  if (!wand_.empty() && (stage != LightStage::kWand || !(wand_sigma_ > 0))) {
+    hold_all(table.lights(0), 0);
+  }
   for (std::size_t c = 0; c < known_.size(); ++c) {
     if (known_[c]) {
       hold_all(table.intrinsics(c), 0);  // the values stay what they are: nothing is applied
       continue;
     }
-    if (stage == LightStage::kAll) continue;
+    if (stage == LightStage::kAll || stage == LightStage::kWand) continue;
     hold_all(table.center(c), 0);
     if (!table.tied(table.focal(c)[1])) table.tie({table.focal(c)[1], table.focal(c)[0], 1});
     if (stage == LightStage::kFocal) hold_all(table.distortion(c), 0);
@@ -142,7 +149,19 @@ std::vector<ParameterTable::Prior> LightUnknowns::priors(const ParameterTable& t
           {unknown, k == 0 ? center.u : center.v, center_sigma_ * sizes_[c].width / noise});
     }
   }
+  const ParameterRange lights = wand_.empty() ? ParameterRange() : table.lights(0);
+  for (int i = lights.first; i < lights.end(); ++i) {
+    if (!table.held(i)) priors.push_back({i, 0, wand_sigma_ / noise});
+  }
   return priors;
+}
+
+std::vector<double> LightUnknowns::wand_at(const std::vector<double>& values) const {
+  std::vector<double> places = wand_;
+  for (std::size_t k = 1; k < places.size(); ++k) {
+    places[k] += values_of(values, table_.lights(0))[k - 1];
+  }
+  return places;
 }
 
 std::size_t LightUnknowns::scale_camera(const LightState& state) {
@@ -151,9 +170,11 @@ std::size_t LightUnknowns::scale_camera(const LightState& state) {
   return static_cast<std::size_t>(farthest - state.camera_from_rig.begin());
 }
 
-Eigen::MatrixXd LightUnknowns::basis(const ParameterTable& table, const LightState& state) const {
+Eigen::MatrixXd LightUnknowns::basis(LightStage stage, const LightState& state) const {
+  const ParameterTable table = at(stage);
   const std::size_t camera = scale_camera(state);
-  const Eigen::MatrixXd free = table.basis();
+  Eigen::MatrixXd free = table.basis();
+  if (stage == LightStage::kWand) return free;
   const int first = table.rig_pose(camera)[kTranslation];
   Eigen::MatrixXd basis(free.rows(), free.cols() - 1);
   const Eigen::Vector3d along = state.camera_from_rig[camera].translation.normalized();

@@ -4,7 +4,9 @@
 // The cameras before a light as unknowns of a table, at a stage of the solve. Internal.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,13 +25,14 @@ enum class LightStage {
   kFocal,  // one focal length
   kLens,   // and the coefficients of the lens
   kAll,    // all that `fix` leaves
+  kWand,   // these, the lights of each instant on one wand, and the unit with them
 };
 
 // The solve so far.
 struct LightState {
   std::vector<double> values;                          // of the table
   std::vector<SE3> camera_from_rig;                    // the first camera is the rig
-  std::vector<std::optional<Eigen::Vector3d>> points;  // per instant, rig
+  std::vector<std::optional<Eigen::Vector3d>> points;  // per instant and light of a wand, rig
   std::vector<std::vector<bool>> used;                 // per camera and instant
   double noise = 1;                                    // of the sightings, in their sigmas
 };
@@ -45,15 +48,23 @@ class LightUnknowns {
   // The table with what moves at this stage.
   [[nodiscard]] ParameterTable at(LightStage stage) const;
 
-  // What is known of the axes of cameras without a calibration, in a table of at(). The covariance
+  // Lights of a wand at each instant, and where they are along it, m; 1 and nothing without a wand.
+  [[nodiscard]] std::size_t lights() const { return std::max<std::size_t>(wand_.size(), 1); }
+  [[nodiscard]] const std::vector<double>& wand() const { return wand_; }
+  [[nodiscard]] double wand_sigma() const { return wand_sigma_; }
+  // The same as far as the solve has found it.
+  [[nodiscard]] std::vector<double> wand_at(const std::vector<double>& values) const;
+
+  // What is known of the axes of cameras without a calibration, and of a wand where its lights are
+  // unknowns, in a table of at(). The covariance
   // of a solve is multiplied by the variance of the sightings: measurements that do not share in
   // that have their sigmas over `noise`.
   [[nodiscard]] std::vector<ParameterTable::Prior> priors(const ParameterTable& table,
                                                           double noise) const;
 
-  // The directions that are free in a table of at(), without the one along which the whole rig
-  // grows: the distance between the first camera and `scale_camera` does not change.
-  [[nodiscard]] Eigen::MatrixXd basis(const ParameterTable& table, const LightState& state) const;
+  // The directions that are free in at(stage). Without a wand that is not the one along which the
+  // whole rig grows: the distance between the first camera and `scale_camera` does not change.
+  [[nodiscard]] Eigen::MatrixXd basis(LightStage stage, const LightState& state) const;
   // The camera that is farthest from the first.
   [[nodiscard]] static std::size_t scale_camera(const LightState& state);
 
@@ -75,6 +86,8 @@ class LightUnknowns {
   std::vector<bool> known_;
   std::vector<std::optional<Camera>> given_;
   std::vector<double> scale_;
+  std::vector<double> wand_;  // m
+  double wand_sigma_ = 0;     // m
   ParameterTable table_;
 };
 

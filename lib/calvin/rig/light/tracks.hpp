@@ -12,6 +12,8 @@
 
 #include <Eigen/Core>
 
+#include "calvin/rig/light_camera.hpp"
+
 namespace calvin::rig {
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
@@ -40,6 +42,10 @@ class Picker {
 
 // The instants at which both cameras have seen the light.
 [[nodiscard]] std::vector<std::size_t> common_instants(const Track& a, const Track& b);
+
+// Instants that are enough for a start: some that most cameras have seen, and some of each camera.
+[[nodiscard]] std::vector<std::size_t> instants_to_begin_with(
+    const std::vector<LightCamera>& cameras);
 
 // The unit vector that is least under a symmetric matrix.
 [[nodiscard]] Eigen::VectorXd least_direction(const Eigen::MatrixXd& symmetric);

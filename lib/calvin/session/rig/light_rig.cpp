@@ -23,6 +23,12 @@ namespace {
 // Of a camera that shares fewer instants with others no place is told.
 constexpr std::size_t kFewestShared = 20;
 
+// At each instant.
+std::size_t lights_of(const RigJob& job) {
+  return std::max<std::size_t>(job.light->wand.size(), 1);
+}
+
+// The instant of a sighting with this number is that over the lights of a wand.
 Result<LightCameras> cameras_of(const RigJob& job) {
   std::vector<Observation> seen;
   for (const RigJob::Camera& camera : job.cameras) {
@@ -31,7 +37,7 @@ Result<LightCameras> cameras_of(const RigJob& job) {
       seen.back().camera = camera.name;
     }
   }
-  auto by_name = light_cameras(seen, job.options.tolerance);
+  auto by_name = light_cameras(seen, job.options.tolerance, lights_of(job));
   if (!by_name) return by_name;
   std::vector<LightCamera> in_order;
   for (const RigJob::Camera& camera : job.cameras) {
@@ -101,16 +107,28 @@ Eigen::MatrixXd covariance_of_places(const LightSolution& solved) {
   return covariance(places, places);
 }
 
+// Instants at which both have seen a light, and of these those at which both sightings are used.
+void count_instants(const std::vector<LightCamera>& cameras, const LightSolution& solved,
+                    std::size_t lights, RigLink& link) {
+  for (std::size_t first = 0; first < cameras[link.a].seen.size(); first += lights) {
+    bool is_seen = false;
+    bool is_used = false;
+    for (std::size_t i = first; i < first + lights; ++i) {
+      is_seen |= cameras[link.a].seen[i] && cameras[link.b].seen[i];
+      is_used |= solved.used[link.a][i] && solved.used[link.b][i];
+    }
+    link.views += is_seen ? 1 : 0;
+    link.agree += is_used ? 1 : 0;
+  }
+}
+
 RigLink link_between(const std::vector<LightCamera>& cameras, const LightSolution& solved,
-                     const Eigen::MatrixXd& places, std::size_t a, std::size_t b) {
+                     std::size_t lights, const Eigen::MatrixXd& places, std::size_t a,
+                     std::size_t b) {
   RigLink link;
   link.a = a;
   link.b = b;
-  for (std::size_t i = 0; i < cameras[a].seen.size(); ++i) {
-    if (!cameras[a].seen[i] || !cameras[b].seen[i]) continue;
-    ++link.views;
-    link.agree += solved.used[a][i] && solved.used[b][i] ? 1 : 0;
-  }
+  count_instants(cameras, solved, lights, link);
   const auto at = [](std::size_t camera) { return 3 * static_cast<Eigen::Index>(camera); };
   Eigen::Matrix<double, 6, 6> of_both;
   of_both << places.block<3, 3>(at(a), at(a)), places.block<3, 3>(at(a), at(b)),
@@ -124,13 +142,13 @@ RigLink link_between(const std::vector<LightCamera>& cameras, const LightSolutio
   return link;
 }
 
-std::vector<RigLink> links_of(const std::vector<LightCamera>& cameras,
-                              const LightSolution& solved) {
+std::vector<RigLink> links_of(const std::vector<LightCamera>& cameras, const LightSolution& solved,
+                              std::size_t lights) {
   const Eigen::MatrixXd places = covariance_of_places(solved);
   std::vector<RigLink> links;
   for (std::size_t a = 0; a < cameras.size(); ++a) {
     for (std::size_t b = a + 1; b < cameras.size(); ++b) {
-      links.push_back(link_between(cameras, solved, places, a, b));
+      links.push_back(link_between(cameras, solved, lights, places, a, b));
       if (links.back().views == 0) links.pop_back();
     }
   }
@@ -156,14 +174,15 @@ Result<RigSolution> solve_light_rig(const RigJob& job, std::stop_token stop) {
   auto solved = solve_light(seen->cameras, options_of(job, left_out), std::move(stop));
   if (!solved) return tl::unexpected(solved.error());
   RigSolution solution;
-  solution.links = links_of(seen->cameras, *solved);
+  solution.links = links_of(seen->cameras, *solved, lights_of(job));
   std::vector<CameraPair> pairs;
   for (const RigLink& link : solution.links) pairs.push_back({link.a, link.b, link.agree});
   solution.weakest = weakest_pair(pairs);
   solution.farthest = seen->farthest;
   for (std::size_t c = 0; c < seen->cameras.size(); ++c) {
     for (std::size_t i = 0; i < solved->used[c].size(); ++i) {
-      if (seen->cameras[c].seen[i] && !solved->used[c][i]) solution.rejected.push_back({c, i});
+      if (!seen->cameras[c].seen[i] || solved->used[c][i]) continue;
+      solution.rejected.push_back({c, i / lights_of(job)});
     }
   }
   solution.rig = std::move(solved->rig);

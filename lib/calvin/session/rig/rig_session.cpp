@@ -62,6 +62,7 @@ void RigSession::start(RigSessionSettings settings) {
   recent_instants_.clear();
   watched_.reset();
   is_light_.reset();
+  light_.reset();
   if (settings_.method != RigMethod::kAuto) is_light_ = settings_.method == RigMethod::kSvoboda;
   ++generation_;
   revision_ = told_revision_ = asked_revision_ = solved_revision_ = 0;
@@ -139,7 +140,10 @@ void RigSession::improve_last(std::size_t number, const Observation& now) {
 bool RigSession::takes(const View& view) {
   const bool is_light = view.board.as<PointLight>() != nullptr;
   if (!is_light_) is_light_ = is_light;
-  return *is_light_ == is_light;
+  if (*is_light_ != is_light) return false;
+  // Of lights and wands the first one alone.
+  if (is_light && !light_) light_ = view.board;
+  return !is_light || *light_ == view.board;
 }
 
 std::size_t RigSession::most_views() const { return sees_light() ? kMostLights : kMostBoards; }

@@ -210,6 +210,7 @@ class RigSession {
   std::vector<Camera> cameras_;
   std::vector<Board> boards_;          // that were parsed
   std::optional<bool> is_light_;       // what views are of; absent: that is open
+  std::optional<Board> light_;         // which light or wand it is, once one was seen
   std::vector<std::uint64_t> wanted_;  // ns: views of these times are kept
   RecentInstants recent_instants_;
   std::shared_ptr<const WatchedRig> watched_;  // the last rig

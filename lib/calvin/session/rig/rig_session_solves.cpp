@@ -12,6 +12,7 @@
 #include "calvin/camera/frame_fit.hpp"
 #include "calvin/rig/joint/board_scale.hpp"
 #include "calvin/session/rig/rig_session.hpp"
+#include "calvin/target/kinds.hpp"
 
 namespace calvin {
 
@@ -110,6 +111,8 @@ std::optional<RigJob> RigSession::take_solve(bool final) {
     }
   }
   if (sees_light()) job.light = settings_.light;
+  const PointLight* light = light_ ? light_->as<PointLight>() : nullptr;
+  if (job.light && light != nullptr && light->is_wand()) job.light->wand = light->places;
   if (job.cameras.size() < fewest_cameras(job)) return std::nullopt;
   asked_revision_ = revision_;
   is_due_ = false;

@@ -48,17 +48,19 @@ struct CameraUnknowns {
   [[nodiscard]] constexpr ParameterRange all() const { return {0, skew().end()}; }
 };
 
-// The unknowns of a board, which are the coefficients of its modes: two curvatures and the aspect
-// less 1.
+// The unknowns of a board, which are the coefficients of its modes: two curvatures, the aspect
+// less 1, and how far the lights of a wand but the first are from their places along it.
 struct BoardUnknowns {
   bool has_warp = false;
   bool has_aspect = false;
+  int moved_lights = 0;
 
   [[nodiscard]] constexpr ParameterRange warp() const { return {0, has_warp ? 2 : 0}; }
   [[nodiscard]] constexpr ParameterRange aspect() const {
     return {warp().end(), has_aspect ? 1 : 0};
   }
-  [[nodiscard]] constexpr ParameterRange all() const { return {0, aspect().end()}; }
+  [[nodiscard]] constexpr ParameterRange lights() const { return {aspect().end(), moved_lights}; }
+  [[nodiscard]] constexpr ParameterRange all() const { return {0, lights().end()}; }
 };
 
 }  // namespace calvin

@@ -70,6 +70,9 @@ std::string ParameterTable::board_name(std::size_t j, int unknown) const {
     return fmt::format("board{}.{}", j, kWarpNames[index(unknown - warp(j).first)]);
   }
   if (aspect(j).has(unknown)) return fmt::format("board{}.aspect", j);
+  if (lights(j).has(unknown)) {
+    return fmt::format("board{}.light{}", j, unknown - lights(j).first + 1);
+  }
   return {};
 }
 

@@ -77,6 +77,9 @@ class ParameterTable {
   [[nodiscard]] ParameterRange aspect(std::size_t j) const {
     return boards_[j].unknowns.aspect().after(boards_[j].first);
   }
+  [[nodiscard]] ParameterRange lights(std::size_t j) const {
+    return boards_[j].unknowns.lights().after(boards_[j].first);
+  }
 
   // The skew of a camera at these values, estimated or not, px.
   [[nodiscard]] double skew_at(std::size_t camera, std::span<const double> values) const;

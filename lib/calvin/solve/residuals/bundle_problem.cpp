@@ -9,6 +9,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "calvin/solve/linear/arrow_step.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 
@@ -42,6 +44,8 @@ bool fit_together(const ParameterTable& table, const ResidualBlocks& blocks,
                        return block.camera < table.cameras() && block.board < table.boards() &&
                               block.pose < point.rig_from_board.size();
                      }) &&
+         std::all_of(blocks.lines.begin(), blocks.lines.end(),
+                     [&](std::size_t pose) { return pose < point.rig_from_board.size(); }) &&
          std::all_of(blocks.points.begin(), blocks.points.end(),
                      [&](const PointResiduals& block) { return block.camera < table.cameras(); });
 }
@@ -86,6 +90,7 @@ bool BundleProblem::linearise(State& state) {
   for (std::size_t b = 0; b < blocks_.points.size(); ++b) {
     if (!add_points(b, state)) return false;
   }
+  hold_turns(state);
   add_priors(state);
   return std::isfinite(state.cost);
 }
@@ -119,6 +124,28 @@ bool BundleProblem::add_points(std::size_t b, State& state) {
     plan.add_point(small, i, camera_from_world, state.equations);
   }
   return true;
+}
+
+// The motion n by which a line turns about itself is one along which nothing changes: the equations
+// H of its pose have H n = 0, and are regular with n n^T added, of a weight like theirs.
+void BundleProblem::hold_turns(State& state) const {
+  constexpr int kPose = ArrowLayout::kPose;
+  constexpr std::size_t kStride = kPose + 1;
+  for (const std::size_t pose : blocks_.lines) {
+    if (!state.equations.filled(pose)) continue;
+    const SE3& rig_from_line = state.point.rig_from_board[pose];
+    const Eigen::Vector3d axis = rig_from_line.rotation.col(0);
+    Eigen::Matrix<double, kPose, 1> turn;
+    turn << axis, rig_from_line.translation.cross(axis);
+    double trace = 0;
+    for (int i = 0; i < kPose; ++i) trace += state.equations.own(pose)[i * kPose + i];
+    const double weight = trace / (kPose * turn.squaredNorm());
+    // Behind the pose stands the residual, which is 0.
+    Eigen::Matrix<double, kStride, kStride, Eigen::RowMajor> products =
+        Eigen::Matrix<double, kStride, kStride, Eigen::RowMajor>::Zero();
+    products.topLeftCorner<kPose, kPose>() = weight * turn * turn.transpose();
+    state.equations.add(pose, ArrowColumns({}), products.data(), kStride);
+  }
 }
 
 void BundleProblem::add_priors(State& state) const {

@@ -51,6 +51,9 @@ struct PointResiduals {
 struct ResidualBlocks {
   std::vector<BoardResiduals> boards;
   std::vector<PointResiduals> points;
+  // The numbers of poses of boards whose points all lie on the x axis of the board. A turn about it
+  // shows in no picture and is kept from moving, which changes nothing else.
+  std::vector<std::size_t> lines;
 };
 
 // The shared unknowns, the directions in which they may move, and their priors.
@@ -113,6 +116,7 @@ class BundleProblem {
   bool linearise(State& state);
   bool add_board(const BoardResiduals& block, RowPlan& plan, State& state);
   bool add_points(std::size_t block, State& state);
+  void hold_turns(State& state) const;
   void add_priors(State& state) const;
   void move_shared(const Eigen::VectorXd& move);
 

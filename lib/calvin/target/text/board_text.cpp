@@ -184,12 +184,27 @@ Result<Board> parse_dot(const Fields& fields) {
   return PointLight{};
 }
 
+// "wand:500mm", "wand:150mm+350mm": from each light to the next.
+Result<Board> parse_wand(const Fields& fields) {
+  if (fields.size() != 1) {
+    return refuse_text("it needs the distances from each light to the next");
+  }
+  PointLight wand;
+  for (const std::string_view distance : split(fields[0], '+')) {
+    const auto length = parse_side(distance, "lights");
+    if (!length) return tl::unexpected(length.error());
+    wand.places.push_back(wand.places.back() + *length);
+  }
+  if (const Status status = wand.check(); !status) return tl::unexpected(status.error());
+  return wand;
+}
+
 struct KindOfText {
   std::string_view name;
   Result<Board> (*parse)(const Fields& fields);
   std::string_view example;
 };
-constexpr std::array<KindOfText, 11> kKinds = {{
+constexpr std::array<KindOfText, 12> kKinds = {{
     {"checkerboard", parse_checkerboard,
      "A right text is 'checkerboard:9x6:25mm': 9 by 6 inner corners, squares of 25 mm."},
     {"puzzle", parse_puzzle,
@@ -220,6 +235,9 @@ constexpr std::array<KindOfText, 11> kKinds = {{
     {"lines", parse_lines,
      "A right text is 'lines:1mm': a grid of lines, 1 mm apart, of which any part is in view."},
     {"dot", parse_dot, "A right text is 'dot': a light that is moved before several cameras."},
+    {"wand", parse_wand,
+     "A right text is 'wand:150mm+350mm': three lights on a line, 150 mm from the first to the "
+     "second and 350 mm from that to the third."},
 }};
 
 const KindOfText* kind_of_text(std::string_view text) {
