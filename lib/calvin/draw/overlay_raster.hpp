@@ -6,8 +6,8 @@
 
 #include <vector>
 
-#include "calvin/draw/overlay_marks.hpp"
 #include "calvin/draw/overlay_shapes.hpp"
+#include "calvin/draw/stroke_kernels.hpp"
 
 namespace calvin {
 
@@ -22,7 +22,7 @@ class OverlayRaster {
  private:
   OverlayTile painted(const OverlayBox& box, const std::vector<Shape>& shapes);
 
-  MarkMasks masks_;
+  TilePlanes planes_;
   std::vector<OverlayTile> tiles_;
   std::vector<std::vector<Shape>> painted_;  // what each of them shows
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Takes the pixels of tiles apart, and blends the runs of a stamp, which are bytes whatever the
-// format, a vector at a time.
+// Takes the pixels of tiles apart, puts them together as a plane has them, and blends the runs of a
+// stamp, which are bytes whatever the format, a vector at a time.
 
 #include "calvin/core/vector_targets.hpp"
 
@@ -105,6 +105,57 @@ void split_pixels(const std::uint8_t* argb, int count, bool is_rgb, const Compon
   }
 }
 
+// Half of a vector where every other element is left out: both read 16 pixels.
+template <int kRows, int kShift>
+void interleave_rows(const InterleavedRows& rows, int samples, std::uint8_t* to) {
+  const hn::CappedTag<std::uint8_t, (16 >> kShift)> bytes;
+  using Vec = hn::VFromD<decltype(bytes)>;
+  const auto lanes = static_cast<int>(hn::Lanes(bytes));
+  int i = 0;
+  for (; i + lanes <= samples; i += lanes) {
+    const auto load = [&](std::size_t row) {
+      if constexpr (kShift == 0) {
+        return hn::LoadU(bytes, rows.from[row] + i);
+      } else {
+        Vec even;
+        Vec odd;
+        hn::LoadInterleaved2(bytes, rows.from[row] + static_cast<std::ptrdiff_t>(2) * i, even, odd);
+        return even;
+      }
+    };
+    std::uint8_t* at = to + static_cast<std::ptrdiff_t>(kRows) * i;
+    if constexpr (kRows == 1) hn::StoreU(load(0), bytes, at);
+    if constexpr (kRows == 2) hn::StoreInterleaved2(load(0), load(1), bytes, at);
+    if constexpr (kRows == 3) hn::StoreInterleaved3(load(0), load(1), load(2), bytes, at);
+    if constexpr (kRows == 4) hn::StoreInterleaved4(load(0), load(1), load(2), load(3), bytes, at);
+  }
+  for (; i < samples; ++i) {
+    for (std::size_t row = 0; row < kRows; ++row) {
+      to[static_cast<std::size_t>(kRows * i) + row] =
+          rows.from[row][static_cast<std::ptrdiff_t>(i) << kShift];
+    }
+  }
+}
+
+template <int kShift>
+void interleave_each(const InterleavedRows& rows, int samples, std::uint8_t* to) {
+  switch (rows.count) {
+    case 1:
+      return interleave_rows<1, kShift>(rows, samples, to);
+    case 2:
+      return interleave_rows<2, kShift>(rows, samples, to);
+    case 3:
+      return interleave_rows<3, kShift>(rows, samples, to);
+    default:
+      return interleave_rows<4, kShift>(rows, samples, to);
+  }
+}
+
+void interleave(const InterleavedRows& rows, int samples, std::uint8_t* to) {
+  if (rows.shift == 0) return interleave_each<0>(rows, samples, to);
+  interleave_each<1>(rows, samples, to);
+}
+
 }  // namespace calvin::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -115,12 +166,17 @@ namespace calvin {
 namespace {
 
 HWY_EXPORT(blend_stamp);
+HWY_EXPORT(interleave);
 HWY_EXPORT(split_pixels);
 
 }  // namespace
 
 void blend_stamp(const TileStamp& stamp, const FramePlanes& frame) noexcept {
   HWY_DYNAMIC_DISPATCH(blend_stamp)(stamp, frame);
+}
+
+void interleave(const InterleavedRows& rows, int samples, std::uint8_t* to) noexcept {
+  HWY_DYNAMIC_DISPATCH(interleave)(rows, samples, to);
 }
 
 void split_pixels(const std::uint8_t* argb, int count, bool is_rgb,

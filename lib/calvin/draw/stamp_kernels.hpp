@@ -4,6 +4,7 @@
 // The loops over the bytes of stamps. Private to draw/ and the elements.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "calvin/draw/tile_stamp.hpp"
@@ -19,6 +20,17 @@ struct ComponentRows {
   std::uint8_t* keep;    // 255 - alpha
 };
 inline constexpr int kSpareComponents = 16;
+
+// The rows of which a plane's bytes are made, of pixel after pixel: 1 to 4 rows in turn, and of
+// each every 2^shift-th element.
+struct InterleavedRows {
+  std::array<const std::uint8_t*, 4> from{};
+  int count = 0;
+  int shift = 0;  // 0 or 1
+};
+
+// `samples` of each row, of 2^shift elements each.
+void interleave(const InterleavedRows& rows, int samples, std::uint8_t* to) noexcept;
 
 // Of a tile's pixels: R G B, or Y U V as ayuv_of() has it, but premultiplied.
 void split_pixels(const std::uint8_t* argb, int count, bool is_rgb,
