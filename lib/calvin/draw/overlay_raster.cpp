@@ -173,7 +173,7 @@ Extent extent_of(const Shape& shape) noexcept {
 
 OverlayTile OverlayRaster::painted(const OverlayBox& box, const std::vector<Shape>& shapes) {
   OverlayTile tile{box.x, box.y, box.width, box.height, {}, next_tile_serial()};
-  planes_.clear(tile.width, tile.height);
+  planes_.begin(tile.width, tile.height);
   for (const Shape& shape : shapes) paint(shape, tile.x, tile.y, planes_);
   tile.pixels.resize(4 * static_cast<std::size_t>(tile.width) *
                      static_cast<std::size_t>(tile.height));

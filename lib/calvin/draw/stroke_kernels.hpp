@@ -12,26 +12,39 @@
 namespace calvin {
 
 // A tile while it is painted: what shapes show in planes of B G R A, premultiplied, and one of how
-// dark it is under them, 0..255. Rows have room for the vector that begins at their last pixel.
+// dark it is under them, 0..255. Most of a tile stays empty: it is known which blocks of a row are
+// not.
 class TilePlanes {
  public:
-  static constexpr int kStep = 16;  // pixels that are painted at once
+  static constexpr int kBlock = 16;  // pixels
   static constexpr std::size_t kDark = 4;
+  static constexpr std::size_t kPlanes = 5;
 
-  // Of so many px, all transparent.
-  void clear(int width, int height);
+  // A transparent tile of so many px. What was painted before was merged.
+  void begin(int width, int height);
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
-  [[nodiscard]] std::uint8_t* row(std::size_t plane, int y) noexcept {
-    return bytes_.data() +
-           (plane * static_cast<std::size_t>(height_) + static_cast<std::size_t>(y)) * stride_;
+  [[nodiscard]] int blocks() const noexcept { return blocks_; }  // of a row
+
+  // A block in each of the planes.
+  [[nodiscard]] std::array<std::uint8_t*, kPlanes> block(int number, int y) noexcept {
+    const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_);
+    std::uint8_t* first =
+        bytes_.data() + (row + static_cast<std::size_t>(number)) * kPlanes * kBlock;
+    return {first, first + kBlock, first + 2 * kBlock, first + 3 * kBlock, first + 4 * kBlock};
+  }
+  // Whether something was painted in it since begin().
+  [[nodiscard]] std::uint8_t& is_painted(int number, int y) noexcept {
+    return painted_[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_) +
+                    static_cast<std::size_t>(number)];
   }
 
  private:
   int width_ = 0;
   int height_ = 0;
-  std::size_t stride_ = 0;
-  std::vector<std::uint8_t> bytes_;
+  int blocks_ = 0;
+  std::vector<std::uint8_t> bytes_;  // 0 where nothing is painted
+  std::vector<std::uint8_t> painted_;
 };
 
 // B G R A of 0..255, not premultiplied.
@@ -64,7 +77,8 @@ struct InkedBox {
 void paint_stroke(const Stroke& stroke, const Ink& ink, TilePlanes& planes) noexcept;
 void paint_box(const InkedBox& box, const Ink& ink, TilePlanes& planes) noexcept;
 
-// The shapes over the dark as B G R A in memory, premultiplied, width * height of them.
-void merge_planes(TilePlanes& planes, std::uint8_t* bgra) noexcept;
+// The shapes over the dark as 32-bit ARGB, premultiplied, into width * height transparent pixels;
+// leaves the planes empty.
+void merge_planes(TilePlanes& planes, std::uint8_t* argb) noexcept;
 
 }  // namespace calvin
