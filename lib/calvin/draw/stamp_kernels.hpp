@@ -32,8 +32,10 @@ struct InterleavedRows {
 // `samples` of each row, of 2^shift elements each.
 void interleave(const InterleavedRows& rows, int samples, std::uint8_t* to) noexcept;
 
-// Of a tile's pixels: R G B, or Y U V as ayuv_of() has it, but premultiplied.
-void split_pixels(const std::uint8_t* argb, int count, bool is_rgb,
+// Of a tile's pixels: R G B, or Y U V as ayuv_of() has it, but premultiplied, or Y of these alone
+// where a row has no chroma.
+enum class Split { kRgb, kYuv, kLuma };
+void split_pixels(const std::uint8_t* argb, int count, Split split,
                   const ComponentRows& to) noexcept;
 
 }  // namespace calvin

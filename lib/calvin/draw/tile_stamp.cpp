@@ -116,8 +116,15 @@ class StampMaker {
     if (from < end_) add_run(from, end_, y);
   }
 
+  // What a row of the frame has samples of.
+  [[nodiscard]] Split split_of(int y) const {
+    if (layout_.is_rgb) return Split::kRgb;
+    const bool has_chroma = (y & ((1 << layout_.components[1].y_shift) - 1)) == 0;
+    return layout_.count > 1 && has_chroma ? Split::kYuv : Split::kLuma;
+  }
+
   void add_run(int from, int to, int y) {
-    split_pixels(pixel(from, y), to - from, layout_.is_rgb, rows_);
+    split_pixels(pixel(from, y), to - from, split_of(top_ + y), rows_);
     std::array<bool, 3> done{};
     for (int c = 0; c < layout_.count; ++c) {
       const auto plane = static_cast<std::size_t>(layout_.components.at(c).plane);
