@@ -40,16 +40,27 @@ Box united(const Box& a, const Box& b) {
           std::max(a.bottom, b.bottom)};
 }
 
+}  // namespace
+
 // The frame in square cells; each knows the shapes that touch it.
-class Grid {
+class OverlayCells {
  public:
-  explicit Grid(ImageSize frame)
+  explicit OverlayCells(ImageSize frame)
       : frame_{0, 0, frame.width, frame.height},
         cell_(std::clamp(std::min(frame.width, frame.height) / 24 / 8 * 8, 16, 64)),
         columns_((frame.width + cell_ - 1) / cell_),
         rows_((frame.height + cell_ - 1) / cell_),
         touched_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
         moves_(touched_.size()) {}
+
+  [[nodiscard]] bool are_of(ImageSize frame) const noexcept {
+    return frame_.right == frame.width && frame_.bottom == frame.height;
+  }
+  // No shape touches any.
+  void clear() {
+    for (auto& shapes : touched_) shapes.clear();
+    moves_.assign(moves_.size(), false);
+  }
 
   [[nodiscard]] int columns() const noexcept { return columns_; }
   [[nodiscard]] int rows() const noexcept { return rows_; }
@@ -112,6 +123,8 @@ class Grid {
   std::vector<bool> moves_;  // whether one of them does
 };
 
+namespace {
+
 // In a tile whose first pixel is at (left, top).
 void paint(const Shape& shape, int left, int top, TilePlanes& planes) {
   const auto level = [](double part) { return static_cast<std::uint8_t>(std::lround(255 * part)); };
@@ -148,18 +161,18 @@ Box aligned(const Box& box, const Box& bounds) {
 
 // What the tile of a run of touched cells covers, and the numbers of the shapes in it; `last` is
 // the run's last column.
-Box box_of(const Grid& grid, int first, int last, int row, const std::vector<Shape>& shapes,
-           std::vector<std::size_t>& numbers) {
+Box box_of(const OverlayCells& cells, int first, int last, int row,
+           const std::vector<Shape>& shapes, std::vector<std::size_t>& numbers) {
   Box box;
   for (int column = first; column <= last; ++column) {
-    for (const std::size_t number : grid.touching(column, row)) {
+    for (const std::size_t number : cells.touching(column, row)) {
       numbers.push_back(number);
-      box = united(box, clipped(extent_of(shapes[number]), grid.cells(column, column, row)));
+      box = united(box, clipped(extent_of(shapes[number]), cells.cells(column, column, row)));
     }
   }
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  return aligned(box, grid.cells(first, last, row));
+  return aligned(box, cells.cells(first, last, row));
 }
 
 }  // namespace
@@ -170,6 +183,9 @@ Extent extent_of(const Shape& shape) noexcept {
   return {std::min(shape.from.u, to.u) - reach, std::min(shape.from.v, to.v) - reach,
           std::max(shape.from.u, to.u) + reach, std::max(shape.from.v, to.v) + reach};
 }
+
+OverlayRaster::OverlayRaster() = default;
+OverlayRaster::~OverlayRaster() = default;
 
 OverlayTile OverlayRaster::painted(const OverlayBox& box, const std::vector<Shape>& shapes) {
   OverlayTile tile{box.x, box.y, box.width, box.height, {}, next_tile_serial()};
@@ -182,8 +198,10 @@ OverlayTile OverlayRaster::painted(const OverlayBox& box, const std::vector<Shap
 }
 
 void OverlayRaster::draw(ImageSize frame, const std::vector<Shape>& shapes) {
-  Grid grid(frame);
-  for (std::size_t i = 0; i < shapes.size(); ++i) grid.add(shapes[i], i);
+  if (!cells_ || !cells_->are_of(frame)) cells_ = std::make_unique<OverlayCells>(frame);
+  OverlayCells& cells = *cells_;
+  cells.clear();
+  for (std::size_t i = 0; i < shapes.size(); ++i) cells.add(shapes[i], i);
   std::vector<OverlayTile> before = std::exchange(tiles_, {});
   const std::vector<std::vector<Shape>> were_painted = std::exchange(painted_, {});
   const auto add = [&](const OverlayBox& box, std::vector<Shape> within) {
@@ -195,13 +213,13 @@ void OverlayRaster::draw(ImageSize frame, const std::vector<Shape>& shapes) {
     tiles_.push_back(known == before.end() ? painted(box, within) : std::move(*known));
     painted_.push_back(std::move(within));
   };
-  for (int row = 0; row < grid.rows(); ++row) {
-    for (int column = 0; column < grid.columns(); ++column) {
-      if (grid.touching(column, row).empty()) continue;
+  for (int row = 0; row < cells.rows(); ++row) {
+    for (int column = 0; column < cells.columns(); ++column) {
+      if (cells.touching(column, row).empty()) continue;
       const int first = column;
-      while (column + 1 < grid.columns() && grid.join(column, column + 1, row)) ++column;
+      while (column + 1 < cells.columns() && cells.join(column, column + 1, row)) ++column;
       std::vector<std::size_t> numbers;
-      const Box box = box_of(grid, first, column, row, shapes, numbers);
+      const Box box = box_of(cells, first, column, row, shapes, numbers);
       std::vector<Shape> within;
       for (const std::size_t number : numbers) within.push_back(shapes[number]);
       add({box.left, box.top, box.right - box.left, box.bottom - box.top}, std::move(within));

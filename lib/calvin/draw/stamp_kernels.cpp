@@ -131,6 +131,24 @@ void split_pixels(const std::uint8_t* argb, int count, Split split, const Compon
   }
 }
 
+// What is premultiplied is 0 where alpha is.
+int blank_pixels(const std::uint8_t* argb, int count) {
+  constexpr int kBlock = 16;
+  const hn::CappedTag<std::uint8_t, 32> bytes;
+  const auto lanes = static_cast<int>(hn::Lanes(bytes));
+  int i = 0;
+  for (; i + kBlock <= count; i += kBlock) {
+    const std::uint8_t* at = argb + static_cast<std::ptrdiff_t>(4) * i;
+    auto all = hn::LoadU(bytes, at);
+    for (int k = lanes; k < 4 * kBlock; k += lanes) all = hn::Or(all, hn::LoadU(bytes, at + k));
+    if (!hn::AllTrue(bytes, hn::Eq(all, hn::Zero(bytes)))) return i;
+  }
+  const bool rest = std::all_of(argb + static_cast<std::ptrdiff_t>(4) * i,
+                                argb + static_cast<std::ptrdiff_t>(4) * count,
+                                [](std::uint8_t byte) { return byte == 0; });
+  return rest ? count : i;
+}
+
 // Half of a vector where every other element is left out: both read 16 pixels.
 template <int kRows, int kShift>
 void interleave_rows(const InterleavedRows& rows, int samples, std::uint8_t* to) {
@@ -192,6 +210,7 @@ namespace calvin {
 namespace {
 
 HWY_EXPORT(blend_stamp);
+HWY_EXPORT(blank_pixels);
 HWY_EXPORT(interleave);
 HWY_EXPORT(split_pixels);
 
@@ -199,6 +218,10 @@ HWY_EXPORT(split_pixels);
 
 void blend_stamp(const TileStamp& stamp, const FramePlanes& frame) noexcept {
   HWY_DYNAMIC_DISPATCH(blend_stamp)(stamp, frame);
+}
+
+int blank_pixels(const std::uint8_t* argb, int count) noexcept {
+  return HWY_DYNAMIC_DISPATCH(blank_pixels)(argb, count);
 }
 
 void interleave(const InterleavedRows& rows, int samples, std::uint8_t* to) noexcept {

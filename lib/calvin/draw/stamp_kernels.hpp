@@ -21,6 +21,10 @@ struct ComponentRows {
 };
 inline constexpr int kSpareComponents = 16;
 
+// How many of a row's pixels are transparent before the first that is not: a multiple of 16, or
+// all.
+[[nodiscard]] int blank_pixels(const std::uint8_t* argb, int count) noexcept;
+
 // The rows of which a plane's bytes are made, of pixel after pixel: 1 to 4 rows in turn, and of
 // each every 2^shift-th element.
 struct InterleavedRows {

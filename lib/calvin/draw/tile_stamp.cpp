@@ -7,8 +7,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -71,16 +69,12 @@ class StampMaker {
     for (std::size_t p = 0; p < planes_.size(); ++p) planes_[p] = rows_of(static_cast<int>(p));
   }
 
-  void make() {
+  // How many bytes of `add` and `keep` there are; the vectors may be longer.
+  std::size_t make() {
     const int last = std::min(tile_.height, layout_.size.height - top_);
     stamp_.runs.clear();
-    stamp_.add.clear();
-    stamp_.keep.clear();
-    // As much as there can be of 3 or 4 bytes a pixel where half of the tile is transparent.
-    const std::size_t likely = tile_.pixels.size() / 2;
-    stamp_.add.reserve(likely);
-    stamp_.keep.reserve(likely);
     for (int y = std::max(0, -top_); y < last; ++y) add_row(y);
+    return used_;
   }
 
  private:
@@ -91,11 +85,6 @@ class StampMaker {
   [[nodiscard]] bool transparent(int from, int to, int y) const {
     // What is premultiplied is 0 where alpha is.
     const std::uint8_t* bytes = pixel(from, y);
-    if (to - from == kStep) {
-      std::array<std::uint64_t, kStep / 2> pairs;
-      std::memcpy(pairs.data(), bytes, sizeof(pairs));
-      return std::accumulate(pairs.begin(), pairs.end(), std::uint64_t{0}, std::bit_or()) == 0;
-    }
     std::uint32_t all = 0;
     for (int i = 0; i < to - from; ++i) {
       std::uint32_t one = 0;
@@ -106,14 +95,28 @@ class StampMaker {
   }
 
   void add_row(int y) {
-    int from = first_;
-    for (int x = first_; x < end_; x += kStep) {
-      const int to = std::min(x + kStep, end_);
-      if (!transparent(x, to, y)) continue;
+    int x = first_;
+    while (x < end_) {
+      x += blank_pixels(pixel(x, y), end_ - x);
+      const int from = x;
+      while (x < end_ && !transparent(x, std::min(x + kStep, end_), y)) {
+        x = std::min(x + kStep, end_);
+      }
       if (from < x) add_run(from, x, y);
-      from = to;
     }
-    if (from < end_) add_run(from, end_, y);
+  }
+
+  // Where the next bytes of the stamp begin.
+  std::size_t take(int count) {
+    const std::size_t at = used_;
+    used_ += static_cast<std::size_t>(count);
+    if (used_ > stamp_.add.size()) {
+      // As much as there can be of 3 or 4 bytes a pixel where half of the tile is transparent.
+      const std::size_t likely = std::max(2 * used_, tile_.pixels.size() / 2);
+      stamp_.add.resize(likely);
+      stamp_.keep.resize(likely);
+    }
+    return at;
   }
 
   // What a row of the frame has samples of.
@@ -172,10 +175,8 @@ class StampMaker {
         samples_of({.x_shift = rows.add.shift, .y_shift = rows.y_shift}, from, to, y);
     const int count = samples.end - samples.first;
     if (count <= 0) return;
-    const std::size_t at = stamp_.add.size();
+    const std::size_t at = take(count * step);
     stamp_.runs.push_back({plane, y >> rows.y_shift, samples.first * step, count * step, at});
-    stamp_.add.resize(at + static_cast<std::size_t>(count * step));
-    stamp_.keep.resize(stamp_.add.size());
     InterleavedRows add = rows.add;
     InterleavedRows keep = rows.keep;
     const int in_row = (samples.first << rows.add.shift) - from;
@@ -215,10 +216,10 @@ class StampMaker {
       row = y >> s.y_shift;
     });
     if (first >= end) return;
-    const std::size_t at = stamp_.add.size();
+    const std::size_t at = take(end - first);
     stamp_.runs.push_back({plane, row, first, end - first, at});
-    stamp_.add.resize(at + static_cast<std::size_t>(end - first), 0);
-    stamp_.keep.resize(stamp_.add.size(), 255);
+    std::fill_n(&stamp_.add[at], end - first, 0);
+    std::fill_n(&stamp_.keep[at], end - first, 255);
     for_plane(plane, [&](std::size_t c, const SampleLayout& s) {
       const Samples samples = samples_of(s, from, to, y);
       const int count = samples.end - samples.first;
@@ -248,13 +249,18 @@ class StampMaker {
   ComponentRows rows_;
   std::array<std::optional<PlaneRows>, 3> planes_;
   TileStamp& stamp_;
+  std::size_t used_ = 0;  // of its bytes
 };
 
 }  // namespace
 
 TileStamp stamp_of(const OverlayTile& tile, int left, int top, const PixelLayout& layout) {
   TileStamp stamp;
-  StampMaker(tile, left, top, layout, stamp).make();
+  const std::size_t used = StampMaker(tile, left, top, layout, stamp).make();
+  for (auto* bytes : {&stamp.add, &stamp.keep}) {
+    bytes->resize(used);
+    bytes->shrink_to_fit();
+  }
   return stamp;
 }
 
@@ -266,19 +272,20 @@ void TileStamps::begin_frame(const PixelLayout& layout) {
 }
 
 const TileStamp& TileStamps::of(const OverlayTile& tile, int left, int top) {
-  const auto make = [&](TileStamp& stamp) -> const TileStamp& {
-    StampMaker(tile, left, top, layout_, stamp).make();
-    return stamp;
+  const auto make_latest = [&]() -> const TileStamp& {
+    StampMaker(tile, left, top, layout_, latest_).make();
+    return latest_;
   };
-  if (tile.serial == 0) return make(latest_);
+  if (tile.serial == 0) return make_latest();
   const auto [known, is_new] = entries_.try_emplace(tile.serial);
   Entry& entry = known->second;
   entry.shown = true;
   if (is_new || entry.left != left || entry.top != top) {
     entry = {left, top, true, {}};
-    return make(latest_);
+    return make_latest();
   }
-  return entry.stamp ? *entry.stamp : make(entry.stamp.emplace());
+  if (!entry.stamp) entry.stamp = stamp_of(tile, left, top, layout_);
+  return *entry.stamp;
 }
 
 }  // namespace calvin
