@@ -72,9 +72,19 @@ class StampMaker {
   // How many bytes of `add` and `keep` there are; the vectors may be longer.
   std::size_t make() {
     const int last = std::min(tile_.height, layout_.size.height - top_);
-    stamp_.runs.clear();
     for (int y = std::max(0, -top_); y < last; ++y) add_row(y);
     return used_;
+  }
+
+  // A row at a time, which stays in the cache.
+  void blend(const FramePlanes& frame) {
+    const int last = std::min(tile_.height, layout_.size.height - top_);
+    for (int y = std::max(0, -top_); y < last; ++y) {
+      stamp_.runs.clear();
+      used_ = 0;
+      add_row(y);
+      blend_stamp(stamp_, frame);
+    }
   }
 
  private:
@@ -111,10 +121,8 @@ class StampMaker {
     const std::size_t at = used_;
     used_ += static_cast<std::size_t>(count);
     if (used_ > stamp_.add.size()) {
-      // As much as there can be of 3 or 4 bytes a pixel where half of the tile is transparent.
-      const std::size_t likely = std::max(2 * used_, tile_.pixels.size() / 2);
-      stamp_.add.resize(likely);
-      stamp_.keep.resize(likely);
+      stamp_.add.resize(2 * used_);
+      stamp_.keep.resize(2 * used_);
     }
     return at;
   }
@@ -256,6 +264,9 @@ class StampMaker {
 
 TileStamp stamp_of(const OverlayTile& tile, int left, int top, const PixelLayout& layout) {
   TileStamp stamp;
+  // As much as there can be of 3 or 4 bytes a pixel where half of the tile is transparent.
+  stamp.add.resize(tile.pixels.size() / 2);
+  stamp.keep.resize(tile.pixels.size() / 2);
   const std::size_t used = StampMaker(tile, left, top, layout, stamp).make();
   for (auto* bytes : {&stamp.add, &stamp.keep}) {
     bytes->resize(used);
@@ -271,21 +282,18 @@ void TileStamps::begin_frame(const PixelLayout& layout) {
   for (auto& [serial, entry] : entries_) entry.shown = false;
 }
 
-const TileStamp& TileStamps::of(const OverlayTile& tile, int left, int top) {
-  const auto make_latest = [&]() -> const TileStamp& {
-    StampMaker(tile, left, top, layout_, latest_).make();
-    return latest_;
-  };
-  if (tile.serial == 0) return make_latest();
+void TileStamps::blend(const OverlayTile& tile, int left, int top, const FramePlanes& frame) {
+  const auto blend_once = [&] { StampMaker(tile, left, top, layout_, row_).blend(frame); };
+  if (tile.serial == 0) return blend_once();
   const auto [known, is_new] = entries_.try_emplace(tile.serial);
   Entry& entry = known->second;
   entry.shown = true;
   if (is_new || entry.left != left || entry.top != top) {
     entry = {left, top, true, {}};
-    return make_latest();
+    return blend_once();
   }
   if (!entry.stamp) entry.stamp = stamp_of(tile, left, top, layout_);
-  return *entry.stamp;
+  blend_stamp(*entry.stamp, frame);
 }
 
 }  // namespace calvin

@@ -72,8 +72,8 @@ class TileStamps {
  public:
   // Before each frame: forgets what the last one did not show.
   void begin_frame(const PixelLayout& layout);
-  // Of a tile as stamp_of() has it; good until the next call.
-  [[nodiscard]] const TileStamp& of(const OverlayTile& tile, int left, int top);
+  // A tile as stamp_of() has it onto a frame of the layout.
+  void blend(const OverlayTile& tile, int left, int top, const FramePlanes& frame);
 
  private:
   struct Entry {
@@ -85,7 +85,7 @@ class TileStamps {
 
   PixelLayout layout_;
   std::unordered_map<std::uint64_t, Entry> entries_;  // by the serial of the tile
-  TileStamp latest_;                                  // that is not kept
+  TileStamp row_;                                     // of a tile that is not kept
 };
 
 }  // namespace calvin
