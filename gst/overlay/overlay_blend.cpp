@@ -17,7 +17,6 @@
 
 #include <gst/video/video-overlay-composition.h>
 
-#include "calvin/draw/stamp_kernels.hpp"
 #include "calvin/draw/tile_yuv.hpp"
 
 namespace calvin::gst {
@@ -134,7 +133,7 @@ bool TileBlender::blend(const OverlayTile& tile) {
   const int left = left_ + tile.x;
   const int top = top_ + tile.y;
   if (!has_layout_) return blend_by_libgstvideo(frame_, tile, left, top);
-  blend_stamp(stamps_.of(tile, left, top), planes_);
+  stamps_.blend(tile, left, top, planes_);
   return true;
 }
 

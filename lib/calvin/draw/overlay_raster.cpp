@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Paints the shapes of the overlay into tiles with Cairo.
+// Sorts the shapes of the overlay into tiles and paints those that have changed.
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <span>
 #include <utility>
 
 #include "calvin/draw/overlay_raster.hpp"
@@ -14,8 +13,6 @@
 namespace calvin {
 
 namespace {
-
-constexpr Colour kDark{0, 0, 0, 0.5};
 
 // Whole pixels, right and bottom excluded.
 struct Box {
@@ -43,16 +40,27 @@ Box united(const Box& a, const Box& b) {
           std::max(a.bottom, b.bottom)};
 }
 
+}  // namespace
+
 // The frame in square cells; each knows the shapes that touch it.
-class Grid {
+class OverlayCells {
  public:
-  explicit Grid(ImageSize frame)
+  explicit OverlayCells(ImageSize frame)
       : frame_{0, 0, frame.width, frame.height},
         cell_(std::clamp(std::min(frame.width, frame.height) / 24 / 8 * 8, 16, 64)),
         columns_((frame.width + cell_ - 1) / cell_),
         rows_((frame.height + cell_ - 1) / cell_),
         touched_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
         moves_(touched_.size()) {}
+
+  [[nodiscard]] bool are_of(ImageSize frame) const noexcept {
+    return frame_.right == frame.width && frame_.bottom == frame.height;
+  }
+  // No shape touches any.
+  void clear() {
+    for (auto& shapes : touched_) shapes.clear();
+    moves_.assign(moves_.size(), false);
+  }
 
   [[nodiscard]] int columns() const noexcept { return columns_; }
   [[nodiscard]] int rows() const noexcept { return rows_; }
@@ -115,64 +123,34 @@ class Grid {
   std::vector<bool> moves_;  // whether one of them does
 };
 
-// Lines of one width and colour are one path.
-void paint_lines(cairo_t* cr, std::span<const Shape* const> lines, const Colour& colour,
-                 double width) {
-  if (lines.empty()) return;
-  for (const Shape* line : lines) {
-    cairo_move_to(cr, line->from.u, line->from.v);
-    cairo_line_to(cr, line->to.u, line->to.v);
+namespace {
+
+// In a tile whose first pixel is at (left, top).
+void paint(const Shape& shape, int left, int top, TilePlanes& planes) {
+  const auto level = [](double part) { return static_cast<std::uint8_t>(std::lround(255 * part)); };
+  const auto x = [left](const Pixel& at) { return static_cast<float>(at.u - left); };
+  const auto y = [top](const Pixel& at) { return static_cast<float>(at.v - top); };
+  const Colour& colour = shape.colour;
+  const Ink ink{{level(colour.blue), level(colour.green), level(colour.red), level(colour.alpha)}};
+  if (shape.kind == Shape::Kind::kBox) {
+    paint_box({x(shape.from), y(shape.from), x(shape.to), y(shape.to)}, ink, planes);
+    return;
   }
-  cairo_set_source_rgba(cr, colour.red, colour.green, colour.blue, colour.alpha);
-  cairo_set_line_width(cr, width);
-  cairo_stroke(cr);
-}
-
-void paint_box(cairo_t* cr, const Shape& box, const Colour& colour, double grow) {
-  cairo_set_source_rgba(cr, colour.red, colour.green, colour.blue, colour.alpha);
-  cairo_rectangle(cr, box.from.u - grow, box.from.v - grow, box.to.u - box.from.u + 2 * grow,
-                  box.to.v - box.from.v + 2 * grow);
-  cairo_fill(cr);
-}
-
-// What is to be seen of the shapes: the dark around them, or they themselves.
-enum class Layer { kHalo, kShape };
-
-void paint(cairo_t* cr, MarkMasks& masks, const std::vector<Shape>& shapes, Layer layer) {
-  const auto colour_of = [layer](const Shape& shape) {
-    return layer == Layer::kHalo ? kDark : shape.colour;
-  };
-  std::vector<const Shape*> lines;
-  const auto end_lines = [&] {
-    if (lines.empty()) return;
-    const Shape& first = *lines.front();
-    const double grow = layer == Layer::kHalo ? first.halo : 0;
-    paint_lines(cr, lines, colour_of(first), first.width + 2 * grow);
-    lines.clear();
-  };
-  const auto goes_on = [&](const Shape& shape) {
-    if (lines.empty()) return true;
-    const Shape& first = *lines.front();
-    return first.width == shape.width && first.halo == shape.halo &&
-           colour_of(first) == colour_of(shape);
-  };
-  for (const Shape& shape : shapes) {
-    if (layer == Layer::kHalo && !(shape.halo > 0)) continue;
-    const double grow = layer == Layer::kHalo ? shape.halo : 0;
-    if (shape.kind == Shape::Kind::kLine) {
-      if (!goes_on(shape)) end_lines();
-      lines.push_back(&shape);
-      continue;
-    }
-    // The dark may be laid down in any order.
-    if (layer == Layer::kShape) end_lines();
-    if (shape.kind == Shape::Kind::kBox) {
-      paint_box(cr, shape, colour_of(shape), grow);
-    } else {
-      masks.paint(cr, shape, colour_of(shape), grow);
-    }
+  Stroke stroke{.x = x(shape.from), .y = y(shape.from)};
+  stroke.half = static_cast<float>(shape.width / 2);
+  stroke.halo = static_cast<float>(shape.halo);
+  if (shape.kind == Shape::Kind::kLine) {
+    const Pixel way{shape.to.u - shape.from.u, shape.to.v - shape.from.v};
+    const double length = std::hypot(way.u, way.v);
+    stroke.length = static_cast<float>(length);
+    stroke.along_x = length > 0 ? static_cast<float>(way.u / length) : 0;
+    stroke.along_y = length > 0 ? static_cast<float>(way.v / length) : 0;
+  } else if (shape.kind == Shape::Kind::kCircle) {
+    stroke.radius = static_cast<float>(shape.radius);
+  } else {
+    stroke.half = static_cast<float>(shape.radius);
   }
-  end_lines();
+  paint_stroke(stroke, ink, planes);
 }
 
 // Grown to multiples of four: then no chroma sample of any format lies in two tiles.
@@ -183,18 +161,18 @@ Box aligned(const Box& box, const Box& bounds) {
 
 // What the tile of a run of touched cells covers, and the numbers of the shapes in it; `last` is
 // the run's last column.
-Box box_of(const Grid& grid, int first, int last, int row, const std::vector<Shape>& shapes,
-           std::vector<std::size_t>& numbers) {
+Box box_of(const OverlayCells& cells, int first, int last, int row,
+           const std::vector<Shape>& shapes, std::vector<std::size_t>& numbers) {
   Box box;
   for (int column = first; column <= last; ++column) {
-    for (const std::size_t number : grid.touching(column, row)) {
+    for (const std::size_t number : cells.touching(column, row)) {
       numbers.push_back(number);
-      box = united(box, clipped(extent_of(shapes[number]), grid.cells(column, column, row)));
+      box = united(box, clipped(extent_of(shapes[number]), cells.cells(column, column, row)));
     }
   }
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  return aligned(box, grid.cells(first, last, row));
+  return aligned(box, cells.cells(first, last, row));
 }
 
 }  // namespace
@@ -206,27 +184,24 @@ Extent extent_of(const Shape& shape) noexcept {
           std::max(shape.from.u, to.u) + reach, std::max(shape.from.v, to.v) + reach};
 }
 
+OverlayRaster::OverlayRaster() = default;
+OverlayRaster::~OverlayRaster() = default;
+
 OverlayTile OverlayRaster::painted(const OverlayBox& box, const std::vector<Shape>& shapes) {
   OverlayTile tile{box.x, box.y, box.width, box.height, {}, next_tile_serial()};
-  const int stride = 4 * tile.width;
-  tile.pixels.resize(static_cast<std::size_t>(stride) * static_cast<std::size_t>(tile.height));
-  const CairoSurface surface(cairo_image_surface_create_for_data(
-      tile.pixels.data(), CAIRO_FORMAT_ARGB32, tile.width, tile.height, stride));
-  const CairoContext context(cairo_create(surface.get()));
-  cairo_t* cr = context.get();
-  // Cairo's pixels have their centres at halves.
-  cairo_translate(cr, 0.5 - tile.x, 0.5 - tile.y);
-  cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
-  cairo_set_antialias(cr, CAIRO_ANTIALIAS_FAST);
-  paint(cr, masks_, shapes, Layer::kHalo);
-  paint(cr, masks_, shapes, Layer::kShape);
-  cairo_surface_finish(surface.get());
+  planes_.begin(tile.width, tile.height);
+  for (const Shape& shape : shapes) paint(shape, tile.x, tile.y, planes_);
+  tile.pixels.resize(4 * static_cast<std::size_t>(tile.width) *
+                     static_cast<std::size_t>(tile.height));
+  merge_planes(planes_, tile.pixels.data());
   return tile;
 }
 
 void OverlayRaster::draw(ImageSize frame, const std::vector<Shape>& shapes) {
-  Grid grid(frame);
-  for (std::size_t i = 0; i < shapes.size(); ++i) grid.add(shapes[i], i);
+  if (!cells_ || !cells_->are_of(frame)) cells_ = std::make_unique<OverlayCells>(frame);
+  OverlayCells& cells = *cells_;
+  cells.clear();
+  for (std::size_t i = 0; i < shapes.size(); ++i) cells.add(shapes[i], i);
   std::vector<OverlayTile> before = std::exchange(tiles_, {});
   const std::vector<std::vector<Shape>> were_painted = std::exchange(painted_, {});
   const auto add = [&](const OverlayBox& box, std::vector<Shape> within) {
@@ -238,13 +213,13 @@ void OverlayRaster::draw(ImageSize frame, const std::vector<Shape>& shapes) {
     tiles_.push_back(known == before.end() ? painted(box, within) : std::move(*known));
     painted_.push_back(std::move(within));
   };
-  for (int row = 0; row < grid.rows(); ++row) {
-    for (int column = 0; column < grid.columns(); ++column) {
-      if (grid.touching(column, row).empty()) continue;
+  for (int row = 0; row < cells.rows(); ++row) {
+    for (int column = 0; column < cells.columns(); ++column) {
+      if (cells.touching(column, row).empty()) continue;
       const int first = column;
-      while (column + 1 < grid.columns() && grid.join(column, column + 1, row)) ++column;
+      while (column + 1 < cells.columns() && cells.join(column, column + 1, row)) ++column;
       std::vector<std::size_t> numbers;
-      const Box box = box_of(grid, first, column, row, shapes, numbers);
+      const Box box = box_of(cells, first, column, row, shapes, numbers);
       std::vector<Shape> within;
       for (const std::size_t number : numbers) within.push_back(shapes[number]);
       add({box.left, box.top, box.right - box.left, box.bottom - box.top}, std::move(within));

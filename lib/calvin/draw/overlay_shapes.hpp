@@ -29,7 +29,7 @@ struct Shape {
   double radius = 0;  // of a circle or disc, px
   double width = 0;   // of the pen, px
   Colour colour;
-  double halo = 0;     // px of dark around it, so that it shows on any ground
+  double halo = 0;     // px of dark around it, so that it shows on any ground; a box has none
   bool moves = false;  // with the board: what does not is kept from frame to frame
 
   [[nodiscard]] bool operator==(const Shape& o) const {

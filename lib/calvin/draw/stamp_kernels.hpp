@@ -4,6 +4,7 @@
 // The loops over the bytes of stamps. Private to draw/ and the elements.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "calvin/draw/tile_stamp.hpp"
@@ -20,8 +21,25 @@ struct ComponentRows {
 };
 inline constexpr int kSpareComponents = 16;
 
-// Of a tile's pixels: R G B, or Y U V as ayuv_of() has it, but premultiplied.
-void split_pixels(const std::uint8_t* argb, int count, bool is_rgb,
+// How many of a row's pixels are transparent before the first that is not: a multiple of 16, or
+// all.
+[[nodiscard]] int blank_pixels(const std::uint8_t* argb, int count) noexcept;
+
+// The rows of which a plane's bytes are made, of pixel after pixel: 1 to 4 rows in turn, and of
+// each every 2^shift-th element.
+struct InterleavedRows {
+  std::array<const std::uint8_t*, 4> from{};
+  int count = 0;
+  int shift = 0;  // 0 or 1
+};
+
+// `samples` of each row, of 2^shift elements each.
+void interleave(const InterleavedRows& rows, int samples, std::uint8_t* to) noexcept;
+
+// Of a tile's pixels: R G B, or Y U V as ayuv_of() has it, but premultiplied, or Y of these alone
+// where a row has no chroma.
+enum class Split { kRgb, kYuv, kLuma };
+void split_pixels(const std::uint8_t* argb, int count, Split split,
                   const ComponentRows& to) noexcept;
 
 }  // namespace calvin

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "calvin/draw/stamp_kernels.hpp"
@@ -19,15 +20,26 @@ namespace {
 // whole ones, and gaps that are shorter cost less than a run of their own.
 constexpr int kStep = 16;
 
-// A row of a tile, or a part of it, in components.
+// A row of a tile, or a part of it, in components; and what stands for one that there is not.
 struct Components {
   explicit Components(int width)
-      : room(static_cast<std::size_t>(std::max(0, width) + kSpareComponents)), bytes(4 * room) {}
+      : room(static_cast<std::size_t>(std::max(0, width) + kSpareComponents)), bytes(6 * room) {
+    std::fill_n(&bytes[5 * room], room, 255);
+  }
   [[nodiscard]] ComponentRows rows() {
     return {{&bytes[0], &bytes[room], &bytes[2 * room]}, &bytes[3 * room]};
   }
+  [[nodiscard]] const std::uint8_t* add_nothing() const { return &bytes[4 * room]; }
+  [[nodiscard]] const std::uint8_t* keep_all() const { return &bytes[5 * room]; }
   std::size_t room;
   std::vector<std::uint8_t> bytes;
+};
+
+// How a plane's bytes are made of the rows of components, where they follow each other in turn.
+struct PlaneRows {
+  InterleavedRows add;
+  InterleavedRows keep;
+  int y_shift = 0;
 };
 
 // `count` samples from `from`, of every 2^shift-th pixel, to every step-th byte.
@@ -43,7 +55,8 @@ void scatter(const std::uint8_t* from, int shift, int count, std::uint8_t* to, i
 
 class StampMaker {
  public:
-  StampMaker(const OverlayTile& tile, int left, int top, const PixelLayout& layout)
+  StampMaker(const OverlayTile& tile, int left, int top, const PixelLayout& layout,
+             TileStamp& stamp)
       : tile_(tile),
         left_(left),
         top_(top),
@@ -51,16 +64,27 @@ class StampMaker {
         first_(std::max(0, -left)),
         end_(std::min(tile.width, layout.size.width - left)),
         components_(tile.width),
-        rows_(components_.rows()) {}
+        rows_(components_.rows()),
+        stamp_(stamp) {
+    for (std::size_t p = 0; p < planes_.size(); ++p) planes_[p] = rows_of(static_cast<int>(p));
+  }
 
-  TileStamp stamp() {
+  // How many bytes of `add` and `keep` there are; the vectors may be longer.
+  std::size_t make() {
     const int last = std::min(tile_.height, layout_.size.height - top_);
-    // As much as there can be of 3 or 4 bytes a pixel where half of the tile is transparent.
-    const std::size_t likely = tile_.pixels.size() / 2;
-    stamp_.add.reserve(likely);
-    stamp_.keep.reserve(likely);
     for (int y = std::max(0, -top_); y < last; ++y) add_row(y);
-    return std::move(stamp_);
+    return used_;
+  }
+
+  // A row at a time, which stays in the cache.
+  void blend(const FramePlanes& frame) {
+    const int last = std::min(tile_.height, layout_.size.height - top_);
+    for (int y = std::max(0, -top_); y < last; ++y) {
+      stamp_.runs.clear();
+      used_ = 0;
+      add_row(y);
+      blend_stamp(stamp_, frame);
+    }
   }
 
  private:
@@ -81,24 +105,95 @@ class StampMaker {
   }
 
   void add_row(int y) {
-    int from = first_;
-    for (int x = first_; x < end_; x += kStep) {
-      const int to = std::min(x + kStep, end_);
-      if (!transparent(x, to, y)) continue;
+    int x = first_;
+    while (x < end_) {
+      x += blank_pixels(pixel(x, y), end_ - x);
+      const int from = x;
+      while (x < end_ && !transparent(x, std::min(x + kStep, end_), y)) {
+        x = std::min(x + kStep, end_);
+      }
       if (from < x) add_run(from, x, y);
-      from = to;
     }
-    if (from < end_) add_run(from, end_, y);
+  }
+
+  // Where the next bytes of the stamp begin.
+  std::size_t take(int count) {
+    const std::size_t at = used_;
+    used_ += static_cast<std::size_t>(count);
+    if (used_ > stamp_.add.size()) {
+      stamp_.add.resize(2 * used_);
+      stamp_.keep.resize(2 * used_);
+    }
+    return at;
+  }
+
+  // What a row of the frame has samples of.
+  [[nodiscard]] Split split_of(int y) const {
+    if (layout_.is_rgb) return Split::kRgb;
+    const bool has_chroma = (y & ((1 << layout_.components[1].y_shift) - 1)) == 0;
+    return layout_.count > 1 && has_chroma ? Split::kYuv : Split::kLuma;
   }
 
   void add_run(int from, int to, int y) {
-    split_pixels(pixel(from, y), to - from, layout_.is_rgb, rows_);
+    split_pixels(pixel(from, y), to - from, split_of(top_ + y), rows_);
     std::array<bool, 3> done{};
     for (int c = 0; c < layout_.count; ++c) {
       const auto plane = static_cast<std::size_t>(layout_.components.at(c).plane);
-      if (!done[plane]) add_plane(static_cast<int>(plane), left_ + from, left_ + to, top_ + y);
-      done[plane] = true;
+      if (std::exchange(done[plane], true)) continue;
+      if (planes_[plane]) {
+        add_interleaved(static_cast<int>(plane), left_ + from, left_ + to, top_ + y);
+      } else {
+        add_plane(static_cast<int>(plane), left_ + from, left_ + to, top_ + y);
+      }
     }
+  }
+
+  // Absent where the plane's components do not follow each other in turn.
+  [[nodiscard]] std::optional<PlaneRows> rows_of(int plane) const {
+    PlaneRows rows;
+    std::size_t count = 0;
+    bool in_turn = true;
+    for_plane(plane, [&](std::size_t c, const SampleLayout& s) {
+      constexpr int kMost = 4;
+      in_turn = in_turn && s.step <= kMost && s.offset < s.step && s.x_shift <= 1 &&
+                (count == 0 || (s.step == rows.add.count && s.x_shift == rows.add.shift &&
+                                s.y_shift == rows.y_shift));
+      if (!in_turn) return;
+      rows.add.count = rows.keep.count = s.step;
+      rows.add.shift = rows.keep.shift = s.x_shift;
+      rows.y_shift = s.y_shift;
+      rows.add.from.at(static_cast<std::size_t>(s.offset)) = rows_.add[c];
+      rows.keep.from.at(static_cast<std::size_t>(s.offset)) = rows_.keep;
+      ++count;
+    });
+    if (count == 0 || !in_turn) return {};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rows.add.count); ++i) {
+      if (rows.add.from[i] != nullptr) continue;
+      rows.add.from[i] = components_.add_nothing();
+      rows.keep.from[i] = components_.keep_all();
+    }
+    return rows;
+  }
+
+  // As add_plane().
+  void add_interleaved(int plane, int from, int to, int y) {
+    const PlaneRows& rows = *planes_.at(static_cast<std::size_t>(plane));
+    const int step = rows.add.count;
+    const Samples samples =
+        samples_of({.x_shift = rows.add.shift, .y_shift = rows.y_shift}, from, to, y);
+    const int count = samples.end - samples.first;
+    if (count <= 0) return;
+    const std::size_t at = take(count * step);
+    stamp_.runs.push_back({plane, y >> rows.y_shift, samples.first * step, count * step, at});
+    InterleavedRows add = rows.add;
+    InterleavedRows keep = rows.keep;
+    const int in_row = (samples.first << rows.add.shift) - from;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(step); ++i) {
+      add.from[i] += in_row;
+      keep.from[i] += in_row;
+    }
+    interleave(add, count, &stamp_.add[at]);
+    interleave(keep, count, &stamp_.keep[at]);
   }
 
   // A component's samples for the pixels from..to of a row of the frame; empty where others hold
@@ -129,10 +224,10 @@ class StampMaker {
       row = y >> s.y_shift;
     });
     if (first >= end) return;
-    const std::size_t at = stamp_.add.size();
+    const std::size_t at = take(end - first);
     stamp_.runs.push_back({plane, row, first, end - first, at});
-    stamp_.add.resize(at + static_cast<std::size_t>(end - first), 0);
-    stamp_.keep.resize(stamp_.add.size(), 255);
+    std::fill_n(&stamp_.add[at], end - first, 0);
+    std::fill_n(&stamp_.keep[at], end - first, 255);
     for_plane(plane, [&](std::size_t c, const SampleLayout& s) {
       const Samples samples = samples_of(s, from, to, y);
       const int count = samples.end - samples.first;
@@ -160,13 +255,24 @@ class StampMaker {
   int end_;
   Components components_;
   ComponentRows rows_;
-  TileStamp stamp_;
+  std::array<std::optional<PlaneRows>, 3> planes_;
+  TileStamp& stamp_;
+  std::size_t used_ = 0;  // of its bytes
 };
 
 }  // namespace
 
 TileStamp stamp_of(const OverlayTile& tile, int left, int top, const PixelLayout& layout) {
-  return StampMaker(tile, left, top, layout).stamp();
+  TileStamp stamp;
+  // As much as there can be of 3 or 4 bytes a pixel where half of the tile is transparent.
+  stamp.add.resize(tile.pixels.size() / 2);
+  stamp.keep.resize(tile.pixels.size() / 2);
+  const std::size_t used = StampMaker(tile, left, top, layout, stamp).make();
+  for (auto* bytes : {&stamp.add, &stamp.keep}) {
+    bytes->resize(used);
+    bytes->shrink_to_fit();
+  }
+  return stamp;
 }
 
 void TileStamps::begin_frame(const PixelLayout& layout) {
@@ -176,15 +282,18 @@ void TileStamps::begin_frame(const PixelLayout& layout) {
   for (auto& [serial, entry] : entries_) entry.shown = false;
 }
 
-const TileStamp& TileStamps::of(const OverlayTile& tile, int left, int top) {
-  if (tile.serial == 0) return unknown_ = stamp_of(tile, left, top, layout_);
+void TileStamps::blend(const OverlayTile& tile, int left, int top, const FramePlanes& frame) {
+  const auto blend_once = [&] { StampMaker(tile, left, top, layout_, row_).blend(frame); };
+  if (tile.serial == 0) return blend_once();
   const auto [known, is_new] = entries_.try_emplace(tile.serial);
   Entry& entry = known->second;
-  if (is_new || entry.left != left || entry.top != top) {
-    entry = {left, top, true, stamp_of(tile, left, top, layout_)};
-  }
   entry.shown = true;
-  return entry.stamp;
+  if (is_new || entry.left != left || entry.top != top) {
+    entry = {left, top, true, {}};
+    return blend_once();
+  }
+  if (!entry.stamp) entry.stamp = stamp_of(tile, left, top, layout_);
+  blend_stamp(*entry.stamp, frame);
 }
 
 }  // namespace calvin

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Tiles of an overlay in the bytes of a video format: a tile is converted once, and blended onto
-// every frame on which it is seen. Private to draw/ and the elements.
+// Tiles of an overlay in the bytes of a video format: a tile that stays is converted once, and
+// blended onto every frame on which it is seen. Private to draw/ and the elements.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -65,25 +66,26 @@ struct TileStamp {
 [[nodiscard]] TileStamp stamp_of(const OverlayTile& tile, int left, int top,
                                  const PixelLayout& layout);
 
-// The stamps of a video's tiles. One thread at a time.
+// The stamps of a video's tiles, kept from the second frame on that shows them: what follows a
+// board is seen on one alone. One thread at a time.
 class TileStamps {
  public:
   // Before each frame: forgets what the last one did not show.
   void begin_frame(const PixelLayout& layout);
-  // Of a tile as stamp_of() has it; good until the next call.
-  [[nodiscard]] const TileStamp& of(const OverlayTile& tile, int left, int top);
+  // A tile as stamp_of() has it onto a frame of the layout.
+  void blend(const OverlayTile& tile, int left, int top, const FramePlanes& frame);
 
  private:
   struct Entry {
     int left = 0;
     int top = 0;
     bool shown = false;
-    TileStamp stamp;
+    std::optional<TileStamp> stamp;
   };
 
   PixelLayout layout_;
   std::unordered_map<std::uint64_t, Entry> entries_;  // by the serial of the tile
-  TileStamp unknown_;                                 // of a tile without one
+  TileStamp row_;                                     // of a tile that is not kept
 };
 
 }  // namespace calvin
