@@ -138,7 +138,7 @@ const Property<RigSolver> kRigProperties[13] = {
      {.range = Range{0, 1}, .flags = kMutableReady}},
     {"wand-sigma",
      "Wand Sigma",
-     "Before a wand of lights: how well the place of each along it is known, 1 sigma (m, 0 = "
+     "Before a wand of lights: how well the place of each along it is known, 1 sigma in m (0 = "
      "exactly)",
      kept_in<&RigSettings::wand_sigma>,
      {.range = Range{0, 1}, .flags = kMutableReady}},

@@ -23,7 +23,7 @@ NUMBERS = {
 }
 # One of these is in the blurb of every number: its unit, or what it counts or compares.
 UNITS = re.compile(
-    r"\bpx\b|\bns\b|\bms\b|\bin s\b|degrees|per second|grey levels|[Ff]actor|[Vv]iews|threads|Number of|in the units of"
+    r"\bpx\b|\bns\b|\bms\b|\bin s\b|\bin m\b|degrees|per second|grey levels|[Ff]actor|[Vv]iews|threads|Number of|in the units of"
     r"|\b0: .*\b1: |\b0\.\.1\b|[Cc]hoice of")
 SMALL_WORDS = {"a", "of", "to", "and", "in", "the"}
 

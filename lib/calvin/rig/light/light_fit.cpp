@@ -284,9 +284,15 @@ class LightSolver {
     Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(table.count(), first + free.cols());
     for (Eigen::Index k = 0; k < first; ++k) basis(given[static_cast<std::size_t>(k)], k) = 1;
     basis.rightCols(free.cols()) = free;
-    const auto equations = information(cameras_, unknowns_, stage_, basis, state_);
+    auto equations = information(cameras_, unknowns_, stage_, basis, state_);
     if (!equations) return undetermined("");
     variance_ = equations->cost / degrees_of_freedom(free.cols());
+    if (stage_ == LightStage::kWand) {
+      // The sigma of a wand, which may be all that is known of the unit, is to come out as it is.
+      state_.noise = std::sqrt(variance_);
+      equations = information(cameras_, unknowns_, stage_, basis, state_);
+      if (!equations) return undetermined("");
+    }
     set_scatter(free, equations->matrix.bottomRightCorner(free.cols(), free.cols()));
     const Eigen::MatrixXd known = covariance_of_given();
     const auto covariance = covariance_of_places(
