@@ -117,15 +117,20 @@ HWY_INLINE std::pair<float, float> columns_of(const Stroke& s, float reach, floa
   return {first, last};
 }
 
-// Of the first pixel whose centre is at `x` or behind.
-HWY_INLINE int first_block(float x) { return std::max(0, static_cast<int>(std::ceil(x))) / kBlock; }
+// The first pixel whose centre is at `x` or behind, wherever that is: a shape may lie far outside.
+HWY_INLINE int first_pixel(float x) {
+  constexpr float kBeyondAnyFrame = 1e6F;
+  return static_cast<int>(std::ceil(std::min(std::max(0.0F, x), kBeyondAnyFrame)));
+}
+
+HWY_INLINE int first_block(float x) { return first_pixel(x) / kBlock; }
 
 void paint_stroke(const Stroke& s, const Ink& ink, TilePlanes& planes) {
   const Floats d;
   const auto lanes = static_cast<int>(hn::Lanes(d));
   const float reach = s.radius + s.half + s.halo + 0.5F;
   const float to_y = s.y + s.along_y * s.length;
-  const int top = std::max(0, static_cast<int>(std::ceil(std::min(s.y, to_y) - reach)));
+  const int top = first_pixel(std::min(s.y, to_y) - reach);
   const auto bottom =
       std::min(static_cast<float>(planes.height() - 1), std::max(s.y, to_y) + reach);
   const float whole = kWhole / 255 * ink.bgra[3];
@@ -155,7 +160,7 @@ void paint_box(const InkedBox& box, const Ink& ink, TilePlanes& planes) {
   const auto covered = [](float centre, float from, float to) {
     return std::clamp(std::min(centre + 0.5F, to) - std::max(centre - 0.5F, from), 0.0F, 1.0F);
   };
-  const int top = std::max(0, static_cast<int>(std::ceil(box.top - 0.5F)));
+  const int top = first_pixel(box.top - 0.5F);
   const float bottom = std::min(static_cast<float>(planes.height() - 1), box.bottom + 0.5F);
   const float end = std::min(static_cast<float>(planes.width() - 1), box.right + 0.5F);
   for (int y = top; static_cast<float>(y) <= bottom; ++y) {
