@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calvin/core/file.hpp"
@@ -116,8 +117,8 @@ TEST(PointRows, AreBoards) {
   EXPECT_EQ(boards->front().points()[3], Eigen::Vector3d(0.01, 0.01, 0.005));
   EXPECT_TRUE(names_a_file("points:plate.txt"));
   // Paths are longer than names.
-  const std::string far = written((std::string(150, 'f') + ".txt").c_str(),
-                                  "# unit: mm\n0 0 0\n10 0 0\n0 10 0\n10 10 5\n");
+  const std::string far_name = fmt::format("{:f>150}.txt", "");
+  const std::string far = written(far_name.c_str(), "# unit: mm\n0 0 0\n10 0 0\n0 10 0\n10 10 5\n");
   const auto long_path = parse_boards("points:" + far);
   ASSERT_TRUE(long_path) << long_path.error().message;
   EXPECT_EQ(long_path->front().text(), "points:" + far);

@@ -44,7 +44,8 @@ TEST_P(SingleViewsOf, SayWhatEachSaysByItself) {
     ASSERT_TRUE(views.next(set, BoardShape(), pose));
     const auto ours = views.reduced();
     const ViewPoints points(set, BoardShape());
-    BundleProblem problem({{{&points}}, {}}, {&table, basis, {}}, {shared, {pose}, {}, {}}, Loss{});
+    BundleProblem problem({{{&points}}, {}, {}}, {&table, basis, {}}, {shared, {pose}, {}, {}},
+                          Loss{});
     const auto alone = problem.reduced();
     ASSERT_TRUE(ours && alone);
     EXPECT_GT(ours->cost, 0);
