@@ -158,7 +158,7 @@ TEST_P(Codes, AreNotThoseOfAnotherBoard) {
   bench::SceneClass kind{.name = "plain"};
   for (const char* other : {GetParam().other, "checkerboard:14x9:20mm"}) {
     kind.board = other;
-    for (std::uint64_t seed = 0; seed < (scenes::full_count() ? 100 : 3); ++seed) {
+    for (std::uint64_t seed = 0; seed < (scenes::full_count() ? 100 : 2); ++seed) {
       const auto scene = bench::make_scene(kind, {1280, 720}, seed);
       EXPECT_FALSE(detector->detect(view_of(scene.image)).observation.found()) << other << seed;
     }
@@ -169,7 +169,7 @@ TEST_P(Codes, AreInNoOtherPicture) {
   const auto detector = make_detector(parse_board(GetParam().board).value()).value();
   const bool full = scenes::full_count();
   const ImageSize size = full ? ImageSize{1920, 1080} : ImageSize{800, 600};
-  for (std::uint64_t seed = 0; seed < (full ? 1200 : 16); ++seed) {
+  for (std::uint64_t seed = 0; seed < (full ? 1200 : 8); ++seed) {
     const auto picture = bench::make_negative(size, 5000 + seed);
     EXPECT_FALSE(detector->detect(view_of(picture)).observation.found()) << seed;
   }
