@@ -83,7 +83,7 @@ GST_END_TEST;
 
 // A wand gives the unit, and every place its error, by how well the wand is known.
 GST_START_TEST(test_a_wand_gives_the_unit) {
-  RigFixture f(rig_views::lit_room_of_wand(200), false);
+  RigFixture f(rig_views::lit_room_of_wand(100), false);
   gst_element_set_state(f.element, GST_STATE_NULL);
   g_object_set(f.element, "wand-sigma", 0.0001, nullptr);
   f.start();
