@@ -26,8 +26,8 @@ struct LightSpotSeen {
 };
 
 struct LightChoice {
-  std::vector<std::size_t>
-      spots;             // of each light, in their order; empty where they are not certain
+  // Of each light, in their order: which spot it is. Empty where that is not certain.
+  std::vector<std::size_t> spots;
   std::string_view why;  // in words for a user, where there was one to choose
 };
 
