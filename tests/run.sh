@@ -36,6 +36,7 @@ export LOCPATH="$build/locale"
 # A sanitizer cannot be mixed into another build: these have folders of their own. They are built
 # in the gaps that tests leave, which often wait for the clock.
 status=0
+export CALVIN_ARCHIVE="$build/lib/libcalvin_internal.a"
 for sanitizer in address thread; do
   CALVIN_BUILD_ONLY=1 nice -n 19 "$source/tests/sanitizers/run.sh" $sanitizer "$build-$sanitizer" ||
     break

@@ -3,13 +3,16 @@
 # Builds the plugin and its tests under a sanitizer, and runs them.
 #   run.sh address BUILD   address and undefined behaviour: the suite `memory`
 #   run.sh thread BUILD    data races: the suite `threads`
-# CALVIN_BUILD_ONLY=1 does not run them. CALVIN_FULL=1 also checks what takes as long to compile as
-# all the rest, pointers that are null or not aligned, and runs all of tests/check for the first.
+# CALVIN_BUILD_ONLY=1 does not run them. CALVIN_ARCHIVE is the libcalvin_internal.a of another build
+# of this source: data races are then looked for where the threads are, in the plugin and its tests.
+# CALVIN_FULL=1 looks for them everywhere, also checks what takes as long to compile as all the
+# rest, pointers that are null or not aligned, and runs all of tests/check for the first.
 set -eu
 
 source=$(cd "$(dirname "$0")/../.." && pwd)
 build=$2
-args=-g1
+args=""
+archive=""
 patience=2 # times as long as a test may take
 [ -z "${CALVIN_FULL:-}" ] || patience=240
 case "$1" in
@@ -21,7 +24,10 @@ case "$1" in
       suite=memory
     fi
     ;;
-  thread) sanitize=thread suite=threads ;;
+  thread)
+    sanitize=thread suite=threads
+    [ -n "${CALVIN_FULL:-}" ] || archive=${CALVIN_ARCHIVE:-}
+    ;;
   *) sed -n '4,5s/^# *//p' "$0" >&2; exit 2 ;;
 esac
 
@@ -30,7 +36,7 @@ if [ ! -f "$build/build.ninja" ]; then
   # With b_lundef a sanitized library does not link: its run-time is in the program.
   meson setup "$build" "$source" --buildtype=plain -Doptimization=1 -Dcpp_args="$args" \
     -Dwerror=false \
-    -Db_sanitize=$sanitize -Db_lundef=false -Dexamples=false
+    -Db_sanitize=$sanitize -Db_lundef=false -Dexamples=false -Darchive="$archive"
 fi
 ninja -C "$build" "$suite-programs"
 [ -z "${CALVIN_BUILD_ONLY:-}" ] || exit 0
