@@ -5,6 +5,7 @@
 
 #include "rig/rig_messages.hpp"
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -30,6 +31,22 @@ GstStructure* link_structure(const RigLink& link, const Rig& rig) {
   set_optional(s, "spread", link.spread);
   set_optional(s, "epipolar-error", link.epipolar_error);
   return s;
+}
+
+// Of the cameras whose clocks do not agree with that of the first one.
+std::vector<GstStructure*> time_offsets_of(const Rig& rig) {
+  constexpr double kSecond = 1e9;  // ns
+  std::vector<GstStructure*> offsets;
+  for (const RigCamera& camera : rig.cameras) {
+    if (!camera.time_offset) continue;
+    offsets.push_back(gst_structure_new(
+        "time-offset", "camera", G_TYPE_STRING, displayed(camera.calibration.camera).c_str(),
+        "offset", G_TYPE_INT64,
+        static_cast<gint64>(std::llround(kSecond * camera.time_offset->seconds)), "sigma",
+        G_TYPE_INT64, static_cast<gint64>(std::llround(kSecond * camera.time_offset->sigma)),
+        nullptr));
+  }
+  return offsets;
 }
 
 }  // namespace
@@ -78,6 +95,7 @@ GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& sol
                                         displayed(camera.reason).c_str(), nullptr));
   }
   take_structures(s, "missing", missing);
+  take_structures(s, "time-offsets", time_offsets_of(rig));
   if (solution.board_scale) {
     gst_structure_set(s, "board-scale", G_TYPE_DOUBLE, solution.board_scale->scale,
                       "board-scale-sigma", G_TYPE_DOUBLE, solution.board_scale->sigma, nullptr);

@@ -19,7 +19,8 @@ namespace calvin::gst {
 
 // calib-rig-result {state, cameras, rms, location, links: array of {a, b, views, agree, distance,
 // distance-sigma, angle, bias, spread, epipolar-error}, weakest, missing: array of {camera,
-// reason}, pairing, remarks, json in the final one}.
+// reason}, pairing, time-offsets: array of {camera, offset, sigma}, remarks, json in the final
+// one}.
 [[nodiscard]] GstStructure* rig_result_message(const FrameTimes& times, const RigSolution& solution,
                                                const std::string& location, const char* json);
 

@@ -15,6 +15,12 @@
 
 namespace calvin {
 
+// So much later than its timestamps say, against those of another camera, one took its pictures.
+struct TimeOffset {
+  double seconds = 0;
+  double sigma = 0;  // s
+};
+
 struct RigCamera {
   Calibration calibration;  // its `camera` is the camera's name
   Pose rig_from_camera;
@@ -22,6 +28,8 @@ struct RigCamera {
   // stands in the rig (m), from what is true. Empty for the camera that is the rig.
   std::vector<double> covariance;
   std::optional<double> rms;  // px, of the corners that it has seen
+  // Against the first camera. Absent where its pictures were taken for timely.
+  std::optional<TimeOffset> time_offset = {};
 };
 
 // A board where it was seen.

@@ -4,6 +4,7 @@
 // Rig <-> JSON, around the native form of each camera's calibration.
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,6 +28,17 @@ constexpr std::size_t kMostBoards = 4096;
 
 // ---- Reading ------------------------------------------------------------------------------------
 
+std::optional<TimeOffset> read_time_offset(Fields& fields) {
+  if (fields.find("time_offset") == nullptr) return std::nullopt;
+  constexpr double kMost = 3600;  // s: no clocks of one rig are farther apart
+  Fields own = fields.map("time_offset");
+  const TimeOffset offset = {own.number("seconds"), own.number("sigma")};
+  if (!(std::abs(offset.seconds) <= kMost)) own.complain("seconds", "is more than an hour");
+  if (!(offset.sigma >= 0 && offset.sigma <= kMost))
+    own.complain("sigma", "is no sigma in seconds");
+  return offset;
+}
+
 RigCamera read_rig_camera(Fields fields) {
   RigCamera camera;
   const std::string name = fields.string("camera");
@@ -38,6 +50,7 @@ RigCamera read_rig_camera(Fields fields) {
     camera.covariance = read_covariance(fields, kPose, "numbers say where a camera is");
   }
   camera.rms = fields.optional_number("rms");
+  camera.time_offset = read_time_offset(fields);
   check_place(fields, "rig_from_camera", camera.rig_from_camera, "covariance", camera.covariance);
   return camera;
 }
@@ -103,6 +116,12 @@ Result<Node> rig_camera_node(const RigCamera& camera) {
   map.put("rig_from_camera", pose_node(camera.rig_from_camera));
   map.put_rows("covariance", camera.covariance, kPose);
   map.put("rms", camera.rms);
+  if (camera.time_offset) {
+    NodeMap offset;
+    offset.put("seconds", camera.time_offset->seconds);
+    offset.put("sigma", camera.time_offset->sigma);
+    map.put("time_offset", offset.take());
+  }
   map.put("calibration", *std::move(calibration));
   return map.take();
 }

@@ -6,13 +6,17 @@
 #include "calvin/rig/board_views.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Core>
 
+#include "calvin/geometry/dense.hpp"
 #include "calvin/solve/fit/weights.hpp"
+#include "calvin/solve/residuals/bundle_problem.hpp"
 #include "calvin/solve/start/pose_fit.hpp"
 #include "calvin/solve/view.hpp"
 #include "calvin/target/unbounded_grid.hpp"
@@ -71,6 +75,60 @@ std::size_t number_of(const Board& board, std::vector<Board>& boards) {
   return number;
 }
 
+constexpr Eigen::Index kMotions = 6;
+constexpr double kStep = 1e-6;  // rad, m
+
+// px of u and v of every corner in turn; rows of corners without a projection are 0.
+Eigen::VectorXd projected(const PointSet& seen, const Camera& camera, const SE3& pose) {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(seen.size()));
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const auto at = camera.project(pose * seen.points[i]);
+    if (!at) continue;
+    all(2 * static_cast<Eigen::Index>(i)) = at->u;
+    all(2 * static_cast<Eigen::Index>(i) + 1) = at->v;
+  }
+  return all;
+}
+
+// px/s: how fast the corners that are seen move where the board moves as a whole, by least squares
+// from how fast each of them was seen to move. A hundred measured numbers become six, so that the
+// noise of each is small: by noisy velocities what they multiply seems smaller than it is. As they
+// were measured where the pose leaves a motion open; empty where there are none.
+std::vector<Pixel> rigid_velocities(const PointSet& seen, const Camera& camera,
+                                    const SE3& camera_from_board,
+                                    const std::vector<Pixel>& measured) {
+  constexpr double kLeastPivot = 1;  // (px per rad or m)^2
+  const std::size_t count = seen.size();
+  if (measured.size() != count) return {};
+  Eigen::MatrixXd columns(2 * static_cast<Eigen::Index>(count), kMotions);
+  for (Eigen::Index k = 0; k < kMotions; ++k) {
+    std::array<double, 6> d{};
+    d[static_cast<std::size_t>(k)] = kStep;
+    const SE3 ahead = retract(camera_from_board, d.data());
+    d[static_cast<std::size_t>(k)] = -kStep;
+    const SE3 behind = retract(camera_from_board, d.data());
+    columns.col(k) =
+        (projected(seen, camera, ahead) - projected(seen, camera, behind)) / (2 * kStep);
+  }
+  Eigen::VectorXd right(columns.rows());
+  Eigen::VectorXd weight(columns.rows());
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    right.segment<2>(row) = Eigen::Vector2d(measured[i].u, measured[i].v);
+    weight.segment<2>(row).setConstant(seen.weight[i] > 0 ? 1 : 0);
+  }
+  const Eigen::MatrixXd used = weight.asDiagonal() * columns;
+  const auto motion =
+      solve_definite(transposed_product(used, used), transposed_product(used, right), kLeastPivot);
+  if (!motion) return measured;
+  const Eigen::VectorXd moving = columns * motion->col(0);
+  std::vector<Pixel> all;
+  for (Eigen::Index row = 0; row < moving.size(); row += 2) {
+    all.push_back({moving(row), moving(row + 1)});
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<SE3> labellings_of(const View& view) {
@@ -109,7 +167,8 @@ Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& se
       if (const Status named = check_names_points(view.board); !named) {
         return tl::unexpected<Error>(named.error());
       }
-      all.push_back({{c, v}, number_of(view.board, boards), {}, 1, {}, labellings_of(view), {}});
+      all.push_back(
+          {{c, v}, number_of(view.board, boards), {}, 1, {}, labellings_of(view), {}, {}});
       sets.push_back(to_points(view.board, view.board.points(), view.observation));
     }
   }
@@ -119,6 +178,11 @@ Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& se
     all[i].sigma = scale.sigma;
   }
   std::erase_if(all, [&](BoardView& view) { return !find_poses(view, cameras[view.of.camera]); });
+  for (BoardView& view : all) {
+    const Observation& observation = seen[view.of.camera].views[view.of.view].observation;
+    view.velocity = rigid_velocities(view.seen, cameras[view.of.camera], view.poses.front(),
+                                     observation.velocity);
+  }
   return all;
 }
 

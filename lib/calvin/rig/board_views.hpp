@@ -29,6 +29,7 @@ struct BoardView {
   // camera_from_board by the labelling of the observation: the best, and the other tilt of the
   // plane where that fits nearly as well.
   std::vector<SE3> poses;
+  std::vector<Pixel> velocity;  // px/s, of the corners of `seen`; empty where it is not known
 };
 
 // The motions of the board frame that go with Observation::ambiguous; the first one is the

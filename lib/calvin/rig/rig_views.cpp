@@ -86,7 +86,7 @@ EarlierPoint earlier_point(Pixel uv, Pixel velocity, double seconds) {
   // leave how its acceleration changes.
   constexpr double kWrong = 0.03;
   return {{uv.u - seconds * velocity.u, uv.v - seconds * velocity.v},
-          kWrong * seconds * std::hypot(velocity.u, velocity.v)};
+          kWrong * std::abs(seconds) * std::hypot(velocity.u, velocity.v)};
 }
 
 std::optional<std::size_t> weakest_pair(const std::vector<CameraPair>& pairs) {

@@ -53,13 +53,13 @@ using ViewTimes = std::vector<std::uint64_t>;
 // What moves farther between two pictures of one instant, px, is of no use: nobody knows how.
 inline constexpr double kFarthestWay = 5;
 
-// A point that moves, some time before it was seen.
+// A point that moves, some time before it was seen, or after it.
 struct EarlierPoint {
   Pixel uv;
   double sigma = 0;  // px, what may be wrong with the way in between
 };
 
-// `velocity` in px/s, over `seconds` of at least 0.
+// `velocity` in px/s, by `seconds` earlier.
 [[nodiscard]] EarlierPoint earlier_point(Pixel uv, Pixel velocity, double seconds);
 
 // Two cameras, and how many views hold them together.

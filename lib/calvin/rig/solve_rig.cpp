@@ -18,14 +18,15 @@
 
 #include "calvin/core/text.hpp"
 #include "calvin/rig/board_views.hpp"
+#include "calvin/rig/clocks/solve_with_clocks.hpp"
+#include "calvin/rig/clocks/timing.hpp"
 #include "calvin/rig/floor.hpp"
 #include "calvin/rig/joint/board_scale.hpp"
 #include "calvin/rig/joint/camera_distance.hpp"
 #include "calvin/rig/joint/links.hpp"
-#include "calvin/rig/joint/rig_fit.hpp"
+#include "calvin/rig/joint/rig_result.hpp"
 #include "calvin/rig/joint/rig_start.hpp"
 #include "calvin/rig/joint/shown_boards.hpp"
-#include "calvin/rig/joint/timing.hpp"
 #include "calvin/rig/rig_distances.hpp"
 #include "calvin/rig/stereo.hpp"
 
@@ -73,50 +74,10 @@ std::vector<std::string> names_of(const std::vector<RigCameraViews>& seen) {
   return names;
 }
 
-std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
-  std::vector<double> all;
-  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-    for (Eigen::Index c = 0; c < matrix.cols(); ++c) all.push_back(matrix(r, c));
-  }
-  return all;
-}
-
-// Of the turns and places of all cameras in the frame of the rig, from that of retract() on
-// camera_from_rig: for R = exp(d) R0 and t = exp(d) t0 + e the camera stands at -R^T t, so that
-// both move by -R0^T of d and e. The first camera has zeros.
-Eigen::MatrixXd in_rig_frame(const Eigen::MatrixXd& covariance,
-                             const std::vector<SE3>& camera_from_rig) {
-  const auto count = kPose * static_cast<Eigen::Index>(camera_from_rig.size());
-  Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(count, count - kPose);
-  for (std::size_t c = 1; c < camera_from_rig.size(); ++c) {
-    const auto at = kPose * static_cast<Eigen::Index>(c);
-    const Eigen::Matrix3d back = -camera_from_rig[c].rotation.transpose();
-    turn.block<3, 3>(at, at - kPose) = back;
-    turn.block<3, 3>(at + 3, at - kPose + 3) = back;
-  }
-  return turn * covariance * turn.transpose();
-}
-
 std::optional<std::size_t> weakest_of(const std::vector<RigLink>& links) {
   std::vector<CameraPair> pairs;
   for (const RigLink& link : links) pairs.push_back({link.a, link.b, link.agree});
   return weakest_pair(pairs);
-}
-
-// Poses and covariances of all cameras, `covariance` over their turns and places.
-void set_cameras(const std::vector<RigCameraViews>& seen, const std::vector<SE3>& camera_from_rig,
-                 const Eigen::MatrixXd& covariance, const std::vector<double>& rms, Rig& to) {
-  for (std::size_t c = 0; c < seen.size(); ++c) {
-    RigCamera camera;
-    camera.calibration = seen[c].calibration;
-    camera.rig_from_camera = to_pose(camera_from_rig[c].inverse());
-    for (double& x : camera.rig_from_camera.translation) x += 0.0;  // no -0 of the first camera
-    camera.rms = rms[c];
-    const auto at = kPose * static_cast<Eigen::Index>(c);
-    const Eigen::MatrixXd own = covariance.block(at, at, kPose, kPose);
-    if (!own.isZero(0)) camera.covariance = row_major(own);
-    to.cameras.push_back(std::move(camera));
-  }
 }
 
 RigLink link_between(std::size_t a, std::size_t b, const std::vector<SE3>& camera_from_rig,
@@ -224,6 +185,14 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop);
 
+rig::JoinedCameras joined_by(std::vector<BoardView> views, const std::vector<RigCameraViews>& seen,
+                             const std::vector<Camera>& cameras, std::uint64_t tolerance) {
+  const std::vector<ViewTimes> times = rig::view_times(seen, {});
+  auto groups = rig::group_views(pair_instants(times, tolerance), views);
+  rig::allow_for_timing(times, views, groups);
+  return rig::joined_cameras(rig::find_links(views, groups, cameras), names_of(seen));
+}
+
 // The cameras that are joined by themselves.
 Result<RigSolution> solve_joined(const std::vector<RigCameraViews>& seen,
                                  const std::vector<Camera>& cameras,
@@ -249,38 +218,53 @@ Result<RigSolution> solve_joined(const std::vector<RigCameraViews>& seen,
   return solution;
 }
 
+void set_offsets(const rig::JointSolve& one, RigSolution& solution) {
+  if (one.offsets.empty() || !one.fit.time_offsets) return;
+  constexpr double kMillisecond = 1e-3;  // s
+  const std::string& first = solution.rig.cameras.front().calibration.camera;
+  for (std::size_t c = 1; c < one.offsets.size(); ++c) {
+    RigCamera& camera = solution.rig.cameras[c];
+    const double offset = one.offsets[c];
+    const double sigma = one.fit.time_offsets->sigma[c];
+    if (!(sigma > 0)) continue;
+    camera.time_offset = TimeOffset{offset, sigma};
+    solution.remarks.push_back(fmt::format(
+        "The pictures of '{}' were taken {:.2f} ms (+-{}) {} than their timestamps say, against "
+        "those of '{}', which is allowed for.",
+        camera.calibration.camera, std::abs(offset) / kMillisecond,
+        two_digits(sigma / kMillisecond), offset > 0 ? "later" : "earlier", first));
+  }
+}
+
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop) {
-  auto views = rig::board_views(seen, cameras);
+  const auto views = rig::board_views(seen, cameras);
   if (!views) return tl::unexpected<Error>(views.error());
-  const Instants instants = pair_instants(seen, options.tolerance);
-  auto groups = rig::group_views(instants, *views);
-  rig::allow_for_timing(seen, *views, groups);
-  const std::vector<Link> links = rig::find_links(*views, groups, cameras);
   if (options.is_partial) {
-    const rig::JoinedCameras joined = rig::joined_cameras(links, names_of(seen));
+    const auto joined = joined_by(*views, seen, cameras, options.tolerance);
     const auto count = std::ranges::count(joined.is_joined, true);
     const bool is_part = count >= 2 && static_cast<std::size_t>(count) < seen.size();
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
   }
-  auto places = rig::place_all(*views, groups, cameras, links, names_of(seen));
-  if (!places) return tl::unexpected<Error>(places.error());
-  auto fit = rig::fit_rig(*views, *std::move(places), seen, cameras, stop);
-  if (!fit) return tl::unexpected<Error>(fit.error());
+  auto one =
+      rig::solve_with_clocks({seen, cameras, *views, names_of(seen), options.tolerance}, stop);
+  if (!one) return tl::unexpected<Error>(one.error());
+  rig::RigFit& fit = one->fit;
   RigSolution solution;
-  solution.farthest = instants.farthest;
+  solution.farthest = one->farthest;
   solution.rig.world = seen.front().calibration.camera;
-  solution.rig.rms = fit->rms;
+  solution.rig.rms = fit.rms;
   solution.rig.pairing_tolerance = options.tolerance;
-  Eigen::MatrixXd covariance = in_rig_frame(fit->covariance, fit->places.camera_from_rig);
-  const Status scaled = set_scale(seen, options, fit->places.camera_from_rig, covariance, solution);
+  Eigen::MatrixXd covariance = rig::in_rig_frame(fit.covariance, fit.places.camera_from_rig);
+  const Status scaled = set_scale(seen, options, fit.places.camera_from_rig, covariance, solution);
   if (!scaled) return tl::unexpected<Error>(scaled.error());
-  set_cameras(seen, fit->places.camera_from_rig, covariance, fit->camera_rms, solution.rig);
-  solution.rig.boards = rig::shown_boards(seen, *views, fit->places,
+  rig::set_cameras(seen, fit.places.camera_from_rig, covariance, fit.camera_rms, solution.rig);
+  set_offsets(*one, solution);
+  solution.rig.boards = rig::shown_boards(seen, one->views, fit.places,
                                           solution.board_scale ? solution.board_scale->scale : 1);
-  for (const std::size_t view : fit->rejected) solution.rejected.push_back((*views)[view].of);
-  set_links(*views, links, cameras, *fit, covariance, solution);
+  for (const std::size_t view : fit.rejected) solution.rejected.push_back(one->views[view].of);
+  set_links(one->views, one->links, cameras, fit, covariance, solution);
   return solution;
 }
 
@@ -346,7 +330,7 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
   if (!scaled) return tl::unexpected<Error>(scaled.error());
   solution.rig.world = kBoardWorld;
   solution.rig.rms = std::sqrt(squares / static_cast<double>(cameras.size()));
-  set_cameras(seen, camera_from_rig, covariance, rms, solution.rig);
+  rig::set_cameras(seen, camera_from_rig, covariance, rms, solution.rig);
   const RigView& first = views->front().of;
   solution.rig.boards = {{seen[first.camera].views[first.view].board.text(), {}}};
   for (std::size_t a = 0; a < cameras.size(); ++a) {

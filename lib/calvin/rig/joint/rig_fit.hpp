@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -12,6 +13,7 @@
 
 #include "calvin/core/result.hpp"
 #include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/joint/time_offsets.hpp"
 
 namespace calvin::rig {
 
@@ -20,9 +22,10 @@ struct RigFit {
   // Over the places of all cameras but the first: d of each as retract() in
   // solve/residuals/bundle_problem.hpp has it, for camera_from_rig.
   Eigen::MatrixXd covariance;
-  std::vector<double> camera_rms;     // px
-  double rms = 0;                     // px, of all corners in use
-  std::vector<std::size_t> rejected;  // views that contradict the others
+  std::vector<double> camera_rms;                // px
+  double rms = 0;                                // px, of all corners in use
+  std::vector<std::size_t> rejected;             // views that contradict the others
+  std::optional<TimeOffsets> time_offsets = {};  // beside those that were allowed for already
 };
 
 // From places near the optimum. Intrinsics stay as they are; how well they are known is a part of

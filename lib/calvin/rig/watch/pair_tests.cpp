@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "calvin/rig/joint/timing.hpp"
+#include "calvin/rig/clocks/timing.hpp"
 
 namespace calvin::rig {
 
@@ -37,6 +37,15 @@ Result<std::vector<Camera>> cameras_of(const std::vector<RigCameraViews>& seen) 
   return cameras;
 }
 
+// Of each camera of the rig, s.
+std::vector<double> offsets_of(const Rig& rig) {
+  std::vector<double> offsets;
+  for (const RigCamera& camera : rig.cameras) {
+    offsets.push_back(camera.time_offset ? camera.time_offset->seconds : 0);
+  }
+  return offsets;
+}
+
 }  // namespace
 
 Result<std::vector<PairTest>> test_pairs(const Rig& rig, const std::vector<RigCameraViews>& seen,
@@ -46,9 +55,10 @@ Result<std::vector<PairTest>> test_pairs(const Rig& rig, const std::vector<RigCa
   if (!cameras) return tl::unexpected<Error>(cameras.error());
   auto views = board_views(ordered, *cameras);
   if (!views) return tl::unexpected<Error>(views.error());
-  const Instants instants = pair_instants(ordered, tolerance);
+  const std::vector<ViewTimes> times = view_times(ordered, offsets_of(rig));
+  const Instants instants = pair_instants(times, tolerance);
   auto groups = group_views(instants, *views);
-  allow_for_timing(ordered, *views, groups);
+  allow_for_timing(times, *views, groups);
   std::vector<std::optional<MeasuredPose>> measured(views->size());
   const auto pose_of = [&](std::size_t v) -> const MeasuredPose& {
     const std::size_t camera = (*views)[v].of.camera;

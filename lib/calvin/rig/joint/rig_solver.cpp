@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// Least squares over all places, what is left out of it, and how it moves with what is seen.
+
+#include "calvin/rig/joint/rig_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calvin/rig/joint/camera_unknowns.hpp"
+#include "calvin/solve/linear/lm.hpp"
+
+namespace calvin::rig {
+
+namespace {
+
+constexpr int kPose = ArrowLayout::kPose;
+constexpr double kMedianDistance = 1.17741;  // of two normal coordinates, in their sigma
+
+// The cameras are held as they are.
+ParameterTable held(ParameterTable table, const std::vector<double>& values) {
+  for (std::size_t c = 0; c < table.cameras(); ++c) {
+    const ParameterRange range = table.intrinsics(c);
+    for (int i = range.first; i < range.end(); ++i) {
+      table.hold(i, values[static_cast<std::size_t>(i)]);
+    }
+  }
+  return table;
+}
+
+tl::unexpected<Error> undetermined() {
+  return make_error(ErrorCode::kDegenerate,
+                    "What the cameras have seen does not determine where they stand: show the "
+                    "board to two cameras at a time in more places.");
+}
+
+}  // namespace
+
+Distances distances_of(const std::vector<BoardView>& views, const RigPlaces& places,
+                       const std::vector<Camera>& cameras,
+                       const std::vector<std::vector<double>>& weights) {
+  constexpr double kFar = 1e6;  // px
+  Distances all;
+  std::vector<double> used;
+  for (std::size_t p = 0; p < places.views.size(); ++p) {
+    const PlacedView& placed = places.views[p];
+    const BoardView& view = views[placed.view];
+    const SE3 to_camera = places.camera_from_rig[view.of.camera] *
+                          places.rig_from_board[placed.pose] * placed.board_from_own;
+    std::vector<double>& distances = all.of_views.emplace_back();
+    for (std::size_t i = 0; i < view.seen.size(); ++i) {
+      const auto at = cameras[view.of.camera].project(to_camera * view.seen.points[i]);
+      const double distance =
+          at ? std::hypot(at->u - view.seen.uv[i].u, at->v - view.seen.uv[i].v) : kFar;
+      distances.push_back(view.seen.weight[i] * distance);
+      if (weights[p][i] > 0) used.push_back(distances.back());
+    }
+  }
+  if (used.empty()) return all;
+  const auto middle = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
+  std::ranges::nth_element(used, middle);
+  all.sigma = *middle / kMedianDistance;
+  return all;
+}
+
+RigSolver::RigSolver(const std::vector<BoardView>& views, RigPlaces places,
+                     const std::vector<Camera>& cameras, const std::stop_token& stop)
+    : views_(views),
+      places_(std::move(places)),
+      cameras_(cameras),
+      stop_(stop),
+      table_(table_of(cameras)),
+      values_(values_of_cameras(table_, cameras)) {
+  for (const PlacedView& placed : places_.views) {
+    weights_.push_back(views[placed.view].seen.weight);
+    PointSet seen = views[placed.view].seen;
+    for (Eigen::Vector3d& point : seen.points) point = placed.board_from_own * point;
+    sets_.push_back(std::move(seen));
+  }
+}
+
+Status RigSolver::run() {
+  constexpr double kSoft = 5;  // px: places are known about
+  constexpr int kRounds = 3;
+  if (!minimise_over(Loss{Loss::Kind::kCauchy, kSoft})) return undetermined();
+  for (int round = 0; round < kRounds; ++round) {
+    const bool changed = leave_out();
+    if (!minimise_over(Loss{})) return undetermined();
+    if (!changed) break;
+  }
+  if (stop_.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
+  return {};
+}
+
+bool RigSolver::is_used(std::size_t placed) const {
+  return std::ranges::any_of(weights_[placed], [](double w) { return w > 0; });
+}
+
+std::optional<BundleProblem::Reduced> RigSolver::equations() {
+  return problem(table_, Loss{}).reduced();
+}
+
+double RigSolver::variance() {
+  double corners = 0;
+  for (const auto& view : weights_) {
+    corners += static_cast<double>(std::ranges::count_if(view, [](double w) { return w > 0; }));
+  }
+  const auto free =
+      static_cast<double>(kPose) * static_cast<double>(used_poses() + cameras_.size() - 1);
+  return problem(held(table_, values_), Loss{}).cost() / std::max(2 * corners - free, 1.0);
+}
+
+std::size_t RigSolver::used_poses() const {
+  std::vector<bool> used(places_.rig_from_board.size(), false);
+  for (std::size_t p = 0; p < places_.views.size(); ++p) {
+    if (is_used(p)) used[places_.views[p].pose] = true;
+  }
+  return static_cast<std::size_t>(std::ranges::count(used, true));
+}
+
+// Poses that nothing is seen of any more are no unknowns.
+BundleProblem RigSolver::problem(const ParameterTable& table, const Loss& loss) {
+  BundlePoint start;
+  start.shared = values_;
+  start.camera_from_rig = places_.camera_from_rig;
+  ResidualBlocks blocks;
+  points_.clear();
+  points_.reserve(sets_.size());
+  numbers_.assign(places_.rig_from_board.size(), std::nullopt);
+  for (std::size_t p = 0; p < sets_.size(); ++p) {
+    if (!is_used(p)) continue;
+    sets_[p].weight = weights_[p];
+    points_.emplace_back(sets_[p], BoardShape());
+    auto& number = numbers_[places_.views[p].pose];
+    if (!number) {
+      number = start.rig_from_board.size();
+      start.rig_from_board.push_back(places_.rig_from_board[places_.views[p].pose]);
+    }
+    blocks.boards.push_back({&points_.back(), *number, views_[places_.views[p].view].of.camera, 0});
+  }
+  const ParameterTable* kept = &(tables_ = table);
+  return BundleProblem(std::move(blocks), {kept, kept->basis(), {}}, std::move(start), loss, stop_);
+}
+
+bool RigSolver::minimise_over(const Loss& loss) {
+  BundleProblem fit = problem(held(table_, values_), loss);
+  if (!fit.valid()) return false;
+  (void)minimise(fit, LmOptions{}, stop_);
+  places_.camera_from_rig = fit.point().camera_from_rig;
+  for (std::size_t pose = 0; pose < numbers_.size(); ++pose) {
+    if (numbers_[pose]) places_.rig_from_board[pose] = fit.point().rig_from_board[*numbers_[pose]];
+  }
+  return true;
+}
+
+// Views that contradict the others, and single corners. Whether any were left out that were not
+// before, or the other way round.
+bool RigSolver::leave_out() {
+  constexpr double kFarCorner = 6;  // sigmas
+  constexpr double kFarView = 5;
+  constexpr std::size_t kFewest = 4;
+  const Distances all = distances_of(views_, places_, cameras_, weights_);
+  bool changed = false;
+  for (std::size_t p = 0; p < sets_.size(); ++p) {
+    std::vector<double> now = views_[places_.views[p].view].seen.weight;
+    const std::vector<double>& distances = all.of_views[p];
+    std::vector<double> sorted = distances;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::ranges::nth_element(sorted, middle);
+    const bool is_far = *middle > kFarView * kMedianDistance * all.sigma;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      if (is_far || distances[i] > kFarCorner * all.sigma) now[i] = 0;
+      left += now[i] > 0 ? 1 : 0;
+    }
+    if (left < kFewest) now.assign(now.size(), 0.0);
+    changed |= now != weights_[p];
+    weights_[p] = std::move(now);
+  }
+  return changed;
+}
+
+Eigen::VectorXd RigSolver::residuals() const {
+  std::vector<double> all;
+  for (std::size_t p = 0; p < sets_.size(); ++p) {
+    const PlacedView& placed = places_.views[p];
+    const Camera& camera = cameras_[views_[placed.view].of.camera];
+    const SE3 to_camera = places_.camera_from_rig[views_[placed.view].of.camera] *
+                          places_.rig_from_board[placed.pose];
+    for (std::size_t i = 0; i < sets_[p].size(); ++i) {
+      const double weight = weights_[p][i];
+      if (!(weight > 0)) continue;
+      const auto at = camera.project(to_camera * sets_[p].points[i]);
+      all.push_back(at ? weight * (at->u - sets_[p].uv[i].u) : 0);
+      all.push_back(at ? weight * (at->v - sets_[p].uv[i].v) : 0);
+    }
+  }
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+}
+
+std::optional<RigSolver::Optimum> RigSolver::refit(const std::vector<std::vector<Pixel>>& ways) {
+  const RigPlaces kept = places_;
+  const auto step = [&](double sign) {
+    for (std::size_t p = 0; p < ways.size(); ++p) {
+      for (std::size_t i = 0; i < ways[p].size(); ++i) {
+        sets_[p].uv[i].u += sign * ways[p][i].u;
+        sets_[p].uv[i].v += sign * ways[p][i].v;
+      }
+    }
+  };
+  step(1);
+  std::optional<Optimum> found;
+  if (minimise_over(Loss{})) found = Optimum{places_.camera_from_rig, residuals()};
+  step(-1);
+  places_ = kept;
+  return found;
+}
+
+}  // namespace calvin::rig

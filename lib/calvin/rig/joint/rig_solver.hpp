@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// SPDX-FileCopyrightText: 2026 The gst-calvin authors
+
+// The rig as a BundleProblem, and which views and corners contradict it. Internal.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calvin/core/result.hpp"
+#include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/solve/parameters/parameter_table.hpp"
+#include "calvin/solve/residuals/bundle_problem.hpp"
+
+namespace calvin::rig {
+
+struct Distances {
+  std::vector<std::vector<double>> of_views;  // px, weighted, of all corners of each placed view
+  double sigma = 0;                           // px, per coordinate, of the corners in use
+};
+
+// Of all corners of placed views from where they are expected; those without a projection are as
+// far as can be. `weights`: of each placed view and corner, 0 where it is left out.
+[[nodiscard]] Distances distances_of(const std::vector<BoardView>& views, const RigPlaces& places,
+                                     const std::vector<Camera>& cameras,
+                                     const std::vector<std::vector<double>>& weights);
+
+class RigSolver {
+ public:
+  // Refers to all but the places.
+  RigSolver(const std::vector<BoardView>& views, RigPlaces places,
+            const std::vector<Camera>& cameras, const std::stop_token& stop);
+
+  // From places near the optimum to it, without what contradicts the rest. kDegenerate where that
+  // leaves a place undetermined; kCancelled where a stop was requested.
+  [[nodiscard]] Status run();
+
+  // The optimum, beside that of run(), where corners of placed views are seen elsewhere by `ways`,
+  // px; the views and corners that are in use stay the same.
+  struct Optimum {
+    std::vector<SE3> camera_from_rig;
+    Eigen::VectorXd residuals;  // px, weighted, u and v of all corners in use
+  };
+  [[nodiscard]] std::optional<Optimum> refit(const std::vector<std::vector<Pixel>>& ways);
+
+  [[nodiscard]] const RigPlaces& places() const { return places_; }
+  [[nodiscard]] const ParameterTable& table() const { return table_; }
+  [[nodiscard]] const std::vector<std::vector<double>>& weights() const { return weights_; }
+  [[nodiscard]] bool is_used(std::size_t placed) const;
+
+  // The equations at the optimum over all unknowns of the table, for residuals of 1 px.
+  [[nodiscard]] std::optional<BundleProblem::Reduced> equations();
+  // px^2 per residual beyond those that were fitted.
+  [[nodiscard]] double variance();
+
+ private:
+  [[nodiscard]] std::size_t used_poses() const;
+  [[nodiscard]] BundleProblem problem(const ParameterTable& table, const Loss& loss);
+  [[nodiscard]] bool minimise_over(const Loss& loss);
+  [[nodiscard]] bool leave_out();
+  [[nodiscard]] Eigen::VectorXd residuals() const;
+
+  const std::vector<BoardView>& views_;
+  RigPlaces places_;
+  const std::vector<Camera>& cameras_;
+  const std::stop_token& stop_;
+  ParameterTable table_;
+  ParameterTable tables_;  // of the last problem, which refers to it
+  std::vector<double> values_;
+  std::vector<std::vector<double>> weights_;  // of placed views; 0: left out
+  std::vector<PointSet> sets_;                // of placed views, with the labels of their boards
+  std::vector<ViewPoints> points_;            // of the last problem
+  std::vector<std::optional<std::size_t>> numbers_;  // of poses in the last problem
+};
+
+}  // namespace calvin::rig
