@@ -274,7 +274,7 @@ TEST_P(Circles, AreFollowed) {
   const Camera camera = default_camera({1280, 720});
   const BoardArea area = board.extent();
   const double width = std::max(area.width(), area.height());
-  for (int frame = 0; frame < 35; ++frame) {
+  for (int frame = 0; frame < (scenes::full_count() ? 35 : 14); ++frame) {
     const double way = 0.004 * width * frame;
     const Eigen::Matrix3d rotation = exp_so3({0.3, 0.01 * frame, 0.2});
     const Eigen::Vector3d middle(area.width() / 2, area.height() / 2, 0);

@@ -283,7 +283,7 @@ class Sigma : public ::testing::TestWithParam<Kind> {
     }
     return {sum / count, std::sqrt(1.0 / count + 2.0 / 66 / views())};
   }
-  [[nodiscard]] static int views() { return scenes::full_count() ? 150 : 40; }
+  [[nodiscard]] static int views() { return scenes::full_count() ? 150 : 28; }
 
   double found_ = 0;
   double blur_ = 0;  // px, the mean of what it says

@@ -61,8 +61,10 @@ TEST_F(Tags, AreFoundAsOftenAsByOpenCvAndNearerToTheTruth) {
                            "aruco:5x4:60mm:25mm:DICT_ARUCO_ORIGINAL:inverted"}) {
     const Board board = parse_board(text).value();
     const auto detector = make_detector(board).value();
+    int classes = 0;
     for (bench::SceneClass kind : bench::scene_classes()) {
       if (kind.dark > kind.bright || *kind.board != 0) continue;
+      if (!full && ++classes % 2 == 0) continue;
       kind.board = text;
       Score own;
       Score theirs;

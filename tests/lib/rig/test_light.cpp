@@ -33,7 +33,7 @@ struct Case {
   int full_trials;
 };
 // Three cameras tell little of their axes, and what is known of these decides on the focal lengths.
-const Case kCases[] = {{3, 0.01, 0.1, 40, 300}, {5, 0.03, 0.2, 20, 200}, {16, 0.03, 0.2, 3, 20}};
+const Case kCases[] = {{3, 0.01, 0.1, 24, 300}, {5, 0.03, 0.2, 10, 200}, {16, 0.03, 0.2, 2, 20}};
 
 class Light : public ::testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Cameras, Light, ::testing::ValuesIn(kCases),

@@ -240,7 +240,7 @@ TEST(MeasuredBoard, SaysNothingToViewsThatMayBeLabelledOtherwise) {
 }
 
 TEST(MeasuredBoard, AnotherSheetOrABentOneIsNoticed) {
-  const int sessions = scenes::full_count() ? 50 : 12;
+  const int sessions = scenes::full_count() ? 50 : 6;
   int same = 0;
   int printed_anew = 0;
   int bent = 0;
