@@ -158,10 +158,12 @@ Result<StroblSolution> solve_seen(const Seen& seen, const std::vector<BoardView>
   }
   const auto fit = rig::fit_hand_eye(loops->loops, loops->first.places, loops->first.noise,
                                      loops->mounted, seen.views, task, stop);
-  if (!fit) return tl::unexpected<Error>(fit.error());
   // Turns about one axis seem to be about several by their noise alone.
-  const Status turned = rig::check_turns(sightings, task.setup, fit->noise.turn);
-  if (!turned) return tl::unexpected<Error>(turned.error());
+  const double noise = fit ? fit->noise.turn : loops->first.noise.turn;
+  const Status turned = rig::check_turns(sightings, task.setup, noise);
+  const bool is_cancelled = !fit && fit.error().code == ErrorCode::kCancelled;
+  if (!turned && !is_cancelled) return tl::unexpected<Error>(turned.error());
+  if (!fit) return tl::unexpected<Error>(fit.error());
   const rig::JointEstimates estimates = rig::joint_estimates(*fit, task, seen.names);
   const Status determined = rig::check_determined(*fit, estimates, seen.names);
   if (!determined) return tl::unexpected<Error>(determined.error());

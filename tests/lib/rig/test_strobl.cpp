@@ -130,5 +130,154 @@ TEST_P(Strobl, IsAsWellKnownAsItSays) {
   EXPECT_LE(rejected, 1 + trials / 50);
 }
 
+// Focal lengths that are a tenth off, and lenses without distortion.
+TEST_P(Strobl, BeginsFarAway) {
+  const int trials = scenes::full_count() ? 200 : 10;
+  int elsewhere = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    Random random(4000 + static_cast<std::uint64_t>(trial));
+    const StroblScene scene = scenes::random_strobl(kSetups[trial % 2], GetParam(), random);
+    StroblRun run = scenes::random_strobl_run(scene, kPoses, random);
+    for (RobotCamera& camera : run.cameras) {
+      std::vector<Parameter>& parameters = camera.seen.calibration.parameters;
+      for (std::size_t i = 0; i < parameters.size(); ++i) {
+        parameters[i].value *= i < 2 ? (trial % 4 < 2 ? 1.1 : 0.9) : (i < 4 ? 1 : 0);
+      }
+    }
+    const auto solved = solve_strobl(run.cameras, run.base_from_hand, with(scene.robot.setup));
+    const auto truth = fit_from_truth(scene, run);
+    ASSERT_TRUE(truth.has_value()) << trial;
+    if (!solved || difference(*solved, *truth) > 0.03) ++elsewhere;
+  }
+  std::cout << elsewhere << " of " << trials << " refused or at another optimum\n";
+  EXPECT_LE(elsewhere, trials / 50);
+}
+
+TEST_P(Strobl, LeavesOutAPoseThatContradictsTheOthers) {
+  Random random(7);
+  const StroblScene scene = scenes::random_strobl(EyeSetup::kInHand, GetParam(), random);
+  StroblRun run = scenes::random_strobl_run(scene, kPoses, random);
+  ASSERT_TRUE(scenes::solve_cameras(run, false));
+  run.base_from_hand[4].translation[1] += 0.05;
+  run.cameras[0].seen.views[6].observation.uv[3].u += 3;
+  const auto solved = solve_strobl(run.cameras, run.base_from_hand);
+  ASSERT_TRUE(solved.has_value()) << solved.error().message;
+  EXPECT_EQ(solved->hand_eye.poses, static_cast<int>(solved->loops.size()) - 1);
+  for (const LoopError& loop : solved->loops) EXPECT_EQ(loop.used, loop.view != 4);
+  EXPECT_NEAR(solved->hand_eye.corner_factor, 1, 0.05);
+  EXPECT_LT(scenes::mount_error(solved->hand_eye, scene.robot.mount_from_camera).largest, 4.5);
+}
+
+// A noise that is given is used; a pitch and an aspect that are known are held.
+TEST_P(Strobl, BelievesWhatIsGiven) {
+  Random random(8);
+  StroblScene scene = scenes::random_strobl(EyeSetup::kToHand, GetParam(), random);
+  scene.robot.scale = scene.aspect = 1;
+  StroblRun run = scenes::random_strobl_run(scene, kPoses, random);
+  StroblOptions options = with(scene.robot.setup);
+  const auto free = solve_strobl(run.cameras, run.base_from_hand, options);
+  options.turn_sigma = scene.robot.turn_sigma;
+  options.place_sigma = scene.robot.place_sigma;
+  options.pitch_known = options.aspect_known = true;
+  const auto solved = solve_strobl(run.cameras, run.base_from_hand, options);
+  ASSERT_TRUE(solved && free);
+  EXPECT_EQ(solved->hand_eye.robot_turn_sigma, scene.robot.turn_sigma);
+  EXPECT_EQ(solved->hand_eye.robot_place_sigma, scene.robot.place_sigma);
+  EXPECT_FALSE(solved->hand_eye.scale || solved->hand_eye.aspect);
+  EXPECT_EQ(solved->names.size() + 2, free->names.size());
+  // The mean over some forty numbers has a sigma of 0.2.
+  EXPECT_NEAR(scenes::strobl_square(*solved, scene), 1, 0.8);
+  EXPECT_LT(*solved->calibrations[0].parameters[0].sigma,
+            *free->calibrations[0].parameters[0].sigma);
+}
+
+// ---- Step by step -------------------------------------------------------------------------------
+
+// Sums of squared errors of one way to go.
+struct Errors {
+  double focal = 0;     // of the first camera, of its length
+  double turn = 0;      // rad, of the mount
+  double place = 0;     // m
+  double pitch = 0;     // of its length
+  double baseline = 0;  // m, between two cameras
+  int count = 0;
+
+  void add(const StroblScene& scene, const Calibration& camera, const HandEye& hand_eye,
+           const std::optional<SE3>& first_from_second) {
+    ++count;
+    focal += std::pow(camera.parameters[0].value / scene.cameras[0].fx() - 1, 2);
+    const SE3 mount = to_se3(hand_eye.mount_from_camera);
+    const SE3& truth = scene.robot.mount_from_camera;
+    turn += log_so3(mount.rotation * truth.rotation.transpose()).squaredNorm();
+    place += (mount.translation - truth.translation).squaredNorm();
+    pitch += std::pow(hand_eye.scale.value().value / scene.robot.scale - 1, 2);
+    if (!first_from_second) return;
+    baseline += (first_from_second->translation - scene.camera_from_first[1].inverse().translation)
+                    .squaredNorm();
+  }
+  void print(const char* name) const {
+    const auto rms = [&](double sum) { return std::sqrt(sum / count); };
+    std::cout << "  " << name << ": focal length " << 100 * rms(focal) << " %, camera on the hand "
+              << 1e3 * rms(turn) << " mrad, " << 1e3 * rms(place) << " mm, pitch "
+              << 100 * rms(pitch) << " %";
+    if (baseline > 0) std::cout << ", second camera " << 1e3 * rms(baseline) << " mm";
+    std::cout << '\n';
+  }
+};
+
+// calvin-solve, calvin-hand-eye --free-scale and calvin-rig, whose lengths are then the robot's.
+bool add_steps(const StroblScene& scene, StroblRun run, bool aspect, Errors& errors) {
+  if (!scenes::solve_cameras(run, aspect)) return false;
+  HandEyeOptions options;
+  options.setup = scene.robot.setup;
+  options.free_scale = true;
+  std::vector<Pose> hands;
+  for (const std::size_t pose : run.cameras[0].pose_of_view) {
+    hands.push_back(run.base_from_hand[pose]);
+  }
+  const auto hand_eye = solve_hand_eye(run.cameras[0].seen, hands, options);
+  if (!hand_eye) return false;
+  std::optional<SE3> second;
+  if (run.cameras.size() > 1) {
+    const auto rig = solve_rig({run.cameras[0].seen, run.cameras[1].seen});
+    if (!rig) return false;
+    second = to_se3(rig->rig.cameras[1].rig_from_camera);
+    second->translation *= hand_eye->result.scale.value().value;
+  }
+  errors.add(scene, run.cameras[0].seen.calibration, hand_eye->result, second);
+  return true;
+}
+
+TEST_P(Strobl, IsNoWorseThanStepByStep) {
+  const int trials = scenes::full_count() ? 200 : 20;
+  Errors jointly;
+  Errors by_steps;
+  Errors with_aspect;
+  for (int trial = 0; trial < trials; ++trial) {
+    Random random(2000 + static_cast<std::uint64_t>(trial));
+    const StroblScene scene = scenes::random_strobl(kSetups[trial % 2], GetParam(), random);
+    StroblRun run = scenes::random_strobl_run(scene, kPoses, random);
+    ASSERT_TRUE(add_steps(scene, run, false, by_steps)) << trial;
+    ASSERT_TRUE(add_steps(scene, run, true, with_aspect)) << trial;
+    ASSERT_TRUE(scenes::solve_cameras(run, false)) << trial;
+    const auto solved = solve_strobl(run.cameras, run.base_from_hand, with(scene.robot.setup));
+    ASSERT_TRUE(solved.has_value()) << trial << ": " << solved.error().message;
+    std::optional<SE3> second;
+    if (solved->rig) second = to_se3(solved->rig->cameras[1].rig_from_camera);
+    jointly.add(scene, solved->calibrations[0], solved->hand_eye, second);
+  }
+  std::cout << trials << " robots with " << GetParam() << " camera(s), root mean square errors\n";
+  by_steps.print("step by step");
+  with_aspect.print("with the aspect in the first step");
+  jointly.print("jointly");
+  for (const Errors* steps : {&by_steps, &with_aspect}) {
+    EXPECT_LE(jointly.focal, steps->focal);
+    EXPECT_LE(jointly.turn, steps->turn);
+    EXPECT_LE(jointly.place, steps->place);
+    EXPECT_LE(jointly.pitch, steps->pitch);
+    EXPECT_LE(jointly.baseline, steps->baseline);
+  }
+}
+
 }  // namespace
 }  // namespace calvin
