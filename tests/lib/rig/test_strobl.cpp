@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(Cameras, Strobl, ::testing::Values(1, 2),
                          [](const auto& test) { return test.param == 1 ? "One" : "Two"; });
 
 TEST_P(Strobl, IsAsWellKnownAsItSays) {
-  const int trials = scenes::full_count() ? 250 : 24;
+  const int trials = scenes::full_count() ? 250 : 16;
   double squares = 0;
   int elsewhere = 0;
   int rejected = 0;
@@ -132,7 +132,7 @@ TEST_P(Strobl, IsAsWellKnownAsItSays) {
 
 // Focal lengths that are a tenth off, and lenses without distortion.
 TEST_P(Strobl, BeginsFarAway) {
-  const int trials = scenes::full_count() ? 200 : 10;
+  const int trials = scenes::full_count() ? 200 : 6;
   int elsewhere = 0;
   for (int trial = 0; trial < trials; ++trial) {
     Random random(4000 + static_cast<std::uint64_t>(trial));
@@ -170,25 +170,28 @@ TEST_P(Strobl, LeavesOutAPoseThatContradictsTheOthers) {
 
 // A noise that is given is used; a pitch and an aspect that are known are held.
 TEST_P(Strobl, BelievesWhatIsGiven) {
-  Random random(8);
-  StroblScene scene = scenes::random_strobl(EyeSetup::kToHand, GetParam(), random);
-  scene.robot.scale = scene.aspect = 1;
-  StroblRun run = scenes::random_strobl_run(scene, kPoses, random);
-  StroblOptions options = with(scene.robot.setup);
-  const auto free = solve_strobl(run.cameras, run.base_from_hand, options);
-  options.turn_sigma = scene.robot.turn_sigma;
-  options.place_sigma = scene.robot.place_sigma;
-  options.pitch_known = options.aspect_known = true;
-  const auto solved = solve_strobl(run.cameras, run.base_from_hand, options);
-  ASSERT_TRUE(solved && free);
-  EXPECT_EQ(solved->hand_eye.robot_turn_sigma, scene.robot.turn_sigma);
-  EXPECT_EQ(solved->hand_eye.robot_place_sigma, scene.robot.place_sigma);
-  EXPECT_FALSE(solved->hand_eye.scale || solved->hand_eye.aspect);
-  EXPECT_EQ(solved->names.size() + 2, free->names.size());
-  // The mean over some forty numbers has a sigma of 0.2.
-  EXPECT_NEAR(scenes::strobl_square(*solved, scene), 1, 0.8);
-  EXPECT_LT(*solved->calibrations[0].parameters[0].sigma,
-            *free->calibrations[0].parameters[0].sigma);
+  const int trials = scenes::full_count() ? 200 : 10;
+  double squares = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    Random random(8000 + static_cast<std::uint64_t>(trial));
+    StroblScene scene = scenes::random_strobl(kSetups[trial % 2], GetParam(), random);
+    scene.robot.scale = scene.aspect = 1;
+    const StroblRun run = scenes::random_strobl_run(scene, kPoses, random);
+    StroblOptions options = with(scene.robot.setup);
+    options.turn_sigma = scene.robot.turn_sigma;
+    options.place_sigma = scene.robot.place_sigma;
+    options.pitch_known = options.aspect_known = true;
+    const auto solved = solve_strobl(run.cameras, run.base_from_hand, options);
+    ASSERT_TRUE(solved.has_value()) << solved.error().message;
+    EXPECT_EQ(solved->hand_eye.robot_turn_sigma, scene.robot.turn_sigma);
+    EXPECT_EQ(solved->hand_eye.robot_place_sigma, scene.robot.place_sigma);
+    EXPECT_FALSE(solved->hand_eye.scale || solved->hand_eye.aspect);
+    EXPECT_EQ(solved->names.back(), "carrier.tz");
+    squares += scenes::strobl_square(*solved, scene) / trials;
+  }
+  std::cout << "mean of e^T C^-1 e / dof = " << squares << '\n';
+  // The mean over 10 robots of some 20 numbers has a sigma of 0.1 by itself.
+  EXPECT_NEAR(squares, 1, scenes::full_count() ? 0.1 : 0.3);
 }
 
 // ---- Step by step -------------------------------------------------------------------------------
@@ -249,7 +252,7 @@ bool add_steps(const StroblScene& scene, StroblRun run, bool aspect, Errors& err
 }
 
 TEST_P(Strobl, IsNoWorseThanStepByStep) {
-  const int trials = scenes::full_count() ? 200 : 20;
+  const int trials = scenes::full_count() ? 200 : 12;
   Errors jointly;
   Errors by_steps;
   Errors with_aspect;
