@@ -48,18 +48,17 @@ class HandEyeSolver {
     for (const LoopView& loop : loops) point_.camera_from_board.push_back(loop.camera_from_board);
     point_.shared = values_of_cameras(table_, mounted.cameras);
     point_.camera_from_first = mounted.camera_from_first;
-    use_sigma(corners_.leave_out_by_views(mounted.cameras));
+    const LoopCorners::Kept kept = corners_.leave_out_by_views(mounted.cameras);
+    if (kept.sigma > 0) corner_ = kept.sigma;
   }
 
   [[nodiscard]] Status run() {
-    constexpr int kRounds = 3;
-    for (int round = 0; round < kRounds; ++round) {
+    const int rounds = task_.free_cameras ? 6 : 3;
+    for (int round = 0; round < rounds; ++round) {
       if (!estimate()) return undetermined(task_);
-      const bool changed = leave_out_views();
-      // Corners were looked at with other cameras.
-      const bool again = task_.free_cameras && round == 0;
-      if (again) use_sigma(corners_.leave_out(geometry()));
-      if (!changed && !again) break;
+      const bool other_views = leave_out_views();
+      const bool other_corners = task_.free_cameras && leave_out_corners();
+      if (!other_views && !other_corners) break;
     }
     if (stop_.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
     return {};
@@ -124,8 +123,12 @@ class HandEyeSolver {
     return {mounted_, point_.camera_from_board, aspect()};
   }
 
-  void use_sigma(double of_corners) {
-    if (of_corners > 0) corner_ = of_corners;
+  // By cameras that are other ones than those by which corners were left out before. Whether the
+  // next estimate has others.
+  [[nodiscard]] bool leave_out_corners() {
+    const LoopCorners::Kept kept = corners_.leave_out(geometry());
+    if (kept.changed) corner_ = kept.sigma;
+    return kept.changed;
   }
 
   [[nodiscard]] HandEyeProblem make_problem() {

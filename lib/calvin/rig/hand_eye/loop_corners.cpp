@@ -71,7 +71,7 @@ LoopCorners::LoopCorners(const std::vector<LoopView>& loops, bool has_aspect)
   make_arrays();
 }
 
-double LoopCorners::leave_out_by_views(const std::vector<Camera>& cameras) {
+LoopCorners::Kept LoopCorners::leave_out_by_views(const std::vector<Camera>& cameras) {
   std::vector<std::vector<double>> far;
   for (const Set& set : sets_) {
     far.push_back(distances(set.all, cameras[set.camera], set.by_view, 1));
@@ -79,7 +79,7 @@ double LoopCorners::leave_out_by_views(const std::vector<Camera>& cameras) {
   return leave_out(far);
 }
 
-double LoopCorners::leave_out(const LoopGeometry& geometry) {
+LoopCorners::Kept LoopCorners::leave_out(const LoopGeometry& geometry) {
   std::vector<std::vector<double>> far;
   for (const Set& set : sets_) {
     const SE3 pose =
@@ -89,24 +89,26 @@ double LoopCorners::leave_out(const LoopGeometry& geometry) {
   return leave_out(far);
 }
 
-double LoopCorners::leave_out(const std::vector<std::vector<double>>& far) {
+LoopCorners::Kept LoopCorners::leave_out(const std::vector<std::vector<double>>& far) {
   constexpr double kFar = 6;  // sigmas
   constexpr std::size_t kFewest = 4;
   std::vector<double> all;
   for (const std::vector<double>& of_set : far) {
     std::ranges::copy_if(of_set, std::back_inserter(all), [](double d) { return d > 0; });
   }
-  if (all.empty()) return 0;
-  const double sigma = std::max(median(std::move(all)) / kMedianDistance, 1e-9);
+  if (all.empty()) return {};
+  Kept kept = {std::max(median(std::move(all)) / kMedianDistance, 1e-9), false};
   for (std::size_t s = 0; s < sets_.size(); ++s) {
     PointSet cleaned = sets_[s].all;
     for (std::size_t i = 0; i < far[s].size(); ++i) {
-      if (far[s][i] > kFar * sigma) cleaned.weight[i] = 0;
+      if (far[s][i] > kFar * kept.sigma) cleaned.weight[i] = 0;
     }
-    sets_[s].used = cleaned.used() >= kFewest ? std::move(cleaned) : sets_[s].all;
+    if (cleaned.used() < kFewest) cleaned = sets_[s].all;
+    kept.changed |= cleaned.weight != sets_[s].used.weight;
+    sets_[s].used = std::move(cleaned);
   }
   make_arrays();
-  return sigma;
+  return kept;
 }
 
 void LoopCorners::make_arrays() {

@@ -50,9 +50,13 @@ class LoopCorners {
   LoopCorners(const std::vector<LoopView>& loops, bool has_aspect);
 
   // Leaves out the corners that are far off what the others say, and no others: those of the same
-  // view, or of all. The sigma of a corner with the weight 1, px; 0 where no corner is seen.
-  double leave_out_by_views(const std::vector<Camera>& cameras);
-  double leave_out(const LoopGeometry& geometry);
+  // view, or of all.
+  struct Kept {
+    double sigma = 0;      // px, of a corner with the weight 1; 0 where no corner is seen
+    bool changed = false;  // others count than before
+  };
+  Kept leave_out_by_views(const std::vector<Camera>& cameras);
+  Kept leave_out(const LoopGeometry& geometry);
 
   // The corners in use of one loop, for a problem, and how many there are.
   [[nodiscard]] std::vector<SeenByCamera> seen(std::size_t loop) const;
@@ -75,7 +79,7 @@ class LoopCorners {
     PointSet used;  // those that are left out have the weight 0
   };
   // `far` are the distances of all corners of each set.
-  double leave_out(const std::vector<std::vector<double>>& far);
+  Kept leave_out(const std::vector<std::vector<double>>& far);
   void make_arrays();
 
   bool has_aspect_;
