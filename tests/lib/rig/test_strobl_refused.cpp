@@ -190,11 +190,11 @@ TEST_P(RefusedStrobl, WhatIsNotDetermined) {
     const Status checked = rig::check_determined(fit, estimates, {"cam0"});
     return checked ? "" : checked.error().message;
   };
-  EXPECT_EQ(refused(4, 0.01), "");
+  EXPECT_EQ(refused(4, 0.005), "");
   EXPECT_NE(refused(1, 200).find("focal length"), std::string::npos);
   EXPECT_NE(refused(2, 200).find("principal point"), std::string::npos);
-  EXPECT_NE(refused(4, 0.05).find("hold its pitch"), std::string::npos);
-  EXPECT_NE(refused(5, 0.05).find("hold its aspect"), std::string::npos);
+  EXPECT_NE(refused(4, 0.02).find("hold its pitch"), std::string::npos);
+  EXPECT_NE(refused(5, 0.01).find("hold its aspect"), std::string::npos);
 }
 
 // Boards that look the same turned by half: labels are those that the robot agrees with.

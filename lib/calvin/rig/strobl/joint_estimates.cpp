@@ -206,8 +206,9 @@ Rig joint_rig(const HandEyeFit& fit, const JointEstimates& estimates,
 
 Status check_determined(const HandEyeFit& fit, const JointEstimates& estimates,
                         const std::vector<std::string>& names) {
-  constexpr double kWorstScale = 0.02;
-  constexpr double kWorstAspect = 0.02;
+  // A ruler, and what printers are known for, say more than sigmas of these.
+  constexpr double kWorstScale = 0.01;
+  constexpr double kWorstAspect = 0.005;
   for (std::size_t c = 0; c < names.size(); ++c) {
     const Status good =
         check_camera(fit.mounted.cameras[c], estimates, estimates.intrinsics[c], names[c]);
