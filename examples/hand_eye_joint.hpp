@@ -17,7 +17,7 @@
 #include "calvin/io/calibration_io.hpp"
 #include "calvin/io/hand_eye_io.hpp"
 #include "calvin/io/rig_io.hpp"
-#include "calvin/rig/strobl.hpp"
+#include "calvin/rig/strobl/solve_strobl.hpp"
 
 #include "print_calibration.hpp"
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "calvin/rig/strobl.hpp"
+#include "calvin/rig/strobl/solve_strobl.hpp"
 #include "ceres_hand_eye.hpp"
 
 namespace calvin::formulas {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "calvin/geometry/dense.hpp"
-#include "calvin/rig/strobl.hpp"
+#include "calvin/rig/strobl/solve_strobl.hpp"
 #include "simulated_robot.hpp"
 
 namespace calvin::scenes {

@@ -23,7 +23,7 @@
 #include "calvin/io/robot_poses.hpp"
 #include "calvin/rig/hand_eye.hpp"
 #include "calvin/rig/hand_eye/loop.hpp"
-#include "calvin/rig/strobl.hpp"
+#include "calvin/rig/strobl/solve_strobl.hpp"
 #include "calvin/solve/pose.hpp"
 #include "calvin/solve/solve.hpp"
 #include "ceres_hand_eye.hpp"

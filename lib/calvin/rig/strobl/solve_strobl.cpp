@@ -3,7 +3,7 @@
 
 // The steps of a joint solve: views, first loops, one least squares, and what of it is determined.
 
-#include "calvin/rig/strobl.hpp"
+#include "calvin/rig/strobl/solve_strobl.hpp"
 
 #include <algorithm>
 #include <cmath>
