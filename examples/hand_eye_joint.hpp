@@ -45,11 +45,11 @@ inline calvin::Result<calvin::Calibration> read_named(const std::string& path) {
 inline calvin::Status write(const std::string& hand_eye, const Arguments& to,
                             const calvin::StroblSolution& solution) {
   for (std::size_t c = 0; c < to.calibrations.size(); ++c) {
-    const auto written = calvin::write_calibration(to.calibrations[c], solution.calibrations[c]);
+    auto written = calvin::write_calibration(to.calibrations[c], solution.calibrations[c]);
     if (!written) return written;
   }
   if (!to.rig.empty()) {
-    const auto written = calvin::write_rig(to.rig, *solution.rig);
+    auto written = calvin::write_rig(to.rig, *solution.rig);
     if (!written) return written;
   }
   return calvin::write_hand_eye(hand_eye, solution.hand_eye);

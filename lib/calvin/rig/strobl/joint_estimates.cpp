@@ -210,7 +210,7 @@ Status check_determined(const HandEyeFit& fit, const JointEstimates& estimates,
   constexpr double kWorstScale = 0.01;
   constexpr double kWorstAspect = 0.005;
   for (std::size_t c = 0; c < names.size(); ++c) {
-    const Status good =
+    Status good =
         check_camera(fit.mounted.cameras[c], estimates, estimates.intrinsics[c], names[c]);
     if (!good) return good;
   }
