@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // calvin-hand-eye [OPTIONS] HAND_EYE.json CALIBRATION VIEWS POSES: where a camera is on the hand of
-// a robot, or before one, from what it has seen of a board and the poses that the robot told.
+// a robot, or before one, from what it has seen of a board and the poses that the robot told. With
+// --method strobl one camera or several are calibrated with that, and the board is measured.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -23,6 +24,7 @@
 #include "calvin/io/robot_poses.hpp"
 #include "calvin/rig/hand_eye.hpp"
 
+#include "hand_eye_joint.hpp"
 #include "hand_eye_match.hpp"
 #include "rig_views.hpp"
 
@@ -48,6 +50,13 @@ name of the picture or its time in front. 12 or 16 numbers are the rows of a mat
   --turn-sigma DEG  the noise of the robot's turns, 1 sigma per axis; else it is estimated
   --place-sigma MM  that of its places
   --free-scale      the size of the board is not believed: all lengths are the robot's
+  --method strobl   cameras, places, pitch and aspect of the board in one solve, as CalLab does;
+                    CALIBRATION is where it begins. Of cameras beside each other
+                    CALIBRATION VIEWS CALIBRATION VIEWS ... POSES
+    --fix pitch     the pitch of the board is as BOARD has it
+    --fix aspect    its rows are as far apart as its columns
+    --calibration FILE  is written, of each camera in turn
+    --rig FILE      is written: where several cameras stand, in the robot's metres
   --help            this text
 )";
 
@@ -55,6 +64,8 @@ struct Arguments {
   std::string board = "checkerboard:9x6:25mm";
   bool inverted = false;
   calvin::HandEyeOptions options;
+  bool is_joint = false;  // --method strobl
+  hand_eye_joint::Arguments joint;
   std::vector<std::string> words;
 };
 
@@ -66,6 +77,25 @@ int wrong_usage(std::string_view why) {
 int failed(const calvin::Error& error) {
   fmt::print(stderr, "calvin-hand-eye: {}\n", error.message);
   return kFailed;
+}
+
+// One of the options of --method strobl.
+bool set_joint_option(std::string_view option, std::string_view value, Arguments& arguments) {
+  hand_eye_joint::Arguments& joint = arguments.joint;
+  if (option == "--method" && value == "strobl") {
+    arguments.is_joint = true;
+  } else if (option == "--fix" && value == "pitch") {
+    joint.options.pitch_known = true;
+  } else if (option == "--fix" && value == "aspect") {
+    joint.options.aspect_known = true;
+  } else if (option == "--calibration") {
+    joint.calibrations.emplace_back(value);
+  } else if (option == "--rig") {
+    joint.rig = value;
+  } else {
+    return false;
+  }
+  return true;
 }
 
 // An option with a value; false where the value is wrong.
@@ -81,10 +111,31 @@ bool set_option(std::string_view option, std::string_view value, Arguments& argu
   }
   if (option == "--turn-sigma") return number(kDegree, arguments.options.turn_sigma);
   if (option == "--place-sigma") return number(kMillimetre, arguments.options.place_sigma);
+  if (set_joint_option(option, value, arguments)) return true;
   if (option != "--eye" || (value != "in-hand" && value != "to-hand")) return false;
   arguments.options.setup =
       value == "in-hand" ? calvin::EyeSetup::kInHand : calvin::EyeSetup::kToHand;
   return true;
+}
+
+// What is wrong with how many files there are, and which; empty where nothing is.
+std::string wrong_words(const Arguments& arguments) {
+  const hand_eye_joint::Arguments& joint = arguments.joint;
+  const std::size_t words = arguments.words.size();
+  if (!arguments.is_joint) {
+    if (joint.is_asked_for()) {
+      return "--fix, --calibration and --rig go with --method strobl.";
+    }
+    return words == 4 ? "" : "it takes a file to write, a calibration, views and poses.";
+  }
+  if (words < 4 || words % 2 != 0) {
+    return "--method strobl takes a file to write, a calibration and views of each camera, and "
+           "poses.";
+  }
+  const std::size_t cameras = words / 2 - 1;
+  if (!joint.rig.empty() && cameras == 1) return "--rig takes two cameras or more.";
+  if (joint.calibrations.size() > cameras) return "there are more --calibration than cameras.";
+  return "";
 }
 
 // Absent for wrong usage, which was said.
@@ -103,8 +154,9 @@ std::optional<Arguments> parse(std::span<char*> given) {
       return std::nullopt;
     }
   }
-  if (arguments.words.size() != 4) {
-    wrong_usage("it takes a file to write, a calibration, views and poses.");
+  const std::string why = wrong_words(arguments);
+  if (!why.empty()) {
+    wrong_usage(why);
     return std::nullopt;
   }
   return arguments;
@@ -142,27 +194,81 @@ void print(const calvin::HandEye& found) {
     fmt::print("lengths of the robot over those of the board: {:.5f} (+-{:.2g})\n",
                found.scale->value, found.scale->sigma);
   }
+  if (found.aspect) {
+    fmt::print("distances of rows of the board over those of columns: {:.5f} (+-{:.2g})\n",
+               found.aspect->value, found.aspect->sigma);
+  }
   for (const std::string& remark : found.remarks) fmt::print("{}\n", remark);
 }
 
+// What the robot told, as base_from_hand.
+calvin::Result<std::vector<calvin::RobotPose>> read_poses(const Arguments& arguments) {
+  auto poses = calvin::read_robot_poses(arguments.words.back());
+  if (!poses || !arguments.inverted) return poses;
+  for (calvin::RobotPose& pose : *poses) {
+    pose.base_from_hand = calvin::to_pose(calvin::to_se3(pose.base_from_hand).inverse());
+  }
+  return poses;
+}
+
 // What is solved: views with the poses that belong to them.
-calvin::Result<hand_eye_match::Matched> read(const Arguments& arguments) {
-  const std::string& source = arguments.words[2];
+calvin::Result<hand_eye_match::Matched> read(const Arguments& arguments,
+                                             const std::string& source) {
   auto views = rig_views::read(source, arguments.board);
   if (!views) return tl::unexpected<calvin::Error>(views.error());
-  const auto poses = calvin::read_robot_poses(arguments.words[3]);
+  const auto poses = read_poses(arguments);
   if (!poses) return tl::unexpected<calvin::Error>(poses.error());
   const std::size_t seen = views->size();
   auto matched = hand_eye_match::match(source, *std::move(views), *poses);
   if (!matched) return matched;
-  if (arguments.inverted) {
-    for (calvin::Pose& pose : matched->poses) {
-      pose = calvin::to_pose(calvin::to_se3(pose).inverse());
-    }
-  }
   fmt::print("{} views in {}, {} poses in {}: {} go together, by their {}\n", seen, source,
-             poses->size(), arguments.words[3], matched->views.size(), matched->by);
+             poses->size(), arguments.words.back(), matched->views.size(), matched->by);
   return matched;
+}
+
+// Of --method strobl.
+int run_jointly(Arguments arguments) {
+  std::vector<calvin::RobotCamera> cameras;
+  for (std::size_t i = 1; i + 2 < arguments.words.size(); i += 2) {
+    auto calibration = hand_eye_joint::read_named(arguments.words[i]);
+    if (!calibration) return failed(calibration.error());
+    auto matched = read(arguments, arguments.words[i + 1]);
+    if (!matched) return failed(matched.error());
+    cameras.push_back(
+        {{*std::move(calibration), std::move(matched->views)}, std::move(matched->lines)});
+  }
+  calvin::StroblOptions& options = arguments.joint.options;
+  options.setup = arguments.options.setup;
+  options.turn_sigma = arguments.options.turn_sigma;
+  options.place_sigma = arguments.options.place_sigma;
+  const auto poses = read_poses(arguments);
+  if (!poses) return failed(poses.error());
+  std::vector<calvin::Pose> hands;
+  for (const calvin::RobotPose& pose : *poses) hands.push_back(pose.base_from_hand);
+  const auto solved = calvin::solve_strobl(cameras, hands, options);
+  if (!solved) return failed(solved.error());
+  if (const auto written = hand_eye_joint::write(arguments.words[0], arguments.joint, *solved);
+      !written) {
+    return failed(written.error());
+  }
+  print(solved->hand_eye);
+  hand_eye_joint::print(*solved);
+  return 0;
+}
+
+int run(const Arguments& arguments) {
+  auto calibration = calvin::read_calibration(arguments.words[1]);
+  if (!calibration) return failed(calibration.error());
+  auto matched = read(arguments, arguments.words[2]);
+  if (!matched) return failed(matched.error());
+  const auto solved = calvin::solve_hand_eye({*std::move(calibration), std::move(matched->views)},
+                                             matched->poses, arguments.options);
+  if (!solved) return failed(solved.error());
+  if (const auto written = calvin::write_hand_eye(arguments.words[0], solved->result); !written) {
+    return failed(written.error());
+  }
+  print(solved->result);
+  return 0;
 }
 
 }  // namespace
@@ -175,16 +281,5 @@ int main(int argc, char** argv) {
   }
   const auto arguments = parse(given);
   if (!arguments) return kWrongUsage;
-  auto calibration = calvin::read_calibration(arguments->words[1]);
-  if (!calibration) return failed(calibration.error());
-  auto matched = read(*arguments);
-  if (!matched) return failed(matched.error());
-  const auto solved = calvin::solve_hand_eye({*std::move(calibration), std::move(matched->views)},
-                                             matched->poses, arguments->options);
-  if (!solved) return failed(solved.error());
-  if (const auto written = calvin::write_hand_eye(arguments->words[0], solved->result); !written) {
-    return failed(written.error());
-  }
-  print(solved->result);
-  return 0;
+  return arguments->is_joint ? run_jointly(*arguments) : run(*arguments);
 }

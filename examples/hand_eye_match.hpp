@@ -28,6 +28,7 @@ namespace hand_eye_match {
 struct Matched {
   std::vector<calvin::View> views;
   std::vector<calvin::Pose> poses;
+  std::vector<std::size_t> lines;  // the numbers of these poses in the file
   const char* by = "order";
 };
 
@@ -77,6 +78,7 @@ inline Matched matched(std::vector<calvin::View> views, const std::vector<calvin
     if (!numbers[v]) continue;
     all.views.push_back(std::move(views[v]));
     all.poses.push_back(poses[*numbers[v]].base_from_hand);
+    all.lines.push_back(*numbers[v]);
   }
   return all;
 }

@@ -43,7 +43,7 @@ TESTS = {
     "io": "io observations board_names light_io rig_io rig_formats mrcal colmap caliscope zoom_io",
     "detect": "detect",
     "solve": "view_share single_views view_information solve pose recheck uncertainty difference",
-    "rig": "rig light solve_rig left_out solve_zooming",
+    "rig": "rig light solve_rig left_out solve_zooming strobl",
     "remap": "undistorter views remap rectification",
     "session": "corner_motion view_guide operator hint session calibration_session guided_capture "
     "refine_with_camera watch rig_session",

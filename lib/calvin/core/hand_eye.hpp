@@ -18,7 +18,8 @@ enum class EyeSetup {
   kToHand,  // the camera stands still, and the board is on the hand
 };
 
-// A length of the robot over that of the board: 1 where both have the same metre.
+// A length over another one, such as one of the robot over that of the board, which is 1 where both
+// have the same metre.
 struct LengthRatio {
   double value = 1;
   double sigma = 0;
@@ -47,6 +48,9 @@ struct HandEye {
   double robot_turn_sigma = 0;
   double robot_place_sigma = 0;
   std::optional<LengthRatio> scale;  // absent where the robot has turned its hand only
+  // How much farther apart the rows of the board are than its columns; absent where the board is
+  // believed.
+  std::optional<LengthRatio> aspect;
   std::vector<std::string> remarks;  // sentences for the user
 };
 

@@ -64,6 +64,12 @@ void read_place(Fields& fields, const char* key, const char* covariance_key, Pos
   io::check_place(fields, key, pose, covariance_key, covariance);
 }
 
+std::optional<LengthRatio> read_ratio(Fields& fields, const char* key) {
+  if (fields.find(key) == nullptr) return std::nullopt;
+  Fields ratio = fields.map(key);
+  return LengthRatio{ratio.number("value"), ratio.number("sigma")};
+}
+
 void read_fields(Fields& fields, HandEye& hand_eye) {
   hand_eye.setup = read_setup(fields);
   const SetupNames& names = names_of(hand_eye.setup);
@@ -83,10 +89,8 @@ void read_fields(Fields& fields, HandEye& hand_eye) {
   Fields robot = fields.map("robot_sigma");
   hand_eye.robot_turn_sigma = robot.number("turn");
   hand_eye.robot_place_sigma = robot.number("place");
-  if (fields.find("scale") != nullptr) {
-    Fields scale = fields.map("scale");
-    hand_eye.scale = LengthRatio{scale.number("value"), scale.number("sigma")};
-  }
+  hand_eye.scale = read_ratio(fields, "scale");
+  hand_eye.aspect = read_ratio(fields, "aspect");
   for (const Node& remark : fields.list("remarks")) {
     if (remark.kind == Node::Kind::kString) hand_eye.remarks.push_back(remark.text);
   }
@@ -112,6 +116,14 @@ constexpr io::FileKind kKind = {"The text", "a hand-eye calibration",
 
 // ---- Writing ------------------------------------------------------------------------------------
 
+void put_ratio(const char* key, const std::optional<LengthRatio>& ratio, NodeMap& map) {
+  if (!ratio) return;
+  map.put(key, NodeMap()
+                   .put("value", io::number_node(ratio->value))
+                   .put("sigma", io::number_node(ratio->sigma))
+                   .take());
+}
+
 Result<std::string> print_fields(const HandEye& hand_eye) {
   auto calibration = io::camera_node(hand_eye.calibration);
   if (!calibration) return tl::unexpected(calibration.error());
@@ -136,12 +148,8 @@ Result<std::string> print_fields(const HandEye& hand_eye) {
                              .put("turn", io::number_node(hand_eye.robot_turn_sigma))
                              .put("place", io::number_node(hand_eye.robot_place_sigma))
                              .take());
-  if (hand_eye.scale) {
-    map.put("scale", NodeMap()
-                         .put("value", io::number_node(hand_eye.scale->value))
-                         .put("sigma", io::number_node(hand_eye.scale->sigma))
-                         .take());
-  }
+  put_ratio("scale", hand_eye.scale, map);
+  put_ratio("aspect", hand_eye.aspect, map);
   Node remarks = {Node::Kind::kList, {}, {}, {}};
   for (const std::string& remark : hand_eye.remarks) remarks.items.push_back(io::text_node(remark));
   map.put("remarks", std::move(remarks));

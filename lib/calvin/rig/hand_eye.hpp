@@ -5,15 +5,13 @@
 // the robot tells.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <optional>
 #include <stop_token>
-#include <string>
 #include <vector>
 
 #include "calvin/core/hand_eye.hpp"
 #include "calvin/core/result.hpp"
+#include "calvin/rig/hand_eye/report.hpp"
 #include "calvin/rig/rig_views.hpp"
 
 namespace calvin {
@@ -26,15 +24,6 @@ struct HandEyeOptions {
   // The size of the board is found with the rest: every length is the robot's. Else the board's
   // size is believed, and HandEye::scale only says how well both agree.
   bool free_scale = false;
-};
-
-// What is left of a loop: from where the robot said that its hand was to where the board, by the
-// corners of this view alone, puts it.
-struct LoopError {
-  std::size_t view = 0;           // of the camera's list
-  bool used = true;               // false where the view contradicts the others
-  std::array<double, 3> turn{};   // rad, about the axes of the base
-  std::array<double, 3> place{};  // m
 };
 
 struct HandEyeSolution {

@@ -36,6 +36,7 @@ HandEye sample(EyeSetup setup) {
   hand_eye.robot_turn_sigma = 5e-4;
   hand_eye.robot_place_sigma = 2e-4;
   hand_eye.scale = LengthRatio{0.988, 0.001};
+  hand_eye.aspect = LengthRatio{1.002, 0.0003};
   hand_eye.remarks = {"Measure the board."};
   return hand_eye;
 }
@@ -59,6 +60,8 @@ TEST(HandEyeFile, IsReadAsItWasWritten) {
     EXPECT_EQ(read->mount_covariance, sample(setup).mount_covariance);
     EXPECT_EQ(read->loop_place, 1.0 / 3000);
     EXPECT_EQ(read->scale.value().value, 0.988);
+    EXPECT_EQ(read->aspect.value().value, 1.002);
+    EXPECT_EQ(read->aspect.value().sigma, 0.0003);
     EXPECT_EQ(read->remarks, sample(setup).remarks);
   }
 }
@@ -66,6 +69,7 @@ TEST(HandEyeFile, IsReadAsItWasWritten) {
 TEST(HandEyeFile, MayLackTheScaleAndCovariances) {
   HandEye bare = sample(EyeSetup::kInHand);
   bare.scale.reset();
+  bare.aspect.reset();
   bare.rms.reset();
   bare.mount_covariance.clear();
   bare.carrier_covariance.clear();

@@ -23,6 +23,7 @@
 #include "calvin/io/robot_poses.hpp"
 #include "calvin/rig/hand_eye.hpp"
 #include "calvin/rig/hand_eye/loop.hpp"
+#include "calvin/rig/strobl/solve_strobl.hpp"
 #include "calvin/solve/pose.hpp"
 #include "calvin/solve/solve.hpp"
 #include "ceres_hand_eye.hpp"
@@ -258,6 +259,21 @@ TEST_F(RealHandEye, HasSigmasThatCoverItsLoops) {
   EXPECT_LT(std::abs(found.scale->value - 1), 3 * found.scale->sigma);
   ASSERT_FALSE(found.remarks.empty());
   EXPECT_NE(found.remarks.front().find("nearly one axis"), std::string::npos);
+}
+
+// They say less of the board than a ruler does, and are not taken for its size.
+TEST_F(RealHandEye, TellsThatTheBoardIsToBeMeasured) {
+  RobotCamera camera = {robot_.camera, {}};
+  for (std::size_t v = 0; v < camera.seen.views.size(); ++v) camera.pose_of_view.push_back(v);
+  const auto measured = solve_strobl({camera}, robot_.base_from_hand);
+  ASSERT_FALSE(measured.has_value());
+  EXPECT_NE(measured.error().message.find("measure the board"), std::string::npos)
+      << measured.error().message;
+  StroblOptions options;
+  options.pitch_known = options.aspect_known = true;
+  const auto solved = solve_strobl({camera}, robot_.base_from_hand, options);
+  ASSERT_TRUE(solved.has_value()) << solved.error().message;
+  EXPECT_LE(solved->hand_eye.rms.value(), 0.25);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "calvin/geometry/dense.hpp"
 #include "calvin/geometry/symmetric.hpp"
 
 namespace calvin::rig {
@@ -137,6 +138,46 @@ std::string advice(const Sightings& sightings, EyeSetup setup, double open) {
 
 }  // namespace
 
+Status check_poses(const std::vector<Pose>& base_from_hand) {
+  const auto is_far = [](double x) { return !(std::abs(x) <= 1e6); };
+  for (std::size_t i = 0; i < base_from_hand.size(); ++i) {
+    if (std::ranges::any_of(base_from_hand[i].rotation, is_far) ||
+        std::ranges::any_of(base_from_hand[i].translation, is_far)) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("Pose {} of the robot is not finite, or out of range (1e6 m, "
+                                    "1e6 rad).",
+                                    i + 1));
+    }
+  }
+  return {};
+}
+
+Status check_noise(const HandEyeTask& task) {
+  const auto is_wrong = [](const std::optional<double>& sigma) {
+    return sigma && !(*sigma > 0 && *sigma < 1e3);
+  };
+  if (!is_wrong(task.turn_sigma) && !is_wrong(task.place_sigma)) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    "The noise of a robot is more than 0 and less than 1000 (rad, m).");
+}
+
+Status check_one_board(const std::vector<BoardView>& views) {
+  const bool several = std::ranges::any_of(
+      views, [&](const BoardView& v) { return v.board != views.front().board; });
+  if (!several) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    "The views show several boards: give those of one.");
+}
+
+Status check_enough(const std::vector<BoardView>& views) {
+  constexpr std::size_t kFewest = 3;
+  if (views.size() >= kFewest) return {};
+  return make_error(ErrorCode::kDegenerate,
+                    fmt::format("{} views show the board with a pose of the robot, and {} are the "
+                                "least: take ten or more, the hand turned about several axes.",
+                                views.size(), kFewest));
+}
+
 Status check_turns(const Sightings& sightings, EyeSetup setup, double turn_sigma) {
   if (motion_of(sightings).turn < kLeastTurn) {
     return make_error(ErrorCode::kDegenerate,
@@ -171,6 +212,31 @@ Status check_turns(const Sightings& sightings, EyeSetup setup, double turn_sigma
                   "any: take some more pictures with the hand turned about another axis, by 20 "
                   "degrees and more.",
                   turn_sigma * 180 / std::numbers::pi));
+}
+
+// With P = mount_from_carrier, t_P = R_m s t_c + t_m - R_P t_b has the size s of the board only
+// where t_P is more than what some t_m and t_b explain.
+Status check_lengths(const Sightings& sightings, EyeSetup setup) {
+  constexpr double kLeast = 0.01;  // of the way that a turn moves the board before the camera
+  const auto rows = 3 * static_cast<Eigen::Index>(sightings.size());
+  Eigen::MatrixXd by_places(rows, 6);
+  Eigen::MatrixXd ways(rows, 1);
+  for (Eigen::Index at = 0; at < rows; at += 3) {
+    const SE3& hand = sightings[static_cast<std::size_t>(at / 3)].base_from_hand;
+    const SE3 p = setup == EyeSetup::kInHand ? hand.inverse() : hand;
+    by_places.middleRows<3>(at) << Eigen::Matrix3d::Identity(), -p.rotation;
+    ways.middleRows<3>(at) = p.translation;
+  }
+  const Eigen::MatrixXd left = ways - product(by_places, least_squares(by_places, ways).x);
+  const double way = left.norm() / std::sqrt(static_cast<double>(sightings.size()));
+  const HandMotion motion = motion_of(sightings);
+  if (way > kLeast * motion.turn * motion.distance) return {};
+  return make_error(
+      ErrorCode::kDegenerate,
+      "The hand of the robot was turned about one point only, so that its motions say "
+      "nothing of the size of the board: move it between the pictures too, by a "
+      "tenth of its distance from the board and more, or measure the board and hold "
+      "its pitch.");
 }
 
 Status check_loops(const std::optional<HandEyeStart>& start, const Sightings& sightings,

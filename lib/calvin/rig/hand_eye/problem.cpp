@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "calvin/geometry/dense.hpp"
-#include "calvin/rig/joint/camera_unknowns.hpp"
 #include "calvin/solve/linear/arrow_step.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
@@ -20,13 +19,14 @@ namespace calvin::rig {
 namespace {
 
 constexpr int kPose = ArrowLayout::kPose;
-constexpr int kFirstPlace = kPose + 1;  // of the columns of a loop, behind the residual
 
-// The places are free, and the scale where it may be; the intrinsics are not.
-Eigen::MatrixXd basis_of(int intrinsics, bool free_scale) {
-  const int free = free_scale ? kPlaceColumns : kScaleColumn;
-  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(intrinsics + kPlaceColumns, free);
-  for (int i = 0; i < free; ++i) basis(intrinsics + i, i) = 1;
+// What is free of the table, the places, and the scale where it may be.
+Eigen::MatrixXd basis_of(const ParameterTable& table, int free_places) {
+  const Eigen::MatrixXd own = table.basis();
+  Eigen::MatrixXd basis =
+      Eigen::MatrixXd::Zero(own.rows() + kPlaceColumns, own.cols() + free_places);
+  basis.topLeftCorner(own.rows(), own.cols()) = own;
+  for (int i = 0; i < free_places; ++i) basis(own.rows() + i, own.cols() + i) = 1;
   return basis;
 }
 
@@ -38,21 +38,20 @@ Matrix6d block_of(const ArrowEquations& equations, std::size_t block) {
 
 }  // namespace
 
-HandEyeProblem::HandEyeProblem(const Camera& camera, std::vector<HandEyeBlock> blocks,
+HandEyeProblem::HandEyeProblem(ParameterTable table, std::vector<HandEyeBlock> blocks,
                                EyeSetup setup, const LoopWeights& weights, bool free_scale,
                                HandEyePoint start)
-    : blocks_(std::move(blocks)),
+    : table_(std::move(table)),
+      blocks_(std::move(blocks)),
       setup_(setup),
       weights_(weights),
-      table_(table_of({camera})),
-      values_(values_of_cameras(table_, {camera})),
-      basis_(basis_of(table_.count(), free_scale)),
-      plan_(table_, 0, 0),
+      free_scale_(free_scale),
+      basis_(basis_of(table_, free_places())),
       place_columns_({{table_.count(), kPlaceColumns}}),
       elimination_({table_.count() + kPlaceColumns, blocks_.size(), 0}),
       current_{start, ArrowEquations({table_.count() + kPlaceColumns, blocks_.size(), 0}), {}, 0},
       trial_{std::move(start), ArrowEquations(current_.equations.layout()), {}, 0} {
-  plan_.set(values_);
+  for (std::size_t c = 0; c < table_.cameras(); ++c) plans_.emplace_back(table_, c, 0);
   valid_ = linearise(current_);
 }
 
@@ -67,17 +66,28 @@ HandEyeProblem::WeightedRows HandEyeProblem::weighted_rows(const HandEyePoint& p
   return rows;
 }
 
+bool HandEyeProblem::add_corners(std::size_t block, State& state) {
+  const SE3& first_from_board = state.point.camera_from_board[block];
+  for (const SeenByCamera& seen : blocks_[block].seen) {
+    const SE3& from_first = state.point.camera_from_first[seen.camera];
+    RowPlan& plan = plans_[seen.camera];
+    const RowSums sums = plan.fill(*seen.points, from_first * first_from_board, Loss{});
+    if (!sums.valid) return false;
+    state.cost += sums.cost;
+    plan.add_pose(block, seen.camera == 0 ? nullptr : &from_first, state.equations);
+  }
+  return true;
+}
+
 bool HandEyeProblem::linearise(State& state) {
   using Products = Eigen::Matrix<double, WeightedRows::ColsAtCompileTime,
                                  WeightedRows::ColsAtCompileTime, Eigen::RowMajor>;
   state.equations.clear();
   state.squares.clear();
   state.cost = 0;
+  for (RowPlan& plan : plans_) plan.set(state.point.shared);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const RowSums sums = plan_.fill(*blocks_[b].seen, state.point.camera_from_board[b], Loss{});
-    if (!sums.valid) return false;
-    state.cost += sums.cost;
-    plan_.add_pose(b, nullptr, state.equations);
+    if (!add_corners(b, state)) return false;
     const WeightedRows rows = weighted_rows(state.point, b);
     const Products products = rows.transpose() * rows;
     state.equations.add(b, place_columns_, products.data(), products.cols());
@@ -91,16 +101,32 @@ bool HandEyeProblem::linearise(State& state) {
 std::optional<double> HandEyeProblem::propose(double lambda) {
   const auto step = arrow_step(current_.equations, elimination_, basis_, lambda, block_steps_);
   if (!step) return std::nullopt;
-  trial_.point.places = moved(current_.point.places, &step->move[first_place()]);
+  const HandEyePoint& from = current_.point;
+  HandEyePoint& to = trial_.point;
+  to.places = moved(from.places, &step->move[first_place()]);
+  for (std::size_t i = 0; i < to.shared.size(); ++i) {
+    to.shared[i] = from.shared[i] + step->move[static_cast<Eigen::Index>(i)];
+  }
+  for (std::size_t c = 0; c < table_.cameras(); ++c) {
+    const ParameterRange range = table_.rig_pose(c);
+    if (range.empty()) continue;
+    to.camera_from_first[c] = retract(from.camera_from_first[c], &step->move[range.first]);
+    std::fill_n(to.shared.begin() + range.first, range.count, 0.0);
+  }
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    trial_.point.camera_from_board[b] =
-        retract(current_.point.camera_from_board[b], &block_steps_[kPose * b]);
+    to.camera_from_board[b] = retract(from.camera_from_board[b], &block_steps_[kPose * b]);
   }
   return step->predicted;
 }
 
 std::optional<double> HandEyeProblem::evaluate_trial() {
-  if (!(trial_.point.places.scale > 0) || !linearise(trial_)) return std::nullopt;
+  if (!(trial_.point.places.scale > 0)) return std::nullopt;
+  for (std::size_t c = 0; c < table_.cameras(); ++c) {
+    for (const double f : values_of(trial_.point.shared, table_.focal(c))) {
+      if (!(f > 0)) return std::nullopt;
+    }
+  }
+  if (!linearise(trial_)) return std::nullopt;
   return trial_.cost;
 }
 
@@ -115,12 +141,18 @@ std::optional<Eigen::MatrixXd> HandEyeProblem::information() {
   return restrict_to(Eigen::MatrixXd::Identity(all, all), elimination_.schur());
 }
 
-std::optional<LoopSums> HandEyeProblem::redundancy() {
+std::optional<Eigen::MatrixXd> HandEyeProblem::covariance() {
   if (!elimination_.eliminate(current_.equations, 0)) return std::nullopt;
   const Eigen::Index free = basis_.cols();
-  const auto covariance = scaled_solve(restrict_to(basis_, elimination_.schur()),
-                                       Eigen::MatrixXd::Identity(free, free), kLeastPivot);
-  if (!covariance) return std::nullopt;
+  const auto inverse = scaled_solve(restrict_to(basis_, elimination_.schur()),
+                                    Eigen::MatrixXd::Identity(free, free), kLeastPivot);
+  if (!inverse) return std::nullopt;
+  return congruent(*inverse, basis_.transpose());
+}
+
+std::optional<LoopSums> HandEyeProblem::redundancy() {
+  const auto shared = covariance();
+  if (!shared) return std::nullopt;
   LoopSums sums;
   const auto stride = static_cast<Eigen::Index>(current_.equations.layout().stride());
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
@@ -128,12 +160,12 @@ std::optional<LoopSums> HandEyeProblem::redundancy() {
     const Eigen::Map<const Cross> cross(current_.equations.cross(b), kPose, stride);
     const Matrix6d own = block_of(current_.equations, b);
     const WeightedRows rows = weighted_rows(current_.point, b);
-    // The pose of the view follows the places by -own^-1 cross, and has noise of its own.
-    const Eigen::MatrixXd follow = solve_symmetric(own, cross.middleCols(1 + first_place(), free));
-    const Eigen::MatrixXd by_places =
-        rows.middleCols(kFirstPlace, free) - rows.leftCols<kPose>() * follow;
+    // The pose of the board follows what is shared by -own^-1 cross, and has noise of its own.
     const Eigen::MatrixXd by_pose = rows.leftCols<kPose>();
-    const Eigen::MatrixXd fitted = congruent(*covariance, by_places.transpose()) +
+    Eigen::MatrixXd by_shared =
+        -product(by_pose, solve_symmetric(own, cross.middleCols(1, shared->rows())));
+    by_shared.rightCols<kPlaceColumns>() += rows.rightCols<kPlaceColumns>();
+    const Eigen::MatrixXd fitted = congruent(*shared, by_shared.transpose()) +
                                    product(by_pose, solve_symmetric(own, by_pose.transpose()));
     sums.turn += 3 - fitted.diagonal().head<3>().sum();
     sums.place += 3 - fitted.diagonal().tail<3>().sum();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Hand-eye calibration as a problem for minimise(): every view has the distances of its corners and
-// the error of its loop, both in px. Internal.
+// Hand-eye calibration as a problem for minimise(): at every pose of the robot there are the
+// distances of the corners that one camera or several see, and the error of the loop, all in px.
+// Internal.
 #pragma once
 
 #include <optional>
@@ -10,7 +11,6 @@
 
 #include <Eigen/Core>
 
-#include "calvin/camera/camera.hpp"
 #include "calvin/rig/hand_eye/loop.hpp"
 #include "calvin/solve/linear/arrowhead.hpp"
 #include "calvin/solve/parameters/parameter_table.hpp"
@@ -19,9 +19,15 @@
 
 namespace calvin::rig {
 
-// A view; the arrays must outlive the problem.
+// What one camera sees of the board; the arrays must outlive the problem.
+struct SeenByCamera {
+  const ViewPoints* points = nullptr;  // with the labels of the board
+  std::size_t camera = 0;              // of the table
+};
+
+// One pose of the robot.
 struct HandEyeBlock {
-  const ViewPoints* seen = nullptr;  // with the labels of the board
+  std::vector<SeenByCamera> seen;
   SE3 base_from_hand;
 };
 
@@ -31,9 +37,12 @@ struct LoopWeights {
   double place = 1;  // px/m
 };
 
+// A value of every unknown.
 struct HandEyePoint {
   HandEyePlaces places;
-  std::vector<SE3> camera_from_board;  // of every block
+  std::vector<SE3> camera_from_board;  // of every block, by the first camera
+  std::vector<double> shared;          // in the order of the table
+  std::vector<SE3> camera_from_first;  // of every camera; the identity for the first one
 };
 
 // Sums over loops, and over their rows of a turn and of a place apart.
@@ -42,20 +51,26 @@ struct LoopSums {
   double place = 0;
 };
 
-// The unknowns: camera_from_board of each view as a small block; the intrinsics, which are held,
-// and then HandEyePlaces as what all views share.
+// The unknowns: camera_from_board of each block as a small block; those of the table, which are
+// intrinsics, places of further cameras before the first one and the aspect of the board, each held
+// or free as the table has it; and then HandEyePlaces as what all blocks share.
 class HandEyeProblem {
  public:
-  HandEyeProblem(const Camera& camera, std::vector<HandEyeBlock> blocks, EyeSetup setup,
+  HandEyeProblem(ParameterTable table, std::vector<HandEyeBlock> blocks, EyeSetup setup,
                  const LoopWeights& weights, bool free_scale, HandEyePoint start);
+  // Plans refer to the table.
+  HandEyeProblem(const HandEyeProblem&) = delete;
+  HandEyeProblem& operator=(const HandEyeProblem&) = delete;
 
   // False where a corner has no projection at the start.
   [[nodiscard]] bool valid() const { return valid_; }
   [[nodiscard]] const HandEyePoint& point() const { return current_.point; }
   [[nodiscard]] const ParameterTable& table() const { return table_; }
-  // The unknowns of HandEyePlaces that are free, and the place of the first one.
-  [[nodiscard]] int free_places() const { return static_cast<int>(basis_.cols()); }
+  // The place of the first unknown of HandEyePlaces among all shared ones, how many of those are
+  // free, and how many of all shared ones.
   [[nodiscard]] int first_place() const { return table_.count(); }
+  [[nodiscard]] int free_places() const { return free_scale_ ? kPlaceColumns : kScaleColumn; }
+  [[nodiscard]] int free_unknowns() const { return static_cast<int>(basis_.cols()); }
 
   // For minimise().
   [[nodiscard]] double cost() const { return current_.cost; }
@@ -71,6 +86,9 @@ class HandEyeProblem {
   // The information over all shared unknowns, the poses eliminated, for residuals of 1 px. Absent
   // where a pose is not determined.
   [[nodiscard]] std::optional<Eigen::MatrixXd> information();
+  // The covariance of all shared unknowns, likewise, 0 for those that are held. Absent where one of
+  // the others is not determined.
+  [[nodiscard]] std::optional<Eigen::MatrixXd> covariance();
   // How many residuals of the loops are beyond those that the unknowns are fitted to: the trace of
   // W Q_v (W. Foerstner, Ein Verfahren zur Schaetzung von Varianz- und Kovarianzkomponenten, 1979).
   [[nodiscard]] std::optional<LoopSums> redundancy();
@@ -86,14 +104,15 @@ class HandEyeProblem {
 
   [[nodiscard]] WeightedRows weighted_rows(const HandEyePoint& point, std::size_t block) const;
   bool linearise(State& state);
+  bool add_corners(std::size_t block, State& state);
 
+  ParameterTable table_;
   std::vector<HandEyeBlock> blocks_;
   EyeSetup setup_;
   LoopWeights weights_;
-  ParameterTable table_;
-  std::vector<double> values_;
+  bool free_scale_;
   Eigen::MatrixXd basis_;
-  RowPlan plan_;
+  RowPlans plans_;  // of each camera
   ArrowColumns place_columns_;
   ArrowElimination elimination_;
   State current_;

@@ -13,7 +13,7 @@
 
 namespace calvin::rig {
 
-ParameterTable table_of(const std::vector<Camera>& cameras) {
+ParameterTable table_of(const std::vector<Camera>& cameras, const BoardUnknowns& board) {
   std::vector<TableCamera> all;
   for (const Camera& camera : cameras) {
     TableCamera one;
@@ -22,7 +22,17 @@ ParameterTable table_of(const std::vector<Camera>& cameras) {
     one.has_rig_pose = !all.empty();
     all.push_back(std::move(one));
   }
-  return ParameterTable(std::move(all), {BoardUnknowns()});
+  return ParameterTable(std::move(all), {board});
+}
+
+ParameterTable with_held_intrinsics(ParameterTable table, const std::vector<double>& values) {
+  for (std::size_t c = 0; c < table.cameras(); ++c) {
+    const ParameterRange range = table.intrinsics(c);
+    for (int i = range.first; i < range.end(); ++i) {
+      table.hold(i, values[static_cast<std::size_t>(i)]);
+    }
+  }
+  return table;
 }
 
 std::vector<double> values_of_cameras(const ParameterTable& table,

@@ -16,8 +16,14 @@
 
 namespace calvin::rig {
 
-// The intrinsics of all cameras and the places of all but the first.
-[[nodiscard]] ParameterTable table_of(const std::vector<Camera>& cameras);
+// The intrinsics of all cameras and the places of all but the first, and what is unknown of the one
+// board.
+[[nodiscard]] ParameterTable table_of(const std::vector<Camera>& cameras,
+                                      const BoardUnknowns& board = {});
+
+// The table with the intrinsics of all cameras held at their values.
+[[nodiscard]] ParameterTable with_held_intrinsics(ParameterTable table,
+                                                  const std::vector<double>& values);
 
 // A value of every unknown of that table; the places are 0.
 [[nodiscard]] std::vector<double> values_of_cameras(const ParameterTable& table,

@@ -19,17 +19,6 @@ namespace {
 constexpr int kPose = ArrowLayout::kPose;
 constexpr double kMedianDistance = 1.17741;  // of two normal coordinates, in their sigma
 
-// The cameras are held as they are.
-ParameterTable held(ParameterTable table, const std::vector<double>& values) {
-  for (std::size_t c = 0; c < table.cameras(); ++c) {
-    const ParameterRange range = table.intrinsics(c);
-    for (int i = range.first; i < range.end(); ++i) {
-      table.hold(i, values[static_cast<std::size_t>(i)]);
-    }
-  }
-  return table;
-}
-
 tl::unexpected<Error> undetermined() {
   return make_error(ErrorCode::kDegenerate,
                     "What the cameras have seen does not determine where they stand: show the "
@@ -109,7 +98,8 @@ double RigSolver::variance() {
   }
   const auto free =
       static_cast<double>(kPose) * static_cast<double>(used_poses() + cameras_.size() - 1);
-  return problem(held(table_, values_), Loss{}).cost() / std::max(2 * corners - free, 1.0);
+  return problem(with_held_intrinsics(table_, values_), Loss{}).cost() /
+         std::max(2 * corners - free, 1.0);
 }
 
 std::size_t RigSolver::used_poses() const {
@@ -145,7 +135,7 @@ BundleProblem RigSolver::problem(const ParameterTable& table, const Loss& loss) 
 }
 
 bool RigSolver::minimise_over(const Loss& loss) {
-  BundleProblem fit = problem(held(table_, values_), loss);
+  BundleProblem fit = problem(with_held_intrinsics(table_, values_), loss);
   if (!fit.valid()) return false;
   (void)minimise(fit, LmOptions{}, stop_);
   places_.camera_from_rig = fit.point().camera_from_rig;
