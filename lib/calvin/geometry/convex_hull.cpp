@@ -25,6 +25,7 @@ int turn(Pixel a, Pixel b, Pixel c) noexcept {
 // Leaves out what lies within the octagon of the extreme points, which is nearly everything (S.
 // Akl, G. Toussaint, A Fast Convex Hull Algorithm, IPL 7(5), 1978).
 void drop_inner(std::vector<Pixel>& points) {
+  constexpr double kInset = 0.01;  // of the extent, from corners that lie on the octagon
   std::array<Pixel, 8> octagon;
   octagon.fill(points.front());
   const auto sum = [](Pixel p) { return p.u + p.v; };
@@ -50,7 +51,20 @@ void drop_inner(std::vector<Pixel>& points) {
     for (const auto& [a, b] : sides) within &= turn(a, b, p) > 0;
     return within;
   };
-  points.erase(std::remove_if(points.begin(), points.end(), inner), points.end());
+  // Nearly all of those lie in a rectangle within it, between its corners on the diagonals.
+  const double inset_u = kInset * (octagon[0].u - octagon[4].u);
+  const double inset_v = kInset * (octagon[2].v - octagon[6].v);
+  const double left = std::max(octagon[3].u, octagon[5].u) + inset_u;
+  const double right = std::min(octagon[1].u, octagon[7].u) - inset_u;
+  const double top = std::max(octagon[5].v, octagon[7].v) + inset_v;
+  const double bottom = std::min(octagon[1].v, octagon[3].v) - inset_v;
+  const bool has_middle = left < right && top < bottom && inner({left, top}) &&
+                          inner({right, top}) && inner({left, bottom}) && inner({right, bottom});
+  const auto drops = [&](Pixel p) {
+    const bool in_middle = (p.u >= left) & (p.u <= right) & (p.v >= top) & (p.v <= bottom);
+    return (has_middle && in_middle) || inner(p);
+  };
+  points.erase(std::remove_if(points.begin(), points.end(), drops), points.end());
 }
 
 }  // namespace

@@ -19,11 +19,34 @@ bool is_small(Eigen::Index rows, Eigen::Index columns) {
   return rows <= kFew && columns <= kFew;
 }
 
+// a b for small ones: whole columns of a, four at a time.
+Eigen::MatrixXd small_product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  constexpr Eigen::Index kAtOnce = 4;
+  const Eigen::Index n = a.rows();
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(n, b.cols());
+  for (Eigen::Index j = 0; j < b.cols(); ++j) {
+    double* to = out.data() + j * n;
+    Eigen::Index k = 0;
+    for (; k + kAtOnce <= b.rows(); k += kAtOnce) {
+      const double* from = a.data() + k * n;
+      const double* factors = b.data() + j * b.rows() + k;
+      for (Eigen::Index i = 0; i < n; ++i) {
+        to[i] += factors[0] * from[i] + factors[1] * from[i + n] + factors[2] * from[i + 2 * n] +
+                 factors[3] * from[i + 3 * n];
+      }
+    }
+    for (; k < b.rows(); ++k) {
+      for (Eigen::Index i = 0; i < n; ++i) to[i] += b(k, j) * a(i, k);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   constexpr Eigen::Index kSmall = 64;  // likewise, of all that is multiplied
-  if (a.rows() + a.cols() + b.cols() < kSmall) return a.lazyProduct(b);
+  if (a.rows() + a.cols() + b.cols() < kSmall) return small_product(a, b);
   if (!is_small(b.rows(), b.cols())) return a * b;
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(a.rows(), b.cols());
   for (Eigen::Index j = 0; j < b.cols(); ++j) {

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // The rows that the least squares works on, for every lens: residuals are what Camera::project()
-// says, derivatives are central differences of it, cost and gradient are those of the loss.
+// says, derivatives are central differences of it, cost and gradient are those of the loss. The
+// rays that are found by these rows are those of Camera::unproject().
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "calvin/camera/models.hpp"
+#include "calvin/solve/residuals/grid_rays.hpp"
 #include "calvin/solve/residuals/view_rows.hpp"
 #include "lens_samples.hpp"
 #include "scenes.hpp"
@@ -202,6 +204,39 @@ TEST_P(Rows, HaveTheCostAndTheGradientOfTheLoss) {
       EXPECT_NEAR(found, numeric, 1e-5 * (1 + size)) << published.name << ", unknown " << k;
     }
   }
+}
+
+// The pixels of the grid that have a ray, and these, are what unproject() says of each by itself.
+void expect_rays_of(const Camera& camera) {
+  constexpr int kColumns = 33;
+  constexpr int kRows = 25;
+  const PixelRays found = grid_rays(camera, kColumns, kRows);
+  std::size_t at = 0;
+  for (int i = 0; i < kColumns * kRows; ++i) {
+    const Pixel pixel = {i % kColumns * (kSize.width - 1.0) / (kColumns - 1),
+                         i / kColumns * (kSize.height - 1.0) / (kRows - 1)};
+    const auto ray = camera.unproject(pixel);
+    if (!ray) continue;
+    ASSERT_LT(at, found.at.size());
+    EXPECT_EQ(found.at[at].u, pixel.u);
+    EXPECT_EQ(found.at[at].v, pixel.v);
+    EXPECT_LT((found.rays[at].normalized() - *ray).norm(), 1e-9) << pixel.u << " " << pixel.v;
+    ++at;
+  }
+  EXPECT_EQ(at, found.at.size());
+}
+
+TEST_P(Rows, GridRaysLeadToTheirPixels) {
+  Random random(11);
+  for (int i = 0; i < 5; ++i) {
+    expect_rays_of(scenes::random_camera(GetParam(), random, kSize));
+  }
+}
+
+// k1 = -0.3 alone folds back 1.05 focal lengths off the axis, at .70 of them in the picture: 315
+// px, and the corners are at 400.
+TEST(GridRays, LeaveOutWhatHasNone) {
+  expect_rays_of(Camera::make("brown4", kSize, {450, 450, 319.5, 239.5, -0.3, 0, 0, 0}).value());
 }
 
 }  // namespace

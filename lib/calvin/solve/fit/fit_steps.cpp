@@ -162,11 +162,14 @@ std::vector<std::vector<double>> FitSteps::distances(const Estimate& at) {
   return of_views;
 }
 
-// robust_scale() of an estimate, px; of many views only some are looked at.
+// robust_scale() of an estimate to some per cent, px; of many views only some are looked at.
 double FitSteps::rough_scale(const Estimate& at) {
+  constexpr std::size_t kEnough = 512;  // corners, of as many views at least:
+  constexpr std::size_t kEnoughViews = 8;
   std::size_t corners = 0;
   for (const FitView& view : views_) corners += view.set.size();
-  const std::size_t step = corners / kMany + 1;
+  const std::size_t step =
+      std::min(corners / kEnough + 1, std::max<std::size_t>(views_.size() / kEnoughViews, 1));
   std::vector<double> some;
   for (std::size_t v = 0; v < views_.size(); v += step) {
     const auto d = least_squares_.distances(views_[v], at.shared, at.poses[v]);
@@ -176,10 +179,13 @@ double FitSteps::rough_scale(const Estimate& at) {
 }
 
 Estimate FitSteps::robust_step(Estimate at, Loss::Kind kind, double tolerance, double lambda) {
+  // A step this small, as a part of the cost, leads so near to the optimum that corners are judged
+  // there as they would be after another one; the final least squares goes on from it anyway.
+  constexpr double kNear = 0.05;
   const Loss loss{kind, 2.5 * rough_scale(at)};
   return least_squares_
       .minimise_over(all_, std::move(at), parameterization_.basis, loss,
-                     {options_.max_iterations, tolerance, 0, lambda})
+                     {options_.max_iterations, tolerance, kNear, lambda})
       .at;
 }
 

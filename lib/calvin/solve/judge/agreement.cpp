@@ -11,21 +11,28 @@
 
 namespace calvin {
 
+std::pair<double, double> Agreement::total(std::size_t part) const {
+  const Sums& of = parts_[part];
+  return {std::accumulate(of.score.begin(), of.score.end(), 0.0),
+          std::accumulate(of.information.begin(), of.information.end(), 0.0)};
+}
+
 double Agreement::deviations() const {
   std::array<std::array<double, kGroups>, kGroups> common{};
   for (const Sums& part : parts_) {
     const double all = std::accumulate(part.information.begin(), part.information.end(), 0.0);
     if (!(all > 0)) continue;
     for (std::size_t a = 1; a < kGroups; ++a) {
-      for (std::size_t b = 0; b < a; ++b) common[a][b] += part.score[a] * part.score[b] / all;
+      const double scaled = part.score[a] / all;
+      for (std::size_t b = 0; b < a; ++b) common[a][b] += scaled * part.score[b];
     }
   }
   double sum = 0;
   double squares = 0;
-  for (const auto& row : common) {
-    for (const double of_pair : row) {
-      sum += of_pair;
-      squares += of_pair * of_pair;
+  for (std::size_t a = 1; a < kGroups; ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      sum += common[a][b];
+      squares += common[a][b] * common[a][b];
     }
   }
   return squares > 0 ? sum / std::sqrt(squares) : 0;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace calvin {
@@ -23,6 +24,10 @@ class Agreement {
     parts_[part].score[group % kGroups] += score;
     parts_[part].information[group % kGroups] += information;
   }
+
+  [[nodiscard]] std::size_t parts() const { return parts_.size(); }
+  // Score and information of a part, of all groups.
+  [[nodiscard]] std::pair<double, double> total(std::size_t part) const;
 
   // The sum over parts and pairs of groups of what their scores have in common, over its standard
   // deviation, which the pairs themselves tell.

@@ -21,11 +21,28 @@
 #include "calvin/solve/judge/projection_grid.hpp"
 #include "calvin/solve/judge/residual_scores.hpp"
 #include "calvin/solve/judge/view_share.hpp"
+#include "calvin/solve/linear/grid_kernels.hpp"
 #include "calvin/solve/residuals/single_views.hpp"
 
 namespace calvin {
 
 namespace {
+
+// m^T m, three columns at a time.
+Eigen::MatrixXd squares_of(const Eigen::MatrixXd& m) {
+  constexpr Eigen::Index kAtOnce = 3;
+  const Eigen::Index n = m.cols();
+  if (n < kAtOnce) return transposed_product(m, m);
+  Eigen::MatrixXd sum(n, n);
+  for (Eigen::Index at = 0; at < n; at += kAtOnce) {
+    const Eigen::Index first = std::min(at, n - kAtOnce);
+    Eigen::Matrix3Xd some = Eigen::Matrix3Xd::Zero(kAtOnce, first + kAtOnce);
+    add_turn_products(m.col(first).data(), m.data(), static_cast<std::size_t>(m.rows()),
+                      static_cast<int>(some.cols()), some.data());
+    sum.block(first, 0, kAtOnce, some.cols()) = some;
+  }
+  return sum.selfadjointView<Eigen::Lower>();
+}
 
 // The mean square over the places of the grid of a change d of the directions is d^T M d.
 Eigen::MatrixXd projection_metric(const PlacedGrid& grid,
@@ -34,9 +51,8 @@ Eigen::MatrixXd projection_metric(const PlacedGrid& grid,
   const auto n = static_cast<Eigen::Index>(own.count);
   const Eigen::MatrixXd basis = parameterization.basis.middleRows(own.first, n);
   if (grid.at.empty()) return Eigen::MatrixXd::Zero(basis.cols(), basis.cols());
-  const Eigen::MatrixXd sum =
-      transposed_product(grid.u, grid.u) + transposed_product(grid.v, grid.v);
-  return congruent(sum, basis) / static_cast<double>(grid.at.size());
+  return congruent(squares_of(grid.u) + squares_of(grid.v), basis) /
+         static_cast<double>(grid.at.size());
 }
 
 // From unknowns to directions, by the pseudo-inverse of the basis.

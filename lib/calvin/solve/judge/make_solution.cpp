@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <Eigen/Core>
@@ -184,7 +185,9 @@ PromiseParts add_promise(Calibration& calibration, const ProjectionGrids& grids,
                          const Eigen::MatrixXd& promised, const Eigen::MatrixXd& by_noise,
                          double noise) {
   const auto promise = promise_of(grids, promised);
-  const auto least = error_over(grids.covered, by_noise);
+  // Where nothing but noise was found the two are one.
+  const auto least = promise && promised == by_noise ? std::optional(promise->covered)
+                                                     : error_over(grids.covered, by_noise);
   if (!promise || !least || !(promise->covered > 0)) return {};
   calibration.expected_error = promise->covered;
   calibration.expected_error_anywhere = promise->anywhere;

@@ -7,14 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
-#include <Eigen/Geometry>
-
-#include "calvin/camera/models.hpp"
 #include "calvin/geometry/convex_hull.hpp"
 #include "calvin/solve/linear/grid_kernels.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
+#include "calvin/solve/residuals/grid_rays.hpp"
 
 namespace calvin {
 
@@ -43,72 +42,106 @@ struct Cells {
   }
 };
 
-// Adds a pixel that has a ray.
-template <typename M>
-void add_cell(const Camera& camera, const std::vector<int>& columns, Pixel pixel, Cells& cells) {
-  const auto ray = camera.unproject(pixel);
-  if (!ray) return;
-  double uv[2];
-  double jp[6];
-  double jq[2 * M::kCount];
-  if (!M::project(camera.parameters().data(), camera.skew(), *ray, uv, jp, jq)) return;
-  const auto row = static_cast<Eigen::Index>(cells.at.size());
-  bool finite = true;
-  const auto set = [&](auto& m, Eigen::Index column, double value) {
-    m(row, column) = value;
-    finite = finite && std::isfinite(value);
-  };
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const auto column = static_cast<Eigen::Index>(i);
-    const int k = columns[i];
-    set(cells.u, column, k == kSkewColumn ? (uv[1] - camera.cy()) / camera.fy() : jq[k]);
-    set(cells.v, column, k == kSkewColumn ? 0 : jq[M::kCount + k]);
+// Leaves out the cells that are not numbers.
+void drop_undefined(Cells& cells) {
+  // One that is no number makes none of the sum.
+  if (std::isfinite(cells.u.sum() + cells.v.sum() + cells.u_turned.sum() + cells.v_turned.sum())) {
+    return;
   }
-  const Eigen::Vector3d of_u = ray->cross(Eigen::Vector3d(jp[0], jp[1], jp[2]));
-  const Eigen::Vector3d of_v = ray->cross(Eigen::Vector3d(jp[3], jp[4], jp[5]));
-  for (int k = 0; k < 3; ++k) {
-    set(cells.u_turned, k, of_u[k]);
-    set(cells.v_turned, k, of_v[k]);
+  Eigen::Index kept = 0;
+  for (Eigen::Index i = 0; i < cells.u.rows(); ++i) {
+    if (!cells.u.row(i).allFinite() || !cells.v.row(i).allFinite() ||
+        !cells.u_turned.row(i).allFinite() || !cells.v_turned.row(i).allFinite()) {
+      continue;
+    }
+    cells.u.row(kept) = cells.u.row(i);
+    cells.v.row(kept) = cells.v.row(i);
+    cells.u_turned.row(kept) = cells.u_turned.row(i);
+    cells.v_turned.row(kept) = cells.v_turned.row(i);
+    cells.at[static_cast<std::size_t>(kept++)] = cells.at[static_cast<std::size_t>(i)];
   }
-  if (finite) cells.at.push_back(pixel);
+  cells.at.resize(static_cast<std::size_t>(kept));
+  cells.resize(kept);
 }
 
-Cells cells_at(const Camera& camera, const std::vector<int>& columns,
-               const std::vector<Pixel>& pixels) {
-  Cells cells(pixels.size(), columns.size());
-  visit_model(camera.model(), [&]<typename M>() {
-    for (const Pixel pixel : pixels) add_cell<M>(camera, columns, pixel, cells);
-  });
-  if (cells.at.size() < pixels.size()) cells.resize(static_cast<Eigen::Index>(cells.at.size()));
+// The pixels whose rays have a projection, as nearly all that were found have.
+PixelRays seen_again(const Camera& camera, const PixelRays& found) {
+  PixelRays seen;
+  for (std::size_t i = 0; i < found.at.size(); ++i) {
+    if (!camera.project(found.rays[i])) continue;
+    seen.at.push_back(found.at[i]);
+    seen.rays.push_back(found.rays[i]);
+  }
+  return seen;
+}
+
+// Copies the derivatives along a few rays to the cells from `first` on.
+void copy_cells(ViewRows& rows, const std::vector<int>& columns, Eigen::Index first,
+                Eigen::Index count, Cells& cells) {
+  const auto copy = [&](int from, Eigen::Index column, auto& u, auto& v) {
+    std::copy_n(rows.u(from), count, &u(first, column));
+    std::copy_n(rows.v(from), count, &v(first, column));
+  };
+  const int skew = rows.layout().camera.skew().first;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    copy(RowLayout::kFirstShared + (columns[i] == kSkewColumn ? skew : columns[i]),
+         static_cast<Eigen::Index>(i), cells.u, cells.v);
+  }
+  for (int k = 0; k < 3; ++k) copy(k, k, cells.u_turned, cells.v_turned);  // a pose turns first
+}
+
+Cells cells_of(const Camera& camera, const std::vector<int>& columns, PixelRays found) {
+  const std::size_t places = found.at.size();
+  Cells cells(places, columns.size());
+  RayRows filled(camera);
+  for (std::size_t first = 0; first < places; first += RayRows::kMost) {
+    const std::size_t count = std::min(RayRows::kMost, places - first);
+    filled.take(std::span(found.rays).subspan(first, count));
+    if (!filled.fill()) {
+      PixelRays seen = seen_again(camera, found);
+      if (seen.at.size() == places) return {0, columns.size()};
+      return cells_of(camera, columns, std::move(seen));
+    }
+    copy_cells(filled.rows(), columns, static_cast<Eigen::Index>(first),
+               static_cast<Eigen::Index>(count), cells);
+  }
+  cells.at = std::move(found.at);
+  drop_undefined(cells);
   return cells;
 }
 
-std::vector<Pixel> grid_of(ImageSize size) {
-  std::vector<Pixel> pixels;
-  pixels.reserve(static_cast<std::size_t>(kGridWidth) * kGridHeight);
-  for (int y = 0; y < kGridHeight; ++y) {
-    for (int x = 0; x < kGridWidth; ++x) {
-      pixels.push_back(
-          {x * (size.width - 1.0) / (kGridWidth - 1), y * (size.height - 1.0) / (kGridHeight - 1)});
-    }
-  }
-  return pixels;
+// Those of the pixels [first, last), which lie in one row of the picture, that lie within a convex
+// polygon: they follow each other.
+std::pair<std::size_t, std::size_t> part_within(const std::vector<Pixel>& polygon,
+                                                const std::vector<Pixel>& pixels, std::size_t first,
+                                                std::size_t last) {
+  while (first < last && !contains(polygon, pixels[first])) ++first;
+  while (first < last && !contains(polygon, pixels[last - 1])) --last;
+  return {first, last};
 }
 
 // The cells of the border and those of the picture within it.
 Cells within(const std::vector<Pixel>& polygon, Cells border, const Cells& picture) {
-  std::vector<Eigen::Index> rows;
-  for (std::size_t i = 0; i < picture.at.size(); ++i) {
-    if (!contains(polygon, picture.at[i])) continue;
-    rows.push_back(static_cast<Eigen::Index>(i));
-    border.at.push_back(picture.at[i]);
+  std::vector<std::pair<std::size_t, std::size_t>> runs;  // of places in the picture
+  for (std::size_t row = 0; row < picture.at.size();) {
+    std::size_t next = row;
+    while (next < picture.at.size() && picture.at[next].v == picture.at[row].v) ++next;
+    const auto [first, last] = part_within(polygon, picture.at, row, next);
+    runs.emplace_back(first, last - first);
+    row = next;
   }
   const Eigen::Index first = border.u.rows();
+  for (const auto& [from, count] : runs) {
+    const auto begin = picture.at.begin() + static_cast<std::ptrdiff_t>(from);
+    border.at.insert(border.at.end(), begin, begin + static_cast<std::ptrdiff_t>(count));
+  }
   border.resize(static_cast<Eigen::Index>(border.at.size()));
   const auto copy = [&](auto& to, const auto& from) {
     for (Eigen::Index c = 0; c < to.cols(); ++c) {
       double* column = to.col(c).data() + first;
-      for (std::size_t i = 0; i < rows.size(); ++i) column[i] = from(rows[i], c);
+      for (const auto& [place, count] : runs) {
+        column = std::copy_n(from.col(c).data() + place, count, column);
+      }
     }
   };
   copy(border.u, picture.u);
@@ -154,16 +187,18 @@ std::optional<std::vector<int>> estimated_columns(const Calibration& calibration
 
 ProjectionGrids projection_grids(const Camera& camera, const std::vector<int>& columns,
                                  const std::vector<Pixel>& covered) {
-  Cells cells = cells_at(camera, columns, grid_of(camera.image_size()));
+  Cells cells = cells_of(camera, columns, grid_rays(camera, kGridWidth, kGridHeight));
   ProjectionGrids grids;
-  grids.covered = turned(within(covered, cells_at(camera, columns, covered), cells));
+  grids.covered =
+      turned(within(covered, cells_of(camera, columns, rays_at(camera, covered)), cells));
   grids.picture = turned(std::move(cells));
   if (grids.covered.at.empty()) grids.covered = grids.picture;
   return grids;
 }
 
 ProjectionGrid projection_grid(const Camera& camera, const std::vector<int>& columns) {
-  const PlacedGrid all = turned(cells_at(camera, columns, grid_of(camera.image_size())));
+  const PlacedGrid all =
+      turned(cells_of(camera, columns, grid_rays(camera, kGridWidth, kGridHeight)));
   ProjectionGrid grid(all.at.size());
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);

@@ -43,6 +43,13 @@ std::vector<std::size_t> first_corners(const Fit& fit) {
 
 }  // namespace
 
+void Scores::add(const Agreement& groups) {
+  for (std::size_t part = 0; part < groups.parts(); ++part) {
+    const auto [sum, information] = groups.total(part);
+    scores_.push_back({sum, information});
+  }
+}
+
 ChiSquare Scores::chi_square(double variance, double kept, double absorbed) const {
   ChiSquare result;
   double largest = 0;
@@ -61,11 +68,22 @@ ResidualScores::ResidualScores(const Fit& fit, ImageSize size, double residuals)
       across_(parts_along(residuals, aspect_of(size))),
       down_(parts_along(residuals, 1 / aspect_of(size))),
       first_(first_corners(fit)),
-      picture_(2 * static_cast<std::size_t>(across_ * down_)),
-      board_(3 * corners()),
       picture_shared_(2 * static_cast<std::size_t>(across_ * down_)),
       board_shared_(kAxes * corners()),
       board_bent_(corners()) {}
+
+Scores ResidualScores::picture() const {
+  Scores scores;
+  scores.add(picture_shared_);
+  return scores;
+}
+
+Scores ResidualScores::board() const {
+  Scores scores;
+  scores.add(board_shared_);
+  scores.add(board_bent_);
+  return scores;
+}
 
 std::size_t ResidualScores::corners() const { return first_.back(); }
 
@@ -99,7 +117,6 @@ void ResidualScores::add(const PointSet& view, const Eigen::Matrix3d& rotation, 
     for (std::size_t k = 0; k < 2; ++k) {
       const std::size_t place = k * rows.padded() + at;
       const double r = residual[place];
-      picture_.add(part + k, w * r, w * w);
       picture_shared_.add(group, part + k, w * r, w * w);
       const Eigen::Vector3d along =
           rotation.transpose() * Eigen::Vector3d(by[0][place], by[1][place], by[2][place]);
@@ -107,12 +124,9 @@ void ResidualScores::add(const PointSet& view, const Eigen::Matrix3d& rotation, 
       information += along.cwiseAbs2();
     }
     const std::size_t corner = first_[view.board] + static_cast<std::size_t>(view.ids[i]);
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < kAxes; ++k) {
       const auto axis = static_cast<Eigen::Index>(k);
-      board_.add(3 * corner + k, score[axis], information[axis]);
-      if (k < kAxes) {
-        board_shared_.add(group, kAxes * corner + k, score[axis], information[axis]);
-      }
+      board_shared_.add(group, kAxes * corner + k, score[axis], information[axis]);
     }
     board_bent_.add(group, corner, score[2], information[2]);
     ++at;

@@ -20,12 +20,8 @@ namespace calvin {
 // Residuals in groups whose means should be 0: per group the score of a shift and its information.
 class Scores {
  public:
-  explicit Scores(std::size_t groups) : scores_(groups) {}
-
-  void add(std::size_t group, double score, double information) {
-    scores_[group].sum += score;
-    scores_[group].information += information;
-  }
+  // More groups, of all views together.
+  void add(const Agreement& groups);
   // `kept` is the share of the variance that the fit leaves in residuals; `absorbed` is the number
   // of means that the unknowns of the fit have set to 0.
   [[nodiscard]] ChiSquare chi_square(double variance, double kept, double absorbed) const;
@@ -49,8 +45,8 @@ class ResidualScores {
   // The rows are those of a view at the optimum of all; `rotation` is that of camera_from_board.
   void add(const PointSet& view, const Eigen::Matrix3d& rotation, ViewRows& rows);
 
-  [[nodiscard]] const Scores& picture() const { return picture_; }
-  [[nodiscard]] const Scores& board() const { return board_; }  // along its three axes
+  [[nodiscard]] Scores picture() const;
+  [[nodiscard]] Scores board() const;  // along its three axes
   [[nodiscard]] const Agreement& picture_shared() const { return picture_shared_; }
   [[nodiscard]] const Agreement& board_shared() const { return board_shared_; }  // in its plane
   [[nodiscard]] const Agreement& board_bent() const { return board_bent_; }      // across it
@@ -66,8 +62,6 @@ class ResidualScores {
   // Per board, by number, how many corners those before it have; one more for all.
   std::vector<std::size_t> first_;
   std::size_t views_ = 0;
-  Scores picture_;
-  Scores board_;
   Agreement picture_shared_;
   Agreement board_shared_;
   Agreement board_bent_;

@@ -22,9 +22,28 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& m) {
   return scale.asDiagonal() * eigen->vectors * eigen->values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
+namespace {
+
+// a^T m a for a symmetric m, of which the lower half is computed.
+Eigen::MatrixXd whitened(const Eigen::MatrixXd& m, const Eigen::MatrixXd& a) {
+  const Eigen::MatrixXd right = product(m, a);
+  Eigen::MatrixXd out(a.cols(), a.cols());
+  for (Eigen::Index j = 0; j < a.cols(); ++j) {
+    for (Eigen::Index i = j; i < a.cols(); ++i) out(i, j) = out(j, i) = a.col(i).dot(right.col(j));
+  }
+  return out;
+}
+
+// m x for a symmetric m, whose columns lie together in memory as its rows do not.
+void multiply(const Eigen::MatrixXd& m, const Eigen::VectorXd& x, Eigen::VectorXd& out) {
+  for (Eigen::Index i = 0; i < x.size(); ++i) out[i] = m.col(i).dot(x);
+}
+
+}  // namespace
+
 ViewShare::ViewShare(const Eigen::MatrixXd& root, const Eigen::MatrixXd& information,
                      const Eigen::VectorXd& gradient)
-    : information_(congruent(information, root)), gradient_(root.transpose() * gradient) {
+    : information_(whitened(information, root)), gradient_(root.transpose() * gradient) {
   // No eigenvalue is larger than the norm; beyond, the powers take longer than eigenvectors do.
   constexpr double kSmall = 0.8;
   const double norm = information_.norm();
@@ -71,11 +90,13 @@ void ViewShare::add_powers(double norm) {
   constexpr double kNegligible = 1e-11;
   const double least = kNegligible * (1 - norm) * gradient_.norm();
   Eigen::VectorXd power = gradient_;
+  Eigen::VectorXd before(power.size());
   Eigen::VectorXd sum = gradient_;
   unabsorbed_ = gradient_;
   double coefficient = 1;
   for (int k = 1; power.squaredNorm() > least * least; ++k) {
-    power = information_.lazyProduct(power).eval();
+    power.swap(before);
+    multiply(information_, before, power);
     coefficient *= (k - 0.5) / k;
     unabsorbed_ += coefficient * power;
     sum += power;

@@ -143,8 +143,8 @@ bool ArrowElimination::eliminate(const ArrowEquations& equations, double lambda)
     if (!equations.filled(b) || !cholesky(equations.own(b), n, lambda, factor)) return false;
     double* whitened = &whitened_[cross_begin(layout_, b)];
     std::copy_n(equations.cross(b), cross_size(layout_, n), whitened);
-    solve_lower_rows(factor, n, whitened, layout_.stride(), layout_.stride());
-    subtract_products(whitened, n, layout_.stride(), layout_.stride(), schur_.get());
+    solve_lower_rows(factor, n, whitened, layout_.stride(), layout_.row());
+    subtract_products(whitened, n, layout_.stride(), layout_.row(), schur_.get());
   }
   return true;
 }

@@ -132,18 +132,31 @@ void solve_lower(const double* lower, int size, double* x, std::size_t stride, s
   }
 }
 
-void subtract(const double* x, int size, std::size_t stride, std::size_t n, double* s) {
+// As many rows at once: every vector that is loaded serves all of them.
+template <int kRows>
+void subtract_from_rows(const double* x, int size, std::size_t stride, std::size_t row, double* s) {
   const D d;
-  for (std::size_t row = 0; row < n; ++row) {
-    for (std::size_t at = 0; at <= row; at += hn::Lanes(d)) {
-      V sum = hn::Load(d, s + row * stride + at);
-      for (int k = 0; k < size; ++k) {
-        const double* line = x + static_cast<std::size_t>(k) * stride;
-        sum = hn::NegMulAdd(hn::Set(d, line[row]), hn::Load(d, line + at), sum);
+  for (std::size_t at = 0; at < row + kRows; at += hn::Lanes(d)) {
+    V sums[kRows];
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < kRows; ++i) sums[i] = hn::Load(d, s + (row + i) * stride + at);
+    for (int k = 0; k < size; ++k) {
+      const double* line = x + static_cast<std::size_t>(k) * stride;
+      const V values = hn::Load(d, line + at);
+#pragma GCC unroll 4
+      for (std::size_t i = 0; i < kRows; ++i) {
+        sums[i] = hn::NegMulAdd(hn::Set(d, line[row + i]), values, sums[i]);
       }
-      hn::Store(sum, d, s + row * stride + at);
     }
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < kRows; ++i) hn::Store(sums[i], d, s + (row + i) * stride + at);
   }
+}
+
+void subtract(const double* x, int size, std::size_t stride, std::size_t n, double* s) {
+  std::size_t row = 0;
+  for (; row + kTile <= n; row += kTile) subtract_from_rows<kTile>(x, size, stride, row, s);
+  for (; row < n; ++row) subtract_from_rows<1>(x, size, stride, row, s);
 }
 
 }  // namespace

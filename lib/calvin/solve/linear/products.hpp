@@ -14,11 +14,12 @@ namespace calvin {
 void column_products(const double* a, std::size_t n, int count, double* out, std::size_t stride);
 
 // x = L^-1 x for a lower L of size x size, row-major, its diagonal as reciprocals. x has `size`
-// rows, `stride` apart, of `n` values; n and stride are multiples of kLanes, x is aligned.
+// rows, `stride` apart, of `n` values and what the last vector holds behind them; stride is a
+// multiple of kLanes, x is aligned.
 void solve_lower_rows(const double* lower, int size, double* x, std::size_t stride, std::size_t n);
 
 // s -= x^T x over the lower triangle and some of what is above it; s is n x n with the same stride
-// as x, n a multiple of kLanes.
+// as x, a multiple of kLanes.
 void subtract_products(const double* x, int size, std::size_t stride, std::size_t n, double* s);
 
 }  // namespace calvin

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 namespace calvin {
 
@@ -36,6 +38,16 @@ double view_limit(const std::vector<double>& scales) {
   return std::max(kViewFactor * center, center + kViewDeviations * deviation);
 }
 
+double scale_of_all(std::span<const std::vector<double>> distances) {
+  std::vector<double> all;
+  for (const auto& view : distances) all.insert(all.end(), view.begin(), view.end());
+  return robust_scale(std::move(all));
+}
+
+bool all_within(const std::vector<double>& distances, double limit) {
+  return std::all_of(distances.begin(), distances.end(), [limit](double d) { return d <= limit; });
+}
+
 }  // namespace
 
 double robust_scale(std::vector<double> distances) {
@@ -53,23 +65,24 @@ double trimmed_rms(std::vector<double> distances) {
 }
 
 std::vector<ViewMask> find_outliers(std::span<const std::vector<double>> distances) {
-  std::vector<double> all;
   std::vector<double> scales;
-  for (const auto& view : distances) {
-    all.insert(all.end(), view.begin(), view.end());
-    scales.push_back(robust_scale(view));
-  }
-  const double common = robust_scale(std::move(all));
+  scales.reserve(distances.size());
+  for (const auto& view : distances) scales.push_back(robust_scale(view));
   const bool judge_views = distances.size() >= kFewestViews;
   const double limit = judge_views ? view_limit(scales) : 0;
+  std::optional<double> common;  // few views have a corner that asks for it
 
-  std::vector<ViewMask> masks;
+  std::vector<ViewMask> masks(distances.size());
   for (std::size_t v = 0; v < distances.size(); ++v) {
-    ViewMask mask;
+    ViewMask& mask = masks[v];
     mask.view = !judge_views || scales[v] <= limit;
-    const double corner_limit = kCornerLimit * std::max(common, scales[v]);
-    for (const double d : distances[v]) mask.corners.push_back(mask.view && d <= corner_limit);
-    masks.push_back(std::move(mask));
+    mask.corners.assign(distances[v].size(), mask.view);
+    if (!mask.view || all_within(distances[v], kCornerLimit * scales[v])) continue;
+    if (!common) common = scale_of_all(distances);
+    const double corner_limit = kCornerLimit * std::max(*common, scales[v]);
+    for (std::size_t i = 0; i < distances[v].size(); ++i) {
+      mask.corners[i] = distances[v][i] <= corner_limit;
+    }
   }
   return masks;
 }

@@ -35,19 +35,30 @@ struct Scatter {
   Eigen::Matrix3d about_centroid = Eigen::Matrix3d::Zero();
 };
 
+// In one pass, from the first point in use: near the others, wherever the board frame lies.
 Scatter scatter_of(const PointSet& view) {
   Scatter s;
-  for (std::size_t i = 0; i < view.size(); ++i) {
-    if (!(view.weight[i] > 0)) continue;
-    s.centroid += view.points[i];
+  const auto used = [&view](std::size_t i) { return view.weight[i] > 0; };
+  std::size_t i = 0;
+  while (i < view.size() && !used(i)) ++i;
+  if (i == view.size()) return s;
+  const Eigen::Vector3d from = view.points[i];
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  Eigen::Vector3d products = Eigen::Vector3d::Zero();  // yz, zx, xy
+  for (; i < view.size(); ++i) {
+    if (!used(i)) continue;
+    const Eigen::Vector3d d = view.points[i] - from;
+    s.centroid += d;
+    squares += d.cwiseAbs2();
+    products += Eigen::Vector3d(d.y() * d.z(), d.z() * d.x(), d.x() * d.y());
     ++s.count;
   }
-  s.centroid /= static_cast<double>(std::max<std::size_t>(s.count, 1));
-  for (std::size_t i = 0; i < view.size(); ++i) {
-    if (!(view.weight[i] > 0)) continue;
-    const Eigen::Vector3d d = view.points[i] - s.centroid;
-    s.about_centroid += d * d.transpose();
-  }
+  s.centroid /= static_cast<double>(s.count);
+  s.about_centroid << squares[0], products[2], products[1],  //
+      products[2], squares[1], products[0],                  //
+      products[1], products[0], squares[2];
+  s.about_centroid -= static_cast<double>(s.count) * s.centroid * s.centroid.transpose();
+  s.centroid += from;
   return s;
 }
 

@@ -26,6 +26,8 @@ class ViewPoints {
   // Puts the corners of ids i at points[i]: they are of no board, and their arrays of no other
   // view.
   void place(const std::vector<Eigen::Vector3d>& points);
+  // Component k of those, to be written.
+  [[nodiscard]] double* place(std::size_t k) { return &printed_->arrays[k * padded_]; }
 
   [[nodiscard]] std::size_t count() const { return printed_->ids.size(); }
   [[nodiscard]] const std::vector<int>& ids() const { return printed_->ids; }

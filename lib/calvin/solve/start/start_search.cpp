@@ -29,7 +29,7 @@ constexpr std::size_t kPoseCorners = 10;   // of a view whose camera is known ne
 constexpr std::size_t kJump = 7;           // prime to kQuickCorners: visits every place of a part
 
 // Few and rough iterations, which bring a start near the optimum.
-constexpr LmOptions kRough = {8, 1e-2, 0, 1e-6};
+constexpr LmOptions kRough = {8, 1e-2, 1e-2, 1e-6};
 
 // A lens with more coefficients than this does not start with all of them free.
 constexpr int kPlainLens = 5;
