@@ -4,17 +4,17 @@
 #   run.sh address BUILD   address and undefined behaviour: the suite `memory`
 #   run.sh thread BUILD    data races: the suite `threads`
 # CALVIN_BUILD_ONLY=1 does not run them. CALVIN_ARCHIVE is the libcalvin_internal.a of another build
-# of this source: data races are then looked for where the threads are, in the plugin and its tests.
-# CALVIN_FULL=1 looks for them everywhere, also checks what takes as long to compile as all the
-# rest, pointers that are null or not aligned, and runs all of tests/check for the first.
+# of this source: what is looked for is then looked for in the plugin, where threads and frames are,
+# and in the tests. CALVIN_FULL=1 looks for it everywhere, also checks what takes as long to compile
+# as all the rest, pointers that are null or not aligned, and runs all of tests/check for the first.
 set -eu
 
 source=$(cd "$(dirname "$0")/../.." && pwd)
 build=$2
 args=""
-archive=""
+archive=${CALVIN_ARCHIVE:-}
 patience=2 # times as long as a test may take
-[ -z "${CALVIN_FULL:-}" ] || patience=240
+[ -z "${CALVIN_FULL:-}" ] || patience=240 archive=""
 case "$1" in
   address)
     sanitize=address,undefined suite=check
@@ -24,10 +24,7 @@ case "$1" in
       suite=memory
     fi
     ;;
-  thread)
-    sanitize=thread suite=threads
-    [ -n "${CALVIN_FULL:-}" ] || archive=${CALVIN_ARCHIVE:-}
-    ;;
+  thread) sanitize=thread suite=threads ;;
   *) sed -n '4,5s/^# *//p' "$0" >&2; exit 2 ;;
 esac
 
