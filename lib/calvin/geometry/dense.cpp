@@ -96,4 +96,13 @@ Eigen::MatrixXd orthogonal_complement(const Eigen::MatrixXd& m) {
   return all.rightCols(m.rows() - m.cols());
 }
 
+std::vector<double> row_major(const Eigen::MatrixXd& m) {
+  std::vector<double> all;
+  all.reserve(static_cast<std::size_t>(m.size()));
+  for (Eigen::Index r = 0; r < m.rows(); ++r) {
+    for (Eigen::Index c = 0; c < m.cols(); ++c) all.push_back(m(r, c));
+  }
+  return all;
+}
+
 }  // namespace calvin

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -45,5 +46,8 @@ struct LeastSquares {
 // An orthonormal basis of all that is orthogonal to the columns of `m`, which are independent: as
 // many columns as m has rows more than columns.
 [[nodiscard]] Eigen::MatrixXd orthogonal_complement(const Eigen::MatrixXd& m);
+
+// The elements, row after row, as messages and files have them.
+[[nodiscard]] std::vector<double> row_major(const Eigen::MatrixXd& m);
 
 }  // namespace calvin

@@ -29,14 +29,6 @@ namespace {
 
 constexpr Eigen::Index kPose = 6;
 
-std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
-  std::vector<double> all;
-  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-    for (Eigen::Index c = 0; c < matrix.cols(); ++c) all.push_back(matrix(r, c));
-  }
-  return all;
-}
-
 // Says what the fit has found.
 class Report {
  public:

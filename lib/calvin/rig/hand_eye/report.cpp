@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "calvin/core/text.hpp"
+#include "calvin/geometry/dense.hpp"
 #include "calvin/geometry/symmetric.hpp"
 
 namespace calvin::rig {
@@ -94,14 +95,6 @@ void remark_rejected(const std::vector<LoopError>& loops, std::vector<std::strin
 }
 
 }  // namespace
-
-std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
-  std::vector<double> all;
-  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-    for (Eigen::Index c = 0; c < matrix.cols(); ++c) all.push_back(matrix(r, c));
-  }
-  return all;
-}
 
 std::vector<LoopError> loop_errors(const std::vector<LoopView>& loops, const HandEyeFit& fit,
                                    EyeSetup setup, const std::vector<SE3>& camera_from_board) {

@@ -44,8 +44,5 @@ void add_hand_eye_remarks(const HandEyeFit& fit, const std::vector<LoopError>& l
 // says nothing of it.
 [[nodiscard]] std::optional<LengthRatio> scale_of(const HandEyeFit& fit);
 
-// Row after row.
-[[nodiscard]] std::vector<double> row_major(const Eigen::MatrixXd& matrix);
-
 }  // namespace rig
 }  // namespace calvin

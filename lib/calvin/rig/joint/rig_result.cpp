@@ -5,19 +5,15 @@
 
 #include "calvin/rig/joint/rig_result.hpp"
 
+#include <utility>
+
+#include "calvin/geometry/dense.hpp"
+
 namespace calvin::rig {
 
 namespace {
 
 constexpr Eigen::Index kPose = 6;
-
-std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
-  std::vector<double> all;
-  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-    for (Eigen::Index c = 0; c < matrix.cols(); ++c) all.push_back(matrix(r, c));
-  }
-  return all;
-}
 
 }  // namespace
 
@@ -33,7 +29,7 @@ Eigen::MatrixXd in_rig_frame(const Eigen::MatrixXd& covariance,
     turn.block<3, 3>(at, at - kPose) = back;
     turn.block<3, 3>(at + 3, at - kPose + 3) = back;
   }
-  return turn * covariance * turn.transpose();
+  return congruent(covariance, turn.transpose());
 }
 
 void set_cameras(const std::vector<RigCameraViews>& seen, const std::vector<SE3>& camera_from_rig,

@@ -5,6 +5,7 @@
 
 #include "calvin/rig/joint/time_offsets.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -99,6 +100,8 @@ std::optional<Columns> columns_of(std::size_t cameras, const std::vector<BoardVi
 std::optional<TimeOffsets> time_offsets(std::size_t cameras, const std::vector<BoardView>& views,
                                         RigSolver& solver, double variance) {
   constexpr double kLeastPivot = 1;  // (px/s)^2: known to a tenth of a second or so
+  const auto moves = [](const BoardView& view) { return !view.velocity.empty(); };
+  if (std::ranges::none_of(views, moves)) return std::nullopt;
   const auto start = solver.refit({});
   if (!start) return std::nullopt;
   const auto columns = columns_of(cameras, views, solver, *start);

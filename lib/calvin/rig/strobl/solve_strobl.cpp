@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "calvin/core/text.hpp"
+#include "calvin/geometry/dense.hpp"
 #include "calvin/rig/board_views.hpp"
 #include "calvin/rig/hand_eye/check.hpp"
 #include "calvin/rig/strobl/joint_estimates.hpp"
@@ -140,7 +141,7 @@ StroblSolution solution_of(const rig::HandEyeFit& fit, const rig::JointLoops& lo
   rig::add_hand_eye_remarks(fit, solution.loops, board, task, found);
   remark_aspect(found, board, found.remarks);
   solution.names = estimates.names;
-  solution.covariance = rig::row_major(estimates.covariance);
+  solution.covariance = row_major(estimates.covariance);
   return solution;
 }
 
