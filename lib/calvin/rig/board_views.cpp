@@ -167,8 +167,8 @@ Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& se
       if (const Status named = check_names_points(view.board); !named) {
         return tl::unexpected<Error>(named.error());
       }
-      all.push_back(
-          {{c, v}, number_of(view.board, boards), {}, 1, {}, labellings_of(view), {}, {}});
+      const std::size_t board = number_of(view.board, boards);
+      all.push_back({{c, v}, board, {}, 1, {}, labellings_of(view), {}, {}, board});
       sets.push_back(to_points(view.board, view.board.points(), view.observation));
     }
   }

@@ -19,17 +19,18 @@ namespace calvin::rig {
 
 struct BoardView {
   RigView of;
-  std::size_t board = 0;            // equal for views of one board
+  std::size_t board = 0;            // equal for views of one board, or of one body of boards
   PointSet seen;                    // weights of all views of the rig have the median 1
   double sigma = 1;                 // px, of a corner with the weight 1
   std::vector<std::size_t> sample;  // of `seen`, some corners in use all over the board
   // other_from_own of board frames: the board by another labelling that is as good; the first one
-  // is the identity.
+  // is the identity. Of a body body_from_own.
   std::vector<SE3> labellings;
   // camera_from_board by the labelling of the observation: the best, and the other tilt of the
   // plane where that fits nearly as well.
   std::vector<SE3> poses;
   std::vector<Pixel> velocity;  // px/s, of the corners of `seen`; empty where it is not known
+  std::size_t own_board = 0;    // equal for views of one board
 };
 
 // The motions of the board frame that go with Observation::ambiguous; the first one is the

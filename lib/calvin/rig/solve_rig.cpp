@@ -20,6 +20,8 @@
 #include "calvin/rig/board_views.hpp"
 #include "calvin/rig/clocks/solve_with_clocks.hpp"
 #include "calvin/rig/clocks/timing.hpp"
+#include "calvin/rig/fixed/fixed_board_result.hpp"
+#include "calvin/rig/fixed/solve_with_boards.hpp"
 #include "calvin/rig/floor.hpp"
 #include "calvin/rig/joint/board_scale.hpp"
 #include "calvin/rig/joint/camera_distance.hpp"
@@ -186,9 +188,12 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::stop_token& stop);
 
 rig::JoinedCameras joined_by(std::vector<BoardView> views, const std::vector<RigCameraViews>& seen,
-                             const std::vector<Camera>& cameras, std::uint64_t tolerance) {
+                             const std::vector<Camera>& cameras, const RigOptions& options) {
   const std::vector<ViewTimes> times = rig::view_times(seen, {});
-  auto groups = rig::group_views(pair_instants(times, tolerance), views);
+  if (options.fixed_boards) {
+    views = rig::views_of_bodies(rig::boards_on_bodies(views, seen, cameras), views);
+  }
+  auto groups = rig::group_views(pair_instants(times, options.tolerance), views);
   rig::allow_for_timing(times, views, groups);
   return rig::joined_cameras(rig::find_links(views, groups, cameras), names_of(seen));
 }
@@ -242,13 +247,14 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
   const auto views = rig::board_views(seen, cameras);
   if (!views) return tl::unexpected<Error>(views.error());
   if (options.is_partial) {
-    const auto joined = joined_by(*views, seen, cameras, options.tolerance);
+    const auto joined = joined_by(*views, seen, cameras, options);
     const auto count = std::ranges::count(joined.is_joined, true);
     const bool is_part = count >= 2 && static_cast<std::size_t>(count) < seen.size();
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
   }
-  auto one =
-      rig::solve_with_clocks({seen, cameras, *views, names_of(seen), options.tolerance}, stop);
+  const rig::JointProblem problem = {seen, cameras, *views, names_of(seen), options.tolerance};
+  auto one = options.fixed_boards ? rig::solve_with_boards(problem, stop)
+                                  : rig::solve_with_clocks(problem, stop);
   if (!one) return tl::unexpected<Error>(one.error());
   rig::RigFit& fit = one->fit;
   RigSolution solution;
@@ -263,6 +269,8 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
   set_offsets(*one, solution);
   solution.rig.boards = rig::shown_boards(seen, one->views, fit.places,
                                           solution.board_scale ? solution.board_scale->scale : 1);
+  rig::set_fixed_boards(seen, *one, solution.board_scale ? solution.board_scale->scale : 1,
+                        solution.rig, solution.remarks);
   for (const std::size_t view : fit.rejected) solution.rejected.push_back(one->views[view].of);
   set_links(one->views, one->links, cameras, fit, covariance, solution);
   return solution;

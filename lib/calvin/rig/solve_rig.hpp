@@ -37,6 +37,9 @@ struct RigOptions {
   // kJoint: cameras that what they have seen does not join to the others are left out of the rig
   // instead of refusing it. The frame is that of the first camera in it.
   bool is_partial = false;
+  // kJoint: the boards are fixed to each other, as on the faces of a box; how, is found. Cameras are
+  // then joined that have seen different ones of them at one time.
+  bool fixed_boards = false;
 };
 
 // A camera that is not in the rig.

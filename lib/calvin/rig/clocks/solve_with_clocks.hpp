@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "calvin/rig/fixed/fixed_boards.hpp"
 #include "calvin/rig/joint/links.hpp"
 #include "calvin/rig/joint/rig_fit.hpp"
 
@@ -20,6 +21,7 @@ struct JointProblem {
   const std::vector<BoardView>& views;  // as they were seen
   std::vector<std::string> names;       // of the cameras
   std::uint64_t tolerance = 0;          // ns
+  InstantsOf instants = InstantsOf::kTwoCameras;
 };
 
 struct JointSolve {
@@ -28,6 +30,7 @@ struct JointSolve {
   std::uint64_t farthest = 0;   // ns, between two pictures of one instant
   std::vector<double> offsets;  // of the clock of each camera, s; empty where they agree
   RigFit fit;                   // how well offsets are known is a part of the covariance
+  std::vector<BoardOnBody> boards = {};  // by BoardView::own_board; empty: each by itself
 };
 
 // Pairs, places and fits. Clocks are taken to agree unless corners that move say otherwise; then

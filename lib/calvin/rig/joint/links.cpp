@@ -6,20 +6,14 @@
 #include "calvin/rig/joint/links.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <utility>
+
+#include "calvin/rig/joint/vote.hpp"
 
 namespace calvin::rig {
 
 namespace {
-
-constexpr std::size_t kMostProposers = 40;  // instants from which places are proposed
-constexpr std::size_t kMostVoters = 80;     // instants that are asked
-constexpr double kAgree = 8;                // px, weighted: of views whose poses are known about
-constexpr double kSoft = 2;  // px, from where on a misfit counts less than its square
-// How much better than another one a place has to be, in misfits of one view that disagrees.
-constexpr double kLead = 1.5;
 
 // All ways to name the points of `second` by the labels of `first`.
 std::vector<SE3> first_from_second(const BoardView& first, const BoardView& second) {
@@ -37,89 +31,52 @@ std::vector<SE3> first_from_second(const BoardView& first, const BoardView& seco
   return all;
 }
 
-// Every `step`th of a list, so that at most `most` are left.
-template <typename T>
-std::vector<T> some_of(const std::vector<T>& all, std::size_t most) {
-  std::vector<T> some;
-  const std::size_t step = (all.size() + most - 1) / most;
-  for (std::size_t i = 0; i < all.size(); i += step) some.push_back(all[i]);
-  return some;
-}
-
-struct Proposal {
-  SE3 b_from_a;
-  double cost = 0;
-};
-
-class Vote {
- public:
-  Vote(const std::vector<BoardView>& views, const std::vector<Camera>& cameras, Link& link)
-      : views_(views), cameras_(cameras), link_(link) {}
-
-  void run() {
-    std::vector<Proposal> all = proposals();
-    const auto voters = some_of(link_.common, kMostVoters);
-    for (Proposal& p : all) p.cost = cost(p.b_from_a, voters);
-    const Proposal best = *std::ranges::min_element(all, {}, &Proposal::cost);
-    link_.b_from_a = best.b_from_a;
-    link_.votes = static_cast<std::size_t>(std::ranges::count_if(
-        link_.common, [&](const CommonView& c) { return both_ways(c, best.b_from_a) < kAgree; }));
-    link_.is_decided = std::ranges::none_of(all, [&](const Proposal& p) {
-      return is_elsewhere(p.b_from_a, best.b_from_a) && p.cost < best.cost + kLead;
-    });
-  }
-
- private:
-  // By every tilt and labelling of some instants.
-  [[nodiscard]] std::vector<Proposal> proposals() const {
-    std::vector<Proposal> all;
-    for (const auto& [a, b] : some_of(link_.common, kMostProposers)) {
-      const auto motions = first_from_second(views_[a], views_[b]);
-      for (const SE3& pose_a : views_[a].poses) {
-        for (const SE3& pose_b : views_[b].poses) {
-          for (const SE3& motion : motions) {
-            all.push_back({pose_b * motion.inverse() * pose_a.inverse(), 0});
-          }
+// By every tilt and labelling of some instants.
+std::vector<SE3> proposals(const std::vector<BoardView>& views, const Link& link) {
+  std::vector<SE3> all;
+  for (const auto& [a, b] : some_of(link.common, kMostProposers)) {
+    const auto motions = first_from_second(views[a], views[b]);
+    for (const SE3& pose_a : views[a].poses) {
+      for (const SE3& pose_b : views[b].poses) {
+        for (const SE3& motion : motions) {
+          all.push_back(pose_b * motion.inverse() * pose_a.inverse());
         }
       }
     }
-    return all;
   }
+  return all;
+}
 
+bool is_elsewhere(const SE3& one, const SE3& other, double board_away) {
+  constexpr double kTurn = 0.15;      // rad
+  constexpr double kDistance = 0.15;  // of the distance of the board
+  const SE3 between = one * other.inverse();
+  return log_so3(between.rotation).norm() > kTurn ||
+         (one.inverse().translation - other.inverse().translation).norm() > kDistance * board_away;
+}
+
+void decide(const std::vector<BoardView>& views, const std::vector<Camera>& cameras, Link& link) {
+  double away = 0;
+  for (const CommonView& c : link.common) {
+    away = std::max(away, views[c.a].poses.front().translation.norm());
+  }
+  Voters voters;
+  voters.count = link.common.size();
   // The worse of what each camera's pose of the board makes the other one expect.
-  [[nodiscard]] double both_ways(const CommonView& common, const SE3& b_from_a) const {
-    const BoardView& a = views_[common.a];
-    const BoardView& b = views_[common.b];
-    return std::max(agreement(a, b, cameras_[link_.b], b_from_a).misfit,
-                    agreement(b, a, cameras_[link_.a], b_from_a.inverse()).misfit);
-  }
-
-  [[nodiscard]] double cost(const SE3& b_from_a, const std::vector<CommonView>& voters) const {
-    double sum = 0;
-    for (const CommonView& common : voters) {
-      const double misfit = both_ways(common, b_from_a) / kSoft;
-      sum += std::log1p(misfit * misfit);
-    }
-    return sum;
-  }
-
-  // Whether a place is another one, and not the same but for noise.
-  [[nodiscard]] bool is_elsewhere(const SE3& one, const SE3& other) const {
-    constexpr double kTurn = 0.15;      // rad
-    constexpr double kDistance = 0.15;  // of the distance of the board
-    const SE3 between = one * other.inverse();
-    double away = 0;
-    for (const CommonView& c : link_.common) {
-      away = std::max(away, views_[c.a].poses.front().translation.norm());
-    }
-    return log_so3(between.rotation).norm() > kTurn ||
-           (one.inverse().translation - other.inverse().translation).norm() > kDistance * away;
-  }
-
-  const std::vector<BoardView>& views_;
-  const std::vector<Camera>& cameras_;
-  Link& link_;
-};
+  voters.misfit = [&](std::size_t i, const SE3& b_from_a) {
+    const BoardView& a = views[link.common[i].a];
+    const BoardView& b = views[link.common[i].b];
+    return std::max(agreement(a, b, cameras[link.b], b_from_a).misfit,
+                    agreement(b, a, cameras[link.a], b_from_a.inverse()).misfit);
+  };
+  voters.is_elsewhere = [&](const SE3& one, const SE3& other) {
+    return is_elsewhere(one, other, away);
+  };
+  const Vote vote = vote_on(proposals(views, link), voters);
+  link.b_from_a = vote.place;
+  link.votes = vote.votes;
+  link.is_decided = vote.is_decided;
+}
 
 }  // namespace
 
@@ -156,7 +113,7 @@ std::vector<Link> find_links(const std::vector<BoardView>& views,
   }
   std::vector<Link> all;
   for (auto& [pair, link] : links) {
-    Vote(views, cameras, link).run();
+    decide(views, cameras, link);
     all.push_back(std::move(link));
   }
   return all;

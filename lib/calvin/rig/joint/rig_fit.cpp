@@ -74,6 +74,7 @@ Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
   }
   add_rms(views, solver, cameras, fit);
   fit.time_offsets = time_offsets(cameras.size(), views, solver, variance);
+  fit.board_offsets = board_offsets(views, cameras, solver, variance);
   return fit;
 }
 

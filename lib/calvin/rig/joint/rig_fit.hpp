@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "calvin/core/result.hpp"
+#include "calvin/rig/fixed/board_offsets.hpp"
 #include "calvin/rig/joint/rig_start.hpp"
 #include "calvin/rig/joint/time_offsets.hpp"
 
@@ -26,6 +27,7 @@ struct RigFit {
   double rms = 0;                                // px, of all corners in use
   std::vector<std::size_t> rejected;             // views that contradict the others
   std::optional<TimeOffsets> time_offsets = {};  // beside those that were allowed for already
+  std::optional<BoardOffsets> board_offsets = {};  // beside the labellings of the views
 };
 
 // From places near the optimum. Intrinsics stay as they are; how well they are known is a part of

@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <set>
 #include <string>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -25,11 +27,10 @@ struct Shown {
 
 std::vector<Shown> all_shown(const std::vector<RigCameraViews>& seen,
                              const std::vector<BoardView>& views, const RigPlaces& places) {
-  std::vector<bool> is_there(places.rig_from_board.size(), false);
+  std::set<std::pair<std::size_t, std::size_t>> is_there;  // poses and boards
   std::vector<Shown> all;
   for (const PlacedView& placed : places.views) {
-    if (is_there[placed.pose]) continue;
-    is_there[placed.pose] = true;
+    if (!is_there.insert({placed.pose, views[placed.view].own_board}).second) continue;
     const RigView& of = views[placed.view].of;
     const Board& board = seen[of.camera].views[of.view].board;
     const SE3 pose = places.rig_from_board[placed.pose] * placed.board_from_own;
