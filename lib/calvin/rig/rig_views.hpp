@@ -40,7 +40,7 @@ enum class InstantsOf { kTwoCameras, kTwoViews };
 
 struct Instants {
   std::vector<Instant> instants;
-  std::uint64_t farthest = 0;     // ns, between two pictures of one instant, at the most
+  std::uint64_t farthest = 0;  // ns, between two pictures of one instant, at the most
 };
 
 // When each view of a camera was taken, ns, as its camera lists them; kNoTimestamp for one that

@@ -4,103 +4,32 @@
 // Boards on the sides of a box: cameras that never see the same one are placed by them, how the
 // boards are on the box is found with them, and all is as well known as it says.
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <iostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "calvin/rig/solve_rig.hpp"
-#include "calvin/target/board.hpp"
-#include "simulated_rig.hpp"
+#include "calvin/session/rig/rig_session.hpp"
+#include "simulated_box.hpp"
 
 namespace calvin {
 namespace {
 
+using scenes::Box;
+using scenes::kSides;
 using scenes::place_error;
 using scenes::Random;
-using scenes::uniform;
-
-struct Box {
-  std::vector<Board> boards;  // one on each side
-  std::vector<SE3> box_from_board;
-};
-
-// The printed sides face outwards, which is -z of a board; none is quite where it should be.
-Box box_of(const std::vector<const char*>& texts, Random& random) {
-  constexpr double kHalf = 0.1;  // m
-  Box box;
-  for (std::size_t side = 0; side < texts.size(); ++side) {
-    box.boards.push_back(parse_board(texts[side]).value());
-    const double angle = 2 * std::numbers::pi * static_cast<double>(side) /
-                         static_cast<double>(std::max<std::size_t>(texts.size(), 4));
-    const Eigen::Vector3d outwards(std::cos(angle), std::sin(angle), 0);
-    const SE3 side_pose = scenes::looking(outwards * kHalf, {0, 0, 0});
-    const BoardArea extent = box.boards.back().extent();
-    const Eigen::Vector3d middle(extent.width() / 2, extent.height() / 2, 0);
-    const auto off = [&](double most) { return uniform(random, -most, most); };
-    const SE3 badly = {exp_so3({off(0.05), off(0.05), off(0.5)}), {off(0.01), off(0.01), off(0.01)}};
-    const SE3 centered = {Eigen::Matrix3d::Identity(), -middle};
-    box.box_from_board.push_back(side_pose * badly * centered);
-  }
-  return box;
-}
-
-struct Studio {
-  Box box;
-  std::vector<Camera> cameras;
-  std::vector<SE3> world_from_camera;
-};
-
-// Cameras around the box, in which each sees two sides at the most.
-Studio studio_of(const std::vector<const char*>& texts, int cameras, Random& random) {
-  Studio studio = {box_of(texts, random), {}, {}};
-  for (int i = 0; i < cameras; ++i) {
-    const double angle = 2 * std::numbers::pi * i / cameras;
-    studio.cameras.push_back(scenes::random_camera("brown5", random));
-    studio.world_from_camera.push_back(
-        scenes::looking({0.7 * std::cos(angle), 0.7 * std::sin(angle), -0.1}, {0, 0, 0}));
-  }
-  return studio;
-}
-
-std::vector<RigCameraViews> seen_in(const Studio& studio, int instants, Random& random) {
-  constexpr double kNoise = 0.1;  // px
-  std::vector<RigCameraViews> all(studio.cameras.size());
-  for (std::size_t c = 0; c < all.size(); ++c) {
-    all[c].calibration = studio.cameras[c].to_calibration();
-    all[c].calibration.camera = "cam" + std::to_string(c);
-  }
-  for (int n = 0; n < instants; ++n) {
-    const auto off = [&](double most) { return uniform(random, -most, most); };
-    const SE3 world_from_box = {
-        exp_so3({off(0.4), off(0.4), 0}) * exp_so3({0, 0, off(std::numbers::pi)}),
-        {off(0.08), off(0.08), off(0.08)}};
-    for (std::size_t c = 0; c < all.size(); ++c) {
-      for (std::size_t side = 0; side < studio.box.boards.size(); ++side) {
-        const SE3 pose = studio.world_from_camera[c].inverse() * world_from_box *
-                         studio.box.box_from_board[side];
-        const Board& board = studio.box.boards[side];
-        if (!scenes::faces(pose) || !scenes::sees_all(studio.cameras[c], board, pose)) continue;
-        View view = scenes::observe(studio.cameras[c], board, pose, kNoise, random);
-        view.observation.timestamp = static_cast<std::uint64_t>(n) * 1'000'000'000;
-        scenes::name_at_random(view, random);
-        all[c].views.push_back(std::move(view));
-      }
-    }
-  }
-  return all;
-}
+using Studio = scenes::BoxStudio;
 
 RigOptions on_a_box() {
   RigOptions options;
   options.fixed_boards = true;
   return options;
 }
-
-const std::vector<const char*> kSides = {"checkerboard:9x6:16mm", "checkerboard:8x5:18mm",
-                                         "checkerboard:7x6:18mm", "checkerboard:10x7:14mm"};
 
 // e^T C^-1 e / 6 of how a board is found to be fixed, and the largest component in sigmas.
 scenes::PlaceError error_of(const FixedBoard& found, const Box& box) {
@@ -129,8 +58,8 @@ TEST_P(FixedBoards, JoinCamerasThatNeverSeeTheSameBoard) {
   double largest = 0;
   for (int trial = 0; trial < trials; ++trial) {
     Random random(100 + static_cast<std::uint64_t>(trial));
-    const Studio studio = studio_of(kSides, GetParam(), random);
-    const auto seen = seen_in(studio, 30, random);
+    const Studio studio = scenes::box_studio(kSides, GetParam(), random);
+    const auto seen = scenes::boxes_seen_in(studio, 30, random);
     const auto solved = solve_rig(seen, on_a_box());
     ASSERT_TRUE(solved.has_value()) << trial << ": " << solved.error().message;
     EXPECT_TRUE(solved->rejected.empty()) << trial;
@@ -161,8 +90,8 @@ TEST_P(FixedBoards, JoinCamerasThatNeverSeeTheSameBoard) {
 
 TEST(FixedBoards, AreCarriedByThemselvesUnlessSaid) {
   Random random(5);
-  const Studio studio = studio_of(kSides, 2, random);
-  const auto seen = seen_in(studio, 30, random);
+  const Studio studio = scenes::box_studio(kSides, 2, random);
+  const auto seen = scenes::boxes_seen_in(studio, 30, random);
   const auto solved = solve_rig(seen);
   ASSERT_FALSE(solved.has_value());
   EXPECT_NE(solved.error().message.find("have seen no board at the same time"), std::string::npos)
@@ -173,9 +102,9 @@ TEST(FixedBoards, AreCarriedByThemselvesUnlessSaid) {
 TEST(FixedBoards, MayBeSymmetric) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     Random random(seed);
-    const Studio studio = studio_of(
+    const Studio studio = scenes::box_studio(
         {"checkerboard:9x6:16mm", "checkerboard:8x6:16mm", "checkerboard:7x6:18mm"}, 2, random);
-    const auto seen = seen_in(studio, 60, random);
+    const auto seen = scenes::boxes_seen_in(studio, 60, random);
     const auto solved = solve_rig(seen, on_a_box());
     ASSERT_TRUE(solved.has_value()) << solved.error().message;
     const SE3 truth = studio.world_from_camera[0].inverse() * studio.world_from_camera[1];
@@ -186,8 +115,8 @@ TEST(FixedBoards, MayBeSymmetric) {
 // A board that no camera has seen beside another one is carried by itself, and that is said.
 TEST(FixedBoards, ThatNoPictureJoinsAreTold) {
   Random random(6);
-  const Studio studio = studio_of(kSides, 3, random);
-  auto seen = seen_in(studio, 60, random);
+  const Studio studio = scenes::box_studio(kSides, 3, random);
+  auto seen = scenes::boxes_seen_in(studio, 60, random);
   const std::string alone = studio.box.boards[2].text();
   for (RigCameraViews& camera : seen) {
     std::vector<std::uint64_t> with_others;
@@ -209,16 +138,44 @@ TEST(FixedBoards, ThatNoPictureJoinsAreTold) {
 
 TEST(FixedBoards, AreRefusedWhereNoPictureShowsTwo) {
   Random random(7);
-  const Studio studio = studio_of({"checkerboard:9x6:16mm"}, 2, random);
-  const auto solved = solve_rig(seen_in(studio, 30, random), on_a_box());
+  const Studio studio = scenes::box_studio({"checkerboard:9x6:16mm"}, 2, random);
+  const auto solved = solve_rig(scenes::boxes_seen_in(studio, 30, random), on_a_box());
   ASSERT_FALSE(solved.has_value());
   EXPECT_NE(solved.error().message.find("show two of them to one camera"), std::string::npos);
 }
 
+// Views as they come, in the order of time: the session keeps what joins the cameras.
+TEST(FixedBoards, AreTakenByASession) {
+  Random random(9);
+  const Studio studio = scenes::box_studio(kSides, 2, random);
+  const auto seen = scenes::boxes_seen_in(studio, 60, random);
+  RigSessionSettings settings;
+  settings.options.fixed_boards = true;
+  RigSession session;
+  session.start(settings);
+  std::vector<std::pair<std::size_t, const Observation*>> all;
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    session.set_name(c, seen[c].calibration.camera);
+    session.set_intrinsics(c, seen[c].calibration);
+    for (const View& view : seen[c].views) all.emplace_back(c, &view.observation);
+  }
+  std::ranges::stable_sort(all, {}, [](const auto& one) { return one.second->timestamp; });
+  for (const auto& [camera, observation] : all) {
+    ASSERT_TRUE(session.offer(camera, *observation).has_value());
+  }
+  const auto job = session.take_solve(true);
+  ASSERT_TRUE(job.has_value());
+  const auto solved = solve_rig(views_of(*job), job->options);
+  ASSERT_TRUE(solved.has_value()) << solved.error().message;
+  EXPECT_EQ(solved->rig.fixed_boards.size(), kSides.size() - 1);
+  const SE3 truth = studio.world_from_camera[0].inverse() * studio.world_from_camera[1];
+  EXPECT_LT(place_error(solved->rig.cameras[1], truth).largest, 4.5);
+}
+
 TEST(FixedBoards, TellTheSameTwice) {
   Random random(8);
-  const Studio studio = studio_of(kSides, 3, random);
-  const auto seen = seen_in(studio, 30, random);
+  const Studio studio = scenes::box_studio(kSides, 3, random);
+  const auto seen = scenes::boxes_seen_in(studio, 30, random);
   const auto one = solve_rig(seen, on_a_box());
   const auto other = solve_rig(seen, on_a_box());
   ASSERT_TRUE(one.has_value() && other.has_value());

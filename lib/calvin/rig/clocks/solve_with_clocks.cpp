@@ -29,7 +29,7 @@ Result<JointSolve> solve(const JointProblem& problem, const std::vector<double>&
   JointSolve one;
   one.views = problem.views;
   const std::vector<ViewTimes> times = view_times(problem.seen, offsets);
-  const Instants instants = 
+  const Instants instants =
       pair_instants(times, problem.tolerance + spread_of(offsets), problem.instants);
   one.farthest = instants.farthest;
   auto groups = group_views(instants, one.views);

@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "calvin/rig/fixed/fixed_boards.hpp"
-#include "calvin/rig/joint/links.hpp"
 #include "calvin/rig/joint/rig_fit.hpp"
+#include "calvin/rig/start/links.hpp"
 
 namespace calvin::rig {
 
@@ -30,7 +29,6 @@ struct JointSolve {
   std::uint64_t farthest = 0;   // ns, between two pictures of one instant
   std::vector<double> offsets;  // of the clock of each camera, s; empty where they agree
   RigFit fit;                   // how well offsets are known is a part of the covariance
-  std::vector<BoardOnBody> boards = {};  // by BoardView::own_board; empty: each by itself
 };
 
 // Pairs, places and fits. Clocks are taken to agree unless corners that move say otherwise; then

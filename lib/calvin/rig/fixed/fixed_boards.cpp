@@ -12,7 +12,7 @@
 #include <tuple>
 #include <utility>
 
-#include "calvin/rig/joint/vote.hpp"
+#include "calvin/rig/start/vote.hpp"
 
 namespace calvin::rig {
 
@@ -70,13 +70,13 @@ bool is_near(const SE3& one, const SE3& other, double turn, double distance) {
 // The labellings that all views of one of the boards of a link have: its symmetries. By any of them
 // the board lies as well.
 std::vector<SE3> symmetries_of(const std::vector<BoardView>& views, const BoardLink& link,
-                               std::size_t SeenTogether::* of) {
+                               std::size_t SeenTogether::*of) {
   std::vector<SE3> common = views[link.pictures.front().*of].labellings;
   for (const SeenTogether& picture : link.pictures) {
     const std::vector<SE3>& own = views[picture.*of].labellings;
     std::erase_if(common, [&](const SE3& one) {
-      return std::ranges::none_of(own,
-                                  [&](const SE3& other) { return is_near(one, other, 1e-6, 1e-6); });
+      return std::ranges::none_of(
+          own, [&](const SE3& other) { return is_near(one, other, 1e-6, 1e-6); });
     });
   }
   return common;
@@ -169,7 +169,8 @@ std::vector<BoardOnBody> boards_on_bodies(const std::vector<BoardView>& views,
     is_placed[first] = true;
     while (const BoardLink* link = best_link(links, is_placed)) {
       const bool is_forward = is_placed[link->a];
-      const auto [from, to] = is_forward ? std::pair(link->a, link->b) : std::pair(link->b, link->a);
+      const auto [from, to] =
+          is_forward ? std::pair(link->a, link->b) : std::pair(link->b, link->a);
       const SE3 between = is_forward ? link->a_from_b.place : link->a_from_b.place.inverse();
       boards[to] = {first, boards[from].body_from_board * between};
       is_placed[to] = true;

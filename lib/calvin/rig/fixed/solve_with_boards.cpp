@@ -32,39 +32,45 @@ void take_step(const BoardOffsets& offsets, std::vector<BoardOnBody>& boards) {
   }
 }
 
+bool joins_any(const std::vector<BoardOnBody>& boards) {
+  for (std::size_t b = 0; b < boards.size(); ++b) {
+    if (boards[b].body != b) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
-Result<JointSolve> solve_with_boards(const JointProblem& problem, const std::stop_token& stop) {
+Result<BoardsSolve> solve_with_boards(const JointProblem& problem, const std::stop_token& stop) {
   constexpr double kSettled = 0.05;  // sigmas
   constexpr int kRounds = 8;
   std::vector<BoardOnBody> boards = boards_on_bodies(problem.views, problem.seen, problem.cameras);
-  const auto is_joined = [&](std::size_t b) { return boards[b].body != b; };
-  std::size_t joined = 0;
-  for (std::size_t b = 0; b < boards.size(); ++b) joined += is_joined(b) ? 1 : 0;
-  if (joined == 0) {
-    return make_error(ErrorCode::kDegenerate,
-                      "No picture shows how the boards are fixed to each other: show two of them to "
-                      "one camera at a time, tilted, or leave fixed-boards out.");
+  if (!joins_any(boards)) {
+    return make_error(
+        ErrorCode::kDegenerate,
+        "No picture shows how the boards are fixed to each other: show two of them to "
+        "one camera at a time, tilted, or leave fixed-boards out.");
   }
-  Result<JointSolve> best = make_error(ErrorCode::kDegenerate, "");
+  BoardsSolve best;
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<BoardView> views = views_of_bodies(boards, problem.views);
-    JointProblem with_bodies = {problem.seen,  problem.cameras,   views,
-                                problem.names, problem.tolerance, InstantsOf::kTwoViews};
-    best = solve_with_clocks(with_bodies, stop);
-    if (!best) return best;
-    if (!best->fit.board_offsets) {
+    auto joint = solve_with_clocks({problem.seen, problem.cameras, views, problem.names,
+                                    problem.tolerance, InstantsOf::kTwoViews},
+                                   stop);
+    if (!joint) return tl::unexpected<Error>(joint.error());
+    if (!joint->fit.board_offsets) {
       return make_error(ErrorCode::kDegenerate,
                         "The pictures leave open how the boards are fixed to each other: show two "
                         "of them to one camera at a time in more places, and tilted.");
     }
-    best->boards = boards;
-    const BoardOffsets& offsets = *best->fit.board_offsets;
+    best = {*std::move(joint), boards};
+    const BoardOffsets& offsets = *best.joint.fit.board_offsets;
     if (largest_step(offsets) < kSettled) break;
     take_step(offsets, boards);
   }
-  const BoardOffsets& known = *best->fit.board_offsets;
-  best->fit.covariance += congruent(known.covariance, known.places_by_offset.transpose());
+  RigFit& fit = best.joint.fit;
+  fit.covariance +=
+      congruent(fit.board_offsets->covariance, fit.board_offsets->places_by_offset.transpose());
   return best;
 }
 

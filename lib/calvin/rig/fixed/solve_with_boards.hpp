@@ -5,16 +5,23 @@
 #pragma once
 
 #include <stop_token>
+#include <vector>
 
 #include "calvin/rig/clocks/solve_with_clocks.hpp"
+#include "calvin/rig/fixed/fixed_boards.hpp"
 
 namespace calvin::rig {
+
+struct BoardsSolve {
+  JointSolve joint;
+  std::vector<BoardOnBody> boards;  // by BoardView::own_board
+};
 
 // How boards lie to each other is found from pictures that show several of them, then with all
 // places in one least squares; of boards whose relation no picture shows each is carried by itself.
 // kDegenerate where no two boards are joined, and where the views leave open how they are; else
 // errors are those of solve_with_clocks().
-[[nodiscard]] Result<JointSolve> solve_with_boards(const JointProblem& problem,
-                                                   const std::stop_token& stop);
+[[nodiscard]] Result<BoardsSolve> solve_with_boards(const JointProblem& problem,
+                                                    const std::stop_token& stop);
 
 }  // namespace calvin::rig

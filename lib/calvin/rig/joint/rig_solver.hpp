@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "calvin/core/result.hpp"
-#include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/start/rig_start.hpp"
 #include "calvin/solve/parameters/parameter_table.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
 

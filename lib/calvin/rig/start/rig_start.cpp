@@ -3,7 +3,7 @@
 
 // Prim's tree over cameras, then each board where most of its views agree.
 
-#include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/start/rig_start.hpp"
 
 #include <algorithm>
 #include <map>

@@ -3,7 +3,7 @@
 
 // Takes the place that is farthest from those that were taken before, until there are enough.
 
-#include "calvin/rig/joint/shown_boards.hpp"
+#include "calvin/rig/result/shown_boards.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -3,7 +3,7 @@
 
 // How corners of a board move in the pictures where its body does not.
 
-#include "calvin/rig/fixed/board_offsets.hpp"
+#include "calvin/rig/joint/board_offsets.hpp"
 
 #include <algorithm>
 #include <array>
@@ -59,8 +59,7 @@ Ways ways_of(std::size_t board, std::size_t k, const std::vector<BoardView>& vie
     if (view.own_board != board) continue;
     const Camera& camera = cameras[view.of.camera];
     const SE3 camera_from_body = places.camera_from_rig[view.of.camera] *
-                                 places.rig_from_board[placed.pose] *
-                                 frames[placed.pose].inverse();
+                                 places.rig_from_board[placed.pose] * frames[placed.pose].inverse();
     const SE3 body_from_own = frames[placed.pose] * placed.board_from_own;
     d[k] = kStep;
     const SE3 ahead = camera_from_body * retract(body_from_own, d.data());

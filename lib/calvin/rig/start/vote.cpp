@@ -3,7 +3,7 @@
 
 // The proposal of the least cost, robustly summed over some of the voters.
 
-#include "calvin/rig/joint/vote.hpp"
+#include "calvin/rig/start/vote.hpp"
 
 #include <algorithm>
 #include <cmath>

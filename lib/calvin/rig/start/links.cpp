@@ -3,13 +3,13 @@
 
 // Proposes places of two cameras from single instants, and asks all instants how well each fits.
 
-#include "calvin/rig/joint/links.hpp"
+#include "calvin/rig/start/links.hpp"
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
-#include "calvin/rig/joint/vote.hpp"
+#include "calvin/rig/start/vote.hpp"
 
 namespace calvin::rig {
 

@@ -3,7 +3,7 @@
 
 // Frames, texts and sentences.
 
-#include "calvin/rig/fixed/fixed_board_result.hpp"
+#include "calvin/rig/result/fixed_board_result.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -21,9 +21,9 @@ namespace {
 constexpr Eigen::Index kPose = 6;
 
 // The text of each board, by BoardView::own_board.
-std::vector<std::string> texts_of(const std::vector<RigCameraViews>& seen, const JointSolve& one) {
+std::vector<std::string> texts_of(const std::vector<RigCameraViews>& seen, const BoardsSolve& one) {
   std::vector<std::string> texts(one.boards.size());
-  for (const BoardView& view : one.views) {
+  for (const BoardView& view : one.joint.views) {
     texts[view.own_board] = seen[view.of.camera].views[view.of.view].board.text();
   }
   return texts;
@@ -56,15 +56,16 @@ std::optional<std::string> why_alone(const BoardOnBody& board, const std::string
 
 }  // namespace
 
-void set_fixed_boards(const std::vector<RigCameraViews>& seen, const JointSolve& one, double scale,
+void set_fixed_boards(const std::vector<RigCameraViews>& seen, const BoardsSolve& one, double scale,
                       Rig& to, std::vector<std::string>& remarks) {
+  if (one.boards.empty()) return;
   const std::vector<std::string> texts = texts_of(seen, one);
   for (std::size_t b = 0; b < one.boards.size(); ++b) {
     if (texts[b].empty()) continue;
     if (const auto why = why_alone(one.boards[b], texts[b])) remarks.push_back(*why);
   }
-  if (!one.fit.board_offsets) return;
-  const BoardOffsets& offsets = *one.fit.board_offsets;
+  if (!one.joint.fit.board_offsets) return;
+  const BoardOffsets& offsets = *one.joint.fit.board_offsets;
   for (std::size_t k = 0; k < offsets.boards.size(); ++k) {
     const BoardOnBody& on = one.boards[offsets.boards[k]];
     const auto at = kPose * static_cast<Eigen::Index>(k);
@@ -72,8 +73,8 @@ void set_fixed_boards(const std::vector<RigCameraViews>& seen, const JointSolve&
         covariance_of(offsets.covariance.block(at, at, kPose, kPose), on.body_from_board, scale);
     SE3 place = on.body_from_board;
     place.translation *= scale;
-    to.fixed_boards.push_back({texts[offsets.boards[k]], texts[on.body], to_pose(place),
-                               row_major(covariance)});
+    to.fixed_boards.push_back(
+        {texts[offsets.boards[k]], texts[on.body], to_pose(place), row_major(covariance)});
   }
 }
 

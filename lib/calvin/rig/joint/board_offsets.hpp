@@ -18,8 +18,8 @@ namespace calvin::rig {
 
 struct BoardOffsets {
   std::vector<std::size_t> boards;  // BoardView::own_board, of all that do not define their body
-  // d of each as retract() in solve/residuals/bundle_problem.hpp has it, for body_from_board: to the
-  // optimum; their covariance; and the places of all cameras but the first by them.
+  // d of each as retract() in solve/residuals/bundle_problem.hpp has it, for body_from_board: to
+  // the optimum; their covariance; and the places of all cameras but the first by them.
   Eigen::VectorXd step;
   Eigen::MatrixXd covariance;
   Eigen::MatrixXd places_by_offset;

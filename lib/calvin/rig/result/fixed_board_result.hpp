@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "calvin/core/rig.hpp"
-#include "calvin/rig/clocks/solve_with_clocks.hpp"
+#include "calvin/rig/fixed/solve_with_boards.hpp"
 
 namespace calvin::rig {
 
 // Adds where boards are to each other, with lengths `scale` times those of the solve, and sentences
 // for boards that no picture joins to another one.
-void set_fixed_boards(const std::vector<RigCameraViews>& seen, const JointSolve& one, double scale,
+void set_fixed_boards(const std::vector<RigCameraViews>& seen, const BoardsSolve& one, double scale,
                       Rig& to, std::vector<std::string>& remarks);
 
 }  // namespace calvin::rig
