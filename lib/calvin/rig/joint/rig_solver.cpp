@@ -18,6 +18,9 @@ namespace {
 
 constexpr int kPose = ArrowLayout::kPose;
 constexpr double kMedianDistance = 1.17741;  // of two normal coordinates, in their sigma
+// To where it can be told what contradicts the rest: a step that would change the cost by less than
+// this part of it is the last one.
+constexpr LmOptions kRough = {100, 1e-13, 1e-6, 1e-4};
 
 tl::unexpected<Error> undetermined() {
   return make_error(ErrorCode::kDegenerate,
@@ -60,12 +63,13 @@ RigSolver::RigSolver(const std::vector<BoardView>& views, RigPlaces places,
       places_(std::move(places)),
       cameras_(cameras),
       stop_(stop),
-      table_(table_of(cameras)),
-      values_(values_of_cameras(table_, cameras)) {
+      table_(table_of_places(cameras)) {
+  points_.reserve(places_.views.size());
   for (const PlacedView& placed : places_.views) {
     weights_.push_back(views[placed.view].seen.weight);
     PointSet seen = views[placed.view].seen;
     for (Eigen::Vector3d& point : seen.points) point = placed.board_from_own * point;
+    points_.emplace_back(seen, BoardShape(), points_.empty() ? nullptr : &points_.back());
     sets_.push_back(std::move(seen));
   }
 }
@@ -73,7 +77,7 @@ RigSolver::RigSolver(const std::vector<BoardView>& views, RigPlaces places,
 Status RigSolver::run() {
   constexpr double kSoft = 5;  // px: places are known about
   constexpr int kRounds = 3;
-  if (!minimise_over(Loss{Loss::Kind::kCauchy, kSoft})) return undetermined();
+  if (!minimise_over(Loss{Loss::Kind::kCauchy, kSoft}, kRough)) return undetermined();
   for (int round = 0; round < kRounds; ++round) {
     const bool changed = leave_out();
     if (!minimise_over(Loss{})) return undetermined();
@@ -87,19 +91,18 @@ bool RigSolver::is_used(std::size_t placed) const {
   return std::ranges::any_of(weights_[placed], [](double w) { return w > 0; });
 }
 
-std::optional<BundleProblem::Reduced> RigSolver::equations() {
-  return problem(table_, Loss{}).reduced();
+std::optional<BundleProblem::Reduced> RigSolver::equations_over(const ParameterTable& table) {
+  return problem(table, Loss{}).reduced();
 }
 
-double RigSolver::variance() {
+double RigSolver::variance() const {
   double corners = 0;
   for (const auto& view : weights_) {
     corners += static_cast<double>(std::ranges::count_if(view, [](double w) { return w > 0; }));
   }
   const auto free =
       static_cast<double>(kPose) * static_cast<double>(used_poses() + cameras_.size() - 1);
-  return problem(with_held_intrinsics(table_, values_), Loss{}).cost() /
-         std::max(2 * corners - free, 1.0);
+  return optimum_->cost() / std::max(2 * corners - free, 1.0);
 }
 
 std::size_t RigSolver::used_poses() const {
@@ -113,31 +116,27 @@ std::size_t RigSolver::used_poses() const {
 // Poses that nothing is seen of any more are no unknowns.
 BundleProblem RigSolver::problem(const ParameterTable& table, const Loss& loss) {
   BundlePoint start;
-  start.shared = values_;
+  start.shared = values_of_cameras(table, cameras_);
   start.camera_from_rig = places_.camera_from_rig;
   ResidualBlocks blocks;
-  points_.clear();
-  points_.reserve(sets_.size());
   numbers_.assign(places_.rig_from_board.size(), std::nullopt);
   for (std::size_t p = 0; p < sets_.size(); ++p) {
     if (!is_used(p)) continue;
-    sets_[p].weight = weights_[p];
-    points_.emplace_back(sets_[p], BoardShape());
     auto& number = numbers_[places_.views[p].pose];
     if (!number) {
       number = start.rig_from_board.size();
       start.rig_from_board.push_back(places_.rig_from_board[places_.views[p].pose]);
     }
-    blocks.boards.push_back({&points_.back(), *number, views_[places_.views[p].view].of.camera, 0});
+    blocks.boards.push_back({&points_[p], *number, views_[places_.views[p].view].of.camera, 0});
   }
-  const ParameterTable* kept = &(tables_ = table);
-  return BundleProblem(std::move(blocks), {kept, kept->basis(), {}}, std::move(start), loss, stop_);
+  return BundleProblem(std::move(blocks), {&table, table.basis(), {}}, std::move(start), loss,
+                       stop_);
 }
 
-bool RigSolver::minimise_over(const Loss& loss) {
-  BundleProblem fit = problem(with_held_intrinsics(table_, values_), loss);
+bool RigSolver::minimise_over(const Loss& loss, const LmOptions& options) {
+  BundleProblem& fit = optimum_.emplace(problem(table_, loss));
   if (!fit.valid()) return false;
-  (void)minimise(fit, LmOptions{}, stop_);
+  (void)minimise(fit, options, stop_);
   places_.camera_from_rig = fit.point().camera_from_rig;
   for (std::size_t pose = 0; pose < numbers_.size(); ++pose) {
     if (numbers_[pose]) places_.rig_from_board[pose] = fit.point().rig_from_board[*numbers_[pose]];
@@ -166,8 +165,10 @@ bool RigSolver::leave_out() {
       left += now[i] > 0 ? 1 : 0;
     }
     if (left < kFewest) now.assign(now.size(), 0.0);
-    changed |= now != weights_[p];
-    weights_[p] = std::move(now);
+    if (now == weights_[p]) continue;
+    changed = true;
+    sets_[p].weight = weights_[p] = std::move(now);
+    points_[p] = ViewPoints(sets_[p], BoardShape());
   }
   return changed;
 }
@@ -198,6 +199,7 @@ std::optional<RigSolver::Optimum> RigSolver::refit(const std::vector<std::vector
         sets_[p].uv[i].u += sign * ways[p][i].u;
         sets_[p].uv[i].v += sign * ways[p][i].v;
       }
+      if (!ways[p].empty()) points_[p] = ViewPoints(sets_[p], BoardShape());
     }
   };
   step(1);

@@ -13,6 +13,7 @@
 
 #include "calvin/core/result.hpp"
 #include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/solve/linear/lm.hpp"
 #include "calvin/solve/parameters/parameter_table.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
 
@@ -48,19 +49,20 @@ class RigSolver {
   [[nodiscard]] std::optional<Optimum> refit(const std::vector<std::vector<Pixel>>& ways);
 
   [[nodiscard]] const RigPlaces& places() const { return places_; }
-  [[nodiscard]] const ParameterTable& table() const { return table_; }
   [[nodiscard]] const std::vector<std::vector<double>>& weights() const { return weights_; }
   [[nodiscard]] bool is_used(std::size_t placed) const;
 
-  // The equations at the optimum over all unknowns of the table, for residuals of 1 px.
-  [[nodiscard]] std::optional<BundleProblem::Reduced> equations();
+  // The equations at the optimum over the places of all cameras but the first, for residuals of 1
+  // px; and over all unknowns of a table of these cameras.
+  [[nodiscard]] std::optional<BundleProblem::Reduced> equations() { return optimum_->reduced(); }
+  [[nodiscard]] std::optional<BundleProblem::Reduced> equations_over(const ParameterTable& table);
   // px^2 per residual beyond those that were fitted.
-  [[nodiscard]] double variance();
+  [[nodiscard]] double variance() const;
 
  private:
   [[nodiscard]] std::size_t used_poses() const;
   [[nodiscard]] BundleProblem problem(const ParameterTable& table, const Loss& loss);
-  [[nodiscard]] bool minimise_over(const Loss& loss);
+  [[nodiscard]] bool minimise_over(const Loss& loss, const LmOptions& options = {});
   [[nodiscard]] bool leave_out();
   [[nodiscard]] Eigen::VectorXd residuals() const;
 
@@ -69,12 +71,11 @@ class RigSolver {
   const std::vector<Camera>& cameras_;
   const std::stop_token& stop_;
   ParameterTable table_;
-  ParameterTable tables_;  // of the last problem, which refers to it
-  std::vector<double> values_;
   std::vector<std::vector<double>> weights_;  // of placed views; 0: left out
   std::vector<PointSet> sets_;                // of placed views, with the labels of their boards
-  std::vector<ViewPoints> points_;            // of the last problem
+  std::vector<ViewPoints> points_;            // of those
   std::vector<std::optional<std::size_t>> numbers_;  // of poses in the last problem
+  std::optional<BundleProblem> optimum_;             // of the last one that was minimised
 };
 
 }  // namespace calvin::rig

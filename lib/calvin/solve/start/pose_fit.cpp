@@ -29,7 +29,7 @@ class PoseProblem {
         camera_(camera),
         fill_(fill_rows_of(camera.model())),
         loss_(loss),
-        rows_({CameraUnknowns::of(camera.parameters().size(), false), 0}) {
+        rows_({CameraUnknowns::of(camera.parameters().size(), false), 0, false, true}) {
     current_.pose = start;
     rows_.resize(view.padded());
     valid_ = linearise(current_);
