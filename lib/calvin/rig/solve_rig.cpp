@@ -161,6 +161,11 @@ void set_links(const std::vector<BoardView>& views, const std::vector<Link>& lin
     used[placed.view] = true;
   }
   for (const std::size_t view : fit.rejected) used[view] = false;
+  std::vector<std::vector<Eigen::Vector3d>> rays(views.size());
+  const std::vector<CameraPoints> points = rig::points_before(cameras);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (used[v]) rays[v] = points[views[v].of.camera].rays(views[v].seen.uv);
+  }
   for (const Link& link : links) {
     RigLink one = link_between(link.a, link.b, fit.places.camera_from_rig, covariance);
     one.views = link.common.size();
@@ -170,7 +175,7 @@ void set_links(const std::vector<BoardView>& views, const std::vector<Link>& lin
       agreeing.push_back(
           rig::common_corners(views[common.a], views[common.b],
                               board_from_own[common.a].inverse() * board_from_own[common.b],
-                              cameras[link.a], cameras[link.b]));
+                              rays[common.a], rays[common.b]));
     }
     one.agree = agreeing.size();
     set_errors(agreeing,
@@ -239,7 +244,7 @@ void set_offsets(const rig::JointSolve& one, RigSolution& solution) {
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop) {
-  const auto views = rig::board_views(seen, cameras);
+  const auto views = rig::paired_board_views(seen, cameras, options.tolerance);
   if (!views) return tl::unexpected<Error>(views.error());
   if (options.is_partial) {
     const auto joined = joined_by(*views, seen, cameras, options.tolerance);

@@ -30,33 +30,6 @@ tl::unexpected<Error> undetermined() {
 
 }  // namespace
 
-Distances distances_of(const std::vector<BoardView>& views, const RigPlaces& places,
-                       const std::vector<Camera>& cameras,
-                       const std::vector<std::vector<double>>& weights) {
-  constexpr double kFar = 1e6;  // px
-  Distances all;
-  std::vector<double> used;
-  for (std::size_t p = 0; p < places.views.size(); ++p) {
-    const PlacedView& placed = places.views[p];
-    const BoardView& view = views[placed.view];
-    const SE3 to_camera = places.camera_from_rig[view.of.camera] *
-                          places.rig_from_board[placed.pose] * placed.board_from_own;
-    std::vector<double>& distances = all.of_views.emplace_back();
-    for (std::size_t i = 0; i < view.seen.size(); ++i) {
-      const auto at = cameras[view.of.camera].project(to_camera * view.seen.points[i]);
-      const double distance =
-          at ? std::hypot(at->u - view.seen.uv[i].u, at->v - view.seen.uv[i].v) : kFar;
-      distances.push_back(view.seen.weight[i] * distance);
-      if (weights[p][i] > 0) used.push_back(distances.back());
-    }
-  }
-  if (used.empty()) return all;
-  const auto middle = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
-  std::ranges::nth_element(used, middle);
-  all.sigma = *middle / kMedianDistance;
-  return all;
-}
-
 RigSolver::RigSolver(const std::vector<BoardView>& views, RigPlaces places,
                      const std::vector<Camera>& cameras, const std::stop_token& stop)
     : views_(views),
@@ -64,12 +37,14 @@ RigSolver::RigSolver(const std::vector<BoardView>& views, RigPlaces places,
       cameras_(cameras),
       stop_(stop),
       table_(table_of_places(cameras)) {
-  points_.reserve(places_.views.size());
+  lenses_ = points_before(cameras);
+  all_.reserve(places_.views.size());
+  points_.resize(places_.views.size());
   for (const PlacedView& placed : places_.views) {
     weights_.push_back(views[placed.view].seen.weight);
     PointSet seen = views[placed.view].seen;
     for (Eigen::Vector3d& point : seen.points) point = placed.board_from_own * point;
-    points_.emplace_back(seen, BoardShape(), points_.empty() ? nullptr : &points_.back());
+    all_.emplace_back(seen, BoardShape(), all_.empty() ? nullptr : &all_.back());
     sets_.push_back(std::move(seen));
   }
 }
@@ -127,7 +102,7 @@ BundleProblem RigSolver::problem(const ParameterTable& table, const Loss& loss) 
       number = start.rig_from_board.size();
       start.rig_from_board.push_back(places_.rig_from_board[places_.views[p].pose]);
     }
-    blocks.boards.push_back({&points_[p], *number, views_[places_.views[p].view].of.camera, 0});
+    blocks.boards.push_back({points_[p] ? &*points_[p] : &all_[p], *number, views_[places_.views[p].view].of.camera, 0});
   }
   return BundleProblem(std::move(blocks), {&table, table.basis(), {}}, std::move(start), loss,
                        stop_);
@@ -144,31 +119,78 @@ bool RigSolver::minimise_over(const Loss& loss, const LmOptions& options) {
   return true;
 }
 
-// Views that contradict the others, and single corners. Whether any were left out that were not
-// before, or the other way round.
-bool RigSolver::leave_out() {
+RigSolver::Distances RigSolver::distances() const {
+  constexpr double kFar = 1e6;  // px
+  Distances all;
+  all.reserve(all_.size());
+  std::size_t longest = 0;
+  for (const ViewPoints& view : all_) longest = std::max(longest, view.padded());
+  const AlignedArray squares = aligned_array(longest);
+  for (std::size_t p = 0; p < all_.size(); ++p) {
+    const PlacedView& placed = places_.views[p];
+    const std::vector<double>& weight = views_[placed.view].seen.weight;
+    const std::size_t camera = views_[placed.view].of.camera;
+    lenses_[camera].squares(
+        all_[p], places_.camera_from_rig[camera] * places_.rig_from_board[placed.pose],
+        squares.get());
+    std::vector<double>& distances = all.emplace_back(weight.size(), 0.0);
+    std::size_t used = 0;
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+      if (!(weight[i] > 0)) continue;
+      const double square = squares[used++];
+      distances[i] = std::isfinite(square) ? std::sqrt(square) : weight[i] * kFar;
+    }
+  }
+  return all;
+}
+
+// px, per coordinate, of the corners in use.
+double RigSolver::sigma_of(const Distances& distances) const {
+  std::vector<double> used;
+  for (std::size_t p = 0; p < distances.size(); ++p) {
+    for (std::size_t i = 0; i < distances[p].size(); ++i) {
+      if (weights_[p][i] > 0) used.push_back(distances[p][i]);
+    }
+  }
+  if (used.empty()) return 0;
+  const auto middle = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
+  std::ranges::nth_element(used, middle);
+  return *middle / kMedianDistance;
+}
+
+// The weights of a view without those of corners that contradict the others, or of all.
+std::vector<double> RigSolver::kept(std::size_t p, const std::vector<double>& distances,
+                                    double sigma) const {
   constexpr double kFarCorner = 6;  // sigmas
   constexpr double kFarView = 5;
   constexpr std::size_t kFewest = 4;
-  const Distances all = distances_of(views_, places_, cameras_, weights_);
+  std::vector<double> now = views_[places_.views[p].view].seen.weight;
+  if (distances.empty()) return now;
+  std::vector<double> sorted = distances;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  const bool is_far = *middle > kFarView * kMedianDistance * sigma;
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (is_far || distances[i] > kFarCorner * sigma) now[i] = 0;
+    left += now[i] > 0 ? 1 : 0;
+  }
+  if (left < kFewest) now.assign(now.size(), 0.0);
+  return now;
+}
+
+// Views that contradict the others, and single corners. Whether any were left out that were not
+// before, or the other way round.
+bool RigSolver::leave_out() {
+  const Distances all = distances();
+  const double sigma = sigma_of(all);
   bool changed = false;
   for (std::size_t p = 0; p < sets_.size(); ++p) {
-    std::vector<double> now = views_[places_.views[p].view].seen.weight;
-    const std::vector<double>& distances = all.of_views[p];
-    std::vector<double> sorted = distances;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::ranges::nth_element(sorted, middle);
-    const bool is_far = *middle > kFarView * kMedianDistance * all.sigma;
-    std::size_t left = 0;
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      if (is_far || distances[i] > kFarCorner * all.sigma) now[i] = 0;
-      left += now[i] > 0 ? 1 : 0;
-    }
-    if (left < kFewest) now.assign(now.size(), 0.0);
+    std::vector<double> now = kept(p, all[p], sigma);
     if (now == weights_[p]) continue;
     changed = true;
     sets_[p].weight = weights_[p] = std::move(now);
-    points_[p] = ViewPoints(sets_[p], BoardShape());
+    points_[p].emplace(sets_[p], BoardShape());
   }
   return changed;
 }
@@ -199,7 +221,7 @@ std::optional<RigSolver::Optimum> RigSolver::refit(const std::vector<std::vector
         sets_[p].uv[i].u += sign * ways[p][i].u;
         sets_[p].uv[i].v += sign * ways[p][i].v;
       }
-      if (!ways[p].empty()) points_[p] = ViewPoints(sets_[p], BoardShape());
+      if (!ways[p].empty()) points_[p].emplace(sets_[p], BoardShape());
     }
   };
   step(1);

@@ -19,17 +19,6 @@
 
 namespace calvin::rig {
 
-struct Distances {
-  std::vector<std::vector<double>> of_views;  // px, weighted, of all corners of each placed view
-  double sigma = 0;                           // px, per coordinate, of the corners in use
-};
-
-// Of all corners of placed views from where they are expected; those without a projection are as
-// far as can be. `weights`: of each placed view and corner, 0 where it is left out.
-[[nodiscard]] Distances distances_of(const std::vector<BoardView>& views, const RigPlaces& places,
-                                     const std::vector<Camera>& cameras,
-                                     const std::vector<std::vector<double>>& weights);
-
 class RigSolver {
  public:
   // Refers to all but the places.
@@ -52,6 +41,11 @@ class RigSolver {
   [[nodiscard]] const std::vector<std::vector<double>>& weights() const { return weights_; }
   [[nodiscard]] bool is_used(std::size_t placed) const;
 
+  // px, weighted: how far all corners of each placed view, those that are left out too, are from
+  // where they are expected. Those without a projection are as far as can be.
+  using Distances = std::vector<std::vector<double>>;
+  [[nodiscard]] Distances distances() const;
+
   // The equations at the optimum over the places of all cameras but the first, for residuals of 1
   // px; and over all unknowns of a table of these cameras.
   [[nodiscard]] std::optional<BundleProblem::Reduced> equations() { return optimum_->reduced(); }
@@ -63,6 +57,9 @@ class RigSolver {
   [[nodiscard]] std::size_t used_poses() const;
   [[nodiscard]] BundleProblem problem(const ParameterTable& table, const Loss& loss);
   [[nodiscard]] bool minimise_over(const Loss& loss, const LmOptions& options = {});
+  [[nodiscard]] double sigma_of(const Distances& distances) const;
+  [[nodiscard]] std::vector<double> kept(std::size_t placed, const std::vector<double>& distances,
+                                         double sigma) const;
   [[nodiscard]] bool leave_out();
   [[nodiscard]] Eigen::VectorXd residuals() const;
 
@@ -73,7 +70,9 @@ class RigSolver {
   ParameterTable table_;
   std::vector<std::vector<double>> weights_;  // of placed views; 0: left out
   std::vector<PointSet> sets_;                // of placed views, with the labels of their boards
-  std::vector<ViewPoints> points_;            // of those
+  std::vector<ViewPoints> all_;               // of those, as they were seen
+  std::vector<std::optional<ViewPoints>> points_;    // what is in use, where that is another
+  std::vector<CameraPoints> lenses_;                 // of the cameras
   std::vector<std::optional<std::size_t>> numbers_;  // of poses in the last problem
   std::optional<BundleProblem> optimum_;             // of the last one that was minimised
 };
