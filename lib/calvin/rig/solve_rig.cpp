@@ -244,7 +244,7 @@ void set_offsets(const rig::JointSolve& one, RigSolution& solution) {
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop) {
-  const auto views = rig::paired_board_views(seen, cameras, options.tolerance);
+  auto views = rig::paired_board_views(seen, cameras, options.tolerance);
   if (!views) return tl::unexpected<Error>(views.error());
   if (options.is_partial) {
     const auto joined = joined_by(*views, seen, cameras, options.tolerance);
@@ -253,7 +253,8 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
   }
   auto one =
-      rig::solve_with_clocks({seen, cameras, *views, names_of(seen), options.tolerance}, stop);
+      rig::solve_with_clocks({seen, cameras, *std::move(views), names_of(seen), options.tolerance},
+                             stop);
   if (!one) return tl::unexpected<Error>(one.error());
   rig::RigFit& fit = one->fit;
   RigSolution solution;

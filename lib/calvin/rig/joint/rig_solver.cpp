@@ -21,6 +21,8 @@ constexpr double kMedianDistance = 1.17741;  // of two normal coordinates, in th
 // To where it can be told what contradicts the rest: a step that would change the cost by less than
 // this part of it is the last one.
 constexpr LmOptions kRough = {100, 1e-13, 1e-6, 1e-4};
+// From there to the optimum, where the last step is too small to change the equations.
+constexpr LmOptions kFine = {100, 1e-13, 1e-11, 1e-6};
 
 tl::unexpected<Error> undetermined() {
   return make_error(ErrorCode::kDegenerate,
@@ -40,22 +42,28 @@ RigSolver::RigSolver(const std::vector<BoardView>& views, RigPlaces places,
   lenses_ = points_before(cameras);
   all_.reserve(places_.views.size());
   points_.resize(places_.views.size());
-  for (const PlacedView& placed : places_.views) {
-    weights_.push_back(views[placed.view].seen.weight);
-    PointSet seen = views[placed.view].seen;
-    for (Eigen::Vector3d& point : seen.points) point = placed.board_from_own * point;
-    all_.emplace_back(seen, BoardShape(), all_.empty() ? nullptr : &all_.back());
-    sets_.push_back(std::move(seen));
+  for (std::size_t p = 0; p < places_.views.size(); ++p) {
+    const PlacedView& placed = places_.views[p];
+    const PointSet& seen = views[placed.view].seen;
+    weights_.push_back(seen.weight);
+    const ViewPoints* last = all_.empty() ? nullptr : &all_.back();
+    const bool is_own = placed.board_from_own.rotation.isIdentity(0) &&
+                        placed.board_from_own.translation.isZero(0);
+    if (is_own) {
+      all_.emplace_back(seen, BoardShape(), last);
+    } else {
+      all_.emplace_back(set_of(p), BoardShape(), last);
+    }
   }
 }
 
 Status RigSolver::run() {
   constexpr double kSoft = 5;  // px: places are known about
   constexpr int kRounds = 3;
-  if (!minimise_over(Loss{Loss::Kind::kCauchy, kSoft}, kRough)) return undetermined();
+  if (!minimise_over(Loss{Loss::Kind::kCauchy, kSoft}, kRough, false)) return undetermined();
   for (int round = 0; round < kRounds; ++round) {
     const bool changed = leave_out();
-    if (!minimise_over(Loss{})) return undetermined();
+    if (!minimise_over(Loss{}, kFine, !changed)) return undetermined();
     if (!changed) break;
   }
   if (stop_.stop_requested()) return make_error(ErrorCode::kCancelled, "The solve was stopped.");
@@ -95,7 +103,7 @@ BundleProblem RigSolver::problem(const ParameterTable& table, const Loss& loss) 
   start.camera_from_rig = places_.camera_from_rig;
   ResidualBlocks blocks;
   numbers_.assign(places_.rig_from_board.size(), std::nullopt);
-  for (std::size_t p = 0; p < sets_.size(); ++p) {
+  for (std::size_t p = 0; p < all_.size(); ++p) {
     if (!is_used(p)) continue;
     auto& number = numbers_[places_.views[p].pose];
     if (!number) {
@@ -108,9 +116,14 @@ BundleProblem RigSolver::problem(const ParameterTable& table, const Loss& loss) 
                        stop_);
 }
 
-bool RigSolver::minimise_over(const Loss& loss, const LmOptions& options) {
-  BundleProblem& fit = optimum_.emplace(problem(table_, loss));
-  if (!fit.valid()) return false;
+// From the problem of the last time where that `goes_on`, with the same corners.
+bool RigSolver::minimise_over(const Loss& loss, const LmOptions& options, bool goes_on) {
+  if (goes_on) {
+    if (!optimum_->restart(loss)) return false;
+  } else if (!optimum_.emplace(problem(table_, loss)).valid()) {
+    return false;
+  }
+  BundleProblem& fit = *optimum_;
   (void)minimise(fit, options, stop_);
   places_.camera_from_rig = fit.point().camera_from_rig;
   for (std::size_t pose = 0; pose < numbers_.size(); ++pose) {
@@ -185,49 +198,63 @@ bool RigSolver::leave_out() {
   const Distances all = distances();
   const double sigma = sigma_of(all);
   bool changed = false;
-  for (std::size_t p = 0; p < sets_.size(); ++p) {
+  for (std::size_t p = 0; p < all_.size(); ++p) {
     std::vector<double> now = kept(p, all[p], sigma);
     if (now == weights_[p]) continue;
     changed = true;
-    sets_[p].weight = weights_[p] = std::move(now);
-    points_[p].emplace(sets_[p], BoardShape());
+    weights_[p] = std::move(now);
+    points_[p].emplace(set_of(p), BoardShape());
   }
   return changed;
 }
 
 Eigen::VectorXd RigSolver::residuals() const {
   std::vector<double> all;
-  for (std::size_t p = 0; p < sets_.size(); ++p) {
+  for (std::size_t p = 0; p < all_.size(); ++p) {
+    const PointSet set = set_of(p);
     const PlacedView& placed = places_.views[p];
     const Camera& camera = cameras_[views_[placed.view].of.camera];
     const SE3 to_camera = places_.camera_from_rig[views_[placed.view].of.camera] *
                           places_.rig_from_board[placed.pose];
-    for (std::size_t i = 0; i < sets_[p].size(); ++i) {
-      const double weight = weights_[p][i];
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      const double weight = set.weight[i];
       if (!(weight > 0)) continue;
-      const auto at = camera.project(to_camera * sets_[p].points[i]);
-      all.push_back(at ? weight * (at->u - sets_[p].uv[i].u) : 0);
-      all.push_back(at ? weight * (at->v - sets_[p].uv[i].v) : 0);
+      const auto at = camera.project(to_camera * set.points[i]);
+      all.push_back(at ? weight * (at->u - set.uv[i].u) : 0);
+      all.push_back(at ? weight * (at->v - set.uv[i].v) : 0);
     }
   }
   return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
+// The corners in use of a placed view, with the labels of its board, where they are seen now.
+PointSet RigSolver::set_of(std::size_t p) const {
+  const PlacedView& placed = places_.views[p];
+  PointSet set = views_[placed.view].seen;
+  for (Eigen::Vector3d& point : set.points) point = placed.board_from_own * point;
+  set.weight = weights_[p];
+  if (ways_ == nullptr || p >= ways_->size()) return set;
+  for (std::size_t i = 0; i < (*ways_)[p].size(); ++i) {
+    set.uv[i].u += (*ways_)[p][i].u;
+    set.uv[i].v += (*ways_)[p][i].v;
+  }
+  return set;
+}
+
 std::optional<RigSolver::Optimum> RigSolver::refit(const std::vector<std::vector<Pixel>>& ways) {
   const RigPlaces kept = places_;
-  const auto step = [&](double sign) {
+  const auto see = [&](const std::vector<std::vector<Pixel>>* now) {
+    ways_ = now;
     for (std::size_t p = 0; p < ways.size(); ++p) {
-      for (std::size_t i = 0; i < ways[p].size(); ++i) {
-        sets_[p].uv[i].u += sign * ways[p][i].u;
-        sets_[p].uv[i].v += sign * ways[p][i].v;
-      }
-      if (!ways[p].empty()) points_[p].emplace(sets_[p], BoardShape());
+      if (!ways[p].empty()) points_[p].emplace(set_of(p), BoardShape());
     }
   };
-  step(1);
+  see(&ways);
   std::optional<Optimum> found;
-  if (minimise_over(Loss{})) found = Optimum{places_.camera_from_rig, residuals()};
-  step(-1);
+  if (minimise_over(Loss{}, LmOptions{}, false)) {
+    found = Optimum{places_.camera_from_rig, residuals()};
+  }
+  see(nullptr);
   places_ = kept;
   return found;
 }

@@ -56,12 +56,13 @@ class RigSolver {
  private:
   [[nodiscard]] std::size_t used_poses() const;
   [[nodiscard]] BundleProblem problem(const ParameterTable& table, const Loss& loss);
-  [[nodiscard]] bool minimise_over(const Loss& loss, const LmOptions& options = {});
+  [[nodiscard]] bool minimise_over(const Loss& loss, const LmOptions& options, bool goes_on);
   [[nodiscard]] double sigma_of(const Distances& distances) const;
   [[nodiscard]] std::vector<double> kept(std::size_t placed, const std::vector<double>& distances,
                                          double sigma) const;
   [[nodiscard]] bool leave_out();
   [[nodiscard]] Eigen::VectorXd residuals() const;
+  [[nodiscard]] PointSet set_of(std::size_t placed) const;
 
   const std::vector<BoardView>& views_;
   RigPlaces places_;
@@ -69,10 +70,10 @@ class RigSolver {
   const std::stop_token& stop_;
   ParameterTable table_;
   std::vector<std::vector<double>> weights_;  // of placed views; 0: left out
-  std::vector<PointSet> sets_;                // of placed views, with the labels of their boards
-  std::vector<ViewPoints> all_;               // of those, as they were seen
-  std::vector<std::optional<ViewPoints>> points_;    // what is in use, where that is another
-  std::vector<CameraPoints> lenses_;                 // of the cameras
+  const std::vector<std::vector<Pixel>>* ways_ = nullptr;  // of refit(), while it lasts
+  std::vector<ViewPoints> all_;  // of placed views as they were seen, with the labels of their boards
+  std::vector<std::optional<ViewPoints>> points_;  // what is in use, where that is another
+  std::vector<CameraPoints> lenses_;               // of the cameras
   std::vector<std::optional<std::size_t>> numbers_;  // of poses in the last problem
   std::optional<BundleProblem> optimum_;             // of the last one that was minimised
 };

@@ -189,11 +189,50 @@ std::optional<PoseFit> fit_pose(const PointSet& view, const Camera& camera, cons
   return best;
 }
 
+namespace {
+
+// The start by a few corners, or by all where few of those have a ray.
+std::optional<SE3> quick_start(const PointSet& view, const std::vector<Eigen::Vector3d>& rays) {
+  constexpr std::size_t kCorners = 20;
+  constexpr std::size_t kFewest = 12;
+  if (view.size() > kCorners) {
+    PointSet few = view.without_corners();
+    few.reserve(kCorners);
+    std::vector<Eigen::Vector3d> few_rays;
+    few_rays.reserve(kCorners);
+    for (const std::size_t i : spread_corners(view.size(), kCorners)) {
+      if (rays[i].isZero(0)) continue;
+      few.append(view, i);
+      few_rays.push_back(rays[i]);
+    }
+    if (few.size() >= kFewest && spans_plane(few)) {
+      if (const auto start = start_pose(few, few_rays)) return start;
+    }
+  }
+  return start_pose(view, rays);
+}
+
+}  // namespace
+
+std::vector<std::size_t> spread_corners(std::size_t all, std::size_t most) {
+  constexpr std::size_t kPlaces = 16;  // in each part
+  constexpr std::size_t kJump = 7;     // prime to that: visits every place
+  std::vector<std::size_t> few;
+  const std::size_t n = std::min(all, most);
+  few.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t first = i * all / n;
+    const std::size_t length = (i + 1) * all / n - first;
+    few.push_back(first + kJump * i % kPlaces * length / kPlaces);
+  }
+  return few;
+}
+
 std::optional<PoseFit> fit_pose_roughly(const PointSet& view,
                                         const std::vector<Eigen::Vector3d>& rays,
                                         const Camera& camera, const RivalTilt& rival) {
   constexpr double kClearly = 10;  // what is predicted of a minimum is wrong by less
-  const auto start = start_pose(view, rays);
+  const auto start = quick_start(view, rays);
   if (!start) return std::nullopt;
   const ViewPoints points(view, {});
   LmOptions options;

@@ -4,6 +4,7 @@
 // One pose by least squares, before a known camera. Internal.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -27,6 +28,10 @@ namespace calvin {
 [[nodiscard]] std::optional<SE3> start_pose(const PointSet& view, const Camera& camera);
 [[nodiscard]] std::optional<SE3> start_pose(const PointSet& view,
                                             const std::vector<Eigen::Vector3d>& rays);
+
+// A few of a view's corners, ascending: one of each of equal parts of the list, at a different place
+// in each part, because a part may be as long as a row of the board.
+[[nodiscard]] std::vector<std::size_t> spread_corners(std::size_t all, std::size_t most);
 
 // The mirrored_tilt() of the points of a view.
 [[nodiscard]] SE3 mirrored_tilt(const PointSet& view, const SE3& camera_from_board);
