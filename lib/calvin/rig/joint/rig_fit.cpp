@@ -26,13 +26,12 @@ void add_rms(const std::vector<BoardView>& views, const RigSolver& solver,
              const std::vector<Camera>& cameras, RigFit& fit) {
   std::vector<double> squares(cameras.size(), 0.0);
   std::vector<double> corners(cameras.size(), 0.0);
-  const RigSolver::Distances all = solver.distances();
+  const RigSolver::Squares all = solver.squares();
   for (std::size_t p = 0; p < all.size(); ++p) {
     const BoardView& view = views[solver.places().views[p].view];
     for (std::size_t i = 0; i < all[p].size(); ++i) {
       if (!(solver.weights()[p][i] > 0)) continue;
-      const double distance = all[p][i] / view.seen.weight[i];
-      squares[view.of.camera] += distance * distance;
+      squares[view.of.camera] += all[p][i] / (view.seen.weight[i] * view.seen.weight[i]);
       corners[view.of.camera] += 1;
     }
   }

@@ -20,7 +20,7 @@ constexpr int kPose = ArrowLayout::kPose;
 constexpr double kMedianDistance = 1.17741;  // of two normal coordinates, in their sigma
 // To where it can be told what contradicts the rest: a step that would change the cost by less than
 // this part of it is the last one.
-constexpr LmOptions kRough = {100, 1e-13, 1e-6, 1e-4};
+constexpr LmOptions kRough = {100, 1e-13, 1e-3, 1e-6};
 // From there to the optimum, where the last step is too small to change the equations.
 constexpr LmOptions kFine = {100, 1e-13, 1e-11, 1e-6};
 
@@ -132,9 +132,8 @@ bool RigSolver::minimise_over(const Loss& loss, const LmOptions& options, bool g
   return true;
 }
 
-RigSolver::Distances RigSolver::distances() const {
-  constexpr double kFar = 1e6;  // px
-  Distances all;
+RigSolver::Squares RigSolver::squares() const {
+  Squares all;
   all.reserve(all_.size());
   std::size_t longest = 0;
   for (const ViewPoints& view : all_) longest = std::max(longest, view.padded());
@@ -146,46 +145,52 @@ RigSolver::Distances RigSolver::distances() const {
     lenses_[camera].squares(
         all_[p], places_.camera_from_rig[camera] * places_.rig_from_board[placed.pose],
         squares.get());
-    std::vector<double>& distances = all.emplace_back(weight.size(), 0.0);
+    if (all_[p].count() == weight.size()) {
+      all.emplace_back(squares.get(), squares.get() + weight.size());
+      continue;
+    }
+    std::vector<double>& own = all.emplace_back(weight.size(), 0.0);
     std::size_t used = 0;
     for (std::size_t i = 0; i < weight.size(); ++i) {
-      if (!(weight[i] > 0)) continue;
-      const double square = squares[used++];
-      distances[i] = std::isfinite(square) ? std::sqrt(square) : weight[i] * kFar;
+      if (weight[i] > 0) own[i] = squares[used++];
     }
   }
   return all;
 }
 
-// px, per coordinate, of the corners in use.
-double RigSolver::sigma_of(const Distances& distances) const {
+// px^2, per coordinate, of the corners in use.
+double RigSolver::variance_of(const Squares& squares) const {
+  std::size_t corners = 0;
+  for (const auto& view : squares) corners += view.size();
   std::vector<double> used;
-  for (std::size_t p = 0; p < distances.size(); ++p) {
-    for (std::size_t i = 0; i < distances[p].size(); ++i) {
-      if (weights_[p][i] > 0) used.push_back(distances[p][i]);
+  used.reserve(corners);
+  for (std::size_t p = 0; p < squares.size(); ++p) {
+    for (std::size_t i = 0; i < squares[p].size(); ++i) {
+      if (weights_[p][i] > 0) used.push_back(squares[p][i]);
     }
   }
   if (used.empty()) return 0;
   const auto middle = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
   std::ranges::nth_element(used, middle);
-  return *middle / kMedianDistance;
+  return *middle / (kMedianDistance * kMedianDistance);
 }
 
 // The weights of a view without those of corners that contradict the others, or of all.
-std::vector<double> RigSolver::kept(std::size_t p, const std::vector<double>& distances,
-                                    double sigma) const {
+std::vector<double> RigSolver::kept(std::size_t p, const std::vector<double>& squares,
+                                    double variance) const {
   constexpr double kFarCorner = 6;  // sigmas
   constexpr double kFarView = 5;
   constexpr std::size_t kFewest = 4;
+  const double far_corner = kFarCorner * kFarCorner * variance;
+  const double far_middle = kFarView * kFarView * kMedianDistance * kMedianDistance * variance;
   std::vector<double> now = views_[places_.views[p].view].seen.weight;
-  if (distances.empty()) return now;
-  std::vector<double> sorted = distances;
+  if (squares.empty() || std::ranges::max(squares) <= std::min(far_corner, far_middle)) return now;
+  std::vector<double> sorted = squares;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::ranges::nth_element(sorted, middle);
-  const bool is_far = *middle > kFarView * kMedianDistance * sigma;
   std::size_t left = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
-    if (is_far || distances[i] > kFarCorner * sigma) now[i] = 0;
+    if (*middle > far_middle || squares[i] > far_corner) now[i] = 0;
     left += now[i] > 0 ? 1 : 0;
   }
   if (left < kFewest) now.assign(now.size(), 0.0);
@@ -195,11 +200,11 @@ std::vector<double> RigSolver::kept(std::size_t p, const std::vector<double>& di
 // Views that contradict the others, and single corners. Whether any were left out that were not
 // before, or the other way round.
 bool RigSolver::leave_out() {
-  const Distances all = distances();
-  const double sigma = sigma_of(all);
+  const Squares all = squares();
+  const double variance = variance_of(all);
   bool changed = false;
   for (std::size_t p = 0; p < all_.size(); ++p) {
-    std::vector<double> now = kept(p, all[p], sigma);
+    std::vector<double> now = kept(p, all[p], variance);
     if (now == weights_[p]) continue;
     changed = true;
     weights_[p] = std::move(now);

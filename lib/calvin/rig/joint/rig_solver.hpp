@@ -41,13 +41,14 @@ class RigSolver {
   [[nodiscard]] const std::vector<std::vector<double>>& weights() const { return weights_; }
   [[nodiscard]] bool is_used(std::size_t placed) const;
 
-  // px, weighted: how far all corners of each placed view, those that are left out too, are from
-  // where they are expected. Those without a projection are as far as can be.
-  using Distances = std::vector<std::vector<double>>;
-  [[nodiscard]] Distances distances() const;
+  // px^2, weighted: the squared distances of all corners of each placed view, of those that are left
+  // out too, from where they are expected; infinite for those without a projection, 0 for those
+  // that never had a weight.
+  using Squares = std::vector<std::vector<double>>;
+  [[nodiscard]] Squares squares() const;
 
-  // The equations at the optimum over the places of all cameras but the first, for residuals of 1
-  // px; and over all unknowns of a table of these cameras.
+  // The equations at the optimum that was found last, over the places of all cameras but the first,
+  // for residuals of 1 px; and over all unknowns of a table of these cameras.
   [[nodiscard]] std::optional<BundleProblem::Reduced> equations() { return optimum_->reduced(); }
   [[nodiscard]] std::optional<BundleProblem::Reduced> equations_over(const ParameterTable& table);
   // px^2 per residual beyond those that were fitted.
@@ -57,9 +58,9 @@ class RigSolver {
   [[nodiscard]] std::size_t used_poses() const;
   [[nodiscard]] BundleProblem problem(const ParameterTable& table, const Loss& loss);
   [[nodiscard]] bool minimise_over(const Loss& loss, const LmOptions& options, bool goes_on);
-  [[nodiscard]] double sigma_of(const Distances& distances) const;
-  [[nodiscard]] std::vector<double> kept(std::size_t placed, const std::vector<double>& distances,
-                                         double sigma) const;
+  [[nodiscard]] double variance_of(const Squares& squares) const;
+  [[nodiscard]] std::vector<double> kept(std::size_t placed, const std::vector<double>& squares,
+                                         double variance) const;
   [[nodiscard]] bool leave_out();
   [[nodiscard]] Eigen::VectorXd residuals() const;
   [[nodiscard]] PointSet set_of(std::size_t placed) const;

@@ -236,7 +236,7 @@ std::optional<PoseFit> fit_pose_roughly(const PointSet& view,
   if (!start) return std::nullopt;
   const ViewPoints points(view, {});
   LmOptions options;
-  options.small = 1e-6;
+  options.small = 1e-3;
   auto best = refined(points, camera, Loss{}, *start, options);
   if (best) options.hopeless = kClearly * rival.limit(best->cost, points.count());
   auto other = refined(points, camera, Loss{},

@@ -49,7 +49,7 @@ struct PoseFit {
                                               const Loss& loss);
 
 // The same to where another least squares starts, from the rays_of() a view: a step that would
-// change the cost by less than a millionth is the last one, and the mirrored tilt is not followed
+// change the cost by less than a thousandth is the last one, and the mirrored tilt is not followed
 // to its minimum where that has clearly more than `most` times the cost of the best, and `rounding`
 // px^2 per corner more; it is then the best one again, with an infinite cost.
 struct RivalTilt {
