@@ -259,15 +259,56 @@ void check_optimum(const std::string& name, const RigSolution& ours, const rig::
   if (!(apart < 1e-6)) std::exit(1);
 }
 
-// s of one thread, the least of a few solves.
-double seconds_of(const RigProblem& problem, int solves) {
-  double least = 1e9;
-  for (int i = 0; i < solves; ++i) {
-    const std::clock_t from = std::clock();
-    if (!solve_rig(problem.seen)) return -1;
-    least = std::min(least, static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC);
+using SeenViews = std::vector<RigCameraViews>;
+
+// s of one thread.
+double seconds_of(const SeenViews& seen) {
+  const std::clock_t from = std::clock();
+  if (!solve_rig(seen)) return -1;
+  return static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC;
+}
+
+// The views of so many parts of the time that all took.
+std::vector<SeenViews> parts_of(const SeenViews& all, std::size_t parts) {
+  std::uint64_t end = 0;
+  for (const RigCameraViews& camera : all) {
+    end = std::max(end, camera.views.back().observation.timestamp + 1);
   }
-  return least;
+  std::vector<SeenViews> split(parts);
+  for (SeenViews& part : split) {
+    for (const RigCameraViews& camera : all) part.push_back({camera.calibration, {}});
+  }
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    for (const View& view : all[c].views) {
+      split[view.observation.timestamp * parts / end][c].views.push_back(view);
+    }
+  }
+  return split;
+}
+
+// One long recording, as a whole and in parts: the same views each time, so that caches are as cold
+// for a part as for the whole. The least of a few rounds.
+void show_growth() {
+  constexpr int kRounds = 5;
+  constexpr int kInstants = 4000;
+  const SeenViews all = make_problem(4, kInstants).seen;
+  double whole = 0;
+  for (const std::size_t parts : {1, 4, 16}) {
+    const std::vector<SeenViews> split = parts_of(all, parts);
+    double least = 1e9;
+    for (int round = 0; round < kRounds; ++round) {
+      double sum = 0;
+      for (const SeenViews& part : split) sum += seconds_of(part);
+      least = std::min(least, sum / static_cast<double>(parts));
+    }
+    std::cout << "4 cameras, " << kInstants / parts << " instants: " << 1e3 * least << " ms";
+    if (parts > 1) {
+      std::cout << ", from there to the whole as N^"
+                << std::log(whole / least) / std::log(static_cast<double>(parts));
+    }
+    std::cout << '\n';
+    if (parts == 1) whole = least;
+  }
 }
 
 double peak_megabytes() {
@@ -278,20 +319,12 @@ double peak_megabytes() {
 }
 
 int solve_large() {
-  constexpr int kSolves = 5;
-  double before = 0;
-  for (const int instants : {250, 1000, 4000}) {
-    const double seconds = seconds_of(make_problem(4, instants), kSolves);
-    std::cout << "4 cameras, " << instants << " instants: " << 1e3 * seconds << " ms";
-    if (before > 0) std::cout << ", as N^" << std::log(seconds / before) / std::log(4.0);
-    std::cout << '\n';
-    before = seconds;
-  }
+  show_growth();
   const RigProblem problem = make_problem(64, 1000);
   std::size_t views = 0;
   for (const RigCameraViews& camera : problem.seen) views += camera.views.size();
   const double without = peak_megabytes();
-  const double seconds = seconds_of(problem, 1);
+  const double seconds = seconds_of(problem.seen);
   std::cout << "64 cameras, 1000 instants, " << views << " views: " << seconds << " s, "
             << peak_megabytes() << " MB at the most, of which " << without
             << " MB are the views\n";
