@@ -42,7 +42,8 @@ bool is_shared(const Instant& instant, InstantsOf of) {
 
 }  // namespace
 
-Instants pair_instants(const std::vector<RigCameraViews>& cameras, std::uint64_t tolerance) {
+Instants pair_instants(const std::vector<RigCameraViews>& cameras, std::uint64_t tolerance,
+                       InstantsOf of) {
   std::vector<ViewTimes> times;
   for (const RigCameraViews& camera : cameras) {
     ViewTimes& of = times.emplace_back();
@@ -50,7 +51,7 @@ Instants pair_instants(const std::vector<RigCameraViews>& cameras, std::uint64_t
       of.push_back(view.observation.found() ? view.observation.timestamp : kNoTimestamp);
     }
   }
-  return pair_instants(times, tolerance);
+  return pair_instants(times, tolerance, of);
 }
 
 Instants pair_instants(const std::vector<ViewTimes>& cameras, std::uint64_t tolerance,

@@ -50,7 +50,8 @@ using ViewTimes = std::vector<std::uint64_t>;
 // Pictures that are at most `tolerance` ns apart are of one instant; where a camera has several,
 // the first one. A picture belongs to one instant. Views without a timestamp are left out.
 [[nodiscard]] CALVIN_API Instants pair_instants(const std::vector<RigCameraViews>& cameras,
-                                                std::uint64_t tolerance);  // kTwoCameras
+                                                std::uint64_t tolerance,
+                                                InstantsOf of = InstantsOf::kTwoCameras);
 [[nodiscard]] Instants pair_instants(const std::vector<ViewTimes>& cameras, std::uint64_t tolerance,
                                      InstantsOf of = InstantsOf::kTwoCameras);
 

@@ -171,10 +171,10 @@ void set_offsets(const rig::JointSolve& one, RigSolution& solution) {
   }
 }
 
-Result<rig::BoardsSolve> solve_places(const rig::JointProblem& problem, bool are_fixed,
+Result<rig::BoardsSolve> solve_places(rig::JointProblem problem, bool are_fixed,
                                       const std::stop_token& stop) {
   if (are_fixed) return rig::solve_with_boards(problem, stop);
-  auto joint = rig::solve_with_clocks(problem, stop);
+  auto joint = rig::solve_with_clocks(std::move(problem), stop);
   if (!joint) return tl::unexpected<Error>(joint.error());
   return rig::BoardsSolve{*std::move(joint), {}};
 }
@@ -182,7 +182,8 @@ Result<rig::BoardsSolve> solve_places(const rig::JointProblem& problem, bool are
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop) {
-  const auto views = rig::board_views(seen, cameras);
+  const InstantsOf of = options.fixed_boards ? InstantsOf::kTwoViews : InstantsOf::kTwoCameras;
+  auto views = rig::paired_board_views(seen, cameras, options.tolerance, of);
   if (!views) return tl::unexpected<Error>(views.error());
   if (options.is_partial) {
     const auto joined = joined_by(*views, seen, cameras, options);
@@ -190,8 +191,9 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
     const bool is_part = count >= 2 && static_cast<std::size_t>(count) < seen.size();
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
   }
-  const rig::JointProblem problem = {seen, cameras, *views, names_of(seen), options.tolerance};
-  auto solved = solve_places(problem, options.fixed_boards, stop);
+  auto solved =
+      solve_places({seen, cameras, *std::move(views), names_of(seen), options.tolerance, of},
+                   options.fixed_boards, stop);
   if (!solved) return tl::unexpected<Error>(solved.error());
   const rig::JointSolve& one = solved->joint;
   rig::RigFit& fit = solved->joint.fit;

@@ -41,7 +41,7 @@ std::vector<SE3> poses_of(const BoardView& view) {
 }
 
 // px, weighted: of the corners of `second` from where `first` expects them.
-double misfit_of(const BoardView& first, const BoardView& second, const Camera& camera,
+double misfit_of(const BoardView& first, const BoardView& second, const CameraPoints& camera,
                  const SE3& first_from_second) {
   double least = std::numeric_limits<double>::infinity();
   for (const SE3& pose : poses_of(first)) {
@@ -82,7 +82,7 @@ std::vector<SE3> symmetries_of(const std::vector<BoardView>& views, const BoardL
   return common;
 }
 
-void decide(const std::vector<BoardView>& views, const std::vector<Camera>& cameras,
+void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>& cameras,
             BoardLink& link) {
   double away = 0;  // m, of the board
   for (const SeenTogether& picture : link.pictures) {
@@ -93,7 +93,7 @@ void decide(const std::vector<BoardView>& views, const std::vector<Camera>& came
   voters.misfit = [&](std::size_t i, const SE3& a_from_b) {
     const BoardView& a = views[link.pictures[i].a];
     const BoardView& b = views[link.pictures[i].b];
-    const Camera& camera = cameras[a.of.camera];
+    const CameraPoints& camera = cameras[a.of.camera];
     return std::max(misfit_of(a, b, camera, a_from_b), misfit_of(b, a, camera, a_from_b.inverse()));
   };
   const std::vector<SE3> of_a = symmetries_of(views, link, &SeenTogether::a);
@@ -131,9 +131,10 @@ std::vector<BoardLink> links_of(const std::vector<BoardView>& views,
       }
     }
   }
+  const std::vector<CameraPoints> points = points_before(cameras);
   std::vector<BoardLink> all;
   for (auto& [pair, link] : links) {
-    decide(views, cameras, link);
+    decide(views, points, link);
     all.push_back(std::move(link));
   }
   return all;

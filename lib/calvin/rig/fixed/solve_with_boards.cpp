@@ -53,10 +53,9 @@ Result<BoardsSolve> solve_with_boards(const JointProblem& problem, const std::st
   }
   BoardsSolve best;
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<BoardView> views = views_of_bodies(boards, problem.views);
-    auto joint = solve_with_clocks({problem.seen, problem.cameras, views, problem.names,
-                                    problem.tolerance, InstantsOf::kTwoViews},
-                                   stop);
+    JointProblem of_bodies = problem;
+    of_bodies.views = views_of_bodies(boards, problem.views);
+    auto joint = solve_with_clocks(std::move(of_bodies), stop);
     if (!joint) return tl::unexpected<Error>(joint.error());
     if (!joint->fit.board_offsets) {
       return make_error(ErrorCode::kDegenerate,

@@ -60,6 +60,11 @@ std::vector<RigLink> links_of(const JointSolve& one, const std::vector<Camera>& 
     used[placed.view] = true;
   }
   for (const std::size_t view : one.fit.rejected) used[view] = false;
+  std::vector<std::vector<Eigen::Vector3d>> rays(one.views.size());
+  const std::vector<CameraPoints> points = points_before(cameras);
+  for (std::size_t v = 0; v < one.views.size(); ++v) {
+    if (used[v]) rays[v] = points[one.views[v].of.camera].rays(one.views[v].seen.uv);
+  }
   std::vector<RigLink> links;
   for (const Link& link : one.links) {
     RigLink& to = links.emplace_back(link_between(link.a, link.b, camera_from_rig, covariance));
@@ -70,7 +75,7 @@ std::vector<RigLink> links_of(const JointSolve& one, const std::vector<Camera>& 
       agreeing.push_back(
           common_corners(one.views[common.a], one.views[common.b],
                          board_from_own[common.a].inverse() * board_from_own[common.b],
-                         cameras[link.a], cameras[link.b]));
+                         rays[common.a], rays[common.b]));
     }
     to.agree = agreeing.size();
     set_errors(agreeing, camera_from_rig[link.b] * camera_from_rig[link.a].inverse(),

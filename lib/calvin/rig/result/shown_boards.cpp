@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <set>
-#include <string>
 #include <utility>
 
 #include <Eigen/Core>
@@ -20,7 +19,7 @@ namespace {
 constexpr std::size_t kMost = 24;
 
 struct Shown {
-  std::string board;
+  const Board* board = nullptr;
   SE3 rig_from_board;
   Eigen::Vector3d middle;  // m, rig
 };
@@ -37,7 +36,7 @@ std::vector<Shown> all_shown(const std::vector<RigCameraViews>& seen,
     const BoardArea extent = board.extent();
     const Eigen::Vector3d middle(0.5 * (extent.left + extent.right),
                                  0.5 * (extent.top + extent.bottom), 0);
-    all.push_back({board.text(), pose, pose * middle});
+    all.push_back({&board, pose, pose * middle});
   }
   return all;
 }
@@ -69,7 +68,7 @@ std::vector<RigBoard> shown_boards(const std::vector<RigCameraViews>& seen,
   for (const std::size_t i : spread(all)) {
     SE3 pose = all[i].rig_from_board;
     pose.translation *= scale;
-    boards.push_back({all[i].board, to_pose(pose)});
+    boards.push_back({all[i].board->text(), to_pose(pose)});
   }
   return boards;
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "calvin/rig/start/vote.hpp"
@@ -17,6 +18,9 @@ namespace {
 
 // All ways to name the points of `second` by the labels of `first`.
 std::vector<SE3> first_from_second(const BoardView& first, const BoardView& second) {
+  if (first.labellings.size() == 1 && second.labellings.size() == 1) {
+    return {first.labellings.front().inverse() * second.labellings.front()};
+  }
   std::vector<SE3> all;
   for (const SE3& of_first : first.labellings) {
     for (const SE3& of_second : second.labellings) {
@@ -29,6 +33,21 @@ std::vector<SE3> first_from_second(const BoardView& first, const BoardView& seco
     }
   }
   return all;
+}
+
+Agreement best_agreement(const BoardView& first, std::span<const SE3> poses,
+                         const BoardView& second, const CameraPoints& second_camera,
+                         const SE3& second_from_first) {
+  Agreement best;
+  bool none = true;
+  for (const SE3& motion : first_from_second(first, second)) {
+    for (const SE3& pose : poses) {
+      const double now = misfit(second, second_camera, second_from_first * pose, motion);
+      if (none || now < best.misfit) best = {pose, motion, now};
+      none = false;
+    }
+  }
+  return best;
 }
 
 // By every tilt and labelling of some instants.
@@ -55,7 +74,8 @@ bool is_elsewhere(const SE3& one, const SE3& other, double board_away) {
          (one.inverse().translation - other.inverse().translation).norm() > kDistance * board_away;
 }
 
-void decide(const std::vector<BoardView>& views, const std::vector<Camera>& cameras, Link& link) {
+void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>& cameras,
+            Link& link) {
   double away = 0;
   for (const CommonView& c : link.common) {
     away = std::max(away, views[c.a].poses.front().translation.norm());
@@ -80,18 +100,14 @@ void decide(const std::vector<BoardView>& views, const std::vector<Camera>& came
 
 }  // namespace
 
-Agreement agreement(const BoardView& first, const BoardView& second, const Camera& second_camera,
-                    const SE3& second_from_first) {
-  Agreement best;
-  bool none = true;
-  for (const SE3& motion : first_from_second(first, second)) {
-    for (const SE3& pose : first.poses) {
-      const double now = misfit(second, second_camera, second_from_first * pose, motion);
-      if (none || now < best.misfit) best = {pose, motion, now};
-      none = false;
-    }
-  }
-  return best;
+Agreement agreement(const BoardView& first, const BoardView& second,
+                    const CameraPoints& second_camera, const SE3& second_from_first) {
+  return best_agreement(first, first.poses, second, second_camera, second_from_first);
+}
+
+Agreement agreement(const BoardView& first, const SE3& pose, const BoardView& second,
+                    const CameraPoints& second_camera, const SE3& second_from_first) {
+  return best_agreement(first, {&pose, 1}, second, second_camera, second_from_first);
 }
 
 std::vector<Link> find_links(const std::vector<BoardView>& views,
@@ -111,9 +127,10 @@ std::vector<Link> find_links(const std::vector<BoardView>& views,
       }
     }
   }
+  const std::vector<CameraPoints> points = points_before(cameras);
   std::vector<Link> all;
   for (auto& [pair, link] : links) {
-    decide(views, cameras, link);
+    decide(views, points, link);
     all.push_back(std::move(link));
   }
   return all;
