@@ -46,9 +46,9 @@ Instants pair_instants(const std::vector<RigCameraViews>& cameras, std::uint64_t
                        InstantsOf of) {
   std::vector<ViewTimes> times;
   for (const RigCameraViews& camera : cameras) {
-    ViewTimes& of = times.emplace_back();
+    ViewTimes& own = times.emplace_back();
     for (const View& view : camera.views) {
-      of.push_back(view.observation.found() ? view.observation.timestamp : kNoTimestamp);
+      own.push_back(view.observation.found() ? view.observation.timestamp : kNoTimestamp);
     }
   }
   return pair_instants(times, tolerance, of);

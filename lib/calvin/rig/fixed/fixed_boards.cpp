@@ -67,23 +67,24 @@ bool is_near(const SE3& one, const SE3& other, double turn, double distance) {
          (one.translation - other.translation).norm() <= distance;
 }
 
-// The labellings that all views of one of the boards of a link have: its symmetries. By any of them
-// the board lies as well.
-std::vector<SE3> symmetries_of(const std::vector<BoardView>& views, const BoardLink& link,
-                               std::size_t SeenTogether::*of) {
-  std::vector<SE3> common = views[link.pictures.front().*of].labellings;
-  for (const SeenTogether& picture : link.pictures) {
-    const std::vector<SE3>& own = views[picture.*of].labellings;
+// The labellings that all views of each board have: its symmetries. By any of them the board lies
+// as well.
+std::vector<std::vector<SE3>> symmetries_of(const std::vector<BoardView>& views) {
+  std::vector<std::vector<SE3>> all;
+  for (const BoardView& view : views) {
+    if (view.board >= all.size()) all.resize(view.board + 1);
+    std::vector<SE3>& common = all[view.board];
+    if (common.empty()) common = view.labellings;
     std::erase_if(common, [&](const SE3& one) {
       return std::ranges::none_of(
-          own, [&](const SE3& other) { return is_near(one, other, 1e-6, 1e-6); });
+          view.labellings, [&](const SE3& other) { return is_near(one, other, 1e-6, 1e-6); });
     });
   }
-  return common;
+  return all;
 }
 
 void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>& cameras,
-            BoardLink& link) {
+            const std::vector<std::vector<SE3>>& symmetries, BoardLink& link) {
   double away = 0;  // m, of the board
   for (const SeenTogether& picture : link.pictures) {
     away = std::max(away, views[picture.a].poses.front().translation.norm());
@@ -96,13 +97,11 @@ void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>
     const CameraPoints& camera = cameras[a.of.camera];
     return std::max(misfit_of(a, b, camera, a_from_b), misfit_of(b, a, camera, a_from_b.inverse()));
   };
-  const std::vector<SE3> of_a = symmetries_of(views, link, &SeenTogether::a);
-  const std::vector<SE3> of_b = symmetries_of(views, link, &SeenTogether::b);
   voters.is_elsewhere = [&](const SE3& one, const SE3& other) {
     constexpr double kTurn = 0.15;      // rad
     constexpr double kDistance = 0.15;  // of the distance of the board
-    for (const SE3& a : of_a) {
-      for (const SE3& b : of_b) {
+    for (const SE3& a : symmetries[link.a]) {
+      for (const SE3& b : symmetries[link.b]) {
         if (is_near(a * one * b, other, kTurn, kDistance * away)) return false;
       }
     }
@@ -113,7 +112,8 @@ void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>
 
 std::vector<BoardLink> links_of(const std::vector<BoardView>& views,
                                 const std::vector<RigCameraViews>& seen,
-                                const std::vector<Camera>& cameras) {
+                                const std::vector<Camera>& cameras,
+                                const std::vector<std::vector<SE3>>& symmetries) {
   std::map<std::pair<std::size_t, std::uint64_t>, std::vector<std::size_t>> pictures;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const RigView& of = views[v].of;
@@ -134,22 +134,36 @@ std::vector<BoardLink> links_of(const std::vector<BoardView>& views,
   const std::vector<CameraPoints> points = points_before(cameras);
   std::vector<BoardLink> all;
   for (auto& [pair, link] : links) {
-    decide(views, points, link);
+    decide(views, points, symmetries, link);
     all.push_back(std::move(link));
   }
   return all;
 }
 
-// The link from what is placed to what is not that most pictures agree on; nullptr where there is
-// none.
-const BoardLink* best_link(const std::vector<BoardLink>& links,
-                           const std::vector<bool>& is_placed) {
-  const BoardLink* best = nullptr;
-  for (const BoardLink& link : links) {
-    if (is_placed[link.a] == is_placed[link.b] || !link.a_from_b.is_decided) continue;
-    if (best == nullptr || link.a_from_b.votes > best->a_from_b.votes) best = &link;
+// Puts what hangs on the board `first` onto its body, along the links that most pictures agree on.
+// A board that lies as well when it is turned tells nothing of what hangs on it.
+void grow(std::size_t first, const std::vector<BoardLink>& links,
+          const std::vector<std::vector<SE3>>& symmetries, std::vector<bool>& is_placed,
+          std::vector<BoardOnBody>& boards) {
+  boards[first] = {first, SE3()};
+  is_placed[first] = true;
+  const auto is_good = [&](std::size_t from, std::size_t to) {
+    return is_placed[from] && !is_placed[to] && symmetries[from].size() == 1;
+  };
+  for (;;) {
+    const BoardLink* best = nullptr;
+    for (const BoardLink& link : links) {
+      const bool is_open = is_good(link.a, link.b) || is_good(link.b, link.a);
+      if (!is_open || !link.a_from_b.is_decided) continue;
+      if (best == nullptr || link.a_from_b.votes > best->a_from_b.votes) best = &link;
+    }
+    if (best == nullptr) return;
+    const bool is_forward = is_placed[best->a];
+    const auto [from, to] = is_forward ? std::pair(best->a, best->b) : std::pair(best->b, best->a);
+    const SE3 between = is_forward ? best->a_from_b.place : best->a_from_b.place.inverse();
+    boards[to] = {first, boards[from].body_from_board * between};
+    is_placed[to] = true;
   }
-  return best;
 }
 
 }  // namespace
@@ -157,29 +171,23 @@ const BoardLink* best_link(const std::vector<BoardLink>& links,
 std::vector<BoardOnBody> boards_on_bodies(const std::vector<BoardView>& views,
                                           const std::vector<RigCameraViews>& seen,
                                           const std::vector<Camera>& cameras) {
-  std::size_t count = 0;
-  for (const BoardView& view : views) count = std::max(count, view.board + 1);
-  const std::vector<BoardLink> links = links_of(views, seen, cameras);
+  const std::vector<std::vector<SE3>> symmetries = symmetries_of(views);
+  const std::vector<BoardLink> links = links_of(views, seen, cameras, symmetries);
+  const std::size_t count = symmetries.size();
   std::vector<BoardOnBody> boards(count);
   std::vector<bool> is_placed(count, false);
-  for (std::size_t first = 0; first < count; ++first) {
-    if (is_placed[first]) continue;
-    const auto is_shown = [&](const BoardLink& link) { return link.a == first || link.b == first; };
-    boards[first] = {first, SE3()};
-    boards[first].is_seen_with_others = std::ranges::any_of(links, is_shown);
-    is_placed[first] = true;
-    while (const BoardLink* link = best_link(links, is_placed)) {
-      const bool is_forward = is_placed[link->a];
-      const auto [from, to] =
-          is_forward ? std::pair(link->a, link->b) : std::pair(link->b, link->a);
-      const SE3 between = is_forward ? link->a_from_b.place : link->a_from_b.place.inverse();
-      boards[to] = {first, boards[from].body_from_board * between};
-      is_placed[to] = true;
+  for (const bool is_symmetric : {false, true}) {
+    for (std::size_t b = 0; b < count; ++b) {
+      if (is_placed[b] || (symmetries[b].size() > 1) != is_symmetric) continue;
+      grow(b, links, symmetries, is_placed, boards);
     }
   }
+  for (std::size_t b = 0; b < count; ++b) boards[b].is_seen_with_others = false;
   for (const BoardLink& link : links) {
-    if (link.a_from_b.is_decided || boards[link.a].body == boards[link.b].body) continue;
-    boards[link.a].is_decided = boards[link.b].is_decided = false;
+    BoardOnBody& a = boards[link.a];
+    BoardOnBody& b = boards[link.b];
+    a.is_seen_with_others = b.is_seen_with_others = true;
+    if (a.body != b.body) boards[std::max(a.body, b.body)].is_decided = false;
   }
   return boards;
 }
