@@ -326,8 +326,7 @@ int solve_large() {
   const double without = peak_megabytes();
   const double seconds = seconds_of(problem.seen);
   std::cout << "64 cameras, 1000 instants, " << views << " views: " << seconds << " s, "
-            << peak_megabytes() << " MB at the most, of which " << without
-            << " MB are the views\n";
+            << peak_megabytes() << " MB at the most, of which " << without << " MB are the views\n";
   return seconds >= 0 ? 0 : 1;
 }
 

@@ -23,9 +23,9 @@ namespace calvin::rig {
 
 struct BoardView {
   RigView of;
-  std::size_t board = 0;  // equal for views of one board
-  PointSet seen;          // weights of all views of the rig have the median 1
-  double sigma = 1;       // px, of a corner with the weight 1
+  std::size_t board = 0;                     // equal for views of one board
+  PointSet seen;                             // weights of all views of the rig have the median 1
+  double sigma = 1;                          // px, of a corner with the weight 1
   std::shared_ptr<const ViewPoints> sample;  // of `seen`, some corners in use all over the board
   // other_from_own of board frames: the board by another labelling that is as good; the first one
   // is the identity.

@@ -252,9 +252,8 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
     const bool is_part = count >= 2 && static_cast<std::size_t>(count) < seen.size();
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
   }
-  auto one =
-      rig::solve_with_clocks({seen, cameras, *std::move(views), names_of(seen), options.tolerance},
-                             stop);
+  auto one = rig::solve_with_clocks(
+      {seen, cameras, *std::move(views), names_of(seen), options.tolerance}, stop);
   if (!one) return tl::unexpected<Error>(one.error());
   rig::RigFit& fit = one->fit;
   RigSolution solution;

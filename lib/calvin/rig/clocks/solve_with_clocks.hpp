@@ -19,7 +19,7 @@ struct JointProblem {
   const std::vector<Camera>& cameras;
   std::vector<BoardView> views;    // as they were seen
   std::vector<std::string> names;  // of the cameras
-  std::uint64_t tolerance = 0;          // ns
+  std::uint64_t tolerance = 0;     // ns
 };
 
 struct JointSolve {

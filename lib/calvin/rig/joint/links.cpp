@@ -19,9 +19,10 @@ namespace {
 constexpr std::size_t kMostProposers = 40;  // instants from which places are proposed
 constexpr std::size_t kMostVoters = 80;     // instants that are asked
 constexpr std::size_t kRoughVoters = 8;     // that are asked first
-constexpr int kAsked = 3;  // proposals of the best place that are asked for all: it is refined later
-constexpr double kAgree = 8;                // px, weighted: of views whose poses are known about
-constexpr double kSoft = 2;  // px, from where on a misfit counts less than its square
+constexpr int kAsked =
+    3;  // proposals of the best place that are asked for all: it is refined later
+constexpr double kAgree = 8;  // px, weighted: of views whose poses are known about
+constexpr double kSoft = 2;   // px, from where on a misfit counts less than its square
 // How much better than another one a place has to be, in misfits of one view that disagrees.
 constexpr double kLead = 1.5;
 

@@ -47,8 +47,8 @@ RigSolver::RigSolver(const std::vector<BoardView>& views, RigPlaces places,
     const PointSet& seen = views[placed.view].seen;
     weights_.push_back(seen.weight);
     const ViewPoints* last = all_.empty() ? nullptr : &all_.back();
-    const bool is_own = placed.board_from_own.rotation.isIdentity(0) &&
-                        placed.board_from_own.translation.isZero(0);
+    const bool is_own =
+        placed.board_from_own.rotation.isIdentity(0) && placed.board_from_own.translation.isZero(0);
     if (is_own) {
       all_.emplace_back(seen, BoardShape(), last);
     } else {
@@ -110,7 +110,8 @@ BundleProblem RigSolver::problem(const ParameterTable& table, const Loss& loss) 
       number = start.rig_from_board.size();
       start.rig_from_board.push_back(places_.rig_from_board[places_.views[p].pose]);
     }
-    blocks.boards.push_back({points_[p] ? &*points_[p] : &all_[p], *number, views_[places_.views[p].view].of.camera, 0});
+    blocks.boards.push_back({points_[p] ? &*points_[p] : &all_[p], *number,
+                             views_[places_.views[p].view].of.camera, 0});
   }
   return BundleProblem(std::move(blocks), {&table, table.basis(), {}}, std::move(start), loss,
                        stop_);
@@ -142,9 +143,9 @@ RigSolver::Squares RigSolver::squares() const {
     const PlacedView& placed = places_.views[p];
     const std::vector<double>& weight = views_[placed.view].seen.weight;
     const std::size_t camera = views_[placed.view].of.camera;
-    lenses_[camera].squares(
-        all_[p], places_.camera_from_rig[camera] * places_.rig_from_board[placed.pose],
-        squares.get());
+    lenses_[camera].squares(all_[p],
+                            places_.camera_from_rig[camera] * places_.rig_from_board[placed.pose],
+                            squares.get());
     if (all_[p].count() == weight.size()) {
       all.emplace_back(squares.get(), squares.get() + weight.size());
       continue;

@@ -41,9 +41,9 @@ class RigSolver {
   [[nodiscard]] const std::vector<std::vector<double>>& weights() const { return weights_; }
   [[nodiscard]] bool is_used(std::size_t placed) const;
 
-  // px^2, weighted: the squared distances of all corners of each placed view, of those that are left
-  // out too, from where they are expected; infinite for those without a projection, 0 for those
-  // that never had a weight.
+  // px^2, weighted: the squared distances of all corners of each placed view, of those that are
+  // left out too, from where they are expected; infinite for those without a projection, 0 for
+  // those that never had a weight.
   using Squares = std::vector<std::vector<double>>;
   [[nodiscard]] Squares squares() const;
 
@@ -70,11 +70,12 @@ class RigSolver {
   const std::vector<Camera>& cameras_;
   const std::stop_token& stop_;
   ParameterTable table_;
-  std::vector<std::vector<double>> weights_;  // of placed views; 0: left out
+  std::vector<std::vector<double>> weights_;               // of placed views; 0: left out
   const std::vector<std::vector<Pixel>>* ways_ = nullptr;  // of refit(), while it lasts
-  std::vector<ViewPoints> all_;  // of placed views as they were seen, with the labels of their boards
-  std::vector<std::optional<ViewPoints>> points_;  // what is in use, where that is another
-  std::vector<CameraPoints> lenses_;               // of the cameras
+  std::vector<ViewPoints>
+      all_;  // of placed views as they were seen, with the labels of their boards
+  std::vector<std::optional<ViewPoints>> points_;    // what is in use, where that is another
+  std::vector<CameraPoints> lenses_;                 // of the cameras
   std::vector<std::optional<std::size_t>> numbers_;  // of poses in the last problem
   std::optional<BundleProblem> optimum_;             // of the last one that was minimised
 };

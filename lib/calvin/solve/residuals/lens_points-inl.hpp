@@ -56,8 +56,7 @@ class LensPoints {
       DoubleVec jp[6];
       const Mask valid = Lens::distort(coefficients_, p, xy, jp, static_cast<DoubleVec*>(nullptr));
       const DoubleVec weight = DoubleVec::load(view.weight() + at);
-      const DoubleVec du =
-          xy[0] * fx_ + xy[1] * lens_.skew + cx_ - DoubleVec::load(view.u() + at);
+      const DoubleVec du = xy[0] * fx_ + xy[1] * lens_.skew + cx_ - DoubleVec::load(view.u() + at);
       const DoubleVec dv = xy[1] * fy_ + cy_ - DoubleVec::load(view.v() + at);
       const DoubleVec square = weight * weight * (du * du + dv * dv);
       // What is no number is not below infinity.

@@ -179,8 +179,8 @@ std::optional<PoseFit> fit_pose(const PointSet& view, const Camera& camera, cons
   if (!start) return std::nullopt;
   const ViewPoints points(view, {});
   auto best = refined(points, camera, loss, *start, {});
-  auto other =
-      refined(points, camera, loss, mirrored_tilt(view, best ? best->camera_from_board : *start), {});
+  auto other = refined(points, camera, loss,
+                       mirrored_tilt(view, best ? best->camera_from_board : *start), {});
   if (other && (!best || other->cost < best->cost)) std::swap(best, other);
   if (best && other) {
     best->other = other->camera_from_board;

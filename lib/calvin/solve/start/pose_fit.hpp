@@ -29,8 +29,8 @@ namespace calvin {
 [[nodiscard]] std::optional<SE3> start_pose(const PointSet& view,
                                             const std::vector<Eigen::Vector3d>& rays);
 
-// A few of a view's corners, ascending: one of each of equal parts of the list, at a different place
-// in each part, because a part may be as long as a row of the board.
+// A few of a view's corners, ascending: one of each of equal parts of the list, at a different
+// place in each part, because a part may be as long as a row of the board.
 [[nodiscard]] std::vector<std::size_t> spread_corners(std::size_t all, std::size_t most);
 
 // The mirrored_tilt() of the points of a view.
