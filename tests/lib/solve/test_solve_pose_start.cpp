@@ -70,6 +70,7 @@ TEST(PoseStart, IsNearTheWholeFitAndTellsTheSameTilts) {
   int seen = 0;
   int with_two = 0;
   int differ = 0;
+  int rough_ones = 0;
   for (int i = 0; i < views; ++i) {
     const Camera camera = scenes::random_camera(i % 2 == 0 ? "brown5" : "fisheye", random);
     const SE3 pose = random_pose(random);
@@ -91,12 +92,14 @@ TEST(PoseStart, IsNearTheWholeFitAndTellsTheSameTilts) {
     if (wanted.has_two) {
       off = std::min(off, apart(camera, rough->other, whole->camera_from_board));
     }
-    EXPECT_LT(off, 0.1 * noise) << i;
+    EXPECT_LT(off, 0.5 * noise) << i;
+    rough_ones += off > 0.1 * noise ? 1 : 0;
   }
   EXPECT_GT(seen, views / 2);
   EXPECT_GT(with_two, seen / 50);
   EXPECT_LT(with_two, seen - seen / 50);
   EXPECT_LE(differ, seen / 1000);
+  EXPECT_LE(rough_ones, seen / 1000);
 }
 
 }  // namespace
