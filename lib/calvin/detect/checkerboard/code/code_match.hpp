@@ -9,6 +9,7 @@
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/checkerboard/board_match.hpp"
+#include "calvin/detect/checkerboard/code/bit_area.hpp"
 #include "calvin/detect/checkerboard/code/code.hpp"
 #include "calvin/detect/checkerboard/lattice.hpp"
 #include "calvin/target/grid.hpp"
@@ -44,10 +45,14 @@ class CodeMatch {
   [[nodiscard]] Match another_board(const ImageView& image, const Grid& grid, const Code& code,
                                     const Lattice& lattice) const;
   void turn(const Code& code, int quarter);
+  // How many of the turned bits lie on the board.
+  [[nodiscard]] int bits_within(const Code& code, const GridAlignment& alignment) const;
+  void compare_with(const Code& code, const GridAlignment& alignment);
   void compare(const Grid& grid, const Code& code, const Lattice& lattice);
 
   std::vector<CodeBit> bits_;
   std::vector<CodeBit> turned_;
+  BitArea area_;  // of the turned bits
   Candidate best_;
   double next_best_ = 0;  // evidence
   int candidates_ = 0;
