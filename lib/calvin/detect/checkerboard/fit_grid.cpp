@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "calvin/detect/checkerboard/surface.hpp"
+#include "calvin/detect/surface.hpp"
 
 namespace calvin::detect {
 
@@ -20,6 +20,14 @@ namespace {
 // A place so many mean steps along the way of a step, or behind.
 LatticePlace moved(const LatticePlace& from, Cell step, double by) {
   return {from.col + by * step.col, from.row + by * step.row};
+}
+
+template <int kDegree>
+Surface<kDegree> surface_over(const Lattice& lattice, std::span<const PlacedValue> values,
+                              double variance) {
+  const CellRange extent = lattice.extent();
+  return surface_through<kDegree>(lattice.place(extent.first), lattice.place(extent.last), values,
+                                  variance);
 }
 
 // A row or a column of corners, and how it bends: from three nodes in a row at a time.
@@ -178,15 +186,15 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
   const std::size_t between = bends.size();
   const CellRange extent = lattice.extent();
   if ((line.is_row() ? extent.cols() : extent.rows()) < kLong) {
-    const auto plain = surface_through<2>(lattice, bends, 1);
+    const auto plain = surface_over<2>(lattice, bends, 1);
     return take_bends(lattice, step, line, plain, fits);
   }
-  auto surface = surface_through<5>(lattice, bends, 1);
+  auto surface = surface_over<5>(lattice, bends, 1);
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     if (line.has_any(c) && !line.has_both(c)) add(c);
   });
   if (ends_agree(std::span(bends).subspan(between), surface)) {
-    surface = surface_through<5>(lattice, bends, 1);
+    surface = surface_over<5>(lattice, bends, 1);
   }
   take_bends(lattice, step, line, surface, fits);
 }
@@ -213,7 +221,7 @@ void set_slopes(const Lattice& lattice, FitGrid& fits) {
     lattice.for_each([&](Cell c, const Node& /*node*/) {
       values.push_back({lattice.place(c), static_cast<double>(number(fits.at(c))), 1});
     });
-    return surface_through<2>(lattice, values, 0);
+    return surface_over<2>(lattice, values, 0);
   };
   const auto level = surface_of([](const SaddleFit& f) { return f.level; });
   const auto contrast = surface_of([](const SaddleFit& f) { return std::abs(f.contrast); });
@@ -260,7 +268,7 @@ ExpectedPlaces expect_places(const Lattice& lattice, FitGrid& fits, std::span<co
       const auto sigma = static_cast<double>(f.sigma);
       values.push_back({lattice.place(c), number(f), usual * usual / (sigma * sigma)});
     });
-    return surface_through<3>(lattice, values, usual * usual);
+    return surface_over<3>(lattice, values, usual * usual);
   };
   const auto x = surface_of([](const SaddleFit& f) { return f.x; });
   const auto y = surface_of([](const SaddleFit& f) { return f.y; });

@@ -69,6 +69,7 @@ class DiscSheet {
   void set_slope(Fitted& disc) const;
 
   MarkKinds may_be_;
+  double usual_width_ = DiscFit().width;  // px, of the last disc that was fitted
   DiscLattice lattice_{0};
   std::vector<Fitted> discs_;
 };

@@ -12,9 +12,13 @@
 
 #include <Eigen/Core>
 
-#include "calvin/detect/checkerboard/lattice.hpp"
-
 namespace calvin::detect {
+
+// A place on the board of a lattice, in mean steps from a line to the next; may lie between nodes.
+struct LatticePlace {
+  double col = 0;
+  double row = 0;
+};
 
 // A value at a place of a lattice. `weight` is 1 / variance of the value, up to a factor that all
 // values share.
@@ -162,14 +166,14 @@ class Surface {
 };
 
 // The surface through the values that do not stand out from a first surface, because something may
-// lie over a part of the board. `variance` is that of Surface::solve().
+// lie over a part of the board. The lattice reaches from `first` to `last`; `variance` is that of
+// Surface::solve().
 template <int kDegree>
-[[nodiscard]] Surface<kDegree> surface_through(const Lattice& lattice,
+[[nodiscard]] Surface<kDegree> surface_through(const LatticePlace& first, const LatticePlace& last,
                                                std::span<const PlacedValue> values,
                                                double variance) {
   constexpr double kOut = 5;  // times the median distance from the first surface
-  const CellRange extent = lattice.extent();
-  const Surface<kDegree> none(lattice.place(extent.first), lattice.place(extent.last));
+  const Surface<kDegree> none(first, last);
   Surface<kDegree> all = none;
   for (const PlacedValue& v : values) all.add(v);
   all.solve(variance);
