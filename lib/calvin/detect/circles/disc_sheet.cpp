@@ -250,7 +250,24 @@ std::vector<SeenMark> DiscSheet::marks(const ImageView& image) const {
   return all;
 }
 
-bool DiscSheet::are_round(const ImageView& image) const {
+bool DiscSheet::are_round(const ImageView& image) const { return squareness(image) < 1; }
+
+bool DiscSheet::may_be_discs(const ImageView& image, const DiscLattice& lattice) {
+  constexpr std::size_t kSome = 12;
+  constexpr double kMost = 1.5;  // some alone are not as sure as all
+  const std::vector<Cell> cells = lattice.cells();
+  if (cells.size() < 2 * kSome) return true;
+  DiscSheet some;
+  some.lattice_ = lattice;
+  const std::size_t step = cells.size() / kSome;
+  std::size_t tried = 0;
+  for (std::size_t i = step / 2; i < cells.size(); i += step, ++tried) {
+    some.fit_one(image, cells[i], *lattice.at(cells[i]), false);
+  }
+  return 3 * some.discs_.size() >= tried && some.squareness(image) < kMost;
+}
+
+double DiscSheet::squareness(const ImageView& image) const {
   constexpr double kOfRadius = 0.06;  // half of a square's
   constexpr double kOfWidth = 0.6;    // of the blur: beyond it grey levels say no more how far
   std::vector<double> shares;
@@ -258,7 +275,7 @@ bool DiscSheet::are_round(const ImageView& image) const {
     const double most = std::min(kOfRadius * disc.fit.ellipse.radius(), kOfWidth * disc.fit.width);
     shares.push_back(fourth_harmonic(image, disc.fit) / most);
   }
-  return median_of(std::move(shares)) < 1;
+  return median_of(std::move(shares));
 }
 
 void DiscSheet::set_slope(Fitted& disc) const {
