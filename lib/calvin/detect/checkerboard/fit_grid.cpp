@@ -6,9 +6,12 @@
 #include "calvin/detect/checkerboard/fit_grid.hpp"
 
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <utility>
+#include <vector>
 
-#include <Eigen/Core>
+#include "calvin/detect/surface.hpp"
 
 namespace calvin::detect {
 
@@ -19,144 +22,12 @@ LatticePlace moved(const LatticePlace& from, Cell step, double by) {
   return {from.col + by * step.col, from.row + by * step.row};
 }
 
-// A polynomial of degree kDegree over the places of a lattice, fitted by weighted least squares.
 template <int kDegree>
-class Surface {
- public:
-  static constexpr int terms_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
-  static constexpr int kTerms = terms_of(kDegree);
-  using Terms = Eigen::Matrix<double, kTerms, 1>;
-
-  // Over the places from one to another.
-  Surface(const LatticePlace& first, const LatticePlace& last)
-      : middle_col_(0.5 * (first.col + last.col)),
-        middle_row_(0.5 * (first.row + last.row)),
-        half_cols_(std::max(0.5 * (last.col - first.col), 1.0)),
-        half_rows_(std::max(0.5 * (last.row - first.row), 1.0)) {}
-
-  // The monomials at a place, those of a lower degree first, in coordinates that run from -1 to 1
-  // over the lattice.
-  [[nodiscard]] Terms terms(const LatticePlace& s) const {
-    const double x = (s.col - middle_col_) / half_cols_;
-    const double y = (s.row - middle_row_) / half_rows_;
-    Terms t;
-    t[0] = 1;
-    int before = 0;  // index of the first term of the degree below
-    int k = 1;
-    for (int degree = 1; degree <= kDegree; before += degree++) {
-      for (int i = 0; i < degree; ++i) t[k++] = x * t[before + i];
-      t[k++] = y * t[before + degree - 1];
-    }
-    return t;
-  }
-  // `weight` is 1 / variance of the value, up to a factor that all values share.
-  void add(const LatticePlace& s, double value, double weight) {
-    const Terms t = terms(s);
-    normal_.template selfadjointView<Eigen::Lower>().rankUpdate(t, weight);
-    right_ += weight * value * t;
-    square_ += weight * value * value;
-    ++count_;
-  }
-  // Finds the coefficients; without values all are 0. `variance` is the least variance of a value
-  // of weight 1. Orthonormal terms have that variance each: from the third degree on, the terms of
-  // a degree are left out together where their mean square is not kClearly times the variance,
-  // because noise in high terms is largest at the border of the lattice. Terms that stay are shrunk
-  // by the share of noise in their square (James and Stein, Estimation with Quadratic Loss, 1961).
-  void solve(double variance) {
-    constexpr int kFirst = 3;       // lowest degree in doubt
-    constexpr double kClearly = 3;  // ratio of variances; noise alone exceeds it once in 60 times
-    orthogonalise();
-    variance = std::max(variance, measured(variance));
-    variance_ = variance;
-    for (int degree = kFirst; degree <= kDegree; ++degree) {
-      const int first = terms_of(degree - 1);
-      auto block = right_.segment(first, terms_of(degree) - first);
-      const double square = block.squaredNorm();
-      const double noise = variance * static_cast<double>((block.array() != 0).count());
-      block *= square > kClearly * noise ? 1 - noise / square : 0;
-    }
-    for (int k = kTerms - 1; k >= 0; --k) {
-      const int rest = kTerms - 1 - k;
-      const double others = normal_.col(k).tail(rest).dot(coefficients_.tail(rest));
-      coefficients_[k] = normal_(k, k) > 0 ? (right_[k] - others) / normal_(k, k) : 0;
-    }
-  }
-  [[nodiscard]] double at(const LatticePlace& s) const { return terms(s).dot(coefficients_); }
-  // The variance of a value of weight 1, measured by the residuals.
-  [[nodiscard]] double variance() const { return variance_; }
-
- private:
-  // Replaces the normal matrix by its Cholesky factor, and the right side by the coefficients of
-  // terms that are orthonormal over the data: each coefficient has the variance of one value. A
-  // term that depends linearly on the terms before it gets the coefficient 0.
-  void orthogonalise() {
-    constexpr double kNew = 1e-3;  // share of a term's square that the terms before do not explain
-    const Terms squares = normal_.diagonal();
-    for (int k = 0; k < kTerms; ++k) {
-      const bool is_new = normal_(k, k) > kNew * squares[k];
-      const double length = std::sqrt(normal_(k, k));
-      auto column = normal_.col(k).tail(kTerms - k);
-      if (is_new) {
-        column /= length;
-        right_[k] /= length;
-      } else {
-        column.setZero();
-        right_[k] = 0;
-      }
-      for (int next = k + 1; next < kTerms; ++next) {
-        normal_.col(next).tail(kTerms - next) -=
-            normal_(next, k) * normal_.col(k).tail(kTerms - next);
-        right_[next] -= normal_(next, k) * right_[k];
-      }
-    }
-  }
-
-  // The variance of the residuals of all terms together, averaged with kPresumed values of the
-  // variance `presumed`: a compressed picture has more noise than single windows show.
-  [[nodiscard]] double measured(double presumed) const {
-    constexpr double kPresumed = 4;  // values
-    const double left = std::max(square_ - right_.squaredNorm(), 0.0);
-    const auto terms = static_cast<double>((right_.array() != 0).count());
-    return (left + kPresumed * presumed) / (std::max(count_ - terms, 0.0) + kPresumed);
-  }
-
-  double middle_col_;
-  double middle_row_;
-  double half_cols_;
-  double half_rows_;
-  Eigen::Matrix<double, kTerms, kTerms> normal_ = Eigen::Matrix<double, kTerms, kTerms>::Zero();
-  Terms right_ = Terms::Zero();
-  Terms coefficients_ = Terms::Zero();
-  double square_ = 0;  // of the values, weighted
-  double count_ = 0;
-  double variance_ = 0;
-};
-
-// The surface through the numbers of the nodes for which has(cell). Nodes that stand out from a
-// first surface are left out, because something may lie over a part of the board. place(cell) is
-// the place that a number belongs to; weight(cell) and `variance` are those of Surface.
-template <int kDegree, typename H, typename S, typename W>
-Surface<kDegree> surface_of(const Lattice& lattice, FitGrid& fits, H has, S place, W weight,
-                            double variance) {
-  constexpr float kOut = 5;  // times the median distance from the first surface
-  const auto through = [&](auto is_in) {
-    const CellRange extent = lattice.extent();
-    Surface<kDegree> surface(lattice.place(extent.first), lattice.place(extent.last));
-    lattice.for_each([&](Cell c, const Node& /*node*/) {
-      if (is_in(c)) surface.add(place(c), static_cast<double>(fits.number(c)), weight(c));
-    });
-    surface.solve(variance);
-    return surface;
-  };
-  const Surface<kDegree> all = through(has);
-  const auto off = [&](Cell c) {
-    return std::abs(fits.number(c) - static_cast<float>(all.at(place(c))));
-  };
-  const float most = kOut * fits.median_where(lattice, has, off);
-  const auto is_in = [&](Cell c) { return has(c) && off(c) <= most; };
-  bool none = true;
-  lattice.for_each([&](Cell c, const Node& /*node*/) { none = none && has(c) == is_in(c); });
-  return none ? all : through(is_in);
+Surface<kDegree> surface_over(const Lattice& lattice, std::span<const PlacedValue> values,
+                              double variance) {
+  const CellRange extent = lattice.extent();
+  return surface_through<kDegree>(lattice.place(extent.first), lattice.place(extent.last), values,
+                                  variance);
 }
 
 // A row or a column of corners, and how it bends: from three nodes in a row at a time.
@@ -265,17 +136,14 @@ double error_per_bend(const SaddleFit& fit, float width_along) {
 // Whether the bends at the ends of lines agree with the surface through the bends between them. The
 // ends use directions of edges, which are wrong where a motion blur oblique to the edges turns
 // them.
-bool ends_agree(const Lattice& lattice, const Line& line, const Surface<5>& between) {
+bool ends_agree(std::span<const PlacedValue> ends, const Surface<5>& between) {
   constexpr double kMost = 3;  // ratio of the mean square difference to its variance
   double sum = 0;
-  int ends = 0;
-  lattice.for_each([&](Cell c, const Node& /*node*/) {
-    if (line.has_both(c) || !line.has_any(c)) return;
-    const double off = line.bend(c) - between.at(line.place(c));
-    sum += off * off / line.variance(c);
-    ++ends;
-  });
-  return sum <= kMost * between.variance() * ends;
+  for (const PlacedValue& end : ends) {
+    const double off = end.value - between.at(end.at);
+    sum += off * off * end.weight;
+  }
+  return sum <= kMost * between.variance() * static_cast<double>(ends.size());
 }
 
 // Sets the bends of all rows, or of all columns, to the values of the surface, and moves each fit
@@ -307,21 +175,26 @@ void set_bends_of(const Lattice& lattice, Cell step, FitGrid& fits) {
   // without bound towards the ends of the line.
   constexpr int kLong = 6;
   const Line line(lattice, fits, step);
-  const auto has = [&](Cell c) { return line.has_any(c); };
+  // Nodes between others first, the ends of lines after them.
+  std::vector<PlacedValue> bends;
+  const auto add = [&](Cell c) {
+    bends.push_back({line.place(c), line.bend(c), 1 / line.variance(c)});
+  };
   lattice.for_each([&](Cell c, const Node& /*node*/) {
-    if (has(c)) fits.number(c) = static_cast<float>(line.bend(c));
+    if (line.has_both(c)) add(c);
   });
-  const auto place = [&](Cell c) { return line.place(c); };
-  const auto weight = [&](Cell c) { return 1 / line.variance(c); };
-  const auto has_both = [&](Cell c) { return line.has_both(c); };
-  const int length = line.is_row() ? lattice.extent().cols() : lattice.extent().rows();
-  if (length < kLong) {
-    const auto plain = surface_of<2>(lattice, fits, has_both, place, weight, 1);
+  const std::size_t between = bends.size();
+  const CellRange extent = lattice.extent();
+  if ((line.is_row() ? extent.cols() : extent.rows()) < kLong) {
+    const auto plain = surface_over<2>(lattice, bends, 1);
     return take_bends(lattice, step, line, plain, fits);
   }
-  auto surface = surface_of<5>(lattice, fits, has_both, place, weight, 1);
-  if (ends_agree(lattice, line, surface)) {
-    surface = surface_of<5>(lattice, fits, has, place, weight, 1);
+  auto surface = surface_over<5>(lattice, bends, 1);
+  lattice.for_each([&](Cell c, const Node& /*node*/) {
+    if (line.has_any(c) && !line.has_both(c)) add(c);
+  });
+  if (ends_agree(std::span(bends).subspan(between), surface)) {
+    surface = surface_over<5>(lattice, bends, 1);
   }
   take_bends(lattice, step, line, surface, fits);
 }
@@ -343,15 +216,15 @@ void set_slopes(const Lattice& lattice, FitGrid& fits) {
   // uncertain.
   constexpr float kMostCut = 0.05F;  // share of the window's pixels
   if (fits.median(lattice, [](const SaddleFit& f) { return f.cut; }) > kMostCut) return;
-  const auto surface_through = [&](auto number) {
-    lattice.for_each([&](Cell c, const Node& /*node*/) { fits.number(c) = number(fits.at(c)); });
-    const auto all = [&](Cell c) { return lattice.has(c); };
-    const auto there = [&](Cell c) { return lattice.place(c); };
-    const auto alike = [](Cell /*c*/) { return 1.0; };
-    return surface_of<2>(lattice, fits, all, there, alike, 0);
+  const auto surface_of = [&](auto number) {
+    std::vector<PlacedValue> values;
+    lattice.for_each([&](Cell c, const Node& /*node*/) {
+      values.push_back({lattice.place(c), static_cast<double>(number(fits.at(c))), 1});
+    });
+    return surface_over<2>(lattice, values, 0);
   };
-  const auto level = surface_through([](const SaddleFit& f) { return f.level; });
-  const auto contrast = surface_through([](const SaddleFit& f) { return std::abs(f.contrast); });
+  const auto level = surface_of([](const SaddleFit& f) { return f.level; });
+  const auto contrast = surface_of([](const SaddleFit& f) { return std::abs(f.contrast); });
   lattice.for_each([&](Cell c, const Node& /*node*/) {
     SaddleFit& f = fits.at(c);
     // The mean steps of a column and of a row, px, turn changes per step into a gradient per px.
@@ -388,18 +261,17 @@ void set_slopes(const Lattice& lattice, FitGrid& fits) {
 ExpectedPlaces expect_places(const Lattice& lattice, FitGrid& fits, std::span<const Cell> cells) {
   const auto usual =
       static_cast<double>(fits.median(lattice, [](const SaddleFit& f) { return f.sigma; }));
-  const auto surface_through = [&](auto number) {
-    lattice.for_each([&](Cell c, const Node&) { fits.number(c) = number(fits.at(c)); });
-    const auto all = [&](Cell c) { return lattice.has(c); };
-    const auto there = [&](Cell c) { return lattice.place(c); };
-    const auto weight = [&](Cell c) {
-      const auto sigma = static_cast<double>(fits.at(c).sigma);
-      return usual * usual / (sigma * sigma);
-    };
-    return surface_of<3>(lattice, fits, all, there, weight, usual * usual);
+  const auto surface_of = [&](auto number) {
+    std::vector<PlacedValue> values;
+    lattice.for_each([&](Cell c, const Node&) {
+      const SaddleFit& f = fits.at(c);
+      const auto sigma = static_cast<double>(f.sigma);
+      values.push_back({lattice.place(c), number(f), usual * usual / (sigma * sigma)});
+    });
+    return surface_over<3>(lattice, values, usual * usual);
   };
-  const auto x = surface_through([](const SaddleFit& f) { return static_cast<float>(f.x); });
-  const auto y = surface_through([](const SaddleFit& f) { return static_cast<float>(f.y); });
+  const auto x = surface_of([](const SaddleFit& f) { return f.x; });
+  const auto y = surface_of([](const SaddleFit& f) { return f.y; });
   ExpectedPlaces expected;
   for (const Cell c : cells) {
     const LatticePlace at = lattice.place(c);

@@ -20,13 +20,10 @@ class FitGrid {
   void reset(const CellRange& extent) {
     cells_ = extent;
     fits_.assign(static_cast<std::size_t>(extent.cols() * extent.rows()), {});
-    number_.assign(fits_.size(), 0);
   }
   [[nodiscard]] bool empty() const { return fits_.empty(); }
   [[nodiscard]] const SaddleFit& at(Cell c) const { return fits_[index(c)]; }
   [[nodiscard]] SaddleFit& at(Cell c) { return fits_[index(c)]; }
-  // A scratch number of each node, for the computation that needs one.
-  [[nodiscard]] float& number(Cell c) { return number_[index(c)]; }
 
   // The median of a number of each node of the lattice.
   template <typename F>
@@ -59,7 +56,6 @@ class FitGrid {
 
   CellRange cells_;
   std::vector<SaddleFit> fits_;
-  std::vector<float> number_;
   std::vector<float> numbers_;
 };
 

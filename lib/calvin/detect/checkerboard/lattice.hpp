@@ -14,6 +14,7 @@
 
 #include "calvin/detect/checkerboard/corners/corner.hpp"
 #include "calvin/detect/checkerboard/surroundings.hpp"
+#include "calvin/detect/surface.hpp"
 
 namespace calvin::detect {
 
@@ -45,12 +46,6 @@ struct Cell {
 };
 [[nodiscard]] inline Cell operator*(int s, Cell c) { return {s * c.col, s * c.row}; }
 inline constexpr std::array<Cell, 4> kAround = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
-
-// A place on the board of a lattice, in mean steps from a line to the next; may lie between nodes.
-struct LatticePlace {
-  double col = 0;
-  double row = 0;
-};
 
 // Where a node is expected.
 struct Expected {

@@ -39,6 +39,12 @@ constexpr float kLargestError = 0.2F;          // of the spacing, from where nei
 // How well others tell the place of a corner that was lost in noise, at best.
 constexpr float kExpectedPlace = 0.04F;  // of the spacing, 1 sigma
 
+// Whether the next corner is likely to have the widths of a fit: noise spoils them.
+bool is_clear(const SaddleFit& fit) {
+  constexpr float kMost = 0.05F;  // noise, of the contrast
+  return !fit.has_gain && fit.noise <= kMost * fit.swing();
+}
+
 }  // namespace
 
 void Refinement::begin(const Lattice& lattice) {
@@ -117,11 +123,10 @@ double Refinement::blur(const Lattice& lattice) {
 
 // A fit of a node by itself; its noise is infinite where there is no corner.
 SaddleFit Refinement::quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                                float radius, float width, int steps) const {
+                                float radius, EdgeWidths widths, int steps) const {
   const Node& node = lattice.at(c);
   const float spacing = spacing_at(lattice, c);
-  SaddleFit f = fit_of(node);
-  f.along_width = f.down_width = width;
+  SaddleFit f = widths.in(fit_of(node));
   f.room = room_at(lattice, c);
   radius = std::clamp(kShare * clear_at(lattice, c), kLeastRadius, radius);
   bool good = fit_saddle(image, radius, steps, f, kRoughly);
@@ -145,7 +150,7 @@ bool Refinement::confirm(const ImageView& image, Lattice& lattice) const {
     for (const int row : {0, 1}) {
       const Cell c = {col == 0 ? e.first.col : e.last.col, row == 0 ? e.first.row : e.last.row};
       const Node& node = lattice.at(c);
-      const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, node.width, 6);
+      const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, EdgeWidths(node.width), 6);
       if (!(f.noise <= kMostNoise * f.swing())) return false;
       shift[col][row] = {static_cast<float>(f.x) - node.x, static_cast<float>(f.y) - node.y};
     }
@@ -166,18 +171,28 @@ bool Refinement::confirm(const ImageView& image, Lattice& lattice) const {
   return true;
 }
 
-// The first fit, from where the node was found.
-SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, Cell c) const {
+// The first fit, from where the node was found. `widths` are those of the last one that was good,
+// which the next corner is likely to have too.
+SaddleFit Refinement::first_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                EdgeWidths& widths) const {
+  const auto is_good = [](const SaddleFit& f) { return f.noise <= kMostNoise * f.swing(); };
   const float width = lattice.at(c).width;
-  SaddleFit best = quick_fit(image, lattice, c, kFirstRadius, width, 8);
-  // A badly placed node needs a larger window, one with something else near it a smaller one.
-  for (const bool wide : {true, false}) {
-    if (best.noise <= kMostNoise * best.swing()) break;
-    const SaddleFit f =
-        wide ? quick_fit(image, lattice, c, kLastRadius, std::max(2.5F, 1.5F * width), 12)
-             : quick_fit(image, lattice, c, kCloseRadius, width, 8);
+  SaddleFit best;
+  best.noise = std::numeric_limits<float>::infinity();
+  if (widths.are_known()) best = quick_fit(image, lattice, c, kFirstRadius, widths, 8);
+  if (!is_good(best)) {
+    const SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, EdgeWidths(width), 8);
     if (f.noise < best.noise) best = f;
   }
+  // A badly placed node needs a larger window, one with something else near it a smaller one.
+  for (const bool wide : {true, false}) {
+    if (is_good(best)) break;
+    const EdgeWidths wider(std::max(2.5F, 1.5F * width));
+    const SaddleFit f = wide ? quick_fit(image, lattice, c, kLastRadius, wider, 12)
+                             : quick_fit(image, lattice, c, kCloseRadius, EdgeWidths(width), 8);
+    if (f.noise < best.noise) best = f;
+  }
+  if (is_clear(best)) widths = EdgeWidths(best);
   return best;
 }
 
@@ -213,7 +228,7 @@ SaddleFit Refinement::last_fit(const ImageView& image, const Lattice& lattice, C
 SaddleFit Refinement::lost_fit(const ImageView& image, const Lattice& lattice, Cell c,
                                const SaddleFit& near, float sigma) {
   if (!in_noise_) {
-    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, lattice.at(c).width, 8);
+    SaddleFit f = quick_fit(image, lattice, c, kFirstRadius, EdgeWidths(lattice.at(c).width), 8);
     if (!std::isfinite(f.noise)) return f;
     f.along_bend = near.along_bend;
     f.down_bend = near.down_bend;
@@ -339,7 +354,8 @@ void Refinement::refine_in_noise(const ImageView& image, Lattice& lattice) {
 bool Refinement::refine(const ImageView& image, Lattice& lattice) {
   const int before = lattice.count();
   begin(lattice);
-  lattice.for_each([&](Cell c, const Node&) { fit(c) = first_fit(image, lattice, c); });
+  EdgeWidths widths;
+  lattice.for_each([&](Cell c, const Node&) { fit(c) = first_fit(image, lattice, c, widths); });
   in_noise_ = is_in_noise(lattice);
   if (in_noise_) {
     refine_in_noise(image, lattice);

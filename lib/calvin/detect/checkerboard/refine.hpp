@@ -16,6 +16,22 @@
 
 namespace calvin::detect {
 
+// The widths from which a fit begins, px; 0 where they are not known.
+struct EdgeWidths {
+  float along = 0;
+  float down = 0;
+
+  EdgeWidths() = default;
+  explicit EdgeWidths(float both) : along(both), down(both) {}
+  explicit EdgeWidths(const SaddleFit& of) : along(of.along_width), down(of.down_width) {}
+  [[nodiscard]] bool are_known() const { return along > 0; }
+  [[nodiscard]] SaddleFit in(SaddleFit fit) const {
+    fit.along_width = along;
+    fit.down_width = down;
+    return fit;
+  }
+};
+
 // A fit of each node of a lattice. Keeps its memory.
 class Refinement {
  public:
@@ -47,8 +63,9 @@ class Refinement {
   void begin(const Lattice& lattice);
   SaddleFit& fit(Cell c) { return fits_.at(c); }
   [[nodiscard]] SaddleFit quick_fit(const ImageView& image, const Lattice& lattice, Cell c,
-                                    float radius, float width, int steps) const;
-  [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
+                                    float radius, EdgeWidths widths, int steps) const;
+  [[nodiscard]] SaddleFit first_fit(const ImageView& image, const Lattice& lattice, Cell c,
+                                    EdgeWidths& widths) const;
   [[nodiscard]] SaddleFit last_fit(const ImageView& image, const Lattice& lattice, Cell c) const;
   [[nodiscard]] Slack slack(const Lattice& lattice);
   // Whether first fits tell so little that what neighbours let expect has to help.

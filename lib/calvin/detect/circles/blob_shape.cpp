@@ -155,4 +155,46 @@ std::optional<Ellipse> measure_blob(const ImageView& image, double x, double y, 
   return e;
 }
 
+std::optional<Ellipse> closer_ellipse(const ImageView& image, const Ellipse& near) {
+  constexpr double kFrom = 0.6;  // of the radius
+  constexpr double kTo = 1.4;
+  const double a = std::sqrt(near.xx);
+  const double b = near.xy / a;
+  const double c = std::sqrt(std::max(near.yy - b * b, 0.0));
+  const float half = 0.5F * (near.inside + near.outside);
+  const float sign = near.is_light() ? -1.0F : 1.0F;
+  const int steps = std::clamp(static_cast<int>(std::ceil((kTo - kFrom) * near.radius())), 4, 40);
+  const double step = (kTo - kFrom) / steps;
+  // How much brighter than half way a point in a direction is, as seen from a dark disc.
+  const auto above_half = [&](const Ray& d, double radii) {
+    const auto grey = grey_at(image, static_cast<float>(near.x + radii * a * d.x),
+                              static_cast<float>(near.y + radii * (b * d.x + c * d.y)));
+    return grey ? std::optional(sign * (*grey - half)) : std::nullopt;
+  };
+  std::array<double, kRays> rim{};
+  for (std::size_t k = 0; k < kRays; ++k) {
+    auto before = above_half(kDirections[k], kFrom);
+    if (!before || *before >= 0) return std::nullopt;
+    for (int i = 1; i <= steps && rim[k] == 0; ++i) {
+      const auto next = above_half(kDirections[k], kFrom + i * step);
+      if (!next) return std::nullopt;
+      if (*next >= 0) {
+        rim[k] = kFrom + step * (i - 1 + static_cast<double>(*before / (*before - *next)));
+      }
+      before = next;
+    }
+    if (rim[k] == 0) return std::nullopt;
+  }
+  // In radii of the ellipse that was known.
+  const Ellipse e = ellipse_of(0, 0, rim);
+  if (!(e.determinant() > 0) || !(e.xx > 0)) return std::nullopt;
+  Ellipse closer = near;
+  closer.x += a * e.x;
+  closer.y += b * e.x + c * e.y;
+  closer.xx = a * a * e.xx;
+  closer.xy = a * (b * e.xx + c * e.xy);
+  closer.yy = b * b * e.xx + 2 * b * c * e.xy + c * c * e.yy;
+  return closer;
+}
+
 }  // namespace calvin::detect

@@ -16,4 +16,9 @@ namespace calvin::detect {
 [[nodiscard]] std::optional<Ellipse> measure_blob(const ImageView& image, double x, double y,
                                                   bool light, double reach, float contrast);
 
+// An ellipse of which the rim is known to a part of the radius, such as one that a smaller picture
+// has shown, by where the grey level half way is passed around it: to a small part of the blur.
+// Absent where it is not passed all around.
+[[nodiscard]] std::optional<Ellipse> closer_ellipse(const ImageView& image, const Ellipse& near);
+
 }  // namespace calvin::detect

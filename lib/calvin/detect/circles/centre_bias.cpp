@@ -16,7 +16,7 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr int kPoints = 24;
+constexpr std::size_t kPoints = 24;
 using Rim = std::array<Eigen::Vector2d, kPoints>;
 
 Eigen::Vector2d image_of(const LensMap& map, const Pixel& p) {
@@ -26,9 +26,9 @@ Eigen::Vector2d image_of(const LensMap& map, const Pixel& p) {
 
 Rim rim_of(const LensMap& map, const Pixel& at, double radius) {
   Rim rim;
+  const Rim& circle = unit_circle<kPoints>();
   for (std::size_t k = 0; k < kPoints; ++k) {
-    const double angle = 2 * std::numbers::pi * static_cast<double>(k) / kPoints;
-    rim[k] = image_of(map, {at.u + radius * std::cos(angle), at.v + radius * std::sin(angle)});
+    rim[k] = image_of(map, {at.u + radius * circle[k].x(), at.v + radius * circle[k].y()});
   }
   return rim;
 }

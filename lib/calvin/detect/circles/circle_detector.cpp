@@ -80,7 +80,7 @@ class CircleDetector final : public Detector {
       list_.forget();
       followed_.clear();
       begin(image);
-      search(stop);
+      search(image, stop);
       return results(image.size());
     } catch (const std::exception&) {
       return {};  // no memory
@@ -91,7 +91,7 @@ class CircleDetector final : public Detector {
     try {
       begin(image);
       const bool was_followed = !is_search_due(timestamp) && follow(image.size(), timestamp);
-      if (!was_followed) search(stop);
+      if (!was_followed) search(image, stop);
       remember(image.size(), timestamp, was_followed);
       return results(image.size());
     } catch (const std::exception&) {
@@ -104,7 +104,7 @@ class CircleDetector final : public Detector {
   [[nodiscard]] bool follow(ImageSize size, std::uint64_t timestamp);
   void remember(ImageSize size, std::uint64_t timestamp, bool was_followed);
   [[nodiscard]] bool is_search_due(std::uint64_t timestamp);
-  void search(const std::stop_token& stop);
+  void search(const ImageView& image, const std::stop_token& stop);
   void search_level(int level, bool light, const std::stop_token& stop);
   void look_at(const DiscLattice& lattice, bool light);
   [[nodiscard]] bool name(DiscSheet& sheet, std::size_t pattern);
@@ -151,10 +151,11 @@ CircleDetector::CircleDetector(std::span<const Board> boards) {
 void CircleDetector::begin(const ImageView& image) {
   found_.clear();
   other_.reset();
-  pyramid_.build(image, Pyramid::kMaxLevels, kLeastLevel);
+  pyramid_.build(image, 1);  // what is followed needs no more
 }
 
-void CircleDetector::search(const std::stop_token& stop) {
+void CircleDetector::search(const ImageView& image, const std::stop_token& stop) {
+  pyramid_.build(image, Pyramid::kMaxLevels, kLeastLevel);
   for (auto& discs : discs_) discs.clear();
   for (int level = pyramid_.levels() - 1; level >= 0 && !stop.stop_requested(); --level) {
     for (const bool light : {false, true}) {
@@ -204,6 +205,7 @@ bool CircleDetector::is_known(const DiscLattice& lattice) const {
 void CircleDetector::look_at(const DiscLattice& lattice, bool light) {
   DiscSheet sheet;
   const ImageView& image = pyramid_.level(0);
+  if (!DiscSheet::may_be_discs(image, lattice)) return;
   if (!sheet.fit(image, lattice, kFewestDiscs, marks_) || !sheet.are_round(image)) return;
   // The whole of a larger board is seen before a part of it is taken for a smaller one.
   for (int steps = 0; steps < reach_ && sheet.grow(image); ++steps) {

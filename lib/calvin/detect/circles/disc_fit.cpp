@@ -22,7 +22,8 @@ constexpr double kDamping = 1e-3;       // Levenberg's, of the diagonal
 constexpr double kWidthPrior = 0.5;     // 1 sigma of a step of the width's logarithm
 constexpr double kLongestStep = 0.4;    // of the radius
 constexpr double kFarthest = 0.6;       // of the radius, from where the fit began
-constexpr double kConverged = 0.01;     // px
+constexpr double kConverged = 0.01;     // px, of a step of the centre
+constexpr double kShape = 0.05;         // px, of the rim, or of the width's logarithm
 constexpr double kRounding = 1.0 / 12;  // grey levels^2, the variance of a whole number's rounding
 constexpr double kLeastContrast = 4;    // grey levels
 
@@ -65,13 +66,7 @@ bool gather_rim(const ImageView& image, int x, int y, const Ellipse& e, double b
     missing += std::max(last - first + 1, 0) - std::max(to - from + 1, 0);
     const std::uint8_t* row = image.data + (y + dy) * image.stride + x;
     const int count = std::min(to - from + 1, kMostPixels - window.count);
-    if (count <= 0) return;
-    float* at = window.x + window.count;
-    for (int i = 0; i < count; ++i) at[i] = static_cast<float>(from + i);
-    std::fill_n(window.y + window.count, count, static_cast<float>(dy));
-    at = window.grey + window.count;
-    for (int i = 0; i < count; ++i) at[i] = row[from + i];
-    window.count += count;
+    append_row(row, from, from + count - 1, image.width - x, static_cast<float>(dy), window);
   };
   for (int dy = -reach; dy <= reach; ++dy) {
     double middle = 0;
@@ -102,7 +97,7 @@ class DiscSteps {
 
   [[nodiscard]] bool take();
   [[nodiscard]] bool have_converged() const {
-    return std::hypot(change_[kDiscX], change_[kDiscY]) < kConverged;
+    return std::hypot(change_[kDiscX], change_[kDiscY]) < kConverged && largest() < kShape;
   }
   void finish();
 
@@ -111,6 +106,12 @@ class DiscSteps {
 
  private:
   [[nodiscard]] bool apply();
+  void sum(DiscSums sums) {
+    accumulate_disc(window_, fit_, static_cast<float>(x_), static_cast<float>(y_), sums, normal_);
+  }
+  [[nodiscard]] Vector gradient() const;
+  // The largest part of the last step, px, or of the width's logarithm.
+  [[nodiscard]] double largest() const { return change_.head<kDiscInside>().cwiseAbs().maxCoeff(); }
 
   Window& window_;
   DiscFit& fit_;
@@ -119,6 +120,7 @@ class DiscSteps {
   DiscNormal normal_{};
   Eigen::LLT<Matrix> factor_;
   Vector change_ = Vector::Zero();
+  bool is_near_ = false;  // the next step takes the factor of the last one
   float least_ = std::numeric_limits<float>::infinity();  // sum of squares
   DiscFit before_;                                        // the last step
   double before_x_ = 0;
@@ -126,7 +128,15 @@ class DiscSteps {
 };
 
 bool DiscSteps::take() {
-  accumulate_disc(window_, fit_, static_cast<float>(x_), static_cast<float>(y_), normal_);
+  constexpr double kSmall = 0.12;  // after such a step the factor is still good
+  if (is_near_) {
+    // The factor of the step before is still good.
+    sum(DiscSums::kGradient);
+    is_near_ = false;
+    change_ = factor_.solve(gradient());
+    return change_.allFinite() && apply();
+  }
+  sum(DiscSums::kAll);
   // A step that has gone too far is taken back by half.
   constexpr float kMuchWorse = 1.05F;
   if (normal_.square > kMuchWorse * least_) {
@@ -147,15 +157,20 @@ bool DiscSteps::take() {
       m(p, q) = m(q, p) = static_cast<double>(normal_.products[k++]);
     }
   }
-  Vector right;
-  for (int p = 0; p < kDiscUnknowns; ++p) right[p] = static_cast<double>(normal_.gradient[p]);
   const double variance = static_cast<double>(normal_.square) / window_.count + 1;
   m(kDiscWidth, kDiscWidth) += variance / (kWidthPrior * kWidthPrior);
   m.diagonal() *= 1 + kDamping;
   factor_.compute(m);
   if (factor_.info() != Eigen::Success) return false;
-  change_ = factor_.solve(right);
+  change_ = factor_.solve(gradient());
+  is_near_ = largest() < kSmall;
   return change_.allFinite() && apply();
+}
+
+Vector DiscSteps::gradient() const {
+  Vector right;
+  for (int p = 0; p < kDiscUnknowns; ++p) right[p] = static_cast<double>(normal_.gradient[p]);
+  return right;
 }
 
 bool DiscSteps::apply() {
@@ -196,9 +211,10 @@ void DiscSteps::finish() {
       0.5 * static_cast<double>(odd_square(window_)) / std::max(0.5 * pixels - kOddUnknowns, 1.0);
   const double variance = std::max(window_.whole ? odd : alike, kRounding);
   fit_.noise = std::sqrt(variance);
-  const Matrix covariance = factor_.solve(Matrix::Identity());
-  fit_.sigma =
-      std::sqrt(variance * 0.5 * (covariance(kDiscX, kDiscX) + covariance(kDiscY, kDiscY)));
+  const auto variance_of = [&](int unknown) {
+    return factor_.matrixL().solve(Vector::Unit(unknown)).squaredNorm();
+  };
+  fit_.sigma = std::sqrt(variance * 0.5 * (variance_of(kDiscX) + variance_of(kDiscY)));
 }
 
 }  // namespace
@@ -210,10 +226,10 @@ enum class Outcome { kFailed, kMoved, kDone };
 // A fit in the window about the rim where it is thought to be; kMoved where the rim was further off
 // than the window has room for.
 Outcome fit_in_window(const ImageView& image, int steps, DiscFit& fit) {
-  constexpr double kNearRim = 3.2;  // widths
+  constexpr double kNearRim = 3.2;  // widths, and as many px as the rim is uncertain
   const bool is_fitted = fit.sigma > 0;
-  const double near_px = is_fitted ? 0.5 : 1.5;  // and as many px as the rim is uncertain
-  constexpr double kMoved = 1;                   // px
+  const double near_px = is_fitted ? 0.5 : fit.off;
+  constexpr double kMoved = 1;  // px
   Ellipse& e = fit.ellipse;
   const Ellipse before = e;
   const double width = fit.width;

@@ -27,6 +27,8 @@ struct DiscFit {
   // Of the radius, from the rim inwards, where something else begins: the hole of a ring.
   double room = 1;
 
+  double off = 1.5;  // px, by which the rim may be off before the first fit
+
   // Results of the last step.
   double noise = 0;     // grey levels, 1 sigma
   double residual = 0;  // grey levels, RMS

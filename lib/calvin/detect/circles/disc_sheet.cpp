@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 #include "calvin/detect/checkerboard/corners/grey_at.hpp"
+#include "calvin/detect/circles/blob_shape.hpp"
 #include "calvin/detect/circles/centre_bias.hpp"
 
 namespace calvin::detect {
@@ -59,9 +61,9 @@ bool is_there(const ImageView& image, const Ellipse& expected) {
   const double b = expected.xy / a;
   const double c = std::sqrt(std::max(expected.yy - b * b, 0.0));
   int alike = 0;
-  for (int k = 0; k < kSamples; ++k) {
-    const double x = kRing * std::cos(2 * std::numbers::pi * k / kSamples);
-    const double y = kRing * std::sin(2 * std::numbers::pi * k / kSamples);
+  for (const Eigen::Vector2d& p : unit_circle<kSamples>()) {
+    const double x = kRing * p.x();
+    const double y = kRing * p.y();
     const auto grey = grey_at(image, static_cast<float>(expected.x + a * x),
                               static_cast<float>(expected.y + b * x + c * y));
     alike += grey && (*grey > half) == expected.is_light() ? 1 : 0;
@@ -80,18 +82,19 @@ double fourth_harmonic(const ImageView& image, const DiscFit& fit) {
   const float half = 0.5F * (e.inside + e.outside);
   const double slope = static_cast<double>(e.outside - e.inside) /
                        (std::sqrt(2 * std::numbers::pi) * fit.width);  // grey levels per px
+  const auto& circle = unit_circle<kSamples>();
   double even = 0;
   double odd = 0;
-  for (int k = 0; k < kSamples; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kSamples;
-    const double x = std::cos(angle);
-    const double y = std::sin(angle);
+  for (std::size_t k = 0; k < kSamples; ++k) {
+    const double x = circle[k].x();
+    const double y = circle[k].y();
     const auto grey =
         grey_at(image, static_cast<float>(e.x + a * x), static_cast<float>(e.y + b * x + c * y));
     if (!grey) return 0;  // at the border
     const double off = static_cast<double>(half - *grey) / slope;
-    even += off * std::cos(4 * angle);
-    odd += off * std::sin(4 * angle);
+    const Eigen::Vector2d& four_times = circle[4 * k % kSamples];
+    even += off * four_times.x();
+    odd += off * four_times.y();
   }
   return 2.0 / kSamples * std::hypot(even, odd);
 }
@@ -116,8 +119,14 @@ void DiscSheet::fit_one(const ImageView& image, Cell cell, const Ellipse& start,
   constexpr double kMoved = 0.5;  // of the radius
   constexpr double kMostLarger = 1.8;
   constexpr double kBeforeHole = 0.3;  // of the radius
+  constexpr double kOff = 0.7;         // px, of a rim that was looked for
   DiscFit fit;
   fit.ellipse = start;
+  fit.width = usual_width_;
+  if (const auto closer = closer_ellipse(image, start)) {
+    fit.ellipse = *closer;
+    fit.off = kOff;
+  }
   if (is_ring) fit.room = kBeforeHole;
   bool found = fit_disc(image, kSteps, fit);
   if (found && !is_ring && mark_of(image, fit, nullptr) == DiscMark::kRing) {
@@ -134,6 +143,7 @@ void DiscSheet::fit_one(const ImageView& image, Cell cell, const Ellipse& start,
   }
   lattice_.put(cell, fit.ellipse);
   discs_.push_back({cell, fit});
+  usual_width_ = fit.width;
 }
 
 // Discs that the search has overlooked, rings and large ones among them: where neighbours let them
@@ -240,7 +250,24 @@ std::vector<SeenMark> DiscSheet::marks(const ImageView& image) const {
   return all;
 }
 
-bool DiscSheet::are_round(const ImageView& image) const {
+bool DiscSheet::are_round(const ImageView& image) const { return squareness(image) < 1; }
+
+bool DiscSheet::may_be_discs(const ImageView& image, const DiscLattice& lattice) {
+  constexpr std::size_t kSome = 12;
+  constexpr double kMost = 1.5;  // some alone are not as sure as all
+  const std::vector<Cell> cells = lattice.cells();
+  if (cells.size() < 2 * kSome) return true;
+  DiscSheet some;
+  some.lattice_ = lattice;
+  const std::size_t step = cells.size() / kSome;
+  std::size_t tried = 0;
+  for (std::size_t i = step / 2; i < cells.size(); i += step, ++tried) {
+    some.fit_one(image, cells[i], *lattice.at(cells[i]), false);
+  }
+  return 3 * some.discs_.size() >= tried && some.squareness(image) < kMost;
+}
+
+double DiscSheet::squareness(const ImageView& image) const {
   constexpr double kOfRadius = 0.06;  // half of a square's
   constexpr double kOfWidth = 0.6;    // of the blur: beyond it grey levels say no more how far
   std::vector<double> shares;
@@ -248,7 +275,7 @@ bool DiscSheet::are_round(const ImageView& image) const {
     const double most = std::min(kOfRadius * disc.fit.ellipse.radius(), kOfWidth * disc.fit.width);
     shares.push_back(fourth_harmonic(image, disc.fit) / most);
   }
-  return median_of(std::move(shares)) < 1;
+  return median_of(std::move(shares));
 }
 
 void DiscSheet::set_slope(Fitted& disc) const {

@@ -34,6 +34,10 @@ class DiscSheet {
   // False for the squares of a checkerboard.
   [[nodiscard]] bool are_round(const ImageView& image) const;
 
+  // Whether a lattice may be one of discs, by some of them: far quicker than a fit of all, where
+  // there are none.
+  [[nodiscard]] static bool may_be_discs(const ImageView& image, const DiscLattice& lattice);
+
   // What the discs show, of the board or not.
   [[nodiscard]] const DiscLattice& lattice() const { return lattice_; }
   [[nodiscard]] std::vector<SeenMark> marks(const ImageView& image) const;
@@ -62,6 +66,8 @@ class DiscSheet {
     std::vector<Pixel> image;  // px
   };
   [[nodiscard]] Places places(const CirclePattern& pattern, const CellMap& map) const;
+  // How far rims leave their ellipses as squares do, in the median, of what discs may have.
+  [[nodiscard]] double squareness(const ImageView& image) const;
   bool drop_strays(const Places& at, const LensMap& lens);
   [[nodiscard]] std::vector<Pixel> centres(const CirclePattern& pattern, const CellMap& map,
                                            const Pixel& middle);
@@ -69,6 +75,7 @@ class DiscSheet {
   void set_slope(Fitted& disc) const;
 
   MarkKinds may_be_;
+  double usual_width_ = DiscFit().width;  // px, of the last disc that was fitted
   DiscLattice lattice_{0};
   std::vector<Fitted> discs_;
 };

@@ -35,6 +35,18 @@ struct DiscModel {
   float slope_x, slope_y;
 };
 
+// A step of Newton's makes a quick root of at least 8 bits one of twice as many, and a second one a
+// float's.
+template <class D, class V>
+HWY_INLINE V inverse_root(D d, V x) {
+  const V half = hn::Mul(hn::Set(d, 0.5F), x);
+  V root = hn::ApproximateReciprocalSqrt(x);
+  for (int i = 0; i < 2; ++i) {
+    root = hn::Mul(root, hn::NegMulAdd(hn::Mul(half, root), root, hn::Set(d, 1.5F)));
+  }
+  return root;
+}
+
 // Row `i` of J and the following ones, and their errors.
 template <class D, class V>
 HWY_INLINE void disc_rows(D d, Window& window, const DiscModel& m, int i, V* j, V& e) {
@@ -44,14 +56,18 @@ HWY_INLINE void disc_rows(D d, Window& window, const DiscModel& m, int i, V* j, 
   const V nx = hn::MulAdd(set(m.a), dx, hn::Mul(set(m.b), dy));
   const V ny = hn::MulAdd(set(m.b), dx, hn::Mul(set(m.c), dy));
   const V tiny = set(1e-6F);
-  const V radii = hn::Sqrt(hn::Max(hn::MulAdd(nx, dx, hn::Mul(ny, dy)), tiny));
-  const V inverse = hn::Div(set(1), hn::Sqrt(hn::Max(hn::MulAdd(nx, nx, hn::Mul(ny, ny)), tiny)));
+  const V square_radii = hn::Max(hn::MulAdd(nx, dx, hn::Mul(ny, dy)), tiny);
+  const V by_radii = inverse_root(d, square_radii);
+  const V radii = hn::Mul(square_radii, by_radii);
+  const V inverse = inverse_root(d, hn::Max(hn::MulAdd(nx, nx, hn::Mul(ny, ny)), tiny));
   // Exact for a circle, and of the first order along the rim of an ellipse.
   const V distance = hn::Mul(hn::Mul(hn::Sub(radii, set(1)), radii), inverse);
   const V t = hn::Mul(distance, set(m.scale));
   const ErrorFunction<V> error(d, t);
   V by_t;
-  const V edge = error.value(d, t, hn::Div(set(1), error.p), by_t);
+  const V near = hn::ApproximateReciprocal(error.p);
+  const V by_p = hn::Mul(near, hn::NegMulAdd(near, error.p, set(2)));
+  const V edge = error.value(d, t, by_p, by_t);
   const V outside = hn::MulAdd(set(0.5F), edge, set(0.5F));
   const V light = hn::MulAdd(set(m.slope_x), dx, hn::MulAdd(set(m.slope_y), dy, set(1)));
   const V model = hn::Mul(light, hn::MulAdd(set(m.change), outside, set(m.inside)));
@@ -64,7 +80,7 @@ HWY_INLINE void disc_rows(D d, Window& window, const DiscModel& m, int i, V* j, 
   const V along = hn::Mul(by_distance, inverse);
   j[kDiscX] = hn::Neg(hn::Mul(along, nx));
   j[kDiscY] = hn::Neg(hn::Mul(along, ny));
-  const V shape = hn::Div(hn::Mul(along, set(0.5F * m.unit)), radii);
+  const V shape = hn::Mul(hn::Mul(along, set(0.5F * m.unit)), by_radii);
   j[kDiscXX] = hn::Mul(shape, hn::Mul(dx, dx));
   j[kDiscXY] = hn::Mul(hn::Mul(shape, set(2)), hn::Mul(dx, dy));
   j[kDiscYY] = hn::Mul(shape, hn::Mul(dy, dy));
@@ -73,52 +89,72 @@ HWY_INLINE void disc_rows(D d, Window& window, const DiscModel& m, int i, V* j, 
   j[kDiscOutside] = hn::Mul(kept, outside);
 }
 
+// Two vectors of pixels are summed at a time: there are more sums than registers.
+inline constexpr int kDiscTogether = 2;
+
 template <class V, std::size_t... K, std::size_t... P>
-HWY_INLINE void add_disc(const V* j, V e, V* products, V* gradient, std::index_sequence<K...> /*k*/,
+HWY_INLINE void add_disc(const V (*j)[kDiscUnknowns], const V* e, [[maybe_unused]] V* products,
+                         V* gradient, std::index_sequence<K...> /*k*/,
                          std::index_sequence<P...> /*p*/) {
-  ((products[K] = hn::MulAdd(j[kDiscPairs.first[K]], j[kDiscPairs.second[K]], products[K])), ...);
-  ((gradient[P] = hn::MulAdd(j[P], e, gradient[P])), ...);
+  ((products[K] =
+        hn::MulAdd(j[1][kDiscPairs.first[K]], j[1][kDiscPairs.second[K]],
+                   hn::MulAdd(j[0][kDiscPairs.first[K]], j[0][kDiscPairs.second[K]], products[K]))),
+   ...);
+  ((gradient[P] = hn::MulAdd(j[1][P], e[1], hn::MulAdd(j[0][P], e[0], gradient[P]))), ...);
 }
 
-void accumulate_disc(Window& window, const DiscFit& fit, float x, float y, DiscNormal& normal) {
-  using D = hn::ScalableTag<float>;
-  using V = hn::Vec<D>;
-  const D d;
+DiscModel model_of(const DiscFit& fit, float x, float y) {
   constexpr double kRoot = 0.70710678;  // a Gaussian's sigma is 1/sqrt(2) of the erf's scale
   const Ellipse& s = fit.ellipse;
   const double determinant = s.determinant();
   const auto inverse = [&](double v) { return static_cast<float>(v / determinant); };
   const double radius = s.radius();
-  const DiscModel model = {x,
-                           y,
-                           inverse(s.yy),
-                           inverse(-s.xy),
-                           inverse(s.xx),
-                           static_cast<float>(2 / (radius * radius * radius)),
-                           static_cast<float>(kRoot / fit.width),
-                           s.inside,
-                           s.outside - s.inside,
-                           static_cast<float>(fit.slope_x),
-                           static_cast<float>(fit.slope_y)};
+  return {x,
+          y,
+          inverse(s.yy),
+          inverse(-s.xy),
+          inverse(s.xx),
+          static_cast<float>(2 / (radius * radius * radius)),
+          static_cast<float>(kRoot / fit.width),
+          s.inside,
+          s.outside - s.inside,
+          static_cast<float>(fit.slope_x),
+          static_cast<float>(fit.slope_y)};
+}
+
+template <int kSummed>  // of the products: all or none
+void accumulate_disc_of(Window& window, const DiscModel& model, DiscNormal& normal) {
+  using D = hn::ScalableTag<float>;
+  using V = hn::Vec<D>;
+  const D d;
   V products[kDiscProducts];
   V gradient[kDiscUnknowns];
-  for (V& p : products) p = hn::Zero(d);
+  for (int k = 0; k < kSummed; ++k) products[k] = hn::Zero(d);
   for (V& g : gradient) g = hn::Zero(d);
   V square = hn::Zero(d);
   const auto lanes = static_cast<int>(hn::Lanes(d));
-  for (int i = 0; i < window.count; i += lanes) {
-    V j[kDiscUnknowns];
-    V e;
-    disc_rows(d, window, model, i, j, e);
-    square = hn::MulAdd(e, e, square);
-    add_disc(j, e, products, gradient, std::make_index_sequence<kDiscProducts>(),
+  for (int i = 0; i < window.count; i += kDiscTogether * lanes) {
+    V j[kDiscTogether][kDiscUnknowns];
+    V e[kDiscTogether];
+    for (int k = 0; k < kDiscTogether; ++k) {
+      disc_rows(d, window, model, i + k * lanes, j[k], e[k]);
+      square = hn::MulAdd(e[k], e[k], square);
+    }
+    add_disc(j, e, products, gradient, std::make_index_sequence<kSummed>(),
              std::make_index_sequence<kDiscUnknowns>());
   }
-  for (int k = 0; k < kDiscProducts; ++k)
+  for (int k = 0; k < kSummed; ++k)
     normal.products[k] = hn::GetLane(hn::SumOfLanes(d, products[k]));
   for (int p = 0; p < kDiscUnknowns; ++p)
     normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
   normal.square = hn::GetLane(hn::SumOfLanes(d, square));
+}
+
+void accumulate_disc(Window& window, const DiscFit& fit, float x, float y, DiscSums sums,
+                     DiscNormal& normal) {
+  const DiscModel model = model_of(fit, x, y);
+  return sums == DiscSums::kGradient ? accumulate_disc_of<0>(window, model, normal)
+                                     : accumulate_disc_of<kDiscProducts>(window, model, normal);
 }
 
 }  // namespace calvin::detect::HWY_NAMESPACE
@@ -134,9 +170,9 @@ HWY_EXPORT(accumulate_disc);
 
 }  // namespace
 
-void accumulate_disc(Window& window, const DiscFit& fit, float x, float y,
+void accumulate_disc(Window& window, const DiscFit& fit, float x, float y, DiscSums sums,
                      DiscNormal& normal) noexcept {
-  HWY_DYNAMIC_DISPATCH(accumulate_disc)(window, fit, x, y, normal);
+  HWY_DYNAMIC_DISPATCH(accumulate_disc)(window, fit, x, y, sums, normal);
 }
 
 }  // namespace calvin::detect

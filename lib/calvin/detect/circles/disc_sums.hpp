@@ -31,9 +31,12 @@ struct DiscNormal {
   float square;
 };
 
+// Which sums are taken over a window.
+enum class DiscSums { kAll, kGradient };
+
 // (x, y) is the centre of the fit from the middle of the window. Writes the errors of the window's
-// pixels too.
-void accumulate_disc(Window& window, const DiscFit& fit, float x, float y,
+// pixels too. `products` are left as they are where the gradient alone is wanted.
+void accumulate_disc(Window& window, const DiscFit& fit, float x, float y, DiscSums sums,
                      DiscNormal& normal) noexcept;
 
 }  // namespace calvin::detect

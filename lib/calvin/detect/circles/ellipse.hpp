@@ -4,7 +4,12 @@
 // The ellipse as which a camera sees a disc.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include <Eigen/Core>
 
 namespace calvin::detect {
 
@@ -36,5 +41,19 @@ struct Ellipse {
 
   [[nodiscard]] bool is_light() const { return inside > outside; }
 };
+
+// Points of the unit circle, from (1, 0) on, computed once.
+template <std::size_t kPoints>
+[[nodiscard]] const std::array<Eigen::Vector2d, kPoints>& unit_circle() {
+  static const auto kCircle = [] {
+    std::array<Eigen::Vector2d, kPoints> circle;
+    for (std::size_t k = 0; k < kPoints; ++k) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(k) / kPoints;
+      circle[k] = {std::cos(angle), std::sin(angle)};
+    }
+    return circle;
+  }();
+  return kCircle;
+}
 
 }  // namespace calvin::detect

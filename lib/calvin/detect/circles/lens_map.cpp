@@ -19,6 +19,8 @@ namespace {
 
 enum Number { kK1 = 8, kK2 = 9, kScale = 10 };
 
+int numbers_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
+
 Eigen::Vector2d vector_of(const Pixel& p) { return {p.u, p.v}; }
 
 // q of a direction v, and its derivatives by v.
@@ -45,12 +47,12 @@ Eigen::Vector2d projected(Projection projection, const Eigen::Vector3d& v,
 // ---- Polynomial ---------------------------------------------------------------------------------
 
 Polynomial::Polynomial(std::span<const Pixel> at, const Eigen::MatrixX2d& values, int highest) {
-  const auto numbers_of = [](int degree) { return (degree + 1) * (degree + 2) / 2; };
   const auto [left, right] = std::ranges::minmax(at, {}, &Pixel::u);
   const auto [top, bottom] = std::ranges::minmax(at, {}, &Pixel::v);
   middle_ = {(left.u + right.u) / 2, (top.v + bottom.v) / 2};
   half_ = std::max({right.u - left.u, bottom.v - top.v, 1e-9}) / 2;
-  while (degree_ < highest && 3 * numbers_of(degree_ + 1) <= 2 * static_cast<int>(at.size())) {
+  while (degree_ < std::min(highest, kHighest) &&
+         3 * numbers_of(degree_ + 1) <= 2 * static_cast<int>(at.size())) {
     ++degree_;
   }
   if (degree_ < 0) return;
@@ -63,20 +65,27 @@ Polynomial::Polynomial(std::span<const Pixel> at, const Eigen::MatrixX2d& values
   numbers_ = solve_symmetric(m, rows.transpose() * values);
 }
 
-Eigen::VectorXd Polynomial::terms(const Pixel& p) const {
+// Those of a degree are x times those of the degree below, and a last one.
+Polynomial::Terms Polynomial::terms(const Pixel& p) const {
   const double x = (p.u - middle_.u) / half_;
   const double y = (p.v - middle_.v) / half_;
-  Eigen::VectorXd all(numbers_.rows() > 0 ? numbers_.rows() : (degree_ + 1) * (degree_ + 2) / 2);
-  Eigen::Index k = 0;
-  for (int total = 0; total <= degree_; ++total) {
-    for (int i = 0; i <= total; ++i) all[k++] = std::pow(x, total - i) * std::pow(y, i);
+  Terms all(numbers_of(degree_));
+  all[0] = 1;
+  Eigen::Index before = 0;  // the first one of the degree below
+  Eigen::Index k = 1;
+  for (int degree = 1; degree <= degree_; before += degree++) {
+    for (int i = 0; i < degree; ++i) all[k++] = x * all[before + i];
+    all[k++] = y * all[before + degree - 1];
   }
   return all;
 }
 
 Eigen::Vector2d Polynomial::at(const Pixel& p) const {
   if (degree_ < 0) return Eigen::Vector2d::Zero();
-  return numbers_.transpose() * terms(p);
+  const Terms all = terms(p);
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (Eigen::Index k = 0; k < all.size(); ++k) sum += all[k] * numbers_.row(k).transpose();
+  return sum;
 }
 
 // ---- LensMap ------------------------------------------------------------------------------------
@@ -134,19 +143,23 @@ void LensMap::improve(std::span<const Pixel> plane, std::span<const Pixel> image
   double error = square_error(plane, image);
   const double scale_at_start = numbers_[kScale];
   for (int step = 0; step < kSteps; ++step) {
-    Eigen::MatrixXd m = Eigen::MatrixXd::Zero(kNumbers, kNumbers);
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(kNumbers, 1);
+    // Two rows at a time by sums of vectors of a fixed size: far quicker than products of matrices.
+    Eigen::Matrix<double, kNumbers, kNumbers> m = Eigen::Matrix<double, kNumbers, kNumbers>::Zero();
+    Numbers right = Numbers::Zero();
     for (std::size_t i = 0; i < plane.size(); ++i) {
       Jacobian j;
-      const Pixel at = project(plane[i], &j);
-      m += j.transpose() * j;
-      right += j.transpose() * (vector_of(image[i]) - vector_of(at));
+      const Eigen::Vector2d lacks = vector_of(image[i]) - vector_of(project(plane[i], &j));
+      const Eigen::Matrix<double, kNumbers, 2> rows = j.transpose();
+      for (int k = 0; k < kNumbers; ++k) {
+        m.col(k) += rows.col(0) * rows(k, 0) + rows.col(1) * rows(k, 1);
+      }
+      right += rows.col(0) * lacks.x() + rows.col(1) * lacks.y();
     }
     m.diagonal() += known;
     Numbers off = numbers_;
     off[kScale] -= scale_at_start;
     right -= known.asDiagonal() * off;
-    const Eigen::VectorXd unit = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Numbers unit = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     Eigen::MatrixXd scaled = unit.asDiagonal() * m * unit.asDiagonal();
     scaled.diagonal().array() += damping;
     const Numbers before = numbers_;

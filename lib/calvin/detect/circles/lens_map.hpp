@@ -28,7 +28,7 @@ class Polynomial {
  public:
   Polynomial() = default;
   // Through values at points, of the highest degree of which there are half as many points again as
-  // numbers, `highest` at most.
+  // numbers, `highest` and 5 at most.
   Polynomial(std::span<const Pixel> at, const Eigen::MatrixX2d& values, int highest = 3);
 
   // Of each of the two values.
@@ -37,7 +37,11 @@ class Polynomial {
   [[nodiscard]] Eigen::Vector2d at(const Pixel& p) const;
 
  private:
-  [[nodiscard]] Eigen::VectorXd terms(const Pixel& p) const;
+  static constexpr int kHighest = 5;
+  static constexpr int kMostTerms = (kHighest + 1) * (kHighest + 2) / 2;
+  using Terms = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostTerms, 1>;
+
+  [[nodiscard]] Terms terms(const Pixel& p) const;
 
   Pixel middle_;
   double half_ = 1;  // px

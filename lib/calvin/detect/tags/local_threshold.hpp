@@ -35,6 +35,8 @@ class ToneImage {
            static_cast<std::size_t>(x + 1);
   }
   void take_tiles(const ImageView& image);
+  // Sets `middle_` and `seen_` for the pixels of a row of tiles.
+  void take_thresholds(int tile_row, int contrast);
 
   int width_ = 0;
   int height_ = 0;
@@ -43,6 +45,10 @@ class ToneImage {
   std::vector<std::uint8_t> tones_;
   std::vector<std::uint8_t> least_;  // of the pixels of a tile
   std::vector<std::uint8_t> most_;
+  std::vector<std::uint8_t> row_least_;  // of a column of a row of tiles
+  std::vector<std::uint8_t> row_most_;
+  std::vector<std::uint8_t> middle_;  // grey level, of each column
+  std::vector<std::uint8_t> seen_;    // all bits where there is contrast, else none
 };
 
 }  // namespace calvin::detect

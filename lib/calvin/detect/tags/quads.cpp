@@ -196,11 +196,20 @@ bool QuadSearch::follow(int x, int y, Tone tone) {
 const std::vector<Quad>& QuadSearch::find(bool light) {
   const Tone tone = light ? kLightTone : kDarkTone;
   quads_.clear();
+  const auto width = static_cast<std::size_t>(tones_.width());
+  begins_.resize(width);
   for (int y = 0; y < tones_.height(); ++y) {
     const std::uint8_t* row = tones_.row(y);
-    for (int x = 0; x < tones_.width(); ++x) {
-      if (row[x] != tone || (row[x - 1] & 3) == tone) continue;
-      if (!follow(x, y, tone)) continue;
+    const auto is_begin = [row, tone](std::size_t x) {
+      return static_cast<std::uint8_t>(row[x] == tone) &
+             static_cast<std::uint8_t>((*(row + x - 1) & 3) != tone);
+    };
+    for (std::size_t x = 0; x < width; ++x) begins_[x] = is_begin(x) != 0 ? 1 : 0;
+    const auto end = begins_.begin() + static_cast<std::ptrdiff_t>(width);
+    for (auto at = std::find(begins_.begin(), end, 1); at != end; at = std::find(at + 1, end, 1)) {
+      const auto x = static_cast<std::size_t>(at - begins_.begin());
+      // Another edge may have come by meanwhile.
+      if (is_begin(x) == 0 || !follow(static_cast<int>(x), y, tone)) continue;
       if (const auto quad = quad_of(edge_)) quads_.push_back(*quad);
     }
   }

@@ -28,7 +28,8 @@ class QuadSearch {
   [[nodiscard]] bool follow(int x, int y, Tone tone);
 
   ToneImage tones_;
-  std::vector<Point> edge_;  // px, the middle of each side of a pixel that the edge has
+  std::vector<Point> edge_;           // px, the middle of each side of a pixel that the edge has
+  std::vector<std::uint8_t> begins_;  // 1 where an edge may begin, of a row
   std::vector<Quad> quads_;
 };
 

@@ -35,7 +35,7 @@ std::size_t segment_of(float t) {
 class SideSteps {
  public:
   SideSteps(const ImageView& image, const SideGuess& guess)
-      : image_(image), guess_(guess), frame_(guess) {
+      : image_(image), guess_(guess), frame_(guess), width_(guess.width) {
     used_.fill(true);
   }
 
@@ -49,7 +49,7 @@ class SideSteps {
   [[nodiscard]] bool converge();
   [[nodiscard]] bool drop_covered();
   void weigh();
-  void accumulate();
+  void accumulate(SideSums sums);
   [[nodiscard]] SideModel model() const;
 
   [[nodiscard]] bool shows(std::size_t segment) const {
@@ -71,7 +71,7 @@ class SideSteps {
   SideFrame frame_;
   SideCurve curve_;
   SideCurve gathered_;  // the curve near which pixels were taken
-  double width_ = 0.8;  // px
+  double width_;        // px
   double gathered_width_ = 0;
   double in_ = 0;
   double in_slope_ = 0;
@@ -83,6 +83,8 @@ class SideSteps {
   Matrix products_;
   Vector gradient_;
   Vector change_;
+  Eigen::LLT<Matrix> factor_;
+  bool is_near_ = false;  // the next step takes the factor of one before
   double square_ = 0;
   int count_ = 0;
 };
@@ -95,7 +97,8 @@ bool SideSteps::start() {
   // Grey levels at the ends of the band.
   double sums[2] = {0, 0};
   int counts[2] = {0, 0};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
+  constexpr std::size_t kEvery = 3;  // pixels, which are enough to begin with
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); i += kEvery) {
     const double s =
         static_cast<double>(pixels_.n[i]) - curve_.at(static_cast<double>(pixels_.t[i]));
     if (std::abs(s) < 0.5) continue;
@@ -116,6 +119,7 @@ bool SideSteps::gather() {
   gather_side(image_, frame_, guess_, curve_, band(room_inside(guess_)), band(room_outside(guess_)),
               end, width_, pixels_);
   weigh();
+  is_near_ = false;
   gathered_ = curve_;
   gathered_width_ = width_;
   return pixels_.count >= 3 * kSideUnknowns;
@@ -155,39 +159,44 @@ SideModel SideSteps::model() const {
   return model;
 }
 
-void SideSteps::accumulate() {
+void SideSteps::accumulate(SideSums sums) {
   SideNormal normal;
-  accumulate_side(pixels_, model(), normal);
+  accumulate_side(pixels_, model(), sums, normal);
+  for (int p = 0; p < kSideUnknowns; ++p) gradient_[p] = static_cast<double>(normal.gradient[p]);
+  square_ = static_cast<double>(normal.square);
+  const double variance = square_ / std::max(count_ - int{kSideUnknowns}, 1) + kRounding;
+  const double known = variance / (guess_.bend_sigma * guess_.bend_sigma);
+  gradient_[kSideBend] -= known * (curve_.bend - guess_.bend);
+  if (sums == SideSums::kGradient) return;
   int k = 0;
   for (int p = 0; p < kSideUnknowns; ++p) {
     for (int q = p; q < kSideUnknowns; ++q) {
       products_(p, q) = products_(q, p) = static_cast<double>(normal.products[k++]);
     }
-    gradient_[p] = static_cast<double>(normal.gradient[p]);
   }
-  square_ = static_cast<double>(normal.square);
   // The width and the bend are hardly told by a short side.
   constexpr double kWidthPrior = 0.5;  // of the logarithm, 1 sigma
-  const double variance = square_ / std::max(count_ - int{kSideUnknowns}, 1) + kRounding;
   products_(kSideWidth, kSideWidth) += variance / (kWidthPrior * kWidthPrior);
-  const double known = variance / (guess_.bend_sigma * guess_.bend_sigma);
   products_(kSideBend, kSideBend) += known;
-  gradient_[kSideBend] -= known * (curve_.bend - guess_.bend);
 }
 
 bool SideSteps::step() {
-  constexpr double kLongest = 1;  // px, and of the width's logarithm half of that
-  accumulate();
+  constexpr double kLongest = 1;   // px, and of the width's logarithm half of that
+  constexpr double kSmall = 0.06;  // px: after such a step its factor is still good
+  accumulate(is_near_ ? SideSums::kGradient : SideSums::kAll);
   if (count_ < 2 * kSideUnknowns) return false;
-  Matrix damped = products_;
-  damped.diagonal() *= 1 + 1e-6;
-  const Eigen::LLT<Matrix> factor(damped);
-  if (factor.info() != Eigen::Success) return false;
-  change_ = factor.solve(gradient_);
+  if (!is_near_) {
+    Matrix damped = products_;
+    damped.diagonal() *= 1 + 1e-6;
+    factor_.compute(damped);
+    if (factor_.info() != Eigen::Success) return false;
+  }
+  change_ = factor_.solve(gradient_);
   if (!change_.allFinite()) return false;
   const double largest =
       std::max({std::abs(change_[kSideOffset]), std::abs(change_[kSideSlope]),
                 std::abs(change_[kSideBend]), 2 * std::abs(change_[kSideWidth])});
+  is_near_ = largest < kSmall;
   change_ *= std::min(1.0, kLongest / std::max(largest, 1e-12));
   curve_.offset += change_[kSideOffset];
   curve_.slope += change_[kSideSlope];
@@ -246,8 +255,10 @@ bool SideSteps::drop_covered() {
     any = any || keep != used_[i];
     used_[i] = keep;
   }
-  if (any) weigh();
-  return any;
+  if (!any) return false;
+  weigh();
+  is_near_ = false;
+  return true;
 }
 
 bool SideSteps::run() {
@@ -257,7 +268,7 @@ bool SideSteps::run() {
     if (shown() < kFewestSegments || !converge()) return false;
   }
   if (shown() < kFewestSegments) return false;
-  accumulate();
+  accumulate(SideSums::kAll);
   const double contrast = (out_ - in_) * (guess_.inverted ? -1 : 1);
   return contrast >= kLeastContrast && count_ > 2 * kSideUnknowns;
 }

@@ -30,15 +30,19 @@ struct NextEdge {
   double slope = 0;
 };
 
+// px, 1 sigma of the blur across a side of a picture of which nothing is known.
+inline constexpr double kUsualWidth = 0.8;
+
 // Where the side is thought to be, as a line from corner to corner whose left is outside, and what
 // is beside it.
 struct SideGuess {
   Point from;
   Point to;
-  double reach = 1;       // px, how far it may be off
-  double bend = 0;        // px, of its middle, positive outside, as far as it is known
-  double bend_sigma = 1;  // px
-  bool inverted = false;  // the tag is light
+  double reach = 1;            // px, how far it may be off
+  double bend = 0;             // px, of its middle, positive outside, as far as it is known
+  double bend_sigma = 1;       // px
+  double width = kUsualWidth;  // px, 1 sigma of the blur, from which the fit begins
+  bool inverted = false;       // the tag is light
 
   NextEdge border;  // where the first row of bits begins
   NextEdge second;  // where the second row begins

@@ -100,29 +100,49 @@ struct Interval {
   }
 };
 
-// Bits of a row behind the border as blur along the side leaves them.
+// Bits of both rows behind the border as blur along the side leaves them.
 class BlurredBits {
  public:
-  BlurredBits(const std::vector<double>& cuts, const std::vector<float>& bits, double width) {
-    for (std::size_t i = 0; i < kSamples; ++i) {
-      const double t = 2.0 * static_cast<double>(i) / (kSamples - 1) - 1;
-      double sum = 0;
-      for (std::size_t k = 0; k < cuts.size(); ++k) {
-        const float before = k == 0 ? 0 : bits[k - 1];
-        const float after = k < bits.size() ? bits[k] : 0;
-        if (before == after) continue;
-        sum += static_cast<double>(after - before) * step((t - cuts[k]) / width);
-      }
-      samples_[i] = static_cast<float>(sum);
-    }
+  BlurredBits(const SideGuess& guess, double width) {
+    add(guess.cuts, guess.first, width, 0);
+    add(guess.cuts, guess.behind, width, 1);
   }
-  [[nodiscard]] float at(float t) const {
+  void at(float t, float& first, float& second) const {
     const float place = std::clamp(0.5F * (t + 1), 0.0F, 0.9999F) * (kSamples - 1);
     const auto i = static_cast<std::size_t>(place);
-    return std::lerp(samples_[i], samples_[i + 1], place - static_cast<float>(i));
+    const float share = place - static_cast<float>(i);
+    const std::array<float, 2>& before = samples_[i];
+    const std::array<float, 2>& after = samples_[i + 1];
+    first = before[0] + share * (after[0] - before[0]);
+    second = before[1] + share * (after[1] - before[1]);
   }
 
  private:
+  static constexpr int kSamples = 97;
+
+  // The sample at a place t along the side, or the one after it.
+  static int sample_from(double t) {
+    return static_cast<int>(
+        std::clamp(std::ceil(0.5 * (t + 1) * (kSamples - 1)), 0.0, static_cast<double>(kSamples)));
+  }
+  void add(const std::vector<double>& cuts, const std::vector<float>& bits, double width,
+           std::size_t row) {
+    constexpr double kFar = 5;  // sigmas, from where a blurred edge is over
+    for (std::size_t k = 0; k < cuts.size(); ++k) {
+      const float before = k == 0 ? 0 : bits[k - 1];
+      const float after = k < bits.size() ? bits[k] : 0;
+      if (before == after) continue;
+      const int over = sample_from(cuts[k] + kFar * width);
+      for (int i = sample_from(cuts[k] - kFar * width); i < over; ++i) {
+        const double t = 2.0 * i / (kSamples - 1) - 1;
+        samples_[static_cast<std::size_t>(i)][row] +=
+            (after - before) * static_cast<float>(step((t - cuts[k]) / width));
+      }
+      for (int i = over; i < kSamples; ++i) {
+        samples_[static_cast<std::size_t>(i)][row] += after - before;
+      }
+    }
+  }
   // A blurred edge at a distance in sigmas, within 3e-4: Abramowitz and Stegun, 7.1.27.
   static double step(double sigmas) {
     const double x = std::abs(0.70710678118654752 * sigmas);
@@ -131,8 +151,7 @@ class BlurredBits {
     return sigmas > 0 ? 1 - rest : rest;
   }
 
-  static constexpr std::size_t kSamples = 97;
-  std::array<float, kSamples> samples_{};
+  std::array<std::array<float, 2>, kSamples> samples_{};
 };
 
 }  // namespace
@@ -179,31 +198,41 @@ void gather_side(const ImageView& image, const SideFrame& frame, const SideGuess
     top = std::min(top, p.y());
     bottom = std::max(bottom, p.y());
   }
+  const BlurredBits bits(guess, width / frame.half());
+  const double t_step = frame.along().x() / frame.half();
+  const double n_step = frame.outwards().x();
   const double last_row = std::min(image.height - 1.0, std::floor(bottom));
   for (int y = static_cast<int>(std::max(0.0, std::ceil(top))); y <= last_row; ++y) {
     const Point start(0, y);
     const double t_start = frame.along(start);
     const double n_start = frame.across(start);
-    const double t_step = frame.along().x() / frame.half();
-    const double n_step = frame.outwards().x();
+    const auto off = [&](double x) {
+      return n_start + x * n_step - curve.at(t_start + x * t_step);
+    };
     Interval x{0, static_cast<double>(image.width - 1)};
     x.cut(t_start, t_step, -end, end);
-    x.cut(n_start, n_step, lowest, highest);
-    const std::uint8_t* row = image.data + y * image.stride;
-    for (int u = static_cast<int>(std::ceil(x.first)); u <= x.last; ++u) {
-      const double t = t_start + u * t_step;
-      const double n = n_start + u * n_step;
-      const double s = n - curve.at(t);
-      if (s < -inside || s > outside) continue;
-      pixels.add(static_cast<float>(t), static_cast<float>(n), static_cast<float>(row[u]));
+    // By the straight line first, as far as the bend moves it.
+    x.cut(n_start - curve.offset - curve.slope * t_start, n_step - curve.slope * t_step,
+          std::min(curve.bend, 0.0) - inside, std::max(curve.bend, 0.0) + outside);
+    int first = static_cast<int>(std::ceil(x.first));
+    int last = static_cast<int>(std::floor(x.last));
+    const auto is_near = [&](int u) { return off(u) >= -inside && off(u) <= outside; };
+    while (first <= last && !is_near(first)) ++first;
+    while (first <= last && !is_near(last)) --last;
+    if (first > last) continue;
+    const std::size_t at = pixels.append(last - first + 1);
+    const std::uint8_t* row = image.data + y * image.stride + first;
+    const auto t = static_cast<float>(t_start + first * t_step);
+    const auto n = static_cast<float>(n_start + first * n_step);
+    const auto by_t = static_cast<float>(t_step);
+    const auto by_n = static_cast<float>(n_step);
+    for (int i = 0; i <= last - first; ++i) {
+      const std::size_t k = at + static_cast<std::size_t>(i);
+      pixels.t[k] = t + static_cast<float>(i) * by_t;
+      pixels.n[k] = n + static_cast<float>(i) * by_n;
+      pixels.grey[k] = row[i];
+      bits.at(pixels.t[k], pixels.first[k], pixels.second[k]);
     }
-  }
-  const double blur = width / frame.half();
-  const BlurredBits first_row(guess.cuts, guess.first, blur);
-  const BlurredBits second_row(guess.cuts, guess.behind, blur);
-  for (const float t : pixels.t) {
-    pixels.first.push_back(first_row.at(t));
-    pixels.second.push_back(second_row.at(t));
   }
   pixels.finish();
 }

@@ -13,6 +13,7 @@
 // Included once for each target, too.
 #include "calvin/detect/error_function-inl.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "calvin/detect/tags/side_sums.hpp"
@@ -40,7 +41,10 @@ struct Edges {
     const V x = hn::Mul(distance, scale);
     const ErrorFunction<V> error(d, x);
     V slope;
-    const V edge = error.value(d, x, hn::Div(hn::Set(d, 1), error.p), slope);
+    // A step of Newton's makes a quick inverse of at least 8 bits one of twice as many.
+    const V near = hn::ApproximateReciprocal(error.p);
+    const V inverse = hn::Mul(near, hn::NegMulAdd(near, error.p, hn::Set(d, 2)));
+    const V edge = error.value(d, x, inverse, slope);
     value = hn::MulAdd(height, hn::MulAdd(half, edge, half), value);
     const V steep = hn::Mul(hn::Mul(height, half), hn::Mul(slope, scale));
     by_place = hn::Add(by_place, steep);
@@ -88,38 +92,54 @@ HWY_INLINE void side_rows(D d, SidePixels& pixels, const SideModel& m, int i, V*
   j[kSideBend] = hn::Neg(hn::Mul(by_place, bent));
 }
 
+// Two vectors of pixels are summed at a time: there are more sums than registers.
+inline constexpr int kSideTogether = 2;
+
 template <class V, std::size_t... K, std::size_t... P>
-HWY_INLINE void add_side(const V* j, V e, V* products, V* gradient, std::index_sequence<K...> /*k*/,
+HWY_INLINE void add_side(const V (*j)[kSideUnknowns], const V* e, [[maybe_unused]] V* products,
+                         V* gradient, std::index_sequence<K...> /*k*/,
                          std::index_sequence<P...> /*p*/) {
-  ((products[K] = hn::MulAdd(j[kSidePairs.first[K]], j[kSidePairs.second[K]], products[K])), ...);
-  ((gradient[P] = hn::MulAdd(j[P], e, gradient[P])), ...);
+  ((products[K] =
+        hn::MulAdd(j[1][kSidePairs.first[K]], j[1][kSidePairs.second[K]],
+                   hn::MulAdd(j[0][kSidePairs.first[K]], j[0][kSidePairs.second[K]], products[K]))),
+   ...);
+  ((gradient[P] = hn::MulAdd(j[1][P], e[1], hn::MulAdd(j[0][P], e[0], gradient[P]))), ...);
 }
 
-void accumulate_side(SidePixels& pixels, const SideModel& model, SideNormal& normal) {
+template <int kSummed>  // of the products: all or none
+void accumulate_side_of(SidePixels& pixels, const SideModel& model, SideNormal& normal) {
   using D = hn::ScalableTag<float>;
   using V = hn::Vec<D>;
   const D d;
   V products[kSideProducts];
   V gradient[kSideUnknowns];
-  for (V& p : products) p = hn::Zero(d);
+  for (int k = 0; k < kSummed; ++k) products[k] = hn::Zero(d);
   for (V& g : gradient) g = hn::Zero(d);
   V square = hn::Zero(d);
   const auto lanes = static_cast<int>(hn::Lanes(d));
-  for (int i = 0; i < pixels.count; i += lanes) {
-    V j[kSideUnknowns];
-    V e;
-    side_rows(d, pixels, model, i, j, e);
-    square = hn::MulAdd(e, e, square);
-    add_side(j, e, products, gradient, std::make_index_sequence<kSideProducts>(),
+  for (int i = 0; i < pixels.count; i += kSideTogether * lanes) {
+    V j[kSideTogether][kSideUnknowns];
+    V e[kSideTogether];
+    for (int k = 0; k < kSideTogether; ++k) {
+      side_rows(d, pixels, model, i + k * lanes, j[k], e[k]);
+      square = hn::MulAdd(e[k], e[k], square);
+    }
+    add_side(j, e, products, gradient, std::make_index_sequence<kSummed>(),
              std::make_index_sequence<kSideUnknowns>());
   }
-  for (int k = 0; k < kSideProducts; ++k) {
+  for (int k = 0; k < kSummed; ++k) {
     normal.products[k] = hn::GetLane(hn::SumOfLanes(d, products[k]));
   }
   for (int p = 0; p < kSideUnknowns; ++p) {
     normal.gradient[p] = hn::GetLane(hn::SumOfLanes(d, gradient[p]));
   }
   normal.square = hn::GetLane(hn::SumOfLanes(d, square));
+}
+
+void accumulate_side(SidePixels& pixels, const SideModel& model, SideSums sums,
+                     SideNormal& normal) {
+  return sums == SideSums::kGradient ? accumulate_side_of<0>(pixels, model, normal)
+                                     : accumulate_side_of<kSideProducts>(pixels, model, normal);
 }
 
 }  // namespace calvin::detect::HWY_NAMESPACE
@@ -133,32 +153,33 @@ namespace {
 
 HWY_EXPORT(accumulate_side);
 
-constexpr std::size_t kLongestVector = 64;  // lanes
+constexpr std::size_t kBeyond = 2 * 64;  // two of the longest vectors
 
 }  // namespace
 
-void SidePixels::clear() {
-  count = 0;
-  for (auto* numbers : {&t, &n, &grey, &first, &second, &weight, &error}) numbers->clear();
-}
-
-void SidePixels::add(float along, float across, float level) {
-  t.push_back(along);
-  n.push_back(across);
-  grey.push_back(level);
-  ++count;
-}
-
-void SidePixels::finish() {
-  const auto used = static_cast<std::size_t>(count);
-  weight.assign(used, 1);
-  for (auto* numbers : {&t, &n, &grey, &first, &second, &weight, &error}) {
-    numbers->resize(used + kLongestVector, 0);
+std::size_t SidePixels::append(int more) {
+  const auto before = static_cast<std::size_t>(count);
+  count += more;
+  const std::size_t needed = static_cast<std::size_t>(count) + kBeyond;
+  if (t.size() < needed) {
+    for (auto* numbers : {&t, &n, &grey, &first, &second, &weight, &error}) {
+      numbers->resize(2 * needed, 0);
+    }
   }
+  return before;
 }
 
-void accumulate_side(SidePixels& pixels, const SideModel& model, SideNormal& normal) noexcept {
-  HWY_DYNAMIC_DISPATCH(accumulate_side)(pixels, model, normal);
+// What is left behind the last one are numbers that were pixels before.
+void SidePixels::finish() {
+  (void)append(0);
+  const auto end = weight.begin() + count;
+  std::fill(weight.begin(), end, 1.0F);
+  std::fill_n(end, kBeyond, 0.0F);
+}
+
+void accumulate_side(SidePixels& pixels, const SideModel& model, SideSums sums,
+                     SideNormal& normal) noexcept {
+  HWY_DYNAMIC_DISPATCH(accumulate_side)(pixels, model, sums, normal);
 }
 
 }  // namespace calvin::detect

@@ -4,6 +4,7 @@
 // The sums over the pixels along a side of a tag from which its fit takes a step.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace calvin::detect {
@@ -33,9 +34,10 @@ struct SidePixels {
   std::vector<float> weight;  // 1, or 0 for a pixel that shows something else
   std::vector<float> error;   // of the fit, grey levels
 
-  void clear();
-  void add(float along, float across, float level);
-  // After the last one: makes the room behind it.
+  void clear() { count = 0; }
+  // Makes room for so many more; returns the place of the first of them.
+  [[nodiscard]] std::size_t append(int more);
+  // After the last one: makes the room behind it, without weight.
   void finish();
 };
 
@@ -62,7 +64,12 @@ struct SideNormal {
   float square;
 };
 
-// Writes the errors of all pixels, too.
-void accumulate_side(SidePixels& pixels, const SideModel& model, SideNormal& normal) noexcept;
+// Which sums are taken.
+enum class SideSums { kAll, kGradient };
+
+// Writes the errors of all pixels, too. `products` are left as they are where the gradient alone is
+// wanted.
+void accumulate_side(SidePixels& pixels, const SideModel& model, SideSums sums,
+                     SideNormal& normal) noexcept;
 
 }  // namespace calvin::detect

@@ -11,7 +11,6 @@
 
 #include <Eigen/LU>
 
-#include "calvin/detect/tags/side_fit.hpp"
 #include "calvin/detect/tags/side_pixels.hpp"
 
 namespace calvin::detect {
@@ -111,7 +110,7 @@ struct FittedSides {
 };
 
 FittedSides fit_sides(const ImageView& image, const Quad& corners, const TagPattern& pattern,
-                      double reach, const TagBends& bends) {
+                      double reach, const TagBends& bends, double width) {
   FittedSides fitted;
   for (std::size_t i = 0; i < 4; ++i) {
     SideGuess& guess = fitted.guesses[i];
@@ -120,6 +119,7 @@ FittedSides fit_sides(const ImageView& image, const Quad& corners, const TagPatt
     guess.reach = std::min({reach, 0.6 * room_inside(guess), 0.6 * room_outside(guess)});
     guess.bend = bends.at[i];
     guess.bend_sigma = bends.sigma[i];
+    guess.width = width;
     fitted.sides[i] = fit_side(image, guess);
   }
   return fitted;
@@ -153,8 +153,8 @@ TagBends unknown_bends(const Quad& corners) {
 }
 
 TagFit fit_tag(const ImageView& image, const Quad& corners, const TagPattern& pattern, double reach,
-               const TagBends& bends) {
-  const FittedSides fitted = fit_sides(image, corners, pattern, reach, bends);
+               const TagBends& bends, double width) {
+  const FittedSides fitted = fit_sides(image, corners, pattern, reach, bends, width);
   TagFit tag;
   tag.corners = corners;
   for (const auto& side : fitted.sides) {

@@ -9,6 +9,7 @@
 
 #include "calvin/core/image.hpp"
 #include "calvin/detect/tags/point.hpp"
+#include "calvin/detect/tags/side_fit.hpp"
 #include "calvin/detect/tags/tag_pattern.hpp"
 
 namespace calvin::detect {
@@ -32,8 +33,9 @@ struct TagBends {
 // Bends of which nothing is known.
 [[nodiscard]] TagBends unknown_bends(const Quad& corners);
 
-// `reach`: px, how far corners may be off. The image has step 1.
+// `reach`: px, how far corners may be off; `width`: px, 1 sigma of the blur as far as it is known.
+// The image has step 1.
 [[nodiscard]] TagFit fit_tag(const ImageView& image, const Quad& corners, const TagPattern& pattern,
-                             double reach, const TagBends& bends);
+                             double reach, const TagBends& bends, double width = kUsualWidth);
 
 }  // namespace calvin::detect

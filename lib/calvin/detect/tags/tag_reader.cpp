@@ -199,20 +199,28 @@ std::optional<TagBits> TagReader::bits_of(const ImageView& image, const Quad& qu
   const Cells cells(image, quad, *this);
   if (!cells.are_tags(kMostWrong)) return std::nullopt;
   const int side = style_.dictionary->side;
+  // The bits and the cells around them, but for those at the corners.
+  const int around = side + 2;
+  std::vector<double> light(static_cast<std::size_t>(around * around));
+  const auto at = [&](int col, int row) -> double& {
+    return light[static_cast<std::size_t>((row + 1) * around + col + 1)];
+  };
+  for (int row = -1; row <= side; ++row) {
+    for (int col = -1; col <= side; ++col) {
+      if ((col < 0 || col == side) && (row < 0 || row == side)) continue;
+      const auto own = cells.lightness(col + style_.border, row + style_.border);
+      if (!own) return std::nullopt;
+      at(col, row) = *own;
+    }
+  }
   TagBits bits;
   for (int row = 0; row < side; ++row) {
     for (int col = 0; col < side; ++col) {
-      const int i = col + style_.border;
-      const int j = row + style_.border;
-      const auto own = cells.lightness(i, j);
-      const auto left = cells.lightness(i - 1, j);
-      const auto right = cells.lightness(i + 1, j);
-      const auto above = cells.lightness(i, j - 1);
-      const auto below = cells.lightness(i, j + 1);
-      if (!own || !left || !right || !above || !below) return std::nullopt;
+      const double own = at(col, row);
+      const double beside = at(col - 1, row) + at(col + 1, row);
       // As in AprilTag 3, blur and ink that has run are taken off by a Laplacian.
-      const double sharp = *own + 0.25 * (4 * *own - *left - *right - *above - *below);
-      bits.plain = bits.plain << 1 | (*own > 0.5 ? 1U : 0U);
+      const double sharp = own + 0.25 * (4 * own - beside - at(col, row - 1) - at(col, row + 1));
+      bits.plain = bits.plain << 1 | (own > 0.5 ? 1U : 0U);
       bits.sharpened = bits.sharpened << 1 | (sharp > 0.5 ? 1U : 0U);
     }
   }
@@ -221,10 +229,23 @@ std::optional<TagBits> TagReader::bits_of(const ImageView& image, const Quad& qu
 
 std::optional<TagCode> TagReader::find(const TagBits& bits) const {
   const auto plain = nearest(bits.plain);
+  if (bits.plain == bits.sharpened) return plain;
   const auto sharpened = nearest(bits.sharpened);
   if (!plain || !sharpened) return plain ? plain : sharpened;
   return sharpened->wrong < plain->wrong ? sharpened : plain;
 }
+
+namespace {
+
+// std::popcount() is a call of a function where the processor is any x86-64.
+int bits_in(std::uint64_t v) {
+  v -= v >> 1 & 0x5555555555555555U;
+  v = (v & 0x3333333333333333U) + (v >> 2 & 0x3333333333333333U);
+  v = (v + (v >> 4)) & 0x0f0f0f0f0f0f0f0fU;
+  return static_cast<int>(v * 0x0101010101010101U >> 56);
+}
+
+}  // namespace
 
 std::optional<TagCode> TagReader::nearest(std::uint64_t bits) const {
   const int side = style_.dictionary->side;
@@ -232,7 +253,7 @@ std::optional<TagCode> TagReader::nearest(std::uint64_t bits) const {
   best.wrong = most_wrong_ + 1;
   for (int turns = 0; turns < 4; ++turns) {
     for (std::size_t id = 0; id < style_.dictionary->codes.size(); ++id) {
-      const int wrong = std::popcount(bits ^ style_.dictionary->codes[id]);
+      const int wrong = bits_in(bits ^ style_.dictionary->codes[id]);
       if (wrong < best.wrong) best = {static_cast<int>(id), (4 - turns) % 4, wrong};
     }
     bits = turned(bits, side);

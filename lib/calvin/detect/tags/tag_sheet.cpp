@@ -159,7 +159,8 @@ bool TagSheet::take_if_seen(const ImageView& image, const TagReader& reader,
   constexpr double kSmallSigma = 0.3;  // px
   constexpr double kLeastBits = 5;     // nats; a tag at another place is none of these
   const TagPattern tag = pattern(reader, expected.place);
-  const TagFit fit = fit_tag(image, expected.corners, tag, reach, bends);
+  const double width = tags_.empty() ? kUsualWidth : tags_.back().fit.width;
+  const TagFit fit = fit_tag(image, expected.corners, tag, reach, bends, width);
   if (fit.sides < 2 || fit.seen() < 1) return false;
   const bool is_clear = std::ranges::all_of(fit.sigma, [](double s) { return s < kSmallSigma; });
   const TagMatch match = reader.match(image, fit.corners, tag);
@@ -278,7 +279,8 @@ void TagSheet::fit_again(const ImageView& image, const TagReader& reader, const 
     const bool was_known = t.bends.has_value();
     t.bends = bends_of(map, t.place, t.fit.seen() < 4);
     if (was_known) continue;  // bends change little from frame to frame
-    const TagFit again = fit_tag(image, t.fit.corners, pattern(reader, t.place), kReach, *t.bends);
+    const TagFit again =
+        fit_tag(image, t.fit.corners, pattern(reader, t.place), kReach, *t.bends, t.fit.width);
     if (again.seen() >= t.fit.seen()) t.fit = again;
   }
 }

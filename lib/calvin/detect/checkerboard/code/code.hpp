@@ -73,6 +73,10 @@ class Code {
   // Whether the square outside control point 0, up and to the left of it, is dark.
   [[nodiscard]] bool begins_dark() const { return begins_dark_; }
 
+  // The cells outside of which there are no bits.
+  [[nodiscard]] CellRange cells() const {
+    return {{-kBeyond, -kBeyond}, {cols_ + kBeyond - 1, rows_ + kBeyond - 1}};
+  }
   // 1 where the board has a light bit, -1 where it has a dark one, 0 where it has none.
   [[nodiscard]] int at(const CodePlace& place) const {
     const Cell c = place.cell;

@@ -5,6 +5,7 @@
 
 #include "calvin/detect/checkerboard/code/code_match.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "calvin/detect/checkerboard/code/evidence.hpp"
@@ -88,6 +89,39 @@ bool is_next_line_in_view(const ImageView& image, const Lattice& lattice) {
 
 }  // namespace
 
+void BitArea::set(std::span<const CodeBit> bits) {
+  cells_ = {};
+  if (bits.empty()) return;
+  cells_ = {bits.front().at.cell, bits.front().at.cell};
+  for (const CodeBit& bit : bits) {
+    const Cell c = bit.at.cell;
+    cells_.first = {std::min(cells_.first.col, c.col), std::min(cells_.first.row, c.row)};
+    cells_.last = {std::max(cells_.last.col, c.col), std::max(cells_.last.row, c.row)};
+  }
+  sums_.assign(static_cast<std::size_t>((cells_.cols() + 1) * (cells_.rows() + 1)), 0);
+  for (const CodeBit& bit : bits) {
+    const Cell c = bit.at.cell - cells_.first;
+    ++before(c.col + 1, c.row + 1);
+  }
+  for (int row = 1; row <= cells_.rows(); ++row) {
+    int of_row = 0;
+    for (int col = 1; col <= cells_.cols(); ++col) {
+      of_row += before(col, row);
+      before(col, row) = before(col, row - 1) + of_row;
+    }
+  }
+}
+
+int BitArea::within(const CellRange& range) const {
+  const auto cut = [](int from_first, int count) { return std::clamp(from_first, 0, count); };
+  const int left = cut(range.first.col - cells_.first.col, cells_.cols());
+  const int right = cut(range.last.col + 1 - cells_.first.col, cells_.cols());
+  const int top = cut(range.first.row - cells_.first.row, cells_.rows());
+  const int bottom = cut(range.last.row + 1 - cells_.first.row, cells_.rows());
+  if (left >= right || top >= bottom) return 0;
+  return before(right, bottom) - before(left, bottom) - before(right, top) + before(left, top);
+}
+
 // nats, that this is no chance; none where most bits of a family are as good as chance, for the
 // codes of two places may have one family in common.
 double CodeMatch::Count::evidence(const Code& code) const {
@@ -126,34 +160,53 @@ CodeMatch::Count CodeMatch::count(const Code& code, Cell shift) const {
 void CodeMatch::turn(const Code& code, int quarter) {
   turned_ = bits_;
   for (CodeBit& bit : turned_) bit.at = code.turned(bit.at, quarter);
+  area_.set(turned_);
 }
 
+void CodeMatch::compare_with(const Code& code, const GridAlignment& alignment) {
+  const double evidence = count(code, alignment.point({0, 0})).evidence(code);
+  if (evidence > best_.evidence) {
+    next_best_ = best_.evidence;
+    best_ = {alignment, evidence};
+  } else if (evidence > next_best_) {
+    next_best_ = evidence;
+  }
+}
+
+// Ways that have all bits on the board are tried first. Where one of them has them right, hardly
+// any other way has enough bits on the board to be a rival.
 void CodeMatch::compare(const Grid& grid, const Code& code, const Lattice& lattice) {
+  constexpr double kNatsPerBit = 0.6931472;  // ln 2: what a bit that is right says at the most
   const CellRange extent = lattice.extent();
   best_ = {};
   next_best_ = 0;
   candidates_ = 0;
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    turn(code, quarter);
-    const int cols = quarter % 2 == 0 ? grid.cols : grid.rows;
-    const int rows = quarter % 2 == 0 ? grid.rows : grid.cols;
-    const CellRange all = origins(extent, cols, rows);
-    for (int row = all.first.row; row <= all.last.row; ++row) {
-      for (int col = all.first.col; col <= all.last.col; ++col) {
-        const GridAlignment alignment = {quarter, {col, row}, cols, rows};
-        if (alignment.begins_dark() != code.begins_dark()) continue;
-        if (!steps_fit(alignment, lattice)) continue;
-        ++candidates_;
-        const double evidence = count(code, alignment.point({0, 0})).evidence(code);
-        if (evidence > best_.evidence) {
-          next_best_ = best_.evidence;
-          best_ = {alignment, evidence};
-        } else if (evidence > next_best_) {
-          next_best_ = evidence;
+  for (const bool with_all : {true, false}) {
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      turn(code, quarter);
+      const int cols = quarter % 2 == 0 ? grid.cols : grid.rows;
+      const int rows = quarter % 2 == 0 ? grid.rows : grid.cols;
+      const CellRange all = origins(extent, cols, rows);
+      for (int row = all.first.row; row <= all.last.row; ++row) {
+        for (int col = all.first.col; col <= all.last.col; ++col) {
+          const GridAlignment alignment = {quarter, {col, row}, cols, rows};
+          if (alignment.begins_dark() != code.begins_dark()) continue;
+          if (!steps_fit(alignment, lattice)) continue;
+          const int bits = bits_within(code, alignment);
+          if ((bits == static_cast<int>(bits_.size())) != with_all) continue;
+          ++candidates_;
+          if (kNatsPerBit * bits < best_.evidence - kLeastLead) continue;
+          compare_with(code, alignment);
         }
       }
     }
   }
+}
+
+int CodeMatch::bits_within(const Code& code, const GridAlignment& alignment) const {
+  const Cell shift = alignment.point({0, 0});
+  const CellRange cells = code.cells();
+  return area_.within({cells.first - shift, cells.last - shift});
 }
 
 // What a lattice is that is no part of the board: another one that its code tells, as a PuzzleBoard

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "calvin/core/image.hpp"
@@ -17,6 +19,28 @@ namespace calvin::detect {
 
 // Tells each node of a lattice that is a board with dots what is on its edges.
 void set_dots(const Code& code, const GridAlignment& alignment, Lattice& lattice);
+
+// How many of the bits that were seen lie in a part of a lattice, by a table of sums over all
+// rectangles that begin in the first cell: no more of them can speak for a place of the board.
+class BitArea {
+ public:
+  void set(std::span<const CodeBit> bits);
+
+  // Of the bits in a range of cells, which may reach beyond them on any side.
+  [[nodiscard]] int within(const CellRange& range) const;
+
+ private:
+  // The bits in rows and columns before these, from the first cell on.
+  [[nodiscard]] int& before(int cols, int rows) {
+    return sums_[static_cast<std::size_t>(rows * (cells_.cols() + 1) + cols)];
+  }
+  [[nodiscard]] int before(int cols, int rows) const {
+    return sums_[static_cast<std::size_t>(rows * (cells_.cols() + 1) + cols)];
+  }
+
+  CellRange cells_;  // of the bits
+  std::vector<int> sums_;
+};
 
 // Keeps its memory.
 class CodeMatch {
@@ -44,10 +68,14 @@ class CodeMatch {
   [[nodiscard]] Match another_board(const ImageView& image, const Grid& grid, const Code& code,
                                     const Lattice& lattice) const;
   void turn(const Code& code, int quarter);
+  // How many of the turned bits lie on the board.
+  [[nodiscard]] int bits_within(const Code& code, const GridAlignment& alignment) const;
+  void compare_with(const Code& code, const GridAlignment& alignment);
   void compare(const Grid& grid, const Code& code, const Lattice& lattice);
 
   std::vector<CodeBit> bits_;
   std::vector<CodeBit> turned_;
+  BitArea area_;  // of the turned bits
   Candidate best_;
   double next_best_ = 0;  // evidence
   int candidates_ = 0;

@@ -1,103 +1,166 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// What a blurred dot adds to a blurred edge: the product of how much of a pixel the dot covers and
-// how much of it the edge leaves in the other colour. A dot meets its edge at right angles, where
-// that is exact.
+// What a blurred dot adds to a blurred edge, a vector at a time: the product of how much of a pixel
+// the dot covers and how much of it the edge leaves in the other colour. A dot meets its edge at
+// right angles, where that is exact.
 
-#include "calvin/detect/checkerboard/corners/edge_dots.hpp"
+#include "calvin/core/vector_targets.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "calvin/detect/checkerboard/corners/edge_dots.cpp"
+#include <hwy/foreach_target.h>
+// The order matters: Highway includes this file again for each target from the line above.
+#include <hwy/highway.h>
+// The error function is included once for each target, too.
+#include "calvin/detect/error_function-inl.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "calvin/detect/checkerboard/corners/edge_dots.hpp"
 #include "calvin/detect/checkerboard/corners/fit_window.hpp"
 #include "calvin/detect/checkerboard/corners/saddle_fit.hpp"
+
+#ifndef CALVIN_DETECT_BLURRED_DOT
+#define CALVIN_DETECT_BLURRED_DOT
+namespace calvin::detect {
+
+// One dot before the edges of a fit.
+struct BlurredDot {
+  BlurredDot(const SaddleFit& fit, const EdgeDot& dot)
+      : center(dot.center), edge(dot.on_along ? fit.along : fit.down) {
+    constexpr float kFar = 3;  // widths: nothing of an edge is left there
+    const float area = cross(dot.along_edge, dot.across);
+    by_along = {dot.across.y / area, -dot.across.x / area};
+    by_across = {-dot.along_edge.y / area, dot.along_edge.x / area};
+    radius = std::sqrt(std::abs(area));
+    width = dot.on_along ? fit.along_width : fit.down_width;
+    // Between along and down it is bright for a positive contrast; beyond the corner the sides of
+    // an edge have exchanged their colours. A light dot shows where it is dark.
+    const bool is_behind = detect::dot(dot.center, edge) < 0;
+    side = dot.on_along ? 1.0F : -1.0F;
+    if (is_behind != (fit.contrast < 0)) side = -side;
+    if (dot.light) side = -side;
+    added = (dot.light ? 2 : -2) * std::abs(fit.contrast);
+    farthest = 1 + kFar * width / radius;
+  }
+
+  Direction center;
+  Direction edge;
+  Direction by_along;  // takes a point to the unit disc
+  Direction by_across;
+  float radius = 1;  // px
+  float width = 1;   // px
+  float side = 1;    // of the edge, on which the dot shows
+  float added = 0;   // grey levels
+  float farthest = 1;
+};
+
+}  // namespace calvin::detect
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace calvin::detect::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+
+inline constexpr float kRoot = 0.70710678F;  // a Gaussian's sigma is 1/sqrt(2) of the erf's scale
+
+HWY_INLINE V all(float v) { return hn::Set(D(), v); }
+
+// What a Gaussian blur of 1 sigma makes of an edge from -1 to 1, at a distance of x / kRoot.
+HWY_INLINE V blurred_edge(V x) {
+  const ErrorFunction<V> error(D(), x);
+  V slope;
+  return error.value(D(), x, hn::Div(all(1), error.p), slope);
+}
+
+// The share of the bright side.
+HWY_INLINE V normal_integral(V x) { return hn::MulAdd(all(0.5F), blurred_edge(x), all(0.5F)); }
+
+HWY_INLINE V cross_with(Direction a, V x, V y) {
+  return hn::Sub(hn::Mul(all(a.x), y), hn::Mul(all(a.y), x));
+}
+
+// What a dot adds, grey levels, at points from the corner of which (s, t) are the coordinates in
+// the unit disc and `square` the square of the distance from its middle there.
+HWY_INLINE V added_by(const BlurredDot& dot, V x, V y, V s, V t, V square) {
+  const V rho = hn::Sqrt(hn::Max(square, all(1e-12F)));
+  // px, from the rim outwards; a blurred disc is smaller than the disc.
+  const V slope_x = hn::MulAdd(s, all(dot.by_along.x), hn::Mul(t, all(dot.by_across.x)));
+  const V slope_y = hn::MulAdd(s, all(dot.by_along.y), hn::Mul(t, all(dot.by_across.y)));
+  const V slope = hn::Sqrt(hn::MulAdd(slope_x, slope_x, hn::Mul(slope_y, slope_y)));
+  // In the middle, where there is no slope, all is covered.
+  const V per_px = hn::Div(rho, hn::Max(slope, all(1e-9F)));
+  const V outside =
+      hn::MulAdd(hn::Sub(rho, all(1)), per_px, all(0.5F * dot.width * dot.width / dot.radius));
+  const V covered = normal_integral(hn::Mul(outside, all(-kRoot / dot.width)));
+  const V other =
+      normal_integral(hn::Mul(cross_with(dot.edge, x, y), all(kRoot * dot.side / dot.width)));
+  return hn::Mul(all(dot.added), hn::Mul(covered, other));
+}
+
+// The grey level of a fit without dots, at points from its corner.
+HWY_INLINE V plain_grey(const SaddleFit& fit, V x, V y) {
+  const V a = blurred_edge(hn::Mul(cross_with(fit.along, x, y), all(kRoot / fit.along_width)));
+  const V b = blurred_edge(hn::Mul(cross_with(fit.down, x, y), all(-kRoot / fit.down_width)));
+  const V grey = hn::MulAdd(all(fit.contrast), hn::Mul(a, b), all(fit.level));
+  return hn::Min(hn::Max(grey, all(0)), all(255));
+}
+
+void remove_dot(const SaddleFit& fit, const BlurredDot& dot, float x, float y, Window& window) {
+  constexpr float kAny = 1;  // grey levels
+  const D d;
+  const V most = all(dot.farthest * dot.farthest);
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  for (int i = 0; i < window.count; i += lanes) {
+    const V px = hn::Sub(hn::LoadU(d, window.x + i), all(x));
+    const V py = hn::Sub(hn::LoadU(d, window.y + i), all(y));
+    const V qx = hn::Sub(px, all(dot.center.x));
+    const V qy = hn::Sub(py, all(dot.center.y));
+    const V s = hn::MulAdd(all(dot.by_along.x), qx, hn::Mul(all(dot.by_along.y), qy));
+    const V t = hn::MulAdd(all(dot.by_across.x), qx, hn::Mul(all(dot.by_across.y), qy));
+    const V square = hn::MulAdd(s, s, hn::Mul(t, t));
+    const auto inside = hn::FirstN(d, static_cast<std::size_t>(window.count - i));
+    const auto near = hn::And(inside, hn::Le(square, most));
+    if (hn::AllFalse(d, near)) continue;
+    const V added = added_by(dot, px, py, s, t, square);
+    const V grey = hn::LoadU(d, window.grey + i);
+    V left = hn::Sub(grey, added);
+    // How bright a pixel would be that is white nobody knows: it tells nothing of the corner.
+    const auto is_cut_off = hn::Or(hn::Le(grey, all(0)), hn::Ge(grey, all(255)));
+    const auto is_unknown = hn::And(is_cut_off, hn::Gt(hn::Abs(added), all(kAny)));
+    if (!hn::AllFalse(d, hn::And(near, is_unknown))) {
+      left = hn::IfThenElse(is_unknown, plain_grey(fit, px, py), left);
+    }
+    hn::StoreU(hn::IfThenElse(near, left, grey), d, window.grey + i);
+  }
+}
+
+}  // namespace calvin::detect::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 
 namespace calvin::detect {
 
 namespace {
 
-constexpr float kFar = 3;  // widths: nothing of an edge is left there
-
-// The integral of the normal distribution (Page's approximation, to 2e-4).
-float normal_integral(float x) {
-  constexpr float kScale = 0.7978846F;
-  return 0.5F + 0.5F * std::tanh(kScale * x * (1 + 0.044715F * x * x));
-}
-
-// One dot before the edges of a fit.
-class BlurredDot {
- public:
-  BlurredDot(const SaddleFit& fit, const EdgeDot& dot)
-      : center_(dot.center), edge_(dot.on_along ? fit.along : fit.down) {
-    const float area = cross(dot.along_edge, dot.across);
-    by_along_ = {dot.across.y / area, -dot.across.x / area};
-    by_across_ = {-dot.along_edge.y / area, dot.along_edge.x / area};
-    radius_ = std::sqrt(std::abs(area));
-    width_ = dot.on_along ? fit.along_width : fit.down_width;
-    // Between along and down it is bright for a positive contrast; beyond the corner the sides of
-    // an edge have exchanged their colours. A light dot shows where it is dark.
-    const bool is_behind = detect::dot(dot.center, edge_) < 0;
-    side_ = dot.on_along ? 1.0F : -1.0F;
-    if (is_behind != (fit.contrast < 0)) side_ = -side_;
-    if (dot.light) side_ = -side_;
-    added_ = (dot.light ? 2 : -2) * std::abs(fit.contrast);
-    farthest_ = 1 + kFar * width_ / radius_;
-  }
-
-  // grey levels, at a point from the corner
-  [[nodiscard]] float at(Direction p) const {
-    const Direction q = {p.x - center_.x, p.y - center_.y};
-    const float s = detect::dot(by_along_, q);
-    const float t = detect::dot(by_across_, q);
-    const float square = s * s + t * t;
-    if (square > farthest_ * farthest_) return 0;
-    const float rho = std::sqrt(square);
-    // px, from the rim outwards; a blurred disc is smaller than the disc.
-    const Direction slope = {s * by_along_.x + t * by_across_.x,
-                             s * by_along_.y + t * by_across_.y};
-    const float steep = rho > 0 ? std::sqrt(detect::dot(slope, slope)) / rho : 1 / radius_;
-    const float outside = (rho - 1) / steep + 0.5F * width_ * width_ / radius_;
-    const float covered = normal_integral(-outside / width_);
-    const float other = normal_integral(side_ * cross(edge_, p) / width_);
-    return added_ * covered * other;
-  }
-
- private:
-  Direction center_;
-  Direction edge_;
-  Direction by_along_;  // takes a point to the unit disc
-  Direction by_across_;
-  float radius_ = 1;  // px
-  float width_ = 1;   // px
-  float side_ = 1;    // of the edge, on which the dot shows
-  float added_ = 0;   // grey levels
-  float farthest_ = 1;
-};
-
-// The grey level of a fit without dots, at a point from its corner.
-float plain_grey(const SaddleFit& fit, Direction p) {
-  const float a = 2 * normal_integral(cross(fit.along, p) / fit.along_width) - 1;
-  const float b = 2 * normal_integral(cross(p, fit.down) / fit.down_width) - 1;
-  return std::clamp(fit.level + fit.contrast * a * b, 0.0F, 255.0F);
-}
+HWY_EXPORT(remove_dot);
 
 }  // namespace
 
 void remove_dots(const SaddleFit& fit, float x, float y, Window& window) noexcept {
-  constexpr float kAny = 1;  // grey levels
   for (int k = 0; k < fit.dots.count; ++k) {
     const BlurredDot dot(fit, fit.dots.all[static_cast<std::size_t>(k)]);
-    for (int i = 0; i < window.count; ++i) {
-      const Direction p = {window.x[i] - x, window.y[i] - y};
-      const float added = dot.at(p);
-      if (added == 0) continue;
-      // How bright a pixel would be that is white nobody knows: it tells nothing of the corner.
-      const bool is_cut_off = window.grey[i] <= 0 || window.grey[i] >= 255;
-      window.grey[i] =
-          is_cut_off && std::abs(added) > kAny ? plain_grey(fit, p) : window.grey[i] - added;
-    }
+    HWY_DYNAMIC_DISPATCH(remove_dot)(fit, dot, x, y, window);
   }
 }
 
 }  // namespace calvin::detect
+
+#endif  // HWY_ONCE

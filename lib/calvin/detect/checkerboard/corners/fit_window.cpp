@@ -74,6 +74,10 @@ void append(const std::uint8_t* row, Range range, int end, float y, Window& wind
   window.count += std::max(range.last - range.first + 1, 0);
 }
 
+void append_row(const std::uint8_t* row, int first, int last, int end, float y, Window& window) {
+  append(row, {first, last}, end, y, window);
+}
+
 void gather(const ImageView& image, int x, int y, float radius, float band, Direction along,
             Direction down, Window& window) {
   const float limit = (radius + kRim) * (radius + kRim);
@@ -108,6 +112,33 @@ void gather(const ImageView& image, int x, int y, float radius, float band, Dire
   std::fill_n(window.grey + window.count, kBeyond, 0.0F);
 }
 
+SquareMeans square_means(const Window& window, Direction along, Direction down, float x, float y) {
+  const hn::ScalableTag<float> d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const auto along_x = hn::Set(d, along.x), along_y = hn::Set(d, along.y);
+  const auto down_x = hn::Set(d, down.x), down_y = hn::Set(d, down.y);
+  auto all = hn::Zero(d);
+  auto between = hn::Zero(d);
+  auto count = hn::Zero(d);
+  // Beyond the window the grey level is 0.
+  for (int i = 0; i < window.count; i += lanes) {
+    const auto dx = hn::Sub(hn::LoadU(d, window.x + i), hn::Set(d, x));
+    const auto dy = hn::Sub(hn::LoadU(d, window.y + i), hn::Set(d, y));
+    const auto a = hn::Sub(hn::Mul(along_x, dy), hn::Mul(along_y, dx));
+    const auto b = hn::Sub(hn::Mul(down_y, dx), hn::Mul(down_x, dy));
+    const auto inside = hn::FirstN(d, static_cast<std::size_t>(window.count - i));
+    const auto is_between = hn::And(inside, hn::Gt(hn::Mul(a, b), hn::Zero(d)));
+    const auto grey = hn::LoadU(d, window.grey + i);
+    all = hn::Add(all, grey);
+    between = hn::Add(between, hn::IfThenElseZero(is_between, grey));
+    count = hn::Add(count, hn::IfThenElseZero(is_between, hn::Set(d, 1)));
+  }
+  const auto sum = [d](auto v) { return hn::GetLane(hn::SumOfLanes(d, v)); };
+  const float in = sum(count);
+  const float out = static_cast<float>(window.count) - in;
+  return {sum(between) / std::max(in, 1.0F), sum(hn::Sub(all, between)) / std::max(out, 1.0F)};
+}
+
 float odd_square(const Window& window) {
   const hn::ScalableTag<float> d;
   const auto lanes = static_cast<int>(hn::Lanes(d));
@@ -137,6 +168,8 @@ namespace calvin::detect {
 namespace {
 
 HWY_EXPORT(gather);
+HWY_EXPORT(append_row);
+HWY_EXPORT(square_means);
 HWY_EXPORT(odd_square);
 
 // How many pixels of a disc of `radius` lie within `band` of one of two lines, at the most.
@@ -151,6 +184,16 @@ float gather(const ImageView& image, int x, int y, float radius, float band, Dir
   while (most_pixels(radius + kRim, band) > kMostPixels) radius *= 0.9F;
   HWY_DYNAMIC_DISPATCH(gather)(image, x, y, radius, band, along, down, window);
   return radius;
+}
+
+void append_row(const std::uint8_t* row, int first, int last, int end, float y,
+                Window& window) noexcept {
+  HWY_DYNAMIC_DISPATCH(append_row)(row, first, last, end, y, window);
+}
+
+SquareMeans square_means(const Window& window, Direction along, Direction down, float x,
+                         float y) noexcept {
+  return HWY_DYNAMIC_DISPATCH(square_means)(window, along, down, x, y);
 }
 
 float odd_square(const Window& window) noexcept { return HWY_DYNAMIC_DISPATCH(odd_square)(window); }

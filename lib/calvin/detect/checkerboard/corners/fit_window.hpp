@@ -4,6 +4,8 @@
 // The pixels from which a corner is fitted.
 #pragma once
 
+#include <cstdint>
+
 #include "calvin/core/image.hpp"
 #include "calvin/detect/checkerboard/corners/corner.hpp"
 
@@ -30,6 +32,20 @@ struct Window {
 // Pixels of a whole window are listed point-symmetrically: the first is opposite to the last.
 float gather(const ImageView& image, int x, int y, float radius, float band, Direction along,
              Direction down, Window& window) noexcept;
+
+// Appends the pixels of a row from column `first` to `last` from a window's middle column, at which
+// `row` points; the image ends before column `end`.
+void append_row(const std::uint8_t* row, int first, int last, int end, float y,
+                Window& window) noexcept;
+
+// The mean grey levels on the two sides of a corner at (x, y) from the middle of a window: between
+// the edges `along` and `down` and opposite, and in the other two squares.
+struct SquareMeans {
+  float between = 0;
+  float beside = 0;
+};
+[[nodiscard]] SquareMeans square_means(const Window& window, Direction along, Direction down,
+                                       float x, float y) noexcept;
 
 // The sum of the squares of the differences between errors of opposite pixels, first to last.
 [[nodiscard]] float odd_square(const Window& window) noexcept;

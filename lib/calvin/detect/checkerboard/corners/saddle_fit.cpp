@@ -40,18 +40,9 @@ constexpr float kRounding = 1.0F / 12;  // grey levels^2, the variance of a whol
 
 // The first level and contrast; the pixels decide the sign of the contrast.
 void start(const Window& window, SaddleFit& fit, float x, float y) {
-  float sum[2] = {0, 0};
-  int count[2] = {0, 0};
-  for (int i = 0; i < window.count; ++i) {
-    const Direction p = {window.x[i] - x, window.y[i] - y};
-    const int bright = cross(fit.along, p) * cross(p, fit.down) > 0 ? 1 : 0;
-    sum[bright] += window.grey[i];
-    ++count[bright];
-  }
-  const float in = sum[1] / static_cast<float>(std::max(count[1], 1));
-  const float out = sum[0] / static_cast<float>(std::max(count[0], 1));
-  fit.level = 0.5F * (in + out);
-  fit.contrast = 0.6F * (in - out);
+  const SquareMeans mean = square_means(window, fit.along, fit.down, x, y);
+  fit.level = 0.5F * (mean.between + mean.beside);
+  fit.contrast = 0.6F * (mean.between - mean.beside);
 }
 
 Direction turned(Direction direction, float angle) {
@@ -78,20 +69,24 @@ float noise_variance(const Window& window, float square, float pixels) {
   return 0.5F * sum / std::max(0.5F * pixels - kOddUnknowns, 1.0F);
 }
 
-// The factor L of A = L L^T, by columns; A is given by its upper triangle, row by row. Unknowns
-// before `first` are left out.
+// The factor L of A = L L^T, by columns; A is given by its upper triangle, row by row. Without a
+// gain its unknown stands alone, so that the loops are of a length that the compiler knows.
 struct Factor {
   float l[kUnknowns][kUnknowns];  // [column][row]
-  int first = 0;
+  float inverse[kUnknowns];       // of the diagonal
 
-  [[nodiscard]] bool compute(const float* upper) {
-    int k = diagonal(first);
-    for (int column = first; column < kUnknowns; ++column) {
+  [[nodiscard]] bool compute(const float* upper, bool has_gain) {
+    int k = 0;
+    for (int column = 0; column < kUnknowns; ++column) {
       for (int row = column; row < kUnknowns; ++row) l[column][row] = upper[k++];
     }
-    for (int column = first; column < kUnknowns; ++column) {
+    if (!has_gain) {
+      for (int row = 0; row < kUnknowns; ++row) l[kGain][row] = row == kGain ? 1.0F : 0.0F;
+    }
+    for (int column = has_gain ? kGain : kGain + 1; column < kUnknowns; ++column) {
       if (!(l[column][column] > 0)) return false;
       const float scale = 1 / std::sqrt(l[column][column]);
+      inverse[column] = scale;
       for (int row = column; row < kUnknowns; ++row) l[column][row] *= scale;
       for (int next = column + 1; next < kUnknowns; ++next) {
         for (int row = next; row < kUnknowns; ++row) {
@@ -99,24 +94,24 @@ struct Factor {
         }
       }
     }
+    if (!has_gain) inverse[kGain] = 0;
     return true;
   }
   void solve(const float* right, float* x) const {
     std::copy_n(right, kUnknowns, x);
-    std::fill_n(x, first, 0.0F);
-    for (int column = first; column < kUnknowns; ++column) {
-      x[column] /= l[column][column];
+    for (int column = 0; column < kUnknowns; ++column) {
+      x[column] *= inverse[column];
       for (int row = column + 1; row < kUnknowns; ++row) x[row] -= l[column][row] * x[column];
     }
-    for (int column = kUnknowns - 1; column >= first; --column) {
+    for (int column = kUnknowns - 1; column >= 0; --column) {
       for (int row = column + 1; row < kUnknowns; ++row) x[column] -= l[column][row] * x[row];
-      x[column] /= l[column][column];
+      x[column] *= inverse[column];
     }
   }
   // The mean of the variances of x and of y in A^-1.
   [[nodiscard]] float place_variance() const {
-    const float a = 1 / l[kX][kX];
-    const float b = 1 / l[kY][kY];
+    const float a = inverse[kX];
+    const float b = inverse[kY];
     const float off = l[kX][kY] * a * b;
     return 0.5F * (a * a + off * off + b * b);
   }
@@ -130,8 +125,7 @@ bool factorise(Normal& normal, bool has_gain, float pixels, Factor& factor) {
   }
   normal.products[diagonal(kGain)] += variance / (kGainPrior * kGainPrior);
   for (int p = 0; p < kUnknowns; ++p) normal.products[diagonal(p)] *= 1 + kDamping;
-  factor.first = has_gain ? kGain : kGain + 1;
-  return factor.compute(normal.products);
+  return factor.compute(normal.products, has_gain);
 }
 
 // The largest numbers of a step.
@@ -365,7 +359,9 @@ bool fit_in_window(const ImageView& image, float radius, int steps, float tolera
   Steps taken(window, radius, fit, x, y, pixels);
   for (int i = 0; i < steps; ++i) {
     if (!taken.take(i + 1 == steps)) return false;
-    if (taken.have_converged(tolerance)) break;
+    // Of a fit that begins with a rough level and contrast, the errors that the first step sees
+    // tell nothing yet.
+    if (taken.have_converged(tolerance) && (is_fitted || i > 0)) break;
   }
   taken.finish();
   fit.x = middle_x + static_cast<double>(taken.x());

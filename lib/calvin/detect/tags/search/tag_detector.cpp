@@ -83,7 +83,7 @@ class TagDetector final : public Detector {
     try {
       begin(image);
       const bool was_followed = !is_search_due(timestamp) && follow(image.size(), timestamp);
-      if (!was_followed) search(image.size(), stop);
+      if (!was_followed) search(image, stop);
       observe(stop);
       if (stop.stop_requested()) found_.clear();
       remember(image.size(), timestamp, was_followed);
@@ -111,7 +111,7 @@ class TagDetector final : public Detector {
   [[nodiscard]] bool is_search_due(std::uint64_t timestamp);
   [[nodiscard]] bool follow(ImageSize size, std::uint64_t timestamp);
   void remember(ImageSize size, std::uint64_t timestamp, bool was_followed);
-  void search(ImageSize size, const std::stop_token& stop);
+  void search(const ImageView& image, const std::stop_token& stop);
   void read_level(int level, const std::stop_token& stop);
   [[nodiscard]] bool are_complete(ImageSize size);
   void observe(const std::stop_token& stop);
@@ -156,7 +156,7 @@ TagDetector::TagDetector(std::span<const Board> boards) {
 void TagDetector::begin(const ImageView& image) {
   found_.clear();
   for (TagSearch& search : searches_) search.begin();
-  pyramid_.build(image);
+  pyramid_.build(image, 1);  // what is followed needs no more
 }
 
 // Further sheets come into view: the whole image is searched once a second.
@@ -207,10 +207,11 @@ void TagDetector::remember(ImageSize size, std::uint64_t timestamp, bool was_fol
   }
 }
 
-void TagDetector::search(ImageSize size, const std::stop_token& stop) {
+void TagDetector::search(const ImageView& image, const std::stop_token& stop) {
+  pyramid_.build(image);
   for (int level = pyramid_.levels() - 1; level >= 0 && !stop.stop_requested(); --level) {
     read_level(level, stop);
-    if (are_complete(size)) break;
+    if (are_complete(image.size())) break;
   }
 }
 

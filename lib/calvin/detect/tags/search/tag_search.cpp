@@ -79,8 +79,11 @@ void TagSearch::read_quad(Pyramid& pyramid, int level, const Quad& quad) {
   }
   const double reach = 1.5 * (1 << level);
   const TagPattern pattern = reader_.pattern_of(code->id);
+  // The blur of one tag is likely to be that of the next.
+  const double width = tags_.empty() ? kUsualWidth : tags_.back().fit.width;
   ReadTag tag{code->id, code->wrong,
-              fit_tag(pyramid.level(0), upright, pattern, reach, unknown_bends(upright)), false};
+              fit_tag(pyramid.level(0), upright, pattern, reach, unknown_bends(upright), width),
+              false};
   if (tag.fit.seen() > 0) tags_.push_back(tag);
 }
 
