@@ -39,6 +39,9 @@ journal of calibsolve). Pictures with the same number in their names were taken 
   --floor         the board lies still, and every camera has seen it at any time: the frame of the
                   rig is that of the board. Else the board is carried before two cameras or more at
                   a time, and the frame is that of the first camera
+  --fixed-boards  the boards are fixed to each other, as on the sides of a box; --board 'A;B;C' has
+                  all of them, and no two alike. Cameras are joined that have seen different ones at
+                  one time. How the boards lie is found from pictures that show two of them
   --tolerance MS  how far observations of one instant may be apart, 10 if not given
   --baseline A:B:DISTANCE[:SIGMA],...
                   known distances between cameras, as left:right:110.03mm:0.05mm; of two cameras
@@ -78,6 +81,8 @@ std::optional<Arguments> parse(std::span<char*> given) {
     const bool has_value = i + 1 < given.size();
     if (word == "--floor") {
       arguments.options.mode = calvin::RigMode::kFloor;
+    } else if (word == "--fixed-boards") {
+      arguments.options.fixed_boards = true;
     } else if (word == "--board" && has_value) {
       arguments.board = given[++i];
     } else if (word == "--tolerance" && has_value) {
@@ -172,6 +177,11 @@ void print(const calvin::RigSolution& solved) {
     fmt::print(
         "Boards are {:.5f} (+-{}) times as large as their text says, by the known distances.\n",
         solved.board_scale->scale, calvin::two_digits(solved.board_scale->sigma));
+  }
+  for (const calvin::FixedBoard& board : rig.fixed_boards) {
+    const auto& at = board.on_from_board.translation;
+    fmt::print("'{}' is fixed to '{}' at {:.2f} {:.2f} {:.2f} mm\n", board.board, board.on,
+               1e3 * at[0], 1e3 * at[1], 1e3 * at[2]);
   }
   if (!solved.rejected.empty()) {
     fmt::print("{} views contradict the others and were left out.\n", solved.rejected.size());

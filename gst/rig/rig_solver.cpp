@@ -66,7 +66,7 @@ Result<LightOptions> light_options(const RigSettings& settings,
 
 }  // namespace
 
-const Property<RigSolver> kRigProperties[13] = {
+const Property<RigSolver> kRigProperties[14] = {
     {"board",
      "Board",
      "The board that counts, as the observations have its text; none: every board",
@@ -112,6 +112,12 @@ const Property<RigSolver> kRigProperties[13] = {
      "exactly)",
      kept_in<&RigSettings::board_sigma>,
      {.range = Range{0, 1}, .flags = kMutableReady}},
+    {"fixed-boards",
+     "Fixed Boards",
+     "Whether the boards are fixed to each other, as on the sides of a box: cameras that see "
+     "different ones at one time are joined. How the boards lie is found where one camera sees two",
+     kept_in<&RigSettings::fixed_boards>,
+     {.flags = kMutableReady}},
     {"places",
      "Places",
      "Before a light: a file of where some cameras stand, lines 'name x y z' in m. Three or more "
@@ -165,6 +171,7 @@ Status RigSolver::start() {
     session.options.tolerance = now.tolerance;
     session.options.baselines = *std::move(baselines);
     session.options.board_sigma = now.board_sigma;
+    session.options.fixed_boards = now.fixed_boards;
     session.method = now.method;
     session.light = *std::move(light);
     session_.start(std::move(session));

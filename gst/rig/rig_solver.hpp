@@ -36,6 +36,7 @@ struct RigSettings {
   guint64 tolerance = 10 * GST_MSECOND;
   std::string baseline;  // known distances, as parse_camera_baselines() takes them
   double board_sigma = RigOptions().board_sigma;
+  bool fixed_boards = false;
   // Before a light:
   std::string places;  // a file
   std::string model = LightOptions().model;
@@ -164,6 +165,6 @@ class RigSolver : public SharedSettings<RigSettings> {
   Worker reader_;
 };
 
-extern const Property<RigSolver> kRigProperties[13];
+extern const Property<RigSolver> kRigProperties[14];
 
 }  // namespace calvin::gst

@@ -57,6 +57,27 @@ GST_START_TEST(test_two_cameras_stand_where_they_are) {
 }
 GST_END_TEST;
 
+// They see different sides of a box alone: without its being said that these are fixed to each
+// other the rig is refused.
+GST_START_TEST(test_cameras_that_look_at_each_other) {
+  const bool is_said = __i__ > 0;
+  RigFixture f(rig_views::before_a_box());
+  const std::string location = f.folder / "rig.json";
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  g_object_set(f.element, "location", location.c_str(), "fixed-boards", gboolean(is_said), nullptr);
+  f.start();
+  f.push_all();
+  f.end_all();
+  const auto rig = read_rig(location);
+  fail_unless(rig.has_value() == is_said);
+  if (!is_said) return;
+  fail_unless(f.final_result() != nullptr);
+  fail_unless_equals_int(rig->fixed_boards.size(), 3);
+  fail_unless(f.worst(*rig) < 5, "%f sigmas", f.worst(*rig));
+  fail_unless(f.bus.texts(GST_MESSAGE_WARNING).empty());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_four_cameras_of_different_lenses_and_sizes) {
   RigFixture f(rig_views::ring());
   f.start();
@@ -286,6 +307,7 @@ static Suite* calibrig_suite(void) {
   suite_add_tcase(s, tc);
   tcase_set_timeout(tc, 120);
   tcase_add_test(tc, test_two_cameras_stand_where_they_are);
+  tcase_add_loop_test(tc, test_cameras_that_look_at_each_other, 0, 2);
   tcase_add_test(tc, test_four_cameras_of_different_lenses_and_sizes);
   tcase_add_test(tc, test_a_known_distance_sets_the_scale);
   tcase_add_test(tc, test_wrong_distances_and_exports_are_refused);

@@ -73,8 +73,13 @@ struct RigFixture {
       }
     }
     std::sort(order.begin(), order.end());
-    for (const auto& [time, of] : order) {
-      gst_buffer_unref(push(of.first, {cameras[of.first].observations[of.second]}, time));
+    for (auto one = order.begin(); one != order.end();) {
+      const auto [time, of] = *one;
+      std::vector<Observation> picture;
+      for (; one != order.end() && one->first == time && one->second.first == of.first; ++one) {
+        picture.push_back(cameras[of.first].observations[one->second.second]);
+      }
+      gst_buffer_unref(push(of.first, picture, time));
     }
   }
   void end_all() {

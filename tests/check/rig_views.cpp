@@ -10,6 +10,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "simulated_box.hpp"
 #include "simulated_light.hpp"
 #include "simulated_rig.hpp"
 
@@ -17,17 +18,21 @@ namespace calvin::rig_views {
 
 namespace {
 
-std::vector<SeenByCamera> seen(const scenes::SimulatedRig& rig) {
-  scenes::Random random(3);
+std::vector<SeenByCamera> as_data(const std::vector<RigCameraViews>& views,
+                                  const std::vector<SE3>& world_from_camera) {
   std::vector<SeenByCamera> all;
-  const auto views = scenes::seen_by(rig, 40, 0.7, random);
   for (std::size_t c = 0; c < views.size(); ++c) {
     SeenByCamera& camera = all.emplace_back();
     camera.calibration = views[c].calibration;
-    camera.world_from_camera = rig.world_from_camera[c];
+    camera.world_from_camera = world_from_camera[c];
     for (const View& view : views[c].views) camera.observations.push_back(view.observation);
   }
   return all;
+}
+
+std::vector<SeenByCamera> seen(const scenes::SimulatedRig& rig) {
+  scenes::Random random(3);
+  return as_data(scenes::seen_by(rig, 40, 0.7, random), rig.world_from_camera);
 }
 
 }  // namespace
@@ -40,6 +45,12 @@ std::vector<SeenByCamera> stereo() {
 std::vector<SeenByCamera> ring() {
   scenes::Random random(2);
   return seen(scenes::ring_rig(4, random));
+}
+
+std::vector<SeenByCamera> before_a_box() {
+  scenes::Random random(5);
+  const scenes::BoxStudio studio = scenes::box_studio(scenes::kSides, 2, random);
+  return as_data(scenes::boxes_seen_in(studio, 60, random), studio.world_from_camera);
 }
 
 namespace {

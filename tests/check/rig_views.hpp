@@ -24,6 +24,9 @@ struct SeenByCamera {
 [[nodiscard]] std::vector<SeenByCamera> stereo();
 [[nodiscard]] std::vector<SeenByCamera> ring();
 
+// Two cameras that look at each other, and a box with a board on each side between them.
+[[nodiscard]] std::vector<SeenByCamera> before_a_box();
+
 // Four cameras around a room, and a light that is elsewhere in each picture.
 [[nodiscard]] std::vector<SeenByCamera> lit_room(int instants);
 // The same with a wand, wand:150mm+350mm.

@@ -38,6 +38,16 @@ struct RigBoard {
   Pose rig_from_board;
 };
 
+// Where a board is that is fixed to another one.
+struct FixedBoard {
+  std::string board;  // the texts of both
+  std::string on;
+  Pose on_from_board;
+  // Row-major, 6 x 6: how far the board is turned about the axes of the other one (rad), then where
+  // it is in its frame (m), from what is true.
+  std::vector<double> covariance;
+};
+
 struct Rig {
   std::vector<RigCamera> cameras;
   // The name of the camera whose frame is the rig's, kBoardWorld, kPlacesWorld or kReferenceWorld.
@@ -48,6 +58,8 @@ struct Rig {
   std::uint64_t pairing_tolerance = 0;  // ns: pictures no farther apart were taken for one instant
   // Some of those by which the cameras were placed, for whoever looks at the rig.
   std::vector<RigBoard> boards;
+  // Boards that are fixed to each other, where such ones were shown.
+  std::vector<FixedBoard> fixed_boards = {};
 };
 
 // Where a camera stands by other means, as a survey of the room.

@@ -88,22 +88,39 @@ void read_cameras(Fields& fields, std::optional<Error>& problem, Rig& rig) {
   }
 }
 
-void read_boards(Fields& fields, std::optional<Error>& problem, Rig& rig) {
-  const auto& list = fields.list("boards");
+// Calls `read` for every group of a list of boards.
+template <typename Read>
+void read_boards(Fields& fields, const std::string& name, std::optional<Error>& problem,
+                 const Read& read) {
+  const auto& list = fields.list(name);
   if (list.size() > kMostBoards) {
-    fields.complain("boards",
+    fields.complain(name,
                     fmt::format("has {}; no rig keeps more than {}", list.size(), kMostBoards));
   }
   for (std::size_t i = 0; i < list.size() && !fields.failed(); ++i) {
     if (list[i].kind != Node::Kind::kMap) {
-      fields.complain("boards", "is not a list of groups");
+      fields.complain(name, "is not a list of groups");
       return;
     }
-    Fields one(list[i], fmt::format("boards[{}].", i), problem);
+    read(Fields(list[i], fmt::format("{}[{}].", name, i), problem));
+  }
+}
+
+void read_shown_boards(Fields& fields, std::optional<Error>& problem, Rig& rig) {
+  read_boards(fields, "boards", problem, [&](Fields one) {
     RigBoard board = {one.string("board"), read_pose(one.map("rig_from_board"))};
     check_place(one, "rig_from_board", board.rig_from_board, "", {});
     rig.boards.push_back(std::move(board));
-  }
+  });
+}
+
+void read_fixed_boards(Fields& fields, std::optional<Error>& problem, Rig& rig) {
+  read_boards(fields, "fixed_boards", problem, [&](Fields one) {
+    FixedBoard board = {one.string("board"), one.string("on"), read_pose(one.map("on_from_board")),
+                        read_covariance(one, kPose, "numbers say where a board is")};
+    check_place(one, "on_from_board", board.on_from_board, "covariance", board.covariance);
+    rig.fixed_boards.push_back(std::move(board));
+  });
 }
 
 // ---- Writing ------------------------------------------------------------------------------------
@@ -126,6 +143,27 @@ Result<Node> rig_camera_node(const RigCamera& camera) {
   return map.take();
 }
 
+void put_boards(const Rig& rig, NodeMap& map) {
+  Node shown = {Node::Kind::kList, {}, {}, {}};
+  for (const RigBoard& board : rig.boards) {
+    shown.items.push_back(NodeMap()
+                              .put("board", text_node(board.board))
+                              .put("rig_from_board", pose_node(board.rig_from_board))
+                              .take());
+  }
+  Node fixed = {Node::Kind::kList, {}, {}, {}};
+  for (const FixedBoard& board : rig.fixed_boards) {
+    NodeMap one;
+    one.put("board", text_node(board.board));
+    one.put("on", text_node(board.on));
+    one.put("on_from_board", pose_node(board.on_from_board));
+    one.put_rows("covariance", board.covariance, kPose);
+    fixed.items.push_back(one.take());
+  }
+  if (!rig.boards.empty()) map.put("boards", std::move(shown));
+  if (!rig.fixed_boards.empty()) map.put("fixed_boards", std::move(fixed));
+}
+
 }  // namespace
 
 bool is_native_rig(const Node& root) {
@@ -139,7 +177,8 @@ Result<Rig> read_native_rig(const Node& root) {
   read_head(fields, kFormat, kVersion, "a rig");
   Rig rig;
   if (!problem) read_cameras(fields, problem, rig);
-  if (!problem) read_boards(fields, problem, rig);
+  if (!problem) read_shown_boards(fields, problem, rig);
+  if (!problem) read_fixed_boards(fields, problem, rig);
   rig.world = fields.optional_string("world");
   read_unit(fields, rig);
   rig.rms = fields.optional_number("rms");
@@ -163,16 +202,7 @@ Result<std::string> print_native_rig(const Rig& rig) {
   map.put("rms", rig.rms);
   map.put("pairing_tolerance_ns", integer_node(rig.pairing_tolerance));
   map.put("cameras", std::move(cameras));
-  if (!rig.boards.empty()) {
-    Node boards = {Node::Kind::kList, {}, {}, {}};
-    for (const RigBoard& board : rig.boards) {
-      boards.items.push_back(NodeMap()
-                                 .put("board", text_node(board.board))
-                                 .put("rig_from_board", pose_node(board.rig_from_board))
-                                 .take());
-    }
-    map.put("boards", std::move(boards));
-  }
+  put_boards(rig, map);
   return print_json(map.take());
 }
 

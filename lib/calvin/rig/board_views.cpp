@@ -32,34 +32,26 @@ constexpr double kTiltRatio = 6;
 // A quarter turn of a board that is `height` m high, which puts it into the first quadrant again.
 SE3 quarter_turn(double height) { return {exp_so3({0, 0, std::numbers::pi / 2}), {height, 0, 0}}; }
 
+constexpr double kRounding = 1e-6;  // px^2 of a corner
+
 // Whether a plane has a second tilt that its corners nearly allow.
 bool has_two_tilts(const PoseFit& fit, const PointSet& seen) {
-  const auto corners = static_cast<double>(seen.used());
-  constexpr double kRounding = 1e-6;  // px^2 of a corner
-  return fit.other_cost <= kTiltRatio * (fit.cost + kRounding * corners) &&
+  return fit.other_cost <= RivalTilt{kTiltRatio, kRounding}.limit(fit.cost, seen.used()) &&
          (fit.other.rotation - fit.camera_from_board.rotation).norm() > 1e-3;
 }
 
-// A dozen corners tell a wrong place from a right one as well as all do.
-std::vector<std::size_t> sample_of(const PointSet& seen) {
-  constexpr std::size_t kMost = 12;
-  std::vector<std::size_t> used;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (seen.weight[i] > 0) used.push_back(i);
-  }
-  std::vector<std::size_t> sample;
-  const std::size_t count = std::min(used.size(), kMost);
-  for (std::size_t k = 0; k < count; ++k) sample.push_back(used[k * used.size() / count]);
-  return sample;
-}
+// How near to its optimum a pose is.
+enum class PoseUse { kResult, kStart };
 
-bool find_poses(BoardView& view, const Camera& camera) {
-  const auto rays = rays_of(view.seen, camera);
+bool find_poses(BoardView& view, const Camera& camera, const CameraPoints& points, PoseUse use) {
+  const auto rays = rays_of(view.seen, points);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (rays[i].isZero()) view.seen.weight[i] = 0;
+    if (rays[i].isZero(0)) view.seen.weight[i] = 0;
   }
   if (!spans_plane(view.seen)) return false;
-  const auto fit = fit_pose(view.seen, camera, Loss{});
+  const auto fit = use == PoseUse::kStart
+                       ? fit_pose_roughly(view.seen, rays, camera, {kTiltRatio, kRounding})
+                       : fit_pose(view.seen, camera, Loss{});
   if (!fit) return false;
   view.sample = sample_of(view.seen);
   view.poses = {fit->camera_from_board};
@@ -129,7 +121,82 @@ std::vector<Pixel> rigid_velocities(const PointSet& seen, const Camera& camera,
   return all;
 }
 
+// Whether any corner is known to move, so that clocks may show.
+bool any_moves(const std::vector<RigCameraViews>& seen) {
+  return std::ranges::any_of(seen, [](const RigCameraViews& camera) {
+    return std::ranges::any_of(camera.views,
+                               [](const View& v) { return !v.observation.velocity.empty(); });
+  });
+}
+
+// Checks the views of all cameras; without poses.
+Result<std::vector<BoardView>> checked_views(const std::vector<RigCameraViews>& seen,
+                                             const std::vector<Camera>& cameras) {
+  std::vector<BoardView> all;
+  std::vector<PointSet> sets;
+  std::vector<Board> boards;
+  std::vector<std::vector<Eigen::Vector3d>> points;  // of those boards
+  for (std::size_t c = 0; c < seen.size(); ++c) {
+    for (std::size_t v = 0; v < seen[c].views.size(); ++v) {
+      const View& view = seen[c].views[v];
+      if (!view.observation.found()) continue;
+      if (const Status good = check(view, cameras[c].image_size()); !good) {
+        return make_error(good.error().code,
+                          fmt::format("A view of the camera '{}': {}", seen[c].calibration.camera,
+                                      good.error().message));
+      }
+      if (const Status named = check_names_points(view.board); !named) {
+        return tl::unexpected<Error>(named.error());
+      }
+      const std::size_t board = number_of(view.board, boards);
+      if (board == points.size()) points.push_back(view.board.points());
+      all.push_back({{c, v}, board, {}, 1, {}, labellings_of(view), {}, {}, board});
+      sets.push_back(to_points(view.board, points[board], view.observation));
+    }
+  }
+  const WeightScale scale = normalise_weights(sets);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].seen = std::move(sets[i]);
+    all[i].sigma = scale.sigma;
+  }
+  return all;
+}
+
+// Leaves out those that determine none.
+void find_all_poses(const std::vector<RigCameraViews>& seen, const std::vector<Camera>& cameras,
+                    PoseUse use, std::vector<BoardView>& all) {
+  const std::vector<CameraPoints> points = points_before(cameras);
+  std::erase_if(all, [&](BoardView& view) {
+    const std::size_t camera = view.of.camera;
+    return !find_poses(view, cameras[camera], points[camera], use);
+  });
+  for (BoardView& view : all) {
+    const Observation& observation = seen[view.of.camera].views[view.of.view].observation;
+    view.velocity = rigid_velocities(view.seen, cameras[view.of.camera], view.poses.front(),
+                                     observation.velocity);
+  }
+}
+
 }  // namespace
+
+// A dozen corners tell a wrong place from a right one as well as all do.
+std::shared_ptr<const ViewPoints> sample_of(const PointSet& seen) {
+  constexpr std::size_t kMost = 12;
+  std::vector<std::size_t> used;
+  used.reserve(seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen.weight[i] > 0) used.push_back(i);
+  }
+  const std::size_t count = std::min(used.size(), kMost);
+  PointSet sample = seen.without_corners();
+  sample.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) sample.append(seen, used[k * used.size() / count]);
+  return std::make_shared<const ViewPoints>(sample, BoardShape());
+}
+
+std::vector<CameraPoints> points_before(const std::vector<Camera>& cameras) {
+  return {cameras.begin(), cameras.end()};
+}
 
 std::vector<SE3> labellings_of(const View& view) {
   std::vector<SE3> all = {SE3()};
@@ -152,37 +219,28 @@ std::vector<SE3> labellings_of(const View& view) {
 
 Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& seen,
                                            const std::vector<Camera>& cameras) {
-  std::vector<BoardView> all;
-  std::vector<PointSet> sets;
-  std::vector<Board> boards;
-  for (std::size_t c = 0; c < seen.size(); ++c) {
-    for (std::size_t v = 0; v < seen[c].views.size(); ++v) {
-      const View& view = seen[c].views[v];
-      if (!view.observation.found()) continue;
-      if (const Status good = check(view, cameras[c].image_size()); !good) {
-        return make_error(good.error().code,
-                          fmt::format("A view of the camera '{}': {}", seen[c].calibration.camera,
-                                      good.error().message));
-      }
-      if (const Status named = check_names_points(view.board); !named) {
-        return tl::unexpected<Error>(named.error());
-      }
-      all.push_back(
-          {{c, v}, number_of(view.board, boards), {}, 1, {}, labellings_of(view), {}, {}});
-      sets.push_back(to_points(view.board, view.board.points(), view.observation));
+  auto all = checked_views(seen, cameras);
+  if (all) find_all_poses(seen, cameras, PoseUse::kResult, *all);
+  return all;
+}
+
+Result<std::vector<BoardView>> paired_board_views(const std::vector<RigCameraViews>& seen,
+                                                  const std::vector<Camera>& cameras,
+                                                  std::uint64_t tolerance, InstantsOf of) {
+  auto all = checked_views(seen, cameras);
+  if (!all) return all;
+  if (!any_moves(seen)) {
+    std::vector<bool> is_paired(all->size(), false);
+    for (const auto& group : group_views(pair_instants(seen, tolerance, of), *all)) {
+      for (const std::size_t v : group) is_paired[v] = true;
     }
+    std::vector<BoardView> paired;
+    for (std::size_t v = 0; v < all->size(); ++v) {
+      if (is_paired[v]) paired.push_back(std::move((*all)[v]));
+    }
+    *all = std::move(paired);
   }
-  const WeightScale scale = normalise_weights(sets);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].seen = std::move(sets[i]);
-    all[i].sigma = scale.sigma;
-  }
-  std::erase_if(all, [&](BoardView& view) { return !find_poses(view, cameras[view.of.camera]); });
-  for (BoardView& view : all) {
-    const Observation& observation = seen[view.of.camera].views[view.of.view].observation;
-    view.velocity = rigid_velocities(view.seen, cameras[view.of.camera], view.poses.front(),
-                                     observation.velocity);
-  }
+  find_all_poses(seen, cameras, PoseUse::kStart, *all);
   return all;
 }
 
@@ -203,23 +261,19 @@ std::vector<std::vector<std::size_t>> group_views(const Instants& instants,
   return groups;
 }
 
-double misfit(const BoardView& view, const Camera& camera, const SE3& camera_from_board,
+double misfit(const BoardView& view, const CameraPoints& camera, const SE3& camera_from_board,
               const SE3& labelling) {
   constexpr double kNoProjection = 1e4;  // px
-  const SE3 camera_from_own = camera_from_board * labelling;
+  constexpr std::size_t kMost = 16;      // no sample is larger
+  const ViewPoints& sample = *view.sample;
+  if (sample.count() == 0 || sample.padded() > kMost) return kNoProjection;
+  alignas(64) double squares[kMost];
+  camera.squares(sample, camera_from_board * labelling, squares);
   double sum = 0;
-  for (const std::size_t i : view.sample) {
-    const auto at = camera.project(camera_from_own * view.seen.points[i]);
-    double square = kNoProjection * kNoProjection;
-    if (at) {
-      const double u = view.seen.weight[i] * (at->u - view.seen.uv[i].u);
-      const double v = view.seen.weight[i] * (at->v - view.seen.uv[i].v);
-      square = std::min(square, u * u + v * v);
-    }
-    sum += square;
+  for (std::size_t i = 0; i < sample.count(); ++i) {
+    sum += std::min(squares[i], kNoProjection * kNoProjection);
   }
-  if (view.sample.empty()) return kNoProjection;
-  return std::sqrt(sum / static_cast<double>(view.sample.size()));
+  return std::sqrt(sum / static_cast<double>(sample.count()));
 }
 
 }  // namespace calvin::rig

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -13,23 +15,26 @@
 #include "calvin/core/result.hpp"
 #include "calvin/geometry/se3.hpp"
 #include "calvin/rig/rig_views.hpp"
+#include "calvin/solve/residuals/lens_points.hpp"
 #include "calvin/solve/residuals/points.hpp"
+#include "calvin/solve/residuals/view_points.hpp"
 
 namespace calvin::rig {
 
 struct BoardView {
   RigView of;
-  std::size_t board = 0;            // equal for views of one board
-  PointSet seen;                    // weights of all views of the rig have the median 1
-  double sigma = 1;                 // px, of a corner with the weight 1
-  std::vector<std::size_t> sample;  // of `seen`, some corners in use all over the board
+  std::size_t board = 0;  // equal for views of one board, or of one body of boards
+  PointSet seen;          // weights of all views of the rig have the median 1
+  double sigma = 1;       // px, of a corner with the weight 1
+  std::shared_ptr<const ViewPoints> sample;  // of `seen`, some corners in use all over the board
   // other_from_own of board frames: the board by another labelling that is as good; the first one
-  // is the identity.
+  // is the identity. Of a body body_from_own.
   std::vector<SE3> labellings;
   // camera_from_board by the labelling of the observation: the best, and the other tilt of the
   // plane where that fits nearly as well.
   std::vector<SE3> poses;
   std::vector<Pixel> velocity;  // px/s, of the corners of `seen`; empty where it is not known
+  std::size_t own_board = 0;    // equal for views of one board
 };
 
 // The motions of the board frame that go with Observation::ambiguous; the first one is the
@@ -42,6 +47,18 @@ struct BoardView {
 [[nodiscard]] Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& seen,
                                                          const std::vector<Camera>& cameras);
 
+// Those that a joint fit starts from: of boards that stand still the views of instants alone, as
+// pair_instants() has them, with poses that are near their optima.
+[[nodiscard]] Result<std::vector<BoardView>> paired_board_views(
+    const std::vector<RigCameraViews>& seen, const std::vector<Camera>& cameras,
+    std::uint64_t tolerance, InstantsOf of);
+
+// BoardView::sample, of what `seen` is now.
+[[nodiscard]] std::shared_ptr<const ViewPoints> sample_of(const PointSet& seen);
+
+// One of each camera, in their order.
+[[nodiscard]] std::vector<CameraPoints> points_before(const std::vector<Camera>& cameras);
+
 // The views of each instant, as numbers in `views`, which are in the order of board_views().
 [[nodiscard]] std::vector<std::vector<std::size_t>> group_views(
     const Instants& instants, const std::vector<BoardView>& views);
@@ -49,7 +66,7 @@ struct BoardView {
 // The root mean square of the weighted distances of the sample of corners from where they are
 // expected, px: `camera_from_board` takes the board as `labelling` has it. Large where one has no
 // projection.
-[[nodiscard]] double misfit(const BoardView& view, const Camera& camera,
+[[nodiscard]] double misfit(const BoardView& view, const CameraPoints& camera,
                             const SE3& camera_from_board, const SE3& labelling);
 
 }  // namespace calvin::rig

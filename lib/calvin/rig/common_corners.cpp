@@ -5,25 +5,29 @@
 
 #include "calvin/rig/common_corners.hpp"
 
-#include <algorithm>
-
 namespace calvin::rig {
 
 std::vector<CommonCorner> common_corners(const BoardView& a, const BoardView& b,
-                                         const SE3& first_from_second, const Camera& camera_a,
-                                         const Camera& camera_b) {
+                                         const SE3& first_from_second,
+                                         const std::vector<Eigen::Vector3d>& rays_a,
+                                         const std::vector<Eigen::Vector3d>& rays_b) {
   constexpr double kSame = 1e-6;  // m
   std::vector<CommonCorner> corners;
+  const std::size_t count = a.seen.size();
+  std::size_t next = 0;  // mostly both list the points of the board in one order
   for (std::size_t j = 0; j < b.seen.size(); ++j) {
     const Eigen::Vector3d point = first_from_second * b.seen.points[j];
-    const auto same = std::ranges::find_if(
-        a.seen.points, [&](const Eigen::Vector3d& p) { return (p - point).norm() < kSame; });
-    if (same == a.seen.points.end()) continue;
-    const auto i = static_cast<std::size_t>(same - a.seen.points.begin());
+    std::size_t tried = 0;
+    while (tried < count &&
+           !((a.seen.points[(next + tried) % count] - point).squaredNorm() < kSame * kSame)) {
+      ++tried;
+    }
+    if (tried == count) continue;
+    const std::size_t i = (next + tried) % count;
+    next = i + 1;
     if (!(a.seen.weight[i] > 0) || !(b.seen.weight[j] > 0)) continue;
-    const auto ray_a = camera_a.unproject(a.seen.uv[i]);
-    const auto ray_b = camera_b.unproject(b.seen.uv[j]);
-    if (ray_a && ray_b) corners.push_back({point, *ray_a, *ray_b});
+    if (rays_a[i].isZero(0) || rays_b[j].isZero(0)) continue;
+    corners.push_back({point, rays_a[i], rays_b[j]});
   }
   return corners;
 }

@@ -19,10 +19,10 @@ struct CommonCorner {
 };
 
 // Of one board, the corners that are in use in both views; `first_from_second` are its frames by
-// their labels.
+// their labels, and the rays those of all corners of each view, zero where there is none.
 [[nodiscard]] std::vector<CommonCorner> common_corners(const BoardView& a, const BoardView& b,
                                                        const SE3& first_from_second,
-                                                       const Camera& camera_a,
-                                                       const Camera& camera_b);
+                                                       const std::vector<Eigen::Vector3d>& rays_a,
+                                                       const std::vector<Eigen::Vector3d>& rays_b);
 
 }  // namespace calvin::rig

@@ -47,9 +47,10 @@ double rms_of(const PointSet& seen, const Camera& camera, const SE3& pose) {
 bool has_moved(const std::vector<BoardView>& views, const Camera& camera, const SE3& pose) {
   constexpr double kFar = 5;    // times its own misfit
   constexpr double kLeast = 1;  // px, weighted
+  const CameraPoints points(camera);
   return std::ranges::any_of(views, [&](const BoardView& view) {
-    const double own = misfit(view, camera, view.poses.front(), SE3());
-    const double with_others = misfit(view, camera, pose, SE3());
+    const double own = misfit(view, points, view.poses.front(), SE3());
+    const double with_others = misfit(view, points, pose, SE3());
     return with_others > kLeast && with_others > kFar * own;
   });
 }

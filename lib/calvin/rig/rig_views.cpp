@@ -33,7 +33,8 @@ std::vector<TimedView> in_order(const std::vector<ViewTimes>& cameras) {
   return all;
 }
 
-bool is_shared(const Instant& instant) {
+bool is_shared(const Instant& instant, InstantsOf of) {
+  if (of == InstantsOf::kTwoViews) return instant.views.size() > 1;
   return std::ranges::any_of(instant.views, [&](const RigView& view) {
     return view.camera != instant.views.front().camera;
   });
@@ -41,23 +42,25 @@ bool is_shared(const Instant& instant) {
 
 }  // namespace
 
-Instants pair_instants(const std::vector<RigCameraViews>& cameras, std::uint64_t tolerance) {
+Instants pair_instants(const std::vector<RigCameraViews>& cameras, std::uint64_t tolerance,
+                       InstantsOf of) {
   std::vector<ViewTimes> times;
   for (const RigCameraViews& camera : cameras) {
-    ViewTimes& of = times.emplace_back();
+    ViewTimes& own = times.emplace_back();
     for (const View& view : camera.views) {
-      of.push_back(view.observation.found() ? view.observation.timestamp : kNoTimestamp);
+      own.push_back(view.observation.found() ? view.observation.timestamp : kNoTimestamp);
     }
   }
-  return pair_instants(times, tolerance);
+  return pair_instants(times, tolerance, of);
 }
 
-Instants pair_instants(const std::vector<ViewTimes>& cameras, std::uint64_t tolerance) {
+Instants pair_instants(const std::vector<ViewTimes>& cameras, std::uint64_t tolerance,
+                       InstantsOf of) {
   Instants result;
   Instant now;
   std::map<std::size_t, std::uint64_t> pictures;  // of this instant, by camera
   const auto end_instant = [&] {
-    if (is_shared(now)) {
+    if (is_shared(now, of)) {
       std::uint64_t last = now.timestamp;
       for (const auto& [camera, timestamp] : pictures) last = std::max(last, timestamp);
       result.farthest = std::max(result.farthest, last - now.timestamp);

@@ -34,9 +34,13 @@ struct Instant {
   std::vector<RigView> views;   // by camera, then as the camera lists them
 };
 
+// Which instants tell something of a rig: those in which two cameras or more have seen a board, or,
+// where boards are fixed to each other, two boards or more were seen by whatever cameras.
+enum class InstantsOf { kTwoCameras, kTwoViews };
+
 struct Instants {
-  std::vector<Instant> instants;  // those in which two cameras or more have seen a board
-  std::uint64_t farthest = 0;     // ns, between two pictures of one instant, at the most
+  std::vector<Instant> instants;
+  std::uint64_t farthest = 0;  // ns, between two pictures of one instant, at the most
 };
 
 // When each view of a camera was taken, ns, as its camera lists them; kNoTimestamp for one that
@@ -46,9 +50,10 @@ using ViewTimes = std::vector<std::uint64_t>;
 // Pictures that are at most `tolerance` ns apart are of one instant; where a camera has several,
 // the first one. A picture belongs to one instant. Views without a timestamp are left out.
 [[nodiscard]] CALVIN_API Instants pair_instants(const std::vector<RigCameraViews>& cameras,
-                                                std::uint64_t tolerance);
-[[nodiscard]] Instants pair_instants(const std::vector<ViewTimes>& cameras,
-                                     std::uint64_t tolerance);
+                                                std::uint64_t tolerance,
+                                                InstantsOf of = InstantsOf::kTwoCameras);
+[[nodiscard]] Instants pair_instants(const std::vector<ViewTimes>& cameras, std::uint64_t tolerance,
+                                     InstantsOf of = InstantsOf::kTwoCameras);
 
 // What moves farther between two pictures of one instant, px, is of no use: nobody knows how.
 inline constexpr double kFarthestWay = 5;

@@ -20,15 +20,15 @@
 #include "calvin/rig/board_views.hpp"
 #include "calvin/rig/clocks/solve_with_clocks.hpp"
 #include "calvin/rig/clocks/timing.hpp"
+#include "calvin/rig/fixed/solve_with_boards.hpp"
 #include "calvin/rig/floor.hpp"
 #include "calvin/rig/joint/board_scale.hpp"
-#include "calvin/rig/joint/camera_distance.hpp"
-#include "calvin/rig/joint/links.hpp"
-#include "calvin/rig/joint/rig_result.hpp"
-#include "calvin/rig/joint/rig_start.hpp"
-#include "calvin/rig/joint/shown_boards.hpp"
-#include "calvin/rig/rig_distances.hpp"
-#include "calvin/rig/stereo.hpp"
+#include "calvin/rig/result/fixed_board_result.hpp"
+#include "calvin/rig/result/rig_links.hpp"
+#include "calvin/rig/result/rig_result.hpp"
+#include "calvin/rig/result/shown_boards.hpp"
+#include "calvin/rig/start/links.hpp"
+#include "calvin/rig/start/rig_start.hpp"
 
 namespace calvin {
 
@@ -74,29 +74,6 @@ std::vector<std::string> names_of(const std::vector<RigCameraViews>& seen) {
   return names;
 }
 
-std::optional<std::size_t> weakest_of(const std::vector<RigLink>& links) {
-  std::vector<CameraPair> pairs;
-  for (const RigLink& link : links) pairs.push_back({link.a, link.b, link.agree});
-  return weakest_pair(pairs);
-}
-
-RigLink link_between(std::size_t a, std::size_t b, const std::vector<SE3>& camera_from_rig,
-                     const Eigen::MatrixXd& covariance) {
-  RigLink link;
-  link.a = a;
-  link.b = b;
-  const auto at = [](std::size_t camera) { return kPose * static_cast<Eigen::Index>(camera) + 3; };
-  Eigen::Matrix<double, 6, 6> places;
-  places << covariance.block<3, 3>(at(a), at(a)), covariance.block<3, 3>(at(a), at(b)),
-      covariance.block<3, 3>(at(b), at(a)), covariance.block<3, 3>(at(b), at(b));
-  const rig::CameraDistance between =
-      rig::camera_distance(camera_from_rig[a].inverse(), camera_from_rig[b].inverse(), places);
-  link.distance = between.distance;
-  link.distance_sigma = between.sigma;
-  link.angle = between.angle;
-  return link;
-}
-
 // A length on a board that people measure: of the first board that was seen, m.
 double cell_of(const std::vector<RigCameraViews>& seen) {
   for (const RigCameraViews& camera : seen) {
@@ -136,59 +113,17 @@ Status set_scale(const std::vector<RigCameraViews>& seen, const RigOptions& opti
 
 // ---- Jointly ------------------------------------------------------------------------------------
 
-double mean_focal(const Camera& a, const Camera& b) {
-  return (a.fx() + a.fy() + b.fx() + b.fy()) / 4;
-}
-
-void set_errors(const std::vector<std::vector<rig::CommonCorner>>& views, const SE3& b_from_a,
-                double focal, RigLink& link) {
-  if (const auto error = rig::distance_error(views, b_from_a)) {
-    link.bias = error->bias;
-    link.spread = error->spread;
-  }
-  std::vector<rig::CommonCorner> all;
-  for (const auto& view : views) all.insert(all.end(), view.begin(), view.end());
-  link.epipolar_error = rig::epipolar_error(all, b_from_a, focal);
-}
-
-void set_links(const std::vector<BoardView>& views, const std::vector<Link>& links,
-               const std::vector<Camera>& cameras, const rig::RigFit& fit,
-               const Eigen::MatrixXd& covariance, RigSolution& solution) {
-  std::vector<SE3> board_from_own(views.size());
-  std::vector<bool> used(views.size(), false);
-  for (const rig::PlacedView& placed : fit.places.views) {
-    board_from_own[placed.view] = placed.board_from_own;
-    used[placed.view] = true;
-  }
-  for (const std::size_t view : fit.rejected) used[view] = false;
-  for (const Link& link : links) {
-    RigLink one = link_between(link.a, link.b, fit.places.camera_from_rig, covariance);
-    one.views = link.common.size();
-    std::vector<std::vector<rig::CommonCorner>> agreeing;
-    for (const rig::CommonView& common : link.common) {
-      if (!used[common.a] || !used[common.b]) continue;
-      agreeing.push_back(
-          rig::common_corners(views[common.a], views[common.b],
-                              board_from_own[common.a].inverse() * board_from_own[common.b],
-                              cameras[link.a], cameras[link.b]));
-    }
-    one.agree = agreeing.size();
-    set_errors(agreeing,
-               fit.places.camera_from_rig[link.b] * fit.places.camera_from_rig[link.a].inverse(),
-               mean_focal(cameras[link.a], cameras[link.b]), one);
-    solution.links.push_back(one);
-  }
-  solution.weakest = weakest_of(solution.links);
-}
-
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop);
 
 rig::JoinedCameras joined_by(std::vector<BoardView> views, const std::vector<RigCameraViews>& seen,
-                             const std::vector<Camera>& cameras, std::uint64_t tolerance) {
+                             const std::vector<Camera>& cameras, const RigOptions& options) {
   const std::vector<ViewTimes> times = rig::view_times(seen, {});
-  auto groups = rig::group_views(pair_instants(times, tolerance), views);
+  if (options.fixed_boards) {
+    views = rig::views_of_bodies(rig::boards_on_bodies(views, seen, cameras), views);
+  }
+  auto groups = rig::group_views(pair_instants(times, options.tolerance), views);
   rig::allow_for_timing(times, views, groups);
   return rig::joined_cameras(rig::find_links(views, groups, cameras), names_of(seen));
 }
@@ -236,23 +171,34 @@ void set_offsets(const rig::JointSolve& one, RigSolution& solution) {
   }
 }
 
+Result<rig::BoardsSolve> solve_places(rig::JointProblem problem, bool are_fixed,
+                                      const std::stop_token& stop) {
+  if (are_fixed) return rig::solve_with_boards(problem, stop);
+  auto joint = rig::solve_with_clocks(std::move(problem), stop);
+  if (!joint) return tl::unexpected<Error>(joint.error());
+  return rig::BoardsSolve{*std::move(joint), {}};
+}
+
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop) {
-  const auto views = rig::board_views(seen, cameras);
+  const InstantsOf of = options.fixed_boards ? InstantsOf::kTwoViews : InstantsOf::kTwoCameras;
+  auto views = rig::paired_board_views(seen, cameras, options.tolerance, of);
   if (!views) return tl::unexpected<Error>(views.error());
   if (options.is_partial) {
-    const auto joined = joined_by(*views, seen, cameras, options.tolerance);
+    const auto joined = joined_by(*views, seen, cameras, options);
     const auto count = std::ranges::count(joined.is_joined, true);
     const bool is_part = count >= 2 && static_cast<std::size_t>(count) < seen.size();
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
   }
-  auto one =
-      rig::solve_with_clocks({seen, cameras, *views, names_of(seen), options.tolerance}, stop);
-  if (!one) return tl::unexpected<Error>(one.error());
-  rig::RigFit& fit = one->fit;
+  auto solved =
+      solve_places({seen, cameras, *std::move(views), names_of(seen), options.tolerance, of},
+                   options.fixed_boards, stop);
+  if (!solved) return tl::unexpected<Error>(solved.error());
+  const rig::JointSolve& one = solved->joint;
+  rig::RigFit& fit = solved->joint.fit;
   RigSolution solution;
-  solution.farthest = one->farthest;
+  solution.farthest = one.farthest;
   solution.rig.world = seen.front().calibration.camera;
   solution.rig.rms = fit.rms;
   solution.rig.pairing_tolerance = options.tolerance;
@@ -260,11 +206,13 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
   const Status scaled = set_scale(seen, options, fit.places.camera_from_rig, covariance, solution);
   if (!scaled) return tl::unexpected<Error>(scaled.error());
   rig::set_cameras(seen, fit.places.camera_from_rig, covariance, fit.camera_rms, solution.rig);
-  set_offsets(*one, solution);
-  solution.rig.boards = rig::shown_boards(seen, one->views, fit.places,
-                                          solution.board_scale ? solution.board_scale->scale : 1);
-  for (const std::size_t view : fit.rejected) solution.rejected.push_back(one->views[view].of);
-  set_links(one->views, one->links, cameras, fit, covariance, solution);
+  set_offsets(one, solution);
+  const double scale = solution.board_scale ? solution.board_scale->scale : 1;
+  solution.rig.boards = rig::shown_boards(seen, one.views, fit.places, scale);
+  rig::set_fixed_boards(seen, *solved, scale, solution.rig, solution.remarks);
+  for (const std::size_t view : fit.rejected) solution.rejected.push_back(one.views[view].of);
+  solution.links = rig::links_of(one, cameras, fit.places.camera_from_rig, covariance);
+  solution.weakest = rig::weakest_of(solution.links);
   return solution;
 }
 
@@ -335,7 +283,7 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
   solution.rig.boards = {{seen[first.camera].views[first.view].board.text(), {}}};
   for (std::size_t a = 0; a < cameras.size(); ++a) {
     for (std::size_t b = a + 1; b < cameras.size(); ++b) {
-      solution.links.push_back(link_between(a, b, camera_from_rig, covariance));
+      solution.links.push_back(rig::link_between(a, b, camera_from_rig, covariance));
     }
   }
   return solution;

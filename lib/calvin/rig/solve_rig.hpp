@@ -14,6 +14,7 @@
 #include "calvin/core/export.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/core/rig.hpp"
+#include "calvin/rig/rig_link.hpp"
 #include "calvin/rig/rig_views.hpp"
 
 namespace calvin {
@@ -37,6 +38,9 @@ struct RigOptions {
   // kJoint: cameras that what they have seen does not join to the others are left out of the rig
   // instead of refusing it. The frame is that of the first camera in it.
   bool is_partial = false;
+  // kJoint: the boards are fixed to each other, as on the faces of a box; how, is found. Cameras
+  // are then joined that have seen different ones of them at one time.
+  bool fixed_boards = false;
 };
 
 // A camera that is not in the rig.
@@ -49,25 +53,6 @@ struct LeftOutCamera {
 struct BoardScale {
   double scale = 1;
   double sigma = 0;
-};
-
-// What two cameras have in common.
-struct RigLink {
-  std::size_t a = 0;  // cameras of the rig, a < b
-  std::size_t b = 0;
-  std::size_t views = 0;  // boards that both have seen at one time
-  std::size_t agree = 0;  // of them, those that agree with where the cameras stand
-  double distance = 0;    // m, between the cameras
-  double distance_sigma = 0;
-  double angle = 0;  // rad, between the optical axes
-  // Of the distances between corners that both cameras have seen, by their rays, to those on the
-  // board: the mean of the ratio less 1, and the root mean square of what is left, m. Absent where
-  // rays are too nearly parallel.
-  std::optional<double> bias;
-  std::optional<double> spread;
-  // px: how far corners are from the rows of each other in rectified pictures, root mean square.
-  // Absent where no common view is in use.
-  std::optional<double> epipolar_error;
 };
 
 struct RigSolution {

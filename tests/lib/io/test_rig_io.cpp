@@ -34,6 +34,10 @@ Rig sample() {
   rig.rms = 0.2;
   rig.pairing_tolerance = 10'000'000;
   rig.boards = {{"checkerboard:9x6:25mm", {{0, 0.3, 0}, {0.1, 0, 0.5}}}, {"dot", {}}};
+  rig.fixed_boards = {{"checkerboard:8x5:20mm",
+                       "checkerboard:9x6:25mm",
+                       {{0, 1.5, 1.0 / 7}, {0.1, 0, 0.1}},
+                       rig.cameras[1].covariance}};
   return rig;
 }
 
@@ -59,6 +63,12 @@ TEST(RigFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->boards[0].board, rig.boards[0].board);
   EXPECT_EQ(read->boards[0].rig_from_board.rotation, rig.boards[0].rig_from_board.rotation);
   EXPECT_EQ(read->boards[0].rig_from_board.translation, rig.boards[0].rig_from_board.translation);
+  ASSERT_EQ(read->fixed_boards.size(), 1U);
+  EXPECT_EQ(read->fixed_boards[0].board, rig.fixed_boards[0].board);
+  EXPECT_EQ(read->fixed_boards[0].on, rig.fixed_boards[0].on);
+  EXPECT_EQ(read->fixed_boards[0].on_from_board.rotation,
+            rig.fixed_boards[0].on_from_board.rotation);
+  EXPECT_EQ(read->fixed_boards[0].covariance, rig.fixed_boards[0].covariance);
 }
 
 TEST(RigFile, SaysWhereLengthsHaveNoUnit) {
@@ -108,6 +118,7 @@ TEST(RigFile, SaysWhatIsWrong) {
       {with("\"dot\"", "7"), "'boards[1].board' is not a text in quotes"},
       {with("\"rig_from_board\"", "\"pose\""), "'boards[0].rig_from_board' is missing"},
       {with("\"boards\": [", "\"boards\": [3,"), "'boards' is not a list of groups"},
+      {with("\"on\": ", "\"under\": "), "'fixed_boards[0].on' is missing"},
       {with("\"rms\": 0.2,", "\"unit\": \"mm\","), "'unit' is \"none\" where"},
       {with("\"rms\": 0.2,", "\"unit\": 1,"), "absent where they are metres"},
   };

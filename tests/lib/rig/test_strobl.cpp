@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(Cameras, Strobl, ::testing::Values(1, 2),
                          [](const auto& test) { return test.param == 1 ? "One" : "Two"; });
 
 TEST_P(Strobl, IsAsWellKnownAsItSays) {
-  const int trials = scenes::full_count() ? 250 : 16;
+  const int trials = scenes::full_count() ? 2000 : 16;
   double squares = 0;
   int elsewhere = 0;
   int rejected = 0;

@@ -109,6 +109,41 @@ TEST(Rig, HasTheSameOptimumInAnyFrame) {
   EXPECT_LT((second.translation - ours.point.camera_from_rig[1].translation).norm(), 1e-7);
 }
 
+// What is known is no unknown; what is held is one that does not move.
+TEST(Rig, WithKnownIntrinsicsIsThatWithHeldOnes) {
+  const Scene scene = make_scene();
+  const BundlePoint start = pushed(scene, table_of(scene, false), 1);
+  ParameterTable held = table_of(scene, false);
+  BundlePoint from = scene.truth;
+  from.rig_from_board = start.rig_from_board;
+  from.camera_from_rig = start.camera_from_rig;
+  std::vector<TableCamera> cameras;
+  for (std::size_t c = 0; c < 2; ++c) {
+    const ParameterRange range = held.camera(c);
+    for (int i = range.first; i < range.end(); ++i) {
+      held.hold(i, scene.truth.shared[static_cast<std::size_t>(i)]);
+    }
+    TableCamera camera = {std::string(scene.cameras[c].model())};
+    camera.skew = scene.cameras[c].skew();
+    camera.has_rig_pose = c > 0;
+    camera.known = scene.cameras[c].parameters();
+    cameras.push_back(std::move(camera));
+  }
+  const ParameterTable known(cameras, {scene.shape.unknowns, BoardUnknowns()});
+  EXPECT_TRUE(known.camera(0).empty());
+  EXPECT_FALSE(known.find("fx", 1));
+  EXPECT_EQ(known.basis().cols(), held.basis().cols());
+  const Solved by_held = solve_ours(scene, held, from, scene.points);
+  const auto intrinsics = held.camera(0).count + held.camera(1).count;
+  from.shared.erase(from.shared.begin(), from.shared.begin() + intrinsics);
+  const Solved by_known = solve_ours(scene, known, from, scene.points);
+  EXPECT_NEAR(by_known.cost / by_held.cost, 1, 1e-11);
+  EXPECT_LT((by_known.information - by_held.information).norm(), 1e-6 * by_held.information.norm());
+  const SE3& a = by_known.point.camera_from_rig[1];
+  const SE3& b = by_held.point.camera_from_rig[1];
+  EXPECT_LT((a.rotation - b.rotation).norm() + (a.translation - b.translation).norm(), 1e-8);
+}
+
 // Where the cameras share no board and no point, nothing that one sees says anything of the other.
 TEST(Rig, LeavesACameraAloneThatDoesNotSeeTheBoard) {
   Scene scene = make_scene();

@@ -226,6 +226,27 @@ void expect_rays_of(const Camera& camera) {
   EXPECT_EQ(at, found.at.size());
 }
 
+// A camera that is known has no columns; all others stay what they are.
+TEST_P(Rows, OfAKnownCameraLackItsColumnsAlone) {
+  ViewRows all(layout_);
+  const RowSums sums = fill({}, all);
+  RowLayout known = layout_;
+  known.is_known = true;
+  ASSERT_EQ(known.columns(), 7 + 1 + kModes);
+  ViewRows some(known);
+  const RowSums without = fill({}, some);
+  EXPECT_TRUE(without.valid);
+  EXPECT_EQ(without.cost, sums.cost);
+  const int more = layout_.columns() - known.columns();
+  for (int column = 0; column < known.columns(); ++column) {
+    const int of_all = column < RowLayout::kFirstShared ? column : column + more;
+    for (std::size_t i = 0; i < all.padded(); ++i) {
+      EXPECT_NEAR(some.u(column)[i], all.u(of_all)[i], 1e-9 * (1 + std::abs(all.u(of_all)[i])));
+      EXPECT_NEAR(some.v(column)[i], all.v(of_all)[i], 1e-9 * (1 + std::abs(all.v(of_all)[i])));
+    }
+  }
+}
+
 TEST_P(Rows, GridRaysLeadToTheirPixels) {
   Random random(11);
   for (int i = 0; i < 5; ++i) {

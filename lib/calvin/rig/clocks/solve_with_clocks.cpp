@@ -24,12 +24,14 @@ std::uint64_t spread_of(const std::vector<double>& offsets) {
   return static_cast<std::uint64_t>(std::llround(kSecond * (most - least)));
 }
 
-Result<JointSolve> solve(const JointProblem& problem, const std::vector<double>& offsets,
-                         const std::stop_token& stop) {
+// `views` are those of the problem.
+Result<JointSolve> solve(const JointProblem& problem, std::vector<BoardView> views,
+                         const std::vector<double>& offsets, const std::stop_token& stop) {
   JointSolve one;
-  one.views = problem.views;
+  one.views = std::move(views);
   const std::vector<ViewTimes> times = view_times(problem.seen, offsets);
-  const Instants instants = pair_instants(times, problem.tolerance + spread_of(offsets));
+  const Instants instants =
+      pair_instants(times, problem.tolerance + spread_of(offsets), problem.instants);
   one.farthest = instants.farthest;
   auto groups = group_views(instants, one.views);
   allow_for_timing(times, one.views, groups);
@@ -55,16 +57,20 @@ bool is_beyond(const std::optional<TimeOffsets>& offsets, double sigmas) {
 
 // Views that were paired wrongly or left out count once the clocks are known better, so that a step
 // leads to the next one.
-Result<JointSolve> solve_with_clocks(const JointProblem& problem, const std::stop_token& stop) {
+Result<JointSolve> solve_with_clocks(JointProblem problem, const std::stop_token& stop) {
   constexpr double kCertain = 4;  // sigmas
   constexpr double kSettled = 0.1;
   constexpr int kRounds = 6;
-  auto best = solve(problem, {}, stop);
+  // Of boards that stand still nothing tells of clocks: there is one solve.
+  const bool any_moves =
+      std::ranges::any_of(problem.views, [](const BoardView& v) { return !v.velocity.empty(); });
+  if (!any_moves) return solve(problem, std::move(problem.views), {}, stop);
+  auto best = solve(problem, problem.views, {}, stop);
   if (!best || !is_beyond(best->fit.time_offsets, kCertain)) return best;
   std::vector<double> now(problem.seen.size(), 0.0);
   for (int round = 0; round < kRounds && is_beyond(best->fit.time_offsets, kSettled); ++round) {
     for (std::size_t c = 0; c < now.size(); ++c) now[c] += best->fit.time_offsets->seconds[c];
-    auto next = solve(problem, now, stop);
+    auto next = solve(problem, problem.views, now, stop);
     if (!next) break;
     best = std::move(next);
     best->offsets = now;

@@ -9,17 +9,18 @@
 #include <string>
 #include <vector>
 
-#include "calvin/rig/joint/links.hpp"
 #include "calvin/rig/joint/rig_fit.hpp"
+#include "calvin/rig/start/links.hpp"
 
 namespace calvin::rig {
 
 struct JointProblem {
   const std::vector<RigCameraViews>& seen;
   const std::vector<Camera>& cameras;
-  const std::vector<BoardView>& views;  // as they were seen
-  std::vector<std::string> names;       // of the cameras
-  std::uint64_t tolerance = 0;          // ns
+  std::vector<BoardView> views;    // as they were seen
+  std::vector<std::string> names;  // of the cameras
+  std::uint64_t tolerance = 0;     // ns
+  InstantsOf instants = InstantsOf::kTwoCameras;
 };
 
 struct JointSolve {
@@ -34,7 +35,7 @@ struct JointSolve {
 // what they are off by is one more unknown of each camera (P. Furgale, J. Rehder, R. Siegwart,
 // Unified temporal and spatial calibration for multi-sensor systems, IROS 2013, between cameras).
 // Errors are those of place_all() and fit_rig().
-[[nodiscard]] Result<JointSolve> solve_with_clocks(const JointProblem& problem,
+[[nodiscard]] Result<JointSolve> solve_with_clocks(JointProblem problem,
                                                    const std::stop_token& stop);
 
 }  // namespace calvin::rig

@@ -28,6 +28,7 @@ void take_back(double seconds, BoardView& view) {
     double& weight = view.seen.weight[i];
     if (weight > 0) weight = 1 / std::hypot(1 / weight, earlier.sigma / view.sigma);
   }
+  view.sample = sample_of(view.seen);
 }
 
 }  // namespace

@@ -13,7 +13,9 @@
 
 namespace calvin::rig {
 
-ParameterTable table_of(const std::vector<Camera>& cameras, const BoardUnknowns& board) {
+namespace {
+
+std::vector<TableCamera> table_cameras(const std::vector<Camera>& cameras) {
   std::vector<TableCamera> all;
   for (const Camera& camera : cameras) {
     TableCamera one;
@@ -22,7 +24,19 @@ ParameterTable table_of(const std::vector<Camera>& cameras, const BoardUnknowns&
     one.has_rig_pose = !all.empty();
     all.push_back(std::move(one));
   }
-  return ParameterTable(std::move(all), {board});
+  return all;
+}
+
+}  // namespace
+
+ParameterTable table_of(const std::vector<Camera>& cameras, const BoardUnknowns& board) {
+  return ParameterTable(table_cameras(cameras), {board});
+}
+
+ParameterTable table_of_places(const std::vector<Camera>& cameras) {
+  std::vector<TableCamera> all = table_cameras(cameras);
+  for (std::size_t c = 0; c < all.size(); ++c) all[c].known = cameras[c].parameters();
+  return ParameterTable(std::move(all), {BoardUnknowns()});
 }
 
 ParameterTable with_held_intrinsics(ParameterTable table, const std::vector<double>& values) {
@@ -40,6 +54,7 @@ std::vector<double> values_of_cameras(const ParameterTable& table,
   std::vector<double> values(static_cast<std::size_t>(table.count()), 0.0);
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const ParameterRange range = table.intrinsics(c);
+    if (range.empty()) continue;
     std::ranges::copy(cameras[c].parameters(), values.begin() + range.first);
   }
   return values;

@@ -21,6 +21,9 @@ namespace calvin::rig {
 [[nodiscard]] ParameterTable table_of(const std::vector<Camera>& cameras,
                                       const BoardUnknowns& board = {});
 
+// The places of all cameras but the first, whose intrinsics are known.
+[[nodiscard]] ParameterTable table_of_places(const std::vector<Camera>& cameras);
+
 // The table with the intrinsics of all cameras held at their values.
 [[nodiscard]] ParameterTable with_held_intrinsics(ParameterTable table,
                                                   const std::vector<double>& values);

@@ -26,13 +26,12 @@ void add_rms(const std::vector<BoardView>& views, const RigSolver& solver,
              const std::vector<Camera>& cameras, RigFit& fit) {
   std::vector<double> squares(cameras.size(), 0.0);
   std::vector<double> corners(cameras.size(), 0.0);
-  const Distances all = distances_of(views, solver.places(), cameras, solver.weights());
-  for (std::size_t p = 0; p < all.of_views.size(); ++p) {
+  const RigSolver::Squares all = solver.squares();
+  for (std::size_t p = 0; p < all.size(); ++p) {
     const BoardView& view = views[solver.places().views[p].view];
-    for (std::size_t i = 0; i < all.of_views[p].size(); ++i) {
+    for (std::size_t i = 0; i < all[p].size(); ++i) {
       if (!(solver.weights()[p][i] > 0)) continue;
-      const double distance = all.of_views[p][i] / view.seen.weight[i];
-      squares[view.of.camera] += distance * distance;
+      squares[view.of.camera] += all[p][i] / (view.seen.weight[i] * view.seen.weight[i]);
       corners[view.of.camera] += 1;
     }
   }
@@ -46,6 +45,24 @@ void add_rms(const std::vector<BoardView>& views, const RigSolver& solver,
   fit.rms = corner > 0 ? std::sqrt(square / corner) : 0;
 }
 
+// Of the places of all cameras but the first. The equations over intrinsics as well are made where
+// something is known of how well these are known.
+std::optional<Eigen::MatrixXd> place_covariance(RigSolver& solver,
+                                                const std::vector<RigCameraViews>& calibrations,
+                                                const std::vector<Camera>& cameras,
+                                                double variance) {
+  const bool are_exact = std::ranges::all_of(calibrations, [](const RigCameraViews& camera) {
+    return camera.calibration.covariance.empty();
+  });
+  const ParameterTable table = are_exact ? table_of_places(cameras) : table_of(cameras);
+  const auto equations = are_exact ? solver.equations() : solver.equations_over(table);
+  if (!equations) return std::nullopt;
+  const ParameterRange places = {table.rig_pose(1).first,
+                                 kPose * static_cast<int>(cameras.size() - 1)};
+  return covariance_of_places(equations->information, places, variance,
+                              covariance_of_intrinsics(table, calibrations));
+}
+
 }  // namespace
 
 Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
@@ -54,14 +71,8 @@ Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
   RigSolver solver(views, std::move(from), cameras, stop);
   if (const Status solved = solver.run(); !solved) return tl::unexpected<Error>(solved.error());
   RigFit fit;
-  const auto equations = solver.equations();
-  const ParameterRange places = {solver.table().rig_pose(1).first,
-                                 kPose * static_cast<int>(cameras.size() - 1)};
   const double variance = solver.variance();
-  const auto covariance =
-      equations ? covariance_of_places(equations->information, places, variance,
-                                       covariance_of_intrinsics(solver.table(), calibrations))
-                : std::nullopt;
+  const auto covariance = place_covariance(solver, calibrations, cameras, variance);
   if (!covariance) {
     return make_error(ErrorCode::kDegenerate,
                       "What the cameras have seen does not determine where they stand: show the "
@@ -74,6 +85,7 @@ Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
   }
   add_rms(views, solver, cameras, fit);
   fit.time_offsets = time_offsets(cameras.size(), views, solver, variance);
+  fit.board_offsets = board_offsets(views, cameras, solver, variance);
   return fit;
 }
 

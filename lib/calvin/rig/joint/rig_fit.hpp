@@ -12,8 +12,9 @@
 #include <Eigen/Core>
 
 #include "calvin/core/result.hpp"
-#include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/joint/board_offsets.hpp"
 #include "calvin/rig/joint/time_offsets.hpp"
+#include "calvin/rig/start/rig_start.hpp"
 
 namespace calvin::rig {
 
@@ -22,10 +23,11 @@ struct RigFit {
   // Over the places of all cameras but the first: d of each as retract() in
   // solve/residuals/bundle_problem.hpp has it, for camera_from_rig.
   Eigen::MatrixXd covariance;
-  std::vector<double> camera_rms;                // px
-  double rms = 0;                                // px, of all corners in use
-  std::vector<std::size_t> rejected;             // views that contradict the others
-  std::optional<TimeOffsets> time_offsets = {};  // beside those that were allowed for already
+  std::vector<double> camera_rms;                  // px
+  double rms = 0;                                  // px, of all corners in use
+  std::vector<std::size_t> rejected;               // views that contradict the others
+  std::optional<TimeOffsets> time_offsets = {};    // beside those that were allowed for already
+  std::optional<BoardOffsets> board_offsets = {};  // beside the labellings of the views
 };
 
 // From places near the optimum. Intrinsics stay as they are; how well they are known is a part of

@@ -12,22 +12,12 @@
 #include <Eigen/Core>
 
 #include "calvin/core/result.hpp"
-#include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/start/rig_start.hpp"
+#include "calvin/solve/linear/lm.hpp"
 #include "calvin/solve/parameters/parameter_table.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
 
 namespace calvin::rig {
-
-struct Distances {
-  std::vector<std::vector<double>> of_views;  // px, weighted, of all corners of each placed view
-  double sigma = 0;                           // px, per coordinate, of the corners in use
-};
-
-// Of all corners of placed views from where they are expected; those without a projection are as
-// far as can be. `weights`: of each placed view and corner, 0 where it is left out.
-[[nodiscard]] Distances distances_of(const std::vector<BoardView>& views, const RigPlaces& places,
-                                     const std::vector<Camera>& cameras,
-                                     const std::vector<std::vector<double>>& weights);
 
 class RigSolver {
  public:
@@ -48,33 +38,46 @@ class RigSolver {
   [[nodiscard]] std::optional<Optimum> refit(const std::vector<std::vector<Pixel>>& ways);
 
   [[nodiscard]] const RigPlaces& places() const { return places_; }
-  [[nodiscard]] const ParameterTable& table() const { return table_; }
   [[nodiscard]] const std::vector<std::vector<double>>& weights() const { return weights_; }
   [[nodiscard]] bool is_used(std::size_t placed) const;
 
-  // The equations at the optimum over all unknowns of the table, for residuals of 1 px.
-  [[nodiscard]] std::optional<BundleProblem::Reduced> equations();
+  // px^2, weighted: the squared distances of all corners of each placed view, of those that are
+  // left out too, from where they are expected; infinite for those without a projection, 0 for
+  // those that never had a weight.
+  using Squares = std::vector<std::vector<double>>;
+  [[nodiscard]] Squares squares() const;
+
+  // The equations at the optimum that was found last, over the places of all cameras but the first,
+  // for residuals of 1 px; and over all unknowns of a table of these cameras.
+  [[nodiscard]] std::optional<BundleProblem::Reduced> equations() { return optimum_->reduced(); }
+  [[nodiscard]] std::optional<BundleProblem::Reduced> equations_over(const ParameterTable& table);
   // px^2 per residual beyond those that were fitted.
-  [[nodiscard]] double variance();
+  [[nodiscard]] double variance() const;
 
  private:
   [[nodiscard]] std::size_t used_poses() const;
   [[nodiscard]] BundleProblem problem(const ParameterTable& table, const Loss& loss);
-  [[nodiscard]] bool minimise_over(const Loss& loss);
+  [[nodiscard]] bool minimise_over(const Loss& loss, const LmOptions& options, bool goes_on);
+  [[nodiscard]] double variance_of(const Squares& squares) const;
+  [[nodiscard]] std::vector<double> kept(std::size_t placed, const std::vector<double>& squares,
+                                         double variance) const;
   [[nodiscard]] bool leave_out();
   [[nodiscard]] Eigen::VectorXd residuals() const;
+  [[nodiscard]] PointSet set_of(std::size_t placed) const;
 
   const std::vector<BoardView>& views_;
   RigPlaces places_;
   const std::vector<Camera>& cameras_;
   const std::stop_token& stop_;
   ParameterTable table_;
-  ParameterTable tables_;  // of the last problem, which refers to it
-  std::vector<double> values_;
-  std::vector<std::vector<double>> weights_;  // of placed views; 0: left out
-  std::vector<PointSet> sets_;                // of placed views, with the labels of their boards
-  std::vector<ViewPoints> points_;            // of the last problem
+  std::vector<std::vector<double>> weights_;               // of placed views; 0: left out
+  const std::vector<std::vector<Pixel>>* ways_ = nullptr;  // of refit(), while it lasts
+  std::vector<ViewPoints>
+      all_;  // of placed views as they were seen, with the labels of their boards
+  std::vector<std::optional<ViewPoints>> points_;    // what is in use, where that is another
+  std::vector<CameraPoints> lenses_;                 // of the cameras
   std::vector<std::optional<std::size_t>> numbers_;  // of poses in the last problem
+  std::optional<BundleProblem> optimum_;             // of the last one that was minimised
 };
 
 }  // namespace calvin::rig

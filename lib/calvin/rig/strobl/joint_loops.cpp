@@ -11,8 +11,8 @@
 #include <map>
 #include <utility>
 
-#include "calvin/rig/joint/links.hpp"
-#include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/start/links.hpp"
+#include "calvin/rig/start/rig_start.hpp"
 
 namespace calvin::rig {
 

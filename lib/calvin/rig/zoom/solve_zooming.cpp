@@ -18,6 +18,7 @@
 #include "calvin/camera/camera.hpp"
 #include "calvin/geometry/dense.hpp"
 #include "calvin/geometry/se3.hpp"
+#include "calvin/geometry/symmetric.hpp"
 #include "calvin/solve/linear/scaled_solve.hpp"
 #include "calvin/solve/methods/sturm_maybank.hpp"
 #include "calvin/solve/residuals/points.hpp"
@@ -172,36 +173,74 @@ Error left_open() {
       "them, tilted to all sides, or hold what they leave open (--fix center,aspect)."};
 }
 
-// Newton's steps on the shared numbers, each no longer than a twentieth of the image.
 struct Optimum {
   Fit fit;
   Eigen::MatrixXd covariance;  // of the shared numbers
   Eigen::MatrixXd fx_by_shared;
 };
 
+// Newton's step, and downhill also where the parabola is none: along its axes, by the size of their
+// curvature. Absent where one of them has none.
+std::optional<Eigen::VectorXd> downhill(const Parabola& p, const Eigen::VectorXd& steps) {
+  constexpr double kFlat = 1e-9;  // of the largest curvature
+  const Eigen::MatrixXd scaled = steps.asDiagonal() * p.hessian * steps.asDiagonal();
+  const auto eigen = symmetric_eigen(scaled);
+  if (!eigen) return std::nullopt;
+  const double most = eigen->values.cwiseAbs().maxCoeff();
+  Eigen::VectorXd step = eigen->vectors.transpose() * (-p.gradient.cwiseProduct(steps));
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    const double curvature = std::abs(eigen->values[i]);
+    if (!(curvature > kFlat * most)) return std::nullopt;
+    step[i] /= curvature;
+  }
+  return Eigen::VectorXd(steps.cwiseProduct(eigen->vectors * step));
+}
+
+// Goes along a step as far as the views agree better there. Whether they do anywhere.
+bool go(const Zooming& zooming, Eigen::VectorXd step, Shared& q, Fit& at) {
+  constexpr int kMost = 5;
+  for (int i = 0; i < kMost; ++i, step /= 4) {
+    auto there = zooming.fit(q + step, focal_lengths(at));
+    if (!there || !(there->cost < at.cost)) continue;
+    q += step;
+    at = *std::move(there);
+    return true;
+  }
+  return false;
+}
+
+// Newton's steps on the shared numbers, each no longer than a twentieth of the image, until one is
+// a small part of their sigmas where differences are taken over as little.
 Result<Optimum> refine(const Zooming& zooming, Shared q, Fit at, ImageSize size, double freedom) {
-  constexpr int kMost = 12;
+  constexpr int kMost = 40;
+  constexpr double kLongest = 12;    // steps
+  constexpr double kSettled = 0.03;  // sigmas
+  constexpr double kFine = 0.3;      // sigmas, over which differences are taken at last
   const Eigen::Index n = q.size();
   Eigen::VectorXd steps(n);
   for (Eigen::Index i = 0; i < n; ++i) steps[i] = n != 2 && i + 1 == n ? 2e-3 : 4e-3 * size.width;
+  const Eigen::VectorXd first = steps;
   Parabola p;
+  bool is_fine = false;
   for (int i = 0; i < kMost && n > 0; ++i) {
     auto next = parabola_at(zooming, q, at, steps);
     if (!next) return tl::unexpected<Error>(next.error());
     p = *std::move(next);
-    const auto solved = scaled_solve(p.hessian, p.gradient, 1e-6);
-    if (!solved) return tl::unexpected<Error>(left_open());
-    Eigen::VectorXd step = -*solved;
-    const double most = (step.cwiseQuotient(steps)).cwiseAbs().maxCoeff() / 12;
-    if (most > 1) step /= most;
-    auto there = zooming.fit(q + step, focal_lengths(at));
-    if (!there) return tl::unexpected<Error>(there.error());
-    if (there->cost < at.cost) {
-      q += step;
-      at = *std::move(there);
+    auto step = downhill(p, steps);
+    if (!step) return tl::unexpected<Error>(left_open());
+    const double longest = step->cwiseQuotient(first).cwiseAbs().maxCoeff();
+    if (longest > kLongest) *step *= kLongest / longest;
+    const double variance = at.cost / std::max(freedom, 1.0);
+    const bool is_settled = -p.gradient.dot(*step) < kSettled * kSettled * 2 * variance;
+    const bool is_better = go(zooming, *step, q, at);
+    if (is_settled && is_fine) break;
+    if (is_settled) {
+      steps =
+          steps.cwiseMin(kFine * (2 * variance * p.hessian.diagonal().cwiseInverse()).cwiseSqrt());
+      is_fine = true;
+    } else if (!is_better || longest < 1) {
+      steps *= 0.5;
     }
-    if (12 * most < 0.02) break;
-    if (12 * most < 1) steps *= 0.5;
   }
   Optimum optimum = {std::move(at), Eigen::MatrixXd::Zero(n, n), p.fx_by_shared};
   if (n == 0) return optimum;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <stop_token>
 
@@ -18,6 +19,8 @@ struct LmOptions {
   double tolerance = 1e-13;
   double small = 0;
   double lambda = 1e-4;  // the damping to begin with
+  // The iteration is given up where a step is predicted to leave a larger cost.
+  double hopeless = std::numeric_limits<double>::infinity();
 };
 
 struct LmReport {
@@ -61,6 +64,7 @@ LmReport minimise(Problem& problem, const LmOptions& options, const std::stop_to
     }
     const double cost = problem.cost();
     const std::optional<double> predicted = problem.propose(lambda);
+    if (predicted && cost - *predicted > options.hopeless) return report;
     if (predicted && ends_iteration(*predicted, before, options.small * cost)) {
       problem.accept_unseen(*predicted);
       report.converged = true;

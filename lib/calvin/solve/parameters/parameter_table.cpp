@@ -29,7 +29,7 @@ ParameterTable::ParameterTable(std::vector<TableCamera> cameras,
   cameras_.reserve(cameras.size());
   for (TableCamera& camera : cameras) {
     const auto unknowns = CameraUnknowns::of(parameter_names(camera.model).size(), camera.has_skew);
-    const int first = take(unknowns.all().count).first;
+    const int first = take(camera.known.empty() ? unknowns.all().count : 0).first;
     cameras_.push_back({std::move(camera), unknowns, first, {}, {}});
   }
   for (Camera& camera : cameras_) camera.readout = take(camera.of.has_readout ? 1 : 0);
@@ -89,7 +89,9 @@ std::string ParameterTable::name(int unknown) const {
 std::optional<int> ParameterTable::find(std::string_view parameter, std::size_t i) const {
   const auto names = parameter_names(model(i));
   const auto at = std::find(names.begin(), names.end(), parameter);
-  if (at != names.end()) return intrinsics(i)[static_cast<int>(at - names.begin())];
+  if (at != names.end() && !is_known(i)) {
+    return intrinsics(i)[static_cast<int>(at - names.begin())];
+  }
   if (parameter == kSkew && !skew(i).empty()) return skew(i).first;
   return std::nullopt;
 }

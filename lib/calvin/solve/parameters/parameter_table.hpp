@@ -26,6 +26,9 @@ struct TableCamera {
   // Whether the camera has a place in the rig (camera_from_rig, 6 unknowns); else it is the rig.
   bool has_rig_pose = false;
   bool has_readout = false;  // the time from the first row to the last is an unknown
+  // The intrinsics where they are known and so no unknowns, in the order of CameraUnknowns; the
+  // skew is then known as well. A held unknown stays in the equations, a known one is not in them.
+  std::vector<double> known = {};
 };
 
 // The unknowns stand in this order: those of every camera, the readout of every camera, the place
@@ -48,6 +51,17 @@ class ParameterTable {
   }
   [[nodiscard]] const CameraUnknowns& unknowns(std::size_t camera) const {
     return cameras_[camera].unknowns;
+  }
+
+  // Whether the intrinsics of the camera are no unknowns.
+  [[nodiscard]] bool is_known(std::size_t camera) const {
+    return !cameras_[camera].of.known.empty();
+  }
+  // The intrinsics of the camera at these values, known or not.
+  [[nodiscard]] const double* intrinsics_at(std::size_t camera,
+                                            std::span<const double> values) const {
+    return is_known(camera) ? cameras_[camera].of.known.data()
+                            : values.data() + intrinsics(camera).first;
   }
 
   // The ranges. A range is empty where its unknowns are not estimated. camera() are all those that
@@ -145,7 +159,7 @@ class ParameterTable {
   static std::size_t index(int unknown) { return static_cast<std::size_t>(unknown); }
   [[nodiscard]] const CameraUnknowns& order(std::size_t i) const { return cameras_[i].unknowns; }
   [[nodiscard]] ParameterRange within(std::size_t i, ParameterRange range) const {
-    return range.after(cameras_[i].first);
+    return is_known(i) ? ParameterRange{cameras_[i].first, 0} : range.after(cameras_[i].first);
   }
   ParameterRange take(int unknowns);
   [[nodiscard]] bool same_focal(const Tie& tie) const;

@@ -86,6 +86,12 @@ class BundleProblem {
   [[nodiscard]] bool valid() const { return valid_; }
   [[nodiscard]] const BundlePoint& point() const { return current_.point; }
 
+  // Goes on from where it stands with another loss; what valid() says then.
+  bool restart(const Loss& loss) {
+    loss_ = loss;
+    return valid_ = linearise(current_);
+  }
+
   // For minimise().
   [[nodiscard]] double cost() const { return current_.cost; }
   [[nodiscard]] std::optional<double> propose(double lambda);

@@ -38,12 +38,15 @@ class LensRows {
     }
   }
 
-  template <RowContent kContent>
+  // The derivatives that are computed: all, none, or all but those by the intrinsics.
+  enum class Derivatives { kAll, kNone, kOfKnownCamera };
+
+  template <Derivatives kDerivatives>
   RowSums fill() {
     DoubleVec cost = 0;
     bool valid = true;
     for (std::size_t at = 0; at < view_.padded(); at += DoubleVec::kSize) {
-      valid = corners<kContent>(at, cost) && valid;
+      valid = corners<kDerivatives>(at, cost) && valid;
     }
     return {hn::GetLane(hn::SumOfLanes(DoubleVec::Tag(), cost.raw)), valid};
   }
@@ -63,15 +66,16 @@ class LensRows {
     }
   };
 
-  template <RowContent kContent>
+  template <Derivatives kDerivatives>
   bool corners(std::size_t at, DoubleVec& cost) {
     DoubleVec p[3];
     place(at, p);
     DoubleVec xy[2];
     DoubleVec jp[6];
     DoubleVec jd[2 * std::max(kCount, 1)];
+    constexpr bool kIntrinsics = kDerivatives == Derivatives::kAll;
     const double* coefficients = point_.parameters + kCamera.distortion().first;
-    const auto valid = Lens::distort(coefficients, p, xy, jp, jd);
+    const auto valid = Lens::distort(coefficients, p, xy, jp, kIntrinsics ? jd : nullptr);
     const double fx = point_.parameters[kCamera.focal()[0]];
     const double fy = point_.parameters[kCamera.focal()[1]];
     const double cx = point_.parameters[kCamera.center()[0]];
@@ -86,7 +90,7 @@ class LensRows {
     const Row v = {rows_.v(0) + at, stride};
     u.put(RowLayout::kResidual, scale * du);
     v.put(RowLayout::kResidual, scale * dv);
-    if constexpr (kContent == RowContent::kResiduals) return all_true(valid);
+    if constexpr (kDerivatives == Derivatives::kNone) return all_true(valid);
     const DoubleVec su = scale * fx;
     const DoubleVec sv = scale * fy;
     const DoubleVec sk = scale * point_.skew;
@@ -98,7 +102,7 @@ class LensRows {
     }
     pose(u, p, gu);
     pose(v, p, gv);
-    camera(u, v, xy, jd, scale);
+    if constexpr (kIntrinsics) camera(u, v, xy, jd, scale);
     readout(u, v, at, scale * later * later);
     modes(u, at, gu);
     modes(v, at, gv);

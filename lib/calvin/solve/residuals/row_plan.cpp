@@ -26,16 +26,35 @@ std::size_t padded(int columns) {
 }
 
 // A motion d of the board in the rig, as in retract(), moves what the camera sees as the motion
-// adjoint * d in the camera's frame does.
-Matrix6d adjoint(const SE3& camera_from_rig) {
-  const Eigen::Matrix3d& r = camera_from_rig.rotation;
-  const Eigen::Vector3d& t = camera_from_rig.translation;
-  Matrix6d result = Matrix6d::Zero();
-  result.topLeftCorner<3, 3>() = r;
-  result.bottomRightCorner<3, 3>() = r;
-  for (int k = 0; k < 3; ++k) result.block<3, 1>(3, k) = t.cross(r.col(k));
-  return result;
-}
+// adjoint * d in the camera's frame does: [turn 0; lever turn].
+struct Adjoint {
+  Eigen::Matrix3d turn;
+  Eigen::Matrix3d lever;
+
+  explicit Adjoint(const SE3& camera_from_rig) : turn(camera_from_rig.rotation) {
+    const Eigen::Vector3d& t = camera_from_rig.translation;
+    for (int k = 0; k < 3; ++k) lever.col(k) = t.cross(turn.col(k));
+  }
+
+  // m adjoint, by rows of m.
+  template <typename Rows>
+  [[nodiscard]] auto after(const Rows& m) const {
+    Eigen::Matrix<double, Rows::RowsAtCompileTime, 6> product;
+    product.template rightCols<3>().noalias() = m.template rightCols<3>() * turn;
+    product.template leftCols<3>().noalias() = m.template leftCols<3>() * turn;
+    product.template leftCols<3>().noalias() += m.template rightCols<3>() * lever;
+    return product;
+  }
+
+  // The lower triangle of adjoint^T m, for an m that makes it symmetric.
+  [[nodiscard]] Matrix6d transposed_before(const Matrix6d& m) const {
+    Matrix6d product;
+    product.bottomRows<3>().noalias() = turn.transpose() * m.bottomRows<3>();
+    product.topLeftCorner<3, 3>().noalias() = turn.transpose() * m.topLeftCorner<3, 3>();
+    product.topLeftCorner<3, 3>().noalias() += lever.transpose() * m.bottomLeftCorner<3, 3>();
+    return product;
+  }
+};
 
 }  // namespace
 
@@ -80,15 +99,15 @@ void RowPlan::add_pose(std::size_t block, const SE3* camera_from_rig, ArrowEquat
 // them; so that products are all that has to be turned.
 void RowPlan::through_rig(const SE3& camera_from_rig) {
   if (!rigged_) rigged_ = aligned_array(stride_ * stride_);
-  const Matrix6d turn = adjoint(camera_from_rig);
+  const Adjoint adjoint(camera_from_rig);
   Matrix6d own;
   for (int i = 0; i < kPose; ++i) {
     for (int j = 0; j <= i; ++j) {
       own(i, j) = own(j, i) = products_[static_cast<std::size_t>(i) * stride_ + j];
     }
   }
-  const Matrix6d by_turn = own * turn;
-  const Matrix6d turned = turn.transpose() * by_turn;
+  const Matrix6d by_turn = adjoint.after(own);
+  const Matrix6d turned = adjoint.transposed_before(by_turn);
   const int rig = rig_columns();
   const int first_rig = rows_.layout().first_mode();
   const auto out = [this](int i, int j) -> double& {
@@ -101,7 +120,7 @@ void RowPlan::through_rig(const SE3& camera_from_rig) {
     const double* line = &products_[static_cast<std::size_t>(row) * stride_];
     const Eigen::Map<const Eigen::Matrix<double, 1, 6>> by_motion(line);
     const int to = row < first_rig ? row : row + rig;
-    Eigen::Map<Eigen::Matrix<double, 1, 6>>(&out(to, 0)) = by_motion * turn;
+    Eigen::Map<Eigen::Matrix<double, 1, 6>>(&out(to, 0)) = adjoint.after(by_motion);
     for (int j = kPose; j <= row; ++j) out(to, j < first_rig ? j : j + rig) = line[j];
     for (int k = 0; k < rig; ++k) {
       (row < first_rig ? out(first_rig + k, row) : out(to, first_rig + k)) = line[k];

@@ -15,12 +15,12 @@ namespace calvin {
 RowLayout row_layout(const ParameterTable& table, std::size_t camera,
                      std::optional<std::size_t> board) {
   return {table.unknowns(camera), board ? table.board(*board).count : 0,
-          !table.readout(camera).empty()};
+          !table.readout(camera).empty(), table.is_known(camera)};
 }
 
 RowPoint row_point(const ParameterTable& table, std::size_t camera,
                    std::optional<std::size_t> board, const std::vector<double>& shared) {
-  return {shared.data() + table.camera(camera).first, table.skew_at(camera, shared),
+  return {table.intrinsics_at(camera, shared), table.skew_at(camera, shared),
           board ? shared.data() + table.board(*board).first : nullptr,
           table.readout_at(camera, shared)};
 }

@@ -21,7 +21,8 @@ namespace calvin {
 // The columns, in this order:
 //   6          the pose, which moves by exp(d) from the left: rotation (rad), translation (m)
 //   1          the residuals, px
-//   shared()   the unknowns of the camera, its readout where that is one, the modes of the board
+//   shared()   the unknowns of the camera unless it is known, its readout where that is one, the
+//              modes of the board
 // Columns that depend on one view alone come first, so that a pose by itself needs seven columns.
 struct RowLayout {
   static constexpr int kPose = 6;
@@ -31,12 +32,15 @@ struct RowLayout {
   CameraUnknowns camera;
   int modes = 0;
   bool has_readout = false;
+  bool is_known = false;  // the camera: it has no columns but the readout
 
+  // The intrinsics, and the skew where it is estimated.
+  [[nodiscard]] int intrinsics() const { return is_known ? 0 : camera.all().count; }
   // Those of the camera alone.
-  [[nodiscard]] int of_camera() const { return camera.all().count + (has_readout ? 1 : 0); }
+  [[nodiscard]] int of_camera() const { return intrinsics() + (has_readout ? 1 : 0); }
   [[nodiscard]] int shared() const { return of_camera() + modes; }
   [[nodiscard]] int columns() const { return kFirstShared + shared(); }
-  [[nodiscard]] int readout() const { return kFirstShared + camera.all().end(); }
+  [[nodiscard]] int readout() const { return kFirstShared + intrinsics(); }
   [[nodiscard]] int first_mode() const { return kFirstShared + of_camera(); }
 };
 
@@ -86,7 +90,7 @@ struct RowSums {
   bool valid = false;  // every corner has a projection
 };
 
-// Which columns are filled: without derivatives it takes a third of the time.
+// Which columns are filled: all that the layout has, or the residuals alone.
 enum class RowContent { kAll, kResiduals };
 
 // Fills the rows of a view, weighted, for the formula of one lens. The rows have its size.

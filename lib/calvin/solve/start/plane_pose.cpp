@@ -64,11 +64,13 @@ Matrix9 normal_matrix(const std::vector<Eigen::Vector3d>& points,
     const double w = weights[k];
     const double x = (points[k].x() - n.x) * n.scale;
     const double y = (points[k].y() - n.y) * n.scale;
-    Vector6 across;
-    across << w - w * r[0] * r[0], -w * r[0] * r[1], w - w * r[1] * r[1], -w * r[0] * r[2],
-        -w * r[1] * r[2], w - w * r[2] * r[2];
+    const Eigen::Vector3d wr = w * r;
+    const double across[6] = {w - wr[0] * r[0], -wr[0] * r[1], w - wr[1] * r[1],
+                              -wr[0] * r[2],    -wr[1] * r[2], w - wr[2] * r[2]};
     const double products[6] = {x * x, x * y, y * y, x, y, 1};
-    for (int j = 0; j < 6; ++j) sums.col(j) += products[j] * across;
+    for (int j = 0; j < 6; ++j) {
+      for (int i = 0; i < 6; ++i) sums(i, j) += products[j] * across[i];
+    }
   }
   constexpr int kPair[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
   Matrix9 m;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "calvin/solve/linear/cholesky.hpp"
@@ -29,7 +30,7 @@ class PoseProblem {
         camera_(camera),
         fill_(fill_rows_of(camera.model())),
         loss_(loss),
-        rows_({CameraUnknowns::of(camera.parameters().size(), false), 0}) {
+        rows_({CameraUnknowns::of(camera.parameters().size(), false), 0, false, true}) {
     current_.pose = start;
     rows_.resize(view.padded());
     valid_ = linearise(current_);
@@ -129,17 +130,22 @@ double ray_error(const PointSet& view, const std::vector<Eigen::Vector3d>& rays,
 }  // namespace
 
 std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const Camera& camera) {
-  std::vector<Eigen::Vector3d> rays(view.size(), Eigen::Vector3d::Zero());
+  return rays_of(view, CameraPoints(camera));
+}
+
+std::vector<Eigen::Vector3d> rays_of(const PointSet& view, const CameraPoints& camera) {
+  std::vector<Eigen::Vector3d> rays = camera.rays(view.uv);
   for (std::size_t i = 0; i < view.size(); ++i) {
-    if (!(view.weight[i] > 0)) continue;
-    const auto ray = camera.unproject(view.uv[i]);
-    if (ray && ray->allFinite()) rays[i] = *ray;
+    if (!(view.weight[i] > 0)) rays[i].setZero();
   }
   return rays;
 }
 
 std::optional<SE3> start_pose(const PointSet& view, const Camera& camera) {
-  const auto rays = rays_of(view, camera);
+  return start_pose(view, rays_of(view, camera));
+}
+
+std::optional<SE3> start_pose(const PointSet& view, const std::vector<Eigen::Vector3d>& rays) {
   auto plane = start_on_plane(view, rays);
   if (!spans_space(view)) return plane;
   auto space = pose_in_space(view.points, rays);
@@ -155,22 +161,93 @@ SE3 mirrored_tilt(const PointSet& view, const SE3& camera_from_board) {
                : mirrored_tilt(camera_from_board, center);
 }
 
+namespace {
+
+// One of the minima, as both.
+std::optional<PoseFit> refined(const ViewPoints& points, const Camera& camera, const Loss& loss,
+                               const SE3& from, const LmOptions& options) {
+  PoseProblem problem(points, camera, loss, from);
+  if (!problem.valid()) return std::nullopt;
+  minimise(problem, options, {});
+  return PoseFit{problem.pose(), problem.cost(), problem.pose(), problem.cost()};
+}
+
+}  // namespace
+
 std::optional<PoseFit> fit_pose(const PointSet& view, const Camera& camera, const Loss& loss) {
   const auto start = start_pose(view, camera);
   if (!start) return std::nullopt;
   const ViewPoints points(view, {});
-  const auto refined = [&](const SE3& from) -> std::optional<PoseFit> {
-    PoseProblem problem(points, camera, loss, from);
-    if (!problem.valid()) return std::nullopt;
-    minimise(problem, LmOptions{}, {});
-    return PoseFit{problem.pose(), problem.cost(), problem.pose(), problem.cost()};
-  };
-  auto best = refined(*start);
-  auto other = refined(mirrored_tilt(view, best ? best->camera_from_board : *start));
+  auto best = refined(points, camera, loss, *start, {});
+  auto other = refined(points, camera, loss,
+                       mirrored_tilt(view, best ? best->camera_from_board : *start), {});
   if (other && (!best || other->cost < best->cost)) std::swap(best, other);
   if (best && other) {
     best->other = other->camera_from_board;
     best->other_cost = other->cost;
+  }
+  return best;
+}
+
+namespace {
+
+// The start by a few corners, or by all where few of those have a ray.
+std::optional<SE3> quick_start(const PointSet& view, const std::vector<Eigen::Vector3d>& rays) {
+  constexpr std::size_t kCorners = 20;
+  constexpr std::size_t kFewest = 12;
+  if (view.size() > kCorners) {
+    PointSet few = view.without_corners();
+    few.reserve(kCorners);
+    std::vector<Eigen::Vector3d> few_rays;
+    few_rays.reserve(kCorners);
+    for (const std::size_t i : spread_corners(view.size(), kCorners)) {
+      if (rays[i].isZero(0)) continue;
+      few.append(view, i);
+      few_rays.push_back(rays[i]);
+    }
+    if (few.size() >= kFewest && spans_plane(few)) {
+      if (const auto start = start_pose(few, few_rays)) return start;
+    }
+  }
+  return start_pose(view, rays);
+}
+
+}  // namespace
+
+std::vector<std::size_t> spread_corners(std::size_t all, std::size_t most) {
+  constexpr std::size_t kPlaces = 16;  // in each part
+  constexpr std::size_t kJump = 7;     // prime to that: visits every place
+  std::vector<std::size_t> few;
+  const std::size_t n = std::min(all, most);
+  few.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t first = i * all / n;
+    const std::size_t length = (i + 1) * all / n - first;
+    few.push_back(first + kJump * i % kPlaces * length / kPlaces);
+  }
+  return few;
+}
+
+std::optional<PoseFit> fit_pose_roughly(const PointSet& view,
+                                        const std::vector<Eigen::Vector3d>& rays,
+                                        const Camera& camera, const RivalTilt& rival) {
+  constexpr double kClearly = 10;  // what is predicted of a minimum is wrong by less
+  const auto start = quick_start(view, rays);
+  if (!start) return std::nullopt;
+  const ViewPoints points(view, {});
+  LmOptions options;
+  options.small = 1e-3;
+  auto best = refined(points, camera, Loss{}, *start, options);
+  if (best) options.hopeless = kClearly * rival.limit(best->cost, points.count());
+  auto other = refined(points, camera, Loss{},
+                       mirrored_tilt(view, best ? best->camera_from_board : *start), options);
+  if (other && (!best || other->cost < best->cost)) std::swap(best, other);
+  if (best && other && other->cost <= rival.limit(best->cost, points.count())) {
+    best->other = other->camera_from_board;
+    best->other_cost = other->cost;
+  } else if (best) {
+    best->other = best->camera_from_board;
+    best->other_cost = std::numeric_limits<double>::infinity();
   }
   return best;
 }

@@ -26,7 +26,6 @@ constexpr std::size_t kTrialsOfFew = 8;  // where there are few views
 constexpr std::size_t kQuickViews = 6;
 constexpr std::size_t kQuickCorners = 16;  // of a view
 constexpr std::size_t kPoseCorners = 10;   // of a view whose camera is known nearly
-constexpr std::size_t kJump = 7;           // prime to kQuickCorners: visits every place of a part
 
 // Few and rough iterations, which bring a start near the optimum.
 constexpr LmOptions kRough = {8, 1e-2, 1e-2, 1e-6};
@@ -46,17 +45,10 @@ StartSearch::Views sample_of(const StartSearch::Views& views, std::size_t most) 
   return sample;
 }
 
-// A few of the corners: one of each of equal parts of the list, at a different place in each part,
-// because a part may be as long as a row of the board.
 PointSet thinned(const PointSet& all, std::size_t most = kQuickCorners) {
   PointSet few = all.without_corners();
-  const std::size_t n = std::min(all.size(), most);
-  few.reserve(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t first = i * all.size() / n;
-    const std::size_t length = (i + 1) * all.size() / n - first;
-    few.append(all, first + kJump * i % kQuickCorners * length / kQuickCorners);
-  }
+  few.reserve(most);
+  for (const std::size_t i : spread_corners(all.size(), most)) few.append(all, i);
   return few;
 }
 

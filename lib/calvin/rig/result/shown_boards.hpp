@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calvin/core/rig.hpp"
-#include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/start/rig_start.hpp"
 
 namespace calvin::rig {
 

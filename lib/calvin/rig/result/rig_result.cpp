@@ -3,7 +3,7 @@
 
 // Frames and cameras of a result.
 
-#include "calvin/rig/joint/rig_result.hpp"
+#include "calvin/rig/result/rig_result.hpp"
 
 #include <utility>
 

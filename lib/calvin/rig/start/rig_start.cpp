@@ -3,7 +3,7 @@
 
 // Prim's tree over cameras, then each board where most of its views agree.
 
-#include "calvin/rig/joint/rig_start.hpp"
+#include "calvin/rig/start/rig_start.hpp"
 
 #include <algorithm>
 #include <map>
@@ -102,7 +102,7 @@ struct BoardPlace {
 
 // As the view `first` of a group has it.
 BoardPlace place_by(std::size_t first, const std::vector<std::size_t>& group,
-                    const std::vector<BoardView>& views, const std::vector<Camera>& cameras,
+                    const std::vector<BoardView>& views, const std::vector<CameraPoints>& cameras,
                     const std::vector<SE3>& camera_from_rig) {
   const BoardView& own = views[group[first]];
   const SE3 rig_from_own = camera_from_rig[own.of.camera].inverse();
@@ -110,15 +110,13 @@ BoardPlace place_by(std::size_t first, const std::vector<std::size_t>& group,
   bool none = true;
   for (const SE3& pose : own.poses) {
     BoardPlace place{rig_from_own * pose, {}, 0};
-    BoardView with_pose = own;
-    with_pose.poses = {pose};
     for (std::size_t i = 0; i < group.size(); ++i) {
       const BoardView& other = views[group[i]];
       if (i == first) {
         place.board_from_own.emplace_back();
         continue;
       }
-      const Agreement agreed = agreement(with_pose, other, cameras[other.of.camera],
+      const Agreement agreed = agreement(own, pose, other, cameras[other.of.camera],
                                          camera_from_rig[other.of.camera] * rig_from_own);
       place.board_from_own.push_back(agreed.labelling);
       place.misfit += agreed.misfit;
@@ -162,6 +160,7 @@ Result<RigPlaces> place_all(const std::vector<BoardView>& views,
                             const std::vector<std::string>& names) {
   auto camera_from_rig = place_cameras(links, names);
   if (!camera_from_rig) return tl::unexpected<Error>(camera_from_rig.error());
+  const std::vector<CameraPoints> points = points_before(cameras);
   RigPlaces places;
   places.camera_from_rig = *std::move(camera_from_rig);
   for (const auto& group : groups) {
@@ -171,7 +170,7 @@ Result<RigPlaces> place_all(const std::vector<BoardView>& views,
       if (of_board.size() < 2) continue;  // what one camera sees says nothing of the others
       BoardPlace best;
       for (std::size_t first = 0; first < of_board.size(); ++first) {
-        BoardPlace place = place_by(first, of_board, views, cameras, places.camera_from_rig);
+        BoardPlace place = place_by(first, of_board, views, points, places.camera_from_rig);
         if (first == 0 || place.misfit < best.misfit) best = std::move(place);
       }
       for (std::size_t i = 0; i < of_board.size(); ++i) {

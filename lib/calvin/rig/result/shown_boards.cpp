@@ -3,11 +3,12 @@
 
 // Takes the place that is farthest from those that were taken before, until there are enough.
 
-#include "calvin/rig/joint/shown_boards.hpp"
+#include "calvin/rig/result/shown_boards.hpp"
 
 #include <algorithm>
 #include <cstddef>
-#include <string>
+#include <set>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -18,25 +19,24 @@ namespace {
 constexpr std::size_t kMost = 24;
 
 struct Shown {
-  std::string board;
+  const Board* board = nullptr;
   SE3 rig_from_board;
   Eigen::Vector3d middle;  // m, rig
 };
 
 std::vector<Shown> all_shown(const std::vector<RigCameraViews>& seen,
                              const std::vector<BoardView>& views, const RigPlaces& places) {
-  std::vector<bool> is_there(places.rig_from_board.size(), false);
+  std::set<std::pair<std::size_t, std::size_t>> is_there;  // poses and boards
   std::vector<Shown> all;
   for (const PlacedView& placed : places.views) {
-    if (is_there[placed.pose]) continue;
-    is_there[placed.pose] = true;
+    if (!is_there.insert({placed.pose, views[placed.view].own_board}).second) continue;
     const RigView& of = views[placed.view].of;
     const Board& board = seen[of.camera].views[of.view].board;
     const SE3 pose = places.rig_from_board[placed.pose] * placed.board_from_own;
     const BoardArea extent = board.extent();
     const Eigen::Vector3d middle(0.5 * (extent.left + extent.right),
                                  0.5 * (extent.top + extent.bottom), 0);
-    all.push_back({board.text(), pose, pose * middle});
+    all.push_back({&board, pose, pose * middle});
   }
   return all;
 }
@@ -68,7 +68,7 @@ std::vector<RigBoard> shown_boards(const std::vector<RigCameraViews>& seen,
   for (const std::size_t i : spread(all)) {
     SE3 pose = all[i].rig_from_board;
     pose.translation *= scale;
-    boards.push_back({all[i].board, to_pose(pose)});
+    boards.push_back({all[i].board->text(), to_pose(pose)});
   }
   return boards;
 }

@@ -44,6 +44,9 @@ struct Agreement {
   double misfit = 0;  // px, of the second
 };
 [[nodiscard]] Agreement agreement(const BoardView& first, const BoardView& second,
-                                  const Camera& second_camera, const SE3& second_from_first);
+                                  const CameraPoints& second_camera, const SE3& second_from_first);
+// The same for one pose of the first.
+[[nodiscard]] Agreement agreement(const BoardView& first, const SE3& pose, const BoardView& second,
+                                  const CameraPoints& second_camera, const SE3& second_from_first);
 
 }  // namespace calvin::rig

@@ -10,7 +10,7 @@
 
 #include "calvin/core/result.hpp"
 #include "calvin/rig/board_views.hpp"
-#include "calvin/rig/joint/links.hpp"
+#include "calvin/rig/start/links.hpp"
 
 namespace calvin::rig {
 
