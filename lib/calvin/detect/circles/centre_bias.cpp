@@ -33,15 +33,22 @@ Rim rim_of(const LensMap& map, const Pixel& at, double radius) {
   return rim;
 }
 
-// Of the polygon, which is smaller than what the rim encloses by a factor that all have in common.
-double area_of(const Rim& rim) {
+// What a rim of some radius about a place encloses, by the polygon through every third of its
+// points, which is smaller by a factor that all have in common.
+double area_of(const LensMap& map, const Pixel& at, double radius) {
+  constexpr std::size_t kCorners = kPoints / 3;
+  const auto& circle = unit_circle<kCorners>();
+  std::array<Eigen::Vector2d, kCorners> rim;
+  for (std::size_t k = 0; k < kCorners; ++k) {
+    rim[k] = image_of(map, {at.u + radius * circle[k].x(), at.v + radius * circle[k].y()});
+  }
   double sum = 0;
-  for (std::size_t k = 0; k < kPoints; ++k) {
+  for (std::size_t k = 0; k < kCorners; ++k) {
     const Eigen::Vector2d& a = rim[k];
-    const Eigen::Vector2d& b = rim[(k + 1) % kPoints];
+    const Eigen::Vector2d& b = rim[(k + 1) % kCorners];
     sum += a.x() * b.y() - a.y() * b.x();
   }
-  const double angle = 2 * std::numbers::pi / kPoints;
+  const double angle = 2 * std::numbers::pi / kCorners;
   return 0.5 * std::abs(sum) * angle / std::sin(angle);
 }
 
@@ -49,6 +56,7 @@ double area_of(const Rim& rim) {
 // distance best.
 Eigen::Vector2d centre_of(const Rim& points) {
   constexpr int kSteps = 4;
+  constexpr double kDone = 1e-6;
   Eigen::Matrix<double, 5, 1> ellipse;  // m, S
   ellipse << 0, 0, 1, 0, 1;
   for (int step = 0; step < kSteps; ++step) {
@@ -66,7 +74,9 @@ Eigen::Vector2d centre_of(const Rim& points) {
       m += j * j.transpose();
       right += j * (1 - length);
     }
-    ellipse += m.ldlt().solve(right);
+    const Eigen::Matrix<double, 5, 1> change = m.ldlt().solve(right);
+    ellipse += change;
+    if (change.squaredNorm() < kDone * kDone) break;
   }
   return ellipse.head<2>();
 }
@@ -77,10 +87,9 @@ std::optional<Eigen::Vector2d> centre_bias(const LensMap& map, const Pixel& at,
                                            const Ellipse& seen) {
   const Eigen::Vector2d centre = image_of(map, at);
   double radius = 0.25;  // of what is between two discs, at first
-  Rim rim = rim_of(map, at, radius);
-  radius *= seen.radius() * std::sqrt(std::numbers::pi / area_of(rim));
+  radius *= seen.radius() * std::sqrt(std::numbers::pi / area_of(map, at, radius));
   if (!(radius > 0) || !(radius < 1)) return std::nullopt;
-  rim = rim_of(map, at, radius);
+  Rim rim = rim_of(map, at, radius);
   // Measured by the disc itself all directions count alike, however it is foreshortened.
   Eigen::Matrix2d half_axes;
   half_axes << (rim[0] - rim[kPoints / 2]) / 2, (rim[kPoints / 4] - rim[3 * kPoints / 4]) / 2;

@@ -34,8 +34,9 @@ std::size_t segment_of(float t) {
 
 class SideSteps {
  public:
-  SideSteps(const ImageView& image, const SideGuess& guess)
-      : image_(image), guess_(guess), frame_(guess), width_(guess.width) {
+  // `pixels` is memory.
+  SideSteps(const ImageView& image, const SideGuess& guess, SidePixels& pixels)
+      : image_(image), guess_(guess), frame_(guess), width_(guess.width), pixels_(pixels) {
     used_.fill(true);
   }
 
@@ -77,7 +78,7 @@ class SideSteps {
   double in_slope_ = 0;
   double out_ = 0;
   double out_slope_ = 0;
-  SidePixels pixels_;
+  SidePixels& pixels_;
   std::array<bool, kSegments> used_{};  // not covered
   std::array<int, kSegments> pixels_in_{};
   Matrix products_;
@@ -97,8 +98,7 @@ bool SideSteps::start() {
   // Grey levels at the ends of the band.
   double sums[2] = {0, 0};
   int counts[2] = {0, 0};
-  constexpr std::size_t kEvery = 3;  // pixels, which are enough to begin with
-  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); i += kEvery) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pixels_.count); ++i) {
     const double s =
         static_cast<double>(pixels_.n[i]) - curve_.at(static_cast<double>(pixels_.t[i]));
     if (std::abs(s) < 0.5) continue;
@@ -297,7 +297,9 @@ SideFit SideSteps::result() const {
 
 std::optional<SideFit> fit_side(const ImageView& image, const SideGuess& guess) {
   if (image.width < 8 || image.height < 8) return std::nullopt;
-  SideSteps steps(image, guess);
+  // Sides are fitted by the hundred in a picture.
+  thread_local SidePixels pixels;
+  SideSteps steps(image, guess, pixels);
   if (!steps.run()) return std::nullopt;
   const SideFit fit = steps.result();
   if (!std::isfinite(fit.sigma[0]) || !std::isfinite(fit.sigma[1])) return std::nullopt;
