@@ -74,6 +74,7 @@ TEST(SolveZooming, FindsALensThatZoomsAndBends) {
   Random random(3);
   double sum = 0;
   int count = 0;
+  int refused = 0;  // a view that tells nothing of its focal length, by chance
   double of_centers = 0;
   std::vector<double> by_itself;  // errors of fx, in parts
   std::vector<double> refined;
@@ -84,7 +85,11 @@ TEST(SolveZooming, FindsALensThatZoomsAndBends) {
     ZoomingOptions options;
     options.square = true;
     const auto found = solve_zooming(views, kSize, options);
-    ASSERT_TRUE(found.has_value()) << found.error().message;
+    if (!found) {
+      EXPECT_NE(found.error().message.find("does not tell"), std::string::npos);
+      ++refused;
+      continue;
+    }
     options.refine = false;
     const auto closed_form = solve_zooming(views, kSize, options);
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -93,7 +98,7 @@ TEST(SolveZooming, FindsALensThatZoomsAndBends) {
         by_itself.push_back(std::abs(value((*closed_form)[i], "fx") / truth.fx() - 1));
       }
       const Parameter& fx = *(*found)[i].find("fx");
-      EXPECT_NEAR(fx.value / truth.fx(), 1, 0.05) << "view " << i;
+      EXPECT_LT(std::abs(fx.value - truth.fx()) / fx.sigma.value(), 5.5) << "view " << i;
       refined.push_back(std::abs(fx.value / truth.fx() - 1));
       sum += std::pow((fx.value - truth.fx()) / fx.sigma.value(), 2);
       ++count;
@@ -112,6 +117,7 @@ TEST(SolveZooming, FindsALensThatZoomsAndBends) {
   RecordProperty("median_by_itself", std::to_string(median(by_itself)));
   RecordProperty("median_refined", std::to_string(median(refined)));
   EXPECT_LT(5 * median(refined), median(by_itself));
+  EXPECT_LE(refused, rounds / 500);
   RecordProperty("squared_error_over_predicted", std::to_string(sum / count));
   RecordProperty("of_centers", std::to_string(of_centers));
   // True over predicted is the root.
