@@ -136,6 +136,10 @@ Result<std::vector<BoardView>> checked_views(const std::vector<RigCameraViews>& 
   std::vector<PointSet> sets;
   std::vector<Board> boards;
   std::vector<std::vector<Eigen::Vector3d>> points;  // of those boards
+  std::size_t count = 0;
+  for (const RigCameraViews& camera : seen) count += camera.views.size();
+  all.reserve(count);
+  sets.reserve(count);
   for (std::size_t c = 0; c < seen.size(); ++c) {
     for (std::size_t v = 0; v < seen[c].views.size(); ++v) {
       const View& view = seen[c].views[v];

@@ -110,8 +110,10 @@ Poses LeastSquares::poses_for(const std::vector<double>& shared,
                               const std::vector<const FitView*>& views) const {
   Poses poses(views.size());
   const auto seen_by = camera(shared);
-  for (std::size_t v = 0; seen_by && v < views.size() && !stop_.stop_requested(); ++v) {
-    poses[v] = start_pose(views[v]->set, *seen_by);
+  if (!seen_by) return poses;
+  const CameraPoints points(*seen_by);
+  for (std::size_t v = 0; v < views.size() && !stop_.stop_requested(); ++v) {
+    poses[v] = start_pose(views[v]->set, rays_of(views[v]->set, points));
   }
   return poses;
 }

@@ -106,9 +106,11 @@ Candidate StartSearch::quick(const Views& views) {
   if (!std::isfinite(best.scale)) return {};
   const auto camera = least_squares_.camera(best.shared);
   if (!camera) return {};
+  const CameraPoints points(*camera);
   best.poses.assign(views.size(), std::nullopt);
   for (std::size_t v = 0; v < views.size() && !least_squares_.cancelled(); ++v) {
-    best.poses[v] = start_pose(thinned(views[v]->set, kPoseCorners), *camera);
+    const PointSet few = thinned(views[v]->set, kPoseCorners);
+    best.poses[v] = start_pose(few, rays_of(few, points));
   }
   return best;
 }
