@@ -47,6 +47,8 @@ expect 1 "'late'" "$rig" rig.json left.json left.jsonl late.json late.jsonl
 cmp -s rig.json before.json || fail 'a failure has touched the file'
 expect 1 "'right'" "$rig" --tolerance 1 rig.json left.json left.jsonl right.json right.jsonl
 expect 0 '100.0 mm apart' "$rig" --tolerance 501 rig.json left.json left.jsonl late.json late.jsonl
+expect 1 'No picture shows how the boards are fixed' "$rig" --fixed-boards rig.json left.json left.jsonl right.json \
+  right.jsonl
 expect 1 'several places' "$rig" --floor rig.json left.json left.jsonl right.json right.jsonl
 
 sed 's/"pinhole"/"brown5"/; s/"cy": 240/"cy": 240, "k1": 0, "k2": 0, "p1": 0, "p2": 0, "k3": 0.001/' left.json >five.json
