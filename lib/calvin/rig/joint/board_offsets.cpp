@@ -84,8 +84,7 @@ std::vector<std::size_t> unknown_boards(const std::vector<BoardView>& views,
     if (view.own_board != view.board && solver.is_used(p)) boards.push_back(view.own_board);
   }
   std::ranges::sort(boards);
-  const auto rest = std::ranges::unique(boards);
-  boards.erase(rest.begin(), rest.end());
+  boards.erase(std::unique(boards.begin(), boards.end()), boards.end());
   return boards;
 }
 
