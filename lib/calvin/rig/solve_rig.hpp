@@ -14,7 +14,6 @@
 #include "calvin/core/export.hpp"
 #include "calvin/core/result.hpp"
 #include "calvin/core/rig.hpp"
-#include "calvin/rig/rig_link.hpp"
 #include "calvin/rig/rig_views.hpp"
 
 namespace calvin {

@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
+#include "calvin/core/rig.hpp"
 #include "calvin/rig/clocks/solve_with_clocks.hpp"
-#include "calvin/rig/rig_link.hpp"
 
 namespace calvin::rig {
 
