@@ -17,6 +17,18 @@
 
 namespace calvin::formulas {
 
+// Until the solver stands still.
+inline ceres::Solver::Options settled(ceres::LinearSolverType type) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = type;
+  options.max_num_iterations = 500;
+  options.function_tolerance = 1e-16;
+  options.gradient_tolerance = 1e-16;
+  options.parameter_tolerance = 1e-14;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
 // OpenCV 4.6, "Camera Calibration and 3D Reconstruction", detailed description: k1 k2 p1 p2 k3 k4
 // k5 k6 s1 s2 s3 s4 taux tauy, of which the first `kCoefficients` are given.
 template <int kCoefficients>

@@ -125,15 +125,8 @@ inline rig::HandEyePlaces solve_by_ceres(const RigCameraViews& seen,
       problem.SetParameterBlockConstant(hand);
     }
   }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 500;
-  options.function_tolerance = 1e-16;
-  options.gradient_tolerance = 1e-16;
-  options.parameter_tolerance = 1e-14;
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  ceres::Solve(settled(ceres::DENSE_QR), &problem, &summary);
   return {from_numbers(camera), from_numbers(board), 1};
 }
 

@@ -83,15 +83,8 @@ inline bool solve_strobl_by_ceres(const std::vector<RobotCamera>& seen,
                                  new ToldByRobot{hand, sigmas.turn, sigmas.place}),
                              nullptr, hand.data());
   }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.max_num_iterations = 500;
-  options.function_tolerance = 1e-16;
-  options.gradient_tolerance = 1e-16;
-  options.parameter_tolerance = 1e-14;
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  ceres::Solve(settled(ceres::DENSE_SCHUR), &problem, &summary);
   at.cost = summary.final_cost;
   ceres::Covariance::Options how;
   how.algorithm_type = ceres::DENSE_SVD;

@@ -44,7 +44,7 @@ inline CeresZooming solve_zooming_by_ceres(const scenes::ZoomingScene& scene) {
   at.f_k1.resize(scene.views.size());
   std::vector<PoseNumbers> poses(scene.views.size());
   ceres::Problem problem;
-  ceres::Solver::Options options;
+  ceres::Solver::Options options = settled(ceres::DENSE_SCHUR);
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     at.f_k1[v] = {scene.cameras[v].fx(), scene.cameras[v].parameters()[4]};
@@ -61,12 +61,6 @@ inline CeresZooming solve_zooming_by_ceres(const scenes::ZoomingScene& scene) {
     options.linear_solver_ordering->AddElementToGroup(at.f_k1[v].data(), 1);
   }
   options.linear_solver_ordering->AddElementToGroup(at.center.data(), 1);
-  options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.max_num_iterations = 200;
-  options.function_tolerance = 1e-14;
-  options.gradient_tolerance = 1e-16;
-  options.parameter_tolerance = 1e-12;
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   return at;

@@ -47,7 +47,7 @@ expect 1 "'late'" "$rig" rig.json left.json left.jsonl late.json late.jsonl
 cmp -s rig.json before.json || fail 'a failure has touched the file'
 expect 1 "'right'" "$rig" --tolerance 1 rig.json left.json left.jsonl right.json right.jsonl
 expect 0 '100.0 mm apart' "$rig" --tolerance 501 rig.json left.json left.jsonl late.json late.jsonl
-expect 1 'No picture shows how the boards are fixed' "$rig" --fixed-boards rig.json left.json left.jsonl right.json \
+expect 0 'was not seen together with another one' "$rig" --fixed-boards rig.json left.json left.jsonl right.json \
   right.jsonl
 expect 1 'several places' "$rig" --floor rig.json left.json left.jsonl right.json right.jsonl
 

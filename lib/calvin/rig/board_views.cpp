@@ -221,6 +221,12 @@ std::vector<SE3> labellings_of(const View& view) {
   return all;
 }
 
+bool is_same_labelling(const SE3& one, const SE3& other) {
+  constexpr double kSame = 1e-6;  // rad, m
+  return (one.rotation - other.rotation).norm() < kSame &&
+         (one.translation - other.translation).norm() < kSame;
+}
+
 Result<std::vector<BoardView>> board_views(const std::vector<RigCameraViews>& seen,
                                            const std::vector<Camera>& cameras) {
   auto all = checked_views(seen, cameras);

@@ -41,6 +41,9 @@ struct BoardView {
 // identity.
 [[nodiscard]] std::vector<SE3> labellings_of(const View& view);
 
+// Whether two motions of the frame of a board are one labelling.
+[[nodiscard]] bool is_same_labelling(const SE3& one, const SE3& other);
+
 // The views of all cameras, those first whose camera comes first; without views that determine no
 // pose. `cameras` are those of the views, in their order. Errors are those of check() in
 // solve/view.hpp, and name the camera.

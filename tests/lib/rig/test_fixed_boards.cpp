@@ -192,6 +192,28 @@ TEST(FixedBoards, AreTakenByASession) {
   EXPECT_LT(place_error(solved->rig.cameras[1], truth).largest, 4.5);
 }
 
+// Two cameras side by side need no second board.
+TEST(FixedBoards, AreNotNeededWhereOneBoardPlacesAllCameras) {
+  Random random(10);
+  const scenes::SimulatedRig rig = scenes::stereo_rig(random);
+  const auto solved = solve_rig(scenes::seen_by(rig, 15, 0.7, random), on_a_box());
+  ASSERT_TRUE(solved.has_value()) << solved.error().message;
+  EXPECT_LT(place_error(solved->rig.cameras[1], rig.world_from_camera[1]).largest, 4.5);
+  EXPECT_TRUE(solved->rig.fixed_boards.empty());
+  ASSERT_EQ(solved->remarks.size(), 1U);
+  EXPECT_NE(solved->remarks.front().find("beside another board"), std::string::npos);
+}
+
+TEST(FixedBoards, HaveToDiffer) {
+  Random random(11);
+  const Studio studio =
+      scenes::box_studio({"checkerboard:9x6:16mm", "checkerboard:9x6:16mm"}, 2, random);
+  const auto solved = solve_rig(scenes::boxes_seen_in(studio, 60, random), on_a_box());
+  ASSERT_FALSE(solved.has_value());
+  EXPECT_EQ(solved.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(solved.error().message.find("two boards 'checkerboard:9x6:16mm'"), std::string::npos);
+}
+
 TEST(FixedBoards, TellTheSameTwice) {
   Random random(8);
   const Studio studio = scenes::box_studio(kSides, 3, random);

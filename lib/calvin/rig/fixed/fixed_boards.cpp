@@ -62,11 +62,6 @@ std::vector<SE3> proposals(const std::vector<BoardView>& views, const BoardLink&
   return all;
 }
 
-bool is_near(const SE3& one, const SE3& other, double turn, double distance) {
-  return log_so3(one.rotation * other.rotation.transpose()).norm() <= turn &&
-         (one.translation - other.translation).norm() <= distance;
-}
-
 // The labellings that all views of each board have: its symmetries. By any of them the board lies
 // as well.
 std::vector<std::vector<SE3>> symmetries_of(const std::vector<BoardView>& views) {
@@ -76,8 +71,8 @@ std::vector<std::vector<SE3>> symmetries_of(const std::vector<BoardView>& views)
     std::vector<SE3>& common = all[view.board];
     if (common.empty()) common = view.labellings;
     std::erase_if(common, [&](const SE3& one) {
-      return std::ranges::none_of(
-          view.labellings, [&](const SE3& other) { return is_near(one, other, 1e-6, 1e-6); });
+      return std::ranges::none_of(view.labellings,
+                                  [&](const SE3& other) { return is_same_labelling(one, other); });
     });
   }
   return all;
@@ -98,11 +93,9 @@ void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>
     return std::max(misfit_of(a, b, camera, a_from_b), misfit_of(b, a, camera, a_from_b.inverse()));
   };
   voters.is_elsewhere = [&](const SE3& one, const SE3& other) {
-    constexpr double kTurn = 0.15;      // rad
-    constexpr double kDistance = 0.15;  // of the distance of the board
     for (const SE3& a : symmetries[link.a]) {
       for (const SE3& b : symmetries[link.b]) {
-        if (is_near(a * one * b, other, kTurn, kDistance * away)) return false;
+        if (!is_elsewhere(a * one * b, other, away)) return false;
       }
     }
     return true;
@@ -182,7 +175,6 @@ std::vector<BoardOnBody> boards_on_bodies(const std::vector<BoardView>& views,
       grow(b, links, symmetries, is_placed, boards);
     }
   }
-  for (std::size_t b = 0; b < count; ++b) boards[b].is_seen_with_others = false;
   for (const BoardLink& link : links) {
     BoardOnBody& a = boards[link.a];
     BoardOnBody& b = boards[link.b];

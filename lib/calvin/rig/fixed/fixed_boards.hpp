@@ -18,8 +18,8 @@ namespace calvin::rig {
 struct BoardOnBody {
   std::size_t body = 0;  // number of that first board
   SE3 body_from_board;
-  bool is_seen_with_others = true;  // else no picture shows it together with another one
-  bool is_decided = true;           // else pictures leave open how it lies to another one
+  bool is_seen_with_others = false;  // in one picture of one camera
+  bool is_decided = true;            // else pictures leave open how it lies to another one
 };
 
 // Of every board of the views, by its number. Boards are joined where one camera has seen two of

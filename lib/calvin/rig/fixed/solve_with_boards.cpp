@@ -5,10 +5,13 @@
 
 #include "calvin/rig/fixed/solve_with_boards.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
+#include <set>
+#include <tuple>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "calvin/geometry/dense.hpp"
 #include "calvin/solve/residuals/bundle_problem.hpp"
@@ -39,18 +42,43 @@ bool joins_any(const std::vector<BoardOnBody>& boards) {
   return false;
 }
 
+// A board that one picture shows twice.
+const Board* shown_twice(const JointProblem& problem) {
+  std::set<std::tuple<std::size_t, std::uint64_t, std::size_t>> pictures;
+  for (const BoardView& view : problem.views) {
+    const View& seen = problem.seen[view.of.camera].views[view.of.view];
+    const auto picture = std::tuple(view.of.camera, seen.observation.timestamp, view.board);
+    if (!pictures.insert(picture).second) return &seen.board;
+  }
+  return nullptr;
+}
+
+// Every board by itself, where that places all cameras.
+Result<BoardsSolve> solve_without_bodies(const JointProblem& problem,
+                                         const std::vector<BoardOnBody>& boards,
+                                         const std::stop_token& stop) {
+  auto joint = solve_with_clocks(problem, stop);
+  if (joint) return BoardsSolve{*std::move(joint), boards};
+  if (joint.error().code != ErrorCode::kDegenerate) return tl::unexpected<Error>(joint.error());
+  return make_error(ErrorCode::kDegenerate,
+                    "No picture shows how the boards are fixed to each other: show two of them to "
+                    "one camera at a time, tilted, or leave fixed-boards out.");
+}
+
 }  // namespace
 
 Result<BoardsSolve> solve_with_boards(const JointProblem& problem, const std::stop_token& stop) {
   constexpr double kSettled = 0.05;  // sigmas
   constexpr int kRounds = 8;
-  std::vector<BoardOnBody> boards = boards_on_bodies(problem.views, problem.seen, problem.cameras);
-  if (!joins_any(boards)) {
-    return make_error(
-        ErrorCode::kDegenerate,
-        "No picture shows how the boards are fixed to each other: show two of them to "
-        "one camera at a time, tilted, or leave fixed-boards out.");
+  if (const Board* alike = shown_twice(problem)) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("There are two boards '{}' in one picture: boards that are fixed "
+                                  "to each other are told apart by their corners, so take another "
+                                  "one for each.",
+                                  alike->text()));
   }
+  std::vector<BoardOnBody> boards = boards_on_bodies(problem.views, problem.seen, problem.cameras);
+  if (!joins_any(boards)) return solve_without_bodies(problem, boards, stop);
   BoardsSolve best;
   for (int round = 0; round < kRounds; ++round) {
     JointProblem of_bodies = problem;

@@ -19,10 +19,8 @@ namespace {
 constexpr std::size_t kPose = 6;
 
 bool has_labelling(const BoardView& view, const SE3& body_from_own) {
-  constexpr double kSame = 1e-6;
   return std::ranges::any_of(view.labellings, [&](const SE3& labelling) {
-    return (labelling.rotation - body_from_own.rotation).norm() < kSame &&
-           (labelling.translation - body_from_own.translation).norm() < kSame;
+    return is_same_labelling(labelling, body_from_own);
   });
 }
 

@@ -5,7 +5,6 @@
 
 #include "calvin/rig/result/fixed_board_result.hpp"
 
-#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -24,7 +23,8 @@ constexpr Eigen::Index kPose = 6;
 std::vector<std::string> texts_of(const std::vector<RigCameraViews>& seen, const BoardsSolve& one) {
   std::vector<std::string> texts(one.boards.size());
   for (const BoardView& view : one.joint.views) {
-    texts[view.own_board] = seen[view.of.camera].views[view.of.view].board.text();
+    std::string& text = texts[view.own_board];
+    if (text.empty()) text = seen[view.of.camera].views[view.of.view].board.text();
   }
   return texts;
 }

@@ -25,10 +25,8 @@ std::vector<SE3> first_from_second(const BoardView& first, const BoardView& seco
   for (const SE3& of_first : first.labellings) {
     for (const SE3& of_second : second.labellings) {
       const SE3 motion = of_first.inverse() * of_second;
-      const bool known = std::ranges::any_of(all, [&](const SE3& other) {
-        return (other.rotation - motion.rotation).norm() < 1e-6 &&
-               (other.translation - motion.translation).norm() < 1e-6;
-      });
+      const bool known = std::ranges::any_of(
+          all, [&](const SE3& other) { return is_same_labelling(other, motion); });
       if (!known) all.push_back(motion);
     }
   }
@@ -66,14 +64,6 @@ std::vector<SE3> proposals(const std::vector<BoardView>& views, const Link& link
   return all;
 }
 
-bool is_elsewhere(const SE3& one, const SE3& other, double board_away) {
-  constexpr double kTurn = 0.15;      // rad
-  constexpr double kDistance = 0.15;  // of the distance of the board
-  const SE3 between = one * other.inverse();
-  return log_so3(between.rotation).norm() > kTurn ||
-         (one.inverse().translation - other.inverse().translation).norm() > kDistance * board_away;
-}
-
 void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>& cameras,
             Link& link) {
   double away = 0;
@@ -90,7 +80,7 @@ void decide(const std::vector<BoardView>& views, const std::vector<CameraPoints>
                     agreement(b, a, cameras[link.a], b_from_a.inverse()).misfit);
   };
   voters.is_elsewhere = [&](const SE3& one, const SE3& other) {
-    return is_elsewhere(one, other, away);
+    return is_elsewhere(one.inverse(), other.inverse(), away);
   };
   const Vote vote = vote_on(proposals(views, link), voters);
   link.b_from_a = vote.place;

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kMostVoters = 80;  // voters that are asked
 constexpr std::size_t kRoughVoters = 8;  // that are asked first
-constexpr int kAsked =
-    3;  // proposals of the best place that are asked for all: it is refined later
+// Proposals of the best place of which all are asked: it is refined later.
+constexpr int kAsked = 3;
 constexpr double kAgree = 8;  // px, weighted: of views whose poses are known about
 constexpr double kSoft = 2;   // px, from where on a misfit counts less than its square
 // How much better than another one a place has to be, in misfits of one view that disagrees.
@@ -75,6 +75,13 @@ Proposal ask(std::vector<Proposal>& proposals, const Voters& voters,
 }
 
 }  // namespace
+
+bool is_elsewhere(const SE3& one, const SE3& other, double away) {
+  constexpr double kTurn = 0.15;      // rad
+  constexpr double kDistance = 0.15;  // of the distance of the board
+  return log_so3(one.rotation * other.rotation.transpose()).norm() > kTurn ||
+         (one.translation - other.translation).norm() > kDistance * away;
+}
 
 Vote vote_on(const std::vector<SE3>& proposals, const Voters& voters) {
   std::vector<std::size_t> all(voters.count);

@@ -29,6 +29,9 @@ struct Vote {
 // `proposals` are one or more.
 [[nodiscard]] Vote vote_on(const std::vector<SE3>& proposals, const Voters& voters);
 
+// Whether two poses before a board that is `away` (m) are not the same but for noise.
+[[nodiscard]] bool is_elsewhere(const SE3& one, const SE3& other, double away);
+
 inline constexpr std::size_t kMostProposers = 40;  // pictures from which places are proposed
 
 // Every `step`th of a list, so that at most `most` are left.
