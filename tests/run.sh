@@ -67,12 +67,17 @@ for build in sys.argv[1:]:
     logs = [os.path.join(build, name) for name in ("meson-logs/testlog.json", "results.json")]
     path = next(filter(os.path.exists, logs), None)
     if path is None:
-        results.append("ERROR")
+        results.append({"name": build, "result": "ERROR"})
         continue
     with open(path) as log:
-        results += [json.loads(line)["result"] for line in log if line.strip()]
-failed = [r for r in results if r not in ("OK", "SKIP")]
-print(f"{results.count('OK')} passed, {len(failed)} failed, {results.count('SKIP')} skipped")
+        results += [json.loads(line) for line in log if line.strip()]
+passed, skipped = ([r for r in results if r["result"] == word] for word in ("OK", "SKIP"))
+failed = [r for r in results if r["result"] not in ("OK", "SKIP")]
+for result in failed:
+    print(f"{result['name']}: {result['result']}")
+    printed = result.get("stdout", "") + result.get("stderr", "")
+    print("\n".join("  " + line for line in printed.splitlines()[-15:]))
+print(f"{len(passed)} passed, {len(failed)} failed, {len(skipped)} skipped")
 END
 
 # Whether the tests would notice mistakes.

@@ -23,6 +23,9 @@
 namespace calvin::check {
 
 inline constexpr GstClockTime kFrame = GST_SECOND / 30;
+// A camera needs that long to deliver a frame. Where the machine itself has stood still, what was
+// due meanwhile comes one by one and not at once, as from a camera that goes on.
+inline constexpr GstClockTime kReadout = GST_SECOND / 120;
 
 inline bool is_full() {
   const char* text = std::getenv("CALVIN_FULL");
@@ -59,6 +62,7 @@ struct LiveSettings {
 struct LiveStudio {
   explicit LiveStudio(const LiveSettings& settings) : cameras(emulated::render(settings.cameras)) {
     frames.resize(cameras.calibrations.size());
+    last_.resize(frames.size());
     for (emulated::Frame& frame : cameras.frames) {
       shots.push_back({frame.camera, frame.timestamp, check::frame_of(frame.picture, "GRAY8", 0)});
       frames[frame.camera].push_back(shots.back().picture);
@@ -157,10 +161,12 @@ struct LiveStudio {
   void push(std::size_t camera, GstBuffer* picture, GstClockTime time) {
     g_autoptr(GstClock) clock = gst_element_get_clock(pipeline);
     const GstClockTime pts = begin_ + time;
-    const GstClockID id =
-        gst_clock_new_single_shot_id(clock, gst_element_get_base_time(pipeline) + pts);
+    const GstClockTime due =
+        MAX(gst_element_get_base_time(pipeline) + pts, last_[camera] + kReadout);
+    const GstClockID id = gst_clock_new_single_shot_id(clock, due);
     gst_clock_id_wait(id, nullptr);
     gst_clock_id_unref(id);
+    last_[camera] = gst_clock_get_time(clock);
     GstBuffer* buffer = gst_buffer_copy(picture);
     GST_BUFFER_PTS(buffer) = pts;
     GstFlowReturn flow = GST_FLOW_OK;
@@ -169,7 +175,8 @@ struct LiveStudio {
     fail_unless_equals_int(flow, GST_FLOW_OK);
   }
 
-  GstClockTime begin_ = 0;  // running time of the first frame
+  GstClockTime begin_ = 0;          // running time of the first frame
+  std::vector<GstClockTime> last_;  // when each camera has delivered
 };
 
 }  // namespace calvin::check
