@@ -118,7 +118,7 @@ TEST(Discorpy, FindsTheDistortionOfPointsWithoutNoise) {
 // 1000 with CALVIN_FULL=1.
 TEST(Discorpy, HasErrorsAsItsCovarianceSays) {
   Random random(7);
-  const int count = scenes::full_count() ? 1000 : 60;
+  const int count = scenes::full_count() ? 2000 : 60;
   double sum = 0;
   for (int i = 0; i < count; ++i) {
     const Camera camera = camera_of(random);
