@@ -114,9 +114,93 @@ inline constexpr const char* kNativeFile =
 "parameters": {"fx": 520, "fy": 518, "cx": 325, "cy": 236, "k1": -0.28, "k2": 0.09, "p1": 0.0005,
 "p2": -7E-4, "k3": 0}, "device": {}, "created": "2026-11-21T10:00:00Z"})";
 
+// Bouguet's toolbox: the script that it writes, and its variables as Octave saves them.
+inline constexpr const char* kBouguetScript = R"(% Intrinsic and Extrinsic Camera Parameters
+%
+% Nothing else is in this file; the corners are in Calib_Results.mat.
+
+%-- Focal length:
+fc = [ 520.000000000000000 ; 518.000000000000000 ];
+
+%-- Principal point:
+cc = [ 325.000000000000000 ; 236.000000000000000 ];
+
+%-- Skew coefficient:
+alpha_c = 0.000000000000000;
+
+%-- Distortion coefficients:
+kc = [ -0.280000000000000 ; 0.090000000000000 ; 0.000500000000000 ; -0.000700000000000 ; 0.000000000000000 ];
+
+%-- Focal length uncertainty:
+fc_error = [ 0.900000000000000 ; 1.200000000000000 ];
+
+%-- Image size:
+nx = 640;
+ny = 480;
+
+n_ima = 20;						% Number of calibration images
+omc_1 = [ NaN ; NaN ; NaN ];
+)";
+inline constexpr const char* kBouguetOctave =
+    R"(# Created by Octave 8.4.0, Sat Nov 21 05:10:00 2026 UTC <a@b>
+# name: fc
+# type: matrix
+# rows: 2
+# columns: 1
+ 520
+ 518
+
+
+# name: cc
+# type: matrix
+# rows: 2
+# columns: 1
+ 325
+ 236
+
+
+# name: kc
+# type: matrix
+# rows: 5
+# columns: 1
+ -0.28
+ 0.09
+ 5.0e-04
+ -7.0e-04
+ 0
+
+
+# name: nx
+# type: scalar
+640
+
+
+# name: ny
+# type: scalar
+480
+
+
+# name: calib_name
+# type: string
+# elements: 1
+# length: 5
+Image
+
+
+# name: err_std
+# type: matrix
+# rows: 2
+# columns: 1
+ 0.3
+ 0.4
+
+
+)";
+
 inline const std::vector<std::string>& sample_files() {
-  static const std::vector<std::string> kFiles = {kRosFile, kOpenCvYamlFile, kOpenCvXmlFile,
-                                                  kOpenCvJsonFile, kNativeFile};
+  static const std::vector<std::string> kFiles = {kRosFile,        kOpenCvYamlFile, kOpenCvXmlFile,
+                                                  kOpenCvJsonFile, kNativeFile,     kBouguetScript,
+                                                  kBouguetOctave};
   return kFiles;
 }
 

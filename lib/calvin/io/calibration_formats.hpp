@@ -57,6 +57,10 @@ inline constexpr int kNativeVersion = 1;
 [[nodiscard]] bool is_caliscope(const Node& root);
 [[nodiscard]] Result<Calibration> read_caliscope_camera(const Node& root);
 
+// The results of Bouguet's toolbox; of a stereo pair the left camera.
+[[nodiscard]] bool is_bouguet(const Node& root);
+[[nodiscard]] Result<Calibration> read_bouguet_camera(const Node& root);
+
 // The YAML of ROS's camera_info_manager and camera_calibration_parsers.
 [[nodiscard]] bool is_ros(const Node& root);
 [[nodiscard]] Result<Calibration> read_ros(const Node& root);

@@ -32,11 +32,12 @@ struct Reader {
   Result<Calibration> (*read)(const Node&);
 };
 // In this order: the first that claims a document reads it.
-constexpr std::array<Reader, 6> kReaders = {{{io::is_native, io::read_native},
+constexpr std::array<Reader, 7> kReaders = {{{io::is_native, io::read_native},
                                              {io::is_mrcal, io::read_mrcal_camera},
                                              {io::is_ros, io::read_ros},
                                              {io::is_kalibr, io::read_kalibr_camera},
                                              {io::is_caliscope, io::read_caliscope_camera},
+                                             {io::is_bouguet, io::read_bouguet_camera},
                                              {io::is_opencv, io::read_opencv}}};
 
 struct Writer {
@@ -57,9 +58,10 @@ constexpr std::array<Writer, 8> kWriters = {
 constexpr std::string_view kKnown =
     CALVIN_HAVE_FORMATS
         ? "Give a calibration in the native JSON, OpenCV's YAML, XML or JSON, ROS's camera_info, "
-          "Kalibr's camchain, mrcal's cameramodel or COLMAP's cameras.txt, or calibrate again."
-        : "Give a calibration in the native JSON, OpenCV's JSON, mrcal's cameramodel or COLMAP's "
-          "cameras.txt, or calibrate again.";
+          "Kalibr's camchain, mrcal's cameramodel, COLMAP's cameras.txt or the Calib_Results.m of "
+          "Bouguet's toolbox, or calibrate again."
+        : "Give a calibration in the native JSON, OpenCV's JSON, mrcal's cameramodel, COLMAP's "
+          "cameras.txt or the Calib_Results.m of Bouguet's toolbox, or calibrate again.";
 
 Result<const Writer*> find_writer(std::string_view format) {
   const auto writer = std::find_if(kWriters.begin(), kWriters.end(),

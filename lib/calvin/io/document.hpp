@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
-// Document: the tree that JSON, YAML, XML, TOML and literals of Python have in common, and the
-// checked way into it.
+// Document: the tree that JSON, YAML, XML, TOML, literals of Python and variables of MATLAB have in
+// common, and the checked way into it.
 #pragma once
 
 #include <cstdint>
@@ -68,6 +68,10 @@ class DocumentBuilder {
 [[nodiscard]] Result<Node> parse_toml(std::string_view content);
 // A literal of Python, as mrcal's camera models are.
 [[nodiscard]] Result<Node> parse_python(std::string_view content);
+// Variables of MATLAB, as a script that assigns them, and as text of Octave's save(): the numbers,
+// vectors and small matrices. What else a script does is passed over.
+[[nodiscard]] Result<Node> parse_matlab(std::string_view content);
+[[nodiscard]] Result<Node> parse_octave(std::string_view content);
 
 // A text as a JSON string, quotes and all, which is a YAML one too: what is not printable in either
 // is an escape. Bytes that are no UTF-8 are replaced.

@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: 2026 The gst-calvin authors
 
 // The formats of a rig's file, each in a file named after it: rig_native.cpp, kalibr.cpp,
-// opencv_stereo.cpp, caliscope.cpp; and of folders of files, mrcal.cpp and colmap.hpp. Readers take
-// a map that they recognised and check every camera.
+// opencv_stereo.cpp, caliscope.cpp, bouguet.cpp; and of folders of files, mrcal.cpp and colmap.hpp.
+// Readers take a map that they recognised and check every camera.
 #pragma once
 
 #include <filesystem>
@@ -46,6 +46,11 @@ namespace calvin::io {
 // lengths are taken for metres.
 [[nodiscard]] bool is_opencv_stereo(const Node& root);
 [[nodiscard]] Result<Rig> read_opencv_stereo(const Node& root);
+
+// Calib_Results_stereo of Bouguet's toolbox, as text: om or R, T in mm, and what is known of both
+// cameras.
+[[nodiscard]] bool is_bouguet_stereo(const Node& root);
+[[nodiscard]] Result<Rig> read_bouguet_stereo(const Node& root);
 
 // ---- Folders: rig_folder.cpp
 

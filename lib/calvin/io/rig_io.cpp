@@ -40,10 +40,11 @@ struct Reader {
   Result<Rig> (*read)(const Node&);
 };
 // In this order: the first that claims a document reads it, the first one what nobody claims.
-constexpr std::array<Reader, 5> kReaders = {{{io::is_native_rig, io::read_native_rig},
+constexpr std::array<Reader, 6> kReaders = {{{io::is_native_rig, io::read_native_rig},
                                              {io::is_kalibr, io::read_kalibr},
                                              {io::is_caliscope, io::read_caliscope},
                                              {io::is_mrcal, read_one_of_mrcal},
+                                             {io::is_bouguet_stereo, io::read_bouguet_stereo},
                                              {io::is_opencv_stereo, io::read_opencv_stereo}}};
 
 // Of one file, or of a folder of them.
@@ -87,7 +88,8 @@ Result<Rig> parse_text(std::string_view content) {
 constexpr io::FileKind kKind = {
     "The text of a rig", "a rig",
     "Give a file that calvin-rig or calibrig has written, Kalibr's camchain, caliscope's "
-    "camera_array.toml, OpenCV's stereo parameters in one file, or a folder of mrcal's or "
+    "camera_array.toml, OpenCV's stereo parameters in one file, Calib_Results_stereo of Bouguet's "
+    "toolbox as text, or a folder of mrcal's or "
     "COLMAP's."};
 
 Result<const Writer*> find_writer(std::string_view format) {

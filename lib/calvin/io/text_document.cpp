@@ -53,9 +53,26 @@ bool is_toml(std::string_view content) {
   return end != std::string_view::npos && end > 0 && trim(line.substr(end)).starts_with('=');
 }
 
+// A comment of MATLAB's, which no other syntax has, or an assignment with a semicolon behind it.
+bool is_matlab(std::string_view content) {
+  if (content.starts_with("%YAML") || content.starts_with("%TAG")) return false;
+  if (content.starts_with('%')) return true;
+  std::string_view line = content.substr(0, content.find('\n'));
+  line = trim(line.substr(0, line.find('%')));
+  const auto equals = line.find('=');
+  return equals != std::string_view::npos && line.ends_with(';') &&
+         line.find_first_of("{:<\"") > equals;
+}
+
+bool is_octave(std::string_view content) {
+  return content.starts_with("# Created by Octave") || content.starts_with("# name:");
+}
+
 Result<Node> parse_document(std::string_view text) {
   const std::string_view content = trim(text);
   // Lines count from the first one on.
+  if (is_octave(content)) return parse_octave(content);
+  if (is_matlab(content)) return parse_matlab(text);
   if (is_python(content)) return parse_python(text);
   if (is_toml(content)) return parse_toml(text);
   // What begins with a comment is JSON to whoever wrote it.
@@ -72,6 +89,12 @@ Result<Node> parse_text_document(std::string_view content) {
   if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
   if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) {
     return make_error(ErrorCode::kMalformed, "it is UTF-16 text: save it as UTF-8");
+  }
+  if (content.starts_with("MATLAB 5.0 MAT-file") || content.starts_with("Octave-1-")) {
+    return make_error(ErrorCode::kMalformed,
+                      "it is a binary file of MATLAB's: give the script that the toolbox writes "
+                      "beside it (Calib_Results.m), or save it as text by Octave "
+                      "(load Calib_Results.mat; save -text Calib_Results.txt)");
   }
   if (const auto control = std::find_if(content.begin(), content.end(), is_control);
       control != content.end()) {

@@ -11,8 +11,8 @@
 
 namespace calvin::io {
 
-// JSON, XML, TOML, YAML or a literal of Python, by how it begins, with or without a byte order
-// mark. kMalformed for what is empty or no text, with a clause that says why.
+// JSON, XML, TOML, YAML, a literal of Python or variables of MATLAB, by how it begins, with or
+// without a byte order mark. kMalformed for what is empty or no text, with a clause that says why.
 [[nodiscard]] Result<Node> parse_text_document(std::string_view content);
 
 }  // namespace calvin::io
