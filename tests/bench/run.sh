@@ -19,7 +19,7 @@ esac
 [ -f "$build/build.ninja" ] || meson setup "$build" "$source" -Dbenchmarks=enabled
 [ $# -gt 0 ] || set -- $(ls "$source/tests/bench" | sed -n 's/^bench_\(.*\)\.cpp$/\1/p')
 # shellcheck disable=SC2046 # one word per program
-ninja -C "$build" gst/libgstcalvin.so tests/v4l2shim/libv4l2shim.so \
+ninja -C "$build" gst/libgstcalvin.so examples/calvin-rig tests/v4l2shim/libv4l2shim.so \
   $(printf 'tests/bench/bench_%s\n' "$@")
 export GST_PLUGIN_PATH_1_0="$build/gst"
 
@@ -33,13 +33,14 @@ smallest_case() {
     overlay) echo '--benchmark_filter=^NV12.720p[|]' ;;
     light_rig) echo '--benchmark_filter=^4.cameras..300' ;;
     rig) echo '--benchmark_filter=^4.cameras..50' ;;
+    rig_pictures) echo 4 60 ;;
     scores) echo '--benchmark_filter=calvin' ;;
     solve) echo '--benchmark_filter=brown5.10.views' ;;
     undistort) echo '--benchmark_filter=^GRAY8.1080p[|]' ;;
     views) echo '--benchmark_filter=^480x270' ;;
   esac
   case "$1" in
-    circles | codes | detect | light | live) ;;
+    circles | codes | detect | light | live | rig_pictures) ;;
     *) echo --benchmark_repetitions=1 --benchmark_min_time=0.001 ;;
   esac
 }
