@@ -42,6 +42,11 @@ journal of calibsolve). Pictures with the same number in their names were taken 
   --fixed-boards  the boards are fixed to each other, as on the sides of a box; --board 'A;B;C' has
                   all of them, and no two alike. Cameras are joined that have seen different ones at
                   one time. How the boards lie is found from pictures that show two of them
+  --estimate-intrinsics prior|free
+                  the lenses too, together with the places. prior: what the calibrations say counts,
+                  with their sigmas, for pictures that they were not made from. free: these pictures
+                  alone tell, those that one camera has seen by itself included. The lenses that are
+                  found are in RIG.json
   --tolerance MS  how far observations of one instant may be apart, 10 if not given
   --baseline A:B:DISTANCE[:SIGMA],...
                   known distances between cameras, as left:right:110.03mm:0.05mm; of two cameras
@@ -83,6 +88,14 @@ std::optional<Arguments> parse(std::span<char*> given) {
       arguments.options.mode = calvin::RigMode::kFloor;
     } else if (word == "--fixed-boards") {
       arguments.options.fixed_boards = true;
+    } else if (word == "--estimate-intrinsics" && has_value) {
+      const std::string_view how = given[++i];
+      if (how != "prior" && how != "free") {
+        wrong_usage("intrinsics are estimated with a prior, or free.");
+        return std::nullopt;
+      }
+      arguments.options.intrinsics =
+          how == "free" ? calvin::RigIntrinsics::kFree : calvin::RigIntrinsics::kPrior;
     } else if (word == "--board" && has_value) {
       arguments.board = given[++i];
     } else if (word == "--tolerance" && has_value) {
@@ -156,7 +169,20 @@ void name_cameras(const std::vector<std::string>& files,
   for (std::size_t i = 0; i < cameras.size(); ++i) cameras[i].calibration.camera = names[i];
 }
 
-void print(const calvin::RigSolution& solved) {
+// What was found of the lenses together with the places.
+void print_lenses(const calvin::RigSolution& solved, calvin::RigIntrinsics how) {
+  if (how == calvin::RigIntrinsics::kHeld) return;
+  for (const calvin::RigCamera& camera : solved.rig.cameras) {
+    std::string line;
+    for (const calvin::Parameter& p : camera.calibration.parameters) {
+      if (!p.sigma) continue;
+      line += fmt::format(" {} {:.6g} (+-{})", p.name, p.value, calvin::two_digits(*p.sigma));
+    }
+    if (!line.empty()) fmt::print("'{}':{}\n", camera.calibration.camera, line);
+  }
+}
+
+void print(const calvin::RigSolution& solved, calvin::RigIntrinsics how) {
   const calvin::Rig& rig = solved.rig;
   for (const calvin::RigLink& link : solved.links) {
     fmt::print("{}\n", calvin::to_text(link, rig));
@@ -173,6 +199,7 @@ void print(const calvin::RigSolution& solved) {
                camera.calibration.camera, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], rig.world,
                rig_export::place_sigmas(camera), camera.rms.value_or(0));
   }
+  print_lenses(solved, how);
   if (solved.board_scale) {
     fmt::print(
         "Boards are {:.5f} (+-{}) times as large as their text says, by the known distances.\n",
@@ -222,7 +249,7 @@ int main(int argc, char** argv) {
   if (const auto written = calvin::write_rig(arguments->words[0], solved->rig); !written) {
     return failed(written.error());
   }
-  print(*solved);
+  print(*solved, arguments->options.intrinsics);
   for (const calvin::RigExport& to : arguments->exports) {
     const auto written = rig_export::write(solved->rig, to);
     if (!written) return failed(written.error());

@@ -40,6 +40,13 @@ constexpr GEnumValue kMethods[] = {
            "By a light alone (board=dot of calibdetect), lenses and places: that of BlueCCal"),
     kNoMoreChoices};
 
+constexpr GEnumValue kIntrinsics[] = {
+    choice(RigIntrinsics::kHeld, "no",
+           "They stay as they are; how well they are known is a part of the result"),
+    choice(RigIntrinsics::kPrior, "prior",
+           "What was known of them counts, with its sigmas: for views that it was not found from"),
+    choice(RigIntrinsics::kFree, "free", "By the views of the rig alone"), kNoMoreChoices};
+
 // What is to be known of a solve by a light.
 Result<LightOptions> light_options(const RigSettings& settings,
                                    const std::vector<CameraBaseline>& baselines) {
@@ -66,7 +73,7 @@ Result<LightOptions> light_options(const RigSettings& settings,
 
 }  // namespace
 
-const Property<RigSolver> kRigProperties[14] = {
+const Property<RigSolver> kRigProperties[15] = {
     {"board",
      "Board",
      "The board that counts, as the observations have its text; none: every board",
@@ -118,6 +125,11 @@ const Property<RigSolver> kRigProperties[14] = {
      "different ones at one time are joined. How the boards lie is found where one camera sees two",
      kept_in<&RigSettings::fixed_boards>,
      {.flags = kMutableReady}},
+    {"estimate-intrinsics",
+     "Estimate Intrinsics",
+     "Before boards that are carried: whether the lenses are found together with the places",
+     kept_in<&RigSettings::intrinsics>,
+     {.choices = {"GstCalibRigIntrinsics", kIntrinsics}, .flags = kMutableReady}},
     {"places",
      "Places",
      "Before a light: a file of where some cameras stand, lines 'name x y z' in m. Three or more "
@@ -172,6 +184,7 @@ Status RigSolver::start() {
     session.options.baselines = *std::move(baselines);
     session.options.board_sigma = now.board_sigma;
     session.options.fixed_boards = now.fixed_boards;
+    session.options.intrinsics = now.intrinsics;
     session.method = now.method;
     session.light = *std::move(light);
     session_.start(std::move(session));

@@ -37,6 +37,7 @@ struct RigSettings {
   std::string baseline;  // known distances, as parse_camera_baselines() takes them
   double board_sigma = RigOptions().board_sigma;
   bool fixed_boards = false;
+  RigIntrinsics intrinsics = RigIntrinsics::kHeld;
   // Before a light:
   std::string places;  // a file
   std::string model = LightOptions().model;
@@ -165,6 +166,6 @@ class RigSolver : public SharedSettings<RigSettings> {
   Worker reader_;
 };
 
-extern const Property<RigSolver> kRigProperties[14];
+extern const Property<RigSolver> kRigProperties[15];
 
 }  // namespace calvin::gst

@@ -78,6 +78,28 @@ GST_START_TEST(test_cameras_that_look_at_each_other) {
 }
 GST_END_TEST;
 
+// Intrinsics that the pads are given, and that the views tell, too.
+GST_START_TEST(test_estimates_intrinsics) {
+  RigFixture f(rig_views::stereo());
+  gst_element_set_state(f.element, GST_STATE_NULL);
+  gst_util_set_object_arg(G_OBJECT(f.element), "estimate-intrinsics", "free");
+  f.start();
+  f.push_all();
+  f.end_all();
+  const GstStructure* result = f.final_result();
+  fail_unless(result != nullptr);
+  const auto rig = parse_rig(gst_structure_get_string(result, "json"));
+  fail_unless(rig.has_value() && rig->cameras.size() == 2);
+  fail_unless(f.worst(*rig) < 5, "%f sigmas", f.worst(*rig));
+  for (const RigCamera& camera : rig->cameras) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      fail_unless(camera.calibration.parameters[i].sigma.value_or(0) > 0);
+    }
+    fail_unless(camera.calibration.expected_error.value_or(1e9) < 1);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_four_cameras_of_different_lenses_and_sizes) {
   RigFixture f(rig_views::ring());
   f.start();
@@ -308,6 +330,7 @@ static Suite* calibrig_suite(void) {
   tcase_set_timeout(tc, 120);
   tcase_add_test(tc, test_two_cameras_stand_where_they_are);
   tcase_add_loop_test(tc, test_cameras_that_look_at_each_other, 0, 2);
+  tcase_add_test(tc, test_estimates_intrinsics);
   tcase_add_test(tc, test_four_cameras_of_different_lenses_and_sizes);
   tcase_add_test(tc, test_a_known_distance_sets_the_scale);
   tcase_add_test(tc, test_wrong_distances_and_exports_are_refused);

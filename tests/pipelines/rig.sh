@@ -49,6 +49,11 @@ expect 1 "'right'" "$rig" --tolerance 1 rig.json left.json left.jsonl right.json
 expect 0 '100.0 mm apart' "$rig" --tolerance 501 rig.json left.json left.jsonl late.json late.jsonl
 expect 0 'was not seen together with another one' "$rig" --fixed-boards rig.json left.json left.jsonl right.json \
   right.jsonl
+expect 0 "'left': fx" "$rig" --estimate-intrinsics free rig.json left.json left.jsonl right.json right.jsonl
+grep -q '"sigma": ' rig.json || fail 'no sigmas of intrinsics in rig.json'
+expect 0 'does not say how well they are known' "$rig" --estimate-intrinsics prior rig.json left.json left.jsonl \
+  right.json right.jsonl
+expect 2 'with a prior, or free' "$rig" --estimate-intrinsics magic rig.json left.json left.jsonl right.json right.jsonl
 expect 1 'several places' "$rig" --floor rig.json left.json left.jsonl right.json right.jsonl
 
 sed 's/"pinhole"/"brown5"/; s/"cy": 240/"cy": 240, "k1": 0, "k2": 0, "p1": 0, "p2": 0, "k3": 0.001/' left.json >five.json

@@ -34,6 +34,7 @@ std::vector<TimedView> in_order(const std::vector<ViewTimes>& cameras) {
 }
 
 bool is_shared(const Instant& instant, InstantsOf of) {
+  if (of == InstantsOf::kAny) return true;
   if (of == InstantsOf::kTwoViews) return instant.views.size() > 1;
   return std::ranges::any_of(instant.views, [&](const RigView& view) {
     return view.camera != instant.views.front().camera;

@@ -34,9 +34,10 @@ struct Instant {
   std::vector<RigView> views;   // by camera, then as the camera lists them
 };
 
-// Which instants tell something of a rig: those in which two cameras or more have seen a board, or,
-// where boards are fixed to each other, two boards or more were seen by whatever cameras.
-enum class InstantsOf { kTwoCameras, kTwoViews };
+// Which instants tell something of a rig: those in which two cameras or more have seen a board;
+// where boards are fixed to each other, two boards or more were seen by whatever cameras; where
+// intrinsics are not known, all.
+enum class InstantsOf { kTwoCameras, kTwoViews, kAny };
 
 struct Instants {
   std::vector<Instant> instants;

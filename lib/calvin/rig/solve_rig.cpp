@@ -23,6 +23,7 @@
 #include "calvin/rig/fixed/solve_with_boards.hpp"
 #include "calvin/rig/floor.hpp"
 #include "calvin/rig/joint/board_scale.hpp"
+#include "calvin/rig/lenses/solve_with_lenses.hpp"
 #include "calvin/rig/result/fixed_board_result.hpp"
 #include "calvin/rig/result/rig_links.hpp"
 #include "calvin/rig/result/rig_result.hpp"
@@ -72,6 +73,12 @@ std::vector<std::string> names_of(const std::vector<RigCameraViews>& seen) {
   std::vector<std::string> names;
   for (const RigCameraViews& one : seen) names.push_back(one.calibration.camera);
   return names;
+}
+
+std::vector<Calibration> calibrations_of(const std::vector<RigCameraViews>& seen) {
+  std::vector<Calibration> all;
+  for (const RigCameraViews& one : seen) all.push_back(one.calibration);
+  return all;
 }
 
 // A length on a board that people measure: of the first board that was seen, m.
@@ -171,18 +178,28 @@ void set_offsets(const rig::JointSolve& one, RigSolution& solution) {
   }
 }
 
-Result<rig::BoardsSolve> solve_places(rig::JointProblem problem, bool are_fixed,
-                                      const std::stop_token& stop) {
-  if (are_fixed) return rig::solve_with_boards(problem, stop);
-  auto joint = rig::solve_with_clocks(std::move(problem), stop);
-  if (!joint) return tl::unexpected<Error>(joint.error());
-  return rig::BoardsSolve{*std::move(joint), {}};
+InstantsOf instants_of(const RigOptions& options) {
+  if (options.intrinsics == RigIntrinsics::kFree) return InstantsOf::kAny;
+  return options.fixed_boards ? InstantsOf::kTwoViews : InstantsOf::kTwoCameras;
+}
+
+Result<rig::LensSolve> solve_all(rig::JointProblem problem, const RigOptions& options,
+                                 const std::stop_token& stop) {
+  if (options.intrinsics != RigIntrinsics::kHeld) {
+    const bool has_prior = options.intrinsics == RigIntrinsics::kPrior;
+    return rig::solve_with_lenses(problem, has_prior, options.fixed_boards, stop);
+  }
+  rig::LensSolve all = {{}, problem.cameras, calibrations_of(problem.seen), {}};
+  auto solved = rig::solve_places(std::move(problem), options.fixed_boards, stop);
+  if (!solved) return tl::unexpected<Error>(solved.error());
+  all.boards = *std::move(solved);
+  return all;
 }
 
 Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
                                   const std::vector<Camera>& cameras, const RigOptions& options,
                                   const std::stop_token& stop) {
-  const InstantsOf of = options.fixed_boards ? InstantsOf::kTwoViews : InstantsOf::kTwoCameras;
+  const InstantsOf of = instants_of(options);
   auto views = rig::paired_board_views(seen, cameras, options.tolerance, of);
   if (!views) return tl::unexpected<Error>(views.error());
   if (options.is_partial) {
@@ -191,13 +208,13 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
     const bool is_part = count >= 2 && static_cast<std::size_t>(count) < seen.size();
     if (is_part) return solve_joined(seen, cameras, joined, options, stop);
   }
-  auto solved =
-      solve_places({seen, cameras, *std::move(views), names_of(seen), options.tolerance, of},
-                   options.fixed_boards, stop);
+  auto solved = solve_all({seen, cameras, *std::move(views), names_of(seen), options.tolerance, of},
+                          options, stop);
   if (!solved) return tl::unexpected<Error>(solved.error());
-  const rig::JointSolve& one = solved->joint;
-  rig::RigFit& fit = solved->joint.fit;
+  const rig::JointSolve& one = solved->boards.joint;
+  rig::RigFit& fit = solved->boards.joint.fit;
   RigSolution solution;
+  solution.remarks = std::move(solved->remarks);
   solution.farthest = one.farthest;
   solution.rig.world = seen.front().calibration.camera;
   solution.rig.rms = fit.rms;
@@ -205,13 +222,14 @@ Result<RigSolution> solve_jointly(const std::vector<RigCameraViews>& seen,
   Eigen::MatrixXd covariance = rig::in_rig_frame(fit.covariance, fit.places.camera_from_rig);
   const Status scaled = set_scale(seen, options, fit.places.camera_from_rig, covariance, solution);
   if (!scaled) return tl::unexpected<Error>(scaled.error());
-  rig::set_cameras(seen, fit.places.camera_from_rig, covariance, fit.camera_rms, solution.rig);
+  rig::set_cameras(solved->calibrations, fit.places.camera_from_rig, covariance, fit.camera_rms,
+                   solution.rig);
   set_offsets(one, solution);
   const double scale = solution.board_scale ? solution.board_scale->scale : 1;
   solution.rig.boards = rig::shown_boards(seen, one.views, fit.places, scale);
-  rig::set_fixed_boards(seen, *solved, scale, solution.rig, solution.remarks);
+  rig::set_fixed_boards(seen, solved->boards, scale, solution.rig, solution.remarks);
   for (const std::size_t view : fit.rejected) solution.rejected.push_back(one.views[view].of);
-  solution.links = rig::links_of(one, cameras, fit.places.camera_from_rig, covariance);
+  solution.links = rig::links_of(one, solved->cameras, fit.places.camera_from_rig, covariance);
   solution.weakest = rig::weakest_of(solution.links);
   return solution;
 }
@@ -245,6 +263,12 @@ tl::unexpected<Error> turned_floor() {
 
 Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
                                    const std::vector<Camera>& cameras, const RigOptions& options) {
+  if (options.intrinsics != RigIntrinsics::kHeld) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "A board on the floor tells where cameras stand and not their intrinsics: "
+                      "let these stay as they are, or carry the board before two cameras at a "
+                      "time.");
+  }
   auto views = rig::board_views(seen, cameras);
   if (!views) return tl::unexpected<Error>(views.error());
   const auto floor = floor_of(*views, cameras.size());
@@ -278,7 +302,7 @@ Result<RigSolution> solve_by_floor(const std::vector<RigCameraViews>& seen,
   if (!scaled) return tl::unexpected<Error>(scaled.error());
   solution.rig.world = kBoardWorld;
   solution.rig.rms = std::sqrt(squares / static_cast<double>(cameras.size()));
-  rig::set_cameras(seen, camera_from_rig, covariance, rms, solution.rig);
+  rig::set_cameras(calibrations_of(seen), camera_from_rig, covariance, rms, solution.rig);
   const RigView& first = views->front().of;
   solution.rig.boards = {{seen[first.camera].views[first.view].board.text(), {}}};
   for (std::size_t a = 0; a < cameras.size(); ++a) {

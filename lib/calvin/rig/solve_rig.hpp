@@ -27,6 +27,13 @@ enum class RigMode {
   kFloor,
 };
 
+// What becomes of the intrinsics that are known of the cameras.
+enum class RigIntrinsics {
+  kHeld,   // they stay as they are; how well they are known is a part of the covariances
+  kPrior,  // the views of the rig improve them: for pictures that they were not found from
+  kFree,   // they are found anew, from these views alone; the lenses keep their models
+};
+
 struct RigOptions {
   RigMode mode = RigMode::kJoint;
   std::uint64_t tolerance = 10'000'000;  // ns, between pictures of one instant
@@ -40,6 +47,7 @@ struct RigOptions {
   // kJoint: the boards are fixed to each other, as on the faces of a box; how, is found. Cameras
   // are then joined that have seen different ones of them at one time.
   bool fixed_boards = false;
+  RigIntrinsics intrinsics = RigIntrinsics::kHeld;  // kJoint
 };
 
 // A camera that is not in the rig.
@@ -65,11 +73,10 @@ struct RigSolution {
   std::vector<std::string> remarks;       // sentences for the user
 };
 
-// Intrinsics stay as they are; how well they are known is a part of the covariances. The same views
-// give the same numbers. kInvalidArgument for fewer than two cameras (one before a floor), names
-// that are missing or there twice, broken calibrations or views, and known distances that are none
-// of these cameras; kDegenerate where the views
-// leave open where a camera stands: the message says which, and what to show.
+// The same views give the same numbers. kInvalidArgument for fewer than two cameras (one before a
+// floor), names that are missing or there twice, broken calibrations or views, and known distances
+// that are none of these cameras; kDegenerate where the views leave open where a camera stands: the
+// message says which, and what to show.
 [[nodiscard]] CALVIN_API Result<RigSolution> solve_rig(const std::vector<RigCameraViews>& cameras,
                                                        const RigOptions& options = {},
                                                        std::stop_token stop = {});

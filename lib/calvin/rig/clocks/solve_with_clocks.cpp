@@ -38,7 +38,8 @@ Result<JointSolve> solve(const JointProblem& problem, std::vector<BoardView> vie
   one.links = find_links(one.views, groups, problem.cameras);
   auto places = place_all(one.views, groups, problem.cameras, one.links, problem.names);
   if (!places) return tl::unexpected<Error>(places.error());
-  auto fit = fit_rig(one.views, *std::move(places), problem.seen, problem.cameras, stop);
+  auto fit =
+      fit_rig(one.views, *std::move(places), problem.seen, problem.cameras, problem.free, stop);
   if (!fit) return tl::unexpected<Error>(fit.error());
   one.fit = *std::move(fit);
   return one;

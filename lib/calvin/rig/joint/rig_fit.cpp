@@ -63,22 +63,32 @@ std::optional<Eigen::MatrixXd> place_covariance(RigSolver& solver,
                               covariance_of_intrinsics(table, calibrations));
 }
 
+tl::unexpected<Error> undetermined() {
+  return make_error(ErrorCode::kDegenerate,
+                    "What the cameras have seen does not determine where they stand: show the "
+                    "board to two cameras at a time in more places.");
+}
+
 }  // namespace
 
 Result<RigFit> fit_rig(const std::vector<BoardView>& views, RigPlaces from,
                        const std::vector<RigCameraViews>& calibrations,
-                       const std::vector<Camera>& cameras, const std::stop_token& stop) {
+                       const std::vector<Camera>& cameras, const FreeIntrinsics* free,
+                       const std::stop_token& stop) {
   RigSolver solver(views, std::move(from), cameras, stop);
   if (const Status solved = solver.run(); !solved) return tl::unexpected<Error>(solved.error());
   RigFit fit;
   const double variance = solver.variance();
-  const auto covariance = place_covariance(solver, calibrations, cameras, variance);
-  if (!covariance) {
-    return make_error(ErrorCode::kDegenerate,
-                      "What the cameras have seen does not determine where they stand: show the "
-                      "board to two cameras at a time in more places.");
+  if (free == nullptr) {
+    const auto covariance = place_covariance(solver, calibrations, cameras, variance);
+    if (!covariance) return undetermined();
+    fit.covariance = *covariance;
+  } else {
+    const auto equations = solver.equations_over(table_of(cameras));
+    if (!equations) return undetermined();
+    fit.intrinsics = intrinsics_step(*equations, *free, variance);
+    fit.covariance = fit.intrinsics->of_places;
   }
-  fit.covariance = *covariance;
   fit.places = solver.places();
   for (std::size_t p = 0; p < fit.places.views.size(); ++p) {
     if (!solver.is_used(p)) fit.rejected.push_back(fit.places.views[p].view);

@@ -32,11 +32,11 @@ Eigen::MatrixXd in_rig_frame(const Eigen::MatrixXd& covariance,
   return congruent(covariance, turn.transpose());
 }
 
-void set_cameras(const std::vector<RigCameraViews>& seen, const std::vector<SE3>& camera_from_rig,
+void set_cameras(const std::vector<Calibration>& cameras, const std::vector<SE3>& camera_from_rig,
                  const Eigen::MatrixXd& covariance, const std::vector<double>& rms, Rig& to) {
-  for (std::size_t c = 0; c < seen.size(); ++c) {
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
     RigCamera camera;
-    camera.calibration = seen[c].calibration;
+    camera.calibration = cameras[c];
     camera.rig_from_camera = to_pose(camera_from_rig[c].inverse());
     for (double& x : camera.rig_from_camera.translation) x += 0.0;  // no -0 of the first camera
     camera.rms = rms[c];

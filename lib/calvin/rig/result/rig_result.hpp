@@ -20,7 +20,7 @@ namespace calvin::rig {
                                            const std::vector<SE3>& camera_from_rig);
 
 // Poses and covariances of all cameras, `covariance` over their turns and places; `rms` in px.
-void set_cameras(const std::vector<RigCameraViews>& seen, const std::vector<SE3>& camera_from_rig,
+void set_cameras(const std::vector<Calibration>& cameras, const std::vector<SE3>& camera_from_rig,
                  const Eigen::MatrixXd& covariance, const std::vector<double>& rms, Rig& to);
 
 }  // namespace calvin::rig
