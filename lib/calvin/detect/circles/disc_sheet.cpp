@@ -255,7 +255,16 @@ bool DiscSheet::are_round(const ImageView& image) const { return squareness(imag
 bool DiscSheet::may_be_discs(const ImageView& image, const DiscLattice& lattice) {
   constexpr std::size_t kSome = 12;
   constexpr double kMost = 1.5;  // some alone are not as sure as all
+  constexpr std::size_t kFewest = 5;
+  constexpr double kMostOfRim = 0.09;  // of the radius
   const std::vector<Cell> cells = lattice.cells();
+  // Rims that are passed cost less than fits.
+  std::vector<double> squareness;
+  const std::size_t apart = std::max<std::size_t>(cells.size() / kSome, 1);
+  for (std::size_t i = apart / 2; i < cells.size(); i += apart) {
+    if (const auto one = rim_squareness(image, *lattice.at(cells[i]))) squareness.push_back(*one);
+  }
+  if (squareness.size() >= kFewest && median_of(std::move(squareness)) > kMostOfRim) return false;
   if (cells.size() < 2 * kSome) return true;
   DiscSheet some;
   some.lattice_ = lattice;
