@@ -18,8 +18,8 @@ namespace calvin::detect {
 
 namespace {
 
-constexpr int kRays = 16;
-constexpr int kReach = 10;  // px
+constexpr std::size_t kRays = BlobShapes::kRays;
+constexpr std::size_t kReach = BlobShapes::kReach;
 
 struct Ray {
   double x;
@@ -27,18 +27,14 @@ struct Ray {
 };
 const std::array<Ray, kRays> kDirections = [] {
   std::array<Ray, kRays> rays{};
-  for (int k = 0; k < kRays; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kRays;
-    rays[static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+  for (std::size_t k = 0; k < kRays; ++k) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(k) / kRays;
+    rays[k] = {std::cos(angle), std::sin(angle)};
   }
   return rays;
 }();
 
-// Grey levels a px apart along all rays, brighter outwards; those of one distance follow each
-// other.
-struct Profiles {
-  std::array<std::array<float, kRays>, kReach + 1> grey;
-};
+using Profiles = BlobShapes::Profiles;
 
 // Where a ray is after so many px, from the pixel that it begins in: the upper left one of four
 // pixels, and their weights.
@@ -49,17 +45,17 @@ struct Tap {
 };
 const std::array<std::array<Tap, kRays>, kReach> kTaps = [] {
   std::array<std::array<Tap, kRays>, kReach> taps{};
-  for (int i = 1; i <= kReach; ++i) {
+  for (std::size_t i = 1; i <= kReach; ++i) {
     for (std::size_t k = 0; k < kRays; ++k) {
       // Not farther than the ray, where it ends at a pixel; within what computing leaves.
       const auto whole = [](double w) {
         return w > 0.5 ? std::ceil(w - 1e-9) - 1 : std::floor(w + 1e-9);
       };
-      const double u = i * kDirections[k].x;
-      const double v = i * kDirections[k].y;
+      const double u = static_cast<double>(i) * kDirections[k].x;
+      const double v = static_cast<double>(i) * kDirections[k].y;
       const double right = std::clamp(u - whole(u), 0.0, 1.0);
       const double down = std::clamp(v - whole(v), 0.0, 1.0);
-      Tap& tap = taps[static_cast<std::size_t>(i - 1)][k];
+      Tap& tap = taps[i - 1][k];
       tap.x = static_cast<int>(whole(u));
       tap.y = static_cast<int>(whole(v));
       tap.weights = {static_cast<float>((1 - right) * (1 - down)),
@@ -86,6 +82,25 @@ Levels levels_of(const Profiles& profiles) {
   for (const float grey : profiles.grey[1]) first += grey / kRays;
   std::nth_element(brightest.begin(), brightest.begin() + kRays / 2, brightest.end());
   return {std::min(first, profiles.grey[0][0]), brightest[kRays / 2]};
+}
+
+// Whether every second ray comes half way to the grey level that most of them come to, at the
+// least.
+bool may_have_rim(const Profiles& profiles) {
+  constexpr std::size_t kHalf = kRays / 2;
+  std::array<float, kHalf> brightest{};
+  float first = 0;
+  for (std::size_t k = 0; k < kHalf; ++k) {
+    brightest[k] = profiles.grey[1][2 * k];
+    first += brightest[k] / kHalf;
+    for (std::size_t i = 2; i <= kReach; ++i) {
+      brightest[k] = std::max(brightest[k], profiles.grey[i][2 * k]);
+    }
+  }
+  std::nth_element(brightest.begin(), brightest.begin() + kHalf / 2 - 1, brightest.end());
+  const float least = *std::min_element(brightest.begin(), brightest.begin() + kHalf / 2);
+  const float inside = std::min(first, profiles.grey[0][0]);
+  return least >= 0.5F * (inside + brightest[kHalf / 2 - 1]);
 }
 
 // How far the rim is along a ray, px: where the grey level half way is passed first.
@@ -144,6 +159,23 @@ double misfit(double x, double y, const std::array<double, kRays>& rim, const El
 
 }  // namespace
 
+// Every second ray, from the first or the second one on.
+void BlobShapes::take_rays(const std::uint8_t* centre, std::size_t first,
+                           Profiles& profiles) const {
+  const float sign = light_ ? -1.0F : 1.0F;
+  const float dark = light_ ? 255.0F : 0.0F;
+  for (std::size_t i = 1; i <= kReach; ++i) {
+    for (std::size_t k = first; k < kRays; k += 2) {
+      const std::uint8_t* at = centre + offsets_[(i - 1) * kRays + k];
+      const std::uint8_t* below = at + image_.stride;
+      const auto& w = kTaps[i - 1][k].weights;
+      profiles.grey[i][k] =
+          dark + sign * (w[0] * static_cast<float>(at[0]) + w[1] * static_cast<float>(at[1]) +
+                         w[2] * static_cast<float>(below[0]) + w[3] * static_cast<float>(below[1]));
+    }
+  }
+}
+
 void BlobShapes::begin(const ImageView& image, bool light) {
   image_ = image;
   light_ = light;
@@ -158,24 +190,17 @@ std::optional<Ellipse> BlobShapes::measure(int x, int y, float contrast) const {
   constexpr double kLeastSquare = 0.5;   // px^2, of the shorter half axis
   constexpr double kMisfit = 0.3;        // px
   constexpr double kMisfitShare = 0.06;  // of the radius
-  if (x < kReach || y < kReach || x > image_.width - 1 - kReach || y > image_.height - 1 - kReach) {
+  constexpr int kRoom = kReach;
+  if (x < kRoom || y < kRoom || x > image_.width - 1 - kRoom || y > image_.height - 1 - kRoom) {
     return std::nullopt;
   }
   Profiles profiles;
   const std::uint8_t* centre = image_.data + y * image_.stride + x;
-  const float sign = light_ ? -1.0F : 1.0F;
-  const float dark = light_ ? 255.0F : 0.0F;
-  profiles.grey[0].fill(dark + sign * static_cast<float>(*centre));
-  for (std::size_t i = 1; i <= kReach; ++i) {
-    for (std::size_t k = 0; k < kRays; ++k) {
-      const std::uint8_t* at = centre + offsets_[(i - 1) * kRays + k];
-      const std::uint8_t* below = at + image_.stride;
-      const auto& w = kTaps[i - 1][k].weights;
-      profiles.grey[i][k] =
-          dark + sign * (w[0] * static_cast<float>(at[0]) + w[1] * static_cast<float>(at[1]) +
-                         w[2] * static_cast<float>(below[0]) + w[3] * static_cast<float>(below[1]));
-    }
-  }
+  profiles.grey[0].fill(light_ ? 255.0F - static_cast<float>(*centre)
+                               : static_cast<float>(*centre));
+  take_rays(centre, 0, profiles);
+  if (!may_have_rim(profiles)) return std::nullopt;
+  take_rays(centre, 1, profiles);
   const Levels levels = levels_of(profiles);
   if (levels.outside - levels.inside < contrast) return std::nullopt;
   std::array<double, kRays> rim{};

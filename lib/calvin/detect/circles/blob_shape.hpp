@@ -4,7 +4,9 @@
 // The ellipse around a place of an image, to a fraction of a pixel: what discs are told by.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -16,6 +18,14 @@ namespace calvin::detect {
 // The shapes of blobs of an image (of step 1), which has to stay.
 class BlobShapes {
  public:
+  static constexpr std::size_t kRays = 16;
+  static constexpr std::size_t kReach = 10;  // px
+  // Grey levels a px apart along all rays, brighter outwards; those of one distance follow each
+  // other.
+  struct Profiles {
+    std::array<std::array<float, kRays>, kReach + 1> grey;
+  };
+
   void begin(const ImageView& image, bool light);
 
   // Looks for the rim along rays from a pixel inside of a disc, at most 10 px away. Absent where
@@ -23,6 +33,8 @@ class BlobShapes {
   [[nodiscard]] std::optional<Ellipse> measure(int x, int y, float contrast) const;
 
  private:
+  void take_rays(const std::uint8_t* centre, std::size_t first, Profiles& profiles) const;
+
   ImageView image_;
   bool light_ = false;
   std::vector<std::ptrdiff_t> offsets_;  // of the pixels along the rays, from the first one
