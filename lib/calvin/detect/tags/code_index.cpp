@@ -22,12 +22,6 @@ int bits_in(std::uint64_t v) {
   return static_cast<int>(v * 0x0101010101010101U >> 56);
 }
 
-// Whether one is better than another.
-bool is_before(const TagCode& a, const TagCode& b) {
-  if (a.wrong != b.wrong) return a.wrong < b.wrong;
-  return a.turns != b.turns ? a.turns < b.turns : a.id < b.id;
-}
-
 }  // namespace
 
 std::uint64_t turned(std::uint64_t bits, int side) {
@@ -43,8 +37,15 @@ std::uint64_t turned(std::uint64_t bits, int side) {
 }
 
 CodeIndex::CodeIndex(const MarkerDictionary& dictionary, int most_wrong)
-    : dictionary_(&dictionary), most_wrong_(most_wrong) {
+    : most_wrong_(most_wrong), count_(dictionary.codes.size()) {
   const int bits = dictionary.side * dictionary.side;
+  codes_.assign(dictionary.codes.begin(), dictionary.codes.end());
+  for (int turns = 1; turns < 4; ++turns) {
+    for (std::uint64_t code : dictionary.codes) {
+      for (int k = turns; k < 4; ++k) code = turned(code, dictionary.side);
+      codes_.push_back(code);
+    }
+  }
   const int parts = std::min(most_wrong + 1, bits);
   parts_.resize(static_cast<std::size_t>(parts));
   for (int k = 0; k < parts; ++k) {
@@ -53,33 +54,32 @@ CodeIndex::CodeIndex(const MarkerDictionary& dictionary, int most_wrong)
     const int width = std::min((k + 1) * bits / parts - part.shift, kMostBits);
     part.mask = (std::uint64_t{1} << width) - 1;
     part.first.assign(static_cast<std::size_t>(part.mask) + 2, 0);
-    for (const std::uint64_t code : dictionary.codes) ++part.first[part.value(code) + 1];
+    for (const std::uint64_t code : codes_) ++part.first[part.value(code) + 1];
     for (std::size_t i = 1; i < part.first.size(); ++i) part.first[i] += part.first[i - 1];
-    part.ids.resize(dictionary.codes.size());
+    part.codes.resize(codes_.size());
     std::vector<std::uint32_t> next = part.first;
-    for (std::size_t id = 0; id < dictionary.codes.size(); ++id) {
-      part.ids[next[part.value(dictionary.codes[id])]++] = static_cast<std::uint32_t>(id);
+    for (std::size_t i = 0; i < codes_.size(); ++i) {
+      part.codes[next[part.value(codes_[i])]++] = static_cast<std::uint32_t>(i);
     }
   }
 }
 
 std::optional<TagCode> CodeIndex::nearest(std::uint64_t bits) const {
-  TagCode best;
-  best.wrong = most_wrong_ + 1;
-  for (int turns = 0; turns < 4; ++turns) {
-    for (const Part& part : parts_) {
-      const std::size_t value = part.value(bits);
-      for (std::uint32_t i = part.first[value]; i < part.first[value + 1]; ++i) {
-        const std::uint32_t id = part.ids[i];
-        const TagCode code = {static_cast<int>(id), turns, bits_in(bits ^ dictionary_->codes[id])};
-        if (code.wrong <= most_wrong_ && is_before(code, best)) best = code;
-      }
+  int least = most_wrong_ + 1;
+  std::size_t best = codes_.size();
+  for (const Part& part : parts_) {
+    const std::size_t value = part.value(bits);
+    for (std::uint32_t k = part.first[value]; k < part.first[value + 1]; ++k) {
+      const std::size_t i = part.codes[k];
+      const int wrong = bits_in(bits ^ codes_[i]);
+      if (wrong > least || (wrong == least && i >= best)) continue;
+      least = wrong;
+      best = i;
     }
-    bits = turned(bits, dictionary_->side);
   }
-  if (best.wrong > most_wrong_) return std::nullopt;
-  best.turns = (4 - best.turns) % 4;
-  return best;
+  if (least > most_wrong_) return std::nullopt;
+  const auto turns = static_cast<int>(best / count_);
+  return TagCode{static_cast<int>(best % count_), (4 - turns) % 4, least};
 }
 
 }  // namespace calvin::detect

@@ -4,6 +4,7 @@
 // CodeIndex: the codes of a dictionary by parts of their bits, to find the nearest one quickly.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -33,20 +34,23 @@ class CodeIndex {
   [[nodiscard]] std::optional<TagCode> nearest(std::uint64_t bits) const;
 
  private:
-  // Bits of a code, and the codes by what they have there.
+  // Bits of a code, and the codes by what they have there, each in all turns.
   struct Part {
     int shift = 0;
     std::uint64_t mask = 0;
-    std::vector<std::uint32_t> first;  // of `ids`, for each value of the bits, and behind the last
-    std::vector<std::uint32_t> ids;
+    std::vector<std::uint32_t>
+        first;  // of `codes`, for each value of the bits, and behind the last
+    std::vector<std::uint32_t> codes;
 
     [[nodiscard]] std::size_t value(std::uint64_t bits) const noexcept {
       return static_cast<std::size_t>(bits >> shift & mask);
     }
   };
 
-  const MarkerDictionary* dictionary_;
   int most_wrong_;
+  // Those that are not turned first; by ids, and turned until they are upright by as many quarters.
+  std::vector<std::uint64_t> codes_;
+  std::size_t count_ = 0;  // of each turn
   std::vector<Part> parts_;
 };
 

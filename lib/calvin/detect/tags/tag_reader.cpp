@@ -41,21 +41,41 @@ int distance_of(const MarkerDictionary& dictionary) {
   return least;
 }
 
-// A grey level that changes over a quad: at the place (x, y) in cells, a + b x + c y.
+// A grey level that changes over a quad: at the place (x, y) in cells from its middle, a + b x + c
+// y.
 class Plane {
  public:
   void add(double x, double y, double grey) {
-    const Eigen::Vector3d row(1, x, y);
-    products_ += row * row.transpose();
-    right_ += grey * row;
+    count_ += 1;
+    x_ += x;
+    y_ += y;
+    xx_ += x * x;
+    xy_ += x * y;
+    yy_ += y * y;
+    right_ += grey * Eigen::Vector3d(1, x, y);
   }
-  void fit() { levels_ = products_.ldlt().solve(right_); }
+  void fit() {
+    // Of places all around the middle each sum tells one number.
+    constexpr double kNone = 1e-9;
+    if (std::max({std::abs(x_), std::abs(y_), std::abs(xy_)}) < kNone) {
+      levels_ = {right_[0] / count_, right_[1] / xx_, right_[2] / yy_};
+      return;
+    }
+    Eigen::Matrix3d products;
+    products << count_, x_, y_, x_, xx_, xy_, y_, xy_, yy_;
+    levels_ = products.ldlt().solve(right_);
+  }
   [[nodiscard]] double at(double x, double y) const {
     return levels_[0] + levels_[1] * x + levels_[2] * y;
   }
 
  private:
-  Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();
+  double count_ = 0;
+  double x_ = 0;
+  double y_ = 0;
+  double xx_ = 0;
+  double xy_ = 0;
+  double yy_ = 0;
   Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d levels_ = Eigen::Vector3d::Zero();
 };
@@ -68,6 +88,7 @@ class TagReader::Cells {
   Cells(const ImageView& image, const Quad& quad, const TagReader& reader)
       : image_(image),
         side_(reader.style_.cells()),
+        middle_(0.5 * side_),
         border_(reader.style_.border),
         inverted_(reader.style_.inverted),
         map_(from_cells(quad, side_)),
@@ -119,8 +140,8 @@ class TagReader::Cells {
     return true;
   }
   [[nodiscard]] double lightness(double x, double y, double grey) const {
-    const double dark = dark_.at(x, y);
-    const double contrast = light_.at(x, y) - dark;
+    const double dark = dark_.at(x - middle_, y - middle_);
+    const double contrast = light_.at(x - middle_, y - middle_) - dark;
     return (grey - dark) / (inverted_ ? std::min(contrast, -1.0) : std::max(contrast, 1.0));
   }
   // No number outside of the image.
@@ -171,6 +192,7 @@ class TagReader::Cells {
 
   const ImageView& image_;
   int side_;
+  double middle_;  // cells
   int border_;
   bool inverted_;
   Eigen::Matrix3d map_;
@@ -208,12 +230,11 @@ void TagReader::Cells::take_levels(double around) {
   border_seen_ = border.count;
   around_seen_ = outside.count;
   if (2 * border_seen_ < side_ || 2 * around_seen_ < side_) return;
-  for (const Sample& s : border.seen()) dark_.add(s.x, s.y, s.grey);
-  for (const Sample& s : outside.seen()) light_.add(s.x, s.y, s.grey);
+  for (const Sample& s : border.seen()) dark_.add(s.x - middle_, s.y - middle_, s.grey);
+  for (const Sample& s : outside.seen()) light_.add(s.x - middle_, s.y - middle_, s.grey);
   dark_.fit();
   light_.fit();
-  const double middle = 0.5 * side_;
-  contrast_ = (light_.at(middle, middle) - dark_.at(middle, middle)) * (inverted_ ? -1 : 1);
+  contrast_ = (light_.at(0, 0) - dark_.at(0, 0)) * (inverted_ ? -1 : 1);
   const auto is_light = [&](const Sample& s) { return lightness(s.x, s.y, s.grey) > 0.5; };
   border_wrong_ = static_cast<int>(std::ranges::count_if(border.seen(), is_light));
   around_wrong_ = around_seen_ - static_cast<int>(std::ranges::count_if(outside.seen(), is_light));
