@@ -6,6 +6,7 @@
 #include "calvin/detect/tags/local_threshold.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -98,8 +99,16 @@ void ToneImage::take_thresholds(int tile_row, int contrast) {
 void ToneImage::take(const ImageView& image, int contrast) {
   width_ = image.width;
   height_ = image.height;
-  tones_.assign(static_cast<std::size_t>(width_ + 2) * static_cast<std::size_t>(height_ + 2),
-                kNoTone);
+  // Each pixel gets its tone; only the rim is none's.
+  const auto stride = static_cast<std::size_t>(width_) + 2;
+  const auto rows = static_cast<std::size_t>(height_) + 2;
+  tones_.resize(stride * rows);
+  std::fill_n(tones_.begin(), stride, kNoTone);
+  std::fill_n(tones_.end() - static_cast<std::ptrdiff_t>(stride), stride, kNoTone);
+  for (std::size_t row = 1; row + 1 < rows; ++row) {
+    tones_[row * stride] = kNoTone;
+    tones_[(row + 1) * stride - 1] = kNoTone;
+  }
   if (width_ <= 0 || height_ <= 0) return;
   take_tiles(image);
   middle_.resize(static_cast<std::size_t>(tile_cols_ * kTile));

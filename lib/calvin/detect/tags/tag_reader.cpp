@@ -93,9 +93,15 @@ class TagReader::Cells {
         inverted_(reader.style_.inverted),
         map_(from_cells(quad, side_)),
         spread_(shortest_side(quad) / side_ > 2 ? 0.2 : 0),
-        is_inside_(is_inside(reader.around_)) {
-    take_levels(reader.around_);
-  }
+        around_(reader.around_),
+        is_inside_(is_inside(around_)) {}
+
+  // Whether what the border is around is as dark as the border everywhere: fewer places are looked
+  // at than for the bits. Only tags wholly in the image are told.
+  [[nodiscard]] bool are_plain() const;
+
+  // Comes before what follows.
+  void take_levels();
 
   // Whether there is a border, darker than what is around it.
   [[nodiscard]] bool are_tags(double most_wrong) const {
@@ -188,7 +194,6 @@ class TagReader::Cells {
       return std::span(all).first(static_cast<std::size_t>(count));
     }
   };
-  void take_levels(double around);
 
   const ImageView& image_;
   int side_;
@@ -197,6 +202,7 @@ class TagReader::Cells {
   bool inverted_;
   Eigen::Matrix3d map_;
   double spread_;  // cells
+  double around_;  // cells
   bool is_inside_;
   std::array<double, static_cast<std::size_t>(kMostCells* kMostCells)> border_greys_;
   Plane dark_;   // of the border
@@ -208,7 +214,31 @@ class TagReader::Cells {
   int around_wrong_ = 0;
 };
 
-void TagReader::Cells::take_levels(double around) {
+bool TagReader::Cells::are_plain() const {
+  constexpr double kMost =
+      0.25;  // of the contrast: twice that is no light bit when it is sharpened
+  if (!is_inside_) return false;
+  double dark = 0;
+  double light = 0;
+  for (const double along : {0.25 * side_, 0.75 * side_}) {
+    for (const auto& [depth, sum] : {std::pair{0.5, &dark}, {-around_, &light}}) {
+      const double far = side_ - depth;
+      *sum += (grey_in(along, depth) + grey_in(far, along) + grey_in(along, far) +
+               grey_in(depth, along)) /
+              8;
+    }
+  }
+  const double least = dark + kMost * (light - dark);
+  for (int row = border_; row < side_ - border_; ++row) {
+    for (int col = border_; col < side_ - border_; ++col) {
+      const double grey = grey_in(col + 0.5, row + 0.5);
+      if (inverted_ ? grey <= least : grey >= least) return false;
+    }
+  }
+  return true;
+}
+
+void TagReader::Cells::take_levels() {
   Samples border;
   Samples outside;
   for (int row = 0; row < side_; ++row) {
@@ -221,9 +251,9 @@ void TagReader::Cells::take_levels(double around) {
   }
   for (int i = 0; i < side_; ++i) {
     const double along = i + 0.5;
-    const double far = side_ + around;
+    const double far = side_ + around_;
     for (const auto& [x, y] :
-         {std::pair{along, -around}, {far, along}, {along, far}, {-around, along}}) {
+         {std::pair{along, -around_}, {far, along}, {along, far}, {-around_, along}}) {
       outside.add(x, y, grey_in(x, y));
     }
   }
@@ -248,11 +278,16 @@ TagReader::TagReader(const TagStyle& style, double gap, int most_wrong)
   // In the middle of a narrow gap: beyond it there may be another tag.
   constexpr double kMost = 0.7;  // cells
   around_ = std::min(kMost, 0.5 * gap_);
+  has_light_bits_ = std::ranges::all_of(style.dictionary->codes, [&](std::uint64_t code) {
+    return std::popcount(code) > most_wrong;
+  });
 }
 
 std::optional<TagBits> TagReader::bits_of(const ImageView& image, const Quad& quad) const {
   constexpr double kMostWrong = 0.1;  // of the cells of the border
-  const Cells cells(image, quad, *this);
+  Cells cells(image, quad, *this);
+  if (has_light_bits_ && cells.are_plain()) return std::nullopt;
+  cells.take_levels();
   if (!cells.are_tags(kMostWrong)) return std::nullopt;
   const int side = style_.dictionary->side;
   // The bits and the cells around them, but for those at the corners.
@@ -307,7 +342,8 @@ TagPattern TagReader::pattern_of(int id) const {
 
 TagMatch TagReader::match(const ImageView& image, const Quad& quad, const TagPattern& tag) const {
   TagMatch all;
-  const Cells cells(image, quad, *this);
+  Cells cells(image, quad, *this);
+  cells.take_levels();
   if (cells.contrast() < kLeastContrast) return all;
   const int last = tag.cells() - 1;
   for (int row = 0; row <= last; ++row) {

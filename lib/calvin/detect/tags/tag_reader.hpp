@@ -37,7 +37,7 @@ class TagReader {
   TagReader(const TagStyle& style, double gap, int most_wrong);
 
   // A quad that has the dark border of a tag, whatever its bits are, and light around it; absent
-  // for any other one.
+  // for any other one, and for one that is dark all over where no code is.
   [[nodiscard]] std::optional<TagBits> bits_of(const ImageView& image, const Quad& quad) const;
 
   // The tag with such bits; absent where they are nearer to none than errors that the dictionary
@@ -63,6 +63,7 @@ class TagReader {
   double gap_;     // cells, around a tag
   double around_;  // where the light around a tag is looked at, in cells from its border
   CodeIndex codes_;
+  bool has_light_bits_ = false;  // in each code more than those that may be wrong
 };
 
 }  // namespace calvin::detect
