@@ -215,14 +215,23 @@ bool QuadSearch::follow(int x, int y, Tone tone) {
   const auto most = static_cast<std::size_t>(2 * (tones_.width() + tones_.height()));
   points_.resize(std::max(points_.size(), most + 1));  // the last one is for all further ones
   // Of each way: to the next corner, and to the pixels ahead of it.
-  std::array<std::ptrdiff_t, 4> step{};
-  std::array<std::ptrdiff_t, 4> right{};
-  std::array<std::ptrdiff_t, 4> left{};
+  struct Way {
+    std::ptrdiff_t step;
+    std::ptrdiff_t right;
+    std::ptrdiff_t left;
+    int x;
+    int y;
+    std::uint8_t mark;
+  };
+  std::array<Way, 4> ways{};
   const std::ptrdiff_t stride = tones_.stride();
   for (std::size_t k = 0; k < 4; ++k) {
-    step[k] = kWayY[k] * stride + kWayX[k];
-    right[k] = kRightY[k] * stride + kRightX[k];
-    left[k] = kLeftY[k] * stride + kLeftX[k];
+    ways[k] = {kWayY[k] * stride + kWayX[k],
+               kRightY[k] * stride + kRightX[k],
+               kLeftY[k] * stride + kLeftX[k],
+               kWayX[k],
+               kWayY[k],
+               k == 0 ? kSeen : std::uint8_t{0}};
   }
   // Corners of pixels, in half px: the pixel (x, y) is below and to the right of its corner (x, y).
   std::uint8_t* const begin = &tones_.at(x, y + 1);
@@ -230,19 +239,24 @@ bool QuadSearch::follow(int x, int y, Tone tone) {
   int u = 2 * x - 1;
   int v = 2 * y + 1;
   unsigned way = 0;
+  Way on = ways[way];
   std::int64_t area = 0;  // twice
   std::size_t count = 0;
   do {
-    // Without branches: which way an edge turns can hardly be foreseen.
-    points_[std::min(count++, most)] = {u + kWayX[way], v + kWayY[way]};
-    area += static_cast<std::int64_t>(u) * kWayY[way];
-    u += 2 * kWayX[way];
-    v += 2 * kWayY[way];
-    pixel += step[way];
-    *pixel |= way == 0 ? kSeen : 0;
-    const unsigned at_right = (pixel[right[way]] & 3) == tone ? 1 : 0;
-    const unsigned at_left = (pixel[left[way]] & 3) == tone ? 1 : 0;
-    way = (way + (1 - at_right) + 3 * (at_right & at_left)) & 3;
+    points_[std::min(count++, most)] = {u + on.x, v + on.y};
+    area += static_cast<std::int64_t>(u) * on.y;
+    u += 2 * on.x;
+    v += 2 * on.y;
+    pixel += on.step;
+    *pixel |= on.mark;
+    // Most edges go on straight ahead: the next pixels are asked for before these are known.
+    if ((pixel[on.right] & 3) != tone) {
+      way = (way + 1) & 3;
+      on = ways[way];
+    } else if ((pixel[on.left] & 3) == tone) {
+      way = (way + 3) & 3;
+      on = ways[way];
+    }
   } while (pixel != begin || way != 0);
   if (count > most) return false;
   edge_ = std::span(points_).first(count);
