@@ -211,20 +211,20 @@ std::optional<Quad> quad_of(std::span<const EdgePoint> edge) {
 
 }  // namespace
 
-bool QuadSearch::follow(int x, int y, Tone tone) {
-  const auto most = static_cast<std::size_t>(2 * (tones_.width() + tones_.height()));
-  points_.resize(std::max(points_.size(), most + 1));  // the last one is for all further ones
-  // Of each way: to the next corner, and to the pixels ahead of it.
-  struct Way {
-    std::ptrdiff_t step;
-    std::ptrdiff_t right;
-    std::ptrdiff_t left;
-    int x;
-    int y;
-    std::uint8_t mark;
-  };
+namespace {
+
+// A way along the sides of pixels: to the next corner, and to the pixels ahead of it.
+struct Way {
+  std::ptrdiff_t step;
+  std::ptrdiff_t right;
+  std::ptrdiff_t left;
+  int x;
+  int y;
+  std::uint8_t mark;
+};
+
+std::array<Way, 4> ways_of(std::ptrdiff_t stride) {
   std::array<Way, 4> ways{};
-  const std::ptrdiff_t stride = tones_.stride();
   for (std::size_t k = 0; k < 4; ++k) {
     ways[k] = {kWayY[k] * stride + kWayX[k],
                kRightY[k] * stride + kRightX[k],
@@ -233,6 +233,31 @@ bool QuadSearch::follow(int x, int y, Tone tone) {
                kWayY[k],
                k == 0 ? kSeen : std::uint8_t{0}};
   }
+  return ways;
+}
+
+// Around a convex region an edge is as long as that of the rectangle around it; noise adds a
+// little.
+bool is_compact(std::span<const EdgePoint> edge) {
+  constexpr double kRough = 1.35;
+  EdgePoint least = edge.front();
+  EdgePoint largest = least;
+  for (const EdgePoint& p : edge) {
+    least = {std::min(least.x, p.x), std::min(least.y, p.y)};
+    largest = {std::max(largest.x, p.x), std::max(largest.y, p.y)};
+  }
+  const Point size = point_of({largest.x - least.x, largest.y - least.y});
+  const double around = 2 * (size.x() + size.y());
+  return std::min(size.x(), size.y()) >= kLeastSide &&
+         static_cast<double>(edge.size()) < kRough * around + 8;
+}
+
+}  // namespace
+
+bool QuadSearch::follow(int x, int y, Tone tone) {
+  const auto most = static_cast<std::size_t>(2 * (tones_.width() + tones_.height()));
+  points_.resize(std::max(points_.size(), most + 1));  // the last one is for all further ones
+  const std::array<Way, 4> ways = ways_of(tones_.stride());
   // Corners of pixels, in half px: the pixel (x, y) is below and to the right of its corner (x, y).
   std::uint8_t* const begin = &tones_.at(x, y + 1);
   std::uint8_t* pixel = begin;
@@ -262,20 +287,7 @@ bool QuadSearch::follow(int x, int y, Tone tone) {
   edge_ = std::span(points_).first(count);
   // What goes around the other way is a hole. The middles of the sides of pixels enclose half a
   // pixel less than their corners do.
-  if (!(static_cast<double>(area - 1) > kLeastSide * kLeastSide)) return false;
-  EdgePoint least = edge_.front();
-  EdgePoint largest = least;
-  for (const EdgePoint& p : edge_) {
-    least = {std::min(least.x, p.x), std::min(least.y, p.y)};
-    largest = {std::max(largest.x, p.x), std::max(largest.y, p.y)};
-  }
-  // Around a convex region an edge is as long as that of the rectangle around it; noise adds a
-  // little.
-  constexpr double kRough = 1.35;
-  const Point size = point_of({largest.x - least.x, largest.y - least.y});
-  const double around = 2 * (size.x() + size.y());
-  return std::min(size.x(), size.y()) >= kLeastSide &&
-         static_cast<double>(count) < kRough * around + 8;
+  return static_cast<double>(area - 1) > kLeastSide * kLeastSide && is_compact(edge_);
 }
 
 namespace {
